@@ -27,6 +27,7 @@ test_packages=(
   munge slurmctld slurmd slurm-client parallel
   zsh fish bash-completion man-db mandoc
   dpkg-dev debhelper dh-python lintian
+  locales openssh-client gnupg gpgv
   "${vulkan_packages[@]}" vulkan-validationlayers "${docs_packages[@]}"
 )
 

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # What is too long for tools/test.sh: the unit and property tests unoptimised, by clang and under three sanitizers, every
 # test with its longest settings, clang-tidy over every source, fuzzing for minutes, each call of each command that writes
-# failing once. Some hours on two processors.
+# failing once, the tests of the command in builds for other platforms. Some hours on two processors.
 # The last line is 'N passed, N failed' over the steps; the exit status is 0 only when none failed.
 set -euo pipefail
 root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
-step_count=9
+step_count=10
 source "$root/tools/scripts/common.sh"
 
 usage() {
@@ -19,6 +19,7 @@ Usage: tools/soak.sh [STEP...]
   long       all tests with every mutant of the shaders, every failing call and 200 draws of the calibration;
              those of the Vulkan backend once more under validation
   faults     each file call of each command that writes failing in each way, each crash point, 2000 allocations
+  platforms  unit tests and those of the command, unoptimised, by clang, and compiled for this processor by both compilers
   lint       clang-tidy over every source
   fuzz       every fuzz target for GDTSLAM_FUZZ_S seconds (default 600)
   arm64      the command built for arm64, and the samples' hashes under qemu (tools/scripts/cross_arm64.sh)
@@ -29,12 +30,12 @@ USAGE
 steps=()
 for argument in "$@"; do
   case "$argument" in
-    debug | clang | asan | tsan | long | faults | lint | fuzz | arm64) steps+=("$argument") ;;
+    debug | clang | asan | tsan | long | faults | platforms | lint | fuzz | arm64) steps+=("$argument") ;;
     -h | --help) usage; exit 0 ;;
     *) echo "soak.sh: unknown step '$argument'" >&2; usage >&2; exit 2 ;;
   esac
 done
-if ((${#steps[@]} == 0)); then steps=(debug clang asan tsan long faults lint fuzz arm64); fi
+if ((${#steps[@]} == 0)); then steps=(debug clang asan tsan long faults platforms lint fuzz arm64); fi
 step_count=${#steps[@]}
 
 passed=0 failed=0
@@ -57,6 +58,18 @@ test_build() {
   cmake --build "$build" --parallel "$(build_jobs)" --target "${names[@]}" gdtslam
   (cd "$build" && TSAN_OPTIONS="halt_on_error=1" UBSAN_OPTIONS=print_stacktrace=1 \
     ctest -j "$(nproc)" --output-on-failure --no-tests=error -L '^(unit|property)$' "${left_out[@]}")
+}
+
+# What results must not depend on: each build runs the unit tests and whole commands, whose bytes are compared with the
+# hashes that ship.
+run_platforms() {
+  local preset build
+  for preset in debug clang native clang-native; do
+    build=$root/build/$preset
+    (cd "$root" && cmake --preset "$preset" --log-level=WARNING)
+    cmake --build "$build" --parallel "$(build_jobs)"
+    (cd "$build" && ctest -j "$(nproc)" --output-on-failure --no-tests=error -L '^(unit|cli)$')
+  done
 }
 
 run_long() {
@@ -104,6 +117,7 @@ run_step() {
     asan) test_build asan-ubsan ;;
     long) run_long ;;
     faults) run_faults ;;
+    platforms) run_platforms ;;
     lint) run_lint ;;
     fuzz) run_fuzz ;;
     arm64) run_arm64 ;;

@@ -13,6 +13,7 @@ import time
 
 import cli_support as cli
 from cli_support import LOG, MODULES, PROGRAM, SOURCE, command, environment, expect, expect_exit, fresh_folder, one_error_line
+from content_policy import faults_of
 
 # Finding out how late odometry is stamped takes most of the time that a short log takes.
 QUICK = ("--set", "log.odometry_stamps=log")
@@ -93,6 +94,8 @@ def fleet_local():
         expect(alone == here, f"{log}: another run than by map")
     expect(report["atlas_sha256"] == hashlib.sha256("".join(sorted(lines)).encode()).hexdigest(), "another hash")
     page = (atlas / "index.html").read_text()
+    faults = faults_of(page)
+    expect(not faults, f"the page's policy: {faults}")
     expect("drive-3.log" in page and "bad-0.log" in page and report["atlas_sha256"] in page, "the page lacks a log")
     expect(len((atlas / "summary.csv").read_text().splitlines()) == 8, "summary.csv")
     process = fleet("submit", atlas, "--engine", "local", "--max-failed", 2)

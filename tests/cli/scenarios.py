@@ -23,6 +23,7 @@ import scenario_keyframes
 import scenario_linkage
 import scenario_live
 import scenario_live_inputs
+import scenario_live_page
 import scenario_localize
 import scenario_localize_occupancy
 import scenario_loops
@@ -44,18 +45,19 @@ import scenario_same_bytes
 import scenario_shell
 import scenario_signals
 import scenario_slurm
+import scenario_surroundings
 import scenario_tilt3d
 import scenario_tiles
 import scenario_tracking
 
 MODULES = (scenario_bad_input, scenario_bags, scenario_bench, scenario_bombs, scenario_calibrate, scenario_changes, scenario_compare, scenario_continue, scenario_convert, scenario_devices,
            scenario_doctor, scenario_edit, scenario_files, scenario_fleet, scenario_fleet_engines,
-            scenario_hostile_files, scenario_keyframes, scenario_linkage, scenario_live, scenario_live_inputs, scenario_localize, scenario_localize_occupancy, scenario_loops,
+            scenario_hostile_files, scenario_keyframes, scenario_linkage, scenario_live, scenario_live_inputs, scenario_live_page, scenario_localize, scenario_localize_occupancy, scenario_loops,
             scenario_measure, scenario_merge, scenario_modules,
            scenario_nodding,
            scenario_nodding_faults, scenario_nodding_runs, scenario_one_thing, scenario_printing, scenario_render,
            scenario_render_faults, scenario_render_formats, scenario_render_runs, scenario_reproduce, scenario_results, scenario_same_bytes,
-           scenario_shell, scenario_signals, scenario_slurm,
+           scenario_shell, scenario_signals, scenario_slurm, scenario_surroundings,
            scenario_tilt3d, scenario_tiles, scenario_tracking)
 
 

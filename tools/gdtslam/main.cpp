@@ -2,6 +2,7 @@
 #include "tools/gdtslam/shell/console.hpp"
 
 int main(int argc, char** argv) {
+  gdtslam::hold_standard_streams();
   gdtslam::install_interrupt_handlers();
   return gdtslam::run_command_line(argc, argv, gdtslam::command_table(), gdtslam::build_stamp());
 }

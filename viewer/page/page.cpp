@@ -14,7 +14,8 @@
 namespace gdtslam::page_text {
 std::string_view skeleton();  ///< page.html with {{name}} where page_of fills in
 std::string_view style();
-std::string_view program();  ///< all scripts, one after the other
+std::string_view program();       ///< all scripts, one after the other
+std::string_view program_hash();  ///< of that, for the content security policy
 }  // namespace gdtslam::page_text
 
 namespace gdtslam {
@@ -78,6 +79,12 @@ PageData data_of(const PageInput& input) {
   return data;
 }
 
+/// Titles and facts are anybody's: only the page's own script runs, and it can fetch nothing and send nothing.
+std::string policy() {
+  return "default-src 'none'; script-src " + std::string(page_text::program_hash()) +
+         "; style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'";
+}
+
 /// The skeleton with each {{name}} replaced; what is put in is never looked at again.
 std::string filled(std::string_view skeleton, const PageInput& input, const PageData& data) {
   std::string out;
@@ -92,6 +99,7 @@ std::string filled(std::string_view skeleton, const PageInput& input, const Page
     if (name == "style") out.append(palette()).append(page_text::style());
     if (name == "data") out += data.description;
     if (name == "elements") out += data.elements;
+    if (name == "policy") out += policy();
     if (name == "program") out += page_text::program();
     skeleton.remove_prefix(close + 2);
   }

@@ -118,6 +118,22 @@ class OutputOfCommand {
   int pipe_ = -1;
 };
 
+// Whether a shell would take the letter at that place for one of a quoted text.
+bool is_in_quotes(std::string_view command, std::size_t place) {
+  char open = '\0';
+  for (std::size_t at = 0; at < place; ++at) {
+    const char c = command[at];
+    if (c == '\\' && open != '\'') {
+      if (++at >= place) return true;
+    } else if (open == '\0' && (c == '\'' || c == '"' || c == '`')) {
+      open = c;
+    } else if (c == open) {
+      open = '\0';
+    }
+  }
+  return open != '\0';
+}
+
 HashedBytes fetch(const std::string& command, const std::string& file, const std::function<bool()>& stop) {
   OutputOfCommand output(command);
   AtomicFile written(file);
@@ -186,6 +202,10 @@ std::string get_command(const std::string& get, const std::string& uri) {
     throw UsageError(
         fmt::format("--get: {} needs a command with {{}} in the place of the URI, for example --get 'aws s3 cp {{}} -'",
                     in_quotes(uri)));
+  // Within quotes of the command the URI's own quotes would end those, and its text would be the shell's.
+  if (is_in_quotes(get, place))
+    throw UsageError(
+        fmt::format("--get: {{}} stands within quotes in {}; the URI gets its own, so write it bare", in_quotes(get)));
   std::string quoted = "'";
   for (const char c : uri) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return get.substr(0, place) + quoted + "'" + get.substr(place + 2);

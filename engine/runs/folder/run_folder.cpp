@@ -72,6 +72,14 @@ bool is_of_a_commit(const fs::path& leftover) {
   return fs::exists(kept_in(leftover), ignored);
 }
 
+// What a run that has just begun keeps there. To list a folder takes a descriptor, and the run may have ended because
+// there was none left.
+void remove_by_name(const fs::path& staging) {
+  std::error_code ignored;
+  for (const std::string_view name : kRunFiles) fs::remove(staging / name, ignored);
+  for (int log = 2; fs::remove(staging / fmt::format("log-{}.copy", log), ignored);) ++log;
+}
+
 // Whether a folder is one that a run makes, by what it holds.
 bool is_of_a_run(const fs::path& folder) { return folder.filename() == kTileFolder && is_tile_folder(folder.string()); }
 
@@ -130,7 +138,10 @@ RunFolder::RunFolder(const std::string& path, const fs::path& leftover)
 
 RunFolder::~RunFolder() {
   std::error_code ignored;
-  if (!staging_.empty() && !is_taken_over_) fs::remove_all(staging_, ignored);
+  if (!staging_.empty() && !is_taken_over_) {
+    remove_by_name(staging_);
+    if (!fs::remove(staging_, ignored)) fs::remove_all(staging_, ignored);
+  }
   if (is_new_) fs::remove(folder_, ignored);  // succeeds only when it is empty
 }
 

@@ -10,6 +10,9 @@ import tempfile
 import unittest
 
 import chromium
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from content_policy import faults_of
 from page_file import PageFile
 from page_input import CEILING, FLOOR, make_page, make_room_page, room, write_cloud, write_map
 
@@ -149,6 +152,13 @@ class DataTest(Case):
         self.assertEqual(len(re.findall("</script", page.text)), len(re.findall("<script", page.text)))
         self.assertTrue(page.description["title"].startswith(HOSTILE))
         self.assertEqual(page.description["title"].count("\ufffd"), 1 + 6)
+
+    def test_only_its_own_script_may_run(self):
+        make_page(self.path("p.html"), "--linkage", "paper-b", "--title", HOSTILE)
+        text = PageFile(self.path("p.html")).text
+        self.assertEqual(faults_of(text, strict_style=False), [])
+        self.assertTrue(faults_of(text.replace("</body>", "<script>document.title = 1</script></body>"), strict_style=False))
+        self.assertTrue(faults_of(text.replace("<main ", '<main onclick="document.title = 1" '), strict_style=False))
 
 
 def expected_row(about, step):

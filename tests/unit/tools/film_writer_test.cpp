@@ -202,6 +202,22 @@ TEST_F(FilmWriterTest, ProgramOfPath) {
   ::setenv("PATH", path.c_str(), 1);
 }
 
+// Logs are often unpacked where the command is run: no program is taken from there unless it is named.
+TEST_F(FilmWriterTest, ProgramOfTheWorkingFolderIsNotTaken) {
+  program("exit 0\n");
+  const std::string path = std::getenv("PATH");
+  const fs::path here = fs::current_path();
+  fs::current_path(folder_);
+  for (const char* untrusted :
+       {"", ".", ":/nonexistent", "/nonexistent:", "/nonexistent::/nonexistent", "./", "../."}) {
+    ::setenv("PATH", untrusted, 1);
+    EXPECT_EQ(code_of([] { find_ffmpeg(""); }), ExitCode::kUnavailable) << "PATH=" << untrusted;
+  }
+  EXPECT_EQ(find_ffmpeg("./ffmpeg"), "./ffmpeg");
+  fs::current_path(here);
+  ::setenv("PATH", path.c_str(), 1);
+}
+
 TEST_F(FilmWriterTest, FramesOfAFolderAndOfAPattern) {
   EXPECT_EQ(frame_path("out/", 0), "out/frame-0001.png");
   EXPECT_EQ(frame_path("out", 11), "out/frame-0012.png");

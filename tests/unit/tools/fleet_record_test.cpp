@@ -192,6 +192,11 @@ TEST(FleetInput, ThatCannotBeFetchedIsTheMachinesFault) {
   EXPECT_THROW(unit_input(plan, {"s3://b/a.log", 0}, folder.path(), [] { return true; }), Error);
   EXPECT_EQ(get_command("cat {} -", "a'b; rm x"), "cat 'a'\\''b; rm x' -");
   EXPECT_THROW((void)get_command("cat", "s3://a"), UsageError);
+  for (const char* quoted :
+       {"cat '{}'", "cat \"{}\"", "sh -c 'cat {}'", "cat \\{}", "cat `echo {}`", "a 'b' \"c'{}\""}) {
+    EXPECT_THROW((void)get_command(quoted, "s3://a;touch x"), UsageError) << quoted;
+  }
+  EXPECT_EQ(get_command("f 'a\"b' \"c'd\" {} -", "s3://a"), "f 'a\"b' \"c'd\" 's3://a' -");
 }
 
 TEST(FleetWorkFolder, RemovesWhatIsLeftAndNothingElse) {

@@ -15,7 +15,9 @@
 namespace gdtslam::fleet_page {
 std::string_view skeleton();
 std::string_view style();
+std::string_view style_hash();
 std::string_view program();
+std::string_view program_hash();
 }  // namespace gdtslam::fleet_page
 
 namespace gdtslam {
@@ -132,11 +134,20 @@ std::string site_of(const std::string& atlas) {
          "merge.json</a></p>\n</section>\n";
 }
 
+// Names and reasons are anybody's: only the page's own script runs, and pictures come from beside the page, whether it
+// lies on a disk or on a server.
+std::string policy() {
+  return fmt::format(
+      "default-src 'none'; img-src 'self' file:; style-src {}; script-src {}; base-uri 'none'; form-action 'none'",
+      fleet_page::style_hash(), fleet_page::program_hash());
+}
+
 }  // namespace
 
 std::string atlas_page(const std::string& atlas, const StoredPlan& stored, const AtlasState& state,
                        const AtlasSummary& summary, const std::string& hash) {
-  return filled(fleet_page::skeleton(), {{"title", markup_text("Atlas " + fs::canonical(atlas).filename().string())},
+  return filled(fleet_page::skeleton(), {{"policy", policy()},
+                                         {"title", markup_text("Atlas " + fs::canonical(atlas).filename().string())},
                                          {"hash", hash.empty() ? "logs are missing, so there is no hash" : hash},
                                          {"style", std::string(fleet_page::style())},
                                          {"facts", facts_of(summary)},

@@ -13,6 +13,7 @@
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
+#include "tools/gdtslam/shell/programs.hpp"
 
 extern char** environ;  // NOLINT(readability-redundant-declaration): POSIX leaves it to the program
 
@@ -35,17 +36,6 @@ void add_common(const SlurmJobs& jobs, std::vector<std::string>& arguments) {
   if (!jobs.time.empty()) arguments.push_back("--time=" + jobs.time);
 }
 
-bool is_in_path(const std::string& program) {
-  const char* const path = std::getenv("PATH");
-  std::string rest = path == nullptr ? "" : path;
-  while (!rest.empty()) {
-    const std::size_t end = std::min(rest.find(':'), rest.size());
-    if (::access((rest.substr(0, end) + "/" + program).c_str(), X_OK) == 0) return true;
-    rest.erase(0, end + 1);
-  }
-  return false;
-}
-
 // Its standard output without the last line end.
 std::string output_of(const std::vector<std::string>& words) {
   std::array<int, 2> ends{};
@@ -60,7 +50,9 @@ std::string output_of(const std::vector<std::string>& words) {
   for (std::string& word : copies) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   pid_t process = 0;
-  const int code = ::posix_spawnp(&process, words.front().c_str(), &actions, nullptr, arguments.data(), environ);
+  const std::string program = program_of_path(words.front());
+  const int code =
+      program.empty() ? ENOENT : ::posix_spawn(&process, program.c_str(), &actions, nullptr, arguments.data(), environ);
   ::posix_spawn_file_actions_destroy(&actions);
   ::close(ends[1]);
   std::string text;
@@ -162,7 +154,7 @@ std::string printed_script(const SlurmJobs& jobs) {
 }
 
 std::vector<std::string> submit_slurm(const SlurmJobs& jobs) {
-  if (!is_in_path("sbatch"))
+  if (program_of_path("sbatch").empty())
     throw UnavailableError(
         "--engine slurm: there is no sbatch here; submit from a machine of the cluster, or --engine print");
   make_folder(jobs.atlas + "/slurm");

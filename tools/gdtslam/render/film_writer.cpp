@@ -20,6 +20,7 @@
 #include "engine/io/message_text.hpp"
 #include "ffmpeg_process.hpp"
 #include "gdtslam/core/error.hpp"
+#include "tools/gdtslam/shell/programs.hpp"
 
 namespace gdtslam {
 namespace {
@@ -238,27 +239,17 @@ std::string frame_path(const std::string& target, std::size_t k) {
 }
 
 std::string find_ffmpeg(const std::string& given) {
-  std::string name = given.empty() ? "ffmpeg" : given;
-  const auto can_run = [](const std::string& path) {
+  if (given.find('/') != std::string::npos) {
     std::error_code ignored;
-    return fs::is_regular_file(path, ignored) && ::access(path.c_str(), X_OK) == 0;
-  };
-  if (name.find('/') != std::string::npos) {
-    if (can_run(name)) return name;
-    throw UnavailableError("--ffmpeg: " + name + " is no program that can be run");
+    if (fs::is_regular_file(given, ignored) && ::access(given.c_str(), X_OK) == 0) return given;
+    throw UnavailableError("--ffmpeg: " + given + " is no program that can be run");
   }
-  const char* const variable = std::getenv("PATH");
-  const std::string path = variable == nullptr ? "" : variable;
-  for (std::size_t begin = 0; begin <= path.size();) {
-    const std::size_t end = std::min(path.find(':', begin), path.size());
-    std::string program = end > begin ? path.substr(begin, end - begin) : ".";
-    program.append("/").append(name);
-    if (can_run(program)) return program;
-    begin = end + 1;
-  }
+  const std::string name = given.empty() ? "ffmpeg" : given;
+  std::string program = program_of_path(name);
+  if (!program.empty()) return program;
   throw UnavailableError(fmt::format(
-      "a film needs the program ffmpeg, and PATH has no '{}'; install the package ffmpeg, name the program with "
-      "--ffmpeg FILE, or write frames into a folder (-o frames/)",
+      "a film needs the program ffmpeg, and no absolute folder of PATH has '{}'; install the package ffmpeg, name the "
+      "program with --ffmpeg FILE, or write frames into a folder (-o frames/)",
       name));
 }
 

@@ -41,7 +41,8 @@ class FilmWriter {
 /// UsageError for what the kind cannot hold, UnavailableError where there is no ffmpeg, FileError.
 std::unique_ptr<FilmWriter> open_film(const FilmTarget& target);
 
-/// The program as a path, of PATH where the text has no slash; empty means `ffmpeg`. Throws UnavailableError.
+/// The program as a path, of an absolute folder of PATH where the text has no slash; empty means `ffmpeg`. Throws
+/// UnavailableError.
 std::string find_ffmpeg(const std::string& given);
 
 /// The file of frame k, counted from 0: frame-0001.png in a folder, or by the pattern. Throws UsageError for a pattern

@@ -82,6 +82,14 @@ void print_remark(std::string_view text) { print_line("gdtslam: ", text); }
 
 void print_error(std::string_view text) { print_line("gdtslam: error: ", text); }
 
+void hold_standard_streams() {
+  // The lowest free number is taken, so each closed one gets its place. A path alone (O_PATH) can be neither read nor
+  // written, there is always a root, and programs that are started inherit it as they would inherit a closed stream.
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(stream, F_GETFD) == -1 && errno == EBADF) ::open("/", O_PATH);  // NOLINT(android-cloexec-open)
+  }
+}
+
 void install_interrupt_handlers() {
   g_empty_input = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
   struct sigaction action {};

@@ -30,6 +30,11 @@ std::string printable(std::string_view text, std::string_view kept = "");
 // SIGXFSZ are ignored: a reader that goes away and a file that grows beyond its limit show as failed writes.
 // Async-signal-safe.
 
+/// Takes the numbers of standard input, output and error where they are closed, so that no file which is opened later
+/// gets one of them and what is printed lands in it. Reading and writing them fails as it does on a closed one. Call it
+/// first.
+void hold_standard_streams();
+
 /// Installs the handlers; call once, before any thread starts.
 void install_interrupt_handlers();
 

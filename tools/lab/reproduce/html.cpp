@@ -9,7 +9,6 @@
 
 #include "engine/core/base64.hpp"
 #include "engine/drawing/markup.hpp"
-#include "engine/io/sha256.hpp"
 #include "engine/io/yaml/yaml_text.hpp"
 #include "gdtslam/core/error.hpp"
 #include "run.hpp"
@@ -18,6 +17,7 @@ namespace gdtslam::report_text {
 std::string_view skeleton();
 std::string_view style();
 std::string_view program();
+std::string_view program_hash();
 }  // namespace gdtslam::report_text
 
 namespace gdtslam::reproduce {
@@ -226,14 +226,8 @@ std::string filled(std::string_view skeleton, std::string_view name, std::string
 // Drawings stand in the page as they lie in the folder, and may have been changed there: only the page's own script
 // runs, and nothing is fetched.
 std::string policy() {
-  const std::string hex = Sha256().update(std::string_view("\n")).update(report_text::program()).hex();
-  std::string digest;
-  for (std::size_t k = 0; k < hex.size(); k += 2) {
-    digest += static_cast<char>(std::stoi(hex.substr(k, 2), nullptr, 16));
-  }
-  std::string text;
-  append_base64(std::as_bytes(std::span(digest)), text);
-  return fmt::format("default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'sha256-{}'", text);
+  return fmt::format("default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src {}",
+                     report_text::program_hash());
 }
 
 }  // namespace

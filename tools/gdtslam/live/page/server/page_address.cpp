@@ -1,6 +1,7 @@
 #include "page_address.hpp"
 
 #include <arpa/inet.h>
+#include <unistd.h>
 
 #include <array>
 #include <charconv>
@@ -27,15 +28,26 @@ std::string_view without_port(std::string_view host) {
   return has_port ? host.substr(0, colon) : host;
 }
 
+std::string without_brackets(std::string_view host) {
+  if (host.size() > 2 && host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
+  return std::string(host);
+}
+
+// As this host calls itself, and as multicast DNS does. A name of any other domain may belong to whoever registered it.
+bool is_name_of_this_host(std::string_view name) {
+  std::array<char, 256> text{};
+  if (::gethostname(text.data(), text.size() - 1) != 0) return false;
+  const std::string own = text.data();
+  return !own.empty() && (name == own || name == own + ".local");
+}
+
 }  // namespace
 
 PageAddress page_address_of(const std::string& text) {
   PageAddress address;
   const std::size_t colon = text.rfind(':');
   if (colon != std::string::npos) address.host = text.substr(0, colon);
-  if (address.host.size() > 2 && address.host.starts_with('[') && address.host.ends_with(']')) {
-    address.host = address.host.substr(1, address.host.size() - 2);
-  }
+  address.host = without_brackets(address.host);
   const std::string port = colon == std::string::npos ? text : text.substr(colon + 1);
   const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), address.port);
   const bool is_port = error == std::errc() && end == port.data() + port.size() && !port.empty() && address.port >= 0 &&
@@ -49,9 +61,10 @@ PageAddress page_address_of(const std::string& text) {
 bool may_ask(const PageAddress& address, std::string_view host, std::string_view origin) {
   if (host.empty()) return false;
   if (!origin.empty() && origin != "http://" + std::string(host)) return false;
-  if (!address.is_loopback()) return true;
   const std::string_view name = without_port(host);
-  return name == "localhost" || name == "[::1]" || name == address.host;
+  if (name == "localhost" || name == "[::1]" || name == address.host) return true;
+  if (address.is_loopback()) return false;
+  return is_numeric(without_brackets(name)) || is_name_of_this_host(name);
 }
 
 }  // namespace gdtslam

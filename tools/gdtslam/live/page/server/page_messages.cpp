@@ -17,7 +17,9 @@
 namespace gdtslam::live_page {
 std::string_view skeleton();
 std::string_view style();
+std::string_view style_hash();
 std::string_view program();
+std::string_view program_hash();
 }  // namespace gdtslam::live_page
 
 namespace gdtslam {
@@ -138,6 +140,13 @@ std::string live_page_text(const std::string& title) {
     skeleton.remove_prefix(end + 2);
   }
   return page += skeleton;
+}
+
+std::string live_page_policy() {
+  return fmt::format(
+      "default-src 'none'; style-src {}; script-src {}; connect-src 'self'; frame-ancestors 'none'; "
+      "base-uri 'none'; form-action 'none'",
+      live_page::style_hash(), live_page::program_hash());
 }
 
 }  // namespace gdtslam

@@ -14,5 +14,8 @@ std::string scan_message(const ShownScan& scan);
 std::string map_message(const OccupancyMap& map, const Trajectory& path);
 /// The page itself.
 std::string live_page_text(const std::string& title);
+/// What the page may do, as the value of its header Content-Security-Policy: its own style and script, its own
+/// websocket.
+std::string live_page_policy();
 
 }  // namespace gdtslam

@@ -23,9 +23,6 @@ namespace {
 
 constexpr lws_usec_t kBetweenScans_us = 50000;
 constexpr const char* kProtocol = "gdtslam-live";
-constexpr const char* kPolicy =
-    "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; connect-src 'self'; "
-    "frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
 
 /// A message with the room before it that the library asks for; none yet with version 0.
 struct Message {
@@ -71,7 +68,7 @@ class PageServer final : public LivePage {
   int handle(lws* connection, lws_callback_reasons reason, Session* session, const char* path);
   int answer_request(lws* connection, std::string_view path);
   int write_next(lws* connection, Session& session);
-  bool may_ask_here(lws* connection) const;
+  [[nodiscard]] bool may_ask_here(lws* connection) const;
   void take_news();
 
   PageAddress address_;
@@ -91,10 +88,15 @@ class PageServer final : public LivePage {
   std::thread thread_;
 };
 
+// Whole, however long: a header that passed for none because it fits nowhere would pass every check.
 std::string header_of(lws* connection, lws_token_indexes name) {
-  std::array<char, 256> text{};
-  const int size = lws_hdr_copy(connection, text.data(), static_cast<int>(text.size()), name);
-  return size > 0 ? std::string(text.data(), static_cast<std::size_t>(size)) : std::string();
+  const int size = lws_hdr_total_length(connection, name);
+  if (size <= 0) return {};
+  std::string text(static_cast<std::size_t>(size) + 1, '\0');
+  const int copied = lws_hdr_copy(connection, text.data(), static_cast<int>(text.size()), name);
+  if (copied < 0) return "?";  // no host and no origin has this name
+  text.resize(static_cast<std::size_t>(copied));
+  return text;
 }
 
 PageServer::PageServer(const std::string& address, const std::string& title) : address_(page_address_of(address)) {
@@ -189,9 +191,9 @@ int PageServer::answer_request(lws* connection, std::string_view path) {
   };
   if (lws_add_http_common_headers(connection, HTTP_STATUS_OK, "text/html; charset=utf-8", page_.padded.size() - LWS_PRE,
                                   &at, end) != 0 ||
-      add("content-security-policy:", kPolicy) || add("x-content-type-options:", "nosniff") ||
-      add("referrer-policy:", "no-referrer") || add("cache-control:", "no-store") ||
-      lws_finalize_write_http_header(connection, begin, &at, end) != 0) {
+      add("content-security-policy:", live_page_policy()) || add("x-content-type-options:", "nosniff") ||
+      add("cross-origin-resource-policy:", "same-origin") || add("referrer-policy:", "no-referrer") ||
+      add("cache-control:", "no-store") || lws_finalize_write_http_header(connection, begin, &at, end) != 0) {
     return 1;
   }
   lws_callback_on_writable(connection);
