@@ -8,8 +8,8 @@
 #include <system_error>
 #include <utility>
 
-#include "engine/runs/folder/graph_file.hpp"
 #include "engine/runs/folder/report_reader.hpp"
+#include "engine/runs/loops/graph_file.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "engine/runs/folder/covariance_file.hpp"
-#include "engine/runs/folder/graph_file.hpp"
 #include "engine/runs/folder/run_doubts.hpp"
 #include "engine/runs/folder/run_files.hpp"
 #include "engine/runs/keyframes/keyframe_file.hpp"
+#include "engine/runs/loops/covariance_file.hpp"
+#include "engine/runs/loops/graph_file.hpp"
 #include "gdtslam/calib/sweep_model.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/io/distance_field_file.hpp"

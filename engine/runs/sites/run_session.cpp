@@ -7,8 +7,8 @@
 #include <optional>
 #include <utility>
 
-#include "engine/runs/folder/graph_file.hpp"
 #include "engine/runs/folder/run_reader.hpp"
+#include "engine/runs/loops/graph_file.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 
