@@ -303,8 +303,8 @@ def localize_hostile_maps():
         one_error_line(process.stderr)
         expect(words in process.stderr and process.stdout == "", f"{name}: {process.stderr}")
 
-    refused("no_field", 65, "gdt.yaml: is missing in this run", gdt_yaml=None)
-    refused("no_image", 65, "gdt.png: is missing in this run", gdt_png=None)
+    refused("no_field", 74, "gdt.yaml: cannot be opened", gdt_yaml=None)
+    refused("no_image", 74, "gdt.png", gdt_png=None)
     refused("no_yaml", 65, "gdt.yaml", gdt_yaml="version: 2\nimage: [gdt.png\n")
     refused("half", 65, "gdt.yaml", gdt_yaml="".join(field.splitlines(keepends=True)[:3]))
     refused("other_unit", 65, "gdt.yaml", gdt_yaml=field.replace("resolution: 0.025", "resolution: 0.05"))

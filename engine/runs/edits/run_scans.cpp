@@ -26,6 +26,12 @@ std::string continue_file_in(const std::string& folder) {
   return (std::filesystem::path(folder) / kContinueFile).string();
 }
 
+// Opening says what is wrong with one of an older run.
+std::string copy_of(const RunFiles& run, std::size_t log) {
+  const std::string name = log_copy_name(log);
+  return run.is_told() ? run.checked(name) : run.path(name);
+}
+
 std::uint64_t from_copies(const RunScans& run, const std::function<void(LaserScan&, const Pose2&)>& take) {
   const std::string& folder = run.files.folder();
   const KeptRequest kept =
@@ -33,7 +39,7 @@ std::uint64_t from_copies(const RunScans& run, const std::function<void(LaserSca
   const MapRequest& request = kept.request;
   const ReadOptions options = read_options_of(request.settings.log, request.lenient);
   ScanStream scans(request.logs, options, request.range,
-                   [&](std::size_t log) { return open_log(run.files.checked(log_copy_name(log)), options); });
+                   [&](std::size_t log) { return open_log(copy_of(run.files, log), options); });
   if (kept.prepared && kept.prepared->delay) scans.set_odometry_delay(kept.prepared->delay->delay_s);
   MapSpeed speed;
   std::uint64_t cast = 0;

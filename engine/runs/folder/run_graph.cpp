@@ -72,6 +72,9 @@ std::vector<std::size_t> scans_of_places(const GraphLines& lines, const RunReade
 
 RunGraph read_run_graph(const RunReader& run) {
   const GraphOfRun source{(std::filesystem::path(run.folder()) / "graph.g2o").string(), run.folder()};
+  if (!run.files().has("graph.g2o")) {
+    throw InputError({source.file, 0}, fmt::format("is missing in this run{}{}", kMapAgain, source.folder));
+  }
   const std::vector<ClosedLoop> told = run.doubts().loops.value_or(LoopFindings()).loops;
   const GraphLines lines = run.graph();
   if (lines.places.empty()) source.refuse("has no places");

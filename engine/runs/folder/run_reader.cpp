@@ -115,7 +115,10 @@ std::optional<std::vector<PoseCovariance>> RunReader::covariances() const {
   return covariances;
 }
 
-GraphLines RunReader::graph() const { return files_.read(kGraph, read_graph); }
+GraphLines RunReader::graph() const {
+  if (!files_.is_told()) return read_graph(files_.path(kGraph));
+  return files_.read(kGraph, read_graph);
+}
 
 OccupancyMap RunReader::map() const {
   if (!summary_.map) {
