@@ -9,15 +9,17 @@
 
 namespace {
 
-std::string report_file(const std::string& folder) { return folder + "/report.json"; }
+std::string report_text(const gdtslam::RunReader& run) {
+  const std::string file = run.files().path(gdtslam::kReportFile);
+  return gdtslam::read_all(*gdtslam::open_file_source(file), gdtslam::kMostReportBytes, file);
+}
 
 }  // namespace
 
 gdtslam_run::gdtslam_run(const std::string& folder)
     : reader(folder),
-      report(gdtslam::read_all(*gdtslam::open_file_source(report_file(folder)), gdtslam::kMostReportBytes,
-                               report_file(folder))),
-      trajectory_sha256(gdtslam::read_report(report_file(folder), folder).text("trajectory_sha256")) {}
+      report(report_text(reader)),
+      trajectory_sha256(reader.files().report().text("trajectory_sha256")) {}
 
 using namespace gdtslam::c;
 

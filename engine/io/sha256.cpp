@@ -13,6 +13,8 @@
 namespace gdtslam {
 namespace {
 
+constexpr std::size_t kReadBytes = std::size_t{1} << 18U;
+
 void require(int done) {
   if (done != 1) throw Error(ExitCode::kFailed, "OpenSSL's libcrypto cannot compute a SHA-256");
 }
@@ -50,6 +52,20 @@ std::string Sha256::hex() {
   for (const unsigned char byte : digest) text += fmt::format("{:02x}", byte);
   return text;
 }
+
+HashedBytes sha256_of(ByteSource& source) {
+  Sha256 hash;
+  HashedBytes hashed;
+  std::vector<char> piece(kReadBytes);
+  for (std::size_t count = 0; (count = source.read(piece)) > 0;) {
+    hash.update(std::string_view(piece.data(), count));
+    hashed.bytes += count;
+  }
+  hashed.sha256 = hash.hex();
+  return hashed;
+}
+
+HashedBytes sha256_of_file(const std::string& path) { return sha256_of(*open_file_source(path)); }
 
 std::string sha256_of(const DistanceFieldRows& field) {
   Sha256 hash;

@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "engine/io/byte_source.hpp"
 #include "gdtslam/core/grid_geometry.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
@@ -35,6 +36,14 @@ class Sha256 {
   };
   std::unique_ptr<evp_md_ctx_st, Free> context_;
 };
+
+struct HashedBytes {
+  std::string sha256;
+  std::uint64_t bytes = 0;
+};
+/// Of all that comes, in constant memory. Throws FileError.
+HashedBytes sha256_of(ByteSource& source);
+HashedBytes sha256_of_file(const std::string& path);
 
 /// Of the GDT: resolution, origin x and y (doubles), width and height (int32), then its cells row by row (uint16),
 /// without the padding of the rows; all little-endian.

@@ -310,6 +310,8 @@ def edit_mistakes():
     mapped(folder / "bare", "--first", 60, "--no-map")
     shutil.copytree(folder / "few", folder / "cut")
     (folder / "cut/graph.g2o").unlink()
+    shutil.copytree(folder / "cut", folder / "older")
+    cli.without_told_files(folder / "older")
     (folder / "steps.json").write_text('{"format": 1, "run": "x", "begins_at_s": 0, "steps": [{"step": "paint"}]}')
     (folder / "no.json").write_text("{")
     (folder / "corners.txt").write_text("1,1\n2,2\nthree\n")
@@ -333,7 +335,8 @@ def edit_mistakes():
             ("few", ("--again", folder / "steps.json"), 65, '"paint", which this program does not know'),
             ("few", ("--again", folder / "no.json"), 65, "is no JSON text"), ("few", ("--again", folder / "none"), 74, "none"),
             ("nods", ("--rotate-to-walls",), 65, "laser that nods"), ("bare", ("--world-file",), 65, "--no-map"),
-            ("cut", ("--origin", "1,1"), 74, "graph.g2o"), ("none", ("--origin", "1,1"), 65, "is no folder of a run")):
+            ("cut", ("--origin", "1,1"), 65, "graph.g2o: is missing in this run"),
+            ("older", ("--origin", "1,1"), 74, "graph.g2o: cannot be opened"), ("none", ("--origin", "1,1"), 65, "is no folder of a run")):
         process = command("edit", folder / run, "-o", folder / "out", *words)
         expect_exit(process, code)
         one_error_line(process.stderr)

@@ -173,7 +173,8 @@ def fleet_failures():
     with open(gone / "runs" / record["run"][:2] / record["run"] / "trajectory.tum", "a") as file:
         file.write("1 0 0 0 0 0 0 1\n")
     process = fleet("verify", gone, "--sample", "5", code=1)
-    expect(record["run"] in process.stdout and "was changed since" in process.stdout, process.stdout)
+    expect(record["run"] in process.stdout and "was changed since" in process.stdout and "report.json tells of" in process.stdout,
+           process.stdout)
 
 
 def falsified_copy(folder):

@@ -13,7 +13,7 @@ import xml.etree.ElementTree as xml
 import zlib
 
 import cli_support as cli
-from cli_support import LOG, RUN, TRUTH, command, digests, expect, expect_exit, one_error_line, skip
+from cli_support import LOG, RUN, TRUTH, command, digests, expect, expect_exit, one_error_line, skip, without_told_files
 from nodding_log import Drive, points_of
 
 
@@ -242,6 +242,7 @@ def render_figures():
     words = words_of(svg, RUN, "--view", "map")
     expect(f"{len(json.loads((RUN / 'report.json').read_text())['keyframe_scans']):,} keyframes" in words, words)
     standing = "".join(f"{k} 0 0.001 0 0 0 0 1\n" for k in range(len(places)))
+    without_told_files(run)
     (run / "trajectory.tum").write_text(standing)
     expect("of path" not in words_of(svg, run, "--view", "iso"), "a robot that stands has a path")
 
@@ -256,6 +257,10 @@ def render_clouds_of_others():
     expect(views_of(folder)[0] == {"iso", "top", "front", "side", "orbit", "elevation"}, f"{views_of(folder)}")
     rendered(folder, "-o", drive.folder / "a.png", "--size", "64x48")
     (run / "trajectory.tum").unlink()
+    process = command("render", run, "-o", drive.folder / "b.png", "--size", "64x48")
+    expect_exit(process, 65)
+    expect("trajectory.tum: is missing in this run" in process.stderr, process.stderr)
+    without_told_files(run)
     process = command("render", run, "-o", drive.folder / "b.png", "--size", "64x48")
     expect_exit(process, 0)
     expect("has no trajectory.tum" in process.stderr, process.stderr)

@@ -13,7 +13,7 @@ import subprocess
 import time
 
 import cli_support as cli
-from cli_support import DATA, LOG, PROGRAM, RUN, TRUTH, command, digests, environment, expect, expect_exit, finish, one_error_line
+from cli_support import DATA, LOG, PROGRAM, RUN, TRUTH, command, digests, environment, expect, expect_exit, finish, one_error_line, without_told_files
 from scenario_render import Png, nodding_run, refused, rendered, require_ffmpeg, require_viewer
 
 NOWHERE = "/dev/null/none"  # which nobody can make
@@ -222,6 +222,7 @@ def render_hostile_runs():
     require_viewer()
     drive = nodding_run("render_hostile_runs")
     run = drive.folder / "run"
+    without_told_files(run)  # whose hashes would tell of all that follows
 
     def broken(name, content, *arguments, code=65, says=()):
         copy = drive.folder / "copy"
@@ -251,7 +252,9 @@ def render_hostile_runs():
     header = (run / "cloud.ply").read_bytes().split(b"end_header\n")[0]
     count = [word for word in header.split() if word.isdigit()][0]
     broken("cloud.ply", header.replace(count, b"9" * len(count)) + b"end_header\n" + b"\0" * 280, "--view", "iso")
-    run = RUN  # whose loops are closed
+    run = drive.folder / "closed"
+    shutil.copytree(RUN, run)
+    without_told_files(run)
     graph = ("--view", "graph")
     rows = (run / "covariance.csv").read_text().splitlines(keepends=True)
     broken("covariance.csv", b"", *graph)

@@ -17,10 +17,10 @@
 #include "engine/runs/edits/georeference.hpp"
 #include "engine/runs/fleet/plan.hpp"
 #include "engine/runs/fleet/record.hpp"
-#include "engine/runs/folder/covariance_file.hpp"
-#include "engine/runs/folder/graph_file.hpp"
 #include "engine/runs/keyframes/keyframe_file.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
+#include "engine/runs/loops/covariance_file.hpp"
+#include "engine/runs/loops/graph_file.hpp"
 #include "engine/runs/tiles/tile_folder.hpp"
 #include "target.hpp"
 

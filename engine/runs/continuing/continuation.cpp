@@ -9,6 +9,7 @@
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/binary/log_copy.hpp"
 #include "engine/io/binary/log_copy_records.hpp"
+#include "engine/runs/folder/run_reader.hpp"
 #include "gdtslam/core/error.hpp"
 #include "log_copies.hpp"
 
@@ -28,6 +29,14 @@ std::string file_in(const std::vector<fs::path>& folders, const std::string& nam
     if (is_a_file(folder / name)) return (folder / name).string();
   }
   return {};
+}
+
+// What a finished run left to go on with has the bytes that its report tells of.
+RunFiles checked_files(const std::string& run, std::size_t copies) {
+  RunFiles files(run);
+  (void)files.checked(kContinueFile);
+  for (std::size_t log = 0; log < copies; ++log) (void)files.checked(log_copy_name(log));
+  return files;
 }
 
 // Whether all of each log is there, and the run has nothing more to read.
@@ -118,6 +127,9 @@ Continuation continuation_of(const std::string& run, const std::vector<std::stri
     if (copy.empty()) break;
     found.copies.push_back(copy);
   }
+  if (unfinished.folder.empty() && RunReader::is_gdtslam_run(run)) {
+    found.files = checked_files(run, found.copies.size());
+  }
   const bool is_finished = found.leftover.empty() && is_all_read(found.kept, found.copies);
   add_logs(found, is_finished, more_logs);
   return found;
@@ -135,6 +147,7 @@ std::unique_ptr<RunFolder> folder_to_continue(const Continuation& continuation, 
   for (std::size_t log = 0; log < continuation.copies.size(); ++log) {
     copy_file_atomically(continuation.copies[log], folder->staged_path(log_copy_name(log)));
   }
+  if (continuation.files) continuation.files->expect_unchanged();
   write_continue_file(folder->staged_path(kContinueFile), continuation.kept);
   return folder;
 }

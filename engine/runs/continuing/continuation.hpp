@@ -4,10 +4,12 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "continue_file.hpp"
+#include "engine/runs/folder/run_files.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 
 namespace gdtslam {
@@ -18,6 +20,7 @@ struct Continuation {
   std::filesystem::path leftover;   ///< of a killed run, to be taken over; empty: files are copied
   std::vector<std::string> copies;  ///< of the logs, as many as there are
   std::string remark;               ///< what its user should know, in a line; empty: nothing
+  std::optional<RunFiles> files{};  ///< of a finished run, checked
 };
 
 /// What `run` has, and the logs that come after those of it; logs that it ends with already, as where a command is

@@ -18,6 +18,7 @@
 #include "engine/runs/edits/run_scans.hpp"
 #include "engine/runs/edits/source_run.hpp"
 #include "engine/runs/edits/taken_out.hpp"
+#include "engine/runs/folder/run_files.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/run_report.hpp"
 #include "engine/runs/keyframes/map_of_keyframes.hpp"
@@ -55,8 +56,8 @@ OccupancyMap edited_map(const EditRequest& request, const SourceRun& run, EditOu
   const MapperConfig& config = run.settings.mapper;
   OccupancyBuilder builder(run.settings.occupancy, occupancy_limits(config));
   const std::vector<MapRegion> nowhere;
-  const RunScans scans{run.reader.folder(), run.outcome.trajectory, run.kept.keyframes, run.refused};
-  outcome.is_of_keyframes = !has_log_copies(scans.folder);
+  const RunScans scans{run.reader.files(), run.outcome.trajectory, run.kept.keyframes, run.refused};
+  outcome.is_of_keyframes = !has_log_copies(scans.files.folder());
   const double all =
       static_cast<double>(outcome.is_of_keyframes ? run.kept.keyframes.size() : run.reader.summary().scans);
   outcome.scans = for_each_cast_scan(scans, [&, count = std::size_t{0}](LaserScan& scan, const Pose2& T) mutable {
@@ -69,13 +70,14 @@ OccupancyMap edited_map(const EditRequest& request, const SourceRun& run, EditOu
 
 // The run's report, with what the edit made in place of what it replaced.
 std::string edited_report(const EditRequest& request, const SourceRun& run, const EditPlan& plan,
-                          const WrittenField& field, const WrittenHashes& hashes) {
+                          const WrittenField& field, const WrittenHashes& hashes, const RunFolder& folder) {
   Json report = run.report;
   report["version"] = GDTSLAM_VERSION;
   report["map_sha256"] = field.sha256;
   report["trajectory_sha256"] = hashes.trajectory;
   report["keyframes_sha256"] = hashes.keyframes;
   report["gdt"] = geometry_json(field.geometry);
+  report["files"] = files_json(folder);
   if (report.contains("map")) report["map"] = geometry_json(run.outcome.occupancy.geometry);
   const Pose2& T = plan.T_edited_run;
   Json edited{{"run", request.run}, {"T_edited_run", {T.x_m, T.y_m, T.theta_rad}}};
@@ -165,7 +167,8 @@ void write_edited(const EditRequest& request, SourceRun& run, EditOutcome& outco
   const WrittenHashes hashes = write_run_files(folder, job, run.settings, times, run.outcome, &run.graph);
   outcome.edits = recorded_edits(request, run, outcome);
   write_file_atomically(folder.staged(kEditsFile), outcome.edits);
-  write_file_atomically(folder.staged("report.json"), edited_report(request, run, outcome.plan, field, hashes));
+  const std::string report = edited_report(request, run, outcome.plan, field, hashes, folder);
+  write_file_atomically(folder.staged(kReportFile), report);
   tell_step(request, "report.json", 1.0);
   folder.commit();
 }

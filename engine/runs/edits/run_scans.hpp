@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/runs/folder/run_files.hpp"
 #include "engine/runs/keyframes/keyframe_file.hpp"
 #include "gdtslam/core/stream.hpp"
 
@@ -14,7 +15,7 @@ namespace gdtslam {
 
 /// Where they are.
 struct RunScans {
-  std::string folder;            ///< of the run
+  const RunFiles& files;         ///< of the run
   const Trajectory& trajectory;  ///< one pose a scan
   const std::vector<RunKeyframe>& keyframes;
   const std::vector<std::size_t>& refused;  ///< scans that were not matched, ascending: they were not cast

@@ -13,11 +13,6 @@
 namespace gdtslam {
 namespace {
 
-bool is_file_in(const std::string& folder, const std::string& name) {
-  std::error_code ignored;
-  return std::filesystem::exists(std::filesystem::path(folder) / name, ignored);
-}
-
 std::string path_in(const std::string& folder, const std::string& name) {
   return (std::filesystem::path(folder) / name).string();
 }
@@ -36,7 +31,7 @@ RunKeyframes keyframes_of(const RunReader& reader) {
 }
 
 std::vector<std::size_t> refused_scans(const RunReader& reader) {
-  const ReportReader report = read_report(path_in(reader.folder(), "report.json"), reader.folder());
+  const ReportReader report = reader.files().report();
   std::vector<std::size_t> refused;
   for (const ReportReader& scan : report.entries("doubtful_scans")) {
     if (!scan.truth("accepted")) refused.push_back(scan.index("index", reader.summary().scans));
@@ -96,7 +91,7 @@ SourceRun read_source_run(const std::string& folder) {
   RunKeyframes kept = keyframes_of(reader);
   MapOutcome outcome = outcome_of(reader, kept);
   SourceRun run{.reader = reader,
-                .report = read_json(path_in(folder, "report.json"), kMostReportBytes),
+                .report = read_json(path_in(folder, kReportFile), kMostReportBytes),
                 .settings = reader.settings(),
                 .kept = std::move(kept),
                 .refused = refused_scans(reader),
@@ -104,9 +99,9 @@ SourceRun read_source_run(const std::string& folder) {
                 .graph = {},
                 .sessions = 0,
                 .earlier = {}};
-  if (run.outcome.closed) run.graph = read_graph(path_in(folder, "graph.g2o"));
-  if (is_file_in(folder, session_file_name(0))) run.sessions = reader.summary().drives.size() + 1;
-  if (is_file_in(folder, kEditsFile)) run.earlier = read_edits(path_in(folder, kEditsFile));
+  if (run.outcome.closed) run.graph = reader.graph();
+  if (reader.files().has(session_file_name(0))) run.sessions = reader.summary().drives.size() + 1;
+  if (reader.files().has(kEditsFile)) run.earlier = reader.files().read(kEditsFile, read_edits);
   return run;
 }
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "engine/runs/edits/edits_file.hpp"
-#include "engine/runs/folder/graph_file.hpp"
 #include "engine/runs/folder/run_reader.hpp"
+#include "engine/runs/loops/graph_file.hpp"
 #include "gdtslam/runs/outcome.hpp"
 
 namespace gdtslam {

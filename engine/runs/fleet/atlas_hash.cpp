@@ -8,8 +8,7 @@
 #include <vector>
 
 #include "engine/io/sha256.hpp"
-#include "engine/runs/folder/report_reader.hpp"
-#include "input.hpp"
+#include "engine/runs/folder/run_files.hpp"
 
 namespace gdtslam {
 namespace {
@@ -22,14 +21,13 @@ constexpr std::array kHashedKeys{"map_sha256", "trajectory_sha256", "keyframes_s
 
 std::string result_sha256_of(const std::string& run_folder) {
   Sha256 hash;
-  const ReportReader report = read_report(run_folder + "/report.json", run_folder);
+  const RunFiles files(run_folder);
+  const ReportReader report = files.report();
   for (const char* key : kHashedKeys) {
     if (report.has(key)) hash.update(fmt::format("{} {}\n", key, report.text(key)));
   }
   for (const char* name : kHashedFiles) {
-    const std::string file = run_folder + "/" + name;
-    std::error_code ignored;
-    if (std::filesystem::exists(file, ignored)) hash.update(fmt::format("{} {}\n", name, sha256_of_file(file).sha256));
+    if (files.has(name)) hash.update(fmt::format("{} {}\n", name, files.sha256(name)));
   }
   return hash.hex();
 }

@@ -30,18 +30,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kReadBytes = std::size_t{1} << 18U;
 
-HashedBytes hash_of(ByteSource& source) {
-  Sha256 hash;
-  HashedBytes hashed;
-  std::vector<char> piece(kReadBytes);
-  for (std::size_t count = 0; (count = source.read(piece)) > 0;) {
-    hash.update(std::string_view(piece.data(), count));
-    hashed.bytes += count;
-  }
-  hashed.sha256 = hash.hex();
-  return hashed;
-}
-
 // A ROS 2 bag: its files by name.
 HashedBytes hash_of_folder(const std::string& folder) {
   std::vector<std::string> files;
@@ -168,8 +156,6 @@ HashedBytes fetch(const std::string& command, const std::string& file, const std
 }
 
 }  // namespace
-
-HashedBytes sha256_of_file(const std::string& path) { return hash_of(*open_file_source(path)); }
 
 UnitInput unit_input(const FleetPlan& plan, const FleetUnit& unit, const std::string& folder,
                      const std::function<bool()>& stop) {

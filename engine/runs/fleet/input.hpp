@@ -9,13 +9,6 @@
 
 namespace gdtslam {
 
-struct HashedBytes {
-  std::string sha256;
-  std::uint64_t bytes = 0;
-};
-/// Throws FileError.
-HashedBytes sha256_of_file(const std::string& path);
-
 /// Where a unit's log is now, and what it is.
 struct UnitInput {
   std::string path;

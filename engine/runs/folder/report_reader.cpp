@@ -101,6 +101,18 @@ std::vector<std::size_t> ReportReader::indices(const char* key, const char* memb
   return list;
 }
 
+std::vector<ReportFile> ReportReader::files(const char* key) const {
+  std::vector<ReportFile> list;
+  for (const Json& row : list_of(key)) {
+    try {
+      list.push_back({row.at(0).get<std::string>(), row.at(1).get<std::uint64_t>(), row.at(2).get<std::string>()});
+    } catch (const Json::exception&) {
+      fail(fmt::format("{} is no list of names, bytes and hashes", named(key)));
+    }
+  }
+  return list;
+}
+
 ReportReader ReportReader::section(const char* key) const { return within(at(key), key); }
 
 std::vector<ReportReader> ReportReader::entries(const char* key) const {

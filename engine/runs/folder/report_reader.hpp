@@ -15,7 +15,15 @@ namespace gdtslam {
 
 /// A report is read up to so many bytes: of a day of scans, all of them doubtful.
 inline constexpr std::size_t kMostReportBytes = std::size_t{80} << 20U;
+inline constexpr const char* kReportFile = "report.json";
 inline constexpr const char* kMapAgain = "; map the log again: gdtslam map LOG -o ";
+
+/// A row of the list of a run's files.
+struct ReportFile {
+  std::string name;
+  std::uint64_t bytes = 0;
+  std::string sha256;
+};
 
 /// An object of a report: the whole, or one within. All members throw InputError.
 class ReportReader {
@@ -35,6 +43,8 @@ class ReportReader {
   [[nodiscard]] bool has_member(const char* key, const char* member, const char* text) const;
   /// Whole numbers below `end`: entries of a list, or one member of each.
   [[nodiscard]] std::vector<std::size_t> indices(const char* key, const char* member, std::uint64_t end) const;
+  /// Rows of name, bytes and SHA-256.
+  [[nodiscard]] std::vector<ReportFile> files(const char* key) const;
   /// An object within this one, and a list of objects.
   [[nodiscard]] ReportReader section(const char* key) const;
   [[nodiscard]] std::vector<ReportReader> entries(const char* key) const;

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "engine/runs/folder/loops_report.hpp"
 #include "engine/runs/folder/report_reader.hpp"
+#include "engine/runs/loops/loops_report.hpp"
 #include "gdtslam/mapping/mapper.hpp"
 
 namespace gdtslam {

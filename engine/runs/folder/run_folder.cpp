@@ -13,7 +13,9 @@
 
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/message_text.hpp"
+#include "engine/runs/tiles/tile_folder.hpp"
 #include "gdtslam/core/error.hpp"
+#include "run_files.hpp"
 #include "run_reader.hpp"
 
 namespace gdtslam {
@@ -79,9 +81,17 @@ void remove_by_name(const fs::path& staging) {
 }
 
 // Whether a folder is one that a run makes, by what it holds.
-bool is_of_a_run(const fs::path& folder) {
-  std::error_code ignored;
-  return folder.filename() == "tiles" && fs::exists(folder / "index.json", ignored);
+bool is_of_a_run(const fs::path& folder) { return folder.filename() == kTileFolder && is_tile_folder(folder.string()); }
+
+// The run there, where its report tells of its files: what it does not tell of is not the program's to remove.
+std::optional<RunFiles> told_run_in(const std::string& folder) {
+  if (!RunReader::is_run(folder)) return std::nullopt;
+  try {
+    RunFiles files(folder);
+    if (files.is_told()) return files;
+  } catch (const InputError&) {  // a report of somebody else, or of another version
+  }
+  return std::nullopt;
 }
 
 // "intel" from "../data/intel.clf.gz".
@@ -106,6 +116,7 @@ RunFolder::RunFolder(const std::string& path) : folder_(path) {
   std::error_code ignored;
   is_new_ = !fs::exists(folder_, ignored);
   make_folder(path);
+  lock_.emplace(folder_);
   std::error_code failed;
   for (const fs::path& leftover : leftovers_in(folder_)) {
     if (!is_of_a_commit(leftover)) fs::remove_all(leftover, ignored);
@@ -119,6 +130,7 @@ RunFolder::RunFolder(const std::string& path) : folder_(path) {
 
 RunFolder::RunFolder(const std::string& path, const fs::path& leftover)
     : folder_(path), staging_(folder_ / fmt::format("{}{}", kStagingPrefix, ::getpid())), is_taken_over_(true) {
+  lock_.emplace(folder_);
   std::error_code failed;
   if (leftover != staging_) fs::rename(leftover, staging_, failed);
   if (failed) throw FileError(path, "cannot be written to: " + failed.message());
@@ -221,10 +233,13 @@ UnfinishedRun unfinished_run_in(const std::string& folder, const char* file) {
 }
 
 void require_no_foreign_files(const std::string& folder) {
-  if (RunReader::is_gdtslam_run(folder)) return;
+  const bool is_run = RunReader::is_gdtslam_run(folder);
+  const std::optional<RunFiles> run = is_run ? told_run_in(folder) : std::nullopt;
+  if (is_run && !run) return;
   const std::vector<fs::path> leftovers = leftovers_in(folder);
   if (std::any_of(leftovers.begin(), leftovers.end(), is_of_a_commit)) return;
   for (const char* name : kRunFiles) {
+    if (run && (run->has(name) || name == std::string_view(kReportFile))) continue;
     std::error_code ignored;  // what cannot be asked about shows when it cannot be replaced
     if (!fs::exists(fs::symlink_status(fs::path(folder) / name, ignored))) continue;
     throw UsageError(fmt::format(
@@ -245,7 +260,11 @@ bool is_file_of_a_run(std::string_view name) {
 void leave_out_edits(RunFolder& folder) {
   std::error_code ignored;
   if (!fs::exists(folder.file("edits.json"), ignored)) return;
-  for (const char* name : {"edits.json", "map.png", "map.pgw"}) folder.without(name);
+  const std::optional<RunFiles> run = told_run_in(folder.path());
+  folder.without("edits.json");
+  for (const char* name : {"map.png", "map.pgw"}) {
+    if (!run || run->has(name)) folder.without(name);
+  }
 }
 
 std::string default_run_folder(const std::string& log) {

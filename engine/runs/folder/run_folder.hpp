@@ -2,23 +2,27 @@
 // takes the old files away, the last of the list first, and then gives the new ones their names in the order in which
 // they were asked for. So a run that fails, whatever the reason, leaves the old files as they were, byte for byte; and
 // where the process is killed in the middle of the commit, old and new files never lie beside each other and the last
-// file of the list, which tells of the others, is missing. One object belongs to one thread.
+// file of the list, which tells of the others, is missing. Nobody else writes to the folder as long as the object
+// lives. One object belongs to one thread.
 #pragma once
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "engine/runs/folder/folder_lock.hpp"
 
 namespace gdtslam {
 
 class RunFolder {
  public:
   /// Makes the folder if need be, and the staging folder, so that a place that cannot be written shows before the work
-  /// is done. Throws FileError, as commit() does.
+  /// is done. Throws FileError, as commit() does; UsageError where somebody writes to the folder.
   explicit RunFolder(const std::string& path);
-  /// Takes over what a killed run left in that folder, its staging folder. Throws FileError.
+  /// Takes over what a killed run left in that folder, its staging folder. Throws likewise.
   RunFolder(const std::string& path, const std::filesystem::path& leftover);
   RunFolder(const RunFolder&) = delete;
   RunFolder& operator=(const RunFolder&) = delete;
@@ -37,6 +41,8 @@ class RunFolder {
   /// Every staged file takes its name.
   void commit();
 
+  /// Of all that is staged, in the order in which they were asked for.
+  [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
   [[nodiscard]] std::string path() const { return folder_.string(); }
   /// The file's name once it is committed.
   [[nodiscard]] std::string file(std::string_view name) const { return (folder_ / name).string(); }
@@ -48,6 +54,7 @@ class RunFolder {
 
   std::filesystem::path folder_;
   std::filesystem::path staging_;
+  std::optional<FolderLock> lock_;
   std::vector<std::string> names_;
   std::vector<std::string> gone_;
   std::size_t given_ = 0;  ///< of names_, in the commit
@@ -65,7 +72,8 @@ struct UnfinishedRun {
 UnfinishedRun unfinished_run_in(const std::string& folder, const char* file);
 
 /// Nothing where the folder holds no file that a run would replace or remove, or where a run of this program wrote
-/// them. Throws UsageError else, so that nobody loses a map.yaml or a linkage.yaml of another origin; FileError.
+/// them, by what its report tells. Throws UsageError else, so that nobody loses a map.yaml or a linkage.yaml of another
+/// origin; FileError.
 void require_no_foreign_files(const std::string& folder);
 
 /// Whether a run, a merge or an edit writes files of that name.

@@ -8,8 +8,8 @@
 #include <system_error>
 #include <utility>
 
-#include "engine/runs/folder/graph_file.hpp"
 #include "engine/runs/folder/report_reader.hpp"
+#include "engine/runs/loops/graph_file.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
@@ -72,12 +72,11 @@ std::vector<std::size_t> scans_of_places(const GraphLines& lines, const RunReade
 
 RunGraph read_run_graph(const RunReader& run) {
   const GraphOfRun source{(std::filesystem::path(run.folder()) / "graph.g2o").string(), run.folder()};
-  std::error_code ignored;
-  if (!std::filesystem::exists(source.file, ignored)) {
+  if (!run.files().has("graph.g2o")) {
     throw InputError({source.file, 0}, fmt::format("is missing in this run{}{}", kMapAgain, source.folder));
   }
   const std::vector<ClosedLoop> told = run.doubts().loops.value_or(LoopFindings()).loops;
-  const GraphLines lines = read_graph(source.file);
+  const GraphLines lines = run.graph();
   if (lines.places.empty()) source.refuse("has no places");
   if (lines.relations.size() < told.size()) source.refuse("has fewer edges than the report has loops");
   RunGraph result;

@@ -1,5 +1,5 @@
 // Reads back the folder that a run of `gdtslam map` wrote. Each file is checked when it is asked for, against what
-// report.json says of it, and every message names the file and what to do. One reader belongs to one thread.
+// report.json says of it (RunFiles), and every message names the file and what to do. One reader belongs to one thread.
 #pragma once
 
 #include <cstddef>
@@ -8,9 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "engine/runs/folder/covariance_file.hpp"
 #include "engine/runs/folder/run_doubts.hpp"
+#include "engine/runs/folder/run_files.hpp"
 #include "engine/runs/keyframes/keyframe_file.hpp"
+#include "engine/runs/loops/covariance_file.hpp"
+#include "engine/runs/loops/graph_file.hpp"
 #include "gdtslam/calib/sweep_model.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
@@ -46,7 +48,9 @@ class RunReader {
   explicit RunReader(std::string folder);
 
   [[nodiscard]] const RunSummary& summary() const { return summary_; }
-  [[nodiscard]] const std::string& folder() const { return folder_; }
+  [[nodiscard]] const std::string& folder() const { return files_.folder(); }
+  /// For what is read elsewhere.
+  [[nodiscard]] const RunFiles& files() const { return files_; }
   /// The first log's name without folder and endings: "office-7f".
   [[nodiscard]] std::string name() const;
   /// As the other members: throws InputError or FileError.
@@ -55,6 +59,8 @@ class RunReader {
   /// How sure each pose of the trajectory is; nothing where the run closed no loops or is of an older version. Throws
   /// InputError too where poses and covariances are not of one run.
   [[nodiscard]] std::optional<std::vector<PoseCovariance>> covariances() const;
+  /// Its places and relations; throws where the run closed no loops.
+  [[nodiscard]] GraphLines graph() const;
   /// What the report says against the map; reads it again.
   [[nodiscard]] RunDoubts doubts() const;
   /// Throws InputError too where the run was told to make none.
@@ -65,7 +71,8 @@ class RunReader {
   /// What the map was merged from; nothing where the run tells of no such file. Throws InputError too where scans or
   /// config.yaml are others than those of the report and the file.
   [[nodiscard]] std::optional<RunKeyframes> keyframes() const;
-  /// The file of the 3D cloud; nothing where the run made none. Throws InputError where it is missing.
+  /// The file of the 3D cloud; nothing where the run made none. Whoever has read it asks files() whether it is
+  /// unchanged. Throws InputError where it is missing or another one.
   [[nodiscard]] std::optional<std::string> cloud_file() const;
   /// How the laser nods; nothing where the run did not need it or is of an older version. Where the laser tilts only
   /// the mount counts. Throws ConfigError too.
@@ -77,12 +84,10 @@ class RunReader {
   static bool is_gdtslam_run(const std::string& path);
 
  private:
-  [[nodiscard]] std::string file(const char* name) const;
-  void require(const char* name) const;
   [[noreturn]] void refuse(const char* name, const std::string& fault) const;
 
-  std::string folder_;
   RunSummary summary_;
+  RunFiles files_;  // whose constructor gives the summary
 };
 
 }  // namespace gdtslam

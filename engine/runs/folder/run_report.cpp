@@ -11,11 +11,12 @@
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/io/sha256.hpp"
-#include "engine/runs/folder/covariance_file.hpp"
-#include "engine/runs/folder/graph_file.hpp"
-#include "engine/runs/folder/loops_report.hpp"
+#include "engine/runs/folder/run_files.hpp"
 #include "engine/runs/folder/run_pictures.hpp"
 #include "engine/runs/keyframes/keyframe_file.hpp"
+#include "engine/runs/loops/covariance_file.hpp"
+#include "engine/runs/loops/graph_file.hpp"
+#include "engine/runs/loops/loops_report.hpp"
 #include "engine/runs/tiles/tile_folder.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/io/config_yaml.hpp"
@@ -181,7 +182,7 @@ std::string write_merged_scans(RunFolder& folder, const std::string& config, con
   return write_keyframes(folder.staged(kKeyframeFile), kept_keyframes(config, job, outcome));
 }
 
-Json run_report(const RunFacts& facts, const MapOutcome& outcome, const WrittenHashes& hashes,
+Json run_report(const RunFacts& facts, const MapOutcome& outcome, const WrittenHashes& hashes, Json files,
                 const std::vector<StageTime>& others) {
   const MapperStatistics& statistics = outcome.statistics;
   const auto scans = static_cast<double>(scans_of(outcome));
@@ -229,6 +230,7 @@ Json run_report(const RunFacts& facts, const MapOutcome& outcome, const WrittenH
     report["wheels"] = wheels_json(outcome.closed->wheels);
     report["uncertain"] = uncertain_json(*outcome.closed, outcome.trajectory);
   }
+  report["files"] = std::move(files);
   report["warnings"] = warnings_json(outcome.warnings);
   report["stages"] = stages_json(outcome, others);
   report["doubtful_scans"] = doubtful_json(outcome.doubtful);
@@ -300,9 +302,10 @@ WrittenHashes write_run_files(RunFolder& folder, const MapJob& job, Settings set
 std::string write_run(RunFolder& folder, RunFacts facts, RunTimes& times, MapOutcome& outcome) {
   leave_out_edits(folder);
   const WrittenHashes hashes = write_run_files(folder, facts.job, std::move(facts.settings), times, outcome);
+  Json files = files_json(folder);
   times.read_whole(outcome.wall_s, outcome.cpu_s);
-  std::string report = json_text(run_report(facts, outcome, hashes, times.stages()));
-  write_file_atomically(folder.staged("report.json"), report);
+  std::string report = json_text(run_report(facts, outcome, hashes, std::move(files), times.stages()));
+  write_file_atomically(folder.staged(kReportFile), report);
   folder.commit();
   return report;
 }

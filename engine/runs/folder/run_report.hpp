@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/runs/folder/graph_file.hpp"
+#include "engine/runs/loops/graph_file.hpp"
 #include "engine/runs/mapping/map_run.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/runs/settings.hpp"

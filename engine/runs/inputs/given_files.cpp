@@ -45,11 +45,17 @@ Trajectory given_trajectory(const std::string& given) {
 }
 
 std::string given_cloud(const std::string& given) {
+  std::optional<RunReader> ignored;
+  return given_cloud(given, ignored);
+}
+
+std::string given_cloud(const std::string& given, std::optional<RunReader>& run) {
+  run.reset();
   if (!is_folder(given)) return given;
   if (!RunReader::is_run(given)) return file_of_folder(given, "cloud.ply", "a cloud, .ply or .pcd");
-  const RunReader run(given);
-  if (std::optional<std::string> file = run.cloud_file()) return *file;
-  throw InputError({given, 0}, "this run has no cloud: " + why_no_cloud(run.summary()));
+  run.emplace(given);
+  if (std::optional<std::string> file = run->cloud_file()) return *file;
+  throw InputError({given, 0}, "this run has no cloud: " + why_no_cloud(run->summary()));
 }
 
 }  // namespace gdtslam

@@ -2,8 +2,10 @@
 // report is checked as RunReader does. Another folder will do if it has a file of that name. Thread-safe.
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include "engine/runs/folder/run_reader.hpp"
 #include "gdtslam/core/stream.hpp"
 
 namespace gdtslam {
@@ -14,5 +16,8 @@ Trajectory given_trajectory(const std::string& given);
 /// The file of a cloud: `given` unless that is a folder, then its cloud.ply. Nothing is said of the file itself, which
 /// its reader checks. Throws InputError where the folder has none, with the reason that its run gives; FileError.
 std::string given_cloud(const std::string& given);
+/// The same, and the run that the cloud is of, for whoever has read it to ask its files() whether they are unchanged;
+/// nothing where it is of none.
+std::string given_cloud(const std::string& given, std::optional<RunReader>& run);
 
 }  // namespace gdtslam

@@ -15,6 +15,7 @@ namespace {
 // Which cells of the map that the field belongs to are free and occupied.
 OccupancyMap cells_of(const MapField& field) {
   if (field.source == MapField::Source::kOccupiedCells) return read_occupancy_map(field.path);
+  if (field.run && field.run->summary().map) return field.run->map();
   const std::filesystem::path file = std::filesystem::path(field.path).parent_path() / "map.yaml";
   std::error_code ignored;
   if (!std::filesystem::exists(file, ignored)) {
@@ -52,7 +53,7 @@ DriveChanges::DriveChanges(const MapField& field, const MapperConfig& config, co
 void DriveChanges::see_what_was_before(const MapField& field, const MapperConfig& config) {
   const std::string folder = std::filesystem::path(field.path).parent_path().string();
   if (field.source == MapField::Source::kOccupiedCells || !RunReader::is_run(folder)) return;
-  const std::optional<RunKeyframes> kept = RunReader(folder).keyframes();
+  const std::optional<RunKeyframes> kept = (field.run ? *field.run : RunReader(folder)).keyframes();
   if (!kept) return;
   before_.emplace(views_in(map_, config, limits_));
   for (const RunKeyframe& keyframe : kept->keyframes) before_->add(keyframe.laser, in_grid(keyframe.T_map_base));

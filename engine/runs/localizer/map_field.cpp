@@ -131,6 +131,13 @@ bool looks_like_map(const std::string& path) {
 
 namespace {
 
+// The run whose folder that is, where its report tells of its files. What an older one wrote is taken as it is.
+std::optional<RunReader> told_run_in(const std::string& map) {
+  if (!RunReader::is_run(map)) return std::nullopt;
+  RunReader run(map);
+  return run.files().is_told() ? std::optional(std::move(run)) : std::nullopt;
+}
+
 // A site in tiles has no field as a whole.
 void require_one_piece(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
@@ -147,11 +154,13 @@ void require_one_piece(const std::string& path) {
 
 MapField read_map_field(const std::string& map, const MapConfig& config, Isa isa) {
   const std::string path = description_file_of(map);
-  if (is_occupancy_map(path)) return field_of_occupied(path, config, isa);
+  std::optional<RunReader> run = told_run_in(map);
+  if (!run && is_occupancy_map(path)) return field_of_occupied(path, config, isa);
   require_one_piece(path);
   MapField field;
   field.path = path;
-  field.file = read_distance_field(path);
+  field.run = std::move(run);
+  field.file = field.run ? field.run->field() : read_distance_field(path);
   check_lattice(field);
   return field;
 }

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
+#include "engine/runs/folder/run_reader.hpp"
 #include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/core/pose.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
@@ -19,6 +21,8 @@ struct MapField {
   std::string path;
   Source source = Source::kDistances;
   DistanceFieldFile file;
+  /// Whose folder was named, and checked; a file that is named itself is taken as it is, and so is an older run.
+  std::optional<RunReader> run{};
   /// Where the origin of the kernels' frame lies in the map, parallel to it: they count in whole cells from there. The
   /// map's own origin for a run, whose cells lie on it; the field's corner for an occupancy map, whose cells may not,
   /// and whose origin may be far away.

@@ -35,7 +35,9 @@ FitLimit good_fit_in(const MapField& field, const LocalizeLimits& limits) {
   if (limits.good_fit_m) return {*limits.good_fit_m, FitLimit::Source::kOption};
   const double resolution_m = field.file.geometry.resolution_m;
   if (field.source == MapField::Source::kOccupiedCells) return fit_limit_of_cells(resolution_m);
-  return fit_limit_of(field.path, resolution_m);
+  const FitLimit limit = fit_limit_of(field.path, resolution_m);
+  if (field.run) field.run->files().expect_unchanged();
+  return limit;
 }
 
 // Calls take() with the distance of each point at that pose from the nearest obstacle; the cap outside of the field.

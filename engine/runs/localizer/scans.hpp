@@ -33,6 +33,7 @@ struct LocalizeJob {
   unsigned threads = 1;               ///< of the CPU; a device takes one scan after the other
   std::optional<MergedScans> merged;  ///< those near them in time do not count
   std::optional<LocalizeTruth> reference;
+  std::optional<RunReader> run{};  ///< that of the map, where the two above needed it
 };
 
 struct Localized {

@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "engine/runs/folder/folder_lock.hpp"
 #include "engine/runs/folder/run_reader.hpp"
 #include "gdtslam/core/error.hpp"
 
@@ -51,7 +52,7 @@ class NewTiles {
 
 void require_own(const std::string& place) {
   std::error_code ignored;  // what cannot be asked about shows when it cannot be replaced
-  if (!fs::exists(place, ignored) || fs::exists(place + "/" + kTileIndex, ignored)) return;
+  if (!fs::exists(place, ignored) || is_tile_folder(place)) return;
   throw UsageError(place + " holds no tiles: move it away, for tiles are written there");
 }
 
@@ -108,6 +109,7 @@ TilesOutcome make_tiles(const TilesRequest& request) {
   };
   const std::string& hash = *reader.summary().keyframes_sha256;
   const std::string place = request.run + "/" + kTileFolder;
+  const FolderLock lock(request.run);
   if (!request.only.empty()) return make_some(request, maker, index_with(place, hash), place, progress);
   require_own(place);
   const NewTiles fresh(request.run);

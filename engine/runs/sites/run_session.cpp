@@ -7,8 +7,8 @@
 #include <optional>
 #include <utility>
 
-#include "engine/runs/folder/graph_file.hpp"
 #include "engine/runs/folder/run_reader.hpp"
+#include "engine/runs/loops/graph_file.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 
@@ -40,9 +40,9 @@ void take_keyframes(const RunKeyframes& kept, const MapperConfig& config, const 
 
 // Relations of places that follow each other are the path's, the others are loops, whose weight is in their
 // information.
-void take_graph(const std::string& folder, const RunKeyframes& kept, Session& session) {
-  const std::string file = folder + "/graph.g2o";
-  const GraphLines graph = read_graph(file);
+void take_graph(const RunReader& run, const RunKeyframes& kept, Session& session) {
+  const std::string file = run.files().path("graph.g2o");
+  const GraphLines graph = run.graph();
   PlaceOfScan place_of;
   std::size_t keyframe = 0;
   for (const GraphPlace& place : graph.places) {
@@ -87,9 +87,10 @@ RunSession read_run_session(const std::string& folder) {
                  .trajectory = reader.trajectory(),
                  .drives = reader.summary().drives,
                  .kept = std::move(*kept),
-                 .session = {}};
+                 .session = {},
+                 .files = reader.files()};
   take_keyframes(run.kept, run.settings.mapper, run.drives, run.session);
-  take_graph(folder, run.kept, run.session);
+  take_graph(reader, run.kept, run.session);
   return run;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/mapping/sessions/session.hpp"
+#include "engine/runs/folder/run_reader.hpp"
 #include "engine/runs/keyframes/keyframe_file.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/runs/settings.hpp"
@@ -22,6 +23,7 @@ struct RunSession {
   std::vector<std::size_t> drives;  ///< scans at which another drive begins
   RunKeyframes kept;                ///< the keyframes; their scans as ranges
   Session session;                  ///< and as points
+  RunFiles files;
 };
 
 /// Throws InputError, with what to do, where the folder is no run, its laser nods, it was mapped with --no-loops or by

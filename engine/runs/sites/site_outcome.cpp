@@ -121,7 +121,7 @@ MapOutcome site_outcome(const MergedSite& site, const std::vector<const RunSessi
       outcome.keyframes.push_back(before + keyframe.scan);
       outcome.keyframe_scans.push_back(keyframe.laser);
     }
-    const ReportReader report = read_report(runs[k]->folder + "/report.json", runs[k]->folder);
+    const ReportReader report = runs[k]->files.report();
     add_doubtful(report, *runs[k], before, outcome.doubtful);
     add_counts(report, *runs[k], outcome.statistics);
     outcome.statistics.path_m += length_m_of(paths[k]);

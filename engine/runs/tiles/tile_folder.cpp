@@ -90,6 +90,18 @@ void write_tile_index(const std::string& folder, const TileIndex& index) {
   write_json(folder + "/" + kTileIndex, json);
 }
 
+bool is_tile_folder(const std::string& folder) {
+  const std::string file = folder + "/" + kTileIndex;
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) return false;
+  try {
+    const nlohmann::ordered_json json = read_json(file, kMostIndexBytes, kTilesAgain);
+    return json.is_object() && json.contains("format") && json.contains("tile_cells");
+  } catch (const InputError&) {  // of somebody else
+    return false;
+  }
+}
+
 TileIndex read_tile_index(const std::string& folder) {
   const std::string file = folder + "/" + kTileIndex;
   std::error_code ignored;  // what cannot be asked about cannot be read either

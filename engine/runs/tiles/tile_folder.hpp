@@ -34,6 +34,8 @@ TileRecord write_tile(const std::string& folder, const MapTile& tile);
 void write_tile_index(const std::string& folder, const TileIndex& index);
 /// Throws InputError, also where there is none, or a file that it names is missing; FileError.
 TileIndex read_tile_index(const std::string& folder);
+/// Whether that folder has an index of tiles, which need not be whole.
+bool is_tile_folder(const std::string& folder);
 /// Of all cells of all tiles.
 std::string sha256_of(const TileIndex& index);
 /// Around all tiles.

@@ -185,6 +185,25 @@ TEST_F(CWholeLog, gives_poses_in_full_and_those_of_the_file_when_it_is_opened) {
   for (std::size_t k = 0; k < count; ++k) EXPECT_NEAR(read[k].x_m, poses[k].x_m, 1e-9);
 }
 
+TEST_F(CWholeLog, refuses_a_file_that_is_not_the_runs) {
+  const std::string copy = place() + "-changed";
+  std::filesystem::copy(place(), copy);
+  std::ofstream(copy + "/trajectory.tum", std::ios::app) << "# mine\n";
+  gdtslam_run* opened = nullptr;
+  ASSERT_EQ(gdtslam_run_open(copy.c_str(), &opened, nullptr), GDTSLAM_OK);
+  const Owned<gdtslam_run> run(opened);
+  const gdtslam_stamped_pose* poses = nullptr;
+  std::size_t count = 0;
+  auto error = made<gdtslam_error>();
+  EXPECT_EQ(gdtslam_run_trajectory(opened, &poses, &count, &error), GDTSLAM_BAD_INPUT);
+  EXPECT_THAT(error.text, HasSubstr("trajectory.tum: has "));
+  EXPECT_THAT(error.text, HasSubstr("but report.json tells of"));
+  gdtslam_grid* grid = nullptr;
+  EXPECT_EQ(gdtslam_run_map(opened, &grid, nullptr), GDTSLAM_OK);
+  const Owned<gdtslam_grid> map(grid);
+  std::filesystem::remove_all(copy);
+}
+
 // map.pgm has the highest row first.
 TEST_F(CWholeLog, gives_the_pixels_of_its_map) {
   gdtslam_grid* grid = nullptr;

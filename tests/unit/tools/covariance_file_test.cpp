@@ -1,5 +1,5 @@
 // covariance.csv: what is written comes back bit for bit, and what is no covariance is refused with its line.
-#include "engine/runs/folder/covariance_file.hpp"
+#include "engine/runs/loops/covariance_file.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -11,11 +11,13 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "engine/io/json_file.hpp"
 #include "engine/io/logs/carmen_writer.hpp"
 #include "engine/runs/folder/run_reader.hpp"
 #include "gdtslam/core/error.hpp"
@@ -135,7 +137,11 @@ TEST_F(MapOfKeyframesTest, FractionsOfAMillimetreChangeFewCellsByLittle) {
 }
 
 TEST_F(MapOfKeyframesTest, FilesOfOtherRunsAreRefused) {
-  const RunReader run = mapped(sample_, true, kScansMapped);
+  (void)mapped(sample_, true, kScansMapped);
+  nlohmann::ordered_json report = read_json((work_ / "run" / "report.json").string(), kMostReportBytes);
+  report.erase("files");  // as of an older version, whose files are taken as they are
+  write_json((work_ / "run" / "report.json").string(), report);
+  const RunReader run((work_ / "run").string());
   const auto expect_refused = [&run](const std::string& fault) {
     try {
       (void)run.keyframes();

@@ -42,6 +42,12 @@ void check_cloud_usage(const EvaluateOptions& options) {
   if (!options.linkage.empty() && options.hits.empty()) throw UsageError("--linkage belongs to --hits");
 }
 
+// Cloud and trajectory of a run are of one run, whoever replaces it meanwhile.
+template <class Compute>
+auto unless_changed(const std::optional<RunReader>& run, const Compute& compute) {
+  return run ? run->files().unless_changed(compute) : compute();
+}
+
 CloudFrame frame_of(const EvaluateOptions& options) {
   CloudFrame frame;
   if (options.reference.empty()) return frame;
@@ -87,13 +93,14 @@ int finish(const EvaluateOptions& options, const DistanceHistogram& distances, c
 #ifdef GDTSLAM_HAS_SIM
 int against_scene(const EvaluateOptions& options) {
   ProgressLine line("points", options.json);
-  SceneErrorsJob job{.cloud = given_cloud(options.file),
+  std::optional<RunReader> run;
+  SceneErrorsJob job{.cloud = given_cloud(options.file, run),
                      .scene = options.scene,
                      .scene_folders = asset_folders("scenes"),
                      .frame = frame_of(options)};
   job.progress = [&line](std::uint64_t count, double share) { line.update(count, share); };
   job.stop = [] { return interrupted(); };
-  const SceneErrors errors = scene_errors(job);
+  const SceneErrors errors = unless_changed(run, [&job] { return scene_errors(job); });
   line.clear();
   if (errors.distances.count() == 0 && !errors.interrupted) {
     throw InputError({job.cloud, 0}, "holds no point with finite coordinates");
@@ -121,13 +128,14 @@ Json bound_json(const std::optional<BoundCheck>& bound) {
 
 int against_hits(const EvaluateOptions& options) {
   ProgressLine line("points", options.json);
-  HitErrorsJob job{.cloud = given_cloud(options.file), .hits = options.hits, .frame = frame_of(options)};
+  std::optional<RunReader> run;
+  HitErrorsJob job{.cloud = given_cloud(options.file, run), .hits = options.hits, .frame = frame_of(options)};
   if (!options.linkage.empty()) {
     job.quantisation = {resolve_linkage(options.linkage), resolution_of(options.resolution)};
   }
   job.progress = [&line](std::uint64_t count, double share) { line.update(count, share); };
   job.stop = [] { return interrupted(); };
-  const HitErrors errors = hit_errors(job);
+  const HitErrors errors = unless_changed(run, [&job] { return hit_errors(job); });
   line.clear();
   std::string text = errors.distances.text();
   text += fmt::format("each to the true hit of its beam, of which there are {}; {} points without one\n", errors.hits,

@@ -52,7 +52,7 @@ std::string difference_of(const UnitRecord& kept, const UnitRecord& again, const
   try {
     if (result_sha256_of(folder) == kept.result_sha256) return {};
   } catch (const Error& error) {
-    return error.what();
+    return fmt::format("{} was changed since: {}", folder, error.what());
   }
   return folder + " was changed since";
 }

@@ -55,11 +55,15 @@ LocalizeJob job_of(const LocalizeOptions& options, const Settings& settings) {
   job.choice = options.choice;
   job.threads = options.device.threads > 0 ? options.device.threads : std::max(1U, std::thread::hardware_concurrency());
   if (options.leave_out_s >= 0.0) {
-    job.merged.emplace(run_of_map(options.map, "--leave-out"), options.leave_out_s);
+    job.run = run_of_map(options.map, "--leave-out");
+    job.merged.emplace(*job.run, options.leave_out_s);
   }
   if (!options.reference.empty()) {
     job.reference.emplace(options.reference);
-    if (options.align) job.reference->align(run_of_map(options.map, "--align"));
+    if (options.align) {
+      if (!job.run) job.run = run_of_map(options.map, "--align");
+      job.reference->align(*job.run);
+    }
   }
   return job;
 }
@@ -150,6 +154,7 @@ Work work_with(const LocalizeOptions& options, const Settings& settings, const L
   Work work;
   work.backend = backend_of(device);
   work.localizer = std::make_unique<Localizer>(options.map, settings.mapper, limits_of(options), *work.backend);
+  if (job.run) job.run->files().expect_unchanged();
   ProgressLine progress("scans", options.quiet);
   work.all = localize_scans(
       job, *work.localizer, [&progress](std::uint64_t scans, double share) { progress.update(scans, share); },

@@ -38,6 +38,7 @@ TrackWork track_with(const LocalizeOptions& options, const Settings& settings, c
   device.device = "cpu";
   work.cpu = make_backend(device);
   work.localizer = std::make_unique<Localizer>(options.map, settings.mapper, limits_of(options), *work.backend);
+  if (job.run) job.run->files().expect_unchanged();
   if (!options.changes.empty()) {
     work.changes = std::make_unique<DriveChanges>(work.localizer->field(), settings.mapper, ChangeLimits{});
   }

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "engine/mapping/match/matchers.hpp"
-#include "engine/runs/folder/loops_report.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/run_recording.hpp"
+#include "engine/runs/loops/loops_report.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"

@@ -99,10 +99,12 @@ int run_measure(const MeasureCommand& command) {
   }
   if (!command.picture.empty()) check_drawing_file("--picture", command.picture);
   MeasureJob job = job_of(command);
-  job.cloud = given_cloud(job.cloud);
+  std::optional<RunReader> run;
+  job.cloud = given_cloud(job.cloud, run);
   std::uint64_t skipped = 0;
   std::array<double, 3> origin_m{};
-  const Cloud cloud = read_cloud(job.cloud, kMostPoints, &skipped, &origin_m);
+  const auto read = [&] { return read_cloud(job.cloud, kMostPoints, &skipped, &origin_m); };
+  const Cloud cloud = run ? run->files().unless_changed(read) : read();
   remark_origin(job.cloud, origin_m);
   if (skipped > 0)
     print_remark(fmt::format("warning: {} points of {} are not finite and left out", skipped, job.cloud));

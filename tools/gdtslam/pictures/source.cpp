@@ -198,10 +198,7 @@ RenderSource::RenderSource(std::string input)
       parts_ =
           (run_->summary().map ? part::kMap : 0U) | part::kField | (run_->has_trajectory() ? part::kTrajectory : 0U);
       if (run_->summary().has_loops && run_->has_trajectory()) parts_ |= part::kGraph;
-      if (const std::optional<std::string> cloud = run_->cloud_file()) {
-        cloud_file_ = *cloud;
-        parts_ |= part::kCloud;
-      }
+      if (run_->summary().cloud_points > 0) parts_ |= part::kCloud;
       if ((linkage_ = run_->linkage())) parts_ |= part::kMount | (run_->summary().tilts ? 0U : part::kLinkage);
       break;
     case RenderKind::kCloud:
@@ -266,8 +263,10 @@ const Trajectory& RenderSource::trajectory() {
 const calib::SweepModel& RenderSource::linkage() { return linkage_.value(); }
 
 Cloud RenderSource::cloud(const CloudProgress& progress, const CloudRemark& remark) const {
-  return read_whole_cloud(cloud_file_, progress, remark);
+  return read_cloud_file([&](const std::string& file) { return read_whole_cloud(file, progress, remark); });
 }
+
+std::string RenderSource::cloud_file() const { return run_ ? run_->cloud_file().value() : cloud_file_; }
 
 PathOverlay RenderSource::overlay() {
   if ((parts_ & part::kTrajectory) == 0) return {};

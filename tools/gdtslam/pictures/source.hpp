@@ -9,10 +9,12 @@
 #include <string>
 #include <string_view>
 
+#include "engine/core/side_thread.hpp"
 #include "engine/runs/folder/run_pictures.hpp"
 #include "engine/runs/folder/run_reader.hpp"
 #include "gdtslam/calib/sweep_model.hpp"
 #include "gdtslam/core/cloud.hpp"
+#include "gdtslam/core/error.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/drawing/image.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
@@ -68,7 +70,26 @@ class RenderSource {
   const calib::SweepModel& linkage();
   /// Read anew at each call, because whoever draws it keeps it; both as of read_whole_cloud().
   [[nodiscard]] Cloud cloud(const CloudProgress& progress = {}, const CloudRemark& remark = {}) const;
-  [[nodiscard]] const std::string& cloud_file() const { return cloud_file_; }
+  /// A run's is checked against its report.
+  [[nodiscard]] std::string cloud_file() const;
+  /// What `read` makes of that file, which another thread checks meanwhile.
+  template <class Read>
+  auto read_cloud_file(const Read& read) const {
+    SideThread check(run_.has_value(), 1);
+    const auto finish = [&] {
+      check.finish();
+      if (run_) run_->files().expect_unchanged();
+    };
+    if (run_) check.give([this] { (void)run_->cloud_file(); });
+    try {
+      auto result = read(run_ ? run_->files().path("cloud.ply") : cloud_file_);
+      finish();
+      return result;
+    } catch (const Error&) {  // of a file that is not the run's that is the fault
+      finish();
+      throw;
+    }
+  }
   /// Path, keyframes and doubtful scans; empty where there is no trajectory.
   PathOverlay overlay();
   /// Of what has kGraph: loops, covariances and what is not to be trusted, and a line that counts them.

@@ -99,9 +99,11 @@ Cloud RenderStudio::whole_cloud() {
 
 Cloud RenderStudio::cloud_of_still(const PictureSize& size) {
   ProgressLine progress("points", options_.quiet);
-  StillCloud still = read_cloud_for_still(
-      first().cloud_file(), size, [&progress](std::uint64_t done, double share) { progress.update(done, share); },
-      [this](const std::string& remark) { tell(remark); });
+  StillCloud still = first().read_cloud_file([&](const std::string& file) {
+    return read_cloud_for_still(
+        file, size, [&progress](std::uint64_t done, double share) { progress.update(done, share); },
+        [this](const std::string& remark) { tell(remark); });
+  });
   whole_points_ = still.points;
   return std::move(still.cloud);
 }
@@ -118,13 +120,15 @@ std::vector<float> RenderStudio::distances(const Cloud& cloud) {
     throw UsageError("--colour distance needs what the distances are to: --reference CLOUD, in the same frame");
   }
   ProgressLine progress("points", options_.quiet);
-  const std::string file = given_cloud(options_.reference);
+  std::optional<RunReader> run;
+  const std::string file = given_cloud(options_.reference, run);
   Cloud reference = read_whole_cloud(
       file, [&progress](std::uint64_t done, double share) { progress.update(done, share); },
       [this](const std::string& remark) { tell(remark); });
   // Both were read relative to origins of their own.
   const std::array<double, 3> to = origin_of_cloud(sources_.front().cloud_file());
   const std::array<double, 3> from = origin_of_cloud(file);
+  if (run) run->files().expect_unchanged();
   for (CloudPoint& point : reference) {
     point.x_m += static_cast<float>(from[0] - to[0]);
     point.y_m += static_cast<float>(from[1] - to[1]);

@@ -33,8 +33,6 @@ constexpr int kFormat = 1;
 constexpr const char* kSampleExpected = "office-start.json";
 constexpr const char* kNoddingExpected = "nodding-start.json";
 
-std::string sha256_of_file(const std::string& path) { return Sha256().update(read_text<InputError>(path)).hex(); }
-
 std::string file_name_of(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
 // Throws nlohmann's exception where a key is missing or of another type.
@@ -42,7 +40,7 @@ SampleLog sample_in(const Json& root, const std::string& log) {
   SampleLog sample{log, {}};
   if (root.at("format") != kFormat) throw InputError("is of another format than this program reads");
   if (root.at("log") != file_name_of(log)) throw InputError("is not of " + file_name_of(log));
-  if (root.at("log_sha256") != sha256_of_file(log)) throw InputError("is not of this " + file_name_of(log));
+  if (root.at("log_sha256") != sha256_of_file(log).sha256) throw InputError("is not of this " + file_name_of(log));
   for (const Json& run : root.at("runs")) {
     sample.runs.push_back({.matcher = run.at("matcher"),
                            .with_loops = run.at("loops"),
@@ -151,8 +149,9 @@ void write_expected(const std::string& path, const std::string& log, const std::
                     {"trajectory_sha256", run.trajectory_sha256},
                     {"cloud_sha256", run.cloud_sha256}});
   }
-  write_json(path,
-             {{"format", kFormat}, {"log", file_name_of(log)}, {"log_sha256", sha256_of_file(log)}, {"runs", list}});
+  write_json(
+      path,
+      {{"format", kFormat}, {"log", file_name_of(log)}, {"log_sha256", sha256_of_file(log).sha256}, {"runs", list}});
 }
 
 LogRun run_log(const LogTask& task, Backend& backend, const LogProgress& progress) {

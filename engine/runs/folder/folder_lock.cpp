@@ -1,0 +1,32 @@
+#include "folder_lock.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+#include "engine/core/retried.hpp"
+#include "engine/io/message_text.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+
+FolderLock::FolderLock(const std::filesystem::path& folder)
+    : descriptor_(retried([&] { return ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); })) {
+  if (descriptor_ < 0) {
+    if (errno == EACCES) return;  // a folder may allow writing but not reading
+    throw FileError(folder.string(), "cannot be written to: " + errno_text(errno));
+  }
+  if (retried([this] { return ::flock(descriptor_, LOCK_EX | LOCK_NB); }) == 0 || errno != EWOULDBLOCK) return;
+  ::close(descriptor_);
+  throw UsageError(fmt::format("another process is writing to '{}': wait until it has ended, or give another folder",
+                               folder.string()));
+}
+
+FolderLock::~FolderLock() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+}  // namespace gdtslam

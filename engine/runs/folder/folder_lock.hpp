@@ -1,0 +1,23 @@
+// Keeps a second writer out of a folder while the first lives: the kernel holds the lock (flock) for the process and
+// takes it away with it, however that ends, and nothing lies in the folder for it. Where the file system knows no such
+// lock, or several machines share it (NFS), writers on other machines are not kept out. One object belongs to one
+// thread.
+#pragma once
+
+#include <filesystem>
+
+namespace gdtslam {
+
+class FolderLock {
+ public:
+  /// Throws UsageError where somebody else has it; FileError.
+  explicit FolderLock(const std::filesystem::path& folder);
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+  ~FolderLock();
+
+ private:
+  int descriptor_;
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,123 @@
+#include "run_files.hpp"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <system_error>
+#include <utility>
+
+#include "engine/io/sha256.hpp"
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+std::int64_t nanoseconds(const timespec& time) { return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec; }
+
+// A map that somebody cleaned by hand is the one thing that is changed on purpose.
+std::string advice_on(const std::string& name) {
+  const bool is_of_map = name == "map.pgm" || name == "map.yaml";
+  return is_of_map
+             ? "; 'gdtslam edit' changes a map, and map.yaml itself, named in place of the folder, is taken as it is"
+             : "";
+}
+
+}  // namespace
+
+Json files_json(const RunFolder& folder) {
+  Json rows = Json::array();
+  for (const std::string& name : std::set<std::string>(folder.names().begin(), folder.names().end())) {
+    const std::string file = folder.staged_path(name);
+    if (fs::is_directory(file)) continue;
+    const HashedBytes hashed = sha256_of_file(file);
+    rows.push_back({name, hashed.bytes, hashed.sha256});
+  }
+  return rows;
+}
+
+RunFiles::RunFiles(std::string folder, const std::function<void(const ReportReader&)>& also)
+    : folder_(std::move(folder)) {
+  const std::optional<State> state = state_of(kReportFile);
+  if (!state) {
+    throw InputError({folder_, 0},
+                     fmt::format("is no folder of a run: it has no {}{}{}", kReportFile, kMapAgain, folder_));
+  }
+  seen_[kReportFile] = *state;
+  const ReportReader read = report();
+  if (also) also(read);
+  if (!read.has("files")) return;
+  told_.emplace();
+  for (ReportFile& file : read.files("files")) (*told_)[file.name] = {file.bytes, std::move(file.sha256)};
+}
+
+std::string RunFiles::path(const std::string& name) const { return (fs::path(folder_) / name).string(); }
+
+bool RunFiles::has(const std::string& name) const {
+  std::error_code ignored;
+  return told_ ? told_->contains(name) : fs::exists(path(name), ignored);
+}
+
+std::string RunFiles::checked(const std::string& name) const {
+  const std::optional<State> state = state_of(name);
+  if (!state) refuse(name, "is missing in this run");
+  if (!told_) return path(name);
+  const auto seen = seen_.find(name);
+  if (seen != seen_.end() && seen->second == *state) return path(name);
+  const auto told = told_->find(name);
+  if (told == told_->end())
+    refuse(name, fmt::format("is none of the files that {} tells of: not of one run", kReportFile));
+  check_bytes(name, told->second, *state);
+  seen_[name] = *state;
+  expect_unchanged();
+  return path(name);
+}
+
+void RunFiles::check_bytes(const std::string& name, const Told& told, const State& state) const {
+  if (state.bytes != told.bytes) {
+    refuse(name, fmt::format("has {} bytes, but {} tells of {}: not of one run{}", state.bytes, kReportFile, told.bytes,
+                             advice_on(name)));
+  }
+  if (unless_changed([&] { return sha256_of_file(path(name)); }).sha256 != told.sha256) {
+    refuse(name, fmt::format("has another SHA-256 than {} tells of: not of one run{}", kReportFile, advice_on(name)));
+  }
+}
+
+std::string RunFiles::sha256(const std::string& name) const {
+  const std::string file = checked(name);
+  return told_ ? told_->at(name).sha256 : sha256_of_file(file).sha256;
+}
+
+void RunFiles::expect_unchanged() const {
+  for (const auto& [name, state] : seen_) {
+    if (state_of(name) == state) continue;
+    throw InputError({name == kReportFile ? folder_ : path(name), 0},
+                     "was changed or replaced while it was read; run the command again");
+  }
+}
+
+ReportReader RunFiles::report() const {
+  return unless_changed([this] { return read_report(path(kReportFile), folder_); });
+}
+
+std::optional<RunFiles::State> RunFiles::state_of(const std::string& name) const {
+  struct stat status {};
+  if (::stat(path(name).c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return std::nullopt;
+  return State{.device = status.st_dev,
+               .inode = status.st_ino,
+               .written_ns = nanoseconds(status.st_mtim),
+               .changed_ns = nanoseconds(status.st_ctim),
+               .bytes = static_cast<std::uint64_t>(status.st_size)};
+}
+
+// Where the whole run was replaced, that is what is wrong with the file.
+void RunFiles::refuse(const std::string& name, const std::string& fault) const {
+  expect_unchanged();
+  throw InputError({path(name), 0}, fault + kMapAgain + folder_);
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,88 @@
+// The files of a run as its report tells of them: name, size and SHA-256 of each. Whoever reads a run reads a file only
+// after its bytes were held against that, and asks afterwards whether it is that file still; so what is read is of one
+// run, whoever changes or replaces files meanwhile. A file is hashed once. Reports of versions before have no such
+// list: their files are taken as they are. One object belongs to one thread.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "engine/runs/folder/report_reader.hpp"
+#include "engine/runs/folder/run_folder.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+
+/// `files` of report.json: rows of name, bytes and SHA-256, sorted by name, of all that is staged. Folders are left
+/// out: tiles are made again without a run, and have hashes of their own. Throws FileError.
+nlohmann::ordered_json files_json(const RunFolder& folder);
+
+class RunFiles {
+ public:
+  /// Reads the list. Throws InputError where the folder is no finished run, or its report cannot be used; FileError.
+  /// `also` gets the report that the list is of.
+  explicit RunFiles(std::string folder, const std::function<void(const ReportReader&)>& also = {});
+
+  [[nodiscard]] const std::string& folder() const { return folder_; }
+  [[nodiscard]] std::string path(const std::string& name) const;
+  /// False where the report is of a version that told of no files.
+  [[nodiscard]] bool is_told() const { return told_.has_value(); }
+  /// Whether the run has such a file: what the report tells; what lies there, where it tells of none.
+  [[nodiscard]] bool has(const std::string& name) const;
+  /// Where the file is, which has the bytes that the report tells of. Throws InputError where they are others or there
+  /// is none.
+  [[nodiscard]] std::string checked(const std::string& name) const;
+  /// Of a checked file. Throws what checked() throws.
+  [[nodiscard]] std::string sha256(const std::string& name) const;
+  /// Throws InputError where the report or a file that was checked is another by now.
+  void expect_unchanged() const;
+  /// The report once more. Throws InputError where it is another by now.
+  [[nodiscard]] ReportReader report() const;
+
+  /// What `read` makes of the checked file.
+  template <class Read>
+  auto read(const std::string& name, const Read& read) const {
+    const std::string file = checked(name);
+    return unless_changed([&] { return read(file); });
+  }
+  /// What `read` gives. Where something was changed meanwhile, that is said, whatever became of reading.
+  template <class Read>
+  auto unless_changed(const Read& read) const {
+    try {
+      auto result = read();
+      expect_unchanged();
+      return result;
+    } catch (const Error&) {
+      expect_unchanged();
+      throw;
+    }
+  }
+
+ private:
+  struct Told {
+    std::uint64_t bytes = 0;
+    std::string sha256;
+  };
+  /// What becomes another one where a file is replaced, moved or written to.
+  struct State {
+    std::uint64_t device = 0;
+    std::uint64_t inode = 0;
+    std::int64_t written_ns = 0;
+    std::int64_t changed_ns = 0;
+    std::uint64_t bytes = 0;
+    bool operator==(const State&) const = default;
+  };
+  [[nodiscard]] std::optional<State> state_of(const std::string& name) const;
+  void check_bytes(const std::string& name, const Told& told, const State& state) const;
+  [[noreturn]] void refuse(const std::string& name, const std::string& fault) const;
+
+  std::string folder_;
+  std::optional<std::map<std::string, Told>> told_;
+  mutable std::map<std::string, State> seen_;  ///< when it was checked
+};
+
+}  // namespace gdtslam
