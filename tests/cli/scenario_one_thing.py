@@ -230,7 +230,8 @@ def replaced_while_it_is_read():
         process = command(*readers[reader])
         if process.returncode == 65:
             one_error_line(process.stderr)
-            stated = ("was changed or replaced while it was read", "it has no report.json", "is missing in this run")
+            stated = ("was changed or replaced while it was read", "it has no report.json", "is a folder without report.json",
+                      "is missing in this run")
             expect(any(line in process.stderr for line in stated), f"{reader}: {process.stderr}")
             expect(not (place / "edited").exists(), f"{reader}: a run was written")
             return "stated line"

@@ -68,7 +68,7 @@ class ListedLog final : public LogReader {
   std::vector<Warning> warnings_;
 };
 
-ScanRecord scan_at(double stamp_s, bool has_odometry) {
+ScanRecord queued_scan(double stamp_s, bool has_odometry) {
   ScanRecord record;
   record.scan.stamp_s = stamp_s;
   if (has_odometry) record.T_odom_base = Pose2{stamp_s, 0.0, 0.0};
@@ -95,16 +95,16 @@ std::string through_queue(std::vector<LogRecord> records, std::size_t most_scans
 
 TEST(ScanQueue, DropsNothingWhileThereIsRoom) {
   std::uint64_t dropped = 1;
-  EXPECT_EQ(
-      through_queue({odometry_at(1), scan_at(2, false), odometry_at(3), odometry_at(4), scan_at(5, true)}, 2, &dropped),
-      "o1 s2 o3 o4 s5");
+  EXPECT_EQ(through_queue({odometry_at(1), queued_scan(2, false), odometry_at(3), odometry_at(4), queued_scan(5, true)},
+                          2, &dropped),
+            "o1 s2 o3 o4 s5");
   EXPECT_EQ(dropped, 0U);
 }
 
 TEST(ScanQueue, DropsTheOldestScansAndKeepsTheirOdometry) {
   std::uint64_t dropped = 0;
   std::vector<LogRecord> with_own;
-  for (int k = 1; k <= 6; ++k) with_own.emplace_back(scan_at(k, true));
+  for (int k = 1; k <= 6; ++k) with_own.emplace_back(queued_scan(k, true));
   EXPECT_EQ(through_queue(with_own, 2, &dropped), "o1 o4 s5 s6");
   EXPECT_EQ(dropped, 4U);
 }
@@ -116,14 +116,14 @@ TEST(ScanQueue, KeepsTheOdometryAroundTheScansThatAreLeft) {
     apart.emplace_back(odometry_at(10 * k + 1));
     apart.emplace_back(odometry_at(10 * k + 2));
     apart.emplace_back(odometry_at(10 * k + 3));
-    apart.emplace_back(scan_at(10 * k + 5, false));
+    apart.emplace_back(queued_scan(10 * k + 5, false));
   }
   apart.emplace_back(odometry_at(61));
   EXPECT_EQ(through_queue(apart, 1), "o1 o53 s55 o61");
 }
 
 TEST(ScanQueue, IsBoundedWhileOnlyOdometryComes) {
-  std::vector<LogRecord> many{scan_at(1, false)};
+  std::vector<LogRecord> many{queued_scan(1, false)};
   for (int k = 2; k <= 10000; ++k) many.emplace_back(odometry_at(k));
   EXPECT_EQ(through_queue(many, 1), "s1 o2 o10000");
 }
@@ -131,7 +131,7 @@ TEST(ScanQueue, IsBoundedWhileOnlyOdometryComes) {
 TEST(ScanQueue, GivesWhatCameBeforeALineThatIsNone) {
   const auto may_end = std::make_shared<std::atomic<bool>>(true);
   ScanQueue queue(
-      std::make_unique<ListedLog>(std::vector<LogRecord>{scan_at(1, true)}, may_end, true), 5, [] { return false; },
+      std::make_unique<ListedLog>(std::vector<LogRecord>{queued_scan(1, true)}, may_end, true), 5, [] { return false; },
       [] {});
   EXPECT_TRUE(queue.next().has_value());
   EXPECT_THROW(queue.next(), InputError);
