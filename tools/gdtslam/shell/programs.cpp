@@ -17,7 +17,8 @@ std::string program_of_path(const std::string& name) {
     const std::string folder = path.substr(begin, end - begin);
     begin = end + 1;
     if (!folder.starts_with('/')) continue;
-    std::string program = folder + "/" + name;
+    std::string program = folder;
+    program.append("/").append(name);
     std::error_code ignored;
     if (std::filesystem::is_regular_file(program, ignored) && ::access(program.c_str(), X_OK) == 0) return program;
   }
