@@ -1,232 +1,240 @@
 #!/usr/bin/env python3
 """Changes lines of the engine, one at a time, and tells which changes the tests do not notice.
 
-  mutants.py BUILD_TREE [--parts mapping,compute,calib,io,runs] [--count 20] [--seed 1] [--only FILE] [--slow SECONDS]
+  mutants.py BUILD_TREE [--parts mapping,loops,compute,calib,io,runs] [--count 20] [--seed 1] [--whole] [--jobs N]
+             [--kinds KIND,...] [--only FILE] [--slow SECONDS] [--json FILE] [--again FILE]
 
-A mutant is one change in one line of a source, drawn at random: a comparison that is turned or made strict, a sign, a bound that
-is one off, `&&` for `||`, min for max, a condition that is turned round, a call whose result nobody uses left out. Each is
-compiled and the unit, property and oracle tests of its part are run until one fails. It is noticed when one fails, crashes or
-takes more than five times its usual time. The first run is of the sources as they are: all has to pass; tests that take longer
-than --slow (4 s) there are left out, and named.
+A mutant is one change in one line of a source, drawn at random: a comparison that is turned or made strict, a sign, also that of
+an angle, a whole number that is one off, another number doubled or halved, `&&` for `||`, min for max, a condition that is
+turned round, a call whose result nobody uses left out, so an fsync or a lock. Each is compiled and held against the unit,
+property and oracle tests of its part until one fails. It is noticed when one fails, crashes or takes more than five times its
+usual time. The first run is of the programs as they are: all has to pass; tests that take longer than --slow (4 s) there are
+left out, and named. With --whole, what survived is then held against every test that uses the part's library, those that take
+long among them, and against the tests of the command that EACH_PART names. --again FILE judges once more what survived in a run
+whose --json is that file, so that new tests can be tried.
 
-The build tree must be of this clone, with tests, and no source may have changes that are not committed: each source is put back
-as it was, also after an interrupt. Prints a table by part, and each survivor with its line. Exit code 1 where tests fail without
-a change; survivors are for a person to judge.
+The build tree must have been made by Ninja, with tests, from the sources as they are; it may be one with
+CMAKE_UNITY_BUILD. Neither the sources nor the tree change. tests/mutants.txt lists mutants that no test can notice, each with the
+reason; the table gives the shares with and without them. Exit code 1 where tests fail without a change; survivors are for a
+person to judge.
 """
 
 import argparse
+import concurrent.futures
+import json
+import os
 import pathlib
 import random
-import re
-import subprocess
 import sys
+import tempfile
 import time
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-# The sources of a part, and the programs of its tests (gdtslam_LAYER_NAME_tests, those that there are).
-PARTS = {
-    "mapping": ("engine/mapping", ("mapping", "back_end")),
-    "compute": ("engine/compute", ("compute",)),
-    "calib": ("calib", ("calib",)),
-    "io": ("engine/io", ("io",)),
-    "runs": ("engine/runs", ("tools",)),
-}
+from mutant_build import ROOT, Tree, has_avx512
+from mutant_changes import KINDS, drawn, equivalent_mutants, found_again, sources_of
+from mutant_tests import CommandTests, Program, placed_program, removed, suites_beside
+
 LAYERS = ("unit", "property", "oracle")
-NUMBER = r"(?<![\w.'])(\d+)(?=U?\b(?!\.|'|[a-zA-Z]))"
-
-# Pattern of the code, what takes its place. As clang-format leaves it, an operator between two values has blanks around it, and
-# brackets of templates have none.
-CHANGES = [
-    ("comparison", re.compile(r" (<|<=|>|>=|==|!=) "), {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "=="}),
-    ("sign", re.compile(r"(?<=[\w)\]]) ([+-]|[+-]=) "), {"+": "-", "-": "+", "+=": "-=", "-=": "+="}),
-    ("one off", re.compile(NUMBER), None),
-    ("logic", re.compile(r" (&&|\|\|) "), {"&&": "||", "||": "&&"}),
-    ("extremum", re.compile(r"std::(min|max)(?=\()"), {"min": "max", "max": "min"}),
-    ("condition", re.compile(r"^\s*(?:\} else )?if (\()(?!constexpr)(?=.*\)(?: \{| \w.*;)$)"), {"(": "(!"}),
-    ("dropped call", re.compile(r"^\s+((?!return|throw|delete|co_|using|static_assert|assert)[\w.:>-]+\(.*\);)$"), None),
-]
+LOOPS = ("engine/mapping/loops/", "engine/mapping/back_end/")
 
 
-class Mutant:
-    """One change: of a line (from 1) of a file, the characters from begin to end become text."""
+class Part:
+    """The sources of a part, the folders of its tests, its library, and which tests of the command use it."""
 
-    def __init__(self, path, line, kind, begin, end, text):
-        self.path, self.line, self.kind, self.begin, self.end, self.text = path, line, kind, begin, end, text
+    def __init__(self, folders, tests, library, command, without=(), modules=()):
+        self.folders, self.tests, self.library, self.command = folders, tests, library, command
+        self.without, self.modules = without, modules
 
-    def apply(self, lines):
-        old = lines[self.line - 1]
-        changed = list(lines)
-        changed[self.line - 1] = old[:self.begin] + self.text + old[self.end:]
-        return changed
-
-    def describe(self, lines):
-        return f"{self.path}:{self.line}: {self.kind}: {lines[self.line - 1].strip()}  ->  {self.apply(lines)[self.line - 1].strip()}"
+    def sources(self):
+        found = [path for folder in self.folders for path in sources_of(folder, self.without)]
+        # The cases of the self-test are inputs, as a test has them; sets of instructions that are not here cannot be tested.
+        return [path for path in found if not path.stem.endswith("_cases") and (has_avx512() or path.stem != "lanes_avx512")]
 
 
-def code_of(line):
-    """The line with comments and texts blanked, so that places stay."""
-    line = re.sub(r'"(?:[^"\\]|\\.)*"', lambda m: " " * len(m[0]), line)
-    return re.sub(r"//.*", lambda m: " " * len(m[0]), line)
+PARTS = {
+    "mapping": Part(["engine/mapping"], ("mapping", "back_end"), "gdtslam_mapping",
+                    "same_bytes|accuracy_of_the_sample|report_adds_up|keyframes_are|continued_run_is|nodding_as_sim|merge_joins|"
+                    "changes_are|localize_finds|track_follows", LOOPS),
+    "loops": Part(list(LOOPS), ("back_end",), "gdtslam_mapping",
+                  "same_bytes_with_loops|graph_agrees|covariances_belong|keyframes_are|nodding_closes_loops|live_corrections"),
+    "compute": Part(["engine/compute"], ("compute",), "gdtslam_compute", "same_bytes|verify_|accuracy_of_the_sample",
+                    ("engine/compute/cases/",)),
+    "calib": Part(["calib"], ("calib",), "gdtslam_calib", "calibrate_|linkage_|nodding_linkage", modules=("calibrate",)),
+    "io": Part(["engine/io"], ("io",), "gdtslam_io",
+               "every_write|killed_at|converted_logs|packed_logs|bag_|ros2_|bad_input|hostile|readers_notice|simulated_formats|doctor_"),
+    "runs": Part(["engine/runs"], ("tools",), "gdtslam_runs",
+                 "continue|edit_|evaluate|graph_agrees|covariances|keyframes|tiles|fleet_(local|shards|resume|record|bad)|localize_|"
+                 "merge_|measure|doctor_|nodding_|live_equals|two_writers|logs_in_sequence|report_adds|run_|readers_notice|"
+                 "killed|interrupt|files_of|foreign"),
+}
 
 
-def negated(line, begin):
-    """The end of the condition whose bracket opens at begin: `if (a && b)` becomes `if (!(a && b))`."""
-    depth = 0
-    for place in range(begin, len(line)):
-        depth += {"(": 1, ")": -1}.get(line[place], 0)
-        if depth == 0:
-            return place
-    return None
+class Judge:
+    """Holds mutants of a part against the tests of the part, and survivors against all that use its library."""
 
-
-def mutants_of_line(path, number, line):
-    code = code_of(line)
-    stripped = code.strip()
-    if not stripped or stripped.startswith(("#", "template", "using", "static_assert", "assert(", "/*", "*", "case ")):
-        return
-    for kind, pattern, table in CHANGES:
-        for match in pattern.finditer(code):
-            begin, end = match.span(1)
-            if kind == "one off":
-                yield Mutant(path, number, kind, begin, end, str(int(match[1], 8 if re.match(r"0\d", match[1]) else 10) + 1))
-            elif kind == "dropped call":
-                yield Mutant(path, number, kind, begin, end, ";")
-            elif kind == "condition":
-                close = negated(code, begin)
-                if close is not None:
-                    yield Mutant(path, number, kind, begin, close + 1, "(!" + line[begin:close + 1] + ")")
-            else:
-                yield Mutant(path, number, kind, begin, end, table[match[1]])
-
-
-def sources_of(folder):
-    listed = subprocess.run(["git", "-C", ROOT, "ls-files", folder], capture_output=True, text=True, check=True).stdout
-    return [pathlib.Path(name) for name in listed.splitlines() if name.endswith((".cpp", ".hpp"))]
-
-
-def drawn(folder, count, rng, only):
-    """Mutants of as many lines drawn at random, no line twice; what a line offers is drawn among, too."""
-    places = []
-    for path in sources_of(folder):
-        if only and str(path) != only:
-            continue
-        for number, line in enumerate((ROOT / path).read_text().splitlines(), 1):
-            offered = list(mutants_of_line(path, number, line))
-            if offered:
-                places.append(offered)
-    return [rng.choice(offered) for offered in rng.sample(places, min(count, len(places)))]
-
-
-class Tests:
-    """The test programs of a part in a build tree."""
-
-    def __init__(self, build, names, slow_s):
-        self.build, self.slow_s = build, slow_s
-        wanted = [f"gdtslam_{layer}_{name}_tests" for layer in LAYERS for name in names]
-        targets = subprocess.run(["ninja", "-C", build, "-t", "targets", "all"], capture_output=True, text=True, check=True).stdout
-        self.programs = [name for name in wanted if f"\n{name}: phony" in targets]
+    def __init__(self, tree, part, arguments, scratch):
+        self.tree, self.part, self.slow_s, self.scratch = tree, part, arguments.slow, scratch
+        self.folders = [f"tests/{layer}/{name}" for layer in LAYERS for name in part.tests]
+        self.targets = tree.targets()
+        self.programs = self.measured([f"gdtslam_{layer}_{name}_tests" for layer in LAYERS for name in part.tests])
         if not self.programs:
-            sys.exit(f"mutants: {build} has no tests of {', '.join(names)}; configure it with GDTSLAM_BUILD_TESTS=ON")
-        self.left_out = {name: [] for name in self.programs}
-        self.usual_s = {}
-
-    def compile(self):
-        done = subprocess.run(["cmake", "--build", self.build, "--parallel", "2", "--target", *self.programs], capture_output=True,
-                              text=True, check=False)
-        return done.returncode == 0
-
-    def run(self, program, limit_s, extra=()):
-        """Exit status and output; None where the time is up."""
-        skipped = "".join(f":{name}" for name in self.left_out[program])
-        try:
-            done = subprocess.run([f"bin/{program}", f"--gtest_filter=-{skipped[1:]}", *extra], cwd=self.build, capture_output=True,
-                                  text=True, errors="replace", timeout=limit_s, check=False)
-        except subprocess.TimeoutExpired:
-            return None, ""
-        return done.returncode, done.stdout
-
-    def measure(self):
-        """The usual times, of the sources as they are."""
-        if not self.compile():
-            sys.exit("mutants: the tree does not compile as it is")
+            sys.exit(f"mutants: {tree.build} has no tests of {', '.join(part.tests)}; configure it with GDTSLAM_BUILD_TESTS=ON")
         for program in self.programs:
-            status, output = self.run(program, 3600)
-            if status != 0:
-                print(output[-2000:])
-                sys.exit(f"mutants: {program} fails without a change")
-            times = [(name, float(ms) / 1000) for name, ms in re.findall(r"\[       OK \] (\S+?),? .*?\((\d+) ms\)", output)]
-            self.left_out[program] = [name for name, s in times if s > self.slow_s]
-            self.usual_s[program] = sum(s for _, s in times if s <= self.slow_s)
-            for name in self.left_out[program]:
+            for name in program.left_out:
                 print(f"  left out, for it takes more than {self.slow_s:g} s: {name}", flush=True)
+        self.others, self.command_tests = [], None
 
-    def notice(self):
-        """What notices the sources as they lie there now: a test's name, or None."""
-        for program in self.programs:
-            status, output = self.run(program, 5 * self.usual_s[program] + 30, ("--gtest_fail_fast", "--gtest_brief=1"))
-            if status != 0:
-                failed = re.search(r"\[  FAILED  \] (\S+)", output)
-                return failed[1].rstrip(",") if failed else f"{program} {'takes too long' if status is None else f'ends with {status}'}"
-        return None
+    def measured(self, names):
+        programs = [Program(self.tree, name, self.slow_s) for name in names if name in self.targets]
+        for program in programs:
+            if not program.measure(self.scratch):
+                sys.exit(f"mutants: {program.name} fails without a change, or is not built")
+        return sorted(programs, key=lambda program: program.usual_s)
+
+    def prepare_whole(self):
+        here = {program.name for program in self.programs}
+        names = sorted(name for name in self.targets if name.startswith("gdtslam_") and name.endswith("_tests")
+                       and name not in here and self.tree.uses(name, self.part.library))
+        self.others = self.measured(names)
+        self.command_tests = CommandTests(self.tree)
+
+    def by_part(self, mutant):
+        """What the part's tests say: a verdict, what noticed it."""
+        with tempfile.TemporaryDirectory(dir=self.scratch) as name:
+            folder = pathlib.Path(name)
+            objects = self.tree.compile(mutant, folder)
+            if objects is None:
+                return "does not compile", ""
+            linked = [(program, self.tree.link(program.name, objects, folder / program.name)) for program in self.programs]
+            if None in [file for _, file in linked]:
+                return "does not compile", ""
+            beside = ":".join(f"*{suite}.*" for suite in suites_beside(mutant.path, self.folders))
+            for chosen in ([beside] if beside else []) + [None]:
+                for program, file in linked:
+                    tests = program.quick() if chosen is None else chosen + program.quick()
+                    why = program.failure(file, folder / "work", tests)
+                    if why:
+                        return "noticed", why
+        return "survived", ""
+
+    def by_all(self, mutant):
+        """What notices it of all tests that use the library but those of by_part; empty where none does."""
+        with tempfile.TemporaryDirectory(dir=self.scratch) as name:
+            folder = pathlib.Path(name)
+            objects = self.tree.compile(mutant, folder)
+            rows = [(program, ":".join(program.left_out)) for program in self.programs if program.left_out]
+            for program, tests in rows + [(program, "*") for program in self.others]:
+                file = self.tree.link(program.name, objects, folder / program.name)
+                why = program.failure(file, folder / "work", tests)
+                if why:
+                    return why
+            program = placed_program(self.tree, objects, folder, self.part.modules)
+            return self.command_tests.failure(program, folder / "cli", self.part.command) or ""
 
 
-def judged(mutant, tests):
-    """ "noticed", "survived" or "does not compile"; the source is as before afterwards."""
-    file = ROOT / mutant.path
-    before = file.read_text()
-    lines = before.splitlines()
-    print(f"{mutant.describe(lines)}", end="", flush=True)
-    began_s = time.monotonic()
-    try:
-        file.write_text("\n".join(mutant.apply(lines)) + "\n")
-        if not tests.compile():
-            verdict, why = "does not compile", ""
-        else:
-            why = tests.notice()
-            verdict = "noticed" if why else "survived"
-    finally:
-        file.write_text(before)
-    print(f"\n    {verdict}{f' by {why}' if why else ''}, {time.monotonic() - began_s:.0f} s", flush=True)
-    return verdict
+def judged(mutants, count, judge, jobs):
+    """As many mutants as compile, in order, with a verdict each; several at a time."""
+    rows, waiting, pending = {}, iter(enumerate(mutants)), {}
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+        while True:
+            while len(pending) < jobs and len(pending) + len(rows) < count:
+                number, mutant = next(waiting, (None, None))
+                if mutant is None:
+                    break
+                pending[pool.submit(judge.by_part, mutant)] = (number, mutant, time.monotonic())
+            if not pending:
+                return [rows[number] for number in sorted(rows)]
+            done, _ = concurrent.futures.wait(pending, return_when=concurrent.futures.FIRST_COMPLETED)
+            for future in done:
+                number, mutant, began_s = pending.pop(future)
+                verdict, why = future.result()
+                print(f"{mutant.describe()}\n    {verdict}{f' by {why}' if why else ''}, {time.monotonic() - began_s:.0f} s", flush=True)
+                if verdict != "does not compile":
+                    rows[number] = {"mutant": mutant, "by_part": why, "by_all": why}
 
 
-def main():
+def hold_against_all(rows, judge, jobs):
+    """Sets by_all of what survived the part's tests."""
+    survivors = [row for row in rows if not row["by_part"]]
+    if survivors:
+        judge.prepare_whole()
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+        for row, why in zip(survivors, pool.map(lambda row: judge.by_all(row["mutant"]), survivors)):
+            row["by_all"] = why
+            print(f"{row['mutant'].describe()}\n    {f'noticed by {why}' if why else 'survived the whole suite'}", flush=True)
+
+
+def share(part, whole):
+    return f"{part} ({100 * part / max(whole, 1):.0f} %)"
+
+
+def print_table(results, reasons, whole):
+    print("\n| part | mutants | noticed by the part's tests | of those that can be |" + (" by the whole suite | of those that can be |" if whole else ""))
+    print("|---|---|---|---|" + ("---|---|" if whole else ""))
+    for part, rows in results.items():
+        can_be = [row for row in rows if row["by_all"] or row["mutant"].key not in reasons]
+        cells = [part, str(len(rows))]
+        for key in ("by_part", "by_all")[:2 if whole else 1]:
+            noticed = sum(bool(row[key]) for row in rows)
+            cells += [share(noticed, len(rows)), share(noticed, len(can_be))]
+        print("| " + " | ".join(cells) + " |")
+    for rows in results.values():
+        for row in rows:
+            if not row["by_all" if whole else "by_part"]:
+                reason = reasons.get(row["mutant"].key)
+                print(f"survived: {row['mutant'].describe()}" + (f"\n    {reason}" if reason else ""))
+
+
+def as_json(results):
+    fields = ("path", "line", "kind", "begin", "end", "text", "old")
+    return json.dumps({part: [{**{field: str(getattr(row["mutant"], field)) if field == "path" else getattr(row["mutant"], field)
+                                  for field in fields}, "by_part": row["by_part"], "by_all": row["by_all"]} for row in rows]
+                       for part, rows in results.items()}, indent=1)
+
+
+def parsed():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", type=pathlib.Path)
     parser.add_argument("--parts", default=",".join(PARTS), help="of: " + ", ".join(PARTS))
     parser.add_argument("--count", type=int, default=20, help="mutants a part that compile (default 20)")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--whole", action="store_true", help="hold what survives against the whole suite")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="mutants at a time (default: as many as processors)")
+    parser.add_argument("--kinds", default=",".join(KINDS), help="of: " + ", ".join(KINDS))
     parser.add_argument("--only", metavar="FILE", help="lines of this source only, by its path from the root")
     parser.add_argument("--slow", type=float, default=4.0, metavar="SECONDS")
+    parser.add_argument("--json", type=pathlib.Path, metavar="FILE")
+    parser.add_argument("--again", type=pathlib.Path, metavar="FILE", help="what survived there")
     arguments = parser.parse_args()
-    unknown = set(arguments.parts.split(",")) - set(PARTS)
-    if unknown:
-        parser.error(f"no part {', '.join(sorted(unknown))}; there are {', '.join(PARTS)}")
-    if subprocess.run(["git", "-C", ROOT, "diff", "--quiet", "HEAD", "--", "engine", "calib"], check=False).returncode != 0:
-        sys.exit("mutants: engine/ or calib/ has changes that are not committed; commit them first, for sources are put back")
-    rows = []
-    for part in arguments.parts.split(","):
-        folder, names = PARTS[part]
-        tests = Tests(arguments.build, names, arguments.slow)
-        tests.measure()
-        counts, survivors = {"noticed": 0, "survived": 0, "does not compile": 0}, []
-        # Twice as many as wanted: some do not compile.
-        for mutant in drawn(folder, 2 * arguments.count, random.Random(f"{part} {arguments.seed}"), arguments.only):
-            if counts["noticed"] + counts["survived"] == arguments.count:
-                break
-            lines = (ROOT / mutant.path).read_text().splitlines()
-            verdict = judged(mutant, tests)
-            counts[verdict] += 1
-            if verdict == "survived":
-                survivors.append(mutant.describe(lines))
-        rows.append((part, counts, survivors))
-    print("\n| part | mutants | noticed by the part's tests | share |\n|---|---|---|---|")
-    for part, counts, _ in rows:
-        made = counts["noticed"] + counts["survived"]
-        print(f"| {part} | {made} | {counts['noticed']} | {100 * counts['noticed'] / max(made, 1):.0f} % |")
-    for _, _, survivors in rows:
-        for survivor in survivors:
-            print(f"survived: {survivor}")
+    for given, known in ((arguments.parts, PARTS), (arguments.kinds, KINDS)):
+        unknown = set(given.split(",")) - set(known)
+        if unknown:
+            parser.error(f"no {', '.join(sorted(unknown))}; there are {', '.join(known)}")
+    return arguments
+
+
+def main():
+    arguments = parsed()
+    os.nice(10)
+    tree = Tree(arguments.build)
+    before = json.loads(arguments.again.read_text()) if arguments.again else None
+    results = {}
+    with tempfile.TemporaryDirectory(prefix="gdtslam-mutants-") as name:
+        for part in arguments.parts.split(","):
+            judge = Judge(tree, PARTS[part], arguments, pathlib.Path(name))
+            if before is not None:
+                again = [found_again(row) for row in before.get(part, []) if not row["by_part"]]
+                mutants, count = [mutant for mutant in again if mutant], len(again)
+            else:
+                sources = [path for path in PARTS[part].sources() if not arguments.only or str(path) == arguments.only]
+                rng = random.Random(f"{part} {arguments.seed}")
+                # Twice as many as wanted: some do not compile.
+                mutants, count = drawn(sources, 2 * arguments.count, rng, arguments.kinds.split(",")), arguments.count
+            results[part] = judged(mutants, count, judge, arguments.jobs)
+            if arguments.whole:
+                hold_against_all(results[part], judge, arguments.jobs)
+            if arguments.json:
+                arguments.json.write_text(as_json(results))
+    print_table(results, equivalent_mutants(ROOT / "tests/mutants.txt"), arguments.whole)
 
 
 if __name__ == "__main__":
