@@ -8,7 +8,7 @@ A mutant is one change in one line of a source, drawn at random: a comparison th
 an angle, a whole number that is one off, another number doubled or halved, `&&` for `||`, min for max, a condition that is
 turned round, a call whose result nobody uses left out, so an fsync or a lock. Each is compiled and held against the unit,
 property and oracle tests of its part until one fails. It is noticed when one fails, crashes or takes more than five times its
-usual time. The first run is of the programs as they are: all has to pass; tests that take longer than --slow (4 s) there are
+usual time. The first run is of the programs as they are: all has to pass; tests that take longer than --slow (2 s) there are
 left out, and named. With --whole, what survived is then held against every test that uses the part's library, those that take
 long among them, and against the tests of the command that EACH_PART names. --again FILE judges once more what survived in a run
 whose --json is that file, so that new tests can be tried.
@@ -201,7 +201,7 @@ def parsed():
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="mutants at a time (default: as many as processors)")
     parser.add_argument("--kinds", default=",".join(KINDS), help="of: " + ", ".join(KINDS))
     parser.add_argument("--only", metavar="FILE", help="lines of this source only, by its path from the root")
-    parser.add_argument("--slow", type=float, default=4.0, metavar="SECONDS")
+    parser.add_argument("--slow", type=float, default=2.0, metavar="SECONDS")
     parser.add_argument("--json", type=pathlib.Path, metavar="FILE")
     parser.add_argument("--again", type=pathlib.Path, metavar="FILE", help="what survived there")
     arguments = parser.parse_args()
@@ -214,7 +214,7 @@ def parsed():
 
 def main():
     arguments = parsed()
-    os.nice(10)
+    os.nice(3)
     tree = Tree(arguments.build)
     before = json.loads(arguments.again.read_text()) if arguments.again else None
     results = {}

@@ -1,0 +1,251 @@
+// What calibrate refuses, at the limits that calibration.hpp states, and what it says of ranges that are exact: they
+// are made by (A1), r = d / cos(elevation), from a linkage whose lengths, zero and assembly the test knows.
+#include "gdtslam/calib/calibration.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam::calib {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr double kWall_m = 2.0;
+
+const SweepModel kTruth = sweep_model_of_preset("paper-b");
+
+std::vector<CalibrationSurface> wall() { return {{.name = "wall", .distance_m = kWall_m}}; }
+
+// Exact ranges to the wall from 200 stops of the crank where the elevation is within the limits.
+std::vector<RangeObservation> exact_ranges(double from_rad = -1.4, double to_rad = 1.4, double sigma_m = 0.001) {
+  std::vector<RangeObservation> seen;
+  for (int stop = 0; stop < 200; ++stop) {
+    const double ticks = static_cast<double>(kTruth.encoder.ticks_per_turn) * stop / 200.0;
+    const double elevation = *elevation_rad(kTruth, crank_rad(kTruth.encoder, ticks));
+    if (elevation < from_rad || elevation > to_rad) continue;
+    seen.push_back({.ticks = ticks, .range_m = kWall_m / std::cos(elevation), .sigma_m = sigma_m});
+  }
+  return seen;
+}
+
+template <typename Error>
+std::string refusal(const SweepModel& start, const std::vector<CalibrationSurface>& surfaces,
+                    const std::vector<RangeObservation>& seen, const CalibrationOptions& options = {}) {
+  try {
+    calibrate(start, surfaces, seen, options);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Calibrate, RefusesEachObservationThatIsNone) {
+  const std::vector<std::function<void(RangeObservation&)>> faults{
+      [](RangeObservation& o) { o.range_m = 0.0; },      [](RangeObservation& o) { o.range_m = -1.0; },
+      [](RangeObservation& o) { o.range_m = kNan; },     [](RangeObservation& o) { o.range_m = kInf; },
+      [](RangeObservation& o) { o.sigma_m = 0.0; },      [](RangeObservation& o) { o.sigma_m = -0.01; },
+      [](RangeObservation& o) { o.sigma_m = kNan; },     [](RangeObservation& o) { o.sigma_m = kInf; },
+      [](RangeObservation& o) { o.ticks = kNan; },       [](RangeObservation& o) { o.ticks = kInf; },
+      [](RangeObservation& o) { o.bearing_rad = kNan; }, [](RangeObservation& o) { o.bearing_rad = kInf; }};
+  for (std::size_t k = 0; k < faults.size(); ++k) {
+    std::vector<RangeObservation> seen = exact_ranges();
+    faults[k](seen[17]);
+    EXPECT_THAT(refusal<InputError>(kTruth, wall(), seen), AllOf(HasSubstr("observation 17"), HasSubstr("no length")))
+        << k;
+  }
+  std::vector<RangeObservation> seen = exact_ranges();
+  seen[0].surface = 1;  // there is one, number 0
+  EXPECT_THAT(refusal<InputError>(kTruth, wall(), seen), AllOf(HasSubstr("observation 0"), HasSubstr("not given")));
+  std::vector<CalibrationSurface> two = wall();
+  two.push_back({.name = "ceiling", .kind = SurfaceKind::kCeiling, .distance_m = 1.0});
+  EXPECT_EQ(refusal<InputError>(kTruth, two, exact_ranges()), "no error") << "the last number that there is";
+}
+
+TEST(Calibrate, RefusesASurfaceThatIsNowhere) {
+  EXPECT_THAT(refusal<ConfigError>(kTruth, {}, {}), HasSubstr("no surface"));
+  for (const double distance : {0.0, -2.0, kNan, kInf}) {
+    EXPECT_THAT(refusal<ConfigError>(kTruth, {{.name = "here", .distance_m = distance}}, exact_ranges()),
+                HasSubstr("distance of here"))
+        << distance;
+  }
+  for (const double heading : {kNan, kInf, -kInf}) {
+    EXPECT_THAT(
+        refusal<ConfigError>(kTruth, {{.name = "w", .distance_m = 2.0, .heading_rad = heading}}, exact_ranges()),
+        HasSubstr("distance of w"))
+        << heading;
+  }
+  EXPECT_EQ(refusal<ConfigError>(kTruth, {{.name = "near", .distance_m = 0.9 * kWall_m}}, exact_ranges()), "no error");
+}
+
+TEST(Calibrate, RefusesAStartWhoseLoopOpens) {
+  SweepModel start = kTruth;
+  start.bars.crank_m = start.bars.ground_m + start.bars.rocker_m;  // no longer the shortest
+  EXPECT_THAT(refusal<ConfigError>(start, wall(), exact_ranges()), HasSubstr("does not close all around"));
+}
+
+// The limits are those that the message names: each of them is allowed, the next number beyond is not.
+TEST(Calibrate, OptionsAreAllowedUpToTheirLimits) {
+  const std::vector<double CalibrationOptions::*> members{
+      &CalibrationOptions::bar_bound_m,      &CalibrationOptions::bar_prior_m,      &CalibrationOptions::zero_prior_rad,
+      &CalibrationOptions::offset_prior_rad, &CalibrationOptions::distance_prior_m, &CalibrationOptions::lever_prior_m,
+      &CalibrationOptions::angle_prior_rad,  &CalibrationOptions::huber_sigmas};
+  for (std::size_t k = 0; k < members.size(); ++k) {
+    CalibrationOptions options;
+    EXPECT_TRUE(validate(options).empty());
+    options.*members[k] = -1.0;
+    const std::vector<std::string> faults = validate(options);
+    ASSERT_EQ(faults.size(), 1U) << k;
+    double least = 0.0;
+    double most = 0.0;
+    const std::size_t be = faults[0].find("must be ");
+    ASSERT_NE(be, std::string::npos);
+    ASSERT_EQ(std::sscanf(faults[0].c_str() + be, "must be %lf to %lf", &least, &most), 2) << faults[0];
+    most = std::fabs(most - kTwoPi) < 1e-6 ? kTwoPi : most;  // it is printed with six digits
+    for (const double good : {least, most}) {
+      options.*members[k] = good;
+      EXPECT_TRUE(validate(options).empty()) << k << ' ' << good;
+    }
+    for (const double bad : {std::nextafter(least, -1.0), std::nextafter(most, 1e9), kNan}) {
+      options.*members[k] = bad;
+      EXPECT_EQ(validate(options).size(), 1U) << k << ' ' << bad;
+    }
+    EXPECT_THAT(refusal<ConfigError>(kTruth, wall(), exact_ranges(), options), HasSubstr("calibration: ")) << k;
+  }
+  CalibrationOptions options;
+  for (const double degrees : {5.001, 88.999}) {
+    options.max_elevation_rad = rad_from_deg(degrees);
+    EXPECT_TRUE(validate(options).empty()) << degrees;
+  }
+  for (const double degrees : {4.999, 89.001}) {
+    options.max_elevation_rad = rad_from_deg(degrees);
+    EXPECT_EQ(validate(options).size(), 1U) << degrees;
+  }
+}
+
+TEST(Calibrate, WithoutPriorsNoneIsLeft) {
+  const CalibrationOptions given{.bar_bound_m = 0.007, .free_lever = true, .huber_sigmas = 4.0, .search_zero = true};
+  const CalibrationOptions options = given.without_priors();
+  EXPECT_EQ(options.bar_prior_m, 0.0);
+  EXPECT_EQ(options.zero_prior_rad, 0.0);
+  EXPECT_EQ(options.offset_prior_rad, 0.0);
+  EXPECT_EQ(options.distance_prior_m, 0.0);
+  EXPECT_EQ(options.lever_prior_m, 0.0);
+  EXPECT_EQ(options.angle_prior_rad, 0.0);
+  EXPECT_EQ(options.bar_bound_m, 0.007);
+  EXPECT_EQ(options.huber_sigmas, 4.0);
+  EXPECT_TRUE(options.free_lever);
+  EXPECT_TRUE(options.search_zero);
+}
+
+// Ten degrees of elevation are needed: nine are refused, eleven are taken.
+TEST(Calibrate, RefusesASweepOfLessThanTenDegrees) {
+  const auto within = [](double degrees) {
+    std::vector<RangeObservation> seen;
+    for (const RangeObservation& one : exact_ranges(0.0, rad_from_deg(degrees))) {
+      for (int k = 0; k < 4; ++k) seen.push_back(one);
+    }
+    return seen;
+  };
+  EXPECT_THAT(refusal<InputError>(kTruth, wall(), within(9.0)), HasSubstr("a whole turn of the crank"));
+  EXPECT_EQ(refusal<InputError>(kTruth, wall(), within(11.5)), "no error");
+}
+
+TEST(Calibrate, RefusesFewerThanTwoRangesForEachParameter) {
+  std::vector<RangeObservation> seen;
+  const std::vector<RangeObservation> all = exact_ranges(-1.0, 1.0);
+  for (std::size_t k = 0; k < 14; ++k) seen.push_back(all[k * (all.size() / 14)]);
+  EXPECT_EQ(refusal<InputError>(kTruth, wall(), seen), "no error") << "4 bars, zero, offset, distance: 14 for 7";
+  seen.pop_back();
+  EXPECT_THAT(refusal<InputError>(kTruth, wall(), seen),
+              AllOf(HasSubstr("13 of 13 ranges"), HasSubstr("7 parameters"), HasSubstr("at least 14")));
+}
+
+TEST(Calibrate, UsesTheRangesWithinTheElevationAsked) {
+  const std::vector<RangeObservation> all = exact_ranges();
+  for (const double degrees : {30.0, 45.0}) {
+    CalibrationOptions options;
+    options.max_elevation_rad = rad_from_deg(degrees);
+    const std::size_t within = exact_ranges(-rad_from_deg(degrees), rad_from_deg(degrees)).size();
+    ASSERT_LT(within, all.size());
+    EXPECT_EQ(calibrate(kTruth, wall(), all, options).observations, within) << degrees;
+  }
+}
+
+TEST(Calibrate, ExactRangesLeaveTheTruthAsItIs) {
+  const CalibrationResult result = calibrate(kTruth, wall(), exact_ranges(), {});
+  EXPECT_TRUE(result.converged);
+  EXPECT_EQ(result.outliers, 0U);
+  EXPECT_LT(result.all_rms, 1e-3);
+  EXPECT_GT(result.other_assembly_rms, 1.0) << "the other assembly does not fit";
+  for (const CalibratedParameter& parameter : result.parameters) {
+    EXPECT_NEAR(parameter.estimate, parameter.start, 1e-6) << parameter.name;
+    EXPECT_FALSE(parameter.at_bound) << parameter.name;
+  }
+  EXPECT_THAT(result.remarks, Contains(HasSubstr("one wall tells")));
+  EXPECT_THAT(result.remarks, Not(Contains(HasSubstr("on its bound"))));
+  EXPECT_THAT(result.remarks, Not(Contains(HasSubstr("scatter"))));
+  EXPECT_THAT(result.remarks, Not(Contains(HasSubstr("do not fit"))));
+}
+
+TEST(Calibrate, FindsTheAssemblyThatWasStatedWrongly) {
+  SweepModel start = kTruth;
+  start.assembly = kTruth.assembly == Assembly::kOpen ? Assembly::kCrossed : Assembly::kOpen;
+  start.elevation_sign = -kTruth.elevation_sign;
+  const CalibrationResult result = calibrate(start, wall(), exact_ranges(), {});
+  EXPECT_EQ(result.model.assembly, kTruth.assembly);
+  EXPECT_EQ(result.model.elevation_sign, kTruth.elevation_sign);
+  EXPECT_LT(result.all_rms, 0.1);
+  CalibrationOptions stays;
+  stays.try_both_assemblies = false;
+  EXPECT_EQ(calibrate(start, wall(), exact_ranges(), stays).model.assembly, start.assembly);
+}
+
+TEST(Calibrate, FindsAZeroThatIsNotKnown) {
+  for (const double off : {2.0, -2.5}) {
+    SweepModel start = kTruth;
+    start.encoder.zero_rad = wrap_angle(kTruth.encoder.zero_rad + off);
+    CalibrationOptions options;
+    options.search_zero = true;
+    const CalibrationResult result = calibrate(start, wall(), exact_ranges(), options);
+    EXPECT_LT(result.all_rms, 0.1) << off;
+    for (int stop = 0; stop < 200; stop += 7) {
+      const double ticks = static_cast<double>(kTruth.encoder.ticks_per_turn) * stop / 200.0;
+      const double right = *elevation_rad(kTruth, crank_rad(kTruth.encoder, ticks));
+      if (std::fabs(right) > 1.0) continue;
+      EXPECT_NEAR(*elevation_rad(result.model, crank_rad(result.model.encoder, ticks)), right, 2e-4) << off;
+    }
+  }
+}
+
+// One range in ten may be of something else; with one more the result says so. All others are exact.
+TEST(Calibrate, RemarksOnMoreThanATenthThatDoesNotFit) {
+  for (const bool is_one_more : {false, true}) {
+    std::vector<RangeObservation> seen = exact_ranges(-1.0, 1.0);
+    ASSERT_GE(seen.size(), 90U);
+    seen.resize(90);
+    for (std::size_t k = 0; k < (is_one_more ? 10U : 9U); ++k) seen[8 * k + 3].range_m -= 0.5;
+    const CalibrationResult result = calibrate(kTruth, wall(), seen, {});
+    EXPECT_EQ(result.observations, 90U);
+    EXPECT_EQ(result.outliers, is_one_more ? 10U : 9U);
+    EXPECT_THAT(result.remarks, is_one_more
+                                    ? testing::Matcher<std::vector<std::string>>(Contains(HasSubstr("10 of 90")))
+                                    : Not(Contains(HasSubstr("do not fit"))));
+  }
+}
+
+}  // namespace
+}  // namespace gdtslam::calib
