@@ -138,6 +138,23 @@ TEST_P(SweepModelOracle, QuantisationBoundHoldsAndIsTight) {
   }
 }
 
+// With ticks and ranges as fine as can be, what is left of the bound is the table's own error.
+TEST_P(SweepModelOracle, TheBoundOfTheTableHoldsAndIsTight) {
+  SweepModel model = model_;
+  model.mount = {};
+  model.encoder.ticks_per_turn = std::int64_t{1} << 50;
+  const ElevationTable table = elevation_table(model);
+  double worst_rad = 0.0;
+  for (int i = 0; i < 400'000; ++i) {
+    const double turns = (i + 0.377) / 400'000.0;
+    const double found = static_cast<float>(table.elevation_rad(phase_of_turns(turns)));
+    worst_rad = std::max(worst_rad, apart_rad(found, elevation_at(model, turns)));
+  }
+  const double bound_rad = quantisation_bound_m(model, 1.0, 0.0);
+  EXPECT_LE(worst_rad, bound_rad);
+  EXPECT_GE(worst_rad, 0.5 * bound_rad);
+}
+
 INSTANTIATE_TEST_SUITE_P(Presets, SweepModelOracle,
                          testing::Values("paper-a", "paper-a-calibrated", "paper-b", "paper-b-calibrated", "paper-c",
                                          "paper-c-calibrated"),
