@@ -5,7 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <limits>
 #include <string>
@@ -229,6 +231,33 @@ TEST(Calibrate, FindsAZeroThatIsNotKnown) {
       EXPECT_NEAR(*elevation_rad(result.model, crank_rad(result.model.encoder, ticks)), right, 2e-4) << off;
     }
   }
+}
+
+TEST(Calibrate, RemarksOnRangesThatScatterTwiceAsMuchAsStated) {
+  for (const bool is_more : {false, true}) {
+    std::vector<RangeObservation> seen = exact_ranges(-1.0, 1.0);
+    // Errors along the beam of so many sigmas, up and down in turn; what is left over is that of the ranges across.
+    for (std::size_t k = 0; k < seen.size(); ++k) {
+      seen[k].range_m += seen[k].sigma_m * (is_more ? 2.3 : 1.8) * (k / 2 % 2 == 0 ? 1.0 : -1.0);
+    }
+    const CalibrationResult result = calibrate(kTruth, wall(), seen, {.huber_sigmas = 10.0});
+    EXPECT_NEAR(result.residual_rms, is_more ? 2.3 : 1.8, 0.1);
+    EXPECT_EQ(std::count_if(result.remarks.begin(), result.remarks.end(),
+                            [](const std::string& remark) { return remark.find("scatter more") != std::string::npos; }),
+              is_more ? 1 : 0);
+    EXPECT_GT(result.iterations, 0);
+    EXPECT_FALSE(result.reason.empty());
+  }
+}
+
+// A lone wall that leans is an elevation offset, whatever the bars are: the ranges cannot show it.
+TEST(Calibrate, SaysThatALeaningWallWouldBeReadAsAnOffset) {
+  const CalibrationResult result = calibrate(kTruth, wall(), exact_ranges(-1.0, 1.0), {});
+  EXPECT_THAT(result.remarks, Contains(HasSubstr("wall leaning by 0.1 deg cannot be told apart")));
+  std::vector<CalibrationSurface> unknown = wall();
+  unknown.front().name = "front";
+  EXPECT_THAT(calibrate(kTruth, unknown, exact_ranges(-1.0, 1.0), {}).remarks,
+              Contains(HasSubstr("front leaning by 0.1 deg cannot be told apart")));
 }
 
 // One range in ten may be of something else; with one more the result says so. All others are exact.

@@ -191,6 +191,26 @@ TEST(CalibrationResidual, ARangeTooShortHasTheElevationOfTheShortest) {
   EXPECT_NEAR(measured_elevation_rad({}, wall, {.range_m = 1.9}, 0.1), 0.0, 1e-12);
 }
 
+// The cosine of the angle from beam to normal, both as unit vectors of the level frame (x ahead, y left, z up).
+TEST(CalibrationResidual, IncidenceIsTheCosineFromBeamToNormal) {
+  const NoddingMount plain;
+  for (const double elevation : {-0.7, 0.0, 0.4}) {
+    for (const double bearing : {-0.5, 0.0, 0.8}) {
+      const Point3 beam(std::cos(bearing) * std::cos(elevation), std::sin(bearing),
+                        std::cos(bearing) * std::sin(elevation));
+      for (const double heading : {-0.6, 0.0, 0.3}) {
+        const CalibrationSurface wall{.name = "wall", .heading_rad = heading};
+        EXPECT_NEAR(surface_incidence(plain, wall, elevation, bearing),
+                    beam.dot(Point3(std::cos(heading), std::sin(heading), 0.0)), 1e-12);
+      }
+      EXPECT_NEAR(surface_incidence(plain, {.name = "floor", .kind = SurfaceKind::kFloor}, elevation, bearing),
+                  -beam.z(), 1e-12);
+      EXPECT_NEAR(surface_incidence(plain, {.name = "above", .kind = SurfaceKind::kCeiling}, elevation, bearing),
+                  beam.z(), 1e-12);
+    }
+  }
+}
+
 TEST(CalibrationResidual, NothingWhereTheLoopDoesNotClose) {
   SweepModel model = scanner();
   model.bars.coupler_m = 0.4;

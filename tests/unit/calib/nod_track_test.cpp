@@ -167,6 +167,23 @@ TEST(NodTrack, OneTickIsNoJumpHoweverCloseTheMessages) {
   EXPECT_NEAR(track.faults().jumps.first_stamp_s, 1.000002, 1e-9);
 }
 
+// Binary fractions, so that the limit is met exactly: 4 turns a second for 1/16 s and one tick of 1024 are 257 ticks.
+TEST(NodTrack, AsFastAsTheLimitIsNoJumpAndOneTickMoreIs) {
+  for (const std::int64_t ticks : {256, 257, -257}) {
+    NodTrack track(encoder_of(1024, true), {.max_gap_s = 0.25, .max_turns_per_s = 4.0});
+    track.take(Encoder{1.0, 1000});
+    track.take(Encoder{1.0625, 1000 + ticks});
+    EXPECT_EQ(track.faults().jumps.count, 0U) << ticks;
+    EXPECT_EQ(track.faults().backwards.count, ticks < 0 ? 1U : 0U) << ticks;
+  }
+  for (const std::int64_t ticks : {258, -258}) {
+    NodTrack track(encoder_of(1024, true), {.max_gap_s = 0.25, .max_turns_per_s = 4.0});
+    track.take(Encoder{1.0, 1000});
+    track.take(Encoder{1.0625, 1000 + ticks});
+    EXPECT_EQ(track.faults().jumps.count, 1U) << ticks;
+  }
+}
+
 TEST(NodTrack, MissingMessagesLeaveAGap) {
   NodTrack track(encoder_of(1000, true), {});
   for (const double time_s : {0.0, 0.25, 0.51, 0.6}) track.take(Encoder{time_s, 10});
