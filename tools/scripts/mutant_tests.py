@@ -67,7 +67,7 @@ class Program:
 
     def failure(self, program, folder, chosen):
         """The name of the first of the chosen tests that fails in this copy of it; None where all pass."""
-        limit_s = 5 * (self.usual_s + (0 if chosen.startswith("-") or not self.left_out else self.slowest_s)) + 30
+        limit_s = 5 * (self.usual_s + self.slowest_s) + 30
         status, output = finished([program, f"--gtest_filter={chosen}", "--gtest_fail_fast", "--gtest_brief=1"], limit_s,
                                   cwd=self.tree.build, env=surroundings(folder))
         if status == 0:
@@ -76,8 +76,9 @@ class Program:
         how = "takes too long" if status is None else f"ends with {status}"
         return failed[1].rstrip(",") if failed else f"{self.name}, which {how}"
 
-    def quick(self):
-        return "-" + ":".join(self.left_out)
+    def quick(self, source):
+        """The filter of the tests that are not slow, or that name the source."""
+        return "-" + ":".join(name for name in self.left_out if source.stem not in name)
 
 
 def suites_beside(source, folders):

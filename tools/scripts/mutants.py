@@ -9,7 +9,7 @@ an angle, a whole number that is one off, another number doubled or halved, `&&`
 turned round, a call whose result nobody uses left out, so an fsync or a lock. Each is compiled and held against the unit,
 property and oracle tests of its part until one fails. It is noticed when one fails, crashes or takes more than five times its
 usual time. The first run is of the programs as they are: all has to pass; tests that take longer than --slow (2 s) there are
-left out, and named. With --whole, what survived is then held against every test that uses the part's library, those that take
+left out, unless their name is that of the source, and named. With --whole, what survived is then held against every test that uses the part's library, those that take
 long among them, and against the tests of the command that EACH_PART names. --again FILE judges once more what survived in a run
 whose --json is that file, so that new tests can be tried.
 
@@ -107,10 +107,10 @@ class Judge:
             linked = [(program, self.tree.link(program.name, objects, folder / program.name)) for program in self.programs]
             if None in [file for _, file in linked]:
                 return "does not compile", ""
-            beside = ":".join(f"*{suite}.*" for suite in suites_beside(mutant.path, self.folders))
-            for chosen in ([beside] if beside else []) + [None]:
+            beside = ":".join([f"*{suite}.*" for suite in suites_beside(mutant.path, self.folders)] + [f"*{mutant.path.stem}*"])
+            for chosen in (beside, ""):
                 for program, file in linked:
-                    tests = program.quick() if chosen is None else chosen + program.quick()
+                    tests = chosen + program.quick(mutant.path)
                     why = program.failure(file, folder / "work", tests)
                     if why:
                         return "noticed", why
