@@ -24,13 +24,13 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr double kWall_m = 2.0;
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+constexpr double kEndless = std::numeric_limits<double>::infinity();
+constexpr double kExactWall_m = 2.0;
 
 const SweepModel kTruth = sweep_model_of_preset("paper-b");
 
-std::vector<CalibrationSurface> wall() { return {{.name = "wall", .distance_m = kWall_m}}; }
+std::vector<CalibrationSurface> exact_wall() { return {{.name = "wall", .distance_m = kExactWall_m}}; }
 
 // Exact ranges to the wall from 200 stops of the crank where the elevation is within the limits.
 std::vector<RangeObservation> exact_ranges(double from_rad = -1.4, double to_rad = 1.4, double sigma_m = 0.001) {
@@ -39,7 +39,7 @@ std::vector<RangeObservation> exact_ranges(double from_rad = -1.4, double to_rad
     const double ticks = static_cast<double>(kTruth.encoder.ticks_per_turn) * stop / 200.0;
     const double elevation = *elevation_rad(kTruth, crank_rad(kTruth.encoder, ticks));
     if (elevation < from_rad || elevation > to_rad) continue;
-    seen.push_back({.ticks = ticks, .range_m = kWall_m / std::cos(elevation), .sigma_m = sigma_m});
+    seen.push_back({.ticks = ticks, .range_m = kExactWall_m / std::cos(elevation), .sigma_m = sigma_m});
   }
   return seen;
 }
@@ -57,46 +57,49 @@ std::string refusal(const SweepModel& start, const std::vector<CalibrationSurfac
 
 TEST(Calibrate, RefusesEachObservationThatIsNone) {
   const std::vector<std::function<void(RangeObservation&)>> faults{
-      [](RangeObservation& o) { o.range_m = 0.0; },      [](RangeObservation& o) { o.range_m = -1.0; },
-      [](RangeObservation& o) { o.range_m = kNan; },     [](RangeObservation& o) { o.range_m = kInf; },
-      [](RangeObservation& o) { o.sigma_m = 0.0; },      [](RangeObservation& o) { o.sigma_m = -0.01; },
-      [](RangeObservation& o) { o.sigma_m = kNan; },     [](RangeObservation& o) { o.sigma_m = kInf; },
-      [](RangeObservation& o) { o.ticks = kNan; },       [](RangeObservation& o) { o.ticks = kInf; },
-      [](RangeObservation& o) { o.bearing_rad = kNan; }, [](RangeObservation& o) { o.bearing_rad = kInf; }};
+      [](RangeObservation& o) { o.range_m = 0.0; },           [](RangeObservation& o) { o.range_m = -1.0; },
+      [](RangeObservation& o) { o.range_m = kNoNumber; },     [](RangeObservation& o) { o.range_m = kEndless; },
+      [](RangeObservation& o) { o.sigma_m = 0.0; },           [](RangeObservation& o) { o.sigma_m = -0.01; },
+      [](RangeObservation& o) { o.sigma_m = kNoNumber; },     [](RangeObservation& o) { o.sigma_m = kEndless; },
+      [](RangeObservation& o) { o.ticks = kNoNumber; },       [](RangeObservation& o) { o.ticks = kEndless; },
+      [](RangeObservation& o) { o.bearing_rad = kNoNumber; }, [](RangeObservation& o) { o.bearing_rad = kEndless; }};
   for (std::size_t k = 0; k < faults.size(); ++k) {
     std::vector<RangeObservation> seen = exact_ranges();
     faults[k](seen[17]);
-    EXPECT_THAT(refusal<InputError>(kTruth, wall(), seen), AllOf(HasSubstr("observation 17"), HasSubstr("no length")))
+    EXPECT_THAT(refusal<InputError>(kTruth, exact_wall(), seen),
+                AllOf(HasSubstr("observation 17"), HasSubstr("no length")))
         << k;
   }
   std::vector<RangeObservation> seen = exact_ranges();
   seen[0].surface = 1;  // there is one, number 0
-  EXPECT_THAT(refusal<InputError>(kTruth, wall(), seen), AllOf(HasSubstr("observation 0"), HasSubstr("not given")));
-  std::vector<CalibrationSurface> two = wall();
+  EXPECT_THAT(refusal<InputError>(kTruth, exact_wall(), seen),
+              AllOf(HasSubstr("observation 0"), HasSubstr("not given")));
+  std::vector<CalibrationSurface> two = exact_wall();
   two.push_back({.name = "ceiling", .kind = SurfaceKind::kCeiling, .distance_m = 1.0});
   EXPECT_EQ(refusal<InputError>(kTruth, two, exact_ranges()), "no error") << "the last number that there is";
 }
 
 TEST(Calibrate, RefusesASurfaceThatIsNowhere) {
   EXPECT_THAT(refusal<ConfigError>(kTruth, {}, {}), HasSubstr("no surface"));
-  for (const double distance : {0.0, -2.0, kNan, kInf}) {
+  for (const double distance : {0.0, -2.0, kNoNumber, kEndless}) {
     EXPECT_THAT(refusal<ConfigError>(kTruth, {{.name = "here", .distance_m = distance}}, exact_ranges()),
                 HasSubstr("distance of here"))
         << distance;
   }
-  for (const double heading : {kNan, kInf, -kInf}) {
+  for (const double heading : {kNoNumber, kEndless, -kEndless}) {
     EXPECT_THAT(
         refusal<ConfigError>(kTruth, {{.name = "w", .distance_m = 2.0, .heading_rad = heading}}, exact_ranges()),
         HasSubstr("distance of w"))
         << heading;
   }
-  EXPECT_EQ(refusal<ConfigError>(kTruth, {{.name = "near", .distance_m = 0.9 * kWall_m}}, exact_ranges()), "no error");
+  EXPECT_EQ(refusal<ConfigError>(kTruth, {{.name = "near", .distance_m = 0.9 * kExactWall_m}}, exact_ranges()),
+            "no error");
 }
 
 TEST(Calibrate, RefusesAStartWhoseLoopOpens) {
   SweepModel start = kTruth;
   start.bars.crank_m = start.bars.ground_m + start.bars.rocker_m;  // no longer the shortest
-  EXPECT_THAT(refusal<ConfigError>(start, wall(), exact_ranges()), HasSubstr("does not close all around"));
+  EXPECT_THAT(refusal<ConfigError>(start, exact_wall(), exact_ranges()), HasSubstr("does not close all around"));
 }
 
 // The limits are those that the message names: each of them is allowed, the next number beyond is not.
@@ -121,11 +124,11 @@ TEST(Calibrate, OptionsAreAllowedUpToTheirLimits) {
       options.*members[k] = good;
       EXPECT_TRUE(validate(options).empty()) << k << ' ' << good;
     }
-    for (const double bad : {std::nextafter(least, -1.0), std::nextafter(most, 1e9), kNan}) {
+    for (const double bad : {std::nextafter(least, -1.0), std::nextafter(most, 1e9), kNoNumber}) {
       options.*members[k] = bad;
       EXPECT_EQ(validate(options).size(), 1U) << k << ' ' << bad;
     }
-    EXPECT_THAT(refusal<ConfigError>(kTruth, wall(), exact_ranges(), options), HasSubstr("calibration: ")) << k;
+    EXPECT_THAT(refusal<ConfigError>(kTruth, exact_wall(), exact_ranges(), options), HasSubstr("calibration: ")) << k;
   }
   CalibrationOptions options;
   for (const double degrees : {5.001, 88.999}) {
@@ -162,17 +165,17 @@ TEST(Calibrate, RefusesASweepOfLessThanTenDegrees) {
     }
     return seen;
   };
-  EXPECT_THAT(refusal<InputError>(kTruth, wall(), within(9.0)), HasSubstr("a whole turn of the crank"));
-  EXPECT_EQ(refusal<InputError>(kTruth, wall(), within(11.5)), "no error");
+  EXPECT_THAT(refusal<InputError>(kTruth, exact_wall(), within(9.0)), HasSubstr("a whole turn of the crank"));
+  EXPECT_EQ(refusal<InputError>(kTruth, exact_wall(), within(11.5)), "no error");
 }
 
 TEST(Calibrate, RefusesFewerThanTwoRangesForEachParameter) {
   std::vector<RangeObservation> seen;
   const std::vector<RangeObservation> all = exact_ranges(-1.0, 1.0);
   for (std::size_t k = 0; k < 14; ++k) seen.push_back(all[k * (all.size() / 14)]);
-  EXPECT_EQ(refusal<InputError>(kTruth, wall(), seen), "no error") << "4 bars, zero, offset, distance: 14 for 7";
+  EXPECT_EQ(refusal<InputError>(kTruth, exact_wall(), seen), "no error") << "4 bars, zero, offset, distance: 14 for 7";
   seen.pop_back();
-  EXPECT_THAT(refusal<InputError>(kTruth, wall(), seen),
+  EXPECT_THAT(refusal<InputError>(kTruth, exact_wall(), seen),
               AllOf(HasSubstr("13 of 13 ranges"), HasSubstr("7 parameters"), HasSubstr("at least 14")));
 }
 
@@ -183,12 +186,12 @@ TEST(Calibrate, UsesTheRangesWithinTheElevationAsked) {
     options.max_elevation_rad = rad_from_deg(degrees);
     const std::size_t within = exact_ranges(-rad_from_deg(degrees), rad_from_deg(degrees)).size();
     ASSERT_LT(within, all.size());
-    EXPECT_EQ(calibrate(kTruth, wall(), all, options).observations, within) << degrees;
+    EXPECT_EQ(calibrate(kTruth, exact_wall(), all, options).observations, within) << degrees;
   }
 }
 
 TEST(Calibrate, ExactRangesLeaveTheTruthAsItIs) {
-  const CalibrationResult result = calibrate(kTruth, wall(), exact_ranges(), {});
+  const CalibrationResult result = calibrate(kTruth, exact_wall(), exact_ranges(), {});
   EXPECT_TRUE(result.converged);
   EXPECT_EQ(result.outliers, 0U);
   EXPECT_LT(result.all_rms, 1e-3);
@@ -207,13 +210,13 @@ TEST(Calibrate, FindsTheAssemblyThatWasStatedWrongly) {
   SweepModel start = kTruth;
   start.assembly = kTruth.assembly == Assembly::kOpen ? Assembly::kCrossed : Assembly::kOpen;
   start.elevation_sign = -kTruth.elevation_sign;
-  const CalibrationResult result = calibrate(start, wall(), exact_ranges(), {});
+  const CalibrationResult result = calibrate(start, exact_wall(), exact_ranges(), {});
   EXPECT_EQ(result.model.assembly, kTruth.assembly);
   EXPECT_EQ(result.model.elevation_sign, kTruth.elevation_sign);
   EXPECT_LT(result.all_rms, 0.1);
   CalibrationOptions stays;
   stays.try_both_assemblies = false;
-  EXPECT_EQ(calibrate(start, wall(), exact_ranges(), stays).model.assembly, start.assembly);
+  EXPECT_EQ(calibrate(start, exact_wall(), exact_ranges(), stays).model.assembly, start.assembly);
 }
 
 TEST(Calibrate, FindsAZeroThatIsNotKnown) {
@@ -222,7 +225,7 @@ TEST(Calibrate, FindsAZeroThatIsNotKnown) {
     start.encoder.zero_rad = wrap_angle(kTruth.encoder.zero_rad + off);
     CalibrationOptions options;
     options.search_zero = true;
-    const CalibrationResult result = calibrate(start, wall(), exact_ranges(), options);
+    const CalibrationResult result = calibrate(start, exact_wall(), exact_ranges(), options);
     EXPECT_LT(result.all_rms, 0.1) << off;
     for (int stop = 0; stop < 200; stop += 7) {
       const double ticks = static_cast<double>(kTruth.encoder.ticks_per_turn) * stop / 200.0;
@@ -240,7 +243,7 @@ TEST(Calibrate, RemarksOnRangesThatScatterTwiceAsMuchAsStated) {
     for (std::size_t k = 0; k < seen.size(); ++k) {
       seen[k].range_m += seen[k].sigma_m * (is_more ? 2.3 : 1.8) * (k / 2 % 2 == 0 ? 1.0 : -1.0);
     }
-    const CalibrationResult result = calibrate(kTruth, wall(), seen, {.huber_sigmas = 10.0});
+    const CalibrationResult result = calibrate(kTruth, exact_wall(), seen, {.huber_sigmas = 10.0});
     EXPECT_NEAR(result.residual_rms, is_more ? 2.3 : 1.8, 0.1);
     EXPECT_EQ(std::count_if(result.remarks.begin(), result.remarks.end(),
                             [](const std::string& remark) { return remark.find("scatter more") != std::string::npos; }),
@@ -252,9 +255,9 @@ TEST(Calibrate, RemarksOnRangesThatScatterTwiceAsMuchAsStated) {
 
 // A lone wall that leans is an elevation offset, whatever the bars are: the ranges cannot show it.
 TEST(Calibrate, SaysThatALeaningWallWouldBeReadAsAnOffset) {
-  const CalibrationResult result = calibrate(kTruth, wall(), exact_ranges(-1.0, 1.0), {});
+  const CalibrationResult result = calibrate(kTruth, exact_wall(), exact_ranges(-1.0, 1.0), {});
   EXPECT_THAT(result.remarks, Contains(HasSubstr("wall leaning by 0.1 deg cannot be told apart")));
-  std::vector<CalibrationSurface> unknown = wall();
+  std::vector<CalibrationSurface> unknown = exact_wall();
   unknown.front().name = "front";
   EXPECT_THAT(calibrate(kTruth, unknown, exact_ranges(-1.0, 1.0), {}).remarks,
               Contains(HasSubstr("front leaning by 0.1 deg cannot be told apart")));
@@ -267,7 +270,7 @@ TEST(Calibrate, RemarksOnMoreThanATenthThatDoesNotFit) {
     ASSERT_GE(seen.size(), 90U);
     seen.resize(90);
     for (std::size_t k = 0; k < (is_one_more ? 10U : 9U); ++k) seen[8 * k + 3].range_m -= 0.5;
-    const CalibrationResult result = calibrate(kTruth, wall(), seen, {});
+    const CalibrationResult result = calibrate(kTruth, exact_wall(), seen, {});
     EXPECT_EQ(result.observations, 90U);
     EXPECT_EQ(result.outliers, is_one_more ? 10U : 9U);
     EXPECT_THAT(result.remarks, is_one_more

@@ -14,14 +14,14 @@
 namespace gdtslam::calib {
 namespace {
 
-constexpr double kWall_m = 2.0;
-constexpr double kFloor_m = 0.4;
-constexpr double kCeiling_m = 2.1;
+constexpr double kRoomWall_m = 2.0;
+constexpr double kRoomFloor_m = 0.4;
+constexpr double kRoomCeiling_m = 2.1;
 
-std::vector<CalibrationSurface> room() {
-  return {{.name = "wall", .distance_m = kWall_m},
-          {.name = "floor", .kind = SurfaceKind::kFloor, .distance_m = kFloor_m},
-          {.name = "ceiling", .kind = SurfaceKind::kCeiling, .distance_m = kCeiling_m}};
+std::vector<CalibrationSurface> upright_room() {
+  return {{.name = "wall", .distance_m = kRoomWall_m},
+          {.name = "floor", .kind = SurfaceKind::kFloor, .distance_m = kRoomFloor_m},
+          {.name = "ceiling", .kind = SurfaceKind::kCeiling, .distance_m = kRoomCeiling_m}};
 }
 
 struct Meeting {
@@ -36,27 +36,27 @@ Meeting met(double elevation, bool has_floor = true) {
   const auto offer = [&](std::uint32_t surface, double distance, double incidence) {
     if (incidence > 0.0 && distance / incidence < nearest.range_m) nearest = {surface, distance / incidence, incidence};
   };
-  offer(0, kWall_m, std::cos(elevation));
-  if (has_floor) offer(1, kFloor_m, -std::sin(elevation));
-  offer(2, kCeiling_m, std::sin(elevation));
+  offer(0, kRoomWall_m, std::cos(elevation));
+  if (has_floor) offer(1, kRoomFloor_m, -std::sin(elevation));
+  offer(2, kRoomCeiling_m, std::sin(elevation));
   return nearest;
 }
 
 // A mount whose elevations reach the floor, the wall and the ceiling, and the forward beams of a turn.
-SweepModel mount() {
+SweepModel wide_mount() {
   SweepModel model = sweep_model_of_preset("paper-b");
   model.mount = {};
   model.elevation_offset_rad -= 0.6;
   return model;
 }
 
-struct Beam {
+struct TurnedBeam {
   double ticks;
   double elevation;
 };
 
-std::vector<Beam> beams(const SweepModel& model) {
-  std::vector<Beam> all;
+std::vector<TurnedBeam> beams_of_a_turn(const SweepModel& model) {
+  std::vector<TurnedBeam> all;
   for (int stop = 0; stop < 400; ++stop) {
     const double ticks = static_cast<double>(model.encoder.ticks_per_turn) * stop / 400.0;
     all.push_back({ticks, *elevation_rad(model, crank_rad(model.encoder, ticks))});
@@ -65,11 +65,11 @@ std::vector<Beam> beams(const SweepModel& model) {
 }
 
 TEST(AssignSurfaces, EachRangeIsOfTheSurfaceThatItsBeamMeetsFirst) {
-  const SweepModel model = mount();
+  const SweepModel model = wide_mount();
   std::vector<RangeObservation> seen;
   std::vector<std::uint32_t> expected;
   std::array<int, 3> counts{};
-  for (const Beam& beam : beams(model)) {
+  for (const TurnedBeam& beam : beams_of_a_turn(model)) {
     const Meeting meeting = met(beam.elevation);
     ASSERT_LT(meeting.surface, 3U);
     seen.push_back({.ticks = beam.ticks, .range_m = meeting.range_m, .surface = 2});
@@ -77,7 +77,7 @@ TEST(AssignSurfaces, EachRangeIsOfTheSurfaceThatItsBeamMeetsFirst) {
     ++counts.at(meeting.surface);
   }
   for (const int count : counts) ASSERT_GT(count, 10);
-  EXPECT_EQ(assign_surfaces(model, room(), 0.001, seen), 0U);
+  EXPECT_EQ(assign_surfaces(model, upright_room(), 0.001, seen), 0U);
   ASSERT_EQ(seen.size(), expected.size());
   for (std::size_t k = 0; k < seen.size(); ++k) EXPECT_EQ(seen[k].surface, expected[k]) << k;
 }
@@ -85,29 +85,29 @@ TEST(AssignSurfaces, EachRangeIsOfTheSurfaceThatItsBeamMeetsFirst) {
 // The gate is on the distance from the surface, not along the beam.
 TEST(AssignSurfaces, WhatMissesByMoreThanTheGateIsTakenOut) {
   constexpr double kGate_m = 0.1;
-  const SweepModel model = mount();
+  const SweepModel model = wide_mount();
   for (const double miss_m : {-0.101, -0.099, 0.099, 0.101}) {
     std::vector<RangeObservation> seen;
-    for (const Beam& beam : beams(model)) {
+    for (const TurnedBeam& beam : beams_of_a_turn(model)) {
       const Meeting meeting = met(beam.elevation);
       seen.push_back({.ticks = beam.ticks, .range_m = meeting.range_m + miss_m / meeting.incidence});
     }
     const std::size_t all = seen.size();
     const bool is_within = std::fabs(miss_m) < kGate_m;
-    EXPECT_EQ(assign_surfaces(model, room(), kGate_m, seen), is_within ? 0U : all) << miss_m;
+    EXPECT_EQ(assign_surfaces(model, upright_room(), kGate_m, seen), is_within ? 0U : all) << miss_m;
     EXPECT_EQ(seen.size(), is_within ? all : 0U) << miss_m;
   }
 }
 
 TEST(AssignSurfaces, WhatMeetsNoSurfaceIsTakenOut) {
-  const SweepModel model = mount();
-  const std::vector<CalibrationSurface> ceiling{room()[2]};
+  const SweepModel model = wide_mount();
+  const std::vector<CalibrationSurface> ceiling{upright_room()[2]};
   std::vector<RangeObservation> seen;
   std::size_t upward = 0;
-  for (const Beam& beam : beams(model)) {
+  for (const TurnedBeam& beam : beams_of_a_turn(model)) {
     if (std::fabs(beam.elevation) < 0.1) continue;  // too flat for a ceiling to say anything
     upward += beam.elevation > 0.0 ? 1U : 0U;
-    seen.push_back({.ticks = beam.ticks, .range_m = kCeiling_m / std::fabs(std::sin(beam.elevation))});
+    seen.push_back({.ticks = beam.ticks, .range_m = kRoomCeiling_m / std::fabs(std::sin(beam.elevation))});
   }
   const std::size_t all = seen.size();
   ASSERT_GT(upward, 10U);
