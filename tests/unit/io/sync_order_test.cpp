@@ -1,0 +1,92 @@
+// docs/formats.md: everything is written to a temporary name in the same folder, synced and renamed, and then the
+// folder is synced. A call that is left out loses nothing until the power fails, so the calls themselves are looked at.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "engine/io/atomic_file.hpp"
+#include "engine/io/binary/log_copy_writer.hpp"
+#include "gdtslam/core/error.hpp"
+#include "io_test_support.hpp"
+#include "support/recorded_calls.hpp"
+
+namespace gdtslam {
+namespace {
+
+using test::RecordedCalls;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+TEST(SyncOrder, AFileIsOnTheDiskBeforeItTakesItsNameAndThenItsFolderIs) {
+  const TemporaryFolder folder;
+  const RecordedCalls calls(folder / "");
+  write_file_atomically(folder / "a.txt", "new");
+  EXPECT_THAT(calls.all(), ElementsAre("lock ~", "sync ~", "rename ~ to a.txt", "sync ."));
+}
+
+TEST(SyncOrder, ASyncOfWhatHasNotChangedIsMadeOnce) {
+  const TemporaryFolder folder;
+  const RecordedCalls calls(folder / "");
+  AtomicFile file(folder / "a.txt");
+  file.write("one");
+  file.sync();
+  file.sync();
+  EXPECT_THAT(calls.all(), ElementsAre("lock ~", "sync ~"));
+  file.write("two");
+  file.sync();
+  EXPECT_THAT(calls.all(), ElementsAre("lock ~", "sync ~", "sync ~"));
+  file.rewrite_begin("ONE");
+  file.commit();
+  EXPECT_THAT(calls.all(), ElementsAre("lock ~", "sync ~", "sync ~", "sync ~", "rename ~ to a.txt", "sync ."));
+  EXPECT_EQ(get_file(folder / "a.txt"), "ONEtwo");
+}
+
+TEST(SyncOrder, OfASetAllAreOnTheDiskBeforeTheFirstTakesItsName) {
+  const TemporaryFolder folder;
+  put_file(folder / "a", "old");
+  const RecordedCalls calls(folder / "");
+  AtomicFileSet files;
+  files.add(folder / "a").write("new a");
+  files.add(folder / "b").write("new b");
+  files.commit();
+  const std::vector<std::string> made = calls.all();
+  std::size_t synced = 0;
+  std::size_t named = 0;
+  for (const std::string& call : made) {
+    if (call == "sync ~") {
+      EXPECT_EQ(named, 0U) << "a name before all is on the disk";
+      ++synced;
+    }
+    if (call.find(" to ") != std::string::npos) ++named;
+  }
+  EXPECT_EQ(synced, 2U);
+  EXPECT_GE(named, 2U);
+  EXPECT_EQ(made.back(), "sync .");
+}
+
+TEST(SyncOrder, ACopyOfAFileIsOnTheDiskToo) {
+  const TemporaryFolder folder;
+  put_file(folder / "from", "text");
+  const RecordedCalls calls(folder / "");
+  copy_file_atomically(folder / "from", folder / "to");
+  EXPECT_THAT(calls.all(), ElementsAre("lock ~", "sync ~", "rename ~ to to", "sync ."));
+}
+
+TEST(SyncOrder, TheEndOfALogCopyIsOnTheDisk) {
+  const TemporaryFolder folder;
+  const RecordedCalls calls(folder / "");
+  LogCopyWriter writer;
+  writer.write_into(folder / "copy");
+  writer.add(Odometry{.stamp_s = 1.0, .T_odom_base = {1.0, 2.0, 0.5}});
+  EXPECT_THAT(calls.all(), IsEmpty());
+  writer.end({});
+  EXPECT_THAT(calls.all(), ElementsAre("sync copy"));
+  sync_file(folder / "copy");
+  EXPECT_THAT(calls.all(), ElementsAre("sync copy", "sync copy"));
+  EXPECT_THROW(sync_file(folder / "none"), FileError);
+}
+
+}  // namespace
+}  // namespace gdtslam
