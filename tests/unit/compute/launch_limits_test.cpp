@@ -34,7 +34,7 @@ std::string fault_of(const typename K::Params& params, std::vector<std::size_t> 
   return "";
 }
 
-constexpr std::size_t kPlenty = std::size_t{1} << 34U;
+constexpr std::size_t kAmple = std::size_t{1} << 34U;
 
 GdtMerge::Params merge() {
   return {.scan_width = 8,
@@ -48,8 +48,8 @@ GdtMerge::Params merge() {
           .cap = 2560};
 }
 
-std::string merge_fault(const GdtMerge::Params& params, std::size_t scan_bytes = kPlenty) {
-  return fault_of<GdtMerge>(params, {kPlenty, scan_bytes}, {params.scan_width, params.scan_height, 1});
+std::string merge_fault(const GdtMerge::Params& params, std::size_t scan_bytes = kAmple) {
+  return fault_of<GdtMerge>(params, {kAmple, scan_bytes}, {params.scan_width, params.scan_height, 1});
 }
 
 TEST(LaunchLimits, OfAMerge) {
@@ -85,8 +85,8 @@ TEST(LaunchLimits, OfAMerge) {
   // A plain field: 6 rows of 16 and a last one of 11 cells.
   EXPECT_EQ(fault_of<GdtMerge>(merge(), {214, 80}, {8, 5, 1}), "");
   EXPECT_NE(fault_of<GdtMerge>(merge(), {213, 80}, {8, 5, 1}), "");
-  EXPECT_NE(fault_of<GdtMerge>(merge(), {kPlenty, kPlenty}, {8, 4, 1}), "");
-  EXPECT_NE(fault_of<GdtMerge>(merge(), {kPlenty, kPlenty}, {7, 5, 1}), "");
+  EXPECT_NE(fault_of<GdtMerge>(merge(), {kAmple, kAmple}, {8, 4, 1}), "");
+  EXPECT_NE(fault_of<GdtMerge>(merge(), {kAmple, kAmple}, {7, 5, 1}), "");
 }
 
 GdtStamp::Params stamp() {
@@ -101,7 +101,7 @@ GdtStamp::Params stamp() {
 }
 
 std::string stamp_fault(const GdtStamp::Params& params) {
-  return fault_of<GdtStamp>(params, {kPlenty, kPlenty, kPlenty}, {params.tile_count, 1, 1});
+  return fault_of<GdtStamp>(params, {kAmple, kAmple, kAmple}, {params.tile_count, 1, 1});
 }
 
 TEST(LaunchLimits, OfAStamp) {
@@ -168,10 +168,10 @@ TEST(LaunchLimits, OfAStamp) {
   params.strip += 2;
   EXPECT_THAT(stamp_fault(params), HasSubstr("multiple of 4"));
   // 16 words of 4 bytes; 11 rows of 2 * 10 + 1 values and 32 on either side, rounded up to 88.
-  EXPECT_EQ(fault_of<GdtStamp>(stamp(), {kPlenty, 64, 88 * 11 * 2}, {2, 1, 1}), "");
-  EXPECT_NE(fault_of<GdtStamp>(stamp(), {kPlenty, 63, 88 * 11 * 2}, {2, 1, 1}), "");
-  EXPECT_NE(fault_of<GdtStamp>(stamp(), {kPlenty, 64, 88 * 11 * 2 - 1}, {2, 1, 1}), "");
-  EXPECT_NE(fault_of<GdtStamp>(stamp(), {kPlenty, kPlenty, kPlenty}, {1, 1, 1}), "");
+  EXPECT_EQ(fault_of<GdtStamp>(stamp(), {kAmple, 64, 88 * 11 * 2}, {2, 1, 1}), "");
+  EXPECT_NE(fault_of<GdtStamp>(stamp(), {kAmple, 63, 88 * 11 * 2}, {2, 1, 1}), "");
+  EXPECT_NE(fault_of<GdtStamp>(stamp(), {kAmple, 64, 88 * 11 * 2 - 1}, {2, 1, 1}), "");
+  EXPECT_NE(fault_of<GdtStamp>(stamp(), {kAmple, kAmple, kAmple}, {1, 1, 1}), "");
 }
 
 // A grid of 5 x 3 in rows of 8 cells has 2 * 8 + 5 = 21 of them.
@@ -218,10 +218,10 @@ TEST(LaunchLimits, OfJumpFlooding) {
   }
   EXPECT_NE(fault_of<JumpFloodStep>({5, 3, 8, 1}, {83, 84}, {5, 3, 1}), "");
   EXPECT_NE(fault_of<JumpFloodStep>({5, 3, 8, 1}, {84, 83}, {5, 3, 1}), "");
-  EXPECT_EQ(fault_of<JumpFloodInit>({32767, 1, 32768}, {kPlenty, kPlenty}, {32767, 1, 1}), "");
-  EXPECT_NE(fault_of<JumpFloodInit>({32768, 1, 32768}, {kPlenty, kPlenty}, {32768, 1, 1}), "");
-  EXPECT_EQ(fault_of<JumpFloodInit>({1, 32767, 4}, {kPlenty, kPlenty}, {1, 32767, 1}), "");
-  EXPECT_NE(fault_of<JumpFloodInit>({1, 32768, 4}, {kPlenty, kPlenty}, {1, 32768, 1}), "");
+  EXPECT_EQ(fault_of<JumpFloodInit>({32767, 1, 32768}, {kAmple, kAmple}, {32767, 1, 1}), "");
+  EXPECT_NE(fault_of<JumpFloodInit>({32768, 1, 32768}, {kAmple, kAmple}, {32768, 1, 1}), "");
+  EXPECT_EQ(fault_of<JumpFloodInit>({1, 32767, 4}, {kAmple, kAmple}, {1, 32767, 1}), "");
+  EXPECT_NE(fault_of<JumpFloodInit>({1, 32768, 4}, {kAmple, kAmple}, {1, 32768, 1}), "");
   using Steps = std::vector<std::uint32_t>;
   EXPECT_EQ(jump_flood_steps(JumpFloodVariant::kPlain, 9, 3), (Steps{8, 4, 2, 1}));
   EXPECT_EQ(jump_flood_steps(JumpFloodVariant::kPlain, 8, 3), (Steps{4, 2, 1}));
@@ -243,7 +243,7 @@ TEST(LaunchLimits, OfJumpFlooding) {
 TEST(LaunchLimits, OfACost) {
   const PoseCost::Params good{.width = 8, .height = 5, .stride = 8, .point_count = 3, .cap = 2560};
   const auto fault = [](const PoseCost::Params& params) {
-    return fault_of<PoseCost>(params, {kPlenty, kPlenty, kPlenty, kPlenty}, {7, 1, 1});
+    return fault_of<PoseCost>(params, {kAmple, kAmple, kAmple, kAmple}, {7, 1, 1});
   };
   EXPECT_EQ(fault(good), "");
   constexpr std::int32_t kFar = 1 << 21;
@@ -301,7 +301,7 @@ TEST(LaunchLimits, OfPointsOfASweep) {
   }
   EXPECT_NE(fault_of<SweepPoints>(good, enough, {4, 1, 1}), "");
   const auto fault = [](const SweepPoints::Params& params) {
-    return fault_of<SweepPoints>(params, {kPlenty, kPlenty, kPlenty, kPlenty}, {params.beams, 1, 1});
+    return fault_of<SweepPoints>(params, {kAmple, kAmple, kAmple, kAmple}, {params.beams, 1, 1});
   };
   SweepPoints::Params params = good;
   params.table_bits = 20;
