@@ -8,7 +8,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 WHOLE_NUMBER = r"(?<![\w.'])(\d+)(?=U?\b(?!\.|'|[a-zA-Z]))"
 DECIMAL = r"(?<![\w.'])(\d+\.\d*(?:e[+-]?\d+)?|\d+e[+-]?\d+)(?![\w.'])"
 # A value whose name says that it is an angle, where it is read: not behind a type, & or *, not in front of an assignment.
-ANGLE = (r"(?<![\w.&*>~-])(?<!double )(?<!float )(?<!auto )(?<!const )((?:\w+(?:\[\w+\])?(?:\.|->))*"
+ANGLE = (r"(?<![\w.&*>~-])(?<!double )(?<!float )(?<!_t )(?<!auto )(?<!const )((?:\w+(?:\[\w+\])?(?:\.|->))*"
          r"(?:\w*_rad|\w*theta|\w*yaw|\w*bearing|\w*heading)_?)(?=\)|,|;| [-+*/<>] )")
 
 # The kind, the pattern of the code, what takes its place where a table says it. As clang-format leaves the code, an operator

@@ -10,7 +10,7 @@ turned round, a call whose result nobody uses left out, so an fsync or a lock. E
 property and oracle tests of its part until one fails. It is noticed when one fails, crashes or takes more than five times its
 usual time. The first run is of the programs as they are: all has to pass; tests that take longer than --slow (2 s) there are
 left out, unless their name is that of the source, and named. With --whole, what survived is then held against every test that uses the part's library, those that take
-long among them, and against the tests of the command that EACH_PART names. --again FILE judges once more what survived in a run
+long among them, and against the tests of the command that PARTS names. --again FILE judges once more what survived in a run
 whose --json is that file, so that new tests can be tried.
 
 The build tree must have been made by Ninja, with tests, from the sources as they are; it may be one with
@@ -38,10 +38,11 @@ LOOPS = ("engine/mapping/loops/", "engine/mapping/back_end/")
 
 
 class Part:
-    """The sources of a part, the folders of its tests, its library, and which tests of the command use it."""
+    """The sources of a part, the names of its tests, its library, and which tests of the command use it."""
 
-    def __init__(self, folders, tests, library, command, without=(), modules=()):
-        self.folders, self.tests, self.library, self.command = folders, tests, library, command
+    def __init__(self, folders, tests, library, command, without=(), modules=(), also=()):
+        self.folders, self.library, self.command = folders, library, command
+        self.tests = [*(f"{layer}/{name}" for layer in LAYERS for name in tests), *also]
         self.without, self.modules = without, modules
 
     def sources(self):
@@ -57,7 +58,7 @@ PARTS = {
     "loops": Part(list(LOOPS), ("back_end",), "gdtslam_mapping",
                   "same_bytes_with_loops|graph_agrees|covariances_belong|keyframes_are|nodding_closes_loops|live_corrections"),
     "compute": Part(["engine/compute"], ("compute",), "gdtslam_compute", "same_bytes|verify_|accuracy_of_the_sample",
-                    ("engine/compute/cases/",)),
+                    ("engine/compute/cases/",), also=("oracle/mapping",)),  # of pose_bounds
     "calib": Part(["calib"], ("calib",), "gdtslam_calib", "calibrate_|linkage_|nodding_linkage", modules=("calibrate",)),
     "io": Part(["engine/io"], ("io",), "gdtslam_io",
                "every_write|killed_at|converted_logs|packed_logs|bag_|ros2_|bad_input|hostile|readers_notice|simulated_formats|doctor_"),
@@ -73,9 +74,9 @@ class Judge:
 
     def __init__(self, tree, part, arguments, scratch):
         self.tree, self.part, self.slow_s, self.scratch = tree, part, arguments.slow, scratch
-        self.folders = [f"tests/{layer}/{name}" for layer in LAYERS for name in part.tests]
+        self.folders = [f"tests/{name}" for name in part.tests]
         self.targets = tree.targets()
-        self.programs = self.measured([f"gdtslam_{layer}_{name}_tests" for layer in LAYERS for name in part.tests])
+        self.programs = self.measured([f"gdtslam_{name.replace('/', '_')}_tests" for name in part.tests])
         if not self.programs:
             sys.exit(f"mutants: {tree.build} has no tests of {', '.join(part.tests)}; configure it with GDTSLAM_BUILD_TESTS=ON")
         for program in self.programs:
