@@ -156,6 +156,14 @@ TEST(Png, DamagedFilesAreInputErrors) {
   for (std::size_t size = 0; size < file.size(); size += size < 60 ? 1 : 97) {
     EXPECT_THROW(decode_png_grey16(bytes_of(file.substr(0, size)), "t.png", 1 << 20), InputError) << size;
   }
+  for (const std::size_t missing : {std::size_t{1}, file.size() / 2}) {
+    try {
+      decode_png_grey16(bytes_of(file.substr(0, file.size() - missing)), "t.png", 1 << 20);
+      FAIL() << "a cut file is read";
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("stops early"), std::string::npos) << error.what();
+    }
+  }
   for (std::size_t i = 0; i < file.size(); i += i < 60 ? 1 : 97) {
     std::string damaged = file;
     damaged[i] = static_cast<char>(damaged[i] ^ 0x41);

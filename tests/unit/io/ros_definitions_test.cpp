@@ -1,0 +1,102 @@
+// The definitions of messages that recordings carry, against the sums by which ROS 1 knows the types: the MD5 of the
+// fields, where the sum of a type stands in place of its name. The sums are those of the published packages.
+#include <gtest/gtest.h>
+#include <openssl/evp.h>
+
+#include <array>
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "engine/io/writers/ros_messages.hpp"
+
+namespace gdtslam {
+namespace {
+
+std::string md5(const std::string& text) {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> sum{};
+  unsigned size = 0;
+  EVP_Digest(text.data(), text.size(), sum.data(), &size, EVP_md5(), nullptr);
+  std::string hex;
+  for (unsigned i = 0; i < size; ++i) {
+    constexpr const char* kDigits = "0123456789abcdef";
+    hex += kDigits[sum.at(i) / 16];
+    hex += kDigits[sum.at(i) % 16];
+  }
+  return hex;
+}
+
+// The fields of the type itself under "", those of the types in it under their names without the package.
+std::map<std::string, std::vector<std::string>> parts_of(const std::string& definition) {
+  std::map<std::string, std::vector<std::string>> parts;
+  std::string name;
+  std::istringstream lines(definition);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("====") || line.empty()) continue;
+    if (line.starts_with("MSG: ")) {
+      name = line.substr(line.rfind('/') + 1);
+      EXPECT_EQ(parts.count(name), 0U) << name << " is there twice";
+      parts[name];
+    } else {
+      parts[name].push_back(line);
+    }
+  }
+  return parts;
+}
+
+std::string sum_of(const std::string& name, const std::map<std::string, std::vector<std::string>>& parts) {
+  std::string text;
+  for (const std::string& field : parts.at(name)) {
+    std::string type = field.substr(0, field.find(' '));
+    std::string bare = type.substr(0, type.find('['));
+    bare = bare.substr(bare.rfind('/') + 1);  // npos + 1 is 0
+    const bool is_message = parts.count(bare) > 0;
+    text += (text.empty() ? "" : "\n") + (is_message ? sum_of(bare, parts) : type) + field.substr(field.find(' '));
+  }
+  return md5(text);
+}
+
+constexpr std::array<std::pair<RosType, const char*>, 7> kPublished{
+    {{RosType::kLaserScan, "90c7ef2dc6895d81024acba2ac42f369"},
+     {RosType::kOdometry, "cd5e73d190d741a2f92e81eda573aca7"},
+     {RosType::kTransforms, "94810edda583a504dfda3829e70d7eec"},
+     {RosType::kInt32, "da5909fbe378aeaf85e547e830cc1bb7"},
+     {RosType::kJointState, "3066dcd76a6cfaef579bd0f34173e9fd"},
+     {RosType::kPoseStamped, "d3812c3cbc69362b77dc0b19b345f8f5"},
+     {RosType::kOccupancyGrid, "3381f2d731d4076ec5c71b0759edbe4e"}}};
+
+TEST(RosDefinitions, HaveThePublishedSums) {
+  for (const auto& [type, sum] : kPublished) {
+    EXPECT_EQ(ros_md5(type), sum);
+    EXPECT_EQ(sum_of("", parts_of(ros_definition(type, RosEncoding::kRos1))), sum)
+        << ros_definition(type, RosEncoding::kRos1);
+  }
+}
+
+// Of ROS 2: no sequence number of a header, times of builtin_interfaces, and every type that is named is defined.
+TEST(RosDefinitions, OfRos2NameTheirTimesAndHaveNoSequence) {
+  static const std::set<std::string> simple{"int8",    "int32",   "int64", "uint8",   "uint32", "string",
+                                            "float32", "float64", "bool",  "nanosec", "byte"};
+  for (const auto& [type, sum] : kPublished) {
+    const std::string text = ros_definition(type, RosEncoding::kCdr);
+    EXPECT_EQ(text.find("uint32 seq"), std::string::npos);
+    const auto parts = parts_of(text);
+    for (const auto& [name, fields] : parts) {
+      for (const std::string& field : fields) {
+        std::string bare = field.substr(0, field.find_first_of(" ["));
+        EXPECT_NE(bare, "time") << field;
+        bare = bare.substr(bare.rfind('/') + 1);
+        EXPECT_TRUE(simple.count(bare) > 0 || parts.count(bare) > 0) << field << " of " << name;
+      }
+    }
+    EXPECT_TRUE(ros_type_name(type, RosEncoding::kCdr).find("/msg/") != std::string::npos);
+    EXPECT_TRUE(ros_type_name(type, RosEncoding::kRos1).find("/msg/") == std::string::npos);
+  }
+  EXPECT_EQ(ros_type_name(RosType::kLaserScan, RosEncoding::kRos1), "sensor_msgs/LaserScan");
+  EXPECT_EQ(ros_type_name(RosType::kOdometry, RosEncoding::kCdr), "nav_msgs/msg/Odometry");
+}
+
+}  // namespace
+}  // namespace gdtslam
