@@ -7,11 +7,11 @@
 A mutant is one change in one line of a source, drawn at random: a comparison that is turned or made strict, a sign, also that of
 an angle, a whole number that is one off, another number doubled or halved, `&&` for `||`, min for max, a condition that is
 turned round, a call whose result nobody uses left out, so an fsync or a lock. Each is compiled and held against the unit,
-property and oracle tests of its part until one fails. It is noticed when one fails, crashes or takes more than five times its
-usual time. The first run is of the programs as they are: all has to pass; tests that take longer than --slow (2 s) there are
-left out, unless their name is that of the source, and named. With --whole, what survived is then held against every test that uses the part's library, those that take
-long among them, and against the tests of the command that PARTS names. --again FILE judges once more what survived in a run
-whose --json is that file, so that new tests can be tried.
+property and oracle tests of its part until one fails. It is noticed when one fails, crashes or takes half a minute more than
+three times its usual time. The first run is of the programs as they are: all has to pass; tests that take longer than --slow
+(2 s) there are left out, unless their name is that of the source, and named. With --whole, what survived is then held against
+every test that uses the part's library, those that take long among them, and against the tests of the command that PARTS
+names. --again FILE judges once more what survived in a run whose --json is that file, so that new tests can be tried.
 
 The build tree must have been made by Ninja, with tests, from the sources as they are; it may be one with
 CMAKE_UNITY_BUILD. Neither the sources nor the tree change. tests/mutants.txt lists mutants that no test can notice, each with the
