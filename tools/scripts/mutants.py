@@ -95,7 +95,10 @@ class Judge:
         here = {program.name for program in self.programs}
         names = sorted(name for name in self.targets if name.startswith("gdtslam_") and name.endswith("_tests")
                        and name not in here and self.tree.uses(name, self.part.library))
-        self.others = self.measured(names)
+        built = [name for name in names if (self.tree.build / "bin" / name).exists()]
+        if built != names:
+            print(f"  left out, for they are not built: {', '.join(name for name in names if name not in built)}", flush=True)
+        self.others = self.measured(built)
         self.command_tests = CommandTests(self.tree)
 
     def by_part(self, mutant):
