@@ -63,6 +63,8 @@ TEST_P(LiveLoopsSeeds, GiveWhatThePathTakenWholeGives) {
     }
     EXPECT_GT(loops.statistics().corrections, 0U);
     EXPECT_EQ(loops.statistics().places, whole.places().size());
+    EXPECT_EQ(loops.statistics().waited_s > 0.0, loops.statistics().waits > 0);
+    EXPECT_GE(loops.statistics().waited_s, 0.0);
   }
   EXPECT_EQ(corrections.front(), corrections.back());
 }
