@@ -1,0 +1,160 @@
+// What continue.json keeps of a request comes back as it was, and what it does not keep stays as it is asked for anew.
+#include "engine/runs/continuing/continue_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class ContinueFileTest : public testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(folder_); }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  // Of each kind of field another value than its default, one switch at a time turned round.
+  static KeptRequest unusual(int turned_round) {
+    KeptRequest kept;
+    MapRequest& request = kept.request;
+    request.logs = {"a.log", "b.log.gz"};
+    request.linkage = "paper-b";
+    request.range.skip = 17;
+    request.range.count = 230;
+    int k = 0;
+    for (bool* part :
+         {&request.lenient, &request.with_cloud, &request.with_map, &request.with_loops, &request.with_pictures}) {
+      if (k++ == turned_round) *part = !*part;
+    }
+    request.settings.mapper.map.resolution_m = 0.03125;
+    request.settings.log.topics = {.scans = {"/front", "/back"},
+                                   .odometry = "/wheels",
+                                   .crank = "/ticks",
+                                   .mounts = {{"/back", {-0.25, 0.5, -3.0}}, {"/front", {0.125, -0.5, 1.5}}}};
+    kept.paths = {"/logs/a.log", "/logs/b.log.gz"};
+    kept.prepared = RunPreparation{.nods = NodKind::kTilt,
+                                   .linkage = "mine.yaml",
+                                   .linkage_yaml = "crank: 3 cm\n",
+                                   .delay = OdometryDelay{.delay_s = -0.0625, .sigma_s = 0.5, .unexplained = 0.25}};
+    return kept;
+  }
+  [[nodiscard]] std::string file() const { return (folder_ / "continue.json").string(); }
+  [[nodiscard]] KeptRequest read() const { return read_continue_file(file(), folder_.string()); }
+  // The message about a file with one member changed.
+  std::string fault_with(const std::function<void(nlohmann::ordered_json&)>& change) const {
+    write_continue_file(file(), unusual(0));
+    nlohmann::ordered_json json = nlohmann::ordered_json::parse(std::ifstream(file()));
+    change(json);
+    std::ofstream(file()) << json.dump();
+    try {
+      (void)read();
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "it is read";
+  }
+
+  const fs::path folder_ = fs::temp_directory_path() / ("gdtslam-continue-" + std::to_string(::getpid()));
+};
+
+TEST_F(ContinueFileTest, WhatIsKeptComesBack) {
+  for (int turned_round = 0; turned_round < 5; ++turned_round) {
+    const KeptRequest kept = unusual(turned_round);
+    write_continue_file(file(), kept);
+    const KeptRequest back = read();
+    EXPECT_EQ(back.paths, kept.paths);
+    EXPECT_EQ(back.request.logs, kept.request.logs);
+    EXPECT_EQ(back.request.linkage, "paper-b");
+    EXPECT_EQ(back.request.range.skip, 17U);
+    EXPECT_EQ(back.request.range.count, 230U);
+    EXPECT_EQ(back.request.lenient, kept.request.lenient);
+    EXPECT_EQ(back.request.with_cloud, kept.request.with_cloud);
+    EXPECT_EQ(back.request.with_map, kept.request.with_map);
+    EXPECT_EQ(back.request.with_loops, kept.request.with_loops);
+    EXPECT_EQ(back.request.with_pictures, kept.request.with_pictures);
+    EXPECT_EQ(back.request.settings.mapper.map.resolution_m, 0.03125);
+    const TopicChoice& topics = back.request.settings.log.topics;
+    EXPECT_THAT(topics.scans, testing::ElementsAre("/front", "/back"));
+    EXPECT_EQ(topics.odometry, "/wheels");
+    EXPECT_EQ(topics.crank, "/ticks");
+    ASSERT_EQ(topics.mounts.size(), 2U);
+    EXPECT_EQ(topics.mounts[0].topic, "/back");
+    EXPECT_EQ(topics.mounts[0].T_base_laser, (Pose2{-0.25, 0.5, -3.0}));
+    EXPECT_EQ(topics.mounts[1].T_base_laser, (Pose2{0.125, -0.5, 1.5}));
+    ASSERT_TRUE(back.prepared.has_value());
+    EXPECT_EQ(back.prepared->nods, NodKind::kTilt);
+    EXPECT_EQ(back.prepared->linkage, "mine.yaml");
+    EXPECT_EQ(back.prepared->linkage_yaml, "crank: 3 cm\n");
+    ASSERT_TRUE(back.prepared->delay.has_value());
+    EXPECT_EQ(back.prepared->delay->delay_s, -0.0625);
+    EXPECT_EQ(back.prepared->delay->sigma_s, 0.5);
+    EXPECT_EQ(back.prepared->delay->unexplained, 0.25);
+  }
+}
+
+TEST_F(ContinueFileTest, WhatIsNotThereIsAsWithoutIt) {
+  KeptRequest kept;
+  kept.request.logs = {"a.log"};
+  kept.paths = {"/a.log"};
+  write_continue_file(file(), kept);
+  const KeptRequest back = read();
+  EXPECT_FALSE(back.prepared.has_value());
+  EXPECT_EQ(back.request.range.count, ScanRange{}.count);
+  EXPECT_EQ(back.request.range.skip, 0U);
+  EXPECT_TRUE(back.request.settings.log.topics.scans.empty());
+  for (const NodKind kind : {NodKind::kNone, NodKind::kEncoder, NodKind::kTilt}) {
+    kept.prepared = RunPreparation{.nods = kind};
+    write_continue_file(file(), kept);
+    EXPECT_EQ(read().prepared->nods, kind);
+    EXPECT_FALSE(read().prepared->delay.has_value());
+  }
+}
+
+TEST_F(ContinueFileTest, AFileThatIsNoneIsRefused) {
+  EXPECT_EQ(fault_with([](auto&) {}), "it is read");
+  EXPECT_THAT(fault_with([](auto& json) { json["format"] = 2; }), HasSubstr("has format 2, and this program reads 1"));
+  EXPECT_THAT(fault_with([](auto& json) { json["log"] = {"a.log"}; }), HasSubstr("do not name the same logs"));
+  EXPECT_THAT(fault_with([](auto& json) {
+                json["log"] = nlohmann::ordered_json::array();
+                json["path"] = nlohmann::ordered_json::array();
+              }),
+              HasSubstr("is empty"));
+  EXPECT_THAT(fault_with([](auto& json) { json["prepared"]["nods"] = "often"; }), HasSubstr("none, encoder and tilt"));
+  EXPECT_NE(fault_with([](auto& json) { json["config_yaml"] = "map.resolution: 900 m\n"; }), "it is read");
+  for (const char* member : {"path", "log", "lenient", "skip", "linkage", "with_cloud", "with_map", "with_loops",
+                             "with_pictures", "topics", "config_yaml"}) {
+    EXPECT_NE(fault_with([&](auto& json) { json.erase(member); }), "it is read") << member;
+  }
+}
+
+TEST_F(ContinueFileTest, ARequestIsRestoredWithWhatWasKept) {
+  const KeptRequest kept = unusual(3);
+  MapRequest anew;
+  anew.logs = {"other.log"};
+  const MapRequest whole = restored(anew, kept);
+  EXPECT_EQ(whole.logs, kept.request.logs);
+  EXPECT_EQ(whole.linkage, kept.request.linkage);
+  EXPECT_EQ(whole.range.skip, 17U);
+  EXPECT_EQ(whole.with_loops, kept.request.with_loops);
+  EXPECT_EQ(whole.settings.mapper.map.resolution_m, 0.03125);
+  const KeptRequest again = kept_request_of(whole);
+  EXPECT_EQ(again.request.logs, kept.request.logs);
+  ASSERT_EQ(again.paths.size(), 2U);
+  EXPECT_TRUE(fs::path(again.paths[0]).is_absolute());
+  EXPECT_EQ(absolute_path_of("-"), "-");
+  EXPECT_EQ(absolute_path_of("/x/y.log"), "/x/y.log");
+}
+
+}  // namespace
+}  // namespace gdtslam
