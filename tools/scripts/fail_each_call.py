@@ -151,7 +151,7 @@ class Command:
             return f"{outcome.code}", self.faults_of_failure(outcome, (1, 74), kinds, how), outcome
         if outcome.code == 0:
             faults = [] if outcome.files == self.new else [f"exit 0, but {differences(outcome.files, self.new)}"]
-            is_left = kinds in ("unlink", "change") and self.is_stated(self.without_stated_leftovers(outcome.files))
+            is_left = self.may_leave(kinds, outcome) and self.without_stated_leftovers(outcome.files) == self.new
             return "passed", [] if is_left else faults, outcome
         faults = self.faults_of_failure(outcome, (1,) if kinds == "allocate" else (74,), kinds, how)
         if how in UNNOTICED and kinds != "sync":
@@ -164,12 +164,18 @@ class Command:
         return files in (self.old, self.new) or self.case.may_stay(files, self.old, self.new) or (
             is_lost and self.state_of(files) is not None)
 
+    def may_leave(self, kinds, outcome):
+        """Whether that call was to remove something, or to look what is in what is to be removed."""
+        return kinds in ("unlink", "change") or (kinds == "open" and LEFTOVER.search(outcome.where))
+
     def without_stated_leftovers(self, files):
-        """Files without what could not be removed, nor the folders that were made for it."""
+        """Files without what could not be removed; nor, unless the new files are there, the folders made for it."""
         left = {name for name in files if LEFTOVER.search(name) or self.case.is_left_by_kill(name)}
+        rest = {name: digest for name, digest in files.items() if name not in left}
+        if rest == self.new:
+            return rest
         parents = {str(parent) for name in left for parent in pathlib.PurePath(name).parents}
-        return {name: digest for name, digest in files.items()
-                if name not in left and not (name in parents and name not in self.old)}
+        return {name: digest for name, digest in rest.items() if name in self.old or name not in parents}
 
     def faults_of_failure(self, outcome, codes, kinds, how):
         faults = []
@@ -182,7 +188,7 @@ class Command:
         others = [line for line in lines if not line.startswith("gdtslam: ")]
         if outcome.code >= 0 and (len(errors) != 1 or others):
             faults.append(f"not one error line: {outcome.errors!r}")
-        files = self.without_stated_leftovers(outcome.files) if kinds in ("unlink", "change") else outcome.files
+        files = self.without_stated_leftovers(outcome.files) if self.may_leave(kinds, outcome) else outcome.files
         if not self.is_stated(files, is_lost=how == "EROFS on"):
             faults.append(f"exit {outcome.code}, but {differences(outcome.files, self.old)}")
         return faults

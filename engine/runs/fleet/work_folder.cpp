@@ -12,6 +12,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "engine/core/remove_tree.hpp"
 #include "engine/core/retried.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/message_text.hpp"
@@ -33,7 +34,7 @@ void remove_if_left(const fs::path& folder) {
   const int mark = retried([&] { return ::open(file.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW); });
   if (mark < 0) return;
   std::error_code ignored;  // what cannot be removed is in nobody's way
-  if (::flock(mark, LOCK_EX | LOCK_NB) == 0) fs::remove_all(folder, ignored);
+  if (::flock(mark, LOCK_EX | LOCK_NB) == 0) remove_tree(folder, ignored);
   ::close(mark);
 }
 
@@ -99,7 +100,7 @@ WorkFolder::WorkFolder(const std::string& parent) {
     mark_ = locked_mark(path);
   } catch (...) {
     std::error_code ignored;
-    fs::remove_all(path, ignored);
+    remove_tree(path, ignored);
     throw;
   }
   path_ = std::move(path);
@@ -107,7 +108,7 @@ WorkFolder::WorkFolder(const std::string& parent) {
 
 WorkFolder::~WorkFolder() {
   std::error_code ignored;  // a later process removes the rest
-  fs::remove_all(path_, ignored);
+  remove_tree(path_, ignored);
   ::close(mark_);
 }
 
@@ -134,7 +135,7 @@ void move_into_atlas(const std::string& run_folder, const std::string& atlas, co
     }
     renamed = rename_folder(copy, to);
     std::error_code ignored;
-    if (renamed == Renamed::kIsThere) fs::remove_all(copy, ignored);
+    if (renamed == Renamed::kIsThere) remove_tree(copy, ignored);
   }
   if (renamed == Renamed::kOtherDisk) throw FileError(to, "cannot be written: " + errno_text(EXDEV));
   sync_folder(parent);

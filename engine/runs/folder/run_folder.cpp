@@ -11,6 +11,7 @@
 #include <ctime>
 #include <system_error>
 
+#include "engine/core/remove_tree.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/message_text.hpp"
 #include "engine/runs/tiles/tile_folder.hpp"
@@ -112,17 +113,27 @@ std::string utc_time() {
 
 }  // namespace
 
-RunFolder::RunFolder(const std::string& path) : folder_(path) {
+RunFolder::MadeFolder::MadeFolder(const fs::path& path) : path_(path) {
   std::error_code ignored;
-  is_new_ = !fs::exists(folder_, ignored);
-  make_folder(path);
+  is_new_ = !fs::exists(path_, ignored);
+  make_folder(path_.string());
+}
+
+RunFolder::MadeFolder::~MadeFolder() {
+  std::error_code ignored;
+  if (is_new_) fs::remove(path_, ignored);  // succeeds only when it is empty
+}
+
+RunFolder::RunFolder(const std::string& path) : folder_(path) {
+  made_.emplace(folder_);
   lock_.emplace(folder_);
+  std::error_code ignored;
   std::error_code failed;
   for (const fs::path& leftover : leftovers_in(folder_)) {
-    if (!is_of_a_commit(leftover)) fs::remove_all(leftover, ignored);
+    if (!is_of_a_commit(leftover)) remove_tree(leftover, ignored);
   }
   staging_ = folder_ / fmt::format("{}{}", kStagingPrefix, ::getpid());
-  fs::remove_all(staging_, failed);
+  remove_tree(staging_, failed);
   if (!fs::create_directory(staging_, failed)) {
     throw FileError(path, "cannot be written to: " + failed.message());
   }
@@ -140,9 +151,8 @@ RunFolder::~RunFolder() {
   std::error_code ignored;
   if (!staging_.empty() && !is_taken_over_) {
     remove_by_name(staging_);
-    if (!fs::remove(staging_, ignored)) fs::remove_all(staging_, ignored);
+    if (!fs::remove(staging_, ignored)) remove_tree(staging_, ignored);
   }
-  if (is_new_) fs::remove(folder_, ignored);  // succeeds only when it is empty
 }
 
 std::string RunFolder::staged(std::string_view name) {
@@ -180,7 +190,7 @@ std::string RunFolder::put_back(const std::vector<std::string>& old_names) const
   std::string problems;
   std::error_code failed;
   for (std::size_t k = 0; k < given_; ++k) {
-    fs::remove_all(folder_ / names_[k], failed);
+    remove_tree(folder_ / names_[k], failed);
     if (failed) problems += "; nor can " + file(names_[k]) + " be removed again: " + failed.message();
   }
   for (const std::string& name : old_names) {
@@ -211,7 +221,7 @@ void RunFolder::commit() {
   gone_.clear();
   std::error_code ignored;  // they are in nobody's way
   is_taken_over_ = false;
-  for (const fs::path& leftover : leftovers_in(folder_, staging_)) fs::remove_all(leftover, ignored);
+  for (const fs::path& leftover : leftovers_in(folder_, staging_)) remove_tree(leftover, ignored);
 }
 
 UnfinishedRun unfinished_run_in(const std::string& folder, const char* file) {

@@ -52,13 +52,26 @@ class RunFolder {
   void replace(const std::vector<std::string>& old_names);
   [[nodiscard]] std::string put_back(const std::vector<std::string>& old_names) const;
 
+  /// Makes the folder; gone with the object where it was not there before and nothing came into it.
+  class MadeFolder {
+   public:
+    explicit MadeFolder(const std::filesystem::path& path);
+    MadeFolder(const MadeFolder&) = delete;
+    MadeFolder& operator=(const MadeFolder&) = delete;
+    ~MadeFolder();
+
+   private:
+    std::filesystem::path path_;
+    bool is_new_ = false;
+  };
+
   std::filesystem::path folder_;
+  std::optional<MadeFolder> made_;  ///< nothing where the folder was taken over
   std::filesystem::path staging_;
   std::optional<FolderLock> lock_;
   std::vector<std::string> names_;
   std::vector<std::string> gone_;
   std::size_t given_ = 0;  ///< of names_, in the commit
-  bool is_new_ = false;
   bool is_taken_over_ = false;
 };
 

@@ -64,16 +64,16 @@ TrackedDrive track_drive(const LocalizeJob& job, const Localizer& localizer, con
     if (!record) break;
     TrackedScan scan = follow(tracker, *record);
     if (followed) followed(record->scan, scan.pose);
-    scan.index = job.choice.first + drive.scans.size();
+    scan.index = job.choice.first + drive.followed++;
     const std::optional<Pose2> reference =
         job.reference ? job.reference->find(record->scan.stamp_s) : std::optional<Pose2>();
     if (reference) scan.reference = beside_reference(localizer, record->scan, *reference, scan.pose);
-    drive.scans.push_back(scan);
-    progress(drive.scans.size(), stream.progress());
+    if (!job.live_log) drive.scans.push_back(scan);
+    progress(drive.followed, stream.progress());
   }
   drive.interrupted = stop();
   drive.warnings = stream.warnings();
-  if (!drive.scans.empty() || drive.interrupted) return drive;
+  if (drive.followed > 0 || drive.interrupted) return drive;
   throw InputError({job.log, 0}, stream.scans_read() == 0 ? std::string("holds no laser scan")
                                                           : fmt::format("has no scan {}: {} were read",
                                                                         job.choice.first, stream.scans_read()));

@@ -39,7 +39,8 @@ struct TrackedScan {
 };
 
 struct TrackedDrive {
-  std::vector<TrackedScan> scans;  ///< in the log's order
+  std::vector<TrackedScan> scans;  ///< in the log's order; of a live log none: it may go on for days
+  std::uint64_t followed = 0;      ///< scans
   bool nods = false;               ///< the log tells how a mount tilts the laser
   std::vector<LogReader::Warning> warnings;
   bool interrupted = false;

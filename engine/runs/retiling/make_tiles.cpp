@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "engine/core/remove_tree.hpp"
 #include "engine/runs/folder/folder_lock.hpp"
 #include "engine/runs/folder/run_reader.hpp"
 #include "gdtslam/core/error.hpp"
@@ -24,14 +25,14 @@ class NewTiles {
   explicit NewTiles(const std::string& run)
       : place_(fs::path(run) / kTileFolder), folder_(fs::path(run) / fmt::format(".gdtslam-tiles-{}", ::getpid())) {
     std::error_code failed;
-    fs::remove_all(folder_, failed);
+    remove_tree(folder_, failed);
     if (!fs::create_directory(folder_, failed)) throw FileError(run, "cannot be written to: " + failed.message());
   }
   NewTiles(const NewTiles&) = delete;
   NewTiles& operator=(const NewTiles&) = delete;
   ~NewTiles() {
     std::error_code ignored;
-    fs::remove_all(folder_, ignored);
+    remove_tree(folder_, ignored);
   }
   [[nodiscard]] std::string folder() const { return folder_.string(); }
   [[nodiscard]] std::string place() const { return place_.string(); }
@@ -42,7 +43,7 @@ class NewTiles {
     if (fs::exists(place_)) fs::rename(place_, old, failed);
     if (!failed) fs::rename(folder_, place_, failed);
     if (failed) throw FileError(place(), "cannot be replaced: " + failed.message());
-    fs::remove_all(old, failed);
+    remove_tree(old, failed);
   }
 
  private:

@@ -12,6 +12,7 @@
 #include <map>
 #include <utility>
 
+#include "engine/core/remove_tree.hpp"
 #include "engine/io/message_text.hpp"
 #include "engine/runs/fleet/shards.hpp"
 #include "engine/runs/fleet/state.hpp"
@@ -114,7 +115,7 @@ class Runner {
   void end(const Workers::Event& event, const Done& done) {
     shares_.erase(event.id);
     std::error_code ignored;  // the whole folder goes in the end
-    std::filesystem::remove_all(folder_of(event.id), ignored);
+    remove_tree(folder_of(event.id), ignored);
     if (event.result) {
       in_a_row_ = 0;
       ++finished_;

@@ -44,9 +44,9 @@ OccupancyMap map_of(const DistanceFieldView& view) {
   return map;
 }
 
-std::string counts_text(const TrackedDrive& drive) {
-  std::array<std::uint64_t, kWhereabouts.size()> counts{};
-  for (const TrackedScan& scan : drive.scans) ++counts.at(static_cast<std::size_t>(scan.pose.whereabouts));
+using WhereaboutsCounts = std::array<std::uint64_t, kWhereabouts.size()>;
+
+std::string counts_text(const WhereaboutsCounts& counts) {
   std::string text;
   for (const Whereabouts whereabouts : kWhereabouts) {
     text += fmt::format("{}{} {}", text.empty() ? "" : ", ", counts.at(static_cast<std::size_t>(whereabouts)),
@@ -72,6 +72,7 @@ int follow_live(const DriveOptions& options) {
   const std::unique_ptr<LivePage> page = page_of(options);
   if (page) page->show(map_of(localizer.field().file.view()), {});
   DriveCounts counts;
+  WhereaboutsCounts whereabouts_counts{};
   RateMeter meter;
   std::optional<Pose2> T_map_last;
   const TrackedDrive drive = track_drive(
@@ -79,6 +80,7 @@ int follow_live(const DriveOptions& options) {
       [&](const LaserScan& laser, const TrackedPose& pose) {
         output.write(pose_line(format, counts.scans, laser.stamp_s, pose));
         ++counts.scans;
+        ++whereabouts_counts.at(static_cast<std::size_t>(pose.whereabouts));
         counts.scans_per_s = meter.count();
         const bool is_known = pose.whereabouts != Whereabouts::kUnknown;
         if (is_known && T_map_last) counts.path_m += (pose.T_map_base.translation() - T_map_last->translation()).norm();
@@ -88,7 +90,7 @@ int follow_live(const DriveOptions& options) {
   output.finish();
   if (!options.quiet) {
     print_warnings(drive.warnings);
-    print_remark(fmt::format("{} scans: {}", drive.scans.size(), counts_text(drive)));
+    print_remark(fmt::format("{} scans: {}", drive.followed, counts_text(whereabouts_counts)));
   }
   return static_cast<int>(ExitCode::kDone);
 }

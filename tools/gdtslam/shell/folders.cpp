@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "engine/core/remove_tree.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
 
@@ -90,7 +91,7 @@ TemporaryFolder::TemporaryFolder(const std::string& name, std::string below) {
 
 TemporaryFolder::~TemporaryFolder() {
   std::error_code ignored;  // what cannot be removed is the system's to tidy up
-  fs::remove_all(path_, ignored);
+  remove_tree(path_, ignored);
 }
 
 CacheFolder cache_folder() {

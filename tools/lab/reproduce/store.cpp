@@ -16,6 +16,7 @@
 #include <system_error>
 #include <utility>
 
+#include "engine/core/remove_tree.hpp"
 #include "engine/drawing/markup.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
@@ -165,7 +166,7 @@ void make_marked_folder(const std::string& path) {
 void remove_own_folder(const std::string& path) {
   require_own_folder(path);
   std::error_code failed;
-  fs::remove_all(path, failed);
+  remove_tree(path, failed);
   if (failed) throw FileError(path, "cannot be removed: " + failed.message());
 }
 

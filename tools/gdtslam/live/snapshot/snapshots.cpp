@@ -13,6 +13,7 @@
 #include <system_error>
 #include <utility>
 
+#include "engine/core/remove_tree.hpp"
 #include "engine/core/signals_blocked.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/message_text.hpp"
@@ -41,7 +42,7 @@ extern "C" void on_save_signal(int /*signal*/) { g_is_save_wanted = true; }
 void give_name(const std::string& made, const std::string& name) {
   if (::renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, name.c_str(), RENAME_EXCHANGE) == 0) return;
   std::error_code failed;
-  fs::remove_all(name, failed);
+  remove_tree(name, failed);
   if (::rename(made.c_str(), name.c_str()) != 0) throw FileError(name, "cannot be replaced: " + errno_text(errno));
 }
 
@@ -68,8 +69,8 @@ void Snapshots::stop() {
 
 void Snapshots::remove() const {
   std::error_code ignored;
-  fs::remove_all(plan_.folder + "/snapshot", ignored);
-  fs::remove_all(plan_.folder + "/snapshot.new", ignored);
+  remove_tree(plan_.folder + "/snapshot", ignored);
+  remove_tree(plan_.folder + "/snapshot.new", ignored);
 }
 
 // A pose is more urgent than a picture of the map.
@@ -116,7 +117,7 @@ void Snapshots::save(const DriveState& state) {
   sync_folder(plan_.folder);
   saved_ = state.trajectory.size();
   std::error_code ignored;
-  fs::remove_all(made, ignored);
+  remove_tree(made, ignored);
 }
 
 }  // namespace gdtslam
