@@ -1,5 +1,5 @@
 """What lies in a folder, to be compared: a digest of each file by its name. Of JSON and tables, values that differ between
-undisturbed runs, as times do, are left out by their names or columns; of pages the dates and seconds."""
+undisturbed runs, as times do, are left out by their names or columns; dates and seconds of pages are, too."""
 
 import hashlib
 import json
@@ -43,7 +43,7 @@ def digest_of(path, keys):
             content = "\n".join(json.dumps(without(value, keys)) for value in values_of(path)).encode()
         except ValueError:
             pass  # compared as it is
-    elif path.suffix in PAGES:
+    if has_values(path) or path.suffix in PAGES:
         content = MOMENTS.sub(b"", content)
     return hashlib.sha256(content).hexdigest()
 
