@@ -170,12 +170,16 @@ class Command:
 
     def without_stated_leftovers(self, files):
         """Files without what could not be removed; nor, unless the new files are there, the folders made for it."""
-        left = {name for name in files if LEFTOVER.search(name) or self.case.is_left_by_kill(name)}
+        left = {name for name in files.keys() - self.new.keys() if LEFTOVER.search(name) or self.case.is_left_by_kill(name)}
         rest = {name: digest for name, digest in files.items() if name not in left}
         if rest == self.new:
             return rest
         parents = {str(parent) for name in left for parent in pathlib.PurePath(name).parents}
         return {name: digest for name, digest in rest.items() if name in self.old or name not in parents}
+
+    def without_what_waits(self, files):
+        """Files without what a command leaves to a later one that has the same work to do."""
+        return {name: digest for name, digest in files.items() if name in self.new or not self.case.is_left_by_kill(name)}
 
     def faults_of_failure(self, outcome, codes, kinds, how):
         faults = []
@@ -204,7 +208,7 @@ class Command:
             pass  # all was done before it was killed, and the command replaces no file unless it is told to
         elif again.code != 0:
             faults.append(f"killed, and run again: exit {again.code}: {again.errors.strip()}")
-        elif again.files != self.new:
+        elif self.without_what_waits(again.files) != self.new:
             faults.append(f"killed, and run again: {differences(again.files, self.new)}")
         return f"killed, {state or 'mixed'}", faults
 

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 #include "engine/core/remove_tree.hpp"
 #include "engine/core/retried.hpp"
@@ -28,13 +29,24 @@ constexpr std::string_view kWorkPrefix = "gdtslam-fleet-";
 constexpr const char* kWorkMark = "/.gdtslam-fleet";
 constexpr const char* kMarkText = "gdtslam fleet made this folder and removes it again.\n";
 
+// The mark goes last: whoever is killed meanwhile leaves a folder that a later one knows for one of these.
+void remove_marked(const fs::path& folder) {
+  std::error_code ignored;  // what cannot be removed is in nobody's way
+  const fs::path mark = folder.string() + kWorkMark;
+  std::vector<fs::path> rest;
+  for (fs::directory_iterator entry(folder, ignored), end; !ignored && entry != end; entry.increment(ignored)) {
+    if (entry->path() != mark) rest.push_back(entry->path());
+  }
+  for (const fs::path& path : rest) remove_tree(path, ignored);
+  remove_tree(folder, ignored);
+}
+
 // A mark that can be locked has no owner any more. Where a file system knows no locks, none can be locked.
 void remove_if_left(const fs::path& folder) {
   const std::string file = folder.string() + kWorkMark;
   const int mark = retried([&] { return ::open(file.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW); });
   if (mark < 0) return;
-  std::error_code ignored;  // what cannot be removed is in nobody's way
-  if (::flock(mark, LOCK_EX | LOCK_NB) == 0) remove_tree(folder, ignored);
+  if (::flock(mark, LOCK_EX | LOCK_NB) == 0) remove_marked(folder);
   ::close(mark);
 }
 
@@ -107,8 +119,7 @@ WorkFolder::WorkFolder(const std::string& parent) {
 }
 
 WorkFolder::~WorkFolder() {
-  std::error_code ignored;  // a later process removes the rest
-  remove_tree(path_, ignored);
+  remove_marked(path_);  // a later process removes the rest
   ::close(mark_);
 }
 
