@@ -4,6 +4,8 @@
 #pragma once
 
 #include <cerrno>
+#include <filesystem>
+#include <system_error>
 
 namespace gdtslam {
 
@@ -13,6 +15,14 @@ auto retried(const Call& call) {
   auto result = call();
   while (result < 0 && errno == EINTR) result = call();
   return result;
+}
+
+/// A folder with all that is in it, which is opened to be listed. Nothing where there is none. `failed` tells of what
+/// cannot be removed; what can be may be gone then.
+inline void remove_tree(const std::filesystem::path& path, std::error_code& failed) {
+  do {
+    std::filesystem::remove_all(path, failed);
+  } while (failed == std::errc::interrupted);
 }
 
 }  // namespace gdtslam

@@ -13,7 +13,6 @@
 #include <system_error>
 #include <vector>
 
-#include "engine/core/remove_tree.hpp"
 #include "engine/core/retried.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/message_text.hpp"

@@ -11,7 +11,7 @@
 #include <ctime>
 #include <system_error>
 
-#include "engine/core/remove_tree.hpp"
+#include "engine/core/retried.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/message_text.hpp"
 #include "engine/runs/tiles/tile_folder.hpp"

@@ -9,7 +9,7 @@
 #include <system_error>
 #include <utility>
 
-#include "engine/core/remove_tree.hpp"
+#include "engine/core/retried.hpp"
 #include "engine/runs/folder/folder_lock.hpp"
 #include "engine/runs/folder/run_reader.hpp"
 #include "gdtslam/core/error.hpp"
