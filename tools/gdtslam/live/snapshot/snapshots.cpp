@@ -25,7 +25,6 @@
 namespace gdtslam {
 namespace {
 
-namespace fs = std::filesystem;
 using SnapshotClock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kSnapshotSlice{50};  // after which signals and clocks are looked at
