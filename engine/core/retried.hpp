@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <filesystem>
 #include <system_error>
+#include <vector>
 
 namespace gdtslam {
 
@@ -15,6 +16,18 @@ auto retried(const Call& call) {
   auto result = call();
   while (result < 0 && errno == EINTR) result = call();
   return result;
+}
+
+/// What lies in a folder, in no order. `failed` tells why it cannot be listed; what is returned then is not all.
+inline std::vector<std::filesystem::directory_entry> list_folder(const std::filesystem::path& folder,
+                                                                 std::error_code& failed) {
+  std::vector<std::filesystem::directory_entry> entries;
+  do {
+    entries.clear();
+    std::filesystem::directory_iterator entry(folder, failed);
+    for (; !failed && entry != end(entry); entry.increment(failed)) entries.push_back(*entry);
+  } while (failed == std::errc::interrupted);
+  return entries;
 }
 
 /// A folder with all that is in it, which is opened to be listed. Nothing where there is none. `failed` tells of what

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "engine/core/retried.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"
@@ -42,7 +43,7 @@ std::uint64_t bytes_in(const fs::path& path) {
   std::error_code failed;
   std::uint64_t bytes = 0;
   if (fs::is_directory(path, failed)) {
-    for (const fs::directory_entry& entry : fs::directory_iterator(path, failed)) {
+    for (const fs::directory_entry& entry : list_folder(path, failed)) {
       if (entry.is_regular_file(failed)) bytes += entry.file_size(failed);
     }
   } else {
@@ -68,7 +69,7 @@ bool is_utf8(const std::string& text) {
 
 void search(const fs::path& folder, std::vector<fs::path>& logs) {
   std::error_code failed;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, failed)) {
+  for (const fs::directory_entry& entry : list_folder(folder, failed)) {
     std::error_code ignored;  // what cannot be asked about is neither
     const std::string name = entry.path().filename().string();
     if (name.starts_with('.') || entry.is_symlink(ignored)) continue;

@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "engine/core/retried.hpp"
 #include "engine/core/worker_pool.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/yaml/yaml_text.hpp"
@@ -36,8 +37,7 @@ template <class Visit>
 void for_each_entry(const fs::path& folder, const Visit& visit) {
   std::error_code failed;
   if (!fs::exists(folder, failed)) return;
-  for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed))
-    visit(*entry);
+  for (const fs::directory_entry& entry : list_folder(folder, failed)) visit(entry);
   if (failed) throw FileError(folder.string(), "cannot be read: " + failed.message());
 }
 

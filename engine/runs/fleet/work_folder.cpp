@@ -33,8 +33,8 @@ void remove_marked(const fs::path& folder) {
   std::error_code ignored;  // what cannot be removed is in nobody's way
   const fs::path mark = folder.string() + kWorkMark;
   std::vector<fs::path> rest;
-  for (fs::directory_iterator entry(folder, ignored), end; !ignored && entry != end; entry.increment(ignored)) {
-    if (entry->path() != mark) rest.push_back(entry->path());
+  for (const fs::directory_entry& entry : list_folder(folder, ignored)) {
+    if (entry.path() != mark) rest.push_back(entry.path());
   }
   for (const fs::path& path : rest) remove_tree(path, ignored);
   remove_tree(folder, ignored);
@@ -51,10 +51,10 @@ void remove_if_left(const fs::path& folder) {
 
 void remove_leftovers(const std::string& parent) {
   std::error_code failed;
-  for (fs::directory_iterator entry(parent, failed), end; !failed && entry != end; entry.increment(failed)) {
+  for (const fs::directory_entry& entry : list_folder(parent, failed)) {
     std::error_code ignored;
-    const bool is_ours = entry->path().filename().string().starts_with(kWorkPrefix);
-    if (is_ours && entry->is_directory(ignored) && !entry->is_symlink(ignored)) remove_if_left(entry->path());
+    const bool is_ours = entry.path().filename().string().starts_with(kWorkPrefix);
+    if (is_ours && entry.is_directory(ignored) && !entry.is_symlink(ignored)) remove_if_left(entry.path());
   }
 }
 
@@ -80,7 +80,8 @@ int locked_mark(const std::string& folder) {
 
 void copy_folder(const fs::path& from, const fs::path& to) {
   make_folder(to.string());
-  for (const fs::directory_entry& entry : fs::directory_iterator(from)) {
+  std::error_code failed;
+  for (const fs::directory_entry& entry : list_folder(from, failed)) {
     const fs::path name = entry.path().filename();
     if (entry.is_directory()) {
       copy_folder(entry.path(), to / name);
@@ -88,6 +89,7 @@ void copy_folder(const fs::path& from, const fs::path& to) {
       copy_file_atomically(entry.path().string(), (to / name).string());
     }
   }
+  if (failed) throw FileError(from.string(), "cannot be listed: " + failed.message());
   sync_folder(to.string());
 }
 

@@ -46,7 +46,7 @@ struct Staging {
 std::vector<Staging> stagings_in(const fs::path& folder) {
   std::vector<Staging> stagings;
   std::error_code ignored;  // what cannot be listed is not in the way
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+  for (const fs::directory_entry& entry : list_folder(folder, ignored)) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with(kStagingPrefix)) continue;
     pid_t process = 0;

@@ -14,6 +14,7 @@
 #include <system_error>
 #include <vector>
 
+#include "engine/core/retried.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/clouds/cloud_words.hpp"
 #include "engine/io/maps/png.hpp"
@@ -171,11 +172,13 @@ class FrameFolder : public FilmWriter {
     const fs::path first(frame_path(target_.path, 0));
     const fs::path folder = first.has_parent_path() ? first.parent_path() : fs::path(".");
     std::vector<fs::path> old;
+    std::error_code failed;
     try {
-      for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+      for (const fs::directory_entry& entry : list_folder(folder, failed)) {
         const std::size_t number = frame_number(first.parent_path() / entry.path().filename());
         if (number > count_ && entry.is_regular_file()) old.push_back(entry.path());
       }
+      if (failed) throw fs::filesystem_error("", folder, failed);
       for (const fs::path& path : old) fs::remove(path);
     } catch (const fs::filesystem_error& error) {
       throw FileError(error.path1().string(),

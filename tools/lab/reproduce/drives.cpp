@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "engine/core/retried.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/sha256.hpp"
 #include "engine/io/yaml/yaml_text.hpp"
@@ -37,8 +38,7 @@ constexpr double kSimulationShare = 0.35;
 // Of a folder with the mark: whether nothing else is in it.
 bool holds_its_mark_alone(const std::string& folder) {
   std::error_code failed;
-  fs::directory_iterator entry(folder, failed);
-  return !failed && entry.increment(failed) == fs::directory_iterator() && !failed;
+  return list_folder(folder, failed).size() == 1 && !failed;
 }
 
 [[noreturn]] void throw_interrupted() { throw Error(ExitCode::kInterrupted, "interrupted"); }
@@ -162,8 +162,8 @@ void Drives::prepare() const {
 
 void Drives::clear() const {
   std::error_code failed;
-  for (fs::directory_iterator entry(folder_, failed); !failed && entry != end(entry); entry.increment(failed)) {
-    if (is_marked_folder(entry->path().string())) remove_own_folder(entry->path().string());
+  for (const fs::directory_entry& entry : list_folder(folder_, failed)) {
+    if (is_marked_folder(entry.path().string())) remove_own_folder(entry.path().string());
   }
   if (failed && failed != std::errc::no_such_file_or_directory)
     throw FileError(folder_, "cannot be listed: " + failed.message());
