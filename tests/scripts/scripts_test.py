@@ -365,7 +365,10 @@ class Variables(unittest.TestCase):
                 source = file.read_text()
                 if "getenv" in source:
                     named.update(re.findall(r'"(GDTSLAM_[A-Z_]+)"', source))
-        self.assertIn("GDTSLAM_VULKAN_FAULT", named)
+        for file in [*(ROOT / "tools").glob("*.sh"), *(ROOT / "tools/scripts").iterdir()]:
+            found = re.findall(r'\$\{?(GDTSLAM_[A-Z_]+)|environ(?:\.get\(|\[)"(GDTSLAM_[A-Z_]+)"', file.read_text())
+            named.update(shell or python for shell, python in found)
+        self.assertLessEqual({"GDTSLAM_VULKAN_FAULT", "GDTSLAM_JOBS", "GDTSLAM_FUZZ_S", "GDTSLAM_FUZZ_RUNS"}, named)
         self.assertEqual([name for name in sorted(named) if not re.search(f"`{name}[`=]", text)], [], "not in CONTRIBUTING.md")
 
 
