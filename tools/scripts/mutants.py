@@ -62,7 +62,7 @@ PARTS = {
     "calib": Part(["calib"], ("calib",), "gdtslam_calib", "calibrate_|linkage_|nodding_linkage", modules=("calibrate",)),
     "io": Part(["engine/io"], ("io",), "gdtslam_io",
                "every_write|killed_at|converted_logs|packed_logs|bag_|ros2_|bad_input|hostile|readers_notice|simulated_formats|doctor_"),
-    "runs": Part(["engine/runs"], ("tools",), "gdtslam_runs",
+    "runs": Part(["engine/runs"], ("tools", "runs"), "gdtslam_runs",
                  "continue|edit_|evaluate|graph_agrees|covariances|keyframes|tiles|fleet_(local|shards|resume|record|bad)|localize_|"
                  "merge_|measure|doctor_|nodding_|live_equals|two_writers|logs_in_sequence|report_adds|run_|readers_notice|"
                  "killed|interrupt|files_of|foreign"),

@@ -40,6 +40,43 @@ inline std::vector<Segment> ring_corridor() {
   return walls;
 }
 
+/// A passage around a block with rooms of many widths and depths on its outside, 3 m deep at most: no two stretches of
+/// it look alike. The drive is that of poses_around_ring().
+inline std::vector<Segment> rooms_around_a_block() {
+  const Pose2 turned{0.011, 0.007, 0.21};
+  std::vector<Segment> walls;
+  add_box(walls, {-18.0, -12.0}, {18.0, 12.0});
+  add_box(walls, {-13.0, -7.0}, {13.0, 7.0});
+  struct Pier {
+    double from, to, depth_m;
+  };
+  for (const Pier& p : {Pier{-15.0, -12.2, 2.9},
+                        {-10.9, -10.1, 2.2},
+                        {-7.0, -3.4, 1.3},
+                        {-1.5, 1.0, 2.8},
+                        {3.2, 3.9, 2.9},
+                        {7.5, 9.0, 0.9},
+                        {11.0, 14.5, 2.6}}) {
+    add_box(walls, {p.from, -12.0}, {p.to, -12.0 + p.depth_m});
+  }
+  for (const Pier& p : {Pier{-13.0, -11.4, 1.7},
+                        {-9.0, -4.8, 2.7},
+                        {-2.6, -2.0, 2.9},
+                        {0.7, 5.1, 0.8},
+                        {6.0, 8.8, 2.4},
+                        {12.0, 13.0, 2.9}}) {
+    add_box(walls, {p.from, 12.0 - p.depth_m}, {p.to, 12.0});
+  }
+  for (const Pier& p : {Pier{-8.0, -5.7, 2.5}, {-2.2, -1.6, 2.9}, {1.8, 6.2, 1.1}}) {
+    add_box(walls, {18.0 - p.depth_m, p.from}, {18.0, p.to});
+  }
+  for (const Pier& p : {Pier{-7.1, -6.5, 2.8}, {-3.3, 1.2, 1.9}, {4.0, 7.5, 2.8}}) {
+    add_box(walls, {-18.0, p.from}, {-18.0 + p.depth_m, p.to});
+  }
+  for (Segment& wall : walls) wall = {turned * wall.from, turned * wall.to};
+  return walls;
+}
+
 /// Along the middle of that corridor, a keyframe each 0.25 m or 10 degrees.
 inline std::vector<Pose2> poses_around_ring(int rounds) {
   const Pose2 turned{0.011, 0.007, 0.21};
