@@ -88,7 +88,7 @@ run_faults() {
   configure "$build" -DCMAKE_BUILD_TYPE=Release -DGDTSLAM_BUILD_TESTS=ON -DGDTSLAM_WERROR=ON \
     -DCMAKE_UNITY_BUILD=ON
   cmake --build "$build" --parallel "$(build_jobs)" --target gdtslam gdtslam_failing_calls
-  python3 "$root/tools/scripts/fail_each_call.py" "$build/bin/gdtslam" --allocations 2000 \
+  python3 "$root/tools/scripts/fail_each_call.py" "$build/bin/gdtslam" \
     --library "$build/tests/cli/libgdtslam_failing_calls.so"
 }
 

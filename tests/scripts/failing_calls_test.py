@@ -2,6 +2,7 @@
 """The library of failing calls (tests/cli/failing_calls.c) under a program whose calls are known: failing_calls_test.py LIBRARY.
 And what tools/scripts/fail_each_call.py makes of files that are not what they should be."""
 
+import collections
 import json
 import os
 import pathlib
@@ -50,6 +51,10 @@ int main(int count, char** arguments) {
   void* volatile memory = NULL;
   TELL("malloc", (memory = malloc(100)) != NULL);
   free(memory);
+  for (int times = 0; times < 3; ++times) {
+    memory = malloc(50);
+    free(memory);
+  }
   const pid_t child = fork();
   if (child == 0) _exit(mkdir("e", 0755) == 0 ? 0 : 7);
   int status = 0;
@@ -74,7 +79,7 @@ class FailingCallsTest(unittest.TestCase):
     def tearDownClass(cls):
         shutil.rmtree(cls.folder)
 
-    def run_with(self, kinds="", at=0, how="", on="0", program="gdtslam-calls"):
+    def run_with(self, kinds="", at=0, how="", on="0", program="gdtslam-calls", places=None):
         """What the calls returned, by name: result and errno; counts by kind; how it ended."""
         work, state = self.folder / "work", self.folder / "state"
         shutil.rmtree(work, ignore_errors=True)
@@ -82,6 +87,8 @@ class FailingCallsTest(unittest.TestCase):
         state.write_bytes(bytes(STATE.size))
         variables = {**os.environ, "LD_PRELOAD": self.library, "FAILING_KINDS": kinds, "FAILING_AT": str(at), "FAILING_HOW": how,
                      "FAILING_ON": on, "FAILING_BELOW": str(work), "FAILING_STATE": str(state)}
+        if places:
+            variables.update(FAILING_PLACES=str(places), FAILING_CALLERS="1")
         process = subprocess.run([self.folder / program, work], env=variables, capture_output=True, text=True, check=False)
         returned = {name: (int(result), int(code)) for name, result, code in map(str.split, process.stdout.splitlines())}
         *counts, where = STATE.unpack(state.read_bytes())
@@ -124,6 +131,15 @@ class FailingCallsTest(unittest.TestCase):
     def test_memory(self):
         failed = [number for number in range(1, 6) if self.run_with("allocate", number, "ENOMEM")[0].get("malloc") == (0, 12)]
         self.assertEqual(len(failed), 1)
+
+    def test_places_of_allocations(self):
+        places = self.folder / "places"
+        places.write_bytes(b"")
+        _, counts, _, _ = self.run_with(places=places)
+        content = places.read_bytes()
+        found = collections.Counter(content[at:at + 8] for at in range(0, len(content), 8))
+        self.assertEqual(sum(found.values()), counts["allocate"])
+        self.assertEqual(sorted(found.values()), [1, 3], "the one that is told of, and that of the loop")
 
     def test_kills(self):
         for how, names in (("kill-before", {"a"}), ("kill-after", {"b"})):

@@ -3,7 +3,9 @@
 
 For each command that writes: an undisturbed run counts its calls of each kind (tests/cli/failing_calls.c says which there are
 and what is left out); then it runs again and again, each time with another call that fails, falls short, or is the last one
-before a SIGKILL, until every call has had its turn, or N of each kind, drawn with the seed. After each run:
+before a SIGKILL, until every call has had its turn, or N of each kind, drawn with the seed. Of allocations, of which there
+are tens of thousands, one has its turn for each place that asks for memory, told by its two innermost calls of the program.
+After each run:
 
 * it ended in time, by no signal but ours, with 0, with 74 where a file failed, with 1 where memory did;
 * where it failed, there is exactly one error line on standard error;
@@ -86,16 +88,35 @@ class Command:
         for other in results[1:]:
             if digests_of(other, self.keys) != self.new:
                 sys.exit(f"{self.case.name}: undisturbed runs differ: {differences(digests_of(other, self.keys), self.new)}")
+        self.unfinished = self.learn_unfinished()
         self.begin()
         self.old = self.files()
         self.counts = outcome.counts
         if self.new == self.old:
             sys.exit(f"{self.case.name}: writes nothing")
 
-    def run(self, kinds="", number=0, how="", preloaded=True):
+    def learn_unfinished(self):
+        if self.case.leave_unfinished is None:
+            return {}
+        self.begin()
+        self.case.leave_unfinished(self.work, self.bench.start)
+        return self.files()
+
+    def one_of_each_place(self, callers, chance):
+        """Numbers of allocations, one for each place of the program that asks for memory."""
+        file = self.bench.folder / "places"
+        file.write_bytes(b"")
+        self.begin()
+        self.run(more={"FAILING_PLACES": str(file), "FAILING_CALLERS": str(callers)})
+        places = collections.defaultdict(list)
+        for number, (place,) in enumerate(struct.iter_unpack("Q", file.read_bytes()), 1):
+            places[place].append(number)
+        return sorted(chance.choice(numbers) for numbers in places.values())
+
+    def run(self, kinds="", number=0, how="", preloaded=True, more=()):
         state = self.bench.folder / "state"
         state.write_bytes(bytes(STATE.size))
-        variables = {**self.bench.variables, "TMPDIR": str(self.work / "tmp")}
+        variables = {**self.bench.variables, "TMPDIR": str(self.work / "tmp"), **dict(more)}
         if preloaded:
             how, _, on = how.partition(" ")
             variables.update(LD_PRELOAD=str(self.bench.library), FAILING_STATE=str(state), FAILING_BELOW=str(self.work),
@@ -135,7 +156,7 @@ class Command:
         for of in (self.old, self.new):
             if all(of.get(name) == digest for name, digest in files.items()):
                 return "part"
-        is_each_whole = all(digest in (self.old.get(name), self.new.get(name)) for name, digest in files.items())
+        is_each_whole = all(digest in (of.get(name) for of in (self.old, self.new, self.unfinished)) for name, digest in files.items())
         return "each" if is_each_whole and self.case.has_single_files else None
 
     def try_call(self, kinds, number, how):
@@ -161,7 +182,7 @@ class Command:
     def is_stated(self, files, is_lost=False):
         """Whether these are the old files, the new ones, or what the pages say is there after a failure; on a disk that
         takes no more changes, also less than all of them."""
-        return files in (self.old, self.new) or self.case.may_stay(files, self.old, self.new) or (
+        return files in (self.old, self.new) or self.case.may_stay(files, self.old, self.new, self.unfinished) or (
             is_lost and self.state_of(files) is not None)
 
     def may_leave(self, kinds, outcome):
@@ -229,6 +250,10 @@ class Bench:
                         library, *SOURCES, "-ldl"], check=True)
         return library
 
+    def start(self, *arguments, cwd):
+        return subprocess.Popen([self.program, *map(str, arguments)], cwd=cwd, env=self.variables, stdin=subprocess.DEVNULL,
+                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
     def run(self, *arguments, cwd):
         process = subprocess.run([self.program, *map(str, arguments)], cwd=cwd, env=self.variables, capture_output=True, text=True,
                                  check=False, stdin=subprocess.DEVNULL)
@@ -236,9 +261,13 @@ class Bench:
             sys.exit(f"gdtslam {' '.join(map(str, arguments))}: exit {process.returncode}: {process.stderr}")
 
 
-def numbers_of(count, options, chance, kinds):
+def numbers_of(command, count, options, chance, kinds):
     """Which of the calls fail: all, or a sample."""
-    most = options.allocations if kinds == "allocate" and not options.sample else options.sample
+    most = options.sample
+    if kinds == "allocate" and not most:
+        if options.allocations is None:
+            return command.one_of_each_place(options.callers, chance)
+        most = options.allocations
     if not most or count <= most:
         return list(range(1, count + 1))
     return sorted(chance.sample(range(1, count + 1), most))
@@ -251,7 +280,7 @@ def rows_of(command, options, chance):
             continue
         outcomes, findings, runs = collections.Counter(), [], 0
         for how in ways if count else ():
-            for number in numbers_of(count, options, chance, kinds):
+            for number in numbers_of(command, count, options, chance, kinds):
                 outcome, faults, details = command.try_call(kinds, number, how)
                 outcomes[outcome] += 1
                 runs += 1
@@ -268,7 +297,8 @@ def main():
     parser.add_argument("--commands", default=",".join(failing_commands.CASES), help="which, by commas (default: all)")
     parser.add_argument("--kinds", help="kinds of calls, by commas (default: all)")
     parser.add_argument("--sample", type=int, default=0, help="calls of each kind (default: every one)")
-    parser.add_argument("--allocations", type=int, default=500, help="allocations where every other call fails; 0: all (500)")
+    parser.add_argument("--allocations", type=int, help="so many allocations, drawn; 0: all (default: one of each place)")
+    parser.add_argument("--callers", type=int, default=2, help="calls of the program by which places are told apart (2)")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--limit", type=float, default=120, help="seconds that a run may take")
     parser.add_argument("--library", help="the preloaded library, where it is built already")

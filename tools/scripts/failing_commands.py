@@ -1,5 +1,10 @@
 """The commands of fail_each_call.py: what lies in the folder before, and the words."""
 
+import shutil
+import signal
+import sys
+import time
+
 QUICK = ("--set", "log.odometry_stamps=log")
 SCANS = 12  # of the log that is mapped; more make more calls of the same places
 ROOM = """gdtslam_scene: 1
@@ -21,19 +26,22 @@ waypoints: [[0, 0], {at: [0.6, 0.1], speed: 0.15}]
 
 class Case:
     """has_single_files: files that belong together only loosely, each whole; left_by_kill: parts of the names of what a kill
-    may leave besides; stays: beginnings of the names of what stays done when a later step fails."""
+    may leave besides; stays: beginnings of the names of what stays done when a later step fails; leave_unfinished: makes the
+    files that tell, then, that what was asked for is not there."""
 
-    def __init__(self, name, prepare, arguments, has_single_files=False, left_by_kill=(), stays=()):
+    def __init__(self, name, prepare, arguments, has_single_files=False, left_by_kill=(), stays=(), leave_unfinished=None):
         self.name, self.prepare, self.arguments = name, prepare, [str(word) for word in arguments]
         self.has_single_files, self.left_by_kill, self.stays = has_single_files, left_by_kill, stays
+        self.leave_unfinished = leave_unfinished
 
     def is_left_by_kill(self, name):
         return any(part in name for part in self.left_by_kill)
 
-    def may_stay(self, files, old, new):
-        """Whether what there is besides the old files is what the pages say stays done."""
+    def may_stay(self, files, old, new, unfinished):
+        """Whether what there is besides the old files is what the pages say stays done, or tells that it is not."""
         return bool(self.stays) and old.keys() <= files.keys() and all(
-            digest == old.get(name) or (digest == new.get(name) and name.startswith(self.stays)) for name, digest in files.items())
+            digest == old.get(name) or (name.startswith(self.stays) and digest in (new.get(name), unfinished.get(name)))
+            for name, digest in files.items())
 
 
 def short_log(folder, run, scans=SCANS, name="drive.log", skip=0):
@@ -97,6 +105,20 @@ def prepare_atlas(folder, run):
     run("fleet", "plan", "drive.log", "-o", "atlas", "--shards", 1, "-q", *QUICK, cwd=folder)
 
 
+def interrupt_reproduce(folder, start):
+    """The report of no part: of a command that is interrupted while it makes its first."""
+    process = start("reproduce", "-o", "report", "--only", "fig9", "-q", cwd=folder)
+    while process.poll() is None and not (folder / "report/parts").is_dir():
+        time.sleep(0.01)
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    process.communicate()
+    report = folder / "report"
+    if process.returncode != 130 or any((report / "parts").iterdir()) or not (report / "report.html").is_file():
+        sys.exit(f"reproduce: one that is interrupted ends with {process.returncode}, makes a part or no report")
+    shutil.rmtree(report / "work", ignore_errors=True)
+
+
 def prepare_old_picture(folder, run):
     prepare_run(folder, run)
     (folder / "out.png").write_bytes(b"old")
@@ -113,7 +135,7 @@ CASES = {case.name: case for case in (
          stays=("frames",)),
     Case("film", prepare_cloud, ("render", "run", "--view", "orbit", "--frames", 2, "-o", "out.mp4", *SMALL)),
     Case("reproduce", lambda folder, run: None, ("reproduce", "-o", "report", "--only", "fig3", "-q"), True,
-         stays=("report",)),
+         stays=("report",), left_by_kill=("report/parts/fig3.making",), leave_unfinished=interrupt_reproduce),
     Case("simulate", lambda folder, run: (folder / "room.yaml").write_text(ROOM),
          ("simulate", "room.yaml", "-o", "drive.mcap", "--truth-hits", "-q"), True),
     Case("compare", prepare_map, ("compare", "drive.log", "--scans", 1, "--matchers", "simplex", "--starts-at", "none", "--picture",
