@@ -5,7 +5,7 @@
 # The last line is 'N passed, N failed' over the steps; the exit status is 0 only when none failed.
 set -euo pipefail
 root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
-step_count=10
+step_count=12
 source "$root/tools/scripts/common.sh"
 
 usage() {
@@ -22,6 +22,9 @@ Usage: tools/soak.sh [STEP...]
   platforms  unit tests and those of the command, unoptimised, by clang, and compiled for this processor by both compilers
   lint       clang-tidy over every source
   fuzz       every fuzz target for GDTSLAM_FUZZ_S seconds (default 600)
+  integer    the corpora of the fuzz targets and the unit tests of the readers, where whole numbers that wrap or lose bits
+             are errors
+  endurance  ten hours of live, 10,000 maps in one process, a million scans (tools/scripts/endurance.py)
   arm64      the command built for arm64, and the samples' hashes under qemu (tools/scripts/cross_arm64.sh)
 
 Without STEP: all of them.
@@ -30,12 +33,12 @@ USAGE
 steps=()
 for argument in "$@"; do
   case "$argument" in
-    debug | clang | asan | tsan | long | faults | platforms | lint | fuzz | arm64) steps+=("$argument") ;;
+    debug | clang | asan | tsan | long | faults | platforms | lint | fuzz | integer | endurance | arm64) steps+=("$argument") ;;
     -h | --help) usage; exit 0 ;;
     *) echo "soak.sh: unknown step '$argument'" >&2; usage >&2; exit 2 ;;
   esac
 done
-if ((${#steps[@]} == 0)); then steps=(debug clang asan tsan long faults platforms lint fuzz arm64); fi
+if ((${#steps[@]} == 0)); then steps=(debug clang asan tsan long faults platforms lint fuzz integer endurance arm64); fi
 step_count=${#steps[@]}
 
 passed=0 failed=0
@@ -108,7 +111,24 @@ run_arm64() {
   "$root/tools/scripts/cross_arm64.sh"
 }
 
+run_endurance() {
+  local build=$root/build/test
+  configure "$build" -DCMAKE_BUILD_TYPE=Release -DGDTSLAM_BUILD_TESTS=ON -DGDTSLAM_WERROR=ON \
+    -DCMAKE_UNITY_BUILD=ON
+  cmake --build "$build" --parallel "$(build_jobs)" --target gdtslam gdtslam_c
+  python3 "$root/tools/scripts/endurance.py" --program "$build/bin/gdtslam" --check
+}
+
 run_fuzz() { GDTSLAM_FUZZ_S=${GDTSLAM_FUZZ_S:-600} "$root/tools/scripts/fuzz.sh"; }
+
+run_integer() {
+  local build=$root/build/integer tests=(gdtslam_unit_io_tests gdtslam_unit_runs_tests)
+  (cd "$root" && cmake --preset integer --log-level=WARNING)
+  cmake --build "$build" --parallel "$(build_jobs)" --target gdtslam_fuzz "${tests[@]}"
+  python3 -B "$root/tools/scripts/fuzz_targets.py" --replay --program "$build/bin/gdtslam_fuzz" \
+    --corpus "$root/tests/fuzz/corpus" --folder "$build"
+  for program in "${tests[@]}"; do "$build/bin/$program" --gtest_filter=-*RealLog*:*RealData*; done
+}
 
 run_step() {
   case "$1" in
@@ -120,6 +140,8 @@ run_step() {
     platforms) run_platforms ;;
     lint) run_lint ;;
     fuzz) run_fuzz ;;
+    integer) run_integer ;;
+    endurance) run_endurance ;;
     arm64) run_arm64 ;;
   esac
 }

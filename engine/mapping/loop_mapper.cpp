@@ -93,7 +93,8 @@ struct LoopMapper::State {
                   .live = {.is_beside = options.loops_beside, .warn = options.warn, .threads = threads},
                   .joint = {},
                   .scans = {},
-                  .threads = threads}),
+                  .threads = threads,
+                  .scratch_folder = options.scratch_folder}),
         points(config.scan),
         map(config) {
     map.keep_near(options.scratch_folder);

@@ -29,7 +29,7 @@ int open_unnamed(const std::string& folder) {
 [[noreturn]] void fail(const std::string& folder, const std::string& what) {
   const std::string why = std::system_category().message(errno);
   throw FileError(
-      folder, what + ": " + why + "; what is far from the robot is kept in a file there (TMPDIR names another folder)");
+      folder, what + ": " + why + "; what is not needed at once is kept in a file there (TMPDIR names another folder)");
 }
 
 }  // namespace

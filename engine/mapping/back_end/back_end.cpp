@@ -53,13 +53,14 @@ void to_frame_of_first(std::vector<Pose2>& poses) {
 
 }  // namespace
 
-BackEnd::BackEnd(const BackEndOptions& options) : options_(options), loops_(options.loops, options.live) {}
+BackEnd::BackEnd(const BackEndOptions& options)
+    : options_(options), loops_(options.loops, options.live), shelf_(options.scratch_folder, options.shelf_bytes) {}
 
 void BackEnd::take(std::span<const Point2> points_base_m, const MatchResult& result) {
   if (!keyframes_.empty()) follow(result);
   T_map_last_ = result.T_map_base;
   if (!result.merged && !keyframes_.empty()) return add_scan(points_base_m, result);
-  scans_.push_back({{}, {}, keyframes_.size()});
+  scans_.push_back({{}, keyframes_.size()});
   keyframes_.push_back(scans_.size() - 1);
   add_keyframe(result, keep_scan(points_base_m));
 }
@@ -69,13 +70,10 @@ void BackEnd::add_scan(std::span<const Point2> points_base_m, const MatchResult&
   Scan& scan = scans_.emplace_back();
   scan.T_keyframe_base = between(T_map_keyframe_, result.T_map_base);
   scan.keyframe = keyframes_.size() - 1;
-  if (threads_meant(options_.threads) == 1) {
-    scan.points = keep_scan(points_base_m);
-    return;
-  }
+  if (threads_meant(options_.threads) == 1) return shelf_.put(keep_scan(points_base_m));
   if (!keeping_) keeping_.emplace(true, kMostUnkept);
   keeping_->give(
-      [&scan, points = std::vector(points_base_m.begin(), points_base_m.end())] { scan.points = keep_scan(points); });
+      [this, points = std::vector(points_base_m.begin(), points_base_m.end())] { shelf_.put(keep_scan(points)); });
 }
 
 // One scan on. Where the match is farther from what the wheels said than both can be, either may be wrong by all of it.
@@ -103,6 +101,8 @@ void BackEnd::follow(const MatchResult& result) {
 void BackEnd::add_keyframe(const MatchResult& result, KeptScan points) {
   Keyframe keyframe{
       .scan = std::move(points), .T_map_base = result.T_map_base, .path_m = 0.0, .steps = {}, .travel = {}};
+  keyframe.scan.surface.shrink_to_fit();  // it stays until the end
+  keyframe.scan.lone.shrink_to_fit();
   if (keyframes_.size() > 1) {
     travelled_m_ += length_of(between(T_map_keyframe_, result.T_map_base));
     keyframe.steps = steps_to(result, keyframe.scan);
@@ -167,17 +167,29 @@ std::vector<Pose2> BackEnd::poses_of_scans(const std::vector<Pose2>& keyframes) 
   return poses;
 }
 
+void BackEnd::finish_keeping() {
+  if (keeping_) keeping_->finish();
+  const std::string& trouble = shelf_.bytes().trouble();
+  if (!trouble.empty() && options_.live.warn)
+    options_.live.warn("the points of all scans stayed in memory: " + trouble);
+}
+
 void BackEnd::adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose2>& poses, WorkerPool& workers,
                            const Progress& progress) const {
   const ScanAdjustment adjustment(path_.scans, keyframes, options_.scans);
+  const auto is_keyframe = [&](std::size_t i) { return keyframes_[scans_[i].keyframe] == i; };
+  ScanShelf::Reader others(shelf_);
+  std::vector<KeptScan> taken(kScansAtOnce);
   for (std::size_t first = 0; first < poses.size(); first += kScansAtOnce) {
     const std::size_t count = std::min(kScansAtOnce, poses.size() - first);
+    for (std::size_t i = first; i < first + count; ++i) {
+      if (!is_keyframe(i)) taken[i - first] = others.next();
+    }
     workers.run(count, 1, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::size_t i = first + begin; i < first + end; ++i) {
-        const Scan& scan = scans_[i];
-        const bool is_keyframe = keyframes_[scan.keyframe] == i;
-        const KeptScan& points = is_keyframe ? path_.scans[scan.keyframe] : scan.points;
-        poses[i] = adjustment.adjusted(points, poses[i], scan.keyframe, is_keyframe);
+        const std::size_t last = scans_[i].keyframe;
+        const KeptScan& points = is_keyframe(i) ? path_.scans[last] : taken[i - first];
+        poses[i] = adjustment.adjusted(points, poses[i], last, is_keyframe(i));
       }
     });
     progress("adjusting scans", static_cast<double>(first + count) / static_cast<double>(poses.size()));
@@ -221,7 +233,7 @@ BackEndResult BackEnd::finish(const Progress& progress) {
   LoopCloser& closer = loops_.end([&](double share) { closing(share, 0); });
   WorkerPool workers(threads_meant(options_.threads));
   closer.run(closing, workers);
-  if (keeping_) keeping_->finish();
+  finish_keeping();
   std::vector<Pose2> keyframes = closer.poses();
   BackEndResult result;
   result.is_closed = true;

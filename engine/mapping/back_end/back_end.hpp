@@ -1,6 +1,7 @@
 // From the path of the front end to the best path there is: loops closed, all keyframes adjusted together, then every
 // scan. Frame: the robot's pose at the first scan. Not thread-safe; the result is the same for any number of threads.
-// Cost: docs/loops.md; at most 20 bytes a point.
+// Cost: docs/loops.md; in memory 20 bytes a point of a keyframe and 32 a scan, the points of other scans in a
+// ScanShelf.
 #pragma once
 
 #include <array>
@@ -9,6 +10,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -16,6 +18,7 @@
 #include "engine/core/worker_pool.hpp"
 #include "engine/mapping/adjust/joint_adjustment.hpp"
 #include "engine/mapping/adjust/scan_adjustment.hpp"
+#include "engine/mapping/back_end/scan_shelf.hpp"
 #include "engine/mapping/loops/live_loops.hpp"
 #include "engine/mapping/wheels/motion_noise.hpp"
 #include "gdtslam/mapping/match.hpp"
@@ -29,6 +32,8 @@ struct BackEndOptions {
   ScanAdjustmentOptions scans;
   unsigned threads = 1;  ///< of the adjustments, the caller's included; 0: one a processor. With more than one, scans
                          ///< are taken by a thread besides
+  std::string scratch_folder{};                       ///< of the ScanShelf
+  std::size_t shelf_bytes = ByteShelf::kMemoryBytes;  ///< of its memory
 };
 
 /// What the back end came to.
@@ -68,7 +73,6 @@ class BackEnd {
  private:
   /// A scan and the keyframe that it hangs on.
   struct Scan {
-    KeptScan points;  ///< of a keyframe nothing: the path has them
     Pose2 T_keyframe_base;
     std::size_t keyframe = 0;
   };
@@ -79,23 +83,25 @@ class BackEnd {
   [[nodiscard]] std::vector<PoseRelation> held_relations(const MeasuredPath& measured) const;
   [[nodiscard]] std::vector<Pose2> poses_of_scans(const std::vector<Pose2>& keyframes) const;
   [[nodiscard]] std::vector<Matrix3> covariances_of_scans(const LoopCloser& closer) const;
+  void finish_keeping();
   void adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose2>& poses, WorkerPool& workers,
                     const Progress& progress) const;
 
   BackEndOptions options_;
   LiveLoops loops_;
   const FrontEndPath& path_ = loops_.path();  // of the keyframes, after the end
-  std::deque<Scan> scans_;                    // they stay where they are
-  std::vector<std::size_t> keyframes_;        // which scans they are
-  Pose2 T_map_keyframe_;                      // the last one
-  double travelled_m_ = 0.0;                  // until it
+  std::deque<Scan> scans_;
+  std::vector<std::size_t> keyframes_;  // which scans they are
+  Pose2 T_map_keyframe_;                // the last one
+  double travelled_m_ = 0.0;            // until it
   // Since the last keyframe, in the frame of the last scan:
   Pose2 T_wheels_;  // by the wheels alone
   Matrix3 wheels_covariance_;
   Matrix3 leaps_;  // covariance of what wheels and matches cannot agree on
   WheelTravel travel_;
   Pose2 T_map_last_;
-  std::optional<SideThread> keeping_;  // of the points of scans that are no keyframes
+  ScanShelf shelf_;                    // points of the scans that are no keyframes
+  std::optional<SideThread> keeping_;  // that fills it
 };
 
 }  // namespace gdtslam

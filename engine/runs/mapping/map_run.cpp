@@ -105,11 +105,14 @@ MapRun::MapRun(const MapJob& job, Backend& backend, ScanStream scans, const Nodd
       has_threads_(threads_meant(job.on_failure.cpu.threads) > 1),
       first_s_(kNever),
       last_s_(-kNever) {
+  if (!job_.closing) job_.closing = [](std::string_view, double) {};
+  if (!job_.finishing) job_.finishing = [](std::string_view) {};
   const MapperConfig config = nodding != nullptr ? mapper_config_of(job.mapper, nodding->nodding) : job.mapper;
   MapperOptions options = job.on_failure;
   options.with_covariance = static_cast<bool>(job.scan_mapped);
   if (job.with_loops) {
     loops_ = std::make_unique<LoopMapper>(config, backend, options);
+    scans_kept_.emplace(options.scratch_folder);
   } else {
     mapper_ = std::make_unique<Mapper>(config, backend, options);
   }
@@ -142,7 +145,8 @@ void MapRun::note_stamp(double stamp_s) {
 void MapRun::take_match(const MatchResult& result, const Pose2& T_map_base, const LaserScan& scan) {
   const bool is_final = nodding_ || !loops_;
   if (job_.with_occupancy && result.accepted && is_final) cast(scan, T_map_base);
-  if (!is_final) scans_kept_.push_back(job_.with_occupancy && result.accepted ? scan : LaserScan{});
+  if (!is_final) is_kept_.push_back(job_.with_occupancy && result.accepted);
+  if (!is_final && is_kept_.back()) scans_kept_->put(scan);
   if (result.doubt != Doubt::kNone) {
     const Pose2 off = between(result.T_map_predicted, result.T_map_base);
     outcome_.doubtful.push_back({outcome_.trajectory.size(), result.stamp_s, result.doubt, result.accepted,
@@ -251,30 +255,23 @@ void MapRun::map_flat(const Progress& progress) {
 // Poses, keyframes and occupancy are those of the path with its loops closed.
 void MapRun::close_loops() {
   if (front_end().statistics().keyframes == 0) return;
-  ClosedPath path = loops_->close(closing(), stop_);
+  ClosedPath path = loops_->close(job_.closing, stop_);
   watch_.add_cpu_to(outcome_.loops_cpu_s);
-  if (job_.with_occupancy) tell("the occupancy map");
+  if (job_.with_occupancy) job_.finishing("the occupancy map");
   for (std::size_t i = 0; i < path.T_map_base.size(); ++i) {
     outcome_.trajectory[i].T_map_base = path.T_map_base[i];
-    if (!scans_kept_[i].ranges_m.empty()) count_in(path.T_map_base[i]);
+    if (is_kept_[i]) count_in(path.T_map_base[i]);
   }
+  LaserShelf::Reader kept(*scans_kept_);
   for (std::size_t i = 0; i < path.T_map_base.size() && occupancy_; ++i) {
-    if (!scans_kept_[i].ranges_m.empty()) occupancy_->add(scans_kept_[i], path.T_map_base[i]);
+    if (is_kept_[i]) occupancy_->add(kept.next(), path.T_map_base[i]);
   }
-  scans_kept_ = {};
+  scans_kept_.reset();
   watch_.add_cpu_to(outcome_.occupancy_cpu_s);
   const double beside_s = loops_->finish_field();
   outcome_.occupancy_cpu_s -= beside_s;  // where it was counted, going on meanwhile
   outcome_.loops_cpu_s += beside_s;
   take_closed(std::move(path));
-}
-
-void MapRun::tell(std::string_view what) const {
-  if (job_.finishing) job_.finishing(what);
-}
-
-LoopMapper::Progress MapRun::closing() const {
-  return job_.closing ? job_.closing : [](std::string_view, double) {};
 }
 
 void MapRun::take_closed(ClosedPath path) {
@@ -333,7 +330,7 @@ void MapRun::finish_nodding() {
     watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
     return;
   }
-  take_closed(nodding_->with_loops->close(closing(), stop_));
+  take_closed(nodding_->with_loops->close(job_.closing, stop_));
   outcome_.interrupted = outcome_.interrupted || stop_();
 }
 
@@ -374,7 +371,7 @@ void MapRun::finish() {
   take_keyframe_scans();
   outcome_.log_duration_s = last_s_ - first_s_;
   if (!nodding_) return;
-  tell("the cloud");
+  job_.finishing("the cloud");
   outcome_.nodding = nodding_->finish(outcome_.warnings);
   watch_.add_cpu_to(outcome_.cloud_cpu_s);
 }

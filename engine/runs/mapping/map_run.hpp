@@ -27,6 +27,7 @@
 #include "gdtslam/mapping/occupancy.hpp"
 #include "gdtslam/runs/map_log.hpp"
 #include "gdtslam/runs/outcome.hpp"
+#include "laser_shelf.hpp"
 #include "map_extent.hpp"
 #include "stopwatch.hpp"
 #include "sweep_check.hpp"
@@ -113,10 +114,8 @@ class MapRun {
   [[nodiscard]] const Mapper& front_end() const { return loops_ ? loops_->front_end() : *mapper_; }
   void finish_nodding();
   void close_loops();
-  [[nodiscard]] LoopMapper::Progress closing() const;
   void take_closed(ClosedPath path);
   void take_keyframe_scans();
-  void tell(std::string_view what) const;
   void require_a_map() const;
   void finish();
 
@@ -125,8 +124,9 @@ class MapRun {
   std::unique_ptr<Mapper> mapper_;     ///< without loops
   std::unique_ptr<LoopMapper> loops_;  ///< or with them
   MapSpeed speed_;
-  std::vector<LaserScan> scans_kept_;  ///< of a flat laser, for the occupancy of a path that will still change
-  std::vector<MergedScan> merged_;     ///< of a flat laser
+  std::optional<LaserShelf> scans_kept_;  ///< of a flat laser, for the occupancy of a path that will still change
+  std::vector<bool> is_kept_;             ///< a scan each
+  std::vector<MergedScan> merged_;        ///< of a flat laser
   MapExtent extent_;
   std::optional<OccupancyBuilder> occupancy_;  ///< nothing once the map is too large for one piece
   bool has_threads_;

@@ -9,12 +9,15 @@ namespace gdtslam {
 // The path begins with a keyframe, whatever its scan.
 void DriveRecord::take(const MappedScan& mapped) {
   const bool is_keyframe = mapped.match.merged || taken_ == 0;
-  Scan scan{
-      .stamp_s = mapped.match.stamp_s, .T_front_base = mapped.match.T_map_base, .is_keyframe = is_keyframe, .scan = {}};
-  if (is_keyframe && mapped.match.accepted) scan.scan = std::make_shared<const LaserScan>(mapped.scan);
+  News news{.scan = {.stamp_s = mapped.match.stamp_s,
+                     .T_front_base = mapped.match.T_map_base,
+                     .is_keyframe = is_keyframe,
+                     .is_shown = is_keyframe && mapped.match.accepted},
+            .ranges = {}};
+  if (news.scan.is_shown) news.ranges = mapped.scan;
   const std::lock_guard lock(mutex_);
   ++taken_;
-  news_.push_back(std::move(scan));
+  news_.push_back(std::move(news));
   if (mapped.closed_keyframes.valid()) asked_ = mapped.closed_keyframes;
 }
 
@@ -25,15 +28,16 @@ std::uint64_t DriveRecord::scans() const {
 
 // Where the loops are is taken over once it is known; a mapper that has ended tells no more.
 void DriveRecord::take_news() {
-  std::vector<Scan> news;
+  std::vector<News> news;
   {
     const std::lock_guard lock(mutex_);
     news.swap(news_);
     if (asked_.valid()) awaited_ = std::exchange(asked_, {});
   }
-  for (Scan& scan : news) {
-    if (scan.is_keyframe) keyframes_.push_back(scans_.size());
-    scans_.push_back(std::move(scan));
+  for (const News& one : news) {
+    if (one.scan.is_keyframe) keyframes_.push_back(scans_.size());
+    if (one.scan.is_shown) ranges_.put(one.ranges);
+    scans_.push_back(one.scan);
   }
   if (!awaited_.valid() || awaited_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
   try {
@@ -55,11 +59,15 @@ std::vector<Pose2> DriveRecord::keyframe_poses() const {
 void DriveRecord::cast(const std::vector<Pose2>& poses) {
   if (!map_) {
     map_.emplace(config_, limits_);
+    to_cast_.emplace(ranges_);
+    in_hand_.reset();
     cast_ = 0;
   }
   for (; cast_ < poses.size(); ++cast_) {
-    const Scan& keyframe = scans_[keyframes_[cast_]];
-    if (keyframe.scan) map_->add(*keyframe.scan, poses[cast_]);
+    if (!scans_[keyframes_[cast_]].is_shown) continue;
+    if (!in_hand_) in_hand_ = to_cast_->next();
+    map_->add(*in_hand_, poses[cast_]);
+    in_hand_.reset();
   }
 }
 

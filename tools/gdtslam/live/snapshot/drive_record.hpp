@@ -1,16 +1,16 @@
 // What is known of a drive while it goes on: the occupancy map of its keyframes and the path, with the loops closed
 // that have been found. One thread maps and hands over each scan, which costs it a lock and of a keyframe a copy;
 // another one asks for the state. Cost of that: the keyframes since the last time, all of them where a loop has moved
-// them.
+// them. Memory: 40 bytes a scan; the keyframes' ranges are in a LaserShelf.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <mutex>
 #include <optional>
 #include <vector>
 
+#include "engine/runs/mapping/laser_shelf.hpp"
 #include "gdtslam/mapping/occupancy.hpp"
 #include "gdtslam/runs/map_log.hpp"
 
@@ -29,6 +29,9 @@ class DriveRecord {
   /// The next scan.
   void take(const MappedScan& mapped);
   [[nodiscard]] std::uint64_t scans() const;
+  /// Takes over what was handed over by now, so that it does not wait in memory; for the thread that asks for the
+  /// state.
+  void take_news();
   /// As of the scans handed over by now, for one thread. Throws InputError where the map would be too large.
   DriveState state();
 
@@ -37,10 +40,13 @@ class DriveRecord {
     double stamp_s = 0.0;
     Pose2 T_front_base;
     bool is_keyframe = false;
-    std::shared_ptr<const LaserScan> scan;  // of a keyframe that belongs into the map
+    bool is_shown = false;  // a keyframe that belongs into the map
+  };
+  struct News {
+    Scan scan;
+    LaserScan ranges;  // of a scan that is shown
   };
 
-  void take_news();
   [[nodiscard]] std::vector<Pose2> keyframe_poses() const;
   void cast(const std::vector<Pose2>& poses);
 
@@ -49,15 +55,18 @@ class DriveRecord {
   // Of both, under the lock:
   mutable std::mutex mutex_;
   std::uint64_t taken_ = 0;
-  std::vector<Scan> news_;
+  std::vector<News> news_;
   std::shared_future<ClosedKeyframes> asked_;
   // Of whoever asks:
   std::vector<Scan> scans_;
   std::vector<std::size_t> keyframes_;  // scans
+  LaserShelf ranges_{{}};               // of those that are shown
   std::shared_future<ClosedKeyframes> awaited_;
   ClosedKeyframes closed_;
   std::optional<OccupancyBuilder> map_;
-  std::size_t cast_ = 0;  // keyframes, from where `closed_` has them
+  std::optional<LaserShelf::Reader> to_cast_;
+  std::optional<LaserScan> in_hand_;  // the next one of it, where the map would not take it
+  std::size_t cast_ = 0;              // keyframes, from where `closed_` has them
 };
 
 }  // namespace gdtslam

@@ -85,6 +85,7 @@ void Snapshots::work() {
     const bool is_watched = plan_.is_watched && now - last_shown >= kBetweenShown && plan_.is_watched();
     if (is_due) last_saved = now;
     if (is_watched) last_shown = now;
+    record_.take_news();
     if (is_due || is_asked || is_watched) make(is_due || is_asked, is_watched);
   }
 }

@@ -56,8 +56,8 @@ struct MapperOptions {
   CpuOptions cpu;
   /// Called once for each failure, with one line that says what failed and what happens now.
   std::function<void(const std::string&)> warn;
-  /// For the file without a name in which what is far from the robot waits once the map has become large, on the CPU;
-  /// empty: that of TMPDIR, or /var/tmp.
+  /// For files without a name: what is far from the robot waits there once the map has become large, on the CPU, and
+  /// the scans of a long drive until its end (LoopMapper); empty: that of TMPDIR, or /var/tmp.
   std::string scratch_folder{};
   /// Each match says how sure it is (MatchResult::covariance), for some ten microseconds a scan.
   bool with_covariance = false;

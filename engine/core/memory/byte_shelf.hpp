@@ -1,0 +1,96 @@
+// Records that nobody needs before the end of a long work, in the order in which they came: in memory at first, beyond
+// that in a file without a name, so that memory does not grow with them. Not thread-safe. Cost: a copy each way.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <initializer_list>
+#include <optional>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "scratch_file.hpp"
+
+namespace gdtslam {
+
+class ByteShelf {
+ public:
+  static constexpr std::size_t kMemoryBytes = std::size_t{32} << 20U;
+
+  /// The file is made in that folder (ScratchFile) once there are more bytes than `memory_bytes`.
+  explicit ByteShelf(std::string folder, std::size_t memory_bytes = kMemoryBytes)
+      : folder_(std::move(folder)), memory_bytes_(memory_bytes), page_bytes_(std::min(kPageBytes, memory_bytes / 16)) {}
+
+  /// The next record, its parts one after the other. Where the folder takes no file, or its disk is full, what would be
+  /// there stays in memory.
+  void put(std::initializer_list<std::span<const std::byte>> parts);
+  /// Records.
+  [[nodiscard]] std::size_t size() const { return size_; }
+  /// Bytes that lie in the file.
+  [[nodiscard]] std::uint64_t bytes_in_file() const { return file_bytes_; }
+  /// Why there are none although there should be; empty as a rule.
+  [[nodiscard]] const std::string& trouble() const { return trouble_; }
+
+  /// All records, one after the other, those that are put meanwhile too. The shelf must outlive it.
+  class Reader {
+   public:
+    explicit Reader(const ByteShelf& shelf) : shelf_(&shelf) {}
+    /// To be called size() times at most; the bytes stay until the next call of anything. Throws FileError where the
+    /// file cannot be read.
+    std::span<const std::byte> next();
+
+   private:
+    std::span<const std::byte> page();
+
+    const ByteShelf* shelf_;
+    std::size_t page_ = 0;  // in hand; the one after the closed ones is that which is being filled
+    std::size_t read_ = 0;  // bytes of it
+    std::vector<std::byte> from_file_;
+    std::optional<std::size_t> in_memory_;  // which page that is
+  };
+
+ private:
+  /// Many records, none of them in part.
+  struct Page {
+    std::vector<std::byte> bytes;  // none where it is in the file
+    std::uint64_t place = 0;
+    std::size_t size = 0;
+  };
+  static constexpr std::size_t kPageBytes = std::size_t{1} << 20U;
+  void close_page();
+  bool write(const Page& page);
+
+  std::string folder_;
+  std::size_t memory_bytes_;
+  std::size_t page_bytes_;
+  std::size_t size_ = 0;
+  std::vector<Page> pages_;
+  std::vector<std::byte> open_;  // the page that is being filled
+  std::size_t bytes_in_memory_ = 0;
+  std::optional<ScratchFile> file_;
+  std::uint64_t file_bytes_ = 0;
+  std::string trouble_;
+};
+
+/// A value as a part of a record.
+template <typename Value>
+std::span<const std::byte> bytes_of(const Value& value) {
+  static_assert(std::is_trivially_copyable_v<Value>);
+  return std::as_bytes(std::span(&value, 1));
+}
+
+/// Takes values from the front of a record.
+template <typename Value>
+void take_values(std::span<const std::byte>& record, std::span<Value> values) {
+  static_assert(std::is_trivially_copyable_v<Value>);
+  const std::span<const std::byte> bytes = record.first(values.size_bytes());
+  if (!bytes.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
+  record = record.subspan(bytes.size());
+}
+
+}  // namespace gdtslam
