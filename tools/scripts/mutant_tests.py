@@ -11,6 +11,7 @@ import subprocess
 from mutant_build import ROOT, run
 
 MEMORY_BYTES, FILE_BYTES = 12 << 30, 2 << 30  # what a mutant may take that does not end
+SLOW_BESIDE = 10  # tests of suites beside a source may take so many times as long as others
 
 
 def bounded():
@@ -42,7 +43,7 @@ class Program:
 
     def __init__(self, tree, name, slow_s):
         self.tree, self.name, self.slow_s = tree, name, slow_s
-        self.left_out, self.usual_s, self.slowest_s = [], 0.0, 0.0
+        self.left_out, self.times, self.usual_s, self.slowest_s = [], {}, 0.0, 0.0
 
     def measure(self, folder):
         """Its times as it is; they are kept in the tree beside it. False where it fails."""
@@ -60,6 +61,7 @@ class Program:
             times = [(name, float(ms) / 1000) for name, ms in re.findall(r"\[       OK \] (\S+?),? .*?\((\d+) ms\)", output)]
             kept.parent.mkdir(exist_ok=True)
             kept.write_text(json.dumps(times))
+        self.times = dict(times)
         self.left_out = [name for name, s in times if s > self.slow_s]
         self.usual_s = sum(s for _, s in times if s <= self.slow_s)
         self.slowest_s = sum(s for _, s in times if s > self.slow_s)
@@ -78,9 +80,18 @@ class Program:
         how = "takes too long" if status is None else f"ends with {status}"
         return failed[1].rstrip(",") if failed else f"{self.name}, which {how}"
 
-    def quick(self, source):
-        """The filter of the tests that are not slow, or that name the source."""
-        return "-" + ":".join(name for name in self.left_out if source.stem not in name)
+    def quick(self, source, beside):
+        """The filter of the tests that are not slow, or that name the source, or of suites beside it and not so slow."""
+        def is_kept(name):
+            suite = name.split(".")[0].split("/")[-1]  # a prefix is that of the parameters
+            is_beside = suite in beside and self.times[name] <= SLOW_BESIDE * self.slow_s
+            return is_beside or any(word in name for word in names_of(source))
+        return "-" + ":".join(name for name in self.left_out if not is_kept(name))
+
+
+def names_of(source):
+    """Under which tests know a source: its own, and of a kernel that of its folder."""
+    return {source.stem, source.parent.name} if source.suffix == ".inl" else {source.stem}
 
 
 def suites_beside(source, folders):
@@ -89,7 +100,7 @@ def suites_beside(source, folders):
     for folder in folders:
         for test in sorted((ROOT / folder).glob("*.cpp")):
             text = test.read_text()
-            if f"/{source.stem}.hpp" in text or source.stem in test.stem:
+            if any(f"/{name}.hpp" in text or name in test.stem for name in names_of(source)):
                 suites |= set(re.findall(r"^(?:TEST|TEST_F|TEST_P|RC_GTEST_PROP)\((\w+)", text, re.MULTILINE))
     return sorted(suites)
 

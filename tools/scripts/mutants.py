@@ -9,7 +9,8 @@ an angle, a whole number that is one off, another number doubled or halved, `&&`
 turned round, a call whose result nobody uses left out, so an fsync or a lock. Each is compiled and held against the unit,
 property and oracle tests of its part until one fails. It is noticed when one fails, crashes or takes half a minute more than
 three times its usual time. The first run is of the programs as they are: all has to pass; tests that take longer than --slow
-(2 s) there are left out, unless their name is that of the source, and named. With --whole, what survived is then held against
+(2 s) there are left out, unless their name is that of the source or they are of a suite that includes its header and take at
+most ten times as long, and named. With --whole, what survived is then held against
 every test that uses the part's library, those that take long among them, and against the tests of the command that PARTS
 names. --again FILE judges once more what survived in a run whose --json is that file, so that new tests can be tried.
 
@@ -111,10 +112,11 @@ class Judge:
             linked = [(program, self.tree.link(program.name, objects, folder / program.name)) for program in self.programs]
             if None in [file for _, file in linked]:
                 return "does not compile", ""
-            beside = ":".join([f"*{suite}.*" for suite in suites_beside(mutant.path, self.folders)] + [f"*{mutant.path.stem}*"])
+            suites = suites_beside(mutant.path, self.folders)
+            beside = ":".join([f"*{suite}.*" for suite in suites] + [f"*{mutant.path.stem}*"])
             for chosen in (beside, ""):
                 for program, file in linked:
-                    tests = chosen + program.quick(mutant.path)
+                    tests = chosen + program.quick(mutant.path, suites)
                     why = program.failure(file, folder / "work", tests)
                     if why:
                         return "noticed", why
