@@ -185,6 +185,7 @@ class Errors(unittest.TestCase):
     def test_have_classes_of_their_own_and_those_of_python(self):
         for kind, parent, provoke in (
             (gdtslam.ConfigError, ValueError, lambda: gdtslam.Mapper({"map.resolution": "5"})),
+            (gdtslam.ConfigError, ValueError, lambda: gdtslam.options({"map.resolution": "7,5 cm"})),
             (gdtslam.ConfigError, ValueError, lambda: gdtslam.Mapper({"map.resolutoin": "5 cm"})),
             (gdtslam.FileError, OSError, lambda: gdtslam.map("no/such.log", WORK / "none")),
             (gdtslam.FileError, OSError, lambda: gdtslam.scans("no/such.log")),

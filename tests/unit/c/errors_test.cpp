@@ -93,6 +93,8 @@ TEST_F(CErrors, bad_configuration_has_the_words_of_the_command) {
   EXPECT_THAT(error_.text, EndsWith("'5' needs a unit: 5 cm, 5 m"));
   EXPECT_EQ(gdtslam_options_set(options.get(), "map.resolution", "5 km", &error_), GDTSLAM_BAD_CONFIG);
   EXPECT_STREQ(error_.text, "map.resolution: \"5 km\" is above its maximum 1 m");
+  EXPECT_EQ(gdtslam_options_set(options.get(), "map.resolution", "7,5 cm", &error_), GDTSLAM_BAD_CONFIG);
+  EXPECT_THAT(error_.text, HasSubstr("map.resolution: \"7,5 cm\" is no value of it: unit ',5 cm' does not fit here"));
   EXPECT_EQ(gdtslam_options_set(options.get(), "log.mount_x", "1 m", &error_), GDTSLAM_OK);
   EXPECT_STREQ(error_.text, "") << "what options ask of each other is looked at when they are taken";
   auto request = made<gdtslam_mapper_request>();
