@@ -3,10 +3,12 @@
 // at the flag.
 #pragma once
 
+#include <unistd.h>
+
 #include <cerrno>
-#include <filesystem>
-#include <system_error>
-#include <vector>
+#include <cstddef>
+#include <exception>
+#include <string_view>
 
 namespace gdtslam {
 
@@ -18,24 +20,29 @@ auto retried(const Call& call) {
   return result;
 }
 
-/// What lies in a folder, in no order. `failed` tells why it cannot be listed; what is returned then is not all.
-inline std::vector<std::filesystem::directory_entry> list_folder(const std::filesystem::path& folder,
-                                                                 std::error_code& failed) {
-  std::vector<std::filesystem::directory_entry> entries;
-  do {
-    entries.clear();
-    std::filesystem::directory_iterator entry(folder, failed);
-    for (; !failed && entry != end(entry); entry.increment(failed)) entries.push_back(*entry);
-  } while (failed == std::errc::interrupted);
-  return entries;
+/// The whole text, in as many pieces as it takes; false with errno where it cannot be written.
+inline bool write_whole(int descriptor, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t count = retried([&] { return ::write(descriptor, text.data(), text.size()); });
+    if (count < 0) return false;
+    text.remove_prefix(static_cast<std::size_t>(count));
+  }
+  return true;
 }
 
-/// A folder with all that is in it, which is opened to be listed. Nothing where there is none. `failed` tells of what
-/// cannot be removed; what can be may be gone then.
-inline void remove_tree(const std::filesystem::path& path, std::error_code& failed) {
-  do {
-    std::filesystem::remove_all(path, failed);
-  } while (failed == std::errc::interrupted);
+/// For destructors, which let nothing through: what throws is done once more, as memory may have been short for a
+/// moment.
+template <typename Call>
+void without_throwing(const Call& call) noexcept {
+  constexpr int kTries = 2;
+  for (int tries = 0; tries < kTries; ++tries) {
+    try {
+      call();
+      return;
+    } catch (const std::exception&) {
+      continue;
+    }
+  }
 }
 
 }  // namespace gdtslam

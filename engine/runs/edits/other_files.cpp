@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <system_error>
 
-#include "engine/core/retried.hpp"
+#include "engine/core/folder_calls.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/runs/edits/map_picture_file.hpp"
 #include "gdtslam/core/error.hpp"
@@ -16,8 +16,8 @@ namespace fs = std::filesystem;
 std::vector<std::string> other_files_in(const std::string& run, bool with_map_picture) {
   std::vector<std::string> names;
   std::error_code failed;
-  for (const fs::directory_entry& entry : list_folder(run, failed)) {
-    std::string name = entry.path().filename().string();
+  for (const fs::path& entry : list_folder(run, failed)) {
+    std::string name = entry.filename().string();
     if (is_file_of_a_run(name) || name.starts_with('.')) continue;
     if (with_map_picture && is_map_for_gis(name)) continue;
     names.push_back(std::move(name));

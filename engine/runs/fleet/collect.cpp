@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "engine/core/retried.hpp"
+#include "engine/core/folder_calls.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"
@@ -43,8 +43,8 @@ std::uint64_t bytes_in(const fs::path& path) {
   std::error_code failed;
   std::uint64_t bytes = 0;
   if (fs::is_directory(path, failed)) {
-    for (const fs::directory_entry& entry : list_folder(path, failed)) {
-      if (entry.is_regular_file(failed)) bytes += entry.file_size(failed);
+    for (const fs::path& entry : list_folder(path, failed)) {
+      if (fs::is_regular_file(entry, failed)) bytes += fs::file_size(entry, failed);
     }
   } else {
     bytes = fs::file_size(path, failed);
@@ -69,18 +69,18 @@ bool is_utf8(const std::string& text) {
 
 void search(const fs::path& folder, std::vector<fs::path>& logs) {
   std::error_code failed;
-  for (const fs::directory_entry& entry : list_folder(folder, failed)) {
+  for (const fs::path& entry : list_folder(folder, failed)) {
     std::error_code ignored;  // what cannot be asked about is neither
-    const std::string name = entry.path().filename().string();
-    if (name.starts_with('.') || entry.is_symlink(ignored)) continue;
-    if (entry.is_directory(ignored)) {
-      if (is_ros2_bag(entry.path())) {
-        logs.push_back(entry.path());
-      } else if (!holds_results(entry.path())) {
-        search(entry.path(), logs);
+    const std::string name = entry.filename().string();
+    if (name.starts_with('.') || fs::is_symlink(fs::symlink_status(entry, ignored))) continue;
+    if (fs::is_directory(entry, ignored)) {
+      if (is_ros2_bag(entry)) {
+        logs.push_back(entry);
+      } else if (!holds_results(entry)) {
+        search(entry, logs);
       }
-    } else if (entry.is_regular_file(ignored) && has_name_of_a_log(name)) {
-      logs.push_back(entry.path());
+    } else if (fs::is_regular_file(entry, ignored) && has_name_of_a_log(name)) {
+      logs.push_back(entry);
     }
   }
   if (failed) throw FileError(folder.string(), "cannot be read: " + failed.message());

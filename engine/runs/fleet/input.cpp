@@ -14,7 +14,7 @@
 #include <memory>
 #include <vector>
 
-#include "engine/core/retried.hpp"
+#include "engine/core/folder_calls.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/byte_source.hpp"
 #include "engine/io/message_text.hpp"
@@ -35,8 +35,8 @@ constexpr std::size_t kReadBytes = std::size_t{1} << 18U;
 HashedBytes hash_of_folder(const std::string& folder) {
   std::vector<std::string> files;
   std::error_code failed;
-  for (const fs::directory_entry& entry : list_folder(folder, failed)) {
-    if (entry.is_regular_file()) files.push_back(entry.path().filename().string());
+  for (const fs::path& entry : list_folder(folder, failed)) {
+    if (fs::is_regular_file(entry)) files.push_back(entry.filename().string());
   }
   if (failed) throw FileError(folder, "cannot be read: " + failed.message());
   std::sort(files.begin(), files.end());

@@ -9,7 +9,7 @@
 #include <system_error>
 #include <utility>
 
-#include "engine/core/retried.hpp"
+#include "engine/core/folder_calls.hpp"
 #include "engine/core/worker_pool.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/yaml/yaml_text.hpp"
@@ -37,17 +37,17 @@ template <class Visit>
 void for_each_entry(const fs::path& folder, const Visit& visit) {
   std::error_code failed;
   if (!fs::exists(folder, failed)) return;
-  for (const fs::directory_entry& entry : list_folder(folder, failed)) visit(entry);
+  for (const fs::path& entry : list_folder(folder, failed)) visit(entry);
   if (failed) throw FileError(folder.string(), "cannot be read: " + failed.message());
 }
 
 void read_tables(const std::string& atlas, const StoredPlan& stored, const std::vector<bool>& is_there,
                  AtlasState& state) {
-  for_each_entry(fs::path(atlas) / "shards", [&](const fs::directory_entry& entry) {
-    if (entry.path().extension() != ".tsv") return;
+  for_each_entry(fs::path(atlas) / "shards", [&](const fs::path& entry) {
+    if (entry.extension() != ".tsv") return;
     std::optional<std::vector<UnitRecord>> records;
     try {
-      records = parse_records_table(read_text<InputError>(entry.path().string(), kMostTableBytes), stored.id);
+      records = parse_records_table(read_text<InputError>(entry.string(), kMostTableBytes), stored.id);
     } catch (const Error&) {  // it only spares opening the records
     }
     if (!records) return;
@@ -76,9 +76,9 @@ std::string read_into(std::optional<UnitRecord>& place, const std::string& atlas
 
 std::vector<bool> units_with_record(const std::string& atlas, std::size_t units) {
   std::vector<bool> is_there(units);
-  for_each_entry(fs::path(atlas) / "units", [&](const fs::directory_entry& folder) {
-    for_each_entry(folder.path(), [&](const fs::directory_entry& entry) {
-      const std::optional<std::size_t> unit = unit_of_file(entry.path().filename().string());
+  for_each_entry(fs::path(atlas) / "units", [&](const fs::path& folder) {
+    for_each_entry(folder, [&](const fs::path& entry) {
+      const std::optional<std::size_t> unit = unit_of_file(entry.filename().string());
       if (unit && *unit < units) is_there[*unit] = true;
     });
   });

@@ -6,6 +6,7 @@
 #include "atlas_hash.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/runs/folder/report_reader.hpp"
+#include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/mapping/stopwatch.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/config_yaml.hpp"
@@ -138,6 +139,7 @@ UnitRecord do_unit(const UnitWork& work) {
     const std::string run_folder = work.folder + "/run";
     if (map_unit(work, input, run_folder, record)) {
       take_results(run_folder, record);
+      remove_stagings_of_ended_runs(run_folder);
       move_into_atlas(run_folder, work.atlas, record.run, work.staging);
     }
   } else {

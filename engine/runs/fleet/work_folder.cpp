@@ -3,16 +3,19 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <string_view>
 #include <system_error>
 #include <vector>
 
+#include "engine/core/folder_calls.hpp"
 #include "engine/core/retried.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/message_text.hpp"
@@ -28,49 +31,63 @@ constexpr std::string_view kWorkPrefix = "gdtslam-fleet-";
 constexpr const char* kWorkMark = "/.gdtslam-fleet";
 constexpr const char* kMarkText = "gdtslam fleet made this folder and removes it again.\n";
 
-// The mark goes last: whoever is killed meanwhile leaves a folder that a later one knows for one of these.
+// The mark goes last, and only after all else: whoever is killed meanwhile, or cannot remove something, leaves a folder
+// that a later one knows for one of these.
 void remove_marked(const fs::path& folder) {
   std::error_code ignored;  // what cannot be removed is in nobody's way
   const fs::path mark = folder.string() + kWorkMark;
-  std::vector<fs::path> rest;
-  for (const fs::directory_entry& entry : list_folder(folder, ignored)) {
-    if (entry.path() != mark) rest.push_back(entry.path());
-  }
-  for (const fs::path& path : rest) remove_tree(path, ignored);
-  remove_tree(folder, ignored);
+  if (remove_all_beside(mark, ignored) || remove_all_beside(mark, ignored)) remove_tree(folder, ignored);
 }
 
-// A mark that can be locked has no owner any more. Where a file system knows no locks, none can be locked.
+// Whether mkdtemp made that name for one of these.
+bool is_name_of_ours(std::string_view name) {
+  constexpr std::size_t kDrawn = 6;
+  if (!name.starts_with(kWorkPrefix)) return false;
+  name.remove_prefix(kWorkPrefix.size());
+  const std::size_t digits = name.find_first_not_of("0123456789");
+  if (digits == 0 || digits == std::string_view::npos) return false;
+  name.remove_prefix(digits);
+  return name.size() == 1 + kDrawn && name.front() == '-' && name.find_first_of("-._", 1) == std::string_view::npos;
+}
+
+// A mark that can be locked has no owner any more. Where a file system knows no locks, none can be locked. Without a
+// mark, one of these is left by a process that was killed before there was one, or after: it is empty.
 void remove_if_left(const fs::path& folder) {
   const std::string file = folder.string() + kWorkMark;
   const int mark = retried([&] { return ::open(file.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW); });
+  if (mark < 0 && errno == ENOENT && is_name_of_ours(folder.filename().string())) ::rmdir(folder.c_str());
   if (mark < 0) return;
-  if (::flock(mark, LOCK_EX | LOCK_NB) == 0) remove_marked(folder);
+  if (retried([mark] { return ::flock(mark, LOCK_EX | LOCK_NB); }) == 0) remove_marked(folder);
   ::close(mark);
 }
 
 void remove_leftovers(const std::string& parent) {
   std::error_code failed;
-  for (const fs::directory_entry& entry : list_folder(parent, failed)) {
+  for (const fs::path& entry : list_folder(parent, failed)) {
     std::error_code ignored;
-    const bool is_ours = entry.path().filename().string().starts_with(kWorkPrefix);
-    if (is_ours && entry.is_directory(ignored) && !entry.is_symlink(ignored)) remove_if_left(entry.path());
+    const bool is_ours = entry.filename().string().starts_with(kWorkPrefix);
+    if (is_ours && fs::is_directory(fs::symlink_status(entry, ignored))) remove_if_left(entry);
   }
 }
 
-// The mark is locked before it has its name, so that nobody takes the folder for one that was left.
-int locked_mark(const std::string& folder) {
+bool is_removed(int mark) {
+  struct stat status {};
+  return ::fstat(mark, &status) != 0 || status.st_nlink == 0;
+}
+
+// Nothing where another process has removed the folder, which it may take for one that was left until this holds the
+// lock.
+std::optional<int> locked_mark(const std::string& folder) {
   const std::string file = folder + kWorkMark;
-  const std::string unnamed = file + ".new";
-  const int mark = retried([&] { return ::open(unnamed.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600); });
+  const int mark = retried([&] { return ::open(file.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600); });
+  if (mark < 0 && (errno == ENOENT || errno == ESTALE)) return std::nullopt;
   if (mark < 0) throw FileError(file, "cannot be created: " + errno_text(errno));
-  (void)::flock(mark, LOCK_EX | LOCK_NB);
-  std::string_view left = kMarkText;
-  ssize_t count = 0;
-  while (!left.empty() && (count = retried([&] { return ::write(mark, left.data(), left.size()); })) >= 0) {
-    left.remove_prefix(static_cast<std::size_t>(count));
+  const bool is_locked = retried([mark] { return ::flock(mark, LOCK_EX | LOCK_NB); }) == 0;
+  if ((!is_locked && errno == EWOULDBLOCK) || is_removed(mark)) {
+    ::close(mark);
+    return std::nullopt;
   }
-  if (!left.empty() || std::rename(unnamed.c_str(), file.c_str()) != 0) {
+  if (!write_whole(mark, kMarkText)) {
     const int code = errno;
     ::close(mark);
     throw FileError(file, "cannot be written: " + errno_text(code));
@@ -81,12 +98,12 @@ int locked_mark(const std::string& folder) {
 void copy_folder(const fs::path& from, const fs::path& to) {
   make_folder(to.string());
   std::error_code failed;
-  for (const fs::directory_entry& entry : list_folder(from, failed)) {
-    const fs::path name = entry.path().filename();
-    if (entry.is_directory()) {
-      copy_folder(entry.path(), to / name);
+  for (const fs::path& entry : list_folder(from, failed)) {
+    const fs::path name = entry.filename();
+    if (fs::is_directory(entry)) {
+      copy_folder(entry, to / name);
     } else {
-      copy_file_atomically(entry.path().string(), (to / name).string());
+      copy_file_atomically(entry.string(), (to / name).string());
     }
   }
   if (failed) throw FileError(from.string(), "cannot be listed: " + failed.message());
@@ -107,20 +124,28 @@ Renamed rename_folder(const std::string& from, const std::string& to) {
 WorkFolder::WorkFolder(const std::string& parent) {
   make_folder(parent);
   remove_leftovers(parent);
-  std::string path = fmt::format("{}/{}{}-XXXXXX", parent, kWorkPrefix, ::getpid());
-  if (::mkdtemp(path.data()) == nullptr) throw FileError(path, "cannot be created: " + errno_text(errno));
-  try {
-    mark_ = locked_mark(path);
-  } catch (...) {
-    std::error_code ignored;
-    remove_tree(path, ignored);
-    throw;
+  constexpr int kTries = 100;
+  for (int k = 0; k < kTries; ++k) {
+    path_ = fmt::format("{}/{}{}-XXXXXX", parent, kWorkPrefix, ::getpid());
+    if (::mkdtemp(path_.data()) == nullptr) throw FileError(path_, "cannot be created: " + errno_text(errno));
+    try {
+      if (const std::optional<int> mark = locked_mark(path_)) {
+        mark_ = *mark;
+        return;
+      }
+    } catch (...) {
+      without_throwing([this] {
+        std::error_code ignored;
+        remove_tree(path_, ignored);
+      });
+      throw;
+    }
   }
-  path_ = std::move(path);
+  throw FileError(path_, "cannot be created: other processes remove it each time");
 }
 
 WorkFolder::~WorkFolder() {
-  remove_marked(path_);  // a later process removes the rest
+  without_throwing([this] { remove_marked(path_); });  // a later process removes the rest
   ::close(mark_);
 }
 

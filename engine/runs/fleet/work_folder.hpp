@@ -1,6 +1,6 @@
 // Folders for the time of a process, each with a mark that its process holds a lock on while it or a child of it lives.
-// What a process that was killed left is removed by a later one; what has no mark, or a living owner, stays. One object
-// belongs to one thread.
+// What a process that was killed left is removed by a later one: a folder whose mark has no owner that lives, or an
+// empty one of such a name. What has no mark and is not empty stays. One object belongs to one thread.
 #pragma once
 
 #include <string>

@@ -9,8 +9,10 @@
 #include <charconv>
 #include <csignal>
 #include <ctime>
+#include <new>
 #include <system_error>
 
+#include "engine/core/folder_calls.hpp"
 #include "engine/core/retried.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/message_text.hpp"
@@ -46,13 +48,13 @@ struct Staging {
 std::vector<Staging> stagings_in(const fs::path& folder) {
   std::vector<Staging> stagings;
   std::error_code ignored;  // what cannot be listed is not in the way
-  for (const fs::directory_entry& entry : list_folder(folder, ignored)) {
-    const std::string name = entry.path().filename().string();
+  for (const fs::path& entry : list_folder(folder, ignored)) {
+    const std::string name = entry.filename().string();
     if (!name.starts_with(kStagingPrefix)) continue;
     pid_t process = 0;
     const char* const digits = name.data() + kStagingPrefix.size();
     if (std::from_chars(digits, name.data() + name.size(), process).ec == std::errc{}) {
-      stagings.push_back({entry.path(), process});
+      stagings.push_back({entry, process});
     }
   }
   return stagings;
@@ -148,11 +150,12 @@ RunFolder::RunFolder(const std::string& path, const fs::path& leftover)
 }
 
 RunFolder::~RunFolder() {
-  std::error_code ignored;
-  if (!staging_.empty() && !is_taken_over_) {
+  if (staging_.empty() || is_taken_over_ || holds_only_copy_) return;
+  without_throwing([this] {
+    std::error_code ignored;
     remove_by_name(staging_);
     if (!fs::remove(staging_, ignored)) remove_tree(staging_, ignored);
-  }
+  });
 }
 
 std::string RunFolder::staged(std::string_view name) {
@@ -202,6 +205,20 @@ std::string RunFolder::put_back(const std::vector<std::string>& old_names) const
   return problems;
 }
 
+void RunFolder::undo(const std::vector<std::string>& old_names) {
+  const std::string problems = put_back(old_names);
+  holds_only_copy_ = !problems.empty();
+  try {
+    throw;
+  } catch (const Error& error) {
+    if (problems.empty()) throw;
+    throw Error(error.code(), error.what() + problems);
+  } catch (const std::bad_alloc&) {
+    if (problems.empty()) throw;
+    throw Error(ExitCode::kFailed, "out of memory" + problems);
+  }
+}
+
 void RunFolder::commit() {
   std::vector<std::string> old_names = gone_;
   old_names.insert(old_names.end(), names_.begin(), names_.end());
@@ -209,19 +226,26 @@ void RunFolder::commit() {
   std::error_code failed;
   fs::create_directory(kept_in(staging_), failed);
   if (failed) throw FileError(folder_.string(), "cannot be written to: " + failed.message());
+  holds_only_copy_ = true;
   try {
     replace(old_names);
-  } catch (const FileError& error) {
-    const std::string problems = put_back(old_names);
-    if (problems.empty()) throw;
-    staging_.clear();  // what it holds is the only copy
-    throw Error(error.code(), error.what() + problems);
+  } catch (...) {
+    undo(old_names);
   }
+  holds_only_copy_ = false;
   names_.clear();
   gone_.clear();
   std::error_code ignored;  // they are in nobody's way
   is_taken_over_ = false;
   for (const fs::path& leftover : leftovers_in(folder_, staging_)) remove_tree(leftover, ignored);
+}
+
+void remove_stagings_of_ended_runs(const std::string& folder) {
+  for (const fs::path& leftover : leftovers_in(folder)) {
+    std::error_code failed;
+    remove_tree(leftover, failed);
+    if (failed) throw FileError(leftover.string(), "cannot be removed: " + failed.message());
+  }
 }
 
 UnfinishedRun unfinished_run_in(const std::string& folder, const char* file) {

@@ -51,6 +51,8 @@ class RunFolder {
   void move(const std::filesystem::path& from, const std::filesystem::path& to, const std::string& name) const;
   void replace(const std::vector<std::string>& old_names);
   [[nodiscard]] std::string put_back(const std::vector<std::string>& old_names) const;
+  /// In the handler of what ended the commit, which is thrown again with what cannot be undone.
+  [[noreturn]] void undo(const std::vector<std::string>& old_names);
 
   /// Makes the folder; gone with the object where it was not there before and nothing came into it.
   class MadeFolder {
@@ -73,7 +75,13 @@ class RunFolder {
   std::vector<std::string> gone_;
   std::size_t given_ = 0;  ///< of names_, in the commit
   bool is_taken_over_ = false;
+  bool holds_only_copy_ =
+      false;  ///< the staging folder, of old files: while a commit lasts, or where it cannot be undone
 };
+
+/// Removes what runs that ended left in the folder, as one whose own staging folder could not be removed. Throws
+/// FileError.
+void remove_stagings_of_ended_runs(const std::string& folder);
 
 /// What a killed run left.
 struct UnfinishedRun {

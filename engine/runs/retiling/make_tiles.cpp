@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "engine/core/folder_calls.hpp"
 #include "engine/core/retried.hpp"
 #include "engine/runs/folder/folder_lock.hpp"
 #include "engine/runs/folder/run_reader.hpp"
@@ -31,8 +32,10 @@ class NewTiles {
   NewTiles(const NewTiles&) = delete;
   NewTiles& operator=(const NewTiles&) = delete;
   ~NewTiles() {
-    std::error_code ignored;
-    remove_tree(folder_, ignored);
+    without_throwing([this] {
+      std::error_code ignored;
+      remove_tree(folder_, ignored);
+    });
   }
   [[nodiscard]] std::string folder() const { return folder_.string(); }
   [[nodiscard]] std::string place() const { return place_.string(); }

@@ -1,11 +1,16 @@
 // Records of a fleet's units, their tables, and the hash of all of them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include "engine/runs/fleet/atlas_hash.hpp"
 #include "engine/runs/fleet/input.hpp"
@@ -13,6 +18,7 @@
 #include "engine/runs/fleet/state.hpp"
 #include "engine/runs/fleet/summary.hpp"
 #include "engine/runs/fleet/work_folder.hpp"
+#include "engine/runs/folder/run_folder.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/fleet/runner.hpp"
 #include "tools/gdtslam/shell/folders.hpp"
@@ -203,9 +209,11 @@ TEST(FleetWorkFolder, RemovesWhatIsLeftAndNothingElse) {
   const TemporaryFolder folder("gdtslam-fleet-test");
   const std::string left = folder.path() + "/gdtslam-fleet-1-abcdef";
   const std::string unmarked = folder.path() + "/gdtslam-fleet-2-abcdef";
+  const std::string empty = folder.path() + "/gdtslam-fleet-31-aB3dEf";
   const std::string foreign = folder.path() + "/other";
-  for (const std::string& path : {left, unmarked, foreign}) std::filesystem::create_directory(path);
+  for (const std::string& path : {left, unmarked, empty, foreign}) std::filesystem::create_directory(path);
   for (const std::string& path : {left, foreign}) std::ofstream(path + "/.gdtslam-fleet") << "mark";
+  std::ofstream(unmarked + "/notes") << "mine";
   std::string gone;
   {
     const WorkFolder first(folder.path());
@@ -216,8 +224,48 @@ TEST(FleetWorkFolder, RemovesWhatIsLeftAndNothingElse) {
   }
   EXPECT_FALSE(std::filesystem::exists(gone));
   EXPECT_FALSE(std::filesystem::exists(left));
-  EXPECT_TRUE(std::filesystem::exists(unmarked));
+  EXPECT_TRUE(std::filesystem::exists(unmarked + "/notes"));
+  EXPECT_FALSE(std::filesystem::exists(empty)) << "its process was killed before it was marked";
   EXPECT_TRUE(std::filesystem::exists(foreign));
+}
+
+TEST(FleetWorkFolder, LeavesEmptyFoldersOfOtherNames) {
+  const TemporaryFolder folder("gdtslam-fleet-test");
+  for (const char* name :
+       {"gdtslam-fleet-", "gdtslam-fleet-results", "gdtslam-fleet-7", "gdtslam-fleet--abcdef", "gdtslam-fleet-7-abcde",
+        "gdtslam-fleet-7-abcdefg", "gdtslam-fleet-7-abc-ef", "gdtslam-fleet-7abcdef", "gdtslam-7-abcdef", "7-abcdef"})
+    std::filesystem::create_directory(folder.path() + "/" + name);
+  { const WorkFolder work(folder.path()); }
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 10);
+}
+
+// Each removes what it takes for left, an empty folder too: none of them loses its own.
+TEST(FleetWorkFolder, ManyAtOnceKeepTheirs) {
+  const TemporaryFolder folder("gdtslam-fleet-test");
+  std::atomic<int> lost = 0;
+  {
+    std::vector<std::jthread> threads;
+    for (int k = 0; k < 4; ++k) {
+      threads.emplace_back([&] {
+        for (int round = 0; round < 200; ++round) {
+          const WorkFolder work(folder.path());
+          if (!std::filesystem::exists(work.path() + "/.gdtslam-fleet")) ++lost;
+        }
+      });
+    }
+  }
+  EXPECT_EQ(lost, 0);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(RunFolderStagings, ThoseOfRunsThatEndedAreRemoved) {
+  const TemporaryFolder folder("gdtslam-fleet-test");
+  const std::string own = folder.path() + "/.gdtslam-staging-" + std::to_string(::getpid());
+  const std::string living = folder.path() + "/.gdtslam-staging-1";
+  for (const std::string& path : {own, living}) std::filesystem::create_directories(path + "/old");
+  remove_stagings_of_ended_runs(folder.path());
+  EXPECT_FALSE(std::filesystem::exists(own));
+  EXPECT_TRUE(std::filesystem::exists(living + "/old"));
 }
 
 TEST(FleetWorkFolder, GivesARunItsNameOnce) {

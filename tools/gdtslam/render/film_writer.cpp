@@ -14,7 +14,7 @@
 #include <system_error>
 #include <vector>
 
-#include "engine/core/retried.hpp"
+#include "engine/core/folder_calls.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/clouds/cloud_words.hpp"
 #include "engine/io/maps/png.hpp"
@@ -174,9 +174,9 @@ class FrameFolder : public FilmWriter {
     std::vector<fs::path> old;
     std::error_code failed;
     try {
-      for (const fs::directory_entry& entry : list_folder(folder, failed)) {
-        const std::size_t number = frame_number(first.parent_path() / entry.path().filename());
-        if (number > count_ && entry.is_regular_file()) old.push_back(entry.path());
+      for (const fs::path& entry : list_folder(folder, failed)) {
+        const std::size_t number = frame_number(first.parent_path() / entry.filename());
+        if (number > count_ && fs::is_regular_file(entry)) old.push_back(entry);
       }
       if (failed) throw fs::filesystem_error("", folder, failed);
       for (const fs::path& path : old) fs::remove(path);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "engine/core/retried.hpp"
+#include "engine/core/folder_calls.hpp"
 #include "engine/io/did_you_mean.hpp"
 #include "engine/io/file_limits.hpp"
 #include "engine/io/yaml/checked_yaml.hpp"
@@ -149,9 +149,9 @@ YamlMapping open_document(const std::string& file, const std::string& format) {
 std::vector<std::string> scenes_in(const std::string& folder) {
   std::vector<std::string> names;
   std::error_code error;
-  for (const auto& entry : list_folder(folder, error)) {
-    if (entry.path().extension() == ".yaml") {
-      names.push_back(entry.path().stem().string());
+  for (const std::filesystem::path& entry : list_folder(folder, error)) {
+    if (entry.extension() == ".yaml") {
+      names.push_back(entry.stem().string());
     }
   }
   std::sort(names.begin(), names.end());

@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "engine/core/folder_calls.hpp"
 #include "engine/core/retried.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
@@ -90,8 +91,10 @@ TemporaryFolder::TemporaryFolder(const std::string& name, std::string below) {
 }
 
 TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;  // what cannot be removed is the system's to tidy up
-  remove_tree(path_, ignored);
+  without_throwing([this] {
+    std::error_code ignored;  // what cannot be removed is the system's to tidy up
+    remove_tree(path_, ignored);
+  });
 }
 
 CacheFolder cache_folder() {

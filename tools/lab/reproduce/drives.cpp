@@ -7,7 +7,7 @@
 #include <system_error>
 #include <utility>
 
-#include "engine/core/retried.hpp"
+#include "engine/core/folder_calls.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/sha256.hpp"
 #include "engine/io/yaml/yaml_text.hpp"
@@ -162,8 +162,8 @@ void Drives::prepare() const {
 
 void Drives::clear() const {
   std::error_code failed;
-  for (const fs::directory_entry& entry : list_folder(folder_, failed)) {
-    if (is_marked_folder(entry.path().string())) remove_own_folder(entry.path().string());
+  for (const fs::path& entry : list_folder(folder_, failed)) {
+    if (is_marked_folder(entry.string())) remove_own_folder(entry.string());
   }
   if (failed && failed != std::errc::no_such_file_or_directory)
     throw FileError(folder_, "cannot be listed: " + failed.message());

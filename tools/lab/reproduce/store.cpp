@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -10,12 +11,12 @@
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
+#include "engine/core/folder_calls.hpp"
 #include "engine/core/retried.hpp"
 #include "engine/drawing/markup.hpp"
 #include "engine/io/atomic_file.hpp"
@@ -129,10 +130,8 @@ void Store::keep(const std::string& id, const std::string& key, const KeptPart& 
 }
 
 void Store::drop(const std::string& id) noexcept {
-  try {
-    remove_own_folder(folder_of(id) + kMaking);
-  } catch (const Error&) {  // an error is on its way already; begin() removes it the next time, or says what is wrong
-  }
+  // An error is on its way already: begin() removes what is left the next time, or says what is wrong.
+  without_throwing([&] { remove_own_folder(folder_of(id) + kMaking); });
 }
 
 void Store::require_own(const std::string& id) const {
@@ -151,22 +150,28 @@ void require_own_folder(const std::string& path) {
   std::error_code failed;
   const fs::file_status status = fs::symlink_status(path, failed);
   if (!fs::exists(status) || is_marked_folder(path)) return;
-  if (fs::is_directory(status) && fs::is_empty(path, failed)) return;
+  if (fs::is_directory(status) && list_folder(path, failed).empty() && !failed) return;
   throw FileError(path, "was not made by gdtslam reproduce and is left alone; move it away, or give another -o DIR");
 }
 
 void make_marked_folder(const std::string& path) {
   remove_own_folder(path);
   make_folder(path);
-  std::ofstream mark(path + kMark);  // in one step: whoever is killed here leaves an empty folder or one with the mark
-  mark << "gdtslam reproduce made this folder and removes it again.\n" << std::flush;
-  if (!mark) throw FileError(path, "cannot be written to: " + errno_text(errno));
+  // In one step: whoever is killed here leaves an empty folder or one with the mark.
+  const std::string file = path + kMark;
+  const int mark = retried([&] { return ::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666); });
+  const bool is_whole = mark >= 0 && write_whole(mark, "gdtslam reproduce made this folder and removes it again.\n");
+  const int code = errno;
+  if (mark >= 0) ::close(mark);
+  if (!is_whole) throw FileError(path, "cannot be written to: " + errno_text(code));
 }
 
 void remove_own_folder(const std::string& path) {
   require_own_folder(path);
   std::error_code failed;
-  remove_tree(path, failed);
+  std::error_code missing;
+  // The mark goes last, so that what is left where this is cut short is still known for the program's.
+  if (!fs::exists(path, missing) || remove_all_beside(path + kMark, failed)) remove_tree(path, failed);
   if (failed) throw FileError(path, "cannot be removed: " + failed.message());
 }
 

@@ -18,7 +18,7 @@
 #include <utility>
 
 #include "chunk.hpp"
-#include "engine/core/retried.hpp"
+#include "engine/core/folder_calls.hpp"
 #include "engine/io/byte_source.hpp"
 #include "engine/io/file_limits.hpp"
 #include "engine/io/message_text.hpp"
@@ -80,8 +80,8 @@ bool comes_before(const std::string& a, const std::string& b) {
 std::vector<std::string> names_in(const std::string& folder) {
   std::vector<std::string> names;
   std::error_code error;
-  for (const fs::directory_entry& entry : list_folder(folder, error)) {
-    std::string name = entry.path().filename().string();
+  for (const fs::path& entry : list_folder(folder, error)) {
+    std::string name = entry.filename().string();
     if (is_recording_name(name) && names.size() < kMostFiles) names.push_back(std::move(name));
   }
   if (error) throw FileError(folder, fmt::format("cannot be read: {}", error.message()));
