@@ -1,6 +1,7 @@
 #include "side_thread.hpp"
 
 #include <ctime>
+#include <new>
 #include <system_error>
 #include <utility>
 
@@ -27,6 +28,8 @@ SideThread::SideThread(bool has_thread, std::size_t most_waiting)
   try {
     thread_ = std::thread([this] { work(); });
   } catch (const std::system_error&) {
+    has_thread_ = false;
+  } catch (const std::bad_alloc&) {
     has_thread_ = false;
   }
 }

@@ -1,6 +1,7 @@
 #include "worker_pool.hpp"
 
 #include <algorithm>
+#include <new>
 #include <system_error>
 #include <utility>
 
@@ -25,6 +26,8 @@ WorkerPool::WorkerPool(unsigned threads) {
   try {
     while (workers_.size() + 1 < threads) workers_.emplace_back([this] { work(); });
   } catch (const std::system_error&) {  // those that are there do it
+    return;
+  } catch (const std::bad_alloc&) {
     return;
   }
 }

@@ -98,7 +98,7 @@ AtomicFile::~AtomicFile() {
   }
 }
 
-bool AtomicFile::try_temporary(const std::string& name) {
+bool AtomicFile::try_temporary(std::string name) {
   descriptor_ = retried([&] { return ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kNewFileMode); });
   if (descriptor_ < 0) {
     if (errno != EEXIST) {
@@ -110,7 +110,7 @@ bool AtomicFile::try_temporary(const std::string& name) {
   const bool is_locked = ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
   struct stat status {};
   if (is_locked && ::fstat(descriptor_, &status) == 0 && status.st_nlink > 0) {
-    temporary_ = name;
+    temporary_ = std::move(name);  // nothing that fails lies between the file and its owner
     return true;
   }
   ::close(descriptor_);
@@ -243,7 +243,7 @@ void AtomicFileSet::commit() {
   std::size_t named = 0;
   try {
     for (; named < files_.size(); ++named) files_[named]->take_name(true);
-  } catch (const FileError&) {
+  } catch (...) {
     while (named > 0) files_[--named]->give_back();
     throw;
   }

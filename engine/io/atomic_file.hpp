@@ -43,7 +43,7 @@ class AtomicFile {
   void give_back();
   void finish();
   void open_temporary();
-  bool try_temporary(const std::string& name);
+  bool try_temporary(std::string name);
   void flush();
   void write_through(const char* data, std::size_t size);
   [[noreturn]] void fail(const char* what, int code) const;

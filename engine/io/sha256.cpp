@@ -1,11 +1,13 @@
 #include "sha256.hpp"
 
 #include <fmt/format.h>
+#include <openssl/crypto.h>
 #include <openssl/evp.h>
 
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <new>
 #include <vector>
 
 #include "gdtslam/core/error.hpp"
@@ -17,6 +19,13 @@ constexpr std::size_t kReadBytes = std::size_t{1} << 18U;
 
 void require(int done) {
   if (done != 1) throw Error(ExitCode::kFailed, "OpenSSL's libcrypto cannot compute a SHA-256");
+}
+
+// OpenSSL 3 uses what it makes of itself at its first call without asking whether there was memory for it.
+void require_library() {
+#if OPENSSL_VERSION_NUMBER >= 0x30000000L
+  if (OSSL_LIB_CTX_get0_global_default() == nullptr) throw std::bad_alloc();
+#endif
 }
 
 template <class Integer>
@@ -33,7 +42,12 @@ std::array<std::byte, sizeof(Integer)> little_endian(Integer value) {
 
 void Sha256::Free::operator()(EVP_MD_CTX* context) const { EVP_MD_CTX_free(context); }
 
-Sha256::Sha256() : context_(EVP_MD_CTX_new()) { require(EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr)); }
+Sha256::Sha256() {
+  require_library();
+  context_.reset(EVP_MD_CTX_new());
+  if (!context_) throw std::bad_alloc();
+  require(EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr));
+}
 
 Sha256& Sha256::update(std::span<const std::byte> data) {
   require(EVP_DigestUpdate(context_.get(), data.data(), data.size()));

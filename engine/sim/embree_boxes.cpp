@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstdint>
+#include <new>
+#include <string>
 #include <utility>
 
 #include "gdtslam/core/error.hpp"
@@ -61,17 +63,20 @@ void check_mesh(const TriangleMesh& mesh) {
   }
 }
 
+[[noreturn]] void throw_error(const std::string& what, RTCError error) {
+  if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+  throw UnavailableError(what + " (error " + std::to_string(error) + ")");
+}
+
 }  // namespace
 
 EmbreeBoxes::EmbreeBoxes(TriangleMesh mesh, const std::string& isa, RTCIntersectFunctionN intersect)
     : mesh_(std::move(mesh)) {
   check_mesh(mesh_);
   device_.reset(rtcNewDevice(device_settings(isa).c_str()));
-  if (!device_) {
-    throw UnavailableError("Embree cannot start on this processor (error " +
-                           std::to_string(rtcGetDeviceError(nullptr)) + ")");
-  }
+  if (!device_) throw_error("Embree cannot start on this processor", rtcGetDeviceError(nullptr));
   scene_.reset(rtcNewScene(device_.get()));
+  if (!scene_) throw_error("Embree failed to begin a scene", rtcGetDeviceError(device_.get()));
   rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
   RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_USER);
   rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned int>(mesh_.triangles.size()));
@@ -83,9 +88,8 @@ EmbreeBoxes::EmbreeBoxes(TriangleMesh mesh, const std::string& isa, RTCIntersect
   rtcAttachGeometry(scene_.get(), geometry);
   rtcReleaseGeometry(geometry);
   rtcCommitScene(scene_.get());
-  if (const RTCError error = rtcGetDeviceError(device_.get()); error != RTC_ERROR_NONE) {
-    throw UnavailableError("Embree failed to build its tree (error " + std::to_string(error) + ")");
-  }
+  if (const RTCError error = rtcGetDeviceError(device_.get()); error != RTC_ERROR_NONE)
+    throw_error("Embree failed to build its tree", error);
 }
 
 }  // namespace gdtslam::sim

@@ -1,6 +1,7 @@
 #include "live_loops.hpp"
 
 #include <chrono>
+#include <exception>
 #include <span>
 #include <system_error>
 #include <utility>
@@ -106,7 +107,11 @@ void LiveLoops::carry_out(Order& order) {
     return;
   }
   if (auto* const request = std::get_if<KeyframesRequest>(&order)) {
-    request->set_value({.T_map_base = closer_.carried_keyframes(), .T_closed_front = closer_.correction()});
+    try {
+      request->set_value({.T_map_base = closer_.carried_keyframes(), .T_closed_front = closer_.correction()});
+    } catch (...) {
+      request->set_exception(std::current_exception());
+    }
     return;
   }
   try {

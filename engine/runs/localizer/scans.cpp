@@ -9,6 +9,8 @@
 #include <limits>
 #include <map>
 #include <mutex>
+#include <new>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -134,7 +136,14 @@ class LocalizerThreads {
   /// Without threads each scan is localised when it is taken.
   LocalizerThreads(const Localizer& localizer, unsigned threads) : localizer_(localizer), most_waiting_(2U * threads) {
     const SignalsBlocked blocked;
-    for (unsigned k = 0; k < threads; ++k) threads_.emplace_back([this] { work(); });
+    threads_.reserve(threads);
+    try {
+      while (threads_.size() < threads) threads_.emplace_back([this] { work(); });
+    } catch (const std::system_error&) {  // those that are there do it
+      return;
+    } catch (const std::bad_alloc&) {
+      return;
+    }
   }
   LocalizerThreads(const LocalizerThreads&) = delete;
   LocalizerThreads& operator=(const LocalizerThreads&) = delete;

@@ -1,11 +1,13 @@
 #include "commands.hpp"
 
+#include <unistd.h>
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>  // what CLI::App::help() is made of: the constructor wants it
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <memory>
 #include <new>
@@ -213,6 +215,22 @@ int parse_and_run(int argc, char** argv, std::span<const CommandRow> commands, c
   }
 }
 
+std::terminate_handler usual_end = nullptr;
+
+// Without memory inside of what lets no exception through, as a library's noexcept functions: one line all the same.
+[[noreturn]] void end_in_one_line() {
+  try {
+    if (const std::exception_ptr thrown = std::current_exception()) std::rethrow_exception(thrown);
+  } catch (const std::bad_alloc&) {
+    constexpr std::string_view kLine = "gdtslam: error: out of memory\n";
+    static_cast<void>(!::write(STDERR_FILENO, kLine.data(), kLine.size()));
+    ::_exit(static_cast<int>(ExitCode::kFailed));
+  } catch (...) {
+    usual_end();
+  }
+  std::abort();
+}
+
 }  // namespace
 
 CLI::App* add_command(CLI::App& parent, const std::string& name, const std::string& description) {
@@ -222,6 +240,7 @@ CLI::App* add_command(CLI::App& parent, const std::string& name, const std::stri
 }
 
 int run_command_line(int argc, char** argv, std::span<const CommandRow> commands, const BuildStamp& build) noexcept {
+  usual_end = std::set_terminate(end_in_one_line);
   try {
     return parse_and_run(argc, argv, commands, build);
   } catch (const Error& error) {

@@ -13,6 +13,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <new>
@@ -65,9 +66,22 @@ WorkJson outcome_of(const Workers::Work& work, int pipe) {
   }
 }
 
-// Ends with the parent, whatever ends that.
-[[noreturn]] void live_as_child(const Workers::Work& work, pid_t parent, int pipe) {
+// Where memory ends inside of what lets no exception through: the parent tells of it.
+[[noreturn]] void end_silently_without_memory() {
+  try {
+    if (const std::exception_ptr thrown = std::current_exception()) std::rethrow_exception(thrown);
+  } catch (const std::bad_alloc&) {
+    ::_exit(static_cast<int>(ExitCode::kFailed));
+  } catch (...) {
+    std::abort();
+  }
+  std::abort();
+}
+
+// Ends with the parent, whatever ends that. Nothing is thrown from here: what waits up the stack is the parent's.
+[[noreturn]] void live_as_child(const Workers::Work& work, pid_t parent, int pipe) noexcept {
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  std::set_terminate(end_silently_without_memory);
   if (::getppid() == parent) send(pipe, outcome_of(work, pipe));
   ::_exit(0);
 }
@@ -95,6 +109,7 @@ Workers::~Workers() {
 }
 
 void Workers::start(std::size_t id, const Work& work) {
+  running_.reserve(running_.size() + 1);  // once there is a process, nothing may fail before it is listed
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw system_error("pipe2");
   std::fflush(nullptr);  // or the child would print it once more
