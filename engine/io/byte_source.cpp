@@ -132,12 +132,14 @@ std::unique_ptr<ByteSource> with_head(std::string head, std::unique_ptr<ByteSour
 }
 
 std::string read_all(ByteSource& source, std::size_t limit, const std::string& name, const std::string& advice) {
-  constexpr std::size_t kChunkBytes = std::size_t{1} << 16;
+  constexpr std::size_t kFirstPieceBytes = std::size_t{1} << 12U;
+  constexpr std::size_t kPieceBytes = std::size_t{1} << 16U;
   std::string text;
   for (;;) {
     const std::size_t old_size = text.size();
-    text.resize(old_size + kChunkBytes);
-    const std::size_t count = source.read({text.data() + old_size, kChunkBytes});
+    const std::size_t piece_bytes = std::clamp(old_size, kFirstPieceBytes, kPieceBytes);
+    text.resize(old_size + piece_bytes);
+    const std::size_t count = source.read({text.data() + old_size, piece_bytes});
     text.resize(old_size + count);
     if (text.size() > limit) {
       throw InputError({name, 0}, fmt::format("is longer than the {} bytes that are read{}", limit, advice));

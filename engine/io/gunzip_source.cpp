@@ -112,7 +112,7 @@ class GunzipSource final : public ByteSource {
   std::unique_ptr<ByteSource> packed_;
   std::string name_;
   z_stream stream_{};
-  std::array<char, kPackedChunkBytes> buffer_{};
+  std::array<char, kPackedChunkBytes> buffer_;  // no zeros, which would take longer than a short stream
   bool between_members_ = false;
   bool at_end_ = false;
   std::string defect_;

@@ -5,8 +5,10 @@
 
 namespace gdtslam {
 namespace {
-constexpr std::size_t kInitialBytes = std::size_t{1} << 18U;
-}
+// Small at first, for what is short, and doubled while reads fill it.
+constexpr std::size_t kInitialBytes = std::size_t{1} << 13U;
+constexpr std::size_t kUsualBytes = std::size_t{1} << 18U;
+}  // namespace
 
 LineReader::LineReader(std::unique_ptr<ByteSource> source, std::size_t max_line_bytes)
     : source_(std::move(source)), max_line_bytes_(max_line_bytes), buffer_(kInitialBytes) {}
@@ -20,11 +22,12 @@ bool LineReader::fill() {
     end_ -= begin_;
     begin_ = 0;
   }
-  if (end_ == buffer_.size()) {
+  if (end_ == buffer_.size() || (is_filled_ && buffer_.size() < kUsualBytes)) {
     buffer_.resize(buffer_.size() * 2);
   }
   const std::size_t count = source_->read(std::span(buffer_).subspan(end_));
   end_ += count;
+  is_filled_ = end_ == buffer_.size();
   source_ended_ = count == 0;
   return count > 0;
 }
@@ -66,6 +69,20 @@ std::optional<TextLine> LineReader::next() {
       return available == 0 ? std::nullopt : std::optional(take(available, available, false));
     }
   }
+}
+
+std::uint64_t LineReader::skip_empty_lines() {
+  if (inside_long_line_) {
+    skip_rest_of_line();
+  }
+  do {
+    const char* const from = buffer_.data() + begin_;
+    const char* const end = buffer_.data() + end_;
+    const auto count = static_cast<std::size_t>(std::find_if(from, end, [](char c) { return c != '\n'; }) - from);
+    begin_ += count;
+    line_number_ += count;
+  } while (begin_ == end_ && fill());
+  return line_number_;
 }
 
 void LineReader::skip_rest_of_line() {

@@ -24,6 +24,9 @@ class LineReader {
   LineReader(std::unique_ptr<ByteSource> source, std::size_t max_line_bytes);
   /// The next line, or nothing at the end. After a line that is too long, the next call skips its rest.
   std::optional<TextLine> next();
+  /// Goes past lines without any byte at the current position, at the speed of memory, and returns the number of the
+  /// last line so far. Waits for bytes of a live source as next() does.
+  std::uint64_t skip_empty_lines();
   /// What there is from the current position, without consuming it: at least a line or `bytes` bytes, less only at the
   /// end. Asks a live source for no more than that.
   std::string_view peek(std::size_t bytes);
@@ -52,6 +55,7 @@ class LineReader {
   std::unique_ptr<ByteSource> source_;
   std::size_t max_line_bytes_;
   std::vector<char> buffer_;
+  bool is_filled_ = false;  ///< by the last read: there is more to come
   std::size_t begin_ = 0;
   std::size_t end_ = 0;
   std::uint64_t line_number_ = 0;

@@ -73,7 +73,7 @@ class UnpackSource : public ByteSource {
   std::string name_;
   std::string_view format_;
   std::string_view program_;
-  std::array<char, kPackedPieceBytes> piece_{};
+  std::array<char, kPackedPieceBytes> piece_;  // no zeros, which would take longer than a short stream
   std::size_t begin_ = 0;
   std::size_t end_ = 0;
   bool may_hold_more_ = false;

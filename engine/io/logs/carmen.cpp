@@ -41,7 +41,7 @@ class CarmenReader final : public DescribedLog {
   }
 
   std::optional<LogRecord> next() override {
-    while (const std::optional<TextLine> line = lines_.next()) {
+    while (const std::optional<TextLine> line = next_line()) {
       if (std::optional<LogRecord> record = record_of(*line)) {
         ++record_count_;
         return record;
@@ -60,6 +60,11 @@ class CarmenReader final : public DescribedLog {
   }
 
  private:
+  std::optional<TextLine> next_line() {
+    last_line_ = lines_.skip_empty_lines();
+    return lines_.next();
+  }
+
   std::optional<LogRecord> record_of(const TextLine& line) {
     last_line_ = line.number;
     if (line.is_too_long) {

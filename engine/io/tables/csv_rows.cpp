@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <unordered_set>
 
 #include "engine/io/decimal.hpp"
 #include "engine/io/message_text.hpp"
@@ -101,11 +102,12 @@ CsvRows::Column CsvRows::column_of(const std::string& name, const Warn& warn) {
 void CsvRows::read_header(std::string_view line, const Warn& warn) {
   if (line.find(',') == std::string_view::npos) throw MalformedRow("has no comma: separate columns by commas");
   std::vector<Column> columns;
+  std::unordered_set<std::string> names;  // looked up alone: a header may name a hundred thousand
   std::string cell;
   for (std::string_view rest = line; next_cell(rest, cell);) {
     const std::string name = in_small_letters(cell);
-    const auto is_same = [&name](const Column& one) { return one.name == name && !name.empty(); };
-    if (std::any_of(columns.begin(), columns.end(), is_same) && !table_hint(name).empty()) {
+    const bool is_new = name.empty() || names.insert(name).second;
+    if (!is_new && !table_hint(name).empty()) {
       throw MalformedRow(fmt::format("names the column {} twice", in_quotes(name)));
     }
     columns.push_back(column_of(name, warn));

@@ -40,6 +40,7 @@ class TableReader final : public DescribedLog {
 
   std::optional<LogRecord> next() override {
     while (ready_.empty()) {
+      last_line_ = lines_.skip_empty_lines();
       const std::optional<TextLine> line = lines_.next();
       if (!line) {
         finish();

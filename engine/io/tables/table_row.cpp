@@ -22,6 +22,16 @@ constexpr std::array<std::pair<std::string_view, TableNumber>, 4> kOtherNames{{{
                                                                                {"heading", TableNumber::kTheta}}};
 constexpr std::size_t kShortestHinted = 4;  // a column vx is not x misspelt
 
+std::vector<std::string> hinted_names() {
+  std::vector<std::string> names(kTableNames.begin(), kTableNames.end());
+  for (const std::string_view other : {kRangesColumn, kPointsColumn, kOdomKey, kMountKey}) names.emplace_back(other);
+  for (const auto& [other, number] : kOtherNames) {
+    if (other.size() > kShortestHinted) names.emplace_back(other);  // type is not time misspelt
+  }
+  std::erase_if(names, [](const std::string& one) { return one.size() < kShortestHinted; });
+  return names;
+}
+
 }  // namespace
 
 std::string_view table_name(TableNumber number) { return kTableNames[static_cast<std::size_t>(number)]; }
@@ -47,12 +57,7 @@ std::optional<TableText> table_text(std::string_view name) {
 
 std::string table_hint(std::string_view name) {
   if (name.size() < kShortestHinted) return {};
-  std::vector<std::string> names(kTableNames.begin(), kTableNames.end());
-  for (const std::string_view other : {kRangesColumn, kPointsColumn, kOdomKey, kMountKey}) names.emplace_back(other);
-  for (const auto& [other, number] : kOtherNames) {
-    if (other.size() > kShortestHinted) names.emplace_back(other);  // type is not time misspelt
-  }
-  std::erase_if(names, [](const std::string& one) { return one.size() < kShortestHinted; });
+  static const std::vector<std::string> names = hinted_names();  // a header may have a hundred thousand columns
   return did_you_mean(name, names);
 }
 

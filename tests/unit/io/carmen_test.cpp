@@ -322,6 +322,23 @@ TEST(CarmenRealData, IntelHasItsKnownCounts) {
   }
 }
 
+TEST(Carmen, CountsEmptyLines) {
+  // More than any buffer holds, before the first line and between others; an empty line is one with blanks, too.
+  const std::string many(300'001, '\n');
+  const auto error = [](const std::string& text) {
+    try {
+      static_cast<void>(read_text(text));
+      return std::string("none");
+    } catch (const InputError& wrong) {
+      return std::string(wrong.what());
+    }
+  };
+  EXPECT_THAT(error(many + "FLASER x\n"), HasSubstr(":300002: "));
+  EXPECT_THAT(error(flaser(3) + many + " \r\n" + many + "FLASER x\n"), HasSubstr(":600005: "));
+  EXPECT_THAT(error(many), HasSubstr(" in 300001 lines"));
+  EXPECT_EQ(read_text(many + flaser(3) + many + flaser(4) + many).of<ScanRecord>().size(), 2U);
+}
+
 TEST(CarmenRealData, IntelIsReadInAFractionOfASecond) {
   GDTSLAM_REAL_DATA(path, "slam2d/intel.clf.gz");
   const BoundedRun run = run_alone([&] {

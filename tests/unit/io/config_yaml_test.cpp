@@ -248,5 +248,11 @@ TEST(NearestName, FindsOnlyWhatResembles) {
   EXPECT_EQ(nearest_name(std::string(100000, 'x'), kNames), std::nullopt);
 }
 
+TEST(NearestName, FindsTheRightNameInASectionOfAnotherLength) {
+  constexpr std::array<std::string_view, 2> kNames = {"map.length", "a_section_of_many_letters.width"};
+  EXPECT_EQ(nearest_name("a.width", kNames), "a_section_of_many_letters.width");
+  EXPECT_EQ(nearest_name("a.widht", kNames), std::nullopt);
+}
+
 }  // namespace
 }  // namespace gdtslam

@@ -46,7 +46,7 @@ class PackedChunk : public ByteSource {
 
  private:
   std::unique_ptr<ByteSource> packed_;
-  std::array<char, kPackedPiece> piece_{};
+  std::array<char, kPackedPiece> piece_;  // no zeros, which would take longer than a short chunk
   std::size_t begin_ = 0;
   std::size_t end_ = 0;
   bool is_over_ = false;

@@ -12,6 +12,7 @@ bool CountedBytes::fill() {
   if (has_crc_) (void)crc();
   crc_begin_ = 0;
   begin_ = 0;
+  if (end_ == buffer_.size() && end_ < kPieceBytes) buffer_.resize(2 * end_);
   end_ = source_->read(buffer_);
   return end_ > 0;
 }

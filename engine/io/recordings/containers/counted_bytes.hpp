@@ -57,9 +57,11 @@ class CountedBytes {
     offset_ += count;
   }
 
+  // Small at first, for what is short, and doubled while reads fill it.
+  static constexpr std::size_t kFirstPieceBytes = std::size_t{1} << 12U;
   static constexpr std::size_t kPieceBytes = std::size_t{1} << 16U;
   std::unique_ptr<ByteSource> source_;
-  std::vector<char> buffer_ = std::vector<char>(kPieceBytes);
+  std::vector<char> buffer_ = std::vector<char>(kFirstPieceBytes);
   std::size_t begin_ = 0;
   std::size_t end_ = 0;
   std::uint64_t offset_ = 0;
