@@ -291,6 +291,11 @@ def rows_of(command, options, chance):
                "findings": findings}
 
 
+def line_of(row):
+    outcomes = ", ".join(f"{name}: {count}" for name, count in row["outcomes"].items())
+    return f"| {row['command']} | {row['kind']} | {row['calls']} | {row['runs']} | {outcomes} | {len(row['findings'])} |"
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program")
@@ -308,19 +313,20 @@ def main():
     if unknown:
         parser.error(f"no such command: {', '.join(sorted(unknown))}")
     rows = []
+    if not options.json:
+        print("| command | calls | there are | made to fail | outcomes | findings |\n|---|---|---|---|---|---|", flush=True)
     with tempfile.TemporaryDirectory(prefix="fail-each-call-") as folder:
         bench = Bench(options, pathlib.Path(folder).resolve())
         for name in options.commands.split(","):
             command = Command(failing_commands.CASES[name], bench)
-            rows += rows_of(command, options, random.Random(f"{options.seed} {name}"))
+            for row in rows_of(command, options, random.Random(f"{options.seed} {name}")):
+                rows.append(row)
+                if not options.json:
+                    print(line_of(row), flush=True)
     findings = sum(len(row["findings"]) for row in rows)
     if options.json:
         print(json.dumps({"rows": rows, "runs": sum(row["runs"] for row in rows), "findings": findings}, indent=1))
     else:
-        print("| command | calls | there are | made to fail | outcomes | findings |\n|---|---|---|---|---|---|")
-        for row in rows:
-            outcomes = ", ".join(f"{name}: {count}" for name, count in row["outcomes"].items())
-            print(f"| {row['command']} | {row['kind']} | {row['calls']} | {row['runs']} | {outcomes} | {len(row['findings'])} |")
         print(f"\n{sum(row['runs'] for row in rows)} runs, {findings} findings")
     return 1 if findings else 0
 
