@@ -9,10 +9,16 @@
 #include <string_view>
 #include <vector>
 
+#include "bzip2_targets.hpp"
 #include "c_targets.hpp"
+#include "fleet_targets.hpp"
+#include "lab_targets.hpp"
 #include "log_targets.hpp"
 #include "map_targets.hpp"
 #include "packed_targets.hpp"
+#ifdef GDTSLAM_HAS_LIVE_PAGE
+#include "page_targets.hpp"
+#endif
 #include "recording_targets.hpp"
 #include "run_folder_targets.hpp"
 #include "run_targets.hpp"
@@ -29,9 +35,14 @@ std::vector<FuzzTarget> all_targets() {
   std::vector<FuzzTarget> all;
   for (const std::span<const FuzzTarget> part :
        {std::span<const FuzzTarget>(kLogTargets), std::span<const FuzzTarget>(kRecordingTargets),
-        std::span<const FuzzTarget>(kPackedTargets), std::span<const FuzzTarget>(kMapTargets),
-        std::span<const FuzzTarget>(kRunTargets), std::span<const FuzzTarget>(kRunFolderTargets),
-        std::span<const FuzzTarget>(kSceneTargets), std::span<const FuzzTarget>(kCTargets)}) {
+        std::span<const FuzzTarget>(kPackedTargets), std::span<const FuzzTarget>(kBzip2Targets),
+        std::span<const FuzzTarget>(kMapTargets), std::span<const FuzzTarget>(kRunTargets),
+        std::span<const FuzzTarget>(kRunFolderTargets), std::span<const FuzzTarget>(kFleetTargets),
+        std::span<const FuzzTarget>(kSceneTargets), std::span<const FuzzTarget>(kLabTargets),
+#ifdef GDTSLAM_HAS_LIVE_PAGE
+        std::span<const FuzzTarget>(kPageTargets),
+#endif
+        std::span<const FuzzTarget>(kCTargets)}) {
     all.insert(all.end(), part.begin(), part.end());
   }
   return all;

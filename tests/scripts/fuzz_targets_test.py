@@ -163,5 +163,27 @@ class FuzzTargets(unittest.TestCase):
         self.assertIn("no target is called t_8", self.fuzz(["t_9"], "t_8").stderr)
 
 
+class Targets(unittest.TestCase):
+    """A target that is in no list is never run, and one that no test replays is run by those alone who fuzz."""
+
+    def test_each_is_run_replayed_and_has_a_corpus(self):
+        main = (ROOT / "tests/fuzz/fuzzer_main.cpp").read_text()
+        replays = "".join(file.read_text() for file in (ROOT / "tests/unit").rglob("fuzz_corpus_test.cpp"))
+        names = []
+        for file in (ROOT / "tests/fuzz").glob("*_targets.hpp"):
+            text = file.read_text()
+            for group in re.findall(r"std::array (k\w+Targets)\{", text):
+                self.assertIn(f"({group})", main)
+                self.assertIn(f"ValuesIn({group})", replays)
+            names += re.findall(r'FuzzTarget\{"(\w+)"', text)
+        self.assertGreater(len(names), 40)
+        folders = [folder.name for folder in (ROOT / "tests/fuzz/corpus").iterdir()]
+        self.assertEqual(sorted(names), sorted(folders))
+
+    def test_corpora_stay_small(self):
+        files = [file for file in (ROOT / "tests/fuzz/corpus").rglob("*") if file.is_file()]
+        self.assertLess(sum(file.stat().st_size for file in files), 3 << 20)
+
+
 if __name__ == "__main__":
     unittest.main()

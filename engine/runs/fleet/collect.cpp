@@ -54,7 +54,9 @@ std::uint64_t bytes_in(const fs::path& path) {
 }
 
 std::string absolute_path(const fs::path& path) {
-  fs::path whole = fs::absolute(path).lexically_normal();
+  std::error_code failed;
+  fs::path whole = fs::absolute(path, failed).lexically_normal();
+  if (failed) throw FileError(path.string(), "has no absolute path: " + failed.message());
   if (!whole.has_filename()) whole = whole.parent_path();  // "bag/"
   return whole.string();
 }
@@ -136,6 +138,8 @@ void UnitCollector::add_list(std::string_view text, const std::string& name) {
         add(std::string(line));
       } else {
         const std::string uri(line.substr(0, tab));
+        if (uri.empty())
+          throw InputError("names no log before its tab; a line is an URI, or an URI, a tab and its bytes");
         add_unit(has_scheme(uri) ? uri : absolute_path(uri), bytes_from(line.substr(tab + 1)));
       }
     } catch (const InputError& error) {

@@ -1,9 +1,14 @@
-// The corpora of the fuzz targets of runs and scenes, replayed with every compiler.
+// The corpora of the fuzz targets of runs, scenes and what commands keep, replayed with every compiler.
+#include "fuzz/fleet_targets.hpp"
+#include "fuzz/lab_targets.hpp"
 #include "fuzz/replay.hpp"
 #include "fuzz/run_folder_targets.hpp"
 #include "fuzz/run_targets.hpp"
 #if __has_include("gdtslam/sim/scene.hpp")  // the simulator may be left out of a build
 #include "fuzz/scene_targets.hpp"
+#endif
+#ifdef GDTSLAM_HAS_LIVE_PAGE
+#include "fuzz/page_targets.hpp"
 #endif
 
 namespace gdtslam::fuzz {
@@ -14,6 +19,11 @@ class RunCorpus : public testing::TestWithParam<FuzzTarget> {};
 TEST_P(RunCorpus, EndsInFilesOrATypedError) { replay_corpus(GetParam()); }
 
 INSTANTIATE_TEST_SUITE_P(Runs, RunCorpus, testing::ValuesIn(kRunTargets), name_of_test);
+INSTANTIATE_TEST_SUITE_P(Fleets, RunCorpus, testing::ValuesIn(kFleetTargets), name_of_test);
+INSTANTIATE_TEST_SUITE_P(Lab, RunCorpus, testing::ValuesIn(kLabTargets), name_of_test);
+#ifdef GDTSLAM_HAS_LIVE_PAGE
+INSTANTIATE_TEST_SUITE_P(Page, RunCorpus, testing::ValuesIn(kPageTargets), name_of_test);
+#endif
 INSTANTIATE_TEST_SUITE_P(RunFolders, RunCorpus, testing::ValuesIn(kRunFolderTargets), name_of_test);
 #if __has_include("gdtslam/sim/scene.hpp")
 INSTANTIATE_TEST_SUITE_P(Scenes, RunCorpus, testing::ValuesIn(kSceneTargets), name_of_test);

@@ -142,11 +142,6 @@ double seconds_of(const Timing& timing, Basis basis) {
   return basis == Basis::kDevice ? timing.device_s.value_or(timing.wall_s) : timing.wall_s;
 }
 
-const std::vector<double>& samples_of(const Timing& timing, Basis basis) {
-  if (basis == Basis::kCpu) return timing.cpu_samples_s;
-  return basis == Basis::kDevice && timing.device_s ? timing.device_samples_s : timing.wall_samples_s;
-}
-
 std::function<double()> clock_of(Backend& backend) {
   const auto* const vulkan = dynamic_cast<const VulkanBackend*>(&backend);
   if (vulkan == nullptr || !(vulkan->vulkan_device().timestamp_ns > 0.0)) return nullptr;

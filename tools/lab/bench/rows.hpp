@@ -83,7 +83,10 @@ Basis basis_of(const Backend& backend);
 /// The time of a measurement on that basis.
 double seconds_of(const Timing& timing, Basis basis);
 /// The samples that it is the median of.
-const std::vector<double>& samples_of(const Timing& timing, Basis basis);
+inline const std::vector<double>& samples_of(const Timing& timing, Basis basis) {
+  if (basis == Basis::kCpu) return timing.cpu_samples_s;
+  return basis == Basis::kDevice && timing.device_s ? timing.device_samples_s : timing.wall_samples_s;
+}
 
 /// What tells the device's time for the submission that was waited for last; empty where there is no such clock.
 std::function<double()> clock_of(Backend& backend);

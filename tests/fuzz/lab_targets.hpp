@@ -1,0 +1,77 @@
+// What `reproduce`, `bench` and `verify` kept of an earlier call.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "target.hpp"
+#include "tools/gdtslam/shell/device/verify_record.hpp"
+#include "tools/lab/bench/against.hpp"
+#include "tools/lab/reproduce/store.hpp"
+
+namespace gdtslam::fuzz {
+
+/// A part of a report that counts as finished: its texts are lines, its pictures lie beside it, and what is kept of it
+/// is found again.
+inline void read_kept_part(std::span<const std::byte> data) {
+  static const ScratchFolder folder;
+  static const reproduce::Store store(folder.path());
+  static const std::string place = store.folder_of("fig3");
+  static const bool is_ready = [] {
+    std::filesystem::create_directories(place);
+    folder.put(reproduce::Store::place_of("fig3") + "/cells.svg", "<svg/>");
+    return true;
+  }();
+  require(is_ready);
+  folder.put(reproduce::Store::place_of("fig3") + "/part.json", text_of(data));
+  const std::optional<reproduce::KeptPart> kept = store.find("fig3", "key");
+  if (!kept) return;
+  require(kept->cpu_s >= 0.0 && std::isfinite(kept->cpu_s) && is_one_line(kept->date.c_str()));
+  for (const reproduce::Picture& picture : kept->part.pictures) {
+    require(picture.file == "cells.svg" && is_one_line(picture.caption.c_str()));
+  }
+  for (const reproduce::Row& row : kept->part.rows) {
+    require(is_one_line(row.ours.c_str()) && row.verdict <= reproduce::Verdict::kOpen);
+  }
+  require(kept->part.origin <= reproduce::Origin::kSimulatedAndReal);
+}
+
+inline void read_earlier_bench(std::span<const std::byte> data) {
+  static const ScratchFolder folder;
+  expect_typed<InputError>([&] {
+    const EarlierBench bench = read_bench(folder.put("bench.json", text_of(data)));
+    for (const EarlierRow& row : bench.rows) {
+      require(!row.samples_s.empty());
+      for (const double sample_s : row.samples_s) require(sample_s > 0.0 && std::isfinite(sample_s));
+    }
+    const Against against = compare_with(bench, {});
+    require(against.rows.empty() && against.only_before.size() == bench.rows.size());
+    require(!against_text(against).empty());
+  });
+}
+
+/// What `verify` found on devices: a file that is damaged is as good as none, and a result that is kept is found.
+inline void read_verify_records(std::span<const std::byte> data) {
+  static const ScratchFolder folder;
+  folder.put("verify.json", text_of(data));
+  const VerifyRecords records(folder.path(), "shaders");
+  VulkanDeviceInfo device;
+  device.name = "device";
+  device.driver = "driver";
+  static_cast<void>(records.find(device));
+  records.keep(device, {"2026-01-02", 3, 2, 1, ""});
+  const std::optional<VerifyRecord> kept = records.find(device);
+  require(kept && kept->cases == 3 && kept->logs == 2 && kept->differences == 1 && !kept->passed());
+}
+
+inline constexpr std::array kLabTargets{FuzzTarget{"part", read_kept_part, 3},
+                                        FuzzTarget{"bench", read_earlier_bench, 3},
+                                        FuzzTarget{"verify", read_verify_records, 3}};
+
+}  // namespace gdtslam::fuzz
