@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Everything that has to hold before a change lands: installs the packages, builds all, runs every test, checks format and
 # lint, builds the site of the documentation, runs the tests of the Vulkan backend under validation, verifies the command
-# on a Vulkan device, repeats the tests of the readers and the core under sanitizers, and fuzzes the readers for a short while.
+# on a Vulkan device, repeats the tests of the readers under sanitizers, and fuzzes the readers for a short while.
 # The last line is 'N passed, N failed, N skipped' over all tests and checks; the exit status is 0 only when none failed.
 set -euo pipefail
 root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
@@ -18,7 +18,7 @@ Usage: tools/test.sh [--quick]
 Vulkan runs on lavapipe, which needs no GPU; VK_DRIVER_FILES=FILE names another driver.
 
 GDTSLAM_DATA=DIR   real logs for the accuracy tests (they skip where there are none)
-GDTSLAM_FUZZ_S=N   seconds per fuzz target (default 4; tools/soak.sh has more)
+GDTSLAM_FUZZ_S=N   seconds per fuzz target (default 2; tools/soak.sh has more)
 GDTSLAM_LINT_SINCE=REVISION   clang-tidy checks what changed since then (default: in the last six hours)
 GDTSLAM_JOBS=N     compiler processes at a time
 GDTSLAM_END_S=N    after that many seconds what repeats tests in another way is skipped: clang-tidy, sanitizers
@@ -121,11 +121,11 @@ check_status() {
   if (($2 != 0 && f == 0)); then check "$1 ended with status $2" false; fi
 }
 
-# The parts that read what strangers send, what they stand on and the drawings of it, under AddressSanitizer and UBSan:
-# the tests of the tree in which their fuzzers are built.
+# The parts that read what strangers send under AddressSanitizer and UBSan: the tests of the tree in which their fuzzers are
+# built. tools/soak.sh asan has every part.
 run_sanitized() {
   local folder names=() name status
-  for folder in "$root"/tests/{unit,property,golden}/{core,io,drawing}; do
+  for folder in "$root"/tests/{unit,property,golden}/io; do
     compgen -G "$folder/*.cpp" >/dev/null || continue
     name=${folder#"$root/tests/"}
     names+=("gdtslam_${name/\//_}_tests")
@@ -192,7 +192,7 @@ begin "clang-tidy"
 if may_begin "clang-tidy"; then
   since=${GDTSLAM_LINT_SINCE:-$(git -C "$root" rev-list -1 --before='6 hours ago' HEAD)}
   status=0
-  python3 "$root/tools/scripts/lint.py" ${since:+--since "$since"} --seconds 240 "$build" || status=$?
+  python3 "$root/tools/scripts/lint.py" ${since:+--since "$since"} --seconds 150 "$build" || status=$?
   check "clang-tidy" test "$status" = 0 -o "$status" = 77
   if ((status == 77)); then skip "clang-tidy of the sources that were left out"; fi
 fi
@@ -201,7 +201,7 @@ begin "Sanitizers and fuzzing"
 if $quick; then
   skip "sanitizers and fuzzing (--quick)"
 else
-  if may_begin "fuzzing"; then GDTSLAM_FUZZ_S=${GDTSLAM_FUZZ_S:-4} check "fuzzing" "$root/tools/scripts/fuzz.sh"; fi
+  if may_begin "fuzzing"; then GDTSLAM_FUZZ_S=${GDTSLAM_FUZZ_S:-2} check "fuzzing" "$root/tools/scripts/fuzz.sh"; fi
   if may_begin "tests under sanitizers"; then run_sanitized; fi
 fi
 complete=true
