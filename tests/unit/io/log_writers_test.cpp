@@ -1,0 +1,284 @@
+// What is written of a log reads back, in each format what it carries; messages of ROS by a reader of their own.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "engine/io/atomic_file.hpp"
+#include "engine/io/writers/log_writer.hpp"
+#include "engine/io/writers/ros_messages.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/log.hpp"
+#include "io_test_support.hpp"
+
+namespace gdtslam {
+namespace {
+
+using test::TemporaryFolder;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+ScanRecord written_scan(double stamp_s, std::size_t laser = 0) {
+  return {.scan = {.stamp_s = stamp_s,
+                   .first_bearing_rad = -1.0,
+                   .bearing_step_rad = 0.5,
+                   .max_range_m = 20.0,
+                   .ranges_m = {1.0F, 2.5F, 3.25F, 4.5F},
+                   .T_base_laser = Pose2{0.5, -0.25, 0.0}},
+          .T_odom_base = Pose2{0.25, 0.5, 0.125},
+          .laser = laser};
+}
+
+std::vector<LogRecord> some_records() {
+  return {Parameter{"robot_width", "0.5"},
+          Odometry{10.0, {1.0, -2.0, 0.5}},
+          written_scan(10.25),
+          Encoder{10.5, -1234567},
+          Tilt{10.625, -0.375},
+          Odometry{10.75, {1.5, -2.0, -0.75}},
+          written_scan(11.0)};
+}
+
+std::vector<LogReader::Warning> write_records(const std::string& path, const std::vector<LogRecord>& records) {
+  AtomicFileSet files;
+  const auto writer = make_log_writer(log_format_of(path, ""), path, {}, files);
+  for (const LogRecord& record : records) writer->write(record);
+  writer->finish();
+  EXPECT_GT(writer->bytes(), 0U);
+  files.commit();
+  return writer->left_out();
+}
+
+std::vector<LogRecord> read_records(const std::string& path, const ReadOptions& options = {}) {
+  std::vector<LogRecord> records;
+  const auto log = open_log(path, options);
+  while (auto record = log->next()) records.push_back(std::move(*record));
+  return records;
+}
+
+void expect_pose(const Pose2& found, const Pose2& expected) {
+  EXPECT_NEAR(found.x_m, expected.x_m, 1e-9);
+  EXPECT_NEAR(found.y_m, expected.y_m, 1e-9);
+  EXPECT_NEAR(found.theta_rad, expected.theta_rad, 1e-9);
+}
+
+void expect_scan(const ScanRecord& found, const ScanRecord& expected) {
+  EXPECT_NEAR(found.scan.stamp_s, expected.scan.stamp_s, 1e-6);
+  EXPECT_NEAR(found.scan.first_bearing_rad, expected.scan.first_bearing_rad, 1e-6);
+  EXPECT_NEAR(found.scan.bearing_step_rad, expected.scan.bearing_step_rad, 1e-6);
+  EXPECT_NEAR(found.scan.max_range_m, expected.scan.max_range_m, 1e-6);
+  EXPECT_EQ(found.scan.ranges_m, expected.scan.ranges_m);
+  expect_pose(found.scan.T_base_laser, expected.scan.T_base_laser);
+}
+
+class WrittenAsLines : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Formats, WrittenAsLines,
+                         testing::Values("a.log", "a.log.gz", "a.csv", "a.jsonl", "a.jsonl.gz"), [](const auto& file) {
+                           std::string name = file.param;
+                           for (char& c : name) c = c == '.' ? '_' : c;
+                           return name;
+                         });
+
+TEST_P(WrittenAsLines, EachRecordReadsBackInItsPlace) {
+  const TemporaryFolder folder;
+  const std::vector<LogRecord> records = some_records();
+  EXPECT_TRUE(write_records(folder / GetParam(), records).empty());
+  std::vector<LogRecord> read = read_records(folder / GetParam());
+  // CARMEN tells the limit of its laser in a line of its own, where the number of beams does not tell the bearings.
+  std::erase_if(read, [](const LogRecord& record) {
+    const auto* parameter = std::get_if<Parameter>(&record);
+    return parameter != nullptr && parameter->name != "robot_width";
+  });
+  ASSERT_EQ(read.size(), records.size());
+  for (std::size_t k = 0; k < records.size(); ++k) ASSERT_EQ(read[k].index(), records[k].index()) << k;
+  EXPECT_EQ(std::get<Parameter>(read[0]).value, "0.5");
+  expect_pose(std::get<Odometry>(read[1]).T_odom_base, {1.0, -2.0, 0.5});
+  EXPECT_EQ(std::get<Odometry>(read[1]).stamp_s, 10.0);
+  expect_scan(std::get<ScanRecord>(read[2]), std::get<ScanRecord>(records[2]));
+  expect_pose(*std::get<ScanRecord>(read[2]).T_odom_base, {0.25, 0.5, 0.125});
+  EXPECT_EQ(std::get<Encoder>(read[3]).ticks, -1234567);
+  EXPECT_EQ(std::get<Encoder>(read[3]).stamp_s, 10.5);
+  EXPECT_EQ(std::get<Tilt>(read[4]).elevation_rad, -0.375);
+  EXPECT_EQ(std::get<Tilt>(read[4]).stamp_s, 10.625);
+  expect_pose(std::get<Odometry>(read[5]).T_odom_base, {1.5, -2.0, -0.75});
+  expect_scan(std::get<ScanRecord>(read[6]), std::get<ScanRecord>(records[6]));
+}
+
+class WrittenAsMessages : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Formats, WrittenAsMessages, testing::Values("a.mcap", "a.bag", "a.db3", "folder/"),
+                         [](const auto& file) {
+                           std::string name = file.param;
+                           for (char& c : name) c = c == '.' || c == '/' ? '_' : c;
+                           return name;
+                         });
+
+// A reader of recordings gives scans the odometry of their stamp.
+TEST_P(WrittenAsMessages, ScansReadBackWithTheirOdometry) {
+  const TemporaryFolder folder;
+  std::vector<LogRecord> records{Odometry{10.0, {1.0, -2.0, 0.5}}, written_scan(10.0),
+                                 Odometry{10.5, {1.5, -2.0, -0.75}}, written_scan(10.5),
+                                 Odometry{11.0, {1.5, -2.0, -0.75}}};
+  for (LogRecord& record : records) {
+    if (auto* scan = std::get_if<ScanRecord>(&record)) scan->T_odom_base.reset();
+  }
+  EXPECT_TRUE(write_records(folder / GetParam(), records).empty());
+  std::vector<ScanRecord> scans;
+  for (const LogRecord& record : read_records(folder / GetParam())) {
+    if (const auto* scan = std::get_if<ScanRecord>(&record)) scans.push_back(*scan);
+  }
+  ASSERT_EQ(scans.size(), 2U);
+  expect_scan(scans[0], std::get<ScanRecord>(records[1]));
+  expect_scan(scans[1], std::get<ScanRecord>(records[3]));
+  ASSERT_TRUE(scans[0].T_odom_base && scans[1].T_odom_base);
+  expect_pose(*scans[0].T_odom_base, {1.0, -2.0, 0.5});
+  expect_pose(*scans[1].T_odom_base, {1.5, -2.0, -0.75});
+}
+
+TEST(CarmenLogs, SayWhatTheyCannotCarry) {
+  const TemporaryFolder folder;
+  ScanRecord timed = written_scan(1.0);
+  timed.scan.beam_period_s = 0.001;
+  ScanRecord bare = written_scan(2.0);
+  bare.T_odom_base.reset();
+  ScanRecord turned = written_scan(3.0);
+  turned.scan.first_bearing_rad = 0.5;
+  turned.scan.bearing_step_rad = -0.5;
+  const std::vector<LogReader::Warning> left_out = write_records(
+      folder / "a.log",
+      {Parameter{"two words", "1"}, Parameter{"name", "two words"}, written_scan(0.5, 2), timed, bare, turned});
+  std::vector<std::pair<std::string, std::uint64_t>> kinds;
+  for (const LogReader::Warning& warning : left_out) kinds.emplace_back(warning.kind, warning.count);
+  EXPECT_THAT(kinds,
+              testing::UnorderedElementsAre(std::pair("parameter", 2U), std::pair("scan of a third laser", 1U),
+                                            std::pair("time of each beam", 1U), std::pair("missing odometry", 1U)));
+  std::vector<ScanRecord> scans;
+  for (const LogRecord& record : read_records(folder / "a.log")) {
+    if (const auto* scan = std::get_if<ScanRecord>(&record)) scans.push_back(*scan);
+  }
+  ASSERT_EQ(scans.size(), 3U);
+  expect_pose(*scans[1].T_odom_base, {0.25, 0.5, 0.125});  // that of the odometry before
+  // Beams from left to right are written from right to left, each where it was.
+  EXPECT_NEAR(scans[2].scan.first_bearing_rad, -1.0, 1e-9);
+  EXPECT_NEAR(scans[2].scan.bearing_step_rad, 0.5, 1e-9);
+  EXPECT_THAT(scans[2].scan.ranges_m, ElementsAre(4.5F, 3.25F, 2.5F, 1.0F));
+}
+
+TEST(LogFormats, AreToldByTheirEndings) {
+  const std::vector<std::pair<std::string, LogFormat>> endings{
+      {"a.log", LogFormat::kCarmen}, {"a.clf", LogFormat::kCarmen}, {"a.log.gz", LogFormat::kCarmen},
+      {"a.csv", LogFormat::kCsv},    {"a.csv.gz", LogFormat::kCsv}, {"a.jsonl", LogFormat::kJsonLines},
+      {"a.mcap", LogFormat::kMcap},  {"a.bag", LogFormat::kBag},    {"a.db3", LogFormat::kDb3},
+      {"a/", LogFormat::kRos2Folder}};
+  for (const auto& [path, format] : endings) EXPECT_EQ(log_format_by_ending(path), format) << path;
+  EXPECT_FALSE(log_format_by_ending("a.txt"));
+  EXPECT_EQ(log_format_of("a.txt", "csv"), LogFormat::kCsv);
+  EXPECT_EQ(log_format_of("a.log", "mcap"), LogFormat::kMcap) << "what is said counts";
+  EXPECT_THROW(log_format_of("a.txt", ""), UsageError);
+  try {
+    log_format_of("a.log", "carmem");
+    FAIL();
+  } catch (const UsageError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("carmen"));
+  }
+}
+
+/// Little endian values one after the other; in CDR each at a multiple of its size behind the first four bytes.
+class Decoded {
+ public:
+  Decoded(std::string bytes, bool is_cdr) : bytes_(std::move(bytes)), is_cdr_(is_cdr) {
+    if (!is_cdr_) return;
+    EXPECT_EQ(bytes_.substr(0, 4), std::string("\0\1\0\0", 4));
+    at_ = 4;
+  }
+  template <class Value>
+  Value take() {
+    while (is_cdr_ && (at_ - 4) % sizeof(Value) != 0) ++at_;
+    Value value{};
+    EXPECT_LE(at_ + sizeof(Value), bytes_.size());
+    if (at_ + sizeof(Value) <= bytes_.size()) std::memcpy(&value, bytes_.data() + at_, sizeof(Value));
+    at_ += sizeof(Value);
+    return value;
+  }
+  std::string text() {
+    const auto size = take<std::uint32_t>();
+    const std::string value = bytes_.substr(at_, is_cdr_ ? size - 1 : size);
+    at_ += size;
+    return value;
+  }
+  void expect_header(std::uint32_t s, std::uint32_t ns, const std::string& frame) {
+    const std::uint32_t counted = is_cdr_ ? 0U : take<std::uint32_t>();
+    EXPECT_EQ(counted, 0U) << "a number that ROS 1 counts itself";
+    EXPECT_EQ(take<std::uint32_t>(), s);
+    EXPECT_EQ(take<std::uint32_t>(), ns);
+    EXPECT_EQ(text(), frame);
+  }
+  void expect_pose_of(double x, double y, double theta) {
+    for (const double value : {x, y, 0.0, 0.0, 0.0, std::sin(0.5 * theta), std::cos(0.5 * theta)}) {
+      EXPECT_NEAR(take<double>(), value, 1e-12);
+    }
+  }
+  void expect_end() const { EXPECT_EQ(at_, bytes_.size()); }
+
+ private:
+  std::string bytes_;
+  bool is_cdr_;
+  std::size_t at_ = 0;
+};
+
+class MessagesOfRos : public testing::TestWithParam<RosEncoding> {
+ protected:
+  [[nodiscard]] Decoded decoded(std::string bytes) const { return {std::move(bytes), GetParam() == RosEncoding::kCdr}; }
+};
+INSTANTIATE_TEST_SUITE_P(Encodings, MessagesOfRos, testing::Values(RosEncoding::kRos1, RosEncoding::kCdr),
+                         [](const auto& encoding) { return encoding.param == RosEncoding::kCdr ? "cdr" : "ros1"; });
+
+TEST_P(MessagesOfRos, PosesAndTransforms) {
+  Decoded pose = decoded(ros_pose(GetParam(), {7.25, "map"}, {1.0, -2.0, 3.0}));
+  pose.expect_header(7, 250'000'000, "map");
+  pose.expect_pose_of(1.0, -2.0, 3.0);
+  pose.expect_end();
+  const RosTransform transform{{1.5, "odom"}, "base", {0.5, 0.25, -1.0}};
+  Decoded transforms = decoded(ros_transforms(GetParam(), {&transform, 1}));
+  EXPECT_EQ(transforms.take<std::uint32_t>(), 1U);
+  transforms.expect_header(1, 500'000'000, "odom");
+  EXPECT_EQ(transforms.text(), "base");
+  transforms.expect_pose_of(0.5, 0.25, -1.0);
+  transforms.expect_end();
+}
+
+TEST_P(MessagesOfRos, NumbersAndJoints) {
+  Decoded number = decoded(ros_int32(GetParam(), -5));
+  EXPECT_EQ(number.take<std::int32_t>(), -5);
+  number.expect_end();
+  Decoded joint = decoded(ros_joint_state(GetParam(), {2.0, "nod"}, "tilt", 0.75));
+  joint.expect_header(2, 0, "nod");
+  EXPECT_EQ(joint.take<std::uint32_t>(), 1U);
+  EXPECT_EQ(joint.text(), "tilt");
+  EXPECT_EQ(joint.take<std::uint32_t>(), 1U);
+  EXPECT_EQ(joint.take<double>(), 0.75);
+  EXPECT_EQ(joint.take<std::uint32_t>(), 0U);
+  EXPECT_EQ(joint.take<std::uint32_t>(), 0U);
+  joint.expect_end();
+}
+
+TEST_P(MessagesOfRos, GridsHaveTheirCellsRowByRow) {
+  const std::vector<std::int8_t> cells{-1, 0, 100, 0, 0, -1};
+  Decoded grid = decoded(ros_occupancy_grid(
+      GetParam(), {3.0, "map"},
+      {.resolution_m = 0.05, .width = 3, .height = 2, .T_map_origin = {-1.0, 2.0, 0.0}, .cells = cells}));
+  grid.expect_header(3, 0, "map");
+  EXPECT_EQ(grid.take<std::uint32_t>(), 3U);  // when the map was loaded
+  EXPECT_EQ(grid.take<std::uint32_t>(), 0U);
+  EXPECT_EQ(grid.take<float>(), 0.05F);
+  EXPECT_EQ(grid.take<std::uint32_t>(), 3U);
+  EXPECT_EQ(grid.take<std::uint32_t>(), 2U);
+  grid.expect_pose_of(-1.0, 2.0, 0.0);
+  EXPECT_EQ(grid.take<std::uint32_t>(), 6U);
+  for (const std::int8_t cell : cells) EXPECT_EQ(grid.take<std::int8_t>(), cell);
+  grid.expect_end();
+}
+
+}  // namespace
+}  // namespace gdtslam
