@@ -13,6 +13,7 @@
 #include "gdtslam/mapping/evaluation.hpp"
 #include "gdtslam/mapping/mapper.hpp"
 #include "support/real_data.hpp"
+#include "support/sample_log.hpp"
 
 namespace gdtslam {
 namespace {
@@ -90,20 +91,9 @@ TEST_P(SparseLogWithLoops, IsNotLost) {
 INSTANTIATE_TEST_SUITE_P(Logs, SparseLogWithLoops, testing::Values("edmonton", "belgioioso"),
                          [](const auto& log) { return std::string(log.param); });
 
-// The sample log: 350 scans of a simulated office, out into a room and back to the start, and the true pose of each.
-const std::string kSample = GDTSLAM_SOURCE_DIR "/assets/logs/office-start";
-
 TEST(SampleLogWithLoops, IsWithinTighterBoundsThanTheRealLogs) {
-  const MappedLog mapped = map_with_loops(kSample + ".log.gz");
-  const Trajectory truth = read_tum(kSample + ".truth.tum");
-  std::vector<Relation> relations;
-  for (std::size_t i = 0; i < truth.size(); i += 5) {
-    for (const std::size_t j : {i + 16, i + 150, i + 300}) {
-      if (j >= truth.size()) continue;
-      relations.push_back({truth[i].stamp_s, truth[j].stamp_s, between(truth[i].T_map_base, truth[j].T_map_base)});
-    }
-  }
-  const RelationReport report = evaluate_relations(mapped.trajectory, relations);
+  const MappedLog mapped = map_with_loops(test::kSampleLog + ".log.gz");
+  const RelationReport report = evaluate_relations(mapped.trajectory, test::true_relations());
   EXPECT_EQ(report.unmatched, 0U);
   EXPECT_LE(report.all.translation_m.mean, 0.0145);
   EXPECT_LE(report.all.rotation_deg.mean, 0.25);
@@ -112,9 +102,9 @@ TEST(SampleLogWithLoops, IsWithinTighterBoundsThanTheRealLogs) {
 
 // Every eighth scan: between two of them the robot moves as far as in the sparse logs.
 TEST(SampleLogWithLoops, IsNotLostWhereScansAreAsSparse) {
-  const MappedLog mapped = map_with_loops(kSample + ".log.gz", 8);
+  const MappedLog mapped = map_with_loops(test::kSampleLog + ".log.gz", 8);
   EXPECT_EQ(mapped.trajectory.size(), 44U);  // of 350
-  const Trajectory truth = read_tum(kSample + ".truth.tum");
+  const Trajectory truth = read_tum(test::kSampleLog + ".truth.tum");
   EXPECT_LE(evaluate_reference(mapped.trajectory, truth, {}).ate_m.rmse, 0.10);
   EXPECT_GT(evaluate_reference(mapped.odometry, truth, {}).ate_m.rmse, 0.10) << "there is nothing to correct";
 }

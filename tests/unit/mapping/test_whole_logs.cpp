@@ -13,11 +13,11 @@
 #include <gtest/gtest.h>
 
 #include "gdtslam/io/log.hpp"
-#include "gdtslam/io/trajectory_file.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
 #include "gdtslam/mapping/mapper.hpp"
 #include "support/machine_speed.hpp"
 #include "support/real_data.hpp"
+#include "support/sample_log.hpp"
 
 namespace gdtslam {
 namespace {
@@ -134,27 +134,12 @@ TEST(RealLogRule, TheMergeRuleAsPrintedMissesTheBoundOnIntel) {
 
 // The sample log: 350 scans of a simulated office, out into a room and back to the start, with 1 cm of noise on the
 // ranges, wheels that slip and the true pose of every scan.
-const std::string kSample = GDTSLAM_SOURCE_DIR "/assets/logs/office-start";
-
-// True motions over 2.7 s, and over 25 s or more, between which the robot has been elsewhere.
-std::vector<Relation> true_relations() {
-  const Trajectory truth = read_tum(kSample + ".truth.tum");
-  std::vector<Relation> relations;
-  for (std::size_t i = 0; i < truth.size(); i += 5) {
-    for (const std::size_t j : {i + 16, i + 150, i + 300}) {
-      if (j >= truth.size()) continue;
-      relations.push_back({truth[i].stamp_s, truth[j].stamp_s, between(truth[i].T_map_base, truth[j].T_map_base)});
-    }
-  }
-  return relations;
-}
-
 class SampleLogTest : public testing::TestWithParam<MatcherKind> {};
 
 TEST_P(SampleLogTest, MapsWithinTighterBoundsThanTheRealLogs) {
   MapperConfig config;
   config.match.matcher = GetParam();
-  const LogOutcome run = map_scans(scans_of(kSample + ".log.gz"), true_relations(), config);
+  const LogOutcome run = map_scans(scans_of(test::kSampleLog + ".log.gz"), test::true_relations(), config);
   EXPECT_EQ(run.report.unmatched, 0U);
   EXPECT_GT(run.report.loops.translation_m.count, 30U);
   EXPECT_LE(run.report.all.translation_m.mean, 0.020);
@@ -166,13 +151,13 @@ TEST_P(SampleLogTest, MapsWithinTighterBoundsThanTheRealLogs) {
 // As on CSAIL at half its rate: the odometry turns by 85 degrees in one step, in the room that the robot has just
 // entered.
 TEST_P(SampleLogTest, EverySecondScanIsMappedWhereTheOdometryTurnsBy85DegreesInOneStep) {
-  std::vector<ScanRecord> scans = scans_of(kSample + ".log.gz", 2);
+  std::vector<ScanRecord> scans = scans_of(test::kSampleLog + ".log.gz", 2);
   const std::size_t fault = scans.size() / 2;
   const Pose2 before = *scans[fault - 1].T_odom_base;
   const Pose2 turned = before * Pose2{0.0, 0.0, 85.0 * std::numbers::pi / 180.0} * inverse(before);
   for (std::size_t i = fault; i < scans.size(); ++i) scans[i].T_odom_base = turned * *scans[i].T_odom_base;
   std::vector<Relation> relations;
-  for (const Relation& relation : true_relations()) {
+  for (const Relation& relation : test::true_relations()) {
     const auto is_there = [&](double stamp_s) {
       return std::any_of(scans.begin(), scans.end(),
                          [&](const ScanRecord& scan) { return std::abs(scan.scan.stamp_s - stamp_s) < 1e-4; });
@@ -198,7 +183,7 @@ TEST(SampleLogRule, TheMergeRuleAsPrintedMissesTheBound) {
   MapperConfig config;
   config.merge.rule = MergeRule::kLiteral;
   config.search.attempts = 1;
-  const LogOutcome run = map_scans(scans_of(kSample + ".log.gz"), true_relations(), config);
+  const LogOutcome run = map_scans(scans_of(test::kSampleLog + ".log.gz"), test::true_relations(), config);
   EXPECT_GT(run.report.all.translation_m.mean, 0.3);
 }
 
