@@ -4,6 +4,7 @@ import base64
 import os
 import re
 import resource
+import shutil
 import signal
 import subprocess
 import xml.etree.ElementTree as xml
@@ -68,6 +69,34 @@ def every_write_fails():
     fresh = folder.parent / "fresh"
     expect_exit(command("map", LOG, "-o", fresh, "--first", 50, "-q", env=cli.full_disk()), 74)
     expect(not fresh.exists(), "a folder that was made for a run that failed is still there")
+
+
+def memory_ends_in_a_commit():
+    """Whichever of the last allocations fails, among them those with which the files get their names: the old run with exit 1 and
+    one line, or the new one, and nothing beside it."""
+    if "FAILING_CALLS" not in os.environ:
+        skip("the library that refuses memory is not preloaded into a sanitized program")
+    folder, before = old_run("memory_ends_in_a_commit")
+    kept = folder.parent / "kept"
+    shutil.copytree(folder, kept)
+    arguments = ("map", LOG, "-o", folder, "--first", 50, "-q")
+    count = cli.calls_counted("allocate", *arguments)
+    after = digests(folder)
+    seen = {"old": 0, "new": 0}
+    for number in range(count - 480, count - 20, 10):
+        shutil.rmtree(folder)
+        shutil.copytree(kept, folder)
+        process = command(*arguments, env=cli.failing_calls("allocate", number, "ENOMEM"))
+        files = digests(folder)
+        is_new = all(files.get(name) == after[name] for name in after if name != "report.json") and files.keys() == after.keys()
+        expect(files == before or is_new, f"allocation {number} of {count}: {sorted(files)}")
+        if process.returncode == 0 and is_new:  # what is removed in the end is removed at the second try
+            continue
+        expect_exit(process, 1)
+        one_error_line(process.stderr)
+        expect("out of memory" in process.stderr, process.stderr)
+        seen["new" if is_new else "old"] += 1
+    expect(seen["old"] > 10, f"{seen}")
 
 
 def file_size_limit():
