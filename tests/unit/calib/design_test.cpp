@@ -201,6 +201,14 @@ TEST(Design, RefusesNumbersThatAreNoGoal) {
     return message_of(goal);
   };
   const double nan = std::nan("");
+  EXPECT_THAT(with([](DesignGoal& g) { g.swing_rad = rad_from_deg(181.0); }),
+              HasSubstr("lies between 0 and 180 deg, not at 181"));
+  EXPECT_THAT(with([](DesignGoal& g) { g.swing_rad = kPi; }), HasSubstr("lies between 0 and 180 deg, not at 180"));
+  EXPECT_THAT(with([](DesignGoal& g) { g.swing_rad = 0.0; }), HasSubstr("lies between 0 and 180 deg, not at 0"));
+  EXPECT_THAT(with([](DesignGoal& g) { g.min_transmission_rad = rad_from_deg(91.0); }),
+              HasSubstr("lies between 0 and 90 deg, not at 91"));
+  EXPECT_THAT(with([](DesignGoal& g) { g.min_transmission_rad = 0.0; }), HasSubstr("0 and 90 deg, not at 0"));
+  EXPECT_THAT(with([](DesignGoal& g) { g.time_ratio = 0.999; }), HasSubstr("is at least 1, not 0.999"));
   EXPECT_THAT(with([](DesignGoal& g) { g.swing_rad = 90.0; }), HasSubstr("swing"));
   EXPECT_THAT(with([nan](DesignGoal& g) { g.swing_rad = nan; }), HasSubstr("swing"));
   EXPECT_THAT(with([](DesignGoal& g) { g.min_transmission_rad = 2.0; }), HasSubstr("transmission"));
