@@ -23,7 +23,7 @@ if sys.argv[1] == "targets":
 target, options, folders = sys.argv[1], dict(a[1:].split("=", 1) for a in sys.argv[2:] if a[0] == "-"), [a for a in sys.argv[2:] if a[0] != "-"]
 with open(os.environ["CALLS"], "a") as calls:
     calls.write(" ".join(sys.argv[1:]) + f" in {os.environ['TMPDIR']}\n")
-if "merge" in options:
+if "set_cover_merge" in options:
     for folder in folders[1:]:
         for file in pathlib.Path(folder).iterdir():
             if file.name not in os.listdir(folders[0]):

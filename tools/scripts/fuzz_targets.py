@@ -175,7 +175,7 @@ def each_once(fuzzing, targets, jobs, option, *, with_found):
 
 
 def minimise(fuzzing, target, found):
-    """What people wrote stays in the corpus; of all else the shortest inputs that reach something new, up to a number of bytes."""
+    """What people wrote stays in the corpus; of all else a few inputs that reach together every edge, up to a number of bytes."""
     corpus = fuzzing.corpus / target
     with tempfile.TemporaryDirectory() as name:
         merged = pathlib.Path(name) / "merged"
@@ -184,7 +184,7 @@ def minimise(fuzzing, target, found):
             if not MADE_BY_FUZZER.fullmatch(file.name):
                 shutil.copy(file, merged)
         written = {file.name for file in merged.iterdir()}
-        status, log = fuzzing.execute(target, ("-merge=1",), [merged, corpus, *filter(pathlib.Path.is_dir, found)])
+        status, log = fuzzing.execute(target, ("-set_cover_merge=1", "-use_counters=0"), [merged, corpus, *filter(pathlib.Path.is_dir, found)])
         if status != 0:
             sys.exit(f"{target}: cannot be merged:\n{log}")
         made = sorted((file for file in merged.iterdir() if file.name not in written), key=lambda file: (file.stat().st_size, file.name))
@@ -233,7 +233,7 @@ def main():
     parser.add_argument("-j", type=int, default=os.cpu_count(), metavar="N", dest="jobs", help="so many at a time (default: one a processor)")
     kind = parser.add_mutually_exclusive_group()
     kind.add_argument("--replay", action="store_true", help="run each input of the corpora once")
-    kind.add_argument("--minimise", action="store_true", help="put what was found into the corpora, as far as it reaches something new")
+    kind.add_argument("--minimise", action="store_true", help="put what was found into the corpora, as few inputs as reach every edge")
     parser.add_argument("--program", type=pathlib.Path, required=True, help=argparse.SUPPRESS)
     parser.add_argument("--corpus", type=pathlib.Path, required=True, help=argparse.SUPPRESS)
     parser.add_argument("--folder", type=pathlib.Path, required=True, help=argparse.SUPPRESS)
