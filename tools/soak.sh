@@ -122,6 +122,7 @@ run_endurance() {
 run_fuzz() { GDTSLAM_FUZZ_S=${GDTSLAM_FUZZ_S:-600} "$root/tools/scripts/fuzz.sh"; }
 
 run_integer() {
+  export CCACHE_EXTRAFILES=$root/tests/fuzz/integer_ignored.txt  # which ccache does not know of
   local build=$root/build/integer tests=(gdtslam_unit_io_tests gdtslam_unit_runs_tests)
   (cd "$root" && cmake --preset integer --log-level=WARNING)
   cmake --build "$build" --parallel "$(build_jobs)" --target gdtslam_fuzz "${tests[@]}"

@@ -13,6 +13,7 @@ run=(python3 -B "$root/tools/scripts/fuzz_targets.py" --program "$fuzzed/bin/gdt
   --folder "$fuzzed")
 
 if [[ " $* " == *" -h "* || " $* " == *" --help "* ]]; then exec "${run[@]}" --help; fi
+export CCACHE_EXTRAFILES=$root/tests/fuzz/not_covered.txt  # which ccache does not know of
 configure "$fuzzed" --preset fuzz
 cmake --build "$fuzzed" --parallel "$(build_jobs)" --target gdtslam_fuzz
 # Freed memory that AddressSanitizer holds back counts as memory of the program. Of where memory was taken a few calls are

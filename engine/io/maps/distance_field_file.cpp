@@ -145,8 +145,8 @@ DistanceFieldFile read_distance_field(const std::string& yaml_path) {
   field.geometry.width = static_cast<std::int32_t>(image.width);
   field.geometry.height = static_cast<std::int32_t>(image.height);
   field.cells.reserve(image.pixels.size());
-  for (std::uint32_t row = image.height; row-- > 0;) {
-    const auto pixels = std::span(image.pixels).subspan(std::size_t{row} * image.width, image.width);
+  for (std::size_t rows = image.height; rows > 0; --rows) {
+    const auto pixels = std::span(image.pixels).subspan((rows - 1) * image.width, image.width);
     for (const std::uint16_t level : pixels) field.cells.push_back(value_of(level, levels, image_path));
   }
   return field;

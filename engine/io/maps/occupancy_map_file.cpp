@@ -125,9 +125,10 @@ OccupancyMap read_occupancy_map(const std::string& yaml_path) {
   map.geometry.height = static_cast<std::int32_t>(image.height);
   map.cells = CellStates(image.pixels.size());
   std::size_t cell = 0;
-  for (std::uint32_t row = image.height; row-- > 0;) {
+  for (std::size_t rows = image.height; rows > 0; --rows) {
+    const std::size_t begin = (rows - 1) * image.width;
     for (std::uint32_t x = 0; x < image.width; ++x, ++cell) {
-      map.cells.set(cell, state_of(image.pixels[std::size_t{row} * image.width + x], image.max_value, thresholds));
+      map.cells.set(cell, state_of(image.pixels[begin + x], image.max_value, thresholds));
     }
   }
   return map;
