@@ -1,0 +1,144 @@
+"""Bombs of YAML and JSON: configurations, scenes, descriptions of maps; reports, plans, edits, indices of tiles."""
+
+import json
+
+import cli_support as cli
+from bomb_formats.bomb import MB, Bomb, log_of
+
+HEAD = "gdtslam_scene: 1\n"
+PLACE = "waypoints: [{at: [0, 0], pause: 1 s}]\n"
+
+
+def configuration(text):
+    def make(folder):
+        (folder / "config.yaml").write_text(text())
+        return ["config", "show", "--config", folder / "config.yaml"]
+
+    return make
+
+
+def scene(text):
+    def make(folder):
+        (folder / "scene.yaml").write_text(HEAD + text() + PLACE)
+        return ["simulate", folder / "scene.yaml", "-o", folder / "drive.log"]
+
+    return make
+
+
+def laughs(kind="[{}]"):
+    """Ten lists, each of ten of the one before."""
+    lines = ["a0: &a0 " + kind.format(", ".join(["x"] * 10))]
+    lines += [f"a{k}: &a{k} {kind.format(', '.join([f'*a{k - 1}'] * 10))}" for k in range(1, 11)]
+    return "\n".join(lines) + "\n"
+
+
+def many_keys():
+    return "".join(f"k{k}: 1\n" for k in range(90_000))
+
+
+def merged_maps():
+    """Maps of ten keys, each of which is the one before."""
+    lines = ["m0: &m0 {a: 1}"]
+    lines += [f"m{k}: &m{k} {{{', '.join(f'k{n}: *m{k - 1}' for n in range(10))}}}" for k in range(1, 11)]
+    return "\n".join(lines) + "\n"
+
+
+def repeats():
+    row = "{from: 0, width: 1 mm, repeat: {count: 200000, step: 0.002}}"
+    return f"walls: [{{points: [[0, 0], [900, 0]], windows: [{', '.join([row] * 300)}]}}]\n"
+
+
+def aliased_walls():
+    points = ", ".join(f"[{k % 100}, {k // 100}]" for k in range(5000))
+    return f"walls: [&w {{points: [{points}]}}, {', '.join(['*w'] * 5000)}]\n"
+
+
+def aliased_waypoints(folder):
+    """A path of ten million places."""
+    hundred = ", ".join(["{at: [0, 0]}"] * 100)
+    (folder / "path.yaml").write_text(f"a: &a [{hundred}]\nwaypoints: [{', '.join(['*a'] * 100_000)}]\n")
+    return ["simulate", "wall", "--trajectory", folder / "path.yaml", "-o", folder / "drive.log"]
+
+
+def linkage(text):
+    def make(folder):
+        (folder / "bars.yaml").write_text(text())
+        return ["linkage", folder / "bars.yaml"]
+
+    return make
+
+
+def map_description(text):
+    def make(folder):
+        (folder / "map.yaml").write_text(text())
+        return ["localize", folder / "map.yaml", cli.LOG, "--scan", 1]
+
+    return make
+
+
+def run_with_report(text):
+    def make(folder):
+        (folder / "report.json").write_bytes(text())
+        return ["evaluate", folder, "--reference", cli.TRUTH]
+
+    return make
+
+
+def one_object(keys):
+    return b"{" + b",".join(b'"k%d":0' % k for k in range(keys)) + b"}"
+
+
+def json_line(depth):
+    return b'{"stamp":' + b"[" * depth + b"]" * depth + b"}\n"
+
+
+def atlas(name, text, *command):
+    """An atlas with a file of that text."""
+
+    def make(folder):
+        (folder / name).write_bytes(text())
+        return ["fleet", *command, folder]
+
+    return make
+
+
+def plan_of_units(count):
+    """A plan all of whose shards have all of its units."""
+    units = ",".join(f'["/l{k:06}",0]' for k in range(count))
+    shard = "[" + ",".join(map(str, range(count))) + "]"
+    program = {"version": "1", "sample_map_sha256": "", "sample_trajectory_sha256": ""}
+    reading = {"topics": [], "odometry": "", "crank": "", "mounts": [], "lenient": False}
+    head = {"format": 1, "program": program, "config": "", "reading": reading, "linkage": "", "get": ""}
+    return (json.dumps(head)[:-1] + f', "units": [{units}], "shards": [{",".join([shard] * 900)}]}}').encode()
+
+
+def bench_against(text):
+    def make(folder):
+        (folder / "earlier.json").write_bytes(text())
+        return ["bench", "nothing", "--against", folder / "earlier.json"]
+
+    return make
+
+
+BOMBS = [
+    Bomb("YAML aliases of aliases", configuration(laughs), 78, "config.yaml"),
+    Bomb("YAML maps of maps", configuration(merged_maps), 78, "config.yaml"),
+    Bomb("YAML of 90,000 keys", configuration(many_keys), 78, "config.yaml", 400),
+    Bomb("YAML nested 30,000 deep", configuration(lambda: "a: " + "[" * 30_000 + "]" * 30_000 + "\n"), 78, "nested too deeply"),
+    Bomb("YAML of 300,000 documents", configuration(lambda: "---\n" * 250_000), 78, "config.yaml"),
+    Bomb("YAML text of 1 MB", configuration(lambda: "a: " + "x" * 1_000_000 + "\n"), 78, "config.yaml"),
+    Bomb("scene of repeats", scene(repeats), 78, "more than 200000 parts", 200),
+    Bomb("scene of aliases", scene(aliased_walls), 78, "more than 200000 parts", 200),
+    Bomb("waypoints of aliases", aliased_waypoints, 78, "path.yaml", 200),
+    Bomb("linkage of aliases", linkage(laughs), 78, "bars.yaml"),
+    Bomb("map description of aliases", map_description(laughs), 65, "map.yaml"),
+    Bomb("JSON nested 1,000,000 deep", run_with_report(lambda: b"[" * 1_000_000), 65, "nested deeper"),
+    Bomb("JSON of 4,000,000 values", run_with_report(lambda: b"[" + b"0," * 4_000_000 + b"0]"), 65, "more than the"),
+    Bomb("JSON object of 300,000 keys", run_with_report(lambda: one_object(300_000)), 65, "report.json"),
+    Bomb("JSON text of 60 MB", run_with_report(lambda: b'{"version":"' + b"x" * (60 * MB) + b'"}'), 65, "report.json", 300),
+    Bomb("JSON number of 1 MB", run_with_report(lambda: b'{"format_version":' + b"9" * MB + b"}"), 65, "report.json"),
+    Bomb("JSON line nested 100,000 deep", log_of("log.jsonl", lambda: json_line(100_000)), 65, "log.jsonl:1"),
+    Bomb("plan of 900 shards of all", atlas("plan.json", lambda: plan_of_units(3000), "status"), 65, "plan.json", 200),
+    Bomb("plan nested 1,000,000 deep", atlas("plan.json", lambda: b"[" * 1_000_000, "status"), 65, "plan.json"),
+    Bomb("earlier bench of 2,000,000 samples", bench_against(lambda: b'{"version":"1","rows":[{"samples_s":[' + b"1," * 2_000_000 + b"1]}]}"), 65, "earlier.json", 150),
+]
