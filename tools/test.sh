@@ -19,7 +19,8 @@ Vulkan runs on lavapipe, which needs no GPU; VK_DRIVER_FILES=FILE names another 
 
 GDTSLAM_DATA=DIR   real logs for the accuracy tests (they skip where there are none)
 GDTSLAM_FUZZ_S=N   seconds per fuzz target (default 2; tools/soak.sh has more)
-GDTSLAM_LINT_SINCE=REVISION   clang-tidy checks what changed since then (default: in the last six hours)
+GDTSLAM_LINT_SINCE=REVISION   clang-tidy checks what changed since then (default: in the last six hours); the bundle is
+                   built where something of how things are built did
 GDTSLAM_JOBS=N     compiler processes at a time
 GDTSLAM_END_S=N    after that many seconds what repeats tests in another way is skipped: clang-tidy, sanitizers
                    and fuzzing, one skipped each (default: never)
@@ -159,7 +160,15 @@ configure "$build" -DCMAKE_BUILD_TYPE=Release -DGDTSLAM_BUILD_TESTS=ON -DGDTSLAM
 cmake --build "$build" --parallel "$(build_jobs)"
 
 begin "Tests"
-run_ctest "tests" ctest -LE equivalence
+since=${GDTSLAM_LINT_SINCE:-$(git -C "$root" rev-list -1 --before='6 hours ago' HEAD)}
+# The bundle is a build of nearly all once more, five minutes on two processors.
+left_out=()
+if [[ -n $since ]] && git -C "$root" diff --quiet "$since" -- CMakeLists.txt cmake tests/install \
+  {engine,shaders,calib,viewer,tools,assets}/'*CMakeLists.txt' tools/install-packages.sh tools/scripts/make_bundle.sh; then
+  left_out=(--exclude-regex '^install\.bundle')
+  skip "the bundle: nothing of how things are built has changed since ${since:0:8} (tools/soak.sh long builds it)"
+fi
+run_ctest "tests" ctest -LE equivalence "${left_out[@]}"
 
 # The Vulkan backend with the validation layer, synchronisation validation included; any message of it fails.
 begin "Tests on Vulkan"
@@ -190,7 +199,6 @@ begin "clang-tidy"
 # What changed since GDTSLAM_LINT_SINCE, or in the last six hours, in the time that it may take here, the largest batches
 # first; tools/soak.sh checks every source.
 if may_begin "clang-tidy"; then
-  since=${GDTSLAM_LINT_SINCE:-$(git -C "$root" rev-list -1 --before='6 hours ago' HEAD)}
   status=0
   python3 "$root/tools/scripts/lint.py" ${since:+--since "$since"} --seconds 150 "$build" || status=$?
   check "clang-tidy" test "$status" = 0 -o "$status" = 77
