@@ -22,13 +22,15 @@ if sys.argv[1] == "targets":
     sys.exit(0)
 target, options, folders = sys.argv[1], dict(a[1:].split("=", 1) for a in sys.argv[2:] if a[0] == "-"), [a for a in sys.argv[2:] if a[0] != "-"]
 with open(os.environ["CALLS"], "a") as calls:
-    calls.write(" ".join(sys.argv[1:]) + f" in {os.environ['TMPDIR']}\n")
+    calls.write(" ".join(sys.argv[1:]) + f" in {os.environ.get('TMPDIR')}\n")
 if "set_cover_merge" in options:
     for folder in folders[1:]:
         for file in pathlib.Path(folder).iterdir():
             if file.name not in os.listdir(folders[0]):
                 (pathlib.Path(folders[0]) / file.name).write_bytes(file.read_bytes())
     sys.exit(0)
+if any(os.path.isfile(folder) for folder in folders):
+    sys.exit(os.path.exists(folders[0] + ".slow"))
 inputs = sum(len(os.listdir(folder)) for folder in folders)
 def end(executed, seconds=1):
     print(f"#{executed}\tDONE   cov: 12 ft: 34 corp: {inputs}/99b lim: 4 exec/s: 0 rss: 30Mb")
@@ -37,6 +39,11 @@ if any(os.path.exists(folder + "/broken") for folder in folders):
     print("#4\tNEW    cov: 5 ft: 6 corp: 1/1b\n#16\tpulse  cov: 5 ft: 6 corp: 1/1b\n==1==ERROR: broken")
     sys.exit(77)
 rate = int(target[2:])
+if any(os.path.exists(folder + "/waits") for folder in folders):
+    name = options["artifact_prefix"] + "timeout-0123abcd"
+    open(name, "w").close()
+    print(f"#8\tpulse  cov: 5 ft: 6 corp: 1/1b\nartifact_prefix='x'; Test unit written to {name}\nSUMMARY: libFuzzer: timeout")
+    sys.exit(70)
 if options.get("runs") == "0":
     end(inputs)
 elif target == "t_1":  # runs until it is told to end
@@ -101,6 +108,21 @@ class FuzzTargets(unittest.TestCase):
         self.assertIn("t_5: FAILED; run it again by", done.stderr)
         self.assertIn("==1==ERROR: broken", done.stderr)
         self.assertEqual(self.executed(done), {"t_5": 16, "t_7": 7, "2 targets": 23})
+
+    def test_an_input_that_waited_for_a_processor_is_no_finding(self):
+        (self.work / "corpus/t_5").mkdir(parents=True)
+        (self.work / "corpus/t_5/waits").touch()
+        done = self.fuzz(["t_5"], GDTSLAM_FUZZ_S="1")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stderr, "^t_5: an input had to wait for a processor; alone it takes 0[.]")
+        self.assertEqual(self.executed(done)["t_5"], 8)
+        artifact = self.work / "build/runs/t_5/timeout-0123abcd"
+        self.assertFalse(artifact.exists())
+        pathlib.Path(f"{artifact}.slow").touch()  # alone it fails too
+        done = self.fuzz(["t_5"], GDTSLAM_FUZZ_S="1")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("t_5: FAILED", done.stderr)
+        self.assertTrue(artifact.exists())
 
     def test_a_total_is_shared_out_and_goes_on(self):
         targets = ["t_2", "t_3000", "t_4000"]
