@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <system_error>
 
-#include "engine/core/folder_calls.hpp"
+#include "engine/core/files/folder_calls.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/runs/edits/map_picture_file.hpp"
 #include "gdtslam/core/error.hpp"

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "engine/core/folder_calls.hpp"
+#include "engine/core/files/folder_calls.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"

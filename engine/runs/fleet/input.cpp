@@ -14,7 +14,7 @@
 #include <memory>
 #include <vector>
 
-#include "engine/core/folder_calls.hpp"
+#include "engine/core/files/folder_calls.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/byte_source.hpp"
 #include "engine/io/message_text.hpp"

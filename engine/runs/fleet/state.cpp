@@ -9,7 +9,7 @@
 #include <system_error>
 #include <utility>
 
-#include "engine/core/folder_calls.hpp"
+#include "engine/core/files/folder_calls.hpp"
 #include "engine/core/worker_pool.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/yaml/yaml_text.hpp"

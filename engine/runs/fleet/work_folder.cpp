@@ -15,7 +15,7 @@
 #include <system_error>
 #include <vector>
 
-#include "engine/core/folder_calls.hpp"
+#include "engine/core/files/folder_calls.hpp"
 #include "engine/core/retried.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/message_text.hpp"

@@ -12,7 +12,7 @@
 #include <new>
 #include <system_error>
 
-#include "engine/core/folder_calls.hpp"
+#include "engine/core/files/folder_calls.hpp"
 #include "engine/core/retried.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/message_text.hpp"

@@ -9,7 +9,7 @@
 #include <system_error>
 #include <utility>
 
-#include "engine/core/folder_calls.hpp"
+#include "engine/core/files/folder_calls.hpp"
 #include "engine/core/retried.hpp"
 #include "engine/runs/folder/folder_lock.hpp"
 #include "engine/runs/folder/run_reader.hpp"

@@ -12,7 +12,7 @@
 #include <string>
 #include <system_error>
 
-#include "engine/core/folder_calls.hpp"
+#include "engine/core/files/folder_calls.hpp"
 
 namespace {
 

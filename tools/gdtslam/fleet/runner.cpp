@@ -12,7 +12,7 @@
 #include <map>
 #include <utility>
 
-#include "engine/core/folder_calls.hpp"
+#include "engine/core/files/folder_calls.hpp"
 #include "engine/io/message_text.hpp"
 #include "engine/runs/fleet/shards.hpp"
 #include "engine/runs/fleet/state.hpp"

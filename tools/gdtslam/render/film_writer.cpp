@@ -14,7 +14,7 @@
 #include <system_error>
 #include <vector>
 
-#include "engine/core/folder_calls.hpp"
+#include "engine/core/files/folder_calls.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/clouds/cloud_words.hpp"
 #include "engine/io/maps/png.hpp"

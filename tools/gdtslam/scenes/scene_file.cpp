@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "engine/core/folder_calls.hpp"
+#include "engine/core/files/folder_calls.hpp"
 #include "engine/io/did_you_mean.hpp"
 #include "engine/io/file_limits.hpp"
 #include "engine/io/yaml/checked_yaml.hpp"

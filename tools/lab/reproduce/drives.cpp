@@ -7,7 +7,7 @@
 #include <system_error>
 #include <utility>
 
-#include "engine/core/folder_calls.hpp"
+#include "engine/core/files/folder_calls.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/sha256.hpp"
 #include "engine/io/yaml/yaml_text.hpp"

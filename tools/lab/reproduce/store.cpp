@@ -16,7 +16,7 @@
 #include <system_error>
 #include <utility>
 
-#include "engine/core/folder_calls.hpp"
+#include "engine/core/files/folder_calls.hpp"
 #include "engine/core/retried.hpp"
 #include "engine/drawing/markup.hpp"
 #include "engine/io/atomic_file.hpp"

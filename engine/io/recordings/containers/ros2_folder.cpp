@@ -18,7 +18,7 @@
 #include <utility>
 
 #include "chunk.hpp"
-#include "engine/core/folder_calls.hpp"
+#include "engine/core/files/folder_calls.hpp"
 #include "engine/io/byte_source.hpp"
 #include "engine/io/file_limits.hpp"
 #include "engine/io/message_text.hpp"

@@ -13,7 +13,7 @@
 #include <system_error>
 #include <utility>
 
-#include "engine/core/folder_calls.hpp"
+#include "engine/core/files/folder_calls.hpp"
 #include "engine/core/signals_blocked.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/message_text.hpp"
