@@ -12,7 +12,7 @@
 #include <system_error>
 #include <vector>
 
-#include "retried.hpp"
+#include "engine/core/retried.hpp"
 
 namespace gdtslam {
 
