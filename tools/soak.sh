@@ -18,7 +18,7 @@ Usage: tools/soak.sh [STEP...]
   tsan       the same under ThreadSanitizer, without the real logs: they are mapped by one thread, in hours
   long       all tests with every mutant of the shaders, every failing call and 200 draws of the calibration;
              those of the Vulkan backend once more under validation
-  faults     each file call of each command that writes failing in each way, each crash point, 2000 allocations
+  faults     each file call of each command that writes failing in each way, each crash point, one allocation of each place
   platforms  unit tests and those of the command, unoptimised, by clang, and compiled for this processor by both compilers
   lint       clang-tidy over every source
   fuzz       every fuzz target for GDTSLAM_FUZZ_S seconds (default 600)

@@ -1,5 +1,5 @@
-// Records that nobody needs before the end of a long work, in the order in which they came: in memory at first, beyond
-// that in a file without a name, so that memory does not grow with them. Not thread-safe. Cost: a copy each way.
+// What nobody needs before the end of a long work, in the order in which it came: in memory at first, beyond that in a
+// file without a name, so that memory does not grow with it. Not thread-safe. Cost: a copy each way.
 #pragma once
 
 #include <algorithm>
@@ -92,5 +92,34 @@ void take_values(std::span<const std::byte>& record, std::span<Value> values) {
   if (!bytes.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
   record = record.subspan(bytes.size());
 }
+
+/// Values on a ByteShelf: put_on(shelf, value) makes a record of one, and take_from(record, value) it of the record.
+template <typename Value>
+class Shelf {
+ public:
+  explicit Shelf(std::string folder, std::size_t memory_bytes = ByteShelf::kMemoryBytes)
+      : bytes_(std::move(folder), memory_bytes) {}
+
+  void put(const Value& value) { put_on(bytes_, value); }
+  [[nodiscard]] const ByteShelf& bytes() const { return bytes_; }
+
+  /// Values in the order in which they were put, those that are put meanwhile too.
+  class Reader {
+   public:
+    explicit Reader(const Shelf& shelf) : reader_(shelf.bytes_) {}
+    /// To be called once a value at most. Throws FileError where the file cannot be read.
+    Value next() {
+      Value value;
+      take_from(reader_.next(), value);
+      return value;
+    }
+
+   private:
+    ByteShelf::Reader reader_;
+  };
+
+ private:
+  ByteShelf bytes_;
+};
 
 }  // namespace gdtslam

@@ -10,22 +10,19 @@ struct PointCounts {
 
 }  // namespace
 
-void ScanShelf::put(const KeptScan& scan) {
+void put_on(ByteShelf& shelf, const KeptScan& scan) {
   const PointCounts counts{static_cast<std::uint32_t>(scan.surface.size()),
                            static_cast<std::uint32_t>(scan.lone.size())};
-  shelf_.put({bytes_of(counts), std::as_bytes(std::span(scan.surface)), std::as_bytes(std::span(scan.lone))});
+  shelf.put({bytes_of(counts), std::as_bytes(std::span(scan.surface)), std::as_bytes(std::span(scan.lone))});
 }
 
-KeptScan ScanShelf::Reader::next() {
-  std::span<const std::byte> record = reader_.next();
+void take_from(std::span<const std::byte> record, KeptScan& scan) {
   PointCounts counts;
   take_values(record, std::span(&counts, 1));
-  KeptScan scan;
   scan.surface.resize(counts.surface);
   scan.lone.resize(counts.lone);
   take_values(record, std::span(scan.surface));
   take_values(record, std::span(scan.lone));
-  return scan;
 }
 
 }  // namespace gdtslam

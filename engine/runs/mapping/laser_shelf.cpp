@@ -21,7 +21,7 @@ struct ScanHead {
 
 }  // namespace
 
-void LaserShelf::put(const LaserScan& scan) {
+void put_on(ByteShelf& shelf, const LaserScan& scan) {
   const Eigen::Vector3d speed = scan.speed.value_or(Eigen::Vector3d::Zero());
   const Pose2& mount = scan.T_base_laser;
   const ScanHead head{.stamp_s = scan.stamp_s,
@@ -34,25 +34,23 @@ void LaserShelf::put(const LaserScan& scan) {
                       .T_base_laser = {mount.x_m, mount.y_m, mount.theta_rad},
                       .has_speed = scan.speed ? 1U : 0U,
                       .ranges = static_cast<std::uint32_t>(scan.ranges_m.size())};
-  shelf_.put({bytes_of(head), std::as_bytes(std::span(scan.ranges_m))});
+  shelf.put({bytes_of(head), std::as_bytes(std::span(scan.ranges_m))});
 }
 
-LaserScan LaserShelf::Reader::next() {
-  std::span<const std::byte> record = reader_.next();
+void take_from(std::span<const std::byte> record, LaserScan& scan) {
   ScanHead head;
   take_values(record, std::span(&head, 1));
-  LaserScan scan{.stamp_s = head.stamp_s,
-                 .first_bearing_rad = head.first_bearing_rad,
-                 .bearing_step_rad = head.bearing_step_rad,
-                 .max_range_m = head.max_range_m,
-                 .first_beam_after_s = head.first_beam_after_s,
-                 .beam_period_s = head.beam_period_s,
-                 .speed = {},
-                 .ranges_m = std::vector<float>(head.ranges),
-                 .T_base_laser = {head.T_base_laser[0], head.T_base_laser[1], head.T_base_laser[2]}};
+  scan = {.stamp_s = head.stamp_s,
+          .first_bearing_rad = head.first_bearing_rad,
+          .bearing_step_rad = head.bearing_step_rad,
+          .max_range_m = head.max_range_m,
+          .first_beam_after_s = head.first_beam_after_s,
+          .beam_period_s = head.beam_period_s,
+          .speed = {},
+          .ranges_m = std::vector<float>(head.ranges),
+          .T_base_laser = {head.T_base_laser[0], head.T_base_laser[1], head.T_base_laser[2]}};
   if (head.has_speed != 0U) scan.speed.emplace(head.speed[0], head.speed[1], head.speed[2]);
   take_values(record, std::span(scan.ranges_m));
-  return scan;
 }
 
 }  // namespace gdtslam

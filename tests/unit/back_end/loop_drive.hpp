@@ -107,6 +107,16 @@ inline std::vector<Pose2> poses_around_ring(int rounds) {
   return poses;
 }
 
+/// What wheels tell of a drive whose steps fall short by a tenth.
+inline std::vector<Pose2> odometry_short_by_a_tenth(const std::vector<Pose2>& truth) {
+  std::vector<Pose2> odometry(1);
+  for (std::size_t i = 1; i < truth.size(); ++i) {
+    const Pose2 step = between(truth[i - 1], truth[i]);
+    odometry.push_back(odometry.back() * Pose2{0.9 * step.x_m, 0.9 * step.y_m, step.theta_rad});
+  }
+  return odometry;
+}
+
 /// Driven by wheels with this noise a step, where the truth is known.
 struct LoopDrive {
   std::vector<Pose2> truth;
