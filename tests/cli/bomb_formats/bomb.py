@@ -22,7 +22,7 @@ class Bomb(NamedTuple):
     code: int
     pattern: str
     most_mb: int = 100
-    most_s: float = 6.0
+    most_s: float = 3.0
 
 
 def packed_by_zstd(data):
