@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "byte_source.hpp"
-#include "engine/core/retried.hpp"
+#include "engine/core/files/retried.hpp"
 #include "gdtslam/core/error.hpp"
 #include "message_text.hpp"
 

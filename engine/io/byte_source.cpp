@@ -11,7 +11,7 @@
 #include <cstring>
 #include <utility>
 
-#include "engine/core/retried.hpp"
+#include "engine/core/files/retried.hpp"
 #include "engine/io/decimal.hpp"
 #include "engine/io/file_limits.hpp"
 #include "engine/io/message_text.hpp"

@@ -12,7 +12,7 @@
 #include <system_error>
 #include <vector>
 
-#include "engine/core/retried.hpp"
+#include "engine/core/files/retried.hpp"
 
 namespace gdtslam {
 

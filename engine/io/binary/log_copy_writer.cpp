@@ -12,7 +12,7 @@
 #include <system_error>
 #include <utility>
 
-#include "engine/core/retried.hpp"
+#include "engine/core/files/retried.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
 

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "engine/core/files/folder_calls.hpp"
-#include "engine/core/retried.hpp"
+#include "engine/core/files/retried.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"

@@ -7,7 +7,7 @@
 
 #include <cerrno>
 
-#include "engine/core/retried.hpp"
+#include "engine/core/files/retried.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
 

@@ -13,7 +13,7 @@
 #include <system_error>
 
 #include "engine/core/files/folder_calls.hpp"
-#include "engine/core/retried.hpp"
+#include "engine/core/files/retried.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/message_text.hpp"
 #include "engine/runs/tiles/tile_folder.hpp"

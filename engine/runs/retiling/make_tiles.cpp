@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "engine/core/files/folder_calls.hpp"
-#include "engine/core/retried.hpp"
+#include "engine/core/files/retried.hpp"
 #include "engine/runs/folder/folder_lock.hpp"
 #include "engine/runs/folder/run_reader.hpp"
 #include "gdtslam/core/error.hpp"

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "engine/core/files/folder_calls.hpp"
-#include "engine/core/retried.hpp"
+#include "engine/core/files/retried.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
 

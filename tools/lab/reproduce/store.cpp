@@ -17,7 +17,7 @@
 #include <utility>
 
 #include "engine/core/files/folder_calls.hpp"
-#include "engine/core/retried.hpp"
+#include "engine/core/files/retried.hpp"
 #include "engine/drawing/markup.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
