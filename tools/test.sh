@@ -21,6 +21,9 @@ GDTSLAM_DATA=DIR   real logs for the accuracy tests (they skip where there are n
 GDTSLAM_FUZZ_S=N   seconds per fuzz target (default 2; tools/soak.sh has more)
 GDTSLAM_LINT_SINCE=REVISION   clang-tidy checks what changed since then (default: in the last six hours); what builds
                    all once more does so where something of how things are built has changed
+GDTSLAM_LONG_SHARE=N   of the long tests (ctest -L long) every N-th, which the commit decides, and of the unit tests of
+                   the readers under sanitizers with every N-th commit (default 1: all)
+GDTSLAM_LINT_S=N   seconds for clang-tidy (default 150)
 GDTSLAM_JOBS=N     compiler processes at a time
 GDTSLAM_END_S=N    after that many seconds what repeats tests in another way is skipped: clang-tidy, sanitizers
                    and fuzzing, one skipped each (default: never)
@@ -40,6 +43,10 @@ export GDTSLAM_REQUIRE_VULKAN=1
 # So do those of the page where there is no browser, and those of films where there is no ffmpeg.
 export GDTSLAM_REQUIRE_BROWSER=1 GDTSLAM_REQUIRE_PROGRAMS=1
 if $quick; then export GDTSLAM_FAULT_SHARE=8; else export GDTSLAM_FAULT_SHARE=4; fi
+
+long_share=${GDTSLAM_LONG_SHARE:-1}
+if ! [[ $long_share =~ ^[1-9][0-9]?$ ]]; then echo "test.sh: GDTSLAM_LONG_SHARE must be a number from 1 to 99" >&2; exit 2; fi
+revision=$(git -C "$root" rev-parse HEAD 2>/dev/null || echo 00000000)  # of an unpacked archive
 
 reports=$root/build/reports
 build=$root/build/test
@@ -161,14 +168,21 @@ cmake --build "$build" --parallel "$(build_jobs)"
 
 begin "Tests"
 since=${GDTSLAM_LINT_SINCE:-$(git -C "$root" rev-list -1 --before='6 hours ago' HEAD)}
-# The bundle, and a project that has this one as a folder, build nearly all once more: ten minutes on two processors.
+# The bundle, and a project that has this one as a folder, build nearly all once more: ten minutes on two processors; the
+# packages are made and installed for two.
 left_out=()
 if [[ -n $since ]] && git -C "$root" diff --quiet "$since" -- CMakeLists.txt cmake tests/install \
   {engine,shaders,calib,viewer,tools,assets}/'*CMakeLists.txt' tools/install-packages.sh tools/scripts/make_bundle.sh; then
-  left_out=(--exclude-regex '^install\.(bundle|as_a_folder)')
-  skip "bundle and as_a_folder: nothing of how things are built has changed since ${since:0:8} (tools/soak.sh long)"
+  left_out+=('^install\.(bundle|as_a_folder|debian_packages)')
+  skip "bundle, as_a_folder and debian_packages: how things are built is as it was at ${since:0:8} (tools/soak.sh long)"
 fi
-run_ctest "tests" ctest -LE equivalence "${left_out[@]}"
+if ((long_share > 1)); then
+  left_out+=("$(python3 "$root/tools/scripts/draw_tests.py" "$build" --share "$long_share" --revision "$revision")")
+  skip "long tests that do not have their turn (GDTSLAM_LONG_SHARE=$long_share; the next line names them)"
+  tr '|' ' ' <<<"  ${left_out[-1]//[\^()$\\]/}"
+fi
+printf -v without '%s|' "${left_out[@]}"
+run_ctest "tests" ctest -LE equivalence ${left_out:+--exclude-regex "${without%|}"}
 
 # The Vulkan backend with the validation layer, synchronisation validation included; any message of it fails.
 begin "Tests on Vulkan"
@@ -200,7 +214,7 @@ begin "clang-tidy"
 # first; tools/soak.sh checks every source.
 if may_begin "clang-tidy"; then
   status=0
-  python3 "$root/tools/scripts/lint.py" ${since:+--since "$since"} --seconds 150 "$build" || status=$?
+  python3 "$root/tools/scripts/lint.py" ${since:+--since "$since"} --seconds "${GDTSLAM_LINT_S:-150}" "$build" || status=$?
   check "clang-tidy" test "$status" = 0 -o "$status" = 77
   if ((status == 77)); then skip "clang-tidy of the sources that were left out"; fi
 fi
@@ -209,7 +223,14 @@ begin "Sanitizers and fuzzing"
 if $quick; then
   skip "sanitizers and fuzzing (--quick)"
 else
-  if may_begin "fuzzing"; then GDTSLAM_FUZZ_S=${GDTSLAM_FUZZ_S:-2} check "fuzzing" "$root/tools/scripts/fuzz.sh"; fi
-  if may_begin "tests under sanitizers"; then run_sanitized; fi
+  if may_begin "fuzzing"; then
+    GDTSLAM_FUZZ_S=${GDTSLAM_FUZZ_S:-2} GDTSLAM_FUZZ_UNOPTIMISED=${GDTSLAM_FUZZ_UNOPTIMISED:-ON} \
+      check "fuzzing" "$root/tools/scripts/fuzz.sh"
+  fi
+  if ((0x${revision:8:8} % long_share)); then
+    skip "unit tests of the readers under sanitizers, by GDTSLAM_LONG_SHARE (tools/soak.sh asan has every part)"
+  elif may_begin "tests under sanitizers"; then
+    run_sanitized
+  fi
 fi
 complete=true

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Runs the commands that README.md and the pages of docs/ show and holds what they print against what the pages say.
 
-  doc_outputs.py --check [--all] [--program GDTSLAM] [PAGE...]    compares; 1 where something differs
-  doc_outputs.py --write [--all] [--program GDTSLAM] [PAGE...]    writes into the pages what the commands print now
+  doc_outputs.py --check [--all] [--program GDTSLAM] [--share K/N] [PAGE...]    compares; 1 where something differs
+  doc_outputs.py --write [--all] [--program GDTSLAM] [--share K/N] [PAGE...]    writes into the pages what they print now
 
 A fenced block says by its language what it holds; a block without a language is an error.
   console   commands after '$ ' and what they print, standard output and standard error together. A line '...' stands for
@@ -277,8 +277,13 @@ def arguments_of():
     mode.add_argument("--write", action="store_true", help="write what is printed into the pages")
     parser.add_argument("--all", action="store_true", help="also the blocks that are marked as slow")
     parser.add_argument("--program", type=pathlib.Path, default=ROOT / "build/release/bin/gdtslam", help="the command")
+    parser.add_argument("--share", default="1/1", metavar="K/N", help="of the pages every N-th, from the K-th on")
     parser.add_argument("pages", nargs="*", metavar="PAGE", help="pages, from the root of the clone [all]")
-    return parser.parse_args()
+    arguments = parser.parse_args()
+    if not re.fullmatch(r"[1-9]\d?/[1-9]\d?", arguments.share):
+        parser.error("--share is K/N, say 2/4")
+    arguments.first, arguments.step = map(int, arguments.share.split("/"))
+    return arguments
 
 
 def main():
@@ -287,6 +292,7 @@ def main():
         print(f"doc_outputs: no program at {arguments.program}; build it (tools/run.sh) or name it", file=sys.stderr)
         return 69
     pages = arguments.pages or ["README.md", *sorted(str(path.relative_to(ROOT)) for path in (ROOT / "docs").rglob("*.md"))]
+    pages = pages[arguments.first - 1::arguments.step]
     with tempfile.TemporaryDirectory(prefix="gdtslam-docs-") as work:
         visited = Pages(arguments, pathlib.Path(work))
         try:
