@@ -21,8 +21,8 @@ GDTSLAM_DATA=DIR   real logs for the accuracy tests (they skip where there are n
 GDTSLAM_FUZZ_S=N   seconds per fuzz target (default 2; tools/soak.sh has more)
 GDTSLAM_LINT_SINCE=REVISION   clang-tidy checks what changed since then (default: in the last six hours); what builds
                    all once more does so where something of how things are built has changed
-GDTSLAM_LONG_SHARE=N   of the long tests (ctest -L long) every N-th, which the commit decides, and of the unit tests of
-                   the readers under sanitizers with every N-th commit (default 1: all)
+GDTSLAM_LONG_SHARE=N   of the long tests (ctest -L long) every N-th, which the commit decides, and instead of
+                   fuzzing the unit tests of the readers under sanitizers with every N-th commit (default 1: all)
 GDTSLAM_LINT_S=N   seconds for clang-tidy (default 150)
 GDTSLAM_JOBS=N     compiler processes at a time
 GDTSLAM_END_S=N    after that many seconds what repeats tests in another way is skipped: clang-tidy, sanitizers
@@ -42,7 +42,7 @@ done
 export GDTSLAM_REQUIRE_VULKAN=1
 # So do those of the page where there is no browser, and those of films where there is no ffmpeg.
 export GDTSLAM_REQUIRE_BROWSER=1 GDTSLAM_REQUIRE_PROGRAMS=1
-if $quick; then export GDTSLAM_FAULT_SHARE=8; else export GDTSLAM_FAULT_SHARE=4; fi
+if $quick; then export GDTSLAM_FAULT_SHARE=8; else export GDTSLAM_FAULT_SHARE=${GDTSLAM_FAULT_SHARE:-4}; fi
 
 long_share=${GDTSLAM_LONG_SHARE:-1}
 if ! [[ $long_share =~ ^[1-9][0-9]?$ ]]; then echo "test.sh: GDTSLAM_LONG_SHARE must be a number from 1 to 99" >&2; exit 2; fi
@@ -223,13 +223,16 @@ begin "Sanitizers and fuzzing"
 if $quick; then
   skip "sanitizers and fuzzing (--quick)"
 else
-  if may_begin "fuzzing"; then
-    GDTSLAM_FUZZ_S=${GDTSLAM_FUZZ_S:-2} GDTSLAM_FUZZ_UNOPTIMISED=${GDTSLAM_FUZZ_UNOPTIMISED:-ON} \
-      check "fuzzing" "$root/tools/scripts/fuzz.sh"
+  # Both take minutes to build; the corpora of the fuzzers are replayed by the unit tests each time.
+  if ((long_share > 1 && 0x${revision:8:8} % long_share == 0)); then
+    skip "fuzzing, in favour of the unit tests of the readers under sanitizers (GDTSLAM_LONG_SHARE=$long_share)"
+  elif may_begin "fuzzing"; then
+    GDTSLAM_FUZZ_S=${GDTSLAM_FUZZ_S:-2} check "fuzzing" "$root/tools/scripts/fuzz.sh"
   fi
   if ((0x${revision:8:8} % long_share)); then
-    skip "unit tests of the readers under sanitizers, by GDTSLAM_LONG_SHARE (tools/soak.sh asan has every part)"
+    skip "unit tests of the readers under sanitizers (GDTSLAM_LONG_SHARE=$long_share; tools/soak.sh asan has every part)"
   elif may_begin "tests under sanitizers"; then
+    configure "$sanitized" --preset fuzz
     run_sanitized
   fi
 fi

@@ -187,7 +187,9 @@ class Command:
 
     def may_leave(self, kinds, outcome):
         """Whether that call was to remove something, or to look what is in what is to be removed."""
-        return kinds in ("unlink", "change") or (kinds == "open" and LEFTOVER.search(outcome.where))
+        opened = outcome.where.rpartition(" ")[2]
+        return kinds in ("unlink", "change") or (
+            kinds == "open" and bool(LEFTOVER.search(opened) or self.case.is_left_by_kill(opened)))
 
     def without_stated_leftovers(self, files):
         """Files without what could not be removed; nor, unless the new files are there, the folders made for it."""

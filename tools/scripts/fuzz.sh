@@ -3,7 +3,7 @@
 # (default 15), one per processor at a time, and prints a table. More than 512 MB or 10 s for an input is a finding too. New
 # inputs go into the build tree, and so does one that breaks something; the exit status is 1 then.
 # With GDTSLAM_FUZZ_RUNS=N so many executions of all together, in as many calls as it takes. --replay, --minimise, -j and
-# the rest: fuzz.sh --help. GDTSLAM_FUZZ_UNOPTIMISED=ON builds readers without optimisation, in half the time.
+# the rest: fuzz.sh --help. GDTSLAM_FUZZ_UNOPTIMISED=ON builds all without optimisation, in half the time.
 set -euo pipefail
 root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.." && pwd)
 step_count=1
@@ -14,7 +14,11 @@ run=(python3 -B "$root/tools/scripts/fuzz_targets.py" --program "$fuzzed/bin/gdt
 
 if [[ " $* " == *" -h "* || " $* " == *" --help "* ]]; then exec "${run[@]}" --help; fi
 export CCACHE_EXTRAFILES=$root/tests/fuzz/not_covered.txt  # which ccache does not know of
-configure "$fuzzed" --preset fuzz -DGDTSLAM_FUZZ_UNOPTIMISED="${GDTSLAM_FUZZ_UNOPTIMISED:-OFF}"
+unoptimised=()
+if [[ ${GDTSLAM_FUZZ_UNOPTIMISED:-OFF} == ON ]]; then
+  unoptimised=(-DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O0 -g1 -D_GLIBCXX_ASSERTIONS")
+fi
+configure "$fuzzed" --preset fuzz "${unoptimised[@]}"
 cmake --build "$fuzzed" --parallel "$(build_jobs)" --target gdtslam_fuzz
 # Freed memory that AddressSanitizer holds back counts as memory of the program. Of where memory was taken a few calls are
 # kept, which take a tenth of the time of all.
