@@ -255,6 +255,16 @@ def fleet_resume():
     expect(process.returncode == 0 and "is no JSON text" in text, text)
     expect(finished(atlas)["atlas_sha256"] == reference, "another hash")
     expect(not list(work.iterdir()), "work folders are left")
+    # What the last process left before it was killed goes although there is no log left to map.
+    left = [parent / "gdtslam-fleet-1-aBcD12" for parent in (work, atlas / "staging")]
+    for path in left:
+        (path / "sample").mkdir(parents=True)
+        (path / ".gdtslam-fleet").touch()
+        (path / "sample/gdt.yaml").touch()
+    notes = work / "gdtslam-fleet-notes"
+    notes.mkdir()
+    fleet("run", atlas, "--shard", "1", "-q", env=environment(TMPDIR=str(work), SLURM_TMPDIR=None))
+    expect(not any(path.exists() for path in left) and notes.is_dir(), "work of a killed process stays, or a stranger's goes")
 
 
 def fleet_of_fetched_logs():

@@ -200,10 +200,6 @@ class Command:
         parents = {str(parent) for name in left for parent in pathlib.PurePath(name).parents}
         return {name: digest for name, digest in rest.items() if name in self.old or name not in parents}
 
-    def without_what_waits(self, files):
-        """Files without what a command that had nothing left to do leaves to a later one that has work there."""
-        return {name: digest for name, digest in files.items() if name in self.new or not self.case.is_left_by_kill(name)}
-
     def faults_of_failure(self, outcome, codes, kinds, how):
         faults = []
         if outcome.code < 0:
@@ -231,7 +227,7 @@ class Command:
             pass  # all was done before it was killed, and the command replaces no file unless it is told to
         elif again.code != 0:
             faults.append(f"killed, and run again: exit {again.code}: {again.errors.strip()}")
-        elif (self.without_what_waits(again.files) if files == self.new else again.files) != self.new:
+        elif again.files != self.new:
             faults.append(f"killed, and run again: {differences(again.files, self.new)}")
         return f"killed, {state or 'mixed'}", faults
 

@@ -61,15 +61,6 @@ void remove_if_left(const fs::path& folder) {
   ::close(mark);
 }
 
-void remove_leftovers(const std::string& parent) {
-  std::error_code failed;
-  for (const fs::path& entry : list_folder(parent, failed)) {
-    std::error_code ignored;
-    const bool is_ours = entry.filename().string().starts_with(kWorkPrefix);
-    if (is_ours && fs::is_directory(fs::symlink_status(entry, ignored))) remove_if_left(entry);
-  }
-}
-
 bool is_removed(int mark) {
   struct stat status {};
   return ::fstat(mark, &status) != 0 || status.st_nlink == 0;
@@ -121,9 +112,18 @@ Renamed rename_folder(const std::string& from, const std::string& to) {
 
 }  // namespace
 
+void remove_left_work(const std::string& parent) {
+  std::error_code failed;
+  for (const fs::path& entry : list_folder(parent, failed)) {
+    std::error_code ignored;
+    const bool is_ours = entry.filename().string().starts_with(kWorkPrefix);
+    if (is_ours && fs::is_directory(fs::symlink_status(entry, ignored))) remove_if_left(entry);
+  }
+}
+
 WorkFolder::WorkFolder(const std::string& parent) {
   make_folder(parent);
-  remove_leftovers(parent);
+  remove_left_work(parent);
   constexpr int kTries = 100;
   for (int k = 0; k < kTries; ++k) {
     path_ = fmt::format("{}/{}{}-XXXXXX", parent, kWorkPrefix, ::getpid());

@@ -23,6 +23,10 @@ class WorkFolder {
   int mark_ = -1;
 };
 
+/// Removes what processes that were killed left below `parent`, as a WorkFolder does that is made there. What cannot be
+/// listed or removed stays.
+void remove_left_work(const std::string& parent);
+
 /// Where work is done that other machines need not see: $SLURM_TMPDIR, $TMPDIR or /tmp.
 std::string local_work_parent();
 

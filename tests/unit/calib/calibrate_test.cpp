@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <functional>
 #include <limits>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -261,6 +262,51 @@ TEST(Calibrate, SaysThatALeaningWallWouldBeReadAsAnOffset) {
   unknown.front().name = "front";
   EXPECT_THAT(calibrate(kTruth, unknown, exact_ranges(-1.0, 1.0), {}).remarks,
               Contains(HasSubstr("front leaning by 0.1 deg cannot be told apart")));
+}
+
+/// What a remark that begins so would have the parameters read: "name value unit, ..." of its end; metres, radians.
+std::map<std::string, double> shifts_in(const std::vector<std::string>& remarks, const std::string& beginning) {
+  std::map<std::string, double> shifts;
+  for (const std::string& remark : remarks) {
+    if (!remark.starts_with(beginning)) continue;
+    const std::string words = remark.substr(remark.find("read as ") + 8);
+    for (std::size_t begin = 0; begin < words.size();) {
+      const std::size_t end = std::min(words.find(", ", begin), words.size());
+      const std::string one = words.substr(begin, end - begin);
+      const std::size_t number = one.find(' ') + 1;
+      const double unit = one.ends_with(" mm") ? 0.001 : rad_from_deg(1.0);
+      shifts[one.substr(0, number - 1)] = unit * std::stod(one.substr(number));
+      begin = end + 2;
+    }
+  }
+  return shifts;
+}
+
+// The oracle is the fit itself, of ranges that have what the remark supposes: by so much it moves the parameters.
+TEST(Calibrate, SaysWhatABiasAndALeaningWallWouldBeReadAs) {
+  const CalibrationOptions options{.huber_sigmas = 10.0};
+  const CalibrationResult exact = calibrate(kTruth, exact_wall(), exact_ranges(-1.0, 1.0), options);
+  const auto expect_moved = [&](const std::string& beginning, const std::vector<RangeObservation>& seen,
+                                const std::string& most_moved) {
+    const CalibrationResult moved = calibrate(kTruth, exact_wall(), seen, options);
+    const std::map<std::string, double> told = shifts_in(exact.remarks, beginning);
+    ASSERT_TRUE(told.contains(most_moved)) << beginning;
+    for (std::size_t k = 0; k < exact.parameters.size(); ++k) {
+      const auto shift = told.find(exact.parameters[k].name);
+      if (shift == told.end()) continue;
+      const double by = moved.parameters[k].estimate - exact.parameters[k].estimate;
+      EXPECT_NEAR(shift->second, by, 0.06 * std::fabs(by)) << exact.parameters[k].name << ", told in two digits";
+    }
+  };
+  std::vector<RangeObservation> longer = exact_ranges(-1.0, 1.0);
+  for (RangeObservation& one : longer) one.range_m += 0.001;
+  expect_moved("a bias of the ranges of 1 mm", longer, "distance.wall");
+  std::vector<RangeObservation> leaning = exact_ranges(-1.0, 1.0);
+  for (RangeObservation& one : leaning) {
+    const double elevation = *elevation_rad(kTruth, crank_rad(kTruth.encoder, one.ticks));
+    one.range_m = kExactWall_m / std::cos(elevation - rad_from_deg(0.1));
+  }
+  expect_moved("wall leaning by 0.1 deg", leaning, "offset");
 }
 
 // One range in ten may be of something else; with one more the result says so. All others are exact.

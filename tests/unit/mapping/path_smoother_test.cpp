@@ -234,6 +234,43 @@ TEST(PathSmoother, APathThatIsTooShortForAStationStaysAsItIs) {
   for (std::size_t k = 0; k < before.size(); ++k) EXPECT_EQ(path.nodes[k].T_map_base, before[k].T_map_base);
 }
 
+/// How many stations a way has whose scans all have a point, far from every wall.
+std::size_t stations_of_way(const Map& map, const SmootherConfig& config, const Pose2& step, int nodes) {
+  Path path = path_of({}, step, nodes + 1, 1.0, 0.0, 0.0);
+  return smooth_path(config, map.field(), path.from, path.to, path.nodes, [](std::size_t) {
+    return std::vector<Point2>{{0.3, 0.2}};
+  });
+}
+
+// Numbers that binary fractions have exactly: a step of just the spacing is enough, one that is the least bit shorter
+// is not.
+TEST(PathSmoother, AStationStandsAtEverySpacingAndNoNearer) {
+  const Map map(kRoom);
+  SmootherConfig config;
+  config.iterations = 1;
+  config.spacing_m = 0.125;
+  config.spacing_rad = 0.125;
+  EXPECT_EQ(stations_of_way(map, config, {0.125, 0.0, 0.0}, 24), 24U);
+  EXPECT_EQ(stations_of_way(map, config, {-0.125, 0.0, 0.0}, 24), 24U);
+  EXPECT_EQ(stations_of_way(map, config, {0.0625, 0.0, 0.0}, 24), 12U);
+  EXPECT_EQ(stations_of_way(map, config, {0.1249, 0.0, 0.0}, 24), 12U);
+  EXPECT_EQ(stations_of_way(map, config, {0.0, 0.0, 0.126}, 24), 24U);
+  EXPECT_EQ(stations_of_way(map, config, {0.0, 0.0, -0.126}, 24), 24U);
+  EXPECT_EQ(stations_of_way(map, config, {0.0, 0.0, 0.063}, 24), 12U);
+  EXPECT_EQ(stations_of_way(map, config, {0.05, 0.0, 0.1}, 24), 12U) << "of the two what asks for more";
+}
+
+TEST(PathSmoother, ALongWayHas400Stations) {
+  const Map map(kRoom);
+  SmootherConfig config;
+  config.iterations = 1;
+  config.spacing_m = 0.125;
+  EXPECT_EQ(stations_of_way(map, config, {0.125, 0.0, 0.0}, 400), 400U);
+  EXPECT_EQ(stations_of_way(map, config, {0.125, 0.0, 0.0}, 800), 400U);
+  EXPECT_EQ(stations_of_way(map, config, {0.125, 0.0, 0.0}, 1600), 400U);
+  EXPECT_EQ(stations_of_way(map, config, {0.125, 0.0, 0.0}, 399), 399U);
+}
+
 /// Distance to the map between the centres of its cells, bilinear; metres, negative where it is not known.
 double distance_m(const GlobalField& field, const Point2& point) {
   const double x = point.x() / kResolution - 0.5;

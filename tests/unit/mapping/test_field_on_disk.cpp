@@ -17,6 +17,7 @@
 #include "engine/core/memory/scratch_file.hpp"
 #include "engine/mapping/cost/objective.hpp"
 #include "engine/mapping/map/local_field.hpp"
+#include "engine/mapping/map/store/growth.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/random.hpp"
 #include "gdtslam/mapping/global_field.hpp"
@@ -131,6 +132,48 @@ TEST(FieldOnDisk, KernelsFindTheSameOnceTheBoxIsNear) {
     near.merge(keyframe);
   }
   EXPECT_GT(looked_up, 60);
+}
+
+// A box of whole tiles of 64 cells around which a piece of 960 tiles a side is laid, 472 of them before it: the first
+// block of that piece begins with tile (0, 0).
+constexpr std::int32_t kTileCells = 64;
+CellBox square_of_tiles(std::int32_t first, std::int32_t tiles) {
+  const CellIndex min{first * kTileCells, first * kTileCells};
+  return {min, min + CellOffset{tiles * kTileCells, tiles * kTileCells}};
+}
+
+// What stands in the very first block of a piece comes back from disk, goes along to another piece that holds it, and
+// back to disk with one that does not.
+TEST(FieldOnDisk, TheFirstBlockOfAPieceIsOneAsTheOthers) {
+  MapOnCpu whole;
+  MapOnCpu near;
+  near.field.keep_near(testing::TempDir());
+  std::vector<Point2> points;
+  for (int k = 5; k < 60; ++k) points.emplace_back(kCell_m * (k + 0.5), kCell_m * (3 * k + 0.5));
+  const KeyframeCells keyframe = keyframe_of(points, kCell_m, kDiskRadius);
+  whole.merge(keyframe);
+  near.merge(keyframe);
+  const CellBox box = whole.field.box();
+  const auto is_still_there = [&] { return rows_are_equal(near.field, whole.field, box); };
+  near.field.come_near(square_of_tiles(2000, 16));
+  ASSERT_TRUE(common_part(near.field.stored(), box).empty()) << "it waits on disk";
+  EXPECT_TRUE(is_still_there());
+  near.field.come_near(square_of_tiles(472, 16));
+  ASSERT_EQ(near.field.stored().min, (CellIndex{0, 0}));
+  near.field.come_near(square_of_tiles(8, 16));
+  ASSERT_EQ(near.field.stored().min, (CellIndex{0, 0})) << "the same piece";
+  EXPECT_TRUE(is_still_there()) << "back from disk";
+  near.field.come_near(square_of_tiles(-100, 16));
+  ASSERT_LT(near.field.stored().min.x, -100 * kTileCells);
+  ASSERT_GT(near.field.stored().end.x, 0);
+  EXPECT_TRUE(is_still_there()) << "in another piece";
+  near.field.come_near(square_of_tiles(472, 16));
+  near.field.come_near(square_of_tiles(2000, 16));
+  EXPECT_TRUE(is_still_there()) << "on disk again";
+  near.field.come_near(square_of_tiles(472, 16));
+  near.field.come_near(square_of_tiles(8, 16));
+  near.field.come_near(square_of_tiles(-3000, 16));
+  EXPECT_TRUE(is_still_there()) << "on disk out of the first block";
 }
 
 TEST(FieldOnDisk, NamesTheFolderThatTakesNoFile) {

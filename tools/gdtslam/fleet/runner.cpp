@@ -228,7 +228,9 @@ RunnerOutcome run_shards(const StoredPlan& stored, const std::vector<std::size_t
     }
   }
   outcome.were_done = outcome.units - units.size();
-  if (!units.empty()) {
+  if (units.empty()) {
+    for (const std::string& parent : {local_work_parent(), options.atlas + "/staging"}) remove_left_work(parent);
+  } else {
     Runner runner(stored, options, true);
     outcome.failures = runner.run(units, [&](UnitRecord record) {
       print_refused(record, options.quiet);

@@ -1,0 +1,163 @@
+// What the back end takes a step from keyframe to keyframe for, of two keyframes whose walls and wheels the test knows:
+// variances add up, and so does what independent measurements tell.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "engine/mapping/back_end/back_end.hpp"
+#include "engine/mapping/graph/matrix3.hpp"
+
+namespace gdtslam {
+namespace {
+
+/// `count` points along a metre of each of four walls, 3 m away in all directions: a quarter of all normals points
+/// each way, and no wall's middle is beside the robot's.
+std::vector<Point2> four_walls(std::size_t count) {
+  std::vector<Point2> points;
+  for (int wall = 0; wall < 4; ++wall) {
+    for (std::size_t k = 0; k < count; ++k) {
+      const double along_m = static_cast<double>(k) / static_cast<double>(count - 1) - 0.5;
+      const Point2 point = wall % 2 == 0 ? Point2{3.0, along_m} : Point2{-along_m, 3.0};
+      points.push_back(wall < 2 ? point : Point2{-point.x(), -point.y()});
+    }
+  }
+  return points;
+}
+
+/// A match, a metre ahead of the last one, that the wheels have foretold but for `off`.
+MatchResult metre_on(double sigma_m, double sigma_rad, const Pose2& off = {}) {
+  MatchResult result;
+  result.T_odometry_step = {1.0, 0.0, 0.0};
+  result.T_map_predicted = {1.0, 0.0, 0.0};
+  result.T_map_base = result.T_map_predicted * off;
+  result.odometry_sigma_m = sigma_m;
+  result.odometry_sigma_rad = sigma_rad;
+  result.accepted = true;
+  result.merged = true;
+  return result;
+}
+
+MeasuredSteps steps_of(const std::vector<Point2>& points, const MatchResult& second) {
+  BackEndOptions options;
+  options.live.is_beside = false;
+  BackEnd back_end(options);
+  MatchResult first;
+  first.accepted = true;
+  first.merged = true;
+  back_end.take(points, first);
+  back_end.take(points, second);
+  (void)back_end.as_driven();
+  return back_end.loops().path().steps.at(1);
+}
+const MeasuredStep& by_match(const MeasuredSteps& steps) { return steps[0]; }
+const MeasuredStep& by_wheels(const MeasuredSteps& steps) { return steps[1]; }
+
+double relative_error(double value, double expected) { return std::fabs(value / expected - 1.0); }
+
+// Of wheels that are never better than 2 mm and half a milliradian nobody is surer than that.
+TEST(KeyframeSteps, WheelsAreAsGoodAsTheySayButFor2mm) {
+  for (const double sigma_m : {0.0, 0.001, 0.03}) {
+    for (const double sigma_rad : {0.0, 0.0005, 0.02}) {
+      const MeasuredSteps steps = steps_of(four_walls(15), metre_on(sigma_m, sigma_rad));
+      const Matrix3& information = by_wheels(steps).information;
+      EXPECT_LT(relative_error(1.0 / information(0, 0), sigma_m * sigma_m + 4.0e-6), 1e-9);
+      EXPECT_LT(relative_error(1.0 / information(1, 1), sigma_m * sigma_m + 4.0e-6), 1e-9);
+      EXPECT_LT(relative_error(1.0 / information(2, 2), sigma_rad * sigma_rad + 2.5e-7), 1e-9);
+      EXPECT_NEAR(by_wheels(steps).T.x_m, 1.0, 1e-12);
+      EXPECT_NEAR(by_match(steps).T.x_m, 1.0, 1e-12);
+    }
+  }
+}
+
+// A match's points err by 2 cm, twenty of them tell something new, half of them along each axis but for what normals
+// that are three degrees off pretend; wheels tell as above; and no keyframe is known better than by 5 mm and 1.5 mrad.
+TEST(KeyframeSteps, AMatchTellsWhatItsPointsAndTheWheelsDoTogether) {
+  constexpr std::size_t kCount = 20;
+  double sq_lever = 0.0;
+  for (const Point2& point : four_walls(kCount)) {
+    const double along_m = std::fabs(point.x()) == 3.0 ? point.y() : point.x();
+    sq_lever += along_m * along_m / (4.0 * kCount);
+  }
+  const double of_points = 20.0 / (0.02 * 0.02) * (0.5 - 3.0e-3);
+  const double of_points_rad = 20.0 / (0.02 * 0.02) * (sq_lever - 3.0e-3);
+  for (const double sigma_m : {0.0, 0.004, 1.0}) {
+    const MeasuredSteps steps = steps_of(four_walls(kCount), metre_on(sigma_m, 0.1 * sigma_m));
+    const Matrix3 covariance = inverse(by_match(steps).information);
+    const double expected = 1.0 / (of_points + 1.0 / (sigma_m * sigma_m + 4.0e-6)) + 2.5e-5;
+    EXPECT_LT(relative_error(covariance(0, 0), expected), 1e-3) << sigma_m;
+    EXPECT_LT(relative_error(covariance(1, 1), expected), 1e-3) << sigma_m;
+    const double expected_rad = 1.0 / (of_points_rad + 1.0 / (0.01 * sigma_m * sigma_m + 2.5e-7)) + 2.25e-6;
+    EXPECT_LT(relative_error(covariance(2, 2), expected_rad), 1e-3) << sigma_m;
+  }
+}
+
+// Fewer than sixty points tell less, by their share of sixty; more tell no more.
+TEST(KeyframeSteps, SixtyPointsAreEnough) {
+  const auto of_points = [](std::size_t count) {
+    const Matrix3 covariance = inverse(by_match(steps_of(four_walls(count), metre_on(4.0, 3.0))).information);
+    return 1.0 / (covariance(0, 0) - 2.5e-5) - 1.0 / 16.0;  // without what the floor and the wheels add
+  };
+  const double whole = of_points(30);
+  EXPECT_NEAR(of_points(10) / whole, 40.0 / 60.0, 0.01);
+  EXPECT_NEAR(of_points(14) / whole, 56.0 / 60.0, 0.01);
+  EXPECT_NEAR(of_points(15) / whole, 1.0, 0.01);
+  EXPECT_NEAR(of_points(16) / whole, 1.0, 0.01);
+}
+
+// Where a scan lies 5 cm from its map, that may be its points' noise: for who asks how sure the path is.
+TEST(KeyframeSteps, AMisfitCountsAsNoiseToWhoIsCautious) {
+  MatchResult second = metre_on(1.0, 0.1);
+  for (const double misfit_m : {0.01, 0.02, 0.05}) {
+    second.mean_cost_m = misfit_m;
+    const MeasuredStep step = by_match(steps_of(four_walls(20), second));
+    const double noise_m = std::max(0.02, misfit_m);
+    const double expected = 1.0 / (20.0 / (noise_m * noise_m) * 0.497 + 1.0) + 2.5e-5;
+    EXPECT_LT(relative_error(inverse(step.cautious)(0, 0), expected), 2e-3) << misfit_m;
+    EXPECT_LT(relative_error(inverse(step.information)(0, 0), 1.0 / (50000.0 * 0.497 + 1.0) + 2.5e-5), 2e-3);
+  }
+}
+
+struct OffCase {
+  double sigma_m = 0.0;
+  double sigma_rad = 0.0;
+  Pose2 off{};
+  bool has_leapt = false;
+};
+
+// Beyond five sigmas of both, where a match is 2 cm and 10 mrad off at most times, one of the two leapt, and either may
+// be wrong by all that lies between them.
+TEST(KeyframeSteps, WhereMatchAndWheelsCannotBothBeRightEitherMayBeWrong) {
+  const double at_3cm = 5.0 * std::sqrt(0.03 * 0.03 + 0.02 * 0.02);
+  const double at_20mrad = 5.0 * std::sqrt(0.02 * 0.02 + 0.01 * 0.01);
+  const std::vector<OffCase> cases{{0.0, 0.0, {0.099, 0.0, 0.0}, false},
+                                   {0.0, 0.0, {0.101, 0.0, 0.0}, true},
+                                   {0.0, 0.0, {0.0, -0.099, 0.0}, false},
+                                   {0.0, 0.0, {0.0, -0.101, 0.0}, true},
+                                   {0.0, 0.0, {0.06, 0.07, 0.0}, false},
+                                   {0.0, 0.0, {0.08, 0.07, 0.0}, true},
+                                   {0.0, 0.0, {0.0, 0.0, 0.0495}, false},
+                                   {0.0, 0.0, {0.0, 0.0, 0.0505}, true},
+                                   {0.03, 0.0, {0.99 * at_3cm, 0.0, 0.0}, false},
+                                   {0.03, 0.0, {1.01 * at_3cm, 0.0, 0.0}, true},
+                                   {0.0, 0.02, {0.0, 0.0, 0.99 * at_20mrad}, false},
+                                   {0.0, 0.02, {0.0, 0.0, 1.01 * at_20mrad}, true}};
+  for (const OffCase& one : cases) {
+    const MeasuredSteps steps = steps_of(four_walls(15), metre_on(one.sigma_m, one.sigma_rad, one.off));
+    const Tangent2 off = log_tangent(one.off);
+    Matrix3 expected = Matrix3::diagonal(one.sigma_m * one.sigma_m + 4.0e-6, one.sigma_m * one.sigma_m + 4.0e-6,
+                                         one.sigma_rad * one.sigma_rad + 2.5e-7);
+    if (one.has_leapt) expected += outer(off, off);
+    const Matrix3 found = inverse(by_wheels(steps).information);
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_LT(relative_error(found(k, k), expected(k, k)), 1e-6) << one.off.x_m << ' ' << one.off.theta_rad;
+    }
+    EXPECT_NEAR(found(0, 1), expected(0, 1), 1e-9);
+    const double least_of_match = 2.5e-5 + (one.has_leapt ? off[0] * off[0] : 0.0);
+    EXPECT_GE(inverse(by_match(steps).information)(0, 0), least_of_match);
+  }
+}
+
+}  // namespace
+}  // namespace gdtslam

@@ -1,0 +1,193 @@
+// Values of YAML files by their rules and limits: each refusal names the file, the line and the value.
+#include "engine/io/yaml/checked_yaml.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <yaml-cpp/yaml.h>
+
+#include <string>
+#include <vector>
+
+#include "engine/io/file_limits.hpp"
+#include "engine/io/yaml/yaml_file.hpp"
+#include "engine/io/yaml/yaml_text.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+#include "io_test_support.hpp"
+
+namespace gdtslam {
+namespace {
+
+using ::testing::HasSubstr;
+
+YamlValue yaml_value(const std::string& text, const std::string& name = "") {
+  return {YAML::Load(text), "a.yaml", name};
+}
+
+template <class Failure = ConfigError, class Read>
+std::string yaml_refusal(const Read& read) {
+  try {
+    read();
+  } catch (const Failure& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(YamlValue, CountsAreWholeNumbersUpTo1000000000) {
+  for (const char* const text : {"0", "1", "1000000000", "1e9", "12.0"}) {
+    EXPECT_EQ(yaml_value(text).count(), static_cast<std::size_t>(std::stod(text)));
+  }
+  for (const char* const text : {"-1", "1000000001", "0.5", "nan", "inf", "-inf", "1e300"}) {
+    EXPECT_NE(yaml_refusal([&] { (void)yaml_value(text, "beams").count(); }), "") << text;
+  }
+  EXPECT_EQ(yaml_refusal([] { (void)yaml_value("\n\n1.5", "beams").count(); }),
+            "a.yaml:3: beams: '1.5' is not a whole number from 0 to 1000000000");
+}
+
+TEST(YamlValue, AnglesOtherThanZeroNeedTheirUnit) {
+  const Quantity angle{Unit::kRadian};
+  const Quantity rate{Unit::kRadian, "/s"};
+  EXPECT_EQ(yaml_value("0").number(angle), 0.0);
+  EXPECT_EQ(yaml_value("-0.0").number(angle), 0.0);
+  EXPECT_DOUBLE_EQ(yaml_value("180 deg").number(angle), kPi);
+  EXPECT_EQ(yaml_value("0.5 rad").number(angle), 0.5);
+  EXPECT_EQ(yaml_value("0.5 rad/s").number(rate), 0.5);
+  EXPECT_EQ(yaml_value("0.5 rad").number(rate), 0.5);
+  for (const char* const bare : {"90", "-1.5e0", "1"}) {
+    EXPECT_THAT(yaml_refusal([&] { (void)yaml_value(bare, "tilt").number(angle); }),
+                HasSubstr(fmt::format("tilt: an angle needs its unit: write '{0} deg' or '{0} rad'", bare)));
+    EXPECT_NE(yaml_refusal([&] { (void)yaml_value(std::string(bare) + "/s").number(rate); }), "");
+  }
+  EXPECT_EQ(yaml_value("90").number({Unit::kMetre}), 90.0);
+  EXPECT_EQ(yaml_value("10 Hz").number({Unit::kNone, "Hz"}), 10.0);
+}
+
+TEST(YamlValue, NumbersHave200CharactersAndTexts65536Bytes) {
+  const auto digits = [](std::size_t length) { return "1." + std::string(length - 2, '0'); };
+  EXPECT_EQ(yaml_value(digits(200)).number({}), 1.0);
+  EXPECT_THAT(yaml_refusal([&] { (void)yaml_value(digits(201), "x").number({}); }),
+              HasSubstr("x: a number of more than 200 characters is not accepted"));
+  EXPECT_EQ(yaml_value(std::string(65536, 'a')).text().size(), 65536U);
+  EXPECT_THAT(yaml_refusal([] { (void)yaml_value(std::string(65537, 'a'), "x").text(); }),
+              HasSubstr("x: a text of more than 65536 bytes is not accepted"));
+}
+
+TEST(YamlValue, FlagsAreTrueOrFalse) {
+  EXPECT_TRUE(yaml_value("true").flag());
+  EXPECT_FALSE(yaml_value("false").flag());
+  for (const char* const text : {"True", "yes", "1", "''"}) {
+    EXPECT_THAT(yaml_refusal([&] { (void)yaml_value(text, "on").flag(); }), HasSubstr("is neither true nor false"));
+  }
+  EXPECT_THAT(yaml_refusal([] { (void)yaml_value("[true]", "on").flag(); }),
+              HasSubstr("on: a single value is expected here"));
+}
+
+TEST(YamlValue, APointIsTwoLengths) {
+  EXPECT_EQ(yaml_value("[1.5, -20 cm]").point(), Point2(1.5, -0.2));
+  for (const char* const text : {"[1]", "[1, 2, 3]", "{x: 1, y: 2}", "1"}) {
+    EXPECT_THAT(yaml_refusal([&] { (void)yaml_value(text, "at").point(); }),
+                HasSubstr("at: a point [x, y] is expected here"));
+  }
+}
+
+TEST(YamlValue, EntriesAreNumberedAndAtMost100000) {
+  const std::vector<YamlValue> entries = yaml_value("[a, b, c]", "walls").entries();
+  ASSERT_EQ(entries.size(), 3U);
+  EXPECT_EQ(entries[0].name(), "walls[0]");
+  EXPECT_EQ(entries[2].name(), "walls[2]");
+  EXPECT_EQ(entries[2].text(), "c");
+  YAML::Node list;
+  for (int k = 0; k < 100000; ++k) list.push_back(0);
+  EXPECT_EQ(YamlValue(list, "a.yaml", "x").entries().size(), 100000U);
+  list.push_back(0);
+  EXPECT_THAT(yaml_refusal([&] { (void)YamlValue(list, "a.yaml", "x").entries(); }),
+              HasSubstr("x: a list of more than 100000 entries is not accepted"));
+  EXPECT_THAT(yaml_refusal([] { (void)yaml_value("a", "x").entries(); }), HasSubstr("a list is expected here"));
+}
+
+TEST(YamlMapping, EveryKeyIsAskedForOnceAndHasAValue) {
+  YamlMapping mapping(yaml_value("{width: 2 m, name: room, on: false}", "room"));
+  double width_m = 9.0;
+  double height_m = 9.0;
+  std::string name = "none";
+  bool is_on = true;
+  mapping.read("width", {Unit::kMetre}, width_m);
+  mapping.read("height", {Unit::kMetre}, height_m);
+  mapping.read("name", name);
+  EXPECT_THAT(yaml_refusal([&] { mapping.finish(); }), HasSubstr("room: unknown key 'on'"));
+  mapping.read("on", is_on);
+  mapping.finish();
+  EXPECT_EQ(width_m, 2.0);
+  EXPECT_EQ(height_m, 9.0) << "stays";
+  EXPECT_EQ(name, "room");
+  EXPECT_FALSE(is_on);
+  EXPECT_TRUE(mapping.list("doors").empty());
+  EXPECT_THAT(yaml_refusal([&] { (void)mapping.require("doors"); }), HasSubstr("room: the key 'doors' is missing"));
+  EXPECT_EQ(mapping.require("width").name(), "room.width");
+  EXPECT_EQ(YamlMapping(yaml_value("{a: 1}")).require("a").name(), "a");
+}
+
+TEST(YamlMapping, RefusesWhatIsNoneAndKeysWithoutAValueOrGivenTwice) {
+  EXPECT_THAT(yaml_refusal([] { YamlMapping(yaml_value("[a]", "room")); }),
+              HasSubstr("room: keys with values are expected here"));
+  EXPECT_EQ(yaml_refusal([] { YamlMapping(yaml_value("a: 1\nb: 2\na: 3\n", "room")); }),
+            "a.yaml:3: room: the key 'a' stands twice");
+  EXPECT_EQ(yaml_refusal([] { (void)YamlMapping(yaml_value("a: 1\nb:\n", "room")).find("b"); }),
+            "a.yaml:2: room: the key 'b' has no value");
+  YamlMapping misspelt(yaml_value("{widht: 2}"));
+  (void)misspelt.find("width");
+  EXPECT_THAT(yaml_refusal([&] { misspelt.finish(); }), HasSubstr("did you mean 'width'?"));
+}
+
+bool is_read(const std::string& text) {
+  return yaml_refusal<InputError>([&] { (void)parse_yaml<InputError>(text, "a.yaml"); }).empty();
+}
+
+// docs/formats.md: nested 32 deep, 1,000,000 values.
+TEST(YamlText, IsNested32DeepAtMost) {
+  EXPECT_TRUE(is_read(std::string(32, '[') + std::string(32, ']')));
+  EXPECT_FALSE(is_read(std::string(33, '[') + std::string(33, ']')));
+  EXPECT_TRUE(is_read(std::string(31, '[') + "{a: 1}" + std::string(31, ']')));
+  EXPECT_FALSE(is_read(std::string(32, '[') + "{a: 1}" + std::string(32, ']')));
+  std::string beside = "[";
+  for (int k = 0; k < 100; ++k) beside += "[{a: 1}], ";
+  EXPECT_TRUE(is_read(beside + "1]")) << "what is closed again counts no more";
+  EXPECT_FALSE(is_read("a: 1\n---\nb: 2\n")) << "two documents";
+  EXPECT_TRUE(is_read("---\na: 1\n"));
+}
+
+TEST(DescriptionFile, NumbersAreFiniteAndMapsAreNotTurned) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "map.yaml";
+  const auto geometry_of = [&](const std::string& resolution, const std::string& origin) {
+    put_file(file, "resolution: " + resolution + "\norigin: " + origin + "\n");
+    return yaml_refusal<InputError>([&] {
+      const GridGeometry geometry = DescriptionFile(file).geometry();
+      EXPECT_EQ(geometry.resolution_m, 0.05);
+      EXPECT_EQ(geometry.origin_x_m, -1.5);
+      EXPECT_EQ(geometry.origin_y_m, 2.5);
+    });
+  };
+  EXPECT_EQ(geometry_of("0.05", "[-1.5, 2.5, 0.0]"), "");
+  EXPECT_THAT(geometry_of("0", "[-1.5, 2.5, 0.0]"), HasSubstr(":1: resolution: 0 m is not above 0"));
+  EXPECT_THAT(geometry_of("-0.05", "[-1.5, 2.5, 0.0]"), HasSubstr("is not above 0"));
+  EXPECT_THAT(geometry_of("inf", "[-1.5, 2.5, 0.0]"), HasSubstr("is no finite number"));
+  EXPECT_THAT(geometry_of("0.05x", "[-1.5, 2.5, 0.0]"), HasSubstr("\"0.05x\" is no finite number"));
+  EXPECT_THAT(geometry_of("0.05", "[-1.5, 2.5]"), HasSubstr(":2: origin: must be [x, y, yaw]"));
+  EXPECT_THAT(geometry_of("0.05", "[-1.5, 2.5, 0.0, 0.0]"), HasSubstr("must be [x, y, yaw]"));
+  EXPECT_THAT(geometry_of("0.05", "[-1.5, 2.5, 0.01]"), HasSubstr("a map that is turned"));
+}
+
+// YAML 1.1 knows a number by its point.
+TEST(DescriptionFile, WrittenNumbersHaveAPoint) {
+  EXPECT_EQ(yaml_number(1.0), "1.0");
+  EXPECT_EQ(yaml_number(-0.25), "-0.25");
+  EXPECT_EQ(yaml_number(1e-7), "1.0e-07");
+  EXPECT_EQ(yaml_number(1.5e-7), "1.5e-07");
+  EXPECT_EQ(yaml_number(1e30), "1.0e+30");
+}
+
+}  // namespace
+}  // namespace gdtslam

@@ -1,0 +1,289 @@
+// What is told of the topics and frames of a recording: counts, rates, delays, and how much of it at most.
+#include "engine/io/recordings/recording_survey.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "bag_writer.hpp"
+#include "engine/io/recordings/topics.hpp"
+#include "engine/io/recordings/transform3.hpp"
+#include "gdtslam/core/angle.hpp"
+
+namespace gdtslam {
+namespace {
+
+using namespace test;
+using ::testing::ElementsAre;
+using ::testing::EndsWith;
+using ::testing::IsEmpty;
+
+RecordingChannel told_channel(const std::string& topic, const std::string& type) {
+  return {.topic = topic, .type = type, .md5 = "", .encoding_name = "ros1", .encoding = MessageEncoding::kRos1};
+}
+
+/// A survey of one topic, fed with messages of ROS 1.
+struct SurveyOf {
+  SurveyOf(const std::string& topic, const std::string& type)
+      : channel{.definition = told_channel(topic, type), .kind = kind_of(told_channel(topic, type))} {
+    survey.add_channel(channel.definition);
+  }
+  void add(const std::string& message, double received_s) {
+    survey.add(channel, {.bytes = message, .encoding = MessageEncoding::kRos1}, received_s);
+  }
+  [[nodiscard]] TopicContents topic() const { return survey.contents().topics.at(0); }
+  TopicChannel channel;
+  RecordingSurvey survey;
+};
+
+std::string ros_joints(const std::vector<std::string>& names, const std::vector<double>& positions) {
+  std::string bytes = ros_header(1.0, "base") + raw(static_cast<std::uint32_t>(names.size()));
+  for (const std::string& name : names) bytes += sized(name);
+  bytes += raw(static_cast<std::uint32_t>(positions.size()));
+  for (const double position : positions) bytes += raw(position);
+  return bytes + raw(std::uint32_t{0}) + raw(std::uint32_t{0});
+}
+
+TEST(RecordingSurvey, CountsMessagesAndTellsTheirTimesAndDelays) {
+  SurveyOf scans("/scan", "sensor_msgs/LaserScan");
+  for (int k = 0; k <= 20; ++k) scans.add(ros_scan({.stamp_s = 1.0 + k}), 1.0 + k + 0.25 * k);
+  scans.add(ros_scan({.stamp_s = 0.0}), 100.0);  // without a stamp, so without a delay
+  const TopicContents topic = scans.topic();
+  EXPECT_EQ(topic.can_be, TopicUse::kScans);
+  EXPECT_EQ(topic.messages, 22U);
+  EXPECT_EQ(topic.first_s, 1.0);
+  EXPECT_EQ(topic.last_s, 100.0);
+  EXPECT_NEAR(topic.rate_hz(), 21.0 / 99.0, 1e-12);
+  ASSERT_TRUE(topic.delay);
+  EXPECT_EQ(topic.delay->messages, 21U);
+  EXPECT_NEAR(topic.delay->low_s, 0.25, 1e-12) << "of 0, 0.25, ... 5 s";
+  EXPECT_NEAR(topic.delay->median_s, 2.5, 1e-12);
+  EXPECT_NEAR(topic.delay->high_s, 4.75, 1e-12);
+  EXPECT_THAT(topic.frames, ElementsAre("laser"));
+}
+
+TEST(RecordingSurvey, KeepsFourFramesAndNoLongNames) {
+  SurveyOf scans("/scan", "sensor_msgs/LaserScan");
+  const std::string long_name(256, 'n');
+  for (const std::string& frame : {std::string(), long_name + "x", std::string("a"), std::string("b"), std::string("a"),
+                                   long_name, std::string("c"), std::string("d")}) {
+    scans.add(ros_scan({.stamp_s = 1.0, .frame = frame}), 1.0);
+  }
+  EXPECT_THAT(scans.topic().frames, ElementsAre("a", "b", long_name, "c"));
+}
+
+TEST(RecordingSurvey, KeepsSixteenJointsAndTheRangeOfTheFirst) {
+  SurveyOf joints("/joints", "sensor_msgs/JointState");
+  std::vector<std::string> names;
+  for (int k = 0; k < 15; ++k) names.push_back(fmt::format("joint_{}", k));
+  joints.add(ros_joints(names, {0.5}), 1.0);
+  joints.add(ros_joints({"joint_3", std::string(257, 'n'), std::string(256, 'n'), "last"}, {-0.25}), 2.0);
+  joints.add(ros_joints({"joint_0"}, {std::nan("")}), 3.0);
+  joints.add(ros_joints({"joint_0"}, {std::numeric_limits<double>::infinity()}), 4.0);
+  const TopicContents topic = joints.topic();
+  EXPECT_EQ(topic.can_be, TopicUse::kCrank);
+  ASSERT_EQ(topic.joints.size(), 16U);
+  EXPECT_EQ(topic.joints.back(), std::string(256, 'n'));
+  ASSERT_TRUE(topic.numbers);
+  EXPECT_EQ(topic.numbers->least, -0.25);
+  EXPECT_EQ(topic.numbers->most, 0.5);
+}
+
+TEST(RecordingSurvey, OfNumbersTheLeastAndTheLargestAreTold) {
+  SurveyOf numbers("/crank", "std_msgs/Int32");
+  for (const std::int32_t value : {5, -7, 3}) numbers.add(raw(value), 1.0);
+  EXPECT_EQ(numbers.topic().numbers->least, -7.0);
+  EXPECT_EQ(numbers.topic().numbers->most, 5.0);
+  EXPECT_FALSE(numbers.topic().delay) << "they have no stamp";
+}
+
+// Of each use 256 topics are kept, the others are counted.
+TEST(RecordingSurvey, KeepsSomeTopicsOfEachUse) {
+  RecordingSurvey survey;
+  for (int k = 0; k < 258; ++k) survey.add_channel(told_channel(fmt::format("/p{}", k), "sensor_msgs/Image"));
+  for (int k = 0; k < 256; ++k) survey.add_channel(told_channel(fmt::format("/s{}", k), "sensor_msgs/LaserScan"));
+  survey.add_channel(told_channel("/s7", "sensor_msgs/LaserScan"));
+  EXPECT_EQ(survey.contents().topics.size(), 512U);
+  EXPECT_EQ(survey.contents().topics_left_out, 2U);
+  survey.add_channel(told_channel("/one_more", "sensor_msgs/LaserScan"));
+  EXPECT_EQ(survey.contents().topics_left_out, 3U);
+}
+
+FrameLink link_after(const std::string& topic, const std::vector<RosPose>& poses) {
+  SurveyOf frames(topic, "tf2_msgs/TFMessage");
+  double time_s = 1.0;
+  for (const RosPose& pose : poses) {
+    frames.add(ros_transform(time_s, "base", "laser", pose), time_s);
+    time_s += 1.0;
+  }
+  return frames.survey.contents().frames.at(0);
+}
+
+// log_contents.hpp: a frame moves by more than 0.1 mm or 0.1 mrad.
+TEST(RecordingSurvey, AFrameMovesByMoreThanATenthOfAMillimetre) {
+  EXPECT_FALSE(link_after("/tf", {{.x_m = 1.0}, {.x_m = 1.00009}}).moves);
+  EXPECT_TRUE(link_after("/tf", {{.x_m = 1.0}, {.x_m = 1.00011}}).moves);
+  EXPECT_TRUE(link_after("/tf", {{.x_m = 1.0}, {.x_m = 0.99989}}).moves);
+  EXPECT_FALSE(link_after("/tf", {{}, {.yaw_rad = 0.00009}}).moves);
+  EXPECT_TRUE(link_after("/tf", {{}, {.yaw_rad = 0.00011}}).moves);
+  EXPECT_TRUE(link_after("/tf", {{.x_m = 1.0}, {.x_m = 1.1}, {.x_m = 1.0}}).moves) << "and back";
+  const FrameLink link = link_after("/tf", {{.x_m = 1.0}, {.x_m = 1.00006}, {.x_m = 1.00012}});
+  EXPECT_TRUE(link.moves) << "since the first";
+  EXPECT_EQ(link.messages, 3U);
+  EXPECT_EQ(link.first_s, 1.0);
+  EXPECT_EQ(link.last_s, 3.0);
+  EXPECT_EQ(link.rate_hz(), 1.0);
+  EXPECT_FALSE(link.is_static);
+}
+
+TEST(RecordingSurvey, ALinkIsTheLastTransform) {
+  const FrameLink link = link_after("/tf_static", {{}, {.x_m = 0.5, .y_m = -0.25, .yaw_rad = -0.75}});
+  EXPECT_TRUE(link.is_static);
+  EXPECT_EQ(link.parent, "base");
+  EXPECT_EQ(link.child, "laser");
+  EXPECT_EQ(link.x_m, 0.5);
+  EXPECT_EQ(link.y_m, -0.25);
+  EXPECT_EQ(link.z_m, 0.25);
+  EXPECT_NEAR(link.yaw_rad, -0.75, 1e-12);
+  EXPECT_NEAR(link.pitch_rad, 0.0, 1e-12);
+  EXPECT_NEAR(link.roll_rad, 0.0, 1e-12);
+  const FrameLink turned = link_after("/tf_static", {{.is_upside_down = true}});
+  EXPECT_NEAR(std::fabs(turned.roll_rad), kPi, 1e-12);
+  EXPECT_NEAR(turned.yaw_rad, 0.0, 1e-12);
+}
+
+// The delays of what never changes say nothing of a clock.
+TEST(RecordingSurvey, StaticTransformsHaveNoDelay) {
+  for (const char* const topic : {"/tf", "/tf_static"}) {
+    SurveyOf frames(topic, "tf2_msgs/TFMessage");
+    frames.add(ros_transform(1.0, "base", "laser", {}), 3.0);
+    EXPECT_EQ(frames.topic().delay.has_value(), topic == std::string("/tf"));
+  }
+}
+
+RecordingItem message_at(std::uint32_t channel, double received_s) {
+  return {.channel = channel, .received_s = received_s};
+}
+
+TEST(TopicTable, TellsCountsAndRatesOfTopicsThatHaveSeveralChannels) {
+  TopicTable table;
+  EXPECT_NE(table.add(1, told_channel("/scan", "sensor_msgs/msg/LaserScan")), nullptr);
+  EXPECT_EQ(table.add(1, told_channel("/other", "a/B")), nullptr) << "known already";
+  EXPECT_NE(table.add(2, told_channel("/scan", "sensor_msgs/msg/LaserScan")), nullptr);
+  EXPECT_NE(table.add(3, told_channel("/image", "sensor_msgs/Image")), nullptr);
+  EXPECT_EQ(table.count(message_at(9, 1.0)), nullptr);
+  EXPECT_EQ(table.find(9), nullptr);
+  const auto told = [&] { return table.text([](const TopicChannel&) { return true; }); };
+  EXPECT_EQ(told(), "/image (sensor_msgs/Image, 0), /scan (sensor_msgs/LaserScan, 0)");
+  table.count(message_at(2, 10.0));
+  EXPECT_EQ(told(), "/image (sensor_msgs/Image, 0), /scan (sensor_msgs/LaserScan, 1)");
+  for (int k = 0; k <= 20; ++k) table.count(message_at(2, 10.0 + 0.2 * k));
+  table.count(message_at(1, 8.0));
+  EXPECT_EQ(table.find(2)->count, 22U);
+  EXPECT_EQ(table.find(2)->first_s, 10.0);
+  EXPECT_EQ(table.find(2)->last_s, 14.0);
+  EXPECT_EQ(table.text(has_scans), "/scan (sensor_msgs/LaserScan, 23 at 3.7 Hz)") << "22 / 6 s";
+  EXPECT_EQ(table.text([](const TopicChannel&) { return false; }), "none");
+}
+
+TEST(TopicTable, TellsADozenTopicsAndKnows65536Channels) {
+  TopicTable table;
+  for (std::uint32_t k = 0; k < 12; ++k) table.add(k, told_channel(fmt::format("/t{:02}", k), "a/B"));
+  const auto told = [&] { return table.text([](const TopicChannel&) { return true; }); };
+  EXPECT_THAT(told(), EndsWith("/t11 (a/B, 0)"));
+  table.add(12, told_channel("/t12", "a/B"));
+  EXPECT_THAT(told(), EndsWith("/t11 (a/B, 0) and others"));
+  for (std::uint32_t k = 13; k < 65536; ++k) ASSERT_NE(table.add(k, told_channel("/t12", "a/B")), nullptr);
+  EXPECT_EQ(table.add(65536, told_channel("/t12", "a/B")), nullptr);
+}
+
+TEST(TopicTable, NamesAnEncodingThatIsNotRead) {
+  TopicTable table;
+  RecordingChannel channel = told_channel("/a", "a/B");
+  channel.encoding = MessageEncoding::kOther;
+  channel.encoding_name = "protobuf";
+  table.add(1, channel);
+  channel.topic = "/b";
+  channel.encoding_name = "";
+  table.add(2, channel);
+  EXPECT_EQ(table.text([](const TopicChannel&) { return true; }),
+            "/a (a/B as protobuf, which is not read, 0), /b (a/B as nothing stated, which is not read, 0)");
+}
+
+// A chain of frames is followed over 32 steps, because it may be a ring.
+TEST(FrameTree, FollowsAChainOf31Links) {
+  for (const int links : {30, 31, 32}) {
+    FrameTree tree;
+    for (int k = 0; k < links; ++k) {
+      tree.add(k == 0 ? "base_link" : fmt::format("f{}", k), fmt::format("f{}", k + 1), {.shift_m = {1.0, 0.0, 0.0}});
+    }
+    const std::string laser = fmt::format("f{}", links);
+    EXPECT_EQ(tree.chain(laser, "").size(), links < 32 ? static_cast<std::size_t>(links + 1) : 0U);
+    ASSERT_EQ(tree.find(laser, "").has_value(), links < 32);
+    if (links < 32) {
+      EXPECT_EQ(tree.find(laser, "")->shift_m[0], links);
+    }
+  }
+}
+
+TEST(FrameTree, KnowsRobotsBasesAndKeeps4096Frames) {
+  FrameTree tree;
+  for (const char* const base : {"base_link", "base_footprint", "base", "robot"}) {
+    tree.add(base, std::string("laser_on_") + base, {});
+    EXPECT_EQ(tree.find(std::string("laser_on_") + base, "").has_value(), base != std::string("robot"));
+    EXPECT_TRUE(tree.find(std::string("laser_on_") + base, base));
+  }
+  for (int k = 4; k < 4096; ++k) tree.add("base", fmt::format("f{}", k), {});
+  tree.add("base", "one_more", {});
+  EXPECT_TRUE(tree.find("f4095", ""));
+  EXPECT_FALSE(tree.find("one_more", ""));
+  tree.add("robot", "f4095", {});
+  EXPECT_FALSE(tree.find("f4095", "")) << "who is known may still move";
+}
+
+TEST(FrameTree, TellsADozenFrames) {
+  FrameTree tree;
+  EXPECT_EQ(tree.text(), "none");
+  tree.add("base", "b", {});
+  tree.add("base", "a", {});
+  EXPECT_EQ(tree.text(), "\"a\" in \"base\", \"b\" in \"base\"");
+  for (int k = 2; k < 12; ++k) tree.add("base", fmt::format("c{:02}", k), {});
+  EXPECT_THAT(tree.text(), EndsWith("\"c11\" in \"base\""));
+  tree.add("base", "d", {});
+  EXPECT_THAT(tree.text(), EndsWith("\"c11\" in \"base\" and others"));
+}
+
+// Of a right angle about z and one about x: where each axis of the child points in the parent.
+TEST(Transform3, ProductsTurnAndShiftOneAfterTheOther) {
+  const Transform3 about_z{.rotation = {0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0}, .shift_m = {1.0, 2.0, 3.0}};
+  const Transform3 about_x{.rotation = {1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0}, .shift_m = {10.0, 20.0, 30.0}};
+  const Transform3 product = about_z * about_x;
+  EXPECT_THAT(product.rotation, ElementsAre(0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0));
+  EXPECT_THAT(product.shift_m, ElementsAre(1.0 - 20.0, 2.0 + 10.0, 3.0 + 30.0));
+  EXPECT_NEAR(seen_from_above(product).theta_rad, 0.5 * kPi, 1e-9);
+  EXPECT_EQ(seen_from_above(product).x_m, -19.0);
+  EXPECT_EQ(seen_from_above(product).y_m, 12.0);
+}
+
+// transform3.hpp: what is within 2e-15 rad of an angle of nine decimals is that angle.
+TEST(Transform3, AHeadingOfNineDecimalsIsThatHeading) {
+  const auto heading_of = [](double yaw_rad) {
+    const double c = std::cos(yaw_rad);
+    const double s = std::sin(yaw_rad);
+    return seen_from_above({.rotation = {c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0}}).theta_rad;
+  };
+  for (const double yaw_rad : {0.123456789, -0.123456789, 0.5, -1.000000001}) {
+    EXPECT_EQ(heading_of(yaw_rad), yaw_rad);
+    EXPECT_EQ(heading_of(yaw_rad + 1e-15), yaw_rad);
+    EXPECT_NE(heading_of(yaw_rad + 1e-14), yaw_rad);
+    EXPECT_NE(heading_of(yaw_rad - 1e-14), yaw_rad);
+  }
+}
+
+}  // namespace
+}  // namespace gdtslam

@@ -1,0 +1,239 @@
+// What rows of tables say, at the limits of docs/formats.md: bearings within a turn, lasers 0 to 63, ranges and points.
+#include "engine/io/tables/row_records.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "engine/io/tables/csv_rows.hpp"
+#include "engine/io/tables/json_rows.hpp"
+#include "gdtslam/core/angle.hpp"
+
+namespace gdtslam {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+
+constexpr float kNoEcho = std::numeric_limits<float>::infinity();
+
+TableRow row_of_ranges(std::vector<double> ranges_m, double first_rad = -0.5, double step_rad = 0.25) {
+  TableRow row;
+  row[TableNumber::kStamp] = 1.0;
+  row[TableNumber::kAngleMin] = first_rad;
+  row[TableNumber::kAngleIncrement] = step_rad;
+  row.has_ranges = true;
+  row.ranges_m = std::move(ranges_m);
+  return row;
+}
+
+struct RowOutcome {
+  std::vector<LogRecord> records{};
+  RowRepairs repairs{};
+  std::string refusal{};
+  [[nodiscard]] const LaserScan& scan() const { return std::get<ScanRecord>(records.at(0)).scan; }
+};
+RowOutcome outcome_of(RowRecords& rows, TableRow row) {
+  RowOutcome outcome;
+  try {
+    outcome.records = rows.records(row, outcome.repairs);
+  } catch (const MalformedRow& error) {
+    outcome.refusal = error.what();
+  }
+  return outcome;
+}
+RowOutcome outcome_of(const TableRow& row, const ReadOptions& options = {}) {
+  RowRecords rows(options);
+  return outcome_of(rows, row);
+}
+
+TEST(RowRecords, BearingsLieWithinATurnAndStepsWithinHalfOfOne) {
+  EXPECT_EQ(outcome_of(row_of_ranges({1.0, 2.0}, -kTwoPi, kPi)).refusal, "");
+  EXPECT_EQ(outcome_of(row_of_ranges({1.0, 2.0}, kTwoPi, -kPi)).refusal, "");
+  for (const auto& [first_rad, step_rad] : {std::pair(-6.2832, 0.1), {6.2832, 0.1}, {0.0, 3.1416}, {0.0, -3.1416}}) {
+    EXPECT_THAT(outcome_of(row_of_ranges({1.0, 2.0}, first_rad, step_rad)).refusal,
+                HasSubstr("beyond one turn: they are in radians"))
+        << first_rad << ' ' << step_rad;
+  }
+  EXPECT_EQ(outcome_of(row_of_ranges({1.0, 2.0}, 0.0, 0.0)).refusal, "has an angle_increment of 0 for several ranges");
+  EXPECT_EQ(outcome_of(row_of_ranges({1.0}, 0.0, 0.0)).refusal, "") << "one has no step";
+}
+
+TEST(RowRecords, TheLastBearingTellsTheStep) {
+  TableRow row = row_of_ranges({1.0, 2.0, 3.0});
+  row[TableNumber::kAngleIncrement].reset();
+  row[TableNumber::kAngleMax] = 0.5;
+  EXPECT_EQ(outcome_of(row).scan().bearing_step_rad, 0.5);
+  row.ranges_m.assign(1, 1.0);
+  EXPECT_EQ(outcome_of(row).scan().bearing_step_rad, 0.0);
+  row[TableNumber::kAngleIncrement] = 0.125;
+  EXPECT_EQ(outcome_of(row).scan().bearing_step_rad, 0.125) << "where both are given";
+}
+
+TEST(RowRecords, WhatWasSaidOfTheSensorHoldsUntilAnotherRowSaysOtherwise) {
+  RowRecords rows({});
+  TableRow first = row_of_ranges({1.0, 2.0, 3.0});
+  first[TableNumber::kRangeMax] = 20.0;
+  first[TableNumber::kTimeIncrement] = 0.001;
+  (void)outcome_of(rows, first);
+  TableRow bare;
+  bare[TableNumber::kStamp] = 2.0;
+  bare.has_ranges = true;
+  bare.ranges_m = {1.0, 2.0, 3.0};
+  const LaserScan scan = outcome_of(rows, bare).scan();
+  EXPECT_EQ(scan.first_bearing_rad, -0.5);
+  EXPECT_EQ(scan.bearing_step_rad, 0.25);
+  EXPECT_EQ(scan.max_range_m, 20.0);
+  EXPECT_EQ(scan.beam_period_s, 0.001);
+  TableRow with_last = bare;
+  with_last[TableNumber::kAngleMax] = 1.5;
+  EXPECT_EQ(outcome_of(rows, with_last).scan().bearing_step_rad, 1.0) << "in place of the increment";
+  EXPECT_EQ(outcome_of(rows, bare).scan().bearing_step_rad, 1.0);
+  EXPECT_THAT(outcome_of(bare).refusal, HasSubstr("neither it nor a row before it has angle_min"));
+  bare.ranges_m.clear();
+  EXPECT_EQ(outcome_of(bare).refusal, "") << "without ranges there is nothing to know";
+}
+
+TEST(RowRecords, LasersAreNumberedFrom0To63) {
+  for (const double laser : {0.0, 1.0, 63.0, 64.0, -1.0, 0.5, 62.5}) {
+    TableRow row = row_of_ranges({1.0});
+    row[TableNumber::kLaser] = laser;
+    const RowOutcome outcome = outcome_of(row);
+    if (laser >= 0.0 && laser <= 63.0 && laser == std::floor(laser)) {
+      EXPECT_EQ(std::get<ScanRecord>(outcome.records.at(0)).laser, static_cast<std::size_t>(laser));
+    } else {
+      EXPECT_THAT(outcome.refusal, EndsWith("as its laser, which is no whole number from 0 to 63")) << laser;
+    }
+  }
+}
+
+TEST(RowRecords, RangesThatAreNoneAreMendedAndCounted) {
+  const RowOutcome outcome = outcome_of(row_of_ranges(
+      {0.0, -0.5, std::nan(""), std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()}));
+  EXPECT_THAT(outcome.scan().ranges_m, ElementsAre(0.0F, kNoEcho, kNoEcho, kNoEcho, kNoEcho));
+  EXPECT_EQ(outcome.repairs.not_a_number, 1U);
+  EXPECT_EQ(outcome.repairs.negative, 2U);
+}
+
+TEST(RowRecords, ALimitIsAboveZeroAndFinite) {
+  for (const auto& [stated_m, limit_m] :
+       {std::pair(20.0, 20.0), {0.0, 0.0}, {-5.0, 0.0}, {std::numeric_limits<double>::infinity(), 0.0}}) {
+    TableRow row = row_of_ranges({1.0});
+    row[TableNumber::kRangeMax] = stated_m;
+    EXPECT_EQ(outcome_of(row).scan().max_range_m, limit_m);
+    EXPECT_EQ(outcome_of(row, {.max_range_m = 7.0}).scan().max_range_m, 7.0);
+  }
+}
+
+TEST(RowRecords, AClockwiseRowIsTurned) {
+  TableRow row = row_of_ranges({1.0, 2.0, 3.0}, 0.5, -0.25);
+  row[TableNumber::kFirstBeamAfter] = 0.5;
+  row[TableNumber::kTimeIncrement] = 0.125;
+  const LaserScan scan = outcome_of(row).scan();
+  EXPECT_EQ(scan.first_bearing_rad, 0.0);
+  EXPECT_EQ(scan.bearing_step_rad, 0.25);
+  EXPECT_EQ(scan.first_beam_after_s, 0.75);
+  EXPECT_EQ(scan.beam_period_s, -0.125);
+  EXPECT_THAT(scan.ranges_m, ElementsAre(3.0F, 2.0F, 1.0F));
+}
+
+// Beams each 0.05 degrees from behind the robot on: of a point the beam nearest to its bearing.
+TEST(RowRecords, PointsBecomeTheBeamsNearestToThem) {
+  const auto ranges_of = [](double bearing_deg, double range_m) {
+    TableRow row;
+    row[TableNumber::kStamp] = 1.0;
+    row.has_points = true;
+    row.points_m = {range_m * std::cos(rad_from_deg(bearing_deg)),
+                    range_m * std::sin(rad_from_deg(bearing_deg)),
+                    0.0,
+                    0.0,
+                    std::nan(""),
+                    1.0};
+    const RowOutcome outcome = outcome_of(row);
+    EXPECT_EQ(outcome.repairs.not_a_number, 1U);
+    return outcome.scan();
+  };
+  for (const auto& [bearing_deg, beam] :
+       {std::pair(-179.99, 0), {-179.974, 1}, {0.0, 3600}, {0.024, 3600}, {0.026, 3601}, {90.0, 5400}, {179.99, 0}}) {
+    const LaserScan scan = ranges_of(bearing_deg, 2.0);
+    ASSERT_EQ(scan.ranges_m.size(), 7200U);
+    EXPECT_NEAR(scan.first_bearing_rad, -kPi, 1e-15);
+    EXPECT_NEAR(scan.bearing_step_rad, rad_from_deg(0.05), 1e-15);
+    for (std::size_t k = 0; k < 7200; ++k) {
+      const bool is_hit = k == static_cast<std::size_t>(beam);
+      ASSERT_EQ(scan.ranges_m[k], is_hit ? 2.0F : kNoEcho) << bearing_deg << " beam " << k;
+    }
+  }
+}
+
+TEST(RowRecords, ARowSaysSomethingAndOnlyWhole) {
+  TableRow row;
+  EXPECT_EQ(outcome_of(row).refusal, "has no ranges, points, odometry, ticks or elevation");
+  row.ticks = 5;
+  EXPECT_EQ(outcome_of(row).refusal, "has no stamp");
+  row[TableNumber::kStamp] = 1.0;
+  EXPECT_EQ(outcome_of(row).records.size(), 1U);
+  row[TableNumber::kElevation] = 0.5;
+  row[TableNumber::kX] = 1.0;
+  row[TableNumber::kY] = 2.0;
+  EXPECT_THAT(outcome_of(row).refusal, HasSubstr("has no theta"));
+  row[TableNumber::kTheta] = 3.0;
+  const std::vector<LogRecord> records = outcome_of(row).records;
+  ASSERT_EQ(records.size(), 3U) << "the crank's before the odometry";
+  EXPECT_EQ(std::get<Encoder>(records[0]).ticks, 5);
+  EXPECT_EQ(std::get<Tilt>(records[1]).elevation_rad, 0.5);
+  EXPECT_EQ(std::get<Odometry>(records[2]).T_odom_base, (Pose2{1.0, 2.0, 3.0}));
+  TableRow named;
+  named.name = "wheel";
+  named.value = "0.1";
+  EXPECT_EQ(std::get<Parameter>(outcome_of(named).records.at(0)).value, "0.1") << "it needs no stamp";
+}
+
+TableRow json_row(const std::string& line) {
+  TableRow row;
+  JsonRows().parse(line, row, [](std::string_view, std::string_view) {});
+  return row;
+}
+std::string json_refusal(const std::string& line) {
+  try {
+    (void)json_row(line);
+  } catch (const MalformedRow& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// What is skipped may be nested, and numbers may come in pairs, not deeper.
+TEST(JsonRows, ArraysOfPairsAndTextsWithEscapes) {
+  EXPECT_THAT(json_row("{\"stamp\":1,\"points\":[[1,2],[3,4]]}").points_m, ElementsAre(1.0, 2.0, 3.0, 4.0));
+  EXPECT_THAT(json_row("{\"stamp\":1,\"points\":[]}").points_m, ElementsAre());
+  EXPECT_EQ(json_row(R"({"name":"a\n\t\"\\\/b\u00e4c","value":""})").name, "a\n\t\"\\/b?c");
+  EXPECT_EQ(json_row(R"({"stamp":1,"ticks":-9007199254740993})").ticks, -9007199254740993);
+  EXPECT_THAT(json_refusal(R"({"ticks":1.5})"), HasSubstr("a whole number as its ticks"));
+  EXPECT_THAT(json_refusal(R"({"ticks":1e3})"), HasSubstr("a whole number as its ticks"));
+  EXPECT_THAT(json_refusal(R"({"name":"a\)"), HasSubstr("ends where a character behind the backslash should be"));
+  EXPECT_THAT(json_refusal(R"({"name":"a\u12)"), HasSubstr("ends where four digits behind \\u should be"));
+  EXPECT_EQ(json_refusal("{}"), "");
+}
+
+TEST(ListedNumbers, StandBetweenBlanksCommasSemicolonsAndBrackets) {
+  const auto numbers_in = [](const std::string& text) {
+    std::vector<double> numbers;
+    append_listed_numbers(text, "ranges", numbers);
+    return numbers;
+  };
+  EXPECT_THAT(numbers_in("1 2,3;4\t5\r"), ElementsAre(1.0, 2.0, 3.0, 4.0, 5.0));
+  EXPECT_THAT(numbers_in("[(1.5, -2)]"), ElementsAre(1.5, -2.0));
+  EXPECT_THAT(numbers_in(""), ElementsAre());
+  EXPECT_THAT(numbers_in(" none "), ElementsAre());
+  EXPECT_THROW(numbers_in("1 none"), MalformedRow);
+  EXPECT_THROW(numbers_in("1:2"), MalformedRow);
+}
+
+}  // namespace
+}  // namespace gdtslam

@@ -1,0 +1,277 @@
+// Scans with the odometry of their stamps out of messages that come in any order, at the limits of what is waited for
+// and of what is taken for a sweep, a mount and a clock.
+#include "engine/io/recordings/scan_assembler.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gdtslam/core/angle.hpp"
+
+namespace gdtslam {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+/// An assembler and how often it warned of what.
+struct Assembly {
+  explicit Assembly(const ReadOptions& options = {})
+      : assembler(options, [this](std::string_view kind, const std::string&) { ++warned[std::string(kind)]; }) {}
+  Assembly(const Assembly&) = delete;
+  Assembly& operator=(const Assembly&) = delete;
+  ~Assembly() = default;
+  void scan(ScanMessage message, std::size_t laser = 0) {
+    const double stamp_s = message.stamp_s;
+    assembler.add_scan(laser, std::move(message), stamp_s);
+  }
+  void pose(double stamp_s, const Pose2& pose, double late_s = 0.0) {
+    const double c = std::cos(pose.theta_rad);
+    const double s = std::sin(pose.theta_rad);
+    Transform3 T{.rotation = {c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0}, .shift_m = {pose.x_m, pose.y_m, 0.0}};
+    assembler.add_odometry({.stamp_s = stamp_s, .parent = "odom", .child = "base_link", .T_parent_child = T},
+                           stamp_s + late_s);
+  }
+  std::optional<ScanRecord> next(bool at_end = false) {
+    const std::optional<LogRecord> record = assembler.next(at_end);
+    return record ? std::optional(std::get<ScanRecord>(*record)) : std::nullopt;
+  }
+  std::map<std::string, int> warned;
+  ScanAssembler assembler;
+};
+
+ScanMessage scan_at(double stamp_s, std::vector<float> ranges_m = {1.0F, 2.0F, 3.0F}) {
+  return {.stamp_s = stamp_s,
+          .frame = "base_link",
+          .first_bearing_rad = -0.5,
+          .bearing_step_rad = 0.25,
+          .min_range_m = 0.1,
+          .max_range_m = 30.0,
+          .ranges_m = std::move(ranges_m)};
+}
+
+/// The only scan of a recording whose robot stands at the origin.
+ScanRecord single(const ScanMessage& scan, const ReadOptions& options = {}) {
+  Assembly assembly(options);
+  assembly.assembler.add_laser("/scan");
+  assembly.pose(scan.stamp_s, {});
+  assembly.scan(scan);
+  return assembly.next(true).value();
+}
+
+// A quarter of a circle of radius 1 from (0, 0) to (1, 1): by thirds of the time it is thirds of the way around.
+TEST(ScanAssembler, OdometryBetweenTwoPosesLiesOnTheCircleThroughThem) {
+  Assembly assembly;
+  assembly.assembler.add_laser("/scan");
+  assembly.pose(1.0, {0.0, 0.0, 0.0});
+  assembly.pose(4.0, {1.0, 1.0, 0.5 * kPi});
+  for (const double stamp_s : {1.0, 2.0, 3.0, 4.0}) assembly.scan(scan_at(stamp_s));
+  for (int third = 0; third <= 3; ++third) {
+    const Pose2 pose = assembly.next().value().T_odom_base.value();
+    const double angle = third * kPi / 6.0;
+    EXPECT_NEAR(pose.x_m, std::sin(angle), 1e-12) << third;
+    EXPECT_NEAR(pose.y_m, 1.0 - std::cos(angle), 1e-12) << third;
+    EXPECT_NEAR(pose.theta_rad, angle, 1e-12) << third;
+  }
+}
+
+TEST(ScanAssembler, BeforeTheFirstPoseThereIsNoneAndBehindTheLastItIsThat) {
+  Assembly assembly;
+  assembly.assembler.add_laser("/scan");
+  assembly.scan(scan_at(0.5));
+  assembly.scan(scan_at(2.0));
+  assembly.scan(scan_at(2.5));
+  EXPECT_FALSE(assembly.next()) << "no odometry yet";
+  assembly.pose(1.0, {1.0, 0.0, 0.0});
+  EXPECT_FALSE(assembly.next()->T_odom_base);
+  EXPECT_FALSE(assembly.next()) << "a pose behind the scan is needed";
+  assembly.pose(2.0, {3.0, 0.0, 0.0});
+  EXPECT_EQ(assembly.next()->T_odom_base->x_m, 3.0) << "one of its own stamp is enough";
+  EXPECT_FALSE(assembly.next());
+  EXPECT_EQ(assembly.next(true)->T_odom_base->x_m, 3.0);
+  EXPECT_EQ(assembly.warned["scan after the last odometry"], 1);
+}
+
+TEST(ScanAssembler, OdometryThatStepsBackIsLeftOutAndOneThatRepeatsIsNotTold) {
+  Assembly assembly;
+  assembly.assembler.add_laser("/scan");
+  assembly.pose(1.0, {1.0, 0.0, 0.0});
+  assembly.pose(2.0, {2.0, 0.0, 0.0});
+  assembly.pose(2.0, {9.0, 0.0, 0.0});
+  EXPECT_THAT(assembly.warned, IsEmpty());
+  assembly.pose(1.5, {9.0, 0.0, 0.0});
+  EXPECT_EQ(assembly.warned["odometry steps back in time"], 1);
+  assembly.scan(scan_at(1.5));
+  assembly.scan(scan_at(2.0));
+  EXPECT_EQ(assembly.next()->T_odom_base->x_m, 1.5);
+  EXPECT_EQ(assembly.next()->T_odom_base->x_m, 2.0);
+}
+
+// scan_assembler.hpp: kMostHeldScans scans wait for odometry, kMostPoses poses are kept.
+TEST(ScanAssembler, SixtyFourScansWaitForOdometry) {
+  Assembly assembly;
+  assembly.assembler.add_laser("/scan");
+  for (int k = 1; k <= 64; ++k) {
+    assembly.scan(scan_at(0.1 * k));
+    ASSERT_FALSE(assembly.next()) << k;
+  }
+  assembly.scan(scan_at(6.5));
+  const std::optional<ScanRecord> first = assembly.next();
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->scan.stamp_s, 0.1);
+  EXPECT_FALSE(first->T_odom_base);
+  EXPECT_FALSE(assembly.next()) << "64 again";
+}
+
+TEST(ScanAssembler, TheLast4096PosesAreKept) {
+  for (const int poses : {4096, 4097}) {
+    Assembly assembly;
+    assembly.assembler.add_laser("/scan");
+    for (int k = 0; k < poses; ++k) assembly.pose(1.0 + k, {1.0 * k, 0.0, 0.0});
+    assembly.scan(scan_at(1.0));
+    EXPECT_EQ(assembly.next()->T_odom_base.has_value(), poses == 4096) << poses;
+  }
+}
+
+// A sweep of more than ten seconds is none: then its beams have no times.
+TEST(ScanAssembler, ASweepTakesTenSecondsAtMost) {
+  ScanMessage scan = scan_at(1.0);
+  for (const auto& [period_s, is_kept] :
+       {std::pair(0.01, true), {-0.01, true}, {5.0, true}, {5.0001, false}, {-5.0001, false}, {0.0, false}}) {
+    scan.beam_period_s = period_s;
+    EXPECT_EQ(single(scan).scan.beam_period_s, is_kept ? period_s : 0.0);
+  }
+  scan.beam_period_s = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(single(scan).scan.beam_period_s, 0.0);
+  scan.beam_period_s = 0.01;
+  scan.ranges_m.clear();
+  EXPECT_EQ(single(scan).scan.beam_period_s, 0.0);
+}
+
+// REP 117: not a number and minus infinity are no ranges; what is nearer than the least range is none either.
+TEST(ScanAssembler, RangesBelowTheLeastAreNone) {
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  ScanMessage scan = scan_at(1.0, {0.25F, 0.2499F, 0.0F, -1.0F, -kInf, std::nanf(""), kInf, 1e-30F});
+  scan.min_range_m = 0.25;
+  EXPECT_THAT(single(scan).scan.ranges_m, ElementsAre(0.25F, kInf, kInf, kInf, kInf, kInf, kInf, kInf));
+  scan.min_range_m = 0.0;
+  EXPECT_THAT(single(scan).scan.ranges_m, ElementsAre(0.25F, 0.2499F, kInf, kInf, kInf, kInf, kInf, 1e-30F));
+}
+
+TEST(ScanAssembler, ALimitThatIsNoneIsNone) {
+  ScanMessage scan = scan_at(1.0);
+  for (const auto& [stated_m, limit_m] : {std::pair(30.0, 30.0), {0.0, 0.0}, {-1.0, 0.0}}) {
+    scan.max_range_m = stated_m;
+    EXPECT_EQ(single(scan).scan.max_range_m, limit_m);
+  }
+  scan.max_range_m = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(single(scan).scan.max_range_m, 0.0);
+  EXPECT_EQ(single(scan, {.max_range_m = 12.0}).scan.max_range_m, 12.0);
+}
+
+// From left to right: the first beam is the last one, at the bearing where it was, and later than the others.
+TEST(ScanAssembler, AClockwiseScanIsTurned) {
+  ScanMessage scan = scan_at(1.0);
+  scan.first_bearing_rad = 0.5;
+  scan.bearing_step_rad = -0.25;
+  scan.beam_period_s = 0.01;
+  const LaserScan turned = single(scan).scan;
+  EXPECT_EQ(turned.first_bearing_rad, 0.0);
+  EXPECT_EQ(turned.bearing_step_rad, 0.25);
+  EXPECT_EQ(turned.beam_period_s, -0.01);
+  EXPECT_EQ(turned.first_beam_after_s, 0.02);
+  EXPECT_THAT(turned.ranges_m, ElementsAre(3.0F, 2.0F, 1.0F));
+}
+
+void add_mount(Assembly& assembly, const std::string& frame, double roll_rad) {
+  const double c = std::cos(roll_rad);
+  const double s = std::sin(roll_rad);
+  assembly.assembler.add_transform(
+      {.stamp_s = 1.0,
+       .parent = "base_link",
+       .child = frame,
+       .T_parent_child = {.rotation = {1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c}, .shift_m = {0.25, 0.125, 1.0}}},
+      1.0);
+}
+
+// Tilted by 20 degrees a laser still counts as level; so does one upside down.
+TEST(ScanAssembler, ALaserTiltedByMoreThan20DegreesIsTold) {
+  for (const auto& [roll_deg, is_told] :
+       {std::pair(0.0, 0), {19.0, 0}, {-19.0, 0}, {21.0, 1}, {90.0, 1}, {159.0, 1}, {161.0, 0}, {180.0, 0}}) {
+    Assembly assembly;
+    assembly.assembler.add_laser("/scan");
+    add_mount(assembly, "laser", rad_from_deg(roll_deg));
+    assembly.pose(1.0, {});
+    ScanMessage scan = scan_at(1.0);
+    scan.frame = "laser";
+    assembly.scan(scan);
+    const std::optional<ScanRecord> record = assembly.next();
+    ASSERT_TRUE(record) << "its mount is known";
+    EXPECT_EQ(record->scan.T_base_laser.x_m, 0.25);
+    EXPECT_EQ(record->scan.T_base_laser.y_m, 0.125);
+    EXPECT_EQ(assembly.warned["laser is not level"], is_told) << roll_deg;
+    EXPECT_EQ(assembly.warned["laser mount unknown"], 0);
+  }
+}
+
+TEST(ScanAssembler, AScanWaitsForItsMountAndGoesWithoutOneAtTheEnd) {
+  Assembly assembly;
+  assembly.assembler.add_laser("/scan");
+  assembly.pose(1.0, {});
+  ScanMessage scan = scan_at(1.0);
+  scan.frame = "laser";
+  assembly.scan(scan);
+  EXPECT_FALSE(assembly.next());
+  EXPECT_EQ(assembly.next(true)->scan.T_base_laser, Pose2{});
+  EXPECT_EQ(assembly.warned["laser mount unknown"], 1);
+}
+
+// Two clocks are the same where their messages come within a second of their stamps.
+TEST(ScanAssembler, ClocksThatAreMoreThanASecondApartAreBroughtTogether) {
+  for (const double apart_s : {0.99, -0.99, 1.0, 1.01, -1.01, 40.0}) {
+    Assembly assembly;
+    assembly.assembler.add_laser("/scan");
+    assembly.scan(scan_at(100.0));
+    for (int k = 0; k <= 10; ++k) assembly.pose(99.5 + 0.1 * k - apart_s, {1.0 * k, 0.0, 0.0}, apart_s);
+    const std::optional<ScanRecord> record = assembly.next(true);
+    ASSERT_TRUE(record);
+    const bool is_other = std::fabs(apart_s) > 1.0;
+    EXPECT_EQ(assembly.warned["clocks differ"], is_other ? 1 : 0) << apart_s;
+    EXPECT_NEAR(assembly.assembler.odometry_shift_s().value(), is_other ? apart_s : 0.0, 1e-9);
+    if (!is_other) continue;
+    EXPECT_NEAR(record->T_odom_base.value().x_m, 5.0, 1e-6);
+  }
+}
+
+TEST(ScanAssembler, TicksAndTiltsAreCountedFromTheirZeroByTheirStep) {
+  const auto record_of = [](const CrankOptions& crank, const NumberMessage& number) {
+    ReadOptions options;
+    options.crank = crank;
+    Assembly assembly(options);
+    assembly.assembler.add_crank(number, 7.0);
+    return assembly.assembler.next(true).value();
+  };
+  CrankOptions tilt;
+  tilt.kind = CrankKind::kTilt;
+  tilt.zero = 10.0;
+  tilt.step_rad = 0.25;
+  EXPECT_EQ(std::get<Tilt>(record_of(tilt, {.stamp_s = 3.0, .value = 14.0})).elevation_rad, 1.0);
+  EXPECT_EQ(std::get<Tilt>(record_of(tilt, {.stamp_s = 3.0, .value = 14.0})).stamp_s, 3.0);
+  tilt.step_rad = 0.0;
+  EXPECT_EQ(std::get<Tilt>(record_of(tilt, {.stamp_s = 3.0, .value = 10.5})).elevation_rad, 0.5) << "radians";
+  CrankOptions ticks;
+  ticks.step_rad = 0.25;
+  EXPECT_EQ(std::get<Encoder>(record_of(ticks, {.value = 0.9})).ticks, 4) << "3.6 of them";
+  EXPECT_EQ(std::get<Encoder>(record_of(ticks, {.value = -0.9})).ticks, -4);
+  EXPECT_EQ(std::get<Encoder>(record_of(ticks, {.value = 9.0, .whole = 9007199254740993})).ticks, 9007199254740993);
+  EXPECT_EQ(std::get<Encoder>(record_of(ticks, {.value = 0.9})).stamp_s, 7.0) << "of a message without a stamp";
+}
+
+}  // namespace
+}  // namespace gdtslam

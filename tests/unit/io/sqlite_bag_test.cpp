@@ -1,0 +1,356 @@
+// The reader of SQLite bags by itself: what it counts, bounds, orders and says. SQLite makes the databases.
+#include "engine/io/recordings/containers/sqlite_bag.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <sqlite3.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "io_test_support.hpp"
+
+namespace gdtslam {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::EndsWith;
+using ::testing::StartsWith;
+
+const std::string kEmptyTables =
+    "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT);"
+    "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB);";
+const std::string kOneTopic = kEmptyTables + "INSERT INTO topics VALUES(1, '/scan', 'a/msg/B', 'cdr');";
+
+/// A database of these commands; its name again.
+std::string made_by_sqlite(const std::string& file, const std::string& commands) {
+  sqlite3* database = nullptr;
+  EXPECT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
+  EXPECT_EQ(sqlite3_exec(database, commands.c_str(), nullptr, nullptr, nullptr), SQLITE_OK) << sqlite3_errmsg(database);
+  EXPECT_EQ(sqlite3_close(database), SQLITE_OK);
+  return file;
+}
+
+std::string bag_row(int id, const std::string& timestamp_ns = "0", const std::string& data = "x'07'") {
+  return fmt::format("INSERT INTO messages VALUES({}, 1, {}, {});", id, timestamp_ns, data);
+}
+
+std::optional<RecordingItem> next_item_of(SqliteBag& bag, bool is_wanted = true) {
+  return bag.next([is_wanted](std::uint32_t) { return is_wanted; }, [](std::string_view, const std::string&) {});
+}
+
+/// The number of channels, which come first.
+std::size_t skip_channels(SqliteBag& bag, RecordingItem& first_message) {
+  std::size_t channels = 0;
+  for (std::optional<RecordingItem> item = next_item_of(bag); item; item = next_item_of(bag)) {
+    if (!item->definition) {
+      first_message = *item;
+      break;
+    }
+    ++channels;
+  }
+  return channels;
+}
+
+struct Refusal {
+  std::string text{};
+  bool is_cut = false;
+};
+
+/// What ends the reading of a bag; nothing where it comes to its end. `given` counts its messages.
+template <class Origin>
+Refusal refusal_of(const Origin& origin, std::size_t* given = nullptr) {
+  try {
+    SqliteBag bag(origin);
+    while (const std::optional<RecordingItem> item = next_item_of(bag)) {
+      if (given != nullptr && !item->definition) ++*given;
+    }
+  } catch (const RecordingFault& fault) {
+    return {fault.what(), dynamic_cast<const RecordingCut*>(&fault) != nullptr};
+  }
+  return {};
+}
+
+TEST(SqliteBag, NamesMayHoldWhatMeansSomethingInAUri) {
+  const TemporaryFolder folder;
+  for (const char* const name : {"a?mode=rwc.db3", "a#b.db3", "a%41.db3", "ü b&c=d.db3"}) {
+    SqliteBag bag(made_by_sqlite(folder / name, kOneTopic + bag_row(1)));
+    RecordingItem message;
+    EXPECT_EQ(skip_channels(bag, message), 1U) << name;
+    EXPECT_EQ(message.bytes, "\x07") << name;
+  }
+}
+
+TEST(SqliteBag, ChannelsComeFirstAndInTheOrderOfTheirNumbers) {
+  const TemporaryFolder folder;
+  SqliteBag bag(made_by_sqlite(folder / "a.db3", kEmptyTables +
+                                                     "INSERT INTO topics VALUES(7, '/c', 't/msg/C', 'ros1'),"
+                                                     "(3, '/a', 't/msg/A', 'cdr'), (5, '/b', 't/msg/B', NULL),"
+                                                     "(9, '/d', 't/msg/D', 'protobuf');" +
+                                                     bag_row(1)));
+  std::vector<std::string> told;
+  while (const std::optional<RecordingItem> item = next_item_of(bag)) {
+    if (!item->definition) break;
+    const RecordingChannel& channel = *item->definition;
+    told.push_back(fmt::format("{} {} {} '{}' {}", item->channel, channel.topic, channel.type, channel.encoding_name,
+                               static_cast<int>(channel.encoding)));
+  }
+  const auto as_number = [](MessageEncoding encoding) { return std::to_string(static_cast<int>(encoding)); };
+  EXPECT_THAT(told, ElementsAre("3 /a t/msg/A 'cdr' " + as_number(MessageEncoding::kCdr),
+                                "5 /b t/msg/B '' " + as_number(MessageEncoding::kCdr),
+                                "7 /c t/msg/C 'ros1' " + as_number(MessageEncoding::kRos1),
+                                "9 /d t/msg/D 'protobuf' " + as_number(MessageEncoding::kOther)));
+}
+
+// docs/formats.md: 64 KiB of a header or a name.
+TEST(SqliteBag, OfATextAreKept64KiB) {
+  const TemporaryFolder folder;
+  const std::string text = "VALUES({}, printf('%.{}c', 'x'), printf('%.{}c', 'y'), 'cdr');";
+  SqliteBag bag(made_by_sqlite(folder / "a.db3",
+                               kEmptyTables + "INSERT INTO topics " + fmt::format(fmt::runtime(text), 1, 65536, 65535) +
+                                   "INSERT INTO topics " + fmt::format(fmt::runtime(text), 2, 65537, 100000)));
+  const std::optional<RecordingItem> whole = next_item_of(bag);
+  EXPECT_EQ(whole->definition->topic, std::string(65536, 'x'));
+  EXPECT_EQ(whole->definition->type, std::string(65535, 'y'));
+  const std::optional<RecordingItem> cut = next_item_of(bag);
+  EXPECT_EQ(cut->definition->topic, std::string(65536, 'x'));
+  EXPECT_EQ(cut->definition->type, std::string(65536, 'y'));
+}
+
+TEST(SqliteBag, AtMost65536TopicsAreTold) {
+  const TemporaryFolder folder;
+  for (const std::size_t topics : {std::size_t{65535}, std::size_t{65536}, std::size_t{65537}}) {
+    SqliteBag bag(made_by_sqlite(
+        folder / fmt::format("{}.db3", topics),
+        kEmptyTables +
+            fmt::format("INSERT INTO topics SELECT value, 'n', 't', 'cdr' FROM (WITH RECURSIVE n(value) AS (SELECT 1 "
+                        "UNION ALL SELECT value + 1 FROM n WHERE value < {}) SELECT value FROM n);",
+                        topics) +
+            bag_row(1)));
+    RecordingItem message;
+    EXPECT_EQ(skip_channels(bag, message), std::min<std::size_t>(topics, 65536)) << topics;
+    EXPECT_EQ(message.bytes, "\x07");
+  }
+}
+
+TEST(SqliteBag, TimesAreSecondsOfNanoseconds) {
+  const TemporaryFolder folder;
+  const std::string file = made_by_sqlite(
+      folder / "a.db3", kOneTopic + bag_row(1, "0") + bag_row(2, "1") + bag_row(3, "999999999") +
+                            bag_row(4, "1000000000") + bag_row(5, "1700000000600000000") + bag_row(6, "-1500000000"));
+  SqliteBag bag(file);
+  std::vector<double> times_s;
+  while (const std::optional<RecordingItem> item = next_item_of(bag)) {
+    if (!item->definition) times_s.push_back(item->received_s);
+  }
+  ASSERT_EQ(times_s.size(), 6U);
+  const std::vector<double> expected_s{0.0, 1e-9, 0.999999999, 1.0, 1700000000.6, -1.5};
+  for (std::size_t k = 0; k < times_s.size(); ++k) EXPECT_DOUBLE_EQ(times_s[k], expected_s[k]) << k;
+}
+
+// SQLite numbers rows from 1, others may begin anywhere.
+TEST(SqliteBag, RowsMayBeginBelowOne) {
+  const TemporaryFolder folder;
+  std::size_t given = 0;
+  const Refusal refusal = refusal_of(
+      made_by_sqlite(folder / "a.db3", kOneTopic + bag_row(-2) + bag_row(-1) + bag_row(0) + bag_row(1) + bag_row(2)),
+      &given);
+  EXPECT_EQ(refusal.text, "");
+  EXPECT_EQ(given, 5U);
+}
+
+TEST(SqliteBag, ARowThatComesTwiceIsDamage) {
+  const TemporaryFolder folder;
+  const std::string without_key =
+      "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT);"
+      "CREATE TABLE messages(id INTEGER, topic_id INTEGER, timestamp INTEGER, data BLOB);";
+  std::size_t given = 0;
+  const std::string twice = made_by_sqlite(folder / "a.db3", without_key + bag_row(1) + bag_row(1) + bag_row(2));
+  EXPECT_EQ(refusal_of(twice, &given).text, "is damaged: its messages are not in order");
+  EXPECT_EQ(given, 1U);
+  const std::string once = made_by_sqlite(folder / "b.db3", without_key + bag_row(1) + bag_row(2) + bag_row(3));
+  EXPECT_EQ(refusal_of(once).text, "");
+}
+
+TEST(SqliteBag, ProgressAndPlaceGoByTheRows) {
+  const TemporaryFolder folder;
+  SqliteBag bag(made_by_sqlite(folder / "a.db3", kOneTopic + bag_row(1) + bag_row(2) + bag_row(8)));
+  (void)next_item_of(bag);  // the channel
+  EXPECT_EQ(bag.progress(), 0.0);
+  EXPECT_EQ(bag.place(), "at message 0");
+  for (const auto& [row, share] : {std::pair(1, 0.125), std::pair(2, 0.25), std::pair(8, 1.0)}) {
+    (void)next_item_of(bag);
+    EXPECT_EQ(bag.progress(), share);
+    EXPECT_EQ(bag.place(), fmt::format("at message {}", row));
+  }
+  EXPECT_EQ(next_item_of(bag), std::nullopt);
+  EXPECT_EQ(next_item_of(bag), std::nullopt) << "and again";
+  SqliteBag single(made_by_sqlite(folder / "single.db3", kOneTopic + bag_row(1)));
+  EXPECT_EQ(single.progress(), 0.0);
+  EXPECT_EQ(SqliteBag(made_by_sqlite(folder / "none.db3", kOneTopic)).progress(), -1.0) << "unknown";
+}
+
+// docs/formats.md: a message has at most 16 MiB. A longer one is left out by who wants it, and passed over else.
+TEST(SqliteBag, AMessageOf16MiBIsReadAndNoLongerOne) {
+  const TemporaryFolder folder;
+  const std::string file = made_by_sqlite(folder / "a.db3", kOneTopic + bag_row(1, "0", "zeroblob(16777216)") +
+                                                                bag_row(2, "0", "zeroblob(16777217)") + bag_row(3));
+  SqliteBag bag(file);
+  RecordingItem message;
+  ASSERT_EQ(skip_channels(bag, message), 1U);
+  EXPECT_EQ(message.bytes.size(), 16777216U);
+  EXPECT_FALSE(bag.skip_damage()) << "nothing is damaged";
+  try {
+    (void)next_item_of(bag);
+    ADD_FAILURE() << "the longer one was read";
+  } catch (const RecordingFault& fault) {
+    EXPECT_STREQ(fault.what(), "has a message of 16777217 bytes; at most 16777216 are read");
+  }
+  EXPECT_TRUE(bag.skip_damage());
+  EXPECT_FALSE(bag.skip_damage()) << "once";
+  EXPECT_EQ(next_item_of(bag)->bytes, "\x07");
+  EXPECT_EQ(next_item_of(bag), std::nullopt);
+
+  SqliteBag unwanted(file);
+  std::size_t messages = 0;
+  while (const std::optional<RecordingItem> item = next_item_of(unwanted, false)) {
+    messages += item->definition ? 0U : 1U;
+    EXPECT_TRUE(item->bytes.empty());
+  }
+  EXPECT_EQ(messages, 3U);
+}
+
+// A row of some more than the longest message is not loaded, so that it cannot take the memory.
+TEST(SqliteBag, ARowThatIsMuchLongerThanAMessageIsRefused) {
+  const TemporaryFolder folder;
+  const auto with_name_of = [&](std::size_t bytes) {
+    return made_by_sqlite(
+        folder / fmt::format("{}.db3", bytes),
+        kEmptyTables + fmt::format("INSERT INTO topics VALUES(1, CAST(zeroblob({}) AS TEXT), 't', 'cdr');", bytes));
+  };
+  EXPECT_EQ(refusal_of(with_name_of(16777216)).text, "");
+  EXPECT_EQ(refusal_of(with_name_of(16777216 + 8192)).text, "cannot be read as a ROS 2 bag: string or blob too big");
+}
+
+// SQLite counts what it has; what is left of a bag in it would be memory and an open file.
+TEST(SqliteBag, LeavesNothingBehindInSqlite) {
+  const TemporaryFolder folder;
+  const std::string file =
+      made_by_sqlite(folder / "a.db3", kOneTopic + bag_row(1) + bag_row(2) + bag_row(3, "0", "NULL") + bag_row(4));
+  EXPECT_EQ(refusal_of(file).text, "has a message without bytes");
+  const sqlite3_int64 before = sqlite3_memory_used();
+  for (int items = 0; items < 4; ++items) {
+    SqliteBag bag(file);
+    for (int k = 0; k < items; ++k) (void)next_item_of(bag);
+  }
+  EXPECT_EQ(refusal_of(file).text, "has a message without bytes");
+  EXPECT_EQ(refusal_of(std::string_view(get_file(file))).text, "has a message without bytes");
+  EXPECT_NE(refusal_of(folder / "none.db3").text, "");
+  EXPECT_EQ(sqlite3_memory_used(), before);
+}
+
+TEST(SqliteBag, AMessageWithoutBytesCostsItself) {
+  const TemporaryFolder folder;
+  for (const int missing : {1, 2, 3}) {
+    std::string rows;
+    for (int k = 1; k <= 3; ++k) rows += bag_row(k, "0", k == missing ? "NULL" : "x'07'");
+    SqliteBag bag(made_by_sqlite(folder / fmt::format("{}.db3", missing), kOneTopic + rows));
+    ASSERT_TRUE(next_item_of(bag)->definition);
+    for (int k = 1; k <= 3; ++k) {
+      if (k != missing) {
+        EXPECT_EQ(next_item_of(bag)->bytes, "\x07") << k << " of " << missing;
+        continue;
+      }
+      try {
+        (void)next_item_of(bag);
+        ADD_FAILURE() << missing;
+      } catch (const RecordingFault& fault) {
+        EXPECT_STREQ(fault.what(), "has a message without bytes");
+      }
+      EXPECT_TRUE(bag.skip_damage());
+    }
+  }
+}
+
+/// A bag of pages of that size whose last ones hold what nobody asks for.
+std::string with_pages_behind(const std::string& file, int page_bytes) {
+  return made_by_sqlite(file, fmt::format("PRAGMA page_size={};", page_bytes) + kOneTopic + bag_row(1) + bag_row(2) +
+                                  "CREATE TABLE pictures(data BLOB); INSERT INTO pictures VALUES(zeroblob(200000));");
+}
+
+// www.sqlite.org/fileformat.html: the size of a page is at byte 16, where 1 means 65536, and their number at byte 28.
+TEST(SqliteBag, ABagWithFewerPagesThanItStatesIsReadAndToldToBeCut) {
+  const TemporaryFolder folder;
+  for (const int page_bytes : {512, 4096, 32768, 65536}) {
+    const std::string file = with_pages_behind(folder / fmt::format("{}.db3", page_bytes), page_bytes);
+    const std::string whole = get_file(file);
+    ASSERT_EQ(whole.size() % static_cast<std::size_t>(page_bytes), 0U);
+    ASSERT_EQ(256 * static_cast<unsigned char>(whole[16]) + static_cast<unsigned char>(whole[17]),
+              page_bytes == 65536 ? 1 : page_bytes);
+    EXPECT_EQ(refusal_of(file).text, "") << page_bytes;
+    EXPECT_EQ(refusal_of(std::string_view(whole)).text, "") << page_bytes << " in memory";
+    for (const std::size_t missing : {std::size_t{1}, static_cast<std::size_t>(page_bytes)}) {
+      const std::string part = whole.substr(0, whole.size() - missing);
+      const std::string cut = folder / "cut.db3";
+      put_file(cut, part);
+      put_file(cut + "-wal", "");  // of a recorder that had just emptied it
+      std::size_t given = 0;
+      const Refusal of_file = refusal_of(cut, &given);
+      EXPECT_EQ(of_file.text, "ends before the pages that it states") << page_bytes << " without " << missing;
+      EXPECT_TRUE(of_file.is_cut);
+      EXPECT_EQ(given, 2U);
+      EXPECT_EQ(refusal_of(std::string_view(part)).text, "ends before the pages that it states") << "in memory";
+    }
+  }
+}
+
+// The same page: what a program older than SQLite 3.7 wrote last states no number of pages, so the two counters differ.
+TEST(SqliteBag, ANumberOfPagesThatNobodyKeptIsNotBelieved) {
+  const TemporaryFolder folder;
+  std::string bytes = get_file(with_pages_behind(folder / "a.db3", 4096));
+  bytes[31] = static_cast<char>(bytes[31] + 1);  // one page more
+  EXPECT_EQ(refusal_of(std::string_view(bytes)).text, "ends before the pages that it states");
+  bytes[95] = static_cast<char>(bytes[95] + 1);
+  EXPECT_EQ(refusal_of(std::string_view(bytes)).text, "");
+}
+
+TEST(SqliteBag, WhatCannotBeOpenedAndWhatIsDamagedAreToldApart) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(refusal_of(folder / "none.db3").text, "cannot be read as a ROS 2 bag: unable to open database file");
+  const std::string noise = std::string(kSqliteMagic) + std::string(4096, '\x55');
+  put_file(folder / "noise.db3", noise);
+  const Refusal damaged = refusal_of(folder / "noise.db3");
+  EXPECT_THAT(damaged.text, StartsWith("is damaged or was cut off ("));
+  EXPECT_THAT(damaged.text, EndsWith("); 'sqlite3 FILE .recover' saves what there is"));
+  EXPECT_FALSE(damaged.is_cut) << "nothing of it was given";
+  EXPECT_EQ(refusal_of(std::string_view(noise)).text, damaged.text);
+  for (const char* const table : {"topics", "messages"}) {
+    const std::string file = folder / (table + std::string(".db3"));
+    EXPECT_EQ(refusal_of(made_by_sqlite(file, fmt::format("CREATE TABLE {}(id INTEGER);", table))).text,
+              "is an SQLite file without the tables 'topics' and 'messages' of a ROS 2 bag");
+  }
+}
+
+// Rows that are added go into new pages, so the last page of the file has the last ones.
+TEST(SqliteBag, WhatIsBeforeADamagedPageIsGiven) {
+  const TemporaryFolder folder;
+  std::string rows;
+  for (int k = 1; k <= 40; ++k) rows += bag_row(k, "0", "zeroblob(100)");
+  std::string bytes = get_file(made_by_sqlite(folder / "a.db3", "PRAGMA page_size=512;" + kOneTopic + rows));
+  std::fill(bytes.end() - 512, bytes.end(), '\xff');
+  std::size_t given = 0;
+  const Refusal refusal = refusal_of(std::string_view(bytes), &given);
+  EXPECT_THAT(refusal.text, StartsWith("is damaged or was cut off ("));
+  EXPECT_THAT(refusal.text, EndsWith(")"));
+  EXPECT_TRUE(refusal.is_cut);
+  EXPECT_GE(given, 35U) << "a page of 512 bytes holds four of them";
+  EXPECT_LT(given, 40U);
+  EXPECT_EQ(SqliteBag(std::string_view(bytes)).progress(), -1.0) << "the last row is not known";
+}
+
+}  // namespace
+}  // namespace gdtslam
