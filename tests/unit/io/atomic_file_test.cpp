@@ -35,6 +35,21 @@ TEST(AtomicFile, WritesTheBytes) {
   EXPECT_THAT(folder.names(), ElementsAre("a.txt"));
 }
 
+TEST(AtomicFile, NoDescriptorStaysOpen) {
+  const TemporaryFolder folder;
+  const auto open_now = [] {
+    const std::filesystem::directory_iterator descriptors("/proc/self/fd");
+    return std::distance(begin(descriptors), end(descriptors));
+  };
+  const auto before = open_now();
+  for (int i = 0; i < 10; ++i) {
+    AtomicFile file(folder / "a.txt");
+    file.write("text\n");
+    if (i % 2 == 0) file.commit();
+  }
+  EXPECT_EQ(open_now(), before);
+}
+
 TEST(AtomicFile, WithoutCommitTheOldFileStays) {
   const TemporaryFolder folder;
   put_file(folder / "a.txt", "old");

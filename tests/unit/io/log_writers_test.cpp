@@ -136,6 +136,20 @@ TEST_P(WrittenAsMessages, ScansReadBackWithTheirOdometry) {
   expect_pose(*scans[1].T_odom_base, {1.5, -2.0, -0.75});
 }
 
+// Most readers keep the first transform of /tf_static.
+TEST_P(WrittenAsMessages, AMountThatChangesIsTold) {
+  const TemporaryFolder folder;
+  ScanRecord moved = written_scan(10.5);
+  moved.scan.T_base_laser.x_m += 0.25;
+  ScanRecord again = written_scan(11.0);
+  again.scan.T_base_laser = moved.scan.T_base_laser;
+  const std::vector<LogReader::Warning> left_out =
+      write_records(folder / GetParam(), {written_scan(10.0), moved, again});
+  ASSERT_EQ(left_out.size(), 1U);
+  EXPECT_EQ(left_out[0].kind, "change of a mount");
+  EXPECT_EQ(left_out[0].count, 1U);
+}
+
 TEST(CarmenLogs, SayWhatTheyCannotCarry) {
   const TemporaryFolder folder;
   ScanRecord timed = written_scan(1.0);

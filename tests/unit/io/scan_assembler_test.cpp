@@ -217,6 +217,8 @@ TEST(ScanAssembler, ALaserTiltedByMoreThan20DegreesIsTold) {
     EXPECT_EQ(record->scan.T_base_laser.y_m, 0.125);
     EXPECT_EQ(assembly.warned["laser is not level"], is_told) << roll_deg;
     EXPECT_EQ(assembly.warned["laser mount unknown"], 0);
+    EXPECT_EQ(assembly.assembler.laser_contents(0).mount, MountSource::kFrames);
+    EXPECT_THAT(assembly.assembler.laser_contents(0).chain, ElementsAre("laser", "base_link"));
   }
 }
 
@@ -230,6 +232,8 @@ TEST(ScanAssembler, AScanWaitsForItsMountAndGoesWithoutOneAtTheEnd) {
   EXPECT_FALSE(assembly.next());
   EXPECT_EQ(assembly.next(true)->scan.T_base_laser, Pose2{});
   EXPECT_EQ(assembly.warned["laser mount unknown"], 1);
+  EXPECT_EQ(assembly.assembler.laser_contents(0).mount, MountSource::kUnknown);
+  EXPECT_THAT(assembly.assembler.laser_contents(0).chain, IsEmpty());
 }
 
 // Two clocks are the same where their messages come within a second of their stamps.
