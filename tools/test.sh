@@ -21,8 +21,8 @@ GDTSLAM_DATA=DIR   real logs for the accuracy tests (they skip where there are n
 GDTSLAM_FUZZ_S=N   seconds per fuzz target (default 2; tools/soak.sh has more)
 GDTSLAM_LINT_SINCE=REVISION   clang-tidy checks what changed since then (default: in the last six hours); what builds
                    all once more does so where something of how things are built has changed
-GDTSLAM_LONG_SHARE=N   of the long tests (ctest -L long) every N-th, which the commit decides, and instead of
-                   fuzzing the unit tests of the readers under sanitizers with every N-th commit (default 1: all)
+GDTSLAM_LONG_SHARE=N   of the long tests (ctest -L long) every N-th, which the commit decides; from 2 on without
+                   the unit tests of the readers under sanitizers (default 1: all)
 GDTSLAM_LINT_S=N   seconds for clang-tidy (default 150)
 GDTSLAM_JOBS=N     compiler processes at a time
 GDTSLAM_END_S=N    after that many seconds what repeats tests in another way is skipped: clang-tidy, sanitizers
@@ -223,16 +223,10 @@ begin "Sanitizers and fuzzing"
 if $quick; then
   skip "sanitizers and fuzzing (--quick)"
 else
-  # Both take minutes to build; the corpora of the fuzzers are replayed by the unit tests each time.
-  if ((long_share > 1 && 0x${revision:8:8} % long_share == 0)); then
-    skip "fuzzing, in favour of the unit tests of the readers under sanitizers (GDTSLAM_LONG_SHARE=$long_share)"
-  elif may_begin "fuzzing"; then
-    GDTSLAM_FUZZ_S=${GDTSLAM_FUZZ_S:-2} check "fuzzing" "$root/tools/scripts/fuzz.sh"
-  fi
-  if ((0x${revision:8:8} % long_share)); then
+  if may_begin "fuzzing"; then GDTSLAM_FUZZ_S=${GDTSLAM_FUZZ_S:-2} check "fuzzing" "$root/tools/scripts/fuzz.sh"; fi
+  if ((long_share > 1)); then
     skip "unit tests of the readers under sanitizers (GDTSLAM_LONG_SHARE=$long_share; tools/soak.sh asan has every part)"
   elif may_begin "tests under sanitizers"; then
-    configure "$sanitized" --preset fuzz
     run_sanitized
   fi
 fi
