@@ -2,7 +2,7 @@
 """Which of the long tests are left out where there is little time: `draw_tests.py BUILD_TREE --share N --revision COMMIT`.
 
 Of the tests with the label `long` in the order of their numbers every N-th stays, beginning with one that the commit decides,
-so that another third has its turn with another commit. Prints a regular expression for `ctest --exclude-regex` that
+so that others have their turn with another commit. Prints a regular expression for `ctest --exclude-regex` that
 matches the others, and nothing where all stay; how many they are goes to standard error."""
 
 import argparse

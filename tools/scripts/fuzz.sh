@@ -14,10 +14,11 @@ run=(python3 -B "$root/tools/scripts/fuzz_targets.py" --program "$fuzzed/bin/gdt
 
 if [[ " $* " == *" -h "* || " $* " == *" --help "* ]]; then exec "${run[@]}" --help; fi
 export CCACHE_EXTRAFILES=$root/tests/fuzz/not_covered.txt  # which ccache does not know of
-unoptimised=()
-if [[ ${GDTSLAM_FUZZ_UNOPTIMISED:-OFF} == ON ]]; then
-  unoptimised=(-DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O0 -g1 -D_GLIBCXX_ASSERTIONS")
-fi
+case ${GDTSLAM_FUZZ_UNOPTIMISED:-OFF} in
+  OFF) unoptimised=() ;;
+  ON) unoptimised=(-DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O0 -g1 -D_GLIBCXX_ASSERTIONS") ;;
+  *) echo "fuzz.sh: GDTSLAM_FUZZ_UNOPTIMISED must be ON or OFF" >&2 && exit 2 ;;
+esac
 configure "$fuzzed" --preset fuzz "${unoptimised[@]}"
 cmake --build "$fuzzed" --parallel "$(build_jobs)" --target gdtslam_fuzz
 # Freed memory that AddressSanitizer holds back counts as memory of the program. Of where memory was taken a few calls are

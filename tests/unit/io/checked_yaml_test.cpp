@@ -27,12 +27,7 @@ YamlValue yaml_value(const std::string& text, const std::string& name = "") {
 
 template <class Failure = ConfigError, class Read>
 std::string yaml_refusal(const Read& read) {
-  try {
-    read();
-  } catch (const Failure& error) {
-    return error.what();
-  }
-  return "";
+  return told_by<Failure>(read);
 }
 
 TEST(YamlValue, CountsAreWholeNumbersUpTo1000000000) {

@@ -35,12 +35,7 @@ Cloud read(const std::string& file) {
 }
 
 std::string cloud_error(const std::string& file) {
-  try {
-    read(file);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
+  return told_by<InputError>([&] { read(file); }, "no error");
 }
 
 std::string word(std::uint32_t value) {

@@ -160,6 +160,17 @@ BoundedRun run_alone(Call call) {
   return run;
 }
 
+/// What the `Failure` says that `action` ends with; `otherwise` where it ends without one. Others go through.
+template <class Failure, class Action>
+std::string told_by(const Action& action, const std::string& otherwise = "") {
+  try {
+    action();
+  } catch (const Failure& failure) {
+    return failure.what();
+  }
+  return otherwise;
+}
+
 inline void expect_bounded(const BoundedRun& run) {
   EXPECT_TRUE(run.exited);
   if (!kIsInstrumented) {

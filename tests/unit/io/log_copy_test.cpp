@@ -231,12 +231,7 @@ TEST_F(LogCopyTest, DamageIsFound) {
 }
 
 std::string refusal_of(const std::string& path) {
-  try {
-    records_of(*open_log(path, {}));
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return told_by<InputError>([&] { records_of(*open_log(path, {})); });
 }
 
 TEST_F(LogCopyTest, RefusalsSayWhatIsWrong) {

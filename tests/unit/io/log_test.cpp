@@ -13,12 +13,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 std::string refusal(const std::string& path) {
-  try {
-    open_log(path, {});
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
+  return told_by<InputError>([&] { open_log(path, {}); }, "no error");
 }
 
 TEST(OpenLog, ReadsCarmenPlainAndPackedWhateverTheName) {

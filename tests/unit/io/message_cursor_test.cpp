@@ -16,6 +16,7 @@
 
 #include "engine/io/recordings/messages.hpp"
 #include "gdtslam/core/angle.hpp"
+#include "io_test_support.hpp"
 #include "mcap_writer.hpp"
 
 namespace gdtslam {
@@ -28,12 +29,7 @@ std::string cdr_head(int kind) { return {static_cast<char>(kind / 256), static_c
 
 template <class Read>
 std::string fault_of_recording(const Read& read) {
-  try {
-    read();
-  } catch (const RecordingFault& fault) {
-    return fault.what();
-  }
-  return "";
+  return told_by<RecordingFault>(read);
 }
 
 TEST(MessageCursor, OfCdrThePlainEncodingsAreRead) {

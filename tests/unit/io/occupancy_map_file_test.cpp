@@ -24,12 +24,7 @@ std::string map_error(std::string_view yaml, std::string_view image) {
   const TemporaryFolder folder;
   put_file(folder / "m.yaml", yaml);
   put_file(folder / "m.pgm", image);
-  try {
-    read_occupancy_map(folder / "m.yaml");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
+  return told_by<InputError>([&] { read_occupancy_map(folder / "m.yaml"); }, "no error");
 }
 
 OccupancyMap read_map(std::string_view yaml, std::string_view image) {

@@ -192,14 +192,7 @@ TEST(Png, SizeIsBoundedBeforeMemoryIsTaken) {
   expect_bounded(run);
 }
 
-std::string input_error_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
-}
+std::string input_error_of(const std::function<void()>& action) { return told_by<InputError>(action, "no error"); }
 
 TEST(Png, OtherKindsAreRefused) {
   const std::string of_colours = encode_png(1, 1, std::vector<std::uint8_t>{7, 7, 7, 255});

@@ -31,12 +31,7 @@ const std::string kBytesName = "copy";
 template <class Read>
 std::string refusal_of_bytes(const std::string& bytes, const Read& read) {
   BytesIn in(bytes, kBytesName);
-  try {
-    read(in);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return told_by<InputError>([&] { read(in); });
 }
 
 std::string refusal_of_record(const std::string& bytes) {

@@ -27,12 +27,7 @@ WholeLog drained_bag(const std::string& bytes, const ReadOptions& options = {}) 
 
 template <class Failure>
 std::string bag_refusal(const std::string& bytes, const ReadOptions& options = {}) {
-  try {
-    drained_bag(bytes, options);
-  } catch (const Failure& error) {
-    return error.what();
-  }
-  return "no such error";
+  return told_by<Failure>([&] { drained_bag(bytes, options); }, "no such error");
 }
 
 /// Scans at 10.0, 10.5, 11.0 between odometry at 10, 11, 12: a metre a second along x, a tenth of a radian a second.

@@ -29,12 +29,7 @@ WholeLog chosen_log(const std::string& records, const ReadOptions& options = {})
 
 template <class Failure>
 std::string choice_refusal(const std::string& records, const ReadOptions& options = {}) {
-  try {
-    chosen_log(records, options);
-  } catch (const Failure& error) {
-    return error.what();
-  }
-  return "no such error";
+  return told_by<Failure>([&] { chosen_log(records, options); }, "no such error");
 }
 
 TEST(RecordingChoice, OdometryByItsTopicOrFromTransforms) {

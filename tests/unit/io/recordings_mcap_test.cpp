@@ -27,12 +27,7 @@ WholeLog drained_mcap(const std::string& bytes, const ReadOptions& options = {})
 
 template <class Failure>
 std::string mcap_refusal(const std::string& bytes, const ReadOptions& options = {}) {
-  try {
-    drained_mcap(bytes, options);
-  } catch (const Failure& error) {
-    return error.what();
-  }
-  return "no such error";
+  return told_by<Failure>([&] { drained_mcap(bytes, options); }, "no such error");
 }
 
 // The values are those of make_mcap.mjs: 0.5 m/s along x, odometry a quarter of a second beside each scan.

@@ -67,12 +67,7 @@ void make_database(const std::string& file, const std::string& sql, const std::s
 
 template <class Failure>
 std::string log_refusal(const std::string& path, const ReadOptions& options = {}) {
-  try {
-    drain(*open_log(path, options));
-  } catch (const Failure& error) {
-    return error.what();
-  }
-  return "no such error";
+  return told_by<Failure>([&] { drain(*open_log(path, options)); }, "no such error");
 }
 
 std::vector<double> stamps_of(const WholeLog& log) {

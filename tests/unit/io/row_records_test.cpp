@@ -12,6 +12,7 @@
 #include "engine/io/tables/csv_rows.hpp"
 #include "engine/io/tables/json_rows.hpp"
 #include "gdtslam/core/angle.hpp"
+#include "io_test_support.hpp"
 
 namespace gdtslam {
 namespace {
@@ -199,13 +200,9 @@ TableRow json_row(const std::string& line) {
   JsonRows().parse(line, row, [](std::string_view, std::string_view) {});
   return row;
 }
+
 std::string json_refusal(const std::string& line) {
-  try {
-    (void)json_row(line);
-  } catch (const MalformedRow& error) {
-    return error.what();
-  }
-  return "";
+  return told_by<MalformedRow>([&] { (void)json_row(line); });
 }
 
 // What is skipped may be nested, and numbers may come in pairs, not deeper.

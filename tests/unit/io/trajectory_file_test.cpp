@@ -15,12 +15,7 @@ namespace {
 using ::testing::HasSubstr;
 
 std::string trajectory_error(const std::string& text) {
-  try {
-    read_tum(bytes_of(text), "t.tum");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
+  return told_by<InputError>([&] { read_tum(bytes_of(text), "t.tum"); }, "no error");
 }
 
 TEST(Tum, WritesNineDecimalsOfStampAndPose) {
