@@ -12,8 +12,11 @@
 #include "run_report.hpp"
 
 namespace gdtslam {
+namespace {
 
 using Json = nlohmann::ordered_json;
+
+}  // namespace
 
 ReportReader::ReportReader(std::string file, std::string folder, std::shared_ptr<const Json> report)
     : file_(std::move(file)), folder_(std::move(folder)), report_(std::move(report)), object_(report_.get()) {

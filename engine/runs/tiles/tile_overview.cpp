@@ -21,8 +21,8 @@ TileOverview::TileOverview(std::span<const CellIndex> places, double resolution_
   while (side / scale_ > kMostOverviewCells && scale_ < kMapTileSide) scale_ *= 2;
   const std::int32_t of_tile = kMapTileSide / scale_;
   map_.geometry = {.resolution_m = resolution_m * scale_,
-                   .origin_x_m = std::int64_t{tiles_.min.x} * kMapTileSide * resolution_m,
-                   .origin_y_m = std::int64_t{tiles_.min.y} * kMapTileSide * resolution_m,
+                   .origin_x_m = static_cast<double>(std::int64_t{tiles_.min.x} * kMapTileSide) * resolution_m,
+                   .origin_y_m = static_cast<double>(std::int64_t{tiles_.min.y} * kMapTileSide) * resolution_m,
                    .width = tiles_.width() * of_tile,
                    .height = tiles_.height() * of_tile};
   map_.cells = CellStates(map_.geometry.cell_count());

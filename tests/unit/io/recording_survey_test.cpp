@@ -21,7 +21,6 @@ namespace {
 using namespace test;
 using ::testing::ElementsAre;
 using ::testing::EndsWith;
-using ::testing::IsEmpty;
 
 RecordingChannel told_channel(const std::string& topic, const std::string& type) {
   return {.topic = topic, .type = type, .md5 = "", .encoding_name = "ros1", .encoding = MessageEncoding::kRos1};
