@@ -34,6 +34,7 @@ std::size_t physical_memory_bytes() {
 
 std::string processor_name() {
   std::ifstream info("/proc/cpuinfo");
+  info.exceptions(std::ios::badbit);  // without memory it would seem to have no name
   std::string line;
   while (std::getline(info, line)) {
     const std::size_t colon = line.find(": ");

@@ -1,7 +1,7 @@
 /* The allocations of the preloaded library of failing calls. Those count that the program and its modules ask for,
  * directly or by way of the standard library of C++, or by libraries that read and write files for them; those of
- * drivers, of fonts, of VTK, of the loader and of the C library itself do not: what they make of a null is theirs. Nor
- * do those of libraries that are being loaded. */
+ * drivers, of fonts, of cairo, of VTK, of the loader and of the C library itself do not: what they make of a null is
+ * theirs. Nor do those of libraries that are being loaded. */
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -25,8 +25,8 @@ extern void* __libc_memalign(size_t alignment, size_t size);
 
 enum Owner { kUnknown, kStranger, kOurs, kStandard };
 
-static const char* const kOwn[] = {"/gdtslam",  "libpng",      "libz.so", "libbz2",    "liblz4",   "libzstd", "liblzma",
-                                   "libsqlite", "libyaml-cpp", "libfmt",  "libcrypto", "libcairo", "libtbb"};
+static const char* const kOwn[] = {"/gdtslam", "libpng",    "libz.so",     "libbz2", "liblz4",    "libzstd",
+                                   "liblzma",  "libsqlite", "libyaml-cpp", "libfmt", "libcrypto", "libtbb"};
 static const char* const kStandardLibraries[] = {"libstdc++", "failing_calls"};
 
 enum { kMostParts = 512 };

@@ -9,6 +9,8 @@ After each run:
 
 * it ended in time, by no signal but ours, with 0, with 74 where a file failed, with 1 where memory did;
 * where it failed, there is exactly one error line on standard error;
+* where memory ended in a function of a library that lets no exception through, it ended at once, and left what a killed one does;
+* where memory ended in a picture of the map, the run is there without it, and its report says so;
 * the files are, byte for byte, those of before, or those of an undisturbed run, and with 0 the latter; nothing else lies there;
 * interrupted calls and short transfers change nothing;
 * after a SIGKILL there are files of one of the two only, besides what docs/formats.md says may be left; the same command run
@@ -48,6 +50,9 @@ FAULTS = {
 UNNOTICED = ("EINTR", "short")  # of which a command must notice nothing
 # What a killed process may leave until the same command runs again (docs/formats.md).
 LEFTOVER = re.compile(r"(^|/)(\.gdtslam-staging-\d+(-\d+)?|\.[^/]+\.\d+-\d+\.tmp|\.latest-\d+)(/|$)")
+
+ENDED_AT_ONCE = "gdtslam: error: out of memory\n"  # and no more: by the handler of std::terminate
+PICTURES = ("overview", "graph")
 
 Outcome = collections.namedtuple("Outcome", "code errors files counts where is_hang")
 
@@ -171,6 +176,8 @@ class Command:
             # Of a process that the command had started; it tells of it as of any failure.
             return f"{outcome.code}", self.faults_of_failure(outcome, (1, 74), kinds, how), outcome
         if outcome.code == 0:
+            if kinds == "allocate":
+                outcome = outcome._replace(files=self.with_pictures_told_of(outcome.files))
             faults = [] if outcome.files == self.new else [f"exit 0, but {differences(outcome.files, self.new)}"]
             is_left = self.may_leave(kinds, outcome) and self.without_stated_leftovers(outcome.files) == self.new
             return "passed", [] if is_left else faults, outcome
@@ -178,6 +185,19 @@ class Command:
         if how in UNNOTICED and kinds != "sync":
             faults.append(f"{how} is no reason to fail: {outcome.errors.strip()}")
         return f"{outcome.code}", faults, outcome
+
+    def with_pictures_told_of(self, files):
+        """The files, with those pictures of a run in place that its report says could not be made."""
+        files = dict(files)
+        for report in [name for name in files if name.rpartition("/")[2] == "report.json" and name in self.new]:
+            told = json.loads((self.work / report).read_text())["warnings"]
+            folder = report[:-len("report.json")]
+            for name in PICTURES:
+                png = f"{folder}{name}.png"
+                if png in self.new and png not in files and f"no pixels for {name}" in told:
+                    files.pop(f"{folder}{name}.svg", None)
+                    files |= {png: self.new[png], report: self.new[report]}
+        return files
 
     def is_stated(self, files, is_lost=False):
         """Whether these are the old files, the new ones, or what the pages say is there after a failure; on a disk that
@@ -188,7 +208,7 @@ class Command:
     def may_leave(self, kinds, outcome):
         """Whether that call was to remove something, or to look what is in what is to be removed."""
         opened = outcome.where.rpartition(" ")[2]
-        return kinds in ("unlink", "change") or (
+        return kinds in ("unlink", "change") or (kinds == "allocate" and outcome.errors == ENDED_AT_ONCE) or (
             kinds == "open" and bool(LEFTOVER.search(opened) or self.case.is_left_by_kill(opened)))
 
     def without_stated_leftovers(self, files):

@@ -93,6 +93,7 @@ Json& object_at(Json& root, std::string_view section) {
   while (!section.empty()) {
     const std::size_t dot = std::min(section.find('.'), section.size());
     Json& child = (*object)["properties"][std::string(section.substr(0, dot))];
+    if (child.is_null()) child = Json::object();
     child["type"] = "object";
     child["additionalProperties"] = false;
     object = &child;

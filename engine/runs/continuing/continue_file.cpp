@@ -133,7 +133,7 @@ std::string absolute_path_of(const std::string& log) {
 void write_continue_file(const std::string& file, const KeptRequest& kept) {
   const MapRequest& request = kept.request;
   Settings settings = request.settings;
-  Json json;
+  Json json = Json::object();
   json["format"] = kContinueVersion;
   json["version"] = GDTSLAM_VERSION;
   json["log"] = request.logs;

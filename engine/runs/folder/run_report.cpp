@@ -186,7 +186,7 @@ Json run_report(const RunFacts& facts, const MapOutcome& outcome, const WrittenH
                 const std::vector<StageTime>& others) {
   const MapperStatistics& statistics = outcome.statistics;
   const auto scans = static_cast<double>(scans_of(outcome));
-  Json report;
+  Json report = Json::object();
   report["format"] = kReportVersion;
   report["version"] = GDTSLAM_VERSION;
   report["device"] = device_json(facts.device);

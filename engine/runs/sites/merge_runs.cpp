@@ -176,7 +176,7 @@ nlohmann::ordered_json edge_json(const SessionEdge& edge, const std::vector<RunS
 
 std::string report_of(const MergeOutcome& outcome, const std::vector<SessionEdge>& edges,
                       const std::vector<RunSession>& runs) {
-  nlohmann::ordered_json report;
+  nlohmann::ordered_json report = nlohmann::ordered_json::object();
   report["format"] = kReportVersion;
   report["version"] = GDTSLAM_VERSION;
   report["sites"] = nlohmann::ordered_json::array();

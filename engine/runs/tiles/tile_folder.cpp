@@ -76,7 +76,7 @@ TileRecord write_tile(const std::string& folder, const MapTile& tile) {
 }
 
 void write_tile_index(const std::string& folder, const TileIndex& index) {
-  nlohmann::ordered_json json;
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
   json["format"] = kTilesVersion;
   json["version"] = GDTSLAM_VERSION;
   json["keyframes_sha256"] = index.keyframes_sha256;
