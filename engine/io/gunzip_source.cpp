@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <new>
 
 #include "byte_source.hpp"
 #include "gdtslam/core/error.hpp"
@@ -101,6 +102,8 @@ class GunzipSource final : public ByteSource {
     const int status = inflate(&stream_, Z_NO_FLUSH);
     if (status == Z_STREAM_END) {
       between_members_ = true;
+    } else if (status == Z_MEM_ERROR) {
+      throw std::bad_alloc();
     } else if (status != Z_OK && status != Z_BUF_ERROR) {
       throw InputError({name_, 0},
                        fmt::format("damaged gzip data ({}); unpack it with gzip -dc to save what can be read",

@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 #include <lzma.h>
 #include <zstd.h>
+#include <zstd_errors.h>
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <new>
 #include <span>
 #include <utility>
 
@@ -112,6 +114,7 @@ class Bunzip2Source final : public UnpackSource {
     stream_.next_out = target.data();
     stream_.avail_out = static_cast<unsigned>(target.size());
     const int status = BZ2_bzDecompress(&stream_);
+    if (status == BZ_MEM_ERROR) throw std::bad_alloc();
     if (status != BZ_OK && status != BZ_STREAM_END) fail("a block whose checksum or structure is wrong");
     used(packed.size() - stream_.avail_in);
     if (status == BZ_STREAM_END) {
@@ -153,6 +156,7 @@ class UnxzSource final : public UnpackSource {
     stream_.next_out = reinterpret_cast<std::uint8_t*>(target.data());
     stream_.avail_out = target.size();
     const lzma_ret status = lzma_code(&stream_, LZMA_RUN);
+    if (status == LZMA_MEM_ERROR) throw std::bad_alloc();
     if (status == LZMA_MEMLIMIT_ERROR) fail("its dictionary needs more than 128 MiB");
     if (status != LZMA_OK && status != LZMA_STREAM_END && status != LZMA_BUF_ERROR) {
       fail("a block whose checksum or structure is wrong");
@@ -185,6 +189,7 @@ class UnzstdSource final : public UnpackSource {
     ZSTD_inBuffer from{packed.data(), packed.size(), 0};
     ZSTD_outBuffer to{target.data(), target.size(), 0};
     const std::size_t status = ZSTD_decompressStream(stream_.get(), &to, &from);
+    if (ZSTD_getErrorCode(status) == ZSTD_error_memory_allocation) throw std::bad_alloc();
     if (ZSTD_isError(status) != 0U) fail(ZSTD_getErrorName(status));
     used(from.pos);
     set_between(status == 0);

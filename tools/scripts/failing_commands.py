@@ -1,5 +1,7 @@
 """The commands of fail_each_call.py: what lies in the folder before, and the words."""
 
+import bz2
+import lzma
 import shutil
 import signal
 import sys
@@ -58,6 +60,19 @@ def short_log(folder, run, scans=SCANS, name="drive.log", skip=0):
 
 def prepare_map(folder, run):
     short_log(folder, run)
+
+
+def prepare_packed(folder, run):
+    """The same log in every packing that is read."""
+    short_log(folder, run)
+    plain = (folder / "drive.log").read_bytes()
+    (folder / "drive.log.bz2").write_bytes(bz2.compress(plain))
+    (folder / "drive.log.xz").write_bytes(lzma.compress(plain))
+    run("convert", "drive.log", "-o", "drive.log.gz", "-q", cwd=folder)
+    run("convert", "drive.log", "-o", "drive.db3", "-q", cwd=folder)
+    for ending, packing in (("bag", "lz4"), ("bag", "bz2"), ("mcap", "lz4"), ("mcap", "zstd")):
+        run("convert", "drive.log", "-o", f"{packing}.{ending}", "--compression", packing, "-q", cwd=folder)
+    (folder / "drive.log").unlink()
 
 
 def prepare_over(folder, run):
@@ -127,6 +142,8 @@ def prepare_old_picture(folder, run):
 SMALL = ("--size", "96x64", "-q")
 CASES = {case.name: case for case in (
     Case("map", prepare_map, ("map", "drive.log", "-o", "out", "-q", *QUICK)),
+    Case("packed", prepare_packed, ("map", "drive.log.gz", "drive.log.bz2", "drive.log.xz", "lz4.bag", "bz2.bag", "lz4.mcap",
+                                    "zstd.mcap", "drive.db3", "-o", "out", "-q", "--no-pictures", "--no-map", "--no-loops", *QUICK)),
     Case("map3d", prepare_3d, ("map", "drive.log", "-o", "out", "-q", "--first", 30, "--no-pictures")),
     Case("over", prepare_over, ("map", "drive.log", "-o", "out", "-q", *QUICK)),
     Case("checkpoint", prepare_next, ("map", "--continue", "out", "next.log", "-q")),

@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <bit>
 #include <csetjmp>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <fstream>
+#include <new>
 #include <string_view>
 #include <utility>
 
@@ -29,8 +31,10 @@ enum class Direction : std::uint8_t { kRead, kWrite };
 struct Codec {
   explicit Codec(Direction which)
       : direction(which),
-        png(which == Direction::kRead ? png_create_read_struct(PNG_LIBPNG_VER_STRING, message, on_error, on_warning)
-                                      : png_create_write_struct(PNG_LIBPNG_VER_STRING, message, on_error, on_warning)),
+        png(which == Direction::kRead ? png_create_read_struct_2(PNG_LIBPNG_VER_STRING, message, on_error, on_warning,
+                                                                 this, take_memory, give_back)
+                                      : png_create_write_struct_2(PNG_LIBPNG_VER_STRING, message, on_error, on_warning,
+                                                                  this, take_memory, give_back)),
         info(png_create_info_struct(png)) {}
   Codec(const Codec&) = delete;
   Codec& operator=(const Codec&) = delete;
@@ -53,6 +57,18 @@ struct Codec {
     return true;
   }
 
+  /// What libpng could not do for want of memory is no damage. Throws std::bad_alloc.
+  void check_memory() const {
+    if (is_out_of_memory) throw std::bad_alloc();
+  }
+
+  static png_voidp take_memory(png_structp png, png_alloc_size_t bytes) {
+    void* const memory = std::malloc(bytes);
+    if (memory == nullptr) static_cast<Codec*>(png_get_mem_ptr(png))->is_out_of_memory = true;
+    return memory;
+  }
+  static void give_back(png_structp /*png*/, png_voidp memory) { std::free(memory); }
+
   static constexpr std::size_t kMessageBytes = 128;
   static void on_error(png_structp png, png_const_charp text) {
     std::strncpy(static_cast<char*>(png_get_error_ptr(png)), text, kMessageBytes - 1);
@@ -61,6 +77,7 @@ struct Codec {
   static void on_warning(png_structp /*png*/, png_const_charp /*message*/) {}  // what is only odd is still readable
 
   char message[kMessageBytes] = {};
+  bool is_out_of_memory = false;
   Direction direction;
   png_structp png;
   png_infop info;
@@ -159,12 +176,14 @@ Header header_of(Codec& codec, Input& input, const std::string& name) {
   if (codec.info == nullptr) throw Error(ExitCode::kFailed, located({name, 0}, "libpng cannot be started"));
   Header header;
   if (!read_header(codec, input, header)) {
+    codec.check_memory();
     throw InputError({name, 0}, fmt::format("is no readable PNG: {}", static_cast<const char*>(codec.message)));
   }
   return header;
 }
 
 [[noreturn]] void fail_as_damaged(const Codec& codec, const std::string& name) {
+  codec.check_memory();
   throw InputError({name, 0}, fmt::format("is a damaged PNG: {}", static_cast<const char*>(codec.message)));
 }
 
@@ -233,6 +252,7 @@ struct PngWriter::State {
   void run(const Calls& calls) {
     if (codec.info != nullptr && codec.run(calls)) return;
     if (problem) std::rethrow_exception(problem);
+    codec.check_memory();
     throw Error(ExitCode::kFailed, fmt::format("libpng cannot encode an image of {} x {} pixels: {}", width, height,
                                                static_cast<const char*>(codec.message)));
   }

@@ -20,6 +20,7 @@
 #include "engine/runs/edits/taken_out.hpp"
 #include "engine/runs/folder/run_files.hpp"
 #include "engine/runs/folder/run_folder.hpp"
+#include "engine/runs/folder/run_pictures.hpp"
 #include "engine/runs/folder/run_report.hpp"
 #include "engine/runs/keyframes/map_of_keyframes.hpp"
 #include "gdtslam/core/error.hpp"
@@ -68,6 +69,17 @@ OccupancyMap edited_map(const EditRequest& request, const SourceRun& run, EditOu
   return cropped(builder.build(), plan.kept);
 }
 
+// Those of the run's logs stay true; what could not be drawn is told of the pictures that there are now.
+void tell_of_pictures(const std::vector<LogReader::Warning>& warnings, Json& report) {
+  Json told = Json::object();
+  const Json before = report.value("warnings", Json::object());
+  for (const auto& [kind, count] : before.items()) {
+    if (!is_picture_warning(kind)) told[kind] = count;
+  }
+  for (const LogReader::Warning& warning : warnings) told[warning.kind] = warning.count;
+  report["warnings"] = std::move(told);
+}
+
 // The run's report, with what the edit made in place of what it replaced.
 std::string edited_report(const EditRequest& request, const SourceRun& run, const EditPlan& plan,
                           const WrittenField& field, const WrittenHashes& hashes, const RunFolder& folder) {
@@ -78,6 +90,7 @@ std::string edited_report(const EditRequest& request, const SourceRun& run, cons
   report["keyframes_sha256"] = hashes.keyframes;
   report["gdt"] = geometry_json(field.geometry);
   report["files"] = files_json(folder);
+  tell_of_pictures(run.outcome.warnings, report);
   if (report.contains("map")) report["map"] = geometry_json(run.outcome.occupancy.geometry);
   const Pose2& T = plan.T_edited_run;
   Json edited{{"run", request.run}, {"T_edited_run", {T.x_m, T.y_m, T.theta_rad}}};
@@ -171,6 +184,7 @@ void write_edited(const EditRequest& request, SourceRun& run, EditOutcome& outco
   write_file_atomically(folder.staged(kReportFile), report);
   tell_step(request, "report.json", 1.0);
   folder.commit();
+  outcome.warnings = run.outcome.warnings;
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 
 #include "engine/runs/edits/edit_arguments.hpp"
 #include "engine/runs/edits/edit_steps.hpp"
+#include "gdtslam/core/stream.hpp"
 
 namespace gdtslam {
 
@@ -48,6 +49,7 @@ struct EditOutcome {
   std::vector<std::string> copied;    ///< files that no run wrote, as they were
   std::vector<std::string> left_out;  ///< likewise, which are in the old frame or have their name taken
   std::string edits;                  ///< the text of edits.json
+  std::vector<LogReader::Warning> warnings;  ///< of pictures that could not be made
 };
 
 /// Throws UsageError where the steps make no sense together, InputError where the run cannot be edited, FileError, and

@@ -52,6 +52,9 @@ Canvas graph_of(const MapJob& job, const MapOutcome& outcome) {
 
 std::string png_of(const RgbaImage& image) { return encode_png(image.width, image.height, image.pixels); }
 
+const std::string kNoPixels = "no pixels for ";
+const std::string kNoPicture = "no picture ";
+
 // The bytes of a picture; nothing and a warning where they cannot be made.
 template <class Encode>
 std::optional<std::string> encoded(const Encode& encode, const std::string& failure,
@@ -74,9 +77,9 @@ struct EncodedPicture {
 EncodedPicture encoded_picture(const std::string& name, const Canvas& picture) {
   EncodedPicture file;
 #ifdef GDTSLAM_HAS_RASTER
-  file.png = encoded([&] { return png_of(raster_of(picture)); }, "no pixels for " + name, file.warnings);
+  file.png = encoded([&] { return png_of(raster_of(picture)); }, kNoPixels + name, file.warnings);
 #endif
-  if (!file.png) file.svg = encoded([&] { return svg_of(picture, png_of); }, "no picture " + name, file.warnings);
+  if (!file.png) file.svg = encoded([&] { return svg_of(picture, png_of); }, kNoPicture + name, file.warnings);
   return file;
 }
 
@@ -157,6 +160,8 @@ std::string graph_subtitle(std::span<const ClosedLoop> loops, std::span<const Un
   }
   return text;
 }
+
+bool is_picture_warning(const std::string& kind) { return kind.starts_with(kNoPixels) || kind.starts_with(kNoPicture); }
 
 void write_picture(RunFolder& folder, const std::string& name, const Canvas& picture,
                    std::vector<LogReader::Warning>& warnings) {

@@ -46,6 +46,8 @@ std::string graph_subtitle(std::span<const ClosedLoop> loops, std::span<const Un
 /// that fails too. The run is as good without: each failure is one of the warnings. Throws FileError.
 void write_picture(RunFolder& folder, const std::string& name, const Canvas& picture,
                    std::vector<LogReader::Warning>& warnings);
+/// Whether a warning of that kind is one of these.
+bool is_picture_warning(const std::string& kind);
 
 /// Both, as far as the job wants pictures and a map, and loops were closed; old ones go. Throws FileError.
 void write_run_pictures(RunFolder& folder, const MapJob& job, MapOutcome& outcome);

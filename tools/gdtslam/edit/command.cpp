@@ -12,6 +12,7 @@
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
+#include "tools/gdtslam/shell/settings_options.hpp"
 
 namespace gdtslam {
 namespace {
@@ -108,7 +109,10 @@ int edit(const EditCommand& command) {
   };
   const EditOutcome outcome = edit_run(request);
   line.clear();
-  if (!command.quiet) remark_left_out(outcome);
+  if (!command.quiet) {
+    remark_left_out(outcome);
+    print_warnings(outcome.warnings);
+  }
   if (command.json) {
     print_result(outcome.edits);
   } else if (!command.quiet) {

@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 #include <lz4frame.h>
 #include <zstd.h>
+#include <zstd_errors.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <new>
 #include <utility>
 
 #include "engine/io/message_text.hpp"
@@ -15,6 +17,7 @@
 namespace gdtslam {
 namespace {
 
+constexpr std::string_view kNoMemoryForLz4 = "ERROR_allocation_failed";  // codes are in its static library alone
 constexpr std::size_t kPackedPiece = std::size_t{1} << 15U;
 
 /// What all packed chunks share: a piece of packed bytes, and how far it was used.
@@ -56,7 +59,7 @@ class PackedChunk : public ByteSource {
 class Bzip2Chunk final : public PackedChunk {
  public:
   explicit Bzip2Chunk(std::unique_ptr<ByteSource> packed) : PackedChunk(std::move(packed)) {
-    if (BZ2_bzDecompressInit(&stream_, 0, 0) != BZ_OK) throw RecordingFault("cannot be unpacked: no memory for bzip2");
+    if (BZ2_bzDecompressInit(&stream_, 0, 0) != BZ_OK) throw std::bad_alloc();
   }
   Bzip2Chunk(const Bzip2Chunk&) = delete;
   Bzip2Chunk& operator=(const Bzip2Chunk&) = delete;
@@ -71,6 +74,7 @@ class Bzip2Chunk final : public PackedChunk {
     stream_.next_out = target.data();
     stream_.avail_out = room;
     const int status = BZ2_bzDecompress(&stream_);
+    if (status == BZ_MEM_ERROR) throw std::bad_alloc();
     if (status != BZ_OK && status != BZ_STREAM_END) throw RecordingFault("has a chunk with damaged bzip2 data");
     if (status == BZ_STREAM_END) over();
     used(packed.size() - stream_.avail_in);
@@ -82,9 +86,7 @@ class Bzip2Chunk final : public PackedChunk {
 class Lz4Chunk final : public PackedChunk {
  public:
   explicit Lz4Chunk(std::unique_ptr<ByteSource> packed) : PackedChunk(std::move(packed)) {
-    if (LZ4F_isError(LZ4F_createDecompressionContext(&context_, LZ4F_VERSION)) != 0U) {
-      throw RecordingFault("cannot be unpacked: no memory for lz4");
-    }
+    if (LZ4F_isError(LZ4F_createDecompressionContext(&context_, LZ4F_VERSION)) != 0U) throw std::bad_alloc();
   }
   Lz4Chunk(const Lz4Chunk&) = delete;
   Lz4Chunk& operator=(const Lz4Chunk&) = delete;
@@ -95,6 +97,7 @@ class Lz4Chunk final : public PackedChunk {
     std::size_t written = target.size();
     std::size_t taken = packed.size();
     const std::size_t status = LZ4F_decompress(context_, target.data(), &written, packed.data(), &taken, nullptr);
+    if (LZ4F_isError(status) != 0U && LZ4F_getErrorName(status) == kNoMemoryForLz4) throw std::bad_alloc();
     if (LZ4F_isError(status) != 0U) throw RecordingFault("has a chunk with damaged lz4 data");
     if (status == 0) over();
     used(taken);
@@ -107,7 +110,7 @@ class ZstdChunk final : public PackedChunk {
  public:
   explicit ZstdChunk(std::unique_ptr<ByteSource> packed)
       : PackedChunk(std::move(packed)), context_(ZSTD_createDCtx(), &ZSTD_freeDCtx) {
-    if (context_ == nullptr) throw RecordingFault("cannot be unpacked: no memory for zstd");
+    if (context_ == nullptr) throw std::bad_alloc();
   }
 
  private:
@@ -115,6 +118,7 @@ class ZstdChunk final : public PackedChunk {
     ZSTD_inBuffer in{packed.data(), packed.size(), 0};
     ZSTD_outBuffer out{target.data(), target.size(), 0};
     const std::size_t status = ZSTD_decompressStream(context_.get(), &out, &in);
+    if (ZSTD_getErrorCode(status) == ZSTD_error_memory_allocation) throw std::bad_alloc();
     if (ZSTD_isError(status) != 0U) throw RecordingFault("has damaged zstd data");
     if (status == 0) over();
     used(in.pos);
@@ -140,6 +144,7 @@ std::string_view unpacked_message(std::string_view bytes, std::string& buffer) {
   }
   buffer.resize(static_cast<std::size_t>(stated));
   const std::size_t size = ZSTD_decompress(buffer.data(), buffer.size(), bytes.data(), bytes.size());
+  if (ZSTD_getErrorCode(size) == ZSTD_error_memory_allocation) throw std::bad_alloc();
   if (ZSTD_isError(size) != 0U || size != buffer.size()) throw RecordingFault("has a damaged packed message");
   return buffer;
 }

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <new>
 #include <set>
 #include <system_error>
 #include <utility>
@@ -77,7 +78,7 @@ SqliteBag::SqliteBag(std::string_view bytes) {
   open("file::memory:", nullptr);
   check_size(bytes, bytes.size());
   auto* const copy = static_cast<unsigned char*>(sqlite3_malloc64(std::max<std::size_t>(bytes.size(), 1)));
-  if (copy == nullptr) throw RecordingFault("cannot be read: no memory for it");
+  if (copy == nullptr) throw std::bad_alloc();
   std::memcpy(copy, bytes.data(), bytes.size());
   const auto size = static_cast<sqlite3_int64>(bytes.size());
   const unsigned flags = SQLITE_DESERIALIZE_FREEONCLOSE | SQLITE_DESERIALIZE_READONLY;
@@ -128,6 +129,7 @@ void SqliteBag::start() {
 }
 
 void SqliteBag::fail(int code) const {
+  if ((code & 0xff) == SQLITE_NOMEM) throw std::bad_alloc();
   const std::string why = one_line(database_ ? sqlite3_errmsg(database_.get()) : sqlite3_errstr(code), 200);
   if (!is_damage(code)) throw RecordingFault(fmt::format("cannot be read as a ROS 2 bag: {}", why));
   if (row_ > 0) throw RecordingCut(fmt::format("is damaged or was cut off ({})", why));
