@@ -172,7 +172,10 @@ def mapped_again(program, lap, folder, count):
     if beside:
         os.environ.setdefault("GDTSLAM_LIBRARY", str(beside[0]))
     sys.path.insert(0, str(ROOT / "python"))
-    import gdtslam  # pylint: disable=import-outside-toplevel
+    try:
+        import gdtslam  # pylint: disable=import-outside-toplevel
+    except ModuleNotFoundError as error:
+        sys.exit(f"endurance: this Python has no {error.name}; run it with one that has, on Debian /usr/bin/python3 with python3-numpy")
     log = folder / "short.log"
     log.write_bytes(b"".join(lap.lines(100)))
     watched, step = Watched(os.getpid()), max(count // SAMPLES, 1)
