@@ -1,0 +1,156 @@
+// Which earlier places are searched, and what is kept of them until when: in a room that is seen again and again.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "engine/mapping/loops/loop_finder.hpp"
+#include "gdtslam/mapping/scan_points.hpp"
+#include "support/room.hpp"
+
+namespace gdtslam {
+namespace {
+
+/// Three places 50 m of path apart, each a keyframe that saw nothing, in the middle of its group, and one 1 m ahead of
+/// it that saw the room: where the group has walls is a matter of how the two lie to each other. The last one may be
+/// at both others.
+class RoomSeenAgain : public testing::Test {
+ protected:
+  RoomSeenAgain() {
+    const std::vector<test::Segment> walls = test::furnished_room();
+    for (const Pose2& seen_from : {Pose2{0.2, 0.1, 0.3}, Pose2{0.4, 0.3, 0.4}, Pose2{0.3, 0.0, 0.2}}) {
+      graph_.poses.push_back(seen_from * Pose2{-1.0, 0.0, 0.0});
+      poses_.insert(poses_.end(), {graph_.poses.back(), seen_from});
+      scans_.emplace_back();
+      scans_.push_back(keep_scan(points_of(test::scan_of(walls, seen_from, 0.0), {})));
+      const double path_m = path_m_.empty() ? 0.0 : path_m_.back() + 49.0;
+      path_m_.insert(path_m_.end(), {path_m, path_m + 1.0});
+    }
+    for (const std::size_t to : {1U, 2U}) {
+      const Pose2 T = between(graph_.poses[to - 1], graph_.poses[to]);
+      graph_.path.push_back({to - 1, to, T, Matrix3::diagonal(100.0, 100.0, 1.0e4)});
+    }
+  }
+
+  void show_all_to(LoopFinder& finder) {
+    finder.extend({scans_, poses_, path_m_});
+    for (const std::size_t place : {0U, 2U, 4U}) finder.add_place(place);
+  }
+  /// The loops of the last place, those that were found at the places asked for.
+  std::vector<Loop> look(LoopFinder& finder) { return finder.look(graph_, 2, alone_); }
+
+  std::vector<KeptScan> scans_;
+  std::vector<Pose2> poses_;
+  std::vector<double> path_m_;
+  PoseGraph graph_;
+  WorkerPool alone_{1};
+};
+
+double off_m(const Loop& loop, const Pose2& T_from_to) {
+  return length_of(between(T_from_to, loop.relation.T_from_to));
+}
+
+TEST_F(RoomSeenAgain, BothEarlierPlacesAreFoundWhereTheyAre) {
+  LoopFinder finder({});
+  show_all_to(finder);
+  const std::vector<Loop> loops = look(finder);
+  ASSERT_EQ(loops.size(), 2U);
+  EXPECT_NE(loops[0].relation.from, loops[1].relation.from);
+  for (const Loop& loop : loops) {
+    EXPECT_EQ(loop.relation.to, 2U);
+    EXPECT_LT(off_m(loop, between(graph_.poses[loop.relation.from], graph_.poses[2])), 0.06);
+    EXPECT_EQ(loop.weight, 1.0);
+  }
+  EXPECT_EQ(finder.counts().searched, 2U);
+  EXPECT_EQ(finder.counts().found, 2U);
+  EXPECT_GT(finder.counts().boxes, 0U);
+}
+
+TEST_F(RoomSeenAgain, WhatTheLimitsRefuseIsSearchedAndNotFound) {
+  LoopSearchOptions options;
+  options.limits.least_overlap = 1.01;
+  LoopFinder finder(options);
+  show_all_to(finder);
+  EXPECT_TRUE(look(finder).empty());
+  EXPECT_EQ(finder.counts().searched, 2U);
+  EXPECT_EQ(finder.counts().found, 0U);
+}
+
+TEST_F(RoomSeenAgain, ALoopThatIsOnIsNotSearchedAgainAndOneThatIsOffIs) {
+  LoopFinder finder({});
+  show_all_to(finder);
+  graph_.loops = look(finder);
+  ASSERT_EQ(graph_.loops.size(), 2U);
+  EXPECT_TRUE(look(finder).empty());
+  EXPECT_EQ(finder.counts().searched, 2U) << "both are on";
+  for (Loop& off : graph_.loops) {
+    const std::uint64_t before = finder.counts().searched;
+    off.weight = 0.25;  // at a quarter it is off
+    const std::vector<Loop> again = look(finder);
+    EXPECT_EQ(finder.counts().searched, before + 1);
+    ASSERT_EQ(again.size(), 1U);
+    EXPECT_EQ(again[0].relation.from, off.relation.from);
+    off.weight = std::nextafter(0.25, 1.0);
+    EXPECT_TRUE(look(finder).empty());
+    EXPECT_EQ(finder.counts().searched, before + 1);
+  }
+}
+
+TEST_F(RoomSeenAgain, ALoopBetweenOtherPlacesKeepsNoneFromBeingSearched) {
+  LoopFinder finder({});
+  show_all_to(finder);
+  const Pose2 T = between(graph_.poses[0], graph_.poses[1]);
+  graph_.loops.push_back({{0, 1, T, Matrix3::diagonal(100.0, 100.0, 1.0e4)}, 1.0});
+  EXPECT_EQ(look(finder).size(), 2U);
+  EXPECT_EQ(finder.counts().searched, 2U);
+}
+
+// The keyframes that saw the walls move 20 cm ahead. A group that was kept has them where they were, one that is made
+// anew has them there.
+TEST_F(RoomSeenAgain, GroupsBeyondTheMemoryAreForgottenAndOthersKeptUntilTheyAreBent) {
+  const std::vector<Pose2> as_seen = poses_;
+  const auto expect_walls_ahead_by = [&](double ahead_m, const std::vector<Loop>& loops, const char* when) {
+    ASSERT_EQ(loops.size(), 2U) << when;
+    for (const Loop& loop : loops) {
+      const Pose2 T_seen_here = between(as_seen[2 * loop.relation.from + 1], graph_.poses[2]);
+      EXPECT_LT(off_m(loop, Pose2{1.0 + ahead_m, 0.0, 0.0} * T_seen_here), 0.06) << when << ": " << loop.relation.from;
+    }
+  };
+  for (const bool has_room : {true, false}) {
+    LoopSearchOptions options;
+    if (!has_room) options.most_bytes = 1;
+    LoopFinder finder(options);
+    poses_ = as_seen;
+    show_all_to(finder);
+    expect_walls_ahead_by(0.0, look(finder), "at first");
+    for (const std::size_t seen : {1U, 3U}) poses_[seen] = poses_[seen - 1] * Pose2{1.2, 0.0, 0.0};
+    expect_walls_ahead_by(has_room ? 0.0 : 0.2, look(finder), "again");
+    finder.forget_bent();
+    expect_walls_ahead_by(0.2, look(finder), "after those that are bent were forgotten");
+  }
+}
+
+TEST_F(RoomSeenAgain, LookAtTellsOfEachPlaceInOrderForAnyNumberOfThreads) {
+  for (const unsigned threads : {1U, 3U}) {
+    LoopFinder finder({});
+    show_all_to(finder);
+    WorkerPool workers(threads);
+    std::vector<std::pair<std::size_t, std::size_t>> told;
+    const auto take = [&](std::size_t here, const std::vector<Loop>& loops) {
+      told.emplace_back(here, loops.size());
+      return false;
+    };
+    finder.look_at(graph_, 1, 3, workers, take);
+    // The second place has the first before it, the third has both.
+    EXPECT_EQ(told, (std::vector<std::pair<std::size_t, std::size_t>>{{1, 1}, {2, 2}})) << threads;
+    EXPECT_EQ(finder.counts().searched, 3U);
+    told.clear();
+    finder.look_at(graph_, 2, 2, workers, take);
+    EXPECT_TRUE(told.empty());
+  }
+}
+
+}  // namespace
+}  // namespace gdtslam
