@@ -133,6 +133,70 @@ TEST(LoopEvidenceOfWalls, ShapeIsThatOfOnePoint) {
   EXPECT_EQ(evidence.contradiction, 0.0);
 }
 
+// 16 of the query's 24 wall cells lie on the reference's wall as it was seen, 5 on its back, 3 on none.
+TEST(LoopEvidenceOfWalls, SharesAreThoseOfTheQuerysCells) {
+  const KeptScan reference = wall_across(2.05, kPi);
+  KeptScan query = wall_across(2.05, kPi);
+  for (const std::size_t k : {0U, 3U, 4U, 10U, 20U}) query.surface[k].normal_x *= -1.0F;
+  for (const double x : {-2.05, -2.25, -2.45}) query.surface.push_back(scan_with(x, 0.05, 1.0, 0.0).surface[0]);
+  const LoopEvidence evidence = evidence_of(reference, query, {});
+  EXPECT_DOUBLE_EQ(evidence.overlap, 16.0 / 24.0);
+  EXPECT_DOUBLE_EQ(evidence.turned, 5.0 / 21.0);
+}
+
+TEST(LoopEvidenceOfWalls, OfAThinWallTheSideThatWasSeenCounts) {
+  KeptScan both_sides = wall_across(2.05, kPi);
+  const KeptScan back = wall_across(2.15, 0.0);
+  both_sides.surface.insert(both_sides.surface.end(), back.surface.begin(), back.surface.end());
+  for (const double x : {2.05, 2.15}) {
+    for (const double normal_rad : {0.0, kPi}) {
+      const LoopEvidence evidence = evidence_of(both_sides, wall_across(x, normal_rad), {});
+      EXPECT_EQ(evidence.overlap, 1.0) << x << ' ' << normal_rad;
+      EXPECT_EQ(evidence.turned, 0.0) << x << ' ' << normal_rad;
+    }
+  }
+}
+
+LonePoint lone_at(const Pose2& T, double x, double y) {
+  const Point2 point = T * Point2{x, y};
+  return {static_cast<float>(point.x()), static_cast<float>(point.y())};
+}
+
+// The reference looked three times along the middle of a row of cells, up to 5 m; of the query's points one lies in
+// that row, one at its end, one nowhere.
+TEST(LoopEvidenceOfSpace, APointOfTheQueryContradictsWhereTheReferenceLookedThrough) {
+  KeptScan reference;
+  for (int k = 0; k < 3; ++k) reference.lone.push_back(lone_at({}, 5.05, 0.05));
+  const auto contradiction = [&](const std::vector<Point2>& points, const Pose2& T) {
+    KeptScan query;
+    for (const Point2& point : points) query.lone.push_back(lone_at(inverse(T), point.x(), point.y()));
+    return evidence_of(reference, query, T).contradiction;
+  };
+  for (const Pose2& T : {Pose2{}, Pose2{0.3, -2.0, 0.5}, Pose2{0.3, 2.0, -0.5}}) {
+    const Point2 through{2.55, 0.05};
+    const Point2 end{5.05, 0.05};
+    const Point2 nowhere{2.55, 3.05};
+    // The reference's only point is where the query's last one is, so that both know it and it speaks for them.
+    EXPECT_DOUBLE_EQ(contradiction({through, end, nowhere}, T), 1.0 / 3.0);
+    EXPECT_DOUBLE_EQ(contradiction({through, {2.75, 0.05}, end}, T), 2.0 / 4.0);
+    EXPECT_DOUBLE_EQ(contradiction({end, nowhere}, T), 0.0);
+  }
+  EXPECT_EQ(contradiction({{-2.55, -3.05}}, {}), 0.0) << "nothing that both know";
+}
+
+// Now the query looked through, from another place and across; of the reference's nine points the first, the fifth and
+// the last are asked, two of them in that row and one at its end, where the query's own point is.
+TEST(LoopEvidenceOfSpace, EachFourthPointOfTheReferenceIsHeldAgainstTheQuery) {
+  for (const Pose2& T : {Pose2{3.0, -2.0, 0.5 * kPi}, Pose2{-3.0, 2.0, -0.5 * kPi}}) {
+    KeptScan query;
+    for (int k = 0; k < 3; ++k) query.lone.push_back(lone_at({}, 5.05, 0.05));
+    KeptScan reference;
+    for (int k = 0; k < 8; ++k) reference.lone.push_back(lone_at(T, 1.05 + 0.3 * k, 0.05));
+    reference.lone.push_back(lone_at(T, 5.05, 0.05));
+    EXPECT_DOUBLE_EQ(evidence_of(reference, query, T).contradiction, 2.0 / 4.0);
+  }
+}
+
 TEST(LoopLimits, AreReachedAndNotPassed) {
   EXPECT_TRUE(is_possible({.overlap = 0.3, .turned = 0.1, .contradiction = 0.08}));
   EXPECT_FALSE(is_possible({.overlap = 0.2999, .turned = 0.1, .contradiction = 0.08}));
