@@ -195,5 +195,85 @@ TEST_F(TwoRounds, NoMoreAreGivenThanAskedFor) {
   }
 }
 
+/// Places at (x, 0), the last one at the origin, and the path until each; each is as sure of the next as told, metres,
+/// and surer than that of its heading.
+struct PlacesOnALine {
+  PoseGraph graph;
+  std::vector<double> path_m;
+
+  PlacesOnALine& add(double x_m, double until_m, double sigma_m = 1.0e-5) {
+    graph.poses.push_back({x_m, 0.0, 0.0});
+    path_m.push_back(until_m);
+    if (graph.poses.size() < 2) return *this;
+    const std::size_t to = graph.poses.size() - 1;
+    const double information = 1.0 / (sigma_m * sigma_m);
+    graph.path.push_back({to - 1, to, between(graph.poses[to - 1], graph.poses[to]),
+                          Matrix3::diagonal(information, information, 1.0e12)});
+    return *this;
+  }
+  [[nodiscard]] std::vector<std::size_t> revisits(const RevisitRules& rules = {}) const {
+    std::vector<std::size_t> places;
+    const std::size_t here = graph.poses.size() - 1;
+    for (const Revisit& revisit : revisits_of(graph, GraphCovariance(graph), path_m, here, rules)) {
+      places.push_back(revisit.place);
+    }
+    return places;
+  }
+};
+using Places = std::vector<std::size_t>;
+
+TEST(RevisitLimits, APlaceIsNearUpToItsWindow) {
+  RevisitRules rules;
+  rules.sigmas = 0.0;
+  const double limit_m = rules.near_m + rules.least_half_m;
+  for (const double sign : {-1.0, 1.0}) {
+    const auto found = [&](double x_m) { return PlacesOnALine{}.add(sign * x_m, 0.0).add(0.0, 50.0).revisits(rules); };
+    EXPECT_EQ(found(limit_m), Places{0});
+    EXPECT_EQ(found(std::nextafter(limit_m, 9.0)), Places{});
+  }
+}
+
+TEST(RevisitLimits, NoWindowReachesFartherThanTheWidest) {
+  const RevisitRules rules;
+  const double limit_m = rules.near_m + rules.widest_m;
+  const auto found = [](double x_m) { return PlacesOnALine{}.add(x_m, 0.0).add(0.0, 50.0, 100.0).revisits(); };
+  EXPECT_EQ(found(limit_m), Places{0});
+  EXPECT_EQ(found(std::nextafter(limit_m, 99.0)), Places{});
+}
+
+TEST(RevisitLimits, AStretchIsSixMetresOfPathToEitherSide) {
+  const auto found = [](double second_m, double first_x_m) {
+    return PlacesOnALine{}.add(first_x_m, 0.0).add(1.0, second_m).add(0.0, 50.0).revisits();
+  };
+  EXPECT_EQ(found(6.0, 2.0), (Places{1, 0}));
+  EXPECT_EQ(found(6.0, 0.5), (Places{0, 1}));
+  EXPECT_EQ(found(std::nextafter(6.0, 0.0), 2.0), Places{1});
+  EXPECT_EQ(found(std::nextafter(6.0, 0.0), 0.5), Places{0});
+}
+
+// The two nearest are too far for how sure they are; the third may be here, for all that is known.
+TEST(RevisitLimits, TwiceAsManyPlacesAsAreWantedAreAskedFor) {
+  PlacesOnALine places;
+  places.add(7.0, 0.0).add(6.5, 10.0, 1.0).add(6.0, 20.0).add(0.0, 60.0);
+  RevisitRules rules;
+  rules.most = 1;
+  EXPECT_EQ(places.revisits(rules), Places{});
+  rules.most = 2;
+  EXPECT_EQ(places.revisits(rules), Places{0});
+}
+
+// Of a place 3 m away with a window of half 3.3 m and one that is sure, with 0.3 m, first comes what costs less: the
+// metres beyond the window, a fifth of those away and half of the window's. 0.6 + 1.65 m is 1.7 + 0.4 + 0.15 m: 2 m
+// away.
+TEST(RevisitLimits, FarAndUnsureComesLast) {
+  for (const double sign : {-1.0, 1.0}) {
+    const auto found = [&](double sure_x_m) {
+      return PlacesOnALine{}.add(3.0, 0.0).add(sign * sure_x_m, 20.0, 1.0).add(0.0, 60.0).revisits();
+    };
+    EXPECT_EQ(found(1.95), (Places{1, 0}));
+    EXPECT_EQ(found(2.05), (Places{0, 1}));
+  }
+}
+
 }  // namespace
 }  // namespace gdtslam
