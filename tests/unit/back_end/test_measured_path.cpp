@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "engine/mapping/loops/measured_path.hpp"
@@ -105,6 +106,92 @@ TEST(MeasuredPath, CautiousRelationsCountTheCautiousInformation) {
   const std::vector<PoseRelation> doubled = measured.cautious_relations(2.0);
   EXPECT_NEAR(inverse(doubled[0].information)(0, 0), 2.0 * 4.0 * 3.0e-4, 1.0e-9) << "variances no less than twice";
   EXPECT_NEAR(inverse(measured.relations()[0].information)(0, 0), 3.0e-4, 1.0e-9);
+}
+
+/// Loops that know where the truth is, a round of the square apart.
+std::vector<Loop> true_loops(const SquareDrive& drive) {
+  std::vector<Loop> loops;
+  const std::size_t around = kStepsAround / kStepsBetween;
+  for (std::size_t i = around; i < drive.places.size(); ++i) {
+    const Pose2 T = between(drive.truth[drive.places[i - around]], drive.truth[drive.places[i]]);
+    loops.push_back({{i - around, i, T, Matrix3::diagonal(1.0e4, 1.0e4, 1.0e6)}, 1.0});
+  }
+  return loops;
+}
+
+// What loops say of each; but where they find the front end more than ten times better than stated, both less, alike.
+TEST(MeasuredPath, AFrontEndIsBelievedTenTimesBetterThanItSaysAtMost) {
+  for (const double stated_too_badly : {1.0, 1.0e4}) {
+    SquareDrive drive = drive_squares(6, 1);
+    for (MeasuredSteps& steps : drive.path.steps) steps[0].information = 1.0 / stated_too_badly * steps[0].information;
+    const std::vector<Loop> loops = true_loops(drive);
+    MeasuredPath measured(drive.path, drive.places);
+    const std::vector<PoseRelation> stated = measured.relations();
+    const std::span<const PoseRelation> all(stated);
+    const double front_end = variance_factor(all.first(stated.size() / 2), loops).variance;
+    const double wheels = variance_factor(all.last(stated.size() / 2), loops).variance;
+    EXPECT_EQ(front_end<0.1, stated_too_badly> 1.0);
+    const double shift = front_end < 0.1 ? 0.1 / front_end : 1.0;
+    measured.weigh(loops);
+    EXPECT_NEAR(measured.factors()[0].variance, shift * front_end, 1e-9);
+    EXPECT_NEAR(measured.factors()[1].variance, shift * wheels, 1e-9);
+  }
+}
+
+/// Bends to the left and to the right, by wheels that miss a share of the way and of the turn, and a turn a metre.
+SquareDrive drive_bends(std::size_t keyframes, double missing_of_way, double missing_of_turn,
+                        double missing_rad_per_m = 0.0) {
+  SquareDrive drive;
+  for (std::size_t i = 0; i < keyframes; ++i) {
+    const double turn_rad = i % 50 < 20 ? 0.1 : -0.07;
+    const double way_m = 0.5 * (1.0 - missing_of_way);
+    const Tangent2 by_wheels{way_m, 0.0, turn_rad * (1.0 - missing_of_turn) - missing_rad_per_m * way_m};
+    drive.truth.push_back(i == 0 ? Pose2{} : drive.truth.back() * exp_tangent({0.5, 0.0, turn_rad}));
+    MeasuredStep step{exp_tangent(by_wheels), Matrix3::diagonal(1.0e4, 1.0e4, 1.0e6)};
+    drive.path.steps.push_back({step, step});
+    drive.path.poses.push_back(drive.truth.back());
+  }
+  return drive;
+}
+
+TEST(MeasuredPath, WheelsAreRidOfWhatTheyMissAlways) {
+  for (const double way : {-0.1, 0.1}) {
+    for (const double turn : {-0.1, 0.1}) {
+      const SquareDrive drive = drive_bends(300, way, turn);
+      MeasuredPath measured(drive.path, {0, 299});
+      measured.correct_wheels(drive.truth);
+      EXPECT_NEAR(measured.wheel_bias().distance, way / (1.0 - way), 5e-3) << way << ' ' << turn;
+      EXPECT_NEAR(measured.wheel_bias().turn, turn / (1.0 - turn), 5e-3) << way << ' ' << turn;
+      EXPECT_NEAR(measured.wheel_bias().turn_rad_per_m, 0.0, 2e-3) << way << ' ' << turn;
+      const Pose2 step = measured.stretch(9, 10, StepSource::kWheels).T_from_to;
+      EXPECT_NEAR(step.x_m, exp_tangent({0.5, 0.0, 0.1}).x_m, 3e-3);
+      EXPECT_NEAR(step.theta_rad, 0.1, 3e-3);
+    }
+  }
+}
+
+TEST(MeasuredPath, WheelsAreRidOfATurnWithEachMetre) {
+  for (const double rad_per_m : {-0.02, 0.02}) {
+    const SquareDrive drive = drive_bends(300, 0.0, 0.0, rad_per_m);
+    MeasuredPath measured(drive.path, {0, 299});
+    measured.correct_wheels(drive.truth);
+    EXPECT_NEAR(measured.wheel_bias().turn_rad_per_m, rad_per_m, 1e-3);
+    EXPECT_NEAR(measured.wheel_bias().turn, 0.0, 5e-3);
+    EXPECT_NEAR(measured.stretch(9, 10, StepSource::kWheels).T_from_to.theta_rad, 0.1, 1e-3);
+    EXPECT_NEAR(measured.stretch(29, 30, StepSource::kWheels).T_from_to.theta_rad, -0.07, 1e-3);
+  }
+}
+
+// Wheels are judged by stretches of twelve steps.
+TEST(MeasuredPath, OfFewerThanTwelveStepsNothingIsLearntOfWheels) {
+  const auto sigma_after = [](std::size_t keyframes) {
+    const SquareDrive drive = drive_bends(keyframes, 0.1, 0.1);
+    MeasuredPath measured(drive.path, {0, keyframes - 1});
+    measured.correct_wheels(drive.truth);
+    return measured.wheel_bias().sigma_distance;
+  };
+  EXPECT_EQ(sigma_after(12), WheelBias{}.sigma_distance);
+  EXPECT_LT(sigma_after(13), WheelBias{}.sigma_distance);
 }
 
 // At first nothing is known of wheels, so their first steps are stated as badly as any; in the end it is known better.
