@@ -39,6 +39,16 @@ TEST(CarriedKeyframes, WhatAPlaceMovedByIsSpreadOverTheWayToIt) {
   }
 }
 
+TEST(CarriedKeyframes, BehindAPlaceTheSharesBeginAnew) {
+  for (const double sign : {-1.0, 1.0}) {
+    const std::vector<Pose2> poses = carried(7, {0, 2, 6}, {{}, {2.2, 0.0, 0.0}, {6.2, sign * 0.4, 0.0}});
+    for (std::size_t k = 0; k < 7; ++k) {
+      const auto x = static_cast<double>(k);
+      expect_pose(poses[k], k < 2 ? Pose2{1.1 * x, 0.0, 0.0} : Pose2{0.2 + x, sign * 0.1 * (x - 2.0), 0.0});
+    }
+  }
+}
+
 // A turn of the end is one about the end, of which each keyframe before it gets its share.
 TEST(CarriedKeyframes, WhatAPlaceTurnedByTurnsThoseBeforeItAboutIt) {
   for (const double turn_rad : {-0.4, 0.4}) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/mapping/loops/loop_closer.hpp"
+#include "gdtslam/core/angle.hpp"
 #include "loop_drive.hpp"
 
 namespace gdtslam {
