@@ -58,7 +58,6 @@ BackEnd::BackEnd(const BackEndOptions& options)
 
 void BackEnd::take(std::span<const Point2> points_base_m, const MatchResult& result) {
   if (!keyframes_.empty()) follow(result);
-  T_map_last_ = result.T_map_base;
   if (!result.merged && !keyframes_.empty()) return add_scan(points_base_m, result);
   scans_.push_back({{}, keyframes_.size()});
   keyframes_.push_back(scans_.size() - 1);

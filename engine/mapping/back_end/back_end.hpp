@@ -99,7 +99,6 @@ class BackEnd {
   Matrix3 wheels_covariance_;
   Matrix3 leaps_;  // covariance of what wheels and matches cannot agree on
   WheelTravel travel_;
-  Pose2 T_map_last_;
   ScanShelf shelf_;                    // points of the scans that are no keyframes
   std::optional<SideThread> keeping_;  // that fills it
 };

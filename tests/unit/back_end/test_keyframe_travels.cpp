@@ -12,8 +12,8 @@ namespace gdtslam {
 namespace {
 
 // Wheels are never better than 2 mm and half a milliradian.
-constexpr double kLeast_m2 = 4.0e-6;
-constexpr double kLeast_rad2 = 2.5e-7;
+constexpr double kLeastOfPlace = 4.0e-6;  // square metres
+constexpr double kLeastOfTurn = 2.5e-7;   // square radians
 
 /// Steps of a robot whose matches are where its wheels said, but for what a step is told to be off.
 class Travel : public testing::Test {
@@ -71,8 +71,8 @@ TEST_F(Travel, WaysAndTurnsAddUpFromKeyframeToKeyframe) {
   EXPECT_EQ(found.travels[3].turned_rad, 0.0);
   for (std::size_t k = 1; k < 4; ++k) {
     EXPECT_TRUE(found.travels[k].is_measured);
-    EXPECT_NEAR(found.travels[k].besides(0, 0), kLeast_m2, 1e-15);
-    EXPECT_NEAR(found.travels[k].besides(2, 2), kLeast_rad2, 1e-16);
+    EXPECT_NEAR(found.travels[k].besides(0, 0), kLeastOfPlace, 1e-15);
+    EXPECT_NEAR(found.travels[k].besides(2, 2), kLeastOfTurn, 1e-16);
   }
 }
 
@@ -111,15 +111,15 @@ TEST_F(Travel, AStepThatNothingMeasuredIsNoWayOfTheWheels) {
   const FrontEndPath& found = path();
   EXPECT_TRUE(found.travels[1].is_measured);
   EXPECT_NEAR(found.travels[1].path_m, 1.0, 1e-12);
-  EXPECT_NEAR(found.travels[1].besides(0, 0), kLeast_m2, 1e-15);
+  EXPECT_NEAR(found.travels[1].besides(0, 0), kLeastOfPlace, 1e-15);
   EXPECT_FALSE(found.travels[2].is_measured);
   EXPECT_NEAR(found.travels[2].path_m, 0.5, 1e-12);
   EXPECT_EQ(found.travels[2].turned_rad, 0.0);
-  EXPECT_NEAR(found.travels[2].besides(0, 0), 25.0 + kLeast_m2, 1e-12);
-  EXPECT_NEAR(found.travels[2].besides(1, 1), 25.0 + kLeast_m2, 1e-12);
-  EXPECT_NEAR(found.travels[2].besides(2, 2), 0.04 + kLeast_rad2, 1e-12);
+  EXPECT_NEAR(found.travels[2].besides(0, 0), 25.0 + kLeastOfPlace, 1e-12);
+  EXPECT_NEAR(found.travels[2].besides(1, 1), 25.0 + kLeastOfPlace, 1e-12);
+  EXPECT_NEAR(found.travels[2].besides(2, 2), 0.04 + kLeastOfTurn, 1e-12);
   EXPECT_TRUE(found.travels[3].is_measured) << "begun anew";
-  EXPECT_NEAR(found.travels[3].besides(0, 0), kLeast_m2, 1e-15);
+  EXPECT_NEAR(found.travels[3].besides(0, 0), kLeastOfPlace, 1e-15);
 }
 
 // A heading that is off after the first step carries the second aside by its length, to the side of its sign.
@@ -136,11 +136,11 @@ TEST_F(Travel, WheelsErrAsidesByWhatTheirHeadingErredBefore) {
     const double x = second[k].x_m;
     const double y = second[k].y_m;
     const Matrix3 covariance = wheels_covariance(found, k + 1);
-    const double sq_m = 2.0 * kSigma_m * kSigma_m + kLeast_m2;
+    const double sq_m = 2.0 * kSigma_m * kSigma_m + kLeastOfPlace;
     const double sq_rad = kSigma_rad * kSigma_rad;
     EXPECT_NEAR(covariance(0, 0), sq_m + y * y * sq_rad, 1e-9) << k;
     EXPECT_NEAR(covariance(1, 1), sq_m + x * x * sq_rad, 1e-9) << k;
-    EXPECT_NEAR(covariance(2, 2), 2.0 * sq_rad + kLeast_rad2, 1e-9) << k;
+    EXPECT_NEAR(covariance(2, 2), 2.0 * sq_rad + kLeastOfTurn, 1e-9) << k;
     EXPECT_NEAR(covariance(1, 2), x * sq_rad, 1e-9) << k;
     EXPECT_NEAR(covariance(0, 2), -y * sq_rad, 1e-9) << k;
     const Pose2 whole = Pose2{1.0, 0.0, 0.0} * second[k];
@@ -158,15 +158,15 @@ TEST_F(Travel, ALeapIsCarriedToTheKeyframeAndForgottenBehindIt) {
   const FrontEndPath& found = path();
   for (const std::size_t k : {1U, 3U}) {
     for (const Matrix3& leapt : {wheels_covariance(found, k), found.travels[k].besides}) {
-      EXPECT_NEAR(leapt(0, 0), kLeast_m2, 1e-9);
-      EXPECT_NEAR(leapt(1, 1), 0.36 + kLeast_m2, 1e-6);
+      EXPECT_NEAR(leapt(0, 0), kLeastOfPlace, 1e-9);
+      EXPECT_NEAR(leapt(1, 1), 0.36 + kLeastOfPlace, 1e-6);
       EXPECT_NEAR(leapt(1, 2), 0.18, 1e-6);
-      EXPECT_NEAR(leapt(2, 2), 0.09 + kLeast_rad2, 1e-6);
+      EXPECT_NEAR(leapt(2, 2), 0.09 + kLeastOfTurn, 1e-6);
     }
     const Matrix3 after = wheels_covariance(found, k + 1);
-    EXPECT_NEAR(after(1, 1), kLeast_m2, 1e-12);
-    EXPECT_NEAR(after(2, 2), kLeast_rad2, 1e-12);
-    EXPECT_NEAR(found.travels[k + 1].besides(1, 1), kLeast_m2, 1e-12);
+    EXPECT_NEAR(after(1, 1), kLeastOfPlace, 1e-12);
+    EXPECT_NEAR(after(2, 2), kLeastOfTurn, 1e-12);
+    EXPECT_NEAR(found.travels[k + 1].besides(1, 1), kLeastOfPlace, 1e-12);
   }
 }
 
