@@ -90,7 +90,7 @@ inline void read_fleet_text(std::span<const std::byte> data) {
 /// What a run was asked for is written as it was read.
 inline void read_request_kept(std::span<const std::byte> data) {
   static const ScratchFolder folder;
-  expect_typed<InputError, ConfigError>([&] {
+  expect_typed<InputError>([&] {
     const KeptRequest kept = read_continue_file(folder.put("continue.json", text_of(data)), "runs/fuzz");
     require(kept.paths.size() == kept.request.logs.size() && !kept.paths.empty());
     const std::string again = folder.file("again.json");

@@ -82,10 +82,15 @@ ScanRange range_from(const ReportReader& file) {
   return range;
 }
 
-Settings settings_from(const ReportReader& file, const std::string& name) {
+// The program wrote it: what is no configuration is damage to the file.
+Settings settings_from(const ReportReader& file, const std::string& name, const std::string& advice) {
   Settings settings;
-  read_config_text(file.text("config_yaml"), name + " (its 'config_yaml')", option_table(settings));
-  require_valid(settings);
+  try {
+    read_config_text(file.text("config_yaml"), name + " (its 'config_yaml')", option_table(settings));
+    require_valid(settings);
+  } catch (const ConfigError& error) {
+    throw InputError(error.what() + advice);
+  }
   settings.log.topics = topics_from(file.section("topics"));
   return settings;
 }
@@ -163,7 +168,7 @@ KeptRequest read_continue_file(const std::string& file, const std::string& folde
   // Before the rest: GCC 12 destroys members that were never made where a later one of them cannot be.
   std::vector<std::string> paths = reader.texts("path");
   KeptRequest kept{.request = {.logs = reader.texts("log"),
-                               .settings = settings_from(reader, file),
+                               .settings = settings_from(reader, file, advice),
                                .lenient = reader.truth("lenient"),
                                .range = range_from(reader),
                                .linkage = reader.text("linkage"),

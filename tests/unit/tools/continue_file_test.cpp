@@ -59,7 +59,7 @@ class ContinueFileTest : public testing::Test {
     std::ofstream(file()) << json.dump();
     try {
       (void)read();
-    } catch (const Error& error) {
+    } catch (const InputError& error) {
       return error.what();
     }
     return "it is read";
@@ -131,7 +131,10 @@ TEST_F(ContinueFileTest, AFileThatIsNoneIsRefused) {
               }),
               HasSubstr("is empty"));
   EXPECT_THAT(fault_with([](auto& json) { json["prepared"]["nods"] = "often"; }), HasSubstr("none, encoder and tilt"));
-  EXPECT_NE(fault_with([](auto& json) { json["config_yaml"] = "map.resolution: 900 m\n"; }), "it is read");
+  for (const char* config :
+       {"map.resolution: 900 m\n", "version: 1\nmap: {resolution: 900 m}\n", "version: 1\nmap: {x: 1}\n"}) {
+    EXPECT_THAT(fault_with([&](auto& json) { json["config_yaml"] = config; }), HasSubstr("; map the log again"));
+  }
   for (const char* member : {"path", "log", "lenient", "skip", "linkage", "with_cloud", "with_map", "with_loops",
                              "with_pictures", "topics", "config_yaml"}) {
     EXPECT_NE(fault_with([&](auto& json) { json.erase(member); }), "it is read") << member;
