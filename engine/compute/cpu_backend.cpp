@@ -34,13 +34,16 @@ std::size_t physical_memory_bytes() {
 
 std::string processor_name() {
   std::ifstream info("/proc/cpuinfo");
-  info.exceptions(std::ios::badbit);  // without memory it would seem to have no name
-  std::string line;
-  while (std::getline(info, line)) {
-    const std::size_t colon = line.find(": ");
-    if (line.starts_with("model name") && colon != std::string::npos) {
-      return line.substr(colon + 2);
+  info.exceptions(std::ios::badbit);  // or the stream would keep to itself that memory has ended
+  try {
+    std::string line;
+    while (std::getline(info, line)) {
+      const std::size_t colon = line.find(": ");
+      if (line.starts_with("model name") && colon != std::string::npos) {
+        return line.substr(colon + 2);
+      }
     }
+  } catch (const std::ios_base::failure&) {  // what cannot be read has no name
   }
   return "unnamed processor";
 }

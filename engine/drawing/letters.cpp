@@ -52,6 +52,15 @@ Letter next_letter(std::string_view words, std::size_t& at) {
   return {code, bytes};
 }
 
+bool is_utf8(std::string_view words) {
+  for (std::size_t at = 0; at < words.size();) {
+    const Sequence sequence = sequence_at(words, at);
+    if (!sequence.is_whole) return false;
+    at += sequence.bytes;
+  }
+  return true;
+}
+
 std::string legible(std::string_view words) {
   std::string result;
   for (std::size_t at = 0; at < words.size();) {

@@ -17,6 +17,9 @@ struct Letter {
 /// The letter that begins at byte `at`, which moves to the next one; `at` < words.size().
 Letter next_letter(std::string_view words, std::size_t& at);
 
+/// Whether the words are UTF-8 from end to end.
+bool is_utf8(std::string_view words);
+
 /// The words as every form can hold them: valid UTF-8 of one line; control characters become spaces, broken bytes
 /// U+FFFD.
 std::string legible(std::string_view words);

@@ -1,5 +1,6 @@
-// JSON files by nlohmann-json; the one public header of io that names it, so that only who needs JSON includes it.
-// Thread-safe; O(text).
+// JSON files by nlohmann-json; the one public header of io that names it, so that only who needs JSON includes it. An
+// object that is to be filled begins as Json::object(): operator[] of a null sets the type before it has the memory,
+// and where that has ended the destructor follows a null. Thread-safe; O(text).
 #pragma once
 
 #include <cstddef>

@@ -189,7 +189,7 @@ class UnzstdSource final : public UnpackSource {
     ZSTD_inBuffer from{packed.data(), packed.size(), 0};
     ZSTD_outBuffer to{target.data(), target.size(), 0};
     const std::size_t status = ZSTD_decompressStream(stream_.get(), &to, &from);
-    if (ZSTD_getErrorCode(status) == ZSTD_error_memory_allocation) throw std::bad_alloc();
+    check_zstd_memory(status);
     if (ZSTD_isError(status) != 0U) fail(ZSTD_getErrorName(status));
     used(from.pos);
     set_between(status == 0);
@@ -200,6 +200,10 @@ class UnzstdSource final : public UnpackSource {
 };
 
 }  // namespace
+
+void check_zstd_memory(std::size_t result) {
+  if (ZSTD_getErrorCode(result) == ZSTD_error_memory_allocation) throw std::bad_alloc();
+}
 
 std::unique_ptr<ByteSource> unpack_source(StreamPacking packing, std::unique_ptr<ByteSource> packed, std::string name) {
   if (packing == StreamPacking::kBzip2) return std::make_unique<Bunzip2Source>(std::move(packed), std::move(name));

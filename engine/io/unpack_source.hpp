@@ -3,6 +3,7 @@
 // asks for, at most 128 MiB, whatever the stream unpacks to. One source belongs to one thread.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -17,6 +18,9 @@ enum class StreamPacking : std::uint8_t { kBzip2, kXz, kZstd };
 /// `packed` begins with the first byte of the stream; `name` stands in messages. Reading throws InputError where the
 /// data are damaged.
 std::unique_ptr<ByteSource> unpack_source(StreamPacking packing, std::unique_ptr<ByteSource> packed, std::string name);
+
+/// A result of zstd: throws std::bad_alloc where memory ended, which says nothing against the data.
+void check_zstd_memory(std::size_t result);
 
 /// What a warning about the end of a packed input is called.
 inline std::string_view defect_kind(std::string_view defect) {

@@ -2,12 +2,10 @@
 
 #include <fmt/format.h>
 #include <zstd.h>
-#include <zstd_errors.h>
 
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <new>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -111,7 +109,7 @@ class FrameUnpacker {
       ZSTD_outBuffer to{raw.data() + old_size, kFramePieceBytes, 0};
       status = ZSTD_decompressStream(context_.get(), &to, &from);
       raw.resize(old_size + to.pos);
-      if (ZSTD_getErrorCode(status) == ZSTD_error_memory_allocation) throw std::bad_alloc();
+      check_zstd_memory(status);
       const bool is_stuck = status != 0 && to.pos == 0 && from.pos == from.size;
       if (ZSTD_isError(status) != 0U || is_stuck) throw FrameFault{"has a frame that cannot be unpacked"};
       if (raw.size() > kMostFrameBytes) throw FrameFault{"has a frame of more than 64 MiB"};

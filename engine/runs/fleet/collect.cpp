@@ -6,10 +6,10 @@
 #include <array>
 #include <charconv>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "engine/core/files/folder_calls.hpp"
+#include "engine/drawing/letters.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"
@@ -59,14 +59,6 @@ std::string absolute_path(const fs::path& path) {
   if (failed) throw FileError(path.string(), "has no absolute path: " + failed.message());
   if (!whole.has_filename()) whole = whole.parent_path();  // "bag/"
   return whole.string();
-}
-
-bool is_utf8(const std::string& text) {
-  try {
-    return !nlohmann::json(text).dump().empty();
-  } catch (const nlohmann::json::type_error&) {
-    return false;
-  }
 }
 
 void search(const fs::path& folder, std::vector<fs::path>& logs) {

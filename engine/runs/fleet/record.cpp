@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "engine/drawing/letters.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/io/yaml/yaml_text.hpp"
@@ -226,7 +227,7 @@ std::string records_table(const std::string& plan, const std::vector<UnitRecord>
 
 std::optional<std::vector<UnitRecord>> parse_records_table(std::string_view text, const std::string& plan) {
   const std::string header = header_of(plan);
-  if (!text.starts_with(header)) return std::nullopt;
+  if (!text.starts_with(header) || !is_utf8(text)) return std::nullopt;
   text.remove_prefix(header.size());
   std::vector<UnitRecord> records;
   for (std::size_t end = 0; (end = text.find('\n')) != std::string_view::npos && !text.starts_with('#');) {

@@ -59,7 +59,7 @@ void write_record(const std::string& atlas, const UnitRecord& record);
 /// The table of a shard: a line a record, columns with tabs between them, and a last line with their number. Of the
 /// same records the same text.
 std::string records_table(const std::string& plan, const std::vector<UnitRecord>& records);
-/// Nothing where it is of another plan, cut or damaged: the records are there to be read one by one.
+/// Nothing where it is of another plan, cut, damaged or no UTF-8: the records are there to be read one by one.
 std::optional<std::vector<UnitRecord>> parse_records_table(std::string_view text, const std::string& plan);
 
 /// What can be said about a unit in one line of a table: without tabs, line ends and other control characters.

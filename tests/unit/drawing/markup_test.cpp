@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "engine/drawing/letters.hpp"
 #include "gdtslam/drawing/canvas.hpp"
 
 namespace gdtslam {
@@ -17,6 +18,7 @@ TEST(Markup, ValidUtf8StaysAsItIs) {
   for (const std::string_view text : {"", "plain", "gr\xC3\xBC\xC3\x9F", "\xE2\x82\xAC", "\xF0\x9F\xA4\x96", "a\tb\nc",
                                       "\xED\x9F\xBF", "\xEE\x80\x80", "\xF4\x8F\xBF\xBF"}) {
     EXPECT_EQ(clean_utf8(text), text);
+    EXPECT_TRUE(is_utf8(text)) << text;
   }
 }
 
@@ -33,6 +35,8 @@ TEST(Markup, WhatIsNoUtf8IsReplacedAsBrowsersDo) {
     std::string expected = "<";
     for (int k = 0; k < one.replaced; ++k) expected += kUnknown;
     EXPECT_EQ(clean_utf8("<" + std::string(one.text) + ">"), expected + ">");
+    EXPECT_FALSE(is_utf8("<" + std::string(one.text) + ">"));
+    EXPECT_FALSE(is_utf8(one.text));
   }
 }
 

@@ -123,6 +123,14 @@ TEST(FleetTable, ReadsBackAndIsNoneWhereItIsCut) {
   EXPECT_FALSE(parse_records_table(text + "x", kPlan));
 }
 
+TEST(FleetTable, IsNoneWhereItIsNoUtf8) {  // JSON and the page of an atlas could not hold its words
+  UnitRecord record = mapped_record(1);
+  record.host = "B\xC3\xBCro";
+  EXPECT_TRUE(parse_records_table(records_table(kPlan, {record}), kPlan));
+  record.host = "B\xFCro";
+  EXPECT_FALSE(parse_records_table(records_table(kPlan, {record}), kPlan));
+}
+
 TEST(FleetHash, DependsOnTheResultsAlone) {
   AtlasState state;
   state.records = {refused_record(0), mapped_record(1)};

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <lz4frame.h>
 #include <zstd.h>
-#include <zstd_errors.h>
 
 #include <algorithm>
 #include <array>
@@ -13,6 +12,7 @@
 #include <utility>
 
 #include "engine/io/message_text.hpp"
+#include "engine/io/unpack_source.hpp"
 
 namespace gdtslam {
 namespace {
@@ -118,7 +118,7 @@ class ZstdChunk final : public PackedChunk {
     ZSTD_inBuffer in{packed.data(), packed.size(), 0};
     ZSTD_outBuffer out{target.data(), target.size(), 0};
     const std::size_t status = ZSTD_decompressStream(context_.get(), &out, &in);
-    if (ZSTD_getErrorCode(status) == ZSTD_error_memory_allocation) throw std::bad_alloc();
+    check_zstd_memory(status);
     if (ZSTD_isError(status) != 0U) throw RecordingFault("has damaged zstd data");
     if (status == 0) over();
     used(in.pos);
@@ -144,7 +144,7 @@ std::string_view unpacked_message(std::string_view bytes, std::string& buffer) {
   }
   buffer.resize(static_cast<std::size_t>(stated));
   const std::size_t size = ZSTD_decompress(buffer.data(), buffer.size(), bytes.data(), bytes.size());
-  if (ZSTD_getErrorCode(size) == ZSTD_error_memory_allocation) throw std::bad_alloc();
+  check_zstd_memory(size);
   if (ZSTD_isError(size) != 0U || size != buffer.size()) throw RecordingFault("has a damaged packed message");
   return buffer;
 }
