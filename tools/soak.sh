@@ -5,7 +5,7 @@
 # The last line is 'N passed, N failed' over the steps; the exit status is 0 only when none failed.
 set -euo pipefail
 root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
-step_count=12
+step_count=13
 source "$root/tools/scripts/common.sh"
 
 usage() {
@@ -25,6 +25,7 @@ Usage: tools/soak.sh [STEP...]
   integer    the corpora of the fuzz targets and the unit tests of the readers, where whole numbers that wrap or lose bits
              are errors
   endurance  ten hours of live, 10,000 maps in one process, a million scans (tools/scripts/endurance.py)
+  memcheck   one of each command under valgrind (tools/scripts/memcheck.py)
   arm64      the command built for arm64, and the samples' hashes under qemu (tools/scripts/cross_arm64.sh)
 
 Without STEP: all of them.
@@ -33,12 +34,12 @@ USAGE
 steps=()
 for argument in "$@"; do
   case "$argument" in
-    debug | clang | asan | tsan | long | faults | platforms | lint | fuzz | integer | endurance | arm64) steps+=("$argument") ;;
+    debug | clang | asan | tsan | long | faults | platforms | lint | fuzz | integer | endurance | memcheck | arm64) steps+=("$argument") ;;
     -h | --help) usage; exit 0 ;;
     *) echo "soak.sh: unknown step '$argument'" >&2; usage >&2; exit 2 ;;
   esac
 done
-if ((${#steps[@]} == 0)); then steps=(debug clang asan tsan long faults platforms lint fuzz integer endurance arm64); fi
+if ((${#steps[@]} == 0)); then steps=(debug clang asan tsan long faults platforms lint fuzz integer endurance memcheck arm64); fi
 step_count=${#steps[@]}
 
 passed=0 failed=0
@@ -102,12 +103,28 @@ run_lint() {
   python3 "$root/tools/scripts/lint.py" "$root/build/test"
 }
 
+run_memcheck() {
+  local build=$root/build/test
+  command -v valgrind >/dev/null || install_besides valgrind
+  configure "$build" -DCMAKE_BUILD_TYPE=Release -DGDTSLAM_BUILD_TESTS=ON -DGDTSLAM_WERROR=ON \
+    -DCMAKE_UNITY_BUILD=ON
+  cmake --build "$build" --parallel "$(build_jobs)" --target gdtslam
+  python3 "$root/tools/scripts/memcheck.py" "$build/bin/gdtslam"
+}
+
+# Packages that no other step needs.
+install_besides() {
+  local as_root=()
+  if ((EUID != 0)); then as_root=(sudo); fi
+  "${as_root[@]}" apt-get update -qq
+  "${as_root[@]}" apt-get install -y -qq --no-install-recommends "$@"
+}
+
 run_arm64() {
   local as_root=()
   if ((EUID != 0)); then as_root=(sudo); fi
   "${as_root[@]}" dpkg --add-architecture arm64
-  "${as_root[@]}" apt-get update -qq
-  "${as_root[@]}" apt-get install -y -qq --no-install-recommends g++-aarch64-linux-gnu qemu-user-static
+  install_besides g++-aarch64-linux-gnu qemu-user-static
   "$root/tools/scripts/cross_arm64.sh"
 }
 
@@ -143,6 +160,7 @@ run_step() {
     fuzz) run_fuzz ;;
     integer) run_integer ;;
     endurance) run_endurance ;;
+    memcheck) run_memcheck ;;
     arm64) run_arm64 ;;
   esac
 }

@@ -297,6 +297,7 @@ def fleet_bad_input():
                                    (("plan", "s3://a/b.log", "-o", atlas), 2, "--get"),
                                    (("plan", "--list", folder / "list.txt", "-o", atlas), 65, "list.txt:1:"),
                                    (("plan", logs, "-o", atlas, "--shards", 1001), 2, "more than 1000"),
+                                   (("plan", logs, "-o", atlas, "--topic", "/sc\udce4n"), 2, "is UTF-8, and its reading is not"),
                                    (("plan", logs, "-o", atlas, "--set", "map.resolutoin=1 m"), 78, "map.resolution"),
                                    (("run", atlas, "--shard", "1"), 74, "gdtslam fleet plan"),
                                    (("status", atlas), 74, "plan.json")):

@@ -121,7 +121,12 @@ std::string id_of(std::string_view text) { return Sha256().update(text).hex().su
 std::string plan_text(const FleetPlan& plan) {
   std::string text = fmt::format("{{\n \"format\": {},\n", kAtlasFormat);
   const auto add = [&text](const char* key, const Json& value) {
-    text += fmt::format(" \"{}\": {},\n", key, one_line_json(value));
+    try {
+      text += fmt::format(" \"{}\": {},\n", key, one_line_json(value));
+    } catch (const Json::type_error&) {
+      throw UsageError(fmt::format("what a plan holds is UTF-8, and its {} is not: {}", key,
+                                   value.dump(-1, ' ', true, Json::error_handler_t::replace)));
+    }
   };
   add("program", program_json(plan.program));
   add("config", plan.config);

@@ -52,7 +52,7 @@ struct FleetPlan {
   std::vector<std::vector<std::uint32_t>> shards;  ///< numbers of units, ascending; every unit is in one
 };
 
-/// The file's text: a unit and a shard a line, ASCII.
+/// The file's text: a unit and a shard a line, ASCII. Throws UsageError where a text of the plan is no UTF-8.
 std::string plan_text(const FleetPlan& plan);
 /// Back again; `name` stands in messages. Throws InputError with one line where it is damaged or of another format.
 FleetPlan parse_plan(std::string_view text, const std::string& name);

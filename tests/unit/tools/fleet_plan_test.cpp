@@ -57,6 +57,27 @@ TEST(FleetPlan, ReadsBackAsItWasWritten) {
   for (const char c : plan_text(plan)) EXPECT_TRUE(c == '\n' || (c >= ' ' && c <= '~')) << "a terminal may obey it";
 }
 
+TEST(FleetPlan, HoldsUtf8Alone) {
+  const auto is_refused = [](auto&& change) {
+    FleetPlan plan = small_plan();
+    change(plan, "/sc\xC3\xA4n");
+    EXPECT_NO_THROW(plan_text(plan));
+    change(plan, "/sc\xE4n");
+    try {
+      plan_text(plan);
+    } catch (const UsageError& error) {
+      const std::string message = error.what();
+      EXPECT_THAT(message, HasSubstr("/sc\\ufffdn"));
+      return message.find('\n') == std::string::npos;
+    }
+    return false;
+  };
+  EXPECT_TRUE(is_refused([](FleetPlan& plan, const char* text) { plan.reading.topics = {"/a", text}; }));
+  EXPECT_TRUE(is_refused([](FleetPlan& plan, const char* text) { plan.reading.crank = text; }));
+  EXPECT_TRUE(is_refused([](FleetPlan& plan, const char* text) { plan.linkage = text; }));
+  EXPECT_TRUE(is_refused([](FleetPlan& plan, const char* text) { plan.get = text; }));
+}
+
 TEST(FleetPlan, RefusesWhatIsDamagedInOneLine) {
   const std::string text = plan_text(small_plan());
   for (std::size_t cut = 0; cut + 2 < text.size(); ++cut) {
