@@ -1,0 +1,243 @@
+// Single surface points on single lines, by hand; many of them against a search that asks all; and which keyframes a
+// scan is laid on.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "engine/mapping/adjust/point_to_line.hpp"
+#include "engine/mapping/adjust/scan_adjustment.hpp"
+#include "gdtslam/core/random.hpp"
+
+namespace gdtslam {
+namespace {
+
+SurfacePoint surface_point(double x_m, double y_m, double turn_rad = 0.0) {
+  return {static_cast<float>(x_m), static_cast<float>(y_m), -static_cast<float>(std::cos(turn_rad)),
+          -static_cast<float>(std::sin(turn_rad)), static_cast<float>(direction_of(x_m, y_m))};
+}
+
+KeptScan scan_with(std::vector<SurfacePoint> points) {
+  std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.direction < b.direction; });
+  return {std::move(points), {}};
+}
+
+constexpr LineGate kGate{.most_m = 0.2, .points = 100};
+
+LineEquations point_on_line(const SurfacePoint& point, const SurfacePoint& line) {
+  return line_equations(scan_with({line}), scan_with({point}), {}, kGate);
+}
+
+// Geman and McClure's kernel is 0.3 of the gate wide: at 6 cm a point counts for a quarter.
+TEST(PointToLine, WeighsAPointByItsDistanceFromTheLine) {
+  const LineEquations lines = point_on_line(surface_point(2.06, 0.1), surface_point(2.0, 0.0));
+  EXPECT_NEAR(lines.weight, 0.25, 1e-5);
+  EXPECT_NEAR(lines.cost_m2, 0.25 * 0.0036, 1e-7);
+  // The point is 6 cm behind the line, whose normal is -x; J = (-1, 0, 0.1).
+  EXPECT_NEAR(lines.gradient[0], 0.25 * 0.06, 1e-6);
+  EXPECT_NEAR(lines.gradient[1], 0.0, 1e-6);
+  EXPECT_NEAR(lines.gradient[2], -0.25 * 0.06 * 0.1, 1e-6);
+  EXPECT_NEAR(lines.information(0, 0), 0.25, 1e-5);
+  EXPECT_NEAR(lines.information(0, 2), -0.025, 1e-6);
+  EXPECT_NEAR(lines.information(2, 2), 0.0025, 1e-6);
+  EXPECT_NEAR(lines.information(1, 1), 0.0, 1e-6);
+}
+
+TEST(PointToLine, APointCountsWithinTheGateToEitherSide) {
+  for (const double side : {-1.0, 1.0}) {
+    EXPECT_NEAR(point_on_line(surface_point(2.0, side * 0.195), surface_point(2.0, 0.0)).weight, 1.0, 1e-5);
+    EXPECT_EQ(point_on_line(surface_point(2.0, side * 0.205), surface_point(2.0, 0.0)).weight, 0.0);
+    EXPECT_GT(point_on_line(surface_point(2.0 + side * 0.19, 0.0), surface_point(2.0, 0.0)).weight, 0.0);
+    EXPECT_EQ(point_on_line(surface_point(2.0 + side * 0.21, 0.0), surface_point(2.0, 0.0)).weight, 0.0);
+  }
+}
+
+TEST(PointToLine, FacesAreTheSameUpToACosineOfFourFifths) {
+  for (const double side : {-1.0, 1.0}) {
+    EXPECT_GT(point_on_line(surface_point(2.0, 0.0, side * std::acos(0.81)), surface_point(2.0, 0.0)).weight, 0.9);
+    EXPECT_EQ(point_on_line(surface_point(2.0, 0.0, side * std::acos(0.79)), surface_point(2.0, 0.0)).weight, 0.0);
+  }
+}
+
+// In the moving scan's own frame: the same wall, seen from a robot that is turned by a quarter.
+TEST(PointToLine, EquationsAreThoseOfTheMovingScan) {
+  const Pose2 T_fixed_moving{0.0, 0.0, 0.5 * 3.14159265358979};
+  const SurfacePoint aside{0.1F, -2.06F, 0.0F, 1.0F, static_cast<float>(direction_of(0.1, -2.06))};
+  const LineEquations lines =
+      line_equations(scan_with({surface_point(2.0, 0.0)}), scan_with({aside}), T_fixed_moving, kGate);
+  EXPECT_NEAR(lines.weight, 0.25, 1e-4);
+  // n = (0, 1) in its frame, 6 cm too far.
+  EXPECT_NEAR(lines.gradient[0], 0.0, 1e-6);
+  EXPECT_NEAR(lines.gradient[1], -0.25 * 0.06, 1e-5);
+  EXPECT_NEAR(lines.gradient[2], -0.25 * 0.06 * 0.1, 1e-5);
+}
+
+// The nearest is looked for among twelve to each side of the direction.
+TEST(PointToLine, TwelveToEachSideAreLookedAt) {
+  for (const double side : {-1.0, 1.0}) {
+    for (const int nearest : {12, 13}) {
+      std::vector<SurfacePoint> points;
+      for (int k = 1; k <= 14; ++k) {
+        points.push_back(surface_point(k == nearest ? 2.0 : 2.1, side * 0.001 * k));
+      }
+      const LineEquations lines = line_equations(scan_with(points), scan_with({surface_point(2.0, 0.0)}), {}, kGate);
+      EXPECT_NEAR(lines.cost_m2, nearest == 12 ? 0.0 : lines.weight * 0.01, 1e-5) << side;
+    }
+  }
+}
+
+// Near the robot directions differ by much: what is more than 0.6 away does not count.
+TEST(PointToLine, NearTheRobotTheDirectionBoundsTheSearch) {
+  const SurfacePoint here = surface_point(0.1, 0.0);
+  for (const double side : {-1.0, 1.0}) {
+    EXPECT_GT(point_on_line(here, surface_point(0.043, side * 0.057)).weight, 0.0);
+    EXPECT_EQ(point_on_line(here, surface_point(0.037, side * 0.063)).weight, 0.0);
+  }
+}
+
+TEST(PointToLine, AboutAsManyPointsAreTakenAsAskedFor) {
+  const std::vector<SurfacePoint> same(5, surface_point(2.0, 0.0));
+  const KeptScan fixed = scan_with({surface_point(2.0, 0.0)});
+  const auto taken = [&](std::size_t points, std::size_t wanted) {
+    const KeptScan moving = scan_with({same.begin(), same.begin() + static_cast<std::ptrdiff_t>(points)});
+    return line_equations(fixed, moving, {}, {.most_m = 0.2, .points = wanted}).weight;
+  };
+  EXPECT_NEAR(taken(3, 2), 3.0, 1e-6) << "fewer than two for each";
+  EXPECT_NEAR(taken(4, 2), 2.0, 1e-6);
+  EXPECT_NEAR(taken(5, 2), 3.0, 1e-6);
+  EXPECT_NEAR(taken(5, 9), 5.0, 1e-6);
+}
+
+/// Somewhere ahead; x is drawn first.
+SurfacePoint drawn_point(Random& random) {
+  const double x_m = random.uniform(1.0, 3.0);
+  const double y_m = random.uniform(-2.0, 2.0);
+  return surface_point(x_m, y_m);
+}
+
+/// The weight of a point on the nearest of all that lie within the gate and so near to its direction as the gate
+/// allows.
+double weight_by_asking_all(const std::vector<SurfacePoint>& lines, const SurfacePoint& p) {
+  const double direction = direction_of(static_cast<double>(p.x_m), static_cast<double>(p.y_m));
+  const double reach = kGate.most_m / p.point().norm();
+  double least_m = kGate.most_m;
+  double weight = 0.0;
+  for (const SurfacePoint& line : lines) {
+    const double away_m = (line.point() - p.point()).norm();
+    if (away_m >= least_m || std::fabs(static_cast<double>(line.direction) - direction) > reach) continue;
+    const double off_m = static_cast<double>(line.x_m) - static_cast<double>(p.x_m);
+    const double share = 1.0 / (1.0 + off_m * off_m / 0.0036);
+    least_m = away_m;
+    weight = share * share;
+  }
+  return weight;
+}
+
+// In any order: the search goes on from where the last one ended.
+TEST(PointToLine, FindsTheNearestOfAll) {
+  Random random(5);
+  for (int round = 0; round < 50; ++round) {
+    std::vector<SurfacePoint> lines;
+    for (int k = 0; k < 12; ++k) lines.push_back(drawn_point(random));
+    const KeptScan fixed = scan_with(lines);
+    KeptScan moving;
+    double expected = 0.0;
+    for (int k = 0; k < 40; ++k) {
+      moving.surface.push_back(drawn_point(random));
+      expected += weight_by_asking_all(lines, moving.surface.back());
+    }
+    EXPECT_NEAR(line_equations(fixed, moving, {}, kGate).weight, expected, 1e-6) << round;
+  }
+}
+
+/// A wall so far ahead of keyframes at these poses: each says that the scan, which has it 2 m ahead, is off by the
+/// rest.
+class ScanOnKeyframes {
+ public:
+  explicit ScanOnKeyframes(ScanAdjustmentOptions options = {}) : options_(options) {}
+  void add(const Pose2& pose, double ahead_m) {
+    poses_.push_back(pose);
+    std::vector<SurfacePoint> wall;
+    for (int k = -5; k <= 5; ++k) wall.push_back(surface_point(ahead_m - pose.x_m, 0.05 * k - pose.y_m));
+    keyframes_.push_back(scan_with(wall));
+  }
+  /// One that sees nothing.
+  void add_blind(const Pose2& pose) {
+    poses_.push_back(pose);
+    keyframes_.emplace_back();
+  }
+  [[nodiscard]] double moved_to(std::size_t last, bool is_keyframe = false) const {
+    std::vector<SurfacePoint> wall;
+    for (int k = -5; k <= 5; ++k) wall.push_back(surface_point(2.0, 0.05 * k));
+    return ScanAdjustment(keyframes_, poses_, options_).adjusted(scan_with(wall), {}, last, is_keyframe).x_m;
+  }
+
+ private:
+  ScanAdjustmentOptions options_;
+  std::vector<KeptScan> keyframes_;
+  std::vector<Pose2> poses_;
+};
+
+// 11 points weigh w each by the kernel; what holds the pose is 0.3 of a tenth of the trace, and 0.3.
+TEST(ScanOnKeyframe, IsPulledToItAgainstItsStiffness) {
+  ScanOnKeyframes scene({.iterations = 1});
+  scene.add({}, 2.03);
+  const double scale_m = 0.3 * 0.15;
+  const double share = 1.0 / (1.0 + 0.03 * 0.03 / (scale_m * scale_m));
+  const double w = share * share;
+  double lever = 0.0;
+  for (int k = -5; k <= 5; ++k) lever += w * 0.05 * 0.05 * k * k;
+  const double hold = 0.3 * (0.1 * (11.0 * w + lever) + 1.0);
+  EXPECT_NEAR(scene.moved_to(0), 0.03 * 11.0 * w / (11.0 * w + hold), 1e-5);
+}
+
+TEST(ScanOnKeyframe, DoesNotCountItself) {
+  ScanOnKeyframes scene;
+  scene.add({}, 2.03);
+  EXPECT_GT(scene.moved_to(0, false), 0.01);
+  EXPECT_NEAR(scene.moved_to(0, true), 0.0, 1e-12);
+}
+
+TEST(ScanOnKeyframe, ThoseWithinThreeMetresCount) {
+  for (const double side : {-1.0, 1.0}) {
+    ScanOnKeyframes within;
+    within.add({0.0, side * 2.95, 0.0}, 2.03);
+    EXPECT_GT(within.moved_to(0), 0.01);
+    ScanOnKeyframes beyond;
+    beyond.add({0.0, side * 3.05, 0.0}, 2.03);
+    EXPECT_NEAR(beyond.moved_to(0), 0.0, 1e-12);
+  }
+}
+
+// Eight keyframes to each side, the own one among them, count as 0.3 m nearer than others.
+TEST(ScanOnKeyframe, NeighboursInTimeAreNearer) {
+  const auto takes_neighbour = [](std::size_t apart, double away_m, bool is_later) {
+    ScanOnKeyframes scene({.most_keyframes = 1});
+    const auto add_blind = [&](std::size_t count) {
+      for (std::size_t k = 0; k < count; ++k) scene.add_blind({50.0, 0.0, 0.0});
+    };
+    if (is_later) {
+      scene.add({0.0, 1.0, 0.0}, 1.97);  // long ago: pulls back
+      add_blind(20);
+      add_blind(apart);
+      scene.add({0.0, away_m, 0.0}, 2.03);
+      return scene.moved_to(21) > 0.0;
+    }
+    scene.add({0.0, away_m, 0.0}, 2.03);
+    add_blind(apart + 19);
+    scene.add({0.0, 1.0, 0.0}, 1.97);
+    return scene.moved_to(apart) > 0.0;
+  };
+  for (const bool is_later : {false, true}) {
+    EXPECT_TRUE(takes_neighbour(7, 1.28, is_later));
+    EXPECT_FALSE(takes_neighbour(7, 1.32, is_later));
+    EXPECT_TRUE(takes_neighbour(8, 0.98, is_later)) << "no neighbour any more";
+    EXPECT_FALSE(takes_neighbour(8, 1.02, is_later));
+  }
+}
+
+}  // namespace
+}  // namespace gdtslam
