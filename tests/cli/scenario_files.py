@@ -57,17 +57,17 @@ def every_write_fails():
     if "FAILING_CALLS" not in os.environ:
         skip("the library that fills the disk is not preloaded into a sanitized program")
     folder, before = old_run("every_write_fails")
-    count = cli.calls_counted("write,sync", "map", LOG, "-o", folder, "--first", 50, "-q")
+    arguments = ("map", LOG, "--first", 15, "-q")
+    count = cli.calls_counted("write,sync", *arguments, "-o", folder.parent / "counted")
     expect(count >= 2 * len(OUTPUTS), f"only {count} writes were seen")
-    folder, before = old_run("every_write_fails")
     for failing in range(1, count + 1):
-        process = command("map", LOG, "-o", folder, "--first", 50, "-q", env=cli.full_disk(failing))
+        process = command(*arguments, "-o", folder, env=cli.full_disk(failing))
         expect_exit(process, 74)
         one_error_line(process.stderr)
         expect("No space left on device" in process.stderr, process.stderr)
         expect(digests(folder) == before, f"the folder changed when write {failing} failed")
     fresh = folder.parent / "fresh"
-    expect_exit(command("map", LOG, "-o", fresh, "--first", 50, "-q", env=cli.full_disk()), 74)
+    expect_exit(command(*arguments, "-o", fresh, env=cli.full_disk()), 74)
     expect(not fresh.exists(), "a folder that was made for a run that failed is still there")
 
 
@@ -79,7 +79,7 @@ def memory_ends_in_a_commit():
     folder, before = old_run("memory_ends_in_a_commit")
     kept = folder.parent / "kept"
     shutil.copytree(folder, kept)
-    arguments = ("map", LOG, "-o", folder, "--first", 50, "-q")
+    arguments = ("map", LOG, "-o", folder, "--first", 15, "-q")
     count = cli.calls_counted("allocate", *arguments)
     after = digests(folder)
     seen = {"old": 0, "new": 0}
@@ -119,14 +119,18 @@ def killed_at_a_rename():
     both. Nobody has to say --force to map into it again."""
     if "FAILING_CALLS" not in os.environ:
         skip("the library that kills the process is not preloaded into a sanitized program")
-    coarse = ("--first", 40, "--set", "map.resolution=10 cm")
+    coarse = ("--first", 15, "--set", "map.resolution=10 cm")
     without_report = lambda files: {name: digest for name, digest in files.items() if name != "report.json"}
     new = cli.fresh_folder("killed_new") / "run"
     mapped(new, *coarse)
     new_files = without_report(digests(new))
+    folder, old = old_run("killed_at_a_rename")
+    kept = folder.parent / "kept"
+    shutil.copytree(folder, kept)
     seen = {"old": 0, "none": 0, "new": 0}
     for number in range(1, 1000):
-        folder, old = old_run("killed_at_a_rename")
+        shutil.rmtree(folder)
+        shutil.copytree(kept, folder)
         process = command("map", LOG, "-o", folder, "-q", *coarse, env=cli.failing_calls("rename", number, "kill-before"))
         if process.returncode == 0:
             break
