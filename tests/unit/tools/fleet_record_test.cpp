@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -202,8 +203,11 @@ TEST(FleetInput, ThatCannotBeFetchedIsTheMachinesFault) {
     EXPECT_THAT(error.what(), HasSubstr("ended with code 3"));
   }
   EXPECT_FALSE(std::filesystem::exists(folder.path() + "/a.log"));
-  plan.get = "sleep 60 # {}";
+  // The command itself and not a shell that waits for it: what goes on would hold the streams of this test.
+  plan.get = "exec sleep 60 # {}";
+  const auto begin = std::chrono::steady_clock::now();
   EXPECT_THROW(unit_input(plan, {"s3://b/a.log", 0}, folder.path(), [] { return true; }), Error);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(30)) << "nobody waits for its end";
   EXPECT_EQ(get_command("cat {} -", "a'b; rm x"), "cat 'a'\\''b; rm x' -");
   EXPECT_THROW((void)get_command("cat", "s3://a"), UsageError);
   for (const char* quoted :
