@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 """Whether memory and the time of a scan stay what they are however long it goes on.
 
-`endurance.py [--program GDTSLAM] [KIND...] [--hours H] [--maps N] [--scans N] [--check]` simulates a lap of a hall and drives it
+`endurance.py [--program GDTSLAM] [KIND...] [--hours H] [--maps N] [--map-scans N] [--scans N] [--check]` simulates a lap of a hall and drives it
 again and again, the wheels going on, as fast as the program takes it. KINDs, each a line of the table that is printed:
 
   live       `live -` for H hours of 36,000 scans each, with loops
   no-loops   the same with --no-loops
   follow     the same in a map that was made before, `live - --map`
   drive      N scans through `map -`, mapped and closed as one log
-  maps       N maps made one after the other in one process, by the library
+  maps       N maps of so many scans (100) made one after the other in one process, by the library
 
 Memory is that which the process holds (VmRSS), its growth the least-squares slope over the second half. CPU is that of all
 threads, in the first and the last quarter. With --check the exit status is 1 where a figure is beyond its bound, which is printed."""
@@ -166,7 +166,7 @@ def fed(command, lap, scans):
     return watched, time.monotonic() - ended, 1024 * usage.ru_maxrss
 
 
-def mapped_again(program, lap, folder, count):
+def mapped_again(program, lap, folder, count, scans):
     """The library beside the program makes the same map so often, in this process."""
     beside = sorted(program.resolve().parents[1].glob("lib/**/libgdtslam.so.0"))
     if beside:
@@ -177,7 +177,7 @@ def mapped_again(program, lap, folder, count):
     except ModuleNotFoundError as error:
         sys.exit(f"endurance: this Python has no {error.name}; run it with one that has, on Debian /usr/bin/python3 with python3-numpy")
     log = folder / "short.log"
-    log.write_bytes(b"".join(lap.lines(100)))
+    log.write_bytes(b"".join(lap.lines(scans)))
     watched, step = Watched(os.getpid()), max(count // SAMPLES, 1)
     for k in range(1, count + 1):
         gdtslam.map(log, out=folder / "again", pictures=False, copies=False)
@@ -186,11 +186,11 @@ def mapped_again(program, lap, folder, count):
     return watched
 
 
-def maps_line(program, lap, folder, count):
-    watched = mapped_again(program, lap, folder, count)
+def maps_line(program, lap, folder, count, scans):
+    watched = mapped_again(program, lap, folder, count, scans)
     first, last = watched.cpu_s(0.0, 0.25), watched.cpu_s(0.75, 1.0)
     growth = watched.growth()
-    row = (f"| maps | {count:,} maps of 100 scans | | {watched.peak() / 1e6:.0f} MB | {growth:.0f} bytes a map | "
+    row = (f"| maps | {count:,} maps of {scans} scans | | {watched.peak() / 1e6:.0f} MB | {growth:.0f} bytes a map | "
            f"{1e3 * first:.1f}, {1e3 * last:.1f} ms a map | |")
     return row, [("bytes a map", growth, MOST_BYTES_A_MAP), ("CPU of the last quarter to the first", last / first, MOST_TIMES_SLOWER["maps"])]
 
@@ -227,6 +227,7 @@ def main():
     parser.add_argument("--hours", type=float, default=10.0)
     parser.add_argument("--scans", type=int, default=1_000_000)
     parser.add_argument("--maps", type=int, default=10_000)
+    parser.add_argument("--map-scans", type=int, default=100)
     parser.add_argument("--check", action="store_true")
     chosen = parser.parse_args()
     unknown = [kind for kind in chosen.kinds if kind not in KINDS]
@@ -239,7 +240,10 @@ def main():
         lap = Lap(chosen.program, folder)
         for kind in chosen.kinds or KINDS:
             scans = chosen.scans if kind == "drive" else int(chosen.hours * 3600 * SCAN_HZ)
-            row, bounds = maps_line(chosen.program, lap, folder, chosen.maps) if kind == "maps" else line(kind, chosen.program, lap, folder, scans)
+            if kind == "maps":
+                row, bounds = maps_line(chosen.program, lap, folder, chosen.maps, chosen.map_scans)
+            else:
+                row, bounds = line(kind, chosen.program, lap, folder, scans)
             print(row, flush=True)
             beyond += [f"{kind}: {what}: {value:.3g}, at most {most:g}" for what, value, most in bounds if value > most]
     if chosen.check and beyond:
