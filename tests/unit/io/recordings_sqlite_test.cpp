@@ -186,14 +186,22 @@ TEST(SqliteBags, AMessageThatIsDamagedIsLeftOut) {
   }
 }
 
+// Every byte of the first pages, which describe the others, and at the beginning and the end of every page; else every
+// seventh.
 TEST(SqliteBags, EachCutHasOneStatedOutcome) {
+  constexpr std::size_t kPage = 512;
+  const auto is_tried = [](std::size_t size) {
+    const std::size_t in_page = size % kPage;
+    return size < 2 * kPage || in_page < 12 || in_page > kPage - 8 || size % 7 == 0;
+  };
   const TemporaryFolder folder;
-  make_database(folder / "whole.db3", tables() + drive_rows(1.0, 4), "PRAGMA page_size=512;\n");
+  make_database(folder / "whole.db3", tables() + drive_rows(1.0, 4), fmt::format("PRAGMA page_size={};\n", kPage));
   const std::string whole = get_file(folder / "whole.db3");
   const std::size_t most = drain(*open_log(folder / "whole.db3", {})).records.size();
   ASSERT_EQ(most, 4U);
   std::size_t read = 0;
   for (std::size_t size = 16; size < whole.size(); ++size) {
+    if (!is_tried(size)) continue;
     put_file(folder / "cut.db3", whole.substr(0, size));
     try {
       const WholeLog log = drain(*open_log(folder / "cut.db3", {}));
