@@ -55,18 +55,19 @@ struct MapOnCpu {
   LocalField local;
 };
 
-// There and back along a line, farther than a piece of address space reaches, with a turn to the side on the way.
+// There and back along a line, farther than a piece of address space reaches, with a turn to the side on the way. On
+// the way back some of what was seen on the way there is seen again, by half or less.
 std::vector<Point2> long_way() {
   std::vector<Point2> way;
-  for (double x_m = 0.0; x_m < 1800.0; x_m += 45.0) way.emplace_back(x_m, x_m > 900.0 ? 60.0 : -20.0);
-  for (double x_m = 1800.0; x_m > -300.0; x_m -= 70.0) way.emplace_back(x_m, 10.0);
+  for (double x_m = 0.0; x_m < 1800.0; x_m += 90.0) way.emplace_back(x_m, x_m > 900.0 ? 60.0 : -20.0);
+  for (double x_m = 1800.0; x_m > -300.0; x_m -= 105.0) way.emplace_back(x_m, 10.0);
   return way;
 }
 
-bool rows_are_equal(const GlobalField& a, const GlobalField& b, const CellBox& box) {
+bool rows_are_equal(const GlobalField& a, const GlobalField& b, const CellBox& box, std::int32_t every = 1) {
   std::vector<std::uint16_t> row_a(static_cast<std::size_t>(box.width()));
   std::vector<std::uint16_t> row_b(row_a.size());
-  for (std::int32_t y = box.min.y; y < box.end.y; ++y) {
+  for (std::int32_t y = box.min.y; y < box.end.y; y += every) {
     a.read_row({box.min.x, y}, row_a);
     b.read_row({box.min.x, y}, row_b);
     if (row_a != row_b) return false;
@@ -79,8 +80,10 @@ TEST(FieldOnDisk, HasEveryCellOfTheMapThatIsInMemory) {
   MapOnCpu near;
   near.field.keep_near(testing::TempDir());
   Random random(7);
+  std::vector<CellBox> seen;
   for (const Point2& place : long_way()) {
     const KeyframeCells keyframe = keyframe_of(obstacles_around(place, random), kCell_m, kDiskRadius);
+    seen.push_back(keyframe.window);
     whole.merge(keyframe);
     near.merge(keyframe);
     ASSERT_EQ(near.field.taken_cells(), whole.field.taken_cells());
@@ -88,7 +91,8 @@ TEST(FieldOnDisk, HasEveryCellOfTheMapThatIsInMemory) {
   // Some of it waits on disk: not all is in one piece of address space.
   EXPECT_GT(whole.field.box().width(), near.field.stored().width());
   EXPECT_EQ(near.field.box(), whole.field.box());
-  EXPECT_TRUE(rows_are_equal(near.field, whole.field, whole.field.box()));
+  for (const CellBox& window : seen) EXPECT_TRUE(rows_are_equal(near.field, whole.field, window));
+  EXPECT_TRUE(rows_are_equal(near.field, whole.field, whole.field.box(), 509)) << "nothing beside that";
   for (int i = 0; i < 2000; ++i) {
     const CellIndex cell{static_cast<std::int32_t>(random.uniform(-14000.0, 74000.0)),
                          static_cast<std::int32_t>(random.uniform(-3300.0, 4900.0))};
@@ -131,7 +135,7 @@ TEST(FieldOnDisk, KernelsFindTheSameOnceTheBoxIsNear) {
     whole.merge(keyframe);
     near.merge(keyframe);
   }
-  EXPECT_GT(looked_up, 60);
+  EXPECT_GT(looked_up, 35);
 }
 
 // A box of whole tiles of 64 cells around which a piece of 960 tiles a side is laid, 472 of them before it: the first
