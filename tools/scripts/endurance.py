@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Whether memory and the time of a scan stay what they are however long it goes on.
 
-`endurance.py [--program GDTSLAM] [KIND...] [--hours H] [--maps N] [--map-scans N] [--scans N] [--check]` simulates a lap of a hall and drives it
-again and again, the wheels going on, as fast as the program takes it. KINDs, each a line of the table that is printed:
+`endurance.py [--program GDTSLAM] [KIND...] [--hours H] [--maps N] [--map-scans N] [--scans N] [--check]` simulates a lap of a
+hall and drives it again and again, the wheels going on, as fast as the program takes it. KINDs, each a line of the table that is
+printed:
 
   live       `live -` for H hours of 36,000 scans each, with loops
   no-loops   the same with --no-loops
