@@ -9,9 +9,11 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gdtslam/calib/sweep_model.hpp"
+#include "gdtslam/core/angle.hpp"
 
 namespace gdtslam {
 namespace {
@@ -267,6 +269,29 @@ TEST_F(NoddingStreamOfLines, FaultsOfAllLogsAddUp) {
   const Outcome outcome = read(std::vector{a, a, a}, ScanRange{});
   EXPECT_EQ(outcome.count_of(kPast), 3U);
   EXPECT_EQ(outcome.count_of(kUncovered), 0U);
+}
+
+// Half a turn of the mirror, at five turns a second, the stamp in its middle: beams from 50 ms before to 50 ms after.
+TEST_F(NoddingStreamOfLines, AScanHasThePositionFromItsFirstBeamToItsLast) {
+  for (const double last_s : {1.16, 1.14}) {
+    const std::string path = write("a.log", {encoder(1.0), scan(1.1), encoder(last_s)});
+    calib::SweepModel model = calib::sweep_model_of_preset("paper-b");
+    model.mirror_rate_hz = 5.0;
+    ScanStream scans({path}, {}, {});
+    NoddingStream stream(scans, NodKind::kEncoder, model, {});
+    const std::optional<NoddingScan> found = stream.next();
+    ASSERT_TRUE(found);
+    ASSERT_NEAR(found->record.scan.bearing_step_rad, rad_from_deg(90.0), 1e-9);
+    if (last_s < 1.15) {
+      EXPECT_THAT(found->knots, IsEmpty()) << "its last beam is not covered";
+      continue;
+    }
+    ASSERT_EQ(found->knots.size(), 2U);
+    for (const auto& [knot, at_s] : {std::pair(found->knots[0], -0.05), std::pair(found->knots[1], 0.05)}) {
+      EXPECT_NEAR(knot.offset_s, at_s, 1e-9);
+      EXPECT_NEAR(static_cast<double>(knot.phase) / 4294967296.0, 0.25 * (1.1 + at_s), 1e-4);
+    }
+  }
 }
 
 }  // namespace
