@@ -1,11 +1,15 @@
-// What `measure --planes` prints: metres throughout, no sign before a zero, the same values as text, JSON and CSV.
+// What `measure` prints: metres throughout, no sign before a zero, the same values as text, JSON and CSV.
 #include "engine/runs/measuring/measure_table.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
+
+#include "gdtslam/core/angle.hpp"
 
 namespace gdtslam {
 namespace {
@@ -50,6 +54,94 @@ TEST(MeasureTable, JsonAndCsvHaveWhatTheTextHas) {
   EXPECT_THAT(csv, HasSubstr("plane,kind,area_m2,extent_m,extent_other_m,normal_x,"));
   EXPECT_THAT(csv, HasSubstr("\n1,floor,24.004,6,4,-0.0002,0,"));
   EXPECT_THAT(csv, HasSubstr("\n2,wall,10,4,2.5,-1,0,0,3.04,"));
+}
+
+/// A box seen from two sides, and one of which only a face was seen.
+Measurement two_boxes() {
+  const double none = std::numeric_limits<double>::infinity();
+  const MeasuredBox whole{.centre = {1.0, -2.0, 0.25},
+                          .yaw_rad = rad_from_deg(30.0),
+                          .width = {.value_m = 0.5829, .sigma_m = 0.0002, .is_observed = true},
+                          .depth = {.value_m = 0.4, .sigma_m = 0.01, .is_observed = false},
+                          .height = {.value_m = 0.5, .sigma_m = 0.001, .is_observed = true},
+                          .points = 120,
+                          .face_rms_m = 0.0042,
+                          .face_normal = {0.0, -1.0, -0.0}};
+  MeasuredBox face = whole;
+  face.depth = {.value_m = 0.0, .sigma_m = none, .is_observed = false};
+  return {.cloud = "c.ply", .points = 500, .viewpoint = {}, .has_boxes = true, .boxes = {whole, face}, .planes = {}};
+}
+
+TEST(MeasureTable, BoxesHaveADeviationAndWhichEndsWereSeen) {
+  Measurement measured = two_boxes();
+  EXPECT_EQ(as_text(measured),
+            "500 points, no viewpoint: the ends of faces are where their points end\n2 boxes\n\n"
+            "box 1  width     58.29 +- 0.02 cm  both ends seen\n"
+            "       depth     40.00 +- 1.00 cm  an end not seen\n"
+            "       height    50.00 +- 0.10 cm  both ends seen\n"
+            "       centre 1.000, -2.000, 0.250 m, width along 30.0 deg; face: 120 points, rms 4.2 mm\n"
+            "box 2  width     58.29 +- 0.02 cm  both ends seen\n"
+            "       depth                    -  not seen\n"
+            "       height    50.00 +- 0.10 cm  both ends seen\n"
+            "       centre 1.000, -2.000, 0.250 m, width along 30.0 deg; face: 120 points, rms 4.2 mm\n");
+  measured.viewpoint = Point3(0.5, 0.0, -0.0001);
+  measured.viewpoint_source = ViewpointSource::kFound;
+  measured.boxes.pop_back();
+  EXPECT_THAT(as_text(measured), HasSubstr("seen from 0.500, 0.000, 0.000 m, found from the elevations\n1 box\n\n"));
+  measured.viewpoint_source = ViewpointSource::kGiven;
+  measured.is_projection = true;
+  measured.boxes.clear();
+  EXPECT_EQ(as_text(measured), "500 points, seen from 0.500, 0.000, 0.000 m; projected to the floor\n0 boxes\n");
+  measured.has_planes = true;
+  EXPECT_THAT(as_text(measured), HasSubstr("0 boxes\n\n0 planes\n"));
+}
+
+TEST(MeasureTable, BoxesAsJsonAndCsv) {
+  Measurement measured = two_boxes();
+  const nlohmann::ordered_json json = as_json(measured);
+  EXPECT_TRUE(json.at("viewpoint_m").is_null());
+  EXPECT_EQ(json.at("viewpoint_source"), "none");
+  EXPECT_FALSE(json.contains("planes"));
+  const nlohmann::ordered_json& boxes = json.at("boxes");
+  ASSERT_EQ(boxes.size(), 2U);
+  EXPECT_EQ(boxes[0].at("width").dump(), R"({"value_m":0.5829,"sigma_m":0.0002,"both_ends_seen":true})");
+  EXPECT_EQ(boxes[1].at("depth").dump(), R"({"value_m":null,"sigma_m":null,"both_ends_seen":false})");
+  EXPECT_NEAR(boxes[0].at("yaw_deg").get<double>(), 30.0, 1e-9);
+  EXPECT_EQ(boxes[0].at("face_normal").dump(), "[0.0,-1.0,0.0]");
+  const std::string csv = as_csv(measured);
+  EXPECT_THAT(csv, HasSubstr("\n1,0.5829,0.0002,1,0.4,0.01,0,0.5,0.001,1,1,-2,0.25,"));
+  EXPECT_THAT(csv, HasSubstr("\n2,0.5829,0.0002,1,,,0,0.5,0.001,1,1,-2,0.25,"));
+  EXPECT_THAT(csv, HasSubstr(",120,0.0042\n"));
+  measured.viewpoint = Point3(0.5, -0.0, 1.0);
+  measured.viewpoint_source = ViewpointSource::kGiven;
+  EXPECT_EQ(as_json(measured).at("viewpoint_m").dump(), "[0.5,0.0,1.0]");
+  EXPECT_EQ(as_json(measured).at("viewpoint_source"), "given");
+}
+
+TEST(MeasureTable, APlaneHasItsTiltAndPoints) {
+  Measurement measured = two_planes();
+  measured.planes[0].patch.sigma_normal_rad = rad_from_deg(0.125);
+  EXPECT_THAT(as_text(measured), HasSubstr(" 0.0099 m   0.125 deg          4  3.000, 2.000, 0.000 m\n"));
+  EXPECT_THAT(as_text(measured), HasSubstr("8 points, 2 planes\n"));
+  EXPECT_THAT(as_csv(measured), HasSubstr(",0.99999998,-4e-05,0.0001,0.125,0.0099,4,3,2,-0.0004\n"));
+  EXPECT_EQ(as_json(measured).at("planes")[0].at("sigma_normal_deg"), 0.125);
+  EXPECT_FALSE(as_json(measured).contains("boxes"));
+  measured.planes.clear();
+  EXPECT_EQ(as_text(measured), "8 points, 0 planes\n");
+}
+
+TEST(MeasureTable, MeasuresWhatWasAskedFor) {
+  const std::vector<CloudPoint> nothing;
+  MeasureJob job{.cloud = "c.ply", .boxes = true};
+  job.viewpoint = Point3(1.0, 2.0, 3.0);
+  const Measurement boxes = measure_cloud(job, nothing);
+  EXPECT_TRUE(boxes.has_boxes && !boxes.has_planes && !boxes.is_projection);
+  EXPECT_EQ(boxes.viewpoint_source, ViewpointSource::kGiven);
+  EXPECT_EQ(boxes.viewpoint, Point3(1.0, 2.0, 3.0));
+  job = {.cloud = "c.ply", .planes = true};
+  const Measurement planes = measure_cloud(job, nothing);
+  EXPECT_TRUE(planes.has_planes && !planes.has_boxes);
+  EXPECT_EQ(planes.viewpoint_source, ViewpointSource::kNone);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "support/cloud_scenes.hpp"
 
@@ -117,6 +118,51 @@ TEST(SweepCheck, IsSilentWithoutSweepsOrWhenItIsOff) {
   SweepSampler sampler(off);
   sampler.add(strokes(3, 0.0));
   EXPECT_EQ(sampler.finish().pairs, 0U);
+}
+
+/// How many sweeps were held against the one before, of scans of one point each at these elevations.
+std::uint64_t compared(const std::vector<float>& elevations_rad) {
+  SweepCheckConfig config;
+  config.min_points = 1;
+  SweepSampler sampler(config);
+  std::uint32_t scan = 0;
+  for (const float elevation_rad : elevations_rad) {
+    CloudPoint point;
+    point.elevation_rad = elevation_rad;
+    point.scan = scan++;
+    sampler.add({&point, 1});
+  }
+  const SweepCheck check = sampler.finish();
+  return check.pairs + check.not_held;
+}
+
+// A sweep ends where the elevation is 0.05 rad behind its furthest, upwards as downwards.
+TEST(SweepCheck, ASweepEndsWhereTheElevationHasTurnedBack) {
+  for (const float sign : {-1.0F, 1.0F}) {
+    EXPECT_EQ(compared({0.0F, sign * 0.1F, sign * 0.2F, sign * 0.151F}), 0U);
+    EXPECT_EQ(compared({0.0F, sign * 0.1F, sign * 0.2F, sign * 0.149F}), 1U);
+    EXPECT_EQ(compared({0.0F, sign * 0.1F, sign * 0.2F, sign * 0.16F, sign * 0.18F, sign * 0.149F}), 1U);
+    EXPECT_EQ(compared({0.0F, sign * 0.1F, 0.0F, sign * 0.1F, 0.0F}), 3U);
+    EXPECT_EQ(compared({0.0F, sign * 0.1F, 0.0F, sign * 0.04F, sign * -0.1F}), 1U) << "not yet turned back again";
+    EXPECT_EQ(compared({0.0F, sign * 0.04F, 0.0F, sign * -0.04F, 0.0F}), 0U) << "it has not begun to move";
+  }
+}
+
+TEST(SweepCheck, SweepsOfTooFewPointsAreNotCompared) {
+  for (const std::uint32_t points : {4U, 5U}) {
+    SweepCheckConfig config;
+    config.min_points = 5;
+    SweepSampler sampler(config);
+    for (std::uint32_t scan = 0; scan < 2 * points; ++scan) {
+      CloudPoint point;
+      point.elevation_rad =
+          scan < points ? 0.1F * static_cast<float>(scan) : 0.1F * static_cast<float>(2 * points - scan) - 0.2F;
+      point.scan = scan;
+      sampler.add({&point, 1});
+    }
+    const SweepCheck check = sampler.finish();
+    EXPECT_EQ(check.pairs + check.not_held, points < 5U ? 0U : 1U);
+  }
 }
 
 }  // namespace

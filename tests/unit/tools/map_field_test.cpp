@@ -1,0 +1,151 @@
+// What of a map is searched: the cells that know a distance, and where the kernels count from.
+#include "engine/runs/localizer/map_field.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/distance_field_file.hpp"
+#include "gdtslam/io/occupancy_map_file.hpp"
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+constexpr std::uint16_t kCap = 1000;
+
+/// Of half a metre a cell, six cells wide and five high, with its corner at (-2, 3) m; nothing is known of it.
+MapField unknown_field() {
+  MapField field;
+  field.path = "gdt.yaml";
+  field.file.geometry = {0.5, -2.0, 3.0, 6, 5};
+  field.file.cap = kCap;
+  field.file.cells.assign(30, kCap);
+  return field;
+}
+
+TEST(MapField, TheWindowHoldsTheCellsThatKnowADistance) {
+  MapField field = unknown_field();
+  EXPECT_THROW(static_cast<void>(field.known_window()), InputError);
+  field.file.cells[1 * 6 + 2] = kCap - 1;
+  const PoseWindow one = field.known_window();
+  EXPECT_EQ(one.centre.x_m, -2.0 + 2.5 * 0.5);
+  EXPECT_EQ(one.centre.y_m, 3.0 + 1.5 * 0.5);
+  EXPECT_EQ(one.half_x_m, 0.25);
+  EXPECT_EQ(one.half_y_m, 0.25);
+  EXPECT_EQ(one.half_theta_rad, kPi);
+  field.file.cells[3 * 6 + 5] = 0;
+  const PoseWindow two = field.known_window();
+  EXPECT_EQ(two.centre.x_m, -2.0 + 4.0 * 0.5) << "from column 2 to 5";
+  EXPECT_EQ(two.centre.y_m, 3.0 + 2.5 * 0.5) << "from row 1 to 3";
+  EXPECT_EQ(two.half_x_m, 1.0);
+  EXPECT_EQ(two.half_y_m, 0.75);
+}
+
+TEST(MapField, KernelsCountInCellsFromTheirOrigin) {
+  MapField field = unknown_field();
+  const FieldView from_map = field.view();
+  EXPECT_EQ(from_map.first_cell, CellIndex(-4, 6));
+  EXPECT_EQ(from_map.width, 6U);
+  EXPECT_EQ(from_map.height, 5U);
+  EXPECT_EQ(from_map.stride, 6U);
+  EXPECT_EQ(from_map.cap, kCap);
+  EXPECT_EQ(from_map.resolution_m, 0.5);
+  field.kernel_origin_m = {-3.0, 4.5};
+  EXPECT_EQ(field.view().first_cell, CellIndex(2, -3));
+}
+
+class MapFieldFiles : public testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(folder_); }
+  void TearDown() override { fs::remove_all(folder_); }
+  [[nodiscard]] std::string file(const std::string& name) const { return (folder_ / name).string(); }
+
+  /// What is said of a map there; empty where it is taken.
+  static std::string fault_of(const std::string& map) {
+    try {
+      static_cast<void>(read_map_field(map, MapConfig{}, Isa::kBaseline));
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+  std::string fault_of_occupied(const GridGeometry& geometry) {
+    OccupancyMap map;
+    map.geometry = geometry;
+    std::vector<CellState> states(geometry.cell_count(), CellState::kFree);
+    states[1] = CellState::kOccupied;
+    map.cells = CellStates(states);
+    write_occupancy_map(file("map.yaml"), map);
+    return fault_of(file("map.yaml"));
+  }
+  std::string fault_of_distances(const GridGeometry& geometry) {
+    const std::vector<std::uint16_t> cells(geometry.cell_count(), 5);
+    write_distance_field(file("gdt.yaml"),
+                         rows_of(DistanceFieldView{geometry, static_cast<std::size_t>(geometry.width), cells, kCap}));
+    return fault_of(file("gdt.yaml"));
+  }
+
+  fs::path folder_ = fs::path(testing::TempDir()) / ("map_field_test_" + std::to_string(::getpid()));
+};
+
+TEST_F(MapFieldFiles, CellsAreAMillimetreToAMetre) {
+  for (const double good : {0.001, 1.0}) EXPECT_EQ(fault_of_occupied({good, 0.0, 0.0, 3, 2}), "") << good;
+  for (const double bad : {0.00099, 1.01}) {
+    EXPECT_THAT(fault_of_occupied({bad, 0.0, 0.0, 3, 2}), HasSubstr("is not between 0.001 and 1 m")) << bad;
+  }
+}
+
+TEST_F(MapFieldFiles, TheWorldsOriginIsWithinAHundredThousandKilometres) {
+  for (const double sign : {-1.0, 1.0}) {
+    EXPECT_EQ(fault_of_occupied({0.5, sign * 1e8, sign * 1e8, 3, 2}), "");
+    for (const auto& [x_m, y_m] : {std::pair(1.1e8, 0.0), std::pair(0.0, 1.1e8)}) {
+      EXPECT_THAT(fault_of_occupied({0.5, sign * x_m, sign * y_m, 3, 2}), HasSubstr("more than 1e+08 m away"));
+    }
+  }
+}
+
+TEST_F(MapFieldFiles, TheOriginOfAFieldIsWithinAMillionCells) {
+  for (const double sign : {-1.0, 1.0}) {
+    EXPECT_EQ(fault_of_distances({0.5, sign * 499'999.5, sign * 499'999.5, 3, 2}), "");
+    for (const auto& [x_m, y_m] : {std::pair(500'000.0, 0.0), std::pair(0.0, 500'000.0)}) {
+      EXPECT_THAT(fault_of_distances({0.5, sign * x_m, sign * y_m, 3, 2}), HasSubstr("more than a million cells"));
+    }
+  }
+}
+
+// The corner of an occupancy map need not lie on a cell: its field counts from its own.
+TEST_F(MapFieldFiles, AFieldOfOccupiedCellsCountsFromItsCorner) {
+  ASSERT_EQ(fault_of_occupied({0.5, 0.3, -0.2, 3, 2}), "");
+  const MapField field = read_map_field(file("map.yaml"), MapConfig{}, Isa::kBaseline);
+  EXPECT_EQ(field.source, MapField::Source::kOccupiedCells);
+  EXPECT_EQ(field.view().first_cell, CellIndex(0, 0));
+  ASSERT_EQ(fault_of_distances({0.5, 1.0, -1.0, 3, 2}), "");
+  const MapField distances = read_map_field(file("gdt.yaml"), MapConfig{}, Isa::kBaseline);
+  EXPECT_EQ(distances.source, MapField::Source::kDistances);
+  EXPECT_EQ(distances.view().first_cell, CellIndex(2, -2));
+  EXPECT_EQ(read_map_field(folder_.string(), MapConfig{}, Isa::kBaseline).path, file("gdt.yaml")) << "of the folder";
+}
+
+TEST_F(MapFieldFiles, WhatIsNoMapIsSaidToBeNone) {
+  std::ofstream(file("notes.txt")) << "nothing";
+  EXPECT_THAT(fault_of(file("notes.txt")), HasSubstr("is no map; give the folder"));
+  for (const char* name : {"a.yaml", "a.yml"}) EXPECT_TRUE(looks_like_map(file(name))) << name;
+  EXPECT_FALSE(looks_like_map(file("a.png")));
+  EXPECT_FALSE(looks_like_map(folder_.string())) << "a folder without gdt.yaml";
+  fs::create_directories(folder_ / "tiles");
+  std::ofstream(file("tiles/index.json")) << "{}";
+  EXPECT_THAT(fault_of(folder_.string()), HasSubstr("has its map in tiles"));
+}
+
+}  // namespace
+}  // namespace gdtslam
