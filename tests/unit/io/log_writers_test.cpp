@@ -1,8 +1,10 @@
 // What is written of a log reads back, in each format what it carries; messages of ROS by a reader of their own.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -292,6 +294,94 @@ TEST_P(MessagesOfRos, GridsHaveTheirCellsRowByRow) {
   EXPECT_EQ(grid.take<std::uint32_t>(), 6U);
   for (const std::int8_t cell : cells) EXPECT_EQ(grid.take<std::int8_t>(), cell);
   grid.expect_end();
+}
+
+class TableFormats : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Formats, TableFormats, testing::Values("a.csv", "a.jsonl"),
+                         [](const auto& file) { return std::string(file.param).substr(2); });
+
+TEST_P(TableFormats, EachFieldOfAScanReadsBack) {
+  constexpr float kNone = std::numeric_limits<float>::infinity();
+  const TemporaryFolder folder;
+  ScanRecord full = written_scan(10.125, 3);
+  full.scan.first_beam_after_s = 0.5;
+  full.scan.beam_period_s = -0.125;
+  full.scan.T_base_laser.theta_rad = -3.0;
+  full.scan.ranges_m = {0.1F, kNone, 0.0F, kNone};
+  ScanRecord empty = full;
+  empty.scan.ranges_m.clear();
+  empty.T_odom_base.reset();
+  EXPECT_TRUE(write_records(folder / GetParam(), {full, empty}).empty());
+  const std::vector<LogRecord> read = read_records(folder / GetParam());
+  ASSERT_EQ(read.size(), 2U);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto& found = std::get<ScanRecord>(read[k]);
+    const ScanRecord& written = k == 0 ? full : empty;
+    EXPECT_EQ(found.scan.stamp_s, 10.125);
+    EXPECT_EQ(found.laser, 3U);
+    EXPECT_EQ(found.scan.ranges_m, written.scan.ranges_m);
+    EXPECT_EQ(found.scan.first_beam_after_s, 0.5);
+    EXPECT_EQ(found.scan.beam_period_s, -0.125);
+    EXPECT_EQ(found.scan.first_bearing_rad, -1.0);
+    EXPECT_EQ(found.scan.bearing_step_rad, 0.5);
+    EXPECT_EQ(found.scan.max_range_m, 20.0);
+    EXPECT_EQ(found.scan.T_base_laser, full.scan.T_base_laser);
+    EXPECT_EQ(found.T_odom_base, written.T_odom_base);
+  }
+}
+
+// A record of CSV is a line: a line end in a text becomes a blank there.
+TEST_P(TableFormats, TextsKeepTheirLetters) {
+  const bool is_csv = std::string(GetParam()) == "a.csv";
+  for (const std::string text : {"plain", "a,b", "a \"b\" c", "\"", " a", "a\tb", "a\nb\r", "\xc3\xa4", "{}[]:"}) {
+    const TemporaryFolder folder;
+    write_records(folder / GetParam(), {Parameter{"n" + text, text}});
+    const auto parameter = std::get<Parameter>(read_records(folder / GetParam()).at(0));
+    std::string expected = text;
+    for (char& c : expected) c = is_csv && (c == '\n' || c == '\r') ? ' ' : c;
+    EXPECT_EQ(parameter.value, expected) << text;
+    EXPECT_EQ(parameter.name, "n" + expected) << text;
+  }
+}
+
+TEST(LogWriters, ContainersThatSeekGoToFilesThatAreNotPacked) {
+  AtomicFileSet files;
+  for (const LogFormat format : {LogFormat::kBag, LogFormat::kRos2Folder, LogFormat::kDb3}) {
+    const auto refusal = [&](const std::string& path) {
+      return told_by<UsageError>([&] { make_log_writer(format, path, {}, files); });
+    };
+    EXPECT_THAT(refusal("-"), HasSubstr("can go to standard output"));
+    EXPECT_THAT(refusal("a.gz"), HasSubstr("is not packed from outside"));
+  }
+}
+
+TEST(LogWriters, EachContainerHasItsPackings) {
+  const std::vector<std::pair<std::string, std::vector<ChunkPacking>>> packings{
+      {"a.bag", {ChunkPacking::kNone, ChunkPacking::kBz2, ChunkPacking::kLz4}},
+      {"a.mcap", {ChunkPacking::kNone, ChunkPacking::kLz4, ChunkPacking::kZstd}},
+      {"a.log", {}},
+      {"a.csv", {}},
+      {"a.jsonl", {}},
+      {"a.db3", {}}};
+  for (const auto& [name, taken] : packings) {
+    for (const ChunkPacking packing :
+         {ChunkPacking::kNone, ChunkPacking::kLz4, ChunkPacking::kBz2, ChunkPacking::kZstd}) {
+      const TemporaryFolder folder;
+      AtomicFileSet files;
+      const std::string refusal = told_by<UsageError>(
+          [&] { make_log_writer(log_format_of(name, ""), folder / name, {.packing = packing}, files); });
+      const bool is_taken = std::find(taken.begin(), taken.end(), packing) != taken.end();
+      EXPECT_EQ(refusal.empty(), is_taken) << name << ' ' << static_cast<int>(packing);
+    }
+  }
+}
+
+// What an MCAP file and a bag are packed with where nothing is said: zstd, and nothing.
+TEST(LogWriters, McapIsPackedUnlessItIsSaidOtherwise) {
+  const TemporaryFolder folder;
+  for (const std::string name : {"a.mcap", "a.bag"}) write_records(folder / name, {written_scan(1.0)});
+  EXPECT_THAT(get_file(folder / "a.mcap"), HasSubstr(std::string("\4\0\0\0zstd", 8)));
+  EXPECT_THAT(get_file(folder / "a.bag"), HasSubstr("compression=none"));
 }
 
 }  // namespace
