@@ -118,5 +118,37 @@ TEST(Decimal, ReadsWholeNumbers) {
   EXPECT_FALSE(parse(""));
 }
 
+// 20 digits and more wrap in 64 bits: 2^64 + 1 is not 1.
+TEST(Decimal, ManyDigitsDoNotWrap) {
+  for (const char* text :
+       {"18446744073709551617", "18446744073709551616.5", "36893488147419103233", "1844674407370955161.7",
+        "0.18446744073709551617", "9999999999999999999", "900719925474099.3", "90071992547409.93"}) {
+    EXPECT_EQ(parsed(text), std::strtod(text, nullptr)) << text;
+  }
+}
+
+// What is too large or too small for a double is told by the digits before the point, or by the sign of the exponent.
+TEST(Decimal, TheSideOfTheRangeIsToldByDigitsAndExponent) {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  const std::string zeros(400, '0');
+  EXPECT_EQ(parsed("1" + zeros + ".5"), kInfinite);
+  EXPECT_EQ(parsed("9" + zeros + ".5"), kInfinite);
+  EXPECT_EQ(parsed("-1" + zeros + ".0"), -kInfinite);
+  EXPECT_EQ(parsed("1E-999"), 0.0);
+  EXPECT_EQ(parsed("0.5E+999"), kInfinite);
+  EXPECT_EQ(parsed("1.5e-999"), 0.0);
+  EXPECT_EQ(parsed("-0." + zeros + "1"), 0.0);
+  EXPECT_TRUE(std::signbit(parsed("-1e-999")));
+}
+
+TEST(Decimal, OneSignOnly) {
+  double value = 0.0;
+  std::int64_t whole = 0;
+  for (const std::string text : {"++1", "+-1", "-+1", "+"}) {
+    EXPECT_EQ(parse_double(text.data(), text.data() + text.size(), value), nullptr) << text;
+    EXPECT_EQ(parse_int64(text.data(), text.data() + text.size(), whole), nullptr) << text;
+  }
+}
+
 }  // namespace
 }  // namespace gdtslam
