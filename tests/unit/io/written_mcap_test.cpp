@@ -1,0 +1,311 @@
+// What an MCAP file says of itself, by its specification (https://mcap.dev/spec): lengths, sums, indexes, statistics.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/io/writers/mcap_writer.hpp"
+#include "io_test_support.hpp"
+#include "mcap_writer.hpp"
+
+namespace gdtslam {
+namespace {
+
+using test::crc_of;
+using testing::ElementsAre;
+
+/// Little endian fields, one after the other.
+class McapSpecFields {
+ public:
+  explicit McapSpecFields(std::string_view bytes) : bytes_(bytes) {}
+  std::uint64_t whole(std::size_t size) {
+    std::uint64_t value = 0;
+    const std::string_view taken = take(size);
+    for (std::size_t k = 0; k < taken.size(); ++k) {
+      value |= static_cast<std::uint64_t>(static_cast<unsigned char>(taken[k])) << (8U * k);
+    }
+    return value;
+  }
+  std::string_view take(std::size_t size) {
+    EXPECT_LE(at_ + size, bytes_.size());
+    const std::string_view taken = bytes_.substr(std::min(at_, bytes_.size()), size);
+    at_ += size;
+    return taken;
+  }
+  std::string_view text() { return take(whole(4)); }
+  [[nodiscard]] std::size_t at() const { return at_; }
+  [[nodiscard]] bool at_end() const { return at_ >= bytes_.size(); }
+
+ private:
+  std::string_view bytes_;
+  std::size_t at_ = 0;
+};
+
+struct McapSpecRecord {
+  char opcode = 0;
+  std::size_t begin = 0;  ///< its opcode
+  std::size_t end = 0;
+  std::string_view content{};
+};
+
+/// Of a file between its two magics, or of a chunk.
+std::vector<McapSpecRecord> mcap_spec_records(std::string_view bytes, std::size_t begin, std::size_t end) {
+  std::vector<McapSpecRecord> records;
+  while (begin + 9 <= end) {
+    McapSpecFields head(bytes.substr(begin + 1));
+    const std::size_t size = head.whole(8);
+    records.push_back({bytes[begin], begin, begin + 9 + size, bytes.substr(begin + 9, size)});
+    begin = records.back().end;
+  }
+  EXPECT_EQ(begin, end);
+  return records;
+}
+
+std::vector<McapSpecRecord> of_opcode(const std::vector<McapSpecRecord>& records, char opcode) {
+  std::vector<McapSpecRecord> found;
+  for (const McapSpecRecord& record : records) {
+    if (record.opcode == opcode) found.push_back(record);
+  }
+  return found;
+}
+
+std::string opcodes_of(const std::vector<McapSpecRecord>& records) {
+  std::string opcodes;
+  for (const McapSpecRecord& record : records) opcodes += record.opcode;
+  return opcodes;
+}
+
+constexpr std::size_t kMagicBytes = 8;
+constexpr std::size_t kChunkBytes = std::size_t{1} << 20U;
+constexpr std::size_t kMessageHead = 9 + 2 + 4 + 8 + 8;  // opcode, length, channel, sequence, two times
+
+struct SentMessage {
+  std::uint32_t channel;
+  std::int64_t received_ns;
+  std::size_t bytes;
+};
+
+/// Two channels of one type and one of another; the messages are of letters.
+std::string mcap_of(const std::vector<SentMessage>& messages, ChunkPacking packing) {
+  const TemporaryFolder folder;
+  AtomicFileSet files;
+  McapWriter writer(files.add(folder / "a.mcap"), packing);
+  EXPECT_EQ(writer.add_channel("/a", RosType::kInt32, false), 0U);
+  EXPECT_EQ(writer.add_channel("/b", RosType::kTransforms, true), 1U);
+  EXPECT_EQ(writer.add_channel("/c", RosType::kInt32, false), 2U);
+  for (const SentMessage& one : messages) {
+    writer.add(one.channel, one.received_ns, std::string(one.bytes, static_cast<char>('p' + one.channel)));
+  }
+  writer.finish();
+  files.commit();
+  std::string bytes = get_file(folder / "a.mcap");
+  EXPECT_EQ(writer.bytes(), bytes.size());
+  return bytes;
+}
+
+std::vector<McapSpecRecord> records_of_file(const std::string& bytes) {
+  EXPECT_EQ(bytes.substr(0, kMagicBytes), test::kMcapStart);
+  EXPECT_EQ(bytes.substr(bytes.size() - kMagicBytes), test::kMcapStart);
+  return mcap_spec_records(bytes, kMagicBytes, bytes.size() - kMagicBytes);
+}
+
+const std::vector<SentMessage> kThreeChunks{{0, 50, 3}, {1, 40, kChunkBytes}, {0, 70, 5},
+                                            {0, 60, 6}, {2, 80, kChunkBytes}, {2, 30, 7}};
+
+/// Made once: it has two megabytes.
+const std::string& three_chunks() {
+  static const std::string bytes = mcap_of(kThreeChunks, ChunkPacking::kNone);
+  return bytes;
+}
+
+TEST(WrittenMcap, ChunksAreFollowedByTheirIndexesAndTheSummary) {
+  const std::string& bytes = three_chunks();
+  // Header, chunks with an index for each channel in them, the end of the data, schemas, channels, statistics, indexes
+  // of chunks, where these groups are, footer.
+  EXPECT_EQ(opcodes_of(records_of_file(bytes)), "\1\6\7\7\6\7\7\6\7\17\3\3\4\4\4\13\10\10\10\16\16\16\16\2");
+}
+
+TEST(WrittenMcap, AChunkStatesItsTimesItsLengthAndItsSum) {
+  const std::string& bytes = three_chunks();
+  const auto chunks = of_opcode(records_of_file(bytes), '\6');
+  ASSERT_EQ(chunks.size(), 3U);
+  constexpr std::array<std::array<std::uint64_t, 2>, 3> kTimes{{{40, 50}, {60, 80}, {30, 30}}};
+  for (std::size_t k = 0; k < chunks.size(); ++k) {
+    McapSpecFields fields(chunks[k].content);
+    EXPECT_EQ(fields.whole(8), kTimes.at(k)[0]) << k;
+    EXPECT_EQ(fields.whole(8), kTimes.at(k)[1]) << k;
+    const std::uint64_t unpacked_bytes = fields.whole(8);
+    const std::uint64_t crc = fields.whole(4);
+    EXPECT_EQ(fields.text(), "");
+    EXPECT_EQ(fields.whole(8), unpacked_bytes);
+    const std::string records(fields.take(unpacked_bytes));
+    EXPECT_EQ(crc_of(records), crc);
+    EXPECT_TRUE(fields.at_end());
+  }
+}
+
+TEST(WrittenMcap, MessagesAreCountedByChannelAndFoundByTheirIndex) {
+  const std::string& bytes = three_chunks();
+  std::vector<std::array<std::uint64_t, 4>> found;  // channel, sequence, time, length
+  std::string_view chunk;
+  for (const McapSpecRecord& record : records_of_file(bytes)) {
+    if (record.opcode == '\6') chunk = record.content.substr(8 + 8 + 8 + 4 + 4 + 8);
+    if (record.opcode != '\7') continue;
+    McapSpecFields index(record.content);
+    const std::uint64_t channel = index.whole(2);
+    McapSpecFields rows(index.text());
+    EXPECT_TRUE(index.at_end());
+    while (!rows.at_end()) {
+      const std::uint64_t time_ns = rows.whole(8);
+      McapSpecFields message(chunk.substr(rows.whole(8)));
+      EXPECT_EQ(message.whole(1), 5U);
+      const std::uint64_t size = message.whole(8);
+      EXPECT_EQ(message.whole(2), channel);
+      const std::uint64_t sequence = message.whole(4);
+      EXPECT_EQ(message.whole(8), time_ns);
+      EXPECT_EQ(message.whole(8), time_ns);
+      found.push_back({channel, sequence, time_ns, size - 22});
+    }
+  }
+  using Row = std::array<std::uint64_t, 4>;
+  EXPECT_THAT(found, ElementsAre(Row{0, 0, 50, 3}, Row{1, 0, 40, kChunkBytes}, Row{0, 1, 70, 5}, Row{0, 2, 60, 6},
+                                 Row{2, 0, 80, kChunkBytes}, Row{2, 1, 30, 7}));
+}
+
+void expect_chunk_index(const McapSpecRecord& index, const std::vector<McapSpecRecord>& records, std::size_t chunk,
+                        std::string_view packing) {
+  McapSpecFields fields(index.content);
+  McapSpecFields stated(records[chunk].content);
+  EXPECT_EQ(fields.whole(8), stated.whole(8));  // times of the first message
+  EXPECT_EQ(fields.whole(8), stated.whole(8));  // and of the last
+  EXPECT_EQ(fields.whole(8), records[chunk].begin);
+  EXPECT_EQ(fields.whole(8), records[chunk].end - records[chunk].begin);
+  McapSpecFields places(fields.text());
+  std::size_t at = chunk + 1;
+  for (; records[at].opcode == '\7'; ++at) {
+    EXPECT_EQ(places.whole(2), McapSpecFields(records[at].content).whole(2));
+    EXPECT_EQ(places.whole(8), records[at].begin);
+  }
+  EXPECT_TRUE(places.at_end());
+  EXPECT_EQ(fields.whole(8), records[at - 1].end - records[chunk].end) << "all indexes behind the chunk";
+  EXPECT_EQ(fields.text(), packing);
+  const std::uint64_t unpacked_bytes = stated.whole(8);
+  (void)stated.whole(4);
+  EXPECT_EQ(stated.text(), packing);
+  EXPECT_EQ(fields.whole(8), stated.whole(8));
+  EXPECT_EQ(fields.whole(8), unpacked_bytes);
+  EXPECT_TRUE(fields.at_end());
+}
+
+TEST(WrittenMcap, TheIndexOfChunksSaysWhereEachIs) {
+  for (const auto& [packing, name] :
+       {std::pair(ChunkPacking::kNone, ""), {ChunkPacking::kLz4, "lz4"}, {ChunkPacking::kZstd, "zstd"}}) {
+    const std::string bytes = mcap_of(kThreeChunks, packing);
+    const std::vector<McapSpecRecord> records = records_of_file(bytes);
+    const auto indexes = of_opcode(records, '\10');
+    ASSERT_EQ(indexes.size(), 3U);
+    std::size_t chunk = 0;
+    for (const McapSpecRecord& index : indexes) {
+      while (records[chunk].opcode != '\6') ++chunk;
+      expect_chunk_index(index, records, chunk++, name);
+    }
+  }
+}
+
+TEST(WrittenMcap, StatisticsCountEverything) {
+  const std::string bytes = mcap_of(kThreeChunks, ChunkPacking::kZstd);
+  const auto found = of_opcode(records_of_file(bytes), '\13');
+  ASSERT_EQ(found.size(), 1U);
+  McapSpecFields fields(found[0].content);
+  EXPECT_EQ(fields.whole(8), 6U) << "messages";
+  EXPECT_EQ(fields.whole(2), 2U) << "schemas";
+  EXPECT_EQ(fields.whole(4), 3U) << "channels";
+  EXPECT_EQ(fields.whole(4), 0U) << "attachments";
+  EXPECT_EQ(fields.whole(4), 0U) << "metadata";
+  EXPECT_EQ(fields.whole(4), 3U) << "chunks";
+  EXPECT_EQ(fields.whole(8), 30U) << "the first";
+  EXPECT_EQ(fields.whole(8), 80U) << "the last";
+  McapSpecFields counts(fields.text());
+  for (const auto& [channel, count] : {std::pair(0U, 3U), {1U, 1U}, {2U, 2U}}) {
+    EXPECT_EQ(counts.whole(2), channel);
+    EXPECT_EQ(counts.whole(8), count);
+  }
+  EXPECT_TRUE(counts.at_end() && fields.at_end());
+}
+
+TEST(WrittenMcap, SumsReachUpToTheEndOfTheDataAndIntoTheFooter) {
+  const std::string bytes = mcap_of(kThreeChunks, ChunkPacking::kZstd);
+  const std::vector<McapSpecRecord> records = records_of_file(bytes);
+  const McapSpecRecord data_end = of_opcode(records, '\17').at(0);
+  EXPECT_EQ(McapSpecFields(data_end.content).whole(4), crc_of(bytes.substr(0, data_end.begin)));
+  const McapSpecRecord footer = records.back();
+  McapSpecFields fields(footer.content);
+  EXPECT_EQ(fields.whole(8), data_end.end) << "the summary";
+  EXPECT_EQ(fields.whole(8), of_opcode(records, '\16').at(0).begin) << "the offsets in it";
+  EXPECT_EQ(fields.whole(4), crc_of(bytes.substr(data_end.end, footer.begin + 9 + 16 - data_end.end)));
+  EXPECT_TRUE(fields.at_end());
+}
+
+TEST(WrittenMcap, OffsetsNameEachGroupOfTheSummary) {
+  const std::string& bytes = three_chunks();
+  const std::vector<McapSpecRecord> records = records_of_file(bytes);
+  std::string groups;
+  for (const McapSpecRecord& offset : of_opcode(records, '\16')) {
+    McapSpecFields fields(offset.content);
+    groups += static_cast<char>(fields.whole(1));
+    const auto group = of_opcode(records, groups.back());
+    EXPECT_EQ(fields.whole(8), group.front().begin);
+    EXPECT_EQ(fields.whole(8), group.back().end - group.front().begin);
+    EXPECT_TRUE(fields.at_end());
+  }
+  EXPECT_EQ(groups, "\3\4\13\10");
+}
+
+TEST(WrittenMcap, ChannelsNameTheirSchemas) {
+  const std::string bytes = mcap_of({}, ChunkPacking::kNone);
+  const std::vector<McapSpecRecord> records = records_of_file(bytes);
+  EXPECT_EQ(opcodes_of(records), "\1\6\17\3\3\4\4\4\13\10\16\16\16\16\2") << "channels alone make a chunk, too";
+  std::vector<std::pair<std::uint64_t, std::string>> schemas;
+  for (const McapSpecRecord& schema : of_opcode(records, '\3')) {
+    McapSpecFields fields(schema.content);
+    const std::uint64_t number = fields.whole(2);
+    EXPECT_GT(number, 0U) << "0 means none";
+    schemas.emplace_back(number, fields.text());
+    EXPECT_EQ(fields.text(), "ros2msg");
+    EXPECT_FALSE(fields.text().empty());
+    EXPECT_TRUE(fields.at_end());
+  }
+  std::vector<std::string> channels;
+  for (const McapSpecRecord& channel : of_opcode(records, '\4')) {
+    McapSpecFields fields(channel.content);
+    EXPECT_EQ(fields.whole(2), channels.size());
+    const std::uint64_t schema = fields.whole(2);
+    channels.emplace_back(fields.text());
+    for (const auto& [number, name] : schemas) {
+      if (number == schema) channels.back() += " " + name;
+    }
+    EXPECT_EQ(fields.text(), "cdr");
+    McapSpecFields about(fields.text());
+    EXPECT_EQ(about.text(), "offered_qos_profiles");
+    EXPECT_EQ(about.text(), ros2_service_quality(channels.size() == 2));
+    EXPECT_TRUE(about.at_end() && fields.at_end());
+  }
+  EXPECT_THAT(channels, ElementsAre("/a std_msgs/msg/Int32", "/b tf2_msgs/msg/TFMessage", "/c std_msgs/msg/Int32"));
+}
+
+TEST(WrittenMcap, AChunkEndsWithWhatFillsOneMebibyte) {
+  // The first chunk has the channels, too; the second has messages alone.
+  const auto chunks_with = [](std::size_t bytes) {
+    const std::string file =
+        mcap_of({{0, 1, kChunkBytes}, {0, 2, bytes - kMessageHead}, {0, 3, 0}}, ChunkPacking::kZstd);
+    return of_opcode(records_of_file(file), '\6').size();
+  };
+  EXPECT_EQ(chunks_with(kChunkBytes), 3U);
+  EXPECT_EQ(chunks_with(kChunkBytes - 1), 2U);
+}
+
+}  // namespace
+}  // namespace gdtslam
