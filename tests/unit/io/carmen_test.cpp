@@ -244,6 +244,13 @@ TEST(Carmen, MissingFileAndFolderAreFileErrors) {
   }
 }
 
+TEST(Carmen, ErrorsNameTheFileThatWasRead) {
+  const TemporaryFolder folder;
+  put_file(folder / "empty.log", "");
+  EXPECT_EQ(told_by<InputError>([&] { open_carmen(folder / "empty.log", {}); }),
+            folder / "empty.log" + ": is empty; give a CARMEN log");
+}
+
 TEST(Carmen, ReadsStandardInput) {
   const TemporaryFolder folder;
   put_file(folder / "in.log", flaser(4));
