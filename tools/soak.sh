@@ -5,7 +5,7 @@
 # The last line is 'N passed, N failed' over the steps; the exit status is 0 only when none failed.
 set -euo pipefail
 root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
-step_count=13
+step_count=14
 source "$root/tools/scripts/common.sh"
 
 usage() {
@@ -25,6 +25,7 @@ Usage: tools/soak.sh [STEP...]
   integer    the corpora of the fuzz targets and the unit tests of the readers, where whole numbers that wrap or lose bits
              are errors
   endurance  ten hours of live, 10,000 maps in one process, a million scans (tools/scripts/endurance.py)
+  words      each option of each command with words that mean nothing (tools/scripts/hostile_words.py)
   memcheck   one of each command under valgrind (tools/scripts/memcheck.py)
   arm64      the command built for arm64, and the samples' hashes under qemu (tools/scripts/cross_arm64.sh)
 
@@ -34,12 +35,13 @@ USAGE
 steps=()
 for argument in "$@"; do
   case "$argument" in
-    debug | clang | asan | tsan | long | faults | platforms | lint | fuzz | integer | endurance | memcheck | arm64) steps+=("$argument") ;;
+    debug | clang | asan | tsan | long | faults | platforms | lint | fuzz | integer | endurance | words | memcheck | arm64)
+      steps+=("$argument") ;;
     -h | --help) usage; exit 0 ;;
     *) echo "soak.sh: unknown step '$argument'" >&2; usage >&2; exit 2 ;;
   esac
 done
-if ((${#steps[@]} == 0)); then steps=(debug clang asan tsan long faults platforms lint fuzz integer endurance memcheck arm64); fi
+if ((${#steps[@]} == 0)); then steps=(debug clang asan tsan long faults platforms lint fuzz integer endurance words memcheck arm64); fi
 step_count=${#steps[@]}
 
 passed=0 failed=0
@@ -89,9 +91,7 @@ run_long() {
 
 run_faults() {
   local build=$root/build/test
-  configure "$build" -DCMAKE_BUILD_TYPE=Release -DGDTSLAM_BUILD_TESTS=ON -DGDTSLAM_WERROR=ON \
-    -DCMAKE_UNITY_BUILD=ON
-  cmake --build "$build" --parallel "$(build_jobs)" --target gdtslam gdtslam_failing_calls
+  build_command gdtslam_failing_calls
   python3 "$root/tools/scripts/fail_each_call.py" "$build/bin/gdtslam" \
     --library "$build/tests/cli/libgdtslam_failing_calls.so"
 }
@@ -103,13 +103,23 @@ run_lint() {
   python3 "$root/tools/scripts/lint.py" "$root/build/test"
 }
 
-run_memcheck() {
+# The command of build/test.
+build_command() {
   local build=$root/build/test
-  command -v valgrind >/dev/null || install_besides valgrind
   configure "$build" -DCMAKE_BUILD_TYPE=Release -DGDTSLAM_BUILD_TESTS=ON -DGDTSLAM_WERROR=ON \
     -DCMAKE_UNITY_BUILD=ON
-  cmake --build "$build" --parallel "$(build_jobs)" --target gdtslam
-  python3 "$root/tools/scripts/memcheck.py" "$build/bin/gdtslam"
+  cmake --build "$build" --parallel "$(build_jobs)" --target gdtslam "$@"
+}
+
+run_words() {
+  build_command
+  python3 -B "$root/tools/scripts/hostile_words.py" "$root/build/test/bin/gdtslam"
+}
+
+run_memcheck() {
+  command -v valgrind >/dev/null || install_besides valgrind
+  build_command
+  python3 "$root/tools/scripts/memcheck.py" "$root/build/test/bin/gdtslam"
 }
 
 # Packages that no other step needs.
@@ -129,11 +139,8 @@ run_arm64() {
 }
 
 run_endurance() {
-  local build=$root/build/test
-  configure "$build" -DCMAKE_BUILD_TYPE=Release -DGDTSLAM_BUILD_TESTS=ON -DGDTSLAM_WERROR=ON \
-    -DCMAKE_UNITY_BUILD=ON
-  cmake --build "$build" --parallel "$(build_jobs)" --target gdtslam gdtslam_c
-  python3 "$root/tools/scripts/endurance.py" --program "$build/bin/gdtslam" --check
+  build_command gdtslam_c
+  python3 "$root/tools/scripts/endurance.py" --program "$root/build/test/bin/gdtslam" --check
 }
 
 run_fuzz() { GDTSLAM_FUZZ_S=${GDTSLAM_FUZZ_S:-600} "$root/tools/scripts/fuzz.sh"; }
@@ -160,6 +167,7 @@ run_step() {
     fuzz) run_fuzz ;;
     integer) run_integer ;;
     endurance) run_endurance ;;
+    words) run_words ;;
     memcheck) run_memcheck ;;
     arm64) run_arm64 ;;
   esac

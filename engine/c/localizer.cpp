@@ -1,6 +1,7 @@
 // Scans found in a map, and a robot followed in it.
 #include "engine/runs/localizer/run.hpp"
 
+#include <cmath>
 #include <memory>
 #include <string>
 
@@ -42,7 +43,8 @@ using namespace gdtslam::c;
 
 LocalizeLimits limits_of(const gdtslam_localizer_request& given) {
   for (const double value : {given.gap_m, given.max_seconds, given.good_fit_m}) {
-    if (!(value >= 0.0)) throw UsageError("gdtslam_localizer_new: a limit is negative or not finite");
+    if (!(value >= 0.0) || !std::isfinite(value))
+      throw UsageError("gdtslam_localizer_new: a limit is negative or not finite");
   }
   LocalizeLimits limits;
   if (given.gap_m > 0.0) limits.gap_m = given.gap_m;

@@ -32,8 +32,9 @@ VALGRIND = ("valgrind", "--quiet", f"--error-exitcode={FOUND}", "--num-callers=2
 
 
 def prepare_drive(folder, run):
-    failing_commands.prepare_run(folder, run)
-    failing_commands.short_log(folder, run, 60, "next.log", 30)
+    failing_commands.short_log(folder, run, 300)
+    failing_commands.short_log(folder, run, 60, "next.log", 200)
+    run("map", "drive.log", "-o", "run", "-q", "--no-pictures", *QUICK, cwd=folder)
 
 
 def prepare_truth(folder, run):
@@ -42,8 +43,8 @@ def prepare_truth(folder, run):
 
 
 READERS = (
-    Case("localize", prepare_drive, ("localize", "run", "next.log", "--first", 3)),
-    Case("track", prepare_drive, ("localize", "run", "next.log", "--track", "--first", 20)),
+    Case("localize", prepare_drive, ("localize", "run", "next.log", "--scan", 3)),
+    Case("track", prepare_drive, ("localize", "run", "next.log", "--track", "-o", "out.tum", "-q")),
     Case("evaluate", prepare_truth, ("evaluate", "run", "--reference", "drive.truth.tum")),
     Case("doctor", failing_commands.prepare_map, ("doctor", "drive.log")),
     Case("live", failing_commands.prepare_map, ("live", "drive.log", "-o", "out", "-q", *QUICK)),

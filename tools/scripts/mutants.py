@@ -28,6 +28,7 @@ import pathlib
 import random
 import sys
 import tempfile
+import threading
 import time
 
 from mutant_build import ROOT, Tree, has_avx512
@@ -83,14 +84,17 @@ class Judge:
         for program in self.programs:
             for name in program.left_out:
                 print(f"  left out, for it takes more than {self.slow_s:g} s: {name}", flush=True)
-        self.others, self.command_tests = [], None
+        self.others, self.command_tests, self.measuring = [], None, threading.Lock()
 
     def measured(self, names):
         programs = [Program(self.tree, name, self.slow_s) for name in names if name in self.targets]
         for program in programs:
-            if not program.measure(self.scratch):
-                sys.exit(f"mutants: {program.name} fails without a change, or is not built")
+            self.measure(program)
         return sorted(programs, key=lambda program: program.usual_s)
+
+    def measure(self, program):
+        if not program.measure(self.scratch):
+            sys.exit(f"mutants: {program.name} fails without a change, or is not built")
 
     def prepare_whole(self):
         here = {program.name for program in self.programs}
@@ -99,7 +103,7 @@ class Judge:
         built = [name for name in names if (self.tree.build / "bin" / name).exists()]
         if built != names:
             print(f"  left out, for they are not built: {', '.join(name for name in names if name not in built)}", flush=True)
-        self.others = self.measured(built)
+        self.others = [Program(self.tree, name, self.slow_s) for name in built]
         self.command_tests = CommandTests(self.tree)
 
     def by_part(self, mutant):
@@ -123,18 +127,25 @@ class Judge:
         return "survived", ""
 
     def by_all(self, mutant):
-        """What notices it of all tests that use the library but those of by_part; empty where none does."""
+        """What notices it of all tests that use the library but those of by_part, those of the command first; empty where none
+        does. Programs are measured when they are first needed."""
         with tempfile.TemporaryDirectory(dir=self.scratch) as name:
             folder = pathlib.Path(name)
             objects = self.tree.compile(mutant, folder)
+            command = placed_program(self.tree, objects, folder, self.part.modules)
+            why = self.command_tests.failure(command, folder / "cli", self.part.command)
+            if why:
+                return why
             rows = [(program, ":".join(program.left_out)) for program in self.programs if program.left_out]
             for program, tests in rows + [(program, "*") for program in self.others]:
+                with self.measuring:
+                    if not program.times:
+                        self.measure(program)
                 file = self.tree.link(program.name, objects, folder / program.name)
                 why = program.failure(file, folder / "work", tests)
                 if why:
                     return why
-            program = placed_program(self.tree, objects, folder, self.part.modules)
-            return self.command_tests.failure(program, folder / "cli", self.part.command) or ""
+            return ""
 
 
 def judged(mutants, count, judge, jobs):
@@ -158,9 +169,9 @@ def judged(mutants, count, judge, jobs):
                     rows[number] = {"mutant": mutant, "by_part": why, "by_all": why}
 
 
-def hold_against_all(rows, judge, jobs):
-    """Sets by_all of what survived the part's tests."""
-    survivors = [row for row in rows if not row["by_part"]]
+def hold_against_all(rows, judge, jobs, reasons):
+    """Sets by_all of what survived the part's tests, but of those that none can notice."""
+    survivors = [row for row in rows if not row["by_part"] and row["mutant"].key not in reasons]
     if survivors:
         judge.prepare_whole()
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
@@ -223,7 +234,7 @@ def main():
     os.nice(3)
     tree = Tree(arguments.build)
     before = json.loads(arguments.again.read_text()) if arguments.again else None
-    results = {}
+    results, reasons = {}, equivalent_mutants(ROOT / "tests/mutants.txt")
     with tempfile.TemporaryDirectory(prefix="gdtslam-mutants-") as name:
         for part in arguments.parts.split(","):
             judge = Judge(tree, PARTS[part], arguments, pathlib.Path(name))
@@ -237,10 +248,10 @@ def main():
                 mutants, count = drawn(sources, 2 * arguments.count, rng, arguments.kinds.split(",")), arguments.count
             results[part] = judged(mutants, count, judge, arguments.jobs)
             if arguments.whole:
-                hold_against_all(results[part], judge, arguments.jobs)
+                hold_against_all(results[part], judge, arguments.jobs, reasons)
             if arguments.json:
                 arguments.json.write_text(as_json(results))
-    print_table(results, equivalent_mutants(ROOT / "tests/mutants.txt"), arguments.whole)
+    print_table(results, reasons, arguments.whole)
 
 
 if __name__ == "__main__":

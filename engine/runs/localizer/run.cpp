@@ -122,9 +122,15 @@ LocalizedScan Localizer::begun(const LaserScan& scan, std::uint64_t index, std::
   found.stamp_s = scan.stamp_s;
   found.points = static_cast<std::uint32_t>(points.size());
   found.has_returns = !points.empty() && points.size() >= static_cast<std::size_t>(config_.scan.min_points);
-  found.as_good =
-      static_cast<std::uint32_t>(limits_.gap_m / resolution_m() * kFieldOne * static_cast<double>(points.size()));
+  found.as_good = units_of(limits_.gap_m, points.size());
   return found;
+}
+
+// Costs of points that lie so far off in the mean; what is more than any cost counts as 4e9.
+std::uint32_t Localizer::units_of(double distance_m, std::size_t points) const {
+  constexpr double kMostUnits = 4.0e9;
+  const double units = distance_m / resolution_m() * kFieldOne * static_cast<double>(points);
+  return static_cast<std::uint32_t>(std::min(units, kMostUnits));
 }
 
 // What the map does not explain lies at most as far from it as distances are kept.
@@ -141,11 +147,9 @@ LocalizedScan Localizer::find(const LaserScan& scan, std::uint64_t index, bool w
   LocalizedScan found = begun(scan, index, points);
   const double good_m = with_changes ? std::max(worst_of_changed_m(), good_fit_.distance_m) : good_fit_.distance_m;
   if (found.has_returns) {
-    constexpr double kMostUnits = 4.0e9;
-    const double units = good_m / resolution_m() * kFieldOne * static_cast<double>(points.size());
     CertifiedOptions options = options_with(limits_.gap_m);
     options.max_boxes = with_changes ? LocalizeLimits::kChangedBoxes : LocalizeLimits::kWaitingBoxes;
-    options.wanted_bound = static_cast<std::uint32_t>(std::min(units, kMostUnits)) + 1;
+    options.wanted_bound = units_of(good_m, points.size()) + 1;
     found.best = if_any(search(points, window_, options));
   }
   const bool is_poor = verdict_of(found, good_fit_.distance_m) == Verdict::kPoorFit;

@@ -122,6 +122,7 @@ class Localizer {
   [[nodiscard]] CertifiedResult search(std::span<const PointCells> points, PoseWindow window,
                                        CertifiedOptions options) const;
   [[nodiscard]] CertifiedOptions options_with(double gap_m) const;
+  [[nodiscard]] std::uint32_t units_of(double distance_m, std::size_t points) const;
   [[nodiscard]] std::optional<CertifiedResult> elsewhere(std::span<const PointCells> points, const Pose2& T_map_best,
                                                          std::uint32_t as_good_as, std::uint64_t most_boxes) const;
   [[nodiscard]] LocalizedScan begun(const LaserScan& scan, std::uint64_t index,

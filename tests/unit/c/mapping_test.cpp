@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <numbers>
 #include <string>
 #include <thread>
@@ -288,6 +289,34 @@ TEST_F(CWholeLog, is_where_scans_are_found_by_several_threads_at_once) {
   auto none = made<gdtslam_location>();
   EXPECT_EQ(gdtslam_localizer_find(localizer.get(), &empty, &none, &error), GDTSLAM_OK) << error.text;
   EXPECT_EQ(none.verdict, GDTSLAM_NO_POSE);
+}
+
+TEST_F(CWholeLog, is_searched_within_limits_that_are_numbers) {
+  const std::string map = place();
+  for (double gdtslam_localizer_request::*const limit :
+       {&gdtslam_localizer_request::gap_m, &gdtslam_localizer_request::max_seconds,
+        &gdtslam_localizer_request::good_fit_m}) {
+    for (const double value : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+      auto request = made<gdtslam_localizer_request>();
+      request.map = map.c_str();
+      request.*limit = value;
+      gdtslam_localizer* opened = nullptr;
+      EXPECT_EQ(gdtslam_localizer_new(&request, &opened, nullptr), GDTSLAM_USAGE) << value;
+      EXPECT_EQ(opened, nullptr);
+    }
+  }
+  auto request = made<gdtslam_localizer_request>();
+  request.map = map.c_str();
+  request.gap_m = 1.0e28;  // more than any pose can be off
+  gdtslam_localizer* opened = nullptr;
+  ASSERT_EQ(gdtslam_localizer_new(&request, &opened, nullptr), GDTSLAM_OK);
+  const Owned<gdtslam_localizer> localizer(opened);
+  const std::vector<KeptScan> scans = sample_scans();
+  const gdtslam_scan scan = scans[100].view();
+  auto found = made<gdtslam_location>();
+  EXPECT_EQ(gdtslam_localizer_find(localizer.get(), &scan, &found, nullptr), GDTSLAM_OK);
+  EXPECT_NE(found.verdict, GDTSLAM_NO_POSE);
+  EXPECT_TRUE(std::isfinite(found.T_map_base.x_m) && std::isfinite(found.T_map_base.y_m));
 }
 
 TEST_F(CWholeLog, is_where_a_robot_is_followed_and_a_tracker_outlives_its_localizer) {
