@@ -151,5 +151,23 @@ TEST(JsonFile, ARowOf120ColumnsWithItsCommaIsTheWidest) {
   EXPECT_EQ(lines_with(120 - 4 - 17), 8);
 }
 
+// DEL, the controls U+0080 to U+009F and the two separators are written as their numbers, and no neighbour of theirs
+// is.
+TEST(JsonFile, LettersThatATerminalObeysAreEscaped) {
+  const auto written = [](const std::string& letter) {
+    std::string text = json_text(letter);
+    EXPECT_EQ(parse_json(text, "it"), letter);
+    return text.substr(1, text.size() - 3);  // without its quotes and the line end
+  };
+  EXPECT_EQ(written("\x7f"), "\\u007f");
+  EXPECT_EQ(written("\xc2\x80"), "\\u0080");
+  EXPECT_EQ(written("\xc2\x9f"), "\\u009f");
+  EXPECT_EQ(written("\xe2\x80\xa8"), "\\u2028");
+  EXPECT_EQ(written("\xe2\x80\xa9"), "\\u2029");
+  for (const std::string letter : {"~", "\xc2\xa0", "\xc2\xbf", "\xc3\x80", "\xe2\x80\xa7", "\xe2\x80\xaa"}) {
+    EXPECT_EQ(written(letter), letter);
+  }
+}
+
 }  // namespace
 }  // namespace gdtslam
