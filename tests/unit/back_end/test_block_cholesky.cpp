@@ -190,6 +190,19 @@ TEST(BlockCholesky, AChainFillsNothingIn) {
   EXPECT_EQ(factor.factor_blocks(), 499U);
 }
 
+// Eliminated first, a row that all others are tied to would tie them to each other.
+TEST(BlockCholesky, AStarFillsNothingIn) {
+  constexpr std::size_t kSpokes = 100;
+  std::vector<BlockSystem::Pair> pairs;
+  for (std::size_t k = 1; k <= kSpokes; ++k) pairs.emplace_back(0, k);
+  BlockSystem system(kSpokes + 1, pairs);
+  for (Matrix3& block : system.diagonal) block = static_cast<double>(kSpokes + 1) * Matrix3::identity();
+  for (std::size_t k = 1; k <= kSpokes; ++k) system.add(k, 0, Matrix3::identity());
+  BlockCholesky factor(system);
+  ASSERT_TRUE(factor.factorise(system));
+  EXPECT_EQ(factor.factor_blocks(), kSpokes);
+}
+
 TEST(Matrix3, InverseAndFactorAreThoseOfEigen) {
   Random random(2);
   for (int i = 0; i < 100; ++i) {

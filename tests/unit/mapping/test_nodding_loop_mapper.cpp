@@ -118,6 +118,23 @@ TEST(NoddingLoopMapper, NumbersOfTheClosedPathAreThoseOfAllScans) {
         between(drive.T_room_base(with.poses[loop.from].stamp_s), drive.T_room_base(with.poses[loop.to].stamp_s));
     EXPECT_LT((truth.translation() - loop.T_from_to.translation()).norm(), 0.1) << loop.from << " to " << loop.to;
   }
+  // Between two fixes linear by the number of the scan.
+  std::vector<std::size_t> fixes;
+  for (std::size_t k = 0; k < with.poses.size(); ++k) {
+    if (is_fix(k)) fixes.push_back(k);
+  }
+  for (std::size_t next = 1; next < fixes.size(); ++next) {
+    const PoseCovariance& from = with.path.covariances[fixes[next - 1]];
+    const PoseCovariance& to = with.path.covariances[fixes[next]];
+    for (std::size_t k = fixes[next - 1]; k <= fixes[next]; ++k) {
+      const double share =
+          static_cast<double>(k - fixes[next - 1]) / static_cast<double>(fixes[next] - fixes[next - 1]);
+      for (double PoseCovariance::*const of : {&PoseCovariance::xx, &PoseCovariance::xy, &PoseCovariance::xt,
+                                               &PoseCovariance::yy, &PoseCovariance::yt, &PoseCovariance::tt}) {
+        ASSERT_NEAR(with.path.covariances[k].*of, (1.0 - share) * from.*of + share * to.*of, 1e-12) << k;
+      }
+    }
+  }
 }
 
 TEST(NoddingLoopMapper, GivesTheSameBytesWithAndWithoutAThreadBeside) {

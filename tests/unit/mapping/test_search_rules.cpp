@@ -16,6 +16,7 @@
 #include "engine/mapping/certified/crop.hpp"
 #include "engine/mapping/cost/objective.hpp"
 #include "engine/mapping/map/local_field.hpp"
+#include "engine/mapping/match/descents.hpp"
 #include "engine/mapping/match/exhaustive.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
@@ -316,6 +317,29 @@ TEST_F(SmallMap, PosesAreCountedFromTheAnchor) {
   EXPECT_NEAR(static_cast<double>(pose.y), 10.0, 1e-5);
   EXPECT_NEAR(static_cast<double>(pose.theta), 4.0 - 2.0 * kPi, 1e-6);
   EXPECT_THAT(objective.to_metres(pose), PoseNear({1.0, -0.5, 4.0}, 1e-6, 1e-4));
+}
+
+// Each method heeds what the options say of it, and nothing of what they say of the others.
+TEST_F(SmallMap, EachOptimizerHasItsOwnOptions) {
+  std::vector<Point2> wall;
+  for (int k = 0; k < 40; ++k) wall.emplace_back(0.5, kEdge_m * k);
+  for (int k = 0; k < 40; ++k) wall.emplace_back(kEdge_m * k, 0.5);
+  add(wall);
+  const std::vector<PointCells> points = in_cells(wall, kEdge_m);
+  Objective objective(map_, Interpolation::kBilinear, CostForm::kDistance);
+  objective.set_cap(map_.cap());
+  objective.set_points(points);
+  const auto evaluations = [&](MatcherKind kind, const OptimizerConfig& options) {
+    return minimise_in_box(objective, {1.5F, -1.0F, 0.02F}, {}, kind, options).evaluations;
+  };
+  const auto heeds = [&](MatcherKind kind) {
+    const std::uint32_t usual = evaluations(kind, {});
+    return std::array{evaluations(kind, {.particles = 7}) != usual, evaluations(kind, {.complexes = 2}) != usual,
+                      evaluations(kind, {.moves = 5}) != usual, evaluations(kind, {.cooling = 8.0}) != usual};
+  };
+  EXPECT_EQ(heeds(MatcherKind::kPso), (std::array{true, false, false, false}));
+  EXPECT_EQ(heeds(MatcherKind::kSce), (std::array{false, true, false, false}));
+  EXPECT_EQ(heeds(MatcherKind::kSimpsa), (std::array{false, false, true, true}));
 }
 
 TEST(SearchWindow, HasASampleInItsMiddleAndAsManyToEachSide) {
