@@ -79,7 +79,7 @@ TEST(LogSettings, OnlyWhatIsStatedIsToldToTheReader) {
   config.deskew = true;
   const ReadOptions stated = read_options_of(config, true);
   EXPECT_TRUE(stated.lenient && stated.all_lasers && stated.deskew);
-  EXPECT_TRUE(stated.T_base_laser == Pose2(0.1, 0.2, 0.3));
+  EXPECT_TRUE(stated.T_base_laser == (Pose2{0.1, 0.2, 0.3}));
   EXPECT_EQ(stated.first_bearing_rad, -1.5);
   EXPECT_EQ(stated.bearing_step_rad, 0.01);
   EXPECT_EQ(stated.first_beam_after_s, 0.001);

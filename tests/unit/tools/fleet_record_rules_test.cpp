@@ -51,7 +51,7 @@ TEST(FleetRecordRules, HashesHaveTheirDigits) {
   for (const auto& [member, digits] : rows) {
     for (const std::string& wrong : {std::string(digits - 1, 'a'), std::string(digits + 1, 'a'), std::string(),
                                      std::string(digits - 1, 'a') + "A", "g" + std::string(digits - 1, '0')}) {
-      EXPECT_THAT(fault_after([&](UnitRecord& r) { r.*member = wrong; }),
+      EXPECT_THAT(fault_after([&, changed = member](UnitRecord& r) { r.*changed = wrong; }),
                   HasSubstr("that is none; running its shard again"));
     }
   }

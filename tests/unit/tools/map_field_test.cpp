@@ -54,14 +54,14 @@ TEST(MapField, TheWindowHoldsTheCellsThatKnowADistance) {
 TEST(MapField, KernelsCountInCellsFromTheirOrigin) {
   MapField field = unknown_field();
   const FieldView from_map = field.view();
-  EXPECT_EQ(from_map.first_cell, CellIndex(-4, 6));
+  EXPECT_EQ(from_map.first_cell, (CellIndex{-4, 6}));
   EXPECT_EQ(from_map.width, 6U);
   EXPECT_EQ(from_map.height, 5U);
   EXPECT_EQ(from_map.stride, 6U);
   EXPECT_EQ(from_map.cap, kCap);
   EXPECT_EQ(from_map.resolution_m, 0.5);
   field.kernel_origin_m = {-3.0, 4.5};
-  EXPECT_EQ(field.view().first_cell, CellIndex(2, -3));
+  EXPECT_EQ(field.view().first_cell, (CellIndex{2, -3}));
 }
 
 class MapFieldFiles : public testing::Test {
@@ -128,11 +128,11 @@ TEST_F(MapFieldFiles, AFieldOfOccupiedCellsCountsFromItsCorner) {
   ASSERT_EQ(fault_of_occupied({0.5, 0.3, -0.2, 3, 2}), "");
   const MapField field = read_map_field(file("map.yaml"), MapConfig{}, Isa::kBaseline);
   EXPECT_EQ(field.source, MapField::Source::kOccupiedCells);
-  EXPECT_EQ(field.view().first_cell, CellIndex(0, 0));
+  EXPECT_EQ(field.view().first_cell, (CellIndex{0, 0}));
   ASSERT_EQ(fault_of_distances({0.5, 1.0, -1.0, 3, 2}), "");
   const MapField distances = read_map_field(file("gdt.yaml"), MapConfig{}, Isa::kBaseline);
   EXPECT_EQ(distances.source, MapField::Source::kDistances);
-  EXPECT_EQ(distances.view().first_cell, CellIndex(2, -2));
+  EXPECT_EQ(distances.view().first_cell, (CellIndex{2, -2}));
   EXPECT_EQ(read_map_field(folder_.string(), MapConfig{}, Isa::kBaseline).path, file("gdt.yaml")) << "of the folder";
 }
 

@@ -14,8 +14,6 @@
 namespace gdtslam {
 namespace {
 
-using testing::IsEmpty;
-
 /// Gives records; a Parameter named "fault" is one that cannot be read.
 class ListedRecords : public LogReader {
  public:
@@ -182,7 +180,7 @@ TEST(ScanStreamRules, OdometryGoesOnBehindALogWithoutAny) {
   ScanStream stream = stream_of({{driven(0.0, {1.0, 2.0, 0.5})},
                                  {listed_scan(1.0)},
                                  {driven(2.0, {7.0, 0.0, 1.0}), driven(3.0, {7.0, 0.0, 1.25})}});
-  EXPECT_TRUE(*stream.next()->T_odom_base == Pose2(1.0, 2.0, 0.5));
+  EXPECT_TRUE(*stream.next()->T_odom_base == (Pose2{1.0, 2.0, 0.5}));
   EXPECT_FALSE(stream.next()->T_odom_base);
   const Pose2 third = *stream.next()->T_odom_base;
   EXPECT_NEAR(third.x_m, 1.0, 1e-12);
@@ -191,7 +189,7 @@ TEST(ScanStreamRules, OdometryGoesOnBehindALogWithoutAny) {
   EXPECT_NEAR(stream.next()->T_odom_base->theta_rad, 0.75, 1e-12);
   ScanStream begins = stream_of({{listed_scan(0.0)}, {driven(1.0, {7.0, 0.0, 1.0})}});
   EXPECT_FALSE(begins.next()->T_odom_base);
-  EXPECT_TRUE(*begins.next()->T_odom_base == Pose2(7.0, 0.0, 1.0));
+  EXPECT_TRUE(*begins.next()->T_odom_base == (Pose2{7.0, 0.0, 1.0}));
 }
 
 TEST(ScanStreamRules, WarningsOfAKindAddUpAndKeepTheFirst) {
