@@ -129,13 +129,13 @@ TEST(Decimal, ManyDigitsDoNotWrap) {
 
 // What is too large or too small for a double is told by the digits before the point, or by the sign of the exponent.
 TEST(Decimal, TheSideOfTheRangeIsToldByDigitsAndExponent) {
-  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  constexpr double kDecimalInfinity = std::numeric_limits<double>::infinity();
   const std::string zeros(400, '0');
-  EXPECT_EQ(parsed("1" + zeros + ".5"), kInfinite);
-  EXPECT_EQ(parsed("9" + zeros + ".5"), kInfinite);
-  EXPECT_EQ(parsed("-1" + zeros + ".0"), -kInfinite);
+  EXPECT_EQ(parsed("1" + zeros + ".5"), kDecimalInfinity);
+  EXPECT_EQ(parsed("9" + zeros + ".5"), kDecimalInfinity);
+  EXPECT_EQ(parsed("-1" + zeros + ".0"), -kDecimalInfinity);
   EXPECT_EQ(parsed("1E-999"), 0.0);
-  EXPECT_EQ(parsed("0.5E+999"), kInfinite);
+  EXPECT_EQ(parsed("0.5E+999"), kDecimalInfinity);
   EXPECT_EQ(parsed("1.5e-999"), 0.0);
   EXPECT_EQ(parsed("-0." + zeros + "1"), 0.0);
   EXPECT_TRUE(std::signbit(parsed("-1e-999")));

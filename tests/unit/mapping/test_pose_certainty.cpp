@@ -18,22 +18,22 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kCell_m = 0.05;
-constexpr std::uint32_t kRadius = 10;  // cells: half a metre
-constexpr double kRounding = kCell_m * kCell_m / 12.0;
+constexpr double kPoseCell_m = 0.05;
+constexpr std::uint32_t kPoseRadius = 10;  // cells: half a metre
+constexpr double kRounding = kPoseCell_m * kPoseCell_m / 12.0;
 constexpr double kGate_m = 0.12;
 
 class KnownWall : public testing::Test {
  protected:
   /// The centre of a cell of the map.
-  static Point2 centre(int x, int y) { return {(x + 0.5) * kCell_m, (y + 0.5) * kCell_m}; }
+  static Point2 centre(int x, int y) { return {(x + 0.5) * kPoseCell_m, (y + 0.5) * kPoseCell_m}; }
   /// Cells of the wall: columns first to last, 60 rows.
   void build(int first, int last) {
     std::vector<Point2> points;
     for (int x = first; x <= last; ++x) {
       for (int y = -30; y < 30; ++y) points.push_back(centre(x, y));
     }
-    const KeyframeCells keyframe = keyframe_of(points, kCell_m, kRadius);
+    const KeyframeCells keyframe = keyframe_of(points, kPoseCell_m, kPoseRadius);
     map_.grow_to_hold(keyframe.window);
     local_.prepare(keyframe, map_);
     local_.merge_into(map_, {.rule = MergeRule::kWorking, .threshold = 256, .lift = 0});
@@ -42,14 +42,14 @@ class KnownWall : public testing::Test {
   static std::vector<PointCells> seen(const std::vector<Point2>& points, const Pose2& T_map_base) {
     std::vector<Point2> there;
     for (const Point2& point : points) there.push_back(inverse(T_map_base) * point);
-    return in_cells(there, kCell_m);
+    return in_cells(there, kPoseCell_m);
   }
   /// The sum over points of J^T J, J = (n, p x n), the normal along the map's x.
   static Matrix3 information(const std::vector<PointCells>& points, double theta_rad) {
     Matrix3 sum;
     const Point2 n(std::cos(theta_rad), -std::sin(theta_rad));
     for (const PointCells& point : points) {
-      const Point2 p(kCell_m * static_cast<double>(point.x), kCell_m * static_cast<double>(point.y));
+      const Point2 p(kPoseCell_m * static_cast<double>(point.x), kPoseCell_m * static_cast<double>(point.y));
       const Tangent2 J{n.x(), n.y(), p.x() * n.y() - p.y() * n.x()};
       sum += outer(J, J);
     }
@@ -66,14 +66,15 @@ class KnownWall : public testing::Test {
   }
   static Matrix3 with_rounding(const Matrix3& covariance, const std::vector<PointCells>& points) {
     double sq_range = 0.0;
-    for (const PointCells& p : points) sq_range += kCell_m * kCell_m * static_cast<double>(p.x * p.x + p.y * p.y);
+    for (const PointCells& p : points)
+      sq_range += kPoseCell_m * kPoseCell_m * static_cast<double>(p.x * p.x + p.y * p.y);
     const double lever = sq_range / static_cast<double>(points.size());
     return covariance + Matrix3::diagonal(kRounding, kRounding, kRounding / lever);
   }
 
   std::unique_ptr<Backend> backend_ = make_cpu_backend({});
-  GlobalField map_{*backend_, kCell_m, kRadius, 1U << 24U};
-  LocalField local_{*backend_, kRadius};
+  GlobalField map_{*backend_, kPoseCell_m, kPoseRadius, 1U << 24U};
+  LocalField local_{*backend_, kPoseRadius};
 };
 
 const Matrix3 kLeast = Matrix3::diagonal(0.01, 0.01, 0.01);
@@ -117,10 +118,10 @@ TEST_F(KnownWall, DistancesWithinTheGateAreItsNoise) {
   for (int y = -12; y < 12; ++y) beside.push_back(centre(1, y));
   const Pose2 at{-1.0, 0.2, 0.0};
   const std::vector<PointCells> points = seen(beside, at);
-  const double variance = kCell_m * kCell_m + kRounding;
+  const double variance = kPoseCell_m * kPoseCell_m + kRounding;
   const Matrix3 expected = inverse(1.0 / variance * information(points, 0.0) + kLeast);
-  expect_as(with_rounding(expected, points), covariance_by_scan(map_, points, at, kCell_m));
-  EXPECT_FALSE(covariance_by_scan(map_, points, at, 0.99 * kCell_m)) << "beyond the gate";
+  expect_as(with_rounding(expected, points), covariance_by_scan(map_, points, at, kPoseCell_m));
+  EXPECT_FALSE(covariance_by_scan(map_, points, at, 0.99 * kPoseCell_m)) << "beyond the gate";
   EXPECT_FALSE(covariance_by_scan(map_, {}, at, kGate_m));
 }
 
@@ -158,8 +159,8 @@ TEST_F(KnownWall, ThousandPointsAreEnough) {
 /// Points so far beside the wall.
 std::vector<PointCells> so_far(double away_m) {
   std::vector<Point2> points;
-  for (int y = -12; y < 12; ++y) points.emplace_back(0.5 * kCell_m + away_m, (y + 0.5) * kCell_m);
-  return in_cells(points, kCell_m);
+  for (int y = -12; y < 12; ++y) points.emplace_back(0.5 * kPoseCell_m + away_m, (y + 0.5) * kPoseCell_m);
+  return in_cells(points, kPoseCell_m);
 }
 
 TEST_F(KnownWall, AScanFitsAboutAsWellWithinThreeTenthsAndThreeMillimetres) {

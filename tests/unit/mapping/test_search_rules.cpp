@@ -29,7 +29,7 @@ namespace {
 
 using test::PoseNear;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 constexpr double kEdge_m = 0.05;  // of a cell
 
 /// All cells at the cap.
@@ -64,7 +64,7 @@ TEST(CertifiedField, IsFourCellsWideAndHighAtLeast) {
   EXPECT_FALSE(field.is_taken()) << "rows that overlap";
   EXPECT_FALSE(BareField(8, 8, 0).is_taken()) << "a cap of 0";
   EXPECT_TRUE(BareField(8, 8, 1).is_taken());
-  for (const double resolution_m : {0.0, -0.05, kNaN, std::numeric_limits<double>::infinity()}) {
+  for (const double resolution_m : {0.0, -0.05, kNotANumber, std::numeric_limits<double>::infinity()}) {
     BareField other;
     other.view().resolution_m = resolution_m;
     EXPECT_FALSE(other.is_taken()) << resolution_m;
@@ -123,13 +123,13 @@ TEST_F(CertifiedQuestion, HasAWindowAndAGapThatAreLengths) {
   for (double PoseWindow::*half : {&PoseWindow::half_x_m, &PoseWindow::half_y_m, &PoseWindow::half_theta_rad}) {
     SetUp();
     EXPECT_TRUE(is_answered());
-    for (const double wrong : {-0.1, kNaN}) {
+    for (const double wrong : {-0.1, kNotANumber}) {
       window_.*half = wrong;
       EXPECT_FALSE(is_answered()) << wrong;
     }
   }
   SetUp();
-  window_.centre.theta_rad = kNaN;
+  window_.centre.theta_rad = kNotANumber;
   EXPECT_FALSE(is_answered());
   SetUp();
   options_.gap_m = 0.0;
@@ -137,7 +137,7 @@ TEST_F(CertifiedQuestion, HasAWindowAndAGapThatAreLengths) {
   options_.gap_m = -0.001;
   EXPECT_FALSE(is_answered());
   SetUp();
-  options_.starts = {Pose2{}, Pose2{kNaN, 0.0, 0.0}};
+  options_.starts = {Pose2{}, Pose2{kNotANumber, 0.0, 0.0}};
   EXPECT_FALSE(is_answered());
 }
 
@@ -152,7 +152,7 @@ TEST_F(CertifiedQuestion, HasAPriorThatIsFinite) {
   EXPECT_FALSE(with_prior({.mean = {}, .limit = -1.0F}));
   EXPECT_FALSE(with_prior({.mean = {}, .weight_xy = -1.0F}));
   EXPECT_FALSE(with_prior({.mean = {}, .weight_theta = -1.0F}));
-  EXPECT_FALSE(with_prior({.mean = {kNaN, 0.0, 0.0}}));
+  EXPECT_FALSE(with_prior({.mean = {kNotANumber, 0.0, 0.0}}));
   EXPECT_FALSE(with_prior({.mean = {}, .weight_xy = std::numeric_limits<float>::infinity()}));
   EXPECT_FALSE(with_prior({.mean = {}, .weight_theta = std::numeric_limits<float>::infinity()}));
 }

@@ -16,7 +16,7 @@ namespace gdtslam {
 namespace {
 
 using testing::HasSubstr;
-using Json = nlohmann::ordered_json;
+using RecordJson = nlohmann::ordered_json;
 
 UnitRecord sound_record() {
   UnitRecord record;
@@ -100,8 +100,8 @@ TEST(FleetRecordRules, NumbersAreWithinTheirBounds) {
 }
 
 TEST(FleetRecordRules, EachKeyIsThereAndOfItsKind) {
-  const Json whole = Json::parse(record_text(sound_record()));
-  const auto is_refused = [](const Json& json) {
+  const RecordJson whole = RecordJson::parse(record_text(sound_record()));
+  const auto is_refused = [](const RecordJson& json) {
     try {
       static_cast<void>(parse_record(json.dump(), "r.json"));
       return false;
@@ -112,15 +112,15 @@ TEST(FleetRecordRules, EachKeyIsThereAndOfItsKind) {
   EXPECT_FALSE(is_refused(whole));
   EXPECT_EQ(whole.size(), 23U);
   for (const auto& [key, value] : whole.items()) {
-    Json changed = whole;
-    changed[key] = Json::array();
+    RecordJson changed = whole;
+    changed[key] = RecordJson::array();
     EXPECT_TRUE(is_refused(changed) || key == "outcome") << key;
     changed.erase(key);
     EXPECT_TRUE(is_refused(changed) || key == "outcome") << key;
   }
   for (const char* count : {"unit", "bytes", "exit_code", "scans", "doubtful", "keyframes"}) {
-    for (const Json& wrong : {Json(-1), Json(1.5), Json("1")}) {
-      Json changed = whole;
+    for (const RecordJson& wrong : {RecordJson(-1), RecordJson(1.5), RecordJson("1")}) {
+      RecordJson changed = whole;
       changed[count] = wrong;
       EXPECT_TRUE(is_refused(changed)) << count << wrong;
     }
