@@ -20,6 +20,7 @@
 #include "engine/compute/kernels/sweep_points/sweep_points.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/error.hpp"
+#include "support/address_space.hpp"
 
 namespace gdtslam::test {
 namespace {
@@ -139,7 +140,9 @@ TEST(CpuBackendMemory, ReservedPagesAreZeroAndLikeAnyBuffer) {
   const auto backend = make_cpu_backend({});
   constexpr std::size_t kBytes = std::size_t{1} << 20U;
   const Buffer reserved = backend->reserve(kBytes);
-  if (!reserved.valid()) GTEST_SKIP() << "the address space is bounded here";
+  if (!reserved.valid() && is_address_space_bounded())
+    GTEST_SKIP() << "NOTHING WAS TESTED: the address space is bounded, and the backend reserves nothing";
+  ASSERT_TRUE(reserved.valid());
   const std::span<std::byte> view = backend->host_view(reserved);
   ASSERT_EQ(view.size(), kBytes);
   EXPECT_TRUE(std::all_of(view.begin(), view.end(), [](std::byte byte) { return byte == std::byte{0}; }));

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "engine/runs/streams/log_check.hpp"
+#include "checked_log.hpp"
 #include "gdtslam/core/angle.hpp"
 
 namespace gdtslam {
@@ -15,28 +15,6 @@ using testing::DoubleNear;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-
-ScanRecord fixed_scan(double stamp_s, std::vector<float> ranges_m = {1.0F, 2.0F, 3.0F}) {
-  return {.scan = {.stamp_s = stamp_s,
-                   .first_bearing_rad = -0.5,
-                   .bearing_step_rad = 0.5,
-                   .max_range_m = 0.0,
-                   .ranges_m = std::move(ranges_m),
-                   .T_base_laser = {}},
-          .T_odom_base = std::nullopt};
-}
-
-ScanRecord driven_scan(double stamp_s, const Pose2& T_odom_base) {
-  ScanRecord record = fixed_scan(stamp_s);
-  record.T_odom_base = T_odom_base;
-  return record;
-}
-
-LogCheck checked_log(const std::vector<LogRecord>& records) {
-  LogChecker checker{StepBounds{}, ScanConfig{.min_points = 3}};
-  for (const LogRecord& record : records) checker.add(record);
-  return checker.finish({});
-}
 
 /// Of scans whose steps are these, whole milliseconds.
 LogCheck checked_steps(const std::vector<int>& steps_ms) {

@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "checked_log.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/random.hpp"
 
@@ -19,26 +20,10 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-ScanRecord scan_at(double stamp_s, const Pose2& T_odom_base, std::vector<float> ranges_m = {1.0F, 2.0F, 3.0F}) {
-  return {.scan = {.stamp_s = stamp_s,
-                   .first_bearing_rad = -0.5,
-                   .bearing_step_rad = 0.5,
-                   .max_range_m = 0.0,
-                   .ranges_m = std::move(ranges_m),
-                   .T_base_laser = {}},
-          .T_odom_base = T_odom_base};
-}
-
-LogCheck check_of(const std::vector<LogRecord>& records) {
-  LogChecker checker{StepBounds{}, ScanConfig{.min_points = 3}};
-  for (const LogRecord& record : records) checker.add(record);
-  return checker.finish({});
-}
-
 // A straight drive of 0.1 m a scan at 5 Hz.
 std::vector<LogRecord> drive(int scans) {
   std::vector<LogRecord> records;
-  for (int k = 0; k < scans; ++k) records.emplace_back(scan_at(10.0 + 0.2 * k, {0.1 * k, 0.0, 0.0}));
+  for (int k = 0; k < scans; ++k) records.emplace_back(driven_scan(10.0 + 0.2 * k, {0.1 * k, 0.0, 0.0}));
   return records;
 }
 
@@ -48,7 +33,7 @@ TEST(LogCheck, CountsWhatIsThere) {
   records.emplace_back(Encoder{20.0, 7});
   records.emplace_back(Tilt{20.0, 0.1});
   records.emplace_back(Parameter{"a", "b"});
-  const LogCheck check = check_of(records);
+  const LogCheck check = checked_log(records);
   EXPECT_EQ(check.scans, 51u);
   EXPECT_EQ(check.scans_with_odometry, 51u);
   EXPECT_EQ(check.odometry_records, 1u);
@@ -64,19 +49,19 @@ TEST(LogCheck, CountsWhatIsThere) {
 }
 
 TEST(LogCheck, NothingToMap) {
-  EXPECT_THAT(check_of({}).obstacle(), HasSubstr("no laser scan"));
-  EXPECT_THAT(check_of({Odometry{1.0, {}}}).obstacle(), HasSubstr("no laser scan"));
+  EXPECT_THAT(checked_log({}).obstacle(), HasSubstr("no laser scan"));
+  EXPECT_THAT(checked_log({Odometry{1.0, {}}}).obstacle(), HasSubstr("no laser scan"));
   const float inf = std::numeric_limits<float>::infinity();
-  EXPECT_THAT(check_of({scan_at(1.0, {}, {inf, 0.0F, inf})}).obstacle(), HasSubstr("has a return"));
-  EXPECT_THAT(check_of({scan_at(1.0, {}, {})}).obstacle(), HasSubstr("has a return"));
+  EXPECT_THAT(checked_log({driven_scan(1.0, {}, {inf, 0.0F, inf})}).obstacle(), HasSubstr("has a return"));
+  EXPECT_THAT(checked_log({driven_scan(1.0, {}, {})}).obstacle(), HasSubstr("has a return"));
 }
 
 // The rule is the mapper's: enough returns within its limits, in at least one scan.
 TEST(LogCheck, TooFewReturnsInEveryScan) {
-  const LogCheck few = check_of({scan_at(1.0, {}, {1.0F, 2.0F}), scan_at(2.0, {}, {1.0F, 0.05F, 45.0F})});
+  const LogCheck few = checked_log({driven_scan(1.0, {}, {1.0F, 2.0F}), driven_scan(2.0, {}, {1.0F, 0.05F, 45.0F})});
   EXPECT_EQ(few.mappable_scans, 0u);
   EXPECT_THAT(few.obstacle(), HasSubstr("none of the 2 scans has 3 returns (scan.min_points) between 0.1 m"));
-  const LogCheck enough = check_of({scan_at(1.0, {}, {1.0F, 2.0F}), scan_at(2.0, {}, {1.0F, 2.0F, 3.0F})});
+  const LogCheck enough = checked_log({driven_scan(1.0, {}, {1.0F, 2.0F}), driven_scan(2.0, {}, {1.0F, 2.0F, 3.0F})});
   EXPECT_EQ(enough.mappable_scans, 1u);
   EXPECT_EQ(enough.obstacle(), "");
 }
@@ -86,7 +71,7 @@ TEST(LogCheck, FindsTimeJumps) {
   std::get<ScanRecord>(records[5]).scan.stamp_s = std::get<ScanRecord>(records[4]).scan.stamp_s;         // repeated
   std::get<ScanRecord>(records[10]).scan.stamp_s = std::get<ScanRecord>(records[9]).scan.stamp_s - 0.4;  // backward
   for (std::size_t k = 15; k < 20; ++k) std::get<ScanRecord>(records[k]).scan.stamp_s += 7.0;            // gap
-  const LogCheck check = check_of(records);
+  const LogCheck check = checked_log(records);
   EXPECT_EQ(check.repeated_stamps.count, 1u);
   EXPECT_EQ(check.repeated_stamps.first[0].scan, 5u);
   EXPECT_EQ(check.backward_stamps.count, 1u);
@@ -104,10 +89,10 @@ TEST(LogCheck, ListsTheLongestGapsOnly) {
   std::vector<LogRecord> records;
   double stamp_s = 0.0;
   for (int k = 0; k < 100; ++k) {
-    records.emplace_back(scan_at(stamp_s, {}));
+    records.emplace_back(driven_scan(stamp_s, {}));
     stamp_s += k % 3 == 0 ? 2.0 + 0.01 * k : 0.1;
   }
-  const LogCheck check = check_of(records);
+  const LogCheck check = checked_log(records);
   EXPECT_EQ(check.gaps.count, 33u);  // the step after the last scan does not count
   ASSERT_EQ(check.gaps.first.size(), EventList::kMostListed);
   EXPECT_NEAR(check.gaps.first.front().time_step_s, 2.96, 1e-9);
@@ -120,7 +105,7 @@ TEST(LogCheck, FindsImpossibleStepsAndLeavesThemOutOfThePath) {
   for (std::size_t k = 15; k < 21; ++k) {                                                          // one twist
     std::get<ScanRecord>(records[k]).T_odom_base->theta_rad = rad_from_deg(85.0);
   }
-  const LogCheck check = check_of(records);
+  const LogCheck check = checked_log(records);
   EXPECT_EQ(check.impossible_steps.count, 2u);
   EXPECT_EQ(check.impossible_steps.first[0].scan, 10u);
   EXPECT_NEAR(check.impossible_steps.first[0].distance_m, 5.1, 1e-9);
@@ -132,7 +117,7 @@ TEST(LogCheck, FindsImpossibleStepsAndLeavesThemOutOfThePath) {
 TEST(LogCheck, BoundOfAStepGrowsWithItsTimeUpToALimit) {
   const StepBounds bounds;
   const auto jumps = [](double step_s, double distance_m) {
-    return check_of({scan_at(0.0, {}), scan_at(step_s, {distance_m, 0.0, 0.0})}).impossible_steps.count;
+    return checked_log({driven_scan(0.0, {}), driven_scan(step_s, {distance_m, 0.0, 0.0})}).impossible_steps.count;
   };
   for (const double step_s : {0.1, 1.0, 2.0}) {
     EXPECT_EQ(jumps(step_s, bounds.distance_m + bounds.speed_m_s * step_s - 1e-6), 0u) << step_s;
@@ -147,20 +132,20 @@ TEST(LogCheck, OdometryRecordsServeWhereScansHaveNone) {
   std::vector<LogRecord> records;
   for (int k = 0; k < 11; ++k) {
     records.emplace_back(Odometry{0.2 * k, {0.3 * k, 0.0, 0.0}});
-    ScanRecord scan = scan_at(0.2 * k, {});
+    ScanRecord scan = driven_scan(0.2 * k, {});
     scan.T_odom_base.reset();
     records.emplace_back(scan);
   }
-  const LogCheck check = check_of(records);
+  const LogCheck check = checked_log(records);
   EXPECT_EQ(check.scans_with_odometry, 0u);
   EXPECT_NEAR(check.path_m, 3.0, 1e-9);
   EXPECT_THAT(check.suggestions(), IsEmpty());
 }
 
 TEST(LogCheck, SaysWhenThereIsNoOdometry) {
-  ScanRecord scan = scan_at(1.0, {});
+  ScanRecord scan = driven_scan(1.0, {});
   scan.T_odom_base.reset();
-  EXPECT_THAT(check_of({scan}).suggestions(), ElementsAre(HasSubstr("no odometry")));
+  EXPECT_THAT(checked_log({scan}).suggestions(), ElementsAre(HasSubstr("no odometry")));
 }
 
 // A SICK reports 81.91 m where nothing comes back; the true ranges fill the histogram up to 30 m.
@@ -172,9 +157,9 @@ TEST(LogCheck, FindsTheNoReturnValue) {
     for (int beam = 0; beam < 180; ++beam) {
       ranges_m.push_back(random.uniform() < 0.03 ? 81.91F : static_cast<float>(random.uniform(0.5, 30.0)));
     }
-    records.emplace_back(scan_at(0.1 * k, {}, ranges_m));
+    records.emplace_back(driven_scan(0.1 * k, {}, ranges_m));
   }
-  const RangeStatistics ranges = check_of(records).ranges;
+  const RangeStatistics ranges = checked_log(records).ranges;
   EXPECT_THAT(ranges.no_return_m, ElementsAre(testing::DoubleNear(81.91, 1e-9)));
   EXPECT_EQ(ranges.returns + ranges.no_return_count, 200u * 180u);
   EXPECT_NEAR(static_cast<double>(ranges.no_return_count), 0.03 * 200 * 180, 150.0);
@@ -189,16 +174,16 @@ TEST(LogCheck, OrdinaryRangesHaveNoNoReturnValue) {
   for (int k = 0; k < 200; ++k) {
     std::vector<float> ranges_m(180);
     for (float& range_m : ranges_m) range_m = static_cast<float>(random.uniform(0.5, 10.0));
-    records.emplace_back(scan_at(0.1 * k, {}, ranges_m));
+    records.emplace_back(driven_scan(0.1 * k, {}, ranges_m));
   }
-  EXPECT_THAT(check_of(records).ranges.no_return_m, IsEmpty());
+  EXPECT_THAT(checked_log(records).ranges.no_return_m, IsEmpty());
 }
 
 TEST(LogCheck, StatedLimitCounts) {
-  ScanRecord scan = scan_at(1.0, {}, std::vector<float>(20, 81.91F));
+  ScanRecord scan = driven_scan(1.0, {}, std::vector<float>(20, 81.91F));
   scan.scan.ranges_m[0] = 5.0F;
   scan.scan.max_range_m = 80.0;
-  const RangeStatistics ranges = check_of({scan}).ranges;
+  const RangeStatistics ranges = checked_log({scan}).ranges;
   EXPECT_EQ(ranges.no_return_count, 19u);
   EXPECT_EQ(ranges.returns, 1u);
   EXPECT_THAT(ranges.no_return_m, ElementsAre(testing::DoubleNear(81.91, 1e-9)));
@@ -210,7 +195,7 @@ TEST(LogCheck, BeamsAndMountThatChange) {
   std::get<ScanRecord>(records[7]).scan.T_base_laser = {0.002, 0.0, 0.0};
   std::get<ScanRecord>(records[8]).scan.T_base_laser = {0.0, 0.0, rad_from_deg(0.2)};
   std::get<ScanRecord>(records[9]).scan.T_base_laser = {0.0005, 0.0, 0.0};  // within rounding
-  const LogCheck check = check_of(records);
+  const LogCheck check = checked_log(records);
   ASSERT_EQ(check.layouts.size(), 2u);
   EXPECT_EQ(check.layouts[0].scans, 9u);
   EXPECT_EQ(check.layouts[1].beams, 4u);
@@ -222,8 +207,8 @@ TEST(LogCheck, BeamsAndMountThatChange) {
 TEST(LogCheck, MemoryIsBounded) {
   LogChecker checker{StepBounds{}};
   for (int k = 0; k < 5000; ++k) {
-    ScanRecord scan =
-        scan_at(-static_cast<double>(k), {10.0 * k, 0.0, 0.0}, std::vector<float>(static_cast<std::size_t>(k % 50)));
+    ScanRecord scan = driven_scan(-static_cast<double>(k), {10.0 * k, 0.0, 0.0},
+                                  std::vector<float>(static_cast<std::size_t>(k % 50)));
     checker.add(scan);
   }
   const LogCheck check = checker.finish({});
