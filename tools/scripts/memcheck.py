@@ -49,8 +49,8 @@ READERS = (
     Case("doctor", failing_commands.prepare_map, ("doctor", "drive.log")),
     Case("live", failing_commands.prepare_map, ("live", "drive.log", "-o", "out", "-q", *QUICK)),
     Case("tiles", failing_commands.prepare_run, ("tiles", "run")),
-    Case("linkage", failing_commands.prepare_3d, ("linkage", "drive.linkage.yaml", "-q")),
-    Case("measure", failing_commands.prepare_cloud, ("measure", "run/cloud.ply")),
+    Case("linkage", failing_commands.prepare_3d, ("linkage", "drive.linkage.yaml")),
+    Case("measure", failing_commands.prepare_cloud, ("measure", "run", "--planes", "--boxes")),
     Case("config", lambda folder, run: None, ("config", "show")),
     Case("devices", lambda folder, run: None, ("devices",)),
 )
