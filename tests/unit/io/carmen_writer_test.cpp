@@ -58,7 +58,7 @@ TEST(CarmenWriter, SpeedsAreThoseSinceTheOdometryBefore) {
 }
 
 TEST(CarmenWriter, AFlaserTellsItsBearingsByTheNumberOfItsBeams) {
-  const double kDegree = rad_from_deg(1.0);
+  const double degree_rad = rad_from_deg(1.0);
   CarmenWriter writer(2, "h");
   const auto kind_of = [&writer](std::size_t beams, double first_rad, double step_rad) {
     const ScanRecord record = carmen_scan(beams, first_rad, step_rad);
@@ -68,11 +68,11 @@ TEST(CarmenWriter, AFlaserTellsItsBearingsByTheNumberOfItsBeams) {
     return kind;
   };
   for (const auto& [beams, parts] : {std::pair(180U, 1), {181U, 1}, {360U, 2}, {361U, 2}}) {
-    EXPECT_EQ(kind_of(beams, -kPi / 2, kDegree / parts), "FLASER") << beams;
-    EXPECT_EQ(kind_of(beams, -kPi / 2 + 9e-10, kDegree / parts - 9e-10), "FLASER") << beams;
-    EXPECT_EQ(kind_of(beams, -kPi / 2 - 1.1e-9, kDegree / parts), "ROBOTLASER1") << beams;
-    EXPECT_EQ(kind_of(beams, -kPi / 2, kDegree / parts + 1.1e-9), "ROBOTLASER1") << beams;
-    EXPECT_EQ(kind_of(beams, kPi / 2, kDegree / parts), "ROBOTLASER1") << beams;
+    EXPECT_EQ(kind_of(beams, -kPi / 2, degree_rad / parts), "FLASER") << beams;
+    EXPECT_EQ(kind_of(beams, -kPi / 2 + 9e-10, degree_rad / parts - 9e-10), "FLASER") << beams;
+    EXPECT_EQ(kind_of(beams, -kPi / 2 - 1.1e-9, degree_rad / parts), "ROBOTLASER1") << beams;
+    EXPECT_EQ(kind_of(beams, -kPi / 2, degree_rad / parts + 1.1e-9), "ROBOTLASER1") << beams;
+    EXPECT_EQ(kind_of(beams, kPi / 2, degree_rad / parts), "ROBOTLASER1") << beams;
   }
   for (const std::size_t beams : {179U, 182U, 359U, 362U}) {
     const BearingRule rule = bearing_rule(beams);

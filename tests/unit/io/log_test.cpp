@@ -108,7 +108,7 @@ TEST(OpenLog, TextLogsHaveNoTopics) {
        {std::pair("csv", "a CSV file"), {"jsonl", "a file of JSON lines"}, {"carmen", "a CARMEN log"}}) {
     EXPECT_NO_THROW(open_log(folder / name, {}));
     for (const auto& [option, options] : wanted) {
-      EXPECT_EQ(told_by<UsageError>([&, &given = options] { open_log(folder / name, given); }),
+      EXPECT_EQ(told_by<UsageError>([&, &log_name = name, &given = options] { open_log(folder / log_name, given); }),
                 folder / name + ": is " + kind + ", which has no topics: leave out " + option);
     }
   }

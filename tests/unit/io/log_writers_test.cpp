@@ -368,8 +368,9 @@ TEST(LogWriters, EachContainerHasItsPackings) {
          {ChunkPacking::kNone, ChunkPacking::kLz4, ChunkPacking::kBz2, ChunkPacking::kZstd}) {
       const TemporaryFolder folder;
       AtomicFileSet files;
-      const std::string refusal = told_by<UsageError>(
-          [&] { make_log_writer(log_format_of(name, ""), folder / name, {.packing = packing}, files); });
+      const std::string refusal = told_by<UsageError>([&, &log_name = name] {
+        make_log_writer(log_format_of(log_name, ""), folder / log_name, {.packing = packing}, files);
+      });
       const bool is_taken = std::find(taken.begin(), taken.end(), packing) != taken.end();
       EXPECT_EQ(refusal.empty(), is_taken) << name << ' ' << static_cast<int>(packing);
     }

@@ -183,5 +183,13 @@ TEST(McapDamage, AChunkUnpacksToNoMoreThanItStates) {
   }
 }
 
+TEST(McapDamage, AChunkOfMoreThanAGibibyteIsLeftPacked) {
+  const auto refusal_of = [](std::uint64_t stated) {
+    return mcap_refusal<InputError>(mcap_file(mcap_chunk(mcap_drive(true), "", {.bytes = stated, .crc = 0})));
+  };
+  EXPECT_THAT(refusal_of(1'073'741'825), HasSubstr("a chunk of 1073741825 bytes; at most 1073741824 are unpacked"));
+  EXPECT_THAT(refusal_of(1'073'741'824), HasSubstr("and states 1073741824")) << "it was unpacked";
+}
+
 }  // namespace
 }  // namespace gdtslam

@@ -109,6 +109,17 @@ TEST(SqliteBags, FilesOfAFolderFollowEachOther) {
   EXPECT_EQ(unreadable.warned("metadata.yaml not used"), 1U);
 }
 
+TEST(SqliteBags, NumbersInNamesCountAsNumbers) {
+  const TemporaryFolder folder;
+  std::vector<double> expected_s;
+  for (const char* const name : {"a_2", "a_010", "a_10", "b", "b1", "c_9_x", "c_10", "c_10_2", "d_0", "d_00", "d_1",
+                                 "e1", "ea", "f_99999999999999999999", "f_100000000000000000000"}) {
+    expected_s.push_back(1.0 + 2.0 * static_cast<double>(expected_s.size()));
+    make_database(folder / (name + std::string(".db3")), tables() + drive_rows(expected_s.back(), 1));
+  }
+  EXPECT_EQ(stamps_of(drain(*open_log(folder.path(), {}))), expected_s);
+}
+
 TEST(SqliteBags, WhatIsPackedIsUnpacked) {
   const TemporaryFolder folder;
   make_database(folder / "a_0.db3", tables() + drive_rows(1.0, 2));

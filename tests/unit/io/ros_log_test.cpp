@@ -169,7 +169,7 @@ TEST_F(RosLogTest, TheSameOdometryIsWrittenOnce) {
 }
 
 TEST_F(RosLogTest, StampsLieBetween1970And2038) {
-  const double kBelow = std::nextafter(kRosStampLimit_s, 0.0);
+  const double below_s = std::nextafter(kRosStampLimit_s, 0.0);
   for (const double stamp_s : {0.0, 2147483647.5}) {
     log_.write(Odometry{stamp_s, {stamp_s, 0.0, 0.0}});
     log_.write(Tilt{stamp_s, 0.5});
@@ -193,7 +193,7 @@ TEST_F(RosLogTest, StampsLieBetween1970And2038) {
   EXPECT_EQ(taken_.messages.size(), 12U);
   early.scan.first_beam_after_s = -0.625;
   log_.write(early);
-  ScanRecord late = record_at(kBelow);
+  ScanRecord late = record_at(below_s);
   late.scan.first_beam_after_s = 1.0;
   log_.write(late);
   EXPECT_EQ(taken_.messages.size(), 12U);
