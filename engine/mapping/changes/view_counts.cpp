@@ -11,6 +11,11 @@ namespace {
 
 constexpr std::uint64_t kCountedOfTile = std::uint64_t{kTileSide} * kTileSide;
 
+[[noreturn]] void refuse(std::uint64_t max_cells) {
+  throw InputError("the cells that changed cannot be told: more than " + std::to_string(max_cells) +
+                   " would be counted; check the log with 'gdtslam doctor' or raise map.max_megacells");
+}
+
 }  // namespace
 
 bool ViewCounts::add(const LaserScan& scan, const Pose2& T_grid_base) {
@@ -22,11 +27,9 @@ bool ViewCounts::add(const LaserScan& scan, const Pose2& T_grid_base) {
   for (const ScanRay& ray : rays_) {
     marks_.add_ray(ray.start, ray.free_end);
     if (ray.is_return) marks_.add_end(ray.end.cell());
-    if ((tiles_.size() + marks_.size()) * kCountedOfTile > limits_.max_cells) {
-      throw InputError("the cells that changed cannot be told: more than " + std::to_string(limits_.max_cells) +
-                       " would be counted; check the log with 'gdtslam doctor' or raise map.max_megacells");
-    }
+    if (marks_.size() * kCountedOfTile > limits_.max_cells) refuse(limits_.max_cells);
   }
+  require_room();
   for (std::size_t k = 0; k < marks_.size(); ++k) {
     ScanMarks::Tile& tile = marks_[k];
     if (tile.has_columns()) transpose(tile.columns);
@@ -38,6 +41,14 @@ bool ViewCounts::add(const LaserScan& scan, const Pose2& T_grid_base) {
   last_m_ = at_m;
   ++views_;
   return true;
+}
+
+// Beside the tiles that are there, for those that are new.
+void ViewCounts::require_room() {
+  std::size_t tiles = tiles_.size();
+  if ((tiles + marks_.size()) * kCountedOfTile <= limits_.max_cells) return;
+  for (std::size_t k = 0; k < marks_.size(); ++k) tiles += 1 - tiles_.count({marks_[k].place.y, marks_[k].place.x});
+  if (tiles * kCountedOfTile > limits_.max_cells) refuse(limits_.max_cells);
 }
 
 CellViews ViewCounts::at(CellIndex cell) const {

@@ -47,6 +47,7 @@ class ViewCounts {
   using TilePlace = std::pair<std::int32_t, std::int32_t>;  ///< y, x
   template <class RowOf>
   [[nodiscard]] std::vector<CellIndex> cells_of(RowOf row_of) const;
+  void require_room();
 
   Limits limits_;
   ScanMarks marks_;

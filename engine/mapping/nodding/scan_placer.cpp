@@ -233,7 +233,7 @@ void ScanPlacer::State::dead_reckon() {
   }
   const PosePath path = path_by_odometry();
   const std::size_t count = held.size() - 1;
-  statistics.by_odometry += count - 1;
+  statistics.by_odometry += count;  // the last one as well, which is the fix of those that follow
   last_fix = PoseFix{path.last().stamp_s, path.last().T_map_base, path.last().T_odom_base};
   blind_s = 0.0;
   emit(count, path);

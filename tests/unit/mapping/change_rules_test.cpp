@@ -83,11 +83,15 @@ TEST(ViewCountsOfRows, AViewLiesAStepFromTheLastOne) {
   EXPECT_EQ(views.views(), 2U);
 }
 
-// By whole tiles of 64 cells a side, those of the view in hand besides.
+// By whole tiles of 64 cells a side, each counted once however many views touch it.
 TEST(ViewCountsOfRows, AreRefusedBeyondTheCellsThatAreAllowed) {
   RowViews rows(8192);
   rows.add({60, 3}, 3);
-  EXPECT_THROW(rows.add({70, 3}, 1), InputError);
+  rows.add({70, 3}, 3);
+  EXPECT_THROW(rows.add({130, 3}, 1), InputError);
+  EXPECT_THROW(rows.add({60, 70}, 1), InputError);
+  rows.add({127, 63}, 1);
+  EXPECT_EQ(rows.views().views(), 7U);
   RowViews(4096).add({60, 3}, 1);
   EXPECT_THROW(RowViews(4095).add({60, 3}, 1), InputError);
 }

@@ -155,7 +155,7 @@ TEST_F(PlacedByHand, BlindForLongScansGoByTheOdometry) {
   EXPECT_THAT(placer().warnings().front(),
               testing::HasSubstr("no horizontal scan for more than 2 s before scan 3: poses by odometry there"));
   expect_scans(0, 3);
-  EXPECT_EQ(counts().by_odometry, 2U);
+  EXPECT_EQ(counts().by_odometry, 3U);
   for (const double stamp_s : {4.0, 5.0}) take(stamp_s, odom(0.1 * stamp_s));
   expect_scans(0, 3);
   take(6.0, odom(0.6));
@@ -167,6 +167,9 @@ TEST_F(PlacedByHand, BlindForLongScansGoByTheOdometry) {
   for (std::size_t k = 0; k < 8; ++k) {
     EXPECT_THAT(poses_[k].T_map_base, PoseNear({0.1 * static_cast<double>(k), 0.0, 0.0}, 1e-9, 1e-7)) << k;
   }
+  EXPECT_EQ(counts().fixes, 2U);
+  EXPECT_EQ(counts().by_odometry, 6U);
+  EXPECT_EQ(counts().between, 0U);
 }
 
 TEST_F(PlacedByHand, AfterAFixItIsSaidAgain) {
