@@ -14,8 +14,8 @@ Usage: tools/soak.sh [STEP...]
 
   debug      unit and property tests, unoptimised, with the checks of the standard library
   clang      the same, built by clang
-  asan       the same under AddressSanitizer and UndefinedBehaviorSanitizer
-  tsan       the same under ThreadSanitizer, without the real logs: they are mapped by one thread, in hours
+  asan       the same and the tests of the command under AddressSanitizer and UndefinedBehaviorSanitizer
+  tsan       the same as asan under ThreadSanitizer, without the real logs: they are mapped by one thread, in hours
   long       all tests with every mutant of the shaders, every failing call and 200 draws of the calibration;
              those of the Vulkan backend once more under validation
   faults     each file call of each command that writes failing in each way, each crash point, one allocation of each place
@@ -64,6 +64,16 @@ test_build() {
   cmake --build "$build" --parallel "$(build_jobs)" --target "${names[@]}" gdtslam
   (cd "$build" && TSAN_OPTIONS="halt_on_error=1" UBSAN_OPTIONS=print_stacktrace=1 \
     ctest -j "$(nproc)" --output-on-failure --no-tests=error -L '^(unit|property)$' "${left_out[@]}")
+}
+
+# test_command PRESET [LEFT_OUT]: the tests of the command of such a build. A module has the engine once more, as the program
+# has, and is gone when leaks are looked for, so that none in a library of its can be named: memcheck looks for them.
+test_command() {
+  local build=$root/build/$1 left_out=()
+  if (($# > 1)); then left_out=(--exclude-regex "$2"); fi
+  cmake --build "$build" --parallel "$(build_jobs)" --target gdtslam live_mapper
+  (cd "$build" && ASAN_OPTIONS=detect_odr_violation=1:detect_leaks=0 TSAN_OPTIONS=halt_on_error=1 \
+    UBSAN_OPTIONS=print_stacktrace=1 ctest -j "$(nproc)" --output-on-failure --no-tests=error -L '^cli$' "${left_out[@]}")
 }
 
 # What results must not depend on: each build runs the unit tests and whole commands, whose bytes are compared with the
@@ -158,8 +168,8 @@ run_integer() {
 run_step() {
   case "$1" in
     debug | clang) test_build "$1" ;;
-    tsan) test_build tsan RealLog ;;
-    asan) test_build asan-ubsan ;;
+    tsan) test_build tsan RealLog; test_command tsan ;;
+    asan) test_build asan-ubsan; test_command asan-ubsan ;;
     long) run_long ;;
     faults) run_faults ;;
     platforms) run_platforms ;;

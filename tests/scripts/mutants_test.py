@@ -60,6 +60,27 @@ class Links(unittest.TestCase):
         self.assertIsNone(failures[0])
         self.assertIn("FourBar.", failures[1])
 
+    def test_what_other_sources_of_an_object_take_from_libraries_stays(self):
+        source = pathlib.Path("engine/io/tables/row_records.cpp")
+        first = (ROOT / source).read_text().splitlines()[0]
+        unchanged = mutant_changes.Mutant(source, 1, "sign", 0, 1, first[0], first)
+        tree = mutant_build.Tree(BUILD)
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            program = tree.link("gdtslam_property_io_tests", tree.compile(unchanged, folder), folder / "tests")
+            tests = mutant_tests.Program(tree, "gdtslam_property_io_tests", 9)  # sums of OpenSSL, by another source
+            self.assertIsNone(tests.failure(program, folder / "work", "CloudLaws.*"))
+
+    def test_the_command_passes_its_tests_without_a_change(self):
+        tree = mutant_build.Tree(BUILD)
+        tests = mutant_tests.CommandTests(tree)
+        only_the_fixture = "^$"
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            program = mutant_tests.placed_program(tree, {}, folder, ("calibrate",))
+            self.assertIsNone(tests.failure(program, folder / "cli", only_the_fixture))
+            self.assertEqual(tests.failure("/bin/false", folder / "other", only_the_fixture), "cli.fixture")
+
 
 if __name__ == "__main__":
     unittest.main()

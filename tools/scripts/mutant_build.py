@@ -19,13 +19,24 @@ from mutant_changes import ROOT
 UNITY_INCLUDE = re.compile(r'^#include "(.*)"$', re.MULTILINE)
 
 
-def run(arguments, **options):
-    return subprocess.run([str(word) for word in arguments], capture_output=True, text=True, errors="replace", check=False, **options)
+def run(arguments, check=False, **options):
+    return subprocess.run([str(word) for word in arguments], capture_output=True, text=True, errors="replace", check=check, **options)
 
 
 def has_avx512():
     info = pathlib.Path("/proc/cpuinfo")
     return info.exists() and "avx512" in info.read_text()
+
+
+def weakened(obj, folder):
+    """A copy of an object in which each symbol that it defines is weak. One that it lacks must stay as it is: for a weak one
+    the linker looks into no library, and leaves 0."""
+    defined = folder / "defined.txt"
+    listed = run(["nm", "--defined-only", "--extern-only", "--format=posix", obj], check=True).stdout
+    defined.write_text("".join(line.split()[0] + "\n" for line in listed.splitlines()))
+    weak = folder / "weak.o"
+    run(["objcopy", f"--weaken-symbols={defined}", obj, weak], check=True)
+    return weak
 
 
 class Tree:
@@ -58,9 +69,7 @@ class Tree:
         obj = self.compiled(holder, source, folder / "mutant.o", [(ROOT / mutant.path).parent])
         if obj is None or holder == ROOT / mutant.path:
             return obj and [obj]
-        weak = folder / "weak.o"
-        done = run(["objcopy", "--weaken", self.build / self.output_of(holder), weak])
-        return None if done.returncode else [obj, weak]
+        return [obj, weakened(self.build / self.output_of(holder), folder)]
 
     def compile_kernels(self, mutant, folder):
         """Kernels are included into one source for each instruction set: those of this processor are compiled, out of a copy of

@@ -134,8 +134,11 @@ class CommandTests:
 
 
 def placed_program(tree, objects, folder, modules):
-    """The program gdtslam with these objects, where it finds its modules; the named modules are linked with them, too."""
+    """The program gdtslam with these objects, where it finds its modules, of which the named ones are linked with them, too,
+    and its assets."""
     (folder / "bin").mkdir()
+    (folder / "share").mkdir()
+    (folder / "share/gdtslam").symlink_to(ROOT / "assets")
     program = tree.link("bin/gdtslam", objects, folder / "bin/gdtslam")
     for real in sorted(tree.build.glob("lib/**/gdtslam/*.so")):
         copy = folder / real.relative_to(tree.build)

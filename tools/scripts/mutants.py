@@ -105,6 +105,11 @@ class Judge:
             print(f"  left out, for they are not built: {', '.join(name for name in names if name not in built)}", flush=True)
         self.others = [Program(self.tree, name, self.slow_s) for name in built]
         self.command_tests = CommandTests(self.tree)
+        with tempfile.TemporaryDirectory(dir=self.scratch) as name:
+            folder = pathlib.Path(name)
+            command = placed_program(self.tree, {}, folder, ())
+            if why := self.command_tests.failure(command, folder / "cli", self.part.command):
+                sys.exit(f"mutants: {why} fails without a change; nothing can be told of what survives")
 
     def by_part(self, mutant):
         """What the part's tests say: a verdict, what noticed it."""

@@ -10,13 +10,14 @@ constexpr std::uint64_t kSlotBytes = kBlockCells * sizeof(std::uint16_t);
 // Calls see(first, count) for each stretch of tiles that are known.
 template <class See>
 void for_each_stretch(TileSet tiles, See see) {
+  const auto is_known = [known = unsigned{tiles}](std::size_t tile) { return (known >> tile & 1U) != 0; };
   for (std::size_t first = 0; first < kBlockTiles;) {
-    if ((tiles >> first & 1U) == 0) {
+    if (!is_known(first)) {
       ++first;
       continue;
     }
     std::size_t end = first + 1;
-    while (end < kBlockTiles && (tiles >> end & 1U) != 0) ++end;
+    while (end < kBlockTiles && is_known(end)) ++end;
     see(first, end - first);
     first = end;
   }
