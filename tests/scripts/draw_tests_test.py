@@ -52,6 +52,13 @@ class DrawTests(unittest.TestCase):
         (self.tree / "CTestTestfile.cmake").write_text("add_test(short true)")
         self.assertEqual(self.draw("--share", "3", "--revision", "00000000").returncode, 2)
 
+    def test_those_of_googletest_that_are_named_long_are_there(self):
+        names = re.findall(r"\b([A-Z]\w+)\.(\w+)", (ROOT / "tests/long_tests.cmake").read_text().partition("foreach(")[2])
+        sources = "".join(path.read_text() for path in (ROOT / "tests/unit").rglob("*.cpp"))
+        missing = [f"{suite}.{name}" for suite, name in names if not re.search(rf"^TEST(_F)?\({suite},\s+{name}\)", sources, re.MULTILINE)]
+        self.assertTrue(names)
+        self.assertEqual(missing, [])
+
 
 if __name__ == "__main__":
     unittest.main()
