@@ -26,6 +26,7 @@ import json
 import os
 import pathlib
 import random
+import re
 import sys
 import tempfile
 import threading
@@ -105,11 +106,14 @@ class Judge:
             print(f"  left out, for they are not built: {', '.join(name for name in names if name not in built)}", flush=True)
         self.others = [Program(self.tree, name, self.slow_s) for name in built]
         self.command_tests = CommandTests(self.tree)
+
+    def check_without_change(self, test):
+        """Ends where a test of the command that fails with a mutant does so without one."""
         with tempfile.TemporaryDirectory(dir=self.scratch) as name:
             folder = pathlib.Path(name)
             command = placed_program(self.tree, {}, folder, ())
-            if why := self.command_tests.failure(command, folder / "cli", self.part.command):
-                sys.exit(f"mutants: {why} fails without a change; nothing can be told of what survives")
+            if self.command_tests.failure(command, folder / "cli", f"^{re.escape(test)}$"):
+                sys.exit(f"mutants: {test} fails without a change; nothing can be told of what survives")
 
     def by_part(self, mutant):
         """What the part's tests say: a verdict, what noticed it."""
@@ -140,6 +144,7 @@ class Judge:
             command = placed_program(self.tree, objects, folder, self.part.modules)
             why = self.command_tests.failure(command, folder / "cli", self.part.command)
             if why:
+                self.check_without_change(why.split(",")[0])
                 return why
             rows = [(program, ":".join(program.left_out)) for program in self.programs if program.left_out]
             for program, tests in rows + [(program, "*") for program in self.others]:
