@@ -216,6 +216,11 @@ TEST(MeasuredPath, StatesTheFirstStepsOfWheelsWithHindsight) {
   measured.correct_wheels(drive.truth);
   EXPECT_NEAR(sigma_of(5), kSlip_m, 0.5 * kSlip_m);
   EXPECT_NEAR(sigma_of(5), sigma_of(205), 1.0e-9) << "of two steps alike the same";
+  const double by_truth = sigma_of(5);
+  measured.correct_wheels(drive.path.poses);
+  EXPECT_GT(std::fabs(sigma_of(5) - by_truth), 1.0e-6) << "what is known now counts";
+  measured.correct_wheels(drive.truth);
+  EXPECT_EQ(sigma_of(5), by_truth) << "and what was known before does not";
 }
 
 }  // namespace

@@ -196,6 +196,7 @@ TEST(Calibrate, ExactRangesLeaveTheTruthAsItIs) {
   EXPECT_TRUE(result.converged);
   EXPECT_EQ(result.outliers, 0U);
   EXPECT_LT(result.all_rms, 1e-3);
+  EXPECT_LT(result.residual_rms, 1e-3);
   EXPECT_GT(result.other_assembly_rms, 1.0) << "the other assembly does not fit";
   for (const CalibratedParameter& parameter : result.parameters) {
     EXPECT_NEAR(parameter.estimate, parameter.start, 1e-6) << parameter.name;
