@@ -68,7 +68,7 @@ PARTS = {
     "runs": Part(["engine/runs"], ("tools", "runs"), "gdtslam_runs",
                  "continue|edit_|evaluate|graph_agrees|covariances|keyframes|tiles|fleet_(local|shards|resume|record|bad)|localize_|"
                  "merge_|measure|doctor_|nodding_|live_equals|two_writers|logs_in_sequence|report_adds|run_|readers_notice|"
-                 "killed|interrupt|files_of|foreign"),
+                 "killed|interrupt|files_of|foreign|recorded_run"),
 }
 
 
