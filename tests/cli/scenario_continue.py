@@ -217,6 +217,14 @@ def killed_run_finds_its_log():
     expect_same_run(folder / "run", folder / "both", "the log is back")
 
 
+def has_copied(folder, size):
+    """Whether a run that is being made has so much of its log's copy."""
+    try:
+        return any(copy.stat().st_size > size for copy in folder.rglob("log-1.copy"))
+    except FileNotFoundError:  # it got its name meanwhile
+        return True
+
+
 def interrupted_run_goes_on():
     """After SIGINT the rest of the log is mapped as if there had been none; what came over a pipe cannot come again."""
     folder = cli.fresh_folder("continue_interrupted")
@@ -225,7 +233,9 @@ def interrupted_run_goes_on():
     map_quietly(log, "-o", folder / "both")
     process = subprocess.Popen([PROGRAM, "map", "-q", str(log), "-o", str(folder / "run"), "--set", "search.when=always"],
                                stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    time.sleep(0.6)
+    end = time.monotonic() + 15 * cli.SLOWNESS
+    while process.poll() is None and not has_copied(folder / "run", 1000) and time.monotonic() < end:
+        time.sleep(0.02)
     process.send_signal(signal.SIGINT)
     cli.finish(process)
     expect(process.returncode in (0, 130), f"exit {process.returncode}")
@@ -239,7 +249,7 @@ def interrupted_run_goes_on():
                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     process.stdin.write(first.read_text())
     process.stdin.flush()
-    time.sleep(1.0)
+    time.sleep(0.25 * cli.SLOWNESS)
     process.send_signal(signal.SIGINT)
     expect_exit(cli.finish(process), 130)
     map_quietly("--continue", folder / "pipe", "-", input=second.read_text())
