@@ -101,7 +101,8 @@ TEST(RowRecords, WhatWasSaidOfTheSensorHoldsUntilAnotherRowSaysOtherwise) {
 }
 
 TEST(RowRecords, LasersAreNumberedFrom0To63) {
-  EXPECT_EQ(std::get<ScanRecord>(outcome_of(row_of_ranges({1.0})).records.at(0)).laser, 0U) << "where no row says which";
+  EXPECT_EQ(std::get<ScanRecord>(outcome_of(row_of_ranges({1.0})).records.at(0)).laser, 0U)
+      << "where no row says which";
   for (const double laser : {0.0, 1.0, 63.0, 64.0, -1.0, 0.5, 62.5}) {
     TableRow row = row_of_ranges({1.0});
     row[TableNumber::kLaser] = laser;
