@@ -66,14 +66,14 @@ test_build() {
     ctest -j "$(nproc)" --output-on-failure --no-tests=error -L '^(unit|property)$' "${left_out[@]}")
 }
 
-# test_command PRESET [LEFT_OUT]: the tests of the command of such a build. A module has the engine once more, as the program
+# test_command PRESET: the tests of the command of such a build. A module has the engine once more, as the program
 # has, and is gone when leaks are looked for, so that none in a library of its can be named: memcheck looks for them.
 test_command() {
-  local build=$root/build/$1 left_out=()
-  if (($# > 1)); then left_out=(--exclude-regex "$2"); fi
+  local build=$root/build/$1
   cmake --build "$build" --parallel "$(build_jobs)" --target gdtslam live_mapper
-  (cd "$build" && ASAN_OPTIONS=detect_odr_violation=1:detect_leaks=0 TSAN_OPTIONS=halt_on_error=1 \
-    UBSAN_OPTIONS=print_stacktrace=1 ctest -j "$(nproc)" --output-on-failure --no-tests=error -L '^cli$' "${left_out[@]}")
+  (cd "$build" && ASAN_OPTIONS=detect_odr_violation=1:detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1 \
+    TSAN_OPTIONS="halt_on_error=1 suppressions=$root/tests/tsan.supp" \
+    ctest -j "$(nproc)" --output-on-failure --no-tests=error -L '^cli$')
 }
 
 # What results must not depend on: each build runs the unit tests and whole commands, whose bytes are compared with the
