@@ -26,6 +26,8 @@ SKIP = 77
 STATE_BYTES, CHOSEN = 15 * 8 + 1024, 13
 # How many times as long as usual commands may take in this build.
 SLOWNESS = int(os.environ.get("GDTSLAM_CLI_SLOWNESS", "1"))
+# Whether it is one of a sanitizer, which needs more time and memory, and into which no other library can be preloaded.
+IS_SANITIZED = "FAILING_CALLS" not in os.environ
 
 
 def vulkan_devices(**options):

@@ -1,7 +1,6 @@
 """Damaged logs and scarce memory: one stated outcome each."""
 
 import json
-import os
 import re
 import resource
 import shutil
@@ -12,7 +11,7 @@ from cli_support import LOG, command, expect, expect_exit, one_error_line, skip
 
 def out_of_memory():
     """Wherever an allocation fails: an error (exit 1, one line), no abort, no folder left."""
-    if "FAILING_CALLS" not in os.environ:
+    if cli.IS_SANITIZED:
         skip("a sanitized program needs all the address space")
     folder = cli.fresh_folder("memory") / "run"
 
@@ -62,7 +61,7 @@ def hostile_logs():
     expect_exit(process, 2)
     one_error_line(process.stderr)
     expect("--matcher: names no matcher" in process.stderr, process.stderr)
-    if "FAILING_CALLS" not in os.environ:
+    if cli.IS_SANITIZED:
         skip("a sanitized program needs more time and memory")
     drive = "".join(cli.room_scan(1 + 0.05 * k, 1.5, 0.01 * k, 10 + 0.2 * k) for k in range(20))
     good = drive.encode()
@@ -111,7 +110,7 @@ def hostile_logs():
 
 def hostile_report():
     """report.json of brackets without end, or of values without number: 65 with its name, and little memory."""
-    if "FAILING_CALLS" not in os.environ:
+    if cli.IS_SANITIZED:
         skip("a sanitized program needs more time and memory")
     run = cli.fresh_folder("hostile_report") / "run"
     shutil.copytree(cli.RUN, run)

@@ -54,7 +54,7 @@ def overview_without_a_font():
 
 def every_write_fails():
     """Whichever write or sync fails because the disk is full: exit 74, one line, the old files byte for byte."""
-    if "FAILING_CALLS" not in os.environ:
+    if cli.IS_SANITIZED:
         skip("the library that fills the disk is not preloaded into a sanitized program")
     folder, before = old_run("every_write_fails")
     arguments = ("map", LOG, "--first", 15, "-q")
@@ -74,7 +74,7 @@ def every_write_fails():
 def memory_ends_in_a_commit():
     """Whichever of the last allocations fails, among them those with which the files get their names: the old run with exit 1 and
     one line, or the new one, and nothing beside it."""
-    if "FAILING_CALLS" not in os.environ:
+    if cli.IS_SANITIZED:
         skip("the library that refuses memory is not preloaded into a sanitized program")
     folder, before = old_run("memory_ends_in_a_commit")
     kept = folder.parent / "kept"
@@ -117,7 +117,7 @@ def file_size_limit():
 def killed_at_a_rename():
     """Killed before whichever rename: the folder holds the old run or the new one, or no report and so no run; never files of
     both. Nobody has to say --force to map into it again."""
-    if "FAILING_CALLS" not in os.environ:
+    if cli.IS_SANITIZED:
         skip("the library that kills the process is not preloaded into a sanitized program")
     coarse = ("--first", 15, "--set", "map.resolution=10 cm")
     without_report = lambda files: {name: digest for name, digest in files.items() if name != "report.json"}

@@ -2,7 +2,6 @@
 
 import math
 
-import cli_support as cli
 from cli_support import command, expect, expect_exit, one_error_line
 from nodding_log import APART, FULL, TICKS_PER_TURN, UNCOVERED, Drive, closest, encoder, expect_lost, expect_warnings, kind_of, scans_between, stamp_of
 from nodding_log import ticks_of, with_stamp

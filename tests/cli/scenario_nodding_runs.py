@@ -187,7 +187,7 @@ def nodding_cloud_options():
 
 def nodding_full_disk():
     """Whichever write fails while cloud and results are written: exit 74, one line, the old run byte for byte."""
-    if "FAILING_CALLS" not in os.environ:
+    if cli.IS_SANITIZED:
         skip("the library that fills the disk is not preloaded into a sanitized program")
     drive = Drive("nodding_full_disk")
     arguments = ["map", drive.log, "--first", 120, "-q", "--set", "cloud.voxel=10 cm"]

@@ -104,7 +104,7 @@ def hostile_names():
 
 def out_of_memory_of_a_command():
     """Where memory ends, the line says what was being done and speaks of no map where none is made."""
-    if "FAILING_CALLS" not in os.environ:
+    if cli.IS_SANITIZED:
         cli.skip("a sanitized program needs all the address space")
     folder = cli.fresh_folder("memory_of_a_command")
     points = 4000000

@@ -97,7 +97,7 @@ def render_of_a_million_points():
     """Walls of a million points: a still takes at most 250 MB, and all of them are drawn; of three million as many as the
     picture has pixels."""
     require_viewer()
-    if "FAILING_CALLS" not in os.environ:
+    if cli.IS_SANITIZED:
         cli.skip("a sanitized program needs memory of its own")
     folder = cli.fresh_folder("render_of_a_million_points")
     for millions in (1, 3):

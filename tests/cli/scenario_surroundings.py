@@ -28,7 +28,7 @@ def starts_with(megabytes):
 def surroundings_little_memory():
     """Address space from what the loader needs to plenty: the right bytes, or exit 1 (69 where a part of the program cannot be
     loaded) and one line; with plenty all work."""
-    if "FAILING_CALLS" not in os.environ:
+    if cli.IS_SANITIZED:
         cli.skip("a sanitized program needs all the address space")
     folder = cli.fresh_folder("surroundings_memory")
     cases = cases_of(folder)
