@@ -71,6 +71,31 @@ def every_write_fails():
     expect(not fresh.exists(), "a folder that was made for a run that failed is still there")
 
 
+def a_failing_disk_is_no_damage():
+    """Whichever reading fails of a bag in SQLite, which reads by itself: exit 74, one line, no message left out."""
+    if cli.IS_SANITIZED:
+        skip("the library that lets calls fail is not preloaded into a sanitized program")
+    folder = cli.fresh_folder("failing_disk")
+    bag, whole, log = folder / "drive.db3", folder / "whole.log", folder / "drive.log"
+    expect_exit(command("convert", LOG, "-o", bag), 0)
+    expect_exit(command("convert", bag, "-o", whole), 0)
+    count = cli.calls_counted("read", "convert", bag, "-o", folder / "counted.log")
+    expect(count > 20, f"only {count} readings were seen")
+    codes = []
+    for failing in [*range(1, 30), *range(30, count + 1, count // 16)]:  # tables and topics, then messages
+        for how in ("EIO", "EAGAIN"):
+            process = command("convert", bag, "-o", log, env=cli.failing_calls("read", failing, how))
+            codes.append(process.returncode)
+            if process.returncode == 0:
+                expect(log.read_bytes() == whole.read_bytes(), f"reading {failing}, {how}: not the whole log")
+                log.unlink()
+                continue
+            expect_exit(process, 74)
+            one_error_line(process.stderr)
+            expect(not log.exists(), f"reading {failing}, {how}: a log was written")
+    expect(codes.count(74) > len(codes) / 2, f"{codes}")
+
+
 def memory_ends_in_a_commit():
     """Whichever of the last allocations fails, among them those with which the files get their names: the old run with exit 1 and
     one line, or the new one, and nothing beside it."""

@@ -59,7 +59,7 @@ void SqliteBag::FinishStatement::operator()(sqlite3_stmt* statement) const { sql
 SqliteBag::~SqliteBag() = default;
 
 // A journal is read by this process alone, with locks and index in memory, so that nothing is written beside the bag.
-SqliteBag::SqliteBag(const std::string& path) {
+SqliteBag::SqliteBag(const std::string& path) : path_(path) {
   constexpr std::size_t kHeadBytes = 100;
   std::error_code no_journal;
   const std::uintmax_t journal_bytes = std::filesystem::file_size(path + "-wal", no_journal);
@@ -71,6 +71,7 @@ SqliteBag::SqliteBag(const std::string& path) {
   if (!has_journal && size > 0 && file.seekg(0).read(head.data(), kHeadBytes)) {
     check_size(head, static_cast<std::uint64_t>(size));
   }
+  if (file.bad()) throw FileError(path, "cannot be read");
   start();
 }
 
@@ -113,11 +114,11 @@ void SqliteBag::open(const std::string& uri, const char* vfs) {
 
 void SqliteBag::start() {
   // A bag that was cut has fewer pages than it states; those that are there can be read all the same.
-  for (const char* const pragma : {"PRAGMA locking_mode=EXCLUSIVE", "PRAGMA writable_schema=ON"}) {
-    (void)sqlite3_exec(database_.get(), pragma, nullptr, nullptr, nullptr);
-  }
   const std::string cache = fmt::format("PRAGMA cache_size=-{}", kMostCacheKiB);
-  (void)sqlite3_exec(database_.get(), cache.c_str(), nullptr, nullptr, nullptr);
+  for (const char* const pragma : {"PRAGMA locking_mode=EXCLUSIVE", "PRAGMA writable_schema=ON", cache.c_str()}) {
+    const int code = sqlite3_exec(database_.get(), pragma, nullptr, nullptr, nullptr);
+    if (code != SQLITE_OK && disk_errno() != 0) fail(code);
+  }
   require_tables();
   read_topics();
   Statement last = prepare("SELECT max(id) FROM messages");
@@ -128,8 +129,22 @@ void SqliteBag::start() {
   messages_ = prepare("SELECT id, topic_id, timestamp FROM messages ORDER BY id");
 }
 
+// SQLite calls a page that the disk does not give malformed, as one that is.
+int SqliteBag::disk_errno() const {
+  int reason = 0;
+  if (database_) (void)sqlite3_file_control(database_.get(), "main", SQLITE_FCNTL_LAST_ERRNO, &reason);
+  if (reason == 0 && database_ && (sqlite3_errcode(database_.get()) & 0xff) == SQLITE_IOERR &&
+      sqlite3_extended_errcode(database_.get()) != SQLITE_IOERR_SHORT_READ) {
+    reason = sqlite3_system_errno(database_.get());
+  }
+  return reason;
+}
+
 void SqliteBag::fail(int code) const {
   if ((code & 0xff) == SQLITE_NOMEM) throw std::bad_alloc();
+  if (const int reason = disk_errno(); reason != 0) {
+    throw FileError(path_, fmt::format("cannot be read: {}", std::generic_category().message(reason)));
+  }
   const std::string why = one_line(database_ ? sqlite3_errmsg(database_.get()) : sqlite3_errstr(code), 200);
   if (!is_damage(code)) throw RecordingFault(fmt::format("cannot be read as a ROS 2 bag: {}", why));
   if (row_ > 0) throw RecordingCut(fmt::format("is damaged or was cut off ({})", why));
@@ -185,7 +200,7 @@ std::string_view SqliteBag::message_bytes() {
   if (blob != blob_.get()) blob_.reset(blob);
   if (code != SQLITE_OK) {
     blob_.reset();
-    if (is_damage(code)) fail(code);
+    if (code != SQLITE_ERROR) fail(code);
     fail_at_message("has a message without bytes");
   }
   const auto size = static_cast<std::size_t>(sqlite3_blob_bytes(blob));

@@ -52,12 +52,16 @@ class SqliteBag final : public Recording {
   void start();
   Statement prepare(const char* sql);
   bool step(Statement& statement);
+  /// errno of the reading of the file that failed; 0 where none did.
+  [[nodiscard]] int disk_errno() const;
+  /// Throws what the code of SQLite means; FileError where the disk failed.
   [[noreturn]] void fail(int code) const;
   void require_tables();
   void read_topics();
   std::string_view message_bytes();
   [[noreturn]] void fail_at_message(const std::string& what);
 
+  std::string path_;  ///< empty for bytes in memory
   std::unique_ptr<sqlite3, CloseDatabase> database_;
   Statement messages_;
   std::unique_ptr<sqlite3_blob, CloseBlob> blob_;  ///< of the message that was given last
