@@ -159,8 +159,8 @@ MatchResult LoopMapper::finish() {
 
 // Equations (1) and (9) to (11), in the order in which the keyframes were taken.
 void LoopMapper::State::rebuild(const std::vector<std::size_t>& keyframes, const std::vector<Pose2>& poses) {
-  const std::vector<KeptScan>& scans = back_end.keyframe_scans();
-  for (std::size_t i = 0; i < scans.size(); ++i) map.merge(points_of(scans[i]), poses[keyframes[i]]);
+  back_end.visit_keyframes(
+      [&](std::size_t i, const KeptScan& scan) { map.merge(points_of(scan), poses[keyframes[i]]); });
 }
 
 BackEndResult LoopMapper::State::closed(const Progress& progress, const std::function<bool()>& stop) {
@@ -188,6 +188,7 @@ ClosedPath LoopMapper::close(const Progress& progress, const std::function<bool(
                   .places = graph_places(result),
                   .path = path_relations(result),
                   .searches = result.counts.searched,
+                  .pruned = result.keyframes.size() - state_->back_end.kept().size(),
                   .pairs = result.joint.pairs,
                   .rms_m = result.joint.rms_m};
   path.covariances.reserve(result.covariances.size());

@@ -17,14 +17,19 @@ ScanAdjustment::ScanAdjustment(std::span<const KeptScan> keyframes, std::span<co
   for (std::size_t i = 0; i < poses_.size(); ++i) bins_.add(i, poses_[i]);
 }
 
-std::vector<std::size_t> ScanAdjustment::keyframes_near(const Pose2& pose, std::size_t last, bool is_keyframe) const {
+bool ScanAdjustment::is_neighbour(std::size_t keyframe, const Pose2& pose, std::optional<std::size_t> last) const {
+  if (!last) return std::fabs(between(poses_[keyframe], pose).theta_rad) < options_.alike_rad;
+  return (keyframe > *last ? keyframe - *last : *last - keyframe) < options_.next_in_time;
+}
+
+std::vector<std::size_t> ScanAdjustment::keyframes_near(const Pose2& pose, std::optional<std::size_t> last,
+                                                        bool is_keyframe) const {
   std::vector<std::pair<double, std::size_t>> near;
   bins_.visit_near(pose, [&](std::size_t i) {
     if (is_keyframe && i == last) return;
     const double away_m = std::sqrt(squared_distance(poses_[i], pose));
     if (away_m >= options_.near_m) return;
-    const std::size_t apart = i > last ? i - last : last - i;
-    near.emplace_back(away_m + (apart < options_.next_in_time ? 0.0 : options_.neighbour_bonus_m), i);
+    near.emplace_back(away_m + (is_neighbour(i, pose, last) ? 0.0 : options_.neighbour_bonus_m), i);
   });
   const std::size_t count = std::min(near.size(), options_.most_keyframes);
   std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count), near.end());
@@ -33,7 +38,8 @@ std::vector<std::size_t> ScanAdjustment::keyframes_near(const Pose2& pose, std::
   return keyframes;
 }
 
-Pose2 ScanAdjustment::adjusted(const KeptScan& scan, const Pose2& pose, std::size_t last, bool is_keyframe) const {
+Pose2 ScanAdjustment::adjusted(const KeptScan& scan, const Pose2& pose, std::optional<std::size_t> last,
+                               bool is_keyframe) const {
   const std::vector<std::size_t> near = keyframes_near(pose, last, is_keyframe);
   const LineGate gate{.most_m = options_.point_gate_m, .points = options_.points};
   Pose2 best = pose;

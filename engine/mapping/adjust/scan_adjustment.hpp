@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct ScanAdjustmentOptions {
   double near_m = 3.0;
   double neighbour_bonus_m = 0.3;  ///< keyframes next in time count as so much nearer
   std::size_t next_in_time = 8;    ///< keyframes, to each side
+  double alike_rad = 0.785;        ///< or of a scan that hangs on none, what two headings differ by at most
   double point_gate_m = 0.15;
   std::size_t points = 120;
   double stiffness = 0.3;  ///< toward the pose given, relative to what the points tell in the mean
@@ -30,11 +32,14 @@ class ScanAdjustment {
                  const ScanAdjustmentOptions& options);
 
   /// The pose of a scan that was taken after keyframe `last` and before the next; the keyframe itself does not count
-  /// where the scan is one.
-  [[nodiscard]] Pose2 adjusted(const KeptScan& scan, const Pose2& pose, std::size_t last, bool is_keyframe) const;
+  /// where the scan is one. Where there is no such keyframe those that look the same way count as next to it.
+  [[nodiscard]] Pose2 adjusted(const KeptScan& scan, const Pose2& pose, std::optional<std::size_t> last,
+                               bool is_keyframe) const;
 
  private:
-  [[nodiscard]] std::vector<std::size_t> keyframes_near(const Pose2& pose, std::size_t last, bool is_keyframe) const;
+  [[nodiscard]] std::vector<std::size_t> keyframes_near(const Pose2& pose, std::optional<std::size_t> last,
+                                                        bool is_keyframe) const;
+  [[nodiscard]] bool is_neighbour(std::size_t keyframe, const Pose2& pose, std::optional<std::size_t> last) const;
 
   std::span<const KeptScan> keyframes_;
   std::span<const Pose2> poses_;

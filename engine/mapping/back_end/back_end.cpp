@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/mapping/graph/free_network.hpp"
+#include "engine/mapping/loops/carried_keyframes.hpp"
 
 namespace gdtslam {
 namespace {
@@ -38,6 +39,7 @@ constexpr double kSpanNoise_rad = 0.003;
 constexpr double kLeastForDoubt = 0.3;     // factor of a variance, halfway between what loops found and what was stated
 constexpr std::size_t kMostUnkept = 128;   // scans whose points wait for what is kept of them
 constexpr std::size_t kScansAtOnce = 256;  // adjusted by the workers, before progress is told
+constexpr int kTimesCarried = 3;           // scans are laid that hang on no kept keyframe: their poses are the graph's
 constexpr std::size_t kMostCovariances = 400;  // places for which they are computed, the rest lies in between
 
 Matrix3 least_of_wheels() {
@@ -51,6 +53,13 @@ void to_frame_of_first(std::vector<Pose2>& poses) {
   for (Pose2& pose : poses) pose = T_first_map * pose;
 }
 
+std::vector<Pose2> those_at(const std::vector<std::size_t>& indices, const std::vector<Pose2>& poses) {
+  std::vector<Pose2> chosen;
+  chosen.reserve(indices.size());
+  for (const std::size_t index : indices) chosen.push_back(poses[index]);
+  return chosen;
+}
+
 }  // namespace
 
 BackEnd::BackEnd(const BackEndOptions& options)
@@ -61,7 +70,15 @@ void BackEnd::take(std::span<const Point2> points_base_m, const MatchResult& res
   if (!result.merged && !keyframes_.empty()) return add_scan(points_base_m, result);
   scans_.push_back({{}, keyframes_.size()});
   keyframes_.push_back(scans_.size() - 1);
-  add_keyframe(result, keep_scan(points_base_m));
+  KeptScan points = keep_scan(points_base_m);
+  put_on_shelf([this, points] { shelf_.put(points); });
+  add_keyframe(result, std::move(points));
+}
+
+void BackEnd::put_on_shelf(std::function<void()> put) {
+  if (threads_meant(options_.threads) == 1) return put();
+  if (!keeping_) keeping_.emplace(true, kMostUnkept);
+  keeping_->give(std::move(put));
 }
 
 // Its points are not needed before the end.
@@ -69,9 +86,7 @@ void BackEnd::add_scan(std::span<const Point2> points_base_m, const MatchResult&
   Scan& scan = scans_.emplace_back();
   scan.T_keyframe_base = between(T_map_keyframe_, result.T_map_base);
   scan.keyframe = keyframes_.size() - 1;
-  if (threads_meant(options_.threads) == 1) return shelf_.put(keep_scan(points_base_m));
-  if (!keeping_) keeping_.emplace(true, kMostUnkept);
-  keeping_->give(
+  put_on_shelf(
       [this, points = std::vector(points_base_m.begin(), points_base_m.end())] { shelf_.put(keep_scan(points)); });
 }
 
@@ -108,6 +123,7 @@ void BackEnd::add_keyframe(const MatchResult& result, KeptScan points) {
     keyframe.travel = travel_;
     keyframe.travel.besides += least_of_wheels() + leaps_;
   }
+  keyframe.travel.is_way_known = knows_way(keyframe.scan, inverse(T_wheels_).translation());
   keyframe.path_m = travelled_m_;
   T_map_keyframe_ = result.T_map_base;
   T_wheels_ = {};
@@ -135,25 +151,36 @@ MeasuredSteps BackEnd::steps_to(const MatchResult& result, const KeptScan& scan)
           MeasuredStep{T_wheels_, of_wheels, of_wheels}};
 }
 
-// The path from one keyframe to the next, by wheels and by the front end as far as they are believed, and what the
+// Once: a stopped finish() is followed by as_driven().
+void BackEnd::take_kept() {
+  if (!kept_.empty()) return;
+  const std::vector<bool>& is_pruned = loops_.is_pruned();
+  for (std::size_t i = 0; i < is_pruned.size(); ++i) {
+    if (!is_pruned[i]) kept_.push_back(i);
+  }
+  kept_scans_ = loops_.take_scans();
+}
+
+// The path from one kept keyframe to the next, by wheels and by the front end as far as they are believed, and what the
 // front end says of stretches of its local map.
 std::vector<PoseRelation> BackEnd::held_relations(const MeasuredPath& measured) const {
   std::vector<PoseRelation> held;
-  const auto hold = [&held](PoseRelation relation, double share) {
-    relation.information = share * relation.information;
-    held.push_back(relation);
+  const auto hold = [&held](std::size_t from, std::size_t to, const PoseRelation& relation, double share) {
+    held.push_back(
+        {.from = from, .to = to, .T_from_to = relation.T_from_to, .information = share * relation.information});
   };
-  const std::size_t keyframes = path_.poses.size();
+  const std::size_t keyframes = kept_.size();
   for (std::size_t i = 1; i < keyframes; ++i) {
-    hold(measured.stretch(i - 1, i, StepSource::kWheels), kWheelShare);
-    hold(measured.stretch(i - 1, i, StepSource::kFrontEnd), kChainShare);
+    hold(i - 1, i, measured.stretch(kept_[i - 1], kept_[i], StepSource::kWheels), kWheelShare);
+    hold(i - 1, i, measured.stretch(kept_[i - 1], kept_[i], StepSource::kFrontEnd), kChainShare);
   }
   const Matrix3 floor = Matrix3::diagonal(square(kSpanNoise_m), square(kSpanNoise_m), square(kSpanNoise_rad));
   for (const std::size_t span : kSpans) {
     for (std::size_t i = 0; i + span < keyframes; i += span / kSpansOver) {
-      PoseRelation stretch = measured.stretch(i, i + span, StepSource::kFrontEnd);
+      if (kept_[i + span] - kept_[i] != span) continue;  // some in between are not kept
+      PoseRelation stretch = measured.stretch(kept_[i], kept_[i + span], StepSource::kFrontEnd);
       stretch.information = inverse(inverse(stretch.information) + floor);
-      hold(stretch, 1.0 / static_cast<double>(kSpansOver * std::size(kSpans)));
+      hold(i, i + span, stretch, 1.0 / static_cast<double>(kSpansOver * std::size(kSpans)));
     }
   }
   return held;
@@ -173,22 +200,43 @@ void BackEnd::finish_keeping() {
     options_.live.warn("the points of all scans stayed in memory: " + trouble);
 }
 
+// Of a place that was passed often, the keyframes that are not kept go with the nearest that is.
+JointResult BackEnd::adjust_keyframes(const MeasuredPath& measured, std::vector<Pose2>& keyframes, WorkerPool& workers,
+                                      const Progress& progress) const {
+  const std::vector<Pose2> before = those_at(kept_, keyframes);
+  std::vector<Pose2> after = before;
+  const JointResult result =
+      JointAdjustment(kept_scans_, held_relations(measured), options_.joint).run(after, workers, [&](double share) {
+        progress("adjusting keyframes", share);
+      });
+  if (kept_.size() < keyframes.size()) carry_with_nearest(before, after, keyframes);
+  for (std::size_t k = 0; k < kept_.size(); ++k) keyframes[kept_[k]] = after[k];
+  return result;
+}
+
+// Which of those that are kept this keyframe is, if it is one.
+std::optional<std::size_t> BackEnd::kept_number(std::size_t keyframe) const {
+  const auto found = std::lower_bound(kept_.begin(), kept_.end(), keyframe);
+  if (found == kept_.end() || *found != keyframe) return std::nullopt;
+  return static_cast<std::size_t>(found - kept_.begin());
+}
+
 void BackEnd::adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose2>& poses, WorkerPool& workers,
                            const Progress& progress) const {
-  const ScanAdjustment adjustment(path_.scans, keyframes, options_.scans);
-  const auto is_keyframe = [&](std::size_t i) { return keyframes_[scans_[i].keyframe] == i; };
-  ScanShelf::Reader others(shelf_);
+  const std::vector<Pose2> kept = those_at(kept_, keyframes);
+  const ScanAdjustment adjustment(kept_scans_, kept, options_.scans);
+  ScanShelf::Reader shelf(shelf_);
   std::vector<KeptScan> taken(kScansAtOnce);
   for (std::size_t first = 0; first < poses.size(); first += kScansAtOnce) {
     const std::size_t count = std::min(kScansAtOnce, poses.size() - first);
-    for (std::size_t i = first; i < first + count; ++i) {
-      if (!is_keyframe(i)) taken[i - first] = others.next();
-    }
+    for (std::size_t i = 0; i < count; ++i) taken[i] = shelf.next();
     workers.run(count, 1, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::size_t i = first + begin; i < first + end; ++i) {
-        const std::size_t last = scans_[i].keyframe;
-        const KeptScan& points = is_keyframe(i) ? path_.scans[last] : taken[i - first];
-        poses[i] = adjustment.adjusted(points, poses[i], last, is_keyframe(i));
+        const std::optional<std::size_t> last = kept_number(scans_[i].keyframe);
+        const bool is_keyframe = keyframes_[scans_[i].keyframe] == i;
+        for (int times = last ? 1 : kTimesCarried; times > 0; --times) {
+          poses[i] = adjustment.adjusted(taken[i - first], poses[i], last, last && is_keyframe);
+        }
       }
     });
     progress("adjusting scans", static_cast<double>(first + count) / static_cast<double>(poses.size()));
@@ -216,9 +264,19 @@ std::vector<Matrix3> BackEnd::covariances_of_scans(const LoopCloser& closer) con
   return covariances;
 }
 
+void BackEnd::visit_keyframes(const std::function<void(std::size_t, const KeptScan&)>& visit) const {
+  ScanShelf::Reader shelf(shelf_);
+  std::size_t next = 0;
+  for (std::size_t i = 0; next < keyframes_.size(); ++i) {
+    const KeptScan scan = shelf.next();
+    if (keyframes_[next] == i) visit(next++, scan);
+  }
+}
+
 BackEndResult BackEnd::as_driven() {
   loops_.abandon();
   if (keeping_) keeping_->finish();
+  take_kept();
   BackEndResult result;
   result.poses = poses_of_scans(path_.poses);
   result.keyframes = keyframes_;
@@ -233,14 +291,15 @@ BackEndResult BackEnd::finish(const Progress& progress) {
   WorkerPool workers(threads_meant(options_.threads));
   closer.run(closing, workers);
   finish_keeping();
+  take_kept();
   std::vector<Pose2> keyframes = closer.poses();
   BackEndResult result;
   result.is_closed = true;
   result.covariances = covariances_of_scans(closer);
-  result.joint = JointAdjustment(path_.scans, held_relations(closer.measured()), options_.joint)
-                     .run(keyframes, workers, [&](double share) { progress("adjusting keyframes", share); });
+  result.joint = adjust_keyframes(closer.measured(), keyframes, workers, progress);
   result.poses = poses_of_scans(keyframes);
   adjust_scans(keyframes, result.poses, workers, progress);
+  kept_scans_ = {};
   result.keyframes = keyframes_;
   result.graph = closer.graph();
   to_frame_of_first(result.poses);

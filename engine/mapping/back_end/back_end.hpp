@@ -1,7 +1,7 @@
 // From the path of the front end to the best path there is: loops closed, all keyframes adjusted together, then every
 // scan. Frame: the robot's pose at the first scan. Not thread-safe; the result is the same for any number of threads.
-// Cost: docs/loops.md; in memory 20 bytes a point of a keyframe and 32 a scan, the points of other scans in a
-// ScanShelf.
+// Cost: docs/loops.md; in memory 20 bytes a point of a keyframe, of a place that was passed often only of some
+// (PlacePruning), and 32 a scan; the points of all scans in a ScanShelf.
 #pragma once
 
 #include <array>
@@ -67,8 +67,11 @@ class BackEnd {
   /// The loops that are found meanwhile.
   [[nodiscard]] LiveLoops& loops() { return loops_; }
   [[nodiscard]] const LiveLoops& loops() const { return loops_; }
-  /// Of the keyframes, after the end.
-  [[nodiscard]] const std::vector<KeptScan>& keyframe_scans() const { return path_.scans; }
+  /// After the end: the keyframes that were adjusted together, by their number, ascending; those of a place that was
+  /// passed often are not all among them (PlacePruning).
+  [[nodiscard]] const std::vector<std::size_t>& kept() const { return kept_; }
+  /// After the end: gives all keyframes in their order. Throws FileError where the shelf cannot be read.
+  void visit_keyframes(const std::function<void(std::size_t keyframe, const KeptScan& scan)>& visit) const;
 
  private:
   /// A scan and the keyframe that it hangs on.
@@ -77,12 +80,17 @@ class BackEnd {
     std::size_t keyframe = 0;
   };
   void follow(const MatchResult& result);
+  void put_on_shelf(std::function<void()> put);
   void add_scan(std::span<const Point2> points_base_m, const MatchResult& result);
   void add_keyframe(const MatchResult& result, KeptScan points);
   [[nodiscard]] MeasuredSteps steps_to(const MatchResult& result, const KeptScan& scan) const;
+  void take_kept();
   [[nodiscard]] std::vector<PoseRelation> held_relations(const MeasuredPath& measured) const;
+  JointResult adjust_keyframes(const MeasuredPath& measured, std::vector<Pose2>& keyframes, WorkerPool& workers,
+                               const Progress& progress) const;
   [[nodiscard]] std::vector<Pose2> poses_of_scans(const std::vector<Pose2>& keyframes) const;
   [[nodiscard]] std::vector<Matrix3> covariances_of_scans(const LoopCloser& closer) const;
+  [[nodiscard]] std::optional<std::size_t> kept_number(std::size_t keyframe) const;
   void finish_keeping();
   void adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose2>& poses, WorkerPool& workers,
                     const Progress& progress) const;
@@ -99,8 +107,10 @@ class BackEnd {
   Matrix3 wheels_covariance_;
   Matrix3 leaps_;  // covariance of what wheels and matches cannot agree on
   WheelTravel travel_;
-  ScanShelf shelf_;                    // points of the scans that are no keyframes
+  ScanShelf shelf_;                    // points of all scans
   std::optional<SideThread> keeping_;  // that fills it
+  std::vector<std::size_t> kept_;      // keyframes, after the end
+  std::vector<KeptScan> kept_scans_;   // theirs, until all is adjusted
 };
 
 }  // namespace gdtslam

@@ -129,6 +129,7 @@ void LiveLoops::append(Keyframe& keyframe) {
   path_.path_m.push_back(keyframe.path_m);
   path_.steps.push_back(keyframe.steps);
   path_.travels.push_back(keyframe.travel);
+  is_pruned_.push_back(false);
 }
 
 // One keyframe on, and one place at most.
@@ -136,6 +137,10 @@ void LiveLoops::follow(Keyframe& keyframe) {
   append(keyframe);
   if (!workers_) workers_ = std::make_unique<WorkerPool>(live_.threads);
   closer_.follow([](double, int) {}, *workers_);
+  for (const std::size_t i : closer_.take_pruned()) {
+    path_.scans[i] = {};
+    is_pruned_[i] = true;
+  }
   const std::lock_guard lock(mutex_);
   if (found_.size() == closer_.graph().poses.size()) return;
   found_.push_back(closer_.correction());
@@ -146,7 +151,9 @@ void LiveLoops::draw_map(MapRequest& request) const {
   try {
     auto map = std::make_shared<SeparateMap>(request.config);
     const std::vector<Pose2> poses = closer_.carried_keyframes();
-    for (std::size_t i = 0; i < poses.size(); ++i) map->merge(points_of(path_.scans[i]), poses[i]);
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      if (!is_pruned_[i]) map->merge(points_of(path_.scans[i]), poses[i]);
+    }
     const GlobalField* const field = &map->field();
     request.promise.set_value(
         {.field = {std::move(map), field}, .keyframes = poses.size(), .T_closed_front = closer_.correction()});
@@ -197,6 +204,16 @@ void LiveLoops::abandon() {
     if (auto* const keyframe = std::get_if<Keyframe>(&order)) append(*keyframe);
   }
   orders_.clear();
+}
+
+std::vector<KeptScan> LiveLoops::take_scans() {
+  std::vector<KeptScan> scans = std::exchange(path_.scans, {});
+  std::size_t left = 0;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    if (!is_pruned_[i]) std::swap(scans[left++], scans[i]);
+  }
+  scans.resize(left);
+  return scans;
 }
 
 void LiveLoops::join() {

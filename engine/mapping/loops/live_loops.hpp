@@ -68,6 +68,10 @@ class LiveLoops {
   void abandon();
   /// All keyframes handed over. Not before end() or abandon().
   [[nodiscard]] const FrontEndPath& path() const { return path_; }
+  /// Likewise, which of them have no scan any more (PlacePruning).
+  [[nodiscard]] const std::vector<bool>& is_pruned() const { return is_pruned_; }
+  /// Takes the scans from the path, of those that have one.
+  std::vector<KeptScan> take_scans();
 
  private:
   struct MapRequest {
@@ -96,6 +100,7 @@ class LiveLoops {
   bool is_started_ = false;
   // The thread's, from its start to its end:
   FrontEndPath path_;
+  std::vector<bool> is_pruned_;  // of its keyframes
   LoopCloser closer_;
   std::unique_ptr<WorkerPool> workers_;
   // Of both, under the lock:

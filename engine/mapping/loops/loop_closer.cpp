@@ -1,6 +1,7 @@
 #include "loop_closer.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <span>
 
 #include "engine/mapping/loops/carried_keyframes.hpp"
@@ -30,7 +31,12 @@ bool PlaceCounter::is_place(double path_m) {
 }
 
 LoopCloser::LoopCloser(const FrontEndPath& path, const LoopOptions& options)
-    : path_(path), options_(options), counter_(options), measured_(path, {}), finder_(options.search) {}
+    : path_(path),
+      options_(options),
+      counter_(options),
+      measured_(path, {}),
+      finder_(options.search),
+      pruning_(options.pruning) {}
 
 bool LoopCloser::take_loops(const std::vector<Loop>& loops) {
   for (const Loop& loop : loops) take_loop(graph_.loops, loop);
@@ -66,8 +72,17 @@ void LoopCloser::follow(const Progress& progress, WorkerPool& workers) {
     const std::size_t here = graph_.poses.size();
     if (places().size() <= here + kPlacesAround) continue;
     follow_place(here, workers);
+    prune();
     if (here > 0) progress(static_cast<double>(places()[here]) / static_cast<double>(path_.poses.size()), 0);
   }
+}
+
+// The keyframes from a place to the next one go with it.
+void LoopCloser::prune() {
+  const std::optional<std::size_t> place = pruning_.next(graph_);
+  if (!place) return;
+  finder_.leave_out(*place);
+  for (std::size_t i = places()[*place]; i < places()[*place + 1]; ++i) pruned_.push_back(i);
 }
 
 void LoopCloser::go_round(const Progress& progress, int round, WorkerPool& workers) {

@@ -6,11 +6,13 @@
 
 #include <cstddef>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "engine/mapping/graph/pose_graph.hpp"
 #include "engine/mapping/loops/loop_finder.hpp"
 #include "engine/mapping/loops/measured_path.hpp"
+#include "engine/mapping/loops/place_pruning.hpp"
 
 namespace gdtslam {
 
@@ -20,6 +22,7 @@ struct LoopOptions {
   std::size_t most_between = 60;  ///< keyframes, of a robot that turns on the spot
   int rounds = 2;                 ///< over all places, after that in the order of the path
   LoopSearchOptions search;
+  PruningRules pruning;
 };
 
 /// Tells which keyframes are places as they come.
@@ -68,11 +71,14 @@ class LoopCloser {
   /// The path as far as each of its sources is believed now that loops are closed.
   [[nodiscard]] const MeasuredPath& measured() const { return measured_; }
   [[nodiscard]] const LoopCounts& counts() const { return finder_.counts(); }
+  /// The keyframes whose scans nothing looks at any more, since the last call.
+  std::vector<std::size_t> take_pruned() { return std::exchange(pruned_, {}); }
 
  private:
   bool take_loops(const std::vector<Loop>& loops);
   void take_keyframe();
   void follow_place(std::size_t here, WorkerPool& workers);
+  void prune();
   void go_round(const Progress& progress, int round, WorkerPool& workers);
   void weigh_sources();
   void carry_keyframes();
@@ -84,7 +90,9 @@ class LoopCloser {
   MeasuredPath measured_;
   PoseGraph graph_;
   LoopFinder finder_;
-  int closed_ = 0;  // places with loops
+  PlacePruning pruning_;
+  std::vector<std::size_t> pruned_;  // keyframes, since they were taken
+  int closed_ = 0;                   // places with loops
   Pose2 T_closed_front_;
 };
 

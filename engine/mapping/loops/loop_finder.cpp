@@ -103,6 +103,12 @@ void LoopFinder::add_place(std::size_t keyframe) {
   path_m_.push_back(keyframes_.path_m[keyframe]);
 }
 
+void LoopFinder::leave_out(std::size_t place) {
+  is_left_out_.resize(places_.size());
+  is_left_out_[place] = true;
+  references_.erase(place);
+}
+
 void LoopFinder::forget_bent() {
   std::erase_if(references_, [&](const auto& entry) { return entry.second->group.is_bent(keyframes_.poses); });
 }
@@ -190,7 +196,9 @@ ScanGroup LoopFinder::query_at(std::size_t here) const {
 }
 
 std::vector<Revisit> LoopFinder::wanted_revisits(const PoseGraph& graph, std::size_t here) const {
-  std::vector<Revisit> revisits = revisits_of(graph, GraphCovariance(graph), path_m_, here, options_.revisits);
+  if (here < is_left_out_.size() && is_left_out_[here]) return {};
+  std::vector<Revisit> revisits =
+      revisits_of(graph, GraphCovariance(graph), path_m_, here, options_.revisits, is_left_out_);
   std::erase_if(revisits, [&](const Revisit& revisit) {
     return std::any_of(graph.loops.begin(), graph.loops.end(), [&](const Loop& loop) {
       return loop.relation.from == revisit.place && loop.relation.to == here && loop.is_on();

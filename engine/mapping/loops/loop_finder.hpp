@@ -56,6 +56,8 @@ class LoopFinder {
   void extend(const KeyframePath& keyframes) { keyframes_ = keyframes; }
   /// The keyframe in the middle of the next group, behind the last one's.
   void add_place(std::size_t keyframe);
+  /// The scans around a place are gone: it is neither looked for nor at any more.
+  void leave_out(std::size_t place);
   /// The loops of a place to earlier ones that the graph does not have yet, or has switched off. Its nodes are the
   /// places.
   /// The workers share out the earlier ones.
@@ -86,7 +88,8 @@ class LoopFinder {
 
   KeyframePath keyframes_;
   std::vector<std::size_t> places_;
-  std::vector<double> path_m_;  // until each place
+  std::vector<double> path_m_;     // until each place
+  std::vector<bool> is_left_out_;  // of places
   LoopSearchOptions options_;
   std::unique_ptr<Backend> backend_;
   std::map<std::size_t, std::unique_ptr<Reference>> references_;

@@ -67,8 +67,8 @@ void MeasuredPath::state_wheel_noise(const std::vector<Pose2>& keyframes) {
   for (std::size_t i = 0; i < keyframes.size(); ++i) {
     const Pose2& step = path_.steps[i][kWheels].T;
     T_odom_base = T_odom_base * step;
-    const bool is_way_known = knows_way(path_.scans[i], inverse(step).translation());
-    noise.take(path_.travels[i].is_measured ? std::optional(T_odom_base) : std::nullopt, keyframes[i], is_way_known);
+    noise.take(path_.travels[i].is_measured ? std::optional(T_odom_base) : std::nullopt, keyframes[i],
+               path_.travels[i].is_way_known);
   }
   if (noise.errors().stretches == 0) return;
   wheel_information_.clear();

@@ -25,8 +25,9 @@ struct MeasuredStep {
 struct WheelTravel {
   double path_m = 0.0;
   double turned_rad = 0.0;
-  Matrix3 besides{};        ///< covariance of all that is not the wheels' noise: leaps, steps that nothing measured
-  bool is_measured = true;  ///< all of it, by odometry
+  Matrix3 besides{};          ///< covariance of all that is not the wheels' noise: leaps, steps that nothing measured
+  bool is_measured = true;    ///< all of it, by odometry
+  bool is_way_known = false;  ///< by the scan at its end: knows_way()
 };
 
 enum class StepSource : std::size_t { kFrontEnd = 0, kWheels = 1 };
@@ -35,7 +36,7 @@ using MeasuredSteps = std::array<MeasuredStep, kStepSources>;
 
 /// What the front end gives: one entry a keyframe in each.
 struct FrontEndPath {
-  std::vector<KeptScan> scans;
+  std::vector<KeptScan> scans;  ///< nothing where they are needed no more (PlacePruning)
   std::vector<Pose2> poses;
   std::vector<double> path_m;        ///< travelled until each
   std::vector<MeasuredSteps> steps;  ///< to each from the one before; of the first nothing

@@ -9,9 +9,10 @@ namespace {
 
 // The nearest first, and of each stretch of the path one.
 std::vector<Revisit> near_places(const PoseGraph& graph, std::span<const double> path_m, std::size_t here,
-                                 const RevisitRules& rules) {
+                                 const RevisitRules& rules, const std::vector<bool>& left_out) {
   std::vector<Revisit> all;
   for (std::size_t place = 0; place < here && path_m[here] - path_m[place] >= rules.least_path_m; ++place) {
+    if (place < left_out.size() && left_out[place]) continue;
     const Pose2 T = between(graph.poses[place], graph.poses[here]);
     if (length_of(T) <= rules.near_m + rules.widest_m) all.push_back({place, T, 0.0, 0.0});
   }
@@ -39,8 +40,9 @@ double RevisitRules::half_rad(const Revisit& revisit) const {
 }
 
 std::vector<Revisit> revisits_of(const PoseGraph& graph, const GraphCovariance& covariance,
-                                 std::span<const double> path_m, std::size_t here, const RevisitRules& rules) {
-  std::vector<Revisit> revisits = near_places(graph, path_m, here, rules);
+                                 std::span<const double> path_m, std::size_t here, const RevisitRules& rules,
+                                 const std::vector<bool>& left_out) {
+  std::vector<Revisit> revisits = near_places(graph, path_m, here, rules, left_out);
   for (Revisit& revisit : revisits) {
     const Matrix3 relative = covariance.relative(revisit.place, here);
     revisit.sigma_m = std::sqrt(largest_variance(relative));

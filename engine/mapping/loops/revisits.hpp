@@ -34,8 +34,10 @@ struct RevisitRules {
   [[nodiscard]] double half_rad(const Revisit& revisit) const;
 };
 
-/// Of node `here`, among the nodes before it; the likeliest and surest first. `path_m` has the path until each node.
+/// Of node `here`, among the nodes before it; the likeliest and surest first. `path_m` has the path until each node,
+/// `left_out` tells of the first nodes which of them are not looked for.
 std::vector<Revisit> revisits_of(const PoseGraph& graph, const GraphCovariance& covariance,
-                                 std::span<const double> path_m, std::size_t here, const RevisitRules& rules = {});
+                                 std::span<const double> path_m, std::size_t here, const RevisitRules& rules = {},
+                                 const std::vector<bool>& left_out = {});
 
 }  // namespace gdtslam

@@ -50,8 +50,13 @@ Json loops_json(const ClosedPath& closed) {
                     {"weight", loop.weight},
                     {"on", loop.is_on}});
   }
-  return {{"found", closed.loops.size()}, {"on", on},        {"searches", closed.searches}, {"pairs", closed.pairs},
-          {"rms_m", closed.rms_m},        {"closures", list}};
+  return {{"found", closed.loops.size()},
+          {"on", on},
+          {"searches", closed.searches},
+          {"pruned", closed.pruned},
+          {"pairs", closed.pairs},
+          {"rms_m", closed.rms_m},
+          {"closures", list}};
 }
 
 Json wheels_json(const WheelReport& wheels) {

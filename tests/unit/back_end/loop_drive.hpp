@@ -132,6 +132,7 @@ inline LoopDrive drive_around_ring(int rounds, double sigma_m, double sigma_rad,
   for (std::size_t i = 0; i < result.truth.size(); ++i) {
     const LaserScan scan = scan_of(walls, result.truth[i], 0.0, 180);
     result.path.scans.push_back(keep_scan(points_of(scan, {})));
+    const KeptScan& kept = result.path.scans.back();
     if (i == 0) {
       result.path.poses.push_back(result.truth.front());
       result.path.path_m.push_back(0.0);
@@ -146,7 +147,9 @@ inline LoopDrive drive_around_ring(int rounds, double sigma_m, double sigma_rad,
     const Pose2 measured = step * exp_se2({x, y, turn});
     result.path.poses.push_back(result.path.poses.back() * measured);
     result.path.steps.push_back({MeasuredStep{measured, information}, MeasuredStep{measured, 0.01 * information}});
-    result.path.travels.push_back({.path_m = length_of(measured), .turned_rad = std::fabs(measured.theta_rad)});
+    result.path.travels.push_back({.path_m = length_of(measured),
+                                   .turned_rad = std::fabs(measured.theta_rad),
+                                   .is_way_known = knows_way(kept, inverse(measured).translation())});
     result.path.path_m.push_back(result.path.path_m.back() + step.translation().norm());
   }
   return result;

@@ -200,13 +200,11 @@ TEST(MeasuredPath, StatesTheFirstStepsOfWheelsWithHindsight) {
   SquareDrive drive = drive_squares(8, 4);
   Random random(4);
   drive.path.travels.emplace_back();
-  drive.path.scans.resize(drive.path.steps.size());
-  const std::vector<test::Segment> walls = test::furnished_room();
-  for (KeptScan& scan : drive.path.scans) scan = keep_scan(points_of(test::scan_of(walls, {1.0, 0.3, 0.7}, 0.0), {}));
   for (std::size_t i = 1; i < drive.path.steps.size(); ++i) {
     const double stated_m = i < 60 ? 0.3 : 0.03;
     drive.path.steps[i][1] = noisy(square_step(i), kSlip_m, 0.002, stated_m, stated_m, random);
-    drive.path.travels.push_back({.path_m = 1.0, .turned_rad = std::fabs(square_step(i).theta_rad)});
+    drive.path.travels.push_back(
+        {.path_m = 1.0, .turned_rad = std::fabs(square_step(i).theta_rad), .is_way_known = true});
   }
   MeasuredPath measured(drive.path, drive.places);
   const auto sigma_of = [&](std::size_t step) {

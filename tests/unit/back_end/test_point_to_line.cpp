@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -169,7 +170,7 @@ class ScanOnKeyframes {
     poses_.push_back(pose);
     keyframes_.emplace_back();
   }
-  [[nodiscard]] double moved_to(std::size_t last, bool is_keyframe = false) const {
+  [[nodiscard]] double moved_to(std::optional<std::size_t> last, bool is_keyframe = false) const {
     std::vector<SurfacePoint> wall;
     for (int k = -5; k <= 5; ++k) wall.push_back(surface_point(2.0, 0.05 * k));
     return ScanAdjustment(keyframes_, poses_, options_).adjusted(scan_with(wall), {}, last, is_keyframe).x_m;
@@ -209,6 +210,18 @@ TEST(ScanOnKeyframe, ThoseWithinThreeMetresCount) {
     ScanOnKeyframes beyond;
     beyond.add({0.0, side * 3.05, 0.0}, 2.03);
     EXPECT_NEAR(beyond.moved_to(0), 0.0, 1e-12);
+  }
+}
+
+// Of one that hangs on no keyframe those that look the same way, within 45 degrees, count as 0.3 m nearer.
+TEST(ScanOnKeyframe, WithoutAKeyframeThoseThatLookTheSameWayCountAsNearer) {
+  for (const double turn_rad : {-0.78, 0.78, -0.79, 0.79}) {
+    ScanOnKeyframes scene({.most_keyframes = 1});
+    scene.add_blind({0.0, 0.25, turn_rad});
+    scene.add({0.0, 0.5, 0.0}, 2.03);
+    const bool is_alike = std::fabs(turn_rad) < 0.785;
+    EXPECT_EQ(scene.moved_to(std::nullopt) < 0.01, is_alike) << turn_rad;
+    EXPECT_LT(scene.moved_to(0), 0.01) << "next in time, whatever way they look";
   }
 }
 

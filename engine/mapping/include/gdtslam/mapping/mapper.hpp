@@ -183,8 +183,9 @@ struct ClosedPath {
   std::vector<GraphPlace> places;  ///< in the order of the path, the first at the origin; empty where it was stopped
   std::vector<PathRelation> path;  ///< by the front end, then by the wheels, each in the order of the path
   std::uint64_t searches = 0;
-  std::uint64_t pairs = 0;  ///< of keyframes that were laid on each other
-  double rms_m = 0.0;       ///< of their points from the lines of the other
+  std::uint64_t pruned = 0;  ///< keyframes that later passes of a place made needless: they are adjusted as other scans
+  std::uint64_t pairs = 0;   ///< of keyframes that were laid on each other
+  double rms_m = 0.0;        ///< of their points from the lines of the other
 };
 
 /// Loops that took effect while mapping went on.
