@@ -10,6 +10,20 @@ target_compile_options(gdtslam_options INTERFACE
   # clang reports double{x} as an implicit promotion, the & of loops without branches as a mistake, and embedded pages
   # as too long for a string.
   $<$<CXX_COMPILER_ID:Clang>:-Wno-double-promotion -Wno-bitwise-instead-of-logical -Wno-overlength-strings>)
+# Who compiles for a processor of his own (-march=native) gets the same bits as anybody: GCC 12 makes fused additions and
+# subtractions of neighbours whatever -ffp-contract says, and Eigen with wider registers adds in another order, fuses by
+# itself, and aligns, and frees, what it shares with Ceres otherwise than Ceres does. The kernels choose their
+# instructions when they run.
+include(CheckCXXSourceCompiles)
+check_cxx_source_compiles("
+#if !defined(__AVX__) && !defined(__FMA__)
+#error the baseline
+#endif
+int main() {}" GDTSLAM_IS_BEYOND_BASELINE)
+if(GDTSLAM_IS_BEYOND_BASELINE)
+  target_compile_options(gdtslam_options INTERFACE -U__AVX__ -U__AVX2__ -U__AVX512F__ -U__FMA__
+    $<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>)
+endif()
 if(CMAKE_UNITY_BUILD)
   # Sources that are included into one are taken for headers, in which types of anonymous namespaces would be a mistake.
   target_compile_options(gdtslam_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
