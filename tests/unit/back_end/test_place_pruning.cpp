@@ -55,7 +55,7 @@ TEST(PlacePruning, BesideIsNearerThanTwoMetresAndInTheSameDirection) {
   EXPECT_FALSE(third_goes({1.2, -1.7, 0.0}));
   for (const double sign : {-1.0, 1.0}) {
     EXPECT_TRUE(third_goes({0.0, 0.0, 0.49 * sign}));
-    EXPECT_FALSE(third_goes({0.0, 0.0, 0.51 * sign}));
+    EXPECT_FALSE(third_goes({0.0, 0.0, 0.5 * sign}));
     EXPECT_FALSE(third_goes({0.0, 0.0, 3.1 * sign})) << "the other way";
   }
 }
