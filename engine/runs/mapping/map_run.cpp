@@ -101,6 +101,7 @@ MapRun::MapRun(const MapJob& job, Backend& backend, ScanStream scans, const Nodd
                std::unique_ptr<CloudOutput> cloud)
     : job_(job),
       scans_(std::move(scans)),
+      merged_scans_(job.on_failure.scratch_folder),
       extent_(job.mapper),
       has_threads_(threads_meant(job.on_failure.cpu.threads) > 1),
       first_s_(kNever),
@@ -155,7 +156,10 @@ void MapRun::take_match(const MatchResult& result, const Pose2& T_map_base, cons
   if (result.accepted && result.evaluations > 0) outcome_.match_distances_m.push_back(result.mean_cost_m);
   // Where loops are closed the path begins with a keyframe, whatever its scan.
   const bool is_first = loops_ && outcome_.trajectory.empty();
-  if (!nodding_ && (result.merged || is_first)) merged_.push_back({outcome_.trajectory.size(), scan});
+  if (!nodding_ && (result.merged || is_first)) {
+    merged_.push_back(outcome_.trajectory.size());
+    merged_scans_.put(scan);
+  }
   if (result.merged) outcome_.keyframes.push_back(outcome_.trajectory.size());
   outcome_.trajectory.push_back({result.stamp_s, T_map_base});
 }
@@ -284,9 +288,11 @@ void MapRun::take_closed(ClosedPath path) {
 void MapRun::take_keyframe_scans() {
   outcome_.keyframe_scans.reserve(merged_.size());
   auto next = outcome_.keyframes.begin();
-  for (MergedScan& merged : merged_) {
-    if (next == outcome_.keyframes.end() || *next != merged.index) continue;
-    outcome_.keyframe_scans.push_back(std::move(merged.scan));
+  LaserShelf::Reader scans(merged_scans_);
+  for (const std::size_t index : merged_) {
+    LaserScan scan = scans.next();
+    if (next == outcome_.keyframes.end() || *next != index) continue;
+    outcome_.keyframe_scans.push_back(std::move(scan));
     ++next;
   }
   merged_ = {};

@@ -90,11 +90,6 @@ class MapRun {
     std::optional<ScanRecord> scan;
     std::exception_ptr problem;
   };
-  /// A scan that went into the map, and its number.
-  struct MergedScan {
-    std::size_t index = 0;
-    LaserScan scan;
-  };
   struct Nodding;
 
   template <class Stream>
@@ -126,7 +121,8 @@ class MapRun {
   MapSpeed speed_;
   std::optional<LaserShelf> scans_kept_;  ///< of a flat laser, for the occupancy of a path that will still change
   std::vector<bool> is_kept_;             ///< a scan each
-  std::vector<MergedScan> merged_;        ///< of a flat laser
+  std::vector<std::size_t> merged_;       ///< of a flat laser: the scans that went into the map, by their number,
+  LaserShelf merged_scans_;               ///< and what the laser gave
   MapExtent extent_;
   std::optional<OccupancyBuilder> occupancy_;  ///< nothing once the map is too large for one piece
   bool has_threads_;
