@@ -61,7 +61,8 @@ void LoopCloser::follow_place(std::size_t here, WorkerPool& workers) {
   }
   graph_.path.push_back(measured_.by_front_end(here));
   graph_.poses.push_back(graph_.poses.back() * graph_.path.back().T_from_to);
-  if (!take_loops(finder_.look(graph_, here, workers))) return;
+  const std::size_t most = pruning_.is_crowded(graph_, here) ? 1 : options_.search.revisits.most;
+  if (!take_loops(finder_.look(graph_, here, most, workers))) return;
   graph_.optimise(++closed_ % kGraduatedEvery == 0);
   T_closed_front_ = graph_.poses[here] * inverse(path_.poses[places()[here]]);
 }

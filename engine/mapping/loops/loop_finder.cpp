@@ -195,10 +195,11 @@ ScanGroup LoopFinder::query_at(std::size_t here) const {
   return {keyframes_, places_[here], options_.query_half_m, kQuerySpacing_m};
 }
 
-std::vector<Revisit> LoopFinder::wanted_revisits(const PoseGraph& graph, std::size_t here) const {
+std::vector<Revisit> LoopFinder::wanted_revisits(const PoseGraph& graph, std::size_t here, std::size_t most) const {
   if (here < is_left_out_.size() && is_left_out_[here]) return {};
-  std::vector<Revisit> revisits =
-      revisits_of(graph, GraphCovariance(graph), path_m_, here, options_.revisits, is_left_out_);
+  RevisitRules rules = options_.revisits;
+  rules.most = most;
+  std::vector<Revisit> revisits = revisits_of(graph, GraphCovariance(graph), path_m_, here, rules, is_left_out_);
   std::erase_if(revisits, [&](const Revisit& revisit) {
     return std::any_of(graph.loops.begin(), graph.loops.end(), [&](const Loop& loop) {
       return loop.relation.from == revisit.place && loop.relation.to == here && loop.is_on();
@@ -209,7 +210,7 @@ std::vector<Revisit> LoopFinder::wanted_revisits(const PoseGraph& graph, std::si
 
 std::vector<LoopFinder::Found> LoopFinder::look_ahead(const PoseGraph& graph, std::size_t here) {
   std::vector<Found> all;
-  const std::vector<Revisit> revisits = wanted_revisits(graph, here);
+  const std::vector<Revisit> revisits = wanted_revisits(graph, here, options_.revisits.most);
   if (revisits.empty()) return all;
   const ScanGroup query = query_at(here);
   all.reserve(revisits.size());
@@ -253,9 +254,9 @@ std::vector<Loop> LoopFinder::take(std::vector<Found> all, std::size_t here) {
 }
 
 // One after the other they need less memory than side by side.
-std::vector<Loop> LoopFinder::look(const PoseGraph& graph, std::size_t here, WorkerPool& workers) {
+std::vector<Loop> LoopFinder::look(const PoseGraph& graph, std::size_t here, std::size_t most, WorkerPool& workers) {
   std::vector<Loop> loops;
-  const std::vector<Revisit> revisits = wanted_revisits(graph, here);
+  const std::vector<Revisit> revisits = wanted_revisits(graph, here, most);
   if (revisits.empty()) return loops;
   const ScanGroup query = query_at(here);
   const std::size_t at_once = workers.threads() > 1 ? revisits.size() : 1;
@@ -276,7 +277,7 @@ void LoopFinder::look_at(const PoseGraph& graph, std::size_t first, std::size_t 
   const std::size_t most_ahead = workers.threads() > 1 ? kAheadAThread * workers.threads() : 0;
   for (std::size_t here = first; here < end;) {
     if (most_ahead == 0) {
-      take_loops(here, look(graph, here, workers));
+      take_loops(here, look(graph, here, options_.revisits.most, workers));
       ++here;
       continue;
     }

@@ -60,8 +60,8 @@ class LoopFinder {
   void leave_out(std::size_t place);
   /// The loops of a place to earlier ones that the graph does not have yet, or has switched off. Its nodes are the
   /// places.
-  /// The workers share out the earlier ones.
-  std::vector<Loop> look(const PoseGraph& graph, std::size_t here, WorkerPool& workers);
+  /// The workers share out the earlier ones, of which the `most` likeliest are searched.
+  std::vector<Loop> look(const PoseGraph& graph, std::size_t here, std::size_t most, WorkerPool& workers);
   /// Looks at places from `first` until before `end`, one after the other, and gives the loops of each to take_loops(),
   /// which tells whether it has changed the graph with them. Workers look ahead: what they found counts while the graph
   /// is as they saw it. Loops and graph are the same for any number of them.
@@ -76,7 +76,7 @@ class LoopFinder {
   struct Fresh;
   struct Found;
   std::vector<Found> look_ahead(const PoseGraph& graph, std::size_t here);
-  [[nodiscard]] std::vector<Revisit> wanted_revisits(const PoseGraph& graph, std::size_t here) const;
+  [[nodiscard]] std::vector<Revisit> wanted_revisits(const PoseGraph& graph, std::size_t here, std::size_t most) const;
   [[nodiscard]] ScanGroup query_at(std::size_t here) const;
   Found find(const Revisit& revisit, const ScanGroup& query);
   void search(Reference& reference, const ScanGroup& query, Found& found);

@@ -24,7 +24,7 @@ std::size_t PlacePruning::kept_beside(const PoseGraph& graph, std::size_t place)
 std::optional<std::size_t> PlacePruning::next(const PoseGraph& graph) {
   if (graph.poses.size() <= rules_.places_later) return std::nullopt;
   const std::size_t place = graph.poses.size() - 1 - rules_.places_later;
-  if (kept_beside(graph, place) >= rules_.most_passes && is_tied(graph, place)) return place;
+  if (is_crowded(graph, place) && is_tied(graph, place)) return place;
   kept_.push_back(place);
   return std::nullopt;
 }

@@ -27,6 +27,10 @@ class PlacePruning {
   /// go: one that enough others lie beside, and that a loop ties to them. Where all looks otherwise than it did before
   /// no loop is found, and the scans stay.
   std::optional<std::size_t> next(const PoseGraph& graph);
+  /// Whether enough others lie beside a place, of those that were decided about and keep their scans.
+  [[nodiscard]] bool is_crowded(const PoseGraph& graph, std::size_t place) const {
+    return kept_beside(graph, place) >= rules_.most_passes;
+  }
 
  private:
   [[nodiscard]] std::size_t kept_beside(const PoseGraph& graph, std::size_t place) const;

@@ -40,7 +40,7 @@ class RoomSeenAgain : public testing::Test {
     for (const std::size_t place : {0U, 2U, 4U}) finder.add_place(place);
   }
   /// The loops of the last place, those that were found at the places asked for.
-  std::vector<Loop> look(LoopFinder& finder) { return finder.look(graph_, 2, alone_); }
+  std::vector<Loop> look(LoopFinder& finder, std::size_t most = 4) { return finder.look(graph_, 2, most, alone_); }
 
   std::vector<KeptScan> scans_;
   std::vector<Pose2> poses_;
@@ -67,6 +67,27 @@ TEST_F(RoomSeenAgain, BothEarlierPlacesAreFoundWhereTheyAre) {
   EXPECT_EQ(finder.counts().searched, 2U);
   EXPECT_EQ(finder.counts().found, 2U);
   EXPECT_GT(finder.counts().boxes, 0U);
+}
+
+TEST_F(RoomSeenAgain, NoMoreThanAskedForAreSearched) {
+  LoopFinder finder({});
+  show_all_to(finder);
+  ASSERT_EQ(look(finder, 1).size(), 1U);
+  EXPECT_EQ(finder.counts().searched, 1U);
+  EXPECT_TRUE(look(finder, 0).empty());
+  EXPECT_EQ(finder.counts().searched, 1U);
+}
+
+TEST_F(RoomSeenAgain, APlaceThatIsLeftOutIsNeitherLookedForNorAt) {
+  LoopFinder finder({});
+  show_all_to(finder);
+  finder.leave_out(0);
+  const std::vector<Loop> loops = look(finder);
+  ASSERT_EQ(loops.size(), 1U);
+  EXPECT_EQ(loops[0].relation.from, 1U);
+  finder.leave_out(2);
+  EXPECT_TRUE(look(finder).empty()) << "nor is anything looked for at such a place";
+  EXPECT_EQ(finder.counts().searched, 1U);
 }
 
 TEST_F(RoomSeenAgain, WhatTheLimitsRefuseIsSearchedAndNotFound) {

@@ -60,6 +60,19 @@ TEST(PlacePruning, BesideIsNearerThanTwoMetresAndInTheSameDirection) {
   }
 }
 
+TEST(PlacePruning, APlaceIsCrowdedBesideAsManyAsKeepTheirScans) {
+  PlacePruning pruning(kTwoPasses);
+  PoseGraph graph;
+  for (std::size_t places = 1; places <= 5; ++places) {
+    graph.poses.emplace_back();
+    graph.loops.push_back({.relation = {.from = 0, .to = places - 1, .T_from_to = {}}, .weight = 1.0});
+    (void)pruning.next(graph);
+    EXPECT_EQ(pruning.is_crowded(graph, places - 1), places >= 3) << "two were decided about";
+  }
+  graph.poses.push_back({2.1, 0.0, 0.0});
+  EXPECT_FALSE(pruning.is_crowded(graph, graph.poses.size() - 1));
+}
+
 TEST(PlacePruning, APlaceThatNoLoopHoldsStays) {
   const std::vector<Pose2> standing(6, Pose2{});
   EXPECT_TRUE(pruned_of(standing, kTwoPasses, 0.25).empty()) << "loops that are switched off";
