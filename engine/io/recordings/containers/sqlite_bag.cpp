@@ -41,6 +41,13 @@ std::string text_of(sqlite3_stmt* statement, int column) {
   return {text, std::min(static_cast<std::size_t>(size), kMostHeaderBytes)};
 }
 
+// Of the disk or the system, whatever the file holds.
+bool is_of_disk(sqlite3* database) {
+  const int kind = sqlite3_errcode(database) & 0xff;
+  return kind == SQLITE_CANTOPEN ||
+         (kind == SQLITE_IOERR && sqlite3_extended_errcode(database) != SQLITE_IOERR_SHORT_READ);
+}
+
 bool is_damage(int code) {
   const int kind = code & 0xff;
   return kind == SQLITE_CORRUPT || kind == SQLITE_NOTADB || kind == SQLITE_FORMAT;
@@ -133,10 +140,7 @@ void SqliteBag::start() {
 int SqliteBag::disk_errno() const {
   int reason = 0;
   if (database_) (void)sqlite3_file_control(database_.get(), "main", SQLITE_FCNTL_LAST_ERRNO, &reason);
-  if (reason == 0 && database_ && (sqlite3_errcode(database_.get()) & 0xff) == SQLITE_IOERR &&
-      sqlite3_extended_errcode(database_.get()) != SQLITE_IOERR_SHORT_READ) {
-    reason = sqlite3_system_errno(database_.get());
-  }
+  if (reason == 0 && database_ && is_of_disk(database_.get())) reason = sqlite3_system_errno(database_.get());
   return reason;
 }
 
