@@ -57,6 +57,20 @@ TEST(ScanGroups, OfATurnOnTheSpotAreEightyToEachSide) {
   expect_point(group.points().back(), 19.0, 0.0);
 }
 
+// A wall at (2, 1) that looks along -y: J = (0, -1, 2 * -1 - 1 * 0).
+TEST(ScanGroups, OneWallThatBothHaveHasTheShapeOfItsOwn) {
+  const std::vector<KeptScan> scans{scan_with(2.0, 1.0, 0.0, -1.0)};
+  const std::vector<Pose2> poses(1);
+  const std::vector<double> path_m{0.0};
+  const ScanGroup group({scans, poses, path_m}, 0, 4.0, 0.03);
+  const LoopEvidence evidence = weigh_loop(group, group, {});
+  EXPECT_EQ(evidence.overlap, 1.0);
+  EXPECT_NEAR(evidence.shape(1, 1), 1.0, 1e-6);
+  EXPECT_NEAR(evidence.shape(1, 2), 2.0, 1e-6);
+  EXPECT_NEAR(evidence.shape(2, 2), 4.0, 1e-6);
+  EXPECT_EQ(evidence.shape(0, 0), 0.0);
+}
+
 TEST(ScanGroups, AreBentBeyondTwoCentimetresOrThreeMilliradians) {
   const std::vector<KeptScan> scans(3, scan_with(1.0, 0.0, -1.0, 0.0));
   const std::vector<Pose2> poses{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {2.0, 0.0, 0.0}};

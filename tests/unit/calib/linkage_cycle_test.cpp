@@ -144,6 +144,13 @@ TEST(LinkageCycle, crank_comes_back_from_its_elevation) {
   }
 }
 
+// 25 ms a scan, as the data sheet of a UTM-30LX states.
+TEST(SweepModelOfAPreset, turns_its_mirror_forty_times_a_second) {
+  for (const LinkagePreset& preset : linkage_presets()) {
+    EXPECT_EQ(sweep_model_of_preset(preset.name).mirror_rate_hz, 40.0) << preset.name;
+  }
+}
+
 TEST(LinkageCycle, elevations_beyond_its_reach_give_the_nearest_end) {
   const LinkageCycle cycle(sweep_model_of_preset("paper-b"));
   const CrankRockerReport report = analyse(cycle.model().bars, cycle.model().assembly);
