@@ -5,8 +5,8 @@
 #include <iterator>
 #include <utility>
 
+#include "engine/mapping/adjust/carried_poses.hpp"
 #include "engine/mapping/graph/free_network.hpp"
-#include "engine/mapping/loops/carried_keyframes.hpp"
 
 namespace gdtslam {
 namespace {

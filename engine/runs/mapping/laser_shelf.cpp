@@ -1,6 +1,7 @@
 #include "laser_shelf.hpp"
 
 #include <array>
+#include <utility>
 
 namespace gdtslam {
 namespace {
@@ -51,6 +52,21 @@ void take_from(std::span<const std::byte> record, LaserScan& scan) {
           .T_base_laser = {head.T_base_laser[0], head.T_base_laser[1], head.T_base_laser[2]}};
   if (head.has_speed != 0U) scan.speed.emplace(head.speed[0], head.speed[1], head.speed[2]);
   take_values(record, std::span(scan.ranges_m));
+}
+
+std::vector<LaserScan> scans_of(const LaserShelf& shelf, std::span<const std::size_t> numbers,
+                                std::span<const std::size_t> wanted) {
+  std::vector<LaserScan> chosen;
+  chosen.reserve(wanted.size());
+  LaserShelf::Reader scans(shelf);
+  auto next = wanted.begin();
+  for (const std::size_t number : numbers) {
+    LaserScan scan = scans.next();
+    if (next == wanted.end() || *next != number) continue;
+    chosen.push_back(std::move(scan));
+    ++next;
+  }
+  return chosen;
 }
 
 }  // namespace gdtslam

@@ -1,6 +1,10 @@
 // Scans as the laser gave them that wait until it is known where they belong. 4 bytes a range and 120 a scan.
 #pragma once
 
+#include <cstddef>
+#include <span>
+#include <vector>
+
 #include "engine/core/memory/byte_shelf.hpp"
 #include "gdtslam/core/stream.hpp"
 
@@ -10,5 +14,9 @@ void put_on(ByteShelf& shelf, const LaserScan& scan);
 void take_from(std::span<const std::byte> record, LaserScan& scan);
 
 using LaserShelf = Shelf<LaserScan>;
+
+/// Of the scans on a shelf, which have these numbers, those that are wanted; both ascending. Throws FileError.
+std::vector<LaserScan> scans_of(const LaserShelf& shelf, std::span<const std::size_t> numbers,
+                                std::span<const std::size_t> wanted);
 
 }  // namespace gdtslam

@@ -286,15 +286,7 @@ void MapRun::take_closed(ClosedPath path) {
 }
 
 void MapRun::take_keyframe_scans() {
-  outcome_.keyframe_scans.reserve(merged_.size());
-  auto next = outcome_.keyframes.begin();
-  LaserShelf::Reader scans(merged_scans_);
-  for (const std::size_t index : merged_) {
-    LaserScan scan = scans.next();
-    if (next == outcome_.keyframes.end() || *next != index) continue;
-    outcome_.keyframe_scans.push_back(std::move(scan));
-    ++next;
-  }
+  outcome_.keyframe_scans = scans_of(merged_scans_, merged_, outcome_.keyframes);
   merged_ = {};
 }
 

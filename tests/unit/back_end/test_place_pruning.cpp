@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/mapping/adjust/carried_poses.hpp"
 #include "engine/mapping/back_end/back_end.hpp"
-#include "engine/mapping/loops/carried_keyframes.hpp"
 #include "engine/mapping/loops/place_pruning.hpp"
 #include "loop_drive.hpp"
 
