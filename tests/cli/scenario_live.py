@@ -1,6 +1,7 @@
 """Scans in as lines, a pose out for each while they come, and the run folder of `map` when they end."""
 
 import json
+import os
 import select
 import signal
 import subprocess
@@ -24,9 +25,13 @@ def mapped_by_pipe(folder, lines):
 
 def next_line(process):
     """The next line of standard output, which has to come though nothing more is sent."""
-    ready, _, _ = select.select([process.stdout], [], [], 20 * cli.SLOWNESS)
-    expect(ready, "no line came for a scan that was sent")
-    return process.stdout.readline()
+    line = b""
+    while not line.endswith(b"\n"):  # what is buffered beyond it would be seen by no select()
+        ready, _, _ = select.select([process.stdout], [], [], 20 * cli.SLOWNESS)
+        byte = os.read(process.stdout.fileno(), 1) if ready else b""
+        expect(byte, "no line came for a scan that was sent")
+        line += byte
+    return line.decode()
 
 
 def live_gives_each_pose_before_the_next_scan():
