@@ -15,11 +15,13 @@ target_compile_options(gdtslam_options INTERFACE
 # itself, and aligns, and frees, what it shares with Ceres otherwise than Ceres does. The kernels choose their
 # instructions when they run.
 include(CheckCXXSourceCompiles)
+set(CMAKE_TRY_COMPILE_CONFIGURATION ${CMAKE_BUILD_TYPE}) # whose flags may name the processor
 check_cxx_source_compiles("
 #if !defined(__AVX__) && !defined(__FMA__)
 #error the baseline
 #endif
 int main() {}" GDTSLAM_IS_BEYOND_BASELINE)
+unset(CMAKE_TRY_COMPILE_CONFIGURATION)
 if(GDTSLAM_IS_BEYOND_BASELINE)
   target_compile_options(gdtslam_options INTERFACE -U__AVX__ -U__AVX2__ -U__AVX512F__ -U__FMA__
     $<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>)

@@ -1,6 +1,7 @@
 // Which places of a path still need the scans around them: where a robot goes the same way again and again all day, the
 // first passes tell as much as all of them [Kurz2021]. So memory, and the part of the graph that others are tied to,
-// grow with the area and not with the hours. Not thread-safe. Cost: linear in the places kept, each time.
+// grow with the area and not with the hours. Not thread-safe. Cost: linear in the places kept and in the loops, each
+// time.
 #pragma once
 
 #include <cstddef>
