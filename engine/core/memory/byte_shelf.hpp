@@ -20,7 +20,8 @@ namespace gdtslam {
 
 class ByteShelf {
  public:
-  static constexpr std::size_t kMemoryBytes = std::size_t{32} << 20U;
+  static constexpr std::size_t kMemoryBytes = std::size_t{8} << 20U;
+  static constexpr std::size_t kFewBytes = std::size_t{1} << 20U;  ///< for records of a few bytes each
 
   /// The file is made in that folder (ScratchFile) once there are more bytes than `memory_bytes`.
   explicit ByteShelf(std::string folder, std::size_t memory_bytes = kMemoryBytes)
@@ -93,6 +94,14 @@ void take_values(std::span<const std::byte>& record, std::span<Value> values) {
   record = record.subspan(bytes.size());
 }
 
+/// A value that is its bytes, as a record.
+template <typename Value>
+requires std::is_trivially_copyable_v<Value>
+void put_on(ByteShelf& shelf, const Value& value) { shelf.put({bytes_of(value)}); }
+template <typename Value>
+requires std::is_trivially_copyable_v<Value>
+void take_from(std::span<const std::byte> record, Value& value) { take_values(record, std::span(&value, 1)); }
+
 /// Values on a ByteShelf: put_on(shelf, value) makes a record of one, and take_from(record, value) it of the record.
 template <typename Value>
 class Shelf {
@@ -101,7 +110,16 @@ class Shelf {
       : bytes_(std::move(folder), memory_bytes) {}
 
   void put(const Value& value) { put_on(bytes_, value); }
+  [[nodiscard]] std::size_t size() const { return bytes_.size(); }
   [[nodiscard]] const ByteShelf& bytes() const { return bytes_; }
+  /// All of them. Throws FileError where the file cannot be read.
+  [[nodiscard]] std::vector<Value> all() const {
+    std::vector<Value> values;
+    values.reserve(size());
+    Reader reader(*this);
+    for (std::size_t i = 0; i < size(); ++i) values.push_back(reader.next());
+    return values;
+  }
 
   /// Values in the order in which they were put, those that are put meanwhile too.
   class Reader {

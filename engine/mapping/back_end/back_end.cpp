@@ -63,12 +63,15 @@ std::vector<Pose2> those_at(const std::vector<std::size_t>& indices, const std::
 }  // namespace
 
 BackEnd::BackEnd(const BackEndOptions& options)
-    : options_(options), loops_(options.loops, options.live), shelf_(options.scratch_folder, options.shelf_bytes) {}
+    : options_(options),
+      loops_(options.loops, options.live),
+      scans_(options.scratch_folder, ByteShelf::kFewBytes),
+      shelf_(options.scratch_folder, options.shelf_bytes) {}
 
 void BackEnd::take(std::span<const Point2> points_base_m, const MatchResult& result) {
   if (!keyframes_.empty()) follow(result);
   if (!result.merged && !keyframes_.empty()) return add_scan(points_base_m, result);
-  scans_.push_back({{}, keyframes_.size()});
+  scans_.put({{}, keyframes_.size()});
   keyframes_.push_back(scans_.size() - 1);
   KeptScan points = keep_scan(points_base_m);
   put_on_shelf([this, points] { shelf_.put(points); });
@@ -83,9 +86,7 @@ void BackEnd::put_on_shelf(std::function<void()> put) {
 
 // Its points are not needed before the end.
 void BackEnd::add_scan(std::span<const Point2> points_base_m, const MatchResult& result) {
-  Scan& scan = scans_.emplace_back();
-  scan.T_keyframe_base = between(T_map_keyframe_, result.T_map_base);
-  scan.keyframe = keyframes_.size() - 1;
+  scans_.put({between(T_map_keyframe_, result.T_map_base), keyframes_.size() - 1});
   put_on_shelf(
       [this, points = std::vector(points_base_m.begin(), points_base_m.end())] { shelf_.put(keep_scan(points)); });
 }
@@ -189,7 +190,11 @@ std::vector<PoseRelation> BackEnd::held_relations(const MeasuredPath& measured) 
 std::vector<Pose2> BackEnd::poses_of_scans(const std::vector<Pose2>& keyframes) const {
   std::vector<Pose2> poses;
   poses.reserve(scans_.size());
-  for (const Scan& scan : scans_) poses.push_back(keyframes[scan.keyframe] * scan.T_keyframe_base);
+  Shelf<Scan>::Reader scans(scans_);
+  while (poses.size() < scans_.size()) {
+    const Scan scan = scans.next();
+    poses.push_back(keyframes[scan.keyframe] * scan.T_keyframe_base);
+  }
   return poses;
 }
 
@@ -226,14 +231,20 @@ void BackEnd::adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose
   const std::vector<Pose2> kept = those_at(kept_, keyframes);
   const ScanAdjustment adjustment(kept_scans_, kept, options_.scans);
   ScanShelf::Reader shelf(shelf_);
+  Shelf<Scan>::Reader scans(scans_);
   std::vector<KeptScan> taken(kScansAtOnce);
+  std::vector<std::size_t> hung_on(kScansAtOnce);  // keyframes
   for (std::size_t first = 0; first < poses.size(); first += kScansAtOnce) {
     const std::size_t count = std::min(kScansAtOnce, poses.size() - first);
-    for (std::size_t i = 0; i < count; ++i) taken[i] = shelf.next();
+    for (std::size_t i = 0; i < count; ++i) {
+      taken[i] = shelf.next();
+      hung_on[i] = scans.next().keyframe;
+    }
     workers.run(count, 1, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::size_t i = first + begin; i < first + end; ++i) {
-        const std::optional<std::size_t> last = kept_number(scans_[i].keyframe);
-        const bool is_keyframe = keyframes_[scans_[i].keyframe] == i;
+        const std::size_t keyframe = hung_on[i - first];
+        const std::optional<std::size_t> last = kept_number(keyframe);
+        const bool is_keyframe = keyframes_[keyframe] == i;
         for (int times = last ? 1 : kTimesCarried; times > 0; --times) {
           poses[i] = adjustment.adjusted(taken[i - first], poses[i], last, last && is_keyframe);
         }
@@ -260,7 +271,8 @@ std::vector<Matrix3> BackEnd::covariances_of_scans(const LoopCloser& closer) con
       spread_covariances(at, covariances_in_map(cautious, nodes), keyframes_.size());
   std::vector<Matrix3> covariances;
   covariances.reserve(scans_.size());
-  for (const Scan& scan : scans_) covariances.push_back(of_keyframes[scan.keyframe]);
+  Shelf<Scan>::Reader scans(scans_);
+  while (covariances.size() < scans_.size()) covariances.push_back(of_keyframes[scans.next().keyframe]);
   return covariances;
 }
 

@@ -1,12 +1,12 @@
 // From the path of the front end to the best path there is: loops closed, all keyframes adjusted together, then every
 // scan. Frame: the robot's pose at the first scan. Not thread-safe; the result is the same for any number of threads.
 // Cost: docs/loops.md; in memory 20 bytes a point of a keyframe, of a place that was passed often only of some
-// (PlacePruning), and 32 a scan; the points of all scans in a ScanShelf.
+// (PlacePruning); the points of all scans, where each hangs, and what was measured from keyframe to keyframe wait on
+// shelves.
 #pragma once
 
 #include <array>
 #include <cstddef>
-#include <deque>
 #include <functional>
 #include <optional>
 #include <span>
@@ -32,8 +32,8 @@ struct BackEndOptions {
   ScanAdjustmentOptions scans;
   unsigned threads = 1;  ///< of the adjustments, the caller's included; 0: one a processor. With more than one, scans
                          ///< are taken by a thread besides
-  std::string scratch_folder{};                       ///< of the ScanShelf
-  std::size_t shelf_bytes = ByteShelf::kMemoryBytes;  ///< of its memory
+  std::string scratch_folder{};                       ///< of the shelves
+  std::size_t shelf_bytes = ByteShelf::kMemoryBytes;  ///< of the memory of that with the points
 };
 
 /// What the back end came to.
@@ -98,7 +98,7 @@ class BackEnd {
   BackEndOptions options_;
   LiveLoops loops_;
   const FrontEndPath& path_ = loops_.path();  // of the keyframes, after the end
-  std::deque<Scan> scans_;
+  Shelf<Scan> scans_;
   std::vector<std::size_t> keyframes_;  // which scans they are
   Pose2 T_map_keyframe_;                // the last one
   double travelled_m_ = 0.0;            // until it

@@ -21,7 +21,10 @@ constexpr auto kBetweenProgress = 50ms;
 }  // namespace
 
 LiveLoops::LiveLoops(const LoopOptions& options, LiveOptions live)
-    : live_(std::move(live)), counter_(options), closer_(path_, options) {}
+    : live_(std::move(live)),
+      counter_(options),
+      measured_(live_.scratch_folder, live_.shelf_bytes),
+      closer_(path_, options) {}
 
 // With the first order, so that whoever maps nothing has no thread.
 void LiveLoops::start() {
@@ -128,8 +131,29 @@ void LiveLoops::append(Keyframe& keyframe) {
   path_.poses.push_back(keyframe.T_map_base);
   path_.path_m.push_back(keyframe.path_m);
   path_.steps.push_back(keyframe.steps);
-  path_.travels.push_back(keyframe.travel);
+  measured_.put({keyframe.steps, keyframe.travel});
   is_pruned_.push_back(false);
+}
+
+// The next place is measured from the last one on.
+void LiveLoops::forget_steps() {
+  if (closer_.places().empty()) return;
+  const std::size_t last = closer_.places().back();
+  path_.steps.erase(path_.steps.begin(), path_.steps.begin() + static_cast<std::ptrdiff_t>(last - path_.first_step));
+  path_.first_step = last;
+}
+
+void LiveLoops::recall_steps() {
+  path_.steps.clear();
+  path_.first_step = 0;
+  path_.steps.reserve(measured_.size());
+  path_.travels.reserve(measured_.size());
+  Shelf<Measured>::Reader reader(measured_);
+  while (path_.steps.size() < measured_.size()) {
+    const Measured measured = reader.next();
+    path_.steps.push_back(measured.steps);
+    path_.travels.push_back(measured.travel);
+  }
 }
 
 // One keyframe on, and one place at most.
@@ -137,6 +161,7 @@ void LiveLoops::follow(Keyframe& keyframe) {
   append(keyframe);
   if (!workers_) workers_ = std::make_unique<WorkerPool>(live_.threads);
   closer_.follow([](double, int) {}, *workers_);
+  forget_steps();
   for (const std::size_t i : closer_.take_pruned()) {
     path_.scans[i] = {};
     is_pruned_[i] = true;
@@ -190,6 +215,7 @@ LoopCloser& LiveLoops::end(const std::function<void(double)>& progress) {
   lock.unlock();
   join();
   if (failure_) std::rethrow_exception(failure_);
+  recall_steps();
   return closer_;
 }
 

@@ -18,6 +18,7 @@
 #include <variant>
 #include <vector>
 
+#include "engine/core/memory/byte_shelf.hpp"
 #include "engine/core/worker_pool.hpp"
 #include "engine/mapping/loops/loop_closer.hpp"
 #include "gdtslam/mapping/mapper.hpp"
@@ -37,7 +38,9 @@ struct LiveOptions {
   bool is_beside = true;  ///< else the caller's thread does the same at the same counts
   /// Called where there is no thread to be had; the caller's does it then.
   std::function<void(const std::string&)> warn{};
-  unsigned threads = 1;  ///< that look, beside the mapping: the one that there is then anyway, and others
+  unsigned threads = 1;          ///< that look, beside the mapping: the one that there is then anyway, and others
+  std::string scratch_folder{};  ///< where steps wait for the end
+  std::size_t shelf_bytes = ByteShelf::kFewBytes;  ///< of their memory
 };
 
 class LiveLoops {
@@ -66,7 +69,7 @@ class LiveLoops {
   LoopCloser& end(const std::function<void(double)>& progress);
   /// Ends the thread after the place at work. Keyframes that it has not come to are in path(), and not looked at.
   void abandon();
-  /// All keyframes handed over. Not before end() or abandon().
+  /// All keyframes handed over. Not before end() or abandon(); after the latter without steps from long ago.
   [[nodiscard]] const FrontEndPath& path() const { return path_; }
   /// Likewise, which of them have no scan any more (PlacePruning).
   [[nodiscard]] const std::vector<bool>& is_pruned() const { return is_pruned_; }
@@ -79,6 +82,11 @@ class LiveLoops {
     std::promise<FrozenMap> promise;
   };
   using KeyframesRequest = std::promise<ClosedKeyframes>;
+  /// What nobody asks for between the place behind it and the end.
+  struct Measured {
+    MeasuredSteps steps;
+    WheelTravel travel;
+  };
   using Order = std::variant<Keyframe, MapRequest, KeyframesRequest>;
 
   void start();
@@ -89,6 +97,8 @@ class LiveLoops {
   void follow(Keyframe& keyframe);
   void draw_map(MapRequest& request) const;
   void append(Keyframe& keyframe);
+  void forget_steps();
+  void recall_steps();
   void apply(std::size_t place);
   void join();
 
@@ -100,7 +110,8 @@ class LiveLoops {
   bool is_started_ = false;
   // The thread's, from its start to its end:
   FrontEndPath path_;
-  std::vector<bool> is_pruned_;  // of its keyframes
+  Shelf<Measured> measured_;     // of its keyframes
+  std::vector<bool> is_pruned_;  // likewise
   LoopCloser closer_;
   std::unique_ptr<WorkerPool> workers_;
   // Of both, under the lock:

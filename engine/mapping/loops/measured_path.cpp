@@ -44,7 +44,7 @@ void MeasuredPath::correct_wheels(const std::vector<Pose2>& keyframes) {
     WheelStretch stretch{.true_chord_m = length_of(actual), .true_turn_rad = actual.theta_rad};
     StraightenedWay way;
     for (std::size_t i = from + 1; i <= from + kBiasSteps; ++i) {
-      const Pose2& step = path_.steps[i][kWheels].T;
+      const Pose2& step = path_.steps_to(i)[kWheels].T;
       way.add(step, between(keyframes[i - 1], keyframes[i]));
       stretch.path_m += length_of(step);
       stretch.turned_rad += std::fabs(step.theta_rad);
@@ -65,7 +65,7 @@ void MeasuredPath::state_wheel_noise(const std::vector<Pose2>& keyframes) {
   WheelNoise noise;
   Pose2 T_odom_base;
   for (std::size_t i = 0; i < keyframes.size(); ++i) {
-    const Pose2& step = path_.steps[i][kWheels].T;
+    const Pose2& step = path_.steps_to(i)[kWheels].T;
     T_odom_base = T_odom_base * step;
     noise.take(path_.travels[i].is_measured ? std::optional(T_odom_base) : std::nullopt, keyframes[i],
                path_.travels[i].is_way_known);
@@ -92,7 +92,7 @@ PoseRelation MeasuredPath::stated(std::size_t from, std::size_t to, std::size_t 
   Pose2 T;
   Matrix3 covariance;
   for (std::size_t i = from + 1; i <= to; ++i) {
-    const MeasuredStep& step = path_.steps[i][source];
+    const MeasuredStep& step = path_.steps_to(i)[source];
     const bool is_by_wheels = source == static_cast<std::size_t>(StepSource::kWheels);
     const Pose2 T_step = is_by_wheels ? corrected(step.T, bias_) : step.T;
     const bool is_restated = is_by_wheels && !wheel_information_.empty();

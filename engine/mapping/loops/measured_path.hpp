@@ -40,8 +40,11 @@ struct FrontEndPath {
   std::vector<Pose2> poses;
   std::vector<double> path_m;        ///< travelled until each
   std::vector<MeasuredSteps> steps;  ///< to each from the one before; of the first nothing
+  std::size_t first_step = 0;        ///< the keyframe that `steps` begin with: those before it wait on a shelf
   std::vector<WheelTravel>
       travels;  ///< likewise; empty where the noise of the wheels' steps is to stay as it is stated
+
+  [[nodiscard]] const MeasuredSteps& steps_to(std::size_t keyframe) const { return steps[keyframe - first_step]; }
 };
 
 class MeasuredPath {

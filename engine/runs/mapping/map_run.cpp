@@ -101,6 +101,7 @@ MapRun::MapRun(const MapJob& job, Backend& backend, ScanStream scans, const Nodd
                std::unique_ptr<CloudOutput> cloud)
     : job_(job),
       scans_(std::move(scans)),
+      mapped_(job.on_failure.scratch_folder),
       merged_scans_(job.on_failure.scratch_folder),
       extent_(job.mapper),
       has_threads_(threads_meant(job.on_failure.cpu.threads) > 1),
@@ -150,18 +151,18 @@ void MapRun::take_match(const MatchResult& result, const Pose2& T_map_base, cons
   if (!is_final && is_kept_.back()) scans_kept_->put(scan);
   if (result.doubt != Doubt::kNone) {
     const Pose2 off = between(result.T_map_predicted, result.T_map_base);
-    outcome_.doubtful.push_back({outcome_.trajectory.size(), result.stamp_s, result.doubt, result.accepted,
+    outcome_.doubtful.push_back({mapped_.size(), result.stamp_s, result.doubt, result.accepted,
                                  off.translation().norm(), std::fabs(off.theta_rad)});
   }
-  if (result.accepted && result.evaluations > 0) outcome_.match_distances_m.push_back(result.mean_cost_m);
+  if (result.accepted && result.evaluations > 0) mapped_.add_distance(result.mean_cost_m);
   // Where loops are closed the path begins with a keyframe, whatever its scan.
-  const bool is_first = loops_ && outcome_.trajectory.empty();
+  const bool is_first = loops_ && mapped_.size() == 0;
   if (!nodding_ && (result.merged || is_first)) {
-    merged_.push_back(outcome_.trajectory.size());
+    merged_.push_back(mapped_.size());
     merged_scans_.put(scan);
   }
-  if (result.merged) outcome_.keyframes.push_back(outcome_.trajectory.size());
-  outcome_.trajectory.push_back({result.stamp_s, T_map_base});
+  if (result.merged) outcome_.keyframes.push_back(mapped_.size());
+  mapped_.add({result.stamp_s, T_map_base});
 }
 
 // A map that becomes too large for one piece is made in tiles, once it is known where all keyframes are. That of a
@@ -245,11 +246,11 @@ void MapRun::map_flat(const Progress& progress) {
     take_match(result, result.T_map_base, record.scan);
     speed_.take(record.scan, result.T_map_base);
     note_stamp(result.stamp_s);
-    progress(outcome_.trajectory.size(), ahead.progress());
+    progress(mapped_.size(), ahead.progress());
     watch_.add_cpu_to(outcome_.occupancy_cpu_s);
     if (next.problem && !stop_()) end_with(next.problem);
   }
-  if (job_.stop_ends_log && !outcome_.trajectory.empty()) stop_ = [] { return false; };
+  if (job_.stop_ends_log && mapped_.size() > 0) stop_ = [] { return false; };
   outcome_.interrupted = stop_();
   ahead.stop();
   outcome_.mapper_cpu_s -= ahead.cpu_s();  // where it was counted, going on meanwhile
@@ -294,7 +295,7 @@ void MapRun::take(const NoddingPose& pose, const NoddingScan& scan) {
   if (pose.match) {
     take_match(*pose.match, pose.T_map_base, level_scan(scan, nodding_->scanner));
   } else {
-    outcome_.trajectory.push_back({pose.stamp_s, pose.T_map_base});
+    mapped_.add({pose.stamp_s, pose.T_map_base});
   }
 }
 
@@ -380,6 +381,8 @@ MapOutcome MapRun::run(const Progress& progress, const std::function<bool()>& st
   Stopwatch whole;
   try {
     nodding_ ? map_nodding(progress) : map_flat(progress);
+    outcome_.trajectory = mapped_.trajectory();
+    outcome_.match_distances_m = mapped_.distances_m();
     if (loops_ && !nodding_) close_loops();
     finish();
   } catch (...) {

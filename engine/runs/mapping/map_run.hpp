@@ -29,6 +29,7 @@
 #include "gdtslam/runs/outcome.hpp"
 #include "laser_shelf.hpp"
 #include "map_extent.hpp"
+#include "mapped_scans.hpp"
 #include "stopwatch.hpp"
 #include "sweep_check.hpp"
 
@@ -119,6 +120,7 @@ class MapRun {
   std::unique_ptr<Mapper> mapper_;     ///< without loops
   std::unique_ptr<LoopMapper> loops_;  ///< or with them
   MapSpeed speed_;
+  MappedScans mapped_;
   std::optional<LaserShelf> scans_kept_;  ///< of a flat laser, for the occupancy of a path that will still change
   std::vector<bool> is_kept_;             ///< a scan each
   std::vector<std::size_t> merged_;       ///< of a flat laser: the scans that went into the map, by their number,

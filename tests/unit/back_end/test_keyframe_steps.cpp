@@ -48,7 +48,7 @@ MeasuredSteps steps_of(const std::vector<Point2>& points, const MatchResult& sec
   first.merged = true;
   back_end.take(points, first);
   back_end.take(points, second);
-  (void)back_end.as_driven();
+  (void)back_end.loops().end([](double) {});
   return back_end.loops().path().steps.at(1);
 }
 const MeasuredStep& by_match(const MeasuredSteps& steps) { return steps[0]; }

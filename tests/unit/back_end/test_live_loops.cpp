@@ -161,6 +161,31 @@ TEST(LiveLoops, AbandonedAtAnyTimeTheyHaveAllKeyframes) {
   }
 }
 
+// Steps wait on a shelf from the next place on, which may be in a file.
+TEST(LiveLoops, AtTheEndEachStepIsThere) {
+  const LoopDrive twice = test::drive_around_ring(2, 0.01, 0.003, 1);
+  for (const bool is_beside : {true, false}) {
+    LiveLoops loops({}, {.is_beside = is_beside, .scratch_folder = testing::TempDir(), .shelf_bytes = 4096});
+    for (std::size_t i = 0; i < twice.path.poses.size(); ++i) loops.take(keyframe_at(twice, i));
+    const LoopCloser& closer = loops.end([](double) {});
+    EXPECT_EQ(closer.poses().size(), twice.path.poses.size());
+    const FrontEndPath& found = loops.path();
+    EXPECT_EQ(found.first_step, 0U);
+    ASSERT_EQ(found.steps.size(), twice.path.steps.size());
+    ASSERT_EQ(found.travels.size(), twice.path.travels.size());
+    for (std::size_t i = 0; i < found.steps.size(); ++i) {
+      for (std::size_t source = 0; source < kStepSources; ++source) {
+        EXPECT_EQ(found.steps[i][source].T, twice.path.steps[i][source].T) << i;
+        EXPECT_EQ(found.steps[i][source].information.m, twice.path.steps[i][source].information.m) << i;
+        EXPECT_EQ(found.steps[i][source].cautious.m, twice.path.steps[i][source].cautious.m) << i;
+      }
+      EXPECT_EQ(found.travels[i].path_m, twice.path.travels[i].path_m) << i;
+      EXPECT_EQ(found.travels[i].turned_rad, twice.path.travels[i].turned_rad) << i;
+      EXPECT_EQ(found.travels[i].is_measured, twice.path.travels[i].is_measured) << i;
+    }
+  }
+}
+
 // What progress() throws while the thread is at work goes through, as an interrupt does.
 TEST(LiveLoops, AnInterruptWhileTheyEndIsPassedOn) {
   const LoopDrive twice = test::drive_around_ring(2, 0.01, 0.003, 3);

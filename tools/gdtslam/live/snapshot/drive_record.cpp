@@ -35,9 +35,11 @@ void DriveRecord::take_news() {
     if (asked_.valid()) awaited_ = std::exchange(asked_, {});
   }
   for (const News& one : news) {
-    if (one.scan.is_keyframe) keyframes_.push_back(scans_.size());
+    scans_.put(one.scan);
     if (one.scan.is_shown) ranges_.put(one.ranges);
-    scans_.push_back(one.scan);
+    if (!one.scan.is_keyframe) continue;
+    T_front_keyframes_.push_back(one.scan.T_front_base);
+    is_shown_.push_back(one.scan.is_shown);
   }
   if (!awaited_.valid() || awaited_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
   try {
@@ -49,9 +51,9 @@ void DriveRecord::take_news() {
 
 std::vector<Pose2> DriveRecord::keyframe_poses() const {
   std::vector<Pose2> poses = closed_.T_map_base;
-  poses.resize(std::min(poses.size(), keyframes_.size()));
-  for (std::size_t k = poses.size(); k < keyframes_.size(); ++k) {
-    poses.push_back(closed_.T_closed_front * scans_[keyframes_[k]].T_front_base);
+  poses.resize(std::min(poses.size(), T_front_keyframes_.size()));
+  for (std::size_t k = poses.size(); k < T_front_keyframes_.size(); ++k) {
+    poses.push_back(closed_.T_closed_front * T_front_keyframes_[k]);
   }
   return poses;
 }
@@ -64,7 +66,7 @@ void DriveRecord::cast(const std::vector<Pose2>& poses) {
     cast_ = 0;
   }
   for (; cast_ < poses.size(); ++cast_) {
-    if (!scans_[keyframes_[cast_]].is_shown) continue;
+    if (!is_shown_[cast_]) continue;
     if (!in_hand_) in_hand_ = to_cast_->next();
     map_->add(*in_hand_, poses[cast_]);
     in_hand_.reset();
@@ -77,12 +79,13 @@ DriveState DriveRecord::state() {
   cast(poses);
   DriveState state{.map = map_->build(), .trajectory = {}};
   state.trajectory.reserve(scans_.size());
+  Shelf<Scan>::Reader scans(scans_);
   std::size_t next = 0;  // keyframe
-  for (std::size_t i = 0; i < scans_.size(); ++i) {
-    if (next < keyframes_.size() && keyframes_[next] == i) ++next;
-    const Pose2& T_front_keyframe = scans_[keyframes_[next - 1]].T_front_base;
+  while (state.trajectory.size() < scans_.size()) {
+    const Scan scan = scans.next();
+    if (scan.is_keyframe) ++next;
     state.trajectory.push_back(
-        {scans_[i].stamp_s, poses[next - 1] * between(T_front_keyframe, scans_[i].T_front_base)});
+        {scan.stamp_s, poses[next - 1] * between(T_front_keyframes_[next - 1], scan.T_front_base)});
   }
   return state;
 }
