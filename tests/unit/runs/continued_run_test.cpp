@@ -1,6 +1,7 @@
 // A run that is interrupted and gone on with, tiles of a run, and a run as a recording: against the run made at once.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -159,7 +160,14 @@ TEST(TilesOfARun, AreMadeAllAndSingly) {
   const test::RunsFolder folder("tiled");
   fs::copy(ring_run().folder, folder.path("run"), fs::copy_options::recursive);
   TilesRequest request{.run = folder.path("run"), .only = {}, .progress = {}, .stop = {}};
+  // What a killed process of this one's number left is in nobody's way.
+  const fs::path left = fs::path(request.run) / (".gdtslam-tiles-" + std::to_string(::getpid()));
+  fs::create_directories(left / "deeper");
+  make_tiles(request);
   const TilesOutcome all = make_tiles(request);
+  for (const fs::directory_entry& entry : fs::directory_iterator(request.run)) {
+    EXPECT_NE(entry.path().filename().string().substr(0, 9), ".gdtslam-") << entry.path() << ": new ones or old ones";
+  }
   // The corridor reaches over the origin both ways, and a tile has 51.2 m: four of them.
   EXPECT_EQ(all.made, 4U);
   EXPECT_EQ(all.index.tiles.size(), 4U);
