@@ -38,10 +38,11 @@ double moved_m(const Pose3& T, const Cloud& cloud) {
 }  // namespace
 
 void SweepSampler::take_scan_elevation(float elevation_rad) {
+  if (!has_scan_) turning_rad_ = elevation_rad;
   const float step = elevation_rad - turning_rad_;
   if (stroke_ == 0 || step * static_cast<float>(stroke_) >= 0.0F) {
     if (stroke_ == 0 && std::fabs(step) > kTurnedBack_rad) stroke_ = step > 0.0F ? 1 : -1;
-    if (stroke_ != 0 || !has_scan_) turning_rad_ = elevation_rad;
+    if (stroke_ != 0) turning_rad_ = elevation_rad;
     return;
   }
   if (std::fabs(step) <= kTurnedBack_rad) return;

@@ -143,6 +143,8 @@ TEST(SweepCheck, ASweepEndsWhereTheElevationHasTurnedBack) {
     EXPECT_EQ(compared({0.0F, sign * 0.1F, sign * 0.2F, sign * 0.149F}), 1U);
     EXPECT_EQ(compared({0.0F, sign * 0.1F, sign * 0.2F, sign * 0.16F, sign * 0.18F, sign * 0.149F}), 1U);
     EXPECT_EQ(compared({0.0F, sign * 0.1F, 0.0F, sign * 0.1F, 0.0F}), 3U);
+    EXPECT_EQ(compared({sign * 0.3F, sign * 0.2F, sign * -0.3F}), 0U) << "wherever it begins, it goes one way";
+    EXPECT_EQ(compared({sign * 0.3F, sign * 0.2F, sign * 0.26F}), 1U);
     EXPECT_EQ(compared({0.0F, sign * 0.1F, 0.0F, sign * 0.04F, sign * -0.1F}), 1U) << "not yet turned back again";
     EXPECT_EQ(compared({0.0F, sign * 0.04F, 0.0F, sign * -0.04F, 0.0F}), 0U) << "it has not begun to move";
   }
