@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <mutex>
 
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
@@ -67,7 +68,10 @@ void trace(cairo_t* context, const shape::Rectangle& box) {
 }
 
 /// Cairo has letters of its own, A to z only, for where there is no font at all: words would be wrong without a word.
+/// One thread at a time: it takes the locks of these letters now in the one order, now in the other.
 void check_font(cairo_t* context) {
+  static std::mutex mutex;
+  const std::lock_guard lock(mutex);
   cairo_scaled_font_t* const font = cairo_get_scaled_font(context);
   cairo_text_extents_t extents;
   cairo_text_extents(context, "0", &extents);
