@@ -86,7 +86,8 @@ def live_corrections():
     if "LIVE_MAPPER" not in os.environ:
         skip("the examples are not built")
     text = LOG.read_text()
-    runs = [subprocess.run([os.environ["LIVE_MAPPER"], "--loops"], input=text, capture_output=True, text=True, timeout=100)
+    runs = [subprocess.run([os.environ["LIVE_MAPPER"], "--loops"], input=text, capture_output=True, text=True,
+                           timeout=100 * cli.SLOWNESS)
             for _ in range(2)]
     for run in runs:
         expect(run.returncode == 0, run.stderr)

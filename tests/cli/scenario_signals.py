@@ -80,7 +80,7 @@ def interrupt_of_standard_input():
     lines = LOG.read_text().splitlines(keepends=True)[:400]
     process.stdin.write("".join(lines))
     process.stdin.flush()
-    time.sleep(1.5)
+    time.sleep(1.5 * cli.SLOWNESS)
     expect(process.poll() is None, "the command did not wait for more input")
     process.send_signal(signal.SIGINT)
     done = finish(process)
