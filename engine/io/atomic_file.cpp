@@ -45,6 +45,17 @@ void remove_if_abandoned(const std::string& temporary) {
   ::close(descriptor);
 }
 
+// "4711-0.tmp": a process and its file.
+bool is_temporary(std::string_view ending) {
+  const std::size_t dash = ending.find('-');
+  if (dash == std::string_view::npos || !ending.ends_with(kSuffix)) return false;
+  const auto is_number = [](std::string_view text) {
+    return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+  };
+  const std::string_view serial = ending.substr(dash + 1);
+  return is_number(ending.substr(0, dash)) && is_number(serial.substr(0, serial.size() - kSuffix.size()));
+}
+
 void remove_abandoned(const std::string& target) {
   const std::string folder = folder_of(target);
   const std::string prefix = temporary_prefix(target);
@@ -54,7 +65,7 @@ void remove_abandoned(const std::string& target) {
   }
   while (const dirent* entry = ::readdir(listing)) {
     const std::string_view name = static_cast<const char*>(entry->d_name);
-    if (name.starts_with(prefix) && name.ends_with(kSuffix)) {
+    if (name.starts_with(prefix) && is_temporary(name.substr(prefix.size()))) {
       remove_if_abandoned(folder + "/" + std::string(name));
     }
   }

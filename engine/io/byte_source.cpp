@@ -11,7 +11,7 @@
 #include <cstring>
 #include <utility>
 
-#include "engine/core/files/retried.hpp"
+#include "engine/core/files/interruption.hpp"
 #include "engine/io/decimal.hpp"
 #include "engine/io/file_limits.hpp"
 #include "engine/io/message_text.hpp"
@@ -23,7 +23,7 @@ namespace {
 class FileSource final : public ByteSource {
  public:
   explicit FileSource(const std::string& path) : name_(path == "-" ? "standard input" : path) {
-    descriptor_ = path == "-" ? STDIN_FILENO : retried([&] { return ::open(path.c_str(), O_RDONLY | O_CLOEXEC); });
+    descriptor_ = path == "-" ? STDIN_FILENO : open_to_read(path);
     if (descriptor_ < 0) {
       throw FileError(name_, fmt::format("cannot be opened: {}", errno_text(errno)));
     }
@@ -33,6 +33,7 @@ class FileSource final : public ByteSource {
       close_file();
       throw FileError(name_, "is a folder; give a file");
     }
+    is_pipe_ = known && S_ISFIFO(status.st_mode);
     if (known && S_ISREG(status.st_mode)) {
       size_ = static_cast<std::uint64_t>(status.st_size);
     }
@@ -40,7 +41,11 @@ class FileSource final : public ByteSource {
   ~FileSource() override { close_file(); }
 
   std::size_t read(std::span<char> target) override {
-    const ssize_t count = retried([&] { return ::read(descriptor_, target.data(), target.size()); });
+    ssize_t count = -1;
+    do {
+      if (is_pipe_ && is_asked_to_end()) return 0;
+      count = ::read(descriptor_, target.data(), target.size());
+    } while (count < 0 && errno == EINTR);
     if (count < 0) throw FileError(name_, fmt::format("cannot be read: {}", errno_text(errno)));
     position_ += static_cast<std::uint64_t>(count);
     return static_cast<std::size_t>(count);
@@ -60,6 +65,7 @@ class FileSource final : public ByteSource {
 
   std::string name_;
   int descriptor_ = -1;
+  bool is_pipe_ = false;  // whose writer may let it wait
   std::uint64_t size_ = 0;
   std::uint64_t position_ = 0;
 };
@@ -120,6 +126,14 @@ std::uint64_t free_kept_bytes() {
 }
 
 }  // namespace
+
+int open_to_read(const std::string& path) {
+  for (;;) {
+    const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (descriptor >= 0 || errno != EINTR) return descriptor;
+    if (is_asked_to_end()) throw Error(ExitCode::kInterrupted, "interrupted while '" + path + "' had no writer");
+  }
+}
 
 std::unique_ptr<ByteSource> open_file_source(const std::string& path) { return std::make_unique<FileSource>(path); }
 

@@ -216,7 +216,8 @@ MapResult map_opened(const MapRequest& request, const MapJob& job, const Backend
   Backend& backend =
       backend_of(kind != NodKind::kNone || matcher_info(job.mapper.match.matcher).place == MatcherPlace::kDevice);
   if (!folder) {
-    folder = std::make_unique<RunFolder>(request.folder);
+    folder = std::make_unique<RunFolder>(request.folder,
+                                         request.replace_foreign_files ? ForeignFiles::kReplaced : ForeignFiles::kKept);
     if (request.with_copies) copies.write_into(*folder);
   }
   if (!kept.prepared) {
@@ -243,10 +244,18 @@ MapJob job_of(const MapRequest& request) {
           .on_failure = request.on_failure};
 }
 
+void require_own_names(const MapRequest& request) {
+  if (request.replace_foreign_files) return;
+  std::vector<std::string> copies;
+  for (std::size_t log = 0; request.with_copies && log < request.logs.size(); ++log)
+    copies.push_back(log_copy_name(log));
+  require_no_foreign_files(request.folder, copies);
+}
+
 }  // namespace
 
 MapResult map_logs(const MapRequest& request, const BackendOfRun& backend) {
-  if (!request.replace_foreign_files) require_no_foreign_files(request.folder);
+  require_own_names(request);
   try {
     if (request.continued.empty()) return map_opened(request, job_of(request), backend, nullptr);
     const Continuation continued = continuation_of(request.continued, request.logs);

@@ -1,5 +1,6 @@
 """map --continue: what is gone on with is what was mapped in one go, byte for byte, whenever and however the run ended."""
 
+import fcntl
 import gzip
 import json
 import os
@@ -293,7 +294,10 @@ def continue_mistakes():
         expect(digests(folder) == before, f"{arguments}: files changed")
     living = folder / "run" / f".gdtslam-staging-{os.getpid()}"
     living.mkdir()
+    held = os.open(folder / "run", os.O_RDONLY)
+    fcntl.flock(held, fcntl.LOCK_EX)
     process = command("map", "--continue", folder / "run")
+    os.close(held)
     expect_exit(process, 2)
     expect(f"process {os.getpid()} is writing" in process.stderr, process.stderr)
 

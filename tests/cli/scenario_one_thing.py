@@ -155,6 +155,25 @@ def files_of_others_in_a_run_are_kept():
     expect(not (folder / "linkage.yaml").exists(), "--force left it")
 
 
+def files_of_others_with_numbers_are_kept():
+    """Nor one of a name with a number: a copy of a log that the run does not have, a path of a drive."""
+    folder = cli.fresh_folder("others_with_numbers")
+    mine = [folder / name for name in ("run/log-2.copy", "edited/session-1.tum", "run/.gdtslam-staging-1-backup/f", ".pic.png.mine.tmp")]
+    for path in mine:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("mine")
+    mapped(folder / "run", "--first", 40)
+    expect_exit(command("edit", folder / "run", "--origin", "1,1", "-o", folder / "edited", "-q"), 0)
+    expect_exit(command("render", folder / "run", "-o", folder / "pic.png", "-q"), 0)
+    expect(all(path.read_text() == "mine" for path in mine), "a file of somebody else is gone")
+    (folder / "two").mkdir()
+    (folder / "two/log-2.copy").write_text("mine")
+    process = command("map", LOG, LOG, "-o", folder / "two", "--first", 40)
+    expect_exit(process, 2)
+    one_error_line(process.stderr)
+    expect("log-2.copy that no run wrote" in process.stderr and len(list((folder / "two").iterdir())) == 1, process.stderr)
+
+
 def start_writer(folder):
     """A run that has begun to write to the folder and waits for more of its log."""
     process = subprocess.Popen([PROGRAM, "map", "-", "-o", str(folder), "-q"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,

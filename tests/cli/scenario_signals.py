@@ -90,6 +90,25 @@ def interrupt_of_standard_input():
     expect(scans_in(folder)["scans"] >= scans - 1, f"{scans_in(folder)['scans']} of {scans} scans")
 
 
+def interrupt_of_a_pipe_without_a_writer():
+    """SIGTERM while a named pipe has no writer, or one that writes nothing: exit 130, no folder."""
+    folder = cli.fresh_folder("interrupt_pipe")
+    os.mkfifo(folder / "pipe")
+    for arguments in (("map", folder / "pipe", "-o", folder / "run"), ("doctor", folder / "pipe"), ("live", folder / "pipe", "-o", folder / "run")):
+        for has_writer in (False, True):
+            process = subprocess.Popen([PROGRAM, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            writer = os.open(folder / "pipe", os.O_WRONLY) if has_writer else -1
+            time.sleep(0.5 * cli.SLOWNESS)
+            expect(process.poll() is None, f"{arguments} did not wait")
+            process.send_signal(signal.SIGTERM)
+            done = finish(process)
+            expect_exit(done, 130)
+            one_error_line(done.stderr)
+            expect(not (folder / "run").exists(), "a folder was left")
+            if has_writer:
+                os.close(writer)
+
+
 def interrupt_before_the_first_scan():
     """SIGINT before anything came: exit 130, one line, no folder."""
     for text in ("", "# nothing yet\n", "FLASER 180 1.0 2.0"):

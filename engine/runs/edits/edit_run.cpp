@@ -113,16 +113,12 @@ void write_sessions(const SourceRun& run, RunFolder& folder) {
   }
 }
 
-// Another program's picture of that name is not taken away without being told so.
-void require_no_foreign_picture(const std::string& folder) {
-  std::error_code ignored;
-  const std::filesystem::path path(folder);
-  if (std::filesystem::exists(path / kEditsFile, ignored)) return;
-  for (const char* name : {kMapPicture, kWorldFile}) {
-    if (!std::filesystem::exists(path / name, ignored)) continue;
-    throw UsageError("--output: '" + folder + "' holds a " + name +
-                     " that no edit wrote; give another folder, or --force to replace it");
-  }
+// Besides those of any run.
+std::vector<std::string> names_of_edit(const EditPlan& plan, std::size_t sessions) {
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < sessions; ++k) names.push_back(session_file_name(k));
+  if (plan.with_world_file) names.insert(names.end(), {kMapPicture, kWorldFile});
+  return names;
 }
 
 void write_map_for_gis(const EditPlan& plan, const OccupancyMap& map, RunFolder& folder) {
@@ -164,7 +160,7 @@ void take_out_of_keyframes(SourceRun& run, EditOutcome& outcome) {
 
 void write_edited(const EditRequest& request, SourceRun& run, EditOutcome& outcome) {
   RunTimes times;
-  RunFolder folder(request.folder);
+  RunFolder folder(request.folder, request.replace_foreign_files ? ForeignFiles::kReplaced : ForeignFiles::kKept);
   const MapJob job = job_of_edit(request, run);
   leave_out_edits(folder);
   handle_other_files(run, folder, outcome);
@@ -197,7 +193,9 @@ EditOutcome edit_run(const EditRequest& request) {
   EditOutcome outcome;
   outcome.steps = resolved_steps(request, run);
   outcome.plan = plan_of(outcome.steps, run.earlier ? plan_of(run.earlier->steps) : EditPlan{});
-  if (outcome.plan.with_world_file && !request.replace_foreign_files) require_no_foreign_picture(request.folder);
+  if (!request.replace_foreign_files) {
+    require_no_foreign_files(request.folder, names_of_edit(outcome.plan, run.sessions));
+  }
   if (outcome.plan.with_world_file && !run.reader.summary().map) {
     throw InputError({request.run, 0}, "has no occupancy map, as it was mapped with --no-map: --world-file needs one");
   }

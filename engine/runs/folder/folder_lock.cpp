@@ -19,7 +19,8 @@ FolderLock::FolderLock(const std::filesystem::path& folder)
     if (errno == EACCES) return;  // a folder may allow writing but not reading
     throw FileError(folder.string(), "cannot be written to: " + errno_text(errno));
   }
-  if (retried([this] { return ::flock(descriptor_, LOCK_EX | LOCK_NB); }) == 0 || errno != EWOULDBLOCK) return;
+  is_held_ = retried([this] { return ::flock(descriptor_, LOCK_EX | LOCK_NB); }) == 0;
+  if (is_held_ || errno != EWOULDBLOCK) return;
   ::close(descriptor_);
   throw UsageError(fmt::format("another process is writing to '{}': wait until it has ended, or give another folder",
                                folder.string()));

@@ -15,9 +15,12 @@ class FolderLock {
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
   ~FolderLock();
+  /// False where the file system knows no such lock, or does not let the folder be read: there may be other writers.
+  [[nodiscard]] bool is_held() const { return is_held_; }
 
  private:
   int descriptor_;
+  bool is_held_ = false;
 };
 
 }  // namespace gdtslam

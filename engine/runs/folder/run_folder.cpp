@@ -9,6 +9,7 @@
 #include <charconv>
 #include <csignal>
 #include <ctime>
+#include <memory>
 #include <new>
 #include <system_error>
 
@@ -39,9 +40,10 @@ fs::path kept_in(const fs::path& staging) { return staging / "old"; }
 struct Staging {
   fs::path folder;
   pid_t process = 0;
-  // One of this process's own number is of an earlier one: processes of a container begin at 1 again.
-  [[nodiscard]] bool is_left() const {
-    return process > 0 && (process == ::getpid() || (::kill(process, 0) != 0 && errno == ESRCH));
+  // Where this process has the lock of the folder nobody else writes there, whoever has that number by now. Without a
+  // lock the number tells; one of this process's own is of an earlier one: processes of a container begin at 1 again.
+  [[nodiscard]] bool is_left(bool is_locked) const {
+    return is_locked || process == ::getpid() || (::kill(process, 0) != 0 && errno == ESRCH);
   }
 };
 
@@ -52,19 +54,29 @@ std::vector<Staging> stagings_in(const fs::path& folder) {
     const std::string name = entry.filename().string();
     if (!name.starts_with(kStagingPrefix)) continue;
     pid_t process = 0;
-    const char* const digits = name.data() + kStagingPrefix.size();
-    if (std::from_chars(digits, name.data() + name.size(), process).ec == std::errc{}) {
-      stagings.push_back({entry, process});
-    }
+    const char* const end = name.data() + name.size();
+    const std::from_chars_result read = std::from_chars(name.data() + kStagingPrefix.size(), end, process);
+    if (read.ec == std::errc{} && read.ptr == end && process > 0) stagings.push_back({entry, process});
   }
   return stagings;
 }
 
+// Nothing where somebody writes there, or it cannot be told.
+std::unique_ptr<FolderLock> lock_of(const fs::path& folder) {
+  try {
+    auto lock = std::make_unique<FolderLock>(folder);
+    if (lock->is_held()) return lock;
+  } catch (const Error&) {  // where there is no such folder, nobody writes to it
+    return nullptr;
+  }
+  return nullptr;
+}
+
 // Staging folders of processes that were killed, but for that one.
-std::vector<fs::path> leftovers_in(const fs::path& folder, const fs::path& own = {}) {
+std::vector<fs::path> leftovers_in(const fs::path& folder, bool is_locked, const fs::path& own = {}) {
   std::vector<fs::path> leftovers;
   for (const Staging& staging : stagings_in(folder)) {
-    if (staging.is_left() && staging.folder != own) leftovers.push_back(staging.folder);
+    if (staging.is_left(is_locked) && staging.folder != own) leftovers.push_back(staging.folder);
   }
   return leftovers;
 }
@@ -97,12 +109,52 @@ std::optional<RunFiles> told_run_in(const std::string& folder) {
   return std::nullopt;
 }
 
+/// Which files of a folder a run of this program wrote, by what its report tells. All of them where the report is of a
+/// version that told of none, or a run was killed while its files got their names.
+class OwnFiles {
+ public:
+  OwnFiles(std::string folder, bool is_locked) : folder_(std::move(folder)) {
+    const bool is_run = RunReader::is_gdtslam_run(folder_);
+    if (is_run) run_ = told_run_in(folder_);
+    const std::vector<fs::path> leftovers = leftovers_in(folder_, is_locked);
+    are_all_ = (is_run && !run_) || std::any_of(leftovers.begin(), leftovers.end(), is_of_a_commit);
+  }
+  [[nodiscard]] bool has(const std::string& name) const {
+    return are_all_ || (run_ && (name == kReportFile || run_->has(name))) || is_of_a_run(fs::path(folder_) / name);
+  }
+  /// Throws UsageError where there is such a file of somebody else.
+  void require(const std::string& name) const {
+    std::error_code ignored;  // what cannot be asked about shows when it cannot be replaced
+    if (has(name) || !fs::exists(fs::symlink_status(fs::path(folder_) / name, ignored))) return;
+    throw UsageError(fmt::format(
+        "--output: '{}' holds a {} that no run wrote; give another folder, or --force to replace it", folder_, name));
+  }
+
+ private:
+  std::string folder_;
+  std::optional<RunFiles> run_;
+  bool are_all_ = false;
+};
+
 // "intel" from "../data/intel.clf.gz".
 std::string stem_of(const std::string& log) {
   if (log == "-") return "stdin";
   fs::path name = fs::path(log).filename();
   if (name.extension() == ".gz") name = name.stem();
   return name.stem().string();
+}
+
+// Of a killed process that had this one's number, out of the way under one that no process has.
+void set_aside(const fs::path& leftover) {
+  constexpr int kBeyondProcesses = 2'000'000'000;
+  std::error_code failed;
+  for (int k = 0; k < 1000; ++k) {
+    const fs::path aside = leftover.parent_path() / fmt::format("{}{}", kStagingPrefix, kBeyondProcesses + k);
+    if (fs::exists(fs::symlink_status(aside, failed))) continue;
+    fs::rename(leftover, aside, failed);
+    break;
+  }
+  if (failed) throw FileError(leftover.string(), "cannot be set aside: " + failed.message());
 }
 
 std::string utc_time() {
@@ -126,15 +178,16 @@ RunFolder::MadeFolder::~MadeFolder() {
   if (is_new_) fs::remove(path_, ignored);  // succeeds only when it is empty
 }
 
-RunFolder::RunFolder(const std::string& path) : folder_(path) {
+RunFolder::RunFolder(const std::string& path, ForeignFiles foreign) : folder_(path), foreign_(foreign) {
   made_.emplace(folder_);
   lock_.emplace(folder_);
   std::error_code ignored;
   std::error_code failed;
-  for (const fs::path& leftover : leftovers_in(folder_)) {
+  for (const fs::path& leftover : leftovers_in(folder_, lock_->is_held())) {
     if (!is_of_a_commit(leftover)) remove_tree(leftover, ignored);
   }
   staging_ = folder_ / fmt::format("{}{}", kStagingPrefix, ::getpid());
+  if (is_of_a_commit(staging_)) set_aside(staging_);
   remove_tree(staging_, failed);
   if (!fs::create_directory(staging_, failed)) {
     throw FileError(path, "cannot be written to: " + failed.message());
@@ -219,9 +272,24 @@ void RunFolder::undo(const std::vector<std::string>& old_names) {
   }
 }
 
+// Somebody may have put a file there since the run began.
+std::vector<std::string> RunFolder::replaced_names() const {
+  std::vector<std::string> old_names;
+  const OwnFiles own(folder_.string(), lock_->is_held());
+  const bool are_all = foreign_ == ForeignFiles::kReplaced;
+  for (const std::string& name : gone_) {
+    if (are_all || own.has(name)) old_names.push_back(name);
+  }
+  for (const std::string& name : names_) {
+    if (!are_all) own.require(name);
+    old_names.push_back(name);
+  }
+  return old_names;
+}
+
 void RunFolder::commit() {
-  std::vector<std::string> old_names = gone_;
-  old_names.insert(old_names.end(), names_.begin(), names_.end());
+  is_taken_over_ = true;  // what is made is not lost for a file that came meanwhile: the run can be gone on with
+  const std::vector<std::string> old_names = replaced_names();
   sync_folder(staging_.string());
   std::error_code failed;
   fs::create_directory(kept_in(staging_), failed);
@@ -237,11 +305,12 @@ void RunFolder::commit() {
   gone_.clear();
   std::error_code ignored;  // they are in nobody's way
   is_taken_over_ = false;
-  for (const fs::path& leftover : leftovers_in(folder_, staging_)) remove_tree(leftover, ignored);
+  for (const fs::path& leftover : leftovers_in(folder_, lock_->is_held(), staging_)) remove_tree(leftover, ignored);
 }
 
 void remove_stagings_of_ended_runs(const std::string& folder) {
-  for (const fs::path& leftover : leftovers_in(folder)) {
+  const std::unique_ptr<FolderLock> lock = lock_of(folder);
+  for (const fs::path& leftover : leftovers_in(folder, lock != nullptr)) {
     std::error_code failed;
     remove_tree(leftover, failed);
     if (failed) throw FileError(leftover.string(), "cannot be removed: " + failed.message());
@@ -252,8 +321,9 @@ UnfinishedRun unfinished_run_in(const std::string& folder, const char* file) {
   UnfinishedRun newest;
   fs::file_time_type newest_time = fs::file_time_type::min();
   std::error_code ignored;
+  const std::unique_ptr<FolderLock> lock = lock_of(folder);
   for (const Staging& staging : stagings_in(folder)) {
-    if (!staging.is_left()) {
+    if (!staging.is_left(lock != nullptr)) {
       throw UsageError(fmt::format("process {} is writing to '{}': end it first", staging.process, folder));
     }
     const bool is_of_commit = is_of_a_commit(staging.folder);
@@ -266,19 +336,10 @@ UnfinishedRun unfinished_run_in(const std::string& folder, const char* file) {
   return newest;
 }
 
-void require_no_foreign_files(const std::string& folder) {
-  const bool is_run = RunReader::is_gdtslam_run(folder);
-  const std::optional<RunFiles> run = is_run ? told_run_in(folder) : std::nullopt;
-  if (is_run && !run) return;
-  const std::vector<fs::path> leftovers = leftovers_in(folder);
-  if (std::any_of(leftovers.begin(), leftovers.end(), is_of_a_commit)) return;
-  for (const char* name : kRunFiles) {
-    if (run && (run->has(name) || name == std::string_view(kReportFile))) continue;
-    std::error_code ignored;  // what cannot be asked about shows when it cannot be replaced
-    if (!fs::exists(fs::symlink_status(fs::path(folder) / name, ignored))) continue;
-    throw UsageError(fmt::format(
-        "--output: '{}' holds a {} that no run wrote; give another folder, or --force to replace it", folder, name));
-  }
+void require_no_foreign_files(const std::string& folder, std::span<const std::string> besides) {
+  const OwnFiles own(folder, lock_of(folder) != nullptr);
+  for (const char* name : kRunFiles) own.require(name);
+  for (const std::string& name : besides) own.require(name);
 }
 
 bool is_file_of_a_run(std::string_view name) {

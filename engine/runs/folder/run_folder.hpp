@@ -7,8 +7,10 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,11 +19,17 @@
 
 namespace gdtslam {
 
+/// What becomes of files that have the name of one that a run writes or takes away, and are of nobody knows whom.
+enum class ForeignFiles : std::uint8_t {
+  kKept,  ///< nothing is committed where one is in the way
+  kReplaced,
+};
+
 class RunFolder {
  public:
   /// Makes the folder if need be, and the staging folder, so that a place that cannot be written shows before the work
   /// is done. Throws FileError, as commit() does; UsageError where somebody writes to the folder.
-  explicit RunFolder(const std::string& path);
+  explicit RunFolder(const std::string& path, ForeignFiles foreign = ForeignFiles::kKept);
   /// Takes over what a killed run left in that folder, its staging folder. Throws likewise.
   RunFolder(const std::string& path, const std::filesystem::path& leftover);
   RunFolder(const RunFolder&) = delete;
@@ -38,7 +46,7 @@ class RunFolder {
   [[nodiscard]] std::string staged_path(std::string_view name) const { return (staging_ / name).string(); }
   /// This run makes no such file: one that an earlier run left goes with commit().
   void without(std::string_view name) { gone_.emplace_back(name); }
-  /// Every staged file takes its name.
+  /// Every staged file takes its name. Throws UsageError where that is one of a file of somebody else.
   void commit();
 
   /// Of all that is staged, in the order in which they were asked for.
@@ -49,6 +57,7 @@ class RunFolder {
 
  private:
   void move(const std::filesystem::path& from, const std::filesystem::path& to, const std::string& name) const;
+  [[nodiscard]] std::vector<std::string> replaced_names() const;
   void replace(const std::vector<std::string>& old_names);
   [[nodiscard]] std::string put_back(const std::vector<std::string>& old_names) const;
   /// In the handler of what ended the commit, which is thrown again with what cannot be undone.
@@ -71,6 +80,7 @@ class RunFolder {
   std::optional<MadeFolder> made_;  ///< nothing where the folder was taken over
   std::filesystem::path staging_;
   std::optional<FolderLock> lock_;
+  ForeignFiles foreign_ = ForeignFiles::kKept;
   std::vector<std::string> names_;
   std::vector<std::string> gone_;
   std::size_t given_ = 0;  ///< of names_, in the commit
@@ -92,10 +102,10 @@ struct UnfinishedRun {
 /// process that writes there lives.
 UnfinishedRun unfinished_run_in(const std::string& folder, const char* file);
 
-/// Nothing where the folder holds no file that a run would replace or remove, or where a run of this program wrote
-/// them, by what its report tells. Throws UsageError else, so that nobody loses a map.yaml or a linkage.yaml of another
-/// origin; FileError.
-void require_no_foreign_files(const std::string& folder);
+/// Nothing where the folder holds no file that a run would replace or remove, nor one of the names given, or where a
+/// run of this program wrote them, by what its report tells. Throws UsageError else, so that nobody loses a map.yaml or
+/// a linkage.yaml of another origin; FileError.
+void require_no_foreign_files(const std::string& folder, std::span<const std::string> besides = {});
 
 /// Whether a run, a merge or an edit writes files of that name.
 bool is_file_of_a_run(std::string_view name);

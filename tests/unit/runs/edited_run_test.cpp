@@ -196,7 +196,7 @@ TEST(EditedRun, PointsOfTheWorldAndAPictureForAGis) {
   std::ofstream(folder.path("foreign/map.png")) << "mine";
   request = edit_into(folder, "foreign");
   request.with_world_file = true;
-  EXPECT_THAT(edit_fault(request), HasSubstr("holds a map.png that no edit wrote"));
+  EXPECT_THAT(edit_fault(request), HasSubstr("holds a map.png that no run wrote"));
   EXPECT_EQ(test::text_of_file(folder.path("foreign/map.png")), "mine");
 }
 

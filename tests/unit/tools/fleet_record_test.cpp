@@ -19,6 +19,7 @@
 #include "engine/runs/fleet/state.hpp"
 #include "engine/runs/fleet/summary.hpp"
 #include "engine/runs/fleet/work_folder.hpp"
+#include "engine/runs/folder/folder_lock.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/fleet/runner.hpp"
@@ -274,10 +275,18 @@ TEST(RunFolderStagings, ThoseOfRunsThatEndedAreRemoved) {
   const TemporaryFolder folder("gdtslam-fleet-test");
   const std::string own = folder.path() + "/.gdtslam-staging-" + std::to_string(::getpid());
   const std::string living = folder.path() + "/.gdtslam-staging-1";
-  for (const std::string& path : {own, living}) std::filesystem::create_directories(path + "/old");
+  const std::string mine = folder.path() + "/.gdtslam-staging-1-backup";
+  for (const std::string& path : {own, living, mine}) std::filesystem::create_directories(path + "/old");
+  {
+    const FolderLock of_a_writer(folder.path());
+    remove_stagings_of_ended_runs(folder.path());
+    EXPECT_FALSE(std::filesystem::exists(own));
+    EXPECT_TRUE(std::filesystem::exists(living + "/old"));
+  }
+  // Whoever has that number by now, it holds no lock.
   remove_stagings_of_ended_runs(folder.path());
-  EXPECT_FALSE(std::filesystem::exists(own));
-  EXPECT_TRUE(std::filesystem::exists(living + "/old"));
+  EXPECT_FALSE(std::filesystem::exists(living));
+  EXPECT_TRUE(std::filesystem::exists(mine + "/old")) << "no name of the program's";
 }
 
 TEST(FleetWorkFolder, GivesARunItsNameOnce) {

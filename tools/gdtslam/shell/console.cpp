@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "engine/core/files/interruption.hpp"
 #include "engine/drawing/letters.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
@@ -91,6 +92,7 @@ void hold_standard_streams() {
 }
 
 void install_interrupt_handlers() {
+  asked_to_end = interrupted;
   g_empty_input = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
   struct sigaction action {};
   action.sa_handler = on_interrupt;

@@ -1,11 +1,11 @@
 // Standard input, a named pipe, a file: what ends by itself.
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 
+#include "engine/io/byte_source.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
 #include "live_input.hpp"
@@ -16,7 +16,7 @@ namespace {
 class StreamInput final : public LiveInput {
  public:
   explicit StreamInput(const std::string& path) : name_(path == "-" ? "standard input" : path) {
-    descriptor_ = path == "-" ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    descriptor_ = path == "-" ? STDIN_FILENO : open_to_read(path);
     if (descriptor_ < 0) throw FileError(name_, "cannot be opened: " + errno_text(errno));
   }
   ~StreamInput() override {
