@@ -1,11 +1,13 @@
 """Runs joined to sites: where they overlap, in any order, and where not."""
 
+import fcntl
 import json
+import os
 import pathlib
 import shutil
 
 import cli_support as cli
-from cli_support import LOG, RUN, SOURCE, TRUTH, command, expect, expect_exit, fresh_folder, mapped, one_error_line, scans_in
+from cli_support import LOG, RUN, SOURCE, TRUTH, command, expect, expect_exit, fresh_folder, mapped, one_error_line, scans_in, skip
 
 SITE_FILES = ("map.pgm", "map.yaml", "gdt.png", "gdt.yaml", "trajectory.tum", "keyframes.bin.gz", "graph.g2o", "covariance.csv",
               "config.yaml", "overview.png", "graph.png", "session-1.tum", "session-2.tum")
@@ -116,3 +118,106 @@ def merge_refuses_what_it_cannot_join():
     expect("map.yaml that no run wrote" in process.stderr, process.stderr)
     expect((folder / "site/1/map.yaml").read_text() == "mine\n", "a foreign file was replaced")
     expect_exit(command("merge", early, late, "-o", folder / "site", "--force", "-q"), 0)
+
+
+def two_places(folder):
+    """Runs of two places, which are a site each, and another run of the first."""
+    mapped(folder / "first", "--first", 60)
+    mapped(folder / "again", "--first", 70)
+    expect_exit(command("simulate", "corridor", "-o", folder / "other.log", "--seed", 3, "--quiet"), 0)
+    expect_exit(command("map", folder / "other.log", "-o", folder / "other", "--first", 60, "--quiet"), 0)
+    return folder / "first", folder / "again", folder / "other"
+
+
+def all_files(folder):
+    """Of the folder and those in it."""
+    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
+def refused_merge(code, words, runs, sites, *arguments, **options):
+    """It ends so, with one line, and every file is as it was."""
+    before = all_files(sites)
+    process = command("merge", *runs, "-o", sites, "-q", *arguments, **options)
+    expect_exit(process, code)
+    one_error_line(process.stderr)
+    expect(words in process.stderr, process.stderr)
+    changed = {name for name in before.keys() | all_files(sites).keys() if before.get(name) != all_files(sites).get(name)}
+    expect(not changed, f"{words}: {sorted(changed)}")
+
+
+def merge_is_all_or_nothing():
+    """Whatever is in the way of one site or of merge.json, no other site is replaced; what was made for nothing goes."""
+    folder = fresh_folder("merge_all_or_nothing")
+    first, again, other = two_places(folder)
+    sites = folder / "sites"
+    expect_exit(command("merge", first, other, "-o", sites, "-q"), 0)
+    expect(len(json.loads((sites / "merge.json").read_text())["sites"]) == 2, "not two sites")
+    kept = folder / "kept"
+    shutil.copytree(sites, kept)
+
+    def as_before():
+        shutil.rmtree(sites)
+        shutil.copytree(kept, sites)
+
+    runs = again, other
+    (sites / "2/report.json").unlink()
+    refused_merge(2, "that no run wrote", runs, sites)
+    as_before()
+    (sites / "merge.json").unlink()
+    (sites / "merge.json").mkdir()
+    refused_merge(74, "merge.json", runs, sites)
+    refused_merge(74, "merge.json", runs, sites, "--force")
+    as_before()
+    (sites / "2/map.pgm").unlink()
+    (sites / "2/map.pgm").mkdir()
+    refused_merge(74, "map.pgm", runs, sites)
+    as_before()
+    for place in (sites, sites / "2"):
+        lock = os.open(place, os.O_RDONLY)
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        refused_merge(2, "is writing to", runs, sites)
+        os.close(lock)
+    expect_exit(command("merge", *runs, "-o", sites, "-q"), 0)
+    expect_exit(command("merge", *runs, "-o", folder / "fresh", "-q"), 0)
+    for name in ("merge.json", "1/trajectory.tum", "2/map.pgm"):
+        expect((sites / name).read_bytes() == (folder / "fresh" / name).read_bytes(), name)
+    expect(sorted(all_files(sites)) == sorted(all_files(folder / "fresh")), "files of the earlier merge stay")
+    process = command("merge", *runs, "-o", "", "-q", cwd=folder)
+    expect_exit(process, 2)
+    one_error_line(process.stderr)
+    if cli.IS_SANITIZED:
+        skip("the library that lets calls fail is not preloaded into a sanitized program")
+    for on in (False, True):
+        process = command("merge", *runs, "-o", folder / "new", "-q", env=cli.failing_calls("write,sync", 1, on=on))
+        expect_exit(process, 74)
+        expect(not (folder / "new").exists(), "a folder that was made for nothing is still there")
+    as_before()
+    count = cli.calls_counted("write,sync", "merge", *runs, "-o", folder / "counted", "-q")
+    calls = [("write,sync", k) for k in [*range(1, count - 12, max(1, count // 8)), *range(count - 12, count + 1)]]
+    renames = cli.calls_counted("rename", "merge", *runs, "-o", folder / "counted", "-q")
+    for kind, failing in calls + [("rename", k) for k in range(renames % 8, renames + 1, 8)]:
+        process = command("merge", *runs, "-o", sites, "-q", env=cli.failing_calls(kind, failing, on=kind != "rename"))
+        expect_exit(process, 74)
+        one_error_line(process.stderr)
+        expect(all_files(sites) == all_files(kept), f"{kind} {failing} of {count} or {renames}: the sites changed")
+
+
+def merge_keeps_foreign_files():
+    """Files of a merge's names that none wrote: 2, and they are as they were; others stay beside the new ones."""
+    folder = fresh_folder("merge_foreign")
+    first, again, other = two_places(folder)
+    sites = folder / "sites"
+    for name in ("merge.json", "1/session-1.tum", "1/changes.png", "2/changes.svg"):
+        shutil.rmtree(sites, ignore_errors=True)
+        (sites / name).parent.mkdir(parents=True)
+        (sites / name).write_text('{"sites": "mine"}\n')
+        refused_merge(2, pathlib.Path(name).name, (first, other), sites)
+    expect_exit(command("merge", first, other, "-o", sites, "-q", "--force"), 0)
+    expect(not (sites / "2/changes.svg").exists(), "a file of a run's name that no run wrote is still there")
+    files = sorted(all_files(sites))
+    for name in ("keepout.png", "1/keepout.png", "1/session-7.tum"):
+        (sites / name).write_text("mine\n")
+    expect_exit(command("merge", again, other, "-o", sites, "-q"), 0)
+    expect(sorted(all_files(sites)) == sorted([*files, "keepout.png", "1/keepout.png", "1/session-7.tum"]), "others' files")
+    (sites / "1/changes.png").write_text("mine\n")
+    refused_merge(2, "changes.png", (first, other), sites)

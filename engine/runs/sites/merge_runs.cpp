@@ -6,13 +6,12 @@
 #include <tuple>
 #include <utility>
 
-#include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/mapping/map/separate_map.hpp"
-#include "engine/runs/continuing/log_copies.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/run_pictures.hpp"
 #include "engine/runs/folder/run_report.hpp"
+#include "engine/runs/sites/merge_folder.hpp"
 #include "engine/runs/sites/site_outcome.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
@@ -82,41 +81,27 @@ MapJob job_of(const MergeRequest& request, const std::vector<const RunSession*>&
   return job;
 }
 
-std::string session_file(std::size_t k) { return "session-" + std::to_string(k + 1) + ".tum"; }
-
-// An earlier merge may have had more of them.
-void leave_out_old(RunFolder& folder, std::size_t sessions) {
-  for (std::size_t k = sessions; std::filesystem::exists(folder.file(session_file(k))); ++k) {
-    folder.without(session_file(k));
-  }
-}
-
 void draw_changes(const MergeRequest& request, const JoinedSite& joined, const MergedSite& site,
                   const std::vector<const RunSession*>& runs, RunFolder& folder, MapOutcome& outcome) {
   if (request.with_map && request.with_pictures && !joined.changes.last.empty()) {
     write_picture(folder, "changes", changes_picture_of(joined.changes, outcome.occupancy, site, runs),
                   outcome.warnings);
-    return;
   }
-  for (const char* name : {"changes.png", "changes.svg"}) folder.without(name);  // an earlier merge may have had some
 }
 
 JoinedSite write_site(const MergeRequest& request, const MergedSite& site, const std::vector<RunSession*>& joined_runs,
-                      std::size_t number) {
+                      const SiteFolder& place) {
   const std::vector<const RunSession*> runs(joined_runs.begin(), joined_runs.end());
   JoinedSite joined;
-  joined.folder = request.folder + "/" + std::to_string(number);
-  if (!request.replace_foreign_files) require_no_foreign_files(joined.folder);
+  joined.folder = place.path();
   RunTimes times;
-  RunFolder folder(joined.folder);
+  RunFolder folder(place.written());
   std::vector<Trajectory> paths;
   for (std::size_t k = 0; k < runs.size(); ++k) {
     paths.push_back(trajectory_in_site(*runs[k], site.poses[k]));
     write_tum(folder.staged(session_file(k)), paths.back());
-    joined.runs.push_back(
-        {runs[k]->folder, runs[k]->name, std::to_string(number) + "/" + session_file(k), paths.back().size()});
+    joined.runs.push_back({runs[k]->folder, runs[k]->name, place.name() + "/" + session_file(k), paths.back().size()});
   }
-  leave_out_old(folder, runs.size());
   joined.changes = take_out_changes(site, joined_runs);
   MapOutcome outcome = site_outcome(site, runs, paths);
   const MapJob job = job_of(request, runs);
@@ -130,8 +115,6 @@ JoinedSite write_site(const MergeRequest& request, const MergedSite& site, const
     mark_changes(joined.changes, outcome.occupancy);
   }
   draw_changes(request, joined, site, runs, folder, outcome);
-  for (const char* name : {"cloud.ply", "cloud.png", "linkage.yaml"}) folder.without(name);
-  LogCopies::leave_out(folder);  // of a run that lay there
   times.skip();
   check(request);
   const std::unique_ptr<Backend> cpu = make_cpu_backend({});
@@ -204,7 +187,9 @@ std::string report_of(const MergeOutcome& outcome, const std::vector<SessionEdge
 }  // namespace
 
 MergeOutcome merge_runs(const MergeRequest& request) {
+  if (request.folder.empty()) throw UsageError("--output: the folder of the results has no name");
   std::vector<RunSession> runs = read_runs(request);
+  MergeFolder results(request.folder, request.replace_foreign_files);
   std::vector<Session> sessions;
   sessions.reserve(runs.size());
   for (const RunSession& run : runs) sessions.push_back(run.session);
@@ -216,14 +201,19 @@ MergeOutcome merge_runs(const MergeRequest& request) {
     RunSearch& told = outcome.searches.emplace_back(RunSearch{runs[search.query].folder, {}, search});
     for (const std::size_t k : search.searched_in) told.searched_in.push_back(runs[k].folder);
   }
+  // All places before the first map is made: one that cannot be written shows before anything changes.
+  for (const MergedSite& site : merged.sites) results.add_site(site.sessions.size());
   for (const MergedSite& site : merged.sites) {
     std::vector<RunSession*> of_site;
     of_site.reserve(site.sessions.size());
     for (const std::size_t k : site.sessions) of_site.push_back(&runs[k]);
-    outcome.sites.push_back(write_site(request, site, of_site, outcome.sites.size() + 1));
+    SiteFolder& place = results.site(outcome.sites.size() + 1);
+    outcome.sites.push_back(write_site(request, site, of_site, place));
+    place.take_over();
   }
   outcome.report = report_of(outcome, merged.edges, runs);
-  write_file_atomically(request.folder + "/" + kMergeFile, outcome.report);
+  check(request);
+  results.commit(outcome.report);
   return outcome;
 }
 

@@ -14,16 +14,13 @@
 
 namespace gdtslam {
 
-/// In the folder that is written.
-inline constexpr const char* kMergeFile = "merge.json";
-
 struct MergeRequest {
   std::vector<std::string> runs{};  ///< folders
   std::string folder{};             ///< of the results; made if need be
   MergeOptions options{};
   bool with_map = true;  ///< the occupancy map, and the pictures of it
   bool with_pictures = true;
-  bool replace_foreign_files = false;  ///< files of a run's names in the folders of sites that no run wrote
+  bool replace_foreign_files = false;  ///< those of a run in the sites' folders that no run wrote; merge.json likewise
   unsigned threads = 1;                ///< 0: one a processor
 
   MergeProgress progress{};  ///< the step at work, and the share of it that is done
@@ -61,8 +58,7 @@ struct MergeOutcome {
   std::string report;  ///< the text of merge.json
 };
 
-/// Throws InputError, UsageError, FileError, and Error(kInterrupted) where stop() became true: then nothing is written
-/// but sites that were done.
+/// Throws InputError, UsageError, FileError, and Error(kInterrupted) where stop() became true; then nothing is written.
 MergeOutcome merge_runs(const MergeRequest& request);
 
 }  // namespace gdtslam

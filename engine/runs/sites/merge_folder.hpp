@@ -1,0 +1,79 @@
+// The folder that a merge writes to: a run folder for each site, and merge.json, which tells of them. Everything is
+// staged and on the disk before the first file of the first site gets its name. A merge that fails, whatever the
+// reason, leaves the folder as it was, or removes it where it was not there. The old merge.json is away while the sites
+// are replaced one after the other, and the new one comes last: where the process is killed meanwhile, none tells of
+// sites that do not lie there. Nobody else writes to the folder or its sites as long as the object lives. One object
+// belongs to one thread.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/runs/folder/run_folder.hpp"
+
+namespace gdtslam {
+
+/// In the folder that is written.
+inline constexpr const char* kMergeFile = "merge.json";
+
+/// The place of a site among them.
+class SiteFolder {
+ public:
+  /// For a site of so many sessions. Throws what RunFolder throws; UsageError where files of these names lie there that
+  /// no run wrote, unless they are replaced.
+  SiteFolder(const std::string& path, std::size_t sessions, bool replaces_foreign_files);
+
+  [[nodiscard]] std::string path() const { return folder_->path(); }
+  /// Its number.
+  [[nodiscard]] std::string name() const { return std::filesystem::path(path()).filename().string(); }
+  /// Where the site is written, as a run folder of its own, until take_over().
+  [[nodiscard]] std::string written() const { return folder_->staged_path("site"); }
+  /// All files of the run that was written there are staged in place of those of the run that lies here. Throws
+  /// FileError where one of them cannot be replaced.
+  void take_over();
+  /// Throws what RunFolder::commit() throws.
+  void commit();
+  /// The old files have their names again after commit(). Says what cannot be undone, and then keeps them.
+  std::string undo();
+
+ private:
+  void leave_out_old();
+  void require_replaceable() const;
+
+  std::vector<std::string> names_;
+  std::vector<std::string> gone_;
+  bool replaces_foreign_files_;
+  std::unique_ptr<RunFolder> folder_;
+};
+
+/// "session-1.tum": the path of a site's first run, counted from 0.
+std::string session_file(std::size_t run);
+
+class MergeFolder {
+ public:
+  /// Makes the folder if need be. Throws what RunFolder throws; UsageError where it holds a merge.json that no
+  /// merge wrote, unless that is replaced.
+  MergeFolder(const std::string& path, bool replaces_foreign_files);
+
+  /// The next site's folder, numbered from 1. Throws what SiteFolder throws.
+  SiteFolder& add_site(std::size_t sessions);
+  [[nodiscard]] SiteFolder& site(std::size_t number) { return sites_.at(number - 1); }
+  /// All sites, which were taken over, get their names, and then merge.json of that text. Throws FileError.
+  void commit(std::string_view report);
+
+ private:
+  void set_old_report_aside() const;
+  std::string put_back(std::size_t committed);
+
+  std::string path_;
+  bool replaces_foreign_files_;
+  RunFolder folder_;
+  std::deque<SiteFolder> sites_;
+};
+
+}  // namespace gdtslam
