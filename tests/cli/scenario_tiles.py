@@ -5,7 +5,7 @@ import re
 import shutil
 
 import cli_support as cli
-from cli_support import LOG, RUN, command, expect, expect_exit, fresh_folder, mapped, one_error_line
+from cli_support import LOG, RUN, command, expect, expect_exit, fresh_folder, mapped, one_error_line, skip
 
 
 def levels_of(yaml):
@@ -103,6 +103,62 @@ def tiles_refuses_what_it_cannot_make():
     expect("other keyframes" in process.stderr, process.stderr)
     (run / "tiles/index.json").write_text("{")
     expect_exit(command("tiles", run, "--only", "0,0"), 65)
+
+
+def tiles_take_their_place_whole():
+    """A rename that fails or is not lived through leaves the old tiles, at the latest when tiles are made again; nothing else
+    stays; files of others among the tiles do."""
+    folder = fresh_folder("tiles_place")
+    run = folder / "run"
+    mapped(run, "--first", 40)
+    expect_exit(command("tiles", run, "-q"), 0)
+    tiles = run / "tiles"
+    made = {path.name: path.read_bytes() for path in tiles.iterdir()}
+    (tiles / "keepout_0_0.png").write_text("mine\n")
+    (tiles / "masks").mkdir()
+    for name in (".gdtslam-tiles-mine", ".gdtslam-tiles-12x", ".gdtslam-tiles-12-old-", ".gdtslam-tiles-"):
+        (run / name).mkdir()
+    for name in (".gdtslam-tiles-1234567", ".gdtslam-tiles-1234568-old"):
+        (run / name).mkdir()
+        (run / name / "map_0_0.png").write_bytes(b"cut")
+    others = {"keepout_0_0.png", "masks"}
+
+    def expect_tiles():
+        expect({path.name for path in tiles.iterdir()} == others | made.keys(), f"{sorted(path.name for path in tiles.iterdir())}")
+        expect(all((tiles / name).read_bytes() == data for name, data in made.items()), "other tiles")
+        expect((tiles / "keepout_0_0.png").read_text() == "mine\n", "a file of somebody else is another")
+
+    def left():
+        return {path.name for path in run.glob(".gdtslam-tiles-*")}
+
+    expect_exit(command("tiles", run, "-q"), 0)
+    expect_tiles()
+    expect(left() == {".gdtslam-tiles-mine", ".gdtslam-tiles-12x", ".gdtslam-tiles-12-old-", ".gdtslam-tiles-"}, f"{left()}")
+    for name in left():
+        (run / name).rmdir()
+    if cli.IS_SANITIZED:
+        skip("the library that lets calls fail is not preloaded into a sanitized program")
+    index = json.loads(made["index.json"])
+    only = f"{index['tiles'][0]['x']},{index['tiles'][0]['y']}"
+    last = cli.calls_counted("rename", "tiles", run, "-q") - len(others)  # the new tiles get their name
+    for at, on, words in ((last - 2, False, ""), (last - 1, False, "cannot be replaced"), (last, False, "cannot be replaced"),
+                          (last, True, "put back")):
+        process = command("tiles", run, "-q", env=cli.failing_calls("rename", at, "EIO", on=on))
+        expect_exit(process, 74)
+        one_error_line(process.stderr)
+        expect(words in process.stderr, process.stderr)
+        if not on:
+            expect_tiles()
+            expect(not left(), f"rename {at}: {left()}")
+    expect(not tiles.exists() and len(left()) == 1, f"{left()}")
+    expect_exit(command("tiles", run, "--only", only, "-q"), 0)
+    expect_tiles()
+    for at in (last - 1, last, last + 1, last + 2):
+        process = command("tiles", run, "-q", env=cli.failing_calls("rename", at, "kill-before"))
+        expect(process.returncode < 0 and left(), f"rename {at}: exit {process.returncode}")
+        expect_exit(command("tiles", run, "--only", only, "-q"), 0)
+        expect_tiles()
+        expect(not left(), f"rename {at}: {left()}")
 
 
 def map_writes_tiles_where_one_piece_is_too_large():

@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <filesystem>
 #include <optional>
+#include <string_view>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "engine/core/files/folder_calls.hpp"
 #include "engine/core/files/retried.hpp"
@@ -20,11 +22,71 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::string_view kNewPrefix = ".gdtslam-tiles-";
+constexpr std::string_view kOldSuffix = "-old";
+
+bool is_there(const fs::path& path) {
+  std::error_code ignored;  // what cannot be asked about shows when it cannot be replaced
+  return fs::exists(fs::symlink_status(path, ignored));
+}
+
+// Files among old tiles that are none move to the new ones. False where one cannot: then the old ones stay.
+bool carry_over_foreign(const fs::path& old, const fs::path& place) {
+  std::error_code failed;
+  bool is_done = true;
+  for (const fs::path& file : list_folder(old, failed)) {
+    const std::string name = file.filename().string();
+    if (is_tile_file(name)) continue;
+    std::error_code kept;
+    if (!is_there(place / name)) fs::rename(file, place / name, kept);
+    is_done = is_done && !kept;
+  }
+  return is_done && !failed;
+}
+
+/// What processes left that were killed as they made tiles of the run.
+struct LeftTiles {
+  std::vector<fs::path> unfinished;
+  std::vector<fs::path> old;  ///< tiles that were away while new ones took their place
+};
+
+LeftTiles left_tiles_in(const std::string& run) {
+  LeftTiles left;
+  std::error_code ignored;  // what cannot be listed is not in the way
+  for (const fs::path& path : list_folder(run, ignored)) {
+    const std::string name = path.filename().string();
+    if (!name.starts_with(kNewPrefix)) continue;
+    std::string_view process = std::string_view(name).substr(kNewPrefix.size());
+    const bool is_old = process.ends_with(kOldSuffix);
+    if (is_old) process.remove_suffix(kOldSuffix.size());
+    if (process.empty() || process.find_first_not_of("0123456789") != std::string_view::npos) continue;
+    (is_old ? left.old : left.unfinished).push_back(path);
+  }
+  return left;
+}
+
+// Who has the run's lock is the only one that makes tiles of it. Where one was killed after the old tiles had lost
+// their name, they get it back.
+void clear_left_tiles(const std::string& run) {
+  const fs::path place = fs::path(run) / kTileFolder;
+  const LeftTiles left = left_tiles_in(run);
+  std::error_code failed;
+  for (const fs::path& old : left.old) {
+    if (is_there(place) || !is_tile_folder(old.string())) continue;
+    fs::rename(old, place, failed);
+    if (failed) throw FileError(place.string(), "cannot be put back: " + failed.message());
+  }
+  for (const fs::path& old : left.old) {
+    if (is_there(old) && carry_over_foreign(old, place)) remove_tree(old, failed);
+  }
+  for (const fs::path& unfinished : left.unfinished) remove_tree(unfinished, failed);
+}
+
 /// A folder beside the tiles in which new ones are made; gone with the object unless it took their place.
 class NewTiles {
  public:
   explicit NewTiles(const std::string& run)
-      : place_(fs::path(run) / kTileFolder), folder_(fs::path(run) / fmt::format(".gdtslam-tiles-{}", ::getpid())) {
+      : place_(fs::path(run) / kTileFolder), folder_(fs::path(run) / fmt::format("{}{}", kNewPrefix, ::getpid())) {
     std::error_code failed;
     remove_tree(folder_, failed);
     if (!fs::create_directory(folder_, failed)) throw FileError(run, "cannot be written to: " + failed.message());
@@ -39,17 +101,26 @@ class NewTiles {
   }
   [[nodiscard]] std::string folder() const { return folder_.string(); }
   [[nodiscard]] std::string place() const { return place_.string(); }
-  // The old ones go once the new ones have their name.
+  // The old ones go once the new ones have their name, but for files of others among them.
   void take_place() const {
-    const fs::path old = folder_.string() + "-old";
+    const fs::path old = folder_.string() + std::string(kOldSuffix);
+    const bool has_old = is_there(place_);
     std::error_code failed;
-    if (fs::exists(place_)) fs::rename(place_, old, failed);
-    if (!failed) fs::rename(folder_, place_, failed);
+    if (has_old) fs::rename(place_, old, failed);
     if (failed) throw FileError(place(), "cannot be replaced: " + failed.message());
-    remove_tree(old, failed);
+    fs::rename(folder_, place_, failed);
+    if (failed) throw FileError(place(), "cannot be replaced: " + failed.message() + (has_old ? put_back(old) : ""));
+    if (has_old && carry_over_foreign(old, place_)) remove_tree(old, failed);
   }
 
  private:
+  // Says what cannot be undone.
+  [[nodiscard]] std::string put_back(const fs::path& old) const {
+    std::error_code failed;
+    fs::rename(old, place_, failed);
+    return failed ? fmt::format("; nor can {} be put back: {}", old.string(), failed.message()) : std::string();
+  }
+
   fs::path place_;
   fs::path folder_;
 };
@@ -97,6 +168,10 @@ TilesOutcome make_some(const TilesRequest& request, const TileMaker& maker, Tile
 }  // namespace
 
 TilesOutcome make_tiles(const TilesRequest& request) {
+  // A folder that is none, or cannot be read, is told of as by any reader; and then the run is read once nobody else
+  // writes to it.
+  static_cast<void>(RunReader(request.run));
+  const FolderLock lock(request.run);
   const RunReader reader(request.run);
   const std::optional<RunKeyframes> kept = reader.keyframes();
   if (!kept) {
@@ -113,11 +188,12 @@ TilesOutcome make_tiles(const TilesRequest& request) {
   };
   const std::string& hash = *reader.summary().keyframes_sha256;
   const std::string place = request.run + "/" + kTileFolder;
-  const FolderLock lock(request.run);
+  clear_left_tiles(request.run);
   if (!request.only.empty()) return make_some(request, maker, index_with(place, hash), place, progress);
   require_own(place);
   const NewTiles fresh(request.run);
   MadeTiles made = write_tiles(fresh.folder(), maker, hash, settings.mapper.map.resolution_m, progress);
+  reader.files().expect_unchanged();
   fresh.take_place();
   const std::size_t count = made.index.tiles.size();
   return {fresh.place(), std::move(made.index), count, {}};

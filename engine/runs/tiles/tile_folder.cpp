@@ -29,6 +29,11 @@ std::string file_of(const std::string& folder, const char* what, CellIndex place
   return fmt::format("{}/{}_{}.yaml", folder, what, name_of_tile(place));
 }
 
+bool is_whole_number(std::string_view text) {
+  if (text.starts_with("-")) text.remove_prefix(1);
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
 /// The index as somebody may have edited it.
 class IndexReader {
  public:
@@ -88,6 +93,19 @@ void write_tile_index(const std::string& folder, const TileIndex& index) {
         {{"x", tile.place.x}, {"y", tile.place.y}, {"keyframes", tile.keyframes}, {"gdt_sha256", tile.sha256}});
   }
   write_json(folder + "/" + kTileIndex, json);
+}
+
+bool is_tile_file(std::string_view name) {
+  if (name == kTileIndex || (name.starts_with(".") && name.ends_with(".tmp"))) return true;
+  if (!name.starts_with("gdt_") && !name.starts_with("map_")) return false;
+  for (const std::string_view ending : {".yaml", ".png"}) {
+    if (!name.ends_with(ending)) continue;
+    const std::string_view place = name.substr(4, name.size() - 4 - ending.size());
+    const std::size_t between = place.find('_');
+    return between != std::string_view::npos && is_whole_number(place.substr(0, between)) &&
+           is_whole_number(place.substr(between + 1));
+  }
+  return false;
 }
 
 bool is_tile_folder(const std::string& folder) {

@@ -36,6 +36,8 @@ void write_tile_index(const std::string& folder, const TileIndex& index);
 TileIndex read_tile_index(const std::string& folder);
 /// Whether that folder has an index of tiles, which need not be whole.
 bool is_tile_folder(const std::string& folder);
+/// Whether files of tiles have such names: the index, and what write_tile() writes.
+bool is_tile_file(std::string_view name);
 /// Of all cells of all tiles.
 std::string sha256_of(const TileIndex& index);
 /// Around all tiles.

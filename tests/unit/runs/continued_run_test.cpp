@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/runs/folder/folder_lock.hpp"
 #include "engine/runs/folder/run_reader.hpp"
 #include "engine/runs/folder/run_recording.hpp"
 #include "engine/runs/retiling/make_tiles.hpp"
@@ -207,6 +208,28 @@ TEST(TilesOfARun, AreMadeAllAndSingly) {
   request.stop = {};
   EXPECT_THROW(make_tiles(request), UsageError);
   EXPECT_TRUE(fs::exists(folder.path("run/tiles/mine.txt")));
+}
+
+TEST(TilesOfARun, StayWhereTheRunIsReplacedMeanwhile) {
+  const test::RunsFolder folder("tiled-meanwhile");
+  fs::copy(ring_run().folder, folder.path("run"), fs::copy_options::recursive);
+  TilesRequest request{.run = folder.path("run"), .only = {}, .progress = {}, .stop = {}};
+  make_tiles(request);
+  const fs::file_time_type before = fs::last_write_time(folder.path("run/tiles/index.json"));
+  const std::string report = folder.path("run/report.json");
+  bool is_locked = false;
+  request.progress = [&](double) {
+    try {
+      const FolderLock lock(request.run);
+    } catch (const UsageError&) {
+      is_locked = true;
+    }
+    fs::copy_file(report, report + ".new", fs::copy_options::overwrite_existing);
+    fs::rename(report + ".new", report);  // by who does not ask for the lock
+  };
+  EXPECT_THROW(make_tiles(request), InputError);
+  EXPECT_TRUE(is_locked);
+  EXPECT_EQ(fs::last_write_time(folder.path("run/tiles/index.json")), before);
 }
 
 TEST(RecordingOfARun, HasEachScanAndItsPose) {
