@@ -182,9 +182,6 @@ def merge_is_all_or_nothing():
     for name in ("merge.json", "1/trajectory.tum", "2/map.pgm"):
         expect((sites / name).read_bytes() == (folder / "fresh" / name).read_bytes(), name)
     expect(sorted(all_files(sites)) == sorted(all_files(folder / "fresh")), "files of the earlier merge stay")
-    process = command("merge", *runs, "-o", "", "-q", cwd=folder)
-    expect_exit(process, 2)
-    one_error_line(process.stderr)
     if cli.IS_SANITIZED:
         skip("the library that lets calls fail is not preloaded into a sanitized program")
     for on in (False, True):
@@ -221,3 +218,24 @@ def merge_keeps_foreign_files():
     expect(sorted(all_files(sites)) == sorted([*files, "keepout.png", "1/keepout.png", "1/session-7.tum"]), "others' files")
     (sites / "1/changes.png").write_text("mine\n")
     refused_merge(2, "changes.png", (first, other), sites)
+
+
+def outputs_without_a_name():
+    """An empty name of what is to be written, as of a variable that nobody set: 2 or 74, one line, and nothing is written."""
+    folder = fresh_folder("outputs_without_a_name")
+    mapped(folder / "run", "--first", 40)
+    mapped(folder / "again", "--first", 45)
+    (folder / "here").mkdir()
+    run, root = folder / "run", sorted(os.listdir("/"))
+    for words in (("merge", run, folder / "again"), ("merge", run, folder / "again", "--force"), ("edit", run, "--origin", "1,1"),
+                  ("fleet", "plan", LOG), ("convert", LOG), ("convert", LOG, "--format", "carmen"), ("reproduce",), ("render", run),
+                  ("simulate", "corridor")):
+        if command(words[0], "--help").returncode != 0:  # not in this build
+            continue
+        process = command(*words, "-o", "", cwd=folder / "here")
+        expect(process.returncode in ((2,) if words[0] in ("merge", "render") else (2, 74)), f"{words}: {process.returncode} {process.stderr}")
+        one_error_line(process.stderr)
+        expect(not list((folder / "here").iterdir()) and sorted(os.listdir("/")) == root, f"{words}: something was written")
+    process = command("tiles", "", cwd=folder / "here")
+    expect_exit(process, 65)
+    one_error_line(process.stderr)

@@ -315,6 +315,7 @@ void add_render_command(CLI::App& app, CommandContext& context) {
           "-o,--output", chosen->output,
           "File, by its ending: .png .jpg .svg .pdf, films .mp4 .gif, frames DIR/ or f%04d.png,\na page .html, the "
           "cloud .glb .gltf .ply .pcd, a linkage .glb .gltf\n[<name>-<view>.png here]")
+      ->check([](const std::string& file) { return std::string(file.empty() ? "the file has no name" : ""); })
       ->type_name("FILE");
   CLI::Option* const view = command->add_option("--view", chosen->view, "What is drawn (see --list-views)");
   std::vector<std::string> views;
