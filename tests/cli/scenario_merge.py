@@ -233,7 +233,8 @@ def outputs_without_a_name():
         if command(words[0], "--help").returncode != 0:  # not in this build
             continue
         process = command(*words, "-o", "", cwd=folder / "here")
-        expect(process.returncode in ((2,) if words[0] in ("merge", "render") else (2, 74)), f"{words}: {process.returncode} {process.stderr}")
+        codes = (2,) if words[0] in ("merge", "render") else (2, 74)
+        expect(process.returncode in codes, f"{words}: exit {process.returncode}, {process.stderr}")
         one_error_line(process.stderr)
         expect(not list((folder / "here").iterdir()) and sorted(os.listdir("/")) == root, f"{words}: something was written")
     process = command("tiles", "", cwd=folder / "here")

@@ -95,11 +95,9 @@ const std::string& checked_folder(const std::string& folder, bool replaces_forei
 }
 
 // What others refer to before the YAML that refers to it, and last the report, without which a folder is no run.
-std::vector<std::string> names_in_order(const fs::path& folder) {
-  std::error_code failed;
+std::vector<std::string> names_in_order(const fs::path& folder, std::error_code& failed) {
   std::vector<std::string> names;
   for (const fs::path& file : list_folder(folder, failed)) names.push_back(file.filename().string());
-  if (failed) throw FileError(folder.string(), "cannot be read: " + failed.message());
   const auto key = [](const std::string& name) {
     return std::make_tuple(name == kReportFile, name.ends_with(".yaml"), std::cref(name));
   };
@@ -145,8 +143,10 @@ void SiteFolder::require_replaceable() const {
 void SiteFolder::take_over() {
   leave_out_old();
   const fs::path from = written();
-  for (const std::string& name : names_in_order(from)) {
-    std::error_code failed;
+  std::error_code failed;
+  const std::vector<std::string> names = names_in_order(from, failed);
+  if (failed) throw FileError(path(), "cannot be read: " + failed.message());
+  for (const std::string& name : names) {
     fs::rename(from / name, folder_->staged(name), failed);
     if (failed) throw FileError(folder_->file(name), "cannot be written: " + failed.message());
   }
@@ -158,23 +158,21 @@ void SiteFolder::commit() {
   folder_->commit();
 }
 
-// A committed run folder has the old files beside the staged ones until it is gone itself.
+// A committed run folder has the old files beside the staged ones until it is gone itself. They are listed before a new
+// one is removed, for that may fail.
 std::string SiteFolder::undo() {
-  std::string problems;
+  const fs::path old = folder_->staged_path("old");
   std::error_code failed;
+  const std::vector<std::string> old_names = names_in_order(old, failed);
+  std::string problems;
+  if (failed) problems = fmt::format("; nor can {} be read: {}", old.string(), failed.message());
   for (auto name = names_.rbegin(); name != names_.rend() && problems.empty(); ++name) {
     remove_tree(folder_->file(*name), failed);
     if (failed) problems = fmt::format("; nor can {} be removed again: {}", folder_->file(*name), failed.message());
   }
-  const fs::path old = folder_->staged_path("old");
-  for (const fs::path& file : list_folder(old, failed)) {
-    if (!problems.empty() || file.filename() == kReportFile) continue;
-    fs::rename(file, folder_->file(file.filename().string()), failed);
-    if (failed) problems = fmt::format("; nor can {} be put back: {}", file.string(), failed.message());
-  }
-  if (problems.empty() && lies_there(old / kReportFile)) {
-    fs::rename(old / kReportFile, folder_->file(kReportFile), failed);
-    if (failed) problems = fmt::format("; nor can {} be put back: {}", (old / kReportFile).string(), failed.message());
+  for (auto name = old_names.begin(); name != old_names.end() && problems.empty(); ++name) {
+    fs::rename(old / *name, folder_->file(*name), failed);
+    if (failed) problems = fmt::format("; nor can {} be put back: {}", (old / *name).string(), failed.message());
   }
   // NOLINTNEXTLINE(bugprone-unused-return-value): with its destructor it would remove the only copy
   if (!problems.empty()) static_cast<void>(folder_.release());
