@@ -194,7 +194,15 @@ MapResult map_prepared(RunFolder& folder, const MapRequest& request, const MapJo
   return map_into(folder, request, job, &nodding, backend, std::move(start), times);
 }
 
-// `continued` is null for a new run.
+std::unique_ptr<RunFolder> new_folder(const MapRequest& request) {
+  const ForeignFiles foreign = request.replace_foreign_files ? ForeignFiles::kReplaced : ForeignFiles::kKept;
+  auto folder = std::make_unique<RunFolder>(request.folder, foreign, RunFolder::Leftovers::kKept);
+  if (request.folder_taken) request.folder_taken(folder->staging());
+  return folder;
+}
+
+// `continued` is null for a new run. Whoever maps live may wait long for the first scan, and a folder that cannot be
+// had shows before.
 MapResult map_opened(const MapRequest& request, const MapJob& job, const BackendOfRun& backend_of,
                      const Continuation* continued) {
   RunTimes times;
@@ -204,6 +212,8 @@ MapResult map_opened(const MapRequest& request, const MapJob& job, const Backend
   if (continued != nullptr) {
     folder = folder_to_continue(*continued, request.folder);
     copies.write_into(*folder);
+  } else if (request.scan_mapped) {
+    folder = new_folder(request);
   }
   ScanStream::OpenLog open;
   if (request.with_copies) {
@@ -215,9 +225,9 @@ MapResult map_opened(const MapRequest& request, const MapJob& job, const Backend
   const NodKind kind = kept.prepared ? kept.prepared->nods : nod_kind_of_start(request, scans);
   Backend& backend =
       backend_of(kind != NodKind::kNone || matcher_info(job.mapper.match.matcher).place == MatcherPlace::kDevice);
-  if (!folder) {
-    folder = std::make_unique<RunFolder>(request.folder,
-                                         request.replace_foreign_files ? ForeignFiles::kReplaced : ForeignFiles::kKept);
+  if (!folder) folder = new_folder(request);
+  if (continued == nullptr) {
+    folder->remove_leftovers();
     if (request.with_copies) copies.write_into(*folder);
   }
   if (!kept.prepared) {

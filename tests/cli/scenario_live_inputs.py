@@ -260,6 +260,7 @@ def live_snapshots():
     process.communicate()
     expect(rows() == 80, "the snapshot is gone with the process")
     expect_exit(cli.command("map", "--continue", run, "-o", run, "-q"), 0)
+    expect(not (run / "snapshot").exists(), "the snapshot is left beside the run that was gone on with")
     # The copy is written in blocks: the last scans may be missing from it.
     kept = sum(not line.startswith("#") for line in (run / "trajectory.tum").read_text().splitlines())
     expect(60 <= kept <= 80, f"of 80 scans {kept} are left")

@@ -21,6 +21,7 @@
 #include "gdtslam/core/error.hpp"
 #include "run_files.hpp"
 #include "run_reader.hpp"
+#include "snapshot_folder.hpp"
 
 namespace gdtslam {
 namespace {
@@ -96,7 +97,10 @@ void remove_by_name(const fs::path& staging) {
 }
 
 // Whether a folder is one that a run makes, by what it holds.
-bool is_of_a_run(const fs::path& folder) { return folder.filename() == kTileFolder && is_tile_folder(folder.string()); }
+bool is_of_a_run(const fs::path& folder) {
+  return (folder.filename() == kTileFolder && is_tile_folder(folder.string())) ||
+         (folder.filename() == kSnapshotFolder && is_snapshot(folder.string()));
+}
 
 // The run there, where its report tells of its files: what it does not tell of is not the program's to remove.
 std::optional<RunFiles> told_run_in(const std::string& folder) {
@@ -167,30 +171,38 @@ std::string utc_time() {
 
 }  // namespace
 
-RunFolder::MadeFolder::MadeFolder(const fs::path& path) : path_(path) {
+RunFolder::MadeFolder::MadeFolder(const fs::path& path) {
   std::error_code ignored;
-  is_new_ = !fs::exists(path_, ignored);
-  make_folder(path_.string());
+  for (fs::path made = path; !made.empty() && !fs::exists(made, ignored); made = made.parent_path()) {
+    made_.push_back(made);
+  }
+  make_folder(path.string());
 }
 
 RunFolder::MadeFolder::~MadeFolder() {
   std::error_code ignored;
-  if (is_new_) fs::remove(path_, ignored);  // succeeds only when it is empty
+  for (const fs::path& made : made_) fs::remove(made, ignored);  // succeeds only when it is empty
 }
 
-RunFolder::RunFolder(const std::string& path, ForeignFiles foreign) : folder_(path), foreign_(foreign) {
+RunFolder::RunFolder(const std::string& path, ForeignFiles foreign, Leftovers leftovers)
+    : folder_(path), foreign_(foreign) {
   made_.emplace(folder_);
   lock_.emplace(folder_);
-  std::error_code ignored;
+  if (leftovers == Leftovers::kRemoved) remove_leftovers();
   std::error_code failed;
-  for (const fs::path& leftover : leftovers_in(folder_, lock_->is_held())) {
-    if (!is_of_a_commit(leftover)) remove_tree(leftover, ignored);
-  }
   staging_ = folder_ / fmt::format("{}{}", kStagingPrefix, ::getpid());
-  if (is_of_a_commit(staging_)) set_aside(staging_);
+  const bool is_kept = leftovers == Leftovers::kKept || is_of_a_commit(staging_);
+  if (is_kept && fs::exists(staging_, failed)) set_aside(staging_);
   remove_tree(staging_, failed);
   if (!fs::create_directory(staging_, failed)) {
     throw FileError(path, "cannot be written to: " + failed.message());
+  }
+}
+
+void RunFolder::remove_leftovers() const {
+  std::error_code ignored;
+  for (const fs::path& leftover : leftovers_in(folder_, lock_->is_held(), staging_)) {
+    if (!is_of_a_commit(leftover)) remove_tree(leftover, ignored);
   }
 }
 

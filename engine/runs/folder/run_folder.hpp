@@ -27,9 +27,12 @@ enum class ForeignFiles : std::uint8_t {
 
 class RunFolder {
  public:
+  /// What killed runs left in the folder, which they could be gone on with from.
+  enum class Leftovers { kRemoved, kKept };
   /// Makes the folder if need be, and the staging folder, so that a place that cannot be written shows before the work
   /// is done. Throws FileError, as commit() does; UsageError where somebody writes to the folder.
-  explicit RunFolder(const std::string& path, ForeignFiles foreign = ForeignFiles::kKept);
+  explicit RunFolder(const std::string& path, ForeignFiles foreign = ForeignFiles::kKept,
+                     Leftovers leftovers = Leftovers::kRemoved);
   /// Takes over what a killed run left in that folder, its staging folder. Throws likewise.
   RunFolder(const std::string& path, const std::filesystem::path& leftover);
   RunFolder(const RunFolder&) = delete;
@@ -38,12 +41,17 @@ class RunFolder {
   /// over stays, so that the run can be gone on with once more.
   ~RunFolder();
 
+  /// What was kept at first, but for what is left of a commit, which goes with the next one.
+  void remove_leftovers() const;
+
   /// Where to write the file of that name until commit().
   std::string staged(std::string_view name);
   /// Where to write the files of a folder of that name, which is made.
   std::string staged_folder(std::string_view name);
   /// Where that file is until then, without that it becomes one of the run.
   [[nodiscard]] std::string staged_path(std::string_view name) const { return (staging_ / name).string(); }
+  /// What lies there goes with the object, but for what is staged.
+  [[nodiscard]] std::string staging() const { return staging_.string(); }
   /// This run makes no such file: one that an earlier run left goes with commit().
   void without(std::string_view name) { gone_.emplace_back(name); }
   /// Every staged file takes its name. Throws UsageError where that is one of a file of somebody else.
@@ -63,7 +71,8 @@ class RunFolder {
   /// In the handler of what ended the commit, which is thrown again with what cannot be undone.
   [[noreturn]] void undo(const std::vector<std::string>& old_names);
 
-  /// Makes the folder; gone with the object where it was not there before and nothing came into it.
+  /// Makes the folder, and those that it lies in; gone with the object where they were not there before and nothing
+  /// came into them.
   class MadeFolder {
    public:
     explicit MadeFolder(const std::filesystem::path& path);
@@ -72,8 +81,7 @@ class RunFolder {
     ~MadeFolder();
 
    private:
-    std::filesystem::path path_;
-    bool is_new_ = false;
+    std::vector<std::filesystem::path> made_;  ///< with those that it lies in, the innermost first
   };
 
   std::filesystem::path folder_;

@@ -13,6 +13,7 @@
 #include "engine/io/sha256.hpp"
 #include "engine/runs/folder/run_files.hpp"
 #include "engine/runs/folder/run_pictures.hpp"
+#include "engine/runs/folder/snapshot_folder.hpp"
 #include "engine/runs/keyframes/keyframe_file.hpp"
 #include "engine/runs/loops/covariance_file.hpp"
 #include "engine/runs/loops/graph_file.hpp"
@@ -306,6 +307,7 @@ std::string write_run(RunFolder& folder, RunFacts facts, RunTimes& times, MapOut
   times.read_whole(outcome.wall_s, outcome.cpu_s);
   std::string report = json_text(run_report(facts, outcome, hashes, std::move(files), times.stages()));
   write_file_atomically(folder.staged(kReportFile), report);
+  if (is_snapshot(folder.file(kSnapshotFolder))) folder.without(kSnapshotFolder);  // of a drive that this is the end of
   folder.commit();
   return report;
 }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "engine/runs/folder/run_folder.hpp"
+#include "engine/runs/folder/snapshot_folder.hpp"
 #include "engine/runs/mapping/map_run.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/runs/map_log.hpp"
@@ -76,6 +77,7 @@ void print_summary(const MapRequest& request, const MapOutcome& outcome, std::ui
 int map_live(const DriveOptions& options) {
   let_signal_save();
   MapRequest request = request_of(options);
+  require_no_foreign_snapshot(request.folder);
   if (auto input = input_of(options)) request.live_log = live_log_of(std::move(input), options.queue);
   LineOutput output(output_rule_of(options));
   DriveRecord record(request.settings.occupancy, occupancy_limits(request.settings.mapper));
@@ -93,11 +95,11 @@ int map_live(const DriveOptions& options) {
     plan.show = [&page](const DriveState& state) { page->show(state.map, state.trajectory); };
   }
   Snapshots snapshots(record, std::move(plan));
+  request.folder_taken = [&snapshots](const std::string& scratch) { snapshots.start(scratch); };
   request.closing = [&snapshots](std::string_view, double) { snapshots.stop(); };
+  request.finishing = [&snapshots](std::string_view) { snapshots.stop(); };  // where no loops are closed
   BackendWhenNeeded backend(options.device);
   const MapResult result = map_logs(request, [&backend](bool has_work) -> Backend& { return backend.of(has_work); });
-  snapshots.stop();
-  snapshots.remove();
   output.finish();
   if (options.folder.empty()) link_latest(request.folder);
   if (!options.quiet) print_summary(request, result.outcome, output.dropped());

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -17,6 +18,7 @@
 #include "engine/core/signals_blocked.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/message_text.hpp"
+#include "engine/runs/folder/snapshot_folder.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/occupancy_map_file.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
@@ -30,6 +32,7 @@ using SnapshotClock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kSnapshotSlice{50};  // after which signals and clocks are looked at
 constexpr std::chrono::seconds kBetweenShown{1};
 constexpr int kLeastUrgent = 19;
+constexpr mode_t kAllMayLook = 0777;  // as far as the user's mask lets them
 
 std::atomic<bool> g_is_save_wanted = false;
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
@@ -37,11 +40,10 @@ static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it"
 extern "C" void on_save_signal(int /*signal*/) { g_is_save_wanted = true; }
 
 // Both folders change places, so that there is one of that name at any time; where a file system cannot do that the old
-// one goes first.
-void give_name(const std::string& made, const std::string& name) {
+// one goes first, to that place. Nothing is removed under the name itself, which may be another folder's by then.
+void give_name(const std::string& made, const std::string& name, const std::string& old) {
   if (::renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, name.c_str(), RENAME_EXCHANGE) == 0) return;
-  std::error_code failed;
-  remove_tree(name, failed);
+  ::rename(name.c_str(), old.c_str());
   if (::rename(made.c_str(), name.c_str()) != 0) throw FileError(name, "cannot be replaced: " + errno_text(errno));
 }
 
@@ -55,8 +57,8 @@ void let_signal_save() {
   ::sigaction(SIGUSR1, &action, nullptr);
 }
 
-Snapshots::Snapshots(DriveRecord& record, Plan plan) : record_(record), plan_(std::move(plan)) {
-  remove();  // of an earlier run
+void Snapshots::start(std::string scratch) {
+  scratch_ = std::move(scratch);
   const SignalsBlocked blocked;
   thread_ = std::thread([this] { work(); });
 }
@@ -66,10 +68,14 @@ void Snapshots::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
-void Snapshots::remove() const {
+std::string Snapshots::name() const { return plan_.folder + "/" + kSnapshotFolder; }
+
+// That of an earlier drive.
+void Snapshots::remove_old() const {
+  const std::string old = scratch_ + "/snapshot.old";
+  if (!is_snapshot(name()) || ::rename(name().c_str(), old.c_str()) != 0) return;
   std::error_code ignored;
-  remove_tree(plan_.folder + "/snapshot", ignored);
-  remove_tree(plan_.folder + "/snapshot.new", ignored);
+  remove_tree(old, ignored);
 }
 
 // A pose is more urgent than a picture of the map.
@@ -77,6 +83,7 @@ void Snapshots::work() {
   ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kLeastUrgent);
   SnapshotClock::time_point last_saved = SnapshotClock::now();
   SnapshotClock::time_point last_shown = last_saved - kBetweenShown;
+  bool has_begun = false;
   while (!is_ending_) {
     std::this_thread::sleep_for(kSnapshotSlice);
     const SnapshotClock::time_point now = SnapshotClock::now();
@@ -85,6 +92,10 @@ void Snapshots::work() {
     const bool is_watched = plan_.is_watched && now - last_shown >= kBetweenShown && plan_.is_watched();
     if (is_due) last_saved = now;
     if (is_watched) last_shown = now;
+    if (!has_begun && record_.scans() > 0) {
+      has_begun = true;
+      remove_old();
+    }
     record_.take_news();
     if (is_due || is_asked || is_watched) make(is_due || is_asked, is_watched);
   }
@@ -108,16 +119,21 @@ void Snapshots::make(bool is_to_be_saved, bool is_to_be_shown) {
 }
 
 void Snapshots::save(const DriveState& state) {
-  const std::string made = plan_.folder + "/snapshot.new";
-  const std::string name = plan_.folder + "/snapshot";
-  make_folder(made);
-  write_occupancy_map(made + "/map.yaml", state.map);
-  write_tum(made + "/trajectory.tum", state.trajectory);
-  give_name(made, name);
+  require_no_foreign_snapshot(plan_.folder);
+  const std::string made = scratch_ + "/snapshot";
+  const std::string old = scratch_ + "/snapshot.old";
+  std::error_code ignored;
+  for (const std::string& left : {made, old}) remove_tree(left, ignored);
+  if (::mkdir(made.c_str(), kAllMayLook) != 0) {
+    throw FileError(plan_.folder, errno == ENOENT ? "is no longer the folder that the run is written to"
+                                                  : "cannot be written to: " + errno_text(errno));
+  }
+  write_occupancy_map(made + "/" + kSnapshotMap, state.map);
+  write_tum(made + "/" + kSnapshotTrajectory, state.trajectory);
+  give_name(made, name(), old);
   sync_folder(plan_.folder);
   saved_ = state.trajectory.size();
-  std::error_code ignored;
-  remove_tree(made, ignored);
+  for (const std::string& left : {made, old}) remove_tree(left, ignored);
 }
 
 }  // namespace gdtslam

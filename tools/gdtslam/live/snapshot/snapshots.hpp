@@ -6,6 +6,7 @@
 #include <functional>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "drive_record.hpp"
 
@@ -25,23 +26,27 @@ class Snapshots {
     std::function<void(const DriveState&)> show{};
   };
   /// `record` must outlive this.
-  Snapshots(DriveRecord& record, Plan plan);
+  Snapshots(DriveRecord& record, Plan plan) : record_(record), plan_(std::move(plan)) {}
   Snapshots(const Snapshots&) = delete;
   Snapshots& operator=(const Snapshots&) = delete;
   ~Snapshots() { stop(); }
 
-  /// Ends the thread, after the snapshot at work.
+  /// Begins, in a run folder that nobody else writes to. Snapshots are made in `scratch`, a folder inside it that is
+  /// this run's alone: it is not under its name any more where another folder has taken the run folder's.
+  void start(std::string scratch);
+  /// Ends the thread, after the snapshot at work. The run that takes the snapshot's place removes it.
   void stop();
-  /// Takes the snapshot's folder away, which the run itself replaces; stopped.
-  void remove() const;
 
  private:
   void work();
   void make(bool is_to_be_saved, bool is_to_be_shown);
   void save(const DriveState& state);
+  [[nodiscard]] std::string name() const;
+  void remove_old() const;
 
   DriveRecord& record_;
   Plan plan_;
+  std::string scratch_;
   std::uint64_t saved_ = 0;  // scans of the last snapshot
   std::uint64_t shown_ = 0;
   std::string last_problem_;

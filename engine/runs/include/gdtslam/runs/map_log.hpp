@@ -79,6 +79,9 @@ struct MapRequest {
   /// What is mapped in place of what lies under the name of the only log, which stands in messages. It comes once, so a
   /// run that is gone on with has its copy alone.
   LiveLog live_log{};
+  /// Called once nobody else can write to the folder, before the first scan is waited for where scan_mapped is given,
+  /// with a folder inside it that is removed at the end of a new run.
+  std::function<void(const std::string& scratch)> folder_taken{};
   std::function<void(const std::string&)> warn{};  ///< one line at a time, before the work begins
 };
 

@@ -1,0 +1,128 @@
+"""The folder of `live`: what others have in it stays, and one that cannot be had shows before the first scan comes."""
+
+import shutil
+import signal
+import subprocess
+
+import cli_support as cli
+from cli_support import LOG, expect, expect_exit, one_error_line
+from scenario_continue import lines_of_drive
+from scenario_live_inputs import ended, read_lines, started, wait_until
+
+
+def contents(folder):
+    return {file.relative_to(folder): file.read_bytes() if file.is_file() else None for file in folder.rglob("*")}
+
+
+def feed(process, lines):
+    process.stdin.write("".join(lines))
+    process.stdin.flush()
+    read_lines(process, sum(line.startswith("FLASER") for line in lines))
+
+
+def with_snapshot(run, lines, *options):
+    """A drive that goes on, and has saved one."""
+    process = started("-o", run, *options, stdin=subprocess.PIPE, bufsize=1)
+    feed(process, lines)
+    process.send_signal(signal.SIGUSR1)
+    wait_until((run / "snapshot").exists, "a snapshot")
+    return process
+
+
+def killed(process):
+    process.kill()
+    return process.communicate(timeout=30 * cli.SLOWNESS)[1]
+
+
+def live_keeps_snapshots_of_others():
+    """A folder of that name is a snapshot only where it holds the files of one and nothing else; all else stays as it is,
+    whatever options are given, and the drive is refused."""
+    folder = cli.fresh_folder("live_foreign_snapshot")
+    snapshot = folder / "run/snapshot"
+    names = ("map.yaml", "map.pgm", "trajectory.tum")
+    for also in (("notes",), names[:2], (*names, "notes")):
+        shutil.rmtree(snapshot, ignore_errors=True)
+        snapshot.mkdir(parents=True)
+        for name in also:
+            (snapshot / name).write_text("mine\n")
+        before = contents(folder)
+        for option in ((), ("--force",), ("--snapshot", 1)):
+            process = cli.command("live", LOG, "-o", folder / "run", "-q", *option)
+            expect_exit(process, 2)
+            one_error_line(process.stderr)
+            expect("is no snapshot of a drive" in process.stderr, process.stderr)
+            expect(contents(folder) == before, f"what somebody had in the folder has changed: {sorted(contents(folder))}")
+    elsewhere = folder / "elsewhere"
+    snapshot.rename(elsewhere)
+    (elsewhere / "notes").unlink()
+    snapshot.symlink_to(elsewhere)
+    expect_exit(cli.command("live", LOG, "-o", folder / "run", "-q"), 2)
+    expect(len(contents(elsewhere)) == 3, "a link was followed")
+    snapshot.unlink()
+    (folder / "run/snapshot.new").mkdir()
+    (folder / "run/snapshot.new/notes").write_text("mine\n")
+    expect_exit(cli.command("live", LOG, "-o", folder / "run", "-q"), 0)
+    expect((folder / "run/snapshot.new/notes").exists(), "a folder of another name is gone")
+
+
+def live_that_fails_keeps_the_snapshot():
+    """What a killed drive left stays while no scan of another one has come, and goes with the end of one."""
+    folder = cli.fresh_folder("live_kept_snapshot")
+    run = folder / "run"
+    lines = lines_of_drive(40)
+    killed(with_snapshot(run, lines))
+    before = contents(run)
+    expect(any(path.name == "continue.json" for path in before), "nothing to go on with")
+    expect_exit(cli.command("live", "/nonexistent", "-o", run, "-q"), 74)
+    expect(contents(run) == before, "a drive that never began has changed the folder")
+    waiting = started("--listen", f"unix:{folder / 'laser.socket'}", "-o", run, "-q")
+    wait_until(lambda: len(contents(run)) > len(before), "a drive that waits")
+    waiting.send_signal(signal.SIGTERM)
+    ended(waiting, 130)
+    expect(contents(run) == before, "a drive that never began has changed the folder")
+    expect_exit(cli.command("live", "-", "-o", run, "-q", input="".join(lines)), 0)
+    expect(not (run / "snapshot").exists(), "the snapshot of an earlier drive lies beside the run")
+    for missing in ("runs/here", "there"):
+        expect_exit(cli.command("live", "/nonexistent", "-o", folder / missing, "-q"), 74)
+    expect(not (folder / "runs").exists() and not (folder / "there").exists(), "a folder is left")
+
+
+def live_in_a_folder_that_is_moved():
+    """A drive whose folder is moved away saves nothing in the one that takes its name, nor makes it, and says so."""
+    folder = cli.fresh_folder("live_moved")
+    run = folder / "run"
+    lines = lines_of_drive(60)
+    half = len(lines) // 2
+    for has_other in (False, True):
+        process = with_snapshot(run, lines[:half])
+        run.rename(folder / f"moved-{has_other}")
+        if has_other:
+            killed(with_snapshot(run, lines[:half]))
+        before = contents(run) if has_other else {}
+        feed(process, lines[half:])
+        process.send_signal(signal.SIGUSR1)
+        line = process.stderr.readline()
+        while line and "no snapshot" not in line:
+            line = process.stderr.readline()
+        expect("no longer the folder" in line, line)
+        expect(run.exists() == has_other and (not has_other or contents(run) == before), "written to somebody's folder")
+        killed(process)
+
+
+def live_of_a_folder_that_cannot_be_had():
+    """Somebody else's, a file, one where nothing can be written: known before a sender comes; the other drive loses nothing."""
+    folder = cli.fresh_folder("live_taken")
+    run, path = folder / "run", folder / "laser.socket"
+    lines = lines_of_drive(40)
+    (folder / "file").write_text("mine\n")
+    other = with_snapshot(run, lines)
+    snapshot = contents(run / "snapshot")
+    for code, output in ((2, run), (74, folder / "file"), (74, "/proc/self/nothing")):
+        for source in (("--listen", f"unix:{path}"), ("--follow", LOG), ("--queue", 9, LOG), (LOG,)):
+            process = cli.command("live", *source, "-o", output, "-q", timeout=30 * cli.SLOWNESS)
+            expect_exit(process, code)
+            one_error_line(process.stderr)
+            expect(contents(run / "snapshot") == snapshot, "the snapshot of a drive that goes on has changed")
+    expect(not path.exists(), "the socket is left behind")
+    ended(other)
+    expect((run / "report.json").exists() and not (run / "snapshot").exists(), "the drive that went on has not ended well")
