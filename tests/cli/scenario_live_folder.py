@@ -1,7 +1,10 @@
-"""The folder of `live`: what others have in it stays, and one that cannot be had shows before the first scan comes."""
+"""The folder of `live`, and the name it listens at: what others have there stays, and one that cannot be had shows before
+the first scan comes."""
 
+import os
 import shutil
 import signal
+import socket
 import subprocess
 
 import cli_support as cli
@@ -126,3 +129,40 @@ def live_of_a_folder_that_cannot_be_had():
     expect(not path.exists(), "the socket is left behind")
     ended(other)
     expect((run / "report.json").exists() and not (run / "snapshot").exists(), "the drive that went on has not ended well")
+
+
+def live_at_sockets_of_others():
+    """Only a socket that nobody has any more is replaced, and only its own name is removed at the end."""
+    folder = cli.fresh_folder("live_sockets")
+    path = folder / "laser.socket"
+
+    def live(code, said):
+        before = os.lstat(path).st_ino
+        process = cli.command("live", "--listen", f"unix:{path}", "-o", folder / "run", "-q", timeout=30 * cli.SLOWNESS)
+        expect_exit(process, code)
+        one_error_line(process.stderr)
+        expect(said in process.stderr, process.stderr)
+        expect(os.lstat(path).st_ino == before, "the socket of another process is gone")
+
+    for kind, backlog in ((socket.SOCK_DGRAM, None), (socket.SOCK_SEQPACKET, 1), (socket.SOCK_STREAM, 1), (socket.SOCK_STREAM, 0)):
+        with socket.socket(socket.AF_UNIX, kind) as other:
+            other.bind(str(path))
+            if backlog is not None:
+                other.listen(backlog)
+            waiting = socket.socket(socket.AF_UNIX, kind)
+            if backlog == 0:
+                waiting.connect(str(path))  # one more has no place
+            live(74, "a process does so")
+            waiting.close()
+        if kind != socket.SOCK_STREAM or backlog != 0:
+            path.unlink()
+    dead = os.lstat(path)
+    process = started("--listen", f"unix:{path}", "-o", folder / "run", "-q")
+    wait_until(lambda: path.exists() and os.lstat(path).st_ctime_ns != dead.st_ctime_ns, "a socket in place of the dead one")
+    wait_until((folder / "run").exists, "a drive that waits")
+    path.unlink()
+    with socket.socket(socket.AF_UNIX) as other:
+        other.bind(str(path))
+        process.send_signal(signal.SIGTERM)
+        ended(process, 130)
+        expect(path.exists(), "the socket of another process is gone")

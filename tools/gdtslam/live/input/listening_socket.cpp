@@ -13,6 +13,7 @@
 #include <cstring>
 #include <memory>
 
+#include "engine/core/files/retried.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
 
@@ -30,6 +31,28 @@ void ask_whether_alive(int connection) {
   set(IPPROTO_TCP, TCP_KEEPIDLE, 10);
   set(IPPROTO_TCP, TCP_KEEPINTVL, 5);
   set(IPPROTO_TCP, TCP_KEEPCNT, 3);
+}
+
+sockaddr_un name_of(const std::string& path) {
+  sockaddr_un name{};
+  name.sun_family = AF_UNIX;
+  if (path.size() >= sizeof(name.sun_path)) {
+    throw UsageError(fmt::format("--listen: the path of a socket has less than {} bytes", sizeof(name.sun_path)));
+  }
+  std::memcpy(name.sun_path, path.c_str(), path.size() + 1);
+  return name;
+}
+
+// Nobody has a socket that refuses a connection. Whatever else comes of one, it is somebody's: of another type, with no
+// place for one more, or of a user who lets nobody in.
+bool is_dead(const sockaddr_un& name) {
+  const int probe = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (probe < 0) return false;
+  const auto* const generic = reinterpret_cast<const sockaddr*>(&name);
+  const bool is_refused =
+      retried([&] { return ::connect(probe, generic, sizeof(name)); }) != 0 && errno == ECONNREFUSED;
+  ::close(probe);
+  return is_refused;
 }
 
 using AddressList = std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)>;
@@ -57,45 +80,51 @@ ListeningSocket::ListeningSocket(const std::string& address) : address_(address)
   }
 }
 
-ListeningSocket::~ListeningSocket() {
+ListeningSocket::~ListeningSocket() { close(); }
+
+// The name goes first: nobody replaces a socket that somebody has.
+void ListeningSocket::close() {
+  if (made_ && identity_of(path_) == made_) ::unlink(path_.c_str());
+  made_.reset();
   if (descriptor_ >= 0) ::close(descriptor_);
-  if (!path_.empty()) ::unlink(path_.c_str());
+  descriptor_ = -1;
+}
+
+std::optional<ListeningSocket::Identity> ListeningSocket::identity_of(const std::string& path) {
+  struct stat status {};
+  if (::lstat(path.c_str(), &status) != 0) return std::nullopt;
+  return Identity{status.st_dev, status.st_ino};
 }
 
 void ListeningSocket::fail(const std::string& what) {
   const std::string text = what + ": " + errno_text(errno);
-  if (descriptor_ >= 0) ::close(descriptor_);
-  descriptor_ = -1;
+  close();
   throw FileError(address_, text);
 }
 
-void ListeningSocket::listen_at_path(const std::string& path) {
-  sockaddr_un name{};
-  name.sun_family = AF_UNIX;
-  if (path.size() >= sizeof(name.sun_path)) {
-    throw UsageError(fmt::format("--listen: the path of a socket has less than {} bytes", sizeof(name.sun_path)));
+// Away with a socket that a process left that was killed.
+void ListeningSocket::clear_name(const std::string& path) {
+  struct stat status {};
+  if (::lstat(path.c_str(), &status) != 0) return;
+  if (!S_ISSOCK(status.st_mode)) {
+    errno = EEXIST;
+    fail("cannot be listened at, a file has this name");
   }
-  std::memcpy(name.sun_path, path.c_str(), path.size() + 1);
-  const auto* const generic = reinterpret_cast<const sockaddr*>(&name);
+  if (!is_dead(name_of(path))) {
+    errno = EADDRINUSE;
+    fail("cannot be listened at, a process does so");
+  }
+  ::unlink(path.c_str());
+}
+
+void ListeningSocket::listen_at_path(const std::string& path) {
+  const sockaddr_un name = name_of(path);
+  clear_name(path);
   descriptor_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
   if (descriptor_ < 0) fail("cannot be made");
-  struct stat status {};
-  if (::lstat(path.c_str(), &status) == 0) {
-    if (!S_ISSOCK(status.st_mode)) {
-      errno = EEXIST;
-      fail("cannot be listened at, a file has this name");
-    }
-    if (::connect(descriptor_, generic, sizeof(name)) == 0) {
-      errno = EADDRINUSE;
-      fail("cannot be listened at, a process does so");
-    }
-    ::unlink(path.c_str());
-    ::close(descriptor_);
-    descriptor_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    if (descriptor_ < 0) fail("cannot be made");
-  }
-  if (::bind(descriptor_, generic, sizeof(name)) != 0) fail("cannot be listened at");
+  if (::bind(descriptor_, reinterpret_cast<const sockaddr*>(&name), sizeof(name)) != 0) fail("cannot be listened at");
   path_ = path;
+  made_ = identity_of(path);
   if (::listen(descriptor_, kMostWaiting) != 0) fail("cannot be listened at");
 }
 

@@ -1,6 +1,9 @@
 // A socket that others connect to. Loopback or a name in the file system unless another address is given.
 #pragma once
 
+#include <sys/types.h>
+
+#include <optional>
 #include <string>
 
 namespace gdtslam {
@@ -12,7 +15,7 @@ class ListeningSocket {
   explicit ListeningSocket(const std::string& address);
   ListeningSocket(const ListeningSocket&) = delete;
   ListeningSocket& operator=(const ListeningSocket&) = delete;
-  /// The name in the file system goes with it.
+  /// The name in the file system goes with it, unless it is another socket's by then.
   ~ListeningSocket();
 
   [[nodiscard]] int descriptor() const { return descriptor_; }
@@ -20,12 +23,23 @@ class ListeningSocket {
   [[nodiscard]] int accept() const;
 
  private:
+  /// Of what has a name in the file system.
+  struct Identity {
+    dev_t device = 0;
+    ino_t number = 0;
+    friend bool operator==(const Identity&, const Identity&) = default;
+  };
+  static std::optional<Identity> identity_of(const std::string& path);
+
   void listen_at_path(const std::string& path);
+  void clear_name(const std::string& path);
+  void close();
   void listen_at_port(const std::string& host_and_port);
   [[noreturn]] void fail(const std::string& what);
 
   std::string address_;
-  std::string path_;  // of its own in the file system
+  std::string path_;  // of its own in the file system, and what was made there
+  std::optional<Identity> made_;
   int descriptor_ = -1;
 };
 
