@@ -140,15 +140,12 @@ def interrupt_of_bench():
 def second_interrupt_ends():
     """A second SIGINT ends the process at once, also where it cannot look at the flag."""
     folder = cli.fresh_folder("second_interrupt")
-    os.mkfifo(folder / "pipe")
-    process = subprocess.Popen([PROGRAM, "doctor", str(folder / "pipe")], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    writer = os.open(folder / "pipe", os.O_WRONLY)
-    os.write(writer, b"# a comment\n")
-    time.sleep(0.3)
+    os.mkfifo(folder / "pipe.csv")  # nobody reads it
+    process = subprocess.Popen([PROGRAM, "convert", str(LOG), "-o", str(folder / "pipe.csv")], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    time.sleep(0.3 * cli.SLOWNESS)
     process.send_signal(signal.SIGINT)
     time.sleep(0.3)
     expect(process.poll() is None, "the first signal ended the process")
     process.send_signal(signal.SIGINT)
     process.wait(timeout=10)
     expect(process.returncode == -signal.SIGINT, f"exit {process.returncode}")
-    os.close(writer)

@@ -56,6 +56,14 @@ void for_each_row(std::unique_ptr<ByteSource> source, const std::string& name, c
   }
 }
 
+// No place on earth is farther from another; squares of it and their sums are numbers still.
+void check_place(double x_m, double y_m, const FilePosition& position) {
+  constexpr double kFarthest_m = 1.0e9;
+  if (std::fabs(x_m) <= kFarthest_m && std::fabs(y_m) <= kFarthest_m) return;
+  throw InputError(position,
+                   fmt::format("({:g}, {:g}) is no place: x and y are metres, {:g} at most", x_m, y_m, kFarthest_m));
+}
+
 /// Yaw of a quaternion of any length; rotations about z and others alike.
 double yaw_of(double x, double y, double z, double w) {
   return atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z);
@@ -72,6 +80,7 @@ Trajectory read_tum(std::unique_ptr<ByteSource> source, const std::string& name)
                                              "a row is `stamp x y z qx qy qz qw`",
                                              sq_norm));
     }
+    check_place(x_m, y_m, position);
     trajectory.push_back({stamp_s, {x_m, y_m, yaw_of(qx, qy, qz, qw)}});
   });
   return trajectory;
@@ -106,7 +115,8 @@ Trajectory read_tum(std::span<const std::byte> data, const std::string& name) {
 std::vector<Relation> read_relations(const std::string& path) {
   std::vector<Relation> relations;
   for_each_row(open_file_source(path), path, "t1 t2 x y z roll pitch yaw",
-               [&](const Row& row, const FilePosition& /*position*/) {
+               [&](const Row& row, const FilePosition& position) {
+                 check_place(row[2], row[3], position);
                  relations.push_back({row[0], row[1], {row[2], row[3], wrap_angle(row[7])}});
                });
   return relations;

@@ -2,8 +2,10 @@
 // there.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "engine/compute/kernels/host_kernels.hpp"
+#include "engine/core/files/interruption.hpp"
 #include "engine/mapping/cost/objective.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "search.hpp"
@@ -12,6 +14,7 @@ namespace gdtslam {
 namespace {
 
 constexpr std::size_t kBatch = 16;            // boxes that are taken at once
+constexpr std::size_t kMostOpen = 1U << 23U;  // which take 32 bytes each
 constexpr float kTriedHalfWidth = 2.1F;       // centres of boxes up to this half width are tried as poses
 constexpr float kPolishedHalfWidth = 0.9F;    // and of those from this one up descents start
 constexpr std::uint32_t kWorthPolishing = 4;  // unless they cost more than the best and a quarter of it
@@ -131,7 +134,9 @@ std::uint32_t CertifiedSearch::enough() const {
 }
 
 std::optional<CertifiedStop> CertifiedSearch::limit_reached() const {
-  if (boxes_ >= options_.max_boxes) return CertifiedStop::kBoxLimit;
+  if (boxes_ >= options_.max_boxes || open_.size() >= kMostOpen) return CertifiedStop::kBoxLimit;
+  const bool is_unbounded = options_.max_boxes == std::numeric_limits<std::uint64_t>::max();
+  if (is_unbounded && is_asked_to_end()) return CertifiedStop::kTimeLimit;
   if (options_.max_seconds == std::numeric_limits<double>::infinity()) return std::nullopt;
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - began_;
   if (spent.count() >= options_.max_seconds) return CertifiedStop::kTimeLimit;

@@ -66,11 +66,10 @@ std::vector<Staging> stagings_in(const fs::path& folder) {
 std::unique_ptr<FolderLock> lock_of(const fs::path& folder) {
   try {
     auto lock = std::make_unique<FolderLock>(folder);
-    if (lock->is_held()) return lock;
+    return lock->is_held() ? std::move(lock) : nullptr;
   } catch (const Error&) {  // where there is no such folder, nobody writes to it
     return nullptr;
   }
-  return nullptr;
 }
 
 // Staging folders of processes that were killed, but for that one.
@@ -126,10 +125,14 @@ class OwnFiles {
   [[nodiscard]] bool has(const std::string& name) const {
     return are_all_ || (run_ && (name == kReportFile || run_->has(name))) || is_of_a_run(fs::path(folder_) / name);
   }
-  /// Throws UsageError where there is such a file of somebody else.
-  void require(const std::string& name) const {
+  /// Whether there is such a file of somebody else.
+  [[nodiscard]] bool is_in_the_way(const std::string& name) const {
     std::error_code ignored;  // what cannot be asked about shows when it cannot be replaced
-    if (has(name) || !fs::exists(fs::symlink_status(fs::path(folder_) / name, ignored))) return;
+    return !has(name) && fs::exists(fs::symlink_status(fs::path(folder_) / name, ignored));
+  }
+  /// Throws UsageError then.
+  void require(const std::string& name) const {
+    if (!is_in_the_way(name)) return;
     throw UsageError(fmt::format(
         "--output: '{}' holds a {} that no run wrote; give another folder, or --force to replace it", folder_, name));
   }
@@ -284,8 +287,8 @@ void RunFolder::undo(const std::vector<std::string>& old_names) {
   }
 }
 
-// Somebody may have put a file there since the run began.
-std::vector<std::string> RunFolder::replaced_names() const {
+// Somebody may have put a file there since the run began: what was made is not lost for it, and can be gone on with.
+std::vector<std::string> RunFolder::replaced_names() {
   std::vector<std::string> old_names;
   const OwnFiles own(folder_.string(), lock_->is_held());
   const bool are_all = foreign_ == ForeignFiles::kReplaced;
@@ -293,6 +296,7 @@ std::vector<std::string> RunFolder::replaced_names() const {
     if (are_all || own.has(name)) old_names.push_back(name);
   }
   for (const std::string& name : names_) {
+    is_taken_over_ = is_taken_over_ || (!are_all && own.is_in_the_way(name));
     if (!are_all) own.require(name);
     old_names.push_back(name);
   }
@@ -300,7 +304,6 @@ std::vector<std::string> RunFolder::replaced_names() const {
 }
 
 void RunFolder::commit() {
-  is_taken_over_ = true;  // what is made is not lost for a file that came meanwhile: the run can be gone on with
   const std::vector<std::string> old_names = replaced_names();
   sync_folder(staging_.string());
   std::error_code failed;

@@ -65,7 +65,7 @@ class RunFolder {
 
  private:
   void move(const std::filesystem::path& from, const std::filesystem::path& to, const std::string& name) const;
-  [[nodiscard]] std::vector<std::string> replaced_names() const;
+  std::vector<std::string> replaced_names();
   void replace(const std::vector<std::string>& old_names);
   [[nodiscard]] std::string put_back(const std::vector<std::string>& old_names) const;
   /// In the handler of what ended the commit, which is thrown again with what cannot be undone.

@@ -111,7 +111,8 @@ std::string session_file(std::size_t run) { return fmt::format("session-{}.tum",
 
 SiteFolder::SiteFolder(const std::string& path, std::size_t sessions, bool replaces_foreign_files)
     : replaces_foreign_files_(replaces_foreign_files),
-      folder_(std::make_unique<RunFolder>(checked_place(path, sessions, replaces_foreign_files))) {}
+      folder_(std::make_unique<RunFolder>(checked_place(path, sessions, replaces_foreign_files),
+                                          replaces_foreign_files ? ForeignFiles::kReplaced : ForeignFiles::kKept)) {}
 
 // Of a run whose report tells of its files exactly those go; else all that have the names of a run's.
 void SiteFolder::leave_out_old() {
@@ -182,7 +183,7 @@ std::string SiteFolder::undo() {
 MergeFolder::MergeFolder(const std::string& path, bool replaces_foreign_files)
     : path_(path),
       replaces_foreign_files_(replaces_foreign_files),
-      folder_(checked_folder(path, replaces_foreign_files)) {}
+      folder_(checked_folder(path, replaces_foreign_files), ForeignFiles::kReplaced) {}
 
 SiteFolder& MergeFolder::add_site(std::size_t sessions) {
   return sites_.emplace_back(fmt::format("{}/{}", path_, sites_.size() + 1), sessions, replaces_foreign_files_);

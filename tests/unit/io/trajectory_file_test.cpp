@@ -62,6 +62,15 @@ TEST(Tum, ErrorsNameFileLineAndRow) {
   EXPECT_THAT(trajectory_error("1 " + std::string(10000, '0') + "\n"), HasSubstr("is too long"));
 }
 
+// Squares of what is farther, and their sums, would be no numbers: no error can be told.
+TEST(Tum, APlaceThatIsNoneOnEarthIsRefused) {
+  EXPECT_THAT(trajectory_error("1 1e9 -1e9 0 0 0 0 1\n2 0 -1.1e9 0 0 0 0 1\n"),
+              HasSubstr("t.tum:2: (0, -1.1e+09) is no place"));
+  const TemporaryFolder folder;
+  put_file(folder / "r", "1 2 1e300 0 0 0 0 0\n");
+  EXPECT_THROW(read_relations(folder / "r"), InputError);
+}
+
 TEST(Tum, WritesAndReadsFiles) {
   const TemporaryFolder folder;
   write_tum(folder / "t.tum", {{1.25, {3.0, 4.0, -1.0}}});

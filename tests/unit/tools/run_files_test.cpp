@@ -164,7 +164,7 @@ TEST_F(RunFilesTest, WhatTheReportDoesNotTellOfIsOfSomebodyElse) {
 TEST_F(RunFilesTest, AFolderOfTilesOfSomebodyElseIsNotReplaced) {
   write_run("one", "two");  // those that a run wrote are
   write("tiles/index.json", R"({"tiles": ["https://example.org/{z}/{x}/{y}.png"]})");
-  EXPECT_THROW(write_run("one", "two"), FileError);
+  EXPECT_THROW(write_run("one", "two"), UsageError);
   EXPECT_TRUE(fs::exists(path("tiles/index.json")) && fs::exists(path("a.txt")));
 }
 

@@ -50,7 +50,7 @@ TEST_F(SyncsOfRuns, NewFilesTakeTheirNamesWhenTheOldOnesAreGoneFromTheDisk) {
   std::ofstream(run + "/edits.json") << "old";
   const RecordedCalls calls(run);
   {
-    RunFolder folder(run);
+    RunFolder folder(run, ForeignFiles::kReplaced);
     write_file_atomically(folder.staged("map.yaml"), "new");
     write_file_atomically(folder.staged("report.json"), "new");
     folder.without("edits.json");

@@ -56,16 +56,6 @@ void draw(const Timelines& timelines, const LogCheck& check, const DoctorOptions
   write_file_atomically(options.picture, drawing_bytes(drawing, options.picture));
 }
 
-// What a signal ended before anything came is not empty.
-std::unique_ptr<DescribedLog> open_unless_interrupted(const std::string& log, const ReadOptions& read) {
-  try {
-    return open_described_log(log, read);
-  } catch (const InputError&) {
-    if (!interrupted()) throw;
-    throw Error(ExitCode::kInterrupted, "interrupted before anything was read");
-  }
-}
-
 Findings findings_of(const DoctorOptions& options) {
   Settings settings = load_settings(options.settings);
   state_recording(options.recording, settings.log);
@@ -74,7 +64,7 @@ Findings findings_of(const DoctorOptions& options) {
   Findings found;
   LogChecker checker(found.bounds, settings.mapper.scan);
   Timelines timelines(found.bounds);
-  const std::unique_ptr<DescribedLog> reader = open_unless_interrupted(options.log, read);
+  const std::unique_ptr<DescribedLog> reader = open_described_log(options.log, read);
   ProgressLine progress("records", false);
   std::uint64_t records = 0;
   while (const std::optional<LogRecord> record = reader->next()) {

@@ -58,9 +58,11 @@ struct Drive {
 
 // What there was by then is mapped and written.
 int exit_code_of(const MapOutcome& outcome) {
-  const bool broke_off = std::any_of(outcome.warnings.begin(), outcome.warnings.end(),
-                                     [](const auto& warning) { return warning.kind == kBrokenOff; });
-  return static_cast<int>(broke_off ? ExitCode::kBadInput : ExitCode::kDone);
+  const auto broke_off = std::find_if(outcome.warnings.begin(), outcome.warnings.end(),
+                                      [](const auto& warning) { return warning.kind == kBrokenOff; });
+  if (broke_off == outcome.warnings.end()) return static_cast<int>(ExitCode::kDone);
+  print_error(fmt::format("{}: {}", kBrokenOff, broke_off->first));
+  return static_cast<int>(ExitCode::kBadInput);
 }
 
 void print_summary(const MapRequest& request, const MapOutcome& outcome, std::uint64_t dropped_lines) {

@@ -244,7 +244,9 @@ int run_command_line(int argc, char** argv, std::span<const CommandRow> commands
   try {
     return parse_and_run(argc, argv, commands, build);
   } catch (const Error& error) {
-    return report(error.what(), error.code());
+    const bool is_of_input = error.code() == ExitCode::kBadInput || error.code() == ExitCode::kBadConfig;
+    if (!is_of_input || !interrupted()) return report(error.what(), error.code());
+    return report("interrupted while it read its input", ExitCode::kInterrupted);  // which is cut for the reader
   } catch (const std::bad_alloc&) {
     std::fputs("gdtslam: error: out of memory before the command began\n", stderr);
   } catch (const std::exception& error) {

@@ -114,7 +114,8 @@ struct CertifiedOptions {
   double gap_m = 0.005;  ///< of the mean distance: the proof that is asked for
   /// Cost units: that no pose costs less than this is proof enough, however near the best pose found is to it.
   std::uint32_t wanted_bound = std::numeric_limits<std::uint32_t>::max();
-  std::uint64_t max_boxes = std::numeric_limits<std::uint64_t>::max();  ///< a batch may pass it
+  std::uint64_t max_boxes = std::numeric_limits<std::uint64_t>::max();  ///< a batch may pass it; not more than 2^23
+                                                                        ///< open at a time, whatever is allowed
   double max_seconds = std::numeric_limits<double>::infinity();
   std::vector<Pose2> starts{};  ///< poses to begin from, another matcher's result say
   std::optional<WindowPrior> prior{};
