@@ -4,6 +4,7 @@
 #include <sqlite3.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -50,8 +51,12 @@ bool is_of_disk(sqlite3* database) {
 
 bool is_damage(int code) {
   const int kind = code & 0xff;
-  return kind == SQLITE_CORRUPT || kind == SQLITE_NOTADB || kind == SQLITE_FORMAT;
+  return kind == SQLITE_CORRUPT || kind == SQLITE_NOTADB || kind == SQLITE_FORMAT || kind == SQLITE_NOMEM;
 }
+
+// SQLite says so too where a damaged file asks for more than it ever allocates; then nobody was asked for memory. Calls
+// that may end so begin with errno 0.
+bool is_memory_short(int code) { return (code & 0xff) == SQLITE_NOMEM && errno == ENOMEM; }
 
 MessageEncoding sqlite_encoding(std::string_view name) {
   if (name == "cdr" || name.empty()) return MessageEncoding::kCdr;
@@ -90,6 +95,7 @@ SqliteBag::SqliteBag(std::string_view bytes) {
   std::memcpy(copy, bytes.data(), bytes.size());
   const auto size = static_cast<sqlite3_int64>(bytes.size());
   const unsigned flags = SQLITE_DESERIALIZE_FREEONCLOSE | SQLITE_DESERIALIZE_READONLY;
+  errno = 0;
   if (const int code = sqlite3_deserialize(database_.get(), "main", copy, size, size, flags); code != SQLITE_OK) {
     fail(code);
   }
@@ -110,6 +116,7 @@ void SqliteBag::check_size(std::string_view head, std::uint64_t size) {
 
 void SqliteBag::open(const std::string& uri, const char* vfs) {
   sqlite3* database = nullptr;
+  errno = 0;
   const int flags = SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX;
   const int code = sqlite3_open_v2(uri.c_str(), &database, flags, vfs);
   database_.reset(database);
@@ -123,6 +130,7 @@ void SqliteBag::start() {
   // A bag that was cut has fewer pages than it states; those that are there can be read all the same.
   const std::string cache = fmt::format("PRAGMA cache_size=-{}", kMostCacheKiB);
   for (const char* const pragma : {"PRAGMA locking_mode=EXCLUSIVE", "PRAGMA writable_schema=ON", cache.c_str()}) {
+    errno = 0;
     const int code = sqlite3_exec(database_.get(), pragma, nullptr, nullptr, nullptr);
     if (code != SQLITE_OK && disk_errno() != 0) fail(code);
   }
@@ -145,11 +153,14 @@ int SqliteBag::disk_errno() const {
 }
 
 void SqliteBag::fail(int code) const {
-  if ((code & 0xff) == SQLITE_NOMEM) throw std::bad_alloc();
+  if (is_memory_short(code)) throw std::bad_alloc();
   if (const int reason = disk_errno(); reason != 0) {
     throw FileError(path_, fmt::format("cannot be read: {}", std::generic_category().message(reason)));
   }
-  const std::string why = one_line(database_ ? sqlite3_errmsg(database_.get()) : sqlite3_errstr(code), 200);
+  const bool is_too_much = (code & 0xff) == SQLITE_NOMEM;
+  const std::string why = is_too_much
+                              ? "it asks for more memory than any bag"
+                              : one_line(database_ ? sqlite3_errmsg(database_.get()) : sqlite3_errstr(code), 200);
   if (!is_damage(code)) throw RecordingFault(fmt::format("cannot be read as a ROS 2 bag: {}", why));
   if (row_ > 0) throw RecordingCut(fmt::format("is damaged or was cut off ({})", why));
   throw RecordingFault(fmt::format("is damaged or was cut off ({}); 'sqlite3 FILE .recover' saves what there is", why));
@@ -157,12 +168,14 @@ void SqliteBag::fail(int code) const {
 
 SqliteBag::Statement SqliteBag::prepare(const char* sql) {
   sqlite3_stmt* statement = nullptr;
+  errno = 0;
   const int code = sqlite3_prepare_v2(database_.get(), sql, -1, &statement, nullptr);
   if (code != SQLITE_OK) fail(code);
   return Statement(statement);
 }
 
 bool SqliteBag::step(Statement& statement) {
+  errno = 0;
   const int code = sqlite3_step(statement.get());
   if (code == SQLITE_ROW) return true;
   if (code != SQLITE_DONE) fail(code);
@@ -199,6 +212,7 @@ void SqliteBag::fail_at_message(const std::string& what) {
 // Only what is wanted leaves the file: the pages of a camera's pictures are passed over.
 std::string_view SqliteBag::message_bytes() {
   sqlite3_blob* blob = blob_.get();
+  errno = 0;
   const int code = blob == nullptr ? sqlite3_blob_open(database_.get(), "main", "messages", "data", row_, 0, &blob)
                                    : sqlite3_blob_reopen(blob, row_);
   if (blob != blob_.get()) blob_.reset(blob);
@@ -212,6 +226,7 @@ std::string_view SqliteBag::message_bytes() {
     fail_at_message(fmt::format("has a message of {} bytes; at most {} are read", size, kMostMessageBytes));
   }
   data_.resize(size);
+  errno = 0;
   if (const int read = sqlite3_blob_read(blob, data_.data(), static_cast<int>(size), 0); read != SQLITE_OK) fail(read);
   return data_;
 }
