@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "byte_source.hpp"
+#include "engine/core/digits.hpp"
 #include "engine/core/files/retried.hpp"
 #include "gdtslam/core/error.hpp"
 #include "message_text.hpp"
@@ -49,11 +50,8 @@ void remove_if_abandoned(const std::string& temporary) {
 bool is_temporary(std::string_view ending) {
   const std::size_t dash = ending.find('-');
   if (dash == std::string_view::npos || !ending.ends_with(kSuffix)) return false;
-  const auto is_number = [](std::string_view text) {
-    return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
-  };
   const std::string_view serial = ending.substr(dash + 1);
-  return is_number(ending.substr(0, dash)) && is_number(serial.substr(0, serial.size() - kSuffix.size()));
+  return is_digits(ending.substr(0, dash)) && is_digits(serial.substr(0, serial.size() - kSuffix.size()));
 }
 
 void remove_abandoned(const std::string& target) {

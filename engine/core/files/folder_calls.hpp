@@ -51,6 +51,12 @@ class OpenFolder {
   DIR* listing_ = nullptr;
 };
 
+/// A file, a folder or a link, wherever it leads to. What cannot be asked about shows when it is to be replaced.
+inline bool lies_there(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::exists(std::filesystem::symlink_status(path, ignored));
+}
+
 /// The paths of what lies in a folder, in no order. `failed` tells why it cannot be listed; what is returned then is
 /// not all.
 inline std::vector<std::filesystem::path> list_folder(const std::filesystem::path& folder, std::error_code& failed) {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "engine/io/sha256.hpp"
+#include "run_reader.hpp"
 
 namespace gdtslam {
 namespace {
@@ -118,6 +119,16 @@ std::optional<RunFiles::State> RunFiles::state_of(const std::string& name) const
 void RunFiles::refuse(const std::string& name, const std::string& fault) const {
   expect_unchanged();
   throw InputError({path(name), 0}, fault + kMapAgain + folder_);
+}
+
+std::optional<RunFiles> told_files_in(const std::string& folder) {
+  if (!RunReader::is_run(folder)) return std::nullopt;
+  try {
+    RunFiles files(folder);
+    if (files.is_told()) return files;
+  } catch (const InputError&) {  // a report of somebody else, or of another version
+  }
+  return std::nullopt;
 }
 
 }  // namespace gdtslam

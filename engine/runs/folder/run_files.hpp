@@ -85,4 +85,7 @@ class RunFiles {
   mutable std::map<std::string, State> seen_;  ///< when it was checked
 };
 
+/// The run there, where its report tells of its files: what it does not tell of is not the program's to remove.
+std::optional<RunFiles> told_files_in(const std::string& folder);
+
 }  // namespace gdtslam

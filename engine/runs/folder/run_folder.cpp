@@ -13,6 +13,7 @@
 #include <new>
 #include <system_error>
 
+#include "engine/core/digits.hpp"
 #include "engine/core/files/folder_calls.hpp"
 #include "engine/core/files/retried.hpp"
 #include "engine/io/atomic_file.hpp"
@@ -101,24 +102,13 @@ bool is_of_a_run(const fs::path& folder) {
          (folder.filename() == kSnapshotFolder && is_snapshot(folder.string()));
 }
 
-// The run there, where its report tells of its files: what it does not tell of is not the program's to remove.
-std::optional<RunFiles> told_run_in(const std::string& folder) {
-  if (!RunReader::is_run(folder)) return std::nullopt;
-  try {
-    RunFiles files(folder);
-    if (files.is_told()) return files;
-  } catch (const InputError&) {  // a report of somebody else, or of another version
-  }
-  return std::nullopt;
-}
-
 /// Which files of a folder a run of this program wrote, by what its report tells. All of them where the report is of a
 /// version that told of none, or a run was killed while its files got their names.
 class OwnFiles {
  public:
   OwnFiles(std::string folder, bool is_locked) : folder_(std::move(folder)) {
     const bool is_run = RunReader::is_gdtslam_run(folder_);
-    if (is_run) run_ = told_run_in(folder_);
+    if (is_run) run_ = told_files_in(folder_);
     const std::vector<fs::path> leftovers = leftovers_in(folder_, is_locked);
     are_all_ = (is_run && !run_) || std::any_of(leftovers.begin(), leftovers.end(), is_of_a_commit);
   }
@@ -127,8 +117,7 @@ class OwnFiles {
   }
   /// Whether there is such a file of somebody else.
   [[nodiscard]] bool is_in_the_way(const std::string& name) const {
-    std::error_code ignored;  // what cannot be asked about shows when it cannot be replaced
-    return !has(name) && fs::exists(fs::symlink_status(fs::path(folder_) / name, ignored));
+    return !has(name) && lies_there(fs::path(folder_) / name);
   }
   /// Throws UsageError then.
   void require(const std::string& name) const {
@@ -360,8 +349,7 @@ void require_no_foreign_files(const std::string& folder, std::span<const std::st
 bool is_file_of_a_run(std::string_view name) {
   const auto is_numbered = [name](std::string_view begin, std::string_view end) {
     return name.size() > begin.size() + end.size() && name.starts_with(begin) && name.ends_with(end) &&
-           name.substr(begin.size(), name.size() - begin.size() - end.size()).find_first_not_of("0123456789") ==
-               std::string_view::npos;
+           is_digits(name.substr(begin.size(), name.size() - begin.size() - end.size()));
   };
   return std::find(kRunFiles.begin(), kRunFiles.end(), name) != kRunFiles.end() || is_numbered("log-", ".copy") ||
          is_numbered("session-", ".tum") || name == "tiles" || name.starts_with(kStagingPrefix);
@@ -370,7 +358,7 @@ bool is_file_of_a_run(std::string_view name) {
 void leave_out_edits(RunFolder& folder) {
   std::error_code ignored;
   if (!fs::exists(folder.file("edits.json"), ignored)) return;
-  const std::optional<RunFiles> run = told_run_in(folder.path());
+  const std::optional<RunFiles> run = told_files_in(folder.path());
   folder.without("edits.json");
   for (const char* name : {"map.png", "map.pgw"}) {
     if (!run || run->has(name)) folder.without(name);

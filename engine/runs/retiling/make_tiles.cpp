@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/digits.hpp"
 #include "engine/core/files/folder_calls.hpp"
 #include "engine/core/files/retried.hpp"
 #include "engine/runs/folder/folder_lock.hpp"
@@ -25,11 +26,6 @@ namespace fs = std::filesystem;
 constexpr std::string_view kNewPrefix = ".gdtslam-tiles-";
 constexpr std::string_view kOldSuffix = "-old";
 
-bool is_there(const fs::path& path) {
-  std::error_code ignored;  // what cannot be asked about shows when it cannot be replaced
-  return fs::exists(fs::symlink_status(path, ignored));
-}
-
 // Files among old tiles that are none move to the new ones. False where one cannot: then the old ones stay.
 bool carry_over_foreign(const fs::path& old, const fs::path& place) {
   std::error_code failed;
@@ -38,7 +34,7 @@ bool carry_over_foreign(const fs::path& old, const fs::path& place) {
     const std::string name = file.filename().string();
     if (is_tile_file(name)) continue;
     std::error_code kept;
-    if (!is_there(place / name)) fs::rename(file, place / name, kept);
+    if (!lies_there(place / name)) fs::rename(file, place / name, kept);
     is_done = is_done && !kept;
   }
   return is_done && !failed;
@@ -59,7 +55,7 @@ LeftTiles left_tiles_in(const std::string& run) {
     std::string_view process = std::string_view(name).substr(kNewPrefix.size());
     const bool is_old = process.ends_with(kOldSuffix);
     if (is_old) process.remove_suffix(kOldSuffix.size());
-    if (process.empty() || process.find_first_not_of("0123456789") != std::string_view::npos) continue;
+    if (!is_digits(process)) continue;
     (is_old ? left.old : left.unfinished).push_back(path);
   }
   return left;
@@ -72,12 +68,12 @@ void clear_left_tiles(const std::string& run) {
   const LeftTiles left = left_tiles_in(run);
   std::error_code failed;
   for (const fs::path& old : left.old) {
-    if (is_there(place) || !is_tile_folder(old.string())) continue;
+    if (lies_there(place) || !is_tile_folder(old.string())) continue;
     fs::rename(old, place, failed);
     if (failed) throw FileError(place.string(), "cannot be put back: " + failed.message());
   }
   for (const fs::path& old : left.old) {
-    if (is_there(old) && carry_over_foreign(old, place)) remove_tree(old, failed);
+    if (lies_there(old) && carry_over_foreign(old, place)) remove_tree(old, failed);
   }
   for (const fs::path& unfinished : left.unfinished) remove_tree(unfinished, failed);
 }
@@ -104,7 +100,7 @@ class NewTiles {
   // The old ones go once the new ones have their name, but for files of others among them.
   void take_place() const {
     const fs::path old = folder_.string() + std::string(kOldSuffix);
-    const bool has_old = is_there(place_);
+    const bool has_old = lies_there(place_);
     std::error_code failed;
     if (has_old) fs::rename(place_, old, failed);
     if (failed) throw FileError(place(), "cannot be replaced: " + failed.message());

@@ -30,43 +30,10 @@ namespace fs = std::filesystem;
 constexpr std::array kChanges{"changes.png", "changes.svg"};
 constexpr const char* kOldReport = "old.json";  // as long as sites are replaced
 
-bool lies_there(const fs::path& file) {
-  std::error_code ignored;  // what cannot be asked about shows when it cannot be replaced
-  return fs::exists(fs::symlink_status(file, ignored));
-}
-
-void refuse_foreign(const std::string& folder, const std::string& name) {
-  throw UsageError(fmt::format(
-      "--output: '{}' holds a {} that no run wrote; give another folder, or --force to replace it", folder, name));
-}
-
-// The run there, where its report tells of its files.
-std::optional<RunFiles> told_run_in(const std::string& folder) {
-  if (!RunReader::is_gdtslam_run(folder)) return std::nullopt;
-  try {
-    RunFiles files(folder);
-    if (files.is_told()) return files;
-  } catch (const InputError&) {  // of another version
-  }
-  return std::nullopt;
-}
-
-// As require_no_foreign_files(), of the files that a site has and other runs have not.
-void require_no_foreign_site_files(const std::string& folder, std::size_t sessions) {
-  const std::optional<RunFiles> run = told_run_in(folder);
-  if (!run && RunReader::is_gdtslam_run(folder)) return;
-  if (unfinished_run_in(folder, kMergeFile).is_of_a_commit) return;  // no merge.json is ever staged in a site
+const std::string& checked_place(const std::string& folder, std::size_t sessions, bool replaces_foreign_files) {
   std::vector<std::string> names(kChanges.begin(), kChanges.end());
   for (std::size_t k = 0; k < sessions; ++k) names.push_back(session_file(k));
-  for (const std::string& name : names) {
-    if (lies_there(fs::path(folder) / name) && !(run && run->has(name))) refuse_foreign(folder, name);
-  }
-}
-
-const std::string& checked_place(const std::string& folder, std::size_t sessions, bool replaces_foreign_files) {
-  if (replaces_foreign_files) return folder;
-  require_no_foreign_files(folder);
-  require_no_foreign_site_files(folder, sessions);
+  if (!replaces_foreign_files) require_no_foreign_files(folder, names);
   return folder;
 }
 
@@ -116,7 +83,7 @@ SiteFolder::SiteFolder(const std::string& path, std::size_t sessions, bool repla
 
 // Of a run whose report tells of its files exactly those go; else all that have the names of a run's.
 void SiteFolder::leave_out_old() {
-  const std::optional<RunFiles> run = told_run_in(path());
+  const std::optional<RunFiles> run = told_files_in(path());
   const auto is_old = [&](const std::string& name) {
     if (name.starts_with(".")) return false;  // staged, or of somebody else
     if (name == kTileFolder) return is_tile_folder(folder_->file(name));

@@ -9,6 +9,7 @@
 #include <limits>
 #include <utility>
 
+#include "engine/core/digits.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/io/sha256.hpp"
 #include "gdtslam/core/error.hpp"
@@ -31,7 +32,7 @@ std::string file_of(const std::string& folder, const char* what, CellIndex place
 
 bool is_whole_number(std::string_view text) {
   if (text.starts_with("-")) text.remove_prefix(1);
-  return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+  return is_digits(text);
 }
 
 /// The index as somebody may have edited it.

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "engine/core/digits.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
@@ -79,8 +80,7 @@ std::string job_of(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), "sbatch");
   const std::string said = output_of(arguments);
   std::string job = said.substr(0, said.find(';'));
-  if (job.empty() || job.find_first_not_of("0123456789") != std::string::npos)
-    throw Error(ExitCode::kFailed, "sbatch named no job, but " + in_quotes(said));
+  if (!is_digits(job)) throw Error(ExitCode::kFailed, "sbatch named no job, but " + in_quotes(said));
   return job;
 }
 

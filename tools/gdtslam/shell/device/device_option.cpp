@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/core/digits.hpp"
 #include "engine/io/did_you_mean.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/console.hpp"
@@ -34,9 +35,7 @@ constexpr std::size_t kMostDigits = 4;
 }
 
 unsigned index_from(std::string_view digits, const std::string& name) {
-  if (digits.empty() || digits.size() > kMostDigits || digits.find_first_not_of("0123456789") != digits.npos) {
-    refuse(name);
-  }
+  if (!is_digits(digits) || digits.size() > kMostDigits) refuse(name);
   unsigned index = 0;
   for (const char digit : digits) index = index * 10 + static_cast<unsigned>(digit - '0');
   return index;
