@@ -42,7 +42,7 @@ struct FrontEndPath {
   std::vector<MeasuredSteps> steps;  ///< to each from the one before; of the first nothing
   std::size_t first_step = 0;        ///< the keyframe that `steps` begin with: those before it wait on a shelf
   std::vector<WheelTravel>
-      travels;  ///< likewise; empty where the noise of the wheels' steps is to stay as it is stated
+      travels;  ///< to each; empty while the path grows, and where the noise of the wheels' steps stays as it is stated
 
   [[nodiscard]] const MeasuredSteps& steps_to(std::size_t keyframe) const { return steps[keyframe - first_step]; }
 };
