@@ -175,4 +175,17 @@ void check_kept_bytes(std::uint64_t kept, std::uint64_t from_disk, const std::st
                                kept >> 20U, (from_disk >> 10U) + 1, kFreeKeptVariable));
 }
 
+void check_derived_bytes(std::uint64_t derived, std::uint64_t from_disk, const std::string& name,
+                         std::string_view what) {
+  const std::uint64_t for_size = kKeptPerFileByte * std::min(from_disk, kMostCounted);
+  if (derived <= for_size) return;
+  const std::uint64_t free = free_kept_bytes();
+  if (derived - for_size <= kDerivedPerFree * free) return;
+  const std::uint64_t wanted_mib = ((derived - for_size) / kDerivedPerFree >> 20U) + 1;
+  throw InputError({name, 0}, fmt::format("{} would take {} MiB of memory, more than the {} MiB that a file of {} KiB "
+                                          "may; if that is meant, set {}={}",
+                                          what, derived >> 20U, (for_size + kDerivedPerFree * free) >> 20U,
+                                          (from_disk >> 10U) + 1, kFreeKeptVariable, wanted_mib));
+}
+
 }  // namespace gdtslam

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace gdtslam {
 
@@ -28,5 +29,13 @@ inline constexpr const char* kFreeKeptVariable = "GDTSLAM_UNPACKED_MIB";
 /// Throws InputError when `kept` bytes in memory are too many for a file of which `from_disk` bytes were read;
 /// ConfigError where the variable is no whole number of MiB from 1 to 1,048,576.
 void check_kept_bytes(std::uint64_t kept, std::uint64_t from_disk, const std::string& name);
+
+/// What a file makes its reader compute and keep besides, tables of a map say, may be so many times what is free above.
+inline constexpr std::uint64_t kDerivedPerFree = 8;
+
+/// The same for `derived` bytes that are made of such a file, of which `what` in the message, "searching in it" say,
+/// has need: they are known before they are allocated.
+void check_derived_bytes(std::uint64_t derived, std::uint64_t from_disk, const std::string& name,
+                         std::string_view what);
 
 }  // namespace gdtslam

@@ -88,6 +88,9 @@ CertifiedMap::CertifiedMap(const FieldView& field, Isa isa, Windows windows, Bac
 CertifiedMap::~CertifiedMap() = default;
 std::uint64_t CertifiedMap::device_launches() const { return device_ != nullptr ? device_->launches() : 0; }
 std::size_t CertifiedMap::bytes() const { return bounds_->bytes(); }
+std::uint64_t CertifiedMap::most_bytes(std::uint64_t width, std::uint64_t height, Windows windows) {
+  return BoundFields::most_bytes(width, height, windows);
+}
 
 bool PoseWindow::holds(const Pose2& pose) const {
   return std::fabs(pose.x_m - centre.x_m) <= half_x_m && std::fabs(pose.y_m - centre.y_m) <= half_y_m &&

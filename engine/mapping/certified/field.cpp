@@ -98,17 +98,27 @@ void dilate(Bytes& bytes, std::int32_t more, std::vector<std::uint8_t>& tall) {
   std::memcpy(bytes.cells.data(), tall.data(), bytes.cells.size());
 }
 
+std::int32_t phase_bits_of(const LevelPlan& plan) { return std::min(plan.spacing_bits, kMostSampleBits); }
+
+// Samples along a side of a plane for so many cells.
+std::uint64_t plane_side(std::uint64_t cells, const LevelPlan& plan) {
+  return (cells >> static_cast<unsigned>(plan.spacing_bits)) + 2 * std::uint64_t{BoundLevel::kMargin};
+}
+
+// Bytes of a level for one dilation.
+std::uint64_t samples_of(std::uint64_t width, std::uint64_t height, const LevelPlan& plan) {
+  return (plane_side(width, plan) * plane_side(height, plan)) << static_cast<unsigned>(2 * phase_bits_of(plan));
+}
+
 BoundLevel empty_level(const Bytes& bytes, const LevelPlan& plan) {
   BoundLevel level;
   level.spacing_bits = plan.spacing_bits;
-  level.phase_bits = std::min(plan.spacing_bits, kMostSampleBits);
+  level.phase_bits = phase_bits_of(plan);
   level.origin = bytes.origin;
-  constexpr std::size_t kMargins = 2 * std::size_t{BoundLevel::kMargin};
-  level.width = static_cast<std::uint32_t>((bytes.width >> static_cast<unsigned>(plan.spacing_bits)) + kMargins);
-  level.height = static_cast<std::uint32_t>((bytes.height >> static_cast<unsigned>(plan.spacing_bits)) + kMargins);
+  level.width = static_cast<std::uint32_t>(plane_side(bytes.width, plan));
+  level.height = static_cast<std::uint32_t>(plane_side(bytes.height, plan));
   level.dilation_cells = plan.dilation_cells;
-  const std::size_t planes = std::size_t{1} << static_cast<unsigned>(2 * level.phase_bits);
-  const std::size_t dilation = planes * level.width * level.height;
+  const std::size_t dilation = samples_of(bytes.width, bytes.height, plan);
   for (std::size_t k = 0; k < BoundLevel::kDilations; ++k) {
     level.first_sample[k] = static_cast<std::uint32_t>(k * dilation);
   }
@@ -212,6 +222,20 @@ std::size_t BoundFields::bytes() const {
   std::size_t sum = minorants_.words.size() * sizeof(std::uint32_t);
   for (const BoundLevel& level : levels_) sum += level.samples.size();
   return sum;
+}
+
+// The field in bytes is there thrice: as it is, widened, and once more while it is widened.
+std::uint64_t BoundFields::most_bytes(std::uint64_t width, std::uint64_t height, CertifiedMap::Windows windows) {
+  const std::span<const LevelPlan> plans = plans_for(windows);
+  const auto room = static_cast<std::uint64_t>(2 * (plans.back().dilation_cells.back() + kBoundAlignment));
+  const std::uint64_t wide = width + room;
+  const std::uint64_t high = height + room;
+  std::uint64_t sum = 3 * wide * high;
+  for (const LevelPlan& plan : plans) sum += BoundLevel::kDilations * samples_of(wide, high, plan);
+  if (windows != CertifiedMap::kAnyWindows) return sum;
+  constexpr std::uint64_t kMargins = 2 * std::uint64_t{FieldMinorant::kMargin};
+  const std::uint64_t words = (width + kMargins) * (height + kMargins);
+  return sum + words * MinorantLevels::kReaches.size() * sizeof(std::uint32_t);
 }
 
 }  // namespace gdtslam

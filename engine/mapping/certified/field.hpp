@@ -57,6 +57,8 @@ class BoundFields {
   [[nodiscard]] const MinorantLevels& minorants() const { return minorants_; }
   [[nodiscard]] bool has_minorants() const { return !minorants_.words.empty(); }
   [[nodiscard]] std::size_t bytes() const;
+  /// At most so many at once while they are made for a field of that size.
+  static std::uint64_t most_bytes(std::uint64_t width, std::uint64_t height, CertifiedMap::Windows windows);
 
  private:
   std::uint32_t unit_ = 1;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "engine/io/file_limits.hpp"
+#include "engine/io/yaml/yaml_file.hpp"
 #include "engine/io/yaml/yaml_text.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
@@ -53,17 +54,32 @@ void check_geometry(const GridGeometry& grid, const std::string& path) {
   }
 }
 
+// What a map takes goes by its cells, whatever its picture packs them to: the field, what searches need besides, and
+// the map that scans are followed in.
+void check_memory(const ObstacleFieldSize& size, const std::string& path) {
+  constexpr std::uint64_t kFieldBytesPerCell = 2 * sizeof(std::uint16_t);
+  const std::uint64_t derived =
+      kFieldBytesPerCell * size.width * size.height + CertifiedMap::most_bytes(size.width, size.height);
+  std::error_code ignored;  // what cannot be asked about counts as nothing
+  const std::uintmax_t picture = std::filesystem::file_size(DescriptionFile(path).image_path(), ignored);
+  check_derived_bytes(derived, ignored ? 0 : picture, path, "searching in the map");
+}
+
 MapField field_of_occupied(const std::string& path, const MapConfig& config, Isa isa) {
   const OccupancyMap map = read_occupancy_map(path);
   check_geometry(map.geometry, path);
   MapField field;
   field.path = path;
   field.source = MapField::Source::kOccupiedCells;
+  const std::uint32_t radius = obstacle_radius(config.truncation_m, map.geometry.resolution_m);
+  ObstacleFieldSize size;
   try {
-    field.file = obstacle_field(map, obstacle_radius(config.truncation_m, map.geometry.resolution_m), isa);
+    size = obstacle_field_size(map, radius);
   } catch (const InputError& error) {
     throw InputError({path, 0}, error.what());
   }
+  check_memory(size, path);
+  field.file = obstacle_field(map, radius, isa);
   if (field.file.cells.empty()) {
     throw InputError(
         {path, 0},
@@ -162,6 +178,8 @@ MapField read_map_field(const std::string& map, const MapConfig& config, Isa isa
   field.run = std::move(run);
   field.file = field.run ? field.run->field() : read_distance_field(path);
   check_lattice(field);
+  const GridGeometry& grid = field.file.geometry;
+  check_memory({static_cast<std::uint64_t>(grid.width), static_cast<std::uint64_t>(grid.height)}, path);
   return field;
 }
 

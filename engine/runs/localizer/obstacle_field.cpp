@@ -114,6 +114,13 @@ std::uint32_t obstacle_radius(double truncation_m, double resolution_m) {
   return static_cast<std::uint32_t>(std::lround(std::clamp(truncation_m / resolution_m, kLeast, kMost)));
 }
 
+ObstacleFieldSize obstacle_field_size(const OccupancyMap& map, std::uint32_t radius_cells) {
+  const CellBox occupied = occupied_box(map);
+  if (occupied.empty()) return {};
+  const FieldBox box = field_box(occupied, radius_cells);
+  return {static_cast<std::uint64_t>(box.width), static_cast<std::uint64_t>(box.height)};
+}
+
 DistanceFieldFile obstacle_field(const OccupancyMap& map, std::uint32_t radius_cells, Isa isa, std::int32_t band_rows) {
   assert(radius_cells >= 1 && radius_cells <= 255 && band_rows >= 1);
   const GridGeometry& grid = map.geometry;

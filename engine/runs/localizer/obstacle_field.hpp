@@ -18,6 +18,13 @@ std::uint32_t obstacle_radius(double truncation_m, double resolution_m);
 /// More cells than this are refused, as in the picture of a field.
 inline constexpr std::uint64_t kMostObstacleFieldCells = std::uint64_t{1} << 29U;
 
+/// The size that obstacle_field() would have; 0 by 0 where no cell is occupied. Throws InputError, as it does.
+struct ObstacleFieldSize {
+  std::uint64_t width = 0;
+  std::uint64_t height = 0;
+};
+ObstacleFieldSize obstacle_field_size(const OccupancyMap& map, std::uint32_t radius_cells);
+
 /// Rows that are transformed at once; the field does not depend on it.
 inline constexpr std::int32_t kObstacleFieldBand = 256;
 

@@ -57,6 +57,18 @@ def map_with(name, image):
     return make
 
 
+def tracked(make):
+    return lambda folder: [*make(folder)[:-2], "--track"]
+
+
+def walls(width, height):
+    """Rows of a picture of free cells whose first and last row are occupied."""
+    packer = zlib.compressobj(9)
+    wall, free = bytes(1 + width), b"\0" + b"\xfe" * width
+    rows = [packer.compress(row) for row in (wall, *(free for _ in range(height - 2)), wall)]
+    return b"".join(rows) + packer.flush()
+
+
 def field_with(image):
     def make(folder):
         (folder / "gdt.png").write_bytes(image())
@@ -120,6 +132,9 @@ BOMBS = [
     Bomb("PNG of 2,000,000,000 x 2,000,000,000", map_with("map.png", lambda: png(2_000_000_000, 2_000_000_000, 8, zlib_zeros(1000))), 65, "map.png"),
     Bomb("PNG map of zeros", map_with("map.png", lambda: png(30_000, 30_000, 8, zlib_zeros(30_001 * 30_000))), 65, "would take"),
     Bomb("PNG field of zeros", field_with(lambda: png(20_000, 20_000, 16, zlib_zeros(40_001 * 20_000))), 65, "would take"),
+    Bomb("PNG map of 15,000 x 15,000 with two walls", map_with("map.png", lambda: png(15_000, 15_000, 8, walls(15_000, 15_000))), 65, "searching in the map would take", 320, 6),
+    Bomb("PNG map of 1 x 1,000,000", map_with("map.png", lambda: png(1, 1_000_000, 8, walls(1, 1_000_000))), 65, "searching in the map would take"),
+    Bomb("the same, tracked in", tracked(map_with("map.png", lambda: png(1, 1_000_000, 8, walls(1, 1_000_000)))), 65, "searching in the map would take"),
     # Maps that are read: looking for a scan of the simulated drive in their one cell takes 2.6 s.
     Bomb("PNG with a text of 1 GB", map_with("map.png", lambda: png_of_chunks(png_text(1000 * MB))), 0, "scan 1 at", 100, 6),
     Bomb("PNG with a profile of 1 GB", map_with("map.png", lambda: png_of_chunks(png_profile(1000 * MB))), 0, "scan 1 at", 100, 6),

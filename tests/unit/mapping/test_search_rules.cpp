@@ -55,6 +55,23 @@ class BareField {
   FieldView view_;
 };
 
+// The stated bound holds what is kept and three copies of the field in bytes, which are gone then: within the 64 cells
+// to which each side is rounded, and for a thin field, whose margins are most of it, too.
+TEST(CertifiedField, SaysBeforeHowManyBytesItWillHold) {
+  using Windows = CertifiedMap::Windows;
+  for (const auto& [width, height] : {std::pair(8U, 8U), std::pair(8U, 4000U), std::pair(300U, 500U)}) {
+    BareField field(width, height);
+    for (const Windows windows : {Windows::kAnyWindows, Windows::kSmallWindows, Windows::kNearWindows}) {
+      const std::uint64_t kept = CertifiedMap(field.view(), Isa::kBaseline, windows).bytes();
+      const std::uint64_t stated = CertifiedMap::most_bytes(width, height, windows);
+      EXPECT_GE(stated, kept + 3 * std::uint64_t{width} * height) << width << " x " << height;
+      EXPECT_LE(stated, CertifiedMap::most_bytes(width + 64, height + 64, windows));
+      const std::uint64_t room = 256;  // for the widest squares, rounded, on both sides
+      EXPECT_LE(stated, 2 * kept + 3 * (width + room) * (height + room)) << width << " x " << height;
+    }
+  }
+}
+
 TEST(CertifiedField, IsFourCellsWideAndHighAtLeast) {
   EXPECT_TRUE(BareField(4, 4).is_taken());
   EXPECT_FALSE(BareField(3, 4).is_taken());

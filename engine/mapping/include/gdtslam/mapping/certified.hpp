@@ -75,6 +75,8 @@ class CertifiedMap {
   [[nodiscard]] std::uint64_t device_launches() const;
   /// Of what was added to the field.
   [[nodiscard]] std::size_t bytes() const;
+  /// At most so many are held at once while a field of that size is prepared, its own not counted. O(1).
+  static std::uint64_t most_bytes(std::uint64_t width, std::uint64_t height, Windows windows = kAnyWindows);
 
  private:
   FieldView field_;
