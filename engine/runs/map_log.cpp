@@ -272,9 +272,10 @@ MapResult map_logs(const MapRequest& request, const BackendOfRun& backend) {
     if (!continued.remark.empty() && request.warn) request.warn(continued.remark);
     const MapRequest whole = restored(request, continued.kept);
     return map_opened(whole, job_of(whole), backend, &continued);
-  } catch (const InputError&) {  // an input that a signal ended before anything came is no bad input
-    if (!stopped(request)) throw;
-    throw Error(ExitCode::kInterrupted, "interrupted before the first scan; nothing is written");
+  } catch (const InputError& error) {  // an input that a signal ended before anything came is no bad input
+    if (stopped(request)) throw Error(ExitCode::kInterrupted, "interrupted before the first scan; nothing is written");
+    if (error.has_position()) throw;
+    throw InputError(FilePosition{log_name(request.logs.front()), 0}, error.what());
   }
 }
 

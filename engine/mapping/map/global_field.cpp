@@ -14,10 +14,6 @@ namespace {
 
 constexpr std::int32_t kGuardCells = 2;  // the outermost rows and columns that always hold the cap
 
-std::string size_of(const CellBox& box) {
-  return std::to_string(box.width()) + " x " + std::to_string(box.height()) + " cells";
-}
-
 }  // namespace
 
 GlobalField::GlobalField(Backend& backend, double resolution_m, std::uint32_t radius_cells, std::uint64_t max_cells)

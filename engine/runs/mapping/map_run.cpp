@@ -314,11 +314,9 @@ void MapRun::map_nodding(const Progress& progress) {
   if (scans == 0) return;
   try {
     finish_nodding();
-  } catch (const InputError& error) {
-    if (outcome_.interrupted) {
-      throw Error(ExitCode::kInterrupted, "interrupted before a scan could be placed; nothing is written");
-    }
-    throw InputError(FilePosition{log_name(job_.logs.front()), 0}, error.what());
+  } catch (const InputError&) {
+    if (!outcome_.interrupted) throw;
+    throw Error(ExitCode::kInterrupted, "interrupted before a scan could be placed; nothing is written");
   }
 }
 

@@ -147,6 +147,26 @@ CellBox square_of_tiles(std::int32_t first, std::int32_t tiles) {
   return {min, min + CellOffset{tiles * kTileCells, tiles * kTileCells}};
 }
 
+// 2^32 cells of tiles of 65 by 72 are 917,739: with 8 tiles more on each side, 128 rows of 7,169 are less and of 7,170
+// more.
+TEST(FieldOnDisk, AScanThatReachesOverMoreCellsThanAreCountedIsRefused) {
+  MapOnCpu near;
+  near.field.keep_near(testing::TempDir());
+  const auto tiles = [](std::int32_t width) {
+    return CellBox{{0, 8 * kTileCells}, {width * kTileCells, (8 + 112) * kTileCells}};
+  };
+  near.field.come_near(tiles(1000));
+  const CellBox stored = near.field.stored();
+  try {
+    near.field.come_near(tiles(7695));
+    FAIL() << "took more than 2^32 cells";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("a scan reaches over 492480 x 7168 cells, more than 2^32"));
+    EXPECT_FALSE(error.has_position());
+  }
+  EXPECT_EQ(near.field.stored(), stored) << "as it was";
+}
+
 // What stands in the very first block of a piece comes back from disk, goes along to another piece that holds it, and
 // back to disk with one that does not.
 TEST(FieldOnDisk, TheFirstBlockOfAPieceIsOneAsTheOthers) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/core/memory/page_memory.hpp"
+#include "gdtslam/core/error.hpp"
 #include "growth.hpp"
 
 namespace gdtslam {
@@ -103,6 +104,11 @@ void FieldStrips::come_near(const CellBox& box) {
   if (!shelf_ || !can_hold(box)) return;
   if (const CellBox tiles = tiles_that_hold(box); !holds(near_, tiles)) {
     const CellBox near = with_margin(tiles, kNearMargin, kNearMargin);
+    if (count_of(in_whole_blocks(near)) > kMostTiles) {
+      throw InputError("a scan reaches over " + size_of(box) +
+                       ", more than 2^32 of which are not counted; does the laser sit so far from the robot's centre "
+                       "(log.mount), or is map.resolution too small?");
+    }
     if (!holds(tiles_, near)) make_piece(near);
     take_near(near);
     near_ = near;

@@ -49,6 +49,10 @@ CellBox common_part(const CellBox& a, const CellBox& b) {
           {std::min(a.end.x, b.end.x), std::min(a.end.y, b.end.y)}};
 }
 
+std::string size_of(const CellBox& box) {
+  return std::to_string(box.width()) + " x " + std::to_string(box.height()) + " cells";
+}
+
 std::optional<GridBoxes> grown_to_hold(const GridBoxes& now, const CellBox& box,
                                        const std::function<bool(const CellBox&)>& fits) {
   const CellBox content = hull_of(now.content, box);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
 
 #include "gdtslam/core/grid_geometry.hpp"
 
@@ -16,6 +17,9 @@ inline constexpr std::int64_t kFurthestCell = 1 << 30;
 CellBox hull_of(const CellBox& a, const CellBox& b);
 /// What both have in common; may be empty.
 CellBox common_part(const CellBox& a, const CellBox& b);
+
+/// "3 x 4 cells".
+std::string size_of(const CellBox& box);
 
 /// What a grid has to hold and what is stored for it; map cells.
 struct GridBoxes {

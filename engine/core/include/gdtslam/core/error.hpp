@@ -44,8 +44,13 @@ std::string located(const FilePosition& position, const std::string& message);
 class InputError : public Error {
  public:
   InputError(const FilePosition& position, const std::string& message)
-      : Error(ExitCode::kBadInput, located(position, message)) {}
+      : Error(ExitCode::kBadInput, located(position, message)), has_position_(true) {}
   explicit InputError(const std::string& message) : Error(ExitCode::kBadInput, message) {}
+  /// Without one, who knows the file that the data came from has to name it.
+  [[nodiscard]] bool has_position() const noexcept { return has_position_; }
+
+ private:
+  bool has_position_ = false;
 };
 
 /// A configuration that cannot be used (exit 78).

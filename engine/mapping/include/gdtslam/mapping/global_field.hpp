@@ -72,7 +72,8 @@ class GlobalField {
   /// it; at(), read_row() and download() see all cells. Throws nothing; the file is made when it is needed.
   void keep_near(const std::string& folder);
   /// Brings the cells of the box (map cells; not empty) to where kernels find them. Nothing without keep_near(). Throws
-  /// FileError where the disk is full, Error where there is no memory.
+  /// InputError for a box that holds more cells than 32 bits count, FileError where the disk is full, Error where there
+  /// is no memory.
   void come_near(const CellBox& map_box);
   /// Throws InputError where a merge into these boxes, which the map holds, would take more memory than for max_cells.
   void require_room(std::span<const CellBox> map_boxes) const;
