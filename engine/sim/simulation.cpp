@@ -14,6 +14,8 @@ namespace {
 constexpr std::uint64_t kWheelStream = 1;
 constexpr std::uint64_t kLaserStream = 2;
 
+constexpr double kMostRecords = 1.0e8;
+
 double event_time_s(std::size_t index, double rate_hz) {
   return std::floor(static_cast<double>(index) / rate_hz * 1e6 + 0.5) / 1e6;
 }
@@ -236,11 +238,24 @@ std::vector<std::string> validate(const SimulationConfig& config) {
   return faults;
 }
 
+void require_few_records(const SimulationConfig& config, double duration_s) {
+  const double rate_hz =
+      config.scan_rate_hz + config.odometry_rate_hz + (config.nodding ? config.nodding->encoder_rate_hz : 0.0);
+  const double records = std::ceil(duration_s * rate_hz);
+  if (records <= kMostRecords) return;
+  throw ConfigError("recording: a drive of " + std::to_string(std::llround(duration_s)) + " s has " +
+                    std::to_string(std::llround(records)) + " records at these rates, more than the " +
+                    std::to_string(std::llround(kMostRecords)) +
+                    " that are simulated; lower scan_rate or odometry_rate, "
+                    "or shorten the drive and its pauses");
+}
+
 SimulationSummary run_simulation(const SimulationConfig& config, const MotionPlan& plan, const RayCaster& caster,
                                  const SimulationSink& sink) {
   if (const std::vector<std::string> faults = validate(config); !faults.empty()) {
     throw ConfigError(faults.front());
   }
+  require_few_records(config, plan.duration_s());
   std::optional<NoddingCourse> course;
   if (config.nodding) {
     course.emplace(*config.nodding, plan);

@@ -129,6 +129,7 @@ BOMBS = [
     Bomb("YAML text of 1 MB", configuration(lambda: "a: " + "x" * 1_000_000 + "\n"), 78, "config.yaml"),
     Bomb("scene of repeats", scene(repeats), 78, "more than 200000 parts", 200),
     Bomb("scene of aliases", scene(aliased_walls), 78, "more than 200000 parts", 200),
+    Bomb("scene of a day at 10,000 scans a second", scene(day_long), 78, "bomb.yaml: .* 864086401 records"),
     Bomb("waypoints of aliases", aliased_waypoints, 78, "path.yaml", 200),
     Bomb("linkage of aliases", linkage(laughs), 78, "bars.yaml"),
     Bomb("map description of aliases", map_description(laughs), 65, "map.yaml"),

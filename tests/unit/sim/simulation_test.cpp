@@ -27,6 +27,13 @@ RayCaster room() {
   return RayCaster(triangulate(scene));
 }
 
+// A robot that stands.
+MotionPlan pause_of(double pause_s) {
+  std::vector<Waypoint> waypoints(1);
+  waypoints[0].pause_s = pause_s;
+  return {waypoints, {}};
+}
+
 MotionPlan loop() {
   std::vector<Waypoint> waypoints(5);
   waypoints[1].position_m = {6.0, 0.0};
@@ -47,7 +54,7 @@ SimulationConfig config_of(double scan_rate_hz, double odometry_rate_hz) {
   return config;
 }
 
-Log record(const SimulationConfig& config, std::size_t most_scans = 100'000) {
+Log record(const SimulationConfig& config, std::size_t most_scans = 100'000, const MotionPlan& plan = loop()) {
   Log log;
   SimulationSink sink;
   sink.scan = [&](const SimulatedScan& scan) {
@@ -61,7 +68,7 @@ Log record(const SimulationConfig& config, std::size_t most_scans = 100'000) {
     log.stamps_s.push_back(odometry.stamp_s);
   };
   sink.keep_on = [&](double) { return log.scans.size() < most_scans; };
-  log.summary = run_simulation(config, loop(), room(), sink);
+  log.summary = run_simulation(config, plan, room(), sink);
   return log;
 }
 
@@ -186,6 +193,20 @@ TEST(Simulation, RefusesAFaultyConfiguration) {
   config.wheels.ticks_per_m = 0.0;
   EXPECT_EQ(validate(config).size(), 4U);
   EXPECT_THROW(record(config), ConfigError);
+}
+
+// 10,000 s at 9,999 and 1 Hz are 100,000,000 records.
+TEST(Simulation, HasAHundredMillionRecordsAtMost) {
+  EXPECT_EQ(record(config_of(9'999.0, 1.0), 3, pause_of(10'000.0)).scans.size(), 3U);
+  try {
+    record(config_of(9'999.0, 1.0), 3, pause_of(10'000.5));
+    FAIL() << "simulated more";
+  } catch (const ConfigError& error) {
+    EXPECT_STREQ(error.what(),
+                 "recording: a drive of 10001 s has 100005000 records at these rates, more than the "
+                 "100000000 that are simulated; lower scan_rate or odometry_rate, or shorten the drive "
+                 "and its pauses");
+  }
 }
 
 }  // namespace

@@ -148,6 +148,20 @@ TEST_F(KeyframeFileTest, RangesAreWithinHalfAMillimetre) {
   }
 }
 
+TEST_F(KeyframeFileTest, PosesAreOnEarth) {
+  for (const double sign : {-1.0, 1.0}) {
+    RunKeyframes run = two_keyframes();
+    Pose2& pose = run.keyframes.back().T_map_base;
+    for (double* const side : {&pose.x_m, &pose.y_m}) {
+      *side = sign * 2.0e7;
+      EXPECT_EQ(parse_keyframes(keyframe_bytes(run), "run").keyframes.back().T_map_base, pose);
+      *side = sign * 2.0000001e7;
+      expect_unread(keyframe_bytes(run), "which is no place: metres, 2e+07 at most");
+      *side = 0.0;
+    }
+  }
+}
+
 TEST_F(KeyframeFileTest, WhatIsNoRangeIsNoReturn) {
   EXPECT_EQ(range_in_mm(kNoReturn), 0U);
   EXPECT_EQ(range_in_mm(-kNoReturn), 0U);

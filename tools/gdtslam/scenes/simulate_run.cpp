@@ -101,7 +101,9 @@ sim::MotionPlan plan_of(const SceneFile& scene, const std::string& source) {
   }
   try {
     const auto& nodding = scene.config.nodding;
-    return {nodding ? with_scan_stops(*nodding, scene.waypoints) : scene.waypoints, scene.limits};
+    sim::MotionPlan plan(nodding ? with_scan_stops(*nodding, scene.waypoints) : scene.waypoints, scene.limits);
+    require_few_records(scene.config, plan.duration_s());
+    return plan;
   } catch (const ConfigError& error) {
     throw ConfigError({source, 0}, error.what());
   }

@@ -75,9 +75,13 @@ struct SimulationSummary {
 /// The true pose of the robot's centre.
 Pose2 base_pose(const WheelModel& wheels, const MotionState& state);
 
+/// Throws ConfigError for a drive of more than 100,000,000 records: a few words of a scene may ask for a log that no
+/// disk holds.
+void require_few_records(const SimulationConfig& config, double duration_s);
+
 /// Stamps begin at 0 and are whole microseconds. With a nodding mount the first scan comes half of a scan's duration
 /// later and the encoder tells until after the last one, so that its course covers every beam. Throws ConfigError for
-/// what validate() refuses.
+/// what validate() and require_few_records() refuse.
 SimulationSummary run_simulation(const SimulationConfig& config, const MotionPlan& plan, const RayCaster& caster,
                                  const SimulationSink& sink);
 
