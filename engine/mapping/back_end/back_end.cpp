@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "engine/core/memory/sparing.hpp"
 #include "engine/mapping/adjust/carried_poses.hpp"
 #include "engine/mapping/graph/free_network.hpp"
 
@@ -72,7 +73,7 @@ void BackEnd::take(std::span<const Point2> points_base_m, const MatchResult& res
   if (!keyframes_.empty()) follow(result);
   if (!result.merged && !keyframes_.empty()) return add_scan(points_base_m, result);
   scans_.put({{}, keyframes_.size()});
-  keyframes_.push_back(scans_.size() - 1);
+  push_sparingly(keyframes_, scans_.size() - 1);
   KeptScan points = keep_scan(points_base_m);
   put_on_shelf([this, points] { shelf_.put(points); });
   add_keyframe(result, std::move(points));

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "conjugate_gradients.hpp"
+#include "engine/core/memory/sparing.hpp"
 
 namespace gdtslam {
 namespace {
@@ -99,7 +100,7 @@ void take_loop(std::vector<Loop>& loops, const Loop& loop) {
     return known.relation.from == loop.relation.from && known.relation.to == loop.relation.to;
   });
   if (same == loops.end()) {
-    loops.push_back(loop);
+    push_sparingly(loops, loop);
   } else {
     *same = loop;
   }

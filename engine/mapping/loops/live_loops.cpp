@@ -6,6 +6,7 @@
 #include <system_error>
 #include <utility>
 
+#include "engine/core/memory/sparing.hpp"
 #include "engine/core/scheduling.hpp"
 #include "engine/core/side_thread.hpp"
 #include "engine/core/signals_blocked.hpp"
@@ -127,9 +128,9 @@ void LiveLoops::carry_out(Order& order) {
 }
 
 void LiveLoops::append(Keyframe& keyframe) {
-  path_.scans.push_back(std::move(keyframe.scan));
-  path_.poses.push_back(keyframe.T_map_base);
-  path_.path_m.push_back(keyframe.path_m);
+  push_sparingly(path_.scans, std::move(keyframe.scan));
+  push_sparingly(path_.poses, keyframe.T_map_base);
+  push_sparingly(path_.path_m, keyframe.path_m);
   path_.steps.push_back(keyframe.steps);
   measured_.put({keyframe.steps, keyframe.travel});
   is_pruned_.push_back(false);
@@ -168,7 +169,7 @@ void LiveLoops::follow(Keyframe& keyframe) {
   }
   const std::lock_guard lock(mutex_);
   if (found_.size() == closer_.graph().poses.size()) return;
-  found_.push_back(closer_.correction());
+  push_sparingly(found_, closer_.correction());
   done_.notify_all();
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 
+#include "engine/core/memory/sparing.hpp"
 #include "engine/mapping/loops/carried_keyframes.hpp"
 
 namespace gdtslam {
@@ -46,7 +47,7 @@ bool LoopCloser::take_loops(const std::vector<Loop>& loops) {
 // What comes after it is hidden from the search, so that the path may be taken in one piece or in many.
 void LoopCloser::take_keyframe() {
   const std::size_t here = poses_.size();
-  poses_.push_back(path_.poses[here]);
+  push_sparingly(poses_, path_.poses[here]);
   const std::size_t known = here + 1;
   finder_.extend({std::span(path_.scans).first(known), poses_, std::span(path_.path_m).first(known)});
   if (!counter_.is_place(path_.path_m[here])) return;
@@ -59,8 +60,8 @@ void LoopCloser::follow_place(std::size_t here, WorkerPool& workers) {
     graph_.poses = {poses_.front()};
     return;
   }
-  graph_.path.push_back(measured_.by_front_end(here));
-  graph_.poses.push_back(graph_.poses.back() * graph_.path.back().T_from_to);
+  push_sparingly(graph_.path, measured_.by_front_end(here));
+  push_sparingly(graph_.poses, graph_.poses.back() * graph_.path.back().T_from_to);
   const std::size_t most = pruning_.is_crowded(graph_, here) ? 1 : options_.search.revisits.most;
   if (!take_loops(finder_.look(graph_, here, most, workers))) return;
   graph_.optimise(++closed_ % kGraduatedEvery == 0);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/core/memory/free_memory.hpp"
+#include "engine/core/memory/sparing.hpp"
 #include "engine/mapping/loops/group_field.hpp"
 #include "gdtslam/compute/kernel.hpp"
 
@@ -99,8 +100,8 @@ LoopFinder::LoopFinder(const LoopSearchOptions& options) : options_(options), ba
 LoopFinder::~LoopFinder() = default;
 
 void LoopFinder::add_place(std::size_t keyframe) {
-  places_.push_back(keyframe);
-  path_m_.push_back(keyframes_.path_m[keyframe]);
+  push_sparingly(places_, keyframe);
+  push_sparingly(path_m_, keyframes_.path_m[keyframe]);
 }
 
 void LoopFinder::leave_out(std::size_t place) {

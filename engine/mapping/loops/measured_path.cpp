@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "engine/core/memory/sparing.hpp"
 #include "engine/mapping/wheels/wheel_noise.hpp"
 
 namespace gdtslam {
@@ -28,10 +29,10 @@ void MeasuredPath::state_between_places(std::size_t source) {
 }
 
 void MeasuredPath::add_place(std::size_t keyframe) {
-  places_.push_back(keyframe);
+  push_sparingly(places_, keyframe);
   if (places_.size() < 2) return;
   for (std::size_t source = 0; source < kStepSources; ++source) {
-    stated_[source].push_back(between_places(places_.size() - 1, source, &MeasuredStep::information));
+    push_sparingly(stated_[source], between_places(places_.size() - 1, source, &MeasuredStep::information));
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include "engine/core/memory/sparing.hpp"
 
 namespace gdtslam {
 namespace {
@@ -25,7 +26,7 @@ std::optional<std::size_t> PlacePruning::next(const PoseGraph& graph) {
   if (graph.poses.size() <= rules_.places_later) return std::nullopt;
   const std::size_t place = graph.poses.size() - 1 - rules_.places_later;
   if (is_crowded(graph, place) && is_tied(graph, place)) return place;
-  kept_.push_back(place);
+  push_sparingly(kept_, place);
   return std::nullopt;
 }
 

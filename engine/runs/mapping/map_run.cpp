@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "engine/core/memory/sparing.hpp"
 #include "engine/core/worker_pool.hpp"
 #include "engine/mapping/nodding/level_scan.hpp"
 #include "engine/runs/streams/log_check.hpp"
@@ -158,10 +159,10 @@ void MapRun::take_match(const MatchResult& result, const Pose2& T_map_base, cons
   // Where loops are closed the path begins with a keyframe, whatever its scan.
   const bool is_first = loops_ && mapped_.size() == 0;
   if (!nodding_ && (result.merged || is_first)) {
-    merged_.push_back(mapped_.size());
+    push_sparingly(merged_, mapped_.size());
     merged_scans_.put(scan);
   }
-  if (result.merged) outcome_.keyframes.push_back(mapped_.size());
+  if (result.merged) push_sparingly(outcome_.keyframes, mapped_.size());
   mapped_.add({result.stamp_s, T_map_base});
 }
 
