@@ -128,7 +128,7 @@ void LiveLoops::carry_out(Order& order) {
 }
 
 void LiveLoops::append(Keyframe& keyframe) {
-  push_sparingly(path_.scans, std::move(keyframe.scan));
+  path_.scans.push_back(std::move(keyframe.scan));
   push_sparingly(path_.poses, keyframe.T_map_base);
   push_sparingly(path_.path_m, keyframe.path_m);
   path_.steps.push_back(keyframe.steps);
@@ -164,7 +164,7 @@ void LiveLoops::follow(Keyframe& keyframe) {
   closer_.follow([](double, int) {}, *workers_);
   forget_steps();
   for (const std::size_t i : closer_.take_pruned()) {
-    path_.scans[i] = {};
+    path_.scans.forget(i);
     is_pruned_[i] = true;
   }
   const std::lock_guard lock(mutex_);
@@ -231,16 +231,6 @@ void LiveLoops::abandon() {
     if (auto* const keyframe = std::get_if<Keyframe>(&order)) append(*keyframe);
   }
   orders_.clear();
-}
-
-std::vector<KeptScan> LiveLoops::take_scans() {
-  std::vector<KeptScan> scans = std::exchange(path_.scans, {});
-  std::size_t left = 0;
-  for (std::size_t i = 0; i < scans.size(); ++i) {
-    if (!is_pruned_[i]) std::swap(scans[left++], scans[i]);
-  }
-  scans.resize(left);
-  return scans;
 }
 
 void LiveLoops::join() {

@@ -74,7 +74,7 @@ class LiveLoops {
   /// Likewise, which of them have no scan any more (PlacePruning).
   [[nodiscard]] const std::vector<bool>& is_pruned() const { return is_pruned_; }
   /// Takes the scans from the path, of those that have one.
-  std::vector<KeptScan> take_scans();
+  std::vector<KeptScan> take_scans() { return path_.scans.take(); }
 
  private:
   struct MapRequest {

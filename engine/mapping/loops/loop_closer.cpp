@@ -46,10 +46,8 @@ bool LoopCloser::take_loops(const std::vector<Loop>& loops) {
 
 // What comes after it is hidden from the search, so that the path may be taken in one piece or in many.
 void LoopCloser::take_keyframe() {
-  const std::size_t here = poses_.size();
-  push_sparingly(poses_, path_.poses[here]);
-  const std::size_t known = here + 1;
-  finder_.extend({std::span(path_.scans).first(known), poses_, std::span(path_.path_m).first(known)});
+  const std::size_t here = known_++;
+  finder_.extend({path_.scans, std::span(path_.poses).first(known_), std::span(path_.path_m).first(known_)});
   if (!counter_.is_place(path_.path_m[here])) return;
   measured_.add_place(here);
   finder_.add_place(here);
@@ -57,7 +55,7 @@ void LoopCloser::take_keyframe() {
 
 void LoopCloser::follow_place(std::size_t here, WorkerPool& workers) {
   if (here == 0) {
-    graph_.poses = {poses_.front()};
+    graph_.poses = {path_.poses.front()};
     return;
   }
   push_sparingly(graph_.path, measured_.by_front_end(here));
@@ -69,7 +67,7 @@ void LoopCloser::follow_place(std::size_t here, WorkerPool& workers) {
 }
 
 void LoopCloser::follow(const Progress& progress, WorkerPool& workers) {
-  while (poses_.size() < path_.poses.size()) {
+  while (known_ < path_.poses.size()) {
     take_keyframe();
     const std::size_t here = graph_.poses.size();
     if (places().size() <= here + kPlacesAround) continue;
@@ -115,15 +113,14 @@ void LoopCloser::weigh_sources() {
 }
 
 std::vector<Pose2> LoopCloser::carried_keyframes() const {
-  std::vector<Pose2> poses = poses_;
+  std::vector<Pose2> poses(path_.poses.begin(), path_.poses.begin() + static_cast<std::ptrdiff_t>(known_));
   carry_keyframes_between(places(), graph_.poses, path_.poses, poses);
   return poses;
 }
 
-// In place: the finder looks at them.
 void LoopCloser::carry_keyframes() {
-  const std::vector<Pose2> poses = carried_keyframes();
-  std::copy(poses.begin(), poses.end(), poses_.begin());
+  poses_ = carried_keyframes();
+  finder_.extend({path_.scans, poses_, path_.path_m});
   finder_.forget_bent();
 }
 
@@ -133,6 +130,7 @@ void LoopCloser::run(const Progress& progress, WorkerPool& workers) {
     follow_place(here, workers);
     if (here > 0) progress(static_cast<double>(places()[here]) / static_cast<double>(path_.poses.size()), 0);
   }
+  poses_ = path_.poses;
   if (places().size() < 2) return;
   graph_.optimise(true);
   carry_keyframes();

@@ -58,7 +58,7 @@ class LoopCloser {
   /// To be called once, when the path is whole: follows it to its end, then goes round, where the workers look ahead.
   void run(const Progress& progress, WorkerPool& workers);
 
-  /// Of the keyframes; loops are closed after run().
+  /// Of the keyframes with their loops closed; after run().
   [[nodiscard]] const std::vector<Pose2>& poses() const { return poses_; }
   /// Its nodes are the places, as far as they were looked at.
   [[nodiscard]] const PoseGraph& graph() const { return graph_; }
@@ -86,7 +86,8 @@ class LoopCloser {
   const FrontEndPath& path_;
   LoopOptions options_;
   PlaceCounter counter_;
-  std::vector<Pose2> poses_;
+  std::size_t known_ = 0;     // keyframes that were taken
+  std::vector<Pose2> poses_;  // of all, from the end on
   MeasuredPath measured_;
   PoseGraph graph_;
   LoopFinder finder_;

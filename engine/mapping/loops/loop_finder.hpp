@@ -51,8 +51,8 @@ class LoopFinder {
   LoopFinder(const LoopFinder&) = delete;
   LoopFinder& operator=(const LoopFinder&) = delete;
 
-  /// The path has grown: all its keyframes, where those that were there lie as before. They must stay until the next
-  /// call, or the end.
+  /// The path has grown, or its keyframes have moved, which forget_bent() is to be told: all of them. They must stay
+  /// until the next call, or the end.
   void extend(const KeyframePath& keyframes) { keyframes_ = keyframes; }
   /// The keyframe in the middle of the next group, behind the last one's.
   void add_place(std::size_t keyframe);

@@ -9,7 +9,7 @@
 
 #include "engine/mapping/graph/pose_graph.hpp"
 #include "engine/mapping/graph/variance_components.hpp"
-#include "engine/mapping/surface/surface_points.hpp"
+#include "engine/mapping/surface/kept_scans.hpp"
 #include "engine/mapping/wheels/wheel_bias.hpp"
 
 namespace gdtslam {
@@ -36,7 +36,7 @@ using MeasuredSteps = std::array<MeasuredStep, kStepSources>;
 
 /// What the front end gives: one entry a keyframe in each.
 struct FrontEndPath {
-  std::vector<KeptScan> scans;  ///< nothing where they are needed no more (PlacePruning)
+  KeptScans scans;  ///< those that are needed still (PlacePruning)
   std::vector<Pose2> poses;
   std::vector<double> path_m;        ///< travelled until each
   std::vector<MeasuredSteps> steps;  ///< to each from the one before; of the first nothing

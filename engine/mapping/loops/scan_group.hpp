@@ -9,7 +9,7 @@
 
 #include "engine/mapping/graph/matrix3.hpp"
 #include "engine/mapping/loops/free_space.hpp"
-#include "engine/mapping/surface/surface_points.hpp"
+#include "engine/mapping/surface/kept_scans.hpp"
 #include "gdtslam/mapping/certified.hpp"
 #include "gdtslam/mapping/global_field.hpp"
 
@@ -17,7 +17,7 @@ namespace gdtslam {
 
 /// What a group is made from: the keyframes of a run and where they are.
 struct KeyframePath {
-  std::span<const KeptScan> scans;
+  ScansOfPath scans;
   std::span<const Pose2> poses;
   std::span<const double> path_m;  ///< travelled until each
 };

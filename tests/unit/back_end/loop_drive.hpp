@@ -132,7 +132,7 @@ inline LoopDrive drive_around_ring(int rounds, double sigma_m, double sigma_rad,
   for (std::size_t i = 0; i < result.truth.size(); ++i) {
     const LaserScan scan = scan_of(walls, result.truth[i], 0.0, 180);
     result.path.scans.push_back(keep_scan(points_of(scan, {})));
-    const KeptScan& kept = result.path.scans.back();
+    const KeptScan& kept = result.path.scans[i];
     if (i == 0) {
       result.path.poses.push_back(result.truth.front());
       result.path.path_m.push_back(0.0);

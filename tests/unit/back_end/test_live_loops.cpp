@@ -168,7 +168,7 @@ TEST(LiveLoops, AtTheEndEachStepIsThere) {
     LiveLoops loops({}, {.is_beside = is_beside, .scratch_folder = testing::TempDir(), .shelf_bytes = 4096});
     for (std::size_t i = 0; i < twice.path.poses.size(); ++i) loops.take(keyframe_at(twice, i));
     const LoopCloser& closer = loops.end([](double) {});
-    EXPECT_EQ(closer.poses().size(), twice.path.poses.size());
+    EXPECT_EQ(closer.carried_keyframes().size(), twice.path.poses.size());
     const FrontEndPath& found = loops.path();
     EXPECT_EQ(found.first_step, 0U);
     ASSERT_EQ(found.steps.size(), twice.path.steps.size());

@@ -49,7 +49,7 @@ TEST(PlaceCounter, OfATurnOnTheSpotEachSixtiethKeyframeIsOne) {
 FrontEndPath blind_path(std::size_t keyframes) {
   FrontEndPath path;
   for (std::size_t k = 0; k < keyframes; ++k) {
-    path.scans.emplace_back();
+    path.scans.push_back({});
     path.poses.push_back({static_cast<double>(k), 0.0, 0.0});
     path.path_m.push_back(static_cast<double>(k));
     const MeasuredStep step{{1.0, 0.0, 0.0}, Matrix3::diagonal(1.0e4, 1.0e4, 1.0e6)};

@@ -202,7 +202,7 @@ TEST(LoopCloser, FindsTheSameWithAnyNumberOfThreads) {
 TEST(LoopCloser, APathWithoutRevisitsStaysAsItIs) {
   LoopDrive once = drive_around_ring(1, 0.01, 0.003, 3);
   const std::size_t half = once.truth.size() / 2;
-  once.path.scans.resize(half);
+  once.path.scans.keep(half);
   once.path.poses.resize(half);
   once.path.path_m.resize(half);
   once.path.steps.resize(half);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "engine/core/memory/free_memory.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/snapshot_folder.hpp"
 #include "engine/runs/mapping/map_run.hpp"
@@ -77,6 +78,7 @@ void print_summary(const MapRequest& request, const MapOutcome& outcome, std::ui
 }  // namespace
 
 int map_live(const DriveOptions& options) {
+  return_large_blocks_at_once();
   let_signal_save();
   MapRequest request = request_of(options);
   require_no_foreign_snapshot(request.folder);
