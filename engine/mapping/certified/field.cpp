@@ -227,7 +227,7 @@ std::size_t BoundFields::bytes() const {
 // The field in bytes is there thrice: as it is, widened, and once more while it is widened.
 std::uint64_t BoundFields::most_bytes(std::uint64_t width, std::uint64_t height, CertifiedMap::Windows windows) {
   const std::span<const LevelPlan> plans = plans_for(windows);
-  const auto room = static_cast<std::uint64_t>(2 * (plans.back().dilation_cells.back() + kBoundAlignment));
+  const std::uint64_t room = 2 * static_cast<std::uint64_t>(plans.back().dilation_cells.back() + kBoundAlignment);
   const std::uint64_t wide = width + room;
   const std::uint64_t high = height + room;
   std::uint64_t sum = 3 * wide * high;

@@ -58,9 +58,9 @@ class ScansOfPath {
   ScansOfPath(const std::vector<KeptScan>& all) : all_(all) {}
   /// One that is there; nothing of one that was forgotten.
   [[nodiscard]] const KeptScan& operator[](std::size_t keyframe) const {
-    static const KeptScan kForgotten;
+    static const KeptScan forgotten;
     if (kept_ == nullptr) return all_[keyframe];
-    return kept_->has(keyframe) ? (*kept_)[keyframe] : kForgotten;
+    return kept_->has(keyframe) ? (*kept_)[keyframe] : forgotten;
   }
 
  private:
