@@ -25,7 +25,7 @@ constexpr std::uint8_t kHasCovariance = 1;      // of a keyframe
 constexpr std::uint8_t kHasSpeed = 2;
 constexpr std::size_t kDigestDigits = 64;
 constexpr std::uint32_t kMostRange_mm = 100'000'000;  // farther away no point counts
-constexpr double kFarthest_m = 2.0e7;                 // of two places on earth
+constexpr double kFarthestPose_m = 2.0e7;             // of two places on earth
 constexpr std::size_t kMostKeyframeBytes = std::size_t{4} << 30U;
 constexpr double kNoVariance = -1.0e-12;  // what differences of large numbers leave of zero
 constexpr double kMmInMetre = 1000.0;
@@ -35,9 +35,9 @@ void append_pose(BytesOut& out, const Pose2& pose) { out.number(pose.x_m).number
 Pose2 pose_from(BytesIn& in) {
   const double x_m = in.number("a pose");
   const double y_m = in.number("a pose");
-  if (std::fmax(std::fabs(x_m), std::fabs(y_m)) > kFarthest_m) {
+  if (std::fmax(std::fabs(x_m), std::fabs(y_m)) > kFarthestPose_m) {
     in.refuse(
-        fmt::format("has a pose at ({:g}, {:g}), which is no place: metres, {:g} at most", x_m, y_m, kFarthest_m));
+        fmt::format("has a pose at ({:g}, {:g}), which is no place: metres, {:g} at most", x_m, y_m, kFarthestPose_m));
   }
   return {x_m, y_m, in.number("a pose")};
 }
