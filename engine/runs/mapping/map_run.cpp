@@ -162,7 +162,7 @@ void MapRun::take_match(const MatchResult& result, const Pose2& T_map_base, cons
     push_sparingly(merged_, mapped_.size());
     merged_scans_.put(scan);
   }
-  if (result.merged) push_sparingly(outcome_.keyframes, mapped_.size());
+  if (result.merged && is_final) push_sparingly(outcome_.keyframes, mapped_.size());
   mapped_.add({result.stamp_s, T_map_base});
 }
 
