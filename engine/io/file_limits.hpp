@@ -31,7 +31,7 @@ inline constexpr const char* kFreeKeptVariable = "GDTSLAM_UNPACKED_MIB";
 void check_kept_bytes(std::uint64_t kept, std::uint64_t from_disk, const std::string& name);
 
 /// What a file makes its reader compute and keep besides, tables of a map say, may be so many times what is free above.
-inline constexpr std::uint64_t kDerivedPerFree = 8;
+inline constexpr std::uint64_t kDerivedPerFree = 16;
 
 /// The same for `derived` bytes that are made of such a file, of which `what` in the message, "searching in it" say,
 /// has need: they are known before they are allocated.

@@ -50,28 +50,28 @@ TEST(FileLimits, TheVariableSetsWhatIsFree) {
   EXPECT_NO_THROW(check_kept_bytes(256 * kMib, 0, "a"));
 }
 
-TEST(FileLimits, WhatIsMadeOfAFileMayBeEightTimesWhatIsFree) {
+TEST(FileLimits, WhatIsMadeOfAFileMayBeSixteenTimesWhatIsFree) {
   const auto takes = [](std::uint64_t derived, std::uint64_t from_disk) {
     check_derived_bytes(derived, from_disk, "a", "looking");
   };
-  EXPECT_NO_THROW(takes(2048 * kMib, 0));
-  EXPECT_THROW(takes(2048 * kMib + 1, 0), InputError);
-  EXPECT_NO_THROW(takes(2048 * kMib + 32, 1));
-  EXPECT_THROW(takes(2048 * kMib + 33, 1), InputError);
+  EXPECT_NO_THROW(takes(4096 * kMib, 0));
+  EXPECT_THROW(takes(4096 * kMib + 1, 0), InputError);
+  EXPECT_NO_THROW(takes(4096 * kMib + 32, 1));
+  EXPECT_THROW(takes(4096 * kMib + 33, 1), InputError);
   const UnpackedMib variable("257");
-  EXPECT_NO_THROW(takes(2056 * kMib, 0));
-  EXPECT_THROW(takes(2056 * kMib + 1, 0), InputError);
+  EXPECT_NO_THROW(takes(4112 * kMib, 0));
+  EXPECT_THROW(takes(4112 * kMib + 1, 0), InputError);
 }
 
 /// What the line says to set is enough, and a MiB less is not.
 TEST(FileLimits, WhatIsMadeOfAFileNamesTheVariableThatIsEnough) {
-  constexpr std::uint64_t kDerived = 4000 * kMib + 5;
+  constexpr std::uint64_t kDerived = 8000 * kMib + 5;
   try {
     check_derived_bytes(kDerived, 2048, "a.yaml", "looking");
-    FAIL() << "took 4 GB";
+    FAIL() << "took 8 GB";
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
-                 "a.yaml: looking would take 4000 MiB of memory, more than the 2048 MiB that a file of 3 KiB "
+                 "a.yaml: looking would take 8000 MiB of memory, more than the 4096 MiB that a file of 3 KiB "
                  "may; if that is meant, set GDTSLAM_UNPACKED_MIB=500");
   }
   {
