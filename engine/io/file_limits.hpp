@@ -30,11 +30,11 @@ inline constexpr const char* kFreeKeptVariable = "GDTSLAM_UNPACKED_MIB";
 /// ConfigError where the variable is no whole number of MiB from 1 to 1,048,576.
 void check_kept_bytes(std::uint64_t kept, std::uint64_t from_disk, const std::string& name);
 
-/// What a file makes its reader compute and keep besides, tables of a map say, may be so many times what is free above.
+/// What is computed from a file and kept beside it, tables of a map say, may be so many times what is free above.
 inline constexpr std::uint64_t kDerivedPerFree = 16;
 
-/// The same for `derived` bytes that are made of such a file, of which `what` in the message, "searching in it" say,
-/// has need: they are known before they are allocated.
+/// The same for `derived` bytes that would be made of such a file, to be asked before they are allocated; `what` begins
+/// the message: "searching in the map", say.
 void check_derived_bytes(std::uint64_t derived, std::uint64_t from_disk, const std::string& name,
                          std::string_view what);
 
