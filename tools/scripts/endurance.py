@@ -35,7 +35,7 @@ PAGE, TICK = os.sysconf("SC_PAGE_SIZE"), os.sysconf("SC_CLK_TCK")
 MOST_BYTES_A_SCAN = {"live": 600.0, "no-loops": 700.0, "drive": 5000.0}
 MOST_MB_AN_HOUR = {"follow": 1.0}
 SETTLED_H = 5.0  # from which on what waits for the end goes to disk, so that less is allowed
-MOST_MB_AN_HOUR_SETTLED = {"live": 2.0, "no-loops": 1.0}
+MOST_MB_AN_HOUR_SETTLED = {"live": 1.0, "no-loops": 1.0}
 MOST_BYTES_A_MAP = 1000.0
 MOST_TIMES_SLOWER = {"live": 3.0, "no-loops": 1.5, "follow": 1.5, "drive": 3.0, "maps": 1.5}
 

@@ -5,7 +5,6 @@
 #include <iterator>
 #include <utility>
 
-#include "engine/core/memory/sparing.hpp"
 #include "engine/mapping/adjust/carried_poses.hpp"
 #include "engine/mapping/graph/free_network.hpp"
 
@@ -70,10 +69,9 @@ BackEnd::BackEnd(const BackEndOptions& options)
       shelf_(options.scratch_folder, options.shelf_bytes) {}
 
 void BackEnd::take(std::span<const Point2> points_base_m, const MatchResult& result) {
-  if (!keyframes_.empty()) follow(result);
-  if (!result.merged && !keyframes_.empty()) return add_scan(points_base_m, result);
-  scans_.put({{}, keyframes_.size()});
-  push_sparingly(keyframes_, scans_.size() - 1);
+  if (keyframes_taken_ > 0) follow(result);
+  if (!result.merged && keyframes_taken_ > 0) return add_scan(points_base_m, result);
+  scans_.put({{}, keyframes_taken_++});
   KeptScan points = keep_scan(points_base_m);
   put_on_shelf([this, points] { shelf_.put(points); });
   add_keyframe(result, std::move(points));
@@ -87,7 +85,7 @@ void BackEnd::put_on_shelf(std::function<void()> put) {
 
 // Its points are not needed before the end.
 void BackEnd::add_scan(std::span<const Point2> points_base_m, const MatchResult& result) {
-  scans_.put({between(T_map_keyframe_, result.T_map_base), keyframes_.size() - 1});
+  scans_.put({between(T_map_keyframe_, result.T_map_base), keyframes_taken_ - 1});
   put_on_shelf(
       [this, points = std::vector(points_base_m.begin(), points_base_m.end())] { shelf_.put(keep_scan(points)); });
 }
@@ -119,7 +117,7 @@ void BackEnd::add_keyframe(const MatchResult& result, KeptScan points) {
       .scan = std::move(points), .T_map_base = result.T_map_base, .path_m = 0.0, .steps = {}, .travel = {}};
   keyframe.scan.surface.shrink_to_fit();  // it stays until the end
   keyframe.scan.lone.shrink_to_fit();
-  if (keyframes_.size() > 1) {
+  if (keyframes_taken_ > 1) {
     travelled_m_ += length_of(between(T_map_keyframe_, result.T_map_base));
     keyframe.steps = steps_to(result, keyframe.scan);
     keyframe.travel = travel_;
@@ -161,6 +159,10 @@ void BackEnd::take_kept() {
     if (!is_pruned[i]) kept_.push_back(i);
   }
   kept_scans_ = loops_.take_scans();
+  Shelf<Scan>::Reader scans(scans_);
+  for (std::size_t i = 0; i < scans_.size(); ++i) {
+    if (scans.next().keyframe == keyframes_.size()) keyframes_.push_back(i);  // the first that hangs on it
+  }
 }
 
 // The path from one kept keyframe to the next, by wheels and by the front end as far as they are believed, and what the

@@ -99,9 +99,9 @@ class BackEnd {
   LiveLoops loops_;
   const FrontEndPath& path_ = loops_.path();  // of the keyframes, after the end
   Shelf<Scan> scans_;
-  std::vector<std::size_t> keyframes_;  // which scans they are
-  Pose2 T_map_keyframe_;                // the last one
-  double travelled_m_ = 0.0;            // until it
+  std::size_t keyframes_taken_ = 0;
+  Pose2 T_map_keyframe_;      // the last one
+  double travelled_m_ = 0.0;  // until it
   // Since the last keyframe, in the frame of the last scan:
   Pose2 T_wheels_;  // by the wheels alone
   Matrix3 wheels_covariance_;
@@ -109,8 +109,10 @@ class BackEnd {
   WheelTravel travel_;
   ScanShelf shelf_;                    // points of all scans
   std::optional<SideThread> keeping_;  // that fills it
-  std::vector<std::size_t> kept_;      // keyframes, after the end
-  std::vector<KeptScan> kept_scans_;   // theirs, until all is adjusted
+  // After the end:
+  std::vector<std::size_t> keyframes_;  // which scans they are
+  std::vector<std::size_t> kept_;       // keyframes
+  std::vector<KeptScan> kept_scans_;    // theirs, until all is adjusted
 };
 
 }  // namespace gdtslam

@@ -51,6 +51,7 @@ void LoopCloser::take_keyframe() {
   if (!counter_.is_place(path_.path_m[here])) return;
   measured_.add_place(here);
   finder_.add_place(here);
+  if (places().size() > 1) coming_.push_back(measured_.by_front_end(places().size() - 1));
 }
 
 void LoopCloser::follow_place(std::size_t here, WorkerPool& workers) {
@@ -58,7 +59,8 @@ void LoopCloser::follow_place(std::size_t here, WorkerPool& workers) {
     graph_.poses = {path_.poses.front()};
     return;
   }
-  push_sparingly(graph_.path, measured_.by_front_end(here));
+  push_sparingly(graph_.path, coming_.front());
+  coming_.pop_front();
   push_sparingly(graph_.poses, graph_.poses.back() * graph_.path.back().T_from_to);
   const std::size_t most = pruning_.is_crowded(graph_, here) ? 1 : options_.search.revisits.most;
   if (!take_loops(finder_.look(graph_, here, most, workers))) return;

@@ -5,7 +5,6 @@
 #include <optional>
 #include <utility>
 
-#include "engine/core/memory/sparing.hpp"
 #include "engine/mapping/wheels/wheel_noise.hpp"
 
 namespace gdtslam {
@@ -18,21 +17,15 @@ constexpr std::size_t kBiasSteps = 12;    // keyframes of a stretch by which the
 
 MeasuredPath::MeasuredPath(const FrontEndPath& path, std::vector<std::size_t> places)
     : path_(path), places_(std::move(places)) {
-  for (std::size_t source = 0; source < kStepSources; ++source) state_between_places(source);
+  state_between_places();
 }
 
-void MeasuredPath::state_between_places(std::size_t source) {
-  stated_[source].clear();
-  for (std::size_t place = 1; place < places_.size(); ++place) {
-    stated_[source].push_back(between_places(place, source, &MeasuredStep::information));
-  }
-}
-
-void MeasuredPath::add_place(std::size_t keyframe) {
-  push_sparingly(places_, keyframe);
-  if (places_.size() < 2) return;
+void MeasuredPath::state_between_places() {
   for (std::size_t source = 0; source < kStepSources; ++source) {
-    push_sparingly(stated_[source], between_places(places_.size() - 1, source, &MeasuredStep::information));
+    stated_[source].clear();
+    for (std::size_t place = 1; place < places_.size(); ++place) {
+      stated_[source].push_back(between_places(place, source, &MeasuredStep::information));
+    }
   }
 }
 
@@ -57,7 +50,7 @@ void MeasuredPath::correct_wheels(const std::vector<Pose2>& keyframes) {
   }
   bias_ = estimate_bias(stretches, static_cast<double>(kBiasSteps));
   state_wheel_noise(keyframes);
-  state_between_places(kWheels);
+  state_between_places();
 }
 
 void MeasuredPath::state_wheel_noise(const std::vector<Pose2>& keyframes) {

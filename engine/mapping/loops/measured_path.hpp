@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "engine/core/memory/sparing.hpp"
 #include "engine/mapping/graph/pose_graph.hpp"
 #include "engine/mapping/graph/variance_components.hpp"
 #include "engine/mapping/surface/kept_scans.hpp"
@@ -52,8 +53,8 @@ class MeasuredPath {
   /// Between places, which are keyframes, ascending; `path` must outlive this.
   MeasuredPath(const FrontEndPath& path, std::vector<std::size_t> places);
 
-  /// One place more, a keyframe behind the last place.
-  void add_place(std::size_t keyframe);
+  /// One place more, a keyframe behind the last place. relations() and weigh() know of it from correct_wheels() on.
+  void add_place(std::size_t keyframe) { push_sparingly(places_, keyframe); }
 
   [[nodiscard]] const std::vector<std::size_t>& places() const { return places_; }
   /// From place to place by each of the sources, as much as they are believed now: all of the front end, then all of
@@ -62,7 +63,9 @@ class MeasuredPath {
   /// The same with cautious information; factors of the variance below `least_factor` count as that.
   [[nodiscard]] std::vector<PoseRelation> cautious_relations(double least_factor) const;
   /// To a place from the one before it, as the front end says.
-  [[nodiscard]] const PoseRelation& by_front_end(std::size_t place) const { return stated_[0][place - 1]; }
+  [[nodiscard]] PoseRelation by_front_end(std::size_t place) const {
+    return between_places(place, static_cast<std::size_t>(StepSource::kFrontEnd), &MeasuredStep::information);
+  }
   /// Between two keyframes, as far as the source is believed now.
   [[nodiscard]] PoseRelation stretch(std::size_t from, std::size_t to, StepSource source) const;
 
@@ -86,7 +89,7 @@ class MeasuredPath {
                                     Information information = &MeasuredStep::information) const;
   [[nodiscard]] PoseRelation between_places(std::size_t place, std::size_t source, Information information) const;
 
-  void state_between_places(std::size_t source);
+  void state_between_places();
   void state_wheel_noise(const std::vector<Pose2>& keyframes);
 
   const FrontEndPath& path_;

@@ -54,15 +54,16 @@ void take_from(std::span<const std::byte> record, LaserScan& scan) {
   take_values(record, std::span(scan.ranges_m));
 }
 
-std::vector<LaserScan> scans_of(const LaserShelf& shelf, std::span<const std::size_t> numbers,
+std::vector<LaserScan> scans_of(const LaserShelf& shelf, const std::vector<bool>& is_there,
                                 std::span<const std::size_t> wanted) {
   std::vector<LaserScan> chosen;
   chosen.reserve(wanted.size());
   LaserShelf::Reader scans(shelf);
   auto next = wanted.begin();
-  for (const std::size_t number : numbers) {
+  for (std::size_t i = 0; i < is_there.size() && next != wanted.end(); ++i) {
+    if (!is_there[i]) continue;
     LaserScan scan = scans.next();
-    if (next == wanted.end() || *next != number) continue;
+    if (*next != i) continue;
     chosen.push_back(std::move(scan));
     ++next;
   }

@@ -158,10 +158,8 @@ void MapRun::take_match(const MatchResult& result, const Pose2& T_map_base, cons
   if (result.accepted && result.evaluations > 0) mapped_.add_distance(result.mean_cost_m);
   // Where loops are closed the path begins with a keyframe, whatever its scan.
   const bool is_first = loops_ && mapped_.size() == 0;
-  if (!nodding_ && (result.merged || is_first)) {
-    push_sparingly(merged_, mapped_.size());
-    merged_scans_.put(scan);
-  }
+  is_merged_.push_back(!nodding_ && (result.merged || is_first));
+  if (is_merged_.back()) merged_scans_.put(scan);
   if (result.merged && is_final) push_sparingly(outcome_.keyframes, mapped_.size());
   mapped_.add({result.stamp_s, T_map_base});
 }
@@ -288,8 +286,8 @@ void MapRun::take_closed(ClosedPath path) {
 }
 
 void MapRun::take_keyframe_scans() {
-  outcome_.keyframe_scans = scans_of(merged_scans_, merged_, outcome_.keyframes);
-  merged_ = {};
+  outcome_.keyframe_scans = scans_of(merged_scans_, is_merged_, outcome_.keyframes);
+  is_merged_ = {};
 }
 
 void MapRun::take(const NoddingPose& pose, const NoddingScan& scan) {

@@ -123,7 +123,7 @@ class MapRun {
   MappedScans mapped_;
   std::optional<LaserShelf> scans_kept_;  ///< of a flat laser, for the occupancy of a path that will still change
   std::vector<bool> is_kept_;             ///< a scan each
-  std::vector<std::size_t> merged_;       ///< of a flat laser: the scans that went into the map, by their number,
+  std::vector<bool> is_merged_;           ///< a scan each: of a flat laser, whether it went into the map,
   LaserShelf merged_scans_;               ///< and what the laser gave
   MapExtent extent_;
   std::optional<OccupancyBuilder> occupancy_;  ///< nothing once the map is too large for one piece
