@@ -10,6 +10,7 @@
 #include "engine/mapping/match/matchers.hpp"
 #include "engine/mapping/match/motion_estimate.hpp"
 #include "engine/mapping/match/motion_model.hpp"
+#include "engine/mapping/match/patience.hpp"
 #include "engine/mapping/match/pose_certainty.hpp"
 #include "engine/mapping/match/thinned_points.hpp"
 #include "engine/mapping/surface/closed_surfaces.hpp"
@@ -109,6 +110,7 @@ struct Mapper::State {
   Backend* at_work = nullptr;  // the backend that the matcher works on
 
   MotionModel motion;
+  Patience patience;
   std::optional<MotionEstimate> estimate;  // where odometry and matches are weighed
   PoseCertainty certainty;                 // where it is asked for
   MapperStatistics statistics;
@@ -219,6 +221,7 @@ void Mapper::State::see(PointScan scan) {
 void Mapper::State::predict(const std::optional<Pose2>& T_odom_base) {
   const StageTimer timer(statistics.stages.predict_s);
   prediction = estimate ? estimate->predict(motion, T_odom_base) : motion.predict(T_odom_base);
+  prediction.is_hopeless = patience.is_over();
 }
 
 // Equations (6) to (8) and (4) for a scan that can be matched; the first one is the map's origin.
@@ -383,6 +386,7 @@ MatchResult Mapper::finish() {
     s.estimate->take(result, s.is_matched, s.points_m,
                      [&s](const Pose2& pose, const Pose2& matched) { return s.fits_as_well(pose, matched); });
   }
+  if (s.is_matched) s.patience.take(result.accepted);
   s.weigh(result);
   s.motion.correct(result.T_map_base, result.accepted);
   s.update_map(result);  // (1), (9), (10), (11)

@@ -90,6 +90,7 @@ MotionNoise MatchRules::noise() const {
 SearchWindow MatchRules::window(double scale) const {
   const SearchConfig& s = config_.search;
   const bool is_estimated = prediction_.noise.has_value();
+  if (prediction_.is_hopeless) return window_of(s.half_m, s.half_rad);
   const double more_m = is_estimated ? kWindowSigmas * noise().sigma_m : s.half_per_m * prediction_.travelled_m;
   const double more_rad = is_estimated ? kWindowSigmas * noise().sigma_rad : s.half_per_rad * prediction_.turned_rad;
   const double least_m = s.half_m + more_m;
@@ -101,6 +102,11 @@ SearchWindow MatchRules::window(double scale) const {
     half_m = std::min(half_m, std::max(least_m, most_m));
     half_rad = std::min(half_rad, std::max(least_rad, most_rad));
   }
+  return window_of(half_m, half_rad);
+}
+
+SearchWindow MatchRules::window_of(double half_m, double half_rad) const {
+  const SearchConfig& s = config_.search;
   return {.centre = predicted_,
           .half_xy_cells = cells(std::min(half_m, s.max_half_m)),
           .half_theta_rad = static_cast<float>(std::min(half_rad, kPi)),

@@ -52,8 +52,10 @@ class MatchRules {
   [[nodiscard]] const CellPose& predicted() const { return predicted_; }
   [[nodiscard]] const PriorParams& prior() const { return prior_; }
   [[nodiscard]] Pose2 to_metres(const CellPose& pose) const;
-  /// The window around the prediction, scaled; sampled as the configuration says.
+  /// The window around the prediction, scaled; sampled as the configuration says. Where it is hopeless the least one.
   [[nodiscard]] SearchWindow window(double scale) const;
+  /// Whether a wider window may be looked into.
+  [[nodiscard]] bool may_search() const { return !prediction_.is_hopeless; }
   /// From the wide gate to the final one, the simplex smaller each time.
   [[nodiscard]] const std::vector<DescentStage>& stages() const { return stages_; }
   [[nodiscard]] std::uint32_t wide_gate() const { return stages_.front().gate; }
@@ -75,6 +77,7 @@ class MatchRules {
  private:
   /// Around the prediction, so far that it holds every pose that is possible.
   [[nodiscard]] MotionNoise reach() const;
+  [[nodiscard]] SearchWindow window_of(double half_m, double half_rad) const;
   [[nodiscard]] std::uint32_t units(double metres) const;
   [[nodiscard]] float cells(double metres) const;
   [[nodiscard]] bool is_beyond(const CellPose& pose, double allowed_m, double allowed_rad) const;

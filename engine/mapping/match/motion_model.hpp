@@ -34,6 +34,7 @@ struct Prediction {
   std::optional<MotionNoise> noise =
       std::nullopt;  ///< as it was estimated; without it the configuration's constants count
   std::optional<UncertainPose> otherwise = std::nullopt;  ///< where it is if the prediction is wrong
+  bool is_hopeless = false;  ///< so many scans before this one matched nothing that it is looked for near by alone
 };
 
 class MotionModel {

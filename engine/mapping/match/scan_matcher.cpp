@@ -46,8 +46,8 @@ MatchResult ScanMatcher::finish() {
   proven_gap_m_.reset();
   proof_evaluations_ = 0;
   Estimate best = descend(rules_.predicted());
-  if (must_search_ ||
-      (search_.when != SearchWhen::kNever && (rules_.is_suspect(best.evidence) || rules_.is_far(best.pose)))) {
+  if (must_search_ || (search_.when != SearchWhen::kNever && rules_.may_search() &&
+                       (rules_.is_suspect(best.evidence) || rules_.is_far(best.pose)))) {
     best = search(best);
   }
   MatchResult result = rules_.judged(best.pose, best.evidence);

@@ -83,7 +83,7 @@ bool WindowMatcher::is_better(const MatchVerdict& found, const MatchVerdict& bes
 
 // Twice as large a window, where one more may be tried and it would be larger at all.
 bool WindowMatcher::launch_wider() {
-  if (attempts_ >= static_cast<std::uint32_t>(search_.attempts)) return false;
+  if (!rules_.may_search() || attempts_ >= static_cast<std::uint32_t>(search_.attempts)) return false;
   const SearchWindow wider = rules_.window(std::ldexp(1.0, static_cast<int>(attempts_)));
   if (wider.half_xy_cells <= window_.half_xy_cells && wider.half_theta_rad <= window_.half_theta_rad) return false;
   launch(wider);

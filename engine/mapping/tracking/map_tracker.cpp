@@ -11,6 +11,7 @@
 #include "engine/mapping/match/matchers.hpp"
 #include "engine/mapping/match/motion_estimate.hpp"
 #include "engine/mapping/match/motion_model.hpp"
+#include "engine/mapping/match/patience.hpp"
 #include "engine/mapping/match/pose_certainty.hpp"
 #include "engine/mapping/match/thinned_points.hpp"
 #include "gdtslam/core/error.hpp"
@@ -110,6 +111,7 @@ struct MapTracker::State {
   std::shared_ptr<const TrackedField> map;
   const MapperConfig& config;
   MotionModel motion;
+  Patience patience;
   ScanPoints scan_points;
   std::unique_ptr<Matcher> matcher;
   MotionEstimate estimate;
@@ -155,7 +157,8 @@ MatchResult MapTracker::process(const LaserScan& scan, const std::optional<Pose2
   const std::vector<Point2> points_m = s.scan_points.of(scan);
   std::vector<PointCells> points = in_cells(points_m, s.config.map.resolution_m);
   thin(points, Matcher::kMostPoints);
-  const Prediction prediction = s.estimate.predict(s.motion, T_odom_base);
+  Prediction prediction = s.estimate.predict(s.motion, T_odom_base);
+  prediction.is_hopeless = s.patience.is_over();
   const bool is_matched = points.size() >= static_cast<std::size_t>(s.config.scan.min_points);
   MatchResult result;
   if (is_matched) {
@@ -169,6 +172,7 @@ MatchResult MapTracker::process(const LaserScan& scan, const std::optional<Pose2
   s.estimate.take(result, is_matched, points_m, [&](const Pose2& pose, const Pose2& matched) {
     return fits_about_as_well(s.map->field, points, pose, matched);
   });
+  if (is_matched) s.patience.take(result.accepted);
   s.certainty.carry(s.motion.pose(), prediction, {result.odometry_sigma_m, result.odometry_sigma_rad});
   s.weigh(result, points);
   s.motion.correct(result.T_map_base, result.accepted);
