@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
+#include <new>
 #include <optional>
 #include <utility>
 
@@ -51,6 +53,7 @@ struct RunStart {
   ScanStream scans;
   LogCopies& copies;
   RunPreparation prepared;
+  std::uint64_t& mapped;  // scans, from then on
 };
 
 // `nodding` is null where the laser does not nod.
@@ -67,8 +70,11 @@ MapResult map_into(RunFolder& folder, const MapRequest& request, const MapJob& j
   auto run = std::make_unique<MapRun>(job, backend, std::move(start.scans), nodding, std::move(cloud));
   MapResult result;
   times.add("prepare");
-  result.outcome = run->run(
-      request.progress ? request.progress : [](std::uint64_t, double) {}, [&request] { return stopped(request); });
+  const auto progress = [&](std::uint64_t scans, double share) {
+    start.mapped = scans;
+    if (request.progress) request.progress(scans, share);
+  };
+  result.outcome = run->run(progress, [&request] { return stopped(request); });
   times.skip();  // its stages are in the outcome
   if (request.with_copies) {
     start.copies.finish(!result.outcome.interrupted);
@@ -201,6 +207,27 @@ std::unique_ptr<RunFolder> new_folder(const MapRequest& request) {
   return folder;
 }
 
+bool comes_once(const MapRequest& request) {
+  return request.live_log || std::find(request.logs.begin(), request.logs.end(), "-") != request.logs.end();
+}
+
+// In the handler of what ended a run whose log cannot be read again: what came of it stays, and is told of.
+[[noreturn]] void keep_what_came(RunFolder& folder, LogCopies& copies, const MapRequest& request) {
+  copies.keep(folder);
+  const std::string kept =
+      fmt::format("; what came by then is kept: gdtslam map --continue {} makes a map of it", folder.path());
+  try {
+    throw;
+  } catch (const InputError& error) {
+    if (error.has_position()) throw Error(error.code(), error.what() + kept);
+    throw InputError(FilePosition{log_name(request.logs.front()), 0}, error.what() + kept);
+  } catch (const Error& error) {
+    throw Error(error.code(), error.what() + kept);
+  } catch (const std::bad_alloc&) {
+    throw Error(ExitCode::kFailed, "out of memory" + kept);
+  }
+}
+
 // `continued` is null for a new run. Whoever maps live may wait long for the first scan, and a folder that cannot be
 // had shows before.
 MapResult map_opened(const MapRequest& request, const MapJob& job, const BackendOfRun& backend_of,
@@ -235,7 +262,13 @@ MapResult map_opened(const MapRequest& request, const MapJob& job, const Backend
     kept.prepared = prepare(request, job, copies, kind);
     if (request.with_copies && !stopped(request)) write_continue_file(folder->staged_path(kContinueFile), kept);
   }
-  return map_prepared(*folder, request, job, backend, {std::move(scans), copies, *kept.prepared}, times);
+  std::uint64_t mapped = 0;
+  try {
+    return map_prepared(*folder, request, job, backend, {std::move(scans), copies, *kept.prepared, mapped}, times);
+  } catch (...) {
+    if (mapped == 0 || !request.with_copies || !comes_once(request)) throw;
+    keep_what_came(*folder, copies, request);
+  }
 }
 
 MapJob job_of(const MapRequest& request) {

@@ -46,6 +46,8 @@ class LogCopyWriter {
   /// Goes on with a copy of which so many bytes are whole; the rest is cut off.
   void go_on_with(const std::string& path, std::uint64_t whole_bytes);
   void add(const LogRecord& record);
+  /// All records so far into the file, the last of them in a frame that is not full.
+  void flush() { put_frame(); }
   /// The last call: what is left, the end, and all to the disk.
   void end(const LogCopyEnd& end);
 

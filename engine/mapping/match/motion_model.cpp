@@ -27,7 +27,7 @@ std::optional<Pose2> MotionModel::odometry_motion(const std::optional<Pose2>& T_
   last_odometry_ = T_odom_base;
   if (!before) return std::nullopt;
   const Pose2 motion = between(*before, *T_odom_base);
-  if (!(motion.translation().norm() <= config_.max_step_m)) {  // NaN too
+  if (!(motion.translation().norm() <= config_.max_step_m) || !motion.is_finite()) {  // NaN too
     ++leaps_;
     return std::nullopt;
   }

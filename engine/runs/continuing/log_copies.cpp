@@ -47,6 +47,9 @@ class CopiedLog final : public LogReader {
     known_file_ = file;
     writer_.go_on_with(file, bytes);
   }
+  void flush() {
+    if (!is_over_ && known_left_ == 0) writer_.flush();
+  }
   void end(bool is_all) {
     if (std::exchange(is_over_, true)) return;
     if (known_left_ == 0) writer_.end({is_all, log_->warnings()});
@@ -170,6 +173,16 @@ void LogCopies::finish(bool is_all) {
   }
   for (std::size_t log = names_.size(); is_there(folder_->file(log_copy_name(log))); ++log) {
     folder_->without(log_copy_name(log));
+  }
+}
+
+void LogCopies::keep(RunFolder& folder) {
+  std::vector<std::string> names = {kContinueFile};
+  for (std::size_t log = 0; log < names_.size(); ++log) names.push_back(log_copy_name(log));
+  folder.keep(names);
+  try {
+    if (in_hand_) in_hand_->flush();
+  } catch (const FileError&) {  // as where a disk is full: there is what was written before
   }
 }
 

@@ -37,6 +37,8 @@ class LogCopies {
   /// The last call: the copy in hand ends, and all copies are files of the run. `is_all` says that the run has all that
   /// it wanted of the log in hand, and was not interrupted.
   void finish(bool is_all);
+  /// The run fails: what it has read by now stays in the folder, to be gone on with.
+  void keep(RunFolder& folder);
   /// A run without copies takes away those of an earlier one.
   static void leave_out(RunFolder& folder);
 

@@ -199,7 +199,7 @@ void RunFolder::remove_leftovers() const {
 }
 
 RunFolder::RunFolder(const std::string& path, const fs::path& leftover)
-    : folder_(path), staging_(folder_ / fmt::format("{}{}", kStagingPrefix, ::getpid())), is_taken_over_(true) {
+    : folder_(path), staging_(folder_ / fmt::format("{}{}", kStagingPrefix, ::getpid())), stays_(true) {
   lock_.emplace(folder_);
   std::error_code failed;
   if (leftover != staging_) fs::rename(leftover, staging_, failed);
@@ -207,12 +207,20 @@ RunFolder::RunFolder(const std::string& path, const fs::path& leftover)
 }
 
 RunFolder::~RunFolder() {
-  if (staging_.empty() || is_taken_over_ || holds_only_copy_) return;
+  if (staging_.empty() || stays_ || holds_only_copy_) return;
   without_throwing([this] {
     std::error_code ignored;
     remove_by_name(staging_);
     if (!fs::remove(staging_, ignored)) remove_tree(staging_, ignored);
   });
+}
+
+void RunFolder::keep(std::span<const std::string> names) {
+  stays_ = true;
+  std::error_code ignored;
+  for (const fs::path& file : list_folder(staging_, ignored)) {
+    if (std::find(names.begin(), names.end(), file.filename()) == names.end()) remove_tree(file, ignored);
+  }
 }
 
 std::string RunFolder::staged(std::string_view name) {
@@ -285,7 +293,7 @@ std::vector<std::string> RunFolder::replaced_names() {
     if (are_all || own.has(name)) old_names.push_back(name);
   }
   for (const std::string& name : names_) {
-    is_taken_over_ = is_taken_over_ || (!are_all && own.is_in_the_way(name));
+    stays_ = stays_ || (!are_all && own.is_in_the_way(name));
     if (!are_all) own.require(name);
     old_names.push_back(name);
   }
@@ -308,7 +316,7 @@ void RunFolder::commit() {
   names_.clear();
   gone_.clear();
   std::error_code ignored;  // they are in nobody's way
-  is_taken_over_ = false;
+  stays_ = false;
   for (const fs::path& leftover : leftovers_in(folder_, lock_->is_held(), staging_)) remove_tree(leftover, ignored);
 }
 

@@ -41,6 +41,9 @@ class RunFolder {
   /// over stays, so that the run can be gone on with once more.
   ~RunFolder();
 
+  /// The run will fail, and cannot be made again: of what is staged these files stay, as those of a killed run do.
+  void keep(std::span<const std::string> names);
+
   /// What was kept at first, but for what is left of a commit, which goes with the next one.
   void remove_leftovers() const;
 
@@ -92,7 +95,7 @@ class RunFolder {
   std::vector<std::string> names_;
   std::vector<std::string> gone_;
   std::size_t given_ = 0;  ///< of names_, in the commit
-  bool is_taken_over_ = false;
+  bool stays_ = false;     ///< what is staged, whatever becomes of the object
   bool holds_only_copy_ =
       false;  ///< the staging folder, of old files: while a commit lasts, or where it cannot be undone
 };

@@ -37,6 +37,12 @@ bool is_snapshot(const std::string& folder) {
          std::all_of(files.begin(), files.end(), is_file_of_a_snapshot);
 }
 
+void remove_snapshot(const std::string& folder) {
+  std::error_code ignored;
+  for (const std::string_view name : kSnapshotFiles) fs::remove(fs::path(folder) / name, ignored);
+  fs::remove(folder, ignored);
+}
+
 void require_no_foreign_snapshot(const std::string& run_folder) {
   const std::string folder = (fs::path(run_folder) / kSnapshotFolder).string();
   std::error_code ignored;  // what cannot be asked about cannot be replaced either

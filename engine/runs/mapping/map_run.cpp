@@ -228,7 +228,9 @@ void MapRun::end_with(const std::exception_ptr& problem) {
   if (!job_.stop_ends_log) std::rethrow_exception(problem);
   try {
     std::rethrow_exception(problem);
-  } catch (const InputError& error) {
+  } catch (const Error& error) {
+    if (error.code() != ExitCode::kBadInput && error.code() != ExitCode::kInputOutput) throw;
+    outcome_.broken_off = error.code();
     broken_off_ = error.what();
   }
 }

@@ -49,6 +49,16 @@ TEST(MotionModel, APoseThatIsNotFiniteCountsAsNone) {
   EXPECT_THAT(model.predict(Pose2{0.2, 0, 0}).T_map_base, PoseNear({0.2, 0, 0}, 1e-12, 1e-9));
 }
 
+// Each is a number, what lies between them is none.
+TEST(MotionModel, ATurnThatIsNotFiniteCountsAsNone) {
+  constexpr double kLargest = std::numeric_limits<double>::max();
+  MotionModel model{OdometryConfig{}};
+  step(model, Pose2{0, 0, kLargest}, Pose2{});
+  const Prediction p = step(model, Pose2{0, 0, -kLargest}, Pose2{});
+  EXPECT_FALSE(p.by_odometry);
+  EXPECT_TRUE(p.T_map_base.is_finite());
+}
+
 TEST(MotionModel, OdometryThatLeapsIsCountedAndNotUsed) {
   OdometryConfig config;
   config.max_step_m = 2.0;

@@ -76,7 +76,8 @@ int follow_live(const DriveOptions& options) {
   RateMeter meter;
   std::optional<Pose2> T_map_last;
   const TrackedDrive drive = track_drive(
-      job, localizer, settings.mapper, *cpu, [](std::uint64_t, double) {}, [] { return interrupted(); },
+      job, localizer, settings.mapper, *cpu, [](std::uint64_t, double) {},
+      [&] { return interrupted() || output.has_failed(); },
       [&](const LaserScan& laser, const TrackedPose& pose) {
         output.write(pose_line(format, counts.scans, laser.stamp_s, pose));
         ++counts.scans;

@@ -63,7 +63,7 @@ int exit_code_of(const MapOutcome& outcome) {
                                       [](const auto& warning) { return warning.kind == kBrokenOff; });
   if (broke_off == outcome.warnings.end()) return static_cast<int>(ExitCode::kDone);
   print_error(fmt::format("{}: {}", kBrokenOff, broke_off->first));
-  return static_cast<int>(ExitCode::kBadInput);
+  return static_cast<int>(outcome.broken_off);
 }
 
 void print_summary(const MapRequest& request, const MapOutcome& outcome, std::uint64_t dropped_lines) {

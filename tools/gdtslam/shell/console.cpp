@@ -5,10 +5,14 @@
 #include <fcntl.h>
 #include <unistd.h>
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cerrno>
 #include <cmath>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
+#include <ctime>
 #include <utility>
 
 #include "engine/core/files/interruption.hpp"
@@ -33,9 +37,35 @@ void print_line(const char* begin, std::string_view text) {
 volatile std::sig_atomic_t g_interrupted = 0;
 int g_empty_input = -1;
 
+constexpr std::int64_t kOneAsk_ns = 100'000'000;
+std::array<std::atomic<std::int64_t>, 2> g_asked_ns{};  // by SIGINT, by another; 0: not yet
+static_assert(std::atomic<std::int64_t>::is_always_lock_free, "a signal handler sets it");
+
+std::int64_t monotonic_ns() {
+  timespec now{};
+  ::clock_gettime(CLOCK_MONOTONIC, &now);
+  return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
+}
+
+// The second one of a kind has its default effect once the handler has returned, unless it is the first one once more:
+// timeout(1) sends its signal to the process and then to the group of it. A terminal that goes away sends SIGHUP twice,
+// by the kernel and by the shell, so the second must not end the process.
+void end_if_asked_twice(int signal) {
+  if (signal == SIGHUP) return;
+  std::atomic<std::int64_t>& asked_ns = g_asked_ns[signal == SIGINT ? 0 : 1];
+  const std::int64_t now_ns = monotonic_ns();
+  if (asked_ns == 0) {
+    asked_ns = now_ns;
+  } else if (now_ns - asked_ns > kOneAsk_ns) {
+    std::signal(signal, SIG_DFL);
+    ::raise(signal);
+  }
+}
+
 // A read that is blocked on standard input returns, is tried again and then finds the end of the file.
-extern "C" void on_interrupt(int /*signal*/) {
+extern "C" void on_interrupt(int signal) {
   const int saved_errno = errno;
+  end_if_asked_twice(signal);
   g_interrupted = 1;
   if (g_empty_input >= 0) ::dup2(g_empty_input, STDIN_FILENO);
   errno = saved_errno;
@@ -96,13 +126,11 @@ void install_interrupt_handlers() {
   g_empty_input = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
   struct sigaction action {};
   action.sa_handler = on_interrupt;
-  action.sa_flags = static_cast<int>(SA_RESETHAND);  // no SA_RESTART; the second signal has its default effect
+  action.sa_flags = 0;  // no SA_RESTART
   ::sigemptyset(&action.sa_mask);
   ::sigaction(SIGINT, &action, nullptr);
   ::sigaction(SIGTERM, &action, nullptr);
-  // A terminal that goes away sends SIGHUP twice, by the kernel and by the shell, so the second must not end the
-  // process. Whoever started it with nohup wants none at all.
-  action.sa_flags = 0;
+  // Whoever started it with nohup wants none at all.
   struct sigaction inherited {};
   if (::sigaction(SIGHUP, nullptr, &inherited) == 0 && inherited.sa_handler != SIG_IGN) {
     ::sigaction(SIGHUP, &action, nullptr);

@@ -9,13 +9,19 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
+#include <charconv>
+#include <chrono>
 #include <cstring>
 #include <memory>
+#include <system_error>
+#include <thread>
 
 #include "engine/core/files/retried.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
+#include "tools/gdtslam/shell/console.hpp"
 
 namespace gdtslam {
 namespace {
@@ -53,6 +59,15 @@ bool is_dead(const sockaddr_un& name) {
       retried([&] { return ::connect(probe, generic, sizeof(name)); }) != 0 && errno == ECONNREFUSED;
   ::close(probe);
   return is_refused;
+}
+
+constexpr unsigned kMostListeningPort = 65535;
+
+std::optional<unsigned> port_of(const std::string& text) {
+  unsigned port = 0;
+  const char* const end = text.data() + text.size();
+  const std::from_chars_result read = std::from_chars(text.data(), end, port);
+  return read.ec == std::errc{} && read.ptr == end && port <= kMostListeningPort ? std::optional(port) : std::nullopt;
 }
 
 using AddressList = std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)>;
@@ -133,8 +148,9 @@ void ListeningSocket::listen_at_port(const std::string& host_and_port) {
   std::string host = colon == std::string::npos ? "127.0.0.1" : host_and_port.substr(0, colon);
   const std::string port = colon == std::string::npos ? host_and_port : host_and_port.substr(colon + 1);
   if (host.size() > 2 && host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
+  const std::optional<unsigned> number = port_of(port);  // the C library takes more for one, and cuts it to 16 bits
   const AddressList found = numeric_address(host, port);
-  if (port.empty() || host.empty() || !found) {
+  if (!number || host.empty() || !found) {
     throw UsageError(
         fmt::format("--listen: '{}' has no port from 0 to 65535, or an address that is no number", address_));
   }
@@ -144,10 +160,28 @@ void ListeningSocket::listen_at_port(const std::string& host_and_port) {
   ::setsockopt(descriptor_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
   if (::bind(descriptor_, found->ai_addr, found->ai_addrlen) != 0) fail("cannot be listened at");
   if (::listen(descriptor_, kMostWaiting) != 0) fail("cannot be listened at");
+  if (*number == 0) tell_port(host);
 }
 
+// Which one it became nobody else knows.
+void ListeningSocket::tell_port(const std::string& host) const {
+  sockaddr_storage bound{};
+  socklen_t size = sizeof(bound);
+  std::array<char, 8> port{};
+  auto* const generic = reinterpret_cast<sockaddr*>(&bound);
+  if (::getsockname(descriptor_, generic, &size) != 0) return;
+  if (::getnameinfo(generic, size, nullptr, 0, port.data(), port.size(), NI_NUMERICSERV) != 0) return;
+  print_remark(
+      fmt::format("listens at tcp:{}:{}", host.find(':') == std::string::npos ? host : "[" + host + "]", port.data()));
+}
+
+// Where there is no descriptor left for it the connection stays in line, and would wake whoever waits for one at once.
 int ListeningSocket::accept() const {
+  constexpr std::chrono::milliseconds kUntilThereIsRoom{50};
   const int connection = ::accept4(descriptor_, nullptr, nullptr, SOCK_CLOEXEC);
+  if (connection < 0 && (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM)) {
+    std::this_thread::sleep_for(kUntilThereIsRoom);
+  }
   if (connection >= 0 && path_.empty()) ask_whether_alive(connection);
   return connection;
 }

@@ -35,6 +35,7 @@ class ListeningSocket {
   void clear_name(const std::string& path);
   void close();
   void listen_at_port(const std::string& host_and_port);
+  void tell_port(const std::string& host) const;
   [[noreturn]] void fail(const std::string& what);
 
   std::string address_;

@@ -34,8 +34,8 @@ bool LineOutput::write_some() {
   if (done < 0) {
     if (errno == EINTR || errno == EAGAIN) return false;
     is_gone_ = true;
-    // The reader had enough, as `head` has, or its terminal is gone.
-    if (errno != EPIPE && errno != EIO) {
+    // The reader had enough, as `head` has, or it is gone, or its terminal is.
+    if (errno != EPIPE && errno != EIO && errno != ECONNRESET) {
       failure_ = std::make_exception_ptr(FileError("standard output", "cannot be written: " + errno_text(errno)));
     }
     waiting_.clear();
@@ -64,7 +64,6 @@ void LineOutput::drop_oldest() {
 
 void LineOutput::write(std::string line) {
   std::unique_lock lock(mutex_);
-  if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
   if (is_gone_) return;
   if (waiting_.size() >= rule_.most_waiting && !is_stuck_) {
     const std::uint64_t before = progress_;
@@ -76,7 +75,6 @@ void LineOutput::write(std::string line) {
   if (waiting_.size() == 1) {
     while (!waiting_.empty() && is_writable(0) && write_some()) {
     }
-    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
   }
   if (waiting_.empty()) return;
   if (!thread_.joinable()) {
@@ -97,6 +95,11 @@ void LineOutput::work() {
     if (!waiting_.empty() && is_writable(0)) write_some();  // the writer may have been faster
     room_.notify_one();
   }
+}
+
+bool LineOutput::has_failed() {
+  const std::lock_guard lock(mutex_);
+  return failure_ != nullptr;
 }
 
 void LineOutput::finish() {

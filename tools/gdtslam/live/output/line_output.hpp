@@ -28,10 +28,13 @@ class LineOutput {
   /// What still waits is dropped.
   ~LineOutput();
 
-  /// Ends in a newline. Throws FileError where standard output cannot be written; a reader that is gone is no error.
+  /// Ends in a newline. Where it cannot be written the drive goes on; finish() tells.
   void write(std::string line);
-  /// Waits for a reader that goes on reading; what one leaves that does not is dropped. Throws as write().
+  /// Waits for a reader that goes on reading; what one leaves that does not is dropped. Throws FileError where standard
+  /// output could not be written; a reader that is gone is no error.
   void finish();
+  /// Whether it will throw.
+  [[nodiscard]] bool has_failed();
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
 
  private:

@@ -74,8 +74,7 @@ std::string Snapshots::name() const { return plan_.folder + "/" + kSnapshotFolde
 void Snapshots::remove_old() const {
   const std::string old = scratch_ + "/snapshot.old";
   if (!is_snapshot(name()) || ::rename(name().c_str(), old.c_str()) != 0) return;
-  std::error_code ignored;
-  remove_tree(old, ignored);
+  remove_snapshot(old);
 }
 
 // A pose is more urgent than a picture of the map.
@@ -123,7 +122,8 @@ void Snapshots::save(const DriveState& state) {
   const std::string made = scratch_ + "/snapshot";
   const std::string old = scratch_ + "/snapshot.old";
   std::error_code ignored;
-  for (const std::string& left : {made, old}) remove_tree(left, ignored);
+  remove_tree(made, ignored);  // one that could not be written
+  for (const std::string& left : {old, scratch_ + "/snapshot.new"}) remove_snapshot(left);
   if (::mkdir(made.c_str(), kAllMayLook) != 0) {
     throw FileError(plan_.folder, errno == ENOENT ? "is no longer the folder that the run is written to"
                                                   : "cannot be written to: " + errno_text(errno));
@@ -131,9 +131,20 @@ void Snapshots::save(const DriveState& state) {
   write_occupancy_map(made + "/" + kSnapshotMap, state.map);
   write_tum(made + "/" + kSnapshotTrajectory, state.trajectory);
   give_name(made, name(), old);
+  give_back_what_came(made, old);
   sync_folder(plan_.folder);
   saved_ = state.trajectory.size();
-  for (const std::string& left : {made, old}) remove_tree(left, ignored);
+  for (const std::string& left : {made, old}) remove_snapshot(left);
+}
+
+// Somebody may have put a file into the old one while this one was written: then that stays, and this one is none.
+void Snapshots::give_back_what_came(const std::string& made, const std::string& old) const {
+  for (const std::string& left : {made, old}) {
+    std::error_code ignored;
+    if (!std::filesystem::exists(std::filesystem::symlink_status(left, ignored)) || is_snapshot(left)) continue;
+    give_name(left, name(), scratch_ + "/snapshot.new");
+    require_no_foreign_snapshot(plan_.folder);
+  }
 }
 
 }  // namespace gdtslam

@@ -41,6 +41,7 @@ class Snapshots {
   void work();
   void make(bool is_to_be_saved, bool is_to_be_shown);
   void save(const DriveState& state);
+  void give_back_what_came(const std::string& made, const std::string& old) const;
   [[nodiscard]] std::string name() const;
   void remove_old() const;
 

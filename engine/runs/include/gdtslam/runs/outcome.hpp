@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "gdtslam/cloud/thinning.hpp"
+#include "gdtslam/core/error.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/mapping/mapper.hpp"
 #include "gdtslam/mapping/nodding_mapper.hpp"
@@ -105,11 +106,12 @@ struct MapOutcome {
   bool is_in_tiles = false;
   MapperStatistics statistics;
   std::vector<LogReader::Warning> warnings;
-  std::string device_loss;      ///< the error of the device that failed; empty when none did
-  double log_duration_s = 0.0;  ///< between the earliest and the latest stamp
-  double wall_s = 0.0;          ///< of the whole run: reading included, and in a run folder writing
-  double cpu_s = 0.0;           ///< of the process during the run
-  double mapper_s = 0.0;        ///< wall time inside the mapper
+  ExitCode broken_off = ExitCode::kDone;  ///< what the log broke off with, where that is no error (kBrokenOff)
+  std::string device_loss;                ///< the error of the device that failed; empty when none did
+  double log_duration_s = 0.0;            ///< between the earliest and the latest stamp
+  double wall_s = 0.0;                    ///< of the whole run: reading included, and in a run folder writing
+  double cpu_s = 0.0;                     ///< of the process during the run
+  double mapper_s = 0.0;                  ///< wall time inside the mapper
   // CPU time of all threads.
   double read_cpu_s = 0.0;
   double mapper_cpu_s = 0.0;  ///< inside the mapper; what looks for loops meanwhile too

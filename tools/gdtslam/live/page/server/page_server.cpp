@@ -23,6 +23,9 @@ namespace {
 
 constexpr lws_usec_t kBetweenScans_us = 50000;
 constexpr const char* kProtocol = "gdtslam-live";
+// The drive needs descriptors, too, of which a process has 1,024 as a rule: visitors beyond wait, or are sent away.
+constexpr unsigned kMostConnections = 128;
+constexpr int kMostWatching = 64;
 
 /// A message with the room before it that the library asks for; none yet with version 0.
 struct Message {
@@ -44,6 +47,7 @@ struct Message {
 struct Session {
   std::uint64_t scan;
   std::uint64_t map;
+  bool is_counted;  // one that was sent away is closed, too
 };
 
 class PageServer final : public LivePage {
@@ -110,6 +114,7 @@ PageServer::PageServer(const std::string& address, const std::string& title) : a
   info.user = this;
   info.gid = -1;
   info.uid = -1;
+  info.fd_limit_per_thread = kMostConnections;
   info.options = LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND;
   const bool has_colons = address_.host.find(':') != std::string::npos;
   if (!has_colons) info.options |= LWS_SERVER_OPTION_DISABLE_IPV6;
@@ -220,13 +225,14 @@ int PageServer::handle(lws* connection, lws_callback_reasons reason, Session* se
       if (page_.write(connection, LWS_WRITE_HTTP_FINAL) < 0) return 1;
       return lws_http_transaction_completed(connection) != 0 ? -1 : 0;
     case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:
-      return may_ask_here(connection) ? 0 : 1;
+      return may_ask_here(connection) && sessions_ < kMostWatching ? 0 : 1;
     case LWS_CALLBACK_ESTABLISHED:
+      session->is_counted = true;
       ++sessions_;
       lws_callback_on_writable(connection);
       return 0;
     case LWS_CALLBACK_CLOSED:
-      --sessions_;
+      if (session != nullptr && session->is_counted) --sessions_;
       return 0;
     case LWS_CALLBACK_SERVER_WRITEABLE:
       return write_next(connection, *session);

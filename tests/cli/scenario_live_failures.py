@@ -1,0 +1,218 @@
+"""Drives that end by an error: what came by then is mapped, or kept to be gone on with; it does not come again."""
+
+import os
+import pty
+import re
+import resource
+import signal
+import socket
+import struct
+import subprocess
+import time
+import tty
+
+import cli_support as cli
+from cli_support import PROGRAM, expect, expect_exit, one_error_line
+from scenario_continue import expect_same_run, lines_of_drive
+from scenario_live import mapped_by_pipe
+from scenario_live_folder import with_snapshot
+from scenario_live_inputs import ended
+from scenario_live_page import UPGRADE
+
+MAP_FILES = ("map.pgm", "trajectory.tum", "keyframes.bin.gz", "graph.g2o")
+
+
+def small_files(size):
+    """No file of the process becomes larger: as on a disk that is full."""
+    return lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+
+
+def live_that_cannot_write_keeps_what_came():
+    """The map has no room: 74, one line, and the recording is there; gone on with it is the run that it would have been."""
+    folder = cli.fresh_folder("live_full_disk")
+    lines = lines_of_drive(60)
+    mapped_by_pipe(folder / "map", lines)
+    largest = max((folder / "map" / name).stat().st_size for name in MAP_FILES)
+    copy = (folder / "map/log-1.copy").stat().st_size
+    expect(copy < largest - 2000, f"the copy has {copy} bytes, the largest file {largest}")
+    for name, command in (("live", ("live", "-")), ("piped", ("map", "-"))):
+        run = folder / name
+        process = cli.command(*command, "-o", run, "-q", input="".join(lines), preexec_fn=small_files(largest - 1000))
+        expect_exit(process, 74)
+        one_error_line(process.stderr)
+        expect(f"gdtslam map --continue {run}" in process.stderr, process.stderr)
+        staging, = run.iterdir()
+        expect(sorted(file.name for file in staging.iterdir()) == ["continue.json", "log-1.copy"], f"{list(staging.iterdir())}")
+        expect_exit(cli.command("map", "--continue", run, "-q"), 0)
+        expect_same_run(run, folder / "map", f"{name}, gone on with")
+
+
+def live_that_cannot_print_is_mapped():
+    """Standard output is full, or its reader resets the connection: the map is made all the same."""
+    folder = cli.fresh_folder("live_no_output")
+    lines = lines_of_drive(60)
+    mapped_by_pipe(folder / "map", lines)
+    with open("/dev/full", "w", encoding="ascii") as full:
+        process = subprocess.run([PROGRAM, "live", "-", "-o", folder / "full", "-q"], input="".join(lines), stdout=full,
+                                 stderr=subprocess.PIPE, text=True, check=False, timeout=100 * cli.SLOWNESS)
+    expect_exit(process, 74)
+    one_error_line(process.stderr)
+    expect_same_run(folder / "full", folder / "map", "with a standard output that is full")
+    reader, writer = connected()
+    process = subprocess.Popen([PROGRAM, "live", "-", "-o", folder / "reset", "-q"], stdin=subprocess.PIPE, stdout=writer,
+                               stderr=subprocess.PIPE, text=True)
+    writer.close()
+    process.stdin.write("".join(lines[:40]))
+    process.stdin.flush()
+    reader.recv(1)
+    reset(reader)
+    _, stderr = process.communicate("".join(lines[40:]), timeout=60 * cli.SLOWNESS)
+    expect(process.returncode == 0, stderr)
+    expect_same_run(folder / "reset", folder / "map", "with a reader that was reset")
+
+
+def connected():
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        ours = socket.create_connection(listening.getsockname())
+        return ours, listening.accept()[0]
+
+
+def reset(connection):
+    connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+    connection.close()
+
+
+def live_input_that_fails_is_mapped():
+    """A connection that is reset, a terminal that hangs up: 74, one line, and the map of what came."""
+    folder = cli.fresh_folder("live_input_fails")
+    text = "".join(lines_of_drive(60)).encode()
+    for name in ("reset", "hangup"):
+        if name == "reset":
+            ours, source = connected()
+            send, leave = ours.sendall, lambda: reset(ours)
+        else:
+            ours, source = pty.openpty()
+            tty.setraw(source)
+            send, leave = lambda data: [os.write(ours, data[at:at + 1000]) for at in range(0, len(data), 1000)], lambda: os.close(ours)
+        process = subprocess.Popen([PROGRAM, "live", "-", "-o", folder / name, "-q"], stdin=source, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True, start_new_session=True)
+        os.close(source) if name == "hangup" else source.close()
+        send(text)
+        poses = [process.stdout.readline() for _ in range(60)]
+        expect(all(poses), f"{name}: a pose is missing")
+        leave()
+        _, stderr = process.communicate(timeout=60 * cli.SLOWNESS)
+        is_end = name == "hangup" and process.returncode == 0  # the kernel may tell of the end of the file instead
+        expect(is_end or process.returncode == 74, f"{name}: exit {process.returncode}: {stderr}")
+        if not is_end:
+            one_error_line(stderr)
+            expect("the log broke off" in stderr, stderr)
+        rows = [line for line in (folder / name / "trajectory.tum").read_text().splitlines() if not line.startswith("#")]
+        expect(len(rows) == 60, f"{name}: {len(rows)} poses")
+
+
+def live_outlives_watchers_without_number():
+    """More websockets than the process may have descriptors: a drive with a page ends as one without."""
+    folder = cli.fresh_folder("live_watchers")
+    lines = lines_of_drive(60)
+    mapped_by_pipe(folder / "map", lines)
+    most = 256
+    process = subprocess.Popen([PROGRAM, "live", "-", "-o", folder / "live", "--page", "0"], stdin=subprocess.PIPE,
+                               stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                               preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (most, most)))
+    port = int(re.search(r":(\d+)/", process.stderr.readline()).group(1))
+    process.stdin.write("".join(lines[:40]))
+    process.stdin.flush()
+    request = "GET / HTTP/1.1\r\n" + "".join(f"{name}: {value}\r\n" for name, value in
+                                            {"Host": f"127.0.0.1:{port}", "Origin": f"http://127.0.0.1:{port}", **UPGRADE}.items()) + "\r\n"
+    held, upgraded = [], 0
+    for _ in range(most + 50):
+        held.append(socket.create_connection(("127.0.0.1", port), timeout=20 * cli.SLOWNESS))
+        held[-1].sendall(request.encode())
+    time.sleep(0.5)
+    for connection in held:
+        connection.setblocking(False)
+        try:
+            upgraded += b" 101 " in connection.recv(100)
+        except (BlockingIOError, ConnectionError):
+            pass
+    expect(16 <= upgraded <= 64, f"{upgraded} watchers")
+    open_files = len(os.listdir(f"/proc/{process.pid}/fd"))
+    expect(open_files < most - 50, f"{open_files} descriptors")
+    _, stderr = process.communicate("".join(lines[40:]), timeout=60 * cli.SLOWNESS)
+    expect(process.returncode == 0, stderr)
+    expect_same_run(folder / "live", folder / "map", "with watchers")
+    for connection in held:
+        connection.close()
+
+
+def is_being_written(run):
+    """Whether a snapshot is seen that has not its name yet, within a second; it takes some milliseconds."""
+    deadline = time.monotonic() + 1
+    while time.monotonic() < deadline:
+        if any(os.path.exists(f"{entry.path}/snapshot/map.pgm") for entry in os.scandir(run) if entry.name.startswith(".gdtslam")):
+            return True
+    return False
+
+
+def live_leaves_what_comes_into_a_snapshot():
+    """A file put beside those of a snapshot while the next one is written is left alone."""
+    folder = cli.fresh_folder("live_file_in_snapshot")
+    run = folder / "run"
+    lines = lines_of_drive(150)
+    first = next(k for k, line in enumerate(lines) if line.startswith("FLASER") and k > len(lines) // 2)
+    process = with_snapshot(run, lines[:first])
+    notes, put = run / "snapshot/notes", 0
+    for line in lines[first:]:
+        process.stdin.write(line)
+        process.stdin.flush()
+        if not line.startswith("FLASER"):
+            continue
+        expect(process.stdout.readline(), "no pose")
+        process.send_signal(signal.SIGUSR1)
+        if is_being_written(run):
+            notes.write_text("an hour of work\n")
+            put += 1
+            time.sleep(0.2)
+            expect(notes.exists() and notes.read_text() == "an hour of work\n", "a file of somebody else is gone")
+            notes.unlink()
+        if put == 5:
+            break
+    expect(put > 0, "no snapshot was seen while it was written")
+    process.stdin.close()
+    expect(process.wait(60 * cli.SLOWNESS) == 0, process.stderr.read())
+
+
+def live_asked_twice_at_once():
+    """timeout(1) sends its signal to the process and to the group of it at once, which is one wish to end; two are two."""
+    folder = cli.fresh_folder("live_timeout")
+    lines = lines_of_drive(20)
+    for k in range(5):
+        process = subprocess.Popen([PROGRAM, "live", "-", "-o", folder / f"run-{k}", "-q"], stdin=subprocess.PIPE,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        process.stdin.write("".join(lines))
+        process.stdin.flush()
+        for _ in range(20):
+            process.stdout.readline()
+        process.send_signal(signal.SIGTERM)
+        process.send_signal(signal.SIGTERM)
+        expect(process.wait(60 * cli.SLOWNESS) == 0, process.stderr.read())
+        expect((folder / f"run-{k}/report.json").exists(), "no map")
+
+
+def live_at_ports_that_are_none():
+    """A port beyond 65535, or not written as a number, is none; which one 0 became is told."""
+    folder = cli.fresh_folder("live_ports")
+    for port in ("65536", "999999", "4294967297", " 80", "+80", "80 ", "-1", ""):
+        process = cli.command("live", "--listen", f"tcp:{port}", "-o", folder / "run", "-q")
+        expect_exit(process, 2)
+        one_error_line(process.stderr)
+    process = subprocess.Popen([PROGRAM, "live", "--listen", "tcp:0", "-o", folder / "run", "-q"], stdin=subprocess.DEVNULL,
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    told = re.search(r"tcp:127\.0\.0\.1:(\d+)", process.stderr.readline())
+    expect(told, "the port is not told")
+    with socket.create_connection(("127.0.0.1", int(told.group(1))), timeout=20 * cli.SLOWNESS) as sender:
+        sender.sendall("".join(lines_of_drive(5)).encode())
+        expect(process.stdout.readline(), "no pose")
+    process.send_signal(signal.SIGTERM)
+    ended(process)
