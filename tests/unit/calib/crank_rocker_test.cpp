@@ -130,6 +130,13 @@ TEST(CrankRocker, RemarksOnWhatADesignerShouldKnow) {
               Contains(testing::AllOf(HasSubstr("next to a change point"), HasSubstr("7 < 7.1 cm, 0.1 cm apart"))));
 }
 
+// Two hundredths of all bars: 0.27 of 14.27 cm are less, 0.3 of 14.3 cm are more.
+TEST(CrankRocker, IsNextToAChangePointByTwoHundredthsOfItsBars) {
+  const auto is_near = Contains(HasSubstr("next to a change point"));
+  EXPECT_THAT(remarks({0.02, 0.04, 0.0327, 0.05}, Assembly::kOpen), is_near);
+  EXPECT_THAT(remarks({0.02, 0.04, 0.033, 0.05}, Assembly::kOpen), testing::Not(is_near));
+}
+
 TEST(CrankRocker, PresetsByName) {
   std::set<std::string_view> names;
   for (const LinkagePreset& preset : linkage_presets()) {
