@@ -17,6 +17,7 @@ import scenario_doctor
 import scenario_edit
 import scenario_files
 import scenario_fleet
+import scenario_fleet_changes
 import scenario_fleet_engines
 import scenario_hostile_files
 import scenario_keyframes
@@ -53,7 +54,7 @@ import scenario_tiles
 import scenario_tracking
 
 MODULES = (scenario_bad_input, scenario_bags, scenario_bench, scenario_bombs, scenario_calibrate, scenario_changes, scenario_compare, scenario_continue, scenario_convert, scenario_devices,
-           scenario_doctor, scenario_edit, scenario_files, scenario_fleet, scenario_fleet_engines,
+           scenario_doctor, scenario_edit, scenario_files, scenario_fleet, scenario_fleet_changes, scenario_fleet_engines,
             scenario_hostile_files, scenario_keyframes, scenario_linkage, scenario_live, scenario_live_failures, scenario_live_folder, scenario_live_inputs, scenario_live_page, scenario_localize, scenario_localize_occupancy, scenario_loops,
             scenario_measure, scenario_merge, scenario_modules,
            scenario_nodding,

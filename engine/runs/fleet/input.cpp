@@ -31,8 +31,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kReadBytes = std::size_t{1} << 18U;
 
-// A ROS 2 bag: its files by name.
-HashedBytes hash_of_folder(const std::string& folder) {
+std::vector<std::string> sorted_files_in(const std::string& folder) {
   std::vector<std::string> files;
   std::error_code failed;
   for (const fs::path& entry : list_folder(folder, failed)) {
@@ -40,9 +39,27 @@ HashedBytes hash_of_folder(const std::string& folder) {
   }
   if (failed) throw FileError(folder, "cannot be read: " + failed.message());
   std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::map<std::string, std::optional<FileState>> states_of(const FleetPlan& plan, const std::string& log) {
+  std::map<std::string, std::optional<FileState>> states;
+  const auto add = [&states](const std::string& file) { states[file] = state_of_file(file); };
+  std::error_code ignored;  // what cannot be asked about cannot be read either
+  if (fs::is_directory(log, ignored)) {
+    for (const std::string& file : sorted_files_in(log)) add(fmt::format("{}/{}", log, file));
+  } else {
+    add(log);
+  }
+  if (plan.linkage.empty()) add(sidecar_path(log, kLinkageSidecar));
+  return states;
+}
+
+// A ROS 2 bag: its files by name.
+HashedBytes hash_of_folder(const std::string& folder) {
   Sha256 hash;
   HashedBytes hashed;
-  for (const std::string& file : files) {
+  for (const std::string& file : sorted_files_in(folder)) {
     const HashedBytes part = sha256_of_file(fmt::format("{}/{}", folder, file));
     hash.update(fmt::format("{} {}\n", part.sha256, file));
     hashed.bytes += part.bytes;
@@ -167,6 +184,7 @@ UnitInput unit_input(const FleetPlan& plan, const FleetUnit& unit, const std::st
     input.path = folder + "/" + file_name_of_uri(unit.uri);
     hashed = fetch(get_command(plan.get, unit.uri), input.path, stop);
   } else {
+    input.files = states_of(plan, unit.uri);
     hashed = fs::is_directory(unit.uri, ignored) ? hash_of_folder(unit.uri) : sha256_of_file(unit.uri);
     const std::string linkage = plan.linkage.empty() ? linkage_sidecar(unit.uri) : std::string();
     if (!linkage.empty()) input.linkage_sha256 = sha256_of_file(linkage).sha256;
@@ -174,6 +192,15 @@ UnitInput unit_input(const FleetPlan& plan, const FleetUnit& unit, const std::st
   input.bytes = hashed.bytes;
   input.sha256 = std::move(hashed.sha256);
   return input;
+}
+
+void require_unchanged(const FleetPlan& plan, const UnitInput& input) {
+  if (input.files.empty()) return;
+  const auto files = states_of(plan, input.path);
+  const auto [before, now] = std::mismatch(input.files.begin(), input.files.end(), files.begin(), files.end());
+  if (before == input.files.end() && now == files.end()) return;
+  const bool is_one_file = before != input.files.end() && now != files.end() && before->first == now->first;
+  throw FileError(is_one_file ? before->first : input.path, "was changed while it was mapped; run the command again");
 }
 
 std::string unit_name(const FleetPlan& plan, const UnitInput& input) {

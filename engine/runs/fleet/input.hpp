@@ -3,8 +3,11 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
+#include <optional>
 #include <string>
 
+#include "engine/core/files/file_state.hpp"
 #include "plan.hpp"
 
 namespace gdtslam {
@@ -15,12 +18,19 @@ struct UnitInput {
   std::uint64_t bytes = 0;
   std::string sha256;          ///< of the file; of a folder, of its files' names and hashes
   std::string linkage_sha256;  ///< of the linkage that lies beside it; empty: none, or the plan has one
+  /// The files that it lies in as they were before they were hashed, and the linkage beside it, nothing where there was
+  /// none. Empty for a log that was fetched: nobody else has the copy.
+  std::map<std::string, std::optional<FileState>> files{};
 };
 
 /// Looks at the log, or fetches it into `folder` by FleetPlan::get. Throws FileError where it cannot be had, which is
 /// the machine's fault, and Error(kInterrupted).
 UnitInput unit_input(const FleetPlan& plan, const FleetUnit& unit, const std::string& folder,
                      const std::function<bool()>& stop);
+
+/// The log is opened once to be hashed and once more to be mapped: throws FileError where it was changed or replaced
+/// since unit_input(), so that what was mapped may not be what was hashed.
+void require_unchanged(const FleetPlan& plan, const UnitInput& input);
 
 /// First 16 hexadecimal digits of the SHA-256 of the program, what is asked of it, and the log's bytes.
 std::string unit_name(const FleetPlan& plan, const UnitInput& input);

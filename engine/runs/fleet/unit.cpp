@@ -74,7 +74,7 @@ std::string reason_of(std::string message, const std::string& path) {
 }
 
 // The run folder below the work folder; nothing and a reason in the record where the log is refused.
-bool map_unit(const UnitWork& work, const UnitInput& input, const std::string& folder, UnitRecord& record) {
+bool map_or_refuse(const UnitWork& work, const UnitInput& input, const std::string& folder, UnitRecord& record) {
   try {
     write_thumbnail(folder, work.map(request_of(work, input, folder)).outcome);
     return true;
@@ -84,6 +84,12 @@ bool map_unit(const UnitWork& work, const UnitInput& input, const std::string& f
     record.reason = reason_of(error.what(), input.path);
     return false;
   }
+}
+
+bool map_unit(const UnitWork& work, const UnitInput& input, const std::string& folder, UnitRecord& record) {
+  const bool is_mapped = map_or_refuse(work, input, folder, record);
+  require_unchanged(work.stored.plan, input);
+  return is_mapped;
 }
 
 UnitRecord record_of(const UnitWork& work) {

@@ -35,8 +35,8 @@ struct UnitWork {
 };
 
 /// Maps the log, moves the run folder into the atlas and writes the record. What bad data are to blame for (exit 2, 65,
-/// 78) becomes a record that says so; what the machine is to blame for is thrown and leaves no record: FileError,
-/// DeviceError, OutOfMemory, Error(kInterrupted).
+/// 78) becomes a record that says so; what the machine is to blame for is thrown and leaves no record: FileError, for a
+/// log that was changed meanwhile too, DeviceError, OutOfMemory, Error(kInterrupted).
 UnitRecord do_unit(const UnitWork& work);
 
 /// The same without an atlas: the record that the unit would have. For `fleet verify`.

@@ -1,7 +1,6 @@
 #include "run_files.hpp"
 
 #include <fmt/format.h>
-#include <sys/stat.h>
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -17,8 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-std::int64_t nanoseconds(const timespec& time) { return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec; }
 
 // A map that somebody cleaned by hand is the one thing that is changed on purpose.
 std::string advice_on(const std::string& name) {
@@ -43,7 +40,7 @@ Json files_json(const RunFolder& folder) {
 
 RunFiles::RunFiles(std::string folder, const std::function<void(const ReportReader&)>& also)
     : folder_(std::move(folder)) {
-  const std::optional<State> state = state_of(kReportFile);
+  const std::optional<FileState> state = state_of(kReportFile);
   if (!state) {
     throw InputError({folder_, 0},
                      fmt::format("is no folder of a run: it has no {}{}{}", kReportFile, kMapAgain, folder_));
@@ -64,7 +61,7 @@ bool RunFiles::has(const std::string& name) const {
 }
 
 std::string RunFiles::checked(const std::string& name) const {
-  const std::optional<State> state = state_of(name);
+  const std::optional<FileState> state = state_of(name);
   if (!state) refuse(name, "is missing in this run");
   if (!told_) return path(name);
   const auto seen = seen_.find(name);
@@ -78,7 +75,7 @@ std::string RunFiles::checked(const std::string& name) const {
   return path(name);
 }
 
-void RunFiles::check_bytes(const std::string& name, const Told& told, const State& state) const {
+void RunFiles::check_bytes(const std::string& name, const Told& told, const FileState& state) const {
   if (state.bytes != told.bytes) {
     refuse(name, fmt::format("has {} bytes, but {} tells of {}: not of one run{}", state.bytes, kReportFile, told.bytes,
                              advice_on(name)));
@@ -105,15 +102,7 @@ ReportReader RunFiles::report() const {
   return unless_changed([this] { return read_report(path(kReportFile), folder_); });
 }
 
-std::optional<RunFiles::State> RunFiles::state_of(const std::string& name) const {
-  struct stat status {};
-  if (::stat(path(name).c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return std::nullopt;
-  return State{.device = status.st_dev,
-               .inode = status.st_ino,
-               .written_ns = nanoseconds(status.st_mtim),
-               .changed_ns = nanoseconds(status.st_ctim),
-               .bytes = static_cast<std::uint64_t>(status.st_size)};
-}
+std::optional<FileState> RunFiles::state_of(const std::string& name) const { return state_of_file(path(name)); }
 
 // Where the whole run was replaced, that is what is wrong with the file.
 void RunFiles::refuse(const std::string& name, const std::string& fault) const {

@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 
+#include "engine/core/files/file_state.hpp"
 #include "engine/runs/folder/report_reader.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "gdtslam/core/error.hpp"
@@ -67,22 +68,13 @@ class RunFiles {
     std::uint64_t bytes = 0;
     std::string sha256;
   };
-  /// What becomes another one where a file is replaced, moved or written to.
-  struct State {
-    std::uint64_t device = 0;
-    std::uint64_t inode = 0;
-    std::int64_t written_ns = 0;
-    std::int64_t changed_ns = 0;
-    std::uint64_t bytes = 0;
-    bool operator==(const State&) const = default;
-  };
-  [[nodiscard]] std::optional<State> state_of(const std::string& name) const;
-  void check_bytes(const std::string& name, const Told& told, const State& state) const;
+  [[nodiscard]] std::optional<FileState> state_of(const std::string& name) const;
+  void check_bytes(const std::string& name, const Told& told, const FileState& state) const;
   [[noreturn]] void refuse(const std::string& name, const std::string& fault) const;
 
   std::string folder_;
   std::optional<std::map<std::string, Told>> told_;
-  mutable std::map<std::string, State> seen_;  ///< when it was checked
+  mutable std::map<std::string, FileState> seen_;  ///< when it was checked
 };
 
 /// The run there, where its report tells of its files: what it does not tell of is not the program's to remove.

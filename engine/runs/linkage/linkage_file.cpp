@@ -340,7 +340,7 @@ std::string sidecar_path(const std::string& log, const std::string& suffix) {
 
 std::string linkage_sidecar(const std::string& log) {
   if (log == "-") return {};
-  std::string path = sidecar_path(log, ".linkage.yaml");
+  std::string path = sidecar_path(log, kLinkageSidecar);
   std::error_code none;  // what cannot be looked at is not there
   return std::filesystem::is_regular_file(path, none) ? path : std::string();
 }

@@ -62,7 +62,8 @@ inline constexpr std::array<LinkageParameter, 10> kLinkageParameters{{{"crank", 
 /// LOG without .gz (.bz2, .xz, .zst) and the ending of its format (.log, .clf, .csv, .jsonl, .mcap, .bag, .db3, /),
 /// with `suffix`: the name of a file that belongs to a log.
 std::string sidecar_path(const std::string& log, const std::string& suffix);
-/// sidecar_path(log, ".linkage.yaml") where that file exists; empty where not, and for the standard input.
+inline constexpr const char* kLinkageSidecar = ".linkage.yaml";
+/// sidecar_path(log, kLinkageSidecar) where that file exists; empty where not, and for the standard input.
 std::string linkage_sidecar(const std::string& log);
 
 }  // namespace gdtslam

@@ -1,0 +1,44 @@
+"""Many logs by a plan, while somebody changes what it works on: the logs, the atlas, the records."""
+
+import hashlib
+import json
+import shutil
+import subprocess
+
+import cli_support as cli
+from cli_support import LOG, PROGRAM, command, environment, expect, expect_exit, fresh_folder, one_error_line
+from scenario_fleet import QUICK, finished, fleet, make_logs, planned, status_of, wait_for
+
+
+def begun(folder, atlas):
+    """`fleet run` of the one shard, a log at a time, working in folder/tmp."""
+    (folder / "tmp").mkdir(exist_ok=True)
+    return subprocess.Popen([PROGRAM, "fleet", "run", atlas, "--shard", "1", "-j", "1"], text=True, stdout=subprocess.PIPE,
+                            stderr=subprocess.PIPE, env=environment(TMPDIR=str(folder / "tmp"), SLURM_TMPDIR=None))
+
+
+def record_of(atlas, unit):
+    return json.loads((atlas / f"units/000/{unit:06}.json").read_text())
+
+
+def fleet_log_that_grows():
+    """A log that grows while it is mapped is mapped again: no run has the name of other bytes than it was made of."""
+    folder = fresh_folder("fleet_log_that_grows")
+    log, whole = folder / "a.log", LOG.read_text().splitlines(keepends=True)
+    log.write_text("".join(whole[:len(whole) // 2]))
+    atlas = folder / "atlas"
+    planned(atlas, log)
+    process = begun(folder, atlas)
+    # Mapping begins with the folder of the run, after the log was hashed.
+    wait_for(lambda: list((folder / "tmp").glob("gdtslam-fleet-*/0/run")), "nothing is mapped")
+    with open(log, "a") as file:
+        file.write("".join(whole[len(whole) // 2:]))
+    _, text = process.communicate(timeout=100 * cli.SLOWNESS)
+    expect(process.returncode == 0, f"exit {process.returncode}: {text}")
+    expect(f"is tried again: {log}: was changed while it was mapped; run the command again\n" in text, text)
+    record = record_of(atlas, 0)
+    expect(record["input_sha256"] == hashlib.sha256(log.read_bytes()).hexdigest(), "the hash is not that of the log")
+    expect_exit(command("map", log, "-o", folder / "alone", "--no-copy", "-q", *QUICK), 0)
+    run, = (atlas / "runs").glob("*/*")
+    expect(run.name == record["run"], "a run that no record names")
+    expect((run / "map.pgm").read_bytes() == (folder / "alone/map.pgm").read_bytes(), "the map is that of other bytes")

@@ -1,0 +1,101 @@
+// A unit of a fleet whose files are changed while it is mapped.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <string>
+
+#include "engine/runs/fleet/input.hpp"
+#include "engine/runs/fleet/state.hpp"
+#include "engine/runs/fleet/unit.hpp"
+#include "gdtslam/core/error.hpp"
+#include "tools/gdtslam/shell/folders.hpp"
+
+namespace gdtslam {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+void append_to(const std::string& file, const char* text) { std::ofstream(file, std::ios::app) << text; }
+
+class FleetUnitWork : public testing::Test {
+ protected:
+  FleetUnitWork() {
+    append_to(log_, "# no scan\n");
+    stored_.id = std::string(16, 'a');
+    stored_.plan.units = {{log_, 0}};
+    stored_.plan.shards = {{0}};
+  }
+  /// What is said of the unit where this happens while it is mapped; empty where it is done.
+  std::string fault_after(const std::function<void()>& change) {
+    UnitWork work{.stored = stored_,
+                  .unit = 0,
+                  .atlas = atlas_,
+                  .settings = {},
+                  .folder = folder_.path() + "/work",
+                  .staging = {},
+                  .place = {},
+                  .map = {}};
+    work.map = [&](const MapRequest&) -> MapResult {
+      change();
+      throw InputError("has no scan");
+    };
+    try {
+      (void)do_unit(work);
+      return {};
+    } catch (const FileError& error) {
+      return error.what();
+    }
+  }
+  [[nodiscard]] bool is_done() const { return units_with_record(atlas_, 1).front(); }
+
+  const TemporaryFolder folder_{"gdtslam-fleet-test"};
+  const std::string log_ = folder_.path() + "/a.log";
+  const std::string atlas_ = folder_.path() + "/atlas";
+  StoredPlan stored_;
+};
+
+TEST_F(FleetUnitWork, IsDoneWhereItsLogStays) {
+  EXPECT_THAT(fault_after([] {}), IsEmpty());
+  EXPECT_TRUE(is_done());
+}
+
+TEST_F(FleetUnitWork, LeavesNoRecordWhereItsLogGrows) {
+  EXPECT_EQ(fault_after([&] { append_to(log_, "FLASER 0\n"); }),
+            log_ + ": was changed while it was mapped; run the command again");
+  EXPECT_FALSE(is_done());
+}
+
+TEST_F(FleetUnitWork, LeavesNoRecordWhereItsLogIsReplaced) {
+  EXPECT_THAT(fault_after([&] {
+                append_to(log_ + ".new", "# no scan\n");
+                std::filesystem::rename(log_ + ".new", log_);
+              }),
+              HasSubstr("was changed"));
+  EXPECT_FALSE(is_done());
+}
+
+TEST_F(FleetUnitWork, LeavesNoRecordWhereALinkageComes) {
+  const std::string linkage = folder_.path() + "/a.linkage.yaml";
+  EXPECT_THAT(fault_after([&] { append_to(linkage, "gdtslam_linkage: 1\n"); }), HasSubstr(linkage + ": was changed"));
+  EXPECT_FALSE(is_done());
+  std::filesystem::remove(linkage);
+  stored_.plan.linkage = "one for all";
+  EXPECT_THAT(fault_after([&] { append_to(linkage, "gdtslam_linkage: 1\n"); }), IsEmpty());
+}
+
+TEST_F(FleetUnitWork, LeavesNoRecordWhereAFileOfItsBagIsChanged) {
+  const std::string bag = folder_.path() + "/bag";
+  std::filesystem::create_directory(bag);
+  for (const char* name : {"/metadata.yaml", "/bag_0.mcap", "/bag_1.mcap"}) append_to(bag + name, "x");
+  stored_.plan.units = {{bag, 0}};
+  EXPECT_THAT(fault_after([&] { append_to(bag + "/bag_1.mcap", "x"); }), HasSubstr("bag_1.mcap: was changed"));
+  EXPECT_THAT(fault_after([&] { append_to(bag + "/bag_2.mcap", "x"); }), HasSubstr(bag + ": was changed"));
+  EXPECT_FALSE(is_done());
+}
+
+}  // namespace
+}  // namespace gdtslam
