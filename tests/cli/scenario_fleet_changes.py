@@ -42,3 +42,35 @@ def fleet_log_that_grows():
     run, = (atlas / "runs").glob("*/*")
     expect(run.name == record["run"], "a run that no record names")
     expect((run / "map.pgm").read_bytes() == (folder / "alone/map.pgm").read_bytes(), "the map is that of other bytes")
+
+
+def fleet_atlas_that_is_moved():
+    """Moved, removed or replaced while logs are mapped: 74, one line, nothing in its place, and what was moved is whole."""
+    folder = fresh_folder("fleet_atlas_that_is_moved")
+    logs = make_logs(folder / "logs", count=4)
+    atlas, moved = folder / "atlas", folder / "moved"
+    for how in ("moved", "removed", "replaced"):
+        planned(atlas, logs)
+        process = begun(folder, atlas)
+        wait_for(lambda: list((atlas / "units").rglob("0*.json")), "no log was done")
+        atlas.rename(moved)
+        if how == "replaced":
+            planned(atlas, *sorted(logs.iterdir())[:2])
+        if how == "removed":
+            shutil.rmtree(moved)
+        _, text = process.communicate(timeout=100 * cli.SLOWNESS)
+        expect(process.returncode == 74, f"{how}: exit {process.returncode}: {text}")
+        one_error_line(text)
+        expect(f"{atlas}: is no longer the folder that the plan was read from" in text, text)
+        if how == "replaced":
+            expect([path.name for path in atlas.iterdir()] == ["plan.json"], "it was written into the new atlas")
+            shutil.rmtree(atlas)
+        expect(not atlas.exists(), f"{how}: {list(atlas.rglob('*'))}")
+        if how == "removed":
+            expect(not moved.exists(), "what was removed came back")
+            continue
+        done = status_of(moved)["mapped"]
+        expect(0 < done < 4, f"{done} of 4 logs were done when it was moved")
+        fleet("run", moved, "--shard", "1", "-q")
+        expect(finished(moved)["missing"] == 0 and not list((moved / "staging").iterdir()), "the moved atlas is not whole")
+        shutil.rmtree(moved)

@@ -156,8 +156,22 @@ StoredPlan read_plan(const std::string& atlas) {
   std::error_code ignored;  // what cannot be asked about cannot be read either, which says why
   if (!fs::exists(file, ignored))
     throw FileError(file, "is not there; an atlas begins with: gdtslam fleet plan LOG... -o " + atlas);
+  const std::optional<FileState> folder = state_of_file(atlas, S_IFDIR);
+  const std::optional<FileState> state = state_of_file(file);
   const std::string text = read_text<InputError>(file, kMostPlanBytes);
-  return {parse_plan(text, file), id_of(text)};
+  return {.plan = parse_plan(text, file), .id = id_of(text), .folder = folder, .file = state};
+}
+
+void require_same_atlas(const std::string& atlas, const StoredPlan& stored) {
+  if (!stored.folder) return;
+  const std::string file = atlas + "/" + kPlanFile;
+  const std::optional<FileState> folder = state_of_file(atlas, S_IFDIR);
+  const std::optional<FileState> state = state_of_file(file);
+  const bool is_folder = folder && folder->device == stored.folder->device && folder->inode == stored.folder->inode;
+  // Who changes its permissions gives the plan another state and leaves its text.
+  if (is_folder && state && (state == stored.file || id_of(read_text<InputError>(file, kMostPlanBytes)) == stored.id))
+    return;
+  throw FileError(atlas, "is no longer the folder that the plan was read from");
 }
 
 bool write_plan(const std::string& atlas, const FleetPlan& plan) {

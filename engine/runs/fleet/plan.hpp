@@ -5,9 +5,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "engine/core/files/file_state.hpp"
 
 namespace gdtslam {
 
@@ -61,9 +64,16 @@ FleetPlan parse_plan(std::string_view text, const std::string& name);
 struct StoredPlan {
   FleetPlan plan;
   std::string id;  ///< first 16 hexadecimal digits of the SHA-256 of plan.json: what is of another plan has another
+  std::optional<FileState> folder{};  ///< of the atlas as it was before the plan was read; nothing: it lies in none
+  std::optional<FileState> file{};    ///< likewise of plan.json
 };
 /// Throws InputError, and FileError where there is none.
 StoredPlan read_plan(const std::string& atlas);
+
+/// An atlas is found by its name, and what is missing in it is made: whoever is about to write into it asks here first
+/// whether it is the folder that the plan was read from, with that plan. Throws FileError where it was moved, removed
+/// or replaced since.
+void require_same_atlas(const std::string& atlas, const StoredPlan& stored);
 
 /// Makes the folder and writes the plan; true where it is new, false where the same one is there already. Throws
 /// UsageError where another one is there, or units without a plan; FileError.

@@ -117,6 +117,7 @@ void write_shard_table(const std::string& atlas, const StoredPlan& stored, std::
   const std::string file = atlas + "/" + table_path(shard);
   std::error_code ignored;
   if (fs::exists(file, ignored) && read_text<InputError>(file, kMostTableBytes) == text) return;
+  require_same_atlas(atlas, stored);
   make_folder(atlas + "/shards");
   write_file_atomically(file, text);
 }

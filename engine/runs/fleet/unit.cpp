@@ -146,12 +146,14 @@ UnitRecord do_unit(const UnitWork& work) {
     if (map_unit(work, input, run_folder, record)) {
       take_results(run_folder, record);
       remove_stagings_of_ended_runs(run_folder);
+      require_same_atlas(work.atlas, work.stored);
       move_into_atlas(run_folder, work.atlas, record.run, work.staging);
     }
   } else {
     take_results(kept, record);
   }
   watch.add_to(record.wall_s, record.cpu_s);
+  require_same_atlas(work.atlas, work.stored);
   write_record(work.atlas, record);
   return record;
 }

@@ -66,6 +66,7 @@ std::string finish_atlas(const std::string& atlas, bool is_partial) {
   const nlohmann::ordered_json json = atlas_json(stored, state, summary);
   const auto& hash = json.at("atlas_sha256");
   std::string text = json_text(json);
+  require_same_atlas(atlas, stored);
   AtomicFileSet files;
   files.add(atlas + "/index.html")
       .write(atlas_page(atlas, stored, state, summary, hash.is_null() ? std::string() : hash.get<std::string>()));

@@ -70,6 +70,7 @@ SampleResult sample_result(const DeviceOptions& device, const std::string& folde
 }
 
 void write_node(const StoredPlan& stored, const std::string& atlas, const SampleResult& result, bool agrees) {
+  require_same_atlas(atlas, stored);
   make_folder(atlas + "/nodes");
   write_json(atlas + "/nodes/" + result.place.host + ".json", {{"format", kAtlasFormat},
                                                                {"plan", stored.id},

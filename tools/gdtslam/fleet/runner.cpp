@@ -37,6 +37,11 @@ Settings settings_for(const FleetPlan& plan) {
   return settings;
 }
 
+std::string staging_parent(const std::string& atlas, const StoredPlan& stored) {
+  require_same_atlas(atlas, stored);
+  return atlas + "/staging";
+}
+
 /// Units in processes of their own.
 class Runner {
  public:
@@ -50,7 +55,7 @@ class Runner {
         settings_(settings_for(stored.plan)),
         processes_(std::min(options.processes == 0 ? usable_processors() : options.processes, kMostProcesses)),
         local_(local_work_parent()),
-        staging_(options.atlas + "/staging"),
+        staging_(staging_parent(options.atlas, stored)),
         place_(checked_node(stored, options.atlas, device_, local_.path() + "/sample")),
         line_(options.quiet) {}
 
@@ -129,7 +134,9 @@ class Runner {
     fail(event.id, *event.failure);
   }
 
+  // Where the atlas is gone every unit fails, and one line says why.
   void fail(std::size_t unit, const Workers::Failure& failure) {
+    require_same_atlas(options_.atlas, stored_);
     ++in_a_row_;
     const bool is_tried_again = tries_[unit] < kTries;
     line_.clear();
