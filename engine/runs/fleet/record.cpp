@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "engine/core/files/file_state.hpp"
 #include "engine/drawing/letters.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
@@ -22,6 +23,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostRecordBytes = std::size_t{1} << 20U;
 constexpr std::size_t kUnitsPerFolder = 1000;
+constexpr int kTableFormat = 2;  // 1 did not tell which records it was made of
 constexpr const char* kDoAgain = "; running its shard again does it anew";
 constexpr std::string_view kHexDigits = "0123456789abcdef";
 
@@ -65,6 +67,8 @@ void for_each_column(Record& record, const Visit& visit) {
   visit(record.host);
   visit(record.isa);
   visit(record.device);
+  visit(record.stamp.bytes);
+  visit(record.stamp.written_ns);
   visit(record.reason);
   visit(record.uri);
 }
@@ -97,7 +101,7 @@ class Words {
 };
 
 std::string header_of(const std::string& plan) {
-  return fmt::format("# gdtslam shard {} of plan {}\n", kAtlasFormat, plan);
+  return fmt::format("# gdtslam shard {} of plan {}\n", kTableFormat, plan);
 }
 std::string end_of(std::size_t records) { return fmt::format("# {} records\n", records); }
 
@@ -179,10 +183,18 @@ UnitRecord parse_record(std::string_view text, const std::string& name) {
   }
 }
 
+std::optional<RecordStamp> stamp_of_record(const std::string& atlas, std::size_t unit) {
+  const std::optional<FileState> state = state_of_file(atlas + "/" + record_path(unit));
+  if (!state) return std::nullopt;
+  return RecordStamp{.bytes = state->bytes, .written_ns = state->written_ns};
+}
+
 UnitRecord read_record(const std::string& atlas, std::size_t unit) {
   const std::string file = atlas + "/" + record_path(unit);
+  const RecordStamp stamp = stamp_of_record(atlas, unit).value_or(RecordStamp{});
   UnitRecord record = parse_record(read_text<InputError>(file, kMostRecordBytes), file);
   if (record.unit != unit) throw InputError({file, 0}, std::string("is of another unit") + kDoAgain);
+  record.stamp = stamp;
   return record;
 }
 

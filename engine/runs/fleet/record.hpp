@@ -23,6 +23,13 @@ struct UnitFigures {
   friend bool operator==(const UnitFigures&, const UnitFigures&) = default;
 };
 
+/// What tells a record's file from one that took its place later, on any node.
+struct RecordStamp {
+  std::uint64_t bytes = 0;
+  std::int64_t written_ns = 0;
+  friend bool operator==(const RecordStamp&, const RecordStamp&) = default;
+};
+
 struct UnitRecord {
   std::string plan;  ///< StoredPlan::id
   std::size_t unit = 0;
@@ -39,6 +46,7 @@ struct UnitRecord {
   std::string host;
   std::string isa;
   std::string device;
+  RecordStamp stamp{};  ///< of the file before it was read; zeros: it comes from none
   [[nodiscard]] bool is_mapped() const { return exit_code == 0; }
   friend bool operator==(const UnitRecord&, const UnitRecord&) = default;
 };
@@ -51,6 +59,8 @@ std::string run_path(const std::string& run);
 std::string record_text(const UnitRecord& record);
 /// Throws InputError with one line where the text is torn or no record.
 UnitRecord parse_record(std::string_view text, const std::string& name);
+/// Nothing where there is no such file.
+std::optional<RecordStamp> stamp_of_record(const std::string& atlas, std::size_t unit);
 /// Throws InputError, FileError.
 UnitRecord read_record(const std::string& atlas, std::size_t unit);
 /// Atomic; nothing where the unit has a record of the same plan. Throws FileError.

@@ -48,7 +48,7 @@ void read_tables(const std::string& atlas, const StoredPlan& stored, const std::
     std::optional<std::vector<UnitRecord>> records;
     try {
       records = parse_records_table(read_text<InputError>(entry.string(), kMostTableBytes), stored.id);
-    } catch (const Error&) {  // it only spares opening the records
+    } catch (const Error&) {  // it only spares reading the records
     }
     if (!records) return;
     for (UnitRecord& record : *records) {
@@ -72,6 +72,25 @@ std::string read_into(std::optional<UnitRecord>& place, const std::string& atlas
   }
 }
 
+// A row counts for the record that it was made of, and not for one that has taken its place.
+bool is_of_record_there(const std::optional<UnitRecord>& row, const std::string& atlas, std::size_t unit) {
+  return row && stamp_of_record(atlas, unit) == row->stamp;
+}
+
+// What this process has made of a unit may not be its record: another process that did it too may have been first.
+// Nothing where the file cannot be read: without a row in a table it is asked again.
+std::optional<UnitRecord> record_for_table(const std::string& atlas, std::size_t unit, const StoredPlan& stored,
+                                           const std::optional<UnitRecord>& known) {
+  if (!known || known->stamp != RecordStamp{}) return known;
+  std::optional<UnitRecord> record;
+  try {
+    (void)read_into(record, atlas, unit, stored.id);
+  } catch (const FileError&) {
+    return std::nullopt;
+  }
+  return record;
+}
+
 }  // namespace
 
 std::vector<bool> units_with_record(const std::string& atlas, std::size_t units) {
@@ -91,14 +110,18 @@ AtlasState read_state(const std::string& atlas, const StoredPlan& stored) {
   state.records.resize(units.size());
   const std::vector<bool> is_there = units_with_record(atlas, units.size());
   read_tables(atlas, stored, is_there, state);
-  std::vector<std::size_t> left;
+  std::vector<std::size_t> there;
   for (std::size_t k = 0; k < units.size(); ++k) {
-    if (is_there[k] && !state.records[k]) left.push_back(k);
+    if (is_there[k]) there.push_back(k);
   }
-  std::vector<std::string> damage(left.size());
-  WorkerPool(threads_meant(0)).run(left.size(), kRecordsAtOnce, [&](std::uint64_t begin, std::uint64_t end) {
-    for (std::uint64_t i = begin; i < end; ++i)
-      damage[i] = read_into(state.records[left[i]], atlas, left[i], stored.id);
+  std::vector<std::string> damage(there.size());
+  WorkerPool(threads_meant(0)).run(there.size(), kRecordsAtOnce, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i) {
+      std::optional<UnitRecord>& record = state.records[there[i]];
+      if (is_of_record_there(record, atlas, there[i])) continue;
+      record.reset();
+      damage[i] = read_into(record, atlas, there[i], stored.id);
+    }
   });
   std::copy_if(damage.begin(), damage.end(), std::back_inserter(state.damaged),
                [](const std::string& text) { return !text.empty(); });
@@ -110,7 +133,8 @@ std::string table_path(std::size_t shard) { return fmt::format("shards/{:04}.tsv
 void write_shard_table(const std::string& atlas, const StoredPlan& stored, std::size_t shard, const AtlasState& state) {
   std::vector<UnitRecord> records;
   for (const std::uint32_t unit : stored.plan.shards.at(shard)) {
-    if (state.records[unit]) records.push_back(*state.records[unit]);
+    std::optional<UnitRecord> record = record_for_table(atlas, unit, stored, state.records[unit]);
+    if (record) records.push_back(std::move(*record));
   }
   if (records.empty()) return;
   const std::string text = records_table(stored.id, records);

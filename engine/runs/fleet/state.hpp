@@ -1,4 +1,4 @@
-// What is done of an atlas. A record that is there counts; the tables of shards only spare opening it. Thread-safe; of
+// What is done of an atlas. A record that is there counts; the tables of shards only spare reading it. Thread-safe; of
 // 100,000 units with their tables about half a second, without them a file each, read by all cores.
 #pragma once
 

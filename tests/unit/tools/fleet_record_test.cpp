@@ -81,6 +81,14 @@ TEST(FleetRecord, IsNoneWhereItIsTorn) {
   EXPECT_THROW(parse_record(with("\"exit_code\": 0", "\"exit_code\": 65"), "r"), InputError);
 }
 
+// Other bytes, as many and with the old time: who sees them has opened the file.
+void replace_unseen(const std::string& file) {
+  const auto written = std::filesystem::last_write_time(file);
+  const auto bytes = std::filesystem::file_size(file);
+  std::ofstream(file) << std::string(bytes, 'x');
+  std::filesystem::last_write_time(file, written);
+}
+
 TEST(FleetRecord, CountsWhereItLies) {
   const TemporaryFolder folder("gdtslam-fleet-test");
   StoredPlan stored;
@@ -99,10 +107,10 @@ TEST(FleetRecord, CountsWhereItLies) {
   ASSERT_EQ(state.damaged.size(), 2U);
   EXPECT_THAT(state.damaged[0], HasSubstr("000002.json: is of another plan"));
   EXPECT_THAT(state.damaged[1], HasSubstr("000003.json:1: is no JSON text"));
-  // A table spares opening the records, but says nothing of those that are gone.
+  // A table spares reading the records, but says nothing of those that are gone.
   write_shard_table(folder.path(), stored, 0, state);
   std::filesystem::remove(folder.path() + "/units/000/000000.json");
-  std::ofstream(folder.path() + "/units/000/000001.json") << "nobody opens it";
+  replace_unseen(folder.path() + "/units/000/000001.json");
   state = read_state(folder.path(), stored);
   EXPECT_TRUE(!state.records[0] && state.records[1]);
   write_record(folder.path(), mapped_record(3));  // a torn one is written anew
@@ -123,6 +131,46 @@ TEST(FleetTable, ReadsBackAndIsNoneWhereItIsCut) {
   for (std::size_t cut = 0; cut < text.size(); ++cut)
     EXPECT_FALSE(parse_records_table(text.substr(0, cut), kPlan)) << cut;
   EXPECT_FALSE(parse_records_table(text + "x", kPlan));
+}
+
+StoredPlan plan_of_one_unit() {
+  StoredPlan stored;
+  stored.id = kPlan;
+  stored.plan.units = {{"/a", 1}};
+  stored.plan.shards = {{0}};
+  return stored;
+}
+
+TEST(FleetTable, CountsForTheRecordThatItWasMadeOf) {
+  const TemporaryFolder folder("gdtslam-fleet-test");
+  const StoredPlan stored = plan_of_one_unit();
+  const std::string file = folder.path() + "/" + record_path(0);
+  write_record(folder.path(), mapped_record(0));
+  const auto written = std::filesystem::last_write_time(file);
+  write_shard_table(folder.path(), stored, 0, read_state(folder.path(), stored));
+  std::filesystem::remove(file);
+  write_record(folder.path(), refused_record(0));
+  std::filesystem::last_write_time(file, written);
+  EXPECT_FALSE(read_state(folder.path(), stored).records[0]->is_mapped()) << "another size";
+  std::filesystem::remove(file);
+  UnitRecord other = mapped_record(0);
+  other.host = "n2";
+  write_record(folder.path(), other);
+  std::filesystem::last_write_time(file, written + std::chrono::microseconds(1));
+  EXPECT_EQ(read_state(folder.path(), stored).records[0]->host, "n2") << "another time";
+}
+
+TEST(FleetTable, IsMadeOfTheRecordThatLiesThere) {
+  const TemporaryFolder folder("gdtslam-fleet-test");
+  const StoredPlan stored = plan_of_one_unit();
+  write_record(folder.path(), mapped_record(0));
+  AtlasState state;
+  state.records = {mapped_record(0)};
+  state.records[0]->host = "n2";  // which was second
+  write_shard_table(folder.path(), stored, 0, state);
+  replace_unseen(folder.path() + "/" + record_path(0));
+  ASSERT_TRUE(read_state(folder.path(), stored).records[0]) << "the table does not count";
+  EXPECT_EQ(read_state(folder.path(), stored).records[0]->host, "n1");
 }
 
 TEST(FleetTable, IsNoneWhereItIsNoUtf8) {  // JSON and the page of an atlas could not hold its words
