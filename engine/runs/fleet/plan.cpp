@@ -178,15 +178,16 @@ bool write_plan(const std::string& atlas, const FleetPlan& plan) {
   const std::string file = atlas + "/" + kPlanFile;
   const std::string text = plan_text(plan);
   std::error_code ignored;
-  if (fs::exists(file, ignored)) {
-    if (read_text<InputError>(file, kMostPlanBytes) == text) return false;
-    throw UsageError(fmt::format("--output: {} has another plan, and a plan never changes: give a new folder", atlas));
+  if (!fs::exists(file, ignored)) {
+    if (fs::exists(atlas + "/units", ignored))
+      throw UsageError(fmt::format("--output: {} has units of a plan that is gone: give a new folder", atlas));
+    make_folder(atlas);
+    AtomicFile written(file);
+    written.write(text);
+    if (written.commit_unless_there()) return true;
   }
-  if (fs::exists(atlas + "/units", ignored))
-    throw UsageError(fmt::format("--output: {} has units of a plan that is gone: give a new folder", atlas));
-  make_folder(atlas);
-  write_file_atomically(file, text);
-  return true;
+  if (read_text<InputError>(file, kMostPlanBytes) == text) return false;
+  throw UsageError(fmt::format("--output: {} has another plan, and a plan never changes: give a new folder", atlas));
 }
 
 bool has_scheme(std::string_view uri) {

@@ -1,12 +1,18 @@
 // Plans of a fleet: what is written reads back, what is damaged is refused, logs are found by their names, and shards
 // are packed and chosen.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include "engine/runs/fleet/collect.hpp"
 #include "engine/runs/fleet/plan.hpp"
@@ -18,6 +24,7 @@ namespace gdtslam {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 
 FleetPlan small_plan() {
@@ -109,6 +116,34 @@ TEST(FleetPlan, IsWrittenOnce) {
   std::filesystem::create_directories(folder.path() + "/old/units");
   EXPECT_THROW(write_plan(folder.path() + "/old", plan), UsageError);
   EXPECT_THROW(read_plan(folder.path()), FileError);
+}
+
+// Of several that plan into a folder at once one does; the others are told as if its plan had been there before.
+TEST(FleetPlan, IsWrittenByOneOfSeveral) {
+  const TemporaryFolder folder("gdtslam-fleet-test");
+  constexpr std::size_t kRounds = 30;
+  for (std::size_t round = 0; round < kRounds; ++round) {
+    const std::string atlas = fmt::format("{}/{}", folder.path(), round);
+    std::array<bool, 4> wrote{};
+    {
+      std::vector<std::jthread> threads;
+      for (std::size_t k = 0; k < wrote.size(); ++k) {
+        threads.emplace_back([&, k] {
+          FleetPlan plan = small_plan();
+          plan.config += fmt::format("# {}\n", k);
+          try {
+            wrote[k] = write_plan(atlas, plan);
+          } catch (const UsageError&) {
+            wrote[k] = false;
+          }
+        });
+      }
+    }
+    ASSERT_EQ(std::count(wrote.begin(), wrote.end(), true), 1);
+    const auto first = static_cast<std::size_t>(std::find(wrote.begin(), wrote.end(), true) - wrote.begin());
+    EXPECT_THAT(read_plan(atlas).plan.config, EndsWith(fmt::format("# {}\n", first)));
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(atlas), {}), 1) << "a temporary file is left";
+  }
 }
 
 TEST(FleetUnits, AreFoundByTheirNames) {
