@@ -1,7 +1,9 @@
 """Many logs by a plan, while somebody changes what it works on: the logs, the atlas, the records."""
 
+import fcntl
 import hashlib
 import json
+import os
 import shutil
 import subprocess
 
@@ -74,3 +76,19 @@ def fleet_atlas_that_is_moved():
         fleet("run", moved, "--shard", "1", "-q")
         expect(finished(moved)["missing"] == 0 and not list((moved / "staging").iterdir()), "the moved atlas is not whole")
         shutil.rmtree(moved)
+
+
+def fleet_finish_alone():
+    """While one process finishes an atlas a second one says so and writes nothing; afterwards it does."""
+    folder = fresh_folder("fleet_finish_alone")
+    atlas = folder / "atlas"
+    planned(atlas, make_logs(folder / "logs", count=1))
+    locked = os.open(atlas, os.O_RDONLY)
+    fcntl.flock(locked, fcntl.LOCK_EX)
+    process = fleet("finish", atlas, "--partial", code=2)
+    one_error_line(process.stderr)
+    expect(f"another process is writing to '{atlas}'" in process.stderr, process.stderr)
+    expect([path.name for path in atlas.iterdir()] == ["plan.json"], "it wrote nevertheless")
+    os.close(locked)
+    fleet("finish", atlas, "--partial")
+    expect((atlas / "atlas.json").exists(), "no atlas.json")

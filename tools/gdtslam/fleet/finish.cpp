@@ -8,6 +8,7 @@
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/runs/fleet/summary.hpp"
+#include "engine/runs/folder/folder_lock.hpp"
 #include "fleet.hpp"
 #include "gdtslam/core/error.hpp"
 #include "page.hpp"
@@ -59,6 +60,7 @@ std::string finish_text(const std::string& atlas_json, const std::string& atlas)
 
 std::string finish_atlas(const std::string& atlas, bool is_partial) {
   const StoredPlan stored = read_plan(atlas);
+  const FolderLock lock(atlas);  // from the first record read on: the three files tell of the same ones
   const AtlasState state = read_state(atlas, stored);
   const AtlasSummary summary = summary_of(stored, state);
   for (const std::string& damage : state.damaged) print_remark(damage);

@@ -35,7 +35,7 @@ void add_most_refused(CLI::App& command, ComputeOptions& options);
 int judged(const RunnerOutcome& outcome, const MostRefused& most, const std::string& atlas);
 
 /// Writes atlas.json, summary.csv and index.html; returns the text of atlas.json. Throws InputError
-/// where units are missing and `is_partial` is not set; FileError.
+/// where units are missing and `is_partial` is not set, UsageError where another process finishes it; FileError.
 std::string finish_atlas(const std::string& atlas, bool is_partial);
 /// The hash and the page of a finished atlas, a line each.
 std::string finish_text(const std::string& atlas_json, const std::string& atlas);
