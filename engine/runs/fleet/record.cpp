@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/core/files/file_state.hpp"
+#include "engine/core/files/folder_calls.hpp"
 #include "engine/drawing/letters.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
@@ -25,6 +26,7 @@ constexpr std::size_t kMostRecordBytes = std::size_t{1} << 20U;
 constexpr std::size_t kUnitsPerFolder = 1000;
 constexpr int kTableFormat = 2;  // 1 did not tell which records it was made of
 constexpr const char* kDoAgain = "; running its shard again does it anew";
+constexpr const char* kNoFile = "is no plain file; remove it and run its shard again";
 constexpr std::string_view kHexDigits = "0123456789abcdef";
 
 bool is_hash(const std::string& text, std::size_t digits) {
@@ -183,6 +185,10 @@ UnitRecord parse_record(std::string_view text, const std::string& name) {
   }
 }
 
+void require_file_or_nothing(const std::string& file) {
+  if (lies_there(file) && !state_of_file(file)) throw FileError(file, kNoFile);
+}
+
 std::optional<RecordStamp> stamp_of_record(const std::string& atlas, std::size_t unit) {
   const std::optional<FileState> state = state_of_file(atlas + "/" + record_path(unit));
   if (!state) return std::nullopt;
@@ -191,15 +197,17 @@ std::optional<RecordStamp> stamp_of_record(const std::string& atlas, std::size_t
 
 UnitRecord read_record(const std::string& atlas, std::size_t unit) {
   const std::string file = atlas + "/" + record_path(unit);
-  const RecordStamp stamp = stamp_of_record(atlas, unit).value_or(RecordStamp{});
+  const std::optional<RecordStamp> stamp = stamp_of_record(atlas, unit);
+  if (!stamp && lies_there(file)) throw InputError({file, 0}, kNoFile);
   UnitRecord record = parse_record(read_text<InputError>(file, kMostRecordBytes), file);
   if (record.unit != unit) throw InputError({file, 0}, std::string("is of another unit") + kDoAgain);
-  record.stamp = stamp;
+  record.stamp = stamp.value_or(RecordStamp{});
   return record;
 }
 
 void write_record(const std::string& atlas, const UnitRecord& record) {
   const std::filesystem::path file = std::filesystem::path(atlas) / record_path(record.unit);
+  require_file_or_nothing(file.string());
   std::error_code ignored;
   if (std::filesystem::exists(file, ignored)) {
     try {

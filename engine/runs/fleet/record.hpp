@@ -59,6 +59,10 @@ std::string run_path(const std::string& run);
 std::string record_text(const UnitRecord& record);
 /// Throws InputError with one line where the text is torn or no record.
 UnitRecord parse_record(std::string_view text, const std::string& name);
+/// Throws FileError where a pipe, a folder, or a link that leads nowhere has the name of a file of the atlas: nobody
+/// could read it or write there.
+void require_file_or_nothing(const std::string& file);
+
 /// Nothing where there is no such file.
 std::optional<RecordStamp> stamp_of_record(const std::string& atlas, std::size_t unit);
 /// Throws InputError, FileError.

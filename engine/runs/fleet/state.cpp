@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "engine/core/digits.hpp"
 #include "engine/core/files/folder_calls.hpp"
 #include "engine/core/worker_pool.hpp"
 #include "engine/io/atomic_file.hpp"
@@ -23,14 +24,24 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMostTableBytes = std::size_t{1} << 30U;
 constexpr std::uint64_t kRecordsAtOnce = 256;  // read by one thread
 
-std::optional<std::size_t> unit_of_file(const std::string& name) {
-  constexpr std::string_view kEnding = ".json";
-  if (!name.ends_with(kEnding)) return std::nullopt;
+// Other programs leave files of theirs in any folder; a record is what has the very name of one.
+std::optional<std::size_t> unit_of_file(const fs::path& file) {
+  const std::string name = file.filename().string();
   std::size_t unit = 0;
-  const char* const end = name.data() + name.size() - kEnding.size();
-  const auto [stop, code] = std::from_chars(name.data(), end, unit);
-  if (code != std::errc{} || stop != end) return std::nullopt;
+  if (std::from_chars(name.data(), name.data() + name.size(), unit).ec != std::errc{}) return std::nullopt;
+  if (!file.string().ends_with("/" + record_path(unit))) return std::nullopt;
   return unit;
+}
+
+bool is_folder_of_records(const fs::path& folder) {
+  constexpr std::size_t kDigits = 3;
+  const std::string name = folder.filename().string();
+  return name.size() == kDigits && is_digits(name);
+}
+
+bool is_table(const fs::path& file) {
+  std::error_code ignored;
+  return file.extension() == ".tsv" && is_digits(file.stem().string()) && fs::is_regular_file(file, ignored);
 }
 
 template <class Visit>
@@ -44,7 +55,7 @@ void for_each_entry(const fs::path& folder, const Visit& visit) {
 void read_tables(const std::string& atlas, const StoredPlan& stored, const std::vector<bool>& is_there,
                  AtlasState& state) {
   for_each_entry(fs::path(atlas) / "shards", [&](const fs::path& entry) {
-    if (entry.extension() != ".tsv") return;
+    if (!is_table(entry)) return;
     std::optional<std::vector<UnitRecord>> records;
     try {
       records = parse_records_table(read_text<InputError>(entry.string(), kMostTableBytes), stored.id);
@@ -96,8 +107,9 @@ std::optional<UnitRecord> record_for_table(const std::string& atlas, std::size_t
 std::vector<bool> units_with_record(const std::string& atlas, std::size_t units) {
   std::vector<bool> is_there(units);
   for_each_entry(fs::path(atlas) / "units", [&](const fs::path& folder) {
+    if (!is_folder_of_records(folder)) return;
     for_each_entry(folder, [&](const fs::path& entry) {
-      const std::optional<std::size_t> unit = unit_of_file(entry.filename().string());
+      const std::optional<std::size_t> unit = unit_of_file(entry);
       if (unit && *unit < units) is_there[*unit] = true;
     });
   });
@@ -139,6 +151,7 @@ void write_shard_table(const std::string& atlas, const StoredPlan& stored, std::
   if (records.empty()) return;
   const std::string text = records_table(stored.id, records);
   const std::string file = atlas + "/" + table_path(shard);
+  require_file_or_nothing(file);
   std::error_code ignored;
   if (fs::exists(file, ignored) && read_text<InputError>(file, kMostTableBytes) == text) return;
   require_same_atlas(atlas, stored);

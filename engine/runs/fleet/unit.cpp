@@ -139,6 +139,7 @@ UnitRecord compute_unit(const UnitWork& work) {
 UnitRecord do_unit(const UnitWork& work) {
   Stopwatch watch;
   UnitRecord record = record_of(work);
+  require_file_or_nothing(work.atlas + "/" + record_path(work.unit));
   const UnitInput input = named_input(work, record);
   const std::string kept = work.atlas + "/" + run_path(record.run);
   if (!is_there(kept)) {
