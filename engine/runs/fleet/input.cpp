@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -81,7 +82,8 @@ std::string file_name_of_uri(const std::string& uri) {
   return name.empty() || name.front() == '.' ? "log" + name : name;
 }
 
-/// A shell command whose standard output is read.
+/// A shell command whose standard output is read. It and all that it starts are a session of their own, so that they
+/// are ended together, and none of them stops as it asks a terminal that it is in the background of.
 class OutputOfCommand {
  public:
   explicit OutputOfCommand(const std::string& command) : command_(command) {
@@ -92,7 +94,11 @@ class OutputOfCommand {
     ::posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
     std::array<std::string, 3> words{"sh", "-c", command};
     std::array<char*, 4> arguments{words[0].data(), words[1].data(), words[2].data(), nullptr};
-    const int code = ::posix_spawn(&process_, "/bin/sh", &actions, nullptr, arguments.data(), environ);
+    posix_spawnattr_t attributes;
+    ::posix_spawnattr_init(&attributes);
+    ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);
+    const int code = ::posix_spawn(&process_, "/bin/sh", &actions, &attributes, arguments.data(), environ);
+    ::posix_spawnattr_destroy(&attributes);
     ::posix_spawn_file_actions_destroy(&actions);
     ::close(ends[1]);
     pipe_ = ends[0];
@@ -105,11 +111,14 @@ class OutputOfCommand {
   OutputOfCommand& operator=(const OutputOfCommand&) = delete;
   ~OutputOfCommand() {
     if (process_ <= 0) return;
-    ::kill(process_, SIGTERM);
+    ::kill(-process_, SIGTERM);
     end();
   }
-  /// 0 at its end, below 0 where a signal came.
+  /// 0 at its end, below 0 where a signal came, or nothing for a moment: a signal may also come just before the wait.
   ssize_t read(std::vector<char>& piece) const {
+    constexpr int kLook_ms = 200;
+    pollfd pipe{.fd = pipe_, .events = POLLIN, .revents = 0};
+    if (::poll(&pipe, 1, kLook_ms) <= 0) return -1;
     const ssize_t count = ::read(pipe_, piece.data(), piece.size());
     if (count < 0 && errno != EINTR) throw FileError(command_, "cannot be read: " + errno_text(errno));
     return count;

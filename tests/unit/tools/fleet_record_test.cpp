@@ -266,6 +266,28 @@ TEST(FleetInput, ThatCannotBeFetchedIsTheMachinesFault) {
   EXPECT_EQ(get_command("f 'a\"b' \"c'd\" {} -", "s3://a"), "f 'a\"b' \"c'd\" 's3://a' -");
 }
 
+// Whether the process goes on; one that has ended and that nobody has waited for does not.
+bool goes_on(const std::string& process) {
+  std::ifstream status("/proc/" + process + "/stat");
+  std::string name;
+  std::string state;
+  return status >> name >> name >> state && state != "Z";
+}
+
+TEST(FleetInput, ThatIsGivenUpLeavesNoProcessBehind) {
+  const TemporaryFolder folder("gdtslam-fleet-test");
+  const std::string file = folder.path() + "/process";
+  FleetPlan plan;
+  plan.get = "(sleep 60 & echo $! > " + file + ".new; mv " + file + ".new " + file + "; wait); true # {}";
+  const auto is_started = [&] { return std::filesystem::exists(file); };
+  EXPECT_THROW(unit_input(plan, {"s3://b/a.log", 0}, folder.path(), is_started), Error);
+  std::string process;
+  std::ifstream(file) >> process;
+  ASSERT_NE(process, "");
+  for (int k = 0; k < 500 && goes_on(process); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_FALSE(goes_on(process)) << process;
+}
+
 TEST(FleetWorkFolder, RemovesWhatIsLeftAndNothingElse) {
   const TemporaryFolder folder("gdtslam-fleet-test");
   const std::string left = folder.path() + "/gdtslam-fleet-1-abcdef";
