@@ -51,8 +51,10 @@ def merge_joins_what_overlaps():
     paths = [[line for line in lines if not line.startswith("#")] for lines in sessions]
     whole = [line for line in (site / "trajectory.tum").read_text().splitlines() if not line.startswith("#")]
     expect(paths[0] + paths[1] == whole, "the sessions are not the trajectory")
-    shutil.copytree(early, folder / "other/1")  # a run that lay there goes, with what it could be gone on with
-    expect_exit(command("merge", late, early, "-o", folder / "other", "--threads", 2, "-q"), 0)
+    shutil.copytree(early, folder / "other/1")
+    expect_exit(command("merge", late, early, "-o", folder / "other", "-q"), 2)
+    # With --force a run that lay there goes, with what it could be gone on with.
+    expect_exit(command("merge", late, early, "-o", folder / "other", "--threads", 2, "-q", "--force"), 0)
     left = sorted(path.name for path in (folder / "other/1").iterdir())
     expect(left == sorted(path.name for path in site.iterdir()), f"{left}")
     for name in SITE_FILES:
@@ -218,6 +220,52 @@ def merge_keeps_foreign_files():
     expect(sorted(all_files(sites)) == sorted([*files, "keepout.png", "1/keepout.png", "1/session-7.tum"]), "others' files")
     (sites / "1/changes.png").write_text("mine\n")
     refused_merge(2, "changes.png", (first, other), sites)
+
+
+def merge_replaces_no_run():
+    """In the place of a site: a run to be joined, whatever leads there, another run, an edited site, a link, files of somebody:
+    2 and one line before any run is read, and nothing is changed. An empty folder and a site of an earlier merge are replaced."""
+    folder = fresh_folder("merge_no_run")
+    first, again, other = two_places(folder)
+    sites = folder / "sites"
+    for k, run in enumerate((first, other), 1):
+        shutil.copytree(run, sites / str(k))
+    runs = sites / "1", sites / "2"
+    for force in ((), ("--force",)):
+        refused_merge(2, "is a run to be joined", runs, sites, *force)
+        refused_merge(2, "is a run to be joined", (first, other), first, *force)
+    (folder / "to_first").symlink_to(sites / "1")
+    refused_merge(2, "is a run to be joined", (folder / "to_first", other), sites, "--force")
+    refused_merge(2, "is a run that no merge wrote", (again, other), sites)
+    (sites / "map.yaml").touch()
+    refused_merge(2, "is a run that no merge wrote", (folder / "none", other), sites)
+    shutil.rmtree(sites)
+
+    def refused_place(words, *arguments):
+        refused_merge(2, words, (first, other), sites, *arguments)
+        expect(os.listdir(sites) == ["2"], f"{words}: something was made")
+
+    sites.mkdir()
+    (sites / "2").symlink_to(again)
+    before = all_files(again)
+    refused_place("is a link", "--force")
+    expect(all_files(again) == before, "what a link leads to was replaced")
+    (sites / "2").unlink()
+    (sites / "2").write_text("mine")
+    refused_place("is no folder", "--force")
+    (sites / "2").unlink()
+    (sites / "2").mkdir()
+    (sites / "2/note.txt").write_text("mine")
+    refused_place("holds files")
+    (sites / "2/note.txt").unlink()
+    expect_exit(command("merge", first, other, "-o", sites, "-q"), 0)
+    refused_merge(2, "is a run to be joined", (sites / "1", sites / "2"), sites)
+    expect_exit(command("merge", again, other, "-o", sites, "-q"), 0)
+    expect_exit(command("edit", sites / "2", "-o", folder / "edited", "--origin", "1,1", "-q"), 0)
+    shutil.rmtree(sites / "2")
+    shutil.copytree(folder / "edited", sites / "2")
+    refused_merge(2, "is a run that no merge wrote", (first, other), sites)
+    expect_exit(command("merge", first, other, "-o", sites, "-q", "--force"), 0)
 
 
 def outputs_without_a_name():

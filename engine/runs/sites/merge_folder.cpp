@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <filesystem>
 #include <functional>
@@ -19,6 +18,7 @@
 #include "engine/io/json_file.hpp"
 #include "engine/io/message_text.hpp"
 #include "engine/runs/folder/run_reader.hpp"
+#include "engine/runs/sites/site_places.hpp"
 #include "engine/runs/tiles/tile_folder.hpp"
 #include "gdtslam/core/error.hpp"
 
@@ -27,11 +27,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array kChanges{"changes.png", "changes.svg"};
 constexpr const char* kOldReport = "old.json";  // as long as sites are replaced
 
 const std::string& checked_place(const std::string& folder, std::size_t sessions, bool replaces_foreign_files) {
-  std::vector<std::string> names(kChanges.begin(), kChanges.end());
+  std::vector<std::string> names = names_of_changes();
   for (std::size_t k = 0; k < sessions; ++k) names.push_back(session_file(k));
   if (!replaces_foreign_files) require_no_foreign_files(folder, names);
   return folder;
@@ -84,11 +83,12 @@ SiteFolder::SiteFolder(const std::string& path, std::size_t sessions, bool repla
 // Of a run whose report tells of its files exactly those go; else all that have the names of a run's.
 void SiteFolder::leave_out_old() {
   const std::optional<RunFiles> run = told_files_in(path());
+  const std::vector<std::string> changes = names_of_changes();
   const auto is_old = [&](const std::string& name) {
     if (name.starts_with(".")) return false;  // staged, or of somebody else
     if (name == kTileFolder) return is_tile_folder(folder_->file(name));
     if (run && (run->has(name) || !replaces_foreign_files_)) return run->has(name);
-    return is_file_of_a_run(name) || std::find(kChanges.begin(), kChanges.end(), name) != kChanges.end();
+    return is_file_of_a_run(name) || std::find(changes.begin(), changes.end(), name) != changes.end();
   };
   std::error_code ignored;  // what cannot be listed cannot be replaced either
   for (const fs::path& file : list_folder(path(), ignored)) {

@@ -13,6 +13,7 @@
 #include "engine/runs/folder/run_report.hpp"
 #include "engine/runs/sites/merge_folder.hpp"
 #include "engine/runs/sites/site_outcome.hpp"
+#include "engine/runs/sites/site_places.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
@@ -188,6 +189,7 @@ std::string report_of(const MergeOutcome& outcome, const std::vector<SessionEdge
 
 MergeOutcome merge_runs(const MergeRequest& request) {
   if (request.folder.empty()) throw UsageError("--output: the folder of the results has no name");
+  require_places_of_sites(request.folder, request.runs, request.replace_foreign_files);
   std::vector<RunSession> runs = read_runs(request);
   MergeFolder results(request.folder, request.replace_foreign_files);
   std::vector<Session> sessions;
