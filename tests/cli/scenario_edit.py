@@ -300,6 +300,18 @@ def edit_leaves_others_files():
     before = cli.digests(RUN)
     expect({name: digest for name, digest in cli.digests(folder / "run").items() if not name.startswith("keepout")} == before,
            "the run was changed")
+    # Again into the same folder: the copies of the first edit are of it, unless somebody has drawn on them since.
+    (folder / "run/keepout.pgm").write_text("drawn anew")
+    expect_exit(command("edit", folder / "run", "-o", folder / "same", "--crop", "-2,-2,5,5", "-q"), 0)
+    expect((folder / "same/keepout.pgm").read_text() == "drawn anew", "the mask of an earlier edit stays")
+    (folder / "same/keepout.yaml").write_text("drawn here")
+    process = command("edit", folder / "run", "-o", folder / "same", "--crop", "-2,-2,5,5")
+    expect_exit(process, 0)
+    expect(process.stderr == "gdtslam: not copied, as not plain files or there: keepout.yaml\n", process.stderr)
+    expect_exit(command("edit", folder / "run", "-o", folder / "turned_too", "--crop", "-2,-2,5,5", "-q"), 0)
+    process = command("edit", folder / "run", "-o", folder / "turned_too", "--origin", "1,1")
+    expect_exit(process, 0)
+    expect(not list((folder / "turned_too").glob("keepout*")), "a mask of another frame stays beside the map")
 
 
 def edit_mistakes():

@@ -155,6 +155,43 @@ def files_of_others_in_a_run_are_kept():
     expect(not (folder / "linkage.yaml").exists(), "--force left it")
 
 
+def files_of_an_earlier_run_go():
+    """A run in the folder of another one takes away all files that the old report tells of, whichever command wrote it; files
+    that it does not tell of stay, and so does one that somebody drew on since, unless it has the name of a run's file."""
+    folder = cli.fresh_folder("files_go")
+    site, edited, run = (folder / name for name in ("site/1", "edited", "run"))
+    mapped(run, "--first", 60)
+    mapped(folder / "again", "--first", 70)
+    expect_exit(command("merge", run, folder / "again", "-o", site.parent, "-q"), 0)
+    # A picture of what changed, as the site would have told of it.
+    (site / "changes.png").write_bytes(b"changes")
+    tell_of(site, "changes.png")
+    (run / "mask.pgm").write_text("mine")
+    (run / "keepout.pgm").write_text("mine")
+    expect_exit(command("edit", run, "-o", edited, "--crop", "-99,-99,99,99", "--world-file", "-q"), 0)
+    expect({"mask.pgm", "keepout.pgm", "map.png", "map.pgw"} <= told_files(edited).keys(), f"{told_files(edited).keys()}")
+    kept = {"note.txt", "mask.pgm", "session-7.tum"}
+    for old, new in ((site, ("map", LOG, "--first", 40)), (site, ("map", "--continue", run)), (edited, ("map", LOG, "--first", 40)),
+                     (site, ("edit", run, "--origin", "1,1")), (edited, ("edit", site, "--origin", "1,1"))):
+        copy = folder / "copy"
+        shutil.rmtree(copy, ignore_errors=True)
+        shutil.copytree(old, copy)
+        for name in kept:
+            (copy / name).write_text("mine, drawn anew")
+        expect_exit(command(*new, "-o", copy, "-q"), 0)
+        stray = lying_files(copy).keys() - told_files(copy).keys()
+        expect(stray == kept, f"{new[0]} over {old.name}: {sorted(stray)} beside the files of the run")
+        expect(all((copy / name).read_text() == "mine, drawn anew" for name in kept), "a file of somebody else is another")
+
+
+def tell_of(run, name):
+    """As if the run had written that file."""
+    report = json.loads((run / "report.json").read_text())
+    data = (run / name).read_bytes()
+    report["files"] = sorted([*report["files"], [name, len(data), hashlib.sha256(data).hexdigest()]])
+    (run / "report.json").write_text(json.dumps(report))
+
+
 def files_of_others_with_numbers_are_kept():
     """Nor one of a name with a number: a copy of a log that the run does not have, a path of a drive."""
     folder = cli.fresh_folder("others_with_numbers")

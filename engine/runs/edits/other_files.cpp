@@ -2,16 +2,27 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <system_error>
 
 #include "engine/core/files/folder_calls.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/runs/edits/map_picture_file.hpp"
+#include "engine/runs/folder/run_files.hpp"
+#include "engine/runs/folder/run_reader.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
+namespace {
 
 namespace fs = std::filesystem;
+
+// What an earlier edit copied there, and nobody changed since, is replaced.
+bool is_free(const RunFolder& folder, const std::optional<RunFiles>& earlier, const std::string& name) {
+  return !lies_there(folder.file(name)) || (earlier && earlier->is_as_told(name));
+}
+
+}  // namespace
 
 std::vector<std::string> other_files_in(const std::string& run, bool with_map_picture) {
   std::vector<std::string> names;
@@ -30,10 +41,12 @@ std::vector<std::string> other_files_in(const std::string& run, bool with_map_pi
 std::vector<std::string> copy_other_files(const std::string& run, const std::vector<std::string>& names,
                                           RunFolder& folder) {
   std::vector<std::string> copied;
+  const bool has_run = RunReader::is_gdtslam_run(folder.path());
+  const std::optional<RunFiles> earlier = has_run ? told_files_in(folder.path()) : std::nullopt;
   for (const std::string& name : names) {
     const fs::path from = fs::path(run) / name;
     std::error_code ignored;
-    if (!fs::is_regular_file(from, ignored) || fs::exists(fs::symlink_status(folder.file(name), ignored))) continue;
+    if (!fs::is_regular_file(from, ignored) || !is_free(folder, earlier, name)) continue;
     copy_file_atomically(from.string(), folder.staged(name));
     copied.push_back(name);
   }

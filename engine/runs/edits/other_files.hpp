@@ -13,8 +13,8 @@ namespace gdtslam {
 /// and map.pgw are an edit's.
 std::vector<std::string> other_files_in(const std::string& run, bool with_map_picture);
 
-/// Stages copies of those of them that are plain files and whose name is not taken in the folder; returns the names of
-/// those. Throws FileError.
+/// Stages copies of those of them that are plain files and whose name is not taken in the folder, but for what an
+/// earlier edit copied there and nobody changed; returns the names of those. Throws FileError.
 std::vector<std::string> copy_other_files(const std::string& run, const std::vector<std::string>& names,
                                           RunFolder& folder);
 

@@ -10,6 +10,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "engine/core/files/file_state.hpp"
 #include "engine/runs/folder/report_reader.hpp"
@@ -34,6 +35,11 @@ class RunFiles {
   [[nodiscard]] bool is_told() const { return told_.has_value(); }
   /// Whether the run has such a file: what the report tells; what lies there, where it tells of none.
   [[nodiscard]] bool has(const std::string& name) const;
+  /// Whether it lies there with the bytes that the report tells of; false where that tells of no such file.
+  [[nodiscard]] bool is_as_told(const std::string& name) const;
+  /// The files that go with the run where another one replaces it: all that the report tells of and that lie there, but
+  /// for those that were changed since and are not of a name that a run writes, as a mask that somebody drew on.
+  [[nodiscard]] std::vector<std::string> names_that_go() const;
   /// Where the file is, which has the bytes that the report tells of. Throws InputError where they are others or there
   /// is none.
   [[nodiscard]] std::string checked(const std::string& name) const;
@@ -79,5 +85,8 @@ class RunFiles {
 
 /// The run there, where its report tells of its files: what it does not tell of is not the program's to remove.
 std::optional<RunFiles> told_files_in(const std::string& folder);
+
+/// A run without edits takes away those of an earlier one: edits.json, and the map for a GIS that came with it.
+void leave_out_edits(RunFolder& folder);
 
 }  // namespace gdtslam

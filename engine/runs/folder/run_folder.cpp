@@ -115,6 +115,10 @@ class OwnFiles {
   [[nodiscard]] bool has(const std::string& name) const {
     return are_all_ || (run_ && (name == kReportFile || run_->has(name))) || is_of_a_run(fs::path(folder_) / name);
   }
+  /// Those that the report tells of go with the run, whether the next one makes such files or not.
+  [[nodiscard]] std::vector<std::string> names_that_go() const {
+    return run_ ? run_->names_that_go() : std::vector<std::string>{};
+  }
   /// Whether there is such a file of somebody else.
   [[nodiscard]] bool is_in_the_way(const std::string& name) const {
     return !has(name) && lies_there(fs::path(folder_) / name);
@@ -286,8 +290,8 @@ void RunFolder::undo(const std::vector<std::string>& old_names) {
 
 // Somebody may have put a file there since the run began: what was made is not lost for it, and can be gone on with.
 std::vector<std::string> RunFolder::replaced_names() {
-  std::vector<std::string> old_names;
   const OwnFiles own(folder_.string(), lock_->is_held());
+  std::vector<std::string> old_names = own.names_that_go();
   const bool are_all = foreign_ == ForeignFiles::kReplaced;
   for (const std::string& name : gone_) {
     if (are_all || own.has(name)) old_names.push_back(name);
@@ -361,16 +365,6 @@ bool is_file_of_a_run(std::string_view name) {
   };
   return std::find(kRunFiles.begin(), kRunFiles.end(), name) != kRunFiles.end() || is_numbered("log-", ".copy") ||
          is_numbered("session-", ".tum") || name == "tiles" || name.starts_with(kStagingPrefix);
-}
-
-void leave_out_edits(RunFolder& folder) {
-  std::error_code ignored;
-  if (!fs::exists(folder.file("edits.json"), ignored)) return;
-  const std::optional<RunFiles> run = told_files_in(folder.path());
-  folder.without("edits.json");
-  for (const char* name : {"map.png", "map.pgw"}) {
-    if (!run || run->has(name)) folder.without(name);
-  }
 }
 
 std::string default_run_folder(const std::string& log) {

@@ -121,9 +121,6 @@ void require_no_foreign_files(const std::string& folder, std::span<const std::st
 /// Whether a run, a merge or an edit writes files of that name.
 bool is_file_of_a_run(std::string_view name);
 
-/// A run without edits takes away those of an earlier one: edits.json, and the map for a GIS that came with it.
-void leave_out_edits(RunFolder& folder);
-
 /// runs/<name of the log>-<UTC time>, made unique with a number where it exists.
 std::string default_run_folder(const std::string& log);
 
