@@ -268,6 +268,39 @@ def merge_replaces_no_run():
     expect_exit(command("merge", first, other, "-o", sites, "-q", "--force"), 0)
 
 
+def merge_takes_earlier_sites_away():
+    """Sites of an earlier merge with higher numbers go with the others, or stay with them where the merge fails; files of
+    somebody else in their folders stay, and runs and folders that are no sites."""
+    folder = fresh_folder("merge_earlier_sites")
+    first, again, other = two_places(folder)
+    sites = folder / "sites"
+    expect_exit(command("merge", again, other, "-o", sites, "-q"), 0)
+    for k in (3, 7):
+        shutil.copytree(sites / "2", sites / str(k))
+    (sites / "7/keepout.png").write_text("mine")
+    shutil.copytree(other, sites / "8")
+    shutil.copytree(sites / "2", sites / "09")
+    (sites / "11").symlink_to(sites / "09")
+    kept = folder / "kept"
+    shutil.copytree(sites, kept, symlinks=True)
+    lock = os.open(sites / "3", os.O_RDONLY)
+    fcntl.flock(lock, fcntl.LOCK_EX)
+    refused_merge(2, "is writing to", (first, again), sites)
+    os.close(lock)
+    others = {name: data for name, data in all_files(sites).items() if name.startswith(("8/", "09/", "7/keepout"))}
+    if not cli.IS_SANITIZED:
+        renames = cli.calls_counted("rename", "merge", first, again, "-o", sites, "-q")
+        shutil.rmtree(sites)
+        shutil.copytree(kept, sites, symlinks=True)
+        for failing in range(max(1, renames - 70), renames + 1, 7):
+            refused_merge(74, "cannot be", (first, again), sites, env=cli.failing_calls("rename", failing, on=False))
+    expect_exit(command("merge", first, again, "-o", sites, "-q"), 0)
+    expect({path.name for path in sites.iterdir()} == {"merge.json", "1", "7", "8", "09", "11"}, f"{sorted(sites.iterdir())}")
+    left = all_files(sites)
+    expect({name: data for name, data in left.items() if name != "merge.json" and not name.startswith("1/")} == others,
+           "others' files")
+
+
 def outputs_without_a_name():
     """An empty name of what is to be written, as of a variable that nobody set: 2 or 74, one line, and nothing is written."""
     folder = fresh_folder("outputs_without_a_name")

@@ -80,6 +80,13 @@ SiteFolder::SiteFolder(const std::string& path, std::size_t sessions, bool repla
       folder_(std::make_unique<RunFolder>(checked_place(path, sessions, replaces_foreign_files),
                                           replaces_foreign_files ? ForeignFiles::kReplaced : ForeignFiles::kKept)) {}
 
+// The report, which a replaced one does not tell of itself, is the last of the list and goes first.
+SiteFolder::SiteFolder(const std::string& path) : folder_(std::make_unique<RunFolder>(path)) {
+  leave_out_old();
+  folder_->without(kReportFile);
+  require_replaceable();
+}
+
 // Of a run whose report tells of its files exactly those go; else all that have the names of a run's.
 void SiteFolder::leave_out_old() {
   const std::optional<RunFiles> run = told_files_in(path());
@@ -156,6 +163,21 @@ SiteFolder& MergeFolder::add_site(std::size_t sessions) {
   return sites_.emplace_back(fmt::format("{}/{}", path_, sites_.size() + 1), sessions, replaces_foreign_files_);
 }
 
+void MergeFolder::leave_out_others() {
+  written_sites_ = sites_.size();
+  for (const std::string& path : sites_beyond(path_, written_sites_)) sites_.emplace_back(path);
+}
+
+// Once nothing is staged in them.
+void MergeFolder::remove_empty_folders() {
+  while (sites_.size() > written_sites_) {
+    const std::string path = sites_.back().path();
+    sites_.pop_back();
+    std::error_code ignored;  // what somebody put there stays
+    fs::remove(path, ignored);
+  }
+}
+
 void MergeFolder::set_old_report_aside() const {
   std::error_code failed;
   if (!lies_there(folder_.file(kMergeFile))) return;
@@ -190,6 +212,7 @@ void MergeFolder::commit(std::string_view report) {
     if (problems.empty()) throw;
     throw Error(ExitCode::kFailed, "out of memory" + problems);
   }
+  remove_empty_folders();
 }
 
 }  // namespace gdtslam

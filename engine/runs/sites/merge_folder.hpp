@@ -27,6 +27,8 @@ class SiteFolder {
   /// For a site of so many sessions. Throws what RunFolder throws; UsageError where files of these names lie there that
   /// no run wrote, unless they are replaced.
   SiteFolder(const std::string& path, std::size_t sessions, bool replaces_foreign_files);
+  /// Of a site that goes without another one in its place. Throws likewise; FileError where one of its files cannot go.
+  explicit SiteFolder(const std::string& path);
 
   [[nodiscard]] std::string path() const { return folder_->path(); }
   /// Its number.
@@ -47,7 +49,7 @@ class SiteFolder {
 
   std::vector<std::string> names_;
   std::vector<std::string> gone_;
-  bool replaces_foreign_files_;
+  bool replaces_foreign_files_ = false;
   std::unique_ptr<RunFolder> folder_;
 };
 
@@ -62,18 +64,23 @@ class MergeFolder {
 
   /// The next site's folder, numbered from 1. Throws what SiteFolder throws.
   SiteFolder& add_site(std::size_t sessions);
+  /// After the last one: sites of an earlier merge with higher numbers go with commit(), and their folders where
+  /// nothing else lies in them. Throws what SiteFolder throws.
+  void leave_out_others();
   [[nodiscard]] SiteFolder& site(std::size_t number) { return sites_.at(number - 1); }
   /// All sites, which were taken over, get their names, and then merge.json of that text. Throws FileError.
   void commit(std::string_view report);
 
  private:
   void set_old_report_aside() const;
+  void remove_empty_folders();
   std::string put_back(std::size_t committed);
 
   std::string path_;
   bool replaces_foreign_files_;
   RunFolder folder_;
-  std::deque<SiteFolder> sites_;
+  std::deque<SiteFolder> sites_;   ///< those that are written, and then those that go
+  std::size_t written_sites_ = 0;  ///< set once all are known
 };
 
 }  // namespace gdtslam

@@ -205,6 +205,7 @@ MergeOutcome merge_runs(const MergeRequest& request) {
   }
   // All places before the first map is made: one that cannot be written shows before anything changes.
   for (const MergedSite& site : merged.sites) results.add_site(site.sessions.size());
+  results.leave_out_others();
   for (const MergedSite& site : merged.sites) {
     std::vector<RunSession*> of_site;
     of_site.reserve(site.sessions.size());

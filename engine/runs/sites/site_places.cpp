@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <optional>
 #include <system_error>
 
-#include "engine/core/digits.hpp"
 #include "engine/core/files/folder_calls.hpp"
 #include "engine/runs/folder/run_files.hpp"
 #include "engine/runs/folder/run_folder.hpp"
@@ -23,6 +23,15 @@ constexpr const char* kFirstSession = "session-1.tum";  // every site has it, an
 
 [[noreturn]] void refuse_place(const fs::path& place, const char* fault) {
   throw UsageError(fmt::format("--output: '{}' {}", place.string(), fault));
+}
+
+// 0 where the name is not the number of a site.
+std::size_t site_number(const fs::path& place) {
+  const std::string name = place.filename().string();
+  std::size_t number = 0;
+  const std::from_chars_result read = std::from_chars(name.data(), name.data() + name.size(), number);
+  const bool is_number = read.ec == std::errc{} && read.ptr == name.data() + name.size() && !name.starts_with('0');
+  return is_number ? number : 0;
 }
 
 // By device and inode, whatever links lead there.
@@ -75,11 +84,21 @@ bool is_site(const std::string& folder) {
   return run && run->has(kFirstSession) && !run->report().has("edited");
 }
 
+std::vector<std::string> sites_beyond(const std::string& folder, std::size_t sites) {
+  std::vector<std::string> beyond;
+  std::error_code ignored;  // what cannot be listed cannot be written to either
+  for (const fs::path& place : list_folder(folder, ignored)) {
+    if (site_number(place) > sites && is_site(place.string())) beyond.push_back(place.string());
+  }
+  std::sort(beyond.begin(), beyond.end());
+  return beyond;
+}
+
 void require_places_of_sites(const std::string& folder, std::span<const std::string> runs, bool replaces_foreign) {
   require_none_of(runs, folder);
   std::error_code ignored;
   for (const fs::path& place : list_folder(folder, ignored)) {
-    if (is_digits(place.filename().string())) require_none_of(runs, place);
+    if (site_number(place) > 0) require_none_of(runs, place);
   }
   for (std::size_t k = 1; k <= runs.size(); ++k) {
     require_place(fs::path(folder) / std::to_string(k), replaces_foreign);

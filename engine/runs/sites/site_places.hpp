@@ -16,6 +16,9 @@ std::vector<std::string> names_of_changes();
 /// since. A link to one is none.
 bool is_site(const std::string& folder);
 
+/// Folders of sites of an earlier merge with higher numbers than `sites`, by name.
+std::vector<std::string> sites_beyond(const std::string& folder, std::size_t sites);
+
 /// Throws UsageError where a place of a site holds something else, or a run to be joined is the folder of the results
 /// or lies at such a place; before anything is written, and as if no run were joined with another. `replaces_foreign`:
 /// a run or file that is none of those to be joined is replaced.
