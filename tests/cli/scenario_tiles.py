@@ -161,6 +161,33 @@ def tiles_take_their_place_whole():
         expect(not left(), f"rename {at}: {left()}")
 
 
+def files_of_others_among_tiles_are_kept():
+    """What replaces a run takes its tiles away as a whole: with a file of somebody else among them it ends with 2 before it
+    begins, unless --force is given."""
+    folder = fresh_folder("tiles_foreign")
+    run, again = folder / "run", folder / "again"
+    mapped(run, "--first", 40)
+    mapped(again, "--first", 50)
+    expect_exit(command("merge", run, again, "-o", folder / "site", "-q"), 0)
+    for place, replace in ((run, ("map", LOG, "--first", 45, "-o", run)), (run, ("edit", again, "--origin", "1,1", "-o", run)),
+                           (folder / "site/1", ("merge", run, again, "-o", folder / "site"))):
+        expect_exit(command("tiles", place, "-q"), 0)
+        (place / "tiles/keepout_0_0.png").write_text("mine")
+        before = cli.digests(place)
+        process = command(*replace, "-q")
+        expect_exit(process, 2)
+        one_error_line(process.stderr)
+        expect("keepout_0_0.png that is no tile" in process.stderr and cli.digests(place) == before, process.stderr)
+        expect((place / "tiles/keepout_0_0.png").read_text() == "mine", "it is gone")
+        (place / "tiles/keepout_0_0.png").rename(folder / "mine.png")
+        expect_exit(command(*replace, "-q"), 0)
+        expect(not (place / "tiles").exists(), "tiles of another run stay")
+    expect_exit(command("tiles", run, "-q"), 0)
+    (run / "tiles/masks").mkdir()
+    mapped(run, "--first", 45, "--force")
+    expect(not (run / "tiles").exists(), "--force left them")
+
+
 def map_writes_tiles_where_one_piece_is_too_large():
     """Cells of 5 mm make an office too large for one piece: tiles and a small map; mapped again in one piece they go."""
     folder = fresh_folder("map_in_tiles")

@@ -113,7 +113,9 @@ class OwnFiles {
     are_all_ = (is_run && !run_) || std::any_of(leftovers.begin(), leftovers.end(), is_of_a_commit);
   }
   [[nodiscard]] bool has(const std::string& name) const {
-    return are_all_ || (run_ && (name == kReportFile || run_->has(name))) || is_of_a_run(fs::path(folder_) / name);
+    const std::string path = folder_ + "/" + name;
+    if (name == kTileFolder) return is_tile_folder(path) && foreign_among_tiles(path).empty();
+    return are_all_ || (run_ && (name == kReportFile || run_->has(name))) || is_of_a_run(path);
   }
   /// Those that the report tells of go with the run, whether the next one makes such files or not.
   [[nodiscard]] std::vector<std::string> names_that_go() const {
@@ -356,6 +358,7 @@ void require_no_foreign_files(const std::string& folder, std::span<const std::st
   const OwnFiles own(folder, lock_of(folder) != nullptr);
   for (const char* name : kRunFiles) own.require(name);
   for (const std::string& name : besides) own.require(name);
+  require_no_foreign_among_tiles(folder);
 }
 
 bool is_file_of_a_run(std::string_view name) {

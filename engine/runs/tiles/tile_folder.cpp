@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "engine/core/digits.hpp"
+#include "engine/core/files/folder_calls.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/io/sha256.hpp"
 #include "gdtslam/core/error.hpp"
@@ -119,6 +120,29 @@ bool is_tile_folder(const std::string& folder) {
   } catch (const InputError&) {  // of somebody else
     return false;
   }
+}
+
+std::string foreign_among_tiles(const std::string& folder) {
+  namespace fs = std::filesystem;
+  std::string first;
+  std::error_code ignored;
+  for (const fs::path& file : list_folder(folder, ignored)) {
+    std::string name = file.filename().string();
+    const bool is_tile = is_tile_file(name) && !fs::is_directory(fs::symlink_status(file, ignored));
+    if (!is_tile && (first.empty() || name < first)) first = std::move(name);
+  }
+  return first;
+}
+
+void require_no_foreign_among_tiles(const std::string& run_folder) {
+  const std::string folder = run_folder + "/" + kTileFolder;
+  if (!is_tile_folder(folder)) return;
+  const std::string foreign = foreign_among_tiles(folder);
+  if (foreign.empty()) return;
+  throw UsageError(
+      fmt::format("--output: '{}' holds a {} that is no tile, and goes with the run that it is of; move it away, or "
+                  "--force to remove it",
+                  folder, foreign));
 }
 
 TileIndex read_tile_index(const std::string& folder) {
