@@ -300,6 +300,17 @@ def edit_leaves_others_files():
     before = cli.digests(RUN)
     expect({name: digest for name, digest in cli.digests(folder / "run").items() if not name.startswith("keepout")} == before,
            "the run was changed")
+    # A link is a file of the run where it leads to one.
+    (folder / "elsewhere.pgm").write_text("of somebody else")
+    (folder / "run/link.pgm").symlink_to("../elsewhere.pgm")
+    (folder / "run/mask.pgm").symlink_to("keepout.pgm")
+    process = command("edit", folder / "run", "-o", folder / "linked", "--crop", "-2,-2,5,5")
+    expect_exit(process, 0)
+    expect(process.stderr == "gdtslam: not copied, as not plain files of the run or there: link.pgm\n", process.stderr)
+    expect((folder / "linked/mask.pgm").read_text() == "mine keepout.pgm", "another mask")
+    expect(not (folder / "linked/link.pgm").exists(), "what a link led to was copied")
+    for name in ("link.pgm", "mask.pgm"):
+        (folder / "run" / name).unlink()
     # Again into the same folder: the copies of the first edit are of it, unless somebody has drawn on them since.
     (folder / "run/keepout.pgm").write_text("drawn anew")
     expect_exit(command("edit", folder / "run", "-o", folder / "same", "--crop", "-2,-2,5,5", "-q"), 0)
@@ -307,7 +318,7 @@ def edit_leaves_others_files():
     (folder / "same/keepout.yaml").write_text("drawn here")
     process = command("edit", folder / "run", "-o", folder / "same", "--crop", "-2,-2,5,5")
     expect_exit(process, 0)
-    expect(process.stderr == "gdtslam: not copied, as not plain files or there: keepout.yaml\n", process.stderr)
+    expect(process.stderr == "gdtslam: not copied, as not plain files of the run or there: keepout.yaml\n", process.stderr)
     expect_exit(command("edit", folder / "run", "-o", folder / "turned_too", "--crop", "-2,-2,5,5", "-q"), 0)
     process = command("edit", folder / "run", "-o", folder / "turned_too", "--origin", "1,1")
     expect_exit(process, 0)

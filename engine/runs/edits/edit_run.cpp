@@ -127,13 +127,14 @@ void write_map_for_gis(const EditPlan& plan, const OccupancyMap& map, RunFolder&
                         world_file_text(map.geometry, plan.T_world_edited.value_or(Pose2{})));
 }
 
-void handle_other_files(const SourceRun& run, RunFolder& folder, EditOutcome& outcome) {
+void handle_other_files(const EditRequest& request, const SourceRun& run, RunFolder& folder, EditOutcome& outcome) {
   std::vector<std::string> wanted;
   for (std::string& name : other_files_in(run.reader.folder(), run.earlier.has_value())) {
     const bool is_replaced = outcome.plan.with_world_file && is_map_for_gis(name);
     (is_replaced || outcome.plan.has_other_frame ? outcome.left_out : wanted).push_back(std::move(name));
   }
-  outcome.copied = copy_other_files(run.reader.folder(), wanted, folder);
+  outcome.copied = copy_other_files(run.reader.folder(), wanted, folder,
+                                    [&] { tell_step(request, "copying files that no run wrote", 0.0); });
   std::set_difference(wanted.begin(), wanted.end(), outcome.copied.begin(), outcome.copied.end(),
                       std::back_inserter(outcome.left_out));
 }
@@ -163,7 +164,7 @@ void write_edited(const EditRequest& request, SourceRun& run, EditOutcome& outco
   RunFolder folder(request.folder, request.replace_foreign_files ? ForeignFiles::kReplaced : ForeignFiles::kKept);
   const MapJob job = job_of_edit(request, run);
   leave_out_edits(folder);
-  handle_other_files(run, folder, outcome);
+  handle_other_files(request, run, folder, outcome);
   if (job.with_occupancy) run.outcome.occupancy = edited_map(request, run, outcome);
   take_out_of_keyframes(run, outcome);
   tell_step(request, "the distance field", 0.0);

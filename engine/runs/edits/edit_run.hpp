@@ -47,7 +47,7 @@ struct EditOutcome {
   std::uint64_t scans = 0;            ///< that the occupancy map was cast from; 0: its cells are those of the run
   bool is_of_keyframes = false;       ///< the run had no copies of its logs to cast them from
   std::vector<std::string> copied;    ///< files that no run wrote, as they were
-  std::vector<std::string> left_out;  ///< likewise, which are in the old frame or have their name taken
+  std::vector<std::string> left_out;  ///< likewise: in the old frame, led to by a link, or their name taken
   std::string edits;                  ///< the text of edits.json
   std::vector<LogReader::Warning> warnings;  ///< of pictures that could not be made
 };

@@ -17,6 +17,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// A link may lead to what is large, or of somebody else.
+bool leads_out(const fs::path& run, const fs::path& file) {
+  std::error_code failed;
+  if (!fs::is_symlink(fs::symlink_status(file, failed))) return false;
+  const fs::path inside = fs::canonical(run, failed);
+  if (failed) return true;
+  const fs::path target = fs::canonical(file, failed).lexically_relative(inside);
+  return failed || target.empty() || *target.begin() == "..";
+}
+
 // What an earlier edit copied there, and nobody changed since, is replaced.
 bool is_free(const RunFolder& folder, const std::optional<RunFiles>& earlier, const std::string& name) {
   return !lies_there(folder.file(name)) || (earlier && earlier->is_as_told(name));
@@ -39,15 +49,15 @@ std::vector<std::string> other_files_in(const std::string& run, bool with_map_pi
 }
 
 std::vector<std::string> copy_other_files(const std::string& run, const std::vector<std::string>& names,
-                                          RunFolder& folder) {
+                                          RunFolder& folder, const std::function<void()>& before_piece) {
   std::vector<std::string> copied;
   const bool has_run = RunReader::is_gdtslam_run(folder.path());
   const std::optional<RunFiles> earlier = has_run ? told_files_in(folder.path()) : std::nullopt;
   for (const std::string& name : names) {
     const fs::path from = fs::path(run) / name;
     std::error_code ignored;
-    if (!fs::is_regular_file(from, ignored) || !is_free(folder, earlier, name)) continue;
-    copy_file_atomically(from.string(), folder.staged(name));
+    if (!fs::is_regular_file(from, ignored) || leads_out(run, from) || !is_free(folder, earlier, name)) continue;
+    copy_file_atomically(from.string(), folder.staged(name), before_piece);
     copied.push_back(name);
   }
   return copied;

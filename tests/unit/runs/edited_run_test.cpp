@@ -257,5 +257,24 @@ TEST(EditedRun, AStopLeavesNothing) {
   EXPECT_FALSE(fs::exists(request.folder + "/report.json"));
 }
 
+TEST(EditedRun, AStopEndsACopy) {
+  const test::RunsFolder folder("edit-stop-copy");
+  EditRequest request = edit_into(folder);
+  request.run = folder.path("run");
+  fs::copy(ring_run().folder, request.run, fs::copy_options::recursive);
+  constexpr std::uintmax_t kHoleBytes = std::uintmax_t{64} << 20U;
+  std::ofstream(request.run + "/hole.bin").put('x');
+  fs::resize_file(request.run + "/hole.bin", kHoleBytes);
+  request.crop = RegionBounds{{-99.0, -99.0}, {99.0, 99.0}};
+  std::size_t pieces = 0;
+  request.progress = [&](std::string_view step, double) {
+    if (step.starts_with("copying")) ++pieces;
+  };
+  request.stop = [&] { return pieces == 2; };
+  EXPECT_THAT(edit_fault(request), HasSubstr("interrupted; nothing was written"));
+  EXPECT_EQ(pieces, 2U);
+  EXPECT_FALSE(fs::exists(request.folder));
+}
+
 }  // namespace
 }  // namespace gdtslam

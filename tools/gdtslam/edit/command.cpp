@@ -83,9 +83,10 @@ std::string text_of(const EditRequest& request, const EditOutcome& outcome) {
 // Files that the user has to do something about.
 void remark_left_out(const EditOutcome& outcome) {
   if (outcome.left_out.empty()) return;
-  print_remark(fmt::format("not copied, {}: {}",
-                           outcome.plan.has_other_frame ? "as drawn in the old frame" : "as not plain files or there",
-                           listed(outcome.left_out)));
+  print_remark(
+      fmt::format("not copied, {}: {}",
+                  outcome.plan.has_other_frame ? "as drawn in the old frame" : "as not plain files of the run or there",
+                  listed(outcome.left_out)));
 }
 
 EditRequest request_of(const EditCommand& command) {
