@@ -18,6 +18,7 @@
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/run_report.hpp"
 #include "engine/runs/folder/run_times.hpp"
+#include "engine/runs/inputs/files_of_runs.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "engine/runs/mapping/map_run.hpp"
 #include "engine/runs/streams/odometry_delay.hpp"
@@ -298,6 +299,7 @@ void require_own_names(const MapRequest& request) {
 }  // namespace
 
 MapResult map_logs(const MapRequest& request, const BackendOfRun& backend) {
+  if (request.continued != request.folder) require_logs_elsewhere(request.logs, request.folder);
   require_own_names(request);
   try {
     if (request.continued.empty()) return map_opened(request, job_of(request), backend, nullptr);

@@ -1,0 +1,61 @@
+// Which files are those of a run, whatever path leads to them.
+#include "engine/runs/inputs/files_of_runs.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+class FilesOfRunsTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::canonical(fs::temp_directory_path()) / ("gdtslam-files-of-runs-" + std::to_string(::getpid()));
+    fs::create_directories(folder_ / "run");
+    std::ofstream(path("run/log-1.copy")) << "a log";
+    fs::create_symlink("run", path("to_run"));
+    fs::create_symlink("run/log-1.copy", path("to_log"));
+    fs::create_symlink("run/log-2.copy", path("to_nothing"));
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  fs::path folder_;
+};
+
+TEST_F(FilesOfRunsTest, APlaceIsTheSameByEveryPath) {
+  for (const char* name : {"run/log-1.copy", "to_run/log-1.copy", "to_log", "run/../run/./log-1.copy"}) {
+    EXPECT_EQ(place_of_file(path(name)), folder_ / "run/log-1.copy") << name;
+  }
+  for (const char* name : {"run/log-2.copy", "to_run/log-2.copy", "to_nothing", "nowhere/../run/log-2.copy"}) {
+    EXPECT_EQ(place_of_file(path(name)), folder_ / "run/log-2.copy") << name;
+  }
+  EXPECT_EQ(place_of_file(path("run/")), folder_ / "run");
+  EXPECT_EQ(place_of_file(path("none/")), folder_ / "none");
+}
+
+TEST_F(FilesOfRunsTest, FilesOfARunAreThoseOfItsNamesThereOrNot) {
+  for (const char* name : {"run/log-1.copy", "to_log", "to_nothing", "run/report.json", "run/tiles/0/map.pgm"}) {
+    EXPECT_TRUE(is_run_file_in(path("run"), path(name))) << name;
+    EXPECT_TRUE(is_run_file_in(path("to_run/"), path(name))) << name;
+  }
+  for (const char* name : {"run/view.png", "log-1.copy", "run/views/report.json", "run", "other/report.json"}) {
+    EXPECT_FALSE(is_run_file_in(path("run"), path(name))) << name;
+  }
+}
+
+TEST_F(FilesOfRunsTest, ALogOfTheRunIsRefused) {
+  EXPECT_THROW(require_logs_elsewhere({path("a.log"), path("to_log")}, path("to_run")), UsageError);
+  EXPECT_NO_THROW(require_logs_elsewhere({path("to_log"), "-"}, path("other")));
+}
+
+}  // namespace
+}  // namespace gdtslam
