@@ -1,7 +1,9 @@
 """What a command writes replaces nothing that it reads."""
 
+import shutil
+
 import cli_support as cli
-from cli_support import command, digests, expect, expect_exit, mapped, one_error_line
+from cli_support import LOG, RUN, TRUTH, command, digests, expect, expect_exit, mapped, one_error_line
 
 
 def refused(folder, words, *arguments, code=2):
@@ -34,3 +36,91 @@ def logs_of_a_run_are_not_mapped_into_it():
     expect((run / "log-1.copy").read_bytes() == copy, "another copy after --continue")
     expect_exit(command("map", "--continue", run, run / "log-1.copy", "-q"), 0)
     expect((run / "log-1.copy").read_bytes() == copy and (run / "log-2.copy").exists(), "the copies of a log that came twice")
+
+
+READ, OF_RUN, TWICE = "is what is read; give another file", "which is read; give another file", "writes; give another file"
+
+
+def outputs_are_no_inputs():
+    """Exit 2 before anything is done where an output is a file that the command reads, by whatever path; all files stay."""
+    folder = cli.fresh_folder("outputs_are_no_inputs")
+    log, run, config, link = folder / "drive.log", folder / "run", folder / "c.yaml", folder / "link.svg"
+    shutil.copy(LOG, log)
+    shutil.copytree(RUN, run)
+    shutil.copy(cli.DATA / "good.yaml", config)
+    shutil.copy(cli.DATA / "drive.relations", folder / "r")
+    shutil.copy(cli.DATA / "places.ply", folder / "p.ply")
+    link.symlink_to(log)
+    expect_exit(command("linkage", "paper-b", "-o", folder / "b.yaml"), 0)
+    twisted = folder / "run" / ".." / "drive.log"
+    for arguments in (
+            ("calibrate", log, "-o", log), ("calibrate", log, "-o", folder / "n.yaml", "--picture", link),
+            ("calibrate", log, "-o", folder / "b.yaml", "--start", folder / "b.yaml", "--self"),
+            ("measure", folder / "p.ply", "--planes", "--csv", folder / "p.ply"),
+            ("linkage", folder / "b.yaml", "--csv", folder / "b.yaml"), ("linkage", folder / "b.yaml", "-o", folder / "b.yaml"),
+            ("render", folder / "p.ply", "-o", folder / "p.ply", "--points", 2),
+            ("evaluate", folder / "p.ply", "--scene", "three-boxes", "--trajectory", run / "trajectory.tum", "--reference", TRUTH,
+             "--csv", folder / "p.ply"),
+            ("ablation", log, "--relations", folder / "r", "-o", twisted), ("ablation", log, "--relations", folder / "r", "-o", folder / "r"),
+            ("doctor", log, "--picture", link), ("map", log, "-o", folder / "new", "--mcap", twisted),
+            ("map", log, "-c", config, "-o", folder / "new", "--mcap", config),
+            ("localize", run, log, "-c", config, "-o", config), ("compare", log, "-c", config, "--csv", config)):
+        refused(folder, READ, *arguments)
+
+
+def outputs_are_no_files_of_a_run():
+    """Nor one of the files of a run folder that is read or written; a name of one's own in that folder is written, and again."""
+    folder = cli.fresh_folder("outputs_are_no_files_of_a_run")
+    run, to_run = folder / "run", folder / "to_run"
+    shutil.copytree(RUN, run)
+    to_run.symlink_to(run)
+    for option, name in (("-o", "trajectory.tum"), ("--picture", "gdt.png"), ("-o", "cloud.ply"), ("--picture", "tiles/a.png")):
+        refused(folder, OF_RUN, "localize", run, LOG, option, to_run / name)
+    refused(folder, OF_RUN, "localize", run, LOG, "--track", "--table", run / "report.json")
+    refused(folder, READ, "localize", run / "gdt.yaml", LOG, "--picture", run / "gdt.png")
+    refused(folder, OF_RUN, "compare", LOG, "--reference", run, "--csv", run / "keyframes.bin.gz")
+    refused(folder, OF_RUN, "measure", run, "--planes", "--csv", run / "cloud.ply")
+    refused(folder, OF_RUN, "render", run, "-o", run / "gdt.png")
+    refused(folder, OF_RUN, "doctor", "--after", run, "--picture", run / "graph.png")
+    for name in ("report.json", "gdt.png"):
+        refused(folder, "which is written; give another file", "map", LOG, "-o", run, "--mcap", to_run / name)
+    for _ in range(2):
+        expect_exit(command("localize", run, LOG, "-q", "-o", to_run / "found.tum"), 0)
+        expect_exit(command("map", LOG, "-o", run, "-q", "--mcap", run / "drive.mcap"), 0)
+    other = folder / "other"  # a map of another program, whose picture is called as it likes
+    other.mkdir()
+    shutil.copy(RUN / "map.pgm", other / "floor.png")
+    (other / "m.yaml").write_text((RUN / "map.yaml").read_text().replace("map.pgm", '"floor.png"  # of a scanner'))
+    refused(other, READ, "localize", other / "m.yaml", LOG, "--picture", other / "floor.png")
+
+
+def outputs_are_not_each_other():
+    """Two outputs of one name: exit 2, where one of them replaced the other."""
+    folder = cli.fresh_folder("outputs_are_not_each_other")
+    (folder / "here").symlink_to(folder)
+    for arguments in (("localize", RUN, LOG, "--track", "-o", folder / "t", "--table", folder / "t"),
+                      ("localize", RUN, LOG, "--track", "--table", folder / "a.csv", "--changes", folder / "here" / "a.svg"),
+                      ("linkage", "paper-b", "--csv", folder / "a", "-o", folder / "here" / "a"),
+                      ("linkage", "paper-b", "--picture", folder / "a.svg", "-o", folder / "none" / ".." / "a.svg"),
+                      ("compare", LOG, "--csv", folder / "a.svg", "--picture", folder / "a.svg")):
+        refused(folder, TWICE, *arguments)
+    expect_exit(command("linkage", "paper-b", "--csv", "/dev/null", "-o", "/dev/null"), 0)
+
+
+def simulate_keeps_what_it_reads():
+    """The scene, its meshes and its linkage, the path: none of them becomes the log or a file beside it."""
+    folder = cli.fresh_folder("simulate_keeps_what_it_reads")
+    scene, named = folder / "my.yaml", folder / "z.yaml"
+    shutil.copy(cli.SOURCE / "assets/scenes/three-boxes.yaml", scene)
+    for name in ("z.linkage.yaml", "x.linkage.yaml"):
+        expect_exit(command("linkage", "paper-b", "-o", folder / name), 0)
+    refused(folder, READ, "simulate", scene, "-o", scene)
+    refused(folder, READ, "simulate", scene, "-o", folder / "z.log", "--linkage", folder / "z.linkage.yaml")
+    text = scene.read_text()
+    expect("linkage: paper-b" in text, "the sample names its linkage otherwise")
+    named.write_text(text.replace("linkage: paper-b", "linkage: 'x.linkage.yaml'"))
+    refused(folder, READ, "simulate", named, "-o", folder / "x.log")
+    expect_exit(command("simulate", named, "-o", folder / "y.log", "-q"), 0)
+
+
+def conver

@@ -1,5 +1,6 @@
 #include "linkage_file.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -323,6 +324,14 @@ SweepModel resolve_linkage(const std::string& name_or_path) {
                                       did_you_mean(name_or_path, names));
   }
   return read_linkage(name_or_path);
+}
+
+std::string linkage_file_of(const std::string& name_or_path) {
+  const auto& presets = calib::linkage_presets();
+  const bool is_preset =
+      std::any_of(presets.begin(), presets.end(),
+                  [&name_or_path](const calib::LinkagePreset& preset) { return preset.name == name_or_path; });
+  return is_preset ? std::string() : name_or_path;
 }
 
 void write_linkage(const std::string& file, const SweepModel& model, const std::vector<ParameterSigma>& uncertainty) {

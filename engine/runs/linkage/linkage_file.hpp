@@ -35,6 +35,9 @@ calib::SweepModel read_linkage(const std::string& file);
 /// A preset's name, else a file. Throws as the above, and FileError with the nearest preset where it is neither.
 calib::SweepModel resolve_linkage(const std::string& name_or_path);
 
+/// The file that resolve_linkage() would read; empty where that is a preset's name.
+std::string linkage_file_of(const std::string& name_or_path);
+
 /// A file that reads back as the same model, bit for bit. Sigmas of names that are no parameter of the model (a wall's
 /// distance) are left out.
 std::string linkage_text(const calib::SweepModel& model, const std::vector<ParameterSigma>& uncertainty = {});

@@ -22,6 +22,7 @@
 #include "tools/gdtslam/shell/options.hpp"
 #include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
+#include "tools/gdtslam/shell/written_files.hpp"
 
 namespace gdtslam {
 namespace {
@@ -122,8 +123,17 @@ int finish(const CalibrateCommand& command, const Outcome& outcome, const std::o
   return static_cast<int>(ExitCode::kDone);
 }
 
-int run_calibrate(const CalibrateCommand& command) {
+void check_files(const CalibrateCommand& command) {
   if (!command.picture.empty()) check_drawing_file("--picture", command.picture);
+  std::vector<std::string> inputs = command.job.logs;
+  inputs.push_back(linkage_file_of(command.start));
+  WrittenFiles written(inputs);
+  written.add("--output", command.output);
+  written.add("--picture", command.picture);
+}
+
+int run_calibrate(const CalibrateCommand& command) {
+  check_files(command);
   const CalibrateJob job = job_of(command);
   const CalibrateOutcome outcome = with_progress(command, "records", [&job](const auto& progress, const auto& stop) {
     return run_calibration(job, progress, stop);
@@ -135,6 +145,7 @@ int run_calibrate(const CalibrateCommand& command) {
 }
 
 int run_self(const CalibrateCommand& command) {
+  check_files(command);
   SelfCalibrateJob job{
       .logs = command.job.logs, .start = resolve_linkage(command.start), .read = read_of(command), .options = {}};
   job.options.priors.free_lever = command.job.options.free_lever;

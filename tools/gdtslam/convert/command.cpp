@@ -18,6 +18,7 @@
 #include "tools/gdtslam/shell/options.hpp"
 #include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
+#include "tools/gdtslam/shell/written_files.hpp"
 
 namespace gdtslam {
 namespace {
@@ -62,7 +63,7 @@ void check_output(const ConvertOptions& options) {
   const bool is_folder = fs::is_directory(options.output, error);
   fs::path place(options.output);
   if (!place.has_filename()) place = place.parent_path();
-  if (!is_folder) check_written_file("--output", place.string(), {options.log});
+  if (!is_folder) WrittenFiles({options.log, options.settings.file}).add("--output", place.string());
   const bool exists = is_folder ? !fs::is_empty(place, error) : fs::is_regular_file(place, error);
   if (exists && !options.force) {
     throw UsageError(

@@ -18,6 +18,7 @@
 #include "tools/gdtslam/drawings/drawing_file.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/options.hpp"
+#include "tools/gdtslam/shell/written_files.hpp"
 
 namespace gdtslam {
 namespace {
@@ -165,7 +166,7 @@ void draw_review(const RunReader& run, const RunReview& review, const Trajectory
 int doctor_after(const DoctorOptions& options) {
   if (!options.picture.empty()) {
     check_drawing_file("--picture", options.picture);
-    check_written_file("--picture", options.picture, {options.after + "/gdt.png"});
+    WrittenFiles({options.after}).add("--picture", options.picture);
   }
   const RunReader run(options.after);
   const Trajectory trajectory = run.trajectory();

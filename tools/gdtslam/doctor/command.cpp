@@ -24,6 +24,7 @@
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/options.hpp"
+#include "tools/gdtslam/shell/written_files.hpp"
 
 namespace gdtslam {
 namespace {
@@ -88,7 +89,7 @@ Findings findings_of(const DoctorOptions& options) {
 int doctor(const DoctorOptions& options) {
   if (!options.picture.empty()) {
     check_drawing_file("--picture", options.picture);
-    check_written_file("--picture", options.picture, {options.log});
+    WrittenFiles({options.log, options.settings.file}).add("--picture", options.picture);
   }
   const Findings found = findings_of(options);
   print_result(options.json ? json_text(findings_json(found, options.log)) : findings_text(found, options.log));

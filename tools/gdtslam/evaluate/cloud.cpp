@@ -19,6 +19,7 @@
 #include "tools/gdtslam/shell/options.hpp"
 #ifdef GDTSLAM_HAS_SIM
 #include "tools/gdtslam/scenes/scene_errors.hpp"
+#include "tools/gdtslam/shell/written_files.hpp"
 #endif
 
 namespace gdtslam {
@@ -157,6 +158,9 @@ int against_hits(const EvaluateOptions& options) {
 
 int evaluate_cloud(const EvaluateOptions& options) {
   check_cloud_usage(options);
+  WrittenFiles({options.file, options.reference, options.hits, options.trajectory, linkage_file_of(options.linkage),
+                options.scene})
+      .add("--csv", options.csv);
   return options.scene.empty() ? against_hits(options) : against_scene(options);
 }
 

@@ -22,6 +22,7 @@
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/options.hpp"
+#include "tools/gdtslam/shell/written_files.hpp"
 
 namespace gdtslam {
 namespace {
@@ -196,8 +197,16 @@ int run_design(const LinkageCommand& command) {
   return static_cast<int>(ExitCode::kDone);
 }
 
-int run_linkage(const LinkageCommand& command) {
+void check_files(const LinkageCommand& command) {
   if (!command.picture.empty()) check_drawing_file("--picture", command.picture);
+  WrittenFiles written({linkage_file_of(command.linkage)});
+  written.add("--csv", command.csv);
+  written.add("--picture", command.picture);
+  written.add("--output", command.output);
+}
+
+int run_linkage(const LinkageCommand& command) {
+  check_files(command);
   if (command.lists) {
     return list_presets(command);
   }

@@ -23,6 +23,7 @@
 #include "tools/gdtslam/shell/options.hpp"
 #include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
+#include "tools/gdtslam/shell/written_files.hpp"
 #include "tracking.hpp"
 
 namespace gdtslam {
@@ -80,14 +81,14 @@ void check(const LocalizeOptions& options) {
     throw UsageError("--leave-out chooses among scans: give --random or --every too");
   }
   if (!options.picture.empty()) check_drawing_file("--picture", options.picture);
-  const std::vector<std::string> inputs{options.log, options.reference, options.map};
-  check_written_file("--output", options.trajectory, inputs);
-  check_written_file("--picture", options.picture, inputs);
-  check_written_file("--table", options.table, inputs);
+  WrittenFiles written({options.log, options.reference, options.map, options.settings.file});
+  written.add("--output", options.trajectory);
+  written.add("--picture", options.picture);
+  written.add("--table", options.table);
   if (options.changes.empty()) return;
   check_drawing_file("--changes", options.changes);
-  check_written_file("--changes", options.changes, inputs);
-  check_written_file("--changes", changes_table_file(options.changes), inputs);
+  written.add("--changes", options.changes);
+  written.add("--changes", changes_table_file(options.changes));
 }
 
 void write_files(const LocalizeOptions& options, const LocalizeJob& job, const Localizer& localizer,

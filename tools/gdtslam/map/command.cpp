@@ -10,6 +10,7 @@
 #include "engine/mapping/match/matchers.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/run_recording.hpp"
+#include "engine/runs/linkage/linkage_file.hpp"
 #include "engine/runs/loops/loops_report.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
@@ -23,6 +24,7 @@
 #include "tools/gdtslam/shell/options.hpp"
 #include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
+#include "tools/gdtslam/shell/written_files.hpp"
 #ifdef GDTSLAM_HAS_MODULES
 #include "tools/gdtslam/shell/modules.hpp"
 #elif defined(GDTSLAM_HAS_VIEWER)
@@ -148,13 +150,18 @@ MapRequest request_of(const MapOptions& options) {
 }
 
 // The scans are read again: a run keeps none of them.
-void check_mcap(const MapOptions& options) {
+void check_mcap(const MapOptions& options, const std::string& folder) {
   if (options.mcap.empty()) return;
   if (options.no_map) throw UsageError("--mcap writes the occupancy map, which --no-map leaves out: give one of them");
   if (std::find(options.logs.begin(), options.logs.end(), "-") != options.logs.end()) {
     throw UsageError("--mcap reads the logs twice: give files, not standard input");
   }
-  check_written_file("--mcap", options.mcap, options.logs);
+  std::vector<std::string> inputs = options.logs;
+  inputs.insert(inputs.end(), {options.settings.file, linkage_file_of(options.linkage)});
+  for (const std::string& log : options.logs) inputs.push_back(linkage_sidecar(log));
+  WrittenFiles written(inputs);
+  written.add_run(folder);
+  written.add("--mcap", options.mcap);
 }
 
 void write_mcap(const MapOptions& options, const MapRequest& request, const MapOutcome& outcome,
@@ -186,9 +193,9 @@ void check_continued(const CLI::App& command, const MapOptions& options) {
 }
 
 int map(const MapOptions& options) {
-  check_mcap(options);
   MapProgress progress(options.quiet);
   MapRequest request = request_of(options);
+  check_mcap(options, request.folder);
   BackendWhenNeeded backend(options.device);
   progress.follow(request);
   const MapResult result = map_logs(request, [&backend](bool has_work) -> Backend& { return backend.of(has_work); });

@@ -21,6 +21,7 @@
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/options.hpp"
+#include "tools/gdtslam/shell/written_files.hpp"
 
 namespace gdtslam {
 namespace {
@@ -98,6 +99,9 @@ int run_measure(const MeasureCommand& command) {
     throw UsageError("--csv writes one table: ask for --boxes or for --planes");
   }
   if (!command.picture.empty()) check_drawing_file("--picture", command.picture);
+  WrittenFiles written({command.job.cloud});
+  written.add("--csv", command.csv);
+  written.add("--picture", command.picture);
   MeasureJob job = job_of(command);
   std::optional<RunReader> run;
   job.cloud = given_cloud(job.cloud, run);

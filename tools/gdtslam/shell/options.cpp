@@ -4,7 +4,6 @@
 #include <CLI/App.hpp>
 
 #include <charconv>
-#include <filesystem>
 #include <optional>
 #include <system_error>
 
@@ -50,21 +49,6 @@ CLI::Option* add_quantity_option(CLI::App& command, const std::string& name, dou
     value = number;
   };
   return command.add_option_function<std::string>(name, read, doc)->type_name(type_name_of(unit));
-}
-
-void check_written_file(std::string_view option, const std::string& file, const std::vector<std::string>& inputs) {
-  if (file.empty()) return;
-  std::error_code error;  // what cannot be asked about is no input: reading it fails by itself
-  for (const std::string& input : inputs) {
-    if (!input.empty() && std::filesystem::equivalent(file, input, error)) {
-      throw UsageError(fmt::format("{}: '{}' is what is read; give another file", option, file));
-    }
-  }
-  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
-  const std::filesystem::file_status status = std::filesystem::status(folder, error);
-  if (folder.empty() || std::filesystem::is_directory(status)) return;
-  throw FileError(file, std::filesystem::exists(status) ? "cannot be created: Not a directory"
-                                                        : "cannot be created: there is no folder " + folder.string());
 }
 
 CLI::Validator whole_number_from(std::uint64_t minimum) {

@@ -1,5 +1,5 @@
-// What options of the command line name: quantities with their unit, or 0 (core/stated_quantity.hpp), counts, files to
-// be written. Thread-safe.
+// What options of the command line name: quantities with their unit, or 0 (core/stated_quantity.hpp), and counts.
+// Thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -35,12 +35,5 @@ CLI::Validator whole_number_from(std::uint64_t minimum);
 template <class Count>
 CLI::Option* add_count_option(CLI::App& command, const std::string& name, Count& count, std::uint64_t minimum,
                               const std::string& doc);
-
-// Files that a command is told to write, checked before its work begins: a run of minutes should not end with "cannot
-// be created", and none should replace what it reads.
-
-/// Nothing where `file` is empty. Throws UsageError that names the option where `file` is one of `inputs` under
-/// whatever name, FileError where its folder does not exist.
-void check_written_file(std::string_view option, const std::string& file, const std::vector<std::string>& inputs);
 
 }  // namespace gdtslam

@@ -14,13 +14,16 @@
 
 #include "engine/io/json_file.hpp"
 #include "engine/io/message_text.hpp"
+#include "engine/runs/linkage/linkage_file.hpp"
 #include "gdtslam/core/error.hpp"
+#include "tools/gdtslam/scenes/scene_file.hpp"
 #include "tools/gdtslam/scenes/simulate_run.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/folders.hpp"
 #include "tools/gdtslam/shell/help/offers.hpp"
 #include "tools/gdtslam/shell/options.hpp"
+#include "tools/gdtslam/shell/written_files.hpp"
 
 namespace gdtslam {
 namespace {
@@ -133,6 +136,16 @@ void check_standard_output(const SimulateCommand& command) {
   if (!is_sent && command.pace > 0.0) throw UsageError("--pace is of lines that are sent: -o -");
 }
 
+// The log, and what may lie beside it.
+void check_files(const SimulateOptions& options) {
+  WrittenFiles written({find_scene(options.scene, options.scene_folders), options.trajectory.value_or(""),
+                        linkage_file_of(options.linkage.value_or(""))});
+  written.add_in_new_folder("--output", options.output);
+  for (const char* ending : {".truth.tum", ".linkage.yaml", ".elevation.csv", ".truth.ply"}) {
+    written.add_in_new_folder("--output", sidecar_path(options.output, ending));
+  }
+}
+
 int run_simulate(const SimulateCommand& command) {
   check_standard_output(command);
   SimulateOptions options = command.options;
@@ -147,6 +160,7 @@ int run_simulate(const SimulateCommand& command) {
   options.range_resolution_m = length_of("--resolution", command.resolution);
   ProgressLine progress("scans", command.quiet);
   options.scene_folders = asset_folders("scenes");
+  if (!is_sent) check_files(options);
   options.progress = [&progress](std::uint64_t scans, double share) { progress.update(scans, share); };
   options.stop = [] { return interrupted(); };
   const SimulateResult result = simulate(options);

@@ -20,6 +20,7 @@
 #include "tools/gdtslam/shell/options.hpp"
 #include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
+#include "tools/gdtslam/shell/written_files.hpp"
 #include "variants.hpp"
 
 namespace gdtslam {
@@ -109,6 +110,7 @@ std::string variant_row(const AblationVariant& variant, const AblationOptions& o
 int ablation(const AblationOptions& options) {
   if (options.log == "-")
     throw UsageError("ablation reads the log once for each variant: give a file, not standard input");
+  WrittenFiles({options.log, options.relations, options.settings.file}).add("--output", options.output);
   const std::vector<Relation> relations = read_relations(options.relations);
   const std::vector<AblationVariant> variants = variants_of(options);
   for (const AblationVariant& variant : variants) settings_of(options, variant);  // no misspelt option after an hour

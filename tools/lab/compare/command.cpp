@@ -21,6 +21,7 @@
 #include "tools/gdtslam/shell/options.hpp"
 #include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
+#include "tools/gdtslam/shell/written_files.hpp"
 #include "tools/lab/matchers/output.hpp"
 #include "tools/lab/matchers/run.hpp"
 
@@ -133,9 +134,10 @@ std::vector<WholeRun> map_wholly(const CompareOptions& options, const CompareJob
 
 void check_files(const CompareOptions& options) {
   std::vector<std::string> inputs = options.job.logs;
-  inputs.insert(inputs.end(), {options.reference, options.relations});
-  check_written_file("--csv", options.csv, inputs);
-  check_written_file("--picture", options.picture, inputs);
+  inputs.insert(inputs.end(), {options.reference, options.relations, options.settings.file});
+  WrittenFiles written(inputs);
+  written.add("--csv", options.csv);
+  written.add("--picture", options.picture);
 }
 
 std::string name_of_log(const std::string& path) { return path.substr(path.rfind('/') + 1); }
