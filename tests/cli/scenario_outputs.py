@@ -123,4 +123,16 @@ def simulate_keeps_what_it_reads():
     expect_exit(command("simulate", named, "-o", folder / "y.log", "-q"), 0)
 
 
-def conver
+def convert_keeps_what_it_reads():
+    """A ROS 2 folder is not converted over itself, by whatever name and with --force; beside it a new name is written."""
+    folder = cli.fresh_folder("convert_keeps_what_it_reads")
+    bag, link = folder / "bag", folder / "link"
+    expect_exit(command("convert", LOG, "-o", f"{bag}/", "-q"), 0)
+    link.symlink_to(bag)
+    for output in (f"{bag}/", f"{link}/", bag / "bag_0.db3", link / "bag_0.db3", bag / "metadata.yaml"):
+        refused(folder, "read; give another file", "convert", bag, "-o", output, "--force", "--format",
+                "ros2" if str(output).endswith("/") else "db3")
+    refused(folder, "read; give another file", "convert", bag / "bag_0.db3", "-o", f"{bag}/", "--force")
+    refused(folder, "read; give another file", "map", bag, "-o", folder / "run", "--mcap", bag / "bag_0.db3")
+    for _ in range(2):
+        expect_exit(command("convert", bag, "-o", bag / "drive.csv", "--force", "-q"), 0)

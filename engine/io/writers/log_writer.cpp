@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 
 #include "carmen_log.hpp"
 #include "engine/io/did_you_mean.hpp"
@@ -92,6 +93,12 @@ LogFormat log_format_of(const std::string& path, const std::string& name) {
       fmt::format("{}: its name does not tell the format: let it end in .log, .clf, .csv, .jsonl, .mcap, .bag, .db3 "
                   "or a slash (a ROS 2 folder), or give --format",
                   one_line(path)));
+}
+
+std::vector<std::string> files_of_log(LogFormat format, const std::string& path) {
+  if (format != LogFormat::kRos2Folder) return {path};
+  return {ros2_database_of(path),
+          (std::filesystem::path(ros2_database_of(path)).parent_path() / kRos2Metadata).string()};
 }
 
 std::unique_ptr<LogWriter> make_log_writer(LogFormat format, const std::string& path, const LogWriteOptions& options,

@@ -60,6 +60,9 @@ std::optional<LogFormat> log_format_by_ending(const std::string& path);
 /// "carmen, csv, ...": for help and messages.
 std::string log_format_names();
 
+/// The files that make_log_writer() writes there.
+std::vector<std::string> files_of_log(LogFormat format, const std::string& path);
+
 /// Adds its files to `files`; "-" as the path is standard output. Throws UsageError where the format cannot go there or
 /// cannot be packed so, FileError.
 std::unique_ptr<LogWriter> make_log_writer(LogFormat format, const std::string& path, const LogWriteOptions& options,

@@ -39,6 +39,11 @@ std::string yaml_in_quotes(std::string_view text) {
 
 }  // namespace
 
+std::string ros2_database_of(std::string folder) {
+  while (folder.size() > 1 && folder.back() == '/') folder.pop_back();
+  return folder + "/" + std::filesystem::path(folder).filename().string() + "_0.db3";
+}
+
 void Ros2DatabaseWriter::CloseDatabase::operator()(sqlite3* database) const { sqlite3_close_v2(database); }
 void Ros2DatabaseWriter::FreeStatement::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
 
@@ -46,14 +51,12 @@ Ros2DatabaseWriter::Ros2DatabaseWriter(const std::string& path, AtomicFileSet& f
   namespace fs = std::filesystem;
   std::string database = path;
   if (has_folder) {
-    std::string folder = path;
-    while (folder.size() > 1 && folder.back() == '/') folder.pop_back();
-    make_folder(folder);
-    database = folder + "/" + fs::path(folder).filename().string() + "_0.db3";
+    database = ros2_database_of(path);
+    make_folder(fs::path(database).parent_path().string());
   }
   database_name_ = fs::path(database).filename().string();
   file_ = &files.add(database);
-  if (has_folder) metadata_ = &files.add((fs::path(database).parent_path() / "metadata.yaml").string());
+  if (has_folder) metadata_ = &files.add((fs::path(database).parent_path() / kRos2Metadata).string());
   sqlite3* opened = nullptr;
   const int status = sqlite3_open_v2(file_->written_path().c_str(), &opened, SQLITE_OPEN_READWRITE, "unix-none");
   database_.reset(opened);

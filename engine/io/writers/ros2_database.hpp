@@ -17,6 +17,10 @@ struct sqlite3_stmt;  // likewise
 
 namespace gdtslam {
 
+inline constexpr const char* kRos2Metadata = "metadata.yaml";
+/// The database of a bag in that folder.
+std::string ros2_database_of(std::string folder);
+
 class Ros2DatabaseWriter final : public RosContainer {
  public:
   /// `path` is the folder, which is made, or the database. Throws FileError, as all members do.

@@ -55,15 +55,23 @@ std::optional<ChunkPacking> packing_named(const std::string& name) {
   throw UsageError(fmt::format("--compression: {} is none of none, lz4, bz2, zstd", in_quotes(name)));
 }
 
+// With --force, too: what the target cannot carry would be gone from what is read.
+void check_files(const ConvertOptions& options, LogFormat format, const std::string& place) {
+  WrittenFiles written({options.log, options.settings.file});
+  written.add("--output", place);
+  if (format != LogFormat::kRos2Folder) return;
+  for (const std::string& file : files_of_log(format, place)) written.add_in_new_folder("--output", file);
+}
+
 // A converted log is as dear as its original: nothing is replaced unless that was said.
-void check_output(const ConvertOptions& options) {
+void check_output(const ConvertOptions& options, LogFormat format) {
   namespace fs = std::filesystem;
   if (options.output == "-") return;
   std::error_code error;
   const bool is_folder = fs::is_directory(options.output, error);
   fs::path place(options.output);
   if (!place.has_filename()) place = place.parent_path();
-  if (!is_folder) WrittenFiles({options.log, options.settings.file}).add("--output", place.string());
+  check_files(options, format, place.string());
   const bool exists = is_folder ? !fs::is_empty(place, error) : fs::is_regular_file(place, error);
   if (exists && !options.force) {
     throw UsageError(
@@ -115,7 +123,7 @@ std::string text_of(const ConvertCounts& counts, std::uint64_t bytes, const std:
 int convert(const ConvertOptions& options) {
   const LogFormat format = log_format_of(options.output, options.format);
   const LogWriteOptions write{.packing = packing_named(options.compression)};
-  check_output(options);
+  check_output(options, format);
   Settings settings = load_settings(options.settings);
   state_recording(options.recording, settings.log);
   const std::unique_ptr<LogReader> reader = open_log(options.log, read_options_of(settings.log, options.lenient));
