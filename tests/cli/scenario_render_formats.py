@@ -5,6 +5,7 @@ import json
 import math
 import struct
 import xml.etree.ElementTree as xml
+import zlib
 
 import cli_support as cli
 from cli_support import RUN, TRUTH, command, expect, expect_exit
@@ -177,3 +178,24 @@ def render_trajectories():
     refused(2, path, "--view", "errors-path", "-o", svg, says="true trajectory (--reference FILE)")
     refused(2, RUN, "--colors", "rainbow", "-o", svg, says=("viridis", "turbo"))
     refused(2, path, "--view", "trajectory", "--reference", TRUTH, "--colors", "turbo", "-o", svg, says="--colour-map")
+
+
+def render_frames_beside_pictures_of_others():
+    """What follows the last frame behind a gap, is of another size or no PNG of this program is not the film's to remove."""
+    require_viewer()
+    photos, small = cli.fresh_folder("render_frames") / "photos", ("--size", "160x90")
+    film = ("paper-b", "-o", f"{photos}/IMG_%04d.png", "--no-caption")
+    rendered(*film, *small, "--frames", 4)
+    (photos / "IMG_0400.png").write_bytes((photos / "IMG_0004.png").read_bytes())
+    own = (photos / "IMG_0003.png").read_bytes()
+    text = b"tEXtSoftware\0camera"
+    (photos / "IMG_0003.png").write_bytes(own[:33] + struct.pack(">I", len(text) - 4) + text + struct.pack(">I", zlib.crc32(text)) + own[33:])
+    names = ["IMG_0001.png", "IMG_0002.png", "IMG_0003.png", "IMG_0004.png", "IMG_0400.png"]
+    there = lambda: sorted(path.name for path in photos.iterdir())
+    rendered(*film, *small, "--frames", 2)
+    expect(there() == names, f"beside a picture of a camera: {there()}")
+    (photos / "IMG_0003.png").write_bytes(own)
+    rendered(*film, "--size", "80x60", "--frames", 2)
+    expect(there() == names, f"of another size: {there()}")
+    rendered(*film, *small, "--frames", 2)
+    expect(there() == [*names[:2], names[-1]], f"behind a gap: {there()}")

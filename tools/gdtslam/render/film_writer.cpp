@@ -6,15 +6,14 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <string_view>
 #include <system_error>
 #include <vector>
 
-#include "engine/core/files/folder_calls.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/clouds/cloud_words.hpp"
 #include "engine/io/maps/png.hpp"
@@ -167,34 +166,32 @@ class FrameFolder : public FilmWriter {
   void finish() override { remove_frames_beyond(); }
 
  private:
-  // An earlier film was longer: its last frames are no part of this one.
+  // An earlier film was longer: its last frames are no part of this one. They follow without a gap and look as this
+  // program's frames of this size do; other pictures that the pattern fits are somebody's.
   void remove_frames_beyond() const {
-    const fs::path first(frame_path(target_.path, 0));
-    const fs::path folder = first.has_parent_path() ? first.parent_path() : fs::path(".");
-    std::vector<fs::path> old;
-    std::error_code failed;
-    try {
-      for (const fs::path& entry : list_folder(folder, failed)) {
-        const std::size_t number = frame_number(first.parent_path() / entry.filename());
-        if (number > count_ && fs::is_regular_file(entry)) old.push_back(entry);
-      }
-      if (failed) throw fs::filesystem_error("", folder, failed);
-      for (const fs::path& path : old) fs::remove(path);
-    } catch (const fs::filesystem_error& error) {
-      throw FileError(error.path1().string(),
-                      "a frame of an earlier film cannot be removed: " + error.code().message());
+    const RgbaImage blank(target_.width, target_.height);
+    const std::string own = encode_png(blank.width, blank.height, blank.pixels);
+    for (std::size_t k = count_;; ++k) {
+      const std::string path = frame_path(target_.path, k);
+      if (!begins_as(path, own)) return;
+      std::error_code failed;
+      fs::remove(path, failed);
+      if (failed) throw FileError(path, "a frame of an earlier film cannot be removed: " + failed.message());
     }
   }
 
-  // 3 for frame-0003.png, or by the pattern; 0 where a film of this target has no such file.
-  [[nodiscard]] std::size_t frame_number(const fs::path& path) const {
-    const std::string name = path.string();
-    for (std::size_t begin = 0; begin < name.size(); ++begin) {
-      std::size_t number = 0;
-      const auto read = std::from_chars(name.data() + begin, name.data() + name.size(), number);
-      if (read.ec == std::errc{} && number > 0 && frame_path(target_.path, number - 1) == name) return number;
-    }
-    return 0;
+  // The header, and that pixels follow: cameras and editors write more than that. How many bytes of pixels there are
+  // differs from frame to frame.
+  static bool begins_as(const std::string& path, std::string_view png) {
+    constexpr std::size_t kHeaderBytes = 33;
+    constexpr std::size_t kNameAt = 37;  // of the chunk behind it
+    constexpr std::size_t kNameEnd = 41;
+    std::error_code ignored;
+    if (!fs::is_regular_file(fs::symlink_status(path, ignored))) return false;
+    std::string begin(kNameEnd, '\0');
+    std::ifstream(path, std::ios::binary).read(begin.data(), static_cast<std::streamsize>(begin.size()));
+    return begin.substr(0, kHeaderBytes) == png.substr(0, kHeaderBytes) &&
+           begin.substr(kNameAt) == png.substr(kNameAt, kNameEnd - kNameAt);
   }
 
   FilmTarget target_;
