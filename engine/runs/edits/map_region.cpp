@@ -1,5 +1,6 @@
 #include "map_region.hpp"
 
+#include <cmath>
 #include <cstddef>
 
 namespace gdtslam {
@@ -34,6 +35,21 @@ RegionBounds bounds_of(const MapRegion& region) {
     bounds.high_m = bounds.high_m.cwiseMax(corner);
   }
   return bounds;
+}
+
+// A line through the point crosses no side below the lowest corner and from the highest on, and an even number of them
+// on the right of a point that lies left of all corners. How far right a side is crossed is rounded, hence the margin.
+BoundedRegion::BoundedRegion(const MapRegion& region) : region_(region), beyond_(bounds_of(region)) {
+  constexpr double kRounding = 1.0e-9;
+  const double margin_m = kRounding * (std::abs(beyond_.low_m.x()) + std::abs(beyond_.high_m.x()));
+  beyond_.low_m.x() -= margin_m;
+  beyond_.high_m.x() += margin_m;
+}
+
+bool BoundedRegion::contains(const Point2& point_m) const {
+  const bool is_beyond = point_m.y() < beyond_.low_m.y() || point_m.y() > beyond_.high_m.y() ||
+                         point_m.x() < beyond_.low_m.x() || point_m.x() > beyond_.high_m.x();
+  return !is_beyond && region_.contains(point_m);
 }
 
 }  // namespace gdtslam

@@ -29,4 +29,17 @@ struct RegionBounds {
 };
 RegionBounds bounds_of(const MapRegion& region);
 
+/// A region that many points are asked about: those beyond its bounds cost no look at its sides.
+class BoundedRegion {
+ public:
+  /// The region has corners and outlives the object.
+  explicit BoundedRegion(const MapRegion& region);
+  /// As the region has it, bit for bit.
+  [[nodiscard]] bool contains(const Point2& point_m) const;
+
+ private:
+  const MapRegion& region_;
+  RegionBounds beyond_;
+};
+
 }  // namespace gdtslam

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <vector>
 
 #include "engine/mapping/map/scan_beams.hpp"
 #include "gdtslam/core/error.hpp"
@@ -13,8 +14,16 @@
 namespace gdtslam {
 namespace {
 
-bool is_taken_out(const EndRules& rules, const Point2& end_m) {
-  const auto has_it = [&end_m](const MapRegion& region) { return region.contains(end_m); };
+/// The rules for the many ends of a scan.
+struct BoundedRules {
+  explicit BoundedRules(const EndRules& rules)
+      : erased(rules.erased.begin(), rules.erased.end()), kept(rules.kept.begin(), rules.kept.end()) {}
+  std::vector<BoundedRegion> erased;
+  std::vector<BoundedRegion> kept;
+};
+
+bool is_taken_out(const BoundedRules& rules, const Point2& end_m) {
+  const auto has_it = [&end_m](const BoundedRegion& region) { return region.contains(end_m); };
   return std::any_of(rules.erased.begin(), rules.erased.end(), has_it) ||
          !std::all_of(rules.kept.begin(), rules.kept.end(), has_it);
 }
@@ -51,6 +60,7 @@ std::uint64_t take_out_readings(const EndRules& rules, const ScanConfig& valid, 
   if (rules.erased.empty() && rules.kept.empty()) return 0;
   const double limit_m = range_limit_m(scan, valid.max_range_m);
   const bool moved = is_skewed(scan);
+  const BoundedRules bounded(rules);
   std::uint64_t count = 0;
   for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
     const auto range_m = static_cast<double>(scan.ranges_m[beam]);
@@ -58,7 +68,7 @@ std::uint64_t take_out_readings(const EndRules& rules, const ScanConfig& valid, 
     const auto direction = beam_direction(scan, beam);
     const Pose2 T_base_laser = moved ? laser_at_beam(scan, beam) : scan.T_base_laser;
     const Point2 end_m = T_map_base * (T_base_laser * Point2(range_m * direction.cos, range_m * direction.sin));
-    if (!is_taken_out(rules, end_m)) continue;
+    if (!is_taken_out(bounded, end_m)) continue;
     scan.ranges_m[beam] = std::numeric_limits<float>::infinity();
     ++count;
   }

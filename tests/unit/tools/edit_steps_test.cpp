@@ -79,6 +79,27 @@ TEST(MapRegion, ContainsWhatItsOutlineGoesAround) {
   EXPECT_NEAR(inside / 5000.0, 6.0 / 30.0, 0.03);
 }
 
+// Points on the grid of the corners meet the bounds themselves.
+TEST(MapRegion, WithinBoundsIsTheSame) {
+  Random random(5);
+  for (int trial = 0; trial < 200; ++trial) {
+    MapRegion region;
+    const double scale_m = trial % 2 == 0 ? 1.0 : 1.0e7;
+    for (int k = 0; k < 3 + trial % 6; ++k) {
+      region.corners_m.emplace_back(scale_m * std::floor(random.uniform(-3.0, 4.0)) / 3.0,
+                                    scale_m * std::floor(random.uniform(-3.0, 4.0)) / 3.0);
+    }
+    const BoundedRegion bounded(region);
+    for (int k = 0; k < 400; ++k) {
+      Point2 p{scale_m * std::floor(random.uniform(-5.0, 6.0)) / 3.0,
+               scale_m * std::floor(random.uniform(-5.0, 6.0)) / 3.0};
+      if (k % 3 == 0) p.x() = std::nextafter(p.x(), k % 2 == 0 ? 1.0e9 : -1.0e9);
+      if (k % 5 == 0) p += Point2(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
+      ASSERT_EQ(bounded.contains(p), region.contains(p)) << p.transpose() << ", trial " << trial;
+    }
+  }
+}
+
 TEST(MapRegion, SidesOfNeighboursBelongToOneOfThem) {
   const MapRegion left = rectangle_between({0, 0}, {1, 1});
   const MapRegion right = rectangle_between({1, 0}, {2, 1});
