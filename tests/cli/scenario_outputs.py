@@ -1,5 +1,6 @@
 """What a command writes replaces nothing that it reads."""
 
+import json
 import shutil
 
 import cli_support as cli
@@ -136,3 +137,29 @@ def convert_keeps_what_it_reads():
     refused(folder, "read; give another file", "map", bag, "-o", folder / "run", "--mcap", bag / "bag_0.db3")
     for _ in range(2):
         expect_exit(command("convert", bag, "-o", bag / "drive.csv", "--force", "-q"), 0)
+
+
+def convert_counts_what_is_written():
+    """Scans whose stamps ROS does not know are not counted as written; where all are such, 65 and no file, or the old one."""
+    folder = cli.fresh_folder("convert_counts")
+    lines = LOG.read_text().splitlines(keepends=True)
+    scans = [k for k, line in enumerate(lines) if line.startswith("FLASER")]
+
+    def log_at(name, few):
+        words = [line.split() for line in lines[:scans[60]]]
+        for k, row in enumerate(words):
+            if row[0] in ("FLASER", "ODOM") and (few is None or k >= scans[few]):
+                row[-3] = row[-1] = "1e18"
+        (folder / name).write_text("".join(" ".join(row) + "\n" for row in words))
+        return folder / name
+
+    some, none = log_at("some.log", 20), log_at("none.log", None)
+    process = command("convert", some, "-o", folder / "some.mcap", "--json")
+    expect_exit(process, 0)
+    expect(json.loads(process.stdout)["scans"] == 20, process.stdout)
+    expect("20 scans" in command("convert", some, "-o", folder / "again.mcap").stdout, "the text counts otherwise")
+    (folder / "old.mcap").write_text("an old file")
+    for output in ("none.mcap", "none.db3", "none.bag", "bag/"):
+        refused(folder, "can carry none of its 60 scans", "convert", none, "-o", f"{folder}/{output}", code=65)
+    refused(folder, "can carry none of its 60 scans", "convert", none, "-o", folder / "old.mcap", "--force", code=65)
+    expect_exit(command("convert", none, "-o", folder / "none.csv", "-q"), 0)

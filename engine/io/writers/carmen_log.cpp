@@ -32,9 +32,9 @@ bool is_one_word(std::string_view text) {
 CarmenLog::CarmenLog(AtomicFile& file, const LogWriteOptions& options)
     : sink_(file), writer_(options.range_decimals.value_or(CarmenWriter::kAsNeeded), options.host) {}
 
-void CarmenLog::write(const LogRecord& record) {
+bool CarmenLog::write(const LogRecord& record) {
   if (const auto* scan = std::get_if<ScanRecord>(&record)) {
-    write_scan(*scan);
+    return write_scan(*scan);
   } else if (const auto* odometry = std::get_if<Odometry>(&record)) {
     T_odom_last_ = odometry->T_odom_base;
     sink_.write(writer_.odometry(*odometry));
@@ -43,28 +43,30 @@ void CarmenLog::write(const LogRecord& record) {
   } else if (const auto* tilt = std::get_if<Tilt>(&record)) {
     sink_.write(writer_.tilt(*tilt));
   } else if (const auto* parameter = std::get_if<Parameter>(&record)) {
-    write_parameter(*parameter);
+    return write_parameter(*parameter);
   }
+  return true;
 }
 
-void CarmenLog::write_parameter(const Parameter& parameter) {
+bool CarmenLog::write_parameter(const Parameter& parameter) {
   if (!is_one_word(parameter.name) || (!parameter.value.empty() && !is_one_word(parameter.value))) {
     leave_out("parameter", "a name or value of several words: " + in_quotes(parameter.name));
-    return;
+    return false;
   }
   if (parameter.name == kLimitParameter) {
     const char* const end = parameter.value.data() + parameter.value.size();
     if (parse_double(parameter.value.data(), end, told_max_range_m_) != end) told_max_range_m_ = -1.0;
   }
   sink_.write(writer_.parameter(parameter.name, parameter.value));
+  return true;
 }
 
-void CarmenLog::write_scan(ScanRecord record) {
+bool CarmenLog::write_scan(ScanRecord record) {
   LaserScan& scan = record.scan;
   const std::string at = fmt::format("scan at {:.6f} s", scan.stamp_s);
   if (record.laser > 1) {
     leave_out("scan of a third laser", at);
-    return;
+    return false;
   }
   if (scan.first_beam_after_s != 0.0 || scan.beam_period_s != 0.0) leave_out("time of each beam", at);
   if (!record.T_odom_base) {
@@ -78,6 +80,7 @@ void CarmenLog::write_scan(ScanRecord record) {
     if (scan.max_range_m > 0.0) sink_.write(writer_.parameter(kLimitParameter, fmt::format("{}", scan.max_range_m)));
   }
   sink_.write(writer_.scan(record));
+  return true;
 }
 
 }  // namespace gdtslam

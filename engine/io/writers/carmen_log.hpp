@@ -14,13 +14,13 @@ class CarmenLog final : public LogWriter {
  public:
   /// `file` must outlive this.
   CarmenLog(AtomicFile& file, const LogWriteOptions& options);
-  void write(const LogRecord& record) override;
+  bool write(const LogRecord& record) override;
   void finish() override { sink_.finish(); }
   [[nodiscard]] std::uint64_t bytes() const override { return sink_.bytes(); }
 
  private:
-  void write_scan(ScanRecord record);
-  void write_parameter(const Parameter& parameter);
+  bool write_scan(ScanRecord record);
+  bool write_parameter(const Parameter& parameter);
 
   TextSink sink_;
   CarmenWriter writer_;

@@ -34,8 +34,8 @@ class LogWriter {
   LogWriter(const LogWriter&) = delete;
   LogWriter& operator=(const LogWriter&) = delete;
   virtual ~LogWriter() = default;
-  /// Throws FileError, as finish() does.
-  virtual void write(const LogRecord& record) = 0;
+  /// Whether the record is in the file now; where not, it is counted in left_out(). Throws FileError, as finish() does.
+  virtual bool write(const LogRecord& record) = 0;
   /// Ends the files; the last call before they are committed.
   virtual void finish() = 0;
   /// Bytes so far, before a .gz around them.

@@ -20,21 +20,26 @@ std::string numbered(std::string_view name, std::size_t laser) {
 
 }  // namespace
 
-void RosLog::write(const LogRecord& record) {
+bool RosLog::write(const LogRecord& record) {
   if (const auto* scan = std::get_if<ScanRecord>(&record)) {
-    if (is_stamp_possible(scan->scan.stamp_s) &&
-        is_stamp_possible(scan->scan.stamp_s + scan->scan.first_beam_after_s)) {
-      write_scan(*scan);
+    if (!is_stamp_possible(scan->scan.stamp_s) ||
+        !is_stamp_possible(scan->scan.stamp_s + scan->scan.first_beam_after_s)) {
+      return false;
     }
+    write_scan(*scan);
   } else if (const auto* odometry = std::get_if<Odometry>(&record)) {
-    if (is_stamp_possible(odometry->stamp_s)) write_odometry(*odometry);
+    if (!is_stamp_possible(odometry->stamp_s)) return false;
+    write_odometry(*odometry);
   } else if (const auto* encoder = std::get_if<Encoder>(&record)) {
-    if (is_stamp_possible(encoder->stamp_s)) write_encoder(*encoder);
+    return is_stamp_possible(encoder->stamp_s) && write_encoder(*encoder);
   } else if (const auto* tilt = std::get_if<Tilt>(&record)) {
-    if (is_stamp_possible(tilt->stamp_s)) write_tilt(*tilt);
+    if (!is_stamp_possible(tilt->stamp_s)) return false;
+    write_tilt(*tilt);
   } else if (const auto* parameter = std::get_if<Parameter>(&record)) {
     leave_out("parameter", parameter->name);
+    return false;
   }
+  return true;
 }
 
 bool RosLog::is_stamp_possible(double stamp_s) {
@@ -94,14 +99,15 @@ void RosLog::write_scan(const ScanRecord& record) {
 }
 
 // Its message has no stamp: only the time when it came says when it was.
-void RosLog::write_encoder(const Encoder& encoder) {
+bool RosLog::write_encoder(const Encoder& encoder) {
   using Limits = std::numeric_limits<std::int32_t>;
   if (encoder.ticks < Limits::min() || encoder.ticks > Limits::max()) {
     leave_out("crank beyond 32 bits", std::to_string(encoder.ticks));
-    return;
+    return false;
   }
   container_->add(channel("/crank", RosType::kInt32), ros_time_ns(encoder.stamp_s),
                   ros_int32(container_->encoding(), static_cast<std::int32_t>(encoder.ticks)));
+  return true;
 }
 
 void RosLog::write_tilt(const Tilt& tilt) {

@@ -18,7 +18,7 @@ namespace gdtslam {
 class RosLog final : public LogWriter {
  public:
   explicit RosLog(std::unique_ptr<RosContainer> container) : container_(std::move(container)) {}
-  void write(const LogRecord& record) override;
+  bool write(const LogRecord& record) override;
   void finish() override { container_->finish(); }
   [[nodiscard]] std::uint64_t bytes() const override { return container_->bytes(); }
 
@@ -26,7 +26,7 @@ class RosLog final : public LogWriter {
   void write_scan(const ScanRecord& record);
   void write_odometry(const Odometry& odometry);
   void write_mount(const ScanRecord& record, const std::string& frame);
-  void write_encoder(const Encoder& encoder);
+  bool write_encoder(const Encoder& encoder);
   void write_tilt(const Tilt& tilt);
   bool is_stamp_possible(double stamp_s);
   /// The channel of the topic, made where it is new.

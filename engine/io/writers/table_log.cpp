@@ -124,7 +124,7 @@ std::string json_string(const std::string& text) {
 
 CsvLog::CsvLog(AtomicFile& file) : sink_(file) { sink_.write(csv_header()); }
 
-void CsvLog::write(const LogRecord& record) {
+bool CsvLog::write(const LogRecord& record) {
   CsvCells cells;
   if (const auto* scan = std::get_if<ScanRecord>(&record)) {
     fill_scan(cells, *scan);
@@ -142,9 +142,10 @@ void CsvLog::write(const LogRecord& record) {
     cells.value = csv_text(parameter->value);
   }
   sink_.write(cells.line());
+  return true;
 }
 
-void JsonLinesLog::write(const LogRecord& record) {
+bool JsonLinesLog::write(const LogRecord& record) {
   std::string line;
   if (const auto* scan = std::get_if<ScanRecord>(&record)) {
     line = scan_line(*scan);
@@ -162,6 +163,7 @@ void JsonLinesLog::write(const LogRecord& record) {
                        json_string(parameter->value));
   }
   sink_.write(line + "}\n");
+  return true;
 }
 
 }  // namespace gdtslam

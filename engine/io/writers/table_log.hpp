@@ -13,7 +13,7 @@ class CsvLog final : public LogWriter {
  public:
   /// `file` must outlive this.
   explicit CsvLog(AtomicFile& file);
-  void write(const LogRecord& record) override;
+  bool write(const LogRecord& record) override;
   void finish() override { sink_.finish(); }
   [[nodiscard]] std::uint64_t bytes() const override { return sink_.bytes(); }
 
@@ -25,7 +25,7 @@ class JsonLinesLog final : public LogWriter {
  public:
   /// `file` must outlive this.
   explicit JsonLinesLog(AtomicFile& file) : sink_(file) {}
-  void write(const LogRecord& record) override;
+  bool write(const LogRecord& record) override;
   void finish() override { sink_.finish(); }
   [[nodiscard]] std::uint64_t bytes() const override { return sink_.bytes(); }
 

@@ -2,14 +2,20 @@
 #include <fmt/format.h>
 #include <CLI/App.hpp>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <system_error>
+#include <utility>
+#include <variant>
 
 #include "engine/io/json_file.hpp"
 #include "engine/io/message_text.hpp"
 #include "engine/io/writers/log_writer.hpp"
+#include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
@@ -38,7 +44,9 @@ struct ConvertOptions {
   bool quiet = false;
 };
 
+/// Of what is written, and how many scans were read.
 struct ConvertCounts {
+  std::uint64_t scans_read = 0;
   std::uint64_t scans = 0;
   std::uint64_t odometry = 0;
   std::uint64_t crank = 0;
@@ -79,6 +87,25 @@ void check_output(const ConvertOptions& options, LogFormat format) {
   }
 }
 
+/// The folder of a ROS 2 bag goes again where nothing came into it.
+class NewFolder {
+ public:
+  explicit NewFolder(std::string path) : path_(std::move(path)) {
+    std::error_code ignored;
+    is_new_ = !std::filesystem::exists(path_, ignored);
+  }
+  NewFolder(const NewFolder&) = delete;
+  NewFolder& operator=(const NewFolder&) = delete;
+  ~NewFolder() {
+    std::error_code ignored;  // of what is no empty folder
+    if (is_new_ && std::filesystem::is_directory(path_, ignored)) std::filesystem::remove(path_, ignored);
+  }
+
+ private:
+  std::string path_;
+  bool is_new_ = false;
+};
+
 void count_record(const LogRecord& record, ConvertCounts& counts) {
   if (std::holds_alternative<ScanRecord>(record)) ++counts.scans;
   if (std::holds_alternative<Odometry>(record)) ++counts.odometry;
@@ -90,9 +117,9 @@ ConvertCounts copy_records(LogReader& reader, LogWriter& writer, bool quiet) {
   ConvertCounts counts;
   ProgressLine progress("scans", quiet);
   while (const std::optional<LogRecord> record = reader.next()) {
-    writer.write(*record);
-    count_record(*record, counts);
-    progress.update(counts.scans, reader.progress());
+    if (std::holds_alternative<ScanRecord>(*record)) ++counts.scans_read;
+    if (writer.write(*record)) count_record(*record, counts);
+    progress.update(counts.scans_read, reader.progress());
     if (interrupted()) {
       counts.is_whole = false;
       break;
@@ -120,6 +147,18 @@ std::string text_of(const ConvertCounts& counts, std::uint64_t bytes, const std:
                      counts.odometry, counts.crank, counts.parameters, 1e-6 * static_cast<double>(bytes), output);
 }
 
+// A log without scans may be meant; one whose scans are all lost is not.
+void require_scans(const ConvertOptions& options, const ConvertCounts& counts, const LogWriter& writer) {
+  if (counts.scans > 0 || counts.scans_read == 0) return;
+  const auto& left_out = writer.left_out();
+  const auto is_rarer = [](const LogReader::Warning& a, const LogReader::Warning& b) { return a.count < b.count; };
+  const LogReader::Warning& why = *std::max_element(left_out.begin(), left_out.end(), is_rarer);
+  throw InputError(
+      {log_name(options.log), 0},
+      fmt::format("the format can carry none of its {} scans: {} ({} times; first: {}); nothing is written",
+                  counts.scans_read, why.kind, why.count, why.first));
+}
+
 int convert(const ConvertOptions& options) {
   const LogFormat format = log_format_of(options.output, options.format);
   const LogWriteOptions write{.packing = packing_named(options.compression)};
@@ -127,9 +166,11 @@ int convert(const ConvertOptions& options) {
   Settings settings = load_settings(options.settings);
   state_recording(options.recording, settings.log);
   const std::unique_ptr<LogReader> reader = open_log(options.log, read_options_of(settings.log, options.lenient));
+  const NewFolder new_folder(options.output);
   AtomicFileSet files;
   const std::unique_ptr<LogWriter> writer = make_log_writer(format, options.output, write, files);
   const ConvertCounts counts = copy_records(*reader, *writer, options.quiet);
+  require_scans(options, counts, *writer);
   writer->finish();
   files.commit();
   if (!options.quiet) {
