@@ -212,6 +212,16 @@ bool comes_once(const MapRequest& request) {
   return request.live_log || std::find(request.logs.begin(), request.logs.end(), "-") != request.logs.end();
 }
 
+bool is_interruption() {
+  try {
+    throw;
+  } catch (const Error& error) {
+    return error.code() == ExitCode::kInterrupted;
+  } catch (...) {
+    return false;
+  }
+}
+
 // In the handler of what ended a run whose log cannot be read again: what came of it stays, and is told of.
 [[noreturn]] void keep_what_came(RunFolder& folder, LogCopies& copies, const MapRequest& request) {
   copies.keep(folder);
@@ -267,7 +277,7 @@ MapResult map_opened(const MapRequest& request, const MapJob& job, const Backend
   try {
     return map_prepared(*folder, request, job, backend, {std::move(scans), copies, *kept.prepared, mapped}, times);
   } catch (...) {
-    if (mapped == 0 || !request.with_copies || !comes_once(request)) throw;
+    if (mapped == 0 || !request.with_copies || !comes_once(request) || is_interruption()) throw;
     keep_what_came(*folder, copies, request);
   }
 }

@@ -40,8 +40,8 @@ RegionBounds bounds_of(const MapRegion& region) {
 // A line through the point crosses no side below the lowest corner and from the highest on, and an even number of them
 // on the right of a point that lies left of all corners. How far right a side is crossed is rounded, hence the margin.
 BoundedRegion::BoundedRegion(const MapRegion& region) : region_(region), beyond_(bounds_of(region)) {
-  constexpr double kRounding = 1.0e-9;
-  const double margin_m = kRounding * (std::abs(beyond_.low_m.x()) + std::abs(beyond_.high_m.x()));
+  constexpr double kRoundingShare = 1.0e-9;
+  const double margin_m = kRoundingShare * (std::abs(beyond_.low_m.x()) + std::abs(beyond_.high_m.x()));
   beyond_.low_m.x() -= margin_m;
   beyond_.high_m.x() += margin_m;
 }

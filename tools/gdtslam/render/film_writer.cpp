@@ -183,14 +183,14 @@ class FrameFolder : public FilmWriter {
   // The header, and that pixels follow: cameras and editors write more than that. How many bytes of pixels there are
   // differs from frame to frame.
   static bool begins_as(const std::string& path, std::string_view png) {
-    constexpr std::size_t kHeaderBytes = 33;
+    constexpr std::size_t kPngHeaderBytes = 33;
     constexpr std::size_t kNameAt = 37;  // of the chunk behind it
     constexpr std::size_t kNameEnd = 41;
     std::error_code ignored;
     if (!fs::is_regular_file(fs::symlink_status(path, ignored))) return false;
     std::string begin(kNameEnd, '\0');
     std::ifstream(path, std::ios::binary).read(begin.data(), static_cast<std::streamsize>(begin.size()));
-    return begin.substr(0, kHeaderBytes) == png.substr(0, kHeaderBytes) &&
+    return begin.substr(0, kPngHeaderBytes) == png.substr(0, kPngHeaderBytes) &&
            begin.substr(kNameAt) == png.substr(kNameAt, kNameEnd - kNameAt);
   }
 
