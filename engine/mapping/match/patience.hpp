@@ -9,7 +9,7 @@ namespace gdtslam {
 
 class Patience {
  public:
-  /// Scans one after the other that match nothing, after which only each so-manieth is searched for. Of ten real logs
+  /// Scans one after the other that match nothing, after which only each so-manieth is searched for. Of nine real logs
   /// none has more than five in a row.
   static constexpr std::uint64_t kScans = 64;
   static constexpr std::uint64_t kSearchedThen = 8;
