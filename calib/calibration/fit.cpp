@@ -2,6 +2,7 @@
 
 #include <ceres/cost_function.h>
 #include <ceres/evaluation_callback.h>
+#include <ceres/iteration_callback.h>
 #include <ceres/loss_function.h>
 #include <ceres/manifold.h>
 #include <ceres/problem.h>
@@ -10,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <functional>
 #include <limits>
 #include <set>
 
@@ -143,13 +145,34 @@ ceres::Solver::Options solver_options() {
   return options;
 }
 
+/// Ends the solver before its next step where somebody wants no result any more.
+class StopAsked final : public ceres::IterationCallback {
+ public:
+  explicit StopAsked(const std::function<bool()>& stop) : stop_(stop) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& /*step*/) override {
+    return is_over() ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
+  }
+  void expect_none() const {
+    if (is_over()) throw Error(ExitCode::kInterrupted, "interrupted while calibrating; nothing was written");
+  }
+
+ private:
+  [[nodiscard]] bool is_over() const { return stop_ && stop_(); }
+  const std::function<bool()>& stop_;
+};
+
 /// The fit with fixed weights. Bounds are kept by an active set: the solver's own projection onto a box creeps along
 /// a bound where the misses are as curved as here.
 class WeightedFit {
  public:
   WeightedFit(const Setup& start, std::span<const Parameter> parameters, const std::vector<WeightedObservation>& used,
-              double huber)
-      : start_(start), parameters_(parameters), in_hand_(start, parameters), loss_(huber), prior_(parameters) {
+              double huber, const std::function<bool()>& stop)
+      : start_(start),
+        parameters_(parameters),
+        in_hand_(start, parameters),
+        loss_(huber),
+        prior_(parameters),
+        stop_(stop) {
     for (const WeightedObservation& observation : used) costs_.emplace_back(in_hand_, parameters, observation);
   }
 
@@ -191,7 +214,10 @@ class WeightedFit {
     ceres::SubsetManifold manifold(static_cast<int>(x.size()), {held.begin(), held.end()});
     if (!held.empty()) problem.SetManifold(x.data(), &manifold);
     ceres::Solver::Summary summary;
-    ceres::Solve(solver_options(), &problem, &summary);
+    ceres::Solver::Options options = solver_options();
+    options.callbacks.push_back(&stop_);
+    ceres::Solve(options, &problem, &summary);
+    stop_.expect_none();
     iterations += static_cast<int>(summary.iterations.size());
     cost = summary.final_cost;
     converged = summary.termination_type == ceres::CONVERGENCE;
@@ -253,6 +279,7 @@ class WeightedFit {
   SetupInHand in_hand_;
   ceres::HuberLoss loss_;
   PriorCost prior_;
+  StopAsked stop_;
   std::deque<MissCost> costs_;
 };
 
@@ -306,7 +333,7 @@ Fit fit(const Setup& start, std::span<const Parameter> parameters, std::span<con
     if (!before) break;
     const double spread = std::max(1.0, robust_spread(before->weighted));
     const std::vector<double> last = result.x;
-    WeightedFit weighted(start, parameters, result.used, options.huber_sigmas * spread);
+    WeightedFit weighted(start, parameters, result.used, options.huber_sigmas * spread, options.stop);
     weighted.solve(result.x);
     result.iterations += weighted.iterations;
     result.cost = weighted.cost / static_cast<double>(result.used.size());

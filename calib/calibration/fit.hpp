@@ -33,7 +33,8 @@ struct Fit {
   std::string reason;
 };
 
-/// Throws InputError when too few observations lie within the elevations asked for. The loop closes at the start.
+/// Throws InputError when too few observations lie within the elevations asked for, Error(kInterrupted) where
+/// options.stop says so. The loop closes at the start.
 Fit fit(const Setup& start, std::span<const Parameter> parameters, std::span<const RangeObservation> observations,
         const CalibrationOptions& options, int rounds = kMostRounds);
 

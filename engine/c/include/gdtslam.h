@@ -6,7 +6,8 @@
  * Every function that can fail returns a gdtslam_status and takes a gdtslam_error, which may be NULL, for its text.
  * There is no other state than what the handles hold: calls with different handles may run in different threads; one
  * handle belongs to one thread at a time, but where it is taken as const, to all. What is passed in is copied unless
- * said otherwise. Handles are freed by their own function, which takes NULL, too. Texts are UTF-8 and end in 0.
+ * said otherwise. Handles are freed by their own function, which takes NULL, too. Texts are UTF-8 and end in 0. In the
+ * child of a fork() those of the parent are of no use, nor to be freed: their threads are not there; new ones are.
  *
  * Structs begin with their size, which GDTSLAM_INIT sets: the library takes what a program of an older version leaves
  * out for 0, which always means the default, and fills in only what such a program has. Later versions add functions

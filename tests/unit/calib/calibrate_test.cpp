@@ -221,6 +221,27 @@ TEST(Calibrate, FindsTheAssemblyThatWasStatedWrongly) {
   EXPECT_EQ(calibrate(start, exact_wall(), exact_ranges(), stays).model.assembly, start.assembly);
 }
 
+// Whatever step it is at; who is asked only at the end would let it go on for a minute.
+TEST(Calibrate, EndsWhereItIsAskedTo) {
+  SweepModel start = kTruth;
+  start.bars.crank_m += 0.002;
+  int asked = 0;
+  CalibrationOptions options;
+  options.stop = [&asked] {
+    ++asked;
+    return false;
+  };
+  EXPECT_EQ(refusal<Error>(start, exact_wall(), exact_ranges(), options), "no error");
+  const int steps = asked;
+  EXPECT_GT(steps, 10);
+  for (const int after : {0, 1, steps / 2, steps - 1}) {
+    asked = 0;
+    options.stop = [&asked, after] { return ++asked > after; };
+    EXPECT_THAT(refusal<Error>(start, exact_wall(), exact_ranges(), options), HasSubstr("interrupted")) << after;
+    EXPECT_LE(asked, after + 2);
+  }
+}
+
 TEST(Calibrate, FindsAZeroThatIsNotKnown) {
   for (const double off : {2.0, -2.5}) {
     SweepModel start = kTruth;

@@ -163,6 +163,8 @@ CalibrateOutcome run_calibration(const CalibrateJob& job, const std::function<vo
   CalibrateOutcome outcome;
   outcome.start = job.start;
   outcome.max_elevation_rad = job.options.max_elevation_rad;
+  calib::CalibrationOptions options = job.options;
+  options.stop = stop;
   const std::vector<NamedSurface> surfaces = surfaces_of(job);
   StopCollector collector(job.start, job.sector_rad);
   for (const std::string& log : job.logs) read_log(log, job.read, collector, outcome, progress, stop);
@@ -171,13 +173,13 @@ CalibrateOutcome run_calibration(const CalibrateJob& job, const std::function<vo
   outcome.start_surfaces = placed_surfaces(surfaces, job.start, all);
   outcome.observations = all;
   calib::assign_surfaces(job.start, outcome.start_surfaces, kFirstGate_m, outcome.observations);
-  outcome.result = calib::calibrate(job.start, outcome.start_surfaces, outcome.observations, job.options);
+  outcome.result = calib::calibrate(job.start, outcome.start_surfaces, outcome.observations, options);
 
   outcome.observations = all;
   const double gate_m = std::max(kLeastGate_m, kGateSigmas * outcome.statistics.range_sigma_m);
   outcome.unassigned =
       calib::assign_surfaces(outcome.result.model, outcome.result.surfaces, gate_m, outcome.observations);
-  outcome.result = calib::calibrate(job.start, outcome.start_surfaces, outcome.observations, job.options);
+  outcome.result = calib::calibrate(job.start, outcome.start_surfaces, outcome.observations, options);
   outcome.distrust = calib::reason_for_distrust(outcome.result);
   return outcome;
 }

@@ -161,9 +161,11 @@ SelfCalibrateOutcome run_self_calibration(const SelfCalibrateJob& job, const std
   while (collector.beams.size() > kMostBeams) collector.thin();
   outcome.beams = collector.beams.size();
   outcome.strokes = collector.strokes.empty() ? 0 : collector.strokes.back() + 1;
-  outcome.result = calib::self_calibrate(
-      job.start, collector.strokes,
-      [&collector](const calib::SweepModel& model) { return assembled(collector.beams, model); }, job.options);
+  const auto assemble = [&](const calib::SweepModel& model) {
+    if (stop()) throw Error(ExitCode::kInterrupted, "interrupted while calibrating; nothing was written");
+    return assembled(collector.beams, model);
+  };
+  outcome.result = calib::self_calibrate(job.start, collector.strokes, assemble, job.options);
   outcome.distrust = calib::reason_for_distrust(outcome.result);
   return outcome;
 }

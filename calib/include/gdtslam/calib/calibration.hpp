@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -50,7 +51,8 @@ struct CalibrationOptions {
   double huber_sigmas = 3.0;
   double max_elevation_rad = 1.0471975511965976;  ///< ranges above are not used
   bool try_both_assemblies = true;
-  bool search_zero = false;  ///< the encoder's zero is not known at all: the whole turn is tried, without its prior
+  bool search_zero = false;      ///< the encoder's zero is not known at all: the whole turn is tried, without its prior
+  std::function<bool()> stop{};  ///< asked now and then; true ends the calibration with Error(kInterrupted)
   /// The options with every prior taken away: what the data do not tell stays where it starts, within its bounds.
   [[nodiscard]] CalibrationOptions without_priors() const;
 };
