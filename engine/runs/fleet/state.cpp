@@ -89,16 +89,11 @@ bool is_of_record_there(const std::optional<UnitRecord>& row, const std::string&
 }
 
 // What this process has made of a unit may not be its record: another process that did it too may have been first.
-// Nothing where the file cannot be read: without a row in a table it is asked again.
 std::optional<UnitRecord> record_for_table(const std::string& atlas, std::size_t unit, const StoredPlan& stored,
                                            const std::optional<UnitRecord>& known) {
   if (!known || known->stamp != RecordStamp{}) return known;
   std::optional<UnitRecord> record;
-  try {
-    (void)read_into(record, atlas, unit, stored.id);
-  } catch (const FileError&) {
-    return std::nullopt;
-  }
+  (void)read_into(record, atlas, unit, stored.id);  // one that is damaged by now is told of when it is read next
   return record;
 }
 
