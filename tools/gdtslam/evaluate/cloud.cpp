@@ -17,9 +17,9 @@
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/folders.hpp"
 #include "tools/gdtslam/shell/options.hpp"
+#include "tools/gdtslam/shell/written_files.hpp"
 #ifdef GDTSLAM_HAS_SIM
 #include "tools/gdtslam/scenes/scene_errors.hpp"
-#include "tools/gdtslam/shell/written_files.hpp"
 #endif
 
 namespace gdtslam {
