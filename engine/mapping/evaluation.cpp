@@ -72,6 +72,32 @@ Pose2 rigid_alignment(const std::vector<MatchedPose>& matched) {
   return {shift.x(), shift.y(), rotation.theta_rad};
 }
 
+// Two or more of the reference's poses are met: by stamps that are all one, poses cannot be told apart.
+std::vector<MatchedPose> matched_by_stamp(const Trajectory& estimate, const Trajectory& reference, double tolerance_s) {
+  const PosesByStamp index(reference);
+  std::vector<MatchedPose> matched;
+  matched.reserve(estimate.size());
+  std::optional<std::size_t> first;
+  bool is_one = true;
+  for (const StampedPose& pose : estimate) {
+    const std::optional<std::size_t> k = index.index_of(pose.stamp_s, tolerance_s);
+    if (!k) continue;
+    if (!first) first = k;
+    is_one = is_one && *k == *first;
+    matched.push_back({pose.T_map_base, reference[*k].T_map_base});
+  }
+  if (matched.size() < 2) {
+    throw InputError("only " + std::to_string(matched.size()) + " of " + std::to_string(estimate.size()) +
+                     " stamps of the trajectory occur in the reference; two are needed. Are both in the same clock?");
+  }
+  if (is_one) {
+    throw InputError("the " + std::to_string(matched.size()) +
+                     " poses whose stamps occur in the reference all meet one pose of it; two are needed. Do their "
+                     "stamps tell them apart?");
+  }
+  return matched;
+}
+
 // Pairs of poses that are the stated length of reference path apart, one pair per start [Sturm2012].
 Errors relative_errors(const std::vector<MatchedPose>& matched, double distance_m) {
   std::vector<double> path_m(matched.size(), 0.0);
@@ -149,18 +175,7 @@ RelationReport evaluate_relations(const Trajectory& trajectory, std::span<const 
 
 ReferenceReport evaluate_reference(const Trajectory& estimate, const Trajectory& reference,
                                    const ReferenceOptions& options) {
-  const PosesByStamp index(reference);
-  std::vector<MatchedPose> matched;
-  matched.reserve(estimate.size());
-  for (const StampedPose& pose : estimate) {
-    if (const auto T_reference_base = index.find(pose.stamp_s, options.tolerance_s)) {
-      matched.push_back({pose.T_map_base, *T_reference_base});
-    }
-  }
-  if (matched.size() < 2) {
-    throw InputError("only " + std::to_string(matched.size()) + " of " + std::to_string(estimate.size()) +
-                     " stamps of the trajectory occur in the reference; two are needed. Are both in the same clock?");
-  }
+  const std::vector<MatchedPose> matched = matched_by_stamp(estimate, reference, options.tolerance_s);
   ReferenceReport report;
   report.matched = matched.size();
   report.unmatched = estimate.size() - matched.size();

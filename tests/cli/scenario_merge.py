@@ -122,6 +122,25 @@ def merge_refuses_what_it_cannot_join():
     expect_exit(command("merge", early, late, "-o", folder / "site", "--force", "-q"), 0)
 
 
+def merge_tells_what_counts_twice():
+    """A run and its edited copy have every scan in common; parts of a log that do not overlap have none."""
+    folder = fresh_folder("merge_twice")
+    early, late = folder / "early", folder / "late"
+    mapped(early, "--first", 60)
+    mapped(late, "--skip", 60, "--first", 60)
+    expect_exit(command("edit", early, "--origin", "0,0,20", "-o", folder / "turned", "-q"), 0)
+    process = command("merge", early, folder / "turned", late, "-o", folder / "site")
+    expect_exit(process, 0)
+    shared = json.loads((folder / "site/merge.json").read_text())["shared"]
+    expect(len(shared) == 1 and {shared[0]["run"], shared[0]["with"]} == {str(early), str(folder / "turned")}, f"{shared}")
+    expect(shared[0]["keyframes"] == scans_in(early)["keyframes"], f"{shared}")
+    told = [line for line in process.stdout.splitlines() if "in common" in line]
+    expect(len(told) == 1 and f"have {shared[0]['keyframes']} scans in common, which count twice" in told[0], process.stdout)
+    process = command("merge", early, late, "-o", folder / "apart", "--json")
+    expect_exit(process, 0)
+    expect(json.loads(process.stdout)["shared"] == [], process.stdout)
+
+
 def two_places(folder):
     """Runs of two places, which are a site each, and another run of the first."""
     mapped(folder / "first", "--first", 60)

@@ -76,7 +76,8 @@ FitLimit fit_limit_of_cells(double resolution_m) {
 FitLimit fit_limit_of(const std::string& map, double resolution_m) {
   const std::optional<std::string> folder = run_folder_of(map);
   const std::optional<double> by_run = folder ? RunReader(*folder).summary().match_p99_m : std::nullopt;
-  if (by_run) return {*by_run, FitLimit::Source::kRun};
+  if (by_run && *by_run >= resolution_m) return {*by_run, FitLimit::Source::kRun};
+  if (by_run) return {resolution_m, FitLimit::Source::kCell};
   return fit_limit_of_cells(resolution_m);
 }
 

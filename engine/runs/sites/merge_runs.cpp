@@ -12,6 +12,7 @@
 #include "engine/runs/folder/run_pictures.hpp"
 #include "engine/runs/folder/run_report.hpp"
 #include "engine/runs/sites/merge_folder.hpp"
+#include "engine/runs/sites/shared_scans.hpp"
 #include "engine/runs/sites/site_outcome.hpp"
 #include "engine/runs/sites/site_places.hpp"
 #include "gdtslam/core/error.hpp"
@@ -47,6 +48,17 @@ std::vector<RunSession> read_runs(const MergeRequest& request) {
     throw InputError({runs[i].folder, 0}, "is the same run as " + runs[i - 1].folder + ": name it once");
   }
   return runs;
+}
+
+std::vector<SharedRuns> shared_of(const std::vector<RunSession>& runs) {
+  std::vector<const RunKeyframes*> kept;
+  kept.reserve(runs.size());
+  for (const RunSession& run : runs) kept.push_back(&run.kept);
+  std::vector<SharedRuns> shared;
+  for (const SharedScans& pair : shared_scans(kept)) {
+    shared.push_back({runs[pair.first].folder, runs[pair.second].folder, pair.keyframes});
+  }
+  return shared;
 }
 
 // The map of all keyframes, one run after the other, paper equations (1) and (9) to (11).
@@ -182,6 +194,10 @@ std::string report_of(const MergeOutcome& outcome, const std::vector<SessionEdge
   for (const RunSearch& search : outcome.searches) report["searches"].push_back(search_json(search));
   report["edges"] = nlohmann::ordered_json::array();
   for (const SessionEdge& edge : edges) report["edges"].push_back(edge_json(edge, runs));
+  report["shared"] = nlohmann::ordered_json::array();
+  for (const SharedRuns& pair : outcome.shared) {
+    report["shared"].push_back({{"run", pair.run}, {"with", pair.with}, {"keyframes", pair.keyframes}});
+  }
   return json_text(report);
 }
 
@@ -199,6 +215,7 @@ MergeOutcome merge_runs(const MergeRequest& request) {
   const MergedSessions merged = merge_sessions(
       sessions, request.options, workers, [&](std::string_view step, double share) { tell(request, step, share); });
   MergeOutcome outcome;
+  outcome.shared = shared_of(runs);
   for (const SessionSearch& search : merged.searches) {
     RunSearch& told = outcome.searches.emplace_back(RunSearch{runs[search.query].folder, {}, search});
     for (const std::size_t k : search.searched_in) told.searched_in.push_back(runs[k].folder);

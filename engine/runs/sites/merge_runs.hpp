@@ -52,9 +52,17 @@ struct RunSearch {
   SessionSearch search;
 };
 
+/// Two runs with scans that are the same measurements, as a run and its edited copy have them.
+struct SharedRuns {
+  std::string run;  ///< folders
+  std::string with;
+  std::size_t keyframes = 0;  ///< that both have
+};
+
 struct MergeOutcome {
   std::vector<JoinedSite> sites;
   std::vector<RunSearch> searches;
+  std::vector<SharedRuns> shared;
   std::string report;  ///< the text of merge.json
 };
 

@@ -3,6 +3,7 @@
 #include "gdtslam/mapping/evaluation.hpp"
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -249,6 +250,21 @@ TEST(EvaluateReference, AlignmentIsOptimal) {
 TEST(EvaluateReference, TooFewCommonStampsAreAnError) {
   EXPECT_THROW(evaluate_reference({{0, {}}, {1, {}}}, {{0, {}}, {7, {}}}, {}), InputError);
   EXPECT_THROW(evaluate_reference({}, {}, {}), InputError);
+}
+
+// Three poses a metre apart of one stamp would each be held against the last of them: errors of up to two metres for a
+// trajectory that is its own reference.
+TEST(EvaluateReference, StampsThatAreAllOneAreAnError) {
+  const Trajectory still_clock{{5.0, {}}, {5.0, {1.0, 0.0, 0.0}}, {5.0, {2.0, 0.0, 0.0}}};
+  try {
+    static_cast<void>(evaluate_reference(still_clock, still_clock, {}));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("the 3 poses whose stamps occur in the reference all meet one pose"));
+  }
+  Trajectory moves_on = still_clock;
+  moves_on[2].stamp_s = 6.0;
+  EXPECT_EQ(evaluate_reference(moves_on, moves_on, {}).matched, 3U);
 }
 
 // The public logs' own odometry against their verified relations: published figures, so this tests the metric, the

@@ -187,6 +187,16 @@ TEST_F(FollowedRun, ADriveThatIsStoppedOrEmpty) {
   }
 }
 
+// A scan is held against whole cells: where the run's matches left less than one, one is the limit.
+TEST(FitLimit, IsOneCellAtLeast) {
+  const std::string& folder = ring_run().folder;
+  const double by_run_m = RunReader(folder).summary().match_p99_m.value();
+  EXPECT_EQ(fit_limit_of(folder, by_run_m).source, FitLimit::Source::kRun);
+  EXPECT_EQ(fit_limit_of(folder, by_run_m).distance_m, by_run_m);
+  EXPECT_EQ(fit_limit_of(folder, 1.5 * by_run_m).source, FitLimit::Source::kCell);
+  EXPECT_EQ(fit_limit_of(folder, 1.5 * by_run_m).distance_m, 1.5 * by_run_m);
+}
+
 TEST(FitLimit, IsThatOfTheRunElseTwoCells) {
   const std::string& folder = ring_run().folder;
   EXPECT_EQ(fit_limit_of(folder, 0.025).source, FitLimit::Source::kRun);

@@ -10,8 +10,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array kFitSources{"option", "run", "resolution"};    // as FitLimit::Source has them
-constexpr std::array kFieldSources{"distances", "occupied-cells"};  // as MapField::Source has them
+constexpr std::array kFitSources{"option", "run", "resolution", "cell"};  // as FitLimit::Source has them
+constexpr std::array kFieldSources{"distances", "occupied-cells"};        // as MapField::Source has them
 
 }  // namespace
 
@@ -19,6 +19,7 @@ std::string fit_text(const FitLimit& fit) {
   const char* why = "as --poor-fit says";
   if (fit.source == FitLimit::Source::kRun) why = "99 of 100 matches of the run left no more";
   if (fit.source == FitLimit::Source::kResolution) why = "two cells of the map, as no run tells how well its scans fit";
+  if (fit.source == FitLimit::Source::kCell) why = "one cell of the map, as 99 of 100 matches of the run left less";
   return fmt::format("a mean distance of more than {:.1f} mm is a poor fit: {}\n", 1000.0 * fit.distance_m, why);
 }
 

@@ -62,6 +62,12 @@ std::string text_of(const RunSearch& search) {
                      overlap.fixes.size(), overlap.alone);
 }
 
+std::string text_of(const SharedRuns& pair) {
+  return fmt::format("{} and {} have {} in common, which {} twice: name one of them, unless that is meant\n",
+                     printable(pair.run), printable(pair.with), count_of(pair.keyframes, "scan"),
+                     pair.keyframes == 1 ? "counts" : "count");
+}
+
 int merge(const MergeCommand& command) {
   MergeRequest request = command.request;
   if (request.runs.size() < 2) throw UsageError("one run has nothing to be joined with: name two or more");
@@ -82,6 +88,7 @@ int merge(const MergeCommand& command) {
   std::string text;
   for (const JoinedSite& site : outcome.sites) text += text_of(site);
   for (const RunSearch& search : outcome.searches) text += text_of(search);
+  for (const SharedRuns& pair : outcome.shared) text += text_of(pair);
   print_result(text);
   return static_cast<int>(ExitCode::kDone);
 }

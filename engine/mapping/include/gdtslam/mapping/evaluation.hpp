@@ -86,7 +86,7 @@ struct ReferenceOptions {
   double rpe_distance_m = 1.0;
   bool align = true;  ///< rigid alignment; otherwise the first poses are made to agree
 };
-/// Throws InputError when fewer than two stamps match.
+/// Throws InputError when fewer than two stamps match, or all that do meet one pose of the reference.
 ReferenceReport evaluate_reference(const Trajectory& estimate, const Trajectory& reference,
                                    const ReferenceOptions& options);
 
