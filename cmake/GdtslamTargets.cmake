@@ -33,6 +33,9 @@ endif()
 if(GDTSLAM_WERROR)
   target_compile_options(gdtslam_options INTERFACE -Werror)
 endif()
+# Of the libraries that an archive names, those that nothing asks for are not loaded: some compilers say so to the linker,
+# others do not.
+add_link_options(LINKER:--as-needed)
 if(GDTSLAM_SANITIZE)
   add_compile_options(-fsanitize=${GDTSLAM_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${GDTSLAM_SANITIZE})
