@@ -32,6 +32,7 @@ class Changes(unittest.TestCase):
                 ("extremum", "  return std::min(a, b);", ["return std::max(a, b);"]),
                 ("condition", "  if (a && b) {", ["if (!(a && b)) {"]),
                 ("dropped call", "  folder.sync();", [";"]),
+                ("dropped call", "  chosen.reserve(indices.size());", []),
                 ("dropped sync", "  if (::fsync(file) != 0) fail();", ["if (0 != 0) fail();"]),
                 ("dropped lock", "  const std::lock_guard lock(mutex_);", [";"]),
                 ("dropped lock", "  return ::flock(file, LOCK_EX) == 0;", ["return 0 == 0;"])):

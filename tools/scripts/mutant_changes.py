@@ -12,7 +12,7 @@ ANGLE = (r"(?<![\w.&*>~-])(?<!double )(?<!float )(?<!_t )(?<!auto )(?<!const )((
          r"(?:\w*_rad|\w*theta|\w*yaw|\w*bearing|\w*heading)_?)(?=\)|,|;| [-+*/<>] )")
 
 # The kind, the pattern of the code, what takes its place where a table says it. As clang-format leaves the code, an operator
-# between two values has blanks around it, and brackets of templates have none.
+# between two values has blanks around it, and brackets of templates have none. Room that is reserved or not changes nothing.
 CHANGES = [
     ("comparison", re.compile(r" (<|<=|>|>=|==|!=) "), {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "=="}),
     ("sign", re.compile(r"(?<=[\w)\]]) ([+-]|[+-]=) "), {"+": "-", "-": "+", "+=": "-=", "-=": "+="}),
@@ -22,7 +22,8 @@ CHANGES = [
     ("logic", re.compile(r" (&&|\|\|) "), {"&&": "||", "||": "&&"}),
     ("extremum", re.compile(r"std::(min|max)(?=\()"), {"min": "max", "max": "min"}),
     ("condition", re.compile(r"^\s*(?:\} else )?if (\()(?!constexpr)(?=.*\)(?: \{| \w.*;)$)"), {"(": "(!"}),
-    ("dropped call", re.compile(r"^\s+((?!return|throw|delete|co_|using|static_assert|assert)[\w.:>-]+\(.*\);)$"), None),
+    ("dropped call", re.compile(r"^\s+((?!return|throw|delete|co_|using|static_assert|assert)(?!\S+\.reserve\()[\w.:>-]+\(.*\);)$"),
+     None),
     ("dropped sync", re.compile(r"(::(?:fsync|fdatasync|syncfs)\([^()]*(?:\([^()]*\))?[^()]*\))"), {}),
     ("dropped lock", re.compile(r"(::flock\([^()]*(?:\([^()]*\))?[^()]*\))"), {}),
     ("dropped lock", re.compile(r"^\s+((?:const )?std::(?:lock_guard|scoped_lock|unique_lock)\b.*;)$"), None),
