@@ -320,7 +320,6 @@ void RunFolder::commit() {
   }
   holds_only_copy_ = false;
   names_.clear();
-  gone_.clear();
   std::error_code ignored;  // they are in nobody's way
   stays_ = false;
   for (const fs::path& leftover : leftovers_in(folder_, lock_->is_held(), staging_)) remove_tree(leftover, ignored);

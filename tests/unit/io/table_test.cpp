@@ -161,6 +161,15 @@ TEST(JsonLines, NameWhatIsWrong) {
   EXPECT_EQ(log.warned("key not used"), 1U);
 }
 
+// Sixteen brackets may stand within the outermost one of a value that nobody reads.
+TEST(JsonLines, SkipBracketsInBracketsToADepth) {
+  const auto line_of = [](std::size_t brackets) {
+    return "{\"stamp\":1,\"odom\":[1,2,3],\"extra\":" + std::string(brackets, '[') + std::string(brackets, ']') + "}\n";
+  };
+  EXPECT_EQ(read_lines(line_of(17)).of<Odometry>().size(), 1U);
+  EXPECT_THAT(json_error(line_of(18)), HasSubstr("fewer brackets in brackets"));
+}
+
 TEST(Table, StatedOptionsBeatTheFile) {
   const ReadOptions options{
       .first_bearing_rad = 0.5, .bearing_step_rad = 0.25, .max_range_m = 9.0, .T_base_laser = Pose2{1.0, 0.0, 0.0}};

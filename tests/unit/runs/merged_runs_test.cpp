@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "engine/runs/folder/run_reader.hpp"
+#include "engine/runs/sites/site_places.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
@@ -138,6 +139,18 @@ TEST_F(MergedRunsTest, TheirOrderDoesNotMatterAndOldPathsGo) {
   EXPECT_EQ(merge_runs(request_).report, merged_once().report);
   EXPECT_FALSE(fs::exists(third));
   EXPECT_TRUE(fs::exists(request_.folder + "/1/session-2.tum"));
+}
+
+// Of folders with the files of a site those count whose names are the numbers of sites, and larger.
+TEST_F(MergedRunsTest, EarlierSitesAreThoseWithNumbers) {
+  for (const char* name : {"1", "2", "10", "03", "0", "4x", "x", "-5", "99999999999999999999999"}) {
+    fs::copy(merged_once().outcome.sites.front().folder, folder_.path(name));
+  }
+  fs::create_directory(folder_.path("3"));
+  const std::string folder = fs::path(folder_.path("1")).parent_path().string();
+  EXPECT_THAT(sites_beyond(folder, 1), testing::ElementsAre(folder_.path("10"), folder_.path("2")));
+  EXPECT_THAT(sites_beyond(folder, 2), testing::ElementsAre(folder_.path("10")));
+  EXPECT_THAT(sites_beyond(folder, 10), testing::IsEmpty());
 }
 
 TEST_F(MergedRunsTest, WhatCannotBeJoined) {
