@@ -15,6 +15,8 @@ constexpr double kNarrowing = 1.6;     // of the kernel, from step to step
 constexpr double kWidest = 1.0e6;      // in units of its final scale
 constexpr double kSlightlyWide = 4.0;  // where a graph changed by little
 constexpr int kMostSteps = 100;
+constexpr double kFarWorse = 100.0;  // times the cost: somewhat more may have other loops, and be right
+constexpr int kMostHalvings = 12;    // of a step that makes things worse
 constexpr double kUnsolved = 1.0e6;  // variance of what a graph without a solution tells
 
 BlockSystem system_for(const PoseGraph& graph) {
@@ -114,8 +116,49 @@ void PoseGraph::weigh_loops(double scale) {
   }
 }
 
+// Of the path by least squares, of loops by the kernel of its final scale, whatever their weights.
+double PoseGraph::cost() const {
+  double sum = 0.0;
+  for (const PoseRelation& relation : path) sum += chi2_of(relation, poses[relation.from], poses[relation.to]);
+  for (const Loop& loop : loops) {
+    const double chi2 = chi2_of(loop.relation, poses[loop.relation.from], poses[loop.relation.to]);
+    sum += kScale * chi2 / (kScale + chi2);
+  }
+  return sum;
+}
+
+// As optimise() without a wide kernel, each step as far only as it makes things better.
+void PoseGraph::descend() {
+  BlockSystem system = system_for(*this);
+  BlockCholesky factor(system);
+  double least = cost();
+  for (int step = 0; step < kMostSteps; ++step) {
+    weigh_loops(kScale);
+    fill(*this, system);
+    hold_first(system);
+    if (!factor.factorise(system)) return;
+    std::vector<Tangent2> steps = system.right;
+    factor.solve(steps);
+    const std::vector<Pose2> before = poses;
+    double moved_m = move_by(steps, poses);
+    for (int halvings = 0; !(cost() < least); ++halvings) {
+      poses = before;
+      if (halvings == kMostHalvings) return;
+      for (Tangent2& part : steps) part = {0.5 * part[0], 0.5 * part[1], 0.5 * part[2]};
+      moved_m = move_by(steps, poses);
+    }
+    least = cost();
+    if (moved_m < kStill_m) return;
+  }
+}
+
+// Where turns contradict the path, whole steps may lead ever farther away. Where they do not come to rest, or at a
+// far worse place, they are held against shorter ones.
 void PoseGraph::optimise(bool is_graduated) {
   if (loops.empty()) return;
+  std::vector<Pose2> before = poses;
+  const double cost_before = cost();
+  bool is_still = false;
   BlockSystem system = system_for(*this);
   BlockCholesky factor(system);
   double width = is_graduated ? std::clamp(2.0 * largest_chi2() / kScale, 1.0, kWidest) : kSlightlyWide;
@@ -123,7 +166,14 @@ void PoseGraph::optimise(bool is_graduated) {
     weigh_loops(width * kScale);
     fill(*this, system);
     const double moved_m = take_step(system, factor, poses);
-    if (moved_m < 0.0 || (width <= 1.0 && moved_m < kStill_m)) break;
+    is_still = width <= 1.0 && moved_m < kStill_m;
+    if (moved_m < 0.0 || is_still) break;
+  }
+  if (!is_still || !(cost() <= kFarWorse * (cost_before + kScale))) {
+    const double by_whole_steps = cost();
+    poses.swap(before);
+    descend();
+    if (by_whole_steps <= cost()) poses.swap(before);
   }
   weigh_loops(kScale);
 }

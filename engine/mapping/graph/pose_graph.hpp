@@ -55,7 +55,8 @@ class PoseGraph {
   std::vector<Loop> loops;
 
   /// Least squares over path and loops. `is_graduated` starts from a kernel so wide that every loop counts and narrows
-  /// it; otherwise from the poses as they are, for a graph that changed by little.
+  /// it; otherwise from the poses as they are, for a graph that changed by little. What comes out is never worse than
+  /// what was there before.
   void optimise(bool is_graduated);
   /// Plain least squares with the weights as they are; the poses stay where it has no solution.
   void settle();
@@ -63,6 +64,8 @@ class PoseGraph {
  private:
   void weigh_loops(double scale);
   [[nodiscard]] double largest_chi2() const;
+  [[nodiscard]] double cost() const;
+  void descend();
 };
 
 /// How sure relative poses of a graph are, at its present poses and weights.

@@ -14,6 +14,8 @@ Prediction MotionEstimate::predict(MotionModel& model, const std::optional<Pose2
   const std::optional<Pose2> before = T_odom_last_;
   Prediction prediction = model.predict(corrected(T_odom_base));
   is_measured_ = prediction.by_odometry;
+  T_map_last_ = model.pose();
+  stands_ = stands_ && !is_measured_;
   if (is_measured_) {
     step_ = model.has_caught_up() ? between(model.pose(), prediction.T_map_base) : between(*before, *T_odom_base);
     noise_ = wheels_.of(prediction.travelled_m, prediction.turned_rad);
@@ -64,7 +66,11 @@ void MotionEstimate::take(MatchResult& result, bool is_matched, std::span<const 
   continued_.take(result.T_map_base, result.accepted);
 }
 
+// A robot that has not moved yet stands for as long as its scans fit where it is as well as anywhere: along a corridor
+// they would else wander, and the motion go on.
 void MotionEstimate::settle(MatchResult& result, const KeptScan& scan, const FitsAsWell& fits_as_well) {
+  stands_ = stands_ && fits_as_well(T_map_last_, result.T_map_base);
+  if (stands_) result.T_map_base = T_map_last_;
   const Matrix3 information = match_information(scan);
   const PoseFilter::Fused fused = filter_.fused_with(result.T_map_base, information);
   const bool is_leap = !fused.is_possible && !is_within_reach(going_on_, result.T_map_base);

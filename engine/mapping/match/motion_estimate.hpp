@@ -38,6 +38,8 @@ class MotionEstimate {
   std::optional<Pose2> odometry_;  // of the scan in hand
   std::optional<Pose2> T_odom_last_;
   bool has_moved_ = false;  // the odometry, ever
+  bool stands_ = true;      // since the log began, as far as scans tell; what odometry measures is believed instead
+  Pose2 T_map_last_;        // of the scan before
   Pose2 T_odom_corrected_;
   Pose2 step_;                // by odometry, as it was logged
   UncertainPose going_on_;    // the pose if the motion goes on, whatever the odometry says

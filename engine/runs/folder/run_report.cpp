@@ -11,6 +11,7 @@
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/io/sha256.hpp"
+#include "engine/mapping/map/store/field_store.hpp"
 #include "engine/runs/folder/run_files.hpp"
 #include "engine/runs/folder/run_pictures.hpp"
 #include "engine/runs/folder/snapshot_folder.hpp"
@@ -240,9 +241,19 @@ Json run_report(const RunFacts& facts, const MapOutcome& outcome, const WrittenH
   return report;
 }
 
+// A few scans that lie far away stretch a picture, in which all between them has its cells, beyond what any disk holds.
+void require_bounded(const GridGeometry& geometry, std::uint64_t max_cells) {
+  const auto width = static_cast<std::uint64_t>(geometry.width);
+  const auto height = static_cast<std::uint64_t>(geometry.height);
+  if (width == 0 || height <= max_cells / width) return;
+  throw InputError(fmt::format("the map is {} x {} cells{}; few scans that lie far away may be why", width, height,
+                               limit_of_option(max_cells)));
+}
+
 }  // namespace
 
 WrittenField write_run_field(RunFolder& folder, const MapJob& job, const GlobalField& field, RunTimes& times) {
+  require_bounded(field.geometry(), static_cast<std::uint64_t>(job.mapper.map.max_megacells) << 20U);
   if (job.finishing) job.finishing("gdt.png");
   folder.staged("gdt.png");
   write_distance_field(folder.staged("gdt.yaml"), rows_of(field));

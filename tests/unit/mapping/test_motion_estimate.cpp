@@ -31,7 +31,7 @@ class Drive : public testing::Test {
     result.T_map_base = T_map_matched;
     result.accepted = true;
     is_by_odometry_ = prediction.by_odometry;
-    estimate_.take(result, true, room(), [](const Pose2&, const Pose2&) { return false; });
+    estimate_.take(result, true, room(), [this](const Pose2&, const Pose2&) { return fits_as_well_; });
     model_.correct(result.T_map_base, result.accepted);
     return result;
   }
@@ -39,6 +39,7 @@ class Drive : public testing::Test {
   MotionModel model_{OdometryConfig{}};
   MotionEstimate estimate_;
   bool is_by_odometry_ = false;
+  bool fits_as_well_ = false;  // at the first pose as at the second
 };
 
 TEST_F(Drive, OdometryThatNeverMovedIsNone) {
@@ -85,6 +86,25 @@ TEST_F(Drive, WhereTheOdometryLeapsTheMatchStands) {
   EXPECT_TRUE(result.accepted);
   EXPECT_NEAR(result.T_map_base.x_m, pose.x_m, 0.05);
   EXPECT_NEAR(result.T_map_base.theta_rad, pose.theta_rad, 0.02);
+}
+
+// A match along a corridor may be anywhere. Who has not moved yet stands for as long as the scan fits there, too, and
+// is not held once it did move.
+TEST_F(Drive, WhoStandsIsMovedByNoMatchThatFitsThereAsWell) {
+  fits_as_well_ = true;
+  const Pose2 odometry{5.0, 6.0, 0.7};
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(drive_to({0.03 * i, 0.0, 0.0}, odometry).T_map_base, Pose2{}) << i;
+  fits_as_well_ = false;
+  EXPECT_NEAR(drive_to({0.1, 0.0, 0.0}, odometry).T_map_base.x_m, 0.1, 0.01);
+  fits_as_well_ = true;
+  EXPECT_GT(drive_to({0.2, 0.0, 0.0}, odometry).T_map_base.x_m, 0.12);
+}
+
+TEST_F(Drive, WhatOdometryMeasuresIsNotHeld) {
+  fits_as_well_ = true;
+  drive_to({}, Pose2{});
+  EXPECT_NEAR(drive_to(kMotion, kMotion).T_map_base.x_m, kMotion.x_m, 0.01);
+  EXPECT_NEAR(drive_to(kMotion * kMotion, std::nullopt).T_map_base.x_m, (kMotion * kMotion).x_m, 0.02);
 }
 
 // Odometry that comes and goes: where it is missing the motion goes on as it did, not as far as over the gap.
