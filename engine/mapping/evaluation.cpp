@@ -29,6 +29,7 @@ struct Errors {
 };
 
 struct MatchedPose {
+  double stamp_s;
   Pose2 T_map_base;
   Pose2 T_reference_base;
 };
@@ -84,7 +85,7 @@ std::vector<MatchedPose> matched_by_stamp(const Trajectory& estimate, const Traj
     if (!k) continue;
     if (!first) first = k;
     is_one = is_one && *k == *first;
-    matched.push_back({pose.T_map_base, reference[*k].T_map_base});
+    matched.push_back({pose.stamp_s, pose.T_map_base, reference[*k].T_map_base});
   }
   if (matched.size() < 2) {
     throw InputError("only " + std::to_string(matched.size()) + " of " + std::to_string(estimate.size()) +
@@ -98,13 +99,30 @@ std::vector<MatchedPose> matched_by_stamp(const Trajectory& estimate, const Traj
   return matched;
 }
 
-// Pairs of poses that are the stated length of reference path apart, one pair per start [Sturm2012].
-Errors relative_errors(const std::vector<MatchedPose>& matched, double distance_m) {
+// The reference's path up to each pose.
+std::vector<double> path_along(const std::vector<MatchedPose>& matched) {
   std::vector<double> path_m(matched.size(), 0.0);
   for (std::size_t k = 1; k < matched.size(); ++k) {
     const Point2 step = matched[k].T_reference_base.translation() - matched[k - 1].T_reference_base.translation();
     path_m[k] = path_m[k - 1] + step.norm();
   }
+  return path_m;
+}
+
+// A path is driven in the order of its stamps, whatever that of the rows; but a log whose clock stepped back is right
+// in the order of its rows, and by its stamps the robot would leap to and fro: then the rows make the shorter path.
+std::vector<MatchedPose> in_order_of_travel(std::vector<MatchedPose> by_rows) {
+  std::vector<MatchedPose> by_stamps = by_rows;
+  std::stable_sort(by_stamps.begin(), by_stamps.end(),
+                   [](const MatchedPose& a, const MatchedPose& b) { return a.stamp_s < b.stamp_s; });
+  constexpr double kRounding = 1e-9;  // the sum of the same steps from the other end
+  const bool rows_are_right = path_along(by_rows).back() < (1.0 - kRounding) * path_along(by_stamps).back();
+  return rows_are_right ? std::move(by_rows) : std::move(by_stamps);
+}
+
+// Pairs of poses that are the stated length of reference path apart, one pair per start [Sturm2012].
+Errors relative_errors(const std::vector<MatchedPose>& matched, double distance_m) {
+  const std::vector<double> path_m = path_along(matched);
   Errors errors;
   for (std::size_t i = 0; i < matched.size(); ++i) {
     const auto end =
@@ -187,7 +205,7 @@ ReferenceReport evaluate_reference(const Trajectory& estimate, const Trajectory&
     absolute.add((aligned.translation() - m.T_reference_base.translation()).norm(),
                  yaw_error_deg(aligned.theta_rad, m.T_reference_base.theta_rad));
   }
-  const Errors relative = relative_errors(matched, options.rpe_distance_m);
+  const Errors relative = relative_errors(in_order_of_travel(matched), options.rpe_distance_m);
   report.ate_m = summarise(absolute.translation_m);
   report.ate_rotation_deg = summarise(absolute.rotation_deg);
   report.rpe_m = summarise(relative.translation_m);
