@@ -64,6 +64,15 @@ void check_place(double x_m, double y_m, const FilePosition& position) {
                    fmt::format("({:g}, {:g}) is no place: x and y are metres, {:g} at most", x_m, y_m, kFarthest_m));
 }
 
+// A whole turn either way, and what its decimals were rounded by.
+void check_turn(double yaw_rad, const FilePosition& position) {
+  constexpr double kMost_rad = kTwoPi + 0.001;
+  if (std::fabs(yaw_rad) <= kMost_rad) return;
+  throw InputError(position, fmt::format("the yaw of {:g} rad is more than a whole turn; is it in degrees? "
+                                         "A row is `t1 t2 x y z roll pitch yaw` in metres and radians",
+                                         yaw_rad));
+}
+
 /// Yaw of a quaternion of any length; rotations about z and others alike.
 double yaw_of(double x, double y, double z, double w) {
   return atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z);
@@ -117,6 +126,7 @@ std::vector<Relation> read_relations(const std::string& path) {
   for_each_row(open_file_source(path), path, "t1 t2 x y z roll pitch yaw",
                [&](const Row& row, const FilePosition& position) {
                  check_place(row[2], row[3], position);
+                 check_turn(row[7], position);
                  relations.push_back({row[0], row[1], {row[2], row[3], wrap_angle(row[7])}});
                });
   return relations;

@@ -91,6 +91,19 @@ TEST(Relations, ReadsRows) {
   EXPECT_NEAR(relations[0].T_1_2.theta_rad, 3.5 - 2.0 * kPi, 1e-12);
 }
 
+TEST(Relations, AYawBeyondAWholeTurnIsAskedForItsUnit) {
+  const TemporaryFolder folder;
+  const auto error_of = [&](const std::string& yaw) {
+    put_file(folder / "r", "# t1 t2 x y z roll pitch yaw\n1 2 3 4 0 0 0 " + yaw + "\n");
+    return told_by<InputError>([&] { read_relations(folder / "r"); }, "");
+  };
+  for (const char* yaw : {"0", "3.1416", "-3.1416", "6.2832", "-6.2832"}) EXPECT_EQ(error_of(yaw), "") << yaw;
+  for (const char* yaw : {"6.3", "-6.3", "90"}) {
+    EXPECT_THAT(error_of(yaw), HasSubstr("r:2: the yaw of " + std::string(yaw) + " rad")) << yaw;
+    EXPECT_THAT(error_of(yaw), HasSubstr("is it in degrees?")) << yaw;
+  }
+}
+
 TEST(RelationsRealData, HaveTheirKnownCounts) {
   GDTSLAM_REAL_DATA(intel, "slam2d/intel.relations.gz");
   GDTSLAM_REAL_DATA(fr079, "slam2d/fr079.relations.gz");
