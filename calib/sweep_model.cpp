@@ -76,14 +76,11 @@ std::string does_not_turn_fully(const SweepModel& model, double crank_rad) {
 
 using Faults = std::vector<std::string>;
 
-constexpr double kLeastBar_m = 0.001;
-constexpr double kMostBar_m = 1.0;
 constexpr std::int64_t kMostTicks = std::int64_t{1} << 30;
 
 std::string metres(double value_m) { return format_quantity(value_m, Unit::kMetre); }
 std::string number(double value) { return format_quantity(value, Unit::kNone); }
 
-// A bar of a nodding mount is a hand's length; what is far off was most likely written in another unit.
 void check_bar(const char* name, double length_m, Faults& faults) {
   const std::string is = std::string("bars.") + name + " = " + metres(length_m);
   if (!(length_m > 0.0) || !std::isfinite(length_m)) {

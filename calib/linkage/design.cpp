@@ -24,7 +24,7 @@ struct Reached {
 };
 
 double longest_bar_m(const DesignGoal& goal) {
-  return goal.longest_bar_m.value_or(kDefaultLongestRatio * goal.most_crank_m);
+  return goal.longest_bar_m.value_or(std::min(kDefaultLongestRatio * goal.most_crank_m, kMostBar_m));
 }
 
 /// The best linkage with a crank of that length, bars up to `longest_m`.
@@ -52,6 +52,16 @@ void require(bool condition, const std::string& message) {
   }
 }
 
+/// A designed linkage has to be one that validate() takes.
+void require_bars_of_a_mount(const DesignGoal& goal) {
+  require(goal.least_crank_m >= kLeastBar_m,
+          "a crank of " + number_text(1000.0 * goal.least_crank_m) + " mm is shorter than 1 mm; check its unit");
+  require(goal.most_crank_m <= kMostBar_m,
+          "a crank of " + cm_text(goal.most_crank_m) + " cm is longer than 1 m; check its unit");
+  require(longest_bar_m(goal) <= kMostBar_m,
+          "a longest bar of " + cm_text(longest_bar_m(goal)) + " cm is longer than 1 m; check its unit");
+}
+
 /// Every number of the goal by itself.
 void require_sound(const DesignGoal& goal) {
   require(goal.swing_rad > 0.0 && goal.swing_rad < kPi,
@@ -66,6 +76,7 @@ void require_sound(const DesignGoal& goal) {
   require(longest_bar_m(goal) > goal.least_crank_m && std::isfinite(longest_bar_m(goal)),
           "the longest bar, " + cm_text(longest_bar_m(goal)) + " cm, must be longer than the shortest crank, " +
               cm_text(goal.least_crank_m) + " cm");
+  require_bars_of_a_mount(goal);
 }
 
 /// What no lengths can give, with the swing alone at fault.
@@ -101,6 +112,10 @@ std::optional<double> sufficient_length_m(const DesignGoal& goal, double crank_m
 
 std::string cause_text(const DesignGoal& goal, double crank_m) {
   if (const std::optional<double> enough = sufficient_length_m(goal, crank_m)) {
+    if (*enough > kMostBar_m) {
+      return "a bar is at most 1 m long: allow a crank of " + number_text(100.0 * crank_m * kMostBar_m / *enough, 3) +
+             " cm";
+    }
     return "the bars are too short: allow a longest bar of " + number_text(100.0 * *enough, 3) +
            " cm (or as much shorter a crank)";
   }

@@ -153,6 +153,25 @@ def linkage_design_is_a_linkage():
     xml.fromstring((folder / "mine.svg").read_bytes())
 
 
+def linkage_design_has_bars_that_are_read():
+    """However large the crank is asked for, what -o writes is read again; else one line and no file."""
+    folder = cli.fresh_folder("linkage_design_bars")
+    for crank in ("1mm", "20cm", "30cm", "20..90cm"):
+        expect_exit(command("linkage", "--design", "--crank", crank, "-o", folder / "mine.yaml"), 0)
+        expect_exit(command("linkage", folder / "mine.yaml"), 0)
+        (folder / "mine.yaml").unlink()
+    for goal in (("--crank", "1um"), ("--crank", "2m"), ("--longest", "1.2m")):
+        process = command("linkage", "--design", *goal, "-o", folder / "mine.yaml")
+        expect_exit(process, 78)
+        cli.one_error_line(process.stderr)
+        expect(not (folder / "mine.yaml").exists(), f"{goal}: a linkage was written")
+    large = ("--min-transmission", "44.6deg")
+    process = command("linkage", "--design", "--crank", "30cm", *large)
+    expect_exit(process, 78)
+    crank_cm = float(re.search("a bar is at most 1 m long: allow a crank of ([0-9.]+) cm", process.stderr)[1])
+    expect_exit(command("linkage", "--design", "--crank", f"{0.99 * crank_cm}cm", "--longest", "1m", *large), 0)
+
+
 def linkage_of_any_class():
     """Linkages that are no crank-rocker are shown with what they are; those that cannot close are refused with line and numbers."""
     folder = cli.fresh_folder("linkage_class")

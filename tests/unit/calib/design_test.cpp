@@ -222,5 +222,27 @@ TEST(Design, RefusesNumbersThatAreNoGoal) {
   EXPECT_THAT(with([](DesignGoal& g) { g.longest_bar_m = 0.02; }), HasSubstr("longest bar"));
 }
 
+// The reader of linkages takes bars of 1 mm to 1 m, so no other are designed.
+TEST(Design, BarsAreThoseThatAreRead) {
+  const auto with_crank = [](double least_m, double most_m, std::optional<double> longest_m) {
+    DesignGoal goal;
+    goal.least_crank_m = least_m;
+    goal.most_crank_m = most_m;
+    goal.longest_bar_m = longest_m;
+    return goal;
+  };
+  for (const DesignGoal& goal : {with_crank(0.001, 0.001, {}), with_crank(0.2, 0.3, {}), with_crank(0.26, 1.0, 1.0)}) {
+    for (const Design& found : design(goal, 5)) {
+      for (const double bar_m : {found.bars.crank_m, found.bars.coupler_m, found.bars.rocker_m, found.bars.ground_m}) {
+        EXPECT_GE(bar_m, 0.001);
+        EXPECT_LE(bar_m, 1.0);
+      }
+    }
+  }
+  EXPECT_THAT(message_of(with_crank(1e-6, 1e-6, {})), HasSubstr("a crank of 0.001 mm is shorter than 1 mm"));
+  EXPECT_THAT(message_of(with_crank(0.5, 1.1, {})), HasSubstr("a crank of 110 cm is longer than 1 m"));
+  EXPECT_THAT(message_of(with_crank(0.03, 0.05, 1.2)), HasSubstr("a longest bar of 120 cm is longer than 1 m"));
+}
+
 }  // namespace
 }  // namespace gdtslam::calib

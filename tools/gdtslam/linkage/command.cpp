@@ -232,8 +232,8 @@ void add_design_options(CLI::App& command, LinkageCommand& chosen) {
   add("--crank", chosen.goal.crank, "Length of the crank, or a range of it [3..5cm]", "RANGE");
   add("--time-ratio", chosen.goal.time_ratio, "Slow over quick stroke, met exactly [any: the one that transmits best]",
       "RATIO");
-  add("--longest", chosen.goal.longest, "Longest bar; longer ones transmit better [4 times the longest crank]",
-      "LENGTH");
+  add("--longest", chosen.goal.longest,
+      "Longest bar; longer ones transmit better [4 times the longest crank, at most 1m]", "LENGTH");
   constexpr int kMostDesigns = 100;
   command
       .add_option("--count", chosen.count, "Number of linkages, of different shapes spread over all that meet the goal")

@@ -56,7 +56,8 @@ struct DesignGoal {
   std::optional<double> time_ratio;  ///< slow over quick stroke, met exactly; nothing: any
   double least_crank_m = 0.03;
   double most_crank_m = 0.05;
-  std::optional<double> longest_bar_m;  ///< nothing: four times the longest crank. A long bar transmits better
+  /// Nothing: four times the longest crank, and at most kMostBar_m. A long bar transmits better.
+  std::optional<double> longest_bar_m;
 };
 /// A linkage that meets a goal, with what it does over a turn.
 struct Design {

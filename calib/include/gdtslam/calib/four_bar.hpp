@@ -22,6 +22,10 @@ struct FourBar {
   double ground_m = 0.0;
 };
 
+/// The bars of a nodding mount are a hand's length; what is far off was most likely written in another unit.
+inline constexpr double kLeastBar_m = 0.001;
+inline constexpr double kMostBar_m = 1.0;
+
 enum class Assembly : std::uint8_t { kOpen, kCrossed };
 
 /// By Grashof's inequality and the place of the shortest bar.
