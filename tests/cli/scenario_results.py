@@ -26,6 +26,19 @@ def accuracy_of_the_sample():
     expect(error_m["working"] < 0.04 and error_m["literal"] > 0.2, f"errors {error_m}")
 
 
+def nothing_measured_is_no_perfect_fit():
+    """Of one scan nothing was laid on another: the report has null, the text no millimetres, and readers take it."""
+    folder = cli.fresh_folder("nothing_measured") / "run"
+    process = command("map", cli.LOG, "--first", 1, "-o", folder)
+    expect_exit(process, 0)
+    expect("loops: 0 of 0 hold; no scan was laid on another" in process.stdout and " mm" not in process.stdout, process.stdout)
+    text = (folder / "report.json").read_text()
+    cli.validate(text, "report")
+    loops = json.loads(text)["loops"]
+    expect(loops["pairs"] == 0 and loops["rms_m"] is None, f"{loops}")
+    expect_exit(command("doctor", "--after", folder), 0)
+
+
 def report_adds_up():
     """report.json agrees with the other files of the run."""
     report = scans_in(RUN)

@@ -41,6 +41,10 @@ double ReportReader::number(const char* key) const {
   return value.get<double>();
 }
 
+std::optional<double> ReportReader::number_or_null(const char* key) const {
+  return at(key).is_null() ? std::nullopt : std::optional(number(key));
+}
+
 bool ReportReader::truth(const char* key) const {
   const Json& value = at(key);
   if (!value.is_boolean()) fail(fmt::format("{} is neither true nor false", named(key)));

@@ -34,6 +34,8 @@ class ReportReader {
   /// A whole number below `end`.
   [[nodiscard]] std::size_t index(const char* key, std::uint64_t end) const;
   [[nodiscard]] double number(const char* key) const;
+  /// Nothing for null, which stands for what was not measured.
+  [[nodiscard]] std::optional<double> number_or_null(const char* key) const;
   [[nodiscard]] bool truth(const char* key) const;
   [[nodiscard]] std::string text(const char* key) const;
   [[nodiscard]] GridGeometry geometry(const char* key) const;

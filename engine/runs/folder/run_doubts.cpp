@@ -33,7 +33,7 @@ LoopFindings loop_findings(const ReportReader& report, std::uint64_t scans) {
   const ReportReader loops = report.section("loops");
   const ReportReader uncertain = report.section("uncertain");
   LoopFindings findings{.searches = loops.whole("searches"),
-                        .rms_m = loops.number("rms_m"),
+                        .rms_m = loops.number_or_null("rms_m"),
                         .loops = {},
                         .wheels = reported_wheels(report.section("wheels")),
                         .above_m = uncertain.number("above_m"),

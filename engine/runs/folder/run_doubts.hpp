@@ -15,7 +15,8 @@ namespace gdtslam {
 /// What closing the loops came to, as the report has it.
 struct LoopFindings {
   std::uint64_t searches = 0;
-  double rms_m = 0.0;  ///< of the points of keyframes from the lines of others
+  /// Of the points of keyframes from the lines of others; nothing where none were laid on each other.
+  std::optional<double> rms_m;
   /// Without what was measured, T_from_to and information, which the report does not have; angles in radians.
   std::vector<ClosedLoop> loops;
   WheelReport wheels;

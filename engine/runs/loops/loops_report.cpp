@@ -55,7 +55,7 @@ Json loops_json(const ClosedPath& closed) {
           {"searches", closed.searches},
           {"pruned", closed.pruned},
           {"pairs", closed.pairs},
-          {"rms_m", closed.rms_m},
+          {"rms_m", closed.pairs > 0 ? Json(closed.rms_m) : Json(nullptr)},
           {"closures", list}};
 }
 

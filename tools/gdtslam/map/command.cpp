@@ -72,8 +72,10 @@ std::string work_of(const MapperStatistics& s) {
 
 std::string loops_text(const ClosedPath& closed) {
   const auto on = std::count_if(closed.loops.begin(), closed.loops.end(), [](const ClosedLoop& l) { return l.is_on; });
-  return fmt::format("loops: {} of {} hold; points lie {:.1f} mm from the walls of other scans\n{}", on,
-                     closed.loops.size(), 1000.0 * closed.rms_m, uncertain_line(closed.covariances));
+  const std::string fit = closed.pairs > 0
+                              ? fmt::format("points lie {:.1f} mm from the walls of other scans", 1000.0 * closed.rms_m)
+                              : "no scan was laid on another";
+  return fmt::format("loops: {} of {} hold; {}\n{}", on, closed.loops.size(), fit, uncertain_line(closed.covariances));
 }
 
 // `waited_s` is all that the user waited for: beyond the time in report.json the last files and those of --mcap.
