@@ -1,7 +1,7 @@
 """Tests of pages without a cloud and of narrow windows, for the classes of page_browser_test that open pages."""
 import math
 
-from page_input import make_page, write_map, write_path
+from page_input import make_page, write_cloud, write_map, write_path
 
 
 class FlatAndNarrow:
@@ -38,6 +38,32 @@ class FlatAndNarrow:
         self.assertGreater(browser.value("document.getElementById('time').getBoundingClientRect().width"), 300)
         edges = browser.value("[...document.querySelectorAll('#timeline > *')].map(e => e.getBoundingClientRect().right)")
         self.assertLessEqual(max(edges), 390)
+
+    def test_the_first_view_fits_any_window(self):
+        """Until somebody looks elsewhere, all of a wide map is in the picture, also when the window becomes another."""
+        points = [(x, y, 0.0, 0.0, 0.0, 0) for x in (0.0, 40.0) for y in (0.0, 3.0) for _ in range(3)]
+        write_cloud(self.path("w.ply"), points)
+        make_page(self.path("w.html"), "--cloud", self.path("w.ply"))
+        browser = self.open(self.path("w.html"), width=1600)
+
+        def corners():
+            width, height = browser.box("#scene")[2:]
+            seen = browser.value(f"{[list(p[:3]) for p in points[::3]]}.map((p) => gdtslam.camera.pixelOf(p))")
+            return width, height, seen
+
+        for size in ((1600, 800), (700, 800), (1280, 800), (1280, 500)):
+            browser.resize(*size)
+            browser.settle()
+            width, height, seen = corners()
+            for x, y, _ in seen:
+                self.assertTrue(0 < x < width and 0 < y < height, (size, x, y))
+        browser.wheel(400, 300, 240)
+        browser.settle()
+        moved = browser.value("gdtslam.camera.state()")
+        browser.resize(900, 700)
+        browser.settle()
+        self.assertEqual(browser.value("gdtslam.camera.state()"), moved)
+        self.assert_quiet(browser)
 
 
 class NarrowLinkage:

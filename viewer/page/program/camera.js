@@ -10,6 +10,9 @@ const kPresets = {
   side: {name: 'Side', yaw: 0, pitch: 0.04},
 };
 
+const isSameView = (a, b) => a.yaw === b.yaw && a.pitch === b.pitch && a.distance === b.distance &&
+    a.target.every((value, axis) => value === b.target[axis]);
+
 /// A map without a cloud is looked at as one looks at a map.
 const kFirstPreset = description.cloud ? kPresets.iso : kPresets.top;
 

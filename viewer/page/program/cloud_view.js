@@ -74,13 +74,18 @@ class CloudView {
     const ratio = Math.min(devicePixelRatio || 1, 2);
     this.camera.width = Math.max(this.canvas.clientWidth, 1);
     this.camera.height = Math.max(this.canvas.clientHeight, 1);
-    const isFirst = !this.isSized;
     this.canvas.width = Math.round(this.camera.width * ratio);
     this.canvas.height = Math.round(this.camera.height * ratio);
     this.isSized = this.canvas.clientWidth > 0;
-    if (isFirst && this.isSized) this.camera.between(this.camera.state(), this.fitted(kFirstPreset), 1);
+    if (this.isSized && this.isUntouched()) {
+      this.camera.between(this.camera.state(), this.fitted(kFirstPreset), 1);
+      this.shown = this.camera.state();
+    }
     this.draw();
   }
+
+  /// Whether the camera still shows what the page chose: whoever has looked elsewhere keeps that view in any size.
+  isUntouched() { return !this.shown || (!this.flight && isSameView(this.shown, this.camera.state())); }
 
   fitted(preset) { return this.camera.fitting(preset.yaw, preset.pitch); }
 
