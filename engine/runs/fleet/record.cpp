@@ -15,6 +15,7 @@
 #include "engine/io/json_file.hpp"
 #include "engine/io/yaml/yaml_text.hpp"
 #include "gdtslam/core/error.hpp"
+#include "kept_run.hpp"
 #include "plan.hpp"
 
 namespace gdtslam {
@@ -106,6 +107,13 @@ std::string header_of(const std::string& plan) {
   return fmt::format("# gdtslam shard {} of plan {}\n", kTableFormat, plan);
 }
 std::string end_of(std::size_t records) { return fmt::format("# {} records\n", records); }
+
+// One of a run that was lost does not, where the log became another one before it was mapped again.
+bool holds_beside(const UnitRecord& there, const UnitRecord& record, const std::string& atlas) {
+  if (there.run == record.run)
+    return there.exit_code == record.exit_code && there.result_sha256 == record.result_sha256;
+  return !there.is_mapped() || has_report(atlas, there.run);
+}
 
 UnitRecord record_in(const Json& json) {
   if (json.at("format") != kAtlasFormat) throw InputError("is of another format than this program reads");
@@ -211,7 +219,8 @@ void write_record(const std::string& atlas, const UnitRecord& record) {
   std::error_code ignored;
   if (std::filesystem::exists(file, ignored)) {
     try {
-      if (read_record(atlas, record.unit).plan == record.plan) return;
+      const UnitRecord there = read_record(atlas, record.unit);
+      if (there.plan == record.plan && holds_beside(there, record, atlas)) return;
     } catch (const InputError&) {  // torn: it is written anew
     }
   }

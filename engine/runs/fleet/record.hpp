@@ -67,7 +67,8 @@ void require_file_or_nothing(const std::string& file);
 std::optional<RecordStamp> stamp_of_record(const std::string& atlas, std::size_t unit);
 /// Throws InputError, FileError.
 UnitRecord read_record(const std::string& atlas, std::size_t unit);
-/// Atomic; nothing where the unit has a record of the same plan. Throws FileError.
+/// Atomic; nothing where the unit has a record of the same plan that still holds: of the same result, or of a run that
+/// is there. Throws FileError.
 void write_record(const std::string& atlas, const UnitRecord& record);
 
 /// The table of a shard: a line a record, columns with tabs between them, and a last line with their number. Of the

@@ -15,6 +15,7 @@
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/yaml/yaml_text.hpp"
 #include "gdtslam/core/error.hpp"
+#include "kept_run.hpp"
 
 namespace gdtslam {
 namespace {
@@ -132,6 +133,23 @@ AtlasState read_state(const std::string& atlas, const StoredPlan& stored) {
   });
   std::copy_if(damage.begin(), damage.end(), std::back_inserter(state.damaged),
                [](const std::string& text) { return !text.empty(); });
+  return state;
+}
+
+AtlasState read_state_of_kept_runs(const std::string& atlas, const StoredPlan& stored) {
+  AtlasState state = read_state(atlas, stored);
+  std::vector<char> is_lost(state.records.size());
+  WorkerPool(threads_meant(0)).run(is_lost.size(), kRecordsAtOnce, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t k = begin; k < end; ++k) {
+      const std::optional<UnitRecord>& record = state.records[k];
+      if (record && record->is_mapped() && !has_report(atlas, record->run)) is_lost[k] = 1;
+    }
+  });
+  for (std::size_t k = 0; k < is_lost.size(); ++k) {
+    if (is_lost[k] == 0) continue;
+    state.lost.push_back(std::move(*state.records[k]));
+    state.records[k].reset();
+  }
   return state;
 }
 

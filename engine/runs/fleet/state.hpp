@@ -15,13 +15,18 @@ namespace gdtslam {
 struct AtlasState {
   std::vector<std::optional<UnitRecord>> records;  ///< by unit; nothing: to do
   std::vector<std::string> damaged;                ///< records that cannot be read, a line each; their units are to do
+  std::vector<UnitRecord> lost;  ///< of units whose run is gone, by unit; they are to do, and have no record above
 };
 
 /// Which units have a record, by a look at the folders. Throws FileError.
 std::vector<bool> units_with_record(const std::string& atlas, std::size_t units);
 
-/// Throws FileError.
+/// The records, whatever became of the runs. Throws FileError.
 AtlasState read_state(const std::string& atlas, const StoredPlan& stored);
+
+/// The same, where what was mapped counts only if its run has its report: folders may be lost, as when an atlas comes
+/// back from a copy that was not whole. One look more a unit. Throws FileError.
+AtlasState read_state_of_kept_runs(const std::string& atlas, const StoredPlan& stored);
 
 /// "shards/0012.tsv".
 std::string table_path(std::size_t shard);

@@ -93,6 +93,7 @@ Json status_json(const StoredPlan& stored, const AtlasState& state, const AtlasS
   json["shards"] = Json::array();
   for (const AtlasCounts& shard : summary.shards) json["shards"].push_back(counts_json(shard));
   json["damaged"] = state.damaged;
+  json["lost"] = state.lost.size();
   return json;
 }
 

@@ -1,6 +1,5 @@
 #include "unit.hpp"
 
-#include <filesystem>
 #include <memory>
 
 #include "atlas_hash.hpp"
@@ -11,25 +10,17 @@
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 #include "input.hpp"
+#include "kept_run.hpp"
 #include "thumbnail.hpp"
 #include "work_folder.hpp"
 
 namespace gdtslam {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr std::size_t kLongestReason = 500;
 
 bool is_fault_of_the_log(ExitCode code) {
   return code == ExitCode::kBadInput || code == ExitCode::kUsage || code == ExitCode::kBadConfig;
-}
-
-bool is_there(const std::string& run_folder) {
-  std::error_code failed;
-  if (!fs::exists(run_folder, failed)) return false;
-  if (fs::is_regular_file(run_folder + "/report.json", failed)) return true;
-  throw FileError(run_folder, "is no whole run, and nothing writes such a one here; remove it and run the shard again");
 }
 
 MapRequest request_of(const UnitWork& work, const UnitInput& input, const std::string& folder) {
@@ -142,7 +133,7 @@ UnitRecord do_unit(const UnitWork& work) {
   require_file_or_nothing(work.atlas + "/" + record_path(work.unit));
   const UnitInput input = named_input(work, record);
   const std::string kept = work.atlas + "/" + run_path(record.run);
-  if (!is_there(kept)) {
+  if (!is_run_there(kept)) {
     const std::string run_folder = work.folder + "/run";
     if (map_unit(work, input, run_folder, record)) {
       take_results(run_folder, record);
@@ -151,6 +142,7 @@ UnitRecord do_unit(const UnitWork& work) {
       move_into_atlas(run_folder, work.atlas, record.run, work.staging);
     }
   } else {
+    require_run_of_plan(kept, work.settings);
     take_results(kept, record);
   }
   watch.add_to(record.wall_s, record.cpu_s);

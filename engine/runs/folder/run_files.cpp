@@ -60,6 +60,13 @@ bool RunFiles::has(const std::string& name) const {
   return told_ ? told_->contains(name) : fs::exists(path(name), ignored);
 }
 
+std::vector<std::string> RunFiles::names() const {
+  std::vector<std::string> names;
+  if (!told_) return names;
+  for (const auto& [name, told] : *told_) names.push_back(name);
+  return names;
+}
+
 bool RunFiles::is_as_told(const std::string& name) const {
   if (!told_ || !told_->contains(name)) return false;
   std::error_code ignored;

@@ -35,6 +35,8 @@ class RunFiles {
   [[nodiscard]] bool is_told() const { return told_.has_value(); }
   /// Whether the run has such a file: what the report tells; what lies there, where it tells of none.
   [[nodiscard]] bool has(const std::string& name) const;
+  /// All that the report tells of, sorted.
+  [[nodiscard]] std::vector<std::string> names() const;
   /// Whether it lies there with the bytes that the report tells of; false where that tells of no such file.
   [[nodiscard]] bool is_as_told(const std::string& name) const;
   /// The files that go with the run where another one replaces it: all that the report tells of and that lie there, but

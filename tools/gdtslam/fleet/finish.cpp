@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <CLI/App.hpp>
 
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -35,6 +36,22 @@ void require_whole(const StoredPlan& stored, const AtlasState& state, const Atla
                   atlas, summary.counts.missing(), summary.counts.units, stored.plan.units[first].uri, atlas));
 }
 
+void name_lost(const StoredPlan& stored, const AtlasState& state, const std::string& atlas) {
+  constexpr std::size_t kNamed = 20;
+  for (std::size_t k = 0; k < std::min(kNamed, state.lost.size()); ++k) {
+    const UnitRecord& record = state.lost[k];
+    const auto& shards = stored.plan.shards;
+    const auto shard = std::find_if(shards.begin(), shards.end(), [&](const auto& units) {
+      return std::binary_search(units.begin(), units.end(), record.unit);
+    });
+    print_remark(
+        fmt::format("{}/{}: is gone, or has no report.json, though {} tells of it; map its log again: "
+                    "gdtslam fleet run {} --shard {}",
+                    atlas, run_path(record.run), record_path(record.unit), atlas, shard - shards.begin() + 1));
+  }
+  if (state.lost.size() > kNamed) print_remark(fmt::format("and {} more runs are gone", state.lost.size() - kNamed));
+}
+
 int finish(const FinishOptions& options) {
   const std::string text = finish_atlas(options.atlas, options.is_partial);
   if (options.json) {
@@ -61,9 +78,10 @@ std::string finish_text(const std::string& atlas_json, const std::string& atlas)
 std::string finish_atlas(const std::string& atlas, bool is_partial) {
   const StoredPlan stored = read_plan(atlas);
   const FolderLock lock(atlas);  // from the first record read on: the three files tell of the same ones
-  const AtlasState state = read_state(atlas, stored);
+  const AtlasState state = read_state_of_kept_runs(atlas, stored);
   const AtlasSummary summary = summary_of(stored, state);
   for (const std::string& damage : state.damaged) print_remark(damage);
+  name_lost(stored, state, atlas);
   if (!is_partial) require_whole(stored, state, summary, atlas);
   const nlohmann::ordered_json json = atlas_json(stored, state, summary);
   const auto& hash = json.at("atlas_sha256");

@@ -20,8 +20,8 @@ std::string host_name();
 /// Processors that this process may use: SLURM_CPUS_PER_TASK where a scheduler says so, else those of its affinity.
 unsigned usable_processors();
 
-/// Maps the sample log in a process of its own, below `folder`, and writes nodes/HOST.json. Throws
-/// Error(kOtherResults) where version or hashes are not those of the plan; what make_backend() throws.
+/// Maps the sample log in a process of its own, below `folder`, and writes nodes/HOST.json unless `atlas` is
+/// empty. Throws Error(kOtherResults) where version or hashes are not those of the plan; what make_backend() throws.
 UnitPlace checked_node(const StoredPlan& stored, const std::string& atlas, const DeviceOptions& device,
                        const std::string& folder);
 

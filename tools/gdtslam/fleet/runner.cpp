@@ -55,8 +55,8 @@ class Runner {
         settings_(settings_for(stored.plan)),
         processes_(std::min(options.processes == 0 ? usable_processors() : options.processes, kMostProcesses)),
         local_(local_work_parent()),
-        staging_(staging_parent(options.atlas, stored)),
-        place_(checked_node(stored, options.atlas, device_, local_.path() + "/sample")),
+        staging_(is_kept ? staging_parent(options.atlas, stored) : local_.path()),
+        place_(checked_node(stored, is_kept ? options.atlas : std::string(), device_, local_.path() + "/sample")),
         line_(options.quiet) {}
 
   /// The largest first. Failures are those that stayed.
@@ -224,8 +224,12 @@ MostRefused parse_most_refused(const std::string& option, const std::string& tex
 
 RunnerOutcome run_shards(const StoredPlan& stored, const std::vector<std::size_t>& shards,
                          const RunnerOptions& options) {
-  AtlasState state = read_state(options.atlas, stored);
+  AtlasState state = read_state_of_kept_runs(options.atlas, stored);
   for (const std::string& damage : state.damaged) print_remark(damage);
+  if (!state.lost.empty() && !options.quiet)
+    print_remark(
+        fmt::format("the run folders of {} logs of the atlas are gone; those of what is run here are mapped anew",
+                    state.lost.size()));
   RunnerOutcome outcome;
   std::vector<std::size_t> units;
   for (const std::size_t shard : shards) {

@@ -36,6 +36,14 @@ std::string reasons_text(const AtlasSummary& summary) {
   return text.empty() ? text : "refused because the log\n" + text;
 }
 
+std::string lost_text(const AtlasState& state) {
+  if (state.lost.empty()) return {};
+  return fmt::format(
+      "{} of the missing have a record, but their run folders are gone; running their shards again maps "
+      "them anew\n",
+      state.lost.size());
+}
+
 // Shards that are done say nothing new.
 std::string shards_text(const AtlasSummary& summary) {
   constexpr std::size_t kShown = 20;
@@ -61,7 +69,7 @@ std::string slowest_text(const StoredPlan& stored, const AtlasState& state, cons
 
 int status(const StatusOptions& options) {
   const StoredPlan stored = read_plan(options.atlas);
-  const AtlasState state = read_state(options.atlas, stored);
+  const AtlasState state = read_state_of_kept_runs(options.atlas, stored);
   const AtlasSummary summary = summary_of(stored, state);
   if (options.json) {
     print_result(json_text(status_json(stored, state, summary)));
@@ -70,7 +78,7 @@ int status(const StatusOptions& options) {
   for (const std::string& damage : state.damaged) print_remark(damage);
   print_result(fmt::format("{}: {} logs in {} shards, {}\n", printable(options.atlas), summary.counts.units,
                            summary.shards.size(), counts_text(summary.counts)) +
-               shards_text(summary) + reasons_text(summary) + slowest_text(stored, state, summary));
+               lost_text(state) + shards_text(summary) + reasons_text(summary) + slowest_text(stored, state, summary));
   return static_cast<int>(ExitCode::kDone);
 }
 

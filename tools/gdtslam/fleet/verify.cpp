@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "engine/runs/fleet/atlas_hash.hpp"
+#include "engine/runs/fleet/kept_run.hpp"
 #include "engine/runs/fleet/state.hpp"
 #include "fleet.hpp"
 #include "gdtslam/core/error.hpp"
@@ -50,9 +51,10 @@ std::string difference_of(const UnitRecord& kept, const UnitRecord& again, const
   if (!kept.is_mapped()) return {};
   const std::string folder = atlas + "/" + run_path(kept.run);
   try {
+    require_whole_run(folder);
     if (result_sha256_of(folder) == kept.result_sha256) return {};
   } catch (const Error& error) {
-    return fmt::format("{} was changed since: {}", folder, error.what());
+    return fmt::format("{} was changed since: {}", folder, said_in_atlas(error.what()));
   }
   return folder + " was changed since";
 }
@@ -102,7 +104,8 @@ void add_fleet_verify(CLI::App& fleet, CommandContext& context) {
   add_compute_options(*command, options->compute);
   command->add_flag("-q,--quiet", options->compute.runner.quiet, "Print errors only");
   command->footer(
-      "Compares what a log becomes here with its record and its run folder; exit 1 with the names where they differ.\n"
+      "Compares what a log becomes here with its record and its run folder, of which every file is held against the\n"
+      "report; exit 1 with the names where they differ. Nothing is written into the atlas.\n"
       "\n"
       "Examples:\n"
       "  gdtslam fleet verify atlas --sample 2%\n"

@@ -1,0 +1,96 @@
+"""Run folders of an atlas that are gone, damaged or of other settings."""
+
+import json
+import os
+import shutil
+
+import cli_support as cli
+from cli_support import command, expect, expect_exit, fresh_folder
+from scenario_fleet import QUICK, finished, fleet, make_logs, planned, status_of
+
+
+def atlas_of_two(name):
+    """An atlas of two short drives, mapped, with its hash."""
+    folder = fresh_folder(name)
+    logs = make_logs(folder / "logs", count=2)
+    atlas = folder / "atlas"
+    planned(atlas, logs)
+    fleet("submit", atlas, "--engine", "local", "-q")
+    return logs, atlas, finished(atlas)["atlas_sha256"]
+
+
+def run_of(atlas, unit=0):
+    record = json.loads((atlas / f"units/000/{unit:06}.json").read_text())
+    return atlas / "runs" / record["run"][:2] / record["run"]
+
+
+def fleet_runs_that_are_gone():
+    """Logs whose run folders are gone are counted and named, keep no hash alive, and are mapped again to the same bytes."""
+    _, atlas, whole = atlas_of_two("fleet_runs_that_are_gone")
+    gone = run_of(atlas)
+    kept = {path.name: path.read_bytes() for path in gone.iterdir() if path.name != "report.json"}
+    for what in (gone, atlas / "runs"):
+        shutil.rmtree(what)
+        lost = 1 if what == gone else 2
+        status = status_of(atlas)
+        cli.validate(json.dumps(status), "fleet_status")
+        expect((status["mapped"], status["missing"], status["lost"]) == (2 - lost, lost, lost), str(status))
+        text = fleet("status", atlas).stdout
+        expect(f"{lost} of the missing have a record, but their run folders are gone" in text, text)
+        process = fleet("finish", atlas, code=65)
+        expect(f"{gone}: is gone, or has no report.json" in process.stderr and "--shard 1\n" in process.stderr, process.stderr)
+        expect(f"{lost} of 2 logs are not done" in process.stderr, process.stderr)
+        report = json.loads(fleet("finish", atlas, "--partial", "--json").stdout)
+        expect(report["atlas_sha256"] is None and report["missing"] == lost, str(report))
+        process = fleet("submit", atlas, "--engine", "local")
+        expect(f"the run folders of {lost} logs of the atlas are gone" in process.stderr, process.stderr)
+        expect(finished(atlas)["atlas_sha256"] == whole, "another hash")
+        again = {path.name: path.read_bytes() for path in gone.iterdir() if path.name != "report.json"}
+        expect(again == kept, "another run")
+    # Whose log is another one by now has another run: the record of the one that is gone does not stay.
+    record = json.loads((atlas / "units/000/000000.json").read_text())
+    with open(record["uri"], "a") as file:
+        file.write("# longer\n")
+    shutil.rmtree(gone)
+    fleet("submit", atlas, "--engine", "local", "-q")
+    expect(run_of(atlas) != gone and status_of(atlas)["lost"] == 0, f"{run_of(atlas)}")
+
+
+def fleet_runs_that_are_damaged():
+    """A damaged run, and one that somebody mapped by hand, are not taken; whoever does what the line says has the same hash."""
+    logs, atlas, whole = atlas_of_two("fleet_runs_that_are_damaged")
+    run = run_of(atlas)
+    map_bytes = (run / "map.pgm").read_bytes()
+
+    def refused_for(words):
+        for name in ("units", "shards"):
+            shutil.rmtree(atlas / name)
+        process = fleet("submit", atlas, "--engine", "local", code=74)
+        expect(words in process.stderr and "remove that folder and run its shard again" in process.stderr, process.stderr)
+        expect("gdtslam map" not in process.stderr, process.stderr)
+        shutil.rmtree(run)
+        fleet("submit", atlas, "--engine", "local", "-q")
+        expect(finished(atlas)["atlas_sha256"] == whole and (run / "map.pgm").read_bytes() == map_bytes, "another hash")
+
+    (run / "map.pgm").write_bytes(map_bytes[:100])
+    refused_for(f"{run}/map.pgm: has 100 bytes")
+    log = json.loads((atlas / "units/000/000000.json").read_text())["uri"]
+    shutil.rmtree(run)
+    expect_exit(command("map", log, "-o", run, "-q", *QUICK, "--set", "map.resolution=20 cm"), 0)
+    refused_for(f"{run}: is a run of other settings than the plan's")
+    # A file that no record and no hash of the atlas tells of, cut or gone.
+    for name, change in (("gdt.png", lambda path: os.truncate(path, 100)), ("keyframes.bin.gz", os.unlink)):
+        rest = (run / name).read_bytes()
+        change(run / name)
+        process = fleet("verify", atlas, "--sample", "100%", code=1)
+        expect(f"{run}/{name}: " in process.stdout and "1 of 2 logs became" in process.stderr, process.stdout + process.stderr)
+        (run / name).write_bytes(rest)
+    before = tree_of(atlas)
+    fleet("verify", atlas, "--sample", "100%")
+    expect(tree_of(atlas) == before, "verify wrote into the atlas")
+    expect(sorted(path.name for path in logs.iterdir()) == ["drive-0.log", "drive-1.log"], "the logs")
+
+
+def tree_of(folder):
+    """All that lies there, with the times at which something was written."""
+    return {str(path): path.stat().st_mtime_ns for path in [folder, *folder.rglob("*")]}
