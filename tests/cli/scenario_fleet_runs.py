@@ -1,11 +1,12 @@
-"""Run folders of an atlas that are gone, damaged or of other settings."""
+"""Run folders of an atlas that are gone, damaged, of other settings or twice."""
 
+import gzip
 import json
 import os
 import shutil
 
 import cli_support as cli
-from cli_support import command, expect, expect_exit, fresh_folder
+from cli_support import LOG, command, expect, expect_exit, fresh_folder
 from scenario_fleet import QUICK, finished, fleet, make_logs, planned, status_of
 
 
@@ -94,3 +95,27 @@ def fleet_runs_that_are_damaged():
 def tree_of(folder):
     """All that lies there, with the times at which something was written."""
     return {str(path): path.stat().st_mtime_ns for path in [folder, *folder.rglob("*")]}
+
+
+def fleet_merge_of_a_drive_kept_twice():
+    """A drive that lies there plain and packed is joined once, which is told; so is a run that cannot be read, with what to
+    do in an atlas."""
+    folder = fresh_folder("fleet_merge_of_a_drive_kept_twice")
+    lines = LOG.read_text().splitlines(keepends=True)
+    logs = folder / "logs"
+    logs.mkdir()
+    part = 6 * len(lines) // 10
+    (logs / "early.log").write_text("".join(lines[:part]))
+    (logs / "late.log").write_text("".join(lines[-part:]))
+    (logs / "early.log.gz").write_bytes(gzip.compress((logs / "early.log").read_bytes()))
+    atlas = folder / "atlas"
+    planned(atlas, logs)
+    fleet("submit", atlas, "--engine", "local", "-q")
+    process = fleet("merge", atlas)
+    expect(process.stdout.startswith("2 runs, 1 site\n"), process.stdout)
+    line, = [line for line in process.stderr.splitlines() if "left out: " in line]
+    expect("is the same drive as" in line and f"{logs}/early.log" in line and f"{logs}/early.log.gz" in line, line)
+    late, = [run_of(atlas, unit) for unit in range(3) if "late" in (atlas / f"units/000/{unit:06}.json").read_text()]
+    (late / "keyframes.bin.gz").unlink()
+    process = fleet("merge", atlas, code=65)
+    expect("remove that folder and run its shard again" in process.stderr and "gdtslam map" not in process.stderr, process.stderr)

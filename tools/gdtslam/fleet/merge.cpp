@@ -3,9 +3,11 @@
 #include <CLI/App.hpp>
 
 #include <algorithm>
+#include <map>
 #include <memory>
-#include <set>
+#include <string>
 
+#include "engine/runs/fleet/kept_run.hpp"
 #include "engine/runs/fleet/state.hpp"
 #include "engine/runs/sites/merge_runs.hpp"
 #include "engine/runs/sites/run_session.hpp"
@@ -24,23 +26,32 @@ struct FleetMergeOptions {
   bool quiet = false;
 };
 
-// Run folders of all logs that were mapped, each once, but for those that cannot be joined, of which it tells why.
+// Run folders of all logs that were mapped, but for those that cannot be joined, of which it tells why. A drive whose
+// log was kept twice, plain and packed, has two, of which one is joined.
 std::vector<std::string> runs_to_join(const FleetMergeOptions& options) {
   const StoredPlan stored = read_plan(options.atlas);
-  const AtlasState state = read_state(options.atlas, stored);
-  std::set<std::string> runs;
+  const AtlasState state = read_state_of_kept_runs(options.atlas, stored);
+  std::map<std::string, std::string> runs;  // with a log that became each
   for (const auto& record : state.records) {
-    if (record && record->is_mapped()) runs.insert(run_path(record->run));
+    if (record && record->is_mapped()) runs.emplace(run_path(record->run), record->uri);
   }
   const auto missing = std::count(state.records.begin(), state.records.end(), std::nullopt);
   if (missing > 0)
     print_remark(fmt::format("{} of {} logs are not done; they are left out", missing, state.records.size()));
   std::vector<std::string> folders;
-  for (const std::string& run : runs) {
+  std::map<std::string, std::string> log_of_drive;
+  for (const auto& [run, log] : runs) {
     try {
-      folders.push_back(read_run_session(options.atlas + "/" + run).folder);
+      const RunSession session = read_run_session(options.atlas + "/" + run);
+      const auto [drive, is_new] = log_of_drive.emplace(session.keyframes_sha256, log);
+      if (is_new) {
+        folders.push_back(session.folder);
+      } else {
+        print_remark(fmt::format("left out: {}: {} is the same drive as {}, whose run is joined", session.folder, log,
+                                 drive->second));
+      }
     } catch (const InputError& error) {
-      print_remark(fmt::format("left out: {}", error.what()));
+      print_remark("left out: " + said_in_atlas(error.what()));
     }
   }
   return folders;
