@@ -1,12 +1,13 @@
-"""Run folders of an atlas that are gone, damaged, of other settings or twice."""
+"""Run folders of an atlas that are gone, damaged, of other settings or twice, and jobs that a cluster takes by half."""
 
 import gzip
 import json
 import os
 import shutil
+import subprocess
 
 import cli_support as cli
-from cli_support import LOG, command, expect, expect_exit, fresh_folder
+from cli_support import LOG, command, environment, expect, expect_exit, fresh_folder
 from scenario_fleet import QUICK, finished, fleet, make_logs, planned, status_of
 
 
@@ -119,3 +120,50 @@ def fleet_merge_of_a_drive_kept_twice():
     (late / "keyframes.bin.gz").unlink()
     process = fleet("merge", atlas, code=65)
     expect("remove that folder and run its shard again" in process.stderr and "gdtslam map" not in process.stderr, process.stderr)
+
+
+def with_sbatch(folder, script):
+    """The environment in which sbatch is this script."""
+    (folder / "bin").mkdir(exist_ok=True)
+    (folder / "bin/sbatch").write_text(f"#!/bin/sh\n{script}\n")
+    (folder / "bin/sbatch").chmod(0o755)
+    return environment(PATH=f"{folder}/bin:{os.environ['PATH']}")
+
+
+def fleet_job_that_is_refused():
+    """Where the cluster takes the array and not the job after it, the line names what runs and what is left to do; and what
+    never ends its answer is no job."""
+    folder = fresh_folder("fleet_job_that_is_refused")
+    atlas = folder / "atlas"
+    planned(atlas, make_logs(folder / "logs", count=1))
+    half = with_sbatch(folder, 'case "$*" in *gdtslam-finish*) echo "sbatch: error: too many jobs" >&2; exit 1;; esac; echo 4711')
+    process = fleet("submit", atlas, "--engine", "slurm", code=1, env=half)
+    expect("job 4711 is submitted and runs" in process.stderr and f"gdtslam fleet finish {atlas}" in process.stderr, process.stderr)
+    process = fleet("submit", atlas, "--engine", "slurm", code=1, env=with_sbatch(folder, "yes"))
+    expect("sbatch prints more than the number of a job" in process.stderr, process.stderr)
+
+
+def fleet_folder_whose_name_has_lines():
+    """No line of a folder's name becomes one of a script, and none of it an option for sbatch."""
+    folder = fresh_folder("fleet_folder_whose_name_has_lines")
+    home = folder / "a\ntouch CAME #\n#SBATCH --exclusive\nSCRIPT\ntouch CAME #"
+    atlas = home / "atlas"
+    home.mkdir()
+    planned(atlas, make_logs(folder / "logs", count=1))
+    env = {**with_sbatch(folder, "echo 12"), "SLURM_ARRAY_TASK_ID": "0"}
+
+    def run_in_folder(*words, text=None):
+        done = subprocess.run(words, input=text, cwd=folder, env=env, capture_output=True, text=True, check=False)
+        expect_exit(done, 0)
+        expect(not list(folder.glob("CAME*")), "a line of the name was run")
+
+    fleet("submit", atlas, "--engine", "slurm", env=env)
+    script = (atlas / "slurm/run.sh").read_text()
+    head = script.splitlines()[:3]
+    expect(head[0] == "#!/bin/sh" and head[1].startswith("# ") and not head[2].startswith("#"), script)
+    run_in_folder("sh", atlas / "slurm/run.sh")
+    run_in_folder("sh", atlas / "slurm/finish.sh")
+    expect((atlas / "atlas.json").exists(), "the atlas was not finished")
+    shutil.rmtree(atlas / "slurm")
+    run_in_folder("sh", "-e", text=fleet("submit", atlas, "--engine", "print", env=env).stdout)
+    expect((atlas / "slurm/run.sh").read_text() == script, "another script than that which is submitted")

@@ -56,9 +56,10 @@ std::string output_of(const std::vector<std::string>& words) {
       program.empty() ? ENOENT : ::posix_spawn(&process, program.c_str(), &actions, nullptr, arguments.data(), environ);
   ::posix_spawn_file_actions_destroy(&actions);
   ::close(ends[1]);
+  constexpr std::size_t kMostBytes = std::size_t{64} << 10U;
   std::string text;
   std::array<char, 4096> piece{};
-  for (ssize_t count = 1; code == 0 && count != 0;) {
+  for (ssize_t count = 1; code == 0 && count != 0 && text.size() <= kMostBytes;) {
     count = ::read(ends[0], piece.data(), piece.size());
     if (count > 0) text.append(piece.data(), static_cast<std::size_t>(count));
     if (count < 0 && errno != EINTR) break;
@@ -68,6 +69,7 @@ std::string output_of(const std::vector<std::string>& words) {
   int status = 0;
   while (::waitpid(process, &status, 0) < 0 && errno == EINTR) {
   }
+  if (text.size() > kMostBytes) throw Error(ExitCode::kFailed, words.front() + " prints more than the number of a job");
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
     throw Error(ExitCode::kFailed,
                 words.front() + " failed; what it says stands above; the scripts are kept in the atlas");
@@ -98,7 +100,7 @@ std::string shell_quoted(const std::string& text) {
 std::string array_script(const SlurmJobs& jobs) {
   return fmt::format(
       "#!/bin/sh\n"
-      "# A task of a job array of Slurm: one portion of {0}.\n"
+      "# A task of a job array of Slurm: one portion of the atlas.\n"
       "{1} fleet run {0} --shard auto{2}\n"
       "code=$?\n"
       "case $code in 0|2|65|69|70|78) exit $code ;; esac\n"
@@ -141,8 +143,11 @@ std::vector<std::string> finish_arguments(const SlurmJobs& jobs, const std::stri
 }
 
 std::string printed_script(const SlurmJobs& jobs) {
+  // A name within the text may have lines, and none of them may end it.
   const auto here = [](const std::string& file, const std::string& text) {
-    return fmt::format("cat > {} <<'SCRIPT'\n{}SCRIPT\n", shell_quoted(file), text);
+    std::string end = "SCRIPT";
+    while (text.find(end) != std::string::npos) end += '_';
+    return fmt::format("cat > {0} <<'{2}'\n{1}{2}\n", shell_quoted(file), text, end);
   };
   const std::vector<std::string> finish = finish_arguments(jobs, "");
   std::string after = joined(finish);
@@ -161,7 +166,14 @@ std::vector<std::string> submit_slurm(const SlurmJobs& jobs) {
   write_file_atomically(jobs.atlas + kArrayScript, array_script(jobs));
   write_file_atomically(jobs.atlas + kFinishScript, finish_script(jobs));
   const std::string array = job_of(array_arguments(jobs));
-  return {array, job_of(finish_arguments(jobs, array))};
+  try {
+    return {array, job_of(finish_arguments(jobs, array))};
+  } catch (const Error& error) {
+    throw Error(error.code(),
+                fmt::format("{}; job {} is submitted and runs, but nothing comes after it: once it is done, "
+                            "'gdtslam fleet finish {}'",
+                            error.what(), array, shell_quoted(jobs.atlas)));
+  }
 }
 
 }  // namespace gdtslam

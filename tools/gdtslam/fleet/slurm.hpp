@@ -35,7 +35,7 @@ std::vector<std::string> finish_arguments(const SlurmJobs& jobs, const std::stri
 std::string printed_script(const SlurmJobs& jobs);
 
 /// Writes the scripts to ATLAS/slurm and hands them to sbatch; returns the two jobs' numbers. Throws UnavailableError
-/// where there is no sbatch, Error where it fails, FileError.
+/// where there is no sbatch, Error where it fails, which names the first job where that was taken; FileError.
 std::vector<std::string> submit_slurm(const SlurmJobs& jobs);
 
 }  // namespace gdtslam
