@@ -67,11 +67,13 @@ std::string Sha256::hex() {
   return text;
 }
 
-HashedBytes sha256_of(ByteSource& source) {
+HashedBytes sha256_of(ByteSource& source, const std::function<void()>& before_piece) {
   Sha256 hash;
   HashedBytes hashed;
   std::vector<char> piece(kReadBytes);
-  for (std::size_t count = 0; (count = source.read(piece)) > 0;) {
+  for (std::size_t count = 1; count > 0;) {
+    if (before_piece) before_piece();
+    count = source.read(piece);
     hash.update(std::string_view(piece.data(), count));
     hashed.bytes += count;
   }
@@ -79,7 +81,9 @@ HashedBytes sha256_of(ByteSource& source) {
   return hashed;
 }
 
-HashedBytes sha256_of_file(const std::string& path) { return sha256_of(*open_file_source(path)); }
+HashedBytes sha256_of_file(const std::string& path, const std::function<void()>& before_piece) {
+  return sha256_of(*open_file_source(path), before_piece);
+}
 
 std::string sha256_of(const DistanceFieldRows& field) {
   Sha256 hash;

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -41,9 +42,10 @@ struct HashedBytes {
   std::string sha256;
   std::uint64_t bytes = 0;
 };
-/// Of all that comes, in constant memory. Throws FileError.
-HashedBytes sha256_of(ByteSource& source);
-HashedBytes sha256_of_file(const std::string& path);
+/// Of all that comes, in constant memory. `before_piece` is called before each piece, and where it throws nothing more
+/// is read. Throws FileError.
+HashedBytes sha256_of(ByteSource& source, const std::function<void()>& before_piece = {});
+HashedBytes sha256_of_file(const std::string& path, const std::function<void()>& before_piece = {});
 
 /// Of the GDT: resolution, origin x and y (doubles), width and height (int32), then its cells row by row (uint16),
 /// without the padding of the rows; all little-endian.

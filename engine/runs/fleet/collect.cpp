@@ -28,11 +28,6 @@ bool drop_ending(std::string_view& name, std::span<const std::string_view> endin
   return false;
 }
 
-bool is_ros2_bag(const fs::path& folder) {
-  std::error_code ignored;
-  return fs::is_regular_file(folder / "metadata.yaml", ignored);
-}
-
 // Where results are, there are tables that are no logs.
 bool holds_results(const fs::path& folder) {
   std::error_code ignored;
@@ -90,6 +85,11 @@ std::uint64_t bytes_from(std::string_view text) {
 
 }  // namespace
 
+bool is_ros2_bag(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  return fs::is_regular_file(folder / "metadata.yaml", ignored);
+}
+
 bool has_name_of_a_log(std::string_view file) {
   static constexpr std::array<std::string_view, 4> kPacked{".gz", ".bz2", ".xz", ".zst"};
   static constexpr std::array<std::string_view, 7> kLogs{".log", ".clf", ".csv", ".jsonl", ".bag", ".mcap", ".db3"};
@@ -107,6 +107,7 @@ void UnitCollector::add(const std::string& log) {
   std::error_code failed;
   const fs::file_status status = fs::status(log, failed);
   if (!fs::exists(status)) throw FileError(log, "cannot be read: " + errno_text(failed ? failed.value() : ENOENT));
+  if (!fs::is_directory(status) && !fs::is_regular_file(status)) throw FileError(log, "is no plain file");
   if (!fs::is_directory(status) || is_ros2_bag(log)) return add_unit(absolute_path(log), bytes_in(log));
   std::vector<fs::path> logs;
   search(log, logs);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,6 +15,9 @@ namespace gdtslam {
 /// Whether a file's name ends as those of logs do: .log, .clf, .csv, .jsonl, .bag, .mcap or .db3, each plain or packed
 /// (.gz, .bz2, .xz, .zst).
 bool has_name_of_a_log(std::string_view file);
+
+/// A folder with metadata.yaml.
+bool is_ros2_bag(const std::filesystem::path& folder);
 
 /// What was found.
 struct CollectedUnits {

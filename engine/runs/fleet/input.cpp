@@ -15,6 +15,7 @@
 #include <memory>
 #include <vector>
 
+#include "collect.hpp"
 #include "engine/core/files/folder_calls.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/byte_source.hpp"
@@ -57,16 +58,28 @@ std::map<std::string, std::optional<FileState>> states_of(const FleetPlan& plan,
 }
 
 // A ROS 2 bag: its files by name.
-HashedBytes hash_of_folder(const std::string& folder) {
+HashedBytes hash_of_folder(const std::string& folder, const std::function<void()>& unless_stopped) {
   Sha256 hash;
   HashedBytes hashed;
   for (const std::string& file : sorted_files_in(folder)) {
-    const HashedBytes part = sha256_of_file(fmt::format("{}/{}", folder, file));
+    const HashedBytes part = sha256_of_file(fmt::format("{}/{}", folder, file), unless_stopped);
     hash.update(fmt::format("{} {}\n", part.sha256, file));
     hashed.bytes += part.bytes;
   }
   hashed.sha256 = hash.hex();
   return hashed;
+}
+
+// A log is a file or a ROS 2 bag. What else lies in its place, if only for a moment, is the machine's fault: a device
+// has no end, and a bare folder is what a disk that is not there leaves.
+void require_log(const std::string& log) {
+  std::error_code failed;
+  const fs::file_status status = fs::status(log, failed);
+  if (fs::is_directory(status)) {
+    if (!is_ros2_bag(log)) throw FileError(log, "is a folder without metadata.yaml: no log, and no ROS 2 bag");
+  } else if (fs::exists(status) && !fs::is_regular_file(status)) {
+    throw FileError(log, "is no plain file");
+  }
 }
 
 // The last part of an URI as a file's name, so that messages and pictures name the log.
@@ -186,6 +199,9 @@ HashedBytes fetch(const std::string& command, const std::string& file, const std
 
 UnitInput unit_input(const FleetPlan& plan, const FleetUnit& unit, const std::string& folder,
                      const std::function<bool()>& stop) {
+  const auto unless_stopped = [&stop] {
+    if (stop && stop()) throw Error(ExitCode::kInterrupted, "interrupted");
+  };
   UnitInput input{.path = unit.uri, .bytes = 0, .sha256 = {}, .linkage_sha256 = {}};
   HashedBytes hashed;
   std::error_code ignored;  // what cannot be asked about cannot be read either
@@ -193,8 +209,10 @@ UnitInput unit_input(const FleetPlan& plan, const FleetUnit& unit, const std::st
     input.path = folder + "/" + file_name_of_uri(unit.uri);
     hashed = fetch(get_command(plan.get, unit.uri), input.path, stop);
   } else {
+    require_log(unit.uri);
     input.files = states_of(plan, unit.uri);
-    hashed = fs::is_directory(unit.uri, ignored) ? hash_of_folder(unit.uri) : sha256_of_file(unit.uri);
+    hashed = fs::is_directory(unit.uri, ignored) ? hash_of_folder(unit.uri, unless_stopped)
+                                                 : sha256_of_file(unit.uri, unless_stopped);
     const std::string linkage = plan.linkage.empty() ? linkage_sidecar(unit.uri) : std::string();
     if (!linkage.empty()) input.linkage_sha256 = sha256_of_file(linkage).sha256;
   }

@@ -97,8 +97,10 @@ UnitRecord record_of(const UnitWork& work) {
 /// What a unit has before it is mapped.
 UnitInput named_input(const UnitWork& work, UnitRecord& record) {
   const FleetPlan& plan = work.stored.plan;
-  make_folder(work.folder);
-  UnitInput input = unit_input(plan, plan.units.at(work.unit), work.folder, work.stop);
+  // A log that is fetched has a folder of its own: it may have the name of anything that is written here.
+  const std::string fetched = work.folder + "/log";
+  make_folder(fetched);
+  UnitInput input = unit_input(plan, plan.units.at(work.unit), fetched, work.stop);
   record.bytes = input.bytes;
   record.input_sha256 = input.sha256;
   record.run = unit_name(plan, input);

@@ -192,6 +192,7 @@ TEST(FleetUnits, OfAListAreRefusedWithTheirLine) {
   };
   EXPECT_THAT(message("s3://a/b\ns3://a/c\tmany\n"), HasSubstr("list:2: \"many\" is no number of bytes"));
   EXPECT_THAT(message("s3://a/b\n\t77\n"), HasSubstr("list:2: names no log before its tab"));
+  EXPECT_THAT(message("/dev/zero\n"), HasSubstr("list:1: /dev/zero: is no plain file"));
   EXPECT_THAT(message("/there/is/none.log\n"), HasSubstr("list:1: /there/is/none.log"));
   EXPECT_THAT(message("s3://a/\xff\t1\n"), HasSubstr("list:1:"));
 }

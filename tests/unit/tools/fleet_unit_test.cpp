@@ -30,7 +30,9 @@ class FleetUnitWork : public testing::Test {
     stored_.plan.shards = {{0}};
   }
   /// What is said of the unit where this happens while it is mapped; empty where it is done.
-  std::string fault_after(const std::function<void()>& change) {
+  std::string fault_after(
+      const std::function<void()>& change,
+      const std::function<void(const MapRequest&)>& look = [](const MapRequest&) {}) {
     UnitWork work{.stored = stored_,
                   .unit = 0,
                   .atlas = atlas_,
@@ -39,7 +41,8 @@ class FleetUnitWork : public testing::Test {
                   .staging = {},
                   .place = {},
                   .map = {}};
-    work.map = [&](const MapRequest&) -> MapResult {
+    work.map = [&](const MapRequest& request) -> MapResult {
+      look(request);
       change();
       throw InputError("has no scan");
     };
@@ -95,6 +98,54 @@ TEST_F(FleetUnitWork, LeavesNoRecordWhereAFileOfItsBagIsChanged) {
   EXPECT_THAT(fault_after([&] { append_to(bag + "/bag_1.mcap", "x"); }), HasSubstr("bag_1.mcap: was changed"));
   EXPECT_THAT(fault_after([&] { append_to(bag + "/bag_2.mcap", "x"); }), HasSubstr(bag + ": was changed"));
   EXPECT_FALSE(is_done());
+}
+
+// What is in the work folder besides the log has names, and an URI may end in any of them.
+TEST_F(FleetUnitWork, FetchesALogWhateverItsName) {
+  stored_.plan.get = "printf 'fetched' # {}";
+  stored_.plan.linkage = "gdtslam_linkage: 1\n";
+  for (const char* name : {"run", "linkage.yaml", "log"}) {
+    std::filesystem::remove_all(folder_.path() + "/work");
+    std::filesystem::remove_all(atlas_);
+    stored_.plan.units = {{std::string("x://robot/") + name, 0}};
+    std::string log;
+    std::string linkage;
+    bool is_run_free = false;
+    EXPECT_THAT(fault_after([] {},
+                            [&](const MapRequest& request) {
+                              std::getline(std::ifstream(request.logs.front()), log);
+                              std::getline(std::ifstream(request.linkage), linkage);
+                              is_run_free = !std::filesystem::exists(request.folder);
+                            }),
+                IsEmpty());
+    EXPECT_EQ(log, "fetched") << name;
+    EXPECT_EQ(linkage, "gdtslam_linkage: 1") << name;
+    EXPECT_TRUE(is_run_free) << name;
+  }
+}
+
+TEST_F(FleetUnitWork, StaysToDoWhereSomethingElseIsInThePlaceOfItsLog) {
+  std::filesystem::remove(log_);
+  std::filesystem::create_directory(log_);
+  EXPECT_EQ(fault_after([] {}), log_ + ": is a folder without metadata.yaml: no log, and no ROS 2 bag");
+  stored_.plan.units = {{"/dev/zero", 0}};
+  EXPECT_EQ(fault_after([] {}), "/dev/zero: is no plain file");
+  EXPECT_FALSE(is_done());
+}
+
+TEST_F(FleetUnitWork, IsGivenUpWhileItsLogIsHashed) {
+  const std::string bag = folder_.path() + "/bag";
+  std::filesystem::create_directory(bag);
+  append_to(bag + "/metadata.yaml", "x");
+  for (const std::string& log : {log_, bag}) {
+    int asked = 0;
+    try {
+      (void)unit_input(stored_.plan, {log, 0}, folder_.path(), [&asked] { return ++asked > 0; });
+      ADD_FAILURE() << log;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::kInterrupted);
+    }
+  }
 }
 
 }  // namespace
