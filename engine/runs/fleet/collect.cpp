@@ -56,17 +56,22 @@ std::string absolute_path(const fs::path& path) {
   return whole.string();
 }
 
-void search(const fs::path& folder, std::vector<fs::path>& logs) {
+// Links are counted that would have been logs, or folders to search: those may lead up again.
+void search(const fs::path& folder, std::vector<fs::path>& logs, std::size_t& links) {
   std::error_code failed;
   for (const fs::path& entry : list_folder(folder, failed)) {
     std::error_code ignored;  // what cannot be asked about is neither
     const std::string name = entry.filename().string();
-    if (name.starts_with('.') || fs::is_symlink(fs::symlink_status(entry, ignored))) continue;
+    if (name.starts_with('.')) continue;
+    if (fs::is_symlink(fs::symlink_status(entry, ignored))) {
+      if (has_name_of_a_log(name) || fs::is_directory(entry, ignored)) ++links;
+      continue;
+    }
     if (fs::is_directory(entry, ignored)) {
       if (is_ros2_bag(entry)) {
         logs.push_back(entry);
       } else if (!holds_results(entry)) {
-        search(entry, logs);
+        search(entry, logs, links);
       }
     } else if (fs::is_regular_file(entry, ignored) && has_name_of_a_log(name)) {
       logs.push_back(entry);
@@ -110,7 +115,7 @@ void UnitCollector::add(const std::string& log) {
   if (!fs::is_directory(status) && !fs::is_regular_file(status)) throw FileError(log, "is no plain file");
   if (!fs::is_directory(status) || is_ros2_bag(log)) return add_unit(absolute_path(log), bytes_in(log));
   std::vector<fs::path> logs;
-  search(log, logs);
+  search(log, logs, links_);
   if (logs.empty())
     throw InputError({log, 0}, fmt::format("holds no file that is named as a log; supported are {} logs", kLogFormats));
   for (const fs::path& found : logs) add_unit(absolute_path(found), bytes_in(found));
@@ -152,7 +157,7 @@ CollectedUnits UnitCollector::take() {
       std::unique(units.begin(), units.end(), [](const FleetUnit& a, const FleetUnit& b) { return a.uri == b.uri; }),
       units.end());
   const std::size_t twice = all - units.size();
-  return {std::move(units), twice};
+  return {std::move(units), twice, links_};
 }
 
 }  // namespace gdtslam

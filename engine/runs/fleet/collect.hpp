@@ -23,6 +23,7 @@ bool is_ros2_bag(const std::filesystem::path& folder);
 struct CollectedUnits {
   std::vector<FleetUnit> units;  ///< by URI, each once
   std::size_t twice = 0;         ///< named more than once
+  std::size_t links = 0;         ///< in folders, of a log's name or to a folder: left out
 };
 
 class UnitCollector {
@@ -40,6 +41,7 @@ class UnitCollector {
  private:
   void add_unit(std::string uri, std::uint64_t bytes);
   std::vector<FleetUnit> units_;
+  std::size_t links_ = 0;
 };
 
 }  // namespace gdtslam

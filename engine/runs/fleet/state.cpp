@@ -48,7 +48,10 @@ bool is_table(const fs::path& file) {
 template <class Visit>
 void for_each_entry(const fs::path& folder, const Visit& visit) {
   std::error_code failed;
-  if (!fs::exists(folder, failed)) return;
+  if (!fs::exists(folder, failed)) {
+    if (lies_there(folder)) throw FileError(folder.string(), "is a link that leads nowhere; remove it");
+    return;
+  }
   for (const fs::path& entry : list_folder(folder, failed)) visit(entry);
   if (failed) throw FileError(folder.string(), "cannot be read: " + failed.message());
 }

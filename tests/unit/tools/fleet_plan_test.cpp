@@ -180,6 +180,20 @@ TEST(FleetUnits, AreSearchedInFolders) {
                                        FleetUnit{"s3://bucket/x.bag", 0}));
 }
 
+TEST(FleetUnits, LinksInFoldersAreLeftOutAndCounted) {
+  const TemporaryFolder folder("gdtslam-fleet-test");
+  const std::string root = folder.path();
+  std::ofstream(root + "/a.log") << "1";
+  for (const char* name : {"/b.log", "/notes.txt", "/.hidden.log"})
+    std::filesystem::create_symlink("a.log", root + name);
+  std::filesystem::create_directory_symlink(".", root + "/again");
+  UnitCollector collector;
+  collector.add(root);
+  const CollectedUnits found = collector.take();
+  EXPECT_THAT(found.units, ElementsAre(FleetUnit{root + "/a.log", 1}));
+  EXPECT_EQ(found.links, 2U) << "b.log and again";
+}
+
 TEST(FleetUnits, OfAListAreRefusedWithTheirLine) {
   const auto message = [](const std::string& text) -> std::string {
     UnitCollector collector;

@@ -78,6 +78,17 @@ TEST_F(FleetStrays, InThePlaceOfARecordAreNamed) {
   EXPECT_TRUE(state().records[2]);
 }
 
+TEST_F(FleetStrays, ALinkThatLeadsNowhereIsNoEmptyFolder) {
+  fs::remove_all(path("units"));
+  fs::create_symlink("nowhere", path("units"));
+  try {
+    (void)state();
+    FAIL() << "as if nothing were done";
+  } catch (const FileError& error) {
+    EXPECT_EQ(error.what(), path("units") + ": is a link that leads nowhere; remove it");
+  }
+}
+
 TEST_F(FleetStrays, InThePlaceOfATableAreNoneAndNamed) {
   fs::create_directory(path("shards"));
   ASSERT_EQ(::mkfifo(path("shards/0001.tsv").c_str(), 0600), 0);

@@ -51,6 +51,9 @@ std::vector<FleetUnit> units_of(const PlanOptions& options) {
         fmt::format("{} logs are more than the {} of a plan: make several", collected.units.size(), kMostUnits));
   if (collected.twice > 0)
     print_remark(fmt::format("{} logs are named more than once: each is mapped once", collected.twice));
+  if (collected.links > 0)
+    print_remark(fmt::format("left out in folders: {} symbolic link{}; name what they lead to", collected.links,
+                             collected.links == 1 ? "" : "s"));
   return std::move(collected.units);
 }
 
@@ -107,8 +110,8 @@ void add_fleet_plan(CLI::App& fleet, CommandContext& context) {
   CLI::App* command = add_command(fleet, "plan", "Which logs are mapped, how, and in which portions");
   command
       ->add_option("log", options->logs,
-                   "Logs, folders to be searched for them (by the endings of their names), ROS 2 bags, or URIs with a\n"
-                   "scheme, for --get")
+                   "Logs, folders to be searched for them (by the endings of their names; symbolic links in them are\n"
+                   "left out), ROS 2 bags, or URIs with a scheme, for --get")
       ->type_name("LOG");
   command
       ->add_option("--list", options->list,
