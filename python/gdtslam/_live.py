@@ -11,8 +11,9 @@ import numpy as np
 
 from . import _library
 from ._arrays import Grid, grid_of, poses_view
+from ._callers import Caller, ProgressFunction
 from ._library import CLocalizerRequest, CLocation, CMapperRequest, CMatch, CTracked, call, encoded, make, plain
-from ._runs import CallerProblem, ProgressFunction, Run, thread_count
+from ._runs import Run, thread_count
 from ._scans import Options, Path, Pose, _pose_of, c_scan, options_of, scan_from
 
 VERDICTS = ("found", "ambiguous", "poor fit", "no pose")
@@ -103,12 +104,8 @@ class Mapper:
 
     def close(self, progress: "ProgressFunction | None" = None) -> None:
         """After the last scan: closes the rest of the loops and adjusts the path. `progress` as of map()."""
-        caller = CallerProblem(progress)
-        try:
-            with self._lock:
-                call("mapper_close", self._handle, caller.function, None)
-        finally:
-            caller.raise_again()
+        with self._lock, Caller(progress) as caller:
+            call("mapper_close", self._handle, caller.progress, None)
 
     @property
     def trajectory(self) -> np.ndarray:

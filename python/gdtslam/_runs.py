@@ -9,20 +9,17 @@ import os
 import pathlib
 import shutil
 import tempfile
-import types
-import warnings
 import weakref
-from typing import Any, Callable, Mapping, Sequence
+from typing import Any, Mapping, Sequence
 
 import numpy as np
 
 from . import _library
 from ._arrays import Grid, grid_of, poses_view
+from ._callers import Caller, ProgressFunction, WarnFunction
 from ._errors import BY_STATUS, Error, Interrupted, UsageError
 from ._library import CError, CMapRequest, CPictureRequest, Handle, call, encoded, library, make, plain
 from ._scans import Options, Path, log_list, options_of
-
-ProgressFunction = Callable[[str, int, "float | None"], Any]
 
 
 class Run:
@@ -126,40 +123,6 @@ class TemporaryFolder:
         weakref.finalize(self, shutil.rmtree, self.path, ignore_errors=True)
 
 
-class CallerProblem:
-    """Calls a function of the caller from the library, and keeps what it raises until the library has returned."""
-
-    def __init__(self, progress: "ProgressFunction | None") -> None:
-        self.problem: "BaseException | None" = None
-        self.traceback: "types.TracebackType | None" = None
-        self._progress = progress
-        self.function = _library.Progress(self._tell)
-
-    def _tell(self, _user: Any, step: bytes, scans: int, share: float) -> int:
-        try:
-            if self._progress is None:
-                return 0  # the interpreter has had its turn: Ctrl-C is raised here
-            return 1 if self._progress(step.decode(), scans, share if share >= 0.0 else None) else 0
-        except BaseException as problem:  # noqa: BLE001 - goes on in the caller's thread
-            self.problem, self.traceback = problem, problem.__traceback__
-            return 1
-
-    def raise_again(self) -> None:
-        if self.problem is not None:
-            raise self.problem.with_traceback(self.traceback)
-
-
-def _warn_of(warn: "Callable[[str], Any] | None") -> Any:
-    def tell(_user: Any, text: bytes) -> None:
-        words = text.decode("utf-8", "replace")
-        if warn is not None:
-            warn(words)
-        else:
-            warnings.warn(words, stacklevel=4)
-
-    return _library.Warn(tell)
-
-
 def thread_count(threads: "int | None") -> int:
     """As the library counts them: 0 is its default, and the largest number one a processor."""
     if threads is None:
@@ -192,7 +155,7 @@ def map(  # noqa: A001 - the word of the field, as gdtslam.map
     skip: int = 0,
     count: "int | None" = None,
     progress: "ProgressFunction | None" = None,
-    warn: "Callable[[str], Any] | None" = None,
+    warn: "WarnFunction | None" = None,
 ) -> Run:
     """Maps a log: what `gdtslam map` does, with the same bytes in the folder.
 
@@ -217,7 +180,7 @@ def map(  # noqa: A001 - the word of the field, as gdtslam.map
     options_handle = options_of(options, topics, odometry, crank, mount)
     if count is not None and count < 1:
         raise UsageError(f"count: {count} scans cannot be mapped")
-    caller = CallerProblem(progress)
+    caller = Caller(progress, warn)
     request = CMapRequest(
         logs=_library.text_list(paths),
         log_count=len(paths),
@@ -236,13 +199,13 @@ def map(  # noqa: A001 - the word of the field, as gdtslam.map
         threads=thread_count(threads),
         skip=skip,
         scan_count=count or 0,
-        progress=caller.function,
-        warn=_warn_of(warn),
+        progress=caller.progress,
+        warn=caller.warn,
     )
     error, pointer = CError(), ctypes.c_void_p()
-    status = library.gdtslam_map_logs(ctypes.byref(request), ctypes.byref(pointer), ctypes.byref(error))
-    made = Run._of(Handle("run", pointer), temporary) if pointer else None
-    caller.raise_again()
+    with caller:
+        status = library.gdtslam_map_logs(ctypes.byref(request), ctypes.byref(pointer), ctypes.byref(error))
+        made = Run._of(Handle("run", pointer), temporary) if pointer else None
     if status == 0 and made is not None:
         return made
     problem = BY_STATUS.get(status, Error)(error.text.decode("utf-8", "replace"))

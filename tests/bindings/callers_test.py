@@ -1,0 +1,124 @@
+"""The Python package and its caller: his functions, signals that come meanwhile, and processes that he forks."""
+import os
+import random
+import signal
+import sys
+import threading
+import time
+import unittest
+
+from bindings_support import SAMPLE, SKIPPED, SOURCE, folder
+
+sys.path.insert(0, str(SOURCE / "python"))
+try:
+    import numpy as np  # noqa: F401 - the package takes it
+except ImportError:
+    print("SKIPPED: no numpy for Python (package python3-numpy)")
+    sys.exit(1 if os.environ.get("GDTSLAM_REQUIRE_PROGRAMS") == "1" else SKIPPED)
+import gdtslam
+
+WORK = folder("callers")
+SHORT = {"loops": False, "pictures": False, "copies": False}
+
+
+def send(number):
+    os.kill(os.getpid(), number)
+
+
+class Stopped(Exception):
+    pass
+
+
+class Signals(unittest.TestCase):
+    def handle(self, number, handler):
+        self.addCleanup(signal.signal, number, signal.signal(number, handler))
+
+    def mapped_with_a_signal(self, seconds, **how):
+        """Whether a signal that comes so late raises KeyboardInterrupt, in the map or behind it."""
+        sender = threading.Timer(seconds, send, [signal.SIGINT])
+        try:
+            sender.start()
+            gdtslam.map(SAMPLE, WORK / "run", **SHORT, **how)
+            sender.join()
+            time.sleep(0.01)
+        except KeyboardInterrupt:
+            return True
+        return False
+
+    def test_ctrl_c_is_never_lost(self):
+        begin = time.monotonic()
+        gdtslam.map(SAMPLE, WORK / "run", **SHORT)
+        whole_s = time.monotonic() - begin
+        chance = random.Random(7)
+        for _ in range(12):
+            self.assertTrue(self.mapped_with_a_signal(chance.random() * whole_s))
+            self.assertTrue(self.mapped_with_a_signal(chance.random() * whole_s, progress=lambda step, scans, share: None))
+        self.assertIs(signal.getsignal(signal.SIGINT), signal.default_int_handler)
+
+    def test_ctrl_c_leaves_what_there_is(self):
+        def progress(step, scans, share):
+            if scans == 20:
+                send(signal.SIGINT)
+
+        with self.assertRaises(KeyboardInterrupt):
+            gdtslam.map(SAMPLE, WORK / "part", **SHORT, progress=progress)
+        report = gdtslam.Run(WORK / "part").report
+        self.assertEqual((report["scans"], report["interrupted"]), (20, True))
+
+    def test_ctrl_c_ends_closing(self):
+        mapper = gdtslam.Mapper()
+        for scan in gdtslam.scans(SAMPLE):
+            mapper.process(scan)
+        sent = []
+
+        def note(number, frame):
+            sent.append(number)
+            raise KeyboardInterrupt
+
+        self.handle(signal.SIGINT, note)
+        with self.assertRaises(KeyboardInterrupt):
+            mapper.close(lambda step, share, scans: send(signal.SIGINT))
+        self.assertEqual(sent, [signal.SIGINT])
+
+    def test_handlers_of_the_caller_are_called_at_once_and_what_they_raise_comes_out(self):
+        steps, seen = [], []
+        self.handle(signal.SIGUSR1, lambda number, frame: seen.append(len(steps)))
+
+        def progress(step, scans, share):
+            steps.append(step)
+            if scans == 10:
+                send(signal.SIGUSR1)
+
+        run = gdtslam.map(SAMPLE, WORK / "noted", **SHORT, count=30, progress=progress)
+        self.assertEqual(run.report["scans"], 30)
+        self.assertEqual(seen, [10])
+
+        def stop(number, frame):
+            raise Stopped
+
+        self.handle(signal.SIGALRM, stop)
+        signal.setitimer(signal.ITIMER_REAL, 0.02)
+        with self.assertRaises(Stopped):
+            for _ in range(1000):
+                gdtslam.map(SAMPLE, WORK / "stopped", **SHORT)
+        self.assertIs(signal.getsignal(signal.SIGALRM), stop)
+
+    def test_a_handler_that_the_caller_sets_meanwhile_stays(self):
+        self.handle(signal.SIGUSR1, lambda number, frame: None)
+
+        def later(number, frame):
+            pass
+
+        gdtslam.map(SAMPLE, WORK / "later", **SHORT, count=5, progress=lambda *_: signal.signal(signal.SIGUSR1, later) and None)
+        self.assertIs(signal.getsignal(signal.SIGUSR1), later)
+
+    def test_a_thread_maps_without_them(self):
+        made = []
+        thread = threading.Thread(target=lambda: made.append(gdtslam.map(SAMPLE, WORK / "thread", **SHORT, count=20)))
+        thread.start()
+        thread.join()
+        self.assertEqual(made[0].report["scans"], 20)
+
+
+if __name__ == "__main__":
+    unittest.main()
