@@ -18,6 +18,7 @@ from . import _library
 from ._arrays import Grid, grid_of, poses_view
 from ._callers import Caller, ProgressFunction, WarnFunction
 from ._errors import BY_STATUS, Error, Interrupted, UsageError
+from ._files import require_not_of_run, write_whole
 from ._library import CError, CMapRequest, CPictureRequest, Handle, call, encoded, library, make, plain
 from ._scans import Options, Path, log_list, options_of
 
@@ -215,10 +216,17 @@ def map(  # noqa: A001 - the word of the field, as gdtslam.map
 
 
 def render(run: "Run | Path", file: "Path | None" = None, view: str = "map", **how: Any) -> bytes:
-    """A picture of a run or of its folder, written to a file by its ending (.png, .svg, .pdf) where one is named."""
-    if file is not None and "format" not in how:
-        how["format"] = pathlib.Path(file).suffix.lstrip(".").lower()
-    picture = (run if isinstance(run, Run) else Run(run)).render(view, **how)
-    if file is not None:
-        pathlib.Path(file).write_bytes(picture)
+    """A picture of a run or of its folder, written to a file by its ending (.png, .svg, .pdf) where one is named.
+
+    The file appears whole or stays as it was. The run's own files are refused: with one of another content the run
+    could not be read any more.
+    """
+    opened = run if isinstance(run, Run) else Run(run)
+    if file is None:
+        return opened.render(view, **how)
+    path = pathlib.Path(file)
+    require_not_of_run(path, opened.folder, {name for name, *_ in opened.report.get("files", ())})
+    how.setdefault("format", path.suffix.lstrip(".").lower())
+    picture = opened.render(view, **how)
+    write_whole(path, picture)
     return picture

@@ -3,6 +3,9 @@ import gc
 import hashlib
 import os
 import re
+import resource
+import shutil
+import signal
 import subprocess
 import sys
 import threading
@@ -89,6 +92,43 @@ class WholeLog(unittest.TestCase):
         self.assertEqual(picture[:8], b"\x89PNG\r\n\x1a\n")
         self.assertEqual((WORK / "map.png").read_bytes(), picture)
         self.assertEqual([int.from_bytes(picture[k : k + 4], "big") for k in (16, 20)], [640, 480])
+
+    def test_pictures_are_not_written_over_the_runs_own_files(self):
+        copy = WORK / "own"
+        shutil.copytree(WORK / "run", copy)
+        (WORK / "link.svg").symlink_to(copy / "gdt.png")
+        before = {path.name: path.read_bytes() for path in copy.iterdir()}
+        for file in (copy / "gdt.png", copy / "report.json", copy / "trajectory.tum", copy / "../own/config.yaml",
+                     WORK / "link.svg", copy / "tiles/0.png"):
+            for run in (copy, gdtslam.Run(copy)):
+                with self.assertRaises(gdtslam.UsageError, msg=str(file)) as caught:
+                    gdtslam.render(run, file, format="svg")
+                self.assertIn("give another file", str(caught.exception))
+        self.assertEqual({path.name: path.read_bytes() for path in copy.iterdir()}, before)
+        self.assertTrue(gdtslam.render(copy, copy / "mine.svg").startswith(b"<svg "))
+        self.assertEqual({path.name for path in copy.iterdir()}, {*before, "mine.svg"})
+
+    def test_a_picture_that_cannot_be_written_leaves_the_old_one(self):
+        place = folder("python/pictures")
+        (place / "old.svg").write_text("the old one")
+        (place / "old.svg").chmod(0o640)
+        (place / "link.svg").symlink_to("old.svg")
+        limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+        full = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        try:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limits[1]))
+            with self.assertRaises(OSError):
+                gdtslam.render(self.made, place / "old.svg")
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+            signal.signal(signal.SIGXFSZ, full)
+        self.assertEqual((place / "old.svg").read_text(), "the old one")
+        picture = gdtslam.render(self.made, place / "link.svg")
+        self.assertEqual((place / "old.svg").read_bytes(), picture)
+        self.assertEqual((place / "old.svg").stat().st_mode & 0o777, 0o640)
+        self.assertTrue((place / "link.svg").is_symlink())
+        self.assertEqual(sorted(path.name for path in place.iterdir()), ["link.svg", "old.svg"])
+        self.assertEqual(gdtslam.render(self.made, "/dev/null", format="svg"), picture)
 
     def test_pictures_are_those_of_the_command(self):
         if "GDTSLAM" not in os.environ:
