@@ -9,7 +9,7 @@ import weakref
 from ctypes import POINTER, c_char_p, c_double, c_int32, c_size_t, c_uint32, c_uint64, c_void_p
 from typing import Any, Callable
 
-from ._errors import BY_STATUS, Error
+from ._errors import BY_STATUS, Error, UsageError
 
 LENIENT, NO_LOOPS, NO_MAP, NO_PICTURES, NO_CLOUD, NO_COPIES, REPLACE_FOREIGN, NO_RUNNER_UP = (1 << k for k in range(8))
 ALL_PROCESSORS = 0xFFFFFFFF
@@ -273,8 +273,13 @@ def make(kind: str, name: str, *arguments: Any) -> Handle:
 
 
 def encoded(text: "str | os.PathLike[str] | None") -> "bytes | None":
-    """A path or text for the library."""
-    return None if text is None else os.fsencode(text)
+    """A path or text for the library, for which a NUL is the end of one."""
+    if text is None:
+        return None
+    given = os.fsencode(text)
+    if b"\0" in given:
+        raise UsageError(f"{text!r} holds a NUL, which no path and no option can")
+    return given
 
 
 def text_list(texts: "list[bytes]") -> Any:

@@ -242,6 +242,23 @@ class Errors(unittest.TestCase):
             self.assertIsInstance(caught.exception, (gdtslam.Error, parent))
             self.assertTrue(str(caught.exception))
 
+    def test_a_nul_does_not_cut_a_text_short(self):
+        victim = folder("python/victim")
+        for provoke in (
+            lambda: gdtslam.map(SAMPLE, f"{victim}\0-not", count=5),
+            lambda: gdtslam.map(f"{SAMPLE}\0.log", victim, count=5),
+            lambda: gdtslam.map(SAMPLE, victim, linkage="paper-b\0", count=5),
+            lambda: gdtslam.Run(f"{victim}\0"),
+            lambda: gdtslam.scans([f"{SAMPLE}\0"]),
+            lambda: gdtslam.scans(SAMPLE, topics="/scan\0"),
+            lambda: gdtslam.options({"map.resolution\0": "5 cm"}),
+            lambda: gdtslam.options({"map.resolution": "5 cm\0"}),
+            lambda: gdtslam.Localizer(f"{victim}\0"),
+        ):
+            with self.assertRaisesRegex(gdtslam.UsageError, "holds a NUL"):
+                provoke()
+        self.assertEqual(list(victim.iterdir()), [])
+
     def test_interruption_leaves_what_there_is(self):
         with self.assertRaises(gdtslam.Interrupted) as caught:
             gdtslam.map(SAMPLE, WORK / "interrupted", loops=False, progress=lambda step, scans, share: scans == 20)
