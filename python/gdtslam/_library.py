@@ -253,12 +253,26 @@ def call(name: str, *arguments: Any) -> None:
         raise BY_STATUS.get(status, Error)(error.text.decode("utf-8", "replace"))
 
 
+def _in_process(maker: int, function: "Callable[..., Any]", *arguments: Any) -> None:
+    if os.getpid() == maker:
+        function(*arguments)
+
+
+def when_gone(owner: Any, function: "Callable[..., Any]", *arguments: Any) -> None:
+    """Calls the function when the last reference to the owner is gone, or at the process's end.
+
+    Not in a process that was forked off: the threads of what the library made are not in it, and would be waited for
+    for ever, and its files are the other process's.
+    """
+    weakref.finalize(owner, _in_process, os.getpid(), function, *arguments)
+
+
 class Handle:
     """Something that the library made, freed with the last reference to this."""
 
     def __init__(self, kind: str, pointer: c_void_p) -> None:
         self.pointer = pointer
-        self._finalizer: Callable[[], Any] = weakref.finalize(self, getattr(library, f"gdtslam_{kind}_free"), pointer)
+        when_gone(self, getattr(library, f"gdtslam_{kind}_free"), pointer)
 
     @property
     def _as_parameter_(self) -> c_void_p:

@@ -9,7 +9,6 @@ import os
 import pathlib
 import shutil
 import tempfile
-import weakref
 from typing import Any, Mapping, Sequence
 
 import numpy as np
@@ -19,7 +18,7 @@ from ._arrays import Grid, grid_of, poses_view
 from ._callers import Caller, ProgressFunction, WarnFunction
 from ._errors import BY_STATUS, Error, Interrupted, UsageError
 from ._files import require_not_of_run, write_whole
-from ._library import CError, CMapRequest, CPictureRequest, Handle, call, encoded, library, make, plain
+from ._library import CError, CMapRequest, CPictureRequest, Handle, call, encoded, library, make, plain, when_gone
 from ._scans import Options, Path, log_list, options_of
 
 
@@ -121,7 +120,7 @@ class TemporaryFolder:
 
     def __init__(self) -> None:
         self.path = pathlib.Path(tempfile.mkdtemp(prefix="gdtslam-"))
-        weakref.finalize(self, shutil.rmtree, self.path, ignore_errors=True)
+        when_gone(self, shutil.rmtree, self.path, True)  # whatever cannot be removed
 
 
 def thread_count(threads: "int | None") -> int:

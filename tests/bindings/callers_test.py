@@ -2,6 +2,7 @@
 import os
 import random
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -118,6 +119,42 @@ class Signals(unittest.TestCase):
         thread.start()
         thread.join()
         self.assertEqual(made[0].report["scans"], 20)
+
+
+FORKS = """
+import gc, os, signal, sys, gdtslam
+sample, lets_go = sys.argv[1], sys.argv[2] == "True"
+mapper = gdtslam.Mapper(threads=2)
+scans = list(gdtslam.scans(sample))
+for scan in scans[:30]:
+    mapper.process(scan)
+run = gdtslam.map(sample, loops=False, pictures=False, copies=False, count=20)
+child = os.fork()
+if child == 0:
+    signal.alarm(20)  # ends one that hangs
+    if lets_go:
+        del mapper, run
+        gc.collect()
+    sys.exit(7)
+print(os.waitpid(child, 0)[1] == 7 << 8)
+print((run.folder / "report.json").exists(), len(run.trajectory), run.map.ndim)
+mapper.process(scans[30])
+print(run.folder)
+"""
+
+
+class Forks(unittest.TestCase):
+    # What the child lets go, before its end or at its end, is the parent's.
+    def test_a_child_ends_and_leaves_what_its_parent_has(self):
+        for lets_go in (False, True):
+            done = subprocess.run(
+                [sys.executable, "-c", FORKS, str(SAMPLE), str(lets_go)], capture_output=True, text=True,
+                env={**os.environ, "PYTHONPATH": str(SOURCE / "python")},
+            )
+            self.assertEqual(done.returncode, 0, done.stderr)
+            *lines, place = done.stdout.splitlines()
+            self.assertEqual(lines, ["True", "True 20 2"], f"lets go: {lets_go}")
+            self.assertFalse(os.path.exists(place), "the parent's end takes it away")
 
 
 if __name__ == "__main__":
