@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import dataclasses
+import os
 import threading
-from typing import Any, Sequence
+from typing import Any, Iterator, Sequence
 
 import numpy as np
 
@@ -65,8 +67,20 @@ class Mapper:
         request = CMapperRequest(
             options=handle.pointer, flags=0 if loops else _library.NO_LOOPS, threads=thread_count(threads)
         )
-        self._lock = threading.Lock()  # the library's mapper belongs to one thread at a time
+        self._lock = threading.RLock()
+        self._is_closing = False
+        self._process = os.getpid()
         self._handle = make("mapper", "mapper_new", ctypes.byref(request))
+
+    @contextlib.contextmanager
+    def _turn(self) -> Iterator[None]:
+        """The library's mapper belongs to one thread at a time, and to the process that has its threads."""
+        if os.getpid() != self._process:
+            raise RuntimeError("this mapper's threads are in the process that made it; make one in this process")
+        with self._lock:
+            if self._is_closing:  # in this thread
+                raise RuntimeError("the mapper is being closed: its progress function cannot use it; wait for close()")
+            yield
 
     def process(
         self,
@@ -86,7 +100,7 @@ class Mapper:
             )
         )
         match = CMatch()
-        with self._lock:
+        with self._turn():
             call("mapper_process", self._handle, ctypes.byref(given), ctypes.byref(match))
         return Match(
             pose=_pose_of(match.pose),
@@ -104,14 +118,18 @@ class Mapper:
 
     def close(self, progress: "ProgressFunction | None" = None) -> None:
         """After the last scan: closes the rest of the loops and adjusts the path. `progress` as of map()."""
-        with self._lock, Caller(progress) as caller:
-            call("mapper_close", self._handle, caller.progress, None)
+        with self._turn(), Caller(progress) as caller:
+            self._is_closing = True
+            try:
+                call("mapper_close", self._handle, caller.progress, None)
+            finally:
+                self._is_closing = False
 
     @property
     def trajectory(self) -> np.ndarray:
         """The poses so far, shape (scans, 4), float64: stamp, x, y, theta; those of Match until close()."""
         poses, count = ctypes.c_void_p(), ctypes.c_size_t()
-        with self._lock:
+        with self._turn():
             call("mapper_trajectory", self._handle, ctypes.byref(poses), ctypes.byref(count))
             return poses_view(None, poses.value, count.value).copy()  # the library's moves with the next scan
 
@@ -120,7 +138,7 @@ class Mapper:
 
         A view of the library's memory, which stays as it is whatever becomes of the mapper.
         """
-        with self._lock:
+        with self._turn():
             return grid_of(make("grid", "mapper_field", self._handle))
 
 

@@ -8,11 +8,11 @@ import threading
 import time
 import unittest
 
-from bindings_support import SAMPLE, SKIPPED, SOURCE, folder
+from bindings_support import SAMPLE, SKIPPED, SOURCE, folder, sample_hashes
 
 sys.path.insert(0, str(SOURCE / "python"))
 try:
-    import numpy as np  # noqa: F401 - the package takes it
+    import numpy as np
 except ImportError:
     print("SKIPPED: no numpy for Python (package python3-numpy)")
     sys.exit(1 if os.environ.get("GDTSLAM_REQUIRE_PROGRAMS") == "1" else SKIPPED)
@@ -121,6 +121,48 @@ class Signals(unittest.TestCase):
         self.assertEqual(made[0].report["scans"], 20)
 
 
+class Closing(unittest.TestCase):
+    def mapper(self):
+        mapper = gdtslam.Mapper()
+        self.scans = list(gdtslam.scans(SAMPLE))
+        for scan in self.scans:
+            mapper.process(scan)
+        return mapper
+
+    def test_its_own_progress_cannot_use_a_mapper(self):
+        for use in (
+            lambda mapper: mapper.trajectory,
+            lambda mapper: mapper.field(),
+            lambda mapper: mapper.process(self.scans[0]),
+            lambda mapper: mapper.close(),
+        ):
+            mapper, problems = self.mapper(), []
+
+            def progress(step, scans, share):
+                try:
+                    use(mapper)
+                except RuntimeError as problem:
+                    problems.append(str(problem))
+
+            signal.alarm(60)  # ends one that hangs
+            mapper.close(progress)
+            signal.alarm(0)
+            self.assertIn("is being closed", problems[0])
+            self.assertEqual(mapper.field().sha256, sample_hashes()[0])
+
+    def test_other_threads_wait_for_it(self):
+        mapper, seen = self.mapper(), []
+        thread = threading.Thread(target=lambda: seen.append(mapper.trajectory))
+
+        def progress(step, scans, share):
+            if not thread.ident:
+                thread.start()
+
+        mapper.close(progress)
+        thread.join()
+        self.assertTrue(np.array_equal(seen[0], mapper.trajectory))
+
+
 FORKS = """
 import gc, os, signal, sys, gdtslam
 sample, lets_go = sys.argv[1], sys.argv[2] == "True"
@@ -132,6 +174,10 @@ run = gdtslam.map(sample, loops=False, pictures=False, copies=False, count=20)
 child = os.fork()
 if child == 0:
     signal.alarm(20)  # ends one that hangs
+    try:
+        mapper.process(scans[30])
+    except RuntimeError as problem:
+        print(problem, flush=True)
     if lets_go:
         del mapper, run
         gc.collect()
@@ -152,7 +198,8 @@ class Forks(unittest.TestCase):
                 env={**os.environ, "PYTHONPATH": str(SOURCE / "python")},
             )
             self.assertEqual(done.returncode, 0, done.stderr)
-            *lines, place = done.stdout.splitlines()
+            problem, *lines, place = done.stdout.splitlines()
+            self.assertIn("in the process that made it", problem)
             self.assertEqual(lines, ["True", "True 20 2"], f"lets go: {lets_go}")
             self.assertFalse(os.path.exists(place), "the parent's end takes it away")
 
