@@ -69,8 +69,13 @@ def grid_of(handle: Handle) -> Grid:
     view = CGridView()
     call("grid_look", handle, ctypes.byref(view))
     kind = "<u2" if view.cell_bytes == 2 else "|u1"
-    memory = _Memory(handle, view.cells, (view.height, view.width), (view.row_bytes, view.cell_bytes), kind)
-    grid = np.asarray(memory).view(Grid)
+    shape = (view.height, view.width)
+    if view.cells is None:  # of a map before its first scan
+        cells = np.empty(shape, kind)
+        cells.flags.writeable = False
+    else:
+        cells = np.asarray(_Memory(handle, view.cells, shape, (view.row_bytes, view.cell_bytes), kind))
+    grid = cells.view(Grid)
     grid.resolution = view.resolution
     grid.origin = (view.origin_x, view.origin_y)
     grid.cap = view.cap

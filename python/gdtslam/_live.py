@@ -16,7 +16,7 @@ from ._arrays import Grid, grid_of, poses_view
 from ._callers import Caller, ProgressFunction
 from ._library import CLocalizerRequest, CLocation, CMapperRequest, CMatch, CTracked, call, encoded, make, plain
 from ._runs import Run, thread_count
-from ._scans import Options, Path, Pose, _pose_of, c_scan, options_of, scan_from
+from ._scans import Options, Path, Pose, _pose_of, c_scan, have_same_fields, options_of, scan_from
 
 VERDICTS = ("found", "ambiguous", "poor fit", "no pose")
 WHEREABOUTS = ("unknown", "found", "tracked", "predicted")
@@ -235,7 +235,7 @@ class Localizer:
         return Tracker(self)
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, eq=False)
 class Tracked:
     """Where a robot is, and how that is known.
 
@@ -254,6 +254,11 @@ class Tracked:
     explained: float
     mean_distance: float
     covariance: np.ndarray
+
+    def __eq__(self, other: Any) -> bool:
+        return have_same_fields(self, other) if isinstance(other, Tracked) else NotImplemented
+
+    __hash__ = None  # type: ignore[assignment]
 
 
 class Tracker:

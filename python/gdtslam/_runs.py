@@ -19,7 +19,7 @@ from ._callers import Caller, ProgressFunction, WarnFunction
 from ._errors import BY_STATUS, Error, Interrupted, UsageError
 from ._files import require_not_of_run, write_whole
 from ._library import CError, CMapRequest, CPictureRequest, Handle, call, encoded, library, make, plain, when_gone
-from ._scans import Options, Path, log_list, options_of
+from ._scans import MOST_WHOLE, Options, Path, log_list, options_of, whole
 
 
 class Run:
@@ -127,7 +127,7 @@ def thread_count(threads: "int | None") -> int:
     """As the library counts them: 0 is its default, and the largest number one a processor."""
     if threads is None:
         return 0
-    return _library.ALL_PROCESSORS if threads == 0 else threads
+    return whole("threads", threads, 0, _library.MOST_THREADS) or _library.ALL_PROCESSORS
 
 
 def _flags(**wanted: bool) -> int:
@@ -178,8 +178,6 @@ def map(  # noqa: A001 - the word of the field, as gdtslam.map
     folder = temporary.path / "run" if temporary is not None else pathlib.Path(out)  # type: ignore[arg-type]
     paths = log_list(logs)
     options_handle = options_of(options, topics, odometry, crank, mount)
-    if count is not None and count < 1:
-        raise UsageError(f"count: {count} scans cannot be mapped")
     caller = Caller(progress, warn)
     request = CMapRequest(
         logs=_library.text_list(paths),
@@ -197,8 +195,8 @@ def map(  # noqa: A001 - the word of the field, as gdtslam.map
             REPLACE_FOREIGN=replace_foreign,
         ),
         threads=thread_count(threads),
-        skip=skip,
-        scan_count=count or 0,
+        skip=whole("skip", skip, 0, MOST_WHOLE),
+        scan_count=0 if count is None else whole("count", count, 1, MOST_WHOLE),
         progress=caller.progress,
         warn=caller.warn,
     )

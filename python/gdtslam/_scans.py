@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import dataclasses
+import operator
 import os
 import threading
 from typing import Any, Iterator, Mapping, NamedTuple, Sequence, Union
@@ -13,6 +14,8 @@ import numpy as np
 from . import _library
 from ._errors import InputError, UsageError
 from ._library import CLogWarning, COption, CPose, CScan, Handle, call, encoded, make, plain
+
+MOST_WHOLE = (1 << 64) - 1  # that the library can be told
 
 Path = Union[str, "os.PathLike[str]"]
 Options = Union[Mapping[str, Any], Path, None]
@@ -35,6 +38,14 @@ class Option(NamedTuple):
 
 def _pose_of(pose: CPose) -> Pose:
     return Pose(pose.x, pose.y, pose.theta)
+
+
+def whole(name: str, value: Any, least: int, most: int) -> int:
+    """A whole number of the caller's: one that C has no room for would become another one unseen."""
+    number = operator.index(value)
+    if not least <= number <= most:
+        raise UsageError(f"{name}: {number} is not from {least} to {most}")
+    return number
 
 
 def c_pose(pose: "Sequence[float]") -> CPose:
@@ -88,12 +99,12 @@ def options(changed: Options = None) -> dict[str, Option]:
     return rows
 
 
-@dataclasses.dataclass
+@dataclasses.dataclass(eq=False)
 class Scan:
     """A sweep of the laser.
 
     Attributes:
-        ranges: metres, float32, shape (beams,); what is not finite, 0 or at the limit is no return.
+        ranges: metres, float32, shape (beams,); what is not finite, masked, 0 or at the limit is no return.
         first: bearing of the first beam in the laser's frame, radians; 0 is ahead, positive is left.
         step: bearing from beam to beam, radians.
         stamp: seconds.
@@ -117,10 +128,31 @@ class Scan:
     speed: "Sequence[float] | None" = None
     laser: int = 0
 
+    def __eq__(self, other: Any) -> bool:
+        return have_same_fields(self, other) if isinstance(other, Scan) else NotImplemented
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+def _with_no_returns(values: Any) -> Any:
+    """Without its mask; what it hid is nan."""
+    return values.astype(np.float32).filled(np.nan) if isinstance(values, np.ma.MaskedArray) else values
+
+
+def _are_same(one: Any, other: Any) -> bool:
+    if one is None or other is None or isinstance(one, str):
+        return one == other
+    return np.array_equal(_with_no_returns(one), _with_no_returns(other), equal_nan=True)
+
+
+def have_same_fields(one: Any, other: Any) -> bool:
+    """Of dataclasses that hold arrays, which have no == that is true or false; nan is like nan."""
+    return all(_are_same(getattr(one, field.name), getattr(other, field.name)) for field in dataclasses.fields(one))
+
 
 def c_scan(scan: Scan) -> "tuple[CScan, np.ndarray]":
     """The scan for the library, and the ranges, which must live as long."""
-    ranges = np.ascontiguousarray(scan.ranges, dtype=np.float32)
+    ranges = np.ascontiguousarray(_with_no_returns(scan.ranges), dtype=np.float32)
     if ranges.ndim != 1:
         raise InputError(f"ranges have the shape {ranges.shape}, and not (beams,)")
     given = CScan(
@@ -133,7 +165,7 @@ def c_scan(scan: Scan) -> "tuple[CScan, np.ndarray]":
         mount=c_pose(scan.mount),
         first_beam_after=float(scan.first_beam_after),
         beam_period=float(scan.beam_period),
-        laser=int(scan.laser),
+        laser=whole("laser", scan.laser, 0, MOST_WHOLE),
     )
     if scan.odometry is not None:
         given.has_odometry, given.odometry = 1, c_pose(scan.odometry)
@@ -149,11 +181,13 @@ def scan_from(scan: Any, **described: Any) -> Scan:
         if given:
             raise UsageError(f"{', '.join(given)}: a Scan has them already")
         return scan
+    if scan is None:
+        raise TypeError("a Scan or its ranges are needed, not None")
     described = {name: value for name, value in described.items() if value is not None}
     for name in ("first", "step"):
         if name not in described:
             raise UsageError(f"{name} is missing: ranges need the bearing of their first beam and the step between two")
-    return Scan(ranges=np.asarray(scan), **described)
+    return Scan(ranges=np.asarray(_with_no_returns(scan)), **described)
 
 
 class LogWarning(NamedTuple):

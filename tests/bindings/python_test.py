@@ -1,4 +1,5 @@
 """The Python package: the bytes of the library, arrays without copies, errors as exceptions."""
+import dataclasses
 import gc
 import hashlib
 import os
@@ -166,6 +167,8 @@ class WholeLog(unittest.TestCase):
         for scan in scans[:150]:
             tracked = tracker.follow(scan)
         self.assertEqual(tracked.whereabouts, "tracked")
+        self.assertEqual(tracked, dataclasses.replace(tracked, covariance=tracked.covariance.copy()))
+        self.assertNotEqual(tracked, dataclasses.replace(tracked, covariance=2 * tracked.covariance))
         self.assertLess(np.hypot(*(np.array(tracked.pose[:2]) - self.made.trajectory[149, 1:3])), 0.03)
         self.assertTrue(np.all(np.linalg.eigvalsh(tracked.covariance) > 0.0))
 
@@ -187,6 +190,54 @@ class Live(unittest.TestCase):
             b = other.process(scan.ranges.astype(float).tolist(), stamp=scan.stamp, first=scan.first, step=scan.step,
                               odometry=scan.odometry, max_range=scan.max_range, mount=scan.mount)
             self.assertEqual(a, b)
+
+    # A post of the robot that a third of the beams sees: hidden by a mask as if it were nothing.
+    def test_what_is_masked_is_no_return(self):
+        hidden = np.zeros(180, bool)
+        hidden[60:120] = True
+        ways = {
+            "nan": lambda ranges: np.where(hidden, np.nan, ranges),
+            "mask": lambda ranges: np.ma.masked_array(ranges, hidden),
+            "mask of doubles": lambda ranges: np.ma.masked_array(ranges.astype(float), hidden),
+        }
+        found = {}
+        for name, hide in ways.items():
+            mappers = [gdtslam.Mapper(loops=False) for _ in range(2)]
+            for scan in list(gdtslam.scans(SAMPLE))[:10]:
+                ranges = scan.ranges.copy()
+                ranges[hidden] = 1.0
+                scan.ranges = hide(ranges)
+                match = mappers[0].process(scan)
+                other = mappers[1].process(hide(ranges), stamp=scan.stamp, first=scan.first, step=scan.step, odometry=scan.odometry,
+                                           max_range=scan.max_range, mount=scan.mount)
+                self.assertEqual(match, other, name)
+            found[name] = (match, mappers[0].field().sha256)
+            self.assertLessEqual(match.points, 120, name)
+        self.assertEqual(found["mask"], found["nan"])
+        self.assertEqual(found["mask of doubles"], found["nan"])
+        metres = gdtslam.Mapper(loops=False).process(np.ma.masked_array([3, 1, 4], [False, True, False]), first=0.0, step=0.1)
+        self.assertEqual(metres.points, 2)
+
+    def test_a_field_before_any_scan_is_empty(self):
+        for loops in (False, True):
+            mapper = gdtslam.Mapper({"map.resolution": "5 cm"}, loops=loops)
+            field = mapper.field()
+            self.assertEqual((field.shape, field.dtype, field.size), ((0, 0), np.uint16, 0))
+            self.assertEqual((field.metres().shape, mapper.trajectory.shape), ((0, 0), (0, 4)))
+
+    def test_scans_are_compared_by_what_they_hold(self):
+        one, other = list(gdtslam.scans(SAMPLE)), list(gdtslam.scans(SAMPLE))
+        self.assertEqual(one, other)
+        self.assertNotEqual(one[0], one[1])
+        self.assertNotEqual(one[0], "a scan")
+        other[0].ranges = other[0].ranges.copy()
+        other[0].ranges[3] = np.nan
+        self.assertNotEqual(one[0], other[0])
+        self.assertEqual(other[0], other[0])
+        other[1].odometry = None
+        self.assertNotEqual(one[1], other[1])
+        with self.assertRaises(TypeError):
+            hash(one[0])
 
     def test_a_field_stays_as_it_was(self):
         mapper = gdtslam.Mapper(loops=False)
@@ -241,6 +292,31 @@ class Errors(unittest.TestCase):
                 provoke()
             self.assertIsInstance(caught.exception, (gdtslam.Error, parent))
             self.assertTrue(str(caught.exception))
+
+    def test_whole_numbers_that_c_has_no_room_for_are_refused(self):
+        most = int(re.search(r"kMostThreads = (\d+)", (SOURCE / "engine/c/options.hpp").read_text()).group(1))
+        for name, least, largest, provoke in (
+            ("count", 1, 2**64 - 1, lambda value: gdtslam.map(SAMPLE, WORK / "none", count=value)),
+            ("skip", 0, 2**64 - 1, lambda value: gdtslam.map(SAMPLE, WORK / "none", skip=value)),
+            ("threads", 0, most, lambda value: gdtslam.map(SAMPLE, WORK / "none", threads=value)),
+            ("threads", 0, most, lambda value: gdtslam.Mapper(threads=value)),
+            ("laser", 0, 2**64 - 1, lambda value: gdtslam.Mapper().process(gdtslam.Scan(np.ones(3), 0.0, 0.1, laser=value))),
+        ):
+            for value in (least - 1, largest + 1, -(2**70)):
+                with self.assertRaisesRegex(gdtslam.UsageError, f"{name}: {value} is not from {least} to {largest}"):
+                    provoke(value)
+            with self.assertRaises(TypeError):
+                provoke(1.5)
+        self.assertFalse((WORK / "none").exists())
+        self.assertEqual(gdtslam.map(SAMPLE, loops=False, pictures=False, skip=np.int64(340), count=2**64 - 1).report["scans"], 10)
+
+    def test_none_is_no_scan(self):
+        for provoke in (
+            lambda: gdtslam.Mapper().process(None),
+            lambda: gdtslam.Mapper().process(None, first=0.0, step=0.1),
+        ):
+            with self.assertRaisesRegex(TypeError, "not None"):
+                provoke()
 
     def test_a_nul_does_not_cut_a_text_short(self):
         victim = folder("python/victim")
