@@ -4,6 +4,7 @@
 #include <string>
 
 #include "convert.hpp"
+#include "engine/runs/streams/warning_text.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/runs/map_log.hpp"
 #include "guard.hpp"
@@ -79,6 +80,9 @@ void map_into(const gdtslam_map_request& given, gdtslam_run** run) {
   const MapRequest request = request_of(given, watcher);
   const std::unique_ptr<Backend> backend = make_cpu_backend({.threads = threads_of(given.threads).count, .isa = {}});
   const MapResult result = map_logs(request, *backend);
+  if (request.warn) {
+    for (const LogReader::Warning& warning : result.outcome.warnings) request.warn(warning_text(warning));
+  }
   if (run != nullptr) {
     auto made = std::make_unique<gdtslam_run>(request.folder);
     made->trajectory = to_c(result.outcome.trajectory);

@@ -172,7 +172,8 @@ def map(  # noqa: A001 - the word of the field, as gdtslam.map
         skip, count: scans that are left out at the start, and that are mapped.
         progress: called with the step at work, the scans so far and the share that is done, or None; ends the work
             where it returns something true, which raises Interrupted.
-        warn: called with each line that a user should see; Python's warnings where it is None.
+        warn: called with each line that a user should see, what was skipped or mended in the log among them; Python's
+            warnings where it is None.
     """
     temporary = TemporaryFolder() if out is None else None
     folder = temporary.path / "run" if temporary is not None else pathlib.Path(out)  # type: ignore[arg-type]

@@ -1,12 +1,15 @@
 """The Python package and its caller: his functions, signals that come meanwhile, and processes that he forks."""
+import gzip
 import os
 import random
+import shutil
 import signal
 import subprocess
 import sys
 import threading
 import time
 import unittest
+import warnings
 
 from bindings_support import SAMPLE, SKIPPED, SOURCE, folder, sample_hashes
 
@@ -161,6 +164,57 @@ class Closing(unittest.TestCase):
         mapper.close(progress)
         thread.join()
         self.assertTrue(np.array_equal(seen[0], mapper.trajectory))
+
+
+class Warnings(unittest.TestCase):
+    def setUp(self):
+        self.log = WORK / "bad.log"
+        lines = gzip.decompress(SAMPLE.read_bytes()).splitlines(keepends=True)
+        self.log.write_bytes(b"".join([*lines[:60], b"FLASER nonsense\n", *lines[60:120]]))
+        self.warning = f'warning: malformed line (1 times; first: {self.log}:61: has "nonsense" as its number of beams, which is not a whole number)'
+
+    def test_those_of_a_log_are_told(self):
+        told = []
+        run = gdtslam.map(self.log, WORK / "bad", **SHORT, lenient=True, warn=told.append)
+        self.assertEqual(told, [self.warning])
+        self.assertEqual(run.report["warnings"], {"malformed line": 1})
+        if "GDTSLAM" in os.environ:
+            done = subprocess.run(
+                [os.environ["GDTSLAM"], "map", str(self.log), "-o", str(WORK / "command"), "--lenient", "--no-pictures"],
+                capture_output=True, text=True, check=True,
+            )
+            self.assertIn(f"gdtslam: {self.warning}\n", done.stderr)
+
+    def test_they_are_pythons_at_the_callers_line(self):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            gdtslam.map(self.log, WORK / "bad", **SHORT, lenient=True)
+        self.assertEqual([str(warning.message) for warning in caught], [self.warning])
+        self.assertEqual(caught[0].filename, __file__)
+
+    def test_what_warn_raises_comes_out(self):
+        def warn(text):
+            raise Stopped(text)
+
+        with self.assertRaisesRegex(Stopped, "malformed line"):
+            gdtslam.map(self.log, WORK / "bad", **SHORT, lenient=True, warn=warn)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            with self.assertRaisesRegex(UserWarning, "malformed line"):
+                gdtslam.map(self.log, WORK / "bad", **SHORT, lenient=True)
+
+    def test_a_warning_that_raises_ends_the_map(self):
+        log = WORK / "tilted.log.gz"  # away from its linkage
+        shutil.copyfile(SOURCE / "assets/logs/nodding-start.log.gz", log)
+        steps = []
+
+        def warn(text):
+            raise Stopped(text)
+
+        with self.assertRaisesRegex(Stopped, "--linkage"):
+            gdtslam.map(log, WORK / "tilted", **SHORT, warn=warn, progress=lambda *told: steps.append(told))
+        self.assertEqual(steps, [])
+        self.assertFalse((WORK / "tilted").exists(), "it came before the first scan")
 
 
 FORKS = """

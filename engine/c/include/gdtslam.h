@@ -212,7 +212,8 @@ typedef struct gdtslam_run gdtslam_run;
 /* Called while the work goes on, in the thread of the call: "scans" with their number and the share of the log, then
  * the steps of closing loops and of writing, with their share; negative where it is not known. Not 0 ends the work. */
 typedef int32_t (*gdtslam_progress)(void* user_data, const char* step, uint64_t scans, double share);
-/* One line that a user should see. */
+/* One line that a user should see: a remark as it comes up; once the run is written, what was skipped or mended in the
+ * log, a line a kind. */
 typedef void (*gdtslam_warn)(void* user_data, const char* text);
 
 typedef struct gdtslam_map_request {

@@ -4,6 +4,7 @@
 #include <CLI/App.hpp>
 
 #include "console.hpp"
+#include "engine/runs/streams/warning_text.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 
 namespace gdtslam {
@@ -27,9 +28,7 @@ Settings load_settings(const SettingsOptions& options) {
 }
 
 void print_warnings(const std::vector<LogReader::Warning>& warnings) {
-  for (const LogReader::Warning& warning : warnings) {
-    print_remark(fmt::format("warning: {} ({} times; first: {})", warning.kind, warning.count, warning.first));
-  }
+  for (const LogReader::Warning& warning : warnings) print_remark(warning_text(warning));
 }
 
 std::string doubts_text(const MapOutcome& outcome, const std::string& folder) {
