@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -15,6 +16,7 @@ namespace gdtslam {
 namespace {
 
 constexpr double kShortTermLimit_s = 20.0;
+constexpr double kClockStep_s = 1.0;  // back, beyond which a clock was set
 
 double yaw_error_deg(double a_rad, double b_rad) { return std::fabs(deg_from_rad(wrap_angle(a_rad - b_rad))); }
 
@@ -73,19 +75,61 @@ Pose2 rigid_alignment(const std::vector<MatchedPose>& matched) {
   return {shift.x(), shift.y(), rotation.theta_rad};
 }
 
+/// Where the clock steps back another stretch of the trajectory begins, unless it is by less than a second, as the
+/// stamps of recorders do that stamp what they receive: of each pose the stretch, from 0.
+std::vector<std::size_t> stretches_of(const Trajectory& trajectory, double tolerance_s) {
+  std::vector<std::size_t> stretches;
+  stretches.reserve(trajectory.size());
+  std::size_t stretch = 0;
+  double last_s = -std::numeric_limits<double>::infinity();
+  for (const StampedPose& pose : trajectory) {
+    if (pose.stamp_s < last_s - std::max(kClockStep_s, tolerance_s)) ++stretch;
+    if (std::isfinite(pose.stamp_s)) last_s = pose.stamp_s;
+    stretches.push_back(stretch);
+  }
+  return stretches;
+}
+
+/// How many stamps of a trajectory occur in two stretches of another, within the tolerance.
+std::size_t count_ambiguous(const Trajectory& asking, const Trajectory& asked,
+                            const std::vector<std::size_t>& stretches, double tolerance_s) {
+  if (stretches.empty() || stretches.back() == 0) return 0;
+  std::vector<std::pair<double, std::size_t>> by_stamp;
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    if (std::isfinite(asked[i].stamp_s)) by_stamp.emplace_back(asked[i].stamp_s, stretches[i]);
+  }
+  std::sort(by_stamp.begin(), by_stamp.end());
+  std::size_t ambiguous = 0;
+  for (const StampedPose& pose : asking) {
+    const auto first =
+        std::lower_bound(by_stamp.begin(), by_stamp.end(), std::pair(pose.stamp_s - tolerance_s, std::size_t{0}));
+    const auto is_another = [&](const auto& entry) { return entry.second != first->second; };
+    auto other = first;
+    while (other != by_stamp.end() && other->first <= pose.stamp_s + tolerance_s && !is_another(*other)) ++other;
+    ambiguous += other != by_stamp.end() && other->first <= pose.stamp_s + tolerance_s ? 1U : 0U;
+  }
+  return ambiguous;
+}
+
+std::vector<Trajectory> split(const Trajectory& trajectory, const std::vector<std::size_t>& stretches) {
+  std::vector<Trajectory> parts(stretches.empty() ? 0 : stretches.back() + 1);
+  for (std::size_t i = 0; i < trajectory.size(); ++i) parts[stretches[i]].push_back(trajectory[i]);
+  return parts;
+}
+
 // Two or more of the reference's poses are met: by stamps that are all one, poses cannot be told apart.
 std::vector<MatchedPose> matched_by_stamp(const Trajectory& estimate, const Trajectory& reference, double tolerance_s) {
-  const PosesByStamp index(reference);
+  const std::vector<std::optional<std::size_t>> indices = matches_by_stamp(estimate, reference, tolerance_s);
   std::vector<MatchedPose> matched;
   matched.reserve(estimate.size());
   std::optional<std::size_t> first;
   bool is_one = true;
-  for (const StampedPose& pose : estimate) {
-    const std::optional<std::size_t> k = index.index_of(pose.stamp_s, tolerance_s);
+  for (std::size_t i = 0; i < estimate.size(); ++i) {
+    const std::optional<std::size_t>& k = indices[i];
     if (!k) continue;
     if (!first) first = k;
     is_one = is_one && *k == *first;
-    matched.push_back({pose.stamp_s, pose.T_map_base, reference[*k].T_map_base});
+    matched.push_back({estimate[i].stamp_s, estimate[i].T_map_base, reference[*k].T_map_base});
   }
   if (matched.size() < 2) {
     throw InputError("only " + std::to_string(matched.size()) + " of " + std::to_string(estimate.size()) +
@@ -157,6 +201,37 @@ ErrorSummary summarise(std::vector<double> errors) {
   const std::size_t middle = errors.size() / 2;
   summary.median = errors.size() % 2 == 1 ? errors[middle] : 0.5 * (errors[middle - 1] + errors[middle]);
   return summary;
+}
+
+std::vector<std::optional<std::size_t>> matches_by_stamp(const Trajectory& estimate, const Trajectory& reference,
+                                                         double tolerance_s) {
+  const std::vector<std::size_t> stretches = stretches_of(estimate, tolerance_s);
+  const std::vector<std::size_t> of_reference = stretches_of(reference, tolerance_s);
+  const std::size_t ambiguous = std::max(count_ambiguous(estimate, reference, of_reference, tolerance_s),
+                                         count_ambiguous(reference, estimate, stretches, tolerance_s));
+  if (ambiguous > 0 && stretches.back() != of_reference.back()) {
+    throw InputError(std::to_string(ambiguous) + " stamps occur twice, a clock stepped back: the trajectory has " +
+                     std::to_string(stretches.back() + 1) + " stretches of time and the reference " +
+                     std::to_string(of_reference.back() + 1) + ". Cut both where the clock stepped back");
+  }
+  std::vector<std::optional<std::size_t>> matches(estimate.size());
+  if (ambiguous == 0) {
+    const PosesByStamp index(reference);
+    for (std::size_t i = 0; i < estimate.size(); ++i) matches[i] = index.index_of(estimate[i].stamp_s, tolerance_s);
+    return matches;
+  }
+  std::vector<PosesByStamp> parts;
+  std::vector<std::size_t> begins{0};
+  for (const Trajectory& part : split(reference, of_reference)) {
+    begins.push_back(begins.back() + part.size());
+    parts.emplace_back(part);
+  }
+  for (std::size_t i = 0; i < estimate.size(); ++i) {
+    const std::size_t part = stretches[i];
+    matches[i] = parts[part].index_of(estimate[i].stamp_s, tolerance_s);
+    if (matches[i]) *matches[i] += begins[part];
+  }
+  return matches;
 }
 
 RelationReport evaluate_relations(const Trajectory& trajectory, std::span<const Relation> relations,

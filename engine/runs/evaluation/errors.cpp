@@ -33,16 +33,17 @@ Interval wilson(std::uint64_t count, std::uint64_t of) {
 AlignedPath aligned_path(const Trajectory& estimate, const Trajectory& reference) {
   const ReferenceOptions options;
   const Pose2 T_reference_map = evaluate_reference(estimate, reference, options).T_reference_estimate;
-  const PosesByStamp truth(reference);
+  const std::vector<std::optional<std::size_t>> matches = matches_by_stamp(estimate, reference, options.tolerance_s);
   AlignedPath path;
-  for (const StampedPose& pose : estimate) {
+  for (std::size_t i = 0; i < estimate.size(); ++i) {
+    const StampedPose& pose = estimate[i];
     const Pose2 aligned = T_reference_map * pose.T_map_base;
     path.trajectory.push_back({pose.stamp_s, aligned});
     path.errors.emplace_back();
-    const std::optional<Pose2> T_reference_base = truth.find(pose.stamp_s, options.tolerance_s);
-    if (!T_reference_base) continue;
-    path.errors.back() = TrajectoryError{pose.stamp_s, (aligned.translation() - T_reference_base->translation()).norm(),
-                                         degrees_of(aligned.theta_rad - T_reference_base->theta_rad)};
+    if (!matches[i]) continue;
+    const Pose2& T_reference_base = reference[*matches[i]].T_map_base;
+    path.errors.back() = TrajectoryError{pose.stamp_s, (aligned.translation() - T_reference_base.translation()).norm(),
+                                         degrees_of(aligned.theta_rad - T_reference_base.theta_rad)};
   }
   return path;
 }

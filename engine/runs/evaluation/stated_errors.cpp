@@ -92,13 +92,12 @@ StatedReport stated_errors(const Trajectory& trajectory, std::span<const PoseCov
 StatedReport stated_errors(const Trajectory& trajectory, std::span<const PoseCovariance> covariances,
                            const Trajectory& reference, const Pose2& T_reference_estimate, const TruthNoise& noise,
                            double tolerance_s) {
-  const PosesByStamp truth(reference);
+  const std::vector<std::optional<std::size_t>> matches = matches_by_stamp(trajectory, reference, tolerance_s);
   const Pose2 T_estimate_reference = inverse(T_reference_estimate);
   StatedErrors errors;
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
-    const std::optional<Pose2> actual = truth.find(trajectory[i].stamp_s, tolerance_s);
-    if (!actual) continue;
-    const Pose2 in_map = T_estimate_reference * *actual;
+    if (!matches[i]) continue;
+    const Pose2 in_map = T_estimate_reference * reference[*matches[i]].T_map_base;
     const Pose2& stated = trajectory[i].T_map_base;
     errors.add({stated.x_m - in_map.x_m, stated.y_m - in_map.y_m, wrap_angle(stated.theta_rad - in_map.theta_rad)},
                matrix_of(covariances[i]) + matrix_of(noise));

@@ -133,6 +133,38 @@ Trajectory moved(const Pose2& T, const Trajectory& trajectory) {
   return result;
 }
 
+// The truth against itself has no errors, whatever its clock did; against one whose steps are others nothing is said.
+TEST(EvaluateReference, StretchesOfAClockThatStepsBackAreMatchedOneByOne) {
+  Random random(11);
+  Trajectory walk = random_walk(random, 90);
+  const Trajectory sound = walk;
+  for (std::size_t k = 40; k < walk.size(); ++k) walk[k].stamp_s -= 20.0;
+  const ReferenceReport report = evaluate_reference(walk, walk, {});
+  EXPECT_EQ(report.matched, 90U);
+  EXPECT_NEAR(report.ate_m.max, 0.0, 1e-9);
+  EXPECT_NEAR(report.rpe_m.max, 0.0, 1e-9);
+  const auto refusal = [](const Trajectory& estimate, const Trajectory& reference) -> std::string {
+    try {
+      static_cast<void>(evaluate_reference(estimate, reference, {}));
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  // Stamps 20 to 39 were passed twice.
+  EXPECT_THAT(refusal(sound, walk), testing::HasSubstr("20 stamps occur twice, a clock stepped back"));
+  EXPECT_THAT(refusal(walk, sound), testing::HasSubstr("20 stamps occur twice, a clock stepped back"));
+}
+
+TEST(EvaluateReference, ATrajectoryThatGoesBackwardInTimeHasNoStampTwice) {
+  Random random(12);
+  Trajectory walk = random_walk(random, 50);
+  const Trajectory sound = walk;
+  std::reverse(walk.begin(), walk.end());
+  EXPECT_NEAR(evaluate_reference(walk, sound, {}).ate_m.max, 0.0, 1e-9);
+  EXPECT_NEAR(evaluate_reference(sound, walk, {}).ate_m.max, 0.0, 1e-9);
+}
+
 // What the relations say does not depend on where the map's origin is.
 TEST(EvaluateRelations, IsInvariantUnderAMotionOfTheMap) {
   Random random(7);

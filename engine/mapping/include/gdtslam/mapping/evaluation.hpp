@@ -86,7 +86,13 @@ struct ReferenceOptions {
   double rpe_distance_m = 1.0;
   bool align = true;  ///< rigid alignment; otherwise the first poses are made to agree
 };
-/// Throws InputError when fewer than two stamps match, or all that do meet one pose of the reference.
+/// Of each pose of a trajectory the index of that in the reference which has its stamp. Where stamps are not unique
+/// because a clock stepped back, the stretches between such steps are matched one by one. Throws InputError where both
+/// do not have equally many.
+std::vector<std::optional<std::size_t>> matches_by_stamp(const Trajectory& estimate, const Trajectory& reference,
+                                                         double tolerance_s);
+/// Throws InputError when stamps cannot be matched, when fewer than two match, or all that do meet one pose of the
+/// reference.
 ReferenceReport evaluate_reference(const Trajectory& estimate, const Trajectory& reference,
                                    const ReferenceOptions& options);
 
