@@ -64,6 +64,9 @@ std::size_t ScanAssembler::add_laser(const std::string& topic) {
 
 void ScanAssembler::add_scan(std::size_t laser, ScanMessage scan, double received_s) {
   scan_clock_.add(received_s, scan.stamp_s, sweep_s(scan));
+  // Its clock may have been set back, and that of the odometry with it: the next poses tell.
+  const bool is_back = lasers_[laser].last_stamp_s - scan.stamp_s > OdometryTrack::kLeap_s;
+  const std::uint64_t due = is_back ? poses_taken_ + OdometryTrack::kSetBack : 0;
   lasers_[laser].last_stamp_s = scan.stamp_s;
   lasers_[laser].frame = scan.frame;
   auto place = waiting_.end();
@@ -74,7 +77,7 @@ void ScanAssembler::add_scan(std::size_t laser, ScanMessage scan, double receive
     if (held->laser == laser || held->scan.stamp_s <= scan.stamp_s) break;
     place = before;
   }
-  waiting_.insert(place, HeldScan{.laser = laser, .scan = std::move(scan)});
+  waiting_.insert(place, HeldScan{.laser = laser, .scan = std::move(scan), .stretch = poses_.stretch(), .due = due});
   ++held_scans_;
 }
 
@@ -82,7 +85,7 @@ void ScanAssembler::add_odometry(const TransformMessage& pose, double received_s
   if (source_ == PoseSource::kTransforms) return;
   if (source_ == PoseSource::kUnknown) {
     source_ = PoseSource::kOdometry;
-    poses_.clear();  // those of transforms
+    poses_ = {};  // those of transforms
     pose_clock_ = {};
     base_.clear();
   }
@@ -101,12 +104,27 @@ void ScanAssembler::add_pose(const TransformMessage& pose, double received_s) {
   if (base_.empty()) base_ = pose.child;
   odometry_frame_ = pose.parent;
   pose_clock_.add(received_s, pose.stamp_s, 0.0);
-  if (!poses_.empty() && pose.stamp_s <= poses_.back().stamp_s) {
-    if (pose.stamp_s < poses_.back().stamp_s) warn_("odometry steps back in time", "it is left out");
-    return;
+  ++poses_taken_;
+  using Taken = OdometryTrack::Taken;
+  const Taken taken = poses_.take({pose.stamp_s, seen_from_above(pose.T_parent_child)});
+  if (taken == Taken::kPast) warn_("odometry steps back in time", "it is left out");
+  if (taken == Taken::kForgot) warn_("odometry far ahead in time", "it is left out");
+  if (taken != Taken::kSetBack) return;
+  warn_("odometry's clock was set back", fmt::format("from {:.6f} s to {:.6f} s; scans get the poses of their side",
+                                                     poses_.last_before_set_back_s(), poses_.first_after_set_back_s()));
+  place_held_scans();
+}
+
+// A scan that waits while the clock is set back is near either side of that.
+void ScanAssembler::place_held_scans() {
+  for (Held& held : waiting_) {
+    auto* const scan = std::get_if<HeldScan>(&held);
+    if (scan == nullptr) continue;
+    const double stamp_s = scan->scan.stamp_s - pose_shift_s_.value_or(0.0);
+    const bool is_behind =
+        std::fabs(stamp_s - poses_.first_after_set_back_s()) < std::fabs(stamp_s - poses_.last_before_set_back_s());
+    if (is_behind) scan->stretch = poses_.stretch();
   }
-  poses_.push_back({pose.stamp_s, seen_from_above(pose.T_parent_child)});
-  if (poses_.size() > kMostPoses) poses_.pop_front();
 }
 
 void ScanAssembler::add_crank(const NumberMessage& number, double received_s) {
@@ -145,22 +163,21 @@ double ScanAssembler::shift_of(const TopicClock& clock, std::string_view what) {
 }
 
 // Along the circular arc between the poses around it; nothing before the first, the last one after it.
-std::optional<Pose2> ScanAssembler::odometry_at(double stamp_s) const {
-  const auto after = std::lower_bound(poses_.begin(), poses_.end(), stamp_s,
-                                      [](const Odometry& pose, double at_s) { return pose.stamp_s < at_s; });
-  if (after == poses_.end()) return poses_.empty() ? std::nullopt : std::optional(poses_.back().T_odom_base);
-  if (after->stamp_s == stamp_s) return after->T_odom_base;
-  if (after == poses_.begin()) return std::nullopt;
-  const Odometry& before = *std::prev(after);
-  const double share = (stamp_s - before.stamp_s) / (after->stamp_s - before.stamp_s);
-  return before.T_odom_base * exp_se2(share * log_se2(between(before.T_odom_base, after->T_odom_base)));
+std::optional<Pose2> ScanAssembler::odometry_at(std::uint64_t stretch, double stamp_s) const {
+  const auto [before, after] = poses_.around(stretch, stamp_s);
+  if (after == nullptr) return before == nullptr ? std::nullopt : std::optional(before->T_odom_base);
+  if (after->stamp_s == stamp_s || before == after) return after->T_odom_base;
+  if (before == nullptr) return std::nullopt;
+  const double share = (stamp_s - before->stamp_s) / (after->stamp_s - before->stamp_s);
+  return before->T_odom_base * exp_se2(share * log_se2(between(before->T_odom_base, after->T_odom_base)));
 }
 
 // The transforms of the mount may come some messages after the first scan.
 bool ScanAssembler::is_complete(const HeldScan& held) const {
   const double stamp_s = held.scan.stamp_s;
   if (source_ == PoseSource::kUnknown || poses_.empty()) return false;
-  if (poses_.back().stamp_s < stamp_s - pose_shift_s_.value_or(0.0)) return false;
+  if (poses_.is_in_doubt() || poses_taken_ < held.due) return false;
+  if (!poses_.is_known(held.stretch, stamp_s - pose_shift_s_.value_or(0.0))) return false;
   const std::string& frame = held.scan.frame;
   if (!lasers_[held.laser].T_base_laser && !mounts_.contains(frame) && !frames_.find(frame, base_)) return false;
   if (lasers_.size() < options_.topics.scans.size()) return false;
@@ -220,7 +237,7 @@ ScanRecord ScanAssembler::record_of(HeldScan held) {
   record.scan.T_base_laser = stated.value_or(seen_from_above(mount));
   const bool are_stated = options_.bearing_step_rad.has_value();
   if (!are_stated) turn_right_to_left(record.scan, mount.rotation[8] < 0.0);
-  record.T_odom_base = odometry_at(scan.stamp_s - pose_shift_s_.value_or(0.0));
+  record.T_odom_base = odometry_at(held.stretch, scan.stamp_s - pose_shift_s_.value_or(0.0));
   return record;
 }
 
@@ -249,7 +266,8 @@ std::optional<LogRecord> ScanAssembler::next(bool at_end) {
   auto& held = std::get<HeldScan>(waiting_.front());
   if (!must_go && !is_complete(held)) return std::nullopt;
   if (source_ == PoseSource::kUnknown && !poses_.empty()) source_ = PoseSource::kTransforms;
-  if (!poses_.empty() && poses_.back().stamp_s < held.scan.stamp_s - pose_shift_s_.value_or(0.0)) {
+  const double wanted_s = held.scan.stamp_s - pose_shift_s_.value_or(0.0);
+  if (!poses_.empty() && held.stretch == poses_.stretch() && poses_.back().stamp_s < wanted_s) {
     warn_("scan after the last odometry", "it gets the last pose that is known");
   }
   HeldScan scan = std::move(held);

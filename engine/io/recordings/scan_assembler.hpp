@@ -1,7 +1,7 @@
 // From the messages of a recording to scans with odometry: where each laser sits, which way its beams go, and where the
 // wheels were at the scan's stamp; with several lasers, their scans in the order of their stamps; the crank of a
 // nodding mount beside them. Frames: laser, base (the child of the odometry), odom. Not thread-safe; memory is bounded:
-// kMostHeldScans scans wait for odometry, kMostHeldNumbers messages of a crank with them, kMostPoses poses are kept.
+// kMostHeldScans scans wait for odometry, kMostHeldNumbers messages of a crank with them, OdometryTrack keeps poses.
 #pragma once
 
 #include <cstddef>
@@ -19,6 +19,7 @@
 #include "engine/io/log_contents.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "messages.hpp"
+#include "odometry_track.hpp"
 #include "topic_clock.hpp"
 #include "transform3.hpp"
 
@@ -28,7 +29,6 @@ class ScanAssembler {
  public:
   static constexpr std::size_t kMostHeldScans = 64;
   static constexpr std::size_t kMostHeldNumbers = 4096;
-  static constexpr std::size_t kMostPoses = 4096;
 
   using Warn = std::function<void(std::string_view kind, const std::string& detail)>;
   ScanAssembler(const ReadOptions& options, Warn warn);
@@ -66,14 +66,17 @@ class ScanAssembler {
   struct HeldScan {
     std::size_t laser = 0;
     ScanMessage scan;
+    std::uint64_t stretch = 0;  ///< of the odometry's clock
+    std::uint64_t due = 0;      ///< it waits for so many poses
   };
   using Held = std::variant<HeldScan, NumberMessage>;
 
   void add_pose(const TransformMessage& pose, double received_s);
+  void place_held_scans();
   [[nodiscard]] bool is_clock_known(bool must_go);
   [[nodiscard]] double shift_of(const TopicClock& clock, std::string_view what);
   [[nodiscard]] bool is_complete(const HeldScan& held) const;
-  [[nodiscard]] std::optional<Pose2> odometry_at(double stamp_s) const;
+  [[nodiscard]] std::optional<Pose2> odometry_at(std::uint64_t stretch, double stamp_s) const;
   [[nodiscard]] const Transform3& mount_of(const std::string& frame);
   [[nodiscard]] ScanRecord record_of(HeldScan held);
   [[nodiscard]] LogRecord record_of(const NumberMessage& number) const;
@@ -86,7 +89,8 @@ class ScanAssembler {
   std::vector<Laser> lasers_;
   std::deque<Held> waiting_;
   std::size_t held_scans_ = 0;
-  std::deque<Odometry> poses_;  ///< in the odometry's own clock
+  OdometryTrack poses_;  ///< in the odometry's own clock
+  std::uint64_t poses_taken_ = 0;
   TopicClock scan_clock_;
   TopicClock pose_clock_;
   TopicClock crank_clock_;

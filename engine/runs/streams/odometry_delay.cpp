@@ -22,7 +22,6 @@ constexpr double kSlip_rad = 0.05;      // beyond which a difference counts as t
 constexpr double kLeastTurn_rad = 3.0;  // of all steps, to tell anything
 constexpr double kEnoughTurn_rad = 20.0;
 constexpr std::size_t kMostScans = 3000;
-constexpr std::size_t kMostTrack = 4096;
 constexpr std::size_t kMostShifted = 512;
 
 /// Headings by odometry over time, unwrapped; along straight lines between the stamps.
@@ -58,8 +57,8 @@ struct Agreement {
   }
 };
 
-Agreement agreement_at(std::span<const TimedHeading> headings, const HeadingTrack& odometry, double shift_s) {
-  Agreement agreement;
+void add_agreement(std::span<const TimedHeading> headings, const HeadingTrack& odometry, double shift_s,
+                   Agreement& agreement) {
   for (std::size_t i = 1; i < headings.size(); ++i) {
     const TimedHeading& from = headings[i - 1];
     const TimedHeading& to = headings[i];
@@ -71,7 +70,6 @@ Agreement agreement_at(std::span<const TimedHeading> headings, const HeadingTrac
     agreement.sum += std::min(off * off, kSlip_rad * kSlip_rad);
     ++agreement.steps;
   }
-  return agreement;
 }
 
 // Turns are wanted, and not the best map: a scan that lies wrongly is one of many. Nothing but the last motion says
@@ -86,6 +84,31 @@ MapperConfig config_of_look(MapperConfig config) {
   return config;
 }
 
+// A clock that was set back begins a new stretch; a stamp far ahead of both its neighbours is left out.
+std::vector<std::vector<TimedHeading>> stretches_of(std::span<const TimedHeading> headings) {
+  std::vector<std::vector<TimedHeading>> stretches(1);
+  double latest_s = -std::numeric_limits<double>::infinity();
+  std::size_t past = 0;  // the last ones, in a row, that go forward behind the latest
+  for (std::size_t i = 0; i < headings.size(); ++i) {
+    const double stamp_s = headings[i].stamp_s;
+    const double before_s = i > 0 ? headings[i - 1].stamp_s : stamp_s;
+    const double after_s = i + 1 < headings.size() ? headings[i + 1].stamp_s : stamp_s;
+    if (stamp_s - before_s > kLongestStep_s && after_s > before_s && stamp_s - after_s > kLongestStep_s) continue;
+    stretches.back().push_back(headings[i]);
+    past = stamp_s > latest_s ? 0 : past > 0 && stamp_s <= before_s ? 1 : past + 1;
+    latest_s = std::max(latest_s, stamp_s);
+    if (past < OdometryTrack::kSetBack) continue;
+    std::vector<TimedHeading>& ended = stretches.back();
+    const auto first = ended.end() - static_cast<std::ptrdiff_t>(OdometryTrack::kSetBack);
+    std::vector<TimedHeading> begun(first, ended.end());
+    ended.erase(first, ended.end());
+    stretches.push_back(std::move(begun));
+    latest_s = stamp_s;
+    past = 0;
+  }
+  return stretches;
+}
+
 double turned_rad(std::span<const TimedHeading> headings) {
   double sum = 0.0;
   for (std::size_t i = 1; i < headings.size(); ++i) {
@@ -98,11 +121,17 @@ double turned_rad(std::span<const TimedHeading> headings) {
 
 std::optional<OdometryDelay> delay_of(std::span<const TimedHeading> headings) {
   if (turned_rad(headings) < kLeastTurn_rad) return std::nullopt;
-  const HeadingTrack odometry(headings);
+  const std::vector<std::vector<TimedHeading>> stretches = stretches_of(headings);
+  const std::vector<HeadingTrack> odometry(stretches.begin(), stretches.end());
   const int most = static_cast<int>(kMostDelay_s / kDelayStep_s);
   std::vector<Agreement> at;
   at.reserve(2 * static_cast<std::size_t>(most) + 1);
-  for (int k = -most; k <= most; ++k) at.push_back(agreement_at(headings, odometry, k * kDelayStep_s));
+  for (int k = -most; k <= most; ++k) {
+    at.emplace_back();
+    for (std::size_t i = 0; i < stretches.size(); ++i) {
+      add_agreement(stretches[i], odometry[i], k * kDelayStep_s, at.back());
+    }
+  }
   std::size_t best = static_cast<std::size_t>(most);
   for (std::size_t k = 0; k < at.size(); ++k) {
     if (at[k].mean() < at[best].mean()) best = k;
@@ -148,30 +177,58 @@ std::optional<OdometryDelay> measured_delay(const std::string& log, const ReadOp
 }
 
 void OdometryShift::take(ScanRecord scan) {
-  if (scan.T_odom_base && (track_.empty() || scan.scan.stamp_s > track_.back().stamp_s)) {
-    track_.push_back({scan.scan.stamp_s, *scan.T_odom_base});
-    if (track_.size() > kMostTrack) track_.pop_front();
+  Waiting waiting{.scan = std::move(scan)};
+  if (!waiting.scan.T_odom_base) {
+    waiting_.push_back(std::move(waiting));
+    return;
   }
-  waiting_.push_back(std::move(scan));
+  const double stamp_s = waiting.scan.scan.stamp_s;
+  const OdometryTrack::Taken taken = track_.take({stamp_s, *waiting.scan.T_odom_base});
+  waiting.stretch = track_.stretch();
+  waiting.stamp_s = stamp_s;
+  waiting.is_placed = taken != OdometryTrack::Taken::kPast;
+  // Far in the past it is wild, if it stays alone: it was taken a step after the one before it.
+  if (track_.is_in_doubt()) waiting.stamp_s = track_.back().stamp_s + track_.usual_step_s();
+  waiting_.push_back(std::move(waiting));
+  if (taken == OdometryTrack::Taken::kPast || taken == OdometryTrack::Taken::kRepeated) return;
+  if (taken != OdometryTrack::Taken::kNext) place_again();
+  for (Waiting& placed : waiting_) placed.is_placed = true;
 }
 
-Pose2 OdometryShift::odometry_at(double stamp_s) const {
-  const auto after = std::lower_bound(track_.begin(), track_.end(), stamp_s,
-                                      [](const Odometry& pose, double at_s) { return pose.stamp_s < at_s; });
-  if (after == track_.end()) return track_.back().T_odom_base;
-  if (after == track_.begin()) return after->T_odom_base;
-  return interpolated(*std::prev(after), *after, stamp_s);
+// The last poses were right by their stamps; what the track has forgotten for them was taken a step before them.
+void OdometryShift::place_again() {
+  std::size_t right = 0;
+  double first_s = track_.back().stamp_s;
+  for (auto it = waiting_.rbegin(); it != waiting_.rend(); ++it) {
+    if (!it->scan.T_odom_base) continue;
+    if (right++ < OdometryTrack::kSetBack) {
+      it->stretch = track_.stretch();
+      it->stamp_s = first_s = it->scan.scan.stamp_s;
+    } else if (it->stretch == track_.stretch() && it->stamp_s > track_.back().stamp_s) {
+      it->stamp_s = first_s - track_.usual_step_s();
+    }
+  }
+}
+
+Pose2 OdometryShift::odometry_at(const Waiting& waiting) const {
+  const double wanted_s = waiting.stamp_s + delay_s_;
+  const auto [before, after] = track_.around(waiting.stretch, wanted_s);
+  if (before == nullptr && after == nullptr) return *waiting.scan.T_odom_base;
+  if (after == nullptr) return before->T_odom_base;
+  if (before == nullptr) return after->T_odom_base;
+  return interpolated(*before, *after, wanted_s);
 }
 
 std::optional<ScanRecord> OdometryShift::next(bool at_end) {
   if (waiting_.empty()) return std::nullopt;
-  const double wanted_s = waiting_.front().scan.stamp_s + delay_s_;
-  const bool is_there = !waiting_.front().T_odom_base || (!track_.empty() && track_.back().stamp_s >= wanted_s);
+  const Waiting& first = waiting_.front();
+  const bool is_there =
+      !first.scan.T_odom_base || (first.is_placed && track_.is_known(first.stretch, first.stamp_s + delay_s_));
   if (!is_there && !at_end && waiting_.size() < kMostShifted) return std::nullopt;
-  ScanRecord scan = std::move(waiting_.front());
+  Waiting given = std::move(waiting_.front());
   waiting_.pop_front();
-  if (scan.T_odom_base && !track_.empty()) scan.T_odom_base = odometry_at(wanted_s);
-  return scan;
+  if (given.scan.T_odom_base) given.scan.T_odom_base = odometry_at(given);
+  return std::move(given.scan);
 }
 
 }  // namespace gdtslam

@@ -4,12 +4,14 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <optional>
 #include <span>
 #include <string>
 
+#include "engine/io/recordings/odometry_track.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/io/log.hpp"
 #include "gdtslam/mapping/config.hpp"
@@ -35,7 +37,8 @@ std::optional<OdometryDelay> delay_of(std::span<const TimedHeading> headings);
 std::optional<OdometryDelay> measured_delay(const std::string& log, const ReadOptions& options, const ScanRange& range,
                                             const MapperConfig& mapper, const std::function<bool()>& stop);
 
-/// Gives scans the odometry that was stamped a delay later than they, once it has come.
+/// Gives scans the odometry that was stamped a delay later than they, once it has come; of the same stretch of the
+/// clock, where that was set back. A scan whose stamp is wild gets that of where it was read between the others.
 class OdometryShift {
  public:
   explicit OdometryShift(double delay_s) : delay_s_(delay_s) {}
@@ -45,11 +48,18 @@ class OdometryShift {
   std::optional<ScanRecord> next(bool at_end);
 
  private:
-  [[nodiscard]] Pose2 odometry_at(double stamp_s) const;
+  struct Waiting {
+    ScanRecord scan;
+    std::uint64_t stretch = 0;
+    double stamp_s = 0.0;   ///< its own, unless that is wild
+    bool is_placed = true;  ///< no later scan changes what is above
+  };
+  void place_again();
+  [[nodiscard]] Pose2 odometry_at(const Waiting& waiting) const;
 
   double delay_s_;
-  std::deque<Odometry> track_;
-  std::deque<ScanRecord> waiting_;
+  OdometryTrack track_;
+  std::deque<Waiting> waiting_;
 };
 
 }  // namespace gdtslam

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <optional>
@@ -111,6 +112,49 @@ TEST(ScanAssembler, OdometryThatStepsBackIsLeftOutAndOneThatRepeatsIsNotTold) {
   assembly.scan(scan_at(2.0));
   EXPECT_EQ(assembly.next()->T_odom_base->x_m, 1.5);
   EXPECT_EQ(assembly.next()->T_odom_base->x_m, 2.0);
+}
+
+/// x = t, four poses and a scan in 0.2 s from 100 s on; x less t of each scan that comes out with odometry.
+std::vector<double> off_m(Assembly& assembly, const std::function<double(double)>& scan_clock,
+                          const std::function<double(double)>& pose_clock) {
+  assembly.assembler.add_laser("/scan");
+  std::vector<double> off;
+  const auto give = [&](bool at_end) {
+    while (const std::optional<ScanRecord> record = assembly.next(at_end)) {
+      const double true_s = 100.0 + 0.2 * static_cast<double>(off.size());
+      off.push_back(record->T_odom_base ? record->T_odom_base->x_m - true_s : 1e9);
+    }
+  };
+  for (int k = 0; k < 100; ++k) {
+    const double t = 100.0 + 0.2 * k;
+    for (int part = 0; part < 4; ++part) assembly.pose(pose_clock(t + 0.05 * part), {t + 0.05 * part, 0.0, 0.0});
+    assembly.scan(scan_at(scan_clock(t)));
+    give(false);
+  }
+  give(true);
+  return off;
+}
+
+TEST(ScanAssembler, WhenTheClockIsSetBackScansGetThePosesOfTheirSide) {
+  for (const double back_s : {5.0, 900.0}) {
+    Assembly assembly;
+    const auto clock = [&](double t) { return t < 109.99 ? t : t - back_s; };
+    const std::vector<double> off = off_m(assembly, clock, clock);
+    ASSERT_EQ(off.size(), 100U);
+    for (std::size_t k = 0; k < off.size(); ++k) EXPECT_NEAR(off[k], 0.0, 1e-6) << back_s << ' ' << k;
+    EXPECT_EQ(assembly.warned["odometry's clock was set back"], 1);
+  }
+}
+
+TEST(ScanAssembler, OnePoseFarAheadIsLeftOut) {
+  Assembly assembly;
+  const auto pose_clock = [](double t) { return std::fabs(t - 110.05) < 1e-6 ? t + 3600.0 : t; };
+  const std::vector<double> off = off_m(
+      assembly, [](double t) { return t; }, pose_clock);
+  ASSERT_EQ(off.size(), 100U);
+  for (std::size_t k = 0; k < off.size(); ++k) EXPECT_NEAR(off[k], 0.0, 1e-6) << k;
+  EXPECT_EQ(assembly.warned["odometry far ahead in time"], 1);
+  EXPECT_EQ(assembly.warned["odometry steps back in time"], 4) << "until the fifth told";
 }
 
 // scan_assembler.hpp: kMostHeldScans scans wait for odometry, kMostPoses poses are kept.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <vector>
 
 #include "gdtslam/core/angle.hpp"
@@ -91,6 +92,76 @@ TEST(OdometryShift, GivesTheOdometryOfALaterOrEarlierStamp) {
       EXPECT_NEAR(out[static_cast<std::size_t>(k)].T_odom_base->x_m, expected, 1e-9) << k;
     }
   }
+}
+
+/// x = t, a scan in 0.1 s from 100 s on, given by what the log says of the clock; x of each scan that comes out.
+std::vector<double> shifted(double delay_s, int scans, const std::function<double(int)>& clock) {
+  OdometryShift shift(delay_s);
+  std::vector<double> x_m;
+  for (int k = 0; k < scans; ++k) {
+    shift.take(scan_with_odometry(clock(k), 100.0 + 0.1 * k));
+    while (auto scan = shift.next(false)) x_m.push_back(scan->T_odom_base->x_m);
+  }
+  while (auto scan = shift.next(true)) x_m.push_back(scan->T_odom_base->x_m);
+  return x_m;
+}
+
+// Wherever the clock was set back, each scan gets the odometry of its side: delayed, but for those near the seam whose
+// odometry lies beyond it.
+TEST(OdometryShift, AClockThatIsSetBackBeginsAnotherStretch) {
+  for (const double back_s : {1.0, 5.0, 20.0, 3600.0}) {
+    for (const double delay_s : {0.3, -0.3}) {
+      const std::vector<double> x_m =
+          shifted(delay_s, 200, [&](int k) { return 100.0 + 0.1 * k - (k < 100 ? 0.0 : back_s); });
+      ASSERT_EQ(x_m.size(), 200U);
+      for (int k = 0; k < 200; ++k) {
+        const double first_m = k < 100 ? 100.0 : 110.0;
+        const double expected = std::clamp(100.0 + 0.1 * k + delay_s, first_m, first_m + 9.9);
+        EXPECT_NEAR(x_m[static_cast<std::size_t>(k)], expected, 1e-6) << back_s << ' ' << delay_s << ' ' << k;
+      }
+    }
+  }
+}
+
+// The odometry of a wild stamp is left out: the scan's own is what a step before or after it says, and the others do
+// not notice.
+TEST(OdometryShift, AStampThatIsWildIsLeftOut) {
+  for (const double wild_s : {3600.0, 20.0, 2.0, -2.0, -5.0, -3600.0}) {
+    for (const double delay_s : {0.3, -0.3}) {
+      const std::vector<double> x_m =
+          shifted(delay_s, 200, [&](int k) { return 100.0 + 0.1 * k + (k == 100 ? wild_s : 0.0); });
+      ASSERT_EQ(x_m.size(), 200U);
+      for (int k = 0; k < 200; ++k) {
+        const double expected = std::clamp(100.0 + 0.1 * k + delay_s, 100.0, 119.9);
+        EXPECT_NEAR(x_m[static_cast<std::size_t>(k)], expected, 1e-6) << wild_s << ' ' << delay_s << ' ' << k;
+      }
+    }
+  }
+}
+
+// A clock that is set ahead goes on: nothing of the hour between is made up.
+TEST(OdometryShift, AClockThatIsSetAheadGoesOn) {
+  const std::vector<double> x_m = shifted(0.3, 200, [](int k) { return 100.0 + 0.1 * k + (k < 100 ? 0.0 : 3600.0); });
+  ASSERT_EQ(x_m.size(), 200U);
+  for (int k = 0; k < 200; ++k) {
+    const double expected = std::min(100.0 + 0.1 * k + 0.3, k < 100 ? 109.9 : 119.9);
+    EXPECT_NEAR(x_m[static_cast<std::size_t>(k)], expected, 1e-6) << k;
+  }
+}
+
+TEST(OdometryDelay, IsFoundThoughTheClockWasSetBackOrOneStampIsWild) {
+  for (const double back_s : {20.0, 3600.0}) {
+    std::vector<TimedHeading> headings = drive(0.31, 0.003, 0.004, 3);
+    for (std::size_t k = 200; k < headings.size(); ++k) headings[k].stamp_s -= back_s;
+    const auto found = delay_of(headings);
+    ASSERT_TRUE(found && found->stands_out()) << back_s;
+    EXPECT_NEAR(found->delay_s, 0.31, 0.02) << back_s;
+  }
+  std::vector<TimedHeading> headings = drive(0.31, 0.003, 0.004, 3);
+  headings[20].stamp_s += 3600.0;
+  const auto found = delay_of(headings);
+  ASSERT_TRUE(found && found->stands_out());
+  EXPECT_NEAR(found->delay_s, 0.31, 0.02);
 }
 
 TEST(OdometryDelay, AnInterruptEndsTheMeasurementWithTheScanInHand) {
