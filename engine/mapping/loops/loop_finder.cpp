@@ -196,11 +196,23 @@ ScanGroup LoopFinder::query_at(std::size_t here) const {
   return {keyframes_, places_[here], options_.query_half_m, kQuerySpacing_m};
 }
 
+// Those around which nothing was seen are not searched in either, and take nobody's turn.
+std::vector<bool> LoopFinder::left_out_before(std::size_t here) const {
+  std::vector<bool> left_out = is_left_out_;
+  left_out.resize(std::max(left_out.size(), here));
+  for (std::size_t place = 0; place < here; ++place) {
+    if (!have_points(keyframes_, places_[place], options_.reference_half_m)) left_out[place] = true;
+  }
+  return left_out;
+}
+
 std::vector<Revisit> LoopFinder::wanted_revisits(const PoseGraph& graph, std::size_t here, std::size_t most) const {
   if (here < is_left_out_.size() && is_left_out_[here]) return {};
+  if (!have_points(keyframes_, places_[here], options_.query_half_m)) return {};
   RevisitRules rules = options_.revisits;
   rules.most = most;
-  std::vector<Revisit> revisits = revisits_of(graph, GraphCovariance(graph), path_m_, here, rules, is_left_out_);
+  std::vector<Revisit> revisits =
+      revisits_of(graph, GraphCovariance(graph), path_m_, here, rules, left_out_before(here));
   std::erase_if(revisits, [&](const Revisit& revisit) {
     return std::any_of(graph.loops.begin(), graph.loops.end(), [&](const Loop& loop) {
       return loop.relation.from == revisit.place && loop.relation.to == here && loop.is_on();

@@ -77,6 +77,7 @@ class LoopFinder {
   struct Found;
   std::vector<Found> look_ahead(const PoseGraph& graph, std::size_t here);
   [[nodiscard]] std::vector<Revisit> wanted_revisits(const PoseGraph& graph, std::size_t here, std::size_t most) const;
+  [[nodiscard]] std::vector<bool> left_out_before(std::size_t here) const;
   [[nodiscard]] ScanGroup query_at(std::size_t here) const;
   Found find(const Revisit& revisit, const ScanGroup& query);
   void search(Reference& reference, const ScanGroup& query, Found& found);

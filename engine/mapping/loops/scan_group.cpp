@@ -29,6 +29,15 @@ Point2 turned(const SinCos<double>& turn, const Point2& v) {
 
 }  // namespace
 
+bool have_points(const KeyframePath& keyframes, std::size_t middle, double half_m) {
+  if (keyframes.scans[middle].points() > 0) return true;
+  const auto [first, last] = stretch_of(keyframes.path_m, middle, half_m);
+  for (std::size_t i = first; i <= last; ++i) {
+    if (keyframes.scans[i].points() > 0) return true;
+  }
+  return false;
+}
+
 ScanGroup::ScanGroup(const KeyframePath& keyframes, std::size_t middle, double half_m, double spacing_m)
     : middle_(middle) {
   const auto [first, last] = stretch_of(keyframes.path_m, middle, half_m);

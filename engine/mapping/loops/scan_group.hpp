@@ -22,6 +22,10 @@ struct KeyframePath {
   std::span<const double> path_m;  ///< travelled until each
 };
 
+/// Whether a group of them would have a point: keyframes of an edited run may have lost all their returns. What has
+/// none is neither looked for nor in.
+bool have_points(const KeyframePath& keyframes, std::size_t middle, double half_m);
+
 class ScanGroup {
  public:
   /// The keyframes within half_m of path of the one in the middle, thinned to a point a cell of `spacing_m`.

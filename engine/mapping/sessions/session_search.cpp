@@ -166,6 +166,7 @@ double SessionMap::mean_beside_m(const Session& query, std::size_t keyframe, con
 bool SessionMap::fits_elsewhere(const Session& query, const SessionFix& fix, const Pose2& T_map_keyframe) const {
   const ScanGroup group(path_of(query), fix.keyframe, options_.query_half_m, kPlaceSpacing_m);
   const std::vector<PointCells> points = in_cells(every_nth(group.points(), options_.points), options_.resolution_m);
+  if (points.empty()) return false;
   const double unit = 256.0 / options_.resolution_m * static_cast<double>(points.size());
   CertifiedOptions search;
   search.gap_m = 0.0;

@@ -90,6 +90,11 @@ RunSession read_run_session(const std::string& folder) {
                  .session = {},
                  .files = reader.files()};
   take_keyframes(run.kept, run.settings.mapper, run.drives, run.session);
+  if (std::all_of(run.session.scans.begin(), run.session.scans.end(),
+                  [](const KeptScan& s) { return s.points() == 0; })) {
+    refuse(folder,
+           "has no keyframe with a return, so nothing tells where it belongs: name the run that it was made from");
+  }
   take_graph(reader, run.kept, run.session);
   return run;
 }

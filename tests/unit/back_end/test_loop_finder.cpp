@@ -120,6 +120,28 @@ TEST_F(RoomSeenAgain, ALoopThatIsOnIsNotSearchedAgainAndOneThatIsOffIs) {
   }
 }
 
+// As a run has it where an edit has taken all readings out.
+TEST_F(RoomSeenAgain, PlacesAroundWhichNothingWasSeenAreNeitherLookedForNorIn) {
+  const std::vector<KeptScan> all = scans_;
+  for (const std::size_t blank : {0U, 1U}) {
+    scans_ = all;
+    scans_[2 * blank + 1] = {};
+    LoopFinder finder({});
+    show_all_to(finder);
+    const std::vector<Loop> loops = look(finder, 1);  // it takes no other one's turn
+    ASSERT_EQ(loops.size(), 1U) << blank;
+    EXPECT_EQ(loops[0].relation.from, 1 - blank);
+    EXPECT_LT(off_m(loops[0], between(graph_.poses[1 - blank], graph_.poses[2])), 0.06);
+    EXPECT_EQ(finder.counts().searched, 1U);
+  }
+  scans_ = all;
+  scans_[5] = {};
+  LoopFinder finder({});
+  show_all_to(finder);
+  EXPECT_TRUE(look(finder).empty());
+  EXPECT_EQ(finder.counts().searched, 0U);
+}
+
 TEST_F(RoomSeenAgain, ALoopBetweenOtherPlacesKeepsNoneFromBeingSearched) {
   LoopFinder finder({});
   show_all_to(finder);

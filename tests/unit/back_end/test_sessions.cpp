@@ -91,6 +91,30 @@ TEST(Sessions, ThatOverlapBecomeOneSiteInTheFirstOnesFrame) {
   }
 }
 
+// Of each drive the part that the other did not see is cropped: its keyframes have no points left.
+TEST(Sessions, WithKeyframesThatSawNothingAreJoinedByTheOthers) {
+  std::vector<Session> sessions = two_drives();
+  const std::size_t cropped = sessions[0].scans.size() / 3;
+  for (std::size_t i = 0; i < cropped; ++i) {
+    sessions[0].scans[i] = {};
+    sessions[1].scans[sessions[1].scans.size() - 1 - i] = {};
+  }
+  const std::vector<Pose2> once = test::poses_around_ring(1);
+  for (const unsigned threads : {1U, 2U}) {
+    const MergedSessions found = merged(sessions, threads);
+    ASSERT_EQ(found.sites.size(), 1U);
+    for (std::size_t k = 0; k < 2; ++k) {
+      std::vector<Pose2> truth = k == 0 ? part_of(once, 0.0, 0.65) : part_of(once, 0.35, 1.0);
+      for (Pose2& pose : truth) pose = kFirstFrame * pose;
+      EXPECT_LT(test::largest_error_m(found.sites.front().poses[k], truth), 0.1) << k;
+    }
+  }
+  const SessionMap map(sessions[0], {});
+  SessionFix blank;
+  blank.keyframe = sessions[1].places.back();
+  EXPECT_FALSE(map.fits_elsewhere(sessions[1], blank, kFirstFrame * once.back()));
+}
+
 TEST(Sessions, AreTheSameBitsForAnyNumberOfThreads) {
   const MergedSessions one = merged(two_drives(), 1);
   const MergedSessions three = merged(two_drives(), 3);

@@ -5,12 +5,16 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "engine/io/sha256.hpp"
 #include "engine/runs/folder/run_reader.hpp"
+#include "engine/runs/keyframes/keyframe_file.hpp"
 #include "engine/runs/sites/site_places.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
@@ -141,6 +145,7 @@ TEST_F(MergedRunsTest, TheirOrderDoesNotMatterAndOldPathsGo) {
   EXPECT_TRUE(fs::exists(request_.folder + "/1/session-2.tum"));
 }
 
+<<<<<<< HEAD
 // Of folders with the files of a site those count whose names are the numbers of sites, and larger.
 TEST_F(MergedRunsTest, EarlierSitesAreThoseWithNumbers) {
   for (const char* name : {"1", "2", "10", "03", "0", "4x", "x", "-5", "99999999999999999999999"}) {
@@ -151,6 +156,28 @@ TEST_F(MergedRunsTest, EarlierSitesAreThoseWithNumbers) {
   EXPECT_THAT(sites_beyond(folder, 1), testing::ElementsAre(folder_.path("10"), folder_.path("2")));
   EXPECT_THAT(sites_beyond(folder, 2), testing::ElementsAre(folder_.path("10")));
   EXPECT_THAT(sites_beyond(folder, 10), testing::IsEmpty());
+=======
+// No edit takes all that was seen; another program that writes runs might.
+TEST_F(MergedRunsTest, ARunThatSawNothingIsNamed) {
+  const std::string blank = folder_.path("blank");
+  const std::string file = blank + "/keyframes.bin.gz";
+  fs::copy(second_run(), blank);
+  RunKeyframes kept = read_keyframes(file).run;
+  for (RunKeyframe& keyframe : kept.keyframes) {
+    for (float& range_m : keyframe.laser.ranges_m) range_m = std::numeric_limits<float>::infinity();
+  }
+  ordered_json report = ordered_json::parse(test::text_of_file(blank + "/report.json"));
+  report["keyframes_sha256"] = write_keyframes(file, kept);
+  for (ordered_json& row : report["files"]) {
+    if (row[0] != "keyframes.bin.gz") continue;
+    const std::string bytes = test::text_of_file(file);
+    row = {row[0], bytes.size(), Sha256().update(bytes).hex()};
+  }
+  std::ofstream(blank + "/report.json") << report.dump();
+  request_.runs = {ring_run().folder, blank};
+  EXPECT_THAT(merge_fault(), HasSubstr(blank + ": has no keyframe with a return"));
+  EXPECT_FALSE(fs::exists(request_.folder + "/merge.json"));
+>>>>>>> 121dd242 (merge joins cropped runs: keyframes that saw nothing are not searched)
 }
 
 TEST_F(MergedRunsTest, WhatCannotBeJoined) {
