@@ -141,6 +141,26 @@ def merge_tells_what_counts_twice():
     expect(json.loads(process.stdout)["shared"] == [], process.stdout)
 
 
+def merge_of_a_site_and_another_run():
+    """A site is joined with a third run: its drives stay such in the report, the pictures' captions and an edit."""
+    folder = fresh_folder("merge_of_a_site")
+    early, late, scans, part = parts_of_the_log(folder)
+    middle = folder / "middle"
+    mapped(middle, "--skip", scans // 5, "--first", part)
+    for name, runs in (("two", (early, late)), ("three", (folder / "two/1", middle)), ("at_once", (early, late, middle))):
+        expect_exit(command("merge", *runs, "-o", folder / name, "-q"), 0)
+    once, again = scans_in(folder / "at_once/1"), scans_in(folder / "three/1")
+    expect(once["drives"] == again["drives"] == [part, 2 * part], f"{once['drives']}, {again['drives']}")
+    expect(abs(once["log_duration_s"] - again["log_duration_s"]) < 1e-3, f"{again['log_duration_s']} s, {once['log_duration_s']} s")
+    expect(abs(once["path_m"] - again["path_m"]) < 0.3, f"{again['path_m']} m, {once['path_m']} m")
+    expect_exit(command("render", folder / "three/1", "-o", folder / "a.svg", "-q"), 0)
+    caption = f"{again['path_m']:.1f} m of path"
+    expect(caption in (folder / "a.svg").read_text(), f"{caption!r} is not below the picture")
+    expect_exit(command("edit", folder / "three/1", "-o", folder / "edited", "--origin", "0,0,0", "-q"), 0)
+    lengths = [len(poses_of(folder / "edited" / f"session-{k}.tum")) for k in (1, 2)]
+    expect(lengths == [2 * part, part] and not (folder / "edited/session-3.tum").exists(), f"paths of {lengths} poses")
+
+
 def merge_of_cropped_runs():
     """Keyframes that an edit left without a return join nothing and disturb nobody."""
     folder = fresh_folder("merge_cropped")

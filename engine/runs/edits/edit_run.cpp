@@ -100,15 +100,14 @@ std::string edited_report(const EditRequest& request, const SourceRun& run, cons
 }
 
 void write_sessions(const SourceRun& run, RunFolder& folder) {
-  const std::vector<std::size_t>& drives = run.outcome.drives;
-  const Trajectory& path = run.outcome.trajectory;
-  for (std::size_t k = 0; k < run.sessions; ++k) {
-    const auto begin = static_cast<std::ptrdiff_t>(k == 0 ? 0 : drives[k - 1]);
-    const auto end = static_cast<std::ptrdiff_t>(k == drives.size() ? path.size() : drives[k]);
-    write_tum(folder.staged(session_file_name(k)), {path.begin() + begin, path.begin() + end});
+  auto begin = run.outcome.trajectory.begin();
+  for (std::size_t k = 0; k < run.sessions.size(); ++k) {
+    const auto end = begin + static_cast<std::ptrdiff_t>(run.sessions[k]);
+    write_tum(folder.staged(session_file_name(k)), {begin, end});
+    begin = end;
   }
   std::error_code ignored;
-  for (std::size_t k = run.sessions; std::filesystem::exists(folder.file(session_file_name(k)), ignored); ++k) {
+  for (std::size_t k = run.sessions.size(); std::filesystem::exists(folder.file(session_file_name(k)), ignored); ++k) {
     folder.without(session_file_name(k));
   }
 }
@@ -195,7 +194,7 @@ EditOutcome edit_run(const EditRequest& request) {
   outcome.steps = resolved_steps(request, run);
   outcome.plan = plan_of(outcome.steps, run.earlier ? plan_of(run.earlier->steps) : EditPlan{});
   if (!request.replace_foreign_files) {
-    require_no_foreign_files(request.folder, names_of_edit(outcome.plan, run.sessions));
+    require_no_foreign_files(request.folder, names_of_edit(outcome.plan, run.sessions.size()));
   }
   if (outcome.plan.with_world_file && !run.reader.summary().map) {
     throw InputError({request.run, 0}, "has no occupancy map, as it was mapped with --no-map: --world-file needs one");

@@ -1,6 +1,9 @@
 #include "source_run.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -9,6 +12,7 @@
 #include "engine/io/json_file.hpp"
 #include "engine/runs/folder/report_reader.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/io/trajectory_file.hpp"
 
 namespace gdtslam {
 namespace {
@@ -72,6 +76,22 @@ MapOutcome outcome_of(const RunReader& reader, const RunKeyframes& kept) {
   return outcome;
 }
 
+// By their files: a run that is a site itself has several drives in one.
+std::vector<std::size_t> scans_of_sessions(const RunReader& reader) {
+  std::vector<std::size_t> scans;
+  std::uint64_t sum = 0;
+  for (std::size_t k = 0; reader.files().has(session_file_name(k)); ++k) {
+    scans.push_back(reader.files().read(session_file_name(k), [](const std::string& f) { return read_tum(f); }).size());
+    sum += scans.back();
+  }
+  if (!scans.empty() && sum != reader.summary().scans) {
+    throw InputError({path_in(reader.folder(), session_file_name(0)), 0},
+                     fmt::format("has with its like {} poses, but {} tells of {} scans: not of one run", sum,
+                                 kReportFile, reader.summary().scans));
+  }
+  return scans;
+}
+
 void turn(const SinCos<double>& by, PoseCovariance& c) {
   const auto [s, k] = by;
   const PoseCovariance was = c;
@@ -97,10 +117,9 @@ SourceRun read_source_run(const std::string& folder) {
                 .refused = refused_scans(reader),
                 .outcome = std::move(outcome),
                 .graph = {},
-                .sessions = 0,
+                .sessions = scans_of_sessions(reader),
                 .earlier = {}};
   if (run.outcome.closed) run.graph = reader.graph();
-  if (reader.files().has(session_file_name(0))) run.sessions = reader.summary().drives.size() + 1;
   if (reader.files().has(kEditsFile)) run.earlier = reader.files().read(kEditsFile, read_edits);
   return run;
 }

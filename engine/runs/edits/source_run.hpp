@@ -23,7 +23,7 @@ struct SourceRun {
   /// Trajectory (keyframes with all digits), keyframes, drives, doubts, counts, and what is known of the closed path.
   MapOutcome outcome;
   GraphLines graph;                      ///< empty where the run closed no loops
-  std::size_t sessions = 0;              ///< paths of drives beside the trajectory: of a merged site
+  std::vector<std::size_t> sessions;     ///< of a merged site: how many scans the path of each of its runs has
   std::optional<RecordedEdits> earlier;  ///< where the run was edited already
 };
 

@@ -50,6 +50,8 @@ class ReportReader {
   /// An object within this one, and a list of objects.
   [[nodiscard]] ReportReader section(const char* key) const;
   [[nodiscard]] std::vector<ReportReader> entries(const char* key) const;
+  /// Of this object, with what to do.
+  [[noreturn]] void fail(const std::string& fault) const;
 
  private:
   [[nodiscard]] const nlohmann::ordered_json& at(const char* key) const;
@@ -57,7 +59,6 @@ class ReportReader {
   [[nodiscard]] ReportReader within(const nlohmann::ordered_json& object, const std::string& name) const;
   /// "'loops.found'"
   [[nodiscard]] std::string named(const char* key) const;
-  [[noreturn]] void fail(const std::string& fault) const;
 
   std::string file_;
   std::string folder_;

@@ -31,8 +31,8 @@ Canvas overview_of(const MapJob& job, const MapOutcome& outcome) {
   for (const DoubtfulScan& scan : outcome.doubtful) overlay.doubtful.push_back(scan.index);
   MapLook look;
   look.title = run_title(job.logs);
-  look.subtitle =
-      run_subtitle({scans_of(outcome), outcome.keyframes.size(), outcome.doubtful.size()}, outcome.trajectory);
+  look.subtitle = run_subtitle({scans_of(outcome), outcome.keyframes.size(), outcome.doubtful.size()},
+                               outcome.trajectory, outcome.drives);
   return map_view(outcome.occupancy, overlay, look);
 }
 
@@ -101,17 +101,18 @@ std::string run_title(const std::vector<std::string>& logs) {
   return one_line(std::filesystem::path(sidecar_path(logs.front(), "")).filename().string(), kMostLetters);
 }
 
-std::string run_subtitle(const RunCounts& counts, const Trajectory& trajectory) {
+std::string run_subtitle(const RunCounts& counts, const Trajectory& trajectory, std::span<const std::size_t> drives) {
   std::string text = counted(counts.scans, "scan");
   if (counts.keyframes > 0) text += ", " + counted(counts.keyframes, "keyframe");
   if (counts.doubtful > 0) text += ", " + with_commas(counts.doubtful) + " doubtful";
-  if (const std::string length = path_length_text(trajectory); !length.empty()) text += ", " + length + " of path";
+  if (const std::string length = path_length_text(trajectory, drives); !length.empty())
+    text += ", " + length + " of path";
   return text;
 }
 
-std::string path_length_text(const Trajectory& trajectory) {
+std::string path_length_text(const Trajectory& trajectory, std::span<const std::size_t> drives) {
   constexpr double kStands_m = 0.05;
-  const double length_m = length_m_of(trajectory);
+  const double length_m = length_m_of(trajectory, drives);
   return length_m < kStands_m ? std::string() : fmt::format("{:.1f} m", length_m);
 }
 

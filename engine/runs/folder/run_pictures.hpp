@@ -24,10 +24,11 @@ struct RunCounts {
   std::uint64_t keyframes = 0;
   std::uint64_t doubtful = 0;
 };
-/// "13,631 scans, 2,901 keyframes, 21 doubtful, 522.5 m of path"; what is zero is left out.
-std::string run_subtitle(const RunCounts& counts, const Trajectory& trajectory);
+/// "13,631 scans, 2,901 keyframes, 21 doubtful, 522.5 m of path"; what is zero is left out. `drives` as of
+/// length_m_of().
+std::string run_subtitle(const RunCounts& counts, const Trajectory& trajectory, std::span<const std::size_t> drives);
 /// "522.5 m"; empty where the robot stands.
-std::string path_length_text(const Trajectory& trajectory);
+std::string path_length_text(const Trajectory& trajectory, std::span<const std::size_t> drives = {});
 /// The occupancy map with the path; without a size one that suits the map. overview.png is this.
 Canvas map_view(const OccupancyMap& map, const PathOverlay& overlay, const MapLook& look,
                 const std::optional<PictureSize>& size = {});

@@ -53,7 +53,10 @@ RunSummary summary_of(const ReportReader& report) {
   if (report.has("keyframe_scans")) {
     summary.keyframes = report.indices("keyframe_scans", nullptr, summary.scans);
   }
-  if (report.has("drives")) summary.drives = report.indices("drives", nullptr, summary.scans);
+  if (report.has("drives")) {
+    summary.drives = report.indices("drives", nullptr, summary.scans);
+    if (!std::is_sorted(summary.drives.begin(), summary.drives.end())) report.fail("'drives' do not ascend");
+  }
   return summary;
 }
 

@@ -51,6 +51,19 @@ void add_counts(const ReportReader& report, const RunSession& run, MapperStatist
   sum.restarts += report.whole("restarts");
 }
 
+// Of its drives, each from its first stamp to its last; the days between them do not count.
+double duration_s_of(const Trajectory& path, const std::vector<std::size_t>& drives) {
+  double duration_s = 0.0;
+  for (std::size_t k = 0; k <= drives.size(); ++k) {
+    const auto begin = path.begin() + static_cast<std::ptrdiff_t>(k == 0 ? 0 : drives[k - 1]);
+    const auto end = k == drives.size() ? path.end() : path.begin() + static_cast<std::ptrdiff_t>(drives[k]);
+    const auto [first, last] =
+        std::minmax_element(begin, end, [](const auto& a, const auto& b) { return a.stamp_s < b.stamp_s; });
+    if (first != end) duration_s += last->stamp_s - first->stamp_s;
+  }
+  return duration_s;
+}
+
 // The graph of the site, its nodes numbered as the scans.
 ClosedPath closed_path(const MergedSite& site, const std::vector<std::size_t>& keyframes, MapOutcome& outcome) {
   ClosedPath closed;
@@ -124,10 +137,9 @@ MapOutcome site_outcome(const MergedSite& site, const std::vector<const RunSessi
     const ReportReader report = runs[k]->files.report();
     add_doubtful(report, *runs[k], before, outcome.doubtful);
     add_counts(report, *runs[k], outcome.statistics);
-    outcome.statistics.path_m += length_m_of(paths[k]);
-    const auto [first, last] = std::minmax_element(paths[k].begin(), paths[k].end(),
-                                                   [](const auto& a, const auto& b) { return a.stamp_s < b.stamp_s; });
-    if (first != paths[k].end()) outcome.log_duration_s += last->stamp_s - first->stamp_s;
+    for (const std::size_t drive : runs[k]->drives) outcome.drives.push_back(before + drive);
+    outcome.statistics.path_m += length_m_of(paths[k], runs[k]->drives);
+    outcome.log_duration_s += duration_s_of(paths[k], runs[k]->drives);
   }
   outcome.closed = closed_path(site, outcome.keyframes, outcome);
   return outcome;

@@ -34,7 +34,8 @@ MapLook look_of(const RunReader& run, const RunViewRequest& request, const Traje
   MapLook look;
   look.title = request.title.value_or(run.name());
   const RunSummary& summary = run.summary();
-  look.subtitle = run_subtitle({summary.scans, summary.keyframes.size(), summary.doubtful.size()}, path);
+  look.subtitle =
+      run_subtitle({summary.scans, summary.keyframes.size(), summary.doubtful.size()}, path, summary.drives);
   look.colour_map = request.colour_map;
   return look;
 }

@@ -22,6 +22,18 @@ TEST(RunCaptions, LoopsAreCountedByWhetherTheyHold) {
   EXPECT_EQ(graph_subtitle(loops_of(0, 0), {}, 2), "2 scans, no loop found");
 }
 
+// Three poses a metre apart, and two 50 m to the side: of one drive, or of two.
+TEST(RunCaptions, NothingWasDrivenFromOneDriveToTheNext) {
+  Trajectory path;
+  for (int k = 0; k < 5; ++k) path.push_back({1.0 * k, {1.0 * k, k < 3 ? 0.0 : 50.0, 0.0}});
+  path[3].T_map_base.x_m = 2.0;
+  path[4].T_map_base.x_m = 3.0;
+  EXPECT_EQ(run_subtitle({5, 0, 0}, path, {}), "5 scans, 53.0 m of path");
+  const std::vector<std::size_t> drives{3};
+  EXPECT_EQ(run_subtitle({5, 0, 0}, path, drives), "5 scans, 3.0 m of path");
+  EXPECT_EQ(path_length_text(path, drives), "3.0 m");
+}
+
 // Both ends of a stretch belong to it; the worst of them is told.
 TEST(RunCaptions, ScansThatAreNotToBeTrustedAreCounted) {
   std::vector<UncertainStretch> uncertain(2);

@@ -237,7 +237,7 @@ TEST(WholeRun, AsASessionItHasItsPathAndItsPlaces) {
 TEST(WholeRun, IsReadAsItIsEdited) {
   const test::RingRun& run = ring_run();
   SourceRun source = read_source_run(run.folder);
-  EXPECT_EQ(source.sessions, 0U);
+  EXPECT_TRUE(source.sessions.empty());
   EXPECT_FALSE(source.earlier);
   EXPECT_EQ(source.outcome.statistics.scans, run.truth.size());
   EXPECT_EQ(source.outcome.keyframes.size(), source.kept.keyframes.size());

@@ -28,7 +28,7 @@ std::string draw_run_cloud(const std::string& cloud_file, const std::string& log
   scene.set_robot(trajectory.back().T_map_base, linkage);
   const Camera camera = fitting_camera(CameraPreset::kIso, scene.bounds(), kSize);
   const CloudCaption caption{.title = run_title({log}),
-                             .subtitle = cloud_subtitle(scene.points_drawn(), points, trajectory)};
+                             .subtitle = cloud_subtitle(scene.points_drawn(), points, path_length_text(trajectory))};
   const auto image = std::make_shared<const RgbaImage>(scene.render(camera, kSize));
   return png_bytes(raster_of(cloud_picture(image, scene.scale(), camera, look, caption)));
 }

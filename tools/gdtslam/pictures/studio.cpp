@@ -44,9 +44,8 @@ std::string points_text(std::uint64_t drawn, std::uint64_t whole) {
   return drawn < whole ? with_commas(drawn) + " of " + counted(whole, "point") : counted(drawn, "point");
 }
 
-std::string cloud_subtitle(std::uint64_t drawn, std::uint64_t whole, const Trajectory& trajectory) {
+std::string cloud_subtitle(std::uint64_t drawn, std::uint64_t whole, const std::string& length) {
   std::string text = drawn > 0 ? points_text(drawn, whole) : std::string();
-  const std::string length = path_length_text(trajectory);
   if (!length.empty()) text += (text.empty() ? "" : ", ") + length + " of path";
   return text;
 }
@@ -77,9 +76,9 @@ std::string RenderStudio::subtitle(std::uint64_t points) const {
   const RunReader* const run = sources_.front().run();
   if (run != nullptr && points == 0) {
     const RunSummary& summary = run->summary();
-    return run_subtitle({summary.scans, summary.keyframes.size(), summary.doubtful.size()}, path());
+    return run_subtitle({summary.scans, summary.keyframes.size(), summary.doubtful.size()}, path(), summary.drives);
   }
-  return cloud_subtitle(points, whole_points_, path());
+  return cloud_subtitle(points, whole_points_, path_text());
 }
 
 Trajectory RenderStudio::path() const {
@@ -87,7 +86,10 @@ Trajectory RenderStudio::path() const {
   return (source.parts() & part::kTrajectory) == 0 ? Trajectory() : source.trajectory();
 }
 
-std::string RenderStudio::path_text() const { return path_length_text(path()); }
+std::string RenderStudio::path_text() const {
+  const RunReader* const run = sources_.front().run();
+  return run != nullptr ? path_length_text(path(), run->summary().drives) : path_length_text(path());
+}
 
 Cloud RenderStudio::whole_cloud() {
   ProgressLine progress("points", options_.quiet);

@@ -147,7 +147,7 @@ class RenderStudio {
 
 /// "1,771,492 of 2,612,366 points", or the points where those are all.
 std::string points_text(std::uint64_t drawn, std::uint64_t whole);
-/// The same with ", 62.8 m of path"; what there is none of is left out.
-std::string cloud_subtitle(std::uint64_t drawn, std::uint64_t whole, const Trajectory& trajectory);
+/// The same with ", 62.8 m of path" for that length; what there is none of is left out.
+std::string cloud_subtitle(std::uint64_t drawn, std::uint64_t whole, const std::string& length);
 
 }  // namespace gdtslam

@@ -96,7 +96,8 @@ std::vector<std::optional<std::size_t>> matches_by_stamp(const Trajectory& estim
 ReferenceReport evaluate_reference(const Trajectory& estimate, const Trajectory& reference,
                                    const ReferenceOptions& options);
 
-/// Of the path, from pose to pose, metres.
-double length_m_of(const Trajectory& trajectory);
+/// Of the path, from pose to pose, metres. What lies between two drives was not driven: `drives` has the poses at which
+/// another one begins, ascending.
+double length_m_of(const Trajectory& trajectory, std::span<const std::size_t> drives = {});
 
 }  // namespace gdtslam
