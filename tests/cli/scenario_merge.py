@@ -142,7 +142,8 @@ def merge_tells_what_counts_twice():
 
 
 def merge_of_a_site_and_another_run():
-    """A site is joined with a third run: its drives stay such in the report, the pictures' captions and an edit."""
+    """A site is joined with a third run: its drives stay such in the report, the pictures' captions and an edit. A run that is
+    in it already is told of."""
     folder = fresh_folder("merge_of_a_site")
     early, late, scans, part = parts_of_the_log(folder)
     middle = folder / "middle"
@@ -159,6 +160,12 @@ def merge_of_a_site_and_another_run():
     expect_exit(command("edit", folder / "three/1", "-o", folder / "edited", "--origin", "0,0,0", "-q"), 0)
     lengths = [len(poses_of(folder / "edited" / f"session-{k}.tum")) for k in (1, 2)]
     expect(lengths == [2 * part, part] and not (folder / "edited/session-3.tum").exists(), f"paths of {lengths} poses")
+    process = command("merge", folder / "three/1", middle, "-o", folder / "member")
+    expect_exit(process, 0)
+    shared, = json.loads((folder / "member/merge.json").read_text())["shared"]
+    expect({shared["run"], shared["with"]} == {str(folder / "three/1"), str(middle)}, f"{shared}")
+    expect(shared["keyframes"] >= scans_in(middle)["keyframes"], f"{shared}")
+    expect(f"have {shared['keyframes']} scans in common, which count twice" in process.stdout, process.stdout)
 
 
 def merge_of_cropped_runs():

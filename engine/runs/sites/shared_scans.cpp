@@ -1,9 +1,9 @@
 #include "shared_scans.hpp"
 
 #include <algorithm>
-#include <iterator>
+#include <cmath>
 #include <map>
-#include <set>
+#include <span>
 #include <utility>
 
 namespace gdtslam {
@@ -16,32 +16,64 @@ struct OwnedScan {
 
 bool come_before(const OwnedScan& a, const OwnedScan& b) {
   if (a.laser->stamp_s != b.laser->stamp_s) return a.laser->stamp_s < b.laser->stamp_s;
+  if (a.run != b.run) return a.run < b.run;
   return a.laser->ranges_m < b.laser->ranges_m;
 }
 
-bool are_one_scan(const OwnedScan& a, const OwnedScan& b) { return !come_before(a, b) && !come_before(b, a); }
+bool has_return(const LaserScan& laser) {
+  return std::any_of(laser.ranges_m.begin(), laser.ranges_m.end(),
+                     [](float range_m) { return std::isfinite(range_m); });
+}
 
+// What merges and edits take out is a beam without return; no reading is ever another one.
+bool are_one_scan(const LaserScan& a, const LaserScan& b) {
+  if (a.ranges_m.size() != b.ranges_m.size()) return false;
+  bool has_common = false;
+  for (std::size_t beam = 0; beam < a.ranges_m.size(); ++beam) {
+    if (!std::isfinite(a.ranges_m[beam]) || !std::isfinite(b.ranges_m[beam])) continue;
+    if (a.ranges_m[beam] != b.ranges_m[beam]) return false;
+    has_common = true;
+  }
+  return has_common;
+}
+
+// Those with returns by stamp, of each run by its own; one that a log repeats is there once.
 std::vector<OwnedScan> all_scans(const std::vector<const RunKeyframes*>& runs) {
   std::vector<OwnedScan> scans;
   for (std::size_t run = 0; run < runs.size(); ++run) {
-    for (const RunKeyframe& keyframe : runs[run]->keyframes) scans.push_back({&keyframe.laser, run});
+    for (const RunKeyframe& keyframe : runs[run]->keyframes) {
+      if (has_return(keyframe.laser)) scans.push_back({&keyframe.laser, run});
+    }
   }
   std::sort(scans.begin(), scans.end(), come_before);
+  const auto repeats = [](const OwnedScan& a, const OwnedScan& b) { return !come_before(a, b) && !come_before(b, a); };
+  scans.erase(std::unique(scans.begin(), scans.end(), repeats), scans.end());
   return scans;
+}
+
+using Counts = std::map<std::pair<std::size_t, std::size_t>, std::size_t>;
+
+// Of scans with one stamp: how many of a run's are in a later run.
+void count_shared(std::span<const OwnedScan> scans, Counts& counts) {
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    std::size_t last = scans[i].run;
+    for (std::size_t k = i + 1; k < scans.size(); ++k) {
+      if (scans[k].run == last || !are_one_scan(*scans[i].laser, *scans[k].laser)) continue;
+      last = scans[k].run;
+      ++counts[{scans[i].run, last}];
+    }
+  }
 }
 
 }  // namespace
 
 std::vector<SharedScans> shared_scans(const std::vector<const RunKeyframes*>& runs) {
   const std::vector<OwnedScan> scans = all_scans(runs);
-  std::map<std::pair<std::size_t, std::size_t>, std::size_t> counts;
+  Counts counts;
   for (auto begin = scans.begin(); begin != scans.end();) {
-    const auto end = std::find_if_not(begin, scans.end(), [&](const OwnedScan& s) { return are_one_scan(*begin, s); });
-    std::set<std::size_t> owners;
-    for (auto scan = begin; scan != end; ++scan) owners.insert(scan->run);
-    for (auto first = owners.begin(); first != owners.end(); ++first) {
-      for (auto second = std::next(first); second != owners.end(); ++second) ++counts[{*first, *second}];
-    }
+    const double stamp_s = begin->laser->stamp_s;
+    const auto end = std::find_if(begin, scans.end(), [&](const OwnedScan& s) { return s.laser->stamp_s != stamp_s; });
+    count_shared({begin, end}, counts);
     begin = end;
   }
   std::vector<SharedScans> shared;

@@ -45,6 +45,19 @@ TEST(SharedScans, HaveOneStampAndOneSetOfRanges) {
   EXPECT_EQ(shared_of({first, {}}), std::vector<Pair>{});
 }
 
+// As a site has the keyframes of a run that is in it, or an edited run those of its source.
+TEST(SharedScans, MayHaveLostReadings) {
+  const std::vector<RunKeyframe> run{keyframe(1.0, {2.0F, 3.0F, 4.0F})};
+  EXPECT_EQ(shared_of({run, {keyframe(1.0, {2.0F, kNone, 4.0F})}}), (std::vector<Pair>{{0, 1, 1}}));
+  EXPECT_EQ(shared_of({{keyframe(1.0, {kNone, 3.0F, 4.0F})}, {keyframe(1.0, {2.0F, 3.0F, kNone})}}),
+            (std::vector<Pair>{{0, 1, 1}}))
+      << "each another one";
+  EXPECT_EQ(shared_of({run, {keyframe(1.0, {2.0F, kNone, 4.001F})}}), std::vector<Pair>{}) << "another reading";
+  EXPECT_EQ(shared_of({run, {keyframe(1.0, {kNone, kNone, kNone})}}), std::vector<Pair>{}) << "nothing counts twice";
+  EXPECT_EQ(shared_of({{keyframe(1.0, {kNone, 3.0F})}, {keyframe(1.0, {2.0F, kNone})}}), std::vector<Pair>{})
+      << "nothing is in both";
+}
+
 TEST(SharedScans, OfEachTwoOfThreeRuns) {
   const RunKeyframe a = keyframe(1.0, {1.0F});
   const RunKeyframe b = keyframe(2.0, {1.0F});
