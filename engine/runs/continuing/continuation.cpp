@@ -59,19 +59,45 @@ bool has_same_records(const std::string& copy, const std::string& log, const Rea
   }
 }
 
-// Whether the run ends with these logs by their names, and has more than them.
-bool ends_with(const std::vector<std::string>& logs, const std::vector<std::string>& last) {
-  return logs.size() > last.size() && std::equal(last.rbegin(), last.rend(), logs.rbegin());
+// Whether the file that the run has read is this one, whatever it is called now.
+bool is_same_file(const std::string& path, const std::string& log) {
+  if (path == "-" || log == "-") return path == log;
+  std::error_code ignored;  // one may be gone by now
+  if (fs::equivalent(path, log, ignored)) return true;
+  return fs::path(path).lexically_normal() == fs::path(absolute_path_of(log)).lexically_normal();
 }
 
-// Whether a finished run was told of these logs already, and they are the same still.
+// Whether the run ends with these logs, and has more than them.
+bool ends_with(const KeptRequest& kept, const std::vector<std::string>& last) {
+  return kept.paths.size() > last.size() &&
+         std::equal(last.rbegin(), last.rend(), kept.paths.rbegin(),
+                    [](const std::string& log, const std::string& path) { return is_same_file(path, log); });
+}
+
+// A pipe gives its records once, and those who map it are to have them.
+bool can_be_read_twice(const std::string& log) {
+  std::error_code ignored;
+  return log != "-" && (fs::is_regular_file(log, ignored) || fs::is_directory(log, ignored));
+}
+
+// Whoever names a copy that lies in the run, which has the records of a log of it, means them a second time.
+bool is_copy_in_run(const Continuation& found, const std::string& log) {
+  return std::any_of(found.copies.begin(), found.copies.end(), [&](const std::string& copy) {
+    std::error_code ignored;
+    return fs::equivalent(copy, log, ignored);
+  });
+}
+
+// Whether a finished run has the records of these logs at its end, wherever it had them from.
 bool has_mapped(const Continuation& found, const std::vector<std::string>& more) {
-  const MapRequest& request = found.kept.request;
-  if (!ends_with(request.logs, more)) return false;
-  const ReadOptions options = read_options_of(request.settings.log, request.lenient);
-  const std::size_t before = request.logs.size() - more.size();
+  const KeptRequest& kept = found.kept;
+  if (kept.paths.size() < more.size()) return false;
+  const ReadOptions options = read_options_of(kept.request.settings.log, kept.request.lenient);
+  const std::size_t before = kept.paths.size() - more.size();
   for (std::size_t k = 0; k < more.size(); ++k) {
-    if (more[k] == "-" || !has_same_records(found.copies[before + k], more[k], options)) return false;
+    if (!can_be_read_twice(more[k])) return false;
+    if (!is_same_file(kept.paths[before + k], more[k]) && is_copy_in_run(found, more[k])) return false;
+    if (!has_same_records(found.copies[before + k], more[k], options)) return false;
   }
   return true;
 }
@@ -94,7 +120,7 @@ void refuse_more(const Continuation& found, bool is_finished) {
 // A killed run that was told to go on with these logs may be told so again.
 void add_logs(Continuation& found, bool is_finished, const std::vector<std::string>& more) {
   std::vector<std::string>& logs = found.kept.request.logs;
-  if (more.empty() || (!is_finished && ends_with(logs, more))) return;
+  if (more.empty() || (!is_finished && ends_with(found.kept, more))) return;
   if (is_finished && has_mapped(found, more)) {
     found.remark = fmt::format("warning: the run in '{}' ends with {} already: not added once more", found.run,
                                more.size() == 1 ? "this log" : "these logs");

@@ -92,6 +92,37 @@ TEST(ContinuedRun, AFurtherLogComesBehind) {
   EXPECT_EQ(RunReader(folder.path("run")).summary().logs, logs);
 }
 
+// By its records, wherever they lie now; a log that has others is another one, also under the same name.
+TEST(ContinuedRun, ALogThatItEndsWithIsNotAddedTwice) {
+  const test::RunsFolder folder("twice");
+  const std::unique_ptr<Backend> cpu = make_cpu_backend({});
+  const std::string log = folder.path("a.log");
+  std::ofstream(log) << some_scans(0, 30);
+  static_cast<void>(map_logs(test::ring_request(log, folder.path("run")), *cpu));
+  const auto scans_with = [&](const std::string& more_log, bool is_told) {
+    MapRequest more = test::ring_request(more_log, folder.path("run"));
+    more.continued = folder.path("run");
+    std::vector<std::string> warnings;
+    more.warn = [&](const std::string& line) { warnings.push_back(line); };
+    static_cast<void>(map_logs(more, *cpu));
+    EXPECT_EQ(warnings.empty(), !is_told) << more_log;
+    if (is_told && !warnings.empty()) {
+      EXPECT_THAT(warnings[0], HasSubstr("ends with this log already: not added once more"));
+    }
+    return RunReader(folder.path("run")).summary().scans;
+  };
+  EXPECT_EQ(scans_with(log, true), 30U) << "the only one that it has";
+  fs::copy_file(log, folder.path("copy.log"));
+  fs::create_symlink(log, folder.path("link.log"));
+  for (const std::string& name : {folder.path("copy.log"), folder.path("link.log"), folder.path("./a.log")}) {
+    EXPECT_EQ(scans_with(name, true), 30U) << name;
+  }
+  std::ofstream(log) << some_scans(30, 50);
+  EXPECT_EQ(scans_with(log, false), 50U);
+  EXPECT_EQ(scans_with(log, true), 50U);
+  EXPECT_EQ(scans_with(folder.path("copy.log"), false), 80U) << "it does not end with that one any more";
+}
+
 TEST(ContinuedRun, WhatCannotBeGoneOnWith) {
   const test::RunsFolder folder("no-more");
   const std::unique_ptr<Backend> cpu = make_cpu_backend({});
