@@ -16,6 +16,7 @@
 #include "byte_source.hpp"
 #include "engine/core/digits.hpp"
 #include "engine/core/files/folder_calls.hpp"
+#include "engine/core/files/interruption.hpp"
 #include "engine/core/files/retried.hpp"
 #include "gdtslam/core/error.hpp"
 #include "message_text.hpp"
@@ -55,6 +56,15 @@ bool is_temporary(std::string_view ending) {
   return is_digits(ending.substr(0, dash)) && is_digits(serial.substr(0, serial.size() - kSuffix.size()));
 }
 
+// A pipe waits for its reader, who may never come: a signal ends that.
+int open_pipe_or_device(const std::string& path) {
+  for (;;) {
+    const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+    if (descriptor >= 0 || errno != EINTR) return descriptor;
+    if (is_asked_to_end()) throw Error(ExitCode::kInterrupted, "interrupted while '" + path + "' had no reader");
+  }
+}
+
 void remove_abandoned(const std::string& target) {
   const std::string folder = folder_of(target);
   const std::string prefix = temporary_prefix(target);
@@ -81,7 +91,7 @@ AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(path) {
     throw FileError(path_, "cannot be written: it is a folder");
   }
   if (fs::exists(status) && !fs::is_regular_file(status)) {
-    descriptor_ = retried([&] { return ::open(path.c_str(), O_WRONLY | O_CLOEXEC); });
+    descriptor_ = open_pipe_or_device(path);
     if (descriptor_ < 0) {
       fail("cannot be written", errno);
     }
@@ -147,10 +157,14 @@ void AtomicFile::fail(const char* what, int code) const {
 
 void AtomicFile::write_through(const char* data, std::size_t size) {
   while (size > 0) {
-    const ssize_t count = retried([&] { return ::write(descriptor_, data, size); });
-    if (count < 0) fail("cannot be written", errno);
-    data += count;
-    size -= static_cast<std::size_t>(count);
+    const ssize_t count = ::write(descriptor_, data, size);
+    if (count < 0 && errno != EINTR) fail("cannot be written", errno);
+    const std::size_t written = count < 0 ? 0 : static_cast<std::size_t>(count);
+    // A pipe's reader may let it wait as well, which a signal cuts short.
+    if (written < size && temporary_.empty() && is_asked_to_end())
+      throw Error(ExitCode::kInterrupted, "interrupted while '" + path_ + "' was written");
+    data += written;
+    size -= written;
   }
 }
 

@@ -5,6 +5,7 @@ import hashlib
 import json
 import os
 import shutil
+import socket
 import subprocess
 
 import cli_support as cli
@@ -92,3 +93,21 @@ def fleet_finish_alone():
     os.close(locked)
     fleet("finish", atlas, "--partial")
     expect((atlas / "atlas.json").exists(), "no atlas.json")
+
+
+def fleet_with_pipes_in_its_places():
+    """A pipe, which nobody reads, where a file of the atlas is to be: one line that names it, and no waiting."""
+    folder = fresh_folder("fleet_pipes")
+    atlas = folder / "atlas"
+    planned(atlas, make_logs(folder / "logs", count=1))
+    (atlas / "nodes").mkdir()
+    places = {atlas / "nodes" / f"{socket.gethostname()}.json": ("run", atlas, "--shard", "1", "-q"),
+              **{atlas / name: ("finish", atlas, "-q") for name in ("summary.csv", "atlas.json", "index.html")}}
+    for place, arguments in places.items():
+        place.unlink(missing_ok=True)
+        os.mkfifo(place)
+        process = fleet(*arguments, code=74)
+        one_error_line(process.stderr)
+        expect(f"{place}: is no plain file" in process.stderr, process.stderr)
+        place.unlink()
+        fleet(*arguments)

@@ -109,6 +109,27 @@ def interrupt_of_a_pipe_without_a_writer():
                 os.close(writer)
 
 
+def interrupt_of_a_pipe_without_a_reader():
+    """A signal while a named pipe that is to be written has no reader, or one that reads nothing: exit 130, one line."""
+    folder = cli.fresh_folder("interrupt_output_pipe")
+    pipe = folder / "pipe.log"
+    os.mkfifo(pipe)
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        for has_reader in (False, True):
+            reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK) if has_reader else -1
+            process = subprocess.Popen([PROGRAM, "convert", str(LOG), "-o", str(pipe)], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                       text=True)
+            time.sleep(1.0 * cli.SLOWNESS)
+            expect(process.poll() is None, "it did not wait")
+            process.send_signal(number)
+            done = finish(process)
+            expect_exit(done, 130)
+            one_error_line(done.stderr)
+            expect(str(pipe) in done.stderr, done.stderr)
+            if has_reader:
+                os.close(reader)
+
+
 def interrupt_before_the_first_scan():
     """SIGINT before anything came: exit 130, one line, no folder."""
     for text in ("", "# nothing yet\n", "FLASER 180 1.0 2.0"):
@@ -139,9 +160,9 @@ def interrupt_of_bench():
 
 def second_interrupt_ends():
     """A second SIGINT ends the process at once, also where it cannot look at the flag."""
-    folder = cli.fresh_folder("second_interrupt")
-    os.mkfifo(folder / "pipe.csv")  # nobody reads it
-    process = subprocess.Popen([PROGRAM, "convert", str(LOG), "-o", str(folder / "pipe.csv")], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    _, terminal = pty.openpty()  # a device that gives nothing
+    process = subprocess.Popen([PROGRAM, "doctor", os.ttyname(terminal)], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                               stderr=subprocess.PIPE)
     time.sleep(0.3 * cli.SLOWNESS)
     process.send_signal(signal.SIGINT)
     time.sleep(0.3)

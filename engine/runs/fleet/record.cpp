@@ -194,7 +194,8 @@ UnitRecord parse_record(std::string_view text, const std::string& name) {
 }
 
 void require_file_or_nothing(const std::string& file) {
-  if (lies_there(file) && !state_of_file(file)) throw FileError(file, kNoFile);
+  if (lies_there(file) && !state_of_file(file))
+    throw FileError(file, "is no plain file; remove it and give the command again");
 }
 
 std::optional<RecordStamp> stamp_of_record(const std::string& atlas, std::size_t unit) {

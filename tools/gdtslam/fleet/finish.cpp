@@ -8,6 +8,7 @@
 
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
+#include "engine/runs/fleet/record.hpp"
 #include "engine/runs/fleet/summary.hpp"
 #include "engine/runs/folder/folder_lock.hpp"
 #include "fleet.hpp"
@@ -87,6 +88,7 @@ std::string finish_atlas(const std::string& atlas, bool is_partial) {
   const auto& hash = json.at("atlas_sha256");
   std::string text = json_text(json);
   require_same_atlas(atlas, stored);
+  for (const char* const name : {"/index.html", "/summary.csv", "/atlas.json"}) require_file_or_nothing(atlas + name);
   AtomicFileSet files;
   files.add(atlas + "/index.html")
       .write(atlas_page(atlas, stored, state, summary, hash.is_null() ? std::string() : hash.get<std::string>()));

@@ -14,6 +14,7 @@
 
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
+#include "engine/runs/fleet/record.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/folders.hpp"
@@ -72,17 +73,19 @@ SampleResult sample_result(const DeviceOptions& device, const std::string& folde
 void write_node(const StoredPlan& stored, const std::string& atlas, const SampleResult& result, bool agrees) {
   require_same_atlas(atlas, stored);
   make_folder(atlas + "/nodes");
-  write_json(atlas + "/nodes/" + result.place.host + ".json", {{"format", kAtlasFormat},
-                                                               {"plan", stored.id},
-                                                               {"host", result.place.host},
-                                                               {"version", GDTSLAM_VERSION},
-                                                               {"processor", result.processor},
-                                                               {"processors", usable_processors()},
-                                                               {"isa", result.place.isa},
-                                                               {"device", result.place.device},
-                                                               {"sample_map_sha256", result.map_sha256},
-                                                               {"sample_trajectory_sha256", result.trajectory_sha256},
-                                                               {"agrees", agrees}});
+  const std::string file = atlas + "/nodes/" + result.place.host + ".json";
+  require_file_or_nothing(file);
+  write_json(file, {{"format", kAtlasFormat},
+                    {"plan", stored.id},
+                    {"host", result.place.host},
+                    {"version", GDTSLAM_VERSION},
+                    {"processor", result.processor},
+                    {"processors", usable_processors()},
+                    {"isa", result.place.isa},
+                    {"device", result.place.device},
+                    {"sample_map_sha256", result.map_sha256},
+                    {"sample_trajectory_sha256", result.trajectory_sha256},
+                    {"agrees", agrees}});
 }
 
 }  // namespace
