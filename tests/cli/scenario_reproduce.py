@@ -1,6 +1,7 @@
 """gdtslam reproduce from the outside: parts that are made, kept and made again, and a report that needs nothing else."""
 
 import base64
+import fcntl
 import hashlib
 import html.parser
 import json
@@ -368,7 +369,7 @@ def reproduce_hostile_parts():
 
 
 def reproduce_mistakes():
-    """Parts that there are not, folders that cannot be: one line, the exit code, nothing written."""
+    """Parts that there are not, folders that cannot be, or that another process makes parts in: one line, the exit code, nothing written."""
     folder = cli.fresh_folder("reproduce_mistakes")
     refused(2, "-o", folder / "a", "--only", "fig33", says="fig3")
     refused(2, "-o", folder / "a", "--only", "tabel1", says="table1")
@@ -380,6 +381,10 @@ def reproduce_mistakes():
     refused(74, "-o", folder / "a", "--data", folder / "none", "--only", "fig3", says="no such folder")
     refused(74, "-o", folder / "a", "--data", folder, "--only", "fig3", says="intel.clf.gz")
     refused(74, "-o", folder / "a", "--only", "fig3", says="no such folder", env=environment(GDTSLAM_DATA=str(folder / "none")))
+    (folder / "held").mkdir()
+    fcntl.flock(os.open(folder / "held", os.O_RDONLY), fcntl.LOCK_EX)
+    refused(2, "-o", folder / "held", "--only", "fig3", says=f"another process is writing to '{folder / 'held'}'")
+    (folder / "held").rmdir()
     expect(sorted(digests(folder)) == ["file"] and (folder / "file").read_text() == "old", f"{sorted(digests(folder))}")
     if not cli.IS_SANITIZED:
         full = cli.full_disk(GDTSLAM_DATA=None)

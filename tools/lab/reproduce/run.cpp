@@ -13,6 +13,7 @@
 #include "engine/io/did_you_mean.hpp"
 #include "engine/io/sha256.hpp"
 #include "engine/io/yaml/yaml_text.hpp"
+#include "engine/runs/folder/folder_lock.hpp"
 #include "engine/runs/mapping/stopwatch.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/console.hpp"
@@ -63,6 +64,11 @@ Host host_of(const DeviceOptions& device) {
   return {GDTSLAM_VERSION, said.at("device").get<std::string>(), said.at("processor").get<std::string>(), processors()};
 }
 
+const std::string& folder_made(const std::string& folder) {
+  make_folder(folder);
+  return folder;
+}
+
 /// A drive or a part that is to be made.
 struct Job {
   std::string name;
@@ -81,6 +87,7 @@ class Reproduction {
       : options_(options),
         logs_(real_logs(options.data)),
         program_(program_key()),
+        lock_(folder_made(options.folder)),
         store_(options.folder),
         device_(one_thread(options.device)),
         workers_(options.device.threads == 0 ? processors() : options.device.threads),
@@ -279,6 +286,7 @@ class Reproduction {
   const Options& options_;
   std::vector<RealLog> logs_;
   std::string program_;
+  FolderLock lock_;  ///< of all that is made and removed in there
   Store store_;
   DeviceOptions device_;  ///< of each worker
   unsigned workers_;
