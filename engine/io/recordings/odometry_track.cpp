@@ -45,16 +45,14 @@ OdometryTrack::Taken OdometryTrack::take(const Odometry& pose) {
     return Taken::kNext;
   }
   if (!std::isfinite(pose.stamp_s)) return Taken::kPast;
-  if (pose.stamp_s == entries_.back().pose.stamp_s && past_.empty()) return Taken::kRepeated;
+  if (pose.stamp_s == (past_.empty() ? entries_.back().pose : past_.back()).stamp_s) return Taken::kRepeated;
   if (!past_.empty() && pose.stamp_s <= past_.back().stamp_s) past_.clear();
   past_.push_back(pose);
   if (past_.size() < kSetBack) return Taken::kPast;
+  last_before_s_ = entries_.back().pose.stamp_s;
+  first_after_s_ = past_.front().stamp_s;
   const bool were_wild = forget_wild();
-  if (!were_wild) {
-    last_before_s_ = entries_.back().pose.stamp_s;
-    first_after_s_ = past_.front().stamp_s;
-    ++stretch_;
-  }
+  if (!were_wild) ++stretch_;
   for (const Odometry& right : std::exchange(past_, {})) append(right);
   return were_wild ? Taken::kForgot : Taken::kSetBack;
 }

@@ -25,7 +25,7 @@ class OdometryTrack {
 
   enum class Taken : std::uint8_t {
     kNext,      ///< later than the last
-    kRepeated,  ///< of the last one's stamp, and left out
+    kRepeated,  ///< of the stamp of the one before it, and left out
     kPast,      ///< earlier, and left out so far
     kForgot,    ///< the last of kSetBack in the past: poses far ahead, fewer than those, were wild and are left out
     kSetBack,   ///< the same: a new stretch begins with the first of them
@@ -37,12 +37,14 @@ class OdometryTrack {
   [[nodiscard]] const Odometry& back() const { return entries_.back().pose; }
   /// Of the pose taken last, counted from 0.
   [[nodiscard]] std::uint64_t stretch() const { return stretch_; }
-  /// The last of the stretch before this one and the first of this one.
+  /// When it last set back or forgot: the last stamp until then, and the first that counts from then on.
   [[nodiscard]] double last_before_set_back_s() const { return last_before_s_; }
   [[nodiscard]] double first_after_set_back_s() const { return first_after_s_; }
   /// The median of the last steps; infinite as long as there are none.
   [[nodiscard]] double usual_step_s() const;
   [[nodiscard]] bool is_leap(double step_s) const;
+  /// Whether poses are left out of which the next ones tell whether they are right.
+  [[nodiscard]] bool has_past() const { return !past_.empty(); }
   /// Whether the last poses were far in the past: a single one is wild, more of them are a clock that was set back.
   [[nodiscard]] bool is_in_doubt() const;
   /// Whether later poses cannot change what is around that time.

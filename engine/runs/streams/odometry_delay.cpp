@@ -186,24 +186,26 @@ void OdometryShift::take(ScanRecord scan) {
   const OdometryTrack::Taken taken = track_.take({stamp_s, *waiting.scan.T_odom_base});
   waiting.stretch = track_.stretch();
   waiting.stamp_s = stamp_s;
-  waiting.is_placed = taken != OdometryTrack::Taken::kPast;
+  waiting.is_placed = !track_.has_past();
   // Far in the past it is wild, if it stays alone: it was taken a step after the one before it.
   if (track_.is_in_doubt()) waiting.stamp_s = track_.back().stamp_s + track_.usual_step_s();
   waiting_.push_back(std::move(waiting));
-  if (taken == OdometryTrack::Taken::kPast || taken == OdometryTrack::Taken::kRepeated) return;
-  if (taken != OdometryTrack::Taken::kNext) place_again();
+  if (track_.has_past()) return;
+  if (taken == OdometryTrack::Taken::kForgot || taken == OdometryTrack::Taken::kSetBack) place_again();
   for (Waiting& placed : waiting_) placed.is_placed = true;
 }
 
 // The last poses were right by their stamps; what the track has forgotten for them was taken a step before them.
 void OdometryShift::place_again() {
-  std::size_t right = 0;
-  double first_s = track_.back().stamp_s;
+  const double first_s = track_.first_after_set_back_s();
+  bool is_right = true;
   for (auto it = waiting_.rbegin(); it != waiting_.rend(); ++it) {
     if (!it->scan.T_odom_base) continue;
-    if (right++ < OdometryTrack::kSetBack) {
+    const double stamp_s = it->scan.scan.stamp_s;
+    is_right = is_right && stamp_s >= first_s && (it == waiting_.rbegin() || !it->is_placed);
+    if (is_right) {
       it->stretch = track_.stretch();
-      it->stamp_s = first_s = it->scan.scan.stamp_s;
+      it->stamp_s = stamp_s;
     } else if (it->stretch == track_.stretch() && it->stamp_s > track_.back().stamp_s) {
       it->stamp_s = first_s - track_.usual_step_s();
     }

@@ -139,6 +139,17 @@ TEST(OdometryShift, AStampThatIsWildIsLeftOut) {
   }
 }
 
+// Where each stamp occurs twice, the first of it counts, whatever the clock did.
+TEST(OdometryShift, StampsThatOccurTwiceHideNoClockThatIsSetBack) {
+  const auto clock = [](int k) { return 100.0 + 0.1 * (k - k % 2) - (k < 100 ? 0.0 : 20.0); };
+  const std::vector<double> x_m = shifted(0.3, 200, clock);
+  ASSERT_EQ(x_m.size(), 200U);
+  for (int k = 0; k < 200; ++k) {
+    const double expected = std::min(100.0 + 0.1 * (k - k % 2) + 0.3, k < 100 ? 109.8 : 119.8);
+    EXPECT_NEAR(x_m[static_cast<std::size_t>(k)], expected, 1e-6) << k;
+  }
+}
+
 // A clock that is set ahead goes on: nothing of the hour between is made up.
 TEST(OdometryShift, AClockThatIsSetAheadGoesOn) {
   const std::vector<double> x_m = shifted(0.3, 200, [](int k) { return 100.0 + 0.1 * k + (k < 100 ? 0.0 : 3600.0); });
