@@ -133,7 +133,8 @@ Trajectory moved(const Pose2& T, const Trajectory& trajectory) {
   return result;
 }
 
-// The truth against itself has no errors, whatever its clock did; against one whose steps are others nothing is said.
+// The truth against itself has no errors, whatever its clock did; one whose stamps occur twice tells nothing of one
+// whose do not.
 TEST(EvaluateReference, StretchesOfAClockThatStepsBackAreMatchedOneByOne) {
   Random random(11);
   Trajectory walk = random_walk(random, 90);
@@ -153,7 +154,8 @@ TEST(EvaluateReference, StretchesOfAClockThatStepsBackAreMatchedOneByOne) {
   };
   // Stamps 20 to 39 were passed twice.
   EXPECT_THAT(refusal(sound, walk), testing::HasSubstr("20 stamps occur twice, a clock stepped back"));
-  EXPECT_THAT(refusal(walk, sound), testing::HasSubstr("20 stamps occur twice, a clock stepped back"));
+  // Two drives at one time, of which the reference has the times: each pose meets the one of its stamp.
+  EXPECT_EQ(refusal(walk, sound), "accepted");
 }
 
 TEST(EvaluateReference, ATrajectoryThatGoesBackwardInTimeHasNoStampTwice) {
