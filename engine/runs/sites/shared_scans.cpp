@@ -25,16 +25,20 @@ bool has_return(const LaserScan& laser) {
                      [](float range_m) { return std::isfinite(range_m); });
 }
 
-// What merges and edits take out is a beam without return; no reading is ever another one.
+// What merges and edits take out is a beam without return; no reading is ever another one, and most are still there.
 bool are_one_scan(const LaserScan& a, const LaserScan& b) {
   if (a.ranges_m.size() != b.ranges_m.size()) return false;
-  bool has_common = false;
+  std::size_t common = 0;
+  std::size_t taken_out = 0;
   for (std::size_t beam = 0; beam < a.ranges_m.size(); ++beam) {
-    if (!std::isfinite(a.ranges_m[beam]) || !std::isfinite(b.ranges_m[beam])) continue;
+    const bool is_in_a = std::isfinite(a.ranges_m[beam]);
+    const bool is_in_b = std::isfinite(b.ranges_m[beam]);
+    if (is_in_a != is_in_b) ++taken_out;
+    if (!is_in_a || !is_in_b) continue;
     if (a.ranges_m[beam] != b.ranges_m[beam]) return false;
-    has_common = true;
+    ++common;
   }
-  return has_common;
+  return common > taken_out;
 }
 
 // Those with returns by stamp, of each run by its own; one that a log repeats is there once.

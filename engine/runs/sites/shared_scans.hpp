@@ -18,8 +18,8 @@ struct SharedScans {
 };
 
 /// Each pair with a keyframe in common: the same stamp, as many beams, and the same range to the millimetre wherever
-/// both have a return, which they have somewhere: a merge or an edit takes readings out. By first and second. A run
-/// whose log repeats a stamp with the same ranges has that scan once.
+/// both have a return, which most beams have: a merge or an edit takes readings out. By first and second. A run whose
+/// log repeats a stamp with the same ranges has that scan once.
 std::vector<SharedScans> shared_scans(const std::vector<const RunKeyframes*>& runs);
 
 }  // namespace gdtslam

@@ -49,13 +49,15 @@ TEST(SharedScans, HaveOneStampAndOneSetOfRanges) {
 TEST(SharedScans, MayHaveLostReadings) {
   const std::vector<RunKeyframe> run{keyframe(1.0, {2.0F, 3.0F, 4.0F})};
   EXPECT_EQ(shared_of({run, {keyframe(1.0, {2.0F, kNone, 4.0F})}}), (std::vector<Pair>{{0, 1, 1}}));
-  EXPECT_EQ(shared_of({{keyframe(1.0, {kNone, 3.0F, 4.0F})}, {keyframe(1.0, {2.0F, 3.0F, kNone})}}),
-            (std::vector<Pair>{{0, 1, 1}}))
+  EXPECT_EQ(
+      shared_of({{keyframe(1.0, {kNone, 3.0F, 4.0F, 5.0F, 6.0F})}, {keyframe(1.0, {2.0F, 3.0F, 4.0F, 5.0F, kNone})}}),
+      (std::vector<Pair>{{0, 1, 1}}))
       << "each another one";
   EXPECT_EQ(shared_of({run, {keyframe(1.0, {2.0F, kNone, 4.001F})}}), std::vector<Pair>{}) << "another reading";
   EXPECT_EQ(shared_of({run, {keyframe(1.0, {kNone, kNone, kNone})}}), std::vector<Pair>{}) << "nothing counts twice";
   EXPECT_EQ(shared_of({{keyframe(1.0, {kNone, 3.0F})}, {keyframe(1.0, {2.0F, kNone})}}), std::vector<Pair>{})
       << "nothing is in both";
+  EXPECT_EQ(shared_of({run, {keyframe(1.0, {kNone, 3.0F, kNone})}}), std::vector<Pair>{}) << "more is out than left";
 }
 
 TEST(SharedScans, OfEachTwoOfThreeRuns) {

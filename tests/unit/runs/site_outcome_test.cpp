@@ -155,13 +155,14 @@ TEST_F(SiteOfTwoRuns, TheyFollowOneAnotherAndAddUp) {
 
 // The first run is a site of two drives, a day and 96 m apart.
 TEST_F(SiteOutcomeTest, WhatLiesBetweenTheDrivesOfARunIsNotDriven) {
-  RunSession two = run("a", 100.0, "");
+  const std::string counts = R"(, "matched": 5, "doubtful": 0, "restarts": 0, "doubtful_scans": [])";
+  RunSession two = run("a", 100.0, counts);
   two.drives = {3};
   for (std::size_t k : {3U, 4U}) {
     two.trajectory[k].stamp_s += 86400.0;
     two.trajectory[k].T_map_base.y_m = 96.0;
   }
-  const RunSession one = run("b", 50.0, "");
+  const RunSession one = run("b", 50.0, counts);
   const MapOutcome outcome = site_outcome(site_of_two_runs(), {&two, &one}, {two.trajectory, one.trajectory});
   EXPECT_EQ(outcome.drives, (std::vector<std::size_t>{3, 5}));
   EXPECT_NEAR(outcome.statistics.path_m, 2.0 + 1.0 + 4.0, 1e-9);
