@@ -145,7 +145,6 @@ TEST_F(MergedRunsTest, TheirOrderDoesNotMatterAndOldPathsGo) {
   EXPECT_TRUE(fs::exists(request_.folder + "/1/session-2.tum"));
 }
 
-<<<<<<< HEAD
 // Of folders with the files of a site those count whose names are the numbers of sites, and larger.
 TEST_F(MergedRunsTest, EarlierSitesAreThoseWithNumbers) {
   for (const char* name : {"1", "2", "10", "03", "0", "4x", "x", "-5", "99999999999999999999999"}) {
@@ -156,7 +155,8 @@ TEST_F(MergedRunsTest, EarlierSitesAreThoseWithNumbers) {
   EXPECT_THAT(sites_beyond(folder, 1), testing::ElementsAre(folder_.path("10"), folder_.path("2")));
   EXPECT_THAT(sites_beyond(folder, 2), testing::ElementsAre(folder_.path("10")));
   EXPECT_THAT(sites_beyond(folder, 10), testing::IsEmpty());
-=======
+}
+
 // No edit takes all that was seen; another program that writes runs might.
 TEST_F(MergedRunsTest, ARunThatSawNothingIsNamed) {
   const std::string blank = folder_.path("blank");
@@ -177,7 +177,6 @@ TEST_F(MergedRunsTest, ARunThatSawNothingIsNamed) {
   request_.runs = {ring_run().folder, blank};
   EXPECT_THAT(merge_fault(), HasSubstr(blank + ": has no keyframe with a return"));
   EXPECT_FALSE(fs::exists(request_.folder + "/merge.json"));
->>>>>>> 121dd242 (merge joins cropped runs: keyframes that saw nothing are not searched)
 }
 
 TEST_F(MergedRunsTest, WhatCannotBeJoined) {
