@@ -99,14 +99,17 @@ std::size_t count_ambiguous(const Trajectory& asking, const Trajectory& asked,
     if (std::isfinite(asked[i].stamp_s)) by_stamp.emplace_back(asked[i].stamp_s, stretches[i]);
   }
   std::sort(by_stamp.begin(), by_stamp.end());
+  std::vector<std::size_t> next_other(by_stamp.size(), by_stamp.size());  // the next one that is of another stretch
+  for (std::size_t i = by_stamp.size(); i-- > 1;) {
+    next_other[i - 1] = by_stamp[i - 1].second != by_stamp[i].second ? i : next_other[i];
+  }
   std::size_t ambiguous = 0;
   for (const StampedPose& pose : asking) {
     const auto first =
         std::lower_bound(by_stamp.begin(), by_stamp.end(), std::pair(pose.stamp_s - tolerance_s, std::size_t{0}));
-    const auto is_another = [&](const auto& entry) { return entry.second != first->second; };
-    auto other = first;
-    while (other != by_stamp.end() && other->first <= pose.stamp_s + tolerance_s && !is_another(*other)) ++other;
-    ambiguous += other != by_stamp.end() && other->first <= pose.stamp_s + tolerance_s ? 1U : 0U;
+    if (first == by_stamp.end()) continue;
+    const std::size_t other = next_other[static_cast<std::size_t>(first - by_stamp.begin())];
+    ambiguous += other < by_stamp.size() && by_stamp[other].first <= pose.stamp_s + tolerance_s ? 1U : 0U;
   }
   return ambiguous;
 }

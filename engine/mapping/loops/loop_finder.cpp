@@ -201,7 +201,7 @@ std::vector<bool> LoopFinder::left_out_before(std::size_t here) const {
   std::vector<bool> left_out = is_left_out_;
   left_out.resize(std::max(left_out.size(), here));
   for (std::size_t place = 0; place < here; ++place) {
-    if (!have_points(keyframes_, places_[place], options_.reference_half_m)) left_out[place] = true;
+    if (!left_out[place]) left_out[place] = !have_points(keyframes_, places_[place], options_.reference_half_m);
   }
   return left_out;
 }

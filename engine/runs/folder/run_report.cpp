@@ -246,7 +246,7 @@ void require_bounded(const GridGeometry& geometry, std::uint64_t max_cells) {
   const auto width = static_cast<std::uint64_t>(geometry.width);
   const auto height = static_cast<std::uint64_t>(geometry.height);
   if (width == 0 || height <= max_cells / width) return;
-  throw InputError(fmt::format("the map is {} x {} cells{}; few scans that lie far away may be why", width, height,
+  throw InputError(fmt::format("the map is {} x {} cells{}; a few scans that lie far away may be why", width, height,
                                limit_of_option(max_cells)));
 }
 
