@@ -54,7 +54,7 @@ void require_run_of_plan(const std::string& run_folder, const Settings& settings
     throw FileError(run_folder, std::string("is a run of other settings than the plan's, or was edited") + kRemoveIt);
 }
 
-std::string said_in_atlas(std::string message) {
+std::string said_in_atlas(const std::string& message) {
   const std::size_t advice = message.find(kMapAgain);
   return advice == std::string::npos ? message : message.substr(0, advice) + kRemoveIt;
 }

@@ -23,6 +23,6 @@ void require_run_of_plan(const std::string& run_folder, const Settings& settings
 
 /// What is said of a run folder, with the advice that fits one in an atlas: a log that is mapped into it by `gdtslam
 /// map` is mapped with other settings than the plan's.
-std::string said_in_atlas(std::string message);
+std::string said_in_atlas(const std::string& message);
 
 }  // namespace gdtslam
