@@ -3,6 +3,7 @@
 // map. Not thread-safe. Cost: some microseconds a scan.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
@@ -19,6 +20,10 @@ class MotionEstimate {
  public:
   /// Whether the scan fits about as well at the first pose as at the second.
   using FitsAsWell = std::function<bool(const Pose2&, const Pose2&)>;
+
+  /// Whether the first pose is where the map begins, or what somebody takes for the robot's place in a map.
+  enum class FirstPose : std::uint8_t { kExact, kGuess };
+  explicit MotionEstimate(FirstPose first = FirstPose::kExact) : stands_(first == FirstPose::kExact) {}
 
   /// Asks the model for the next scan's pose by corrected odometry, and says how sure it is.
   Prediction predict(MotionModel& model, const std::optional<Pose2>& T_odom_base);
@@ -38,7 +43,7 @@ class MotionEstimate {
   std::optional<Pose2> odometry_;  // of the scan in hand
   std::optional<Pose2> T_odom_last_;
   bool has_moved_ = false;  // the odometry, ever
-  bool stands_ = true;      // since the log began, as far as scans tell; what odometry measures is believed instead
+  bool stands_;             // since the map began, as far as scans tell; what odometry measures is believed instead
   Pose2 T_map_last_;        // of the scan before
   Pose2 T_odom_corrected_;
   Pose2 step_;                // by odometry, as it was logged

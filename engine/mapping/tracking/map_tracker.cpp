@@ -114,7 +114,7 @@ struct MapTracker::State {
   Patience patience;
   ScanPoints scan_points;
   std::unique_ptr<Matcher> matcher;
-  MotionEstimate estimate;
+  MotionEstimate estimate{MotionEstimate::FirstPose::kGuess};
   PoseCertainty certainty{covariance_at_start()};
   KnownFit known;
 
@@ -148,7 +148,7 @@ MapTracker MapTracker::another() const { return MapTracker(std::make_unique<Stat
 
 void MapTracker::start_at(const Pose2& T_map_base) {
   state_->motion = MotionModel(state_->config.odometry, T_map_base);
-  state_->estimate = MotionEstimate();
+  state_->estimate = MotionEstimate(MotionEstimate::FirstPose::kGuess);
   state_->certainty = PoseCertainty(covariance_at_start());
 }
 

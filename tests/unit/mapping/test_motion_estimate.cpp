@@ -100,6 +100,13 @@ TEST_F(Drive, WhoStandsIsMovedByNoMatchThatFitsThereAsWell) {
   EXPECT_GT(drive_to({0.2, 0.0, 0.0}, odometry).T_map_base.x_m, 0.12);
 }
 
+// Who says where in a map a robot is may be some cells off: the first match tells better.
+TEST_F(Drive, WhoseFirstPoseIsAGuessGoesToWhereItsScanFits) {
+  estimate_ = MotionEstimate(MotionEstimate::FirstPose::kGuess);
+  fits_as_well_ = true;
+  EXPECT_NEAR(drive_to({0.05, 0.0, 0.0}, std::nullopt).T_map_base.x_m, 0.05, 0.01);
+}
+
 TEST_F(Drive, WhatOdometryMeasuresIsNotHeld) {
   fits_as_well_ = true;
   drive_to({}, Pose2{});
