@@ -73,10 +73,10 @@ void require_sound(const DesignGoal& goal) {
   require(goal.least_crank_m > 0.0 && goal.least_crank_m <= goal.most_crank_m && std::isfinite(goal.most_crank_m),
           "the crank's range must be positive and rising, not " + cm_text(goal.least_crank_m) + ".." +
               cm_text(goal.most_crank_m) + " cm");
+  require_bars_of_a_mount(goal);
   require(longest_bar_m(goal) > goal.least_crank_m && std::isfinite(longest_bar_m(goal)),
           "the longest bar, " + cm_text(longest_bar_m(goal)) + " cm, must be longer than the shortest crank, " +
               cm_text(goal.least_crank_m) + " cm");
-  require_bars_of_a_mount(goal);
 }
 
 /// What no lengths can give, with the swing alone at fault.

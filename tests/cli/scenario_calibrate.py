@@ -1,7 +1,9 @@
 """calibrate: from a log of a wall to a linkage file that map and linkage take."""
 
+import itertools
 import json
 import math
+import re
 
 import cli_support as cli
 from cli_support import command, expect, expect_exit, one_error_line
@@ -107,7 +109,8 @@ def calibrate_option_mistakes():
                              (["--known-distances", "--surfaces", "wall=2m,ceiling"], "ceiling=DISTANCE"),
                              (["--surfaces", "fence"], "wall, floor and ceiling"),
                              (["--free-headings"], "--sector"), (["--free-angles"], "--sector"),
-                             (["--free-angles", "--sector", "0deg"], "--sector")):
+                             (["--free-angles", "--sector", "0deg"], "--sector"),
+                             (["--sigma", "0"], "--sigma: 0 is not above 0 and below 1 m")):
         said = refused(linkage, 2, log, *arguments)
         expect(words in said, f"{arguments}: {said!r}")
     refused(linkage, 74, log, "--known-distances", "--surfaces", "wall=2m")
@@ -187,3 +190,9 @@ def calibrate_refuses_what_tells_nothing():
         expect_exit(process, code)
         one_error_line(process.stderr)
         expect(not linkage.exists(), "a linkage was written")
+    still = folder / "still.log"
+    with open(wall_log(folder)) as lines, open(still, "w") as to:
+        for line in itertools.islice(lines, 20000):
+            to.write(re.sub(r"^ENCODER \S+", "ENCODER 12345", line))
+    said = refused(linkage, 65, still)
+    expect("at one place of the crank only; does it turn?" in said or "no beam of the" in said, said)

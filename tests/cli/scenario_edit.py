@@ -342,7 +342,7 @@ def edit_mistakes():
     point = ("--georeference", "0,0=100,100")
     for run, words, code, text in (
             ("few", (), 2, "nothing is to be done"), ("few", ("--origin", "1"), 2, '--origin: "1" is not'),
-            ("few", ("--origin", "1,2,three"), 2, "X,Y or X,Y,THETA"), ("few", ("--origin", "nan,2"), 2, "--origin"),
+            ("few", ("--origin", "1,2,three"), 2, "X,Y or X,Y,THETA"), ("few", ("--origin", "1e9,0"), 2, "has a number beyond"), ("few", ("--origin", "nan,2"), 2, "--origin"),
             ("few", ("--origin", "50000,0"), 2, "from its origin"), ("few", ("--crop", "1,1,1,4"), 2, "no area"),
             ("few", ("--crop", "900,900,901,901"), 65, "leaves nothing of the map"),
             ("few", ("--crop", "0.2,0.2,0.5,0.5"), 65, "leave nothing that was seen"),

@@ -1,6 +1,9 @@
 """What a command writes replaces nothing that it reads."""
 
+import bz2
+import gzip
 import json
+import lzma
 import shutil
 
 import cli_support as cli
@@ -93,6 +96,32 @@ def outputs_are_no_files_of_a_run():
     shutil.copy(RUN / "map.pgm", other / "floor.png")
     (other / "m.yaml").write_text((RUN / "map.yaml").read_text().replace("map.pgm", '"floor.png"  # of a scanner'))
     refused(other, READ, "localize", other / "m.yaml", LOG, "--picture", other / "floor.png")
+
+
+def recordings_are_not_replaced():
+    """A recording of any kind, by whatever name, is replaced by no result: exit 2; by a log it is, and results by results."""
+    folder = cli.fresh_folder("recordings_are_not_replaced")
+    for name in ("a.csv", "a.jsonl", "a.mcap", "a.bag", "a.db3"):
+        expect_exit(command("convert", LOG, "-o", folder / name), 0)
+    text, table = LOG.read_bytes(), (folder / "a.csv").read_bytes()
+    for name, data in (("a.log", text), ("picture.png", text), ("a.log.gz", gzip.compress(text)), ("a.log.bz2", bz2.compress(text)),
+                       ("a.csv.xz", lzma.compress(table)), ("b.yaml", table), ("log-1.copy", (RUN / "log-1.copy").read_bytes())):
+        (folder / name).write_bytes(data)
+    recordings = sorted(path for path in folder.iterdir() if path.is_file())
+    expect(len(recordings) >= 11, f"{recordings}")
+    words = "is a recording, which only a log replaces; give another file"
+    for recording in recordings:
+        refused(folder, words, "linkage", "paper-b", "-o", recording)
+        refused(folder, words, "linkage", "paper-b", "--csv", recording)
+    (folder / "link.svg").symlink_to(folder / "a.bag")
+    refused(folder, words, "doctor", LOG, "--picture", folder / "link.svg")
+    refused(folder, words, "calibrate", LOG, "-o", folder / "a.log")
+    expect_exit(command("convert", LOG, "-o", folder / "a.csv", "--force"), 0)
+    expect_exit(command("map", LOG, "-o", folder / "run", "-q", "--first", 20, "--mcap", folder / "a.mcap"), 0)
+    for _ in range(2):
+        expect_exit(command("linkage", "paper-b", "-o", folder / "mine.yaml", "--csv", folder / "turn.csv", "--picture", folder / "b.svg"), 0)
+        expect_exit(command("localize", RUN, LOG, "--track", "-q", "-o", folder / "t.tum", "--table", folder / "t.csv"), 0)
+    expect_exit(command("linkage", "paper-b", "-o", "/dev/null"), 0)
 
 
 def outputs_are_not_each_other():

@@ -171,6 +171,11 @@ def render_trajectories():
     said = json.loads(command("evaluate", path, "--reference", TRUTH, "--json").stdout)["ate"]["translation_m"]
     words = words_of(svg, path, "--view", "errors-path", "--reference", TRUTH)
     expect("Position error (m)" in words and f"RMSE {said['rmse']:#.3g} m" in words and f"largest {said['max']:#.3g} m" in words, f"{said}: {words}")
+    said = json.loads(command("evaluate", TRUTH, "--reference", RUN, "--json").stdout)["ate"]["translation_m"]
+    words = words_of(svg, TRUTH, "--view", "errors-path", "--reference", RUN)
+    expect(f"RMSE {said['rmse']:#.3g} m" in words and f"largest {said['max']:#.3g} m" in words, f"against a run: {said}: {words}")
+    truth = words_of(svg, TRUTH, "--view", "trajectory", "--reference", RUN)
+    expect("truth" in truth, f"over a run: {truth}")
     words = words_of(svg, path, "--view", "errors-path", "--reference", TRUTH, "--range", "0m:5cm")
     expect(" 0.05" in words, words)
     words = words_of(svg, path, "--view", "errors-path", "--reference", TRUTH, "--angle")

@@ -129,6 +129,7 @@ std::vector<Relation> read_relations(const std::string& path) {
                  check_turn(row[7], position);
                  relations.push_back({row[0], row[1], {row[2], row[3], wrap_angle(row[7])}});
                });
+  if (relations.empty()) throw InputError({path, 0}, "holds no relation; a row is `t1 t2 x y z roll pitch yaw`");
   return relations;
 }
 

@@ -78,7 +78,12 @@ Grey8Image decode_pgm(std::span<const std::byte> data, const std::string& name) 
   image.height = header.number("height", kMaxSide);
   image.max_value = header.number("maximum value", 255);
   const std::string_view pixels = header.rest();
-  if (pixels.size() != std::uint64_t{image.width} * image.height) {
+  const std::uint64_t stated = std::uint64_t{image.width} * image.height;
+  if (pixels.size() > stated) {
+    throw InputError({name, 0}, fmt::format("states {} x {} pixels but holds {}; remove what follows them", image.width,
+                                            image.height, pixels.size()));
+  }
+  if (pixels.size() != stated) {
     throw InputError({name, 0}, fmt::format("states {} x {} pixels but holds {}; is it cut off?", image.width,
                                             image.height, pixels.size()));
   }

@@ -30,6 +30,18 @@ std::string unknown_name(const std::string& path, std::span<const Option> option
                  : fmt::format("unknown option {}; `gdtslam config show` lists all", in_quotes(path));
 }
 
+// Of a section that there is not: the name of one that resembles it.
+std::string unknown_section(const std::string& path, std::span<const Option> options) {
+  std::vector<std::string_view> sections;
+  for (const Option& option : options) {
+    const std::size_t end = option.path.find('.');
+    if (end != std::string_view::npos) sections.push_back(option.path.substr(0, end));
+  }
+  const std::optional<std::string_view> nearest = nearest_name(path, sections);
+  return nearest ? fmt::format("unknown option {}; did you mean the section {}?", in_quotes(path), *nearest)
+                 : unknown_name(path, options);
+}
+
 /// Walks a document, collects values and faults; changes nothing until all is right.
 class ConfigDocument {
  public:
@@ -92,7 +104,8 @@ class ConfigDocument {
         add_fault(key, fmt::format("{} is a section; write its options indented below it", path));
       }
     } else {
-      add_fault(key, has_room() ? unknown_name(path, options_) : std::string());
+      const auto unknown = value.IsMap() ? unknown_section : unknown_name;
+      add_fault(key, has_room() ? unknown(path, options_) : std::string());
     }
   }
 

@@ -19,6 +19,16 @@ namespace {
   throw std::invalid_argument(fmt::format("{}: {} {}", option.path, in_quotes(text), reason));
 }
 
+// A bound is taken as it is told, in six digits of a degree, too: it stands for the bound itself.
+double within_told_bounds(const Option& option, double value) {
+  for (const double bound : {option.min, option.max}) {
+    if (show_quantity(value, option.unit) == show_quantity(bound, option.unit)) {
+      return std::clamp(value, option.min, option.max);
+    }
+  }
+  return value;
+}
+
 double parse_number(const Option& option, std::string_view text, BareNumber bare) {
   std::string why;
   const std::optional<double> value = bare == BareNumber::kRefused ? parse_stated_quantity(text, option.unit, &why)
@@ -26,13 +36,14 @@ double parse_number(const Option& option, std::string_view text, BareNumber bare
   if (!value) {
     refuse(option, text, fmt::format("is no value of it: {}", why));
   }
-  if (*value < option.min) {
+  const double number = within_told_bounds(option, *value);
+  if (number < option.min) {
     refuse(option, text, fmt::format("is below its minimum {}", show_quantity(option.min, option.unit)));
   }
-  if (*value > option.max) {
+  if (number > option.max) {
     refuse(option, text, fmt::format("is above its maximum {}", show_quantity(option.max, option.unit)));
   }
-  return *value;
+  return number;
 }
 
 std::int32_t parse_whole(const Option& option, std::string_view text, BareNumber bare) {

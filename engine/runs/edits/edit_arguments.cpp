@@ -109,8 +109,11 @@ std::optional<PointPair> pair_in(std::string_view text, std::string_view separat
 
 StatedOrigin parse_origin(const std::string& text) {
   const auto numbers = numbers_in(text, ",");
-  if (!numbers || numbers->size() < 2 || numbers->size() > 3 || !are_below(*numbers, 0, numbers->size(), kMostMap_m)) {
+  if (!numbers || numbers->size() < 2 || numbers->size() > 3) {
     refuse_text("--origin", text, "X,Y or X,Y,THETA: metres and degrees, as 1.5,-2,90");
+  }
+  if (!are_below(*numbers, 0, numbers->size(), kMostMap_m)) {
+    throw UsageError(fmt::format("--origin: {} has a number beyond {:g} m or deg", in_quotes(text), kMostMap_m));
   }
   const bool has_angle = numbers->size() == 3;
   return {{(*numbers)[0], (*numbers)[1], has_angle ? wrap_angle(rad_from_deg((*numbers)[2])) : 0.0}, has_angle};

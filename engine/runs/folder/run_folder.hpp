@@ -19,6 +19,9 @@
 
 namespace gdtslam {
 
+/// How the names of staging folders begin; the number of the process follows.
+inline constexpr std::string_view kStagingPrefix = ".gdtslam-staging-";
+
 /// What becomes of files that have the name of one that a run writes or takes away, and are of nobody knows whom.
 enum class ForeignFiles : std::uint8_t {
   kKept,  ///< nothing is committed where one is in the way

@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "engine/core/files/folder_calls.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/io/message_text.hpp"
 #include "engine/io/sha256.hpp"
@@ -18,6 +19,7 @@
 #include "gdtslam/io/occupancy_map_file.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "report_reader.hpp"
+#include "run_folder.hpp"
 #include "run_pictures.hpp"
 #include "run_report.hpp"
 
@@ -65,6 +67,17 @@ RunSummary summary_of(const ReportReader& report) {
 bool RunReader::is_run(const std::string& path) {
   std::error_code ignored;
   return fs::is_directory(path, ignored) && fs::is_regular_file(fs::path(path) / kReportFile, ignored);
+}
+
+bool RunReader::is_broken_run(const std::string& path) {
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored) || is_run(path)) return false;
+  const auto has = [&](const char* name) { return fs::exists(fs::path(path) / name, ignored); };
+  const std::vector<fs::path> entries = list_folder(path, ignored);
+  const bool is_staged = std::any_of(entries.begin(), entries.end(), [](const fs::path& entry) {
+    return entry.filename().string().starts_with(kStagingPrefix);
+  });
+  return is_staged || has("keyframes.bin.gz") || (has("gdt.yaml") && has(kTrajectory));
 }
 
 bool RunReader::is_gdtslam_run(const std::string& path) {

@@ -80,6 +80,9 @@ class RunReader {
 
   /// True for a folder that holds a report.
   static bool is_run(const std::string& path);
+  /// Whether in the folder lies what a run leaves there and no report: it is just being replaced, or who did so was
+  /// killed.
+  static bool is_broken_run(const std::string& path);
   /// True where that report is one of `gdtslam map`, of whatever version. Throws FileError.
   static bool is_gdtslam_run(const std::string& path);
 

@@ -22,6 +22,7 @@ bool is_folder(const std::string& path) {
 
 // The file of that name in a folder that is no run, as other programs leave it.
 std::string file_of_folder(const std::string& folder, const char* name, const char* instead) {
+  refuse_broken_run(folder, name);
   const fs::path file = fs::path(folder) / name;
   std::error_code ignored;
   if (fs::is_regular_file(file, ignored)) return file.string();
@@ -36,12 +37,26 @@ std::string why_no_cloud(const RunSummary& summary) {
                         "cloud.ply, or a cloud, .ply or .pcd";
 }
 
-}  // namespace
-
-Trajectory given_trajectory(const std::string& given) {
+Trajectory trajectory_in(const std::string& given) {
   if (!is_folder(given)) return read_tum(given);
   if (RunReader::is_run(given)) return RunReader(given).trajectory();
   return read_tum(file_of_folder(given, "trajectory.tum", "a trajectory, TUM"));
+}
+
+}  // namespace
+
+void refuse_broken_run(const std::string& folder, const char* name) {
+  if (!RunReader::is_broken_run(folder)) return;
+  throw InputError({folder, 0},
+                   fmt::format("is a folder without report.json, so no run of 'gdtslam map', though files of one are "
+                               "there: map again, or name {} in it itself if that is meant",
+                               name));
+}
+
+Trajectory given_trajectory(const std::string& given) {
+  Trajectory trajectory = trajectory_in(given);
+  if (trajectory.empty()) throw InputError({given, 0}, "holds no pose; give a trajectory, TUM");
+  return trajectory;
 }
 
 std::string given_cloud(const std::string& given) {

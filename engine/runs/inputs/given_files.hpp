@@ -1,5 +1,5 @@
 // Trajectories and clouds that a command was given: the file itself, or the folder of the run that wrote it, whose
-// report is checked as RunReader does. Another folder will do if it has a file of that name. Thread-safe.
+// report is checked as RunReader does. Another program's folder will do if it has a file of that name. Thread-safe.
 #pragma once
 
 #include <optional>
@@ -9,6 +9,10 @@
 #include "gdtslam/core/stream.hpp"
 
 namespace gdtslam {
+
+/// Throws InputError where the folder has what is left of a run without its report (RunReader::is_broken_run): the file
+/// `name` of it would be of nobody knows which run.
+void refuse_broken_run(const std::string& folder, const char* name);
 
 /// The poses of a TUM file, or of trajectory.tum in a folder. Throws FileError, and InputError that says what to give.
 Trajectory given_trajectory(const std::string& given);

@@ -9,7 +9,7 @@
 
 #include "engine/io/file_limits.hpp"
 #include "engine/io/yaml/yaml_file.hpp"
-#include "engine/io/yaml/yaml_text.hpp"
+#include "engine/runs/inputs/given_files.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/occupancy_map_file.hpp"
@@ -22,7 +22,10 @@ namespace {
 std::string description_file_of(const std::string& map) {
   namespace fs = std::filesystem;
   std::error_code ignored;
-  if (fs::is_directory(map, ignored)) return (fs::path(map) / "gdt.yaml").string();
+  if (fs::is_directory(map, ignored)) {
+    refuse_broken_run(map, "gdt.yaml");
+    return (fs::path(map) / "gdt.yaml").string();
+  }
   if (!fs::is_regular_file(map, ignored)) return map;  // reading it says what is wrong
   if (!looks_like_map(map)) {
     throw InputError({map, 0},
@@ -32,10 +35,12 @@ std::string description_file_of(const std::string& map) {
   return map;
 }
 
+// All keys of a map.yaml that are its own may be missing; a gdt.yaml has its version.
 bool is_occupancy_map(const std::string& path) {
   std::error_code ignored;
-  return std::filesystem::is_regular_file(path, ignored) &&
-         read_text<InputError>(path, kMaxYamlBytes).find("occupied_thresh") != std::string::npos;
+  if (!std::filesystem::is_regular_file(path, ignored)) return false;
+  const DescriptionFile file(path);
+  return file.has("occupied_thresh") || !(file.has("version") || file.has("scale") || file.has("cap"));
 }
 
 // Cells far smaller than any laser tells apart, or larger than any room, are a mistake in the file.

@@ -82,6 +82,9 @@ TEST(ConfigYaml, UnknownNamesGetTheirLineAndTheNearestName) {
   EXPECT_EQ(config_error("map:\n  lenght: 5 cm\n"),
             "c.yaml:2: unknown option \"map.lenght\"; did you mean map.length?");
   EXPECT_THAT(config_error("mpa:\n  length: 5 cm\n"), HasSubstr("c.yaml:1: unknown option \"mpa\""));
+  EXPECT_EQ(config_error("mpa:\n  length: 5 cm\n"), "c.yaml:1: unknown option \"mpa\"; did you mean the section map?");
+  EXPECT_EQ(config_error("zzzzzz:\n  length: 5 cm\n"),
+            "c.yaml:1: unknown option \"zzzzzz\"; `gdtslam config show` lists all");
   EXPECT_EQ(config_error("length: 5 cm\n"), "c.yaml:1: unknown option \"length\"; did you mean map.length?");
   EXPECT_EQ(config_error("gate:\n  colour: red\n"),
             "c.yaml:2: unknown option \"gate.colour\"; did you mean map.colour?");
@@ -108,6 +111,21 @@ TEST(ConfigYaml, BoundsThemselvesAreAllowed) {
   EXPECT_EQ(sample.length_m, 1.0);
   read_config_text("map: {length: 1 cm}\n", "c", sample.options());
   EXPECT_EQ(sample.length_m, 0.01);
+}
+
+// 0.2 rad are 11.45915590... deg, and are told as 11.4592 deg.
+TEST(ConfigYaml, ABoundIsTakenAsItIsTold) {
+  double angle_rad = 0.1;
+  const std::vector<Option> options{
+      {.path = "angle", .doc = "d", .unit = Unit::kRadian, .min = 0.0, .max = 0.2, .value = &angle_rad}};
+  read_config_text("angle: 11.4592 deg\n", "c", options);
+  EXPECT_EQ(angle_rad, 0.2);
+  try {
+    read_config_text("angle: 11.4593 deg\n", "c", options);
+    ADD_FAILURE() << "taken";
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("is above its maximum 11.4592 deg"));
+  }
 }
 
 TEST(ConfigYaml, WrongStructureIsNamed) {

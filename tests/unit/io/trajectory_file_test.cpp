@@ -104,6 +104,12 @@ TEST(Relations, AYawBeyondAWholeTurnIsAskedForItsUnit) {
   }
 }
 
+TEST(Relations, AFileWithoutRowsSaysSo) {
+  const TemporaryFolder folder;
+  put_file(folder / "r", "# t1 t2\n");
+  EXPECT_THAT(told_by<InputError>([&] { read_relations(folder / "r"); }), HasSubstr("r: holds no relation; a row is"));
+}
+
 TEST(RelationsRealData, HaveTheirKnownCounts) {
   GDTSLAM_REAL_DATA(intel, "slam2d/intel.relations.gz");
   GDTSLAM_REAL_DATA(fr079, "slam2d/fr079.relations.gz");

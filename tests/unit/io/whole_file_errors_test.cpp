@@ -89,6 +89,7 @@ TEST(WholeFileErrors, OfPictures) {
   EXPECT_THAT(said_of(pgm, "P5\n0 1\n255\n"), StartsWith("f: its PGM header has no width from 1 to "));
   EXPECT_EQ(said_of(pgm, "P5\n1 1\n255"), "f: its PGM header does not end in white space");
   EXPECT_EQ(said_of(pgm, "P5\n2 2\n255\nabc"), "f: states 2 x 2 pixels but holds 3; is it cut off?");
+  EXPECT_EQ(said_of(pgm, "P5\n2 2\n255\nabcde"), "f: states 2 x 2 pixels but holds 5; remove what follows them");
   const auto png = [](std::span<const std::byte> data) { (void)decode_png_grey16(data, "f", 15); };
   EXPECT_EQ(said_of(png, encode_png(1, 1, std::vector<std::uint8_t>{7, 7, 7, 255})),
             "f: is no 16-bit grey PNG without interlacing");

@@ -139,6 +139,18 @@ TEST_F(Trials, TablesNameEveryMethodAndEveryStart) {
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 16);
 }
 
+// Errors of kilometres leave the columns of their table, and stay words of their own.
+TEST(CompareTable, ColumnsOfLargeErrorsStayApart) {
+  WholeRun run;
+  run.method = "simplex";
+  run.position_m = summarise({1234.5, 2345.6});
+  run.heading_deg = summarise({123.4, 179.9});
+  const std::string text = as_text({run}, CompareTruth{});
+  const std::string row = text.substr(text.rfind("simplex"));
+  EXPECT_NE(row.find(" 234560.00 "), std::string::npos) << row;
+  EXPECT_NE(row.find(" 179.900 "), std::string::npos) << row;
+}
+
 TEST(CompareMethods, AreChosenByName) {
   EXPECT_EQ(compare_methods_of("--matchers", "").size(), matchers().size());
   EXPECT_EQ(compare_methods_of("--matchers", "pso,simplex"),

@@ -88,6 +88,32 @@ TEST_F(GivenFilesTest, AFolderOfAnotherProgramWillDoIfItHasTheFile) {
   EXPECT_EQ(given_cloud(path("other")), path("other/cloud.ply"));
 }
 
+TEST_F(GivenFilesTest, ARunWithoutItsReportIsNone) {
+  write("run/trajectory.tum", kGivenPoses);
+  write("run/cloud.ply", "ply\n");
+  const auto is_refused = [&](const char* why) {
+    for (const auto& [file, act] :
+         {std::pair<const char*, std::function<void()>>{"trajectory.tum", [&] { given_trajectory(path("run")); }},
+          {"cloud.ply", [&] { given_cloud(path("run")); }}}) {
+      const std::string fault = fault_of(act);
+      EXPECT_NE(fault.find("is a folder without report.json, so no run"), std::string::npos) << why << ": " << fault;
+      EXPECT_NE(fault.find("name " + std::string(file) + " in it itself"), std::string::npos) << why << ": " << fault;
+    }
+  };
+  for (const char* const left : {"run/keyframes.bin.gz", "run/gdt.yaml", "run/.gdtslam-staging-7"}) {
+    EXPECT_EQ(given_trajectory(path("run")).size(), 2U) << "without " << left;
+    write(left, "left");
+    is_refused(left);
+    EXPECT_EQ(given_trajectory(path("run/trajectory.tum")).size(), 2U) << "the file itself";
+    fs::remove(path(left));
+  }
+}
+
+TEST_F(GivenFilesTest, AFileWithoutRowsIsToldByName) {
+  write("empty.tum", "# stamp x y z qx qy qz qw\n");
+  EXPECT_NE(fault_of([&] { given_trajectory(path("empty.tum")); }).find("empty.tum: holds no pose"), std::string::npos);
+}
+
 TEST_F(GivenFilesTest, AFolderWithoutTheFileIsRefusedByName) {
   for (const auto& [file, act] :
        {std::pair<const char*, std::function<void()>>{"trajectory.tum", [&] { given_trajectory(path("other")); }},

@@ -48,6 +48,14 @@ TEST(LoopsReport, SaysHowMuchOfThePathIsUnsure) {
   EXPECT_EQ(uncertain_line(covariances_of({0.1, 0.19})), "");
 }
 
+TEST(LoopsReport, WithoutPairsThereIsNoFit) {
+  ClosedPath closed;
+  EXPECT_TRUE(loops_json(closed)["rms_m"].is_null());
+  closed.pairs = 3;
+  closed.rms_m = 0.012;
+  EXPECT_EQ(loops_json(closed)["rms_m"], 0.012);
+}
+
 TEST(LoopsReport, CountsTheScansOfAllStretches) {
   ClosedPath closed;
   closed.covariances = covariances_of({0.1, 0.25, 0.3, 0.1, 0.6});

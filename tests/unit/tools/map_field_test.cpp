@@ -136,6 +136,27 @@ TEST_F(MapFieldFiles, AFieldOfOccupiedCellsCountsFromItsCorner) {
   EXPECT_EQ(read_map_field(folder_.string(), MapConfig{}, Isa::kBaseline).path, file("gdt.yaml")) << "of the folder";
 }
 
+TEST_F(MapFieldFiles, ARunWithoutItsReportIsNoMap) {
+  ASSERT_EQ(fault_of_distances({0.5, 1.0, -1.0, 3, 2}), "");
+  std::ofstream(file("keyframes.bin.gz")) << "left";
+  EXPECT_THAT(fault_of(folder_.string()), HasSubstr("is a folder without report.json, so no run"));
+  EXPECT_EQ(fault_of(file("gdt.yaml")), "") << "the file itself";
+}
+
+// docs/formats.md: negate and the thresholds may be missing.
+TEST_F(MapFieldFiles, AMapWithoutThresholdsIsAMap) {
+  ASSERT_EQ(fault_of_occupied({0.5, 0.3, -0.2, 3, 2}), "");
+  std::ifstream whole(file("map.yaml"));
+  std::string kept;
+  for (std::string line; std::getline(whole, line);) {
+    if (line.find("thresh") == std::string::npos && line.find("negate") == std::string::npos) kept += line + "\n";
+  }
+  whole.close();
+  std::ofstream(file("map.yaml")) << kept;
+  const MapField field = read_map_field(file("map.yaml"), MapConfig{}, Isa::kBaseline);
+  EXPECT_EQ(field.source, MapField::Source::kOccupiedCells);
+}
+
 TEST_F(MapFieldFiles, WhatIsNoMapIsSaidToBeNone) {
   std::ofstream(file("notes.txt")) << "nothing";
   EXPECT_THAT(fault_of(file("notes.txt")), HasSubstr("is no map; give the folder"));

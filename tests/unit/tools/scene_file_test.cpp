@@ -189,6 +189,23 @@ TEST_F(SceneFileTest, RefusesWrongKindsAndValues) {
   EXPECT_THAT(refusal("waypoints: [{at: [0, 0], reverse: yes}]\n"), HasSubstr("neither true nor false"));
 }
 
+TEST_F(SceneFileTest, FaultsOfTheRecordingAreToldWithTheirLine) {
+  EXPECT_EQ(refusal("name: x\nrecording:\n  odometry_rate: 20\n  scan_rate: 0\n"),
+            "5: recording: scan_rate must be 0.01 to 10000 Hz");
+  EXPECT_EQ(refusal("name: x\nrecording: {\n  scan_rate: 20,\n  odometry_rate: -1}\n"),
+            "5: recording: odometry_rate must be 0 or 0.01 to 10000 Hz");
+}
+
+TEST_F(SceneFileTest, ASceneWithoutSurfacesIsToldByItsFile) {
+  const std::string path = write("bare.yaml", "gdtslam_scene: 1\nwaypoints: [[1, 1], [2, 1]]\n");
+  try {
+    static_cast<void>(triangulated(read_scene(path).scene, path));
+    ADD_FAILURE() << "accepted";
+  } catch (const ConfigError& error) {
+    EXPECT_EQ(std::string(error.what()), path + ": the scene is empty: add at least one wall, box, cylinder or mesh");
+  }
+}
+
 TEST_F(SceneFileTest, ReadsRowsOfWindows) {
   const std::string path = write("w.yaml", R"(gdtslam_scene: 1
 walls:

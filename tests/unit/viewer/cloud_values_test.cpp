@@ -69,6 +69,18 @@ TEST(CloudDistances, ToThemselvesAreZeroAndWhatIsNoPlaceIsFar) {
   EXPECT_EQ(distances[8], 0.0F);
 }
 
+// A thousand points, farther from each other than the widest voxel is wide.
+TEST(ThinnedForFilm, SaysHowFewAreLeftAtLeast) {
+  Cloud wide(1000);
+  for (std::size_t k = 0; k < wide.size(); ++k) wide[k].x_m = 1500.0F * static_cast<float>(k);
+  try {
+    static_cast<void>(thinned_for_film(wide, 10));
+    ADD_FAILURE() << "thinned";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("to 1000 at least"));
+  }
+}
+
 TEST(ThinnedForFilm, KeepsOrderAndNumberAndSpreadsThePoints) {
   Random random(5);
   Cloud cloud;

@@ -66,7 +66,7 @@ CalibrateJob job_of(const CalibrateCommand& command) {
   if (!command.sigma.empty()) {
     job.sigma_m = quantity_of("--sigma", command.sigma, Unit::kMetre);
     if (!(job.sigma_m > 0.0 && job.sigma_m < 1.0))
-      throw UsageError("--sigma: " + command.sigma + " is not between 0 and 1 m");
+      throw UsageError("--sigma: " + command.sigma + " is not above 0 and below 1 m");
   }
   if (job.sector_rad <= 0.0 && (job.headings_free || job.options.free_sensor_angles)) {
     throw UsageError(fmt::format("{} needs beams of several bearings: add --sector, as in --sector 200deg",

@@ -154,6 +154,18 @@ std::vector<NamedSurface> surfaces_of(const CalibrateJob& job) {
   return surfaces;
 }
 
+// At one place of its crank any linkage has the elevation that is seen.
+void require_turning(const StopStatistics& statistics) {
+  if (statistics.stops > 1) return;
+  throw InputError(
+      statistics.stops == 0
+          ? fmt::format("no beam of the {} scans comes back from a surface; check --sector and --surfaces",
+                        statistics.scans)
+          : fmt::format("in all {} scans ranges come back at one place of the crank only; does it turn? Let "
+                        "it turn, or stop at many places",
+                        statistics.scans));
+}
+
 }  // namespace
 
 // Two passes: the start may be degrees off, so at first a range counts for a surface that it misses by half a metre;
@@ -170,6 +182,7 @@ CalibrateOutcome run_calibration(const CalibrateJob& job, const std::function<vo
   for (const std::string& log : job.logs) read_log(log, job.read, collector, outcome, progress, stop);
   const std::vector<calib::RangeObservation> all = collector.observations(job.sigma_m);
   outcome.statistics = collector.statistics();
+  require_turning(outcome.statistics);
   outcome.start_surfaces = placed_surfaces(surfaces, job.start, all);
   outcome.observations = all;
   calib::assign_surfaces(job.start, outcome.start_surfaces, kFirstGate_m, outcome.observations);

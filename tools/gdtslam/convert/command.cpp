@@ -66,9 +66,10 @@ std::optional<ChunkPacking> packing_named(const std::string& name) {
 // With --force, too: what the target cannot carry would be gone from what is read.
 void check_files(const ConvertOptions& options, LogFormat format, const std::string& place) {
   WrittenFiles written({options.log, options.settings.file});
-  written.add("--output", place);
+  written.add("--output", place, WrittenFiles::Kind::kLog);
   if (format != LogFormat::kRos2Folder) return;
-  for (const std::string& file : files_of_log(format, place)) written.add_in_new_folder("--output", file);
+  for (const std::string& file : files_of_log(format, place))
+    written.add_in_new_folder("--output", file, WrittenFiles::Kind::kLog);
 }
 
 // A converted log is as dear as its original: nothing is replaced unless that was said.

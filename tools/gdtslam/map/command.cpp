@@ -163,7 +163,7 @@ void check_mcap(const MapOptions& options, const std::string& folder) {
   for (const std::string& log : options.logs) inputs.push_back(linkage_sidecar(log));
   WrittenFiles written(inputs);
   written.add_run(folder);
-  written.add("--mcap", options.mcap);
+  written.add("--mcap", options.mcap, WrittenFiles::Kind::kLog);
 }
 
 void write_mcap(const MapOptions& options, const MapRequest& request, const MapOutcome& outcome,

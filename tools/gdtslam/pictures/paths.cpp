@@ -10,9 +10,9 @@
 #include "engine/drawing/plots/plot_sheet.hpp"
 #include "engine/drawing/plots/trajectory_picture.hpp"
 #include "engine/runs/evaluation/errors.hpp"
+#include "engine/runs/inputs/given_files.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/io/trajectory_file.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
 #include "studio.hpp"
 
@@ -55,7 +55,7 @@ Canvas RenderStudio::trajectory(const Wanted& wanted) {
     throw UsageError("--colour-map: has no effect on paths over the truth or side by side, which have a colour each");
   }
   std::optional<Trajectory> truth;
-  if (!options_.reference.empty()) truth = read_tum(options_.reference);
+  if (!options_.reference.empty()) truth = given_trajectory(options_.reference);
   std::vector<NamedPath> paths;
   const std::vector<std::string> names = distinct_names();
   for (std::size_t k = 0; k < sources_.size(); ++k) {
@@ -77,7 +77,7 @@ Canvas RenderStudio::trajectory(const Wanted& wanted) {
 Canvas RenderStudio::errors_path(const Wanted& wanted) {
   const bool is_angle = options_.is_angle;
   const std::string unit = is_angle ? "°" : "m";
-  const Trajectory truth = read_tum(options_.reference);
+  const Trajectory truth = given_trajectory(options_.reference);
   const PathOverlay overlay = first().overlay();
   const AlignedPath aligned = aligned_path(overlay.trajectory, truth);
   std::vector<double> errors;

@@ -103,7 +103,10 @@ RenderKind kind_of_file(const std::string& path) {
     return RenderKind::kCloud;
   }
   if (has_line(head, "gdtslam_linkage:")) return RenderKind::kLinkage;
-  if (has_line(head, "image:")) return has_line(head, "occupied_thresh:") ? RenderKind::kMap : RenderKind::kField;
+  if (has_line(head, "image:")) {
+    const bool is_field = has_line(head, "version:") && !has_line(head, "occupied_thresh:");
+    return is_field ? RenderKind::kField : RenderKind::kMap;
+  }
   const bool is_picture = head.starts_with("\x89PNG") || head.starts_with("P5") || head.starts_with("P2");
   if (is_picture) {
     throw InputError({path, 0}, "is a picture; give the .yaml beside it, or the folder of the run");

@@ -112,7 +112,13 @@ Cloud RenderStudio::cloud_of_still(const PictureSize& size) {
 
 Cloud RenderStudio::thinned(Cloud cloud, std::uint64_t most) const {
   const std::uint64_t limit = options_.points > 0 ? options_.points : most;
-  return limit > 0 && limit < cloud.size() ? thinned_for_film(cloud, limit) : cloud;
+  if (limit == 0 || limit >= cloud.size()) return cloud;
+  try {
+    return thinned_for_film(cloud, limit);
+  } catch (const InputError& error) {
+    if (options_.points == 0) throw InputError({sources_.front().input(), 0}, error.what());
+    throw UsageError(fmt::format("--points: {}: {}", sources_.front().input(), error.what()));
+  }
 }
 
 Cloud RenderStudio::cloud(std::uint64_t most) { return thinned(whole_cloud(), most); }

@@ -37,7 +37,8 @@ SceneErrors scene_errors(const SceneErrorsJob& job) {
   SceneErrors errors;
   CloudReader cloud(job.cloud);
   errors.scene_file = find_scene(job.scene, job.scene_folders);
-  const sim::SurfaceDistance surfaces(triangulate(read_scene(errors.scene_file).scene), {job.embree_isa});
+  const sim::SurfaceDistance surfaces(triangulated(read_scene(errors.scene_file).scene, errors.scene_file),
+                                      {job.embree_isa});
   errors.triangles = surfaces.mesh().triangles.size();
   const auto expected = static_cast<double>(std::max<std::uint64_t>(cloud.header().points, 1));
   std::vector<double> distances_m;

@@ -135,6 +135,22 @@ void read_robot(const YamlValue& value, SceneFile& scene) {
   mapping.finish();
 }
 
+// The key of a fault of the recording, "recording: scan_rate must be ...", where the file has it: its line is told.
+YamlValue recording_key(const YamlValue& root, const std::string& fault) {
+  constexpr std::string_view kRecording = "recording: ";
+  if (!fault.starts_with(kRecording)) return root;
+  const YAML::Node recording = root.node()["recording"];
+  if (!recording || !recording.IsMap()) return root;
+  const YAML::Node key =
+      recording[fault.substr(kRecording.size(), fault.find(' ', kRecording.size()) - kRecording.size())];
+  return {key ? key : recording, root.file(), ""};
+}
+
+void require_sound(const YamlValue& root, const sim::SimulationConfig& config) {
+  const std::vector<std::string> faults = validate(config);
+  if (!faults.empty()) recording_key(root, faults.front()).refuse(faults.front());
+}
+
 // Opens the document and checks the key that names its format and version.
 YamlMapping open_document(const std::string& file, const std::string& format) {
   YamlMapping root(YamlValue(parse_yaml<ConfigError>(read_text<ConfigError>(file, kMaxSceneBytes), file), file, ""));
@@ -175,8 +191,16 @@ SceneFile read_scene(const std::string& file) {
   scene.waypoints = read_waypoint_list(root.list("waypoints"));
   root.finish();
   match_laser(scene.config);
-  root.value().require_none(validate(scene.config));
+  require_sound(root.value(), scene.config);
   return scene;
+}
+
+sim::TriangleMesh triangulated(const sim::Scene& scene, const std::string& file) {
+  try {
+    return triangulate(scene);
+  } catch (const ConfigError& error) {
+    throw ConfigError({file, 0}, error.what());
+  }
 }
 
 std::vector<sim::Waypoint> read_waypoints(const std::string& file) {

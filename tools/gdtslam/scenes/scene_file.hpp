@@ -30,6 +30,8 @@ struct SceneFile {
 
 /// Throws ConfigError, FileError, or InputError for a mesh.
 SceneFile read_scene(const std::string& file);
+/// Its surfaces. Throws ConfigError with the scene's file.
+sim::TriangleMesh triangulated(const sim::Scene& scene, const std::string& file);
 
 /// The waypoints of a trajectory file.
 std::vector<sim::Waypoint> read_waypoints(const std::string& file);

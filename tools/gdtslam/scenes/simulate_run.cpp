@@ -274,7 +274,7 @@ SimulateResult simulate(const SimulateOptions& options) {
   apply_options(options, scene);
   const std::string& path_source = options.trajectory ? *options.trajectory : scene_file;
   const sim::MotionPlan plan = plan_of(scene, path_source);
-  const sim::RayCaster caster(triangulate(scene.scene), {options.embree_isa});
+  const sim::RayCaster caster(triangulated(scene.scene, scene_file), {options.embree_isa});
   const double clearance_m = checked_clearance_m(scene, plan, caster.mesh(), path_source);
 
   Output output(options, scene);

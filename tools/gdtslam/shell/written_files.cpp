@@ -6,6 +6,7 @@
 #include <iterator>
 #include <system_error>
 
+#include "engine/io/logs/log_signs.hpp"
 #include "engine/io/referenced_file.hpp"
 #include "engine/runs/folder/run_reader.hpp"
 #include "engine/runs/inputs/files_of_runs.hpp"
@@ -68,6 +69,13 @@ bool is_replaced(const std::string& file) {
   return !fs::exists(status) || fs::is_regular_file(status) || fs::is_directory(status);
 }
 
+// A drive cannot be made again; pictures and tables can.
+void require_no_recording(std::string_view option, const std::string& file) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(file, ignored) || !is_recording(file)) return;
+  throw UsageError(fmt::format("{}: '{}' is a recording, which only a log replaces; give another file", option, file));
+}
+
 void require_folder_of(const std::string& file) {
   std::error_code ignored;
   const fs::path folder = fs::path(file).parent_path();
@@ -94,16 +102,17 @@ WrittenFiles::WrittenFiles(const std::vector<std::string>& inputs) {
   }
 }
 
-void WrittenFiles::add(std::string_view option, const std::string& file) {
-  add_in_new_folder(option, file);
+void WrittenFiles::add(std::string_view option, const std::string& file, Kind kind) {
+  add_in_new_folder(option, file, kind);
   if (!file.empty()) require_folder_of(file);
 }
 
-void WrittenFiles::add_in_new_folder(std::string_view option, const std::string& file) {
+void WrittenFiles::add_in_new_folder(std::string_view option, const std::string& file, Kind kind) {
   if (file.empty() || !is_replaced(file)) return;
   require_not_read(option, file);
   require_not_of_a_run(option, file);
   require_once(option, file);
+  if (kind == Kind::kResult) require_no_recording(option, file);
 }
 
 void WrittenFiles::require_not_read(std::string_view option, const std::string& file) const {

@@ -3,6 +3,7 @@
 // thread; a few calls of the system for each file.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -12,6 +13,9 @@ namespace gdtslam {
 
 class WrittenFiles {
  public:
+  /// Only a log may replace a recording.
+  enum class Kind : std::uint8_t { kResult, kLog };
+
   /// Files and folders that the command reads; an empty name, standard input and what is not there count for nothing.
   /// Of a YAML file also those that it names, of a run or a ROS 2 bag, or a file of a run, all of its own files.
   explicit WrittenFiles(const std::vector<std::string>& inputs);
@@ -20,10 +24,11 @@ class WrittenFiles {
   void add_run(const std::string& folder) { written_runs_.push_back(folder); }
 
   /// Nothing where `file` is empty. Throws UsageError that names the option where `file` is one that is read, or
-  /// written already, under whatever name; FileError where its folder does not exist.
-  void add(std::string_view option, const std::string& file);
+  /// written already, under whatever name, or where a recording lies that it would replace; FileError where its folder
+  /// does not exist.
+  void add(std::string_view option, const std::string& file, Kind kind = Kind::kResult);
   /// The same for a file whose folder is made if need be.
-  void add_in_new_folder(std::string_view option, const std::string& file);
+  void add_in_new_folder(std::string_view option, const std::string& file, Kind kind = Kind::kResult);
 
  private:
   struct Written {

@@ -140,7 +140,7 @@ void check_standard_output(const SimulateCommand& command) {
 void check_files(const SimulateOptions& options) {
   WrittenFiles written({find_scene(options.scene, options.scene_folders), options.trajectory.value_or(""),
                         linkage_file_of(options.linkage.value_or(""))});
-  written.add_in_new_folder("--output", options.output);
+  written.add_in_new_folder("--output", options.output, WrittenFiles::Kind::kLog);
   for (const char* ending : {".truth.tum", ".linkage.yaml", ".elevation.csv", ".truth.ply"}) {
     written.add_in_new_folder("--output", sidecar_path(options.output, ending));
   }

@@ -108,14 +108,8 @@ CompareTruth truth_of(const CompareOptions& options) {
   CompareTruth truth;
   truth.reference_file = options.reference;
   truth.relations_file = options.relations;
-  if (!options.reference.empty()) {
-    truth.reference = given_trajectory(options.reference);
-    if (truth.reference->empty()) throw InputError({options.reference, 0}, "holds no pose; give a trajectory, TUM");
-  }
-  if (!options.relations.empty()) {
-    truth.relations = read_relations(options.relations);
-    if (truth.relations.empty()) throw InputError({options.relations, 0}, "holds no relation");
-  }
+  if (!options.reference.empty()) truth.reference = given_trajectory(options.reference);
+  if (!options.relations.empty()) truth.relations = read_relations(options.relations);
   return truth;
 }
 

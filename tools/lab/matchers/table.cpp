@@ -21,7 +21,7 @@ std::string name_column(std::string_view method) { return fmt::format("  {:<14}"
 std::string error_row(const MethodFigures& f) {
   constexpr double kCm = 100.0;
   if (f.distance_m.count == 0) return name_column(f.method) + "  no scan\n";
-  return name_column(f.method) + fmt::format("{:>8.2f}{:>15}{:>8.2f}{:>14}{:>8.2f}{:>14}{:>8.2f}{:>16}\n",
+  return name_column(f.method) + fmt::format(" {:>7.2f} {:>14} {:>7.2f} {:>13} {:>7.2f} {:>13} {:>7.2f} {:>15}\n",
                                              kCm * f.distance_m.max, spread(f.distance_m, kCm, 2), kCm * f.x_m.max,
                                              spread(f.x_m, kCm, 2), kCm * f.y_m.max, spread(f.y_m, kCm, 2),
                                              f.theta_deg.max, spread(f.theta_deg, 1.0, 3));
@@ -187,7 +187,7 @@ std::string as_text(const std::vector<WholeRun>& runs, const CompareTruth& truth
       "                     max     mean ± std          max     mean ± std                              a scan\n",
       truth.reference ? "the reference (ATE)" : "the verified relations");
   for (const WholeRun& run : runs) {
-    text += name_column(run.method) + fmt::format("{:>8.2f}{:>15}{:>13.3f}{:>15}{:>13.2f}{:>11}{:>13.1f}{:>10}\n",
+    text += name_column(run.method) + fmt::format(" {:>7.2f} {:>14} {:>12.3f} {:>14}{:>13.2f}{:>11}{:>13.1f}{:>10}\n",
                                                   100.0 * run.position_m.max, spread(run.position_m, 100.0, 2),
                                                   run.heading_deg.max, spread(run.heading_deg, 1.0, 3), run.cpu_s,
                                                   ratio_text(run.time_ratio), run.evaluations, run.doubtful);

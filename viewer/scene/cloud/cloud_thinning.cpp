@@ -163,7 +163,11 @@ Cloud thinned_for_film(std::span<const CloudPoint> cloud, std::size_t most) {
   while (!best.fits) {
     too_fine = coarse;
     coarse *= 2.0;
-    if (coarse > kLargestVoxel_m) throw InputError("the cloud is too wide to be thinned to so few points");
+    if (coarse > kLargestVoxel_m) {
+      const std::size_t least = thinned(finite, kLargestVoxel_m, finite.size()).cloud.size();
+      throw InputError("the cloud is too wide to be thinned to so few points: to " + std::to_string(least) +
+                       " at least");
+    }
     best = thinned(finite, coarse, most);
   }
   for (int step = 0; step < kSearchSteps; ++step) {
