@@ -27,4 +27,8 @@ std::string legible(std::string_view words);
 /// Cut to a width in pixels, with three dots where letters are missing.
 std::string shortened(const std::string& words, double size, double room, bool is_bold = false);
 
+/// Likewise, but cut in the middle: names of runs often differ at their ends only. The last `kept` bytes, what is said
+/// of the name, stay whole where they leave the name two thirds of the room, and go where they do not.
+std::string shortened_within(const std::string& words, double size, double room, std::size_t kept = 0);
+
 }  // namespace gdtslam

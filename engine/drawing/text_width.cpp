@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "gdtslam/drawing/canvas.hpp"
 #include "letters.hpp"
@@ -102,6 +105,29 @@ std::string shortened(const std::string& words, double size, double room, bool i
     cut.pop_back();
   }
   return cut + dots;
+}
+
+std::string shortened_within(const std::string& words, double size, double room, std::size_t kept) {
+  if (text_width(words, size) <= room) return words;
+  std::string tail = words.substr(words.size() - std::min(kept, words.size()));
+  const std::string name = words.substr(0, words.size() - tail.size());
+  if (text_width(tail, size) > room * 2.0 / 3.0) tail.clear();
+  std::vector<std::string_view> letters;
+  for (std::size_t at = 0; at < name.size();) letters.push_back(next_letter(name, at).bytes);
+  const auto with_letters = [&](std::size_t count) {
+    std::string text;
+    for (std::size_t k = 0; k < (count + 1) / 2; ++k) text += letters[k];
+    if (count < letters.size()) text += "\xE2\x80\xA6";
+    for (std::size_t k = letters.size() - count / 2; k < letters.size(); ++k) text += letters[k];
+    return text + tail;
+  };
+  std::size_t fits = 0;  // so many do, or none can
+  std::size_t least_beyond = letters.size() + 1;
+  while (fits + 1 < least_beyond) {
+    const std::size_t count = fits + (least_beyond - fits) / 2;
+    (text_width(with_letters(count), size) <= room ? fits : least_beyond) = count;
+  }
+  return with_letters(fits);
 }
 
 }  // namespace gdtslam

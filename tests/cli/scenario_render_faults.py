@@ -330,6 +330,8 @@ def render_mistakes():
         ((RUN, "--frames", 3, *out), "--frames: has no effect"),
         ((RUN, "--fps", 30, *out), "--fps: has no effect"),
         ((RUN, "--view", "graph", "--colour-map", "lagoon", *out), "--colour-map: has no effect on view graph"),
+        ((RUN, "--colour-map", "grey", "--no-path", *out), "--colour-map: has no effect on a map without its path"),
+        ((RUN / "map.yaml", "--colour-map", "grey", *out), "--colour-map: has no effect on a map without its path"),
         ((RUN, "--dark", *out), "--dark: has no effect on view map"),
         ((RUN, "--at", "0m,0m", *out), "--at: has no effect"),
         ((RUN, "--points", 5, *out), "--points: has no effect"),

@@ -101,7 +101,10 @@ CellLook look_of(const FieldPicture& field, const CellSheet& sheet, bool is_squa
       widest_tenths = std::max(widest_tenths, text_width(number.text_tenths, 1.0));
     }
   }
-  cells.text_px = std::min(0.42, 0.86 / (cells.has_tenths ? widest_tenths : widest)) * sheet.cell_px;
+  // Where cells are many, the sheet is made smaller, and what is left between two numbers tells them apart.
+  constexpr std::int32_t kMany = 30;
+  const double room = std::max(sheet.part.width(), sheet.part.height()) > kMany ? 0.74 : 0.86;
+  cells.text_px = std::min(0.42, room / (cells.has_tenths ? widest_tenths : widest)) * sheet.cell_px;
   return cells;
 }
 

@@ -188,6 +188,22 @@ LegendItem ellipse_item(const std::string& words, const LegendLook& look) {
   });
 }
 
+/// In the most words that there is room for.
+LegendItem fitting_ellipse_item(const EllipseScale& scale, const LegendLook& look) {
+  const std::string every = length_text(scale.every_m);
+  const bool is_enlarged = scale.factor > 1.0;
+  LegendItem item;
+  for (const char* of : {" of the position every ", " every "}) {
+    for (const char* times : {", drawn {:g} times as large", ", {:g} times as large"}) {
+      std::string words = "3 sigma" + (of + every);
+      if (is_enlarged) words += fmt::format(fmt::runtime(times), scale.factor);
+      item = ellipse_item(words, look);
+      if (item.width_px <= look.room_px) return item;
+    }
+  }
+  return item;
+}
+
 double ellipse_factor(double sigma_m, double px_per_m, const Proportions& sizes) {
   return std::clamp(round_length_m(kEllipsePx * sizes.unit / (kSigmas * sigma_m * px_per_m)), 1.0, kMostEnlarged);
 }
@@ -265,9 +281,7 @@ void add_graph_items(std::vector<LegendItem>& items, const GraphOverlay& overlay
   }
   add_loop_items(items, overlay, look);
   if (const EllipseScale scale = ellipse_scale(overlay, px_per_m, sizes); scale.every_m > 0.0) {
-    std::string words = fmt::format("3 sigma of the position every {}", length_text(scale.every_m));
-    if (scale.factor > 1.0) words += fmt::format(", drawn {:g} times as large", scale.factor);
-    items.push_back(ellipse_item(words, look));
+    items.push_back(fitting_ellipse_item(scale, look));
   }
   if (!overlay.doubtful.empty()) {
     items.push_back(graph_item("not to be trusted", piece, look, [=](Canvas& canvas, const Point2& left) {

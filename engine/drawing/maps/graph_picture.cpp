@@ -19,7 +19,8 @@ Canvas graph_picture(const OccupancyMap& map, const GraphOverlay& overlay, const
   check(overlay);
   Theme theme = kLightTheme;
   theme.page = kGraphMap.unknown;
-  const LegendLook legend{theme, proportions_of(size)};
+  const Proportions sizes = proportions_of(size);
+  const LegendLook legend{theme, sizes, size.width - 2.0 * sizes.margin_px};
   const Sheet sheet = sheet_of(shown_area(map, overlay.trajectory), look, size, theme, [&](double px_per_m) {
     std::vector<LegendItem> items{scale_bar_item(px_per_m, legend), axes_item(legend)};
     items.push_back(swatch_item("wall", kGraphMap.wall, legend));

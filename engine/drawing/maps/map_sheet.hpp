@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -60,6 +61,7 @@ std::string duration_text(double seconds);
 struct LegendLook {
   Theme theme;
   Proportions sizes;
+  double room_px = std::numeric_limits<double>::infinity();  ///< an item that is wider says less
 };
 LegendItem scale_bar_item(double px_per_m, const LegendLook& look);
 /// x to the right, y up: north of the map's frame.

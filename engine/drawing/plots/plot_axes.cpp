@@ -65,9 +65,12 @@ double Plot::letters() const { return kTickLetters * look_.text_size; }
 
 std::vector<Plot::Label> Plot::labels_of(const Axis& axis, const Ticks& ticks) {
   std::vector<Label> labels;
-  for (const auto& [value, name] : axis.names) labels.push_back({value, name});
+  for (std::size_t i = 0; i < axis.names.size(); ++i) {
+    const std::string remark = i < axis.remarks.size() ? axis.remarks[i] : std::string();
+    labels.push_back({axis.names[i].first, axis.names[i].second + remark, remark.size()});
+  }
   if (!axis.names.empty()) return labels;
-  for (int i = 0; i < ticks.count; ++i) labels.push_back({ticks.value(i), ticks.text(i)});
+  for (int i = 0; i < ticks.count; ++i) labels.push_back({ticks.value(i), ticks.text(i), 0});
   return labels;
 }
 
@@ -110,10 +113,19 @@ void Plot::lay_out_x() {
         [&](const Label& label) { return text_width(label.text, letters()) + 0.6 * size; });
     return;
   }
-  if (widest(x_labels_) + 0.6 * size <= distance) return;
+  if (widest(x_labels_) + 0.6 * size > distance) fit_names(distance);
+}
+
+void Plot::fit_names(double distance) {
+  const double size = look_.text_size;
   label_rows_ = 2;
   inside_.height = std::max(1.0, inside_.height - 1.3 * size);
-  for (Label& label : x_labels_) label.text = shortened(label.text, letters(), 2.0 * distance - 0.6 * size);
+  for (Label& label : x_labels_) {
+    const double x = at(label.value, 0.0).x();
+    const double to_edge = std::min(x - area_.corner.x(), area_.corner.x() + area_.width - x);
+    label.text =
+        shortened_within(label.text, letters(), std::min(2.0 * distance - 0.6 * size, 2.0 * to_edge), label.kept);
+  }
 }
 
 double Plot::label_distance() const {

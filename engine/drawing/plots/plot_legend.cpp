@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "engine/drawing/letters.hpp"
+#include "engine/drawing/plots/bars.hpp"
 #include "gdtslam/drawing/plot.hpp"
 
 namespace gdtslam {
@@ -12,6 +14,7 @@ constexpr double kRow = 1.6;
 constexpr double kSwatch = 1.9;
 constexpr double kPadding = 0.7;
 constexpr double kFromFrame = 0.8;
+constexpr double kSmallestShare = 0.7;  // of the plot's letters
 
 }  // namespace
 
@@ -38,10 +41,10 @@ Point2 Plot::place_of_legend(double width, double height) const {
   return best;
 }
 
-void Plot::draw_entry(const Entry& entry, const Point2& at) {
-  const double size = look_.text_size;
+void Plot::draw_entry(const Entry& entry, const Point2& at, double size) {
+  const double letter_px = kTickLetters * size;
   const double swatch = kSwatch * size;
-  const Point2 middle = at + Point2(0.5 * swatch, -0.36 * letters());
+  const Point2 middle = at + Point2(0.5 * swatch, -0.36 * letter_px);
   switch (entry.mark) {
     case Mark::kLine:
       canvas_.line(middle - Point2(0.5 * swatch, 0.0), middle + Point2(0.5 * swatch, 0.0), entry.pen);
@@ -53,21 +56,25 @@ void Plot::draw_entry(const Entry& entry, const Point2& at) {
       canvas_.rectangle(middle - Point2(0.5 * swatch, 0.4 * size), swatch, 0.8 * size, entry.fill);
       break;
   }
-  canvas_.text(at + Point2(swatch + 0.6 * size, 0.0), entry.name, {.size = letters(), .colour = look_.theme.text});
+  canvas_.text(at + Point2(swatch + 0.6 * size, 0.0), entry.name, {.size = letter_px, .colour = look_.theme.text});
 }
 
 void Plot::legend() {
   if (entries_.empty()) return;
-  const double size = look_.text_size;
   double words = 0.0;
-  for (const Entry& entry : entries_) words = std::max(words, text_width(entry.name, letters()));
-  const double width = (kSwatch + 0.6 + 2.0 * kPadding) * size + words;
+  for (const Entry& entry : entries_) words = std::max(words, text_width(entry.name, kTickLetters));
+  const double wide = kSwatch + 0.6 + 2.0 * kPadding;
+  // In a small picture smaller letters, and in the end fewer of them.
+  const double room = std::max(1.0, inside_.width - 2.0 * kFromFrame * look_.text_size);
+  const double size = look_.text_size * std::clamp(room / ((wide + words) * look_.text_size), kSmallestShare, 1.0);
+  const double width = std::min(room, (wide + words) * size);
+  for (Entry& entry : entries_) entry.name = shortened(entry.name, kTickLetters * size, width - wide * size + 1e-6);
   const double height = (kRow * static_cast<double>(entries_.size()) + kPadding) * size;
   const Point2 corner = place_of_legend(width, height);
   canvas_.rectangle(corner, width, height, Fill{look_.theme.card, 0.88}, Pen{.colour = look_.theme.edge}, 0.4 * size);
   Point2 at = corner + Point2(kPadding * size, (kPadding + 0.85) * size);
   for (const Entry& entry : entries_) {
-    draw_entry(entry, at);
+    draw_entry(entry, at, size);
     at.y() += kRow * size;
   }
 }

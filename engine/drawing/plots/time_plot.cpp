@@ -77,9 +77,9 @@ Axis value_axis(const Extent& extent, const std::string& title) {
   if (from > 0.0 && from < 0.5 * to) from = 0.0;
   if (to < 0.0 && to > 0.5 * from) to = 0.0;
   if (from == to) {
-    const double half = from == 0.0 ? 1.0 : 0.5 * std::fabs(from);
+    const double half = 0.5 * std::fabs(from);
     from -= half;
-    to += half;
+    to += half > 0.0 ? half : 1.0;  // nothing but zeros: errors that there are none of
   }
   return axis_of(title, from, to, true);
 }

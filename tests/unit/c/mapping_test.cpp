@@ -142,6 +142,30 @@ TEST(CMapper, gives_its_field_while_it_maps_and_a_field_outlives_the_mapper) {
   }
 }
 
+TEST(CMapLogs, tells_what_was_skipped_in_the_log_as_the_command_prints_it) {
+  const TempDir folder;
+  const std::string log = (folder.path() / "bad.log").string();
+  std::string scan = "FLASER 30 ";
+  for (int beam = 0; beam < 30; ++beam) scan += "2.0 ";
+  scan += "0 0 0 0 0 0 ";
+  std::ofstream(log) << scan + "1.0 host 1.0\nFLASER none 1.0\nFLASER few 1.0\n" + scan + "2.0 host 2.0\n";
+  const std::string place = (folder.path() / "run").string();
+  const char* const logs = log.c_str();
+  std::vector<std::string> told;
+  auto request = made<gdtslam_map_request>();
+  request.logs = &logs;
+  request.log_count = 1;
+  request.folder = place.c_str();
+  request.flags = GDTSLAM_LENIENT | GDTSLAM_NO_LOOPS | GDTSLAM_NO_PICTURES;
+  request.user_data = &told;
+  request.warn = [](void* user, const char* text) { static_cast<std::vector<std::string>*>(user)->emplace_back(text); };
+  auto error = made<gdtslam_error>();
+  ASSERT_EQ(gdtslam_map_logs(&request, nullptr, &error), GDTSLAM_OK) << error.text;
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0], "warning: malformed line (2 times; first: " + log +
+                         ":2: has \"none\" as its number of beams, which is not a whole number)");
+}
+
 class CWholeLog : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {

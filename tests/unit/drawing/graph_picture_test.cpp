@@ -41,6 +41,14 @@ TEST(GraphPicture, LegendCountsWhatThereIs) {
   for (const char* words : {"loop", "keyframe", "sigma", "trusted"}) EXPECT_FALSE(says(bare, words)) << words;
 }
 
+TEST(GraphPicture, LegendOfASmallPictureIsNotCut) {
+  const Canvas canvas = graph_picture(two_rooms(), graph_of_round_trip(), {}, {300, 200});
+  EXPECT_TRUE(says(canvas, "3 sigma"));
+  for (const shape::Words& words : shapes_of<shape::Words>(canvas)) {
+    EXPECT_LE(words.at.x() + text_width(words.text, words.lettering.size), 300.0) << words.text;
+  }
+}
+
 TEST(GraphPicture, OnlyLoopsThatAreSwitchedOffAreDashed) {
   GraphOverlay overlay = graph_of_round_trip();
   const auto dashed = [&] {

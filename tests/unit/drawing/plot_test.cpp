@@ -5,8 +5,11 @@
 
 #include <cmath>
 #include <limits>
+#include <set>
+#include <string>
 
 #include "engine/drawing/plots/bars.hpp"
+#include "gdtslam/drawing/map_picture.hpp"
 #include "support/picture_scene.hpp"
 
 namespace gdtslam {
@@ -253,6 +256,44 @@ TEST(ScaleBar, IsAsLongAsItSays) {
   Canvas empty(600, 100, "");
   draw_scale_bar(empty, {.pixels_per_m = 0.0}, {20, 50});
   EXPECT_TRUE(empty.shapes().empty());
+}
+
+ErrorPlot errors_of_runs(std::size_t runs, const std::string& name) {
+  ErrorPlot plot{"runs", "Position error", "m", {}};
+  for (std::size_t k = 0; k < runs; ++k) {
+    ErrorGroup group{name + std::to_string(k), {}};
+    for (int i = 0; i < 2884; ++i) group.values.push_back(0.0457 + 1e-5 * (i % 100));
+    plot.groups.push_back(group);
+  }
+  return plot;
+}
+
+TEST(ErrorPlots, BoxesOfManyRunsHaveWordsOfTheirOwn) {
+  for (const std::size_t runs : {1U, 3U, 5U, 11U}) {
+    const ErrorPlot plot = errors_of_runs(runs, "a_run_folder_with_a_rather_long_name_as_people_have-");
+    const Canvas canvas = box_plot(plot, {960, 600});
+    expect_tidy(canvas, DrawingArea{{0.0, 0.0}, 960.0, 600.0});
+    std::set<std::string> names;
+    std::size_t medians = 0;
+    for (const shape::Words& words : shapes_of<shape::Words>(canvas)) {
+      if (words.text.find("a_run") == 0) names.insert(words.text);
+      if (words.text.find("0.0462") == 0) ++medians;
+    }
+    EXPECT_EQ(names.size(), runs);
+    EXPECT_EQ(medians, runs);
+  }
+}
+
+TEST(ErrorPlots, LegendsStayWithinSmallPictures) {
+  const ErrorPlot plot = errors_of_runs(2, "office-loop-");
+  expect_tidy(distribution_plot(plot, {300, 200}), DrawingArea{{0.0, 0.0}, 300.0, 200.0});
+}
+
+TEST(ErrorPlots, ErrorsThatAreAllZeroHaveNoAxisBelowZero) {
+  const Canvas canvas = time_plot("", "Position error", "m", {{"run", {{0.0, 0.0}, {10.0, 0.0}}}}, {960, 600});
+  for (const shape::Words& words : shapes_of<shape::Words>(canvas)) {
+    EXPECT_EQ(words.text.find("\xE2\x88\x92"), std::string::npos) << words.text;
+  }
 }
 
 }  // namespace

@@ -133,6 +133,19 @@ TEST(ScanningFilm, runs_through_the_stretch) {
   EXPECT_EQ(raster_of(film->frame(0)).pixels, start.pixels) << "any order of frames gives the same";
 }
 
+TEST(ScanningFilm, counts_its_times_from_the_logs_begin) {
+  const WholeDrive drive;
+  const ScanningFilmInput input{.cloud = &drive.cloud,
+                                .trajectory = &drive.trajectory,
+                                .model = &drive.room.model,
+                                .from_s = 4.0,
+                                .to_s = 6.0,
+                                .zero_s = -100.0};
+  const auto film = scanning_film(drive.graphics, input, quick_look(), {}, {1280, 720}, 2);
+  EXPECT_TRUE(shows_words(film->frame(0), "104.0 s"));
+  EXPECT_TRUE(shows_words(film->frame(1), "106.0 s"));
+}
+
 TEST(ScanningFilm, words_are_legible_and_apart) {
   const WholeDrive drive;
   for (const PictureSize& size : {PictureSize{1280, 720}, PictureSize{640, 360}, PictureSize{480, 640}}) {

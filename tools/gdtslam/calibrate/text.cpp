@@ -8,6 +8,7 @@
 
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/angle.hpp"
+#include "tools/gdtslam/shell/console.hpp"
 
 namespace gdtslam {
 namespace {
@@ -172,10 +173,10 @@ Json observability_json(const CalibrationResult& result) {
 
 std::string as_text(const CalibrateOutcome& outcome) {
   const StopStatistics& statistics = outcome.statistics;
-  std::string text =
-      fmt::format("{} scans, {} places of the crank, {} ranges with a scatter of {:.1f} mm", statistics.scans,
-                  statistics.stops, statistics.ranges, 1000.0 * statistics.range_sigma_m) +
-      heading();
+  std::string text = fmt::format("{}, {} of the crank, {} with a scatter of {:.1f} mm",
+                                 plural(statistics.scans, "scan"), plural(statistics.stops, "place"),
+                                 plural(statistics.ranges, "range"), 1000.0 * statistics.range_sigma_m) +
+                     heading();
   for (const CalibratedParameter& parameter : outcome.result.parameters) {
     text += fmt::format("{}  {}{}\n", row(parameter, display_of(parameter)),
                         parameter.observable ? "observed" : "not observed", parameter.at_bound ? ", on its bound" : "");
@@ -186,8 +187,9 @@ std::string as_text(const CalibrateOutcome& outcome) {
 
 std::string as_text(const SelfCalibrateOutcome& outcome) {
   const calib::SelfCalibrationResult& result = outcome.result;
-  std::string text =
-      fmt::format("{} scans, {} strokes, {} beams compared", outcome.scans, outcome.strokes, outcome.beams) + heading();
+  std::string text = fmt::format("{}, {}, {} compared", plural(outcome.scans, "scan"),
+                                 plural(outcome.strokes, "stroke"), plural(outcome.beams, "beam")) +
+                     heading();
   for (const CalibratedParameter& parameter : result.parameters) {
     text += row(parameter, parameter.unit == "rad" ? display_of(parameter) : Display{100.0, "cm"}) + "\n";
   }

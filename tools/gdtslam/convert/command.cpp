@@ -144,8 +144,9 @@ void print_left_out(const std::vector<LogReader::Warning>& left_out) {
 }
 
 std::string text_of(const ConvertCounts& counts, std::uint64_t bytes, const std::string& output) {
-  return fmt::format("{} scans, {} odometry, {} of the crank, {} parameters; {:.1f} MB in {}\n", counts.scans,
-                     counts.odometry, counts.crank, counts.parameters, 1e-6 * static_cast<double>(bytes), output);
+  return fmt::format("{}, {} odometry, {} of the crank, {}; {:.1f} MB in {}\n", plural(counts.scans, "scan"),
+                     counts.odometry, counts.crank, plural(counts.parameters, "parameter"),
+                     1e-6 * static_cast<double>(bytes), output);
 }
 
 // A log without scans may be meant; one whose scans are all lost is not.
@@ -194,7 +195,8 @@ int convert(const ConvertOptions& options) {
     print_result(text_of(counts, writer->bytes(), printable(options.output)));
   }
   if (counts.is_whole) return static_cast<int>(ExitCode::kDone);
-  print_remark(fmt::format("interrupted after {} scans, which were written", counts.scans));
+  print_remark(fmt::format("interrupted after {}, which {} written", plural(counts.scans, "scan"),
+                           counts.scans == 1 ? "was" : "were"));
   return static_cast<int>(ExitCode::kInterrupted);
 }
 

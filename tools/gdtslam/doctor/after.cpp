@@ -47,7 +47,7 @@ std::string loops_text(const RunReview& review) {
                                  found.searches, loops_on(found));
   text += fmt::format("uncertainty      standard deviation {:.2g} m in the middle, up to {:.2g} m\n",
                       found.sigma_median_m, found.sigma_max_m);
-  text += fmt::format("not trusted      {} scans, {}, in {}: above {:g} m\n", review.uncertain_scans,
+  text += fmt::format("not trusted      {}, {}, in {}: above {:g} m\n", plural(review.uncertain_scans, "scan"),
                       percent_text(review.uncertain_scans, review.doubts.scans),
                       review.uncertain.size() == 1 ? "1 stretch" : fmt::format("{} stretches", review.uncertain.size()),
                       found.above_m);

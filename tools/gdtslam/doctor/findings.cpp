@@ -9,6 +9,7 @@
 
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/angle.hpp"
+#include "tools/gdtslam/shell/console.hpp"
 
 namespace gdtslam {
 namespace {
@@ -67,11 +68,11 @@ std::string layouts_text(const LogCheck& c) {
     const double first_deg = deg_from_rad(b.first_bearing_rad);
     const double step_deg = deg_from_rad(b.step_rad);
     const double last_deg = b.beams > 0 ? first_deg + static_cast<double>(b.beams - 1) * step_deg : first_deg;
-    text += fmt::format("beams            {} from {:.2f} to {:.2f} deg, step {:.3f} deg, in {} scans", b.beams,
-                        first_deg, last_deg, step_deg, b.scans);
+    text += fmt::format("beams            {} from {:.2f} to {:.2f} deg, step {:.3f} deg, in {}", b.beams, first_deg,
+                        last_deg, step_deg, plural(b.scans, "scan"));
     text += b.max_range_m > 0.0 ? fmt::format("; stated limit {:.2f} m\n", b.max_range_m) : "\n";
   }
-  if (others > 0) text += fmt::format("beams            others in {} scans\n", others);
+  if (others > 0) text += "beams            others in " + plural(others, "scan") + "\n";
   return text;
 }
 
@@ -80,7 +81,7 @@ std::string sensor_text(const LogCheck& c) {
   if (c.T_base_laser) {
     text += fmt::format("laser on robot   {:.3f} m ahead, {:.3f} m left, {:.2f} deg", c.T_base_laser->x_m,
                         c.T_base_laser->y_m, deg_from_rad(c.T_base_laser->theta_rad));
-    text += c.mount_changes > 0 ? fmt::format("; differs in {} scans\n", c.mount_changes) : "\n";
+    text += c.mount_changes > 0 ? "; differs in " + plural(c.mount_changes, "scan") + "\n" : "\n";
   }
   const RangeStatistics& r = c.ranges;
   text += fmt::format("ranges           {:.2f} to {:.2f} m, median {:.2f} m, {:.1f} % of {} beams\n", r.shortest_m,

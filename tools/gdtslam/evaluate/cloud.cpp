@@ -107,7 +107,7 @@ int against_scene(const EvaluateOptions& options) {
     throw InputError({job.cloud, 0}, "holds no point with finite coordinates");
   }
   std::string text = errors.distances.text() + frame_text(job.frame, options.no_align);
-  if (errors.skipped > 0) text += fmt::format("{} points with values that are not finite left out\n", errors.skipped);
+  if (errors.skipped > 0) text += plural(errors.skipped, "point") + " with values that are not finite left out\n";
   const Json json{{"metric", "scene"},
                   {"scene", errors.scene_file},
                   {"triangles", errors.triangles},

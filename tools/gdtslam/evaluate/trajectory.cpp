@@ -181,7 +181,10 @@ std::string reference_text(const ReferenceReport& report, const ReferenceOptions
   if (report.rpe_m.count == 0) {
     text += fmt::format("no RPE: no two poses are {:g} m of reference path apart\n", options.rpe_distance_m);
   }
-  if (report.unmatched > 0) text += fmt::format("{} poses have no counterpart in the reference\n", report.unmatched);
+  if (report.unmatched > 0) {
+    text += fmt::format("{} {} no counterpart in the reference\n", plural(report.unmatched, "pose"),
+                        report.unmatched == 1 ? "has" : "have");
+  }
   return text;
 }
 

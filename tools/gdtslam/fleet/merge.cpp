@@ -75,11 +75,11 @@ int merge(const FleetMergeOptions& options) {
   const MergeOutcome outcome = merge_runs(request);
   line.clear();
   if (options.quiet) return static_cast<int>(ExitCode::kDone);
-  std::string text = fmt::format("{} runs, {} {}\n", request.runs.size(), outcome.sites.size(),
-                                 outcome.sites.size() == 1 ? "site" : "sites");
+  std::string text = fmt::format("{}, {}\n", plural(request.runs.size(), "run"), plural(outcome.sites.size(), "site"));
   for (const JoinedSite& site : outcome.sites) {
     if (site.runs.size() < 2) continue;
-    text += fmt::format("{}: {} runs, {} keyframes\n", printable(site.folder), site.runs.size(), site.keyframes);
+    text += fmt::format("{}: {}, {}\n", printable(site.folder), plural(site.runs.size(), "run"),
+                        plural(site.keyframes, "keyframe"));
   }
   print_result(text);
   return static_cast<int>(ExitCode::kDone);

@@ -91,7 +91,7 @@ int follow_live(const DriveOptions& options) {
   output.finish();
   if (!options.quiet) {
     print_warnings(drive.warnings);
-    print_remark(fmt::format("{} scans: {}", drive.followed, counts_text(whereabouts_counts)));
+    print_remark(plural(drive.followed, "scan") + ": " + counts_text(whereabouts_counts));
   }
   return static_cast<int>(ExitCode::kDone);
 }

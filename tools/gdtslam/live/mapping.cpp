@@ -71,7 +71,7 @@ void print_summary(const MapRequest& request, const MapOutcome& outcome, std::ui
   const MapperStatistics& s = outcome.statistics;
   const std::string lines =
       dropped_lines > 0 ? fmt::format(", {} lines not read by anybody", dropped_lines) : std::string();
-  print_remark(fmt::format("{} scans, {} matched, {} doubtful, {} merged{}; results in {}", scans_of(outcome),
+  print_remark(fmt::format("{}, {} matched, {} doubtful, {} merged{}; results in {}", plural(scans_of(outcome), "scan"),
                            s.matched, s.doubtful, s.keyframes, lines, printable(request.folder)));
 }
 

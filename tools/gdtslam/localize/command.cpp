@@ -112,12 +112,13 @@ void print_remarks(const LocalizeJob& job, const Localized& all) {
     print_remark("warning: the laser of this log nods; a scan is found where it was taken nearly level only");
   }
   if (job.choice.random > all.scans.size() && !all.interrupted) {
-    print_remark(fmt::format("warning: only {} scans could be drawn, not {}", all.scans.size(), job.choice.random));
+    print_remark(
+        fmt::format("warning: only {} could be drawn, not {}", plural(all.scans.size(), "scan"), job.choice.random));
   }
   if (job.merged && all.left_out == 0 && !all.interrupted) {
     print_remark("warning: no scan of the log lies near one that went into the map; was the map made from it?");
   }
-  if (all.interrupted) print_remark(fmt::format("interrupted after {} scans", all.scans.size()));
+  if (all.interrupted) print_remark("interrupted after " + plural(all.scans.size(), "scan"));
 }
 
 void require_reference(const LocalizeJob& job, const Localized& all) {

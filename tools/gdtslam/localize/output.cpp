@@ -8,6 +8,7 @@
 
 #include "gdtslam/core/angle.hpp"
 #include "output_parts.hpp"
+#include "tools/gdtslam/shell/console.hpp"
 
 namespace gdtslam {
 namespace {
@@ -57,13 +58,13 @@ std::string scan_text(const LocalizedScan& scan, const LocalizeLimits& limits) {
   const Pose2& T = scan.best->T_map_base;
   return fmt::format("scan {} at {:.6f} s: {}: x {:.3f} m, y {:.3f} m, heading {:.2f} deg\n", scan.index, scan.stamp_s,
                      to_string(scan.verdict), T.x_m, T.y_m, deg_from_rad(T.theta_rad)) +
-         fmt::format("  mean distance {:.1f} mm of {} points; {}\n", 1000.0 * scan.best->mean_cost_m, scan.points,
-                     proof_text(*scan.best)) +
+         fmt::format("  mean distance {:.1f} mm of {}; {}\n", 1000.0 * scan.best->mean_cost_m,
+                     plural(scan.points, "point"), proof_text(*scan.best)) +
          runner_up_text(scan) + reference_text(scan, limits);
 }
 
 std::string chosen_text(const LocalizeJob& job, const Localized& all, const LocalizeFigures& figures) {
-  std::string text = fmt::format("{} scans", all.scans.size());
+  std::string text = plural(all.scans.size(), "scan");
   if (job.choice.random > 0) text += fmt::format(" at random of {}", all.candidates);
   if (job.merged) {
     text += fmt::format(", {} {} left out", all.left_out, near_text(*job.merged));

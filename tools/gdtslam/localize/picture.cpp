@@ -12,6 +12,7 @@
 #include "engine/drawing/plots/bars.hpp"
 #include "gdtslam/drawing/theme.hpp"
 #include "map_view.hpp"
+#include "tools/gdtslam/shell/console.hpp"
 
 namespace gdtslam {
 namespace {
@@ -176,9 +177,9 @@ void draw_legend(Canvas& canvas, const Point2& at, const LocalizeJob& job, const
 
 std::string caption(const LocalizeJob& job, const Localized& all, const LocalizeLimits& limits) {
   const LocalizeFigures figures = figures_of(all.scans, limits);
-  std::string text = fmt::format("{} scans, each searched in the whole map without odometry", all.scans.size());
+  std::string text = plural(all.scans.size(), "scan") + ", each searched in the whole map without odometry";
   if (job.choice.random > 0) {
-    text = fmt::format("{} scans at random, each searched in the whole map without odometry", all.scans.size());
+    text = plural(all.scans.size(), "scan") + " at random, each searched in the whole map without odometry";
   }
   if (job.merged) {
     text += "; those " + near_text(*job.merged) + " left out";

@@ -8,6 +8,7 @@
 #include "engine/runs/localizer/drive_figures.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "output_parts.hpp"
+#include "tools/gdtslam/shell/console.hpp"
 
 namespace gdtslam {
 namespace {
@@ -20,8 +21,8 @@ std::string stretches_text(const DriveFigures& figures) {
   const std::size_t listed = std::min(figures.stretches.size(), kMostListed);
   for (std::size_t k = 0; k < listed; ++k) {
     const UnknownStretch& stretch = figures.stretches[k];
-    text += fmt::format("  from scan {}: {} scans, {:.1f} s, {}\n", stretch.first, stretch.scans, stretch.lasted_s,
-                        stretch.is_found ? "then found" : "not found any more");
+    text += fmt::format("  from scan {}: {}, {:.1f} s, {}\n", stretch.first, plural(stretch.scans, "scan"),
+                        stretch.lasted_s, stretch.is_found ? "then found" : "not found any more");
   }
   if (figures.stretches.size() > listed) {
     text += fmt::format("  and {} stretches more\n", figures.stretches.size() - listed);
@@ -82,8 +83,9 @@ std::string as_text(const LocalizeJob& job, const Localizer& localizer, const Tr
     counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ",
                           figures.whereabouts[static_cast<std::size_t>(whereabouts)], to_string(whereabouts));
   }
-  std::string text = fmt::format("{} scans: {}; {} ambiguous; {} searches of the whole map\n", drive.scans.size(),
-                                 counts, figures.ambiguous, figures.searches);
+  std::string text =
+      fmt::format("{}: {}; {} ambiguous; {} {} of the whole map\n", plural(drive.scans.size(), "scan"), counts,
+                  figures.ambiguous, figures.searches, figures.searches == 1 ? "search" : "searches");
   if (!figures.stretches.empty()) text += "where nothing is known:\n" + stretches_text(figures);
   text += fit_text(localizer.good_fit());
   return job.reference ? text + share_text(localizer.limits(), figures) : text;

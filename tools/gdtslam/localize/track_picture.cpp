@@ -12,6 +12,7 @@
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/drawing/theme.hpp"
 #include "map_view.hpp"
+#include "tools/gdtslam/shell/console.hpp"
 #include "track_output.hpp"
 
 namespace gdtslam {
@@ -84,8 +85,8 @@ void draw_path_legend(Canvas& canvas, const Point2& at, const TrackedDrive& driv
 std::string path_caption(const LocalizeJob& job, const LocalizeLimits& limits, const TrackedDrive& drive) {
   const DriveFigures figures = figures_of(drive);
   const std::uint64_t unknown = figures.whereabouts[static_cast<std::size_t>(Whereabouts::kUnknown)];
-  std::string text = fmt::format("{} scans with odometry, from a start that was found; {} of them nowhere",
-                                 drive.scans.size(), unknown);
+  std::string text = fmt::format("{} with odometry, from a start that was found; {} of them nowhere",
+                                 plural(drive.scans.size(), "scan"), unknown);
   if (!job.reference || figures.within.of == 0) return text;
   return text + fmt::format("; within {:g} cm and {:g}° of the reference where the map has the place: {:.1f} %",
                             100.0 * limits.within_m, deg_from_rad(limits.within_rad), 100.0 * figures.within.value());

@@ -75,7 +75,7 @@ void print_track_remarks(const TrackedDrive& drive) {
   if (drive.nods) {
     print_remark("warning: the laser of this log nods; a scan is matched where it was taken nearly level only");
   }
-  if (drive.interrupted) print_remark(fmt::format("interrupted after {} scans", drive.scans.size()));
+  if (drive.interrupted) print_remark("interrupted after " + plural(drive.scans.size(), "scan"));
 }
 
 void require_compared(const LocalizeJob& job, const TrackedDrive& drive) {

@@ -83,18 +83,18 @@ std::string summary_of(const MapOutcome& outcome, const std::string& folder, dou
   const MapperStatistics& s = outcome.statistics;
   const double rate = waited_s > 0.0 ? static_cast<double>(scans_of(outcome)) / waited_s : 0.0;
   return fmt::format(
-      "{} scans, {} matched, {} doubtful, {} merged; {:.1f} m of path\n"
+      "{}, {} matched, {} doubtful, {} merged; {:.1f} m of path\n"
       "{}{:.2f} s ({:.0f} scans/s, {:.0f} times real time){}\n"
       "results in {}\n",
-      scans_of(outcome), s.matched, s.doubtful, s.keyframes, s.path_m,
+      plural(scans_of(outcome), "scan"), s.matched, s.doubtful, s.keyframes, s.path_m,
       outcome.closed ? loops_text(*outcome.closed) : "", waited_s, rate,
       waited_s > 0.0 ? outcome.log_duration_s / waited_s : 0.0, work_of(s), folder);
 }
 
 std::string as_text(const NoddingOutcome& nodding, const std::string& linkage) {
   const NoddingStatistics& n = nodding.statistics;
-  std::string text = fmt::format("3D: linkage {}; {} sweeps, {} scans fixed the pose, {} posed between two fixes",
-                                 linkage, n.sweeps, n.fixes, n.between);
+  std::string text = fmt::format("3D: linkage {}; {}, {} fixed the pose, {} posed between two fixes", linkage,
+                                 plural(n.sweeps, "sweep"), plural(n.fixes, "scan"), n.between);
   if (n.by_odometry + n.before_first_fix > 0) {
     text += fmt::format(", {} by odometry", n.by_odometry + n.before_first_fix);
   }
@@ -213,8 +213,8 @@ int map(const MapOptions& options) {
                  summary_of(result.outcome, printable(request.folder), waited_s));
   }
   if (!result.outcome.interrupted) return static_cast<int>(ExitCode::kDone);
-  print_remark(fmt::format("interrupted after {} scans; their results are in {}", result.outcome.trajectory.size(),
-                           request.folder));
+  print_remark(fmt::format("interrupted after {}; their results are in {}",
+                           plural(result.outcome.trajectory.size(), "scan"), request.folder));
   return static_cast<int>(ExitCode::kInterrupted);
 }
 

@@ -39,7 +39,7 @@ std::string text_of(const JoinedSite& site) {
   }
   text += '\n';
   for (const JoinedRun& run : site.runs) {
-    text += fmt::format("  {}  {} scans\n", printable(run.folder), run.scans);
+    text += fmt::format("  {}  {}\n", printable(run.folder), plural(run.scans, "scan"));
   }
   const MapChanges& changes = site.changes.last;
   if (!changes.empty()) {

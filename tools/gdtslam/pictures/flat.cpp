@@ -120,7 +120,11 @@ MapLook RenderStudio::map_look() const {
 }
 
 Canvas RenderStudio::map(const Wanted& wanted) {
-  return map_view(first().map(), first().overlay(), map_look(), wanted);
+  const PathOverlay overlay = first().overlay();
+  if (!options_.colour_map.empty() && (options_.no_path || overlay.trajectory.empty())) {
+    throw UsageError("--colour-map: has no effect on a map without its path, which alone has colours from low to high");
+  }
+  return map_view(first().map(), overlay, map_look(), wanted);
 }
 
 Canvas RenderStudio::graph(const Wanted& wanted) {

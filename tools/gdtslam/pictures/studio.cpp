@@ -287,7 +287,8 @@ std::unique_ptr<Film> RenderStudio::scan_film(const PictureSize& size, std::size
                                 .model = &first().linkage(),
                                 .has_linkage = (first().parts() & part::kLinkage) != 0,
                                 .from_s = time.from_s,
-                                .to_s = time.to_s};
+                                .to_s = time.to_s,
+                                .zero_s = time.first_s};
   // The picture counts its points as they appear; their end would be a second number.
   CloudCaption words = caption();
   if (!options_.no_caption) words.subtitle = scan_subtitle();
@@ -331,7 +332,7 @@ RenderStudio::Stretch RenderStudio::stretch(double longest_s) {
                     "pose",
                     last_s - first_s));
   }
-  return {from_s, to_s};
+  return {from_s, to_s, first_s};
 }
 
 }  // namespace gdtslam

@@ -131,6 +131,7 @@ class RenderStudio {
   struct Stretch {
     double from_s = 0.0;
     double to_s = 0.0;
+    double first_s = 0.0;  ///< of the log, from which both options count
   };
   Stretch stretch(double longest_s);
 

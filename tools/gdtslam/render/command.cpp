@@ -61,7 +61,7 @@ std::string as_text(const RenderResult& result) {
   std::string text = result.file + ":";
   if (!result.view.empty()) text += fmt::format(" view {},", result.view);
   if (result.width > 0) text += fmt::format(" {}x{} pixels,", result.width, result.height);
-  if (result.frames > 0) text += fmt::format(" {} frames in {:.1f} s,", result.frames, result.film_s);
+  if (result.frames > 0) text += fmt::format(" {} in {:.1f} s,", plural(result.frames, "frame"), result.film_s);
   if (result.points > 0) text += " " + points_text(result.points, result.points_of) + ",";
   return text + fmt::format(" {}\n", bytes_text(result.bytes));
 }

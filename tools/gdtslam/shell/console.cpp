@@ -109,6 +109,10 @@ void print_result(std::string_view text) {
   }
 }
 
+std::string plural(std::uint64_t count, std::string_view noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
 void print_remark(std::string_view text) { print_line("gdtslam: ", text); }
 
 void print_error(std::string_view text) { print_line("gdtslam: error: ", text); }

@@ -25,6 +25,9 @@ void print_error(std::string_view text);
 /// The text without control characters, save those of `kept`, and in valid UTF-8.
 std::string printable(std::string_view text, std::string_view kept = "");
 
+/// "1 scan", "2884 scans".
+std::string plural(std::uint64_t count, std::string_view noun);
+
 // SIGINT, SIGTERM and SIGHUP as a flag that loops look at. The first signal lets the step in hand finish and ends the
 // input of a program that waits for its standard input; a second SIGINT or SIGTERM ends the process. SIGPIPE and
 // SIGXFSZ are ignored: a reader that goes away and a file that grows beyond its limit show as failed writes.

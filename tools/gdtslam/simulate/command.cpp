@@ -56,10 +56,10 @@ std::string summary_of(const SimulateResult& result) {
   const double returns =
       result.beams > 0 ? static_cast<double>(result.returns) / static_cast<double>(result.beams) : 0.0;
   return fmt::format(
-      "{} scans, {} odometry lines{}; {:.1f} m in {:.1f} s; {:.2f} % of the beams returned\n"
+      "{}, {}{}; {:.1f} m in {:.1f} s; {:.2f} % of the beams returned\n"
       "{} triangles; nearest obstacle {:.2f} m from the robot's centre; simulated in {:.2f} s\n{}",
-      result.scans, result.odometry_records,
-      result.encoder_records > 0 ? fmt::format(", {} encoder lines", result.encoder_records) : "", result.path_m,
+      plural(result.scans, "scan"), plural(result.odometry_records, "odometry line"),
+      result.encoder_records > 0 ? ", " + plural(result.encoder_records, "encoder line") : "", result.path_m,
       result.duration_s, 100.0 * returns, result.triangles, result.clearance_m, result.wall_s, files_of(result));
 }
 
@@ -177,7 +177,9 @@ int run_simulate(const SimulateCommand& command) {
   if (result.is_whole) {
     return static_cast<int>(ExitCode::kDone);
   }
-  print_remark(fmt::format("interrupted after {} scans, which {} {}", result.scans, is_sent ? "were" : "are in",
+  const bool is_one = result.scans == 1;
+  const char* const state = is_sent ? (is_one ? "was" : "were") : (is_one ? "is in" : "are in");
+  print_remark(fmt::format("interrupted after {}, which {} {}", plural(result.scans, "scan"), state,
                            is_sent ? "sent" : result.log_file));
   return static_cast<int>(ExitCode::kInterrupted);
 }

@@ -62,8 +62,8 @@ std::string work_text(const TargetReport& target) {
 
 std::string log_text(const LogVerdict& log, bool is_vulkan) {
   std::string text =
-      fmt::format("{}, {}{}: {} scans, map {}, trajectory {}", log.task.log.substr(log.task.log.rfind('/') + 1),
-                  log.task.matcher, log.task.with_loops ? ", loops closed" : "", log.found.scans,
+      fmt::format("{}, {}{}: {}, map {}, trajectory {}", log.task.log.substr(log.task.log.rfind('/') + 1),
+                  log.task.matcher, log.task.with_loops ? ", loops closed" : "", plural(log.found.scans, "scan"),
                   log.found.map_sha256.substr(0, kDigestShown), log.found.trajectory_sha256.substr(0, kDigestShown));
   if (!log.found.cloud_sha256.empty()) text += ", cloud " + log.found.cloud_sha256.substr(0, kDigestShown);
   if (log.faults.empty()) text += log.task.expected ? ": equal, and as shipped" : ": equal";

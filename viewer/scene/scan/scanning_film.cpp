@@ -49,7 +49,7 @@ class ScanningFilm : public Film {
         frames_(frames),
         track_(*input.cloud, *input.trajectory, input.from_s, input.to_s),
         scene_(graphics, track_, model_, input.has_linkage, *input.trajectory, look),
-        overlay_(track_, look, caption, size),
+        overlay_(track_, input.zero_s.value_or(input.from_s), look, caption, size),
         distance_m_(std::clamp(kDistanceShare * track_.usual_range_m(), kLeastDistance_m, kMostDistance_m)) {
     if (frames == 0) throw UsageError("a film has at least one frame");
     if (!input.has_linkage) return;

@@ -25,9 +25,10 @@ constexpr double kLeastHeight = 280.0;
 
 }  // namespace
 
-ScanningOverlay::ScanningOverlay(const ScanningTrack& track, const CloudLook& look, const CloudCaption& caption,
-                                 const PictureSize& size)
+ScanningOverlay::ScanningOverlay(const ScanningTrack& track, double zero_s, const CloudLook& look,
+                                 const CloudCaption& caption, const PictureSize& size)
     : track_(track),
+      zero_s_(zero_s),
       look_(look),
       caption_(caption),
       size_(size),
@@ -86,8 +87,7 @@ void ScanningOverlay::draw_figures(Canvas& canvas, const ScanningMoment& moment,
   canvas.text(left, points, {.size = 1.35 * text_, .colour = theme_.text, .is_bold = true});
   canvas.text(left + Point2(text_width(points, 1.35 * text_, true) + 0.5 * text_, 0.0), "points",
               {.size = text_, .colour = theme_.quiet});
-  canvas.text(card.corner + Point2(width - 1.1 * text_, 1.9 * text_),
-              fmt::format("{:.1f} s", moment.stamp_s - track_.from_s()),
+  canvas.text(card.corner + Point2(width - 1.1 * text_, 1.9 * text_), fmt::format("{:.1f} s", moment.stamp_s - zero_s_),
               {.size = 1.1 * text_, .colour = theme_.text, .anchor = Anchor::kEnd});
   if (!has_bar) return;
   ColourBar bar;
@@ -121,7 +121,7 @@ void ScanningOverlay::draw_plot(Canvas& canvas, const ScanningMoment& moment) co
   // The moment stays at four fifths of a window that runs along.
   const double from_s = std::clamp(moment.stamp_s - 0.8 * length_s, track_.from_s(), track_.to_s() - length_s);
   Axis x;
-  x.from = from_s - track_.from_s();
+  x.from = from_s - zero_s_;
   x.to = x.from + length_s;
   x.has_grid = false;
   Axis y;
@@ -138,7 +138,7 @@ void ScanningOverlay::draw_plot(Canvas& canvas, const ScanningMoment& moment) co
   std::vector<Point2> curve;
   for (int i = 0; i <= kCurveSteps; ++i) {
     const double stamp_s = std::min(from_s + length_s * i / kCurveSteps, moment.stamp_s);
-    curve.emplace_back(stamp_s - track_.from_s(), deg_from_rad(track_.elevation_rad(stamp_s)));
+    curve.emplace_back(stamp_s - zero_s_, deg_from_rad(track_.elevation_rad(stamp_s)));
     if (stamp_s >= moment.stamp_s) break;
   }
   const Colour colour = look_.is_dark ? theme_.curve(4) : ink::kLaser;

@@ -22,7 +22,8 @@ struct ScanningMoment {
 
 class ScanningOverlay {
  public:
-  ScanningOverlay(const ScanningTrack& track, const CloudLook& look, const CloudCaption& caption,
+  /// Its times count from `zero_s`.
+  ScanningOverlay(const ScanningTrack& track, double zero_s, const CloudLook& look, const CloudCaption& caption,
                   const PictureSize& size);
 
   /// Where the close view of the mount goes; nothing where the picture is too small for one.
@@ -38,6 +39,7 @@ class ScanningOverlay {
   void draw_card(Canvas& canvas, const DrawingArea& area) const;
 
   const ScanningTrack& track_;
+  double zero_s_;
   CloudLook look_;
   CloudCaption caption_;
   PictureSize size_;

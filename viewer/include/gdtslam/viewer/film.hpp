@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,7 @@ struct ScanningFilmInput {
   bool has_linkage = true;  ///< false: the laser tilts by itself, and of the model only the mount counts
   double from_s = 0.0;      ///< stretch of the log, in its clock
   double to_s = 0.0;
+  std::optional<double> zero_s = {};  ///< what its words count from; without: from_s
 };
 /// The mount on the robot scanning: robot, linkage and fan of beams in 3D, points appearing as they are measured, the
 /// elevation over time running along. Time runs evenly from from_s to to_s.

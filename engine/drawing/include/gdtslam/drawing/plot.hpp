@@ -26,6 +26,8 @@ struct Axis {
   bool has_grid = true;
   /// Named places instead of ticks: groups of a box plot.
   std::vector<std::pair<double, std::string>> names = {};
+  /// After each of the names; where room is short, the name is cut first.
+  std::vector<std::string> remarks = {};
 };
 
 /// Title, size of letters and colours of a plot.
@@ -92,6 +94,7 @@ class Plot {
   struct Label {
     double value = 0.0;
     std::string text;
+    std::size_t kept = 0;  ///< bytes at its end that are its remark
   };
   static std::vector<Label> labels_of(const Axis& axis, const Ticks& ticks);
   [[nodiscard]] double letters() const;
@@ -110,7 +113,9 @@ class Plot {
   void cover(const Point2& from, const Point2& to);
   void explain(std::string_view name, Mark mark, const Pen& pen, const Fill& fill);
   [[nodiscard]] Point2 place_of_legend(double width, double height) const;
-  void draw_entry(const Entry& entry, const Point2& at);
+  /// The names of groups in two rows, cut to what their neighbours and the page leave.
+  void fit_names(double distance);
+  void draw_entry(const Entry& entry, const Point2& at, double size);
 
   Canvas& canvas_;
   DrawingArea area_;
