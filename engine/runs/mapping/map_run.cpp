@@ -363,6 +363,9 @@ void MapRun::finish() {
   if (outcome_.closed) outcome_.statistics.path_m = length_m_of(outcome_.trajectory);
   outcome_.device_loss = front_end().device_loss();
   require_a_map();
+  for (LogReader::Warning& warning : warnings_of(outcome_.trajectory, outcome_.statistics.without_odometry)) {
+    outcome_.warnings.push_back(std::move(warning));
+  }
   finish_casting();
   if (occupancy_) outcome_.occupancy = occupancy_->build();
   watch_.add_cpu_to(outcome_.occupancy_cpu_s);

@@ -9,7 +9,6 @@
 #include <utility>
 #include <variant>
 
-#include "gdtslam/calib/nod_track.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 
@@ -21,9 +20,13 @@ constexpr std::size_t kRangeBins = 20001;  // centimetres
 constexpr std::size_t kMostLayouts = 16;
 constexpr std::size_t kMostConstants = 3;  // that stand for "no return"
 constexpr double kShortestGap_s = 1.0;
-constexpr double kGapSteps = 5.0;  // a gap is this many usual steps, and at least kShortestGap_s
+constexpr double kGapSteps = 5.0;      // a gap is this many usual steps, and at least kShortestGap_s
+constexpr double kLongSteps_s = 20.0;  // from scan to scan, where they are seconds
 constexpr double kMountShift_m = 1e-3;
 constexpr double kMountTurn_rad = 0.1 * kPi / 180.0;
+
+// Of steps beyond the histogram, each a hundredth longer than the one before.
+int long_bin_of(double step_s) { return static_cast<int>(std::log(step_s) / std::log(1.01)); }
 
 std::size_t bin_of(double value, std::size_t bins) {
   const double bin = std::floor(value + 0.5);
@@ -80,6 +83,37 @@ std::string nothing_mappable(std::uint64_t scans, const ScanConfig& config) {
       scans, config.min_points, config.min_range_m, config.max_range_m);
 }
 
+std::string question_of_unit(double usual_step_s) {
+  if (!(usual_step_s >= kLongSteps_s)) return "";
+  const char* const unit = usual_step_s < 1e4 ? "milliseconds" : usual_step_s < 1e7 ? "microseconds" : "nanoseconds";
+  return fmt::format(
+      "stamps are taken as seconds, and there are {:g} s from scan to scan: are they {}? Then convert them to seconds",
+      usual_step_s, unit);
+}
+
+std::vector<LogReader::Warning> warnings_of(const Trajectory& trajectory, std::uint64_t without_odometry) {
+  constexpr std::uint64_t kFew = 10;
+  constexpr std::uint64_t kFewOf = 10;  // one of so many
+  std::vector<double> steps_s{0.0};
+  for (std::size_t i = 1; i < trajectory.size(); ++i) {
+    const double step_s = trajectory[i].stamp_s - trajectory[i - 1].stamp_s;
+    if (step_s > 0.0) steps_s.push_back(step_s);
+  }
+  const auto middle = steps_s.begin() + static_cast<std::ptrdiff_t>(steps_s.size() / 2);
+  std::nth_element(steps_s.begin(), middle, steps_s.end());
+  std::vector<LogReader::Warning> warnings;
+  if (std::string question = question_of_unit(*middle); !question.empty()) {
+    warnings.push_back({"scans far apart", 1, std::move(question)});
+  }
+  const std::uint64_t scans = trajectory.size();
+  if (without_odometry > kFew && without_odometry * kFewOf > scans && without_odometry < scans) {
+    warnings.push_back(
+        {"scans without odometry", without_odometry,
+         fmt::format("of {} scans: it is missing, frozen or leaps; they are predicted from the last motion", scans)});
+  }
+  return warnings;
+}
+
 bool is_impossible(const Pose2& step, double step_s, const StepBounds& bounds) {
   const double allowed_s = step_s > 0.0 ? std::min(step_s, bounds.longest_s) : bounds.unknown_s;
   return step.translation().norm() > bounds.distance_m + bounds.speed_m_s * allowed_s ||
@@ -134,7 +168,13 @@ void LogChecker::add_time(double stamp_s) {
     check_.repeated_stamps.add(event, 0.0);
   } else {
     steps_ms_.resize(kStepBins);
-    ++steps_ms_[bin_of(step_s * 1e3, kStepBins)];
+    const std::size_t bin = bin_of(step_s * 1e3, kStepBins);
+    ++steps_ms_[bin];
+    if (bin + 1 == kStepBins) {
+      LongSteps& alike = long_steps_[long_bin_of(step_s)];
+      ++alike.count;
+      alike.sum_s += step_s;
+    }
     const auto place = std::find_if(longest_steps_.begin(), longest_steps_.end(),
                                     [step_s](const LogEvent& e) { return e.time_step_s < step_s; });
     longest_steps_.insert(place, event);
@@ -205,9 +245,22 @@ void LogChecker::add_mount(const Pose2& T_base_laser) {
   }
 }
 
+double LogChecker::usual_step_s() const {
+  const std::size_t bin = quantile_bin(steps_ms_, 0.5);
+  if (bin + 1 < kStepBins) return static_cast<double>(bin) * 1e-3;
+  const auto total = std::accumulate(steps_ms_.begin(), steps_ms_.end(), std::uint64_t{0});
+  std::uint64_t shorter = total - steps_ms_.back();
+  for (const auto& [number, alike] : long_steps_) {
+    shorter += alike.count;
+    if (shorter > total / 2) return alike.sum_s / static_cast<double>(alike.count);
+  }
+  return static_cast<double>(bin) * 1e-3;
+}
+
 void LogChecker::finish_times(LogCheck& check) const {
   if (steps_ms_.empty()) return;
   check.median_step_s = static_cast<double>(quantile_bin(steps_ms_, 0.5)) * 1e-3;
+  check.usual_step_s = usual_step_s();
   const double longest_s = static_cast<double>(kStepBins - 1) * 1e-3;
   check.gap_bound_s = std::min(std::max(kShortestGap_s, kGapSteps * check.median_step_s), longest_s);
   for (std::size_t bin = bin_of(check.gap_bound_s * 1e3, kStepBins); bin < steps_ms_.size(); ++bin) {
@@ -253,9 +306,9 @@ LogCheck LogChecker::finish(const std::vector<LogReader::Warning>& warnings) con
 
 std::string LogCheck::obstacle() const {
   if (scans == 0) return "it holds no laser scan";
+  if (mappable_scans > 0) return "";  // of one range only, which would stand for no return in another log, too
   if (ranges.returns == 0) return "no beam of any scan has a return";
-  if (mappable_scans == 0) return nothing_mappable(scans, scan);
-  return "";
+  return nothing_mappable(scans, scan);
 }
 
 std::vector<std::string> LogCheck::suggestions() const {
@@ -273,6 +326,7 @@ std::vector<std::string> LogCheck::suggestions() const {
         "the odometry jumps: the search window grows with the step (search.half_width_per_metre, "
         "search.half_angle_per_radian); look at the doubtful scans of the report");
   }
+  if (std::string question = question_of_unit(usual_step_s); !question.empty()) list.push_back(std::move(question));
   if (backward_stamps.count > 0) list.emplace_back("stamps go backward: the order of the file is kept, do not sort it");
   if (gaps.count > 0) list.emplace_back("the robot may have moved in the gaps; odometry must carry over them");
   if (layouts.size() > 1)
@@ -283,91 +337,6 @@ std::vector<std::string> LogCheck::suggestions() const {
     list.emplace_back("the laser moves on the robot: the laser poses of the log may be corrected ones, not odometry");
   }
   for (std::string& text : nod.suggestions()) list.push_back(std::move(text));
-  return list;
-}
-
-void NodChecker::add_time(double stamp_s) {
-  if (!first_s_) {
-    first_s_ = last_s_ = stamp_s;
-    return;
-  }
-  const double step_s = stamp_s - last_s_;
-  if (step_s < 0.0) {
-    ++check_.backward_stamps;
-    return;
-  }
-  if (step_s > check_.longest_gap_s) {
-    check_.longest_gap_s = step_s;
-    check_.longest_gap_at_s = last_s_;
-  }
-  last_s_ = stamp_s;
-}
-
-void NodChecker::add_step(double step) {
-  if (step == 0.0) {
-    ++check_.still_steps;
-    return;
-  }
-  const int direction = step > 0.0 ? 1 : -1;
-  if (direction_ != 0 && direction != direction_) ++check_.reversals;
-  direction_ = direction;
-}
-
-void NodChecker::add(const Encoder& message) {
-  add_time(message.stamp_s);
-  if (check_.encoder_records++ == 0) check_.lowest_ticks = check_.highest_ticks = message.ticks;
-  check_.lowest_ticks = std::min(check_.lowest_ticks, message.ticks);
-  check_.highest_ticks = std::max(check_.highest_ticks, message.ticks);
-  if (last_encoder_) {
-    const double step = static_cast<double>(message.ticks) - static_cast<double>(last_encoder_->ticks);
-    const double range = static_cast<double>(check_.highest_ticks) - static_cast<double>(check_.lowest_ticks);
-    if (step * direction_ < -0.5 * range) {
-      ++check_.falls;
-    } else {
-      add_step(step);
-    }
-  }
-  last_encoder_ = message;
-}
-
-void NodChecker::add(const Tilt& message) {
-  add_time(message.stamp_s);
-  if (check_.tilt_records++ == 0) check_.lowest_tilt_rad = check_.highest_tilt_rad = message.elevation_rad;
-  check_.lowest_tilt_rad = std::min(check_.lowest_tilt_rad, message.elevation_rad);
-  check_.highest_tilt_rad = std::max(check_.highest_tilt_rad, message.elevation_rad);
-  if (last_tilt_rad_) add_step(message.elevation_rad - *last_tilt_rad_);
-  last_tilt_rad_ = message.elevation_rad;
-}
-
-NodCheck NodChecker::finish() const {
-  NodCheck check = check_;
-  const double span_s = first_s_ ? last_s_ - *first_s_ : 0.0;
-  const auto records = static_cast<double>(std::max(check.encoder_records, check.tilt_records));
-  check.mean_rate_hz = span_s > 0.0 ? (records - 1.0) / span_s : 0.0;
-  return check;
-}
-
-std::vector<std::string> NodCheck::suggestions() const {
-  std::vector<std::string> list;
-  if (!has_records()) return list;
-  list.emplace_back(encoder_records > 0
-                        ? "the laser nods: 'map --linkage' makes a 3D cloud, 'linkage --list' names linkages"
-                        : "the laser tilts: 'map' makes a 3D cloud");
-  if (longest_gap_s > calib::NodTrackLimits{}.max_gap_s) {
-    list.emplace_back(
-        fmt::format("no message of the mount for {:.3f} s after {:.6f} s: scans there get no points "
-                    "(nod.max_gap)",
-                    longest_gap_s, longest_gap_at_s));
-  }
-  if (backward_stamps > 0) {
-    list.emplace_back("stamps of the mount's messages go backward: those messages are dropped");
-  }
-  if (encoder_records > 0 && reversals > 0) {
-    list.emplace_back(fmt::format("the crank changes its direction {} times: a crank-rocker need not", reversals));
-  }
-  if (encoder_records > 1 && highest_ticks == lowest_ticks) {
-    list.emplace_back("the crank never turns, or its encoder is dead");
-  }
   return list;
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -110,6 +111,13 @@ bool is_mappable(const LaserScan& scan, const ScanConfig& config);
 /// "none of the 12 scans has 20 returns (scan.min_points) between 0.1 m (scan.min_range) and 40 m (scan.max_range)".
 std::string nothing_mappable(std::uint64_t scans, const ScanConfig& config);
 
+/// Whether stamps are in seconds at all, as a question; empty where there is no doubt.
+std::string question_of_unit(double usual_step_s);
+
+/// What is odd about a log that was mapped: that question, and many scans whose odometry could not be used. A log
+/// without any odometry is no surprise.
+std::vector<LogReader::Warning> warnings_of(const Trajectory& trajectory, std::uint64_t without_odometry);
+
 struct LogCheck {
   std::uint64_t scans = 0;
   std::uint64_t scans_with_odometry = 0;
@@ -118,7 +126,8 @@ struct LogCheck {
   std::uint64_t parameters = 0;
   double first_stamp_s = 0.0;  ///< earliest
   double last_stamp_s = 0.0;   ///< latest
-  double median_step_s = 0.0;  ///< between scans, forward steps only
+  double median_step_s = 0.0;  ///< between scans, forward steps only; 10 s where it is longer
+  double usual_step_s = 0.0;   ///< the same, however long
   EventList gaps;              ///< time without a scan
   EventList backward_stamps;
   EventList repeated_stamps;
@@ -160,6 +169,7 @@ class LogChecker {
   void add_ranges(const LaserScan& scan);
   void add_layout(const LaserScan& scan);
   void add_mount(const Pose2& T_base_laser);
+  [[nodiscard]] double usual_step_s() const;
   void finish_times(LogCheck& check) const;
   void finish_ranges(LogCheck& check) const;
 
@@ -168,7 +178,12 @@ class LogChecker {
   NodChecker nod_;
   std::optional<StampedPose> last_odometry_;
   std::optional<double> last_scan_s_;
-  std::vector<std::uint64_t> steps_ms_;          ///< histogram of the forward steps, the last bin open
+  std::vector<std::uint64_t> steps_ms_;  ///< histogram of the forward steps, the last bin open
+  struct LongSteps {
+    std::uint64_t count = 0;
+    double sum_s = 0.0;
+  };
+  std::map<int, LongSteps> long_steps_;          ///< those of the open bin, by their length to a hundredth of it
   std::vector<LogEvent> longest_steps_;          ///< the longest first
   std::vector<std::uint64_t> ranges_cm_;         ///< histogram of the finite ranges, the last bin open
   std::vector<std::uint64_t> beyond_stated_cm_;  ///< likewise, of those at or above the limit that the log states

@@ -99,6 +99,48 @@ TEST(LogCheck, ListsTheLongestGapsOnly) {
   EXPECT_GT(check.gaps.first[0].time_step_s, check.gaps.first[1].time_step_s);
 }
 
+TEST(LogCheck, StepsBeyondTheHistogramHaveTheirMedian) {
+  const auto with_step = [](double step_s, int scans) {
+    std::vector<LogRecord> records;
+    for (int k = 0; k < scans; ++k) records.emplace_back(driven_scan(step_s * k, {}));
+    return checked_log(records);
+  };
+  const LogCheck slow = with_step(30.0, 50);
+  EXPECT_NEAR(slow.usual_step_s, 30.0, 1e-9);
+  EXPECT_NEAR(with_step(0.2, 50).usual_step_s, 0.2, 1e-9);
+  EXPECT_THAT(slow.suggestions(), Contains(HasSubstr("are they milliseconds?")));
+  const LogCheck nanoseconds = with_step(1e8, 50);
+  EXPECT_NEAR(nanoseconds.usual_step_s, 1e8, 1.0);
+  EXPECT_THAT(nanoseconds.suggestions(), Contains(HasSubstr("are they nanoseconds?")));
+  EXPECT_THAT(with_step(1e5, 50).suggestions(), Contains(HasSubstr("are they microseconds?")));
+  EXPECT_THAT(with_step(10.0, 50).suggestions(), testing::Not(Contains(HasSubstr("are they"))));
+}
+
+TEST(LogCheck, TellsOfARunWhoseOdometryIsOftenMissing) {
+  const Trajectory drive = [] {
+    Trajectory poses;
+    for (int k = 0; k < 200; ++k) poses.push_back({0.1 * k, {}});
+    return poses;
+  }();
+  EXPECT_THAT(warnings_of(drive, 1), IsEmpty());
+  EXPECT_THAT(warnings_of(drive, 20), IsEmpty()) << "a tenth";
+  EXPECT_THAT(warnings_of(drive, 200), IsEmpty()) << "there is none at all";
+  const std::vector<LogReader::Warning> told = warnings_of(drive, 21);
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0].kind, "scans without odometry");
+  EXPECT_EQ(told[0].count, 21U);
+  EXPECT_THAT(warnings_of({}, 0), IsEmpty());
+}
+
+// A map is made of such a log, though a constant range may stand for none.
+TEST(LogCheck, OneRangeOnlyIsNoObstacle) {
+  std::vector<LogRecord> records;
+  for (int k = 0; k < 20; ++k) records.emplace_back(driven_scan(0.1 * k, {}, std::vector<float>(180, 3.0F)));
+  const LogCheck check = checked_log(records);
+  EXPECT_EQ(check.mappable_scans, 20U);
+  EXPECT_EQ(check.obstacle(), "");
+}
+
 TEST(LogCheck, FindsImpossibleStepsAndLeavesThemOutOfThePath) {
   std::vector<LogRecord> records = drive(21);
   for (std::size_t k = 10; k < 21; ++k) std::get<ScanRecord>(records[k]).T_odom_base->x_m += 5.0;  // one leap

@@ -16,6 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr double kSlow_s = 10.0;
 constexpr std::size_t kMostShown = 5;
 constexpr std::size_t kMostLayoutsShown = 4;
 
@@ -42,8 +43,11 @@ std::string nod_text(const NodCheck& nod) {
 
 std::string counts_text(const LogCheck& c) {
   std::string text = fmt::format("scans            {} in {:.1f} s", c.scans, c.duration_s());
-  if (c.median_step_s > 0.0)
+  if (c.usual_step_s > kSlow_s) {
+    text += fmt::format(", one in {:.3f} s (median)", c.usual_step_s);
+  } else if (c.median_step_s > 0.0) {
     text += fmt::format(", {:.1f} Hz (median step {:.3f} s)", 1.0 / c.median_step_s, c.median_step_s);
+  }
   if (c.scans_with_odometry + c.odometry_records == 0) return text + "\nodometry         none\n" + nod_text(c.nod);
   text +=
       fmt::format("\nodometry         {} scans with their own, {} records between; path {:.1f} m, turned {:.0f} deg\n",
@@ -135,7 +139,9 @@ std::string delay_text(const std::optional<OdometryDelay>& delay) {
   if (!delay) return "";
   return fmt::format("odometry stamps  {:.3f} s {} than the scans, +-{:.3f} s{}\n", std::fabs(delay->delay_s),
                      delay->delay_s < 0.0 ? "earlier" : "later", delay->sigma_s,
-                     delay->stands_out() ? ": map makes up for it" : "; too little to matter");
+                     delay->stands_out()       ? ": map makes up for it"
+                     : delay->is_long_enough() ? "; too uncertain to make up for"
+                                               : "; too little to matter");
 }
 
 std::string advice_text(const Findings& found) {

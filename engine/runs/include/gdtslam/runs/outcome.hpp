@@ -28,10 +28,9 @@ struct OdometryDelay {
   /// way.
   double unexplained = 0.0;
   /// Whether it is worth a change: beyond chance, and odometry and scans agree much better with it.
-  [[nodiscard]] bool stands_out() const {
-    const double away_s = delay_s < 0.0 ? -delay_s : delay_s;
-    return away_s >= 0.02 && away_s > 5.0 * sigma_s && unexplained < 0.7;
-  }
+  [[nodiscard]] bool stands_out() const { return is_long_enough() && away_s() > 5.0 * sigma_s && unexplained < 0.7; }
+  [[nodiscard]] bool is_long_enough() const { return away_s() >= 0.02; }
+  [[nodiscard]] double away_s() const { return delay_s < 0.0 ? -delay_s : delay_s; }
 };
 
 /// A scan whose match is in doubt.
