@@ -11,11 +11,13 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "engine/io/binary/log_copy.hpp"
 #include "engine/io/binary/log_copy_records.hpp"
 #include "engine/io/logs/carmen.hpp"
+#include "engine/io/logs/log_signs.hpp"
 #include "engine/io/tables/table_reader.hpp"
 #include "log_reading.hpp"
 #include "tools/gdtslam/live/input/whole_lines.hpp"
@@ -78,6 +80,7 @@ inline void read_log_copy(std::span<const std::byte> data) {
 struct ReadLog {
   std::vector<std::string> records;
   std::string error;
+  bool has_scan = false;
   friend bool operator==(const ReadLog&, const ReadLog&) = default;
 };
 
@@ -98,6 +101,7 @@ inline ReadLog read_in_pieces(std::string_view bytes, std::span<const std::size_
       while (const std::optional<LogRecord> record = reader->next()) {
         check_record(*record);
         log.records.push_back(record_bytes(*record));
+        log.has_scan = log.has_scan || std::holds_alternative<ScanRecord>(*record);
       }
       for (const LogReader::Warning& warning : reader->warnings()) log.error += warning.kind + ": " + warning.first;
     } catch (const Error& error) {
@@ -117,7 +121,7 @@ inline bool is_same_log(const ReadLog& a, const ReadLog& b) {
 }
 
 /// What a sender sends, in pieces: the first bytes are their sizes, up to a 0. It makes no difference where a piece
-/// ends, whatever the format, packed or not.
+/// ends, whatever the format, packed or not. What a scan is read of is a recording, in whose place no result is put.
 inline void read_stream(std::span<const std::byte> data) {
   std::vector<std::size_t> pieces;
   while (pieces.size() < data.size() && data[pieces.size()] != std::byte{0}) {
@@ -128,6 +132,9 @@ inline void read_stream(std::span<const std::byte> data) {
     require(is_same_log(read_in_pieces(bytes, pieces, lenient), read_in_pieces(bytes, {}, lenient)),
             "a log reads otherwise in pieces");
   }
+  static const ScratchFolder folder;
+  require(is_recording(folder.put("log", bytes)) || !read_in_pieces(bytes, {}, false).has_scan,
+          "a log that is not taken for a recording");
 }
 
 /// Senders that come and go at the socket of `live`: 0x1e ends a piece, 0x1d lets the sender go away. What the mapper
