@@ -9,9 +9,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <memory>
 #include <span>
 #include <string>
@@ -32,7 +34,10 @@ class PageConnection {
     address.sin_family = AF_INET;
     address.sin_port = htons(port);
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    require(::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0, "no connection");
+    if (::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0) return;
+    int error = errno;
+    if (error == EINTR) error = error_once_connected();  // by the fuzzer's clock
+    require(error == 0, std::strerror(error));
   }
   PageConnection(const PageConnection&) = delete;
   PageConnection& operator=(const PageConnection&) = delete;
@@ -55,6 +60,16 @@ class PageConnection {
   }
 
  private:
+  /// A connection that a signal interrupted is made nevertheless.
+  [[nodiscard]] int error_once_connected() const {
+    pollfd wanted{socket_, POLLOUT, 0};
+    while (::poll(&wanted, 1, -1) < 0) {
+      if (errno != EINTR) return errno;
+    }
+    int error = 0;
+    socklen_t size = sizeof(error);
+    return ::getsockopt(socket_, SOL_SOCKET, SO_ERROR, &error, &size) == 0 ? error : errno;
+  }
   [[nodiscard]] std::string received(int quiet_ms) const {
     std::string text;
     std::array<char, 4096> piece;

@@ -5,6 +5,8 @@
 #include <limits>
 #include <mutex>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "engine/mapping/adjust/pose_bins.hpp"
 #include "engine/mapping/loops/group_field.hpp"
@@ -28,7 +30,9 @@ constexpr double kFitsAtAll = 1.25;        // of the mean distance at which a pl
 constexpr double kBesideHalf_m = 0.5;      // of the window around a pose that is asked about: drift of both
 constexpr double kBesideHalf_rad = 0.05;
 constexpr double kBeside_m[] = {-3.0, -1.5, 1.5, 3.0};  // of path
-constexpr std::size_t kQueriesApart = 4;                // of which one is looked for before the others between
+constexpr double kOtherPlace_m = 4.0;                   // as places are apart
+constexpr std::size_t kMostOthers = 4;
+constexpr std::size_t kQueriesApart = 4;  // of which one is looked for before the others between
 
 KeyframePath path_of(const Session& session) { return {session.scans, session.poses, session.path_m}; }
 
@@ -97,9 +101,7 @@ SessionFix SessionMap::find(const Session& query, std::size_t keyframe) const {
   if (!best.certified() || best.cost > search.wanted_bound) return fix;
   fix.T_map_keyframe = best.T_map_base;
   fix.mean_m = best.mean_cost_m;
-  fix.reference_place = place_near(fix.T_map_keyframe);
-  fix.evidence = weigh(query, keyframe, session_.places[fix.reference_place], fix.T_map_keyframe);
-  fix.is_possible = is_possible(fix.evidence, options_.limits);
+  hold_against_places(query, fix);
   if (!fix.is_possible) return fix;
   search.gap_m = 0.0;
   search.excluded = ExcludedPoses{fix.T_map_keyframe};
@@ -109,6 +111,37 @@ SessionFix SessionMap::find(const Session& query, std::size_t keyframe) const {
   fix.is_alone = elsewhere.stop == CertifiedStop::kNothingAllowed || elsewhere.bound >= search.wanted_bound;
   if (!fix.is_alone && elsewhere.cost < search.wanted_bound) fix.T_map_elsewhere = elsewhere.T_map_base;
   return fix;
+}
+
+// The nearest place that saw enough of it. Where this session began, and where it ended, one saw half of what is
+// around, and may have come by again; who contradicts is not asked twice.
+void SessionMap::hold_against_places(const Session& query, SessionFix& fix) const {
+  bool is_first = true;
+  for (const std::size_t place : places_near(fix.T_map_keyframe)) {
+    const LoopEvidence evidence = weigh(query, fix.keyframe, session_.places[place], fix.T_map_keyframe);
+    fix.is_possible = is_possible(evidence, options_.limits);
+    if (is_first || fix.is_possible) {
+      fix.reference_place = place;
+      fix.evidence = evidence;
+    }
+    is_first = false;
+    if (fix.is_possible || evidence.contradiction > options_.limits.most_contradiction) return;
+  }
+}
+
+// The nearest one first, and others of as near as places are to each other.
+std::vector<std::size_t> SessionMap::places_near(const Pose2& T_map_keyframe) const {
+  const std::size_t nearest = place_near(T_map_keyframe);
+  std::vector<std::pair<double, std::size_t>> others;
+  for (std::size_t place = 0; place < session_.places.size(); ++place) {
+    const double squared_m2 = squared_distance(session_.poses[session_.places[place]], T_map_keyframe);
+    if (place != nearest && squared_m2 <= kOtherPlace_m * kOtherPlace_m) others.emplace_back(squared_m2, place);
+  }
+  std::sort(others.begin(), others.end());
+  if (others.size() > kMostOthers) others.resize(kMostOthers);
+  std::vector<std::size_t> places{nearest};
+  for (const auto& [squared_m2, place] : others) places.push_back(place);
+  return places;
 }
 
 std::size_t SessionMap::place_near(const Pose2& T_map_keyframe) const {

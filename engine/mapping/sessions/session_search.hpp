@@ -77,6 +77,8 @@ class SessionMap {
   struct State;
   [[nodiscard]] double mean_beside_m(const Session& query, std::size_t keyframe, const Pose2& T_map_keyframe) const;
   [[nodiscard]] double as_good_m(const SessionFix& fix) const;
+  void hold_against_places(const Session& query, SessionFix& fix) const;
+  [[nodiscard]] std::vector<std::size_t> places_near(const Pose2& T_map_keyframe) const;
   [[nodiscard]] std::size_t place_near(const Pose2& T_map_keyframe) const;
   [[nodiscard]] bool is_near(const Pose2& T_map_keyframe) const;
 

@@ -75,6 +75,24 @@ TEST(Sessions, APlaceIsFoundInTheOther) {
   EXPECT_FALSE(map.find(query, query.places.back()).is_possible) << "the first drive was not there";
 }
 
+// One and a half rounds: where it began, a robot saw what lay ahead of it alone, and when it came by again all around.
+// A drive that ends there looked at it from behind.
+TEST(Sessions, APlaceIsHeldAgainstTheTimeThatSawEnoughOfIt) {
+  const Session session = session_of(rooms(), part_of(test::poses_around_ring(2), 0.25, 1.0), kFirstFrame);
+  const std::vector<Pose2> drive = part_of(test::poses_around_ring(1), 0.3, 0.5);
+  const Session query = session_of(rooms(), drive, kSecondFrame);
+  const SessionMap map(session, {});
+  const std::size_t end = query.poses.size() - 1;
+  const Pose2 truth = kFirstFrame * drive[end];
+  const LoopLimits limits = SessionSearchOptions{}.limits;
+  EXPECT_LT(map.weigh(query, end, session.places.front(), truth).overlap, limits.least_overlap);
+  const SessionFix fix = map.find(query, end);
+  EXPECT_TRUE(fix.is_possible);
+  EXPECT_GT(fix.reference_place, session.places.size() / 2);
+  EXPECT_GE(fix.evidence.overlap, limits.least_overlap);
+  EXPECT_LT(length_of(between(truth, fix.T_map_keyframe)), 0.1);
+}
+
 TEST(Sessions, ThatOverlapBecomeOneSiteInTheFirstOnesFrame) {
   const std::vector<Pose2> once = test::poses_around_ring(1);
   const MergedSessions found = merged(two_drives());
