@@ -1,9 +1,6 @@
 # Read by ctest behind the lists of GoogleTest's tests: those that take long, which have their turn where there is little time
 # (tools/scripts/draw_tests.py), as long tests of the command have.
 foreach(test
-    Slices.OfAnySizeGiveTheSameBytes ThreadCount.DoesNotChangeAByteOfTheLargeCases GuardPages.NoKernelTouchesWhatIsNotItsOwn
-    MapTracker.ErrsAsItsCovarianceSays MapTracker.StaysWithTheRobotThoughItsWheelsDoNot
-    RobotTracker.FindsTheStartAndTheRobotThatWasCarriedAway RobotTracker.SaysThatRoomsLookAlikeUntilItHasLeftThem
-    Sessions.ThatFitBestInTheTwinOfAWingThatWasHardlySeenAreNotJoined Sessions.ThatFitInTheTwinOfWhatNobodySawAreNotJoined)
+    Slices.OfAnySizeGiveTheSameBytes ThreadCount.DoesNotChangeAByteOfTheLargeCases GuardPages.NoKernelTouchesWhatIsNotItsOwn)
   set_tests_properties(${test} PROPERTIES LABELS "unit;long")
 endforeach()
