@@ -195,4 +195,4 @@ def calibrate_refuses_what_tells_nothing():
         for line in itertools.islice(lines, 20000):
             to.write(re.sub(r"^ENCODER \S+", "ENCODER 12345", line))
     said = refused(linkage, 65, still)
-    expect("at one place of the crank only; does it turn?" in said or "no beam of the" in said, said)
+    expect("at one place of the crank only; does it turn?" in said, said)

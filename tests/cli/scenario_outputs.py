@@ -105,7 +105,7 @@ def recordings_are_not_replaced():
         expect_exit(command("convert", LOG, "-o", folder / name), 0)
     text, table = LOG.read_bytes(), (folder / "a.csv").read_bytes()
     for name, data in (("a.log", text), ("picture.png", text), ("a.log.gz", gzip.compress(text)), ("a.log.bz2", bz2.compress(text)),
-                       ("a.csv.xz", lzma.compress(table)), ("b.yaml", table), ("log-1.copy", (RUN / "log-1.copy").read_bytes())):
+                       ("a.csv.xz", lzma.compress(table)), ("b.csv", table.upper()), ("b.log", text.replace(b"FLASER", b" FLASER")), ("b.yaml", table), ("log-1.copy", (RUN / "log-1.copy").read_bytes())):
         (folder / name).write_bytes(data)
     recordings = sorted(path for path in folder.iterdir() if path.is_file())
     expect(len(recordings) >= 11, f"{recordings}")

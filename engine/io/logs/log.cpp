@@ -113,6 +113,19 @@ std::string beginning_of(ByteSource& source) {
   return text;
 }
 
+// Names of columns are read so.
+std::string in_lower_case(std::string_view text) {
+  std::string lower(text);
+  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : static_cast<char>(c);
+  });
+  return lower;
+}
+
+std::string_view without_blanks_before(std::string_view line) {
+  return line.substr(std::min(line.find_first_not_of(" \t\r"), line.size()));
+}
+
 /// By the word at its begin.
 bool is_carmen_line(std::string_view line) {
   constexpr std::array<std::string_view, 8> kWords{"FLASER", "RLASER", "ROBOTLASER1", "ROBOTLASER2",
@@ -141,11 +154,14 @@ bool has_log_text(std::string_view text) {
   bool is_first = true;
   for (std::size_t begin = 0, end = 0; begin < text.size(); begin = end + 1) {
     end = std::min(text.find('\n', begin), text.size());
-    const std::string_view line = text.substr(begin, end - begin);
+    const std::string_view line = without_blanks_before(text.substr(begin, end - begin));
     if (is_carmen_line(line)) return true;
-    if (!is_first || line.find_first_not_of(" \t\r") == std::string_view::npos || line.starts_with('#')) continue;
+    if (!is_first || line.empty() || line.starts_with('#')) continue;
     is_first = false;
-    const std::string_view named = line.starts_with('{') ? text.substr(begin) : line;
+    const bool is_object = line.starts_with('{');
+    const std::string named = in_lower_case(is_object ? text.substr(begin) : line);
+    // The ranges of an object may come first, and be more than is looked at.
+    if (is_object && names_any(named, {"ranges"})) return true;
     if (names_any(named, {"stamp", "timestamp", "time"}) &&
         names_any(named, {"ranges", "r0", "points", "x0", "odom"})) {
       return true;

@@ -125,7 +125,9 @@ void SessionMap::hold_against_places(const Session& query, SessionFix& fix) cons
       fix.evidence = evidence;
     }
     is_first = false;
-    if (fix.is_possible || evidence.contradiction > options_.limits.most_contradiction) return;
+    const LoopLimits& limits = options_.limits;
+    const bool is_opposed = evidence.turned > limits.most_turned || evidence.contradiction > limits.most_contradiction;
+    if (fix.is_possible || is_opposed) return;
   }
 }
 

@@ -34,7 +34,7 @@ struct SessionSearchOptions {
 /// Where a keyframe of one session lies in another.
 struct SessionFix {
   std::size_t keyframe = 0;         ///< of the one that is looked for
-  std::size_t reference_place = 0;  ///< of the other, the nearest
+  std::size_t reference_place = 0;  ///< of the other, one nearby that saw enough of it
   Pose2 T_map_keyframe;             ///< in the other's map
   LoopEvidence evidence;
   double mean_m = 0.0;                     ///< distance of its points to the other's

@@ -363,8 +363,8 @@ void MapRun::finish() {
   if (outcome_.closed) outcome_.statistics.path_m = length_m_of(outcome_.trajectory);
   outcome_.device_loss = front_end().device_loss();
   require_a_map();
-  for (LogReader::Warning& warning : warnings_of(outcome_.trajectory, outcome_.statistics.without_odometry)) {
-    outcome_.warnings.push_back(std::move(warning));
+  if (std::string question = question_of_unit(outcome_.trajectory); !question.empty()) {
+    outcome_.warnings.push_back({"scans far apart", 1, std::move(question)});
   }
   finish_casting();
   if (occupancy_) outcome_.occupancy = occupancy_->build();

@@ -22,11 +22,12 @@ constexpr std::size_t kMostConstants = 3;  // that stand for "no return"
 constexpr double kShortestGap_s = 1.0;
 constexpr double kGapSteps = 5.0;      // a gap is this many usual steps, and at least kShortestGap_s
 constexpr double kLongSteps_s = 20.0;  // from scan to scan, where they are seconds
+constexpr double kMostStep_s = 1e30;
 constexpr double kMountShift_m = 1e-3;
 constexpr double kMountTurn_rad = 0.1 * kPi / 180.0;
 
 // Of steps beyond the histogram, each a hundredth longer than the one before.
-int long_bin_of(double step_s) { return static_cast<int>(std::log(step_s) / std::log(1.01)); }
+int long_bin_of(double step_s) { return static_cast<int>(std::log(std::min(step_s, kMostStep_s)) / std::log(1.01)); }
 
 std::size_t bin_of(double value, std::size_t bins) {
   const double bin = std::floor(value + 0.5);
@@ -91,9 +92,7 @@ std::string question_of_unit(double usual_step_s) {
       usual_step_s, unit);
 }
 
-std::vector<LogReader::Warning> warnings_of(const Trajectory& trajectory, std::uint64_t without_odometry) {
-  constexpr std::uint64_t kFew = 10;
-  constexpr std::uint64_t kFewOf = 10;  // one of so many
+std::string question_of_unit(const Trajectory& trajectory) {
   std::vector<double> steps_s{0.0};
   for (std::size_t i = 1; i < trajectory.size(); ++i) {
     const double step_s = trajectory[i].stamp_s - trajectory[i - 1].stamp_s;
@@ -101,17 +100,7 @@ std::vector<LogReader::Warning> warnings_of(const Trajectory& trajectory, std::u
   }
   const auto middle = steps_s.begin() + static_cast<std::ptrdiff_t>(steps_s.size() / 2);
   std::nth_element(steps_s.begin(), middle, steps_s.end());
-  std::vector<LogReader::Warning> warnings;
-  if (std::string question = question_of_unit(*middle); !question.empty()) {
-    warnings.push_back({"scans far apart", 1, std::move(question)});
-  }
-  const std::uint64_t scans = trajectory.size();
-  if (without_odometry > kFew && without_odometry * kFewOf > scans && without_odometry < scans) {
-    warnings.push_back(
-        {"scans without odometry", without_odometry,
-         fmt::format("of {} scans: it is missing, frozen or leaps; they are predicted from the last motion", scans)});
-  }
-  return warnings;
+  return question_of_unit(*middle);
 }
 
 bool is_impossible(const Pose2& step, double step_s, const StepBounds& bounds) {
@@ -173,7 +162,7 @@ void LogChecker::add_time(double stamp_s) {
     if (bin + 1 == kStepBins) {
       LongSteps& alike = long_steps_[long_bin_of(step_s)];
       ++alike.count;
-      alike.sum_s += step_s;
+      alike.sum_s += std::min(step_s, kMostStep_s);
     }
     const auto place = std::find_if(longest_steps_.begin(), longest_steps_.end(),
                                     [step_s](const LogEvent& e) { return e.time_step_s < step_s; });

@@ -114,9 +114,8 @@ std::string nothing_mappable(std::uint64_t scans, const ScanConfig& config);
 /// Whether stamps are in seconds at all, as a question; empty where there is no doubt.
 std::string question_of_unit(double usual_step_s);
 
-/// What is odd about a log that was mapped: that question, and many scans whose odometry could not be used. A log
-/// without any odometry is no surprise.
-std::vector<LogReader::Warning> warnings_of(const Trajectory& trajectory, std::uint64_t without_odometry);
+/// Of a log that was mapped.
+std::string question_of_unit(const Trajectory& trajectory);
 
 struct LogCheck {
   std::uint64_t scans = 0;

@@ -116,20 +116,20 @@ TEST(LogCheck, StepsBeyondTheHistogramHaveTheirMedian) {
   EXPECT_THAT(with_step(10.0, 50).suggestions(), testing::Not(Contains(HasSubstr("are they"))));
 }
 
-TEST(LogCheck, TellsOfARunWhoseOdometryIsOftenMissing) {
-  const Trajectory drive = [] {
+TEST(LogCheck, StampsThatAreNoTimesAreBounded) {
+  std::vector<LogRecord> records{driven_scan(-1e308, {}), driven_scan(1.7e308, {})};
+  EXPECT_TRUE(std::isfinite(checked_log(records).usual_step_s));
+}
+
+TEST(LogCheck, AMappedLogIsAskedForItsUnit) {
+  const auto with_step = [](double step_s) {
     Trajectory poses;
-    for (int k = 0; k < 200; ++k) poses.push_back({0.1 * k, {}});
+    for (int k = 0; k < 50; ++k) poses.push_back({step_s * k, {}});
     return poses;
-  }();
-  EXPECT_THAT(warnings_of(drive, 1), IsEmpty());
-  EXPECT_THAT(warnings_of(drive, 20), IsEmpty()) << "a tenth";
-  EXPECT_THAT(warnings_of(drive, 200), IsEmpty()) << "there is none at all";
-  const std::vector<LogReader::Warning> told = warnings_of(drive, 21);
-  ASSERT_EQ(told.size(), 1U);
-  EXPECT_EQ(told[0].kind, "scans without odometry");
-  EXPECT_EQ(told[0].count, 21U);
-  EXPECT_THAT(warnings_of({}, 0), IsEmpty());
+  };
+  EXPECT_EQ(question_of_unit(with_step(19.9)), "");
+  EXPECT_THAT(question_of_unit(with_step(1e8)), HasSubstr("are they nanoseconds?"));
+  EXPECT_EQ(question_of_unit(Trajectory{}), "");
 }
 
 // A map is made of such a log, though a constant range may stand for none.

@@ -231,7 +231,7 @@ Json findings_json(const Findings& found, const std::string& log) {
   report["scans"] = c.scans;
   report["mappable_scans"] = c.mappable_scans;
   report["duration_s"] = c.duration_s();
-  report["median_step_s"] = c.median_step_s;
+  report["median_step_s"] = c.usual_step_s;
   report["scans_with_odometry"] = c.scans_with_odometry;
   report["odometry_records"] = c.odometry_records;
   report["encoder_records"] = c.nod.encoder_records;

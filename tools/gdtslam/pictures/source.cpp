@@ -104,7 +104,8 @@ RenderKind kind_of_file(const std::string& path) {
   }
   if (has_line(head, "gdtslam_linkage:")) return RenderKind::kLinkage;
   if (has_line(head, "image:")) {
-    const bool is_field = has_line(head, "version:") && !has_line(head, "occupied_thresh:");
+    const bool has_own = has_line(head, "version:") || has_line(head, "scale:") || has_line(head, "cap:");
+    const bool is_field = has_own && !has_line(head, "occupied_thresh:");  // as `localize` tells them
     return is_field ? RenderKind::kField : RenderKind::kMap;
   }
   const bool is_picture = head.starts_with("\x89PNG") || head.starts_with("P5") || head.starts_with("P2");

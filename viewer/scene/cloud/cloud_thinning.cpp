@@ -162,8 +162,8 @@ Cloud thinned_for_film(std::span<const CloudPoint> cloud, std::size_t most) {
   Thinned best = thinned(finite, coarse, most);
   while (!best.fits) {
     too_fine = coarse;
-    coarse *= 2.0;
-    if (coarse > kLargestVoxel_m) {
+    coarse = std::min(2.0 * coarse, kLargestVoxel_m);
+    if (coarse <= too_fine) {
       const std::size_t least = thinned(finite, kLargestVoxel_m, finite.size()).cloud.size();
       throw InputError("the cloud is too wide to be thinned to so few points: to " + std::to_string(least) +
                        " at least");
