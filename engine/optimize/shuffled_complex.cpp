@@ -119,6 +119,7 @@ class Population {
 
   template <class Proposal>
   void try_points(std::vector<Step>& steps, bool is_forced, const Proposal& propose) {
+    if (function_.must_stop()) return;
     std::vector<Valued> batch;
     for (std::size_t c = 0; c < steps.size(); ++c) {
       if (steps[c].is_done) continue;

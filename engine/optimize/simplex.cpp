@@ -49,7 +49,8 @@ std::vector<double> sort_vertices(std::vector<Valued>& vertices, const SimplexRu
   return values;
 }
 
-// One move: the worst vertex is replaced, or all but the best are drawn half way to it, which returns true.
+// One move: the worst vertex is replaced, or all but the best are drawn half way to it, which returns true. Where a
+// limit is met on the way, it ends there.
 bool move(Counted& function, std::vector<Valued>& vertices, const SimplexRule& rule) {
   const std::vector<double> values = sort_vertices(vertices, rule);
   const Point centre = centre_of(vertices);
@@ -61,6 +62,7 @@ bool move(Counted& function, std::vector<Valued>& vertices, const SimplexRule& r
   };
   const Valued reflected = tried(-1.0);
   const double reflected_value = reflected.value - rule.heat();
+  if (function.must_stop()) return false;  // whose best point is kept
   if (reflected_value < values.front()) {
     const Valued expanded = tried(-2.0);
     vertices.back() = expanded.value - rule.heat() < reflected_value ? expanded : reflected;
@@ -75,6 +77,7 @@ bool move(Counted& function, std::vector<Valued>& vertices, const SimplexRule& r
     vertices.back() = contracted;
     return false;
   }
+  if (function.must_stop()) return false;
   for (std::size_t i = 1; i < vertices.size(); ++i) {
     vertices[i].point = along(vertices.front().point, vertices[i].point, 0.5);
   }

@@ -98,6 +98,7 @@ class Watched final : public Function {
     ++batches;
     evaluations += values.size();
     largest_batch = std::max(largest_batch, values.size());
+    last_batch = values.size();
     for (std::size_t i = 0; i < values.size(); ++i) {
       values[i] = function_.value(&points[i * n]);
       least = std::min(least, values[i]);
@@ -111,6 +112,7 @@ class Watched final : public Function {
   std::uint64_t batches = 0;
   std::uint64_t outside = 0;
   std::size_t largest_batch = 0;
+  std::size_t last_batch = 0;
   double least = std::numeric_limits<double>::infinity();
 
  private:

@@ -47,6 +47,21 @@ TYPED_TEST(Minimise, stays_in_the_box_counts_right_and_returns_the_best_that_it_
   }));
 }
 
+// A limit may be met in the middle of a move, which then does not go on.
+TYPED_TEST(Minimise, looks_at_its_limit_before_each_batch) {
+  for (const std::uint64_t seed :
+       {std::uint64_t{1}, std::uint64_t{2}, std::uint64_t{3}, std::uint64_t{3553039830847430}}) {
+    for (std::uint64_t most = 20; most < 220; ++most) {
+      Random random(seed);
+      const StandardFunction function = random_function(random);
+      Watched watched(function);
+      const std::vector<double> start(function.dimensions, 0.5);
+      const Minimum found = minimise(watched, function.box(), start, TypeParam{}, {.max_evaluations = most});
+      EXPECT_LT(found.evaluations, most + watched.last_batch) << seed << ", " << most;
+    }
+  }
+}
+
 TYPED_TEST(Minimise, the_same_seed_gives_the_same_bits) {
   EXPECT_TRUE(rc::check([](std::uint64_t seed) {
     Random random(seed);
