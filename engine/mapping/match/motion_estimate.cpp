@@ -7,6 +7,10 @@ namespace {
 
 constexpr MotionNoise kNothingSaid{10.0, 3.0};  // of what odometry said of a motion that it did not measure
 
+MotionNoise larger(const MotionNoise& a, const MotionNoise& b) {
+  return {std::max(a.sigma_m, b.sigma_m), std::max(a.sigma_rad, b.sigma_rad)};
+}
+
 }  // namespace
 
 // Where nothing measures the motion, it goes on, as surely as it did so far.
@@ -26,17 +30,13 @@ Prediction MotionEstimate::predict(MotionModel& model, const std::optional<Pose2
   }
   going_on_ = going_on(model);
   filter_.predict(prediction.T_map_base, noise_);
-  prediction.noise = filter_.sigma();
+  prediction.noise = stands_ ? larger(filter_.sigma(), kOfAnyRobot) : filter_.sigma();  // who stands may drive off
   prediction.otherwise = going_on_;
   return prediction;
 }
 
 UncertainPose MotionEstimate::going_on(const MotionModel& model) const {
-  MotionNoise noise = kOfAnyRobot;
-  if (!is_measured_) {
-    const MotionNoise learnt = continued_.noise();
-    noise = {std::max(noise.sigma_m, learnt.sigma_m), std::max(noise.sigma_rad, learnt.sigma_rad)};
-  }
+  const MotionNoise noise = is_measured_ ? kOfAnyRobot : larger(kOfAnyRobot, continued_.noise());
   return {model.pose() * continued_.step(), noise};
 }
 
@@ -66,12 +66,19 @@ void MotionEstimate::take(MatchResult& result, bool is_matched, std::span<const 
   continued_.take(result.T_map_base, result.accepted);
 }
 
-// A robot that has not moved yet stands for as long as its scans fit where it is as well as anywhere: along a corridor
-// they would else wander, and the motion go on.
+// A robot that has not moved yet stands for as long as its scans fit where it is as well as anywhere and do not tell
+// otherwise: along a corridor they would else wander, and the motion go on. Where few points see the corridor's ends,
+// what they tell is no worse fit for long, but is known. What was held back until then is no motion that goes on.
 void MotionEstimate::settle(MatchResult& result, const KeptScan& scan, const FitsAsWell& fits_as_well) {
-  stands_ = stands_ && fits_as_well(T_map_last_, result.T_map_base);
-  if (stands_) result.T_map_base = T_map_last_;
   const Matrix3 information = match_information(scan);
+  if (stands_) {
+    stands_ = !are_apart(T_map_last_, result.T_map_base, information) && fits_as_well(T_map_last_, result.T_map_base);
+    if (!stands_) {
+      continued_ = ContinuedMotion{};
+      filter_.predict(T_map_last_, kOfAnyRobot);
+    }
+  }
+  if (stands_) result.T_map_base = T_map_last_;
   const PoseFilter::Fused fused = filter_.fused_with(result.T_map_base, information);
   const bool is_leap = !fused.is_possible && !is_within_reach(going_on_, result.T_map_base);
   if (!fused.is_possible && (is_leap || result.doubt == Doubt::kWeakEvidence)) {

@@ -25,6 +25,10 @@ Matrix3 match_information(const KeptScan& scan) {
          lone_information(scan);
 }
 
+bool are_apart(const Pose2& T_map_a, const Pose2& T_map_b, const Matrix3& information) {
+  return squared_norm(information, log_tangent(between(T_map_a, T_map_b))) >= kMostMatchChi2;
+}
+
 void PoseFilter::predict(const Pose2& T_map_predicted, const MotionNoise& noise) {
   const Matrix3 carried = adjoint_matrix(between(T_map_predicted, T_map_base_));
   const double m = noise.sigma_m * noise.sigma_m;

@@ -35,5 +35,7 @@ class PoseFilter {
 
 /// What a match of this scan against a map tells of its pose.
 Matrix3 match_information(const KeptScan& scan);
+/// Whether two poses lie farther apart than a match of this information errs.
+bool are_apart(const Pose2& T_map_a, const Pose2& T_map_b, const Matrix3& information);
 
 }  // namespace gdtslam

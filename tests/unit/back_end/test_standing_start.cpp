@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <memory>
 #include <numbers>
+#include <optional>
 
 #include "gdtslam/core/random.hpp"
 #include "gdtslam/mapping/mapper.hpp"
@@ -44,6 +46,57 @@ TEST(StandingStart, DoesNotSlideAlongACorridor) {
       const MatchResult result = mapper.finish();
       ASSERT_LT(std::hypot(result.T_map_base.x_m, result.T_map_base.y_m), 0.05) << "scan " << i << ", seed " << seed;
     }
+  }
+}
+
+// Two metres wide and closed at both ends, seen in a full circle; ranges to the centimetre.
+LaserScan closed_corridor_scan(double stamp_s, double x_m, double half_length_m, Random& random) {
+  constexpr int kBeams = 720;
+  LaserScan scan;
+  scan.stamp_s = stamp_s;
+  scan.first_bearing_rad = -std::numbers::pi;
+  scan.bearing_step_rad = 2.0 * std::numbers::pi / kBeams;
+  scan.max_range_m = kLongest_m;
+  for (int k = 0; k < kBeams; ++k) {
+    const double bearing_rad = scan.first_bearing_rad + scan.bearing_step_rad * k;
+    const double ahead = std::cos(bearing_rad);
+    const double to_end_m = half_length_m + (ahead > 0.0 ? -x_m : x_m);
+    const double range_m =
+        std::min(1.0 / std::max(1e-9, std::fabs(std::sin(bearing_rad))), to_end_m / std::max(1e-9, std::fabs(ahead)));
+    scan.ranges_m.push_back(static_cast<float>(std::round((range_m + 0.01 * random.normal()) * 100.0) / 100.0));
+  }
+  return scan;
+}
+
+// Without odometry: three and six beams of a hundred see the ends, which is no worse a fit for long.
+TEST(StandingStart, HoldsNobodyWhoDrivesOffWhereTheEndsAreSeen) {
+  const std::unique_ptr<Backend> cpu = make_cpu_backend({});
+  for (const double half_length_m : {10.0, 20.0}) {
+    for (const double step_m : {0.02, 0.05, 0.1, 0.2}) {
+      Random random(1);
+      LoopMapper mapper(MapperConfig{}, *cpu);
+      const double first_m = -0.4 * half_length_m;
+      for (int i = 0; i < 60; ++i) {
+        mapper.start(closed_corridor_scan(0.1 * i, first_m + step_m * i, half_length_m, random), std::nullopt);
+        ASSERT_NEAR(mapper.finish().T_map_base.x_m, step_m * i, 0.05)
+            << "scan " << i << ", " << step_m << " m a scan, " << half_length_m << " m";
+      }
+    }
+  }
+}
+
+TEST(StandingStart, LetsGoWhoStoodAndDrivesOff) {
+  const std::unique_ptr<Backend> cpu = make_cpu_backend({});
+  for (const double step_m : {0.02, 0.05, 0.1}) {
+    Random random(2);
+    LoopMapper mapper(MapperConfig{}, *cpu);
+    double last_m = 0.0;
+    for (int i = 0; i < 140; ++i) {
+      const double way_m = step_m * std::max(0, i - 80);
+      mapper.start(closed_corridor_scan(0.1 * i, way_m - 3.0, 10.0, random), std::nullopt);
+      last_m = mapper.finish().T_map_base.x_m - way_m;
+    }
+    EXPECT_NEAR(last_m, 0.0, 0.05) << step_m;
   }
 }
 

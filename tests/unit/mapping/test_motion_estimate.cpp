@@ -21,6 +21,14 @@ std::vector<Point2> room() {
   return points;
 }
 
+/// Two walls along the way, which tell nothing of it.
+std::vector<Point2> corridor() {
+  std::vector<Point2> points;
+  for (int i = 75; i >= -75; --i) points.emplace_back(0.04 * i, 2.0);
+  for (int i = -75; i <= 75; ++i) points.emplace_back(0.04 * i, -2.0);
+  return points;
+}
+
 class Drive : public testing::Test {
  protected:
   /// What becomes of a match at this pose. The scan fits nowhere else.
@@ -31,13 +39,14 @@ class Drive : public testing::Test {
     result.T_map_base = T_map_matched;
     result.accepted = true;
     is_by_odometry_ = prediction.by_odometry;
-    estimate_.take(result, true, room(), [this](const Pose2&, const Pose2&) { return fits_as_well_; });
+    estimate_.take(result, true, points_, [this](const Pose2&, const Pose2&) { return fits_as_well_; });
     model_.correct(result.T_map_base, result.accepted);
     return result;
   }
 
   MotionModel model_{OdometryConfig{}};
   MotionEstimate estimate_;
+  std::vector<Point2> points_ = room();
   bool is_by_odometry_ = false;
   bool fits_as_well_ = false;  // at the first pose as at the second
 };
@@ -91,13 +100,22 @@ TEST_F(Drive, WhereTheOdometryLeapsTheMatchStands) {
 // A match along a corridor may be anywhere. Who has not moved yet stands for as long as the scan fits there, too, and
 // is not held once it did move.
 TEST_F(Drive, WhoStandsIsMovedByNoMatchThatFitsThereAsWell) {
+  points_ = corridor();
   fits_as_well_ = true;
   const Pose2 odometry{5.0, 6.0, 0.7};
   for (int i = 0; i < 20; ++i) EXPECT_EQ(drive_to({0.03 * i, 0.0, 0.0}, odometry).T_map_base, Pose2{}) << i;
+  points_ = room();
   fits_as_well_ = false;
   EXPECT_NEAR(drive_to({0.1, 0.0, 0.0}, odometry).T_map_base.x_m, 0.1, 0.01);
   fits_as_well_ = true;
   EXPECT_GT(drive_to({0.2, 0.0, 0.0}, odometry).T_map_base.x_m, 0.12);
+}
+
+// What the scan does tell is believed, though it fits about as well where the robot stood: few points may see the end.
+TEST_F(Drive, WhoStandsIsMovedByAMatchThatKnowsTheWay) {
+  fits_as_well_ = true;
+  drive_to({}, std::nullopt);
+  EXPECT_NEAR(drive_to({0.1, 0.0, 0.0}, std::nullopt).T_map_base.x_m, 0.1, 0.01);
 }
 
 // Who says where in a map a robot is may be some cells off: the first match tells better.
