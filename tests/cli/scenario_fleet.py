@@ -306,6 +306,12 @@ def fleet_bad_input():
         one_error_line(process.stderr)
         expect(words in process.stderr, process.stderr)
         expect(not atlas.exists(), "something was written")
+    (folder / "site").mkdir()
+    (folder / "site/index.html").write_text("somebody's")
+    process = command("fleet", "plan", logs, "-o", folder / "site")
+    expect_exit(process, 2)
+    expect("index.html, which an atlas would replace" in process.stderr, process.stderr)
+    expect(os.listdir(folder / "site") == ["index.html"], "something was written")
     planned(atlas, logs)
     clean = environment(SLURM_ARRAY_TASK_ID=None, AWS_BATCH_JOB_ARRAY_INDEX=None, JOB_COMPLETION_INDEX=None)
     for arguments, code, words in ((("plan", logs, "-o", atlas, "--set", "map.resolution=10 cm"), 2, "has another plan"),

@@ -265,7 +265,7 @@ def reproduce_leaves_others_alone():
     reproduced(folder, "--only", "fig3")
     expect(not (folder / "work/wall").exists() and (folder / "work/film/frame.png").exists(), "kept runs do not go, or more goes")
 
-    for name, part in (("work/wall", "figA"), ("parts/fig3", "fig3"), ("parts/fig3.making", "fig3")):
+    for name, part in (("work/wall", "figA"), ("parts/fig3", "fig3"), ("parts/fig3.making", "fig3"), ("report.md", "fig3")):
         folder = cli.fresh_folder("reproduce_others")
         (folder / name).mkdir(parents=True)
         (folder / name / "precious").write_text("precious")

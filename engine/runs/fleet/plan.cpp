@@ -181,6 +181,12 @@ bool write_plan(const std::string& atlas, const FleetPlan& plan) {
   if (!fs::exists(file, ignored)) {
     if (fs::exists(atlas + "/units", ignored))
       throw UsageError(fmt::format("--output: {} has units of a plan that is gone: give a new folder", atlas));
+    for (const char* const name :
+         {"index.html", "summary.csv", "atlas.json", "runs", "shards", "nodes", "slurm", "staging"}) {
+      if (!fs::exists(atlas + "/" + name, ignored)) continue;
+      throw UsageError(fmt::format("--output: {} has no plan, but {}, which an atlas would replace: give a new folder",
+                                   atlas, name));
+    }
     make_folder(atlas);
     AtomicFile written(file);
     written.write(text);

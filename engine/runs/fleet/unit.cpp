@@ -1,6 +1,7 @@
 #include "unit.hpp"
 
 #include <memory>
+#include <string>
 
 #include "atlas_hash.hpp"
 #include "engine/io/atomic_file.hpp"
@@ -112,6 +113,16 @@ void take_results(const std::string& run_folder, UnitRecord& record) {
   record.result_sha256 = result_sha256_of(run_folder);
 }
 
+/// Of a run that lies in the atlas without its record.
+void take_kept_results(const std::string& kept, const Settings& settings, UnitRecord& record) {
+  require_run_of_plan(kept, settings);
+  try {
+    take_results(kept, record);
+  } catch (const InputError& error) {
+    throw FileError(kept, "is damaged: " + said_in_atlas(error.what()));
+  }
+}
+
 }  // namespace
 
 Settings plan_settings(const FleetPlan& plan) {
@@ -144,8 +155,7 @@ UnitRecord do_unit(const UnitWork& work) {
       move_into_atlas(run_folder, work.atlas, record.run, work.staging);
     }
   } else {
-    require_run_of_plan(kept, work.settings);
-    take_results(kept, record);
+    take_kept_results(kept, work.settings, record);
   }
   watch.add_to(record.wall_s, record.cpu_s);
   require_same_atlas(work.atlas, work.stored);

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 
@@ -66,6 +67,7 @@ std::string output_of(const std::vector<std::string>& words) {
   }
   ::close(ends[0]);
   if (code != 0) throw Error(ExitCode::kFailed, words.front() + " cannot be started: " + errno_text(code));
+  if (text.size() > kMostBytes) ::kill(process, SIGKILL);  // it may print for ever, whoever reads
   int status = 0;
   while (::waitpid(process, &status, 0) < 0 && errno == EINTR) {
   }

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -65,6 +67,12 @@ Host host_of(const DeviceOptions& device) {
 }
 
 const std::string& folder_made(const std::string& folder) {
+  std::error_code ignored;
+  for (const char* const name : {"/report.html", "/report.md"}) {
+    if (!std::filesystem::exists(folder + name, ignored) || std::filesystem::exists(folder + "/parts", ignored))
+      continue;
+    throw FileError(folder + name, "was not made by gdtslam reproduce, which would replace it; give another folder");
+  }
   make_folder(folder);
   return folder;
 }
