@@ -105,7 +105,8 @@ def hostile_logs():
         scans = good[:size].count(b"\n")
         tail = good[:size].rsplit(b"\n", 1)[-1].split()
         scans += len(tail) == len(words)  # only the end of the last word is missing, which is not used
-        hostile_log("cut", good[:size], 0 if scans else 65, f"^{scans} scans" if scans else "no complete CARMEN message")
+        said = f"^{scans} scan{'s' if scans > 1 else ''}, "
+        hostile_log("cut", good[:size], 0 if scans else 65, said if scans else "no complete CARMEN message")
 
 
 def hostile_report():
