@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "byte_source.hpp"
-#include "engine/core/digits.hpp"
+#include "engine/core/ascii.hpp"
 #include "engine/core/files/folder_calls.hpp"
 #include "engine/core/files/interruption.hpp"
 #include "engine/core/files/retried.hpp"

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "carmen.hpp"
+#include "engine/core/ascii.hpp"
 #include "engine/io/binary/log_copy.hpp"
 #include "engine/io/byte_source.hpp"
 #include "engine/io/log_contents.hpp"
@@ -113,15 +114,6 @@ std::string beginning_of(ByteSource& source) {
   return text;
 }
 
-// Names of columns are read so.
-std::string in_lower_case(std::string_view text) {
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : static_cast<char>(c);
-  });
-  return lower;
-}
-
 std::string_view without_blanks_before(std::string_view line) {
   return line.substr(std::min(line.find_first_not_of(" \t\r"), line.size()));
 }
@@ -159,7 +151,7 @@ bool has_log_text(std::string_view text) {
     if (!is_first || line.empty() || line.starts_with('#')) continue;
     is_first = false;
     const bool is_object = line.starts_with('{');
-    const std::string named = in_lower_case(is_object ? text.substr(begin) : line);
+    const std::string named = in_small_letters(is_object ? text.substr(begin) : line);
     // The ranges of an object may come first, and be more than is looked at.
     if (is_object && names_any(named, {"ranges"})) return true;
     if (names_any(named, {"stamp", "timestamp", "time"}) &&

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cctype>
+#include <array>
 
+#include "engine/core/ascii.hpp"
 #include "engine/io/clouds/cloud_words.hpp"
 #include "engine/io/message_text.hpp"
 #include "mesh_builder.hpp"
@@ -32,19 +32,12 @@ void read_binary(CloudInput& input, std::uint64_t triangles, MeshBuilder& mesh) 
   }
 }
 
-std::string small_letters(std::string_view word) {
-  std::string small(word);
-  std::transform(small.begin(), small.end(), small.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return small;
-}
-
 void read_text(CloudInput& input, MeshBuilder& mesh) {
   std::vector<std::uint32_t> corners;
   while (const std::optional<std::string_view> line = input.line()) {
     mesh.begin_line(input.line_number());
     const std::vector<std::string_view> words = words_of(*line);
-    const std::string word = words.empty() ? "" : small_letters(words[0]);
+    const std::string word = words.empty() ? "" : in_small_letters(words[0]);
     if (word == "vertex") {
       if (corners.size() == MeshBuilder::kMostCorners) mesh.fail("the facet has no 'endfacet'");
       corners.push_back(static_cast<std::uint32_t>(mesh.vertex_count()));
@@ -76,7 +69,7 @@ void read_stl(CloudInput& input, std::uint64_t bytes, MeshBuilder& mesh) {
     return;
   }
   const char* const beginning = input.peek(5);
-  if (beginning == nullptr || small_letters({beginning, 5}) != "solid") {
+  if (beginning == nullptr || in_small_letters({beginning, 5}) != "solid") {
     throw InputError({input.name(), 0}, header == nullptr
                                             ? "is no STL: it neither begins with 'solid' nor has a header of 84 bytes"
                                             : fmt::format("is neither STL that begins with 'solid' nor as long as the "

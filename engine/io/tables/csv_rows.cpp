@@ -7,6 +7,7 @@
 #include <limits>
 #include <unordered_set>
 
+#include "engine/core/ascii.hpp"
 #include "engine/io/decimal.hpp"
 #include "engine/io/message_text.hpp"
 
@@ -20,14 +21,6 @@ std::string_view trimmed(std::string_view text) {
   const std::size_t begin = text.find_first_not_of(kBlanks);
   if (begin == std::string_view::npos) return {};
   return text.substr(begin, text.find_last_not_of(kBlanks) + 1 - begin);
-}
-
-std::string in_small_letters(std::string_view text) {
-  std::string small(text);
-  for (char& c : small) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return small;
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include <system_error>
 #include <utility>
 
-#include "engine/core/digits.hpp"
+#include "engine/core/ascii.hpp"
 #include "engine/core/files/folder_calls.hpp"
 #include "engine/core/worker_pool.hpp"
 #include "engine/io/atomic_file.hpp"

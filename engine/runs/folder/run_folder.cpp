@@ -13,7 +13,7 @@
 #include <new>
 #include <system_error>
 
-#include "engine/core/digits.hpp"
+#include "engine/core/ascii.hpp"
 #include "engine/core/files/folder_calls.hpp"
 #include "engine/core/files/retried.hpp"
 #include "engine/io/atomic_file.hpp"

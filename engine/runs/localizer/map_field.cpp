@@ -35,14 +35,6 @@ std::string description_file_of(const std::string& map) {
   return map;
 }
 
-// All keys of a map.yaml that are its own may be missing; a gdt.yaml has its version.
-bool is_occupancy_map(const std::string& path) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return false;
-  const DescriptionFile file(path);
-  return file.has("occupied_thresh") || !(file.has("version") || file.has("scale") || file.has("cap"));
-}
-
 // Cells far smaller than any laser tells apart, or larger than any room, are a mistake in the file.
 void check_geometry(const GridGeometry& grid, const std::string& path) {
   constexpr double kFinest_m = 0.001;
@@ -141,6 +133,13 @@ PoseWindow MapField::known_window() const {
           .half_x_m = 0.5 * r * known.width(),
           .half_y_m = 0.5 * r * known.height(),
           .half_theta_rad = kPi};
+}
+
+bool is_occupancy_map(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return false;
+  const DescriptionFile file(path);
+  return file.has("occupied_thresh") || !(file.has("version") || file.has("scale") || file.has("cap"));
 }
 
 bool looks_like_map(const std::string& path) {

@@ -37,6 +37,10 @@ struct MapField {
 /// Whether that is a folder with a gdt.yaml, or a file that may be a map's description by its name.
 bool looks_like_map(const std::string& path);
 
+/// Whether the description is of an occupancy map, whose own keys may all be missing, and not of a field, which has its
+/// version. False for what is no file. Throws InputError.
+bool is_occupancy_map(const std::string& path);
+
 /// `map` is a run folder, its gdt.yaml, or the map.yaml of an occupancy map, whose distances are kept up to
 /// `config.truncation_m`. Throws InputError, also where no cell of it is occupied; FileError.
 MapField read_map_field(const std::string& map, const MapConfig& config, Isa isa);

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/core/digits.hpp"
+#include "engine/core/ascii.hpp"
 #include "engine/core/files/folder_calls.hpp"
 #include "engine/core/files/retried.hpp"
 #include "engine/runs/folder/folder_lock.hpp"

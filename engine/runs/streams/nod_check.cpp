@@ -7,6 +7,15 @@
 #include "log_check.hpp"
 
 namespace gdtslam {
+namespace {
+
+template <class Value>
+void widen(Value& lowest, Value& highest, Value value, bool is_first) {
+  lowest = is_first ? value : std::min(lowest, value);
+  highest = is_first ? value : std::max(highest, value);
+}
+
+}  // namespace
 
 void NodChecker::add_time(double stamp_s) {
   if (!first_s_) {
@@ -37,9 +46,7 @@ void NodChecker::add_step(double step) {
 
 void NodChecker::add(const Encoder& message) {
   add_time(message.stamp_s);
-  if (check_.encoder_records++ == 0) check_.lowest_ticks = check_.highest_ticks = message.ticks;
-  check_.lowest_ticks = std::min(check_.lowest_ticks, message.ticks);
-  check_.highest_ticks = std::max(check_.highest_ticks, message.ticks);
+  widen(check_.lowest_ticks, check_.highest_ticks, message.ticks, check_.encoder_records++ == 0);
   if (last_encoder_) {
     const double step = static_cast<double>(message.ticks) - static_cast<double>(last_encoder_->ticks);
     const double range = static_cast<double>(check_.highest_ticks) - static_cast<double>(check_.lowest_ticks);
@@ -54,9 +61,7 @@ void NodChecker::add(const Encoder& message) {
 
 void NodChecker::add(const Tilt& message) {
   add_time(message.stamp_s);
-  if (check_.tilt_records++ == 0) check_.lowest_tilt_rad = check_.highest_tilt_rad = message.elevation_rad;
-  check_.lowest_tilt_rad = std::min(check_.lowest_tilt_rad, message.elevation_rad);
-  check_.highest_tilt_rad = std::max(check_.highest_tilt_rad, message.elevation_rad);
+  widen(check_.lowest_tilt_rad, check_.highest_tilt_rad, message.elevation_rad, check_.tilt_records++ == 0);
   if (last_tilt_rad_) add_step(message.elevation_rad - *last_tilt_rad_);
   last_tilt_rad_ = message.elevation_rad;
 }

@@ -9,7 +9,7 @@
 #include <limits>
 #include <utility>
 
-#include "engine/core/digits.hpp"
+#include "engine/core/ascii.hpp"
 #include "engine/core/files/folder_calls.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/io/sha256.hpp"

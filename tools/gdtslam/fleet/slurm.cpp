@@ -11,7 +11,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "engine/core/digits.hpp"
+#include "engine/core/ascii.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"

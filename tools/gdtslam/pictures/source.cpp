@@ -17,6 +17,7 @@
 #include "engine/io/message_text.hpp"
 #include "engine/runs/inputs/given_files.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
+#include "engine/runs/localizer/map_field.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/cloud_file.hpp"
@@ -103,11 +104,7 @@ RenderKind kind_of_file(const std::string& path) {
     return RenderKind::kCloud;
   }
   if (has_line(head, "gdtslam_linkage:")) return RenderKind::kLinkage;
-  if (has_line(head, "image:")) {
-    const bool has_own = has_line(head, "version:") || has_line(head, "scale:") || has_line(head, "cap:");
-    const bool is_field = has_own && !has_line(head, "occupied_thresh:");  // as `localize` tells them
-    return is_field ? RenderKind::kField : RenderKind::kMap;
-  }
+  if (has_line(head, "image:")) return is_occupancy_map(path) ? RenderKind::kMap : RenderKind::kField;
   const bool is_picture = head.starts_with("\x89PNG") || head.starts_with("P5") || head.starts_with("P2");
   if (is_picture) {
     throw InputError({path, 0}, "is a picture; give the .yaml beside it, or the folder of the run");

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/core/digits.hpp"
+#include "engine/core/ascii.hpp"
 #include "engine/io/did_you_mean.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/console.hpp"
