@@ -184,6 +184,10 @@ BeamTiming beam_timing(const SweepModel& model, std::size_t beams, double bearin
   return timing;
 }
 
+BeamTiming beam_timing(const SweepModel& model, const LaserScan& scan) {
+  return stated_timing(scan).value_or(beam_timing(model, scan.ranges_m.size(), scan.bearing_step_rad));
+}
+
 double quantisation_bound_m(const SweepModel& model, double range_m, double range_resolution_m) {
   const ElevationTable table = elevation_table(model, kTableBits);
   const double steps = static_cast<double>(table.values_rad().size() - 1);

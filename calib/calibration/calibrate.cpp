@@ -86,8 +86,8 @@ Attempt attempt(const Setup& start, const std::vector<RangeObservation>& observa
   return result;
 }
 
-double mean_miss_m(const Setup& setup, const std::vector<RangeObservation>& observations,
-                   const CalibrationOptions& options) {
+double mean_assigned_miss_m(const Setup& setup, const std::vector<RangeObservation>& observations,
+                            const CalibrationOptions& options) {
   const std::size_t step = std::max<std::size_t>(1, observations.size() / kObservations);
   double sum = 0.0;
   std::size_t count = 0;
@@ -123,7 +123,7 @@ SweepModel best_zero(const Setup& setup, const SweepModel& model, const std::vec
   for (std::size_t k = 0; k < kZeros; ++k) {
     const double turn = static_cast<double>(k) / static_cast<double>(kZeros);
     trial.model.encoder.zero_rad = wrap_angle(model.encoder.zero_rad + kTwoPi * turn);
-    const double miss = mean_miss_m(trial, observations, options);
+    const double miss = mean_assigned_miss_m(trial, observations, options);
     if (miss < least) {
       least = miss;
       best = trial.model;
@@ -193,6 +193,7 @@ CalibrationResult result_of(const Attempt& attempt, const CalibrationOptions& op
   }
   CalibrationResult result;
   result.model = found.model;
+  result.model.encoder.zero_rad = wrap_angle(found.model.encoder.zero_rad);
   result.surfaces = found.surfaces;
   result.parameters = described(attempt.parameters, attempt.fit.x, seen);
   result.covariance = row_major(scales.asDiagonal() * seen.covariance * scales.asDiagonal());

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/core/quantile.hpp"
+#include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "observability.hpp"
 #include "self_calibration.hpp"
@@ -258,6 +259,7 @@ class SelfCalibration {
   SelfCalibrationResult finished() {
     const Setup found = setup_at(start_, parameters_, x_);
     result_.model = found.model;
+    result_.model.encoder.zero_rad = wrap_angle(found.model.encoder.zero_rad);
     result_.median_miss_m = median_size(misses_of(assembled(x_)));
     result_.pairs = static_cast<std::uint32_t>(pairs_.size());
     const Observability seen = observability_of(linear_.jacobian, parameters_);

@@ -142,18 +142,40 @@ double measured_elevation_rad(const NoddingMount& mount, const CalibrationSurfac
   return std::fabs(wrap_angle(above - near_rad)) <= std::fabs(wrap_angle(below - near_rad)) ? above : below;
 }
 
+namespace {
+
+// Of the surface that the model expects the observation to meet first, which it is given; none where it meets none.
+std::optional<double> miss_of_first(const SweepModel& model, const std::vector<CalibrationSurface>& surfaces,
+                                    RangeObservation& seen) {
+  const std::optional<double> elevation = elevation_rad(model, crank_rad(model.encoder, seen.ticks));
+  if (!elevation) return std::nullopt;
+  const std::optional<std::uint32_t> first = first_surface(model, surfaces, *elevation, seen.bearing_rad);
+  if (!first) return std::nullopt;
+  seen.surface = *first;
+  const std::optional<SurfaceMiss> miss = surface_miss(model, surfaces[*first], seen);
+  return miss ? std::optional(std::fabs(miss->miss_m)) : std::nullopt;
+}
+
+}  // namespace
+
 std::size_t assign_surfaces(const SweepModel& model, const std::vector<CalibrationSurface>& surfaces, double gate_m,
                             std::vector<RangeObservation>& observations) {
   const auto is_off = [&](RangeObservation& seen) {
-    const std::optional<double> elevation = elevation_rad(model, crank_rad(model.encoder, seen.ticks));
-    if (!elevation) return true;
-    const std::optional<std::uint32_t> first = first_surface(model, surfaces, *elevation, seen.bearing_rad);
-    if (!first) return true;
-    seen.surface = *first;
-    const std::optional<SurfaceMiss> miss = surface_miss(model, surfaces[*first], seen);
-    return !miss || !(std::fabs(miss->miss_m) <= gate_m);
+    const std::optional<double> miss_m = miss_of_first(model, surfaces, seen);
+    return !miss_m || !(*miss_m <= gate_m);
   };
   return std::erase_if(observations, is_off);
+}
+
+double mean_miss_m(const SweepModel& model, const std::vector<CalibrationSurface>& surfaces, double most_m,
+                   const std::vector<RangeObservation>& observations) {
+  if (observations.empty()) return 0.0;
+  double sum_m = 0.0;
+  for (RangeObservation seen : observations) {
+    const std::optional<double> miss_m = miss_of_first(model, surfaces, seen);
+    sum_m += miss_m && *miss_m < most_m ? *miss_m : most_m;
+  }
+  return sum_m / static_cast<double>(observations.size());
 }
 
 }  // namespace gdtslam::calib

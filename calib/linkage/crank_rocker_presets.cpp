@@ -1,4 +1,5 @@
 // The linkages of the paper: its lengths under three readings of its figure, nominal and as calibrated there.
+#include <algorithm>
 #include <array>
 
 #include "gdtslam/calib/calibration.hpp"
@@ -59,9 +60,12 @@ const LinkagePreset& linkage_preset(std::string_view name) {
 }
 
 std::vector<PaperBar> paper_bars(const std::string& model_name) {
-  if (!model_name.starts_with("paper-") || model_name.size() < 7) return {};
-  const auto number = static_cast<std::size_t>(model_name[6] - 'a');
-  if (number >= kReadings.size()) return {};
+  const std::vector<LinkagePreset>& presets = linkage_presets();
+  const auto preset = std::find_if(presets.begin(), presets.end(),
+                                   [&](const LinkagePreset& known) { return known.name == model_name; });
+  if (preset == presets.end()) return {};
+  constexpr std::size_t kPresetsOfReading = 2;  // as drawn, and calibrated
+  const std::size_t number = static_cast<std::size_t>(preset - presets.begin()) / kPresetsOfReading;
   std::vector<PaperBar> bars(kNominal_um.size());
   for (std::size_t k = 0; k < bars.size(); ++k) bars[k].name = "delta" + std::to_string(k + 1);
   const Reading& reading = kReadings.at(number);

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "convert.hpp"
+#include "engine/core/files/interruption.hpp"
 #include "engine/runs/streams/warning_text.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/runs/map_log.hpp"
@@ -27,10 +28,22 @@ class Watcher {
   void tell(const char* step, std::uint64_t scans, double share) {
     if (request_.progress != nullptr && request_.progress(request_.user_data, step, scans, share) != 0) ended_ = true;
   }
+  void tell_scans(std::uint64_t scans, double share) {
+    scans_ = scans;
+    share_ = share;
+    tell("scans", scans, share);
+  }
+  /// Once more, where a signal interrupts a wait for the next one.
+  bool wants_end_of_wait() {
+    tell_scans(scans_, share_);
+    return ended_;
+  }
   [[nodiscard]] bool has_ended() const { return ended_; }
 
  private:
   const gdtslam_map_request& request_;
+  std::uint64_t scans_ = 0;
+  double share_ = -1.0;
   bool ended_ = false;
 };
 
@@ -53,7 +66,7 @@ MapRequest request_of(const gdtslam_map_request& given, Watcher& watcher) {
   request.with_pictures = !has(GDTSLAM_NO_PICTURES);
   request.on_failure.cpu.threads = threads.count;
   request.on_failure.loops_beside = threads.loops_beside;
-  request.progress = [&watcher](std::uint64_t scans, double share) { watcher.tell("scans", scans, share); };
+  request.progress = [&watcher](std::uint64_t scans, double share) { watcher.tell_scans(scans, share); };
   request.closing = [&watcher](std::string_view step, double share) {
     watcher.tell(std::string(step).c_str(), 0, share);
   };
@@ -79,6 +92,7 @@ void map_into(const gdtslam_map_request& given, gdtslam_run** run) {
   Watcher watcher(given);
   const MapRequest request = request_of(given, watcher);
   const std::unique_ptr<Backend> backend = make_cpu_backend({.threads = threads_of(given.threads).count, .isa = {}});
+  const AskedAfterSignals asked([&watcher] { return watcher.wants_end_of_wait(); });
   const MapResult result = map_logs(request, *backend);
   if (request.warn) {
     for (const LogReader::Warning& warning : result.outcome.warnings) request.warn(warning_text(warning));

@@ -1,42 +1,114 @@
 // Scans of logs with the odometry that belongs to them.
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "convert.hpp"
+#include "engine/core/files/interruption.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "guard.hpp"
 #include "options.hpp"
 #include "structs.hpp"
 
-struct gdtslam_reader {
-  gdtslam_reader(std::vector<std::string> logs, const gdtslam::ReadOptions& options)
-      : scans(std::move(logs), options, {}) {}
+namespace gdtslam::c {
 
+/// Who has opened a reader: asked, where a signal interrupts the wait for a pipe, whether that goes on.
+class ReaderCaller {
+ public:
+  explicit ReaderCaller(const gdtslam_reader_request& request)
+      : progress_(request.progress), user_data_(request.user_data) {}
+
+  /// What the work gives, which may wait. Where the caller ends that, or throws, the log seems to end there, perhaps in
+  /// the middle of a scan; so nothing is read of it any more: throws Error(kInterrupted), then and later.
+  template <class Work>
+  auto unless_interrupted(std::uint64_t scans, const Work& work) {
+    const AskedAfterSignals asked([this, scans] { return wants_end(scans); });
+    try {
+      refuse_where_interrupted();
+      auto result = work();
+      refuse_where_interrupted();
+      return result;
+    } catch (const Error& problem) {  // perhaps of a log that ends too early
+      if (problem.code() != ExitCode::kInterrupted) refuse_where_interrupted();
+      throw;
+    }
+  }
+
+ private:
+  bool wants_end(std::uint64_t scans) {
+    if (progress_ == nullptr) return false;
+    is_interrupted_ = true;
+    is_interrupted_ = progress_(user_data_, "scans", scans, -1.0) != 0;
+    return is_interrupted_;
+  }
+  void refuse_where_interrupted() const {
+    if (!is_interrupted_) return;
+    throw Error(ExitCode::kInterrupted, "interrupted while the log gave nothing; open it again");
+  }
+
+  gdtslam_progress progress_;
+  void* user_data_;
+  bool is_interrupted_ = false;
+};
+
+}  // namespace gdtslam::c
+
+struct gdtslam_reader {
+  gdtslam_reader(const gdtslam_reader_request& request, std::vector<std::string> logs,
+                 const gdtslam::ReadOptions& options)
+      : caller(request),
+        scans(caller.unless_interrupted(0, [&] { return gdtslam::ScanStream(std::move(logs), options, {}); })) {}
+
+  gdtslam::c::ReaderCaller caller;
   gdtslam::ScanStream scans;
   gdtslam::ScanRecord last;
   std::vector<gdtslam::LogReader::Warning> warnings;  ///< those that were last given out
 };
 
+namespace {
+
+using namespace gdtslam;
 using namespace gdtslam::c;
+
+void open_reader(const gdtslam_reader_request& given, gdtslam_reader** reader, const std::string& call) {
+  require(given.logs, (call + ": logs").c_str());
+  if (given.log_count == 0) throw UsageError(call + ": no log");
+  if ((given.flags & ~static_cast<uint32_t>(GDTSLAM_LENIENT)) != 0 || given.reserved != 0) {
+    throw UsageError(call + ": a flag that means nothing here");
+  }
+  std::vector<std::string> logs;
+  for (std::size_t k = 0; k < given.log_count; ++k) {
+    require(given.logs[k], (call + ": a log").c_str());
+    logs.emplace_back(given.logs[k]);
+  }
+  const ReadOptions options = read_options_of(settings_of(given.options).log, (given.flags & GDTSLAM_LENIENT) != 0);
+  *reader = std::make_unique<gdtslam_reader>(given, std::move(logs), options).release();
+}
+
+}  // namespace
+
+gdtslam_status gdtslam_reader_new(const gdtslam_reader_request* request, gdtslam_reader** reader,
+                                  gdtslam_error* error) {
+  return guarded(error, [&] {
+    require_result(reader, "gdtslam_reader_new: reader");
+    constexpr std::size_t kLeast = GDTSLAM_SIZE_WITH(gdtslam_reader_request, log_count);
+    open_reader(read_struct(request, kLeast, "gdtslam_reader_new: request"), reader, "gdtslam_reader_new");
+  });
+}
 
 gdtslam_status gdtslam_reader_open(const char* const* logs, size_t log_count, const gdtslam_options* options,
                                    uint32_t flags, gdtslam_reader** reader, gdtslam_error* error) {
   return guarded(error, [&] {
     require_result(reader, "gdtslam_reader_open: reader");
-    require(logs, "gdtslam_reader_open: logs");
-    if (log_count == 0) throw gdtslam::UsageError("gdtslam_reader_open: no log");
-    if ((flags & ~static_cast<uint32_t>(GDTSLAM_LENIENT)) != 0) {
-      throw gdtslam::UsageError("gdtslam_reader_open: a flag that means nothing here");
-    }
-    std::vector<std::string> paths;
-    for (size_t k = 0; k < log_count; ++k) {
-      require(logs[k], "gdtslam_reader_open: a log");
-      paths.emplace_back(logs[k]);
-    }
-    const gdtslam::ReadOptions read =
-        gdtslam::read_options_of(settings_of(options).log, (flags & GDTSLAM_LENIENT) != 0);
-    *reader = std::make_unique<gdtslam_reader>(std::move(paths), read).release();
+    gdtslam_reader_request request{};
+    request.logs = logs;
+    request.log_count = log_count;
+    request.options = options;
+    request.flags = flags;
+    open_reader(request, reader, "gdtslam_reader_open");
   });
 }
 
@@ -49,7 +121,8 @@ gdtslam_status gdtslam_reader_next(gdtslam_reader* reader, gdtslam_scan* scan, i
     *has_scan = 0;
     require(reader, "gdtslam_reader_next: reader");
     require(scan, "gdtslam_reader_next: scan");
-    std::optional<gdtslam::ScanRecord> record = reader->scans.next();
+    std::optional<ScanRecord> record =
+        reader->caller.unless_interrupted(reader->scans.scans_read(), [reader] { return reader->scans.next(); });
     if (!record) return;
     reader->last = std::move(*record);
     write_struct(to_c(reader->last), scan, "gdtslam_reader_next: scan");
@@ -69,7 +142,7 @@ gdtslam_status gdtslam_reader_warning(gdtslam_reader* reader, size_t index, gdts
     require(reader, "gdtslam_reader_warning: reader");
     reader->warnings = reader->scans.warnings();
     if (index >= reader->warnings.size()) return;
-    const gdtslam::LogReader::Warning& w = reader->warnings[index];
+    const LogReader::Warning& w = reader->warnings[index];
     write_struct<gdtslam_log_warning>({.size = 0, .kind = w.kind.c_str(), .first = w.first.c_str(), .count = w.count},
                                       warning, "gdtslam_reader_warning: warning");
     *has_warning = 1;

@@ -1,6 +1,7 @@
 #include "run.hpp"
 
 #include <memory>
+#include <mutex>
 
 #include "convert.hpp"
 #include "engine/io/byte_source.hpp"
@@ -51,6 +52,7 @@ gdtslam_status gdtslam_run_trajectory(gdtslam_run* run, const gdtslam_stamped_po
     require_result(poses, "gdtslam_run_trajectory: poses");
     require(count, "gdtslam_run_trajectory: count");
     require(run, "gdtslam_run_trajectory: run");
+    const std::lock_guard lock(run->mutex);
     if (!run->trajectory) run->trajectory = to_c(run->reader.trajectory());
     *poses = run->trajectory->data();
     *count = run->trajectory->size();

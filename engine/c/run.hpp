@@ -1,6 +1,7 @@
-// The folder of a run, read when it is asked for.
+// The folder of a run, read when it is asked for, by several threads at once.
 #pragma once
 
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,5 +15,7 @@ struct gdtslam_run {
   gdtslam::RunReader reader;
   std::string report;
   std::string trajectory_sha256;
-  std::optional<std::vector<gdtslam_stamped_pose>> trajectory;  ///< once it was asked for, or made
+  /// Stays where it is once it was asked for, or made; under the lock.
+  std::optional<std::vector<gdtslam_stamped_pose>> trajectory;
+  std::mutex mutex;
 };

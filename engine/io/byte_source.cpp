@@ -9,6 +9,8 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "engine/core/files/interruption.hpp"
@@ -34,18 +36,19 @@ class FileSource final : public ByteSource {
       throw FileError(name_, "is a folder; give a file");
     }
     is_pipe_ = known && S_ISFIFO(status.st_mode);
-    if (known && S_ISREG(status.st_mode)) {
-      size_ = static_cast<std::uint64_t>(status.st_size);
-    }
+    is_file_ = known && S_ISREG(status.st_mode);
+    if (is_file_) size_ = static_cast<std::uint64_t>(status.st_size);
   }
   ~FileSource() override { close_file(); }
 
   std::size_t read(std::span<char> target) override {
     ssize_t count = -1;
-    do {
-      if (is_pipe_ && is_asked_to_end()) return 0;
+    for (;;) {
+      if (is_over()) return 0;
       count = ::read(descriptor_, target.data(), target.size());
-    } while (count < 0 && errno == EINTR);
+      if (count >= 0 || errno != EINTR) break;
+      AskedAfterSignals::ask();
+    }
     if (count < 0) throw FileError(name_, fmt::format("cannot be read: {}", errno_text(errno)));
     position_ += static_cast<std::uint64_t>(count);
     return static_cast<std::size_t>(count);
@@ -56,6 +59,9 @@ class FileSource final : public ByteSource {
   [[nodiscard]] std::uint64_t bytes_from_file() const override { return position_; }
 
  private:
+  [[nodiscard]] bool is_over() const {
+    return (is_pipe_ && is_asked_to_end()) || (!is_file_ && AskedAfterSignals::has_ended());
+  }
   void close_file() {
     if (descriptor_ > STDIN_FILENO) {
       ::close(descriptor_);
@@ -66,6 +72,7 @@ class FileSource final : public ByteSource {
   std::string name_;
   int descriptor_ = -1;
   bool is_pipe_ = false;  // whose writer may let it wait
+  bool is_file_ = false;  // that has what it has; else a pipe, a terminal or another device
   std::uint64_t size_ = 0;
   std::uint64_t position_ = 0;
 };
@@ -125,13 +132,22 @@ std::uint64_t free_kept_bytes() {
   return static_cast<std::uint64_t>(mib) << 20U;
 }
 
+// A pipe that comes after the end gives nothing: nobody waits for its writer.
+bool is_left_out(const std::string& path) {
+  std::error_code ignored;
+  return AskedAfterSignals::has_ended() && std::filesystem::is_fifo(path, ignored);
+}
+
 }  // namespace
 
 int open_to_read(const std::string& path) {
+  const char* const name = is_left_out(path) ? "/dev/null" : path.c_str();
   for (;;) {
-    const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    const int descriptor = ::open(name, O_RDONLY | O_CLOEXEC);
     if (descriptor >= 0 || errno != EINTR) return descriptor;
-    if (is_asked_to_end()) throw Error(ExitCode::kInterrupted, "interrupted while '" + path + "' had no writer");
+    AskedAfterSignals::ask();
+    if (is_asked_to_end() || AskedAfterSignals::has_ended())
+      throw Error(ExitCode::kInterrupted, "interrupted while '" + path + "' had no writer");
   }
 }
 

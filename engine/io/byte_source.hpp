@@ -26,10 +26,10 @@ class ByteSource {
 };
 
 /// A descriptor of a file to read, or below 0 with errno. A named pipe waits for its writer; Error(kInterrupted) where
-/// the process is asked to end meanwhile (interruption.hpp).
+/// the process or this thread is asked to end meanwhile (interruption.hpp).
 int open_to_read(const std::string& path);
-/// A file, "-" being standard input; FileError when it cannot be opened, also when it is a folder. Where the process is
-/// asked to end while a read waits, that is the end of the input.
+/// A file, "-" being standard input; FileError when it cannot be opened, also when it is a folder. Where the process or
+/// this thread is asked to end while a read waits, that is the end of the input.
 std::unique_ptr<ByteSource> open_file_source(const std::string& path);
 std::unique_ptr<ByteSource> open_memory_source(std::span<const std::byte> data);
 /// The bytes that were read of a source to know what it is, then the rest of it.

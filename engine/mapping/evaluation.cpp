@@ -91,27 +91,10 @@ std::vector<std::size_t> stretches_of(const Trajectory& trajectory, double toler
 }
 
 /// How many stamps of a trajectory occur in two stretches of another, within the tolerance.
-std::size_t count_ambiguous(const Trajectory& asking, const Trajectory& asked,
-                            const std::vector<std::size_t>& stretches, double tolerance_s) {
-  if (stretches.empty() || stretches.back() == 0) return 0;
-  std::vector<std::pair<double, std::size_t>> by_stamp;
-  for (std::size_t i = 0; i < asked.size(); ++i) {
-    if (std::isfinite(asked[i].stamp_s)) by_stamp.emplace_back(asked[i].stamp_s, stretches[i]);
-  }
-  std::sort(by_stamp.begin(), by_stamp.end());
-  std::vector<std::size_t> next_other(by_stamp.size(), by_stamp.size());  // the next one that is of another stretch
-  for (std::size_t i = by_stamp.size(); i-- > 1;) {
-    next_other[i - 1] = by_stamp[i - 1].second != by_stamp[i].second ? i : next_other[i];
-  }
-  std::size_t ambiguous = 0;
-  for (const StampedPose& pose : asking) {
-    const auto first =
-        std::lower_bound(by_stamp.begin(), by_stamp.end(), std::pair(pose.stamp_s - tolerance_s, std::size_t{0}));
-    if (first == by_stamp.end()) continue;
-    const std::size_t other = next_other[static_cast<std::size_t>(first - by_stamp.begin())];
-    ambiguous += other < by_stamp.size() && by_stamp[other].first <= pose.stamp_s + tolerance_s ? 1U : 0U;
-  }
-  return ambiguous;
+std::size_t count_ambiguous(const Trajectory& asking, const Trajectory& asked, double tolerance_s) {
+  const RepeatedStamps repeated(asked, tolerance_s);
+  return static_cast<std::size_t>(std::count_if(asking.begin(), asking.end(),
+                                                [&](const StampedPose& pose) { return repeated.have(pose.stamp_s); }));
 }
 
 std::vector<Trajectory> split(const Trajectory& trajectory, const std::vector<std::size_t>& stretches) {
@@ -211,7 +194,7 @@ std::vector<std::optional<std::size_t>> matches_by_stamp(const Trajectory& estim
   const std::vector<std::size_t> stretches = stretches_of(estimate, tolerance_s);
   const std::vector<std::size_t> of_reference = stretches_of(reference, tolerance_s);
   // A trajectory of several drives at one time, as a merged site has, meets one whose stamps occur once.
-  const std::size_t ambiguous = count_ambiguous(estimate, reference, of_reference, tolerance_s);
+  const std::size_t ambiguous = count_ambiguous(estimate, reference, tolerance_s);
   if (ambiguous > 0 && stretches.back() != of_reference.back()) {
     throw InputError(std::to_string(ambiguous) + " stamps occur twice, a clock stepped back: the trajectory has " +
                      std::to_string(stretches.back() + 1) + " stretches of time and the reference " +
@@ -235,6 +218,16 @@ std::vector<std::optional<std::size_t>> matches_by_stamp(const Trajectory& estim
     if (matches[i]) *matches[i] += begins[part];
   }
   return matches;
+}
+
+std::vector<Relation> without_repeated_stamps(std::span<const Relation> relations, const Trajectory& trajectory,
+                                              double tolerance_s) {
+  const RepeatedStamps repeated(trajectory, tolerance_s);
+  std::vector<Relation> clear;
+  std::copy_if(relations.begin(), relations.end(), std::back_inserter(clear), [&](const Relation& relation) {
+    return !repeated.have(relation.t1_s) && !repeated.have(relation.t2_s);
+  });
+  return clear;
 }
 
 RelationReport evaluate_relations(const Trajectory& trajectory, std::span<const Relation> relations,
@@ -289,6 +282,28 @@ ReferenceReport evaluate_reference(const Trajectory& estimate, const Trajectory&
   report.rpe_m = summarise(relative.translation_m);
   report.rpe_rotation_deg = summarise(relative.rotation_deg);
   return report;
+}
+
+RepeatedStamps::RepeatedStamps(const Trajectory& trajectory, double tolerance_s) : tolerance_s_(tolerance_s) {
+  const std::vector<std::size_t> stretches = stretches_of(trajectory, tolerance_s);
+  if (stretches.empty() || stretches.back() == 0) return;
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    if (std::isfinite(trajectory[i].stamp_s)) entries_.push_back({trajectory[i].stamp_s, stretches[i]});
+  }
+  std::stable_sort(entries_.begin(), entries_.end(),
+                   [](const Entry& a, const Entry& b) { return a.stamp_s < b.stamp_s; });
+  next_other_.assign(entries_.size(), entries_.size());
+  for (std::size_t i = entries_.size(); i-- > 1;) {
+    next_other_[i - 1] = entries_[i - 1].stretch != entries_[i].stretch ? i : next_other_[i];
+  }
+}
+
+bool RepeatedStamps::have(double stamp_s) const {
+  const auto first = std::lower_bound(entries_.begin(), entries_.end(), stamp_s - tolerance_s_,
+                                      [](const Entry& entry, double t_s) { return entry.stamp_s < t_s; });
+  if (first == entries_.end()) return false;
+  const std::size_t other = next_other_[static_cast<std::size_t>(first - entries_.begin())];
+  return other < entries_.size() && entries_[other].stamp_s <= stamp_s + tolerance_s_;
 }
 
 PosesByStamp::PosesByStamp(const Trajectory& trajectory) {

@@ -201,9 +201,12 @@ MapResult map_prepared(RunFolder& folder, const MapRequest& request, const MapJo
   return map_into(folder, request, job, &nodding, backend, std::move(start), times);
 }
 
+ForeignFiles foreign_files_of(const MapRequest& request) {
+  return request.replace_foreign_files ? ForeignFiles::kReplaced : ForeignFiles::kKept;
+}
+
 std::unique_ptr<RunFolder> new_folder(const MapRequest& request) {
-  const ForeignFiles foreign = request.replace_foreign_files ? ForeignFiles::kReplaced : ForeignFiles::kKept;
-  auto folder = std::make_unique<RunFolder>(request.folder, foreign, RunFolder::Leftovers::kKept);
+  auto folder = std::make_unique<RunFolder>(request.folder, foreign_files_of(request));
   if (request.folder_taken) request.folder_taken(folder->staging());
   return folder;
 }
@@ -248,7 +251,7 @@ MapResult map_opened(const MapRequest& request, const MapJob& job, const Backend
   LogCopies copies(job.logs, kept.paths, job.read, request.live_log);
   std::unique_ptr<RunFolder> folder;
   if (continued != nullptr) {
-    folder = folder_to_continue(*continued, request.folder);
+    folder = folder_to_continue(*continued, request.folder, foreign_files_of(request));
     copies.write_into(*folder);
   } else if (request.scan_mapped) {
     folder = new_folder(request);
@@ -313,14 +316,16 @@ MapResult map_logs(const MapRequest& request, const BackendOfRun& backend) {
   require_own_names(request);
   try {
     if (request.continued.empty()) return map_opened(request, job_of(request), backend, nullptr);
-    const Continuation continued = continuation_of(request.continued, request.logs);
+    const Continuation continued = continuation_of(request.continued, request.logs, request.stop);
     if (!continued.remark.empty() && request.warn) request.warn(continued.remark);
     const MapRequest whole = restored(request, continued.kept);
+    require_own_names(whole);  // those of the copies of all its logs
     return map_opened(whole, job_of(whole), backend, &continued);
   } catch (const InputError& error) {  // an input that a signal ended before anything came is no bad input
     if (stopped(request)) throw Error(ExitCode::kInterrupted, "interrupted before the first scan; nothing is written");
     if (error.has_position()) throw;
-    throw InputError(FilePosition{log_name(request.logs.front()), 0}, error.what());
+    throw InputError(FilePosition{request.logs.empty() ? request.continued : log_name(request.logs.front()), 0},
+                     error.what());
   }
 }
 

@@ -84,8 +84,9 @@ double lead_s(const LaserModel& laser) { return std::ceil(-laser.time_of_beam_s(
 
 void count_beams(const LaserModel& laser, const std::vector<float>& ranges_m, SimulationSummary& summary) {
   summary.beams += ranges_m.size();
-  summary.returns += static_cast<std::size_t>(std::count_if(
-      ranges_m.begin(), ranges_m.end(), [&](float r) { return static_cast<double>(r) < laser.max_range_m; }));
+  summary.returns += static_cast<std::size_t>(std::count_if(ranges_m.begin(), ranges_m.end(), [&](float r) {
+    return static_cast<double>(r) < limit_of_floats_m(laser.max_range_m);
+  }));
 }
 
 void check_nodding(const SimulationConfig& config, std::vector<std::string>& faults) {

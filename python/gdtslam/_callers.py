@@ -6,9 +6,12 @@ import signal
 import threading
 import types
 import warnings
+from _signal import getsignal  # that of signal takes ten times as long, to name what is no handler
 from typing import Any, Callable
 
 from . import _library
+
+_SIGNALS = [int(number) for number in signal.valid_signals()]
 
 ProgressFunction = Callable[[str, int, "float | None"], Any]
 WarnFunction = Callable[[str], Any]
@@ -24,7 +27,8 @@ class Caller:
 
     So does what the handlers of signals raise, KeyboardInterrupt among it: the interpreter gives them their turn as the
     library calls a function, before its first line, and what is raised there would go nowhere. So the block puts itself
-    before the handlers. Within the caller's own functions they act as everywhere.
+    before the handlers. Within the caller's own functions they act as everywhere. While it waits for a pipe the library
+    calls progress after each signal, so that they have their turn then, too. A block may be entered again.
     """
 
     def __init__(self, progress: "ProgressFunction | None" = None, warn: "WarnFunction | None" = None) -> None:
@@ -40,17 +44,21 @@ class Caller:
         self._is_in_library = True
         try:
             self._replace_handlers()
-        except BaseException:  # of a handler that is not replaced yet
-            self._give_handlers_back()
-            raise
+        except BaseException as problem:  # noqa: BLE001 - of a handler that is not replaced yet
+            self._keep(problem)
+            self.__exit__()
         return self
 
     def __exit__(self, *_raised: Any) -> None:
-        self._give_handlers_back()
-        self._is_in_library = False
-        problem, self._problem = self._problem, None
-        if problem is not None:
-            raise problem
+        self._is_in_library = False  # from here on those that are not back yet act as everywhere, too
+        try:
+            self._give_handlers_back()
+        except BaseException as problem:  # noqa: BLE001 - of a handler; the rest goes back all the same
+            self._keep(problem)
+            self._give_handlers_back()
+        first, self._problem = self._problem, None
+        if first is not None:
+            raise first
 
     def _tell_progress(self, _user: Any, step: bytes, scans: int, share: float) -> int:
         ends = False
@@ -70,6 +78,7 @@ class Caller:
             finally:
                 self._is_in_library = True
         except BaseException as problem:  # noqa: BLE001 - goes on in the caller's thread
+            self._is_in_library = True  # where a handler raised before it was so again
             self._keep(problem)
             return True
 
@@ -80,8 +89,8 @@ class Caller:
     def _replace_handlers(self) -> None:
         if threading.current_thread() is not threading.main_thread():
             return  # signals are handled elsewhere
-        for number in signal.valid_signals():
-            handler = signal.getsignal(number)
+        for number in _SIGNALS:
+            handler = getsignal(number)
             if not callable(handler):
                 continue
             ours = self._before(handler)
@@ -90,7 +99,7 @@ class Caller:
 
     def _give_handlers_back(self) -> None:
         for number, (handler, ours) in self._replaced.items():
-            if signal.getsignal(number) is ours:  # else the caller has set another one meanwhile
+            if getsignal(number) is ours:  # else the caller has set another one meanwhile
                 signal.signal(number, handler)
         self._replaced = {}
 

@@ -49,7 +49,10 @@ class ConfigError(Error, ValueError):
 
 
 class Interrupted(Error):
-    """The caller's own progress function ended the work; ``run`` has what there was, or is None."""
+    """The caller's own progress function ended the work; ``run`` has what there was, or is None.
+
+    So do scans of a pipe whose reading was ended by what the handler of a signal raised, when they are asked again.
+    """
 
     status = 130
     run = None

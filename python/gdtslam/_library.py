@@ -61,6 +61,19 @@ class CLogWarning(Struct):
     _fields_ = [("size", c_size_t), ("kind", c_char_p), ("first", c_char_p), ("count", c_uint64)]
 
 
+class CReaderRequest(Struct):
+    _fields_ = [
+        ("size", c_size_t),
+        ("logs", POINTER(c_char_p)),
+        ("log_count", c_size_t),
+        ("options", c_void_p),
+        ("flags", c_uint32),
+        ("reserved", c_uint32),
+        ("progress", Progress),
+        ("user_data", c_void_p),
+    ]
+
+
 class CGridView(Struct):
     _fields_ = [
         ("size", c_size_t),
@@ -167,7 +180,6 @@ class CTracked(Struct):
 
 
 HANDLE = c_void_p
-TEXTS = POINTER(c_char_p)
 # Of each function that can fail its arguments, without the error at their end.
 CALLS: dict[str, list[Any]] = {
     "options_new": [POINTER(HANDLE)],
@@ -178,7 +190,7 @@ CALLS: dict[str, list[Any]] = {
     "options_set_odometry": [HANDLE, c_char_p],
     "options_set_crank": [HANDLE, c_char_p],
     "options_add_mount": [HANDLE, c_char_p, POINTER(CPose)],
-    "reader_open": [TEXTS, c_size_t, HANDLE, c_uint32, POINTER(HANDLE)],
+    "reader_new": [POINTER(CReaderRequest), POINTER(HANDLE)],
     "reader_next": [HANDLE, POINTER(CScan), POINTER(c_int32)],
     "reader_warning": [HANDLE, c_size_t, POINTER(CLogWarning), POINTER(c_int32)],
     "grid_look": [HANDLE, POINTER(CGridView)],

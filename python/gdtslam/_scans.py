@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import dataclasses
 import operator
@@ -12,8 +13,9 @@ from typing import Any, Iterator, Mapping, NamedTuple, Sequence, Union
 import numpy as np
 
 from . import _library
+from ._callers import Caller
 from ._errors import InputError, UsageError
-from ._library import CLogWarning, COption, CPose, CScan, Handle, call, encoded, make, plain
+from ._library import CLogWarning, COption, CPose, CReaderRequest, CScan, Handle, call, encoded, make, plain
 
 MOST_WHOLE = (1 << 64) - 1  # that the library can be told
 
@@ -198,24 +200,54 @@ class LogWarning(NamedTuple):
     first: str
 
 
+def _may_wait(log: bytes) -> bool:
+    """Of a pipe, a terminal or another device; signals that come while a file is read have their turn soon enough."""
+    return log == b"-" or not (os.path.isfile(log) or os.path.isdir(log))
+
+
 class Scans:
-    """The scans of logs, one after the other, each with the odometry that belongs to it; made by scans()."""
+    """The scans of logs, one after the other, each with the odometry that belongs to it; made by scans().
+
+    What the handler of a signal raises while a pipe gives nothing comes out, and no more is read then. While a scan is
+    read such a handler may ask for the progress alone.
+    """
 
     def __init__(self, logs: "list[bytes]", options: Handle, flags: int) -> None:
-        self._lock = threading.Lock()
-        self._handle = make("reader", "reader_open", _library.text_list(logs), len(logs), options, flags)
+        self._lock = threading.RLock()
+        self._is_reading = False
+        self._caller = Caller() if any(_may_wait(log) for log in logs) else None
+        request = CReaderRequest(
+            logs=_library.text_list(logs), log_count=len(logs), options=options.pointer, flags=flags
+        )
+        if self._caller is not None:
+            request.progress = self._caller.progress
+        with self._turn():
+            self._handle = make("reader", "reader_new", ctypes.byref(request))
+
+    @contextlib.contextmanager
+    def _turn(self) -> Iterator[None]:
+        """The library's reader belongs to one thread at a time."""
+        with self._lock:
+            if self._is_reading:  # in this thread
+                raise RuntimeError("a scan is being read: the handler of a signal can ask for nothing but the progress")
+            try:
+                self._is_reading = True
+                with self._caller or contextlib.nullcontext():
+                    yield
+            finally:
+                self._is_reading = False
 
     def __iter__(self) -> Iterator[Scan]:
         return self
 
     def __next__(self) -> Scan:
         read, has_scan = CScan(), ctypes.c_int32()
-        with self._lock:
+        with self._turn():
             call("reader_next", self._handle, ctypes.byref(read), ctypes.byref(has_scan))
-            if not has_scan.value:
-                raise StopIteration
             ranges = np.empty(read.range_count, dtype=np.float32)
             ctypes.memmove(ranges.ctypes.data, read.ranges, ranges.nbytes)  # the library's change with the next scan
+        if not has_scan.value:
+            raise StopIteration
         return Scan(
             ranges=ranges,
             first=read.first,
@@ -233,7 +265,8 @@ class Scans:
     @property
     def progress(self) -> "float | None":
         """Share of the logs that was read, from 0 to 1; None where that is not known."""
-        share = plain("reader_progress", self._handle)
+        with self._lock:
+            share = plain("reader_progress", self._handle)
         return share if share >= 0.0 else None
 
     @property
@@ -241,7 +274,7 @@ class Scans:
         """What was skipped or mended so far."""
         found: "list[LogWarning]" = []
         warning, has_warning = CLogWarning(), ctypes.c_int32()
-        with self._lock:
+        with self._turn():
             while True:
                 call("reader_warning", self._handle, len(found), ctypes.byref(warning), ctypes.byref(has_warning))
                 if not has_warning.value:

@@ -34,6 +34,7 @@ const any_function kEveryFunction[] = {
     (any_function)gdtslam_options_set_crank,
     (any_function)gdtslam_options_set_odometry,
     (any_function)gdtslam_reader_free,
+    (any_function)gdtslam_reader_new,
     (any_function)gdtslam_reader_next,
     (any_function)gdtslam_reader_open,
     (any_function)gdtslam_reader_progress,

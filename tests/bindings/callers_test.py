@@ -1,4 +1,4 @@
-"""The Python package and its caller: his functions, signals that come meanwhile, and processes that he forks."""
+"""The Python package and its caller: his functions, signals that come meanwhile, his threads and forked processes."""
 import gzip
 import os
 import random
@@ -10,6 +10,7 @@ import threading
 import time
 import unittest
 import warnings
+from unittest import mock
 
 from bindings_support import SAMPLE, SKIPPED, SOURCE, folder, sample_hashes
 
@@ -116,6 +117,27 @@ class Signals(unittest.TestCase):
         gdtslam.map(SAMPLE, WORK / "later", **SHORT, count=5, progress=lambda *_: signal.signal(signal.SIGUSR1, later) and None)
         self.assertIs(signal.getsignal(signal.SIGUSR1), later)
 
+    def test_a_signal_that_comes_as_they_go_back_is_not_lost(self):
+        def stop(number, frame):
+            raise Stopped
+
+        self.handle(signal.SIGUSR1, stop)  # goes back behind that of SIGINT
+        set_handler = signal.signal
+
+        def set_and_send(number, handler):
+            before = set_handler(number, handler)
+            if handler is signal.default_int_handler:
+                send(number)
+            return before
+
+        with mock.patch.object(signal, "signal", set_and_send):
+            with self.assertRaises(KeyboardInterrupt):
+                gdtslam.map(SAMPLE, WORK / "back", **SHORT, count=5)
+        self.assertIs(signal.getsignal(signal.SIGUSR1), stop)
+        with self.assertRaises(Stopped):
+            send(signal.SIGUSR1)
+            time.sleep(0.01)
+
     def test_a_thread_maps_without_them(self):
         made = []
         thread = threading.Thread(target=lambda: made.append(gdtslam.map(SAMPLE, WORK / "thread", **SHORT, count=20)))
@@ -164,6 +186,26 @@ class Closing(unittest.TestCase):
         mapper.close(progress)
         thread.join()
         self.assertTrue(np.array_equal(seen[0], mapper.trajectory))
+
+
+class Threads(unittest.TestCase):
+    # From 3.12 on cached_property has no lock.
+    def test_threads_that_ask_first_get_the_same_poses(self):
+        gdtslam.map(SAMPLE, WORK / "shared", **SHORT, count=100)
+        for _ in range(20):
+            run, start, given = gdtslam.Run(WORK / "shared"), threading.Barrier(8), []
+
+            def ask():
+                start.wait()
+                given.append(gdtslam.Run.trajectory.func(run))
+
+            threads = [threading.Thread(target=ask) for _ in range(8)]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+            self.assertEqual({poses.ctypes.data for poses in given}, {run.trajectory.ctypes.data})
+            self.assertEqual(len(given), 8)
 
 
 class Warnings(unittest.TestCase):

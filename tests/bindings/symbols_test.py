@@ -23,6 +23,6 @@ if "[libgdtslam.so.0]" not in dynamic:
 python = (SOURCE / "python/gdtslam/_library.py").read_text()
 for name in sorted(declared):
     short = name[len("gdtslam_") :]
-    if not (f'"{short}"' in python or short.endswith("_free") or short in ("map_log", "status_name")):
+    if not (f'"{short}"' in python or short.endswith("_free") or short in ("map_log", "reader_open", "status_name")):
         fail(f"the Python package does not know {name}")
 print(f"{len(shown)} functions")

@@ -7,7 +7,7 @@ import re
 
 import cli_support as cli
 from cli_support import command, expect, expect_exit, one_error_line
-from nodding_log import Drive, kind_of, stamp_of
+from nodding_log import SCENE, Drive, kind_of, stamp_of, with_stamp
 
 TRUE = """gdtslam_linkage: 1
 name: mount
@@ -155,6 +155,71 @@ def calibrate_tells_faults_of_the_encoder():
     log.write_text("\n".join(slipped) + "\n")
     said = refused(linkage, 65, log, "--start", folder / "counting.yaml")
     expect("jumps (1 times, first at 500.0" in said and "index mark" in said, said)
+
+
+def calibrate_searches_the_zero():
+    """A zero that is not known at all, wherever the start has it: the same linkage as from a start that is near."""
+    folder = cli.fresh_folder("calibrate_zero")
+    log, linkage = wall_log(folder), folder / "linkage.yaml"
+    for off in (75, 180, 290):
+        start = folder / f"off-{off}.yaml"
+        start.write_text(TRUE.replace("zero: 40 deg", f"zero: {40 + off} deg"))
+        process = command("calibrate", log, "-o", linkage, "--start", start, "--search-zero", "--json")
+        expect_exit(process, 0)
+        result = json.loads(process.stdout)
+        zero = next(entry for entry in result["parameters"] if entry["name"] == "zero")
+        error = (zero["estimate"] - math.radians(40.0) + math.pi) % (2.0 * math.pi) - math.pi
+        expect(abs(error) < 4.0 * zero["sigma"] + 1e-3, f"{off} deg: off by {error}, sigma {zero['sigma']}")
+        expect(result["distrust"] is None and result["all_rms"] < 2.0, f"{off} deg: {result['all_rms']}")
+
+
+def calibrate_bears_one_stamp_far_ahead():
+    """One scan whose stamp is ten seconds ahead costs that scan; messages of a crank that come once a second are named."""
+    folder = cli.fresh_folder("calibrate_ahead")
+    log, linkage = wall_log(folder), folder / "linkage.yaml"
+    lines = log.read_text().splitlines()
+    scans = [k for k, line in enumerate(lines) if kind_of(line) == "ROBOTLASER1"]
+    ahead = list(lines)
+    ahead[scans[400]] = with_stamp(ahead[scans[400]], stamp_of(ahead[scans[400]]) + 10.0)
+    wild = folder / "wild.log"
+    wild.write_text("\n".join(ahead) + "\n")
+    process = command("calibrate", wild, "-o", linkage, "--start", "paper-b", "--json")
+    expect_exit(process, 0)
+    warnings = {entry["kind"]: entry["count"] for entry in json.loads(process.stdout)["warnings"]}
+    expect(warnings.get("scans without the crank's position", 0) <= 1, f"the warnings are {warnings}")
+    linkage.unlink()
+    rare = folder / "rare.log"
+    told, last = [], -1.0
+    for line in lines:
+        if kind_of(line) == "ENCODER":
+            if stamp_of(line) < last + 1.0:
+                continue
+            last = stamp_of(line)
+            line = with_stamp(line, last + 0.0031)  # between two scans
+        told.append(line)
+    rare.write_text("\n".join(told) + "\n")
+    said = refused(linkage, 65, rare, "--start", "paper-b")
+    expect("messages of the encoder are more than 0.25 s apart" in said, said)
+
+
+def calibrate_from_two_drives():
+    """--self with two logs, each of a clock of its own that begins at 0: the zero as from one of them."""
+    drive = Drive("calibrate_two")
+    linkage = drive.folder / "out.yaml"
+    other = drive.folder / "other.log"
+    scene = drive.folder / "there.yaml"
+    scene.write_text(SCENE.replace("[[0, 0], {at: [2.4, 0.3], speed: 0.15}]", "[[2.4, -0.6], {at: [0.2, 0.4], speed: 0.15}]"))
+    expect_exit(command("simulate", scene, "-o", other, "--seed", 5), 0)
+    true = float(drive.linkage.read_text().split("zero: ")[1].split()[0])
+    slipped = drive.folder / "slipped.yaml"
+    slipped.write_text(drive.linkage.read_text().replace(f"zero: {true}", f"zero: {true + math.radians(3.0)}"))
+    process = command("calibrate", drive.log, other, "-o", linkage, "--self", "--start", slipped, "--json")
+    expect_exit(process, 0)
+    result = json.loads(process.stdout)
+    zero = next(entry for entry in result["parameters"] if entry["name"] == "zero")
+    error = abs(zero["estimate"] - true)
+    expect(error < 4.0 * zero["sigma"] and error < math.radians(1.0), f"the zero is off by {error} rad, sigma {zero['sigma']}")
+    expect(result["distrust"] is None, f"distrust: {result['distrust']}")
 
 
 def calibrate_from_a_drive():

@@ -218,6 +218,41 @@ def killed_run_finds_its_log():
     expect_same_run(folder / "run", folder / "both", "the log is back")
 
 
+def recording_of_a_killed_drive_is_kept():
+    """What a killed drive left may be all that there is of its log: an edit and another run that fail in its folder leave it, a
+    merge leaves it, and it is gone on with in place of a file of somebody else where --force says so, and at no other time."""
+    folder = cli.fresh_folder("continue_recording")
+    lines = lines_of_drive(120)
+    run, drive = folder / "run", folder / "drive"
+    map_quietly(*write_halves(folder, lines), "-o", run)
+    map_quietly(folder / "b.log", "-o", folder / "half")
+    process = subprocess.Popen([PROGRAM, "map", "-q", "-", "-o", str(drive)], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                               stderr=subprocess.PIPE, text=True)
+    process.stdin.write("".join(lines))
+    process.stdin.flush()
+    end = time.monotonic() + 60 * cli.SLOWNESS
+    while not has_copied(drive, 1000) or not list(drive.glob(".gdtslam-staging-*/continue.json")):
+        expect(time.monotonic() < end and process.poll() is None, "the drive did not begin")
+        time.sleep(0.02)
+    process.kill()
+    process.communicate()
+    recording = lambda: {str(path): path.read_bytes() for path in drive.glob(".gdtslam-staging-*/*")}
+    before = recording()
+    expect(len(before) == 2, f"{sorted(before)}")
+    for arguments, code in ((("edit", run, "--crop", "900,900,901,901"), 65), (("map", "--continue", run, folder / "none.log"), 74),
+                            (("merge", run, folder / "half"), 0)):
+        expect_exit(command(*arguments, "-o", drive, "-q"), code)
+        expect(recording() == before, f"{arguments}: the recording is gone")
+    for arguments, place in ((("--continue", run, "-o", folder / "other"), folder / "other"), (("--continue", drive), drive)):
+        place.mkdir(exist_ok=True)
+        (place / "map.yaml").touch()
+        process = map_quietly(*arguments, code=2)
+        expect("--force to replace it" in process.stderr and recording() == before, process.stderr)
+        map_quietly(*arguments, "--force")
+        expect((place / "map.yaml").stat().st_size > 0, f"{arguments}: map.yaml of somebody else stays")
+    expect(scans_in(drive)["scans"] > 0 and not recording(), "the drive is not mapped")
+
+
 def has_copied(folder, size):
     """Whether a run that is being made has so much of its log's copy."""
     try:

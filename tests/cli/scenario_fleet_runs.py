@@ -58,6 +58,29 @@ def fleet_runs_that_are_gone():
     expect(run_of(atlas) != gone and status_of(atlas)["lost"] == 0, f"{run_of(atlas)}")
 
 
+def fleet_runs_without_their_reports():
+    """Folders that lost their report, more in a row than a disk that is gone would be given, are named one by one and
+    tried once; the other logs are mapped."""
+    folder = fresh_folder("fleet_runs_without_their_reports")
+    atlas = folder / "atlas"
+    planned(atlas, make_logs(folder / "logs", count=8))
+    fleet("submit", atlas, "--engine", "local", "-q")
+    whole = finished(atlas)["atlas_sha256"]
+    runs = [run_of(atlas, unit) for unit in range(8)]
+    for run in runs[:7]:
+        (run / "report.json").unlink()
+    shutil.rmtree(runs[7])
+    process = fleet("submit", atlas, "--engine", "local", code=74)
+    for unit, run in enumerate(runs[:7]):
+        expect(process.stderr.count(f"unit {unit} is not done: {run}: is no whole run") == 1, process.stderr)
+    expect("is tried again" not in process.stderr, process.stderr)
+    expect((runs[7] / "report.json").is_file(), "the log behind them is not mapped")
+    for run in runs[:7]:
+        shutil.rmtree(run)
+    fleet("submit", atlas, "--engine", "local", "-q")
+    expect(finished(atlas)["atlas_sha256"] == whole, "another hash")
+
+
 def fleet_runs_that_are_damaged():
     """A damaged run, and one that somebody mapped by hand, are not taken; whoever does what the line says has the same hash."""
     logs, atlas, whole = atlas_of_two("fleet_runs_that_are_damaged")

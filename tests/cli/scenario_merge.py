@@ -213,6 +213,9 @@ def merge_is_all_or_nothing():
     sites = folder / "sites"
     expect_exit(command("merge", first, other, "-o", sites, "-q"), 0)
     expect(len(json.loads((sites / "merge.json").read_text())["sites"]) == 2, "not two sites")
+    # What a killed drive left stays, too, as long as not all is written.
+    (sites / "1/.gdtslam-staging-1999999999").mkdir()
+    (sites / "1/.gdtslam-staging-1999999999/log-1.copy").write_text("the only copy")
     kept = folder / "kept"
     shutil.copytree(sites, kept)
 

@@ -189,10 +189,22 @@ def files_of_others_among_tiles_are_kept():
 
 
 def map_writes_tiles_where_one_piece_is_too_large():
-    """Cells of 5 mm make an office too large for one piece: tiles and a small map; mapped again in one piece they go."""
+    """Cells of 5 mm make an office through whose window a wall is seen 64 m away too large for one piece: tiles and a small
+    map, or tiles alone without a map; mapped again in one piece they go. How far the laser might have seen is no matter."""
     folder = fresh_folder("map_in_tiles")
     small = ("--first", 40, "--no-loops")
-    mapped(folder / "run", *small, "--set", "map.resolution=5 mm", "--set", "map.truncation=40 cm", "--set", "scan.max_range=65 m")
+    fine = ("--set", "map.resolution=5 mm", "--set", "map.truncation=40 cm", "--set", "scan.max_range=65 m")
+    mapped(folder / "office", *small, *fine)
+    expect((folder / "office/gdt.png").exists() and not (folder / "office/tiles").exists(), "an office in tiles")
+    lines = [line.split(" ") for line in LOG.read_text().splitlines()]
+    for words in lines:
+        if words[0] == "FLASER":
+            words[2 + int(words[1]) // 2] = "64.00"
+    far = folder / "far.log"
+    far.write_text("\n".join(" ".join(words) for words in lines) + "\n")
+    for arguments in (("--no-map",), ()):
+        expect_exit(command("map", far, "-o", folder / "run", "-q", *small, *fine, *arguments), 0)
+        expect((folder / "run/tiles/index.json").exists() and not (folder / "run/gdt.png").exists(), f"{arguments}: one piece")
     report = json.loads((folder / "run/report.json").read_text())
     cli.validate((folder / "run/report.json").read_text(), "report")
     expect(report["tiles"] > 4, f"{report['tiles']} tiles")
@@ -201,13 +213,17 @@ def map_writes_tiles_where_one_piece_is_too_large():
     expect(len(index["tiles"]) == report["tiles"] and index["keyframes_sha256"] == report["keyframes_sha256"], f"{index}")
     origin, rows = levels_of(folder / "run/map.yaml")
     expect(len(rows) <= 8192 and any(0 in row for row in rows), "no wall in the small map")
-    process = command("localize", folder / "run", LOG, "--scan", 3)
+    process = command("localize", folder / "run", far, "--scan", 3)
     expect_exit(process, 65)
     one_error_line(process.stderr)
     expect("tiles/map_0_0.yaml" in process.stderr, process.stderr)
     process = command("edit", folder / "run", "--crop=-3,-3,3,3", "-o", folder / "cut")
     expect_exit(process, 0)
     expect(process.stderr == "" and (folder / "cut/gdt.png").exists(), process.stderr)
+    cut = json.loads((folder / "cut/report.json").read_text())
+    expect(cut["map"]["resolution_m"] == 0.005 and "tiles" not in cut, f"the piece is no map in one piece: {cut['map']}")
+    origin, rows = levels_of(folder / "cut/map.yaml")
+    expect(len(rows) == cut["map"]["height"] and any(0 in row for row in rows), "no wall in the piece")
     mapped(folder / "run", *small)
     expect(not (folder / "run/tiles").exists(), "tiles of an earlier run stay")
     expect((folder / "run/gdt.png").exists(), "no distance field")

@@ -164,7 +164,7 @@ class FileStatesTest(unittest.TestCase):
                                                      file_states.digests_of(folders[0], keys)), "other: report.json")
 
     def test_names_of_leftovers(self):
-        for name in ("out/.gdtslam-staging-12", "out/.gdtslam-staging-12-2/old/map.pgm", ".map.png.31-4.tmp", "runs/.latest-7"):
+        for name in ("out/.gdtslam-staging-12", "out/.gdtslam-staging-12-2/.old/map.pgm", ".map.png.31-4.tmp", "runs/.latest-7"):
             self.assertTrue(LEFTOVER.search(name), name)
         for name in ("out/map.pgm", "out/.gdtslam-staging", ".map.tmp", "notes.tmp"):
             self.assertFalse(LEFTOVER.search(name), name)

@@ -151,7 +151,29 @@ enum {
   GDTSLAM_NO_RUNNER_UP = 128    /* do not look for the best pose elsewhere (localizer) */
 };
 
-/* Of the options those of the log count. */
+/* Called while the work goes on, in the thread of the call: "scans" with their number and the share of the log, then
+ * the steps of closing loops and of writing, with their share; negative where it is not known. Not 0 ends the work.
+ * While a log that is a pipe gives nothing, "scans" come again after each signal that interrupts the wait, as one does
+ * whose handler was set without SA_RESTART. */
+typedef int32_t (*gdtslam_progress)(void* user_data, const char* step, uint64_t scans, double share);
+
+typedef struct gdtslam_reader_request {
+  size_t size;
+  const char* const* logs; /* read one after the other as one */
+  size_t log_count;
+  const gdtslam_options* options; /* of which those of the log count */
+  uint32_t flags;
+  uint32_t reserved; /* 0 */
+  /* Called only after a signal that interrupts the wait for a pipe. It may ask how far the reader is and for its
+   * warnings, and nothing else of it. Not 0: the call that waits gives GDTSLAM_INTERRUPTED, and so does every later
+   * gdtslam_reader_next, for what had come of a scan is lost. */
+  gdtslam_progress progress;
+  void* user_data;
+} gdtslam_reader_request;
+
+GDTSLAM_API gdtslam_status gdtslam_reader_new(const gdtslam_reader_request* request, gdtslam_reader** reader,
+                                              gdtslam_error* error);
+/* The same without progress(): a wait for a pipe goes on, whatever signals come. */
 GDTSLAM_API gdtslam_status gdtslam_reader_open(const char* const* logs, size_t log_count,
                                                const gdtslam_options* options, uint32_t flags, gdtslam_reader** reader,
                                                gdtslam_error* error);
@@ -209,9 +231,6 @@ GDTSLAM_API void gdtslam_grid_free(gdtslam_grid* grid);
 /* The folder that mapping a log gives. */
 typedef struct gdtslam_run gdtslam_run;
 
-/* Called while the work goes on, in the thread of the call: "scans" with their number and the share of the log, then
- * the steps of closing loops and of writing, with their share; negative where it is not known. Not 0 ends the work. */
-typedef int32_t (*gdtslam_progress)(void* user_data, const char* step, uint64_t scans, double share);
 /* One line that a user should see: a remark as it comes up; once the run is written, what was skipped or mended in the
  * log, a line a kind. */
 typedef void (*gdtslam_warn)(void* user_data, const char* text);
@@ -257,8 +276,8 @@ typedef struct gdtslam_stamped_pose {
   double theta_rad;
 } gdtslam_stamped_pose;
 
-/* One pose of the robot a scan, valid until the run is freed. Of a run that was opened they are those of
- * trajectory.tum, nine decimals. */
+/* One pose of the robot a scan, valid until the run is freed; all threads may ask. Of a run that was opened they are
+ * those of trajectory.tum, nine decimals. */
 GDTSLAM_API gdtslam_status gdtslam_run_trajectory(gdtslam_run* run, const gdtslam_stamped_pose** poses, size_t* count,
                                                   gdtslam_error* error);
 /* The occupancy map and the distance field. */

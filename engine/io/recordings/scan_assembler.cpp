@@ -46,6 +46,9 @@ void clear_missing_ranges(std::vector<float>& ranges_m, double min_range_m) {
   }
 }
 
+/// A message without a stamp has 0 there.
+double stamp_or_receipt_s(double stamp_s, double received_s) { return stamp_s == 0.0 ? received_s : stamp_s; }
+
 }  // namespace
 
 ScanAssembler::ScanAssembler(const ReadOptions& options, Warn warn) : options_(options), warn_(std::move(warn)) {
@@ -103,10 +106,14 @@ void ScanAssembler::add_transform(const TransformMessage& transform, double rece
 void ScanAssembler::add_pose(const TransformMessage& pose, double received_s) {
   if (base_.empty()) base_ = pose.child;
   odometry_frame_ = pose.parent;
-  pose_clock_.add(received_s, pose.stamp_s, 0.0);
+  if (pose.stamp_s == 0.0 && received_s != 0.0) {
+    warn_("odometry without stamp", "it gets the time when it was recorded");
+  }
+  const double stamp_s = stamp_or_receipt_s(pose.stamp_s, received_s);
+  pose_clock_.add(received_s, stamp_s, 0.0);
   ++poses_taken_;
   using Taken = OdometryTrack::Taken;
-  const Taken taken = poses_.take({pose.stamp_s, seen_from_above(pose.T_parent_child)});
+  const Taken taken = poses_.take({stamp_s, seen_from_above(pose.T_parent_child)});
   if (taken == Taken::kPast) warn_("odometry steps back in time", "it is left out");
   if (taken == Taken::kForgot) warn_("odometry far ahead in time", "it is left out");
   if (taken != Taken::kSetBack) return;
@@ -129,7 +136,7 @@ void ScanAssembler::place_held_scans() {
 
 void ScanAssembler::add_crank(const NumberMessage& number, double received_s) {
   NumberMessage stamped = number;
-  if (stamped.stamp_s == 0.0) stamped.stamp_s = received_s;
+  stamped.stamp_s = stamp_or_receipt_s(number.stamp_s, received_s);
   crank_clock_.add(received_s, stamped.stamp_s, 0.0);
   waiting_.emplace_back(stamped);
 }

@@ -24,7 +24,6 @@ struct TopicChannel {
 
 class TopicTable {
  public:
-  static constexpr std::size_t kMostChannels = 65536;
   /// Nothing where the channel is known already, or there are too many.
   const TopicChannel* add(std::uint32_t number, const RecordingChannel& definition);
   [[nodiscard]] const TopicChannel* find(std::uint32_t number) const;

@@ -135,12 +135,14 @@ void BackEnd::add_keyframe(const MatchResult& result, KeptScan points) {
 
 // The pose of the front end is that of points and wheels; what the wheels alone tell. A scan that lies far from its map
 // may have been matched with something else: who wants to know how sure the path is takes that for its points' noise.
+// One that was laid where the robot was taken to be, since nothing matched for long, tells no more than the wheels.
 MeasuredSteps BackEnd::steps_to(const MatchResult& result, const KeptScan& scan) const {
   const std::size_t points = scan.surface.size();
   const double share = std::min(1.0, static_cast<double>(points) / kEnoughPoints);
-  const Matrix3 shape = kStepIndependent * std::max(share, kStepLeastShare) *
-                        shape_of_one(shape_of(scan), points, kStepLeastShape, kStepShapeOfNoise);
-  const Matrix3 lone = lone_information(scan);
+  const Matrix3 of_points = kStepIndependent * std::max(share, kStepLeastShare) *
+                            shape_of_one(shape_of(scan), points, kStepLeastShape, kStepShapeOfNoise);
+  const Matrix3 shape = result.accepted ? of_points : Matrix3{};
+  const Matrix3 lone = result.accepted ? lone_information(scan) : Matrix3{};
   const Matrix3 floor = Matrix3::diagonal(square(kStepFloor_m), square(kStepFloor_m), square(kStepFloor_rad));
   const Matrix3 of_wheels = inverse(wheels_covariance_ + least_of_wheels() + leaps_);
   const auto with_noise = [&](double noise_m) {

@@ -96,7 +96,6 @@ double PoseGraph::largest_chi2() const {
   return largest;
 }
 
-// Geman and McClure's kernel of this scale.
 void take_loop(std::vector<Loop>& loops, const Loop& loop) {
   const auto same = std::find_if(loops.begin(), loops.end(), [&](const Loop& known) {
     return known.relation.from == loop.relation.from && known.relation.to == loop.relation.to;
@@ -108,6 +107,7 @@ void take_loop(std::vector<Loop>& loops, const Loop& loop) {
   }
 }
 
+// Geman and McClure's kernel of this scale.
 void PoseGraph::weigh_loops(double scale) {
   for (Loop& loop : loops) {
     const double chi2 = chi2_of(loop.relation, poses[loop.relation.from], poses[loop.relation.to]);

@@ -55,8 +55,9 @@ class PoseGraph {
   std::vector<Loop> loops;
 
   /// Least squares over path and loops. `is_graduated` starts from a kernel so wide that every loop counts and narrows
-  /// it; otherwise from the poses as they are, for a graph that changed by little. What comes out is never worse than
-  /// what was there before.
+  /// it; otherwise from the poses as they are, for a graph that changed by little. Loops that are right where the path
+  /// is not may cost more than the path alone did: only what never comes to rest, or costs a hundred times as much, is
+  /// held against steps that each make it better, and the better of the two stays.
   void optimise(bool is_graduated);
   /// Plain least squares with the weights as they are; the poses stay where it has no solution.
   void settle();

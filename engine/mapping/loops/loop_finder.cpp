@@ -287,14 +287,16 @@ std::vector<Loop> LoopFinder::look(const PoseGraph& graph, std::size_t here, std
 
 void LoopFinder::look_at(const PoseGraph& graph, std::size_t first, std::size_t end, WorkerPool& workers,
                          const Take& take_loops) {
-  const std::size_t most_ahead = workers.threads() > 1 ? kAheadAThread * workers.threads() : 0;
+  const std::size_t most_ahead = workers.threads() > 1 ? kAheadAThread * workers.threads() : 1;
+  std::size_t places = 1;  // looked at together: what is behind one that changes the graph is looked at again
   for (std::size_t here = first; here < end;) {
-    if (most_ahead == 0) {
-      take_loops(here, look(graph, here, options_.revisits.most, workers));
+    if (places == 1) {
+      const bool changes = take_loops(here, look(graph, here, options_.revisits.most, workers));
+      if (!changes) places = std::min<std::size_t>(2, most_ahead);
       ++here;
       continue;
     }
-    std::vector<std::vector<Found>> ahead(std::min(most_ahead, end - here));
+    std::vector<std::vector<Found>> ahead(std::min(places, end - here));
     workers.run(ahead.size(), 1, [&](std::uint64_t from, std::uint64_t to) {
       for (std::uint64_t k = from; k < to; ++k) ahead[k] = look_ahead(graph, here + k);
     });
@@ -303,6 +305,7 @@ void LoopFinder::look_at(const PoseGraph& graph, std::size_t first, std::size_t 
       has_changed = take_loops(here, take(std::move(ahead[k]), here));
     }
     if (!has_changed) fresh_.clear();
+    places = has_changed ? 1 : std::min(2 * places, most_ahead);
   }
   fresh_.clear();
 }

@@ -45,7 +45,7 @@ inline Pose2 laser_at_beam(const LaserScan& scan, std::size_t beam) {
 
 /// At or above it a range is no return: the configured limit, or the sensor's own where that is lower.
 inline double range_limit_m(const LaserScan& scan, double most_m) {
-  return scan.max_range_m > 0.0 ? std::min(most_m, scan.max_range_m) : most_m;
+  return limit_of_floats_m(scan.max_range_m > 0.0 ? std::min(most_m, scan.max_range_m) : most_m);
 }
 
 /// A beam from the laser to where it ended, or as far as it says that there is nothing.

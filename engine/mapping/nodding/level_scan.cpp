@@ -50,7 +50,7 @@ PointScan level_points(const NoddingScan& scan, const NoddingScanner& scanner, c
                        const std::optional<Odometry>& before, const HeightBand& band) {
   const LaserScan& laser = scan.record.scan;
   const double limit_m = range_limit_m(laser, valid.max_range_m);
-  const BeamTiming timing = scanner.timing(laser.ranges_m.size(), laser.bearing_step_rad);
+  const BeamTiming timing = scanner.timing(laser);
   const Tangent2 velocity = velocity_of(scan.record, before);
   ElevationCourse course(scan, scanner.table);
   const LevelTurn turn(scanner.mount);
@@ -72,7 +72,7 @@ PointScan level_points(const NoddingScan& scan, const NoddingScanner& scanner, c
 LaserScan level_scan(const NoddingScan& scan, const NoddingScanner& scanner) {
   LaserScan level = scan.record.scan;
   level.speed.reset();
-  const BeamTiming timing = scanner.timing(level.ranges_m.size(), level.bearing_step_rad);
+  const BeamTiming timing = scanner.timing(level);
   ElevationCourse course(scan, scanner.table);
   const LevelTurn mount(scanner.mount);
   for (std::size_t beam = 0; beam < level.ranges_m.size(); ++beam) {
@@ -82,7 +82,7 @@ LaserScan level_scan(const NoddingScan& scan, const NoddingScanner& scanner) {
     const Point3 direction = turn * Point3(bearing.cos, bearing.sin, 0.0);
     const double share = std::sqrt(direction.x() * direction.x() + direction.y() * direction.y());
     const double range_m = static_cast<double>(level.ranges_m[beam]);
-    if (level.max_range_m > 0.0 && range_m >= level.max_range_m) continue;  // no return stays none
+    if (level.is_at_limit(range_m)) continue;  // no return stays none
     level.ranges_m[beam] = static_cast<float>(range_m * share);
   }
   return level;

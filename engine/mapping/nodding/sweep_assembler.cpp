@@ -52,6 +52,10 @@ BeamTiming NoddingScanner::timing(std::size_t beams, double bearing_step_rad) co
   return timing;
 }
 
+BeamTiming NoddingScanner::timing(const LaserScan& scan) const {
+  return stated_timing(scan).value_or(timing(scan.ranges_m.size(), scan.bearing_step_rad));
+}
+
 /// Batches wait in the order of their scans: the first one or two are on the device, the last one is being filled.
 struct SweepAssembler::State {
   struct Waiting {
@@ -152,7 +156,7 @@ void SweepAssembler::add(const NoddingScan& scan, std::uint32_t index, const Pos
   assert(!poses.empty() && T_map_fix.is_finite());
   const LaserScan& laser = scan.record.scan;
   if (laser.ranges_m.empty() || !has_points(scan)) return;
-  const BeamTiming timing = state_->scanner.timing(laser.ranges_m.size(), laser.bearing_step_rad);
+  const BeamTiming timing = state_->scanner.timing(laser);
   const std::uint32_t row = state_->row_of(laser);
   StripOrigin origin{laser.stamp_s, timing, anchor_near(T_map_fix.x_m), anchor_near(T_map_fix.y_m), 0, index};
   for (const ScanStrip& strip : strips_of({scan.knots, poses, timing, laser.ranges_m.size(), laser.T_base_laser})) {

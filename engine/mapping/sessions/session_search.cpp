@@ -5,6 +5,7 @@
 #include <limits>
 #include <mutex>
 #include <numbers>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "engine/mapping/loops/point_thinner.hpp"
 #include "engine/mapping/loops/scan_group.hpp"
 #include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/certified.hpp"
 
 namespace gdtslam {
@@ -48,6 +50,23 @@ std::vector<Point2> points_of(const Session& session, double spacing_m) {
   return points;
 }
 
+// Distances to all of its walls are kept in one piece, whose sides the transforms bound.
+std::vector<Point2> bounded(std::vector<Point2> points, double resolution_m) {
+  constexpr double kMostCells = 32000.0;
+  Point2 low = points.empty() ? Point2::Zero() : points.front();
+  Point2 high = low;
+  for (const Point2& point : points) {
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
+  }
+  const double side_m = (high - low).maxCoeff();
+  if (side_m <= kMostCells * resolution_m) return points;
+  throw InputError("the site is " + std::to_string(static_cast<int>(std::min(side_m, 1.0e9))) +
+                   " m wide, and in more than " + std::to_string(static_cast<int>(kMostCells * resolution_m)) +
+                   " m no drive is looked for: merge those of one part of it, as runs or as pieces that 'gdtslam edit "
+                   "--crop' cuts out");
+}
+
 // Where the robot may have been: around all of the path, in every heading.
 PoseWindow window_around(const std::vector<Pose2>& poses, double beyond_m) {
   double left = poses.front().x_m;
@@ -71,7 +90,8 @@ PoseWindow window_around(const std::vector<Pose2>& poses, double beyond_m) {
 struct SessionMap::State {
   State(const Session& session, const SessionSearchOptions& options)
       : backend(make_cpu_backend({})),
-        field(field_of(points_of(session, kSessionSpacing_m), options.resolution_m, *backend, mutex)),
+        field(field_of(bounded(points_of(session, kSessionSpacing_m), options.resolution_m), options.resolution_m,
+                       *backend, mutex)),
         map(field.view(), best_isa()),
         window(window_around(session.poses, options.beyond_m)) {}
 

@@ -84,7 +84,9 @@ WheelBias estimate_bias(std::span<const WheelStretch> stretches, double overlap)
   for (const WheelStretch& s : stretches) {
     const double walk = walk_of(s.path_m, s.turned_rad);
     if (s.path_m > 0.0 && s.knows_way) chords.push_back({s.chord_m, 0.0, s.true_chord_m - s.chord_m, s.path_m});
-    if (walk > 0.0) turns.push_back({s.true_turn_rad, s.forward_m, wrap_angle(s.true_turn_rad - s.turn_rad), walk});
+    // The true turn is known but for whole turns, which the wheels tell.
+    const double missing_rad = wrap_angle(s.true_turn_rad - s.turn_rad);
+    if (walk > 0.0) turns.push_back({s.turn_rad + missing_rad, s.forward_m, missing_rad, walk});
   }
   const Solution distance = solve(chords, kNothingKnown.sigma_distance, 1.0, overlap);
   const Solution turn = solve(turns, kNothingKnown.sigma_turn, kNothingKnown.sigma_rad_per_m, overlap);

@@ -45,16 +45,21 @@ bool is_all_read(const KeptRequest& kept, const std::vector<std::string>& copies
          (copies.empty() || extent_of_log_copy(copies.back()).is_of_whole_log());
 }
 
-bool has_same_records(const std::string& copy, const std::string& log, const ReadOptions& options) {
+bool has_same_records(const std::string& copy, const std::string& log, const ReadOptions& options,
+                      const std::function<bool()>& stop) {
   try {
     const std::unique_ptr<LogReader> copied = open_log(copy, options);
     const std::unique_ptr<LogReader> read = open_log(log, options);
     while (const std::optional<LogRecord> record = read->next()) {
+      if (stop && stop()) {
+        throw Error(ExitCode::kInterrupted, "interrupted while logs were compared; nothing is written");
+      }
       const std::optional<LogRecord> other = copied->next();
       if (!other || record_bytes(*record) != record_bytes(*other)) return false;
     }
     return !copied->next();
-  } catch (const Error&) {  // what is wrong with it is told by those who map it
+  } catch (const Error& error) {  // what is wrong with it is told by those who map it
+    if (error.code() == ExitCode::kInterrupted) throw;
     return false;
   }
 }
@@ -88,18 +93,33 @@ bool is_copy_in_run(const Continuation& found, const std::string& log) {
   });
 }
 
-// Whether a finished run has the records of these logs at its end, wherever it had them from.
-bool has_mapped(const Continuation& found, const std::vector<std::string>& more) {
+// Whether a finished run has the records of the first of these logs at its end, wherever it had them from.
+bool ends_with_first(const Continuation& found, const std::vector<std::string>& more, std::size_t first,
+                     const std::function<bool()>& stop) {
   const KeptRequest& kept = found.kept;
-  if (kept.paths.size() < more.size()) return false;
   const ReadOptions options = read_options_of(kept.request.settings.log, kept.request.lenient);
-  const std::size_t before = kept.paths.size() - more.size();
-  for (std::size_t k = 0; k < more.size(); ++k) {
+  const std::size_t before = kept.paths.size() - first;
+  for (std::size_t k = 0; k < first; ++k) {
     if (!can_be_read_twice(more[k])) return false;
     if (!is_same_file(kept.paths[before + k], more[k]) && is_copy_in_run(found, more[k])) return false;
-    if (!has_same_records(found.copies[before + k], more[k], options)) return false;
+    if (!has_same_records(found.copies[before + k], more[k], options, stop)) return false;
   }
   return true;
+}
+
+// How many of these logs, counted from the first, a finished run has at its end.
+std::size_t mapped_already(const Continuation& found, const std::vector<std::string>& more,
+                           const std::function<bool()>& stop) {
+  std::size_t first = std::min(more.size(), found.kept.paths.size());
+  while (first > 0 && !ends_with_first(found, more, first, stop)) --first;
+  return first;
+}
+
+std::string remark_on(const std::string& run, std::size_t mapped, std::size_t told) {
+  const std::string of_these =
+      mapped == 1 ? "the first of these logs" : fmt::format("the first {} of these logs", mapped);
+  return fmt::format("warning: the run in '{}' ends with {} already: not added once more", run,
+                     mapped < told ? of_these : (told == 1 ? "this log" : "these logs"));
 }
 
 void refuse_more(const Continuation& found, bool is_finished) {
@@ -118,24 +138,23 @@ void refuse_more(const Continuation& found, bool is_finished) {
 }
 
 // A killed run that was told to go on with these logs may be told so again.
-void add_logs(Continuation& found, bool is_finished, const std::vector<std::string>& more) {
-  std::vector<std::string>& logs = found.kept.request.logs;
+void add_logs(Continuation& found, bool is_finished, const std::vector<std::string>& more,
+              const std::function<bool()>& stop) {
   if (more.empty() || (!is_finished && ends_with(found.kept, more))) return;
-  if (is_finished && has_mapped(found, more)) {
-    found.remark = fmt::format("warning: the run in '{}' ends with {} already: not added once more", found.run,
-                               more.size() == 1 ? "this log" : "these logs");
-    return;
-  }
+  const std::size_t mapped = is_finished ? mapped_already(found, more, stop) : 0;
+  if (mapped > 0) found.remark = remark_on(found.run, mapped, more.size());
+  if (mapped == more.size()) return;
   refuse_more(found, is_finished);
-  for (const std::string& log : more) {
-    logs.push_back(log);
-    found.kept.paths.push_back(absolute_path_of(log));
+  for (std::size_t log = mapped; log < more.size(); ++log) {
+    found.kept.request.logs.push_back(more[log]);
+    found.kept.paths.push_back(absolute_path_of(more[log]));
   }
 }
 
 }  // namespace
 
-Continuation continuation_of(const std::string& run, const std::vector<std::string>& more_logs) {
+Continuation continuation_of(const std::string& run, const std::vector<std::string>& more_logs,
+                             const std::function<bool()>& stop) {
   const UnfinishedRun unfinished = unfinished_run_in(run, kContinueFile);
   std::vector<fs::path> folders;
   if (!unfinished.folder.empty()) folders.push_back(unfinished.folder);
@@ -157,19 +176,20 @@ Continuation continuation_of(const std::string& run, const std::vector<std::stri
     found.files = checked_files(run, found.copies.size());
   }
   const bool is_finished = found.leftover.empty() && is_all_read(found.kept, found.copies);
-  add_logs(found, is_finished, more_logs);
+  add_logs(found, is_finished, more_logs, stop);
   return found;
 }
 
-std::unique_ptr<RunFolder> folder_to_continue(const Continuation& continuation, const std::string& path) {
+std::unique_ptr<RunFolder> folder_to_continue(const Continuation& continuation, const std::string& path,
+                                              ForeignFiles foreign) {
   std::error_code ignored;
   const bool is_taken_over = !continuation.leftover.empty() && fs::equivalent(path, continuation.run, ignored);
   if (is_taken_over) {
-    auto folder = std::make_unique<RunFolder>(path, continuation.leftover);
+    auto folder = std::make_unique<RunFolder>(path, continuation.leftover, foreign);
     write_continue_file(folder->staged_path(kContinueFile), continuation.kept);
     return folder;
   }
-  auto folder = std::make_unique<RunFolder>(path);
+  auto folder = std::make_unique<RunFolder>(path, foreign);
   for (std::size_t log = 0; log < continuation.copies.size(); ++log) {
     copy_file_atomically(continuation.copies[log], folder->staged_path(log_copy_name(log)));
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,13 +24,16 @@ struct Continuation {
   std::optional<RunFiles> files{};  ///< of a finished run, checked
 };
 
-/// What `run` has, and the logs that come after those of it; logs that it ends with already, as where a command is
-/// repeated that was killed at its very end, are not added once more. Throws InputError where it has nothing that can
-/// be gone on with, UsageError where more logs make no sense or another process writes there, FileError.
-Continuation continuation_of(const std::string& run, const std::vector<std::string>& more_logs);
+/// What `run` has, and the logs that come after those of it; the first of them that it ends with already, as where a
+/// command is repeated that was killed at its very end, are not added once more. Throws InputError where it has nothing
+/// that can be gone on with, UsageError where more logs make no sense or another process writes there, FileError, and
+/// kInterrupted where `stop`, which may be empty, becomes true while logs are compared.
+Continuation continuation_of(const std::string& run, const std::vector<std::string>& more_logs,
+                             const std::function<bool()>& stop);
 
 /// The folder to write to, with the copies of the logs in it and continue.json. The leftover of a killed run is taken
 /// over where the results come into the same folder.
-std::unique_ptr<RunFolder> folder_to_continue(const Continuation& continuation, const std::string& path);
+std::unique_ptr<RunFolder> folder_to_continue(const Continuation& continuation, const std::string& path,
+                                              ForeignFiles foreign);
 
 }  // namespace gdtslam

@@ -1,6 +1,7 @@
 #include "edit_run.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <iterator>
@@ -10,6 +11,7 @@
 
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
+#include "engine/mapping/map/scan_beams.hpp"
 #include "engine/runs/continuing/log_copies.hpp"
 #include "engine/runs/edits/edits_file.hpp"
 #include "engine/runs/edits/map_picture_file.hpp"
@@ -22,6 +24,7 @@
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/run_pictures.hpp"
 #include "engine/runs/folder/run_report.hpp"
+#include "engine/runs/keyframes/changes_of_keyframes.hpp"
 #include "engine/runs/keyframes/map_of_keyframes.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
@@ -49,24 +52,67 @@ MapJob job_of_edit(const EditRequest& request, const SourceRun& run) {
   return job;
 }
 
-// Cells of the run where nothing but a part of them is wanted; else its scans cast anew. What lies outside a crop is
-// cast too, as beams that end there tell of free space inside.
-OccupancyMap edited_map(const EditRequest& request, const SourceRun& run, EditOutcome& outcome) {
+// Whether map.pgm of the run has all of its cells: that of a run in tiles shows them by and large.
+bool has_all_cells(const SourceRun& run) {
+  constexpr double kSameSize_m = 1.0e-9;
+  const RunSummary& summary = run.reader.summary();
+  return summary.tiles == 0 &&
+         std::fabs(summary.map->resolution_m - run.settings.mapper.map.resolution_m) < kSameSize_m;
+}
+
+// Whether beams of the scan may touch what is kept, by the bounds of each region.
+bool may_reach(const std::vector<MapRegion>& kept, const ScanConfig& valid, const LaserScan& scan, const Pose2& T) {
+  double reach_m = range_limit_m(scan, valid.max_range_m) + scan.T_base_laser.translation().norm();
+  if (is_skewed(scan)) {
+    const double last_after_s =
+        scan.first_beam_after_s + static_cast<double>(scan.ranges_m.size()) * scan.beam_period_s;
+    reach_m += scan.speed->head<2>().norm() * std::fmax(std::fabs(scan.first_beam_after_s), std::fabs(last_after_s));
+  }
+  return std::all_of(kept.begin(), kept.end(), [&](const MapRegion& region) {
+    const RegionBounds bounds = bounds_of(region);
+    return T.x_m + reach_m >= bounds.low_m.x() && T.x_m - reach_m <= bounds.high_m.x() &&
+           T.y_m + reach_m >= bounds.low_m.y() && T.y_m - reach_m <= bounds.high_m.y();
+  });
+}
+
+// The scans of the run cast anew. What lies outside a crop is cast too, as beams that end there tell of free space
+// inside; of a run in tiles, which is too large for one piece, no more than may reach it.
+OccupancyMap cast_map(const EditRequest& request, const SourceRun& run, EditOutcome& outcome) {
   const EditPlan& plan = outcome.plan;
-  if (!plan.has_other_frame && plan.erased.empty()) return cropped(run.reader.map(), plan.kept);
-  const MapperConfig& config = run.settings.mapper;
-  OccupancyBuilder builder(run.settings.occupancy, occupancy_limits(config));
+  const ScanConfig& valid = run.settings.mapper.scan;
+  OccupancyBuilder builder(run.settings.occupancy, occupancy_limits(run.settings.mapper));
   const std::vector<MapRegion> nowhere;
   const RunScans scans{run.reader.files(), run.outcome.trajectory, run.kept.keyframes, run.refused};
   outcome.is_of_keyframes = !has_log_copies(scans.files.folder());
   const double all =
       static_cast<double>(outcome.is_of_keyframes ? run.kept.keyframes.size() : run.reader.summary().scans);
-  outcome.scans = for_each_cast_scan(scans, [&, count = std::size_t{0}](LaserScan& scan, const Pose2& T) mutable {
-    take_out_readings({plan.erased, nowhere}, config.scan, T, scan);
-    builder.add(scan, T);
+  for_each_cast_scan(scans, [&, count = std::size_t{0}](LaserScan& scan, const Pose2& T) mutable {
     if (++count % 64 == 0) tell_step(request, "the occupancy map", static_cast<double>(count) / all);
+    if (run.reader.summary().tiles > 0 && !may_reach(plan.kept, valid, scan, T)) return;
+    take_out_readings({plan.erased, nowhere}, valid, T, scan);
+    builder.add(scan, T);
+    ++outcome.scans;
   });
-  return cropped(builder.build(), plan.kept);
+  if (outcome.scans == 0 && !plan.kept.empty()) {
+    throw InputError("--crop leaves nothing of the map: no scan reaches it");
+  }
+  return builder.build();
+}
+
+// Cells of the run where nothing but a part of them is wanted; else those of its scans, with what changed between the
+// drives of a site as its keyframes tell of it, which have lost what is erased by now.
+OccupancyMap edited_map(const EditRequest& request, const SourceRun& run, EditOutcome& outcome) {
+  const EditPlan& plan = outcome.plan;
+  if (!plan.has_other_frame && plan.erased.empty() && has_all_cells(run)) {
+    return cropped(run.reader.map(), plan.kept);
+  }
+  OccupancyMap map = cast_map(request, run, outcome);
+  if (!run.outcome.drives.empty()) {
+    tell_step(request, "what changed between the drives", 0.0);
+    const DrivenKeyframes driven{run.kept.keyframes, run.outcome.trajectory, run.outcome.drives};
+    mark_changes(changes_after_all(driven, run.settings.mapper), map);
+  }
+  return cropped(std::move(map), plan.kept);
 }
 
 // Those of the run's logs stay true; what could not be drawn is told of the pictures that there are now.
@@ -89,6 +135,7 @@ std::string edited_report(const EditRequest& request, const SourceRun& run, cons
   report["trajectory_sha256"] = hashes.trajectory;
   report["keyframes_sha256"] = hashes.keyframes;
   report["gdt"] = geometry_json(field.geometry);
+  report.erase("tiles");  // what is left is in one piece
   report["files"] = files_json(folder);
   tell_of_pictures(run.outcome.warnings, report);
   if (report.contains("map")) report["map"] = geometry_json(run.outcome.occupancy.geometry);
@@ -145,13 +192,16 @@ std::string recorded_edits(const EditRequest& request, const SourceRun& run, con
   return edits_text(edits, outcome.readings);
 }
 
-void take_out_of_keyframes(SourceRun& run, EditOutcome& outcome) {
-  const ScanConfig& valid = run.settings.mapper.scan;
-  ScanPoints points(valid);
-  bool is_left = false;
+void take_out_of_keyframes(const EndRules& rules, SourceRun& run, EditOutcome& outcome) {
   for (RunKeyframe& keyframe : run.kept.keyframes) {
-    outcome.readings +=
-        take_out_readings({outcome.plan.erased, outcome.plan.kept}, valid, keyframe.T_map_base, keyframe.laser);
+    outcome.readings += take_out_readings(rules, run.settings.mapper.scan, keyframe.T_map_base, keyframe.laser);
+  }
+}
+
+void keep_keyframe_scans(SourceRun& run) {
+  ScanPoints points(run.settings.mapper.scan);
+  bool is_left = false;
+  for (const RunKeyframe& keyframe : run.kept.keyframes) {
     is_left = is_left || !points.of(keyframe.laser).empty();
     run.outcome.keyframe_scans.push_back(keyframe.laser);
   }
@@ -164,8 +214,11 @@ void write_edited(const EditRequest& request, SourceRun& run, EditOutcome& outco
   const MapJob job = job_of_edit(request, run);
   leave_out_edits(folder);
   handle_other_files(request, run, folder, outcome);
+  const std::vector<MapRegion> nowhere;
+  take_out_of_keyframes({outcome.plan.erased, nowhere}, run, outcome);
   if (job.with_occupancy) run.outcome.occupancy = edited_map(request, run, outcome);
-  take_out_of_keyframes(run, outcome);
+  take_out_of_keyframes({nowhere, outcome.plan.kept}, run, outcome);
+  keep_keyframe_scans(run);
   tell_step(request, "the distance field", 0.0);
   const std::unique_ptr<SeparateMap> map = map_of_keyframes(run.kept, run.settings.mapper);
   const WrittenField field = write_run_field(folder, job, map->field(), times);

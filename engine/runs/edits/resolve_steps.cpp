@@ -67,16 +67,24 @@ std::optional<FrameEdit> frame_edit(const EditRequest& request, const SourceRun&
   return edit;
 }
 
-// Where the robot was must not be so far from the origin that maps lose their precision.
+// An edit must not put the map so far from the origin that it loses its precision. A run that goes that far itself may
+// stay where it is, be turned, and come nearer.
 void check_distance(const SourceRun& run, const EditPlan& plan) {
+  constexpr double kRounding_m = 1.0e-3;
+  double before_m = 0.0;
+  double after_m = 0.0;
+  double along_axis_m = 0.0;
   for (const StampedPose& pose : run.outcome.trajectory) {
-    const Pose2 T = plan.T_edited_run * pose.T_map_base;
-    if (std::fabs(T.x_m) <= kFarthestFromOrigin_m && std::fabs(T.y_m) <= kFarthestFromOrigin_m) continue;
-    throw UsageError(
-        fmt::format("--origin: puts the map {:.0f} m from its origin, and {:.0f} m is the most; coordinates "
-                    "of a country go into --georeference and --world-file",
-                    std::fmax(std::fabs(T.x_m), std::fabs(T.y_m)), kFarthestFromOrigin_m));
+    const Point2 at_m = plan.T_edited_run * pose.T_map_base.translation();
+    before_m = std::fmax(before_m, pose.T_map_base.translation().norm());
+    after_m = std::fmax(after_m, at_m.norm());
+    along_axis_m = std::fmax(along_axis_m, at_m.cwiseAbs().maxCoeff());
   }
+  if (along_axis_m <= kFarthestFromOrigin_m || after_m <= before_m + kRounding_m) return;
+  throw UsageError(
+      fmt::format("--origin: puts the map {:.0f} m from its origin, and {:.0f} m is the most; coordinates "
+                  "of a country go into --georeference and --world-file",
+                  along_axis_m, kFarthestFromOrigin_m));
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <system_error>
 
-#include "engine/core/files/file_state.hpp"
+#include "engine/core/files/folder_calls.hpp"
 #include "engine/io/sha256.hpp"
 #include "engine/runs/folder/run_files.hpp"
 #include "gdtslam/core/error.hpp"
@@ -13,20 +13,40 @@
 namespace gdtslam {
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr const char* kRemoveIt = "; remove that folder and run its shard again";
+
+// Of what is not there the innermost folder that is. Behind a link to a disk that is not mounted a run may lie.
+void require_no_dead_link(fs::path path) {
+  while (!lies_there(path) && path.has_parent_path()) path = path.parent_path();
+  std::error_code ignored;
+  if (lies_there(path) && !fs::exists(path, ignored)) {
+    throw FileError(path.string(), "is a link that leads nowhere; mount what it leads to, or remove it");
+  }
+}
+
+bool has_report_in(const std::string& run_folder) {
+  const std::string report = run_folder + "/" + kReportFile;
+  std::error_code failed;
+  const fs::file_status status = fs::status(report, failed);
+  if (fs::is_regular_file(status)) return true;
+  if (!fs::status_known(status)) throw FileError(report, "cannot be read: " + failed.message());
+  if (!fs::exists(status)) require_no_dead_link(report);
+  return false;
+}
 
 }  // namespace
 
-bool has_report(const std::string& atlas, const std::string& run) {
-  return state_of_file(atlas + "/" + run_path(run) + "/" + kReportFile).has_value();
-}
+bool has_report(const std::string& atlas, const std::string& run) { return has_report_in(atlas + "/" + run_path(run)); }
 
 bool is_run_there(const std::string& run_folder) {
+  if (has_report_in(run_folder)) return true;
+  if (!lies_there(run_folder)) return false;
   std::error_code failed;
-  if (!std::filesystem::exists(run_folder, failed)) return false;
-  if (state_of_file(run_folder + "/" + kReportFile)) return true;
-  const bool is_empty = std::filesystem::is_empty(run_folder, failed);
-  if (is_empty && !failed && std::filesystem::is_directory(run_folder, failed)) return false;
+  const bool is_folder = fs::is_directory(fs::symlink_status(run_folder, failed));
+  if (is_folder && list_folder(run_folder, failed).empty() && !failed) return false;
+  if (is_folder && failed) throw FileError(run_folder, "cannot be listed: " + failed.message());
   throw FileError(run_folder, "is no whole run, and nothing writes such a one here; remove it and run the shard again");
 }
 

@@ -7,10 +7,11 @@
 
 namespace gdtslam {
 
-/// Whether the run has its report, which takes its name last: a look at one file.
+/// Whether the run has its report, which takes its name last: a look at one file where it has. Throws FileError where
+/// that cannot be told, as behind a link that leads nowhere.
 bool has_report(const std::string& atlas, const std::string& run);
 
-/// Whether a run lies in that folder; an empty folder is none. Throws FileError for what is neither.
+/// Whether a run lies in that folder; an empty folder is none. Throws FileError for what is neither, and likewise.
 bool is_run_there(const std::string& run_folder);
 
 /// Holds every file that the report tells of against its bytes and its SHA-256. Throws InputError that names the first

@@ -45,7 +45,7 @@ RunFiles::RunFiles(std::string folder, const std::function<void(const ReportRead
     throw InputError({folder_, 0},
                      fmt::format("is no folder of a run: it has no {}{}{}", kReportFile, kMapAgain, folder_));
   }
-  seen_[kReportFile] = *state;
+  note(kReportFile, *state);
   const ReportReader read = report();
   if (also) also(read);
   if (!read.has("files")) return;
@@ -96,13 +96,12 @@ std::string RunFiles::checked(const std::string& name) const {
   const std::optional<FileState> state = state_of(name);
   if (!state) refuse(name, "is missing in this run");
   if (!told_) return path(name);
-  const auto seen = seen_.find(name);
-  if (seen != seen_.end() && seen->second == *state) return path(name);
+  if (is_seen(name, *state)) return path(name);
   const auto told = told_->find(name);
   if (told == told_->end())
     refuse(name, fmt::format("is none of the files that {} tells of: not of one run", kReportFile));
   check_bytes(name, told->second, *state);
-  seen_[name] = *state;
+  note(name, *state);
   expect_unchanged();
   return path(name);
 }
@@ -122,8 +121,20 @@ std::string RunFiles::sha256(const std::string& name) const {
   return told_ ? told_->at(name).sha256 : sha256_of_file(file).sha256;
 }
 
+bool RunFiles::is_seen(const std::string& name, const FileState& state) const {
+  const std::lock_guard lock(seen_->mutex);
+  const auto seen = seen_->states.find(name);
+  return seen != seen_->states.end() && seen->second == state;
+}
+
+void RunFiles::note(const std::string& name, const FileState& state) const {
+  const std::lock_guard lock(seen_->mutex);
+  seen_->states[name] = state;
+}
+
 void RunFiles::expect_unchanged() const {
-  for (const auto& [name, state] : seen_) {
+  const std::lock_guard lock(seen_->mutex);
+  for (const auto& [name, state] : seen_->states) {
     if (state_of(name) == state) continue;
     throw InputError({name == kReportFile ? folder_ : path(name), 0},
                      "was changed or replaced while it was read; run the command again");

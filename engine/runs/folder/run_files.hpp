@@ -1,12 +1,14 @@
 // The files of a run as its report tells of them: name, size and SHA-256 of each. Whoever reads a run reads a file only
 // after its bytes were held against that, and asks afterwards whether it is that file still; so what is read is of one
 // run, whoever changes or replaces files meanwhile. A file is hashed once. Reports of versions before have no such
-// list: their files are taken as they are. One object belongs to one thread.
+// list: their files are taken as they are. Several threads may ask one object at once.
 #pragma once
 
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -76,13 +78,20 @@ class RunFiles {
     std::uint64_t bytes = 0;
     std::string sha256;
   };
+  /// The files that were checked, as they were then. Copies of a RunFiles share them.
+  struct Seen {
+    std::mutex mutex;
+    std::map<std::string, FileState> states;
+  };
+  [[nodiscard]] bool is_seen(const std::string& name, const FileState& state) const;
+  void note(const std::string& name, const FileState& state) const;
   [[nodiscard]] std::optional<FileState> state_of(const std::string& name) const;
   void check_bytes(const std::string& name, const Told& told, const FileState& state) const;
   [[noreturn]] void refuse(const std::string& name, const std::string& fault) const;
 
   std::string folder_;
   std::optional<std::map<std::string, Told>> told_;
-  mutable std::map<std::string, FileState> seen_;  ///< when it was checked
+  std::shared_ptr<Seen> seen_ = std::make_shared<Seen>();
 };
 
 /// The run there, where its report tells of its files: what it does not tell of is not the program's to remove.

@@ -35,7 +35,7 @@ constexpr std::array kRunFiles{"trajectory.tum",   "covariance.csv", "graph.g2o"
                                "cloud.png",        "continue.json",  "log-1.copy",  "edits.json",   "report.json"};
 
 // Where the old files are while a commit lasts.
-fs::path kept_in(const fs::path& staging) { return staging / "old"; }
+fs::path kept_in(const fs::path& staging) { return staging / kOldFiles; }
 
 /// A staging folder, and the process that it belongs to.
 struct Staging {
@@ -82,9 +82,10 @@ std::vector<fs::path> leftovers_in(const fs::path& folder, bool is_locked, const
 }
 
 // What is left of a process that was killed within its commit is the only sign that the files beside it are of a run.
+// Of 0.1.0 it has a folder `old`; a file of that name is a copy of the user's.
 bool is_of_a_commit(const fs::path& leftover) {
   std::error_code ignored;
-  return fs::exists(kept_in(leftover), ignored);
+  return fs::exists(kept_in(leftover), ignored) || fs::is_directory(fs::symlink_status(leftover / "old", ignored));
 }
 
 // What a run that has just begun keeps there. To list a folder takes a descriptor, and the run may have ended because
@@ -181,32 +182,35 @@ RunFolder::MadeFolder::~MadeFolder() {
   for (const fs::path& made : made_) fs::remove(made, ignored);  // succeeds only when it is empty
 }
 
-RunFolder::RunFolder(const std::string& path, ForeignFiles foreign, Leftovers leftovers)
-    : folder_(path), foreign_(foreign) {
+RunFolder::RunFolder(const std::string& path, ForeignFiles foreign) : folder_(path), foreign_(foreign) {
   made_.emplace(folder_);
   lock_.emplace(folder_);
-  if (leftovers == Leftovers::kRemoved) remove_leftovers();
   std::error_code failed;
   staging_ = folder_ / fmt::format("{}{}", kStagingPrefix, ::getpid());
-  const bool is_kept = leftovers == Leftovers::kKept || is_of_a_commit(staging_);
-  if (is_kept && fs::exists(staging_, failed)) set_aside(staging_);
+  if (fs::exists(staging_, failed)) set_aside(staging_);
   remove_tree(staging_, failed);
   if (!fs::create_directory(staging_, failed)) {
     throw FileError(path, "cannot be written to: " + failed.message());
   }
 }
 
+std::vector<fs::path> RunFolder::leftovers() const { return leftovers_in(folder_, lock_->is_held(), staging_); }
+
 void RunFolder::remove_leftovers() const {
   std::error_code ignored;
-  for (const fs::path& leftover : leftovers_in(folder_, lock_->is_held(), staging_)) {
+  for (const fs::path& leftover : leftovers()) {
     if (!is_of_a_commit(leftover)) remove_tree(leftover, ignored);
   }
 }
 
-RunFolder::RunFolder(const std::string& path, const fs::path& leftover)
-    : folder_(path), staging_(folder_ / fmt::format("{}{}", kStagingPrefix, ::getpid())), stays_(true) {
+RunFolder::RunFolder(const std::string& path, const fs::path& leftover, ForeignFiles foreign)
+    : folder_(path),
+      staging_(folder_ / fmt::format("{}{}", kStagingPrefix, ::getpid())),
+      foreign_(foreign),
+      stays_(true) {
   lock_.emplace(folder_);
   std::error_code failed;
+  if (leftover != staging_ && fs::exists(staging_, failed)) set_aside(staging_);
   if (leftover != staging_) fs::rename(leftover, staging_, failed);
   if (failed) throw FileError(path, "cannot be written to: " + failed.message());
 }
@@ -292,7 +296,10 @@ void RunFolder::undo(const std::vector<std::string>& old_names) {
 // Somebody may have put a file there since the run began: what was made is not lost for it, and can be gone on with.
 std::vector<std::string> RunFolder::replaced_names() {
   const OwnFiles own(folder_.string(), lock_->is_held());
-  std::vector<std::string> old_names = own.names_that_go();
+  // What makes no run, as a merge in the folder of its sites, leaves one that lies there.
+  const auto reports =
+      std::count(names_.begin(), names_.end(), kReportFile) + std::count(gone_.begin(), gone_.end(), kReportFile);
+  std::vector<std::string> old_names = reports > 0 ? own.names_that_go() : std::vector<std::string>{};
   const bool are_all = foreign_ == ForeignFiles::kReplaced;
   for (const std::string& name : gone_) {
     if (are_all || own.has(name)) old_names.push_back(name);
@@ -305,7 +312,7 @@ std::vector<std::string> RunFolder::replaced_names() {
   return old_names;
 }
 
-void RunFolder::commit() {
+void RunFolder::commit(Leftovers leftovers) {
   const std::vector<std::string> old_names = replaced_names();
   sync_folder(staging_.string());
   std::error_code failed;
@@ -321,7 +328,8 @@ void RunFolder::commit() {
   names_.clear();
   std::error_code ignored;  // they are in nobody's way
   stays_ = false;
-  for (const fs::path& leftover : leftovers_in(folder_, lock_->is_held(), staging_)) remove_tree(leftover, ignored);
+  if (leftovers == Leftovers::kKept) return;
+  for (const fs::path& leftover : this->leftovers()) remove_tree(leftover, ignored);
 }
 
 void remove_stagings_of_ended_runs(const std::string& folder) {

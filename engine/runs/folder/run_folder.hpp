@@ -22,6 +22,10 @@ namespace gdtslam {
 /// How the names of staging folders begin; the number of the process follows.
 inline constexpr std::string_view kStagingPrefix = ".gdtslam-staging-";
 
+/// The old files in a staging folder, from the commit on. No file of a run or of its user that is staged has a name
+/// that begins with a dot.
+inline constexpr std::string_view kOldFiles = ".old";
+
 /// What becomes of files that have the name of one that a run writes or takes away, and are of nobody knows whom.
 enum class ForeignFiles : std::uint8_t {
   kKept,  ///< nothing is committed where one is in the way
@@ -30,14 +34,13 @@ enum class ForeignFiles : std::uint8_t {
 
 class RunFolder {
  public:
-  /// What killed runs left in the folder, which they could be gone on with from.
+  /// What becomes of what killed processes left in the folder, as the only copy of a log, when all has its name.
   enum class Leftovers { kRemoved, kKept };
   /// Makes the folder if need be, and the staging folder, so that a place that cannot be written shows before the work
   /// is done. Throws FileError, as commit() does; UsageError where somebody writes to the folder.
-  explicit RunFolder(const std::string& path, ForeignFiles foreign = ForeignFiles::kKept,
-                     Leftovers leftovers = Leftovers::kRemoved);
+  explicit RunFolder(const std::string& path, ForeignFiles foreign = ForeignFiles::kKept);
   /// Takes over what a killed run left in that folder, its staging folder. Throws likewise.
-  RunFolder(const std::string& path, const std::filesystem::path& leftover);
+  RunFolder(const std::string& path, const std::filesystem::path& leftover, ForeignFiles foreign = ForeignFiles::kKept);
   RunFolder(const RunFolder&) = delete;
   RunFolder& operator=(const RunFolder&) = delete;
   /// Removes what is staged, and the folder itself where this object made it and nothing came into it. What was taken
@@ -47,7 +50,9 @@ class RunFolder {
   /// The run will fail, and cannot be made again: of what is staged these files stay, as those of a killed run do.
   void keep(std::span<const std::string> names);
 
-  /// What was kept at first, but for what is left of a commit, which goes with the next one.
+  /// The staging folders of killed processes.
+  [[nodiscard]] std::vector<std::filesystem::path> leftovers() const;
+  /// Before the commit, but for what is left of another one, which goes with this one.
   void remove_leftovers() const;
 
   /// Where to write the file of that name until commit().
@@ -56,12 +61,15 @@ class RunFolder {
   std::string staged_folder(std::string_view name);
   /// Where that file is until then, without that it becomes one of the run.
   [[nodiscard]] std::string staged_path(std::string_view name) const { return (staging_ / name).string(); }
+  /// Where the old files are after commit(), until they go with the object.
+  [[nodiscard]] std::string old_files() const { return (staging_ / kOldFiles).string(); }
   /// What lies there goes with the object, but for what is staged.
   [[nodiscard]] std::string staging() const { return staging_.string(); }
   /// This run makes no such file: one that an earlier run left goes with commit().
   void without(std::string_view name) { gone_.emplace_back(name); }
-  /// Every staged file takes its name. Throws UsageError where that is one of a file of somebody else.
-  void commit();
+  /// Every staged file takes its name; with a report of a run they take the place of the run that lies there. Throws
+  /// UsageError where a name is one of a file of somebody else.
+  void commit(Leftovers leftovers = Leftovers::kRemoved);
 
   /// Of all that is staged, in the order in which they were asked for.
   [[nodiscard]] const std::vector<std::string>& names() const { return names_; }

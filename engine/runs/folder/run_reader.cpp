@@ -45,6 +45,7 @@ RunSummary summary_of(const ReportReader& report) {
   summary.path_m = report.number("path_m");
   summary.cloud_points = report.whole("cloud_points");
   if (report.has("map")) summary.map = report.geometry("map");
+  if (report.has("tiles")) summary.tiles = report.whole("tiles");
   summary.map_sha256 = report.text("map_sha256");
   if (report.has("keyframes_sha256")) summary.keyframes_sha256 = report.text("keyframes_sha256");
   summary.nods = report.has("nodding");
@@ -155,6 +156,11 @@ OccupancyMap RunReader::map() const {
 }
 
 DistanceFieldFile RunReader::field() const {
+  if (summary_.tiles > 0 && !files_.has("gdt.png")) {
+    throw InputError({folder(), 0},
+                     "has its map in tiles, and no distance field of all of it: cut a piece out with 'gdtslam edit RUN "
+                     "--crop X0,Y0,X1,Y1 -o PART'");
+  }
   (void)files_.checked("gdt.png");
   DistanceFieldFile field = files_.read("gdt.yaml", [](const std::string& file) { return read_distance_field(file); });
   if (sha256_of(rows_of(field.view())) != summary_.map_sha256) {

@@ -30,6 +30,7 @@ struct RunSummary {
   double path_m = 0.0;  ///< as the mapper counted it; pictures tell the length of what they draw
   std::uint64_t cloud_points = 0;
   std::optional<GridGeometry> map;              ///< of map.pgm; nothing where it was left out
+  std::uint64_t tiles = 0;                      ///< in place of gdt.png and of all cells in map.pgm; 0: in one piece
   std::string map_sha256;                       ///< of the distance field
   std::optional<std::string> keyframes_sha256;  ///< nothing where the laser nods or the report is of an older version
   bool nods = false;
@@ -63,8 +64,9 @@ class RunReader {
   [[nodiscard]] GraphLines graph() const;
   /// What the report says against the map; reads it again.
   [[nodiscard]] RunDoubts doubts() const;
-  /// Throws InputError too where the run was told to make none.
+  /// Of a run in tiles the small map of all of them. Throws InputError too where the run was told to make none.
   [[nodiscard]] OccupancyMap map() const;
+  /// Throws InputError too where the run is in tiles.
   [[nodiscard]] DistanceFieldFile field() const;
   /// The configuration that it was mapped with. Throws ConfigError too.
   [[nodiscard]] Settings settings() const;

@@ -35,7 +35,15 @@ std::string near_text(const MergedScans& merged) {
 }
 
 LocalizeTruth::LocalizeTruth(const std::string& file)
-    : file_(file), poses_(given_trajectory(file)), by_stamp_(poses_) {}
+    : file_(file),
+      poses_(given_trajectory(file)),
+      by_stamp_(poses_),
+      repeated_(poses_, ReferenceOptions{}.tolerance_s) {}
+
+std::size_t LocalizeTruth::count_repeated() const {
+  return static_cast<std::size_t>(
+      std::count_if(poses_.begin(), poses_.end(), [&](const auto& pose) { return repeated_.have(pose.stamp_s); }));
+}
 
 void LocalizeTruth::align(const RunReader& run) {
   const ReferenceOptions options;
@@ -46,6 +54,7 @@ void LocalizeTruth::align(const RunReader& run) {
 }
 
 std::optional<Pose2> LocalizeTruth::find(double stamp_s) const {
+  if (repeated_.have(stamp_s)) return std::nullopt;
   return by_stamp_.find(stamp_s, ReferenceOptions{}.tolerance_s);
 }
 

@@ -39,16 +39,19 @@ class LocalizeTruth {
   /// InputError where fewer than two stamps agree.
   void align(const RunReader& run);
 
-  /// The pose of the scan with that stamp.
+  /// The pose of the scan with that stamp; none where two poses have it, between which a clock stepped back.
   [[nodiscard]] std::optional<Pose2> find(double stamp_s) const;
   [[nodiscard]] const std::string& file() const { return file_; }
   [[nodiscard]] std::size_t count() const { return poses_.size(); }
+  /// Of its poses, those whose stamps two stretches have.
+  [[nodiscard]] std::size_t count_repeated() const;
   [[nodiscard]] bool is_aligned() const { return is_aligned_; }
 
  private:
   std::string file_;
   Trajectory poses_;
   PosesByStamp by_stamp_;
+  RepeatedStamps repeated_;
   bool is_aligned_ = false;
 };
 

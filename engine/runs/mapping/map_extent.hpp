@@ -2,10 +2,13 @@
 // back with have no use in one file, and no room in a viewer. Frame: map. Not thread-safe; O(1) a pose.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
+#include "engine/mapping/map/scan_beams.hpp"
 #include "gdtslam/core/grid_geometry.hpp"
 #include "gdtslam/core/pose.hpp"
+#include "gdtslam/core/stream.hpp"
 #include "gdtslam/mapping/config.hpp"
 
 namespace gdtslam {
@@ -15,8 +18,17 @@ inline constexpr double kMostCellsInOnePiece = static_cast<double>(std::uint64_t
 
 class MapExtent {
  public:
-  explicit MapExtent(const MapperConfig& config)
-      : reach_m_(config.scan.max_range_m), resolution_m_(config.map.resolution_m) {}
+  /// Beams without a return count as far as they are taken to be free.
+  MapExtent(const MapperConfig& config, double no_return_free_m)
+      : limit_m_(config.scan.max_range_m), reach_m_(no_return_free_m), resolution_m_(config.map.resolution_m) {}
+  /// How far it sees. O(beams).
+  void see(const LaserScan& scan) {
+    const double limit_m = range_limit_m(scan, limit_m_);
+    for (const float range : scan.ranges_m) {
+      const auto range_m = static_cast<double>(range);
+      if (range_m < limit_m) reach_m_ = std::max(reach_m_, range_m);
+    }
+  }
   void add(const Point2& robot_m) {
     low_m_ = is_empty_ ? robot_m : Point2(low_m_.cwiseMin(robot_m));
     high_m_ = is_empty_ ? robot_m : Point2(high_m_.cwiseMax(robot_m));
@@ -30,6 +42,7 @@ class MapExtent {
   }
 
  private:
+  double limit_m_;
   double reach_m_;
   double resolution_m_;
   bool is_empty_ = true;

@@ -104,7 +104,7 @@ MapRun::MapRun(const MapJob& job, Backend& backend, ScanStream scans, const Nodd
       scans_(std::move(scans)),
       mapped_(job.on_failure.scratch_folder),
       merged_scans_(job.on_failure.scratch_folder),
-      extent_(job.mapper),
+      extent_(job.mapper, job.occupancy.no_return_free_m),
       has_threads_(threads_meant(job.on_failure.cpu.threads) > 1),
       first_s_(kNever),
       last_s_(-kNever) {
@@ -143,13 +143,13 @@ void MapRun::note_stamp(double stamp_s) {
   last_s_ = std::max(last_s_, stamp_s);
 }
 
-// The pose is the one given, which may be better than the match; what is in doubt is the match. A nodding laser's poses
-// come when its loops are closed.
+// The pose given may be better than the match, which is what is in doubt. A nodding laser's come with its loops closed.
 void MapRun::take_match(const MatchResult& result, const Pose2& T_map_base, const LaserScan& scan) {
   const bool is_final = nodding_ || !loops_;
-  if (job_.with_occupancy && result.accepted && is_final) cast(scan, T_map_base);
-  if (!is_final) is_kept_.push_back(job_.with_occupancy && result.accepted);
-  if (!is_final && is_kept_.back()) scans_kept_->put(scan);
+  if (result.accepted) extent_.see(scan);
+  if (result.accepted && is_final) cast(scan, T_map_base);
+  if (!is_final) is_kept_.push_back(result.accepted);
+  if (!is_final && is_kept_.back() && job_.with_occupancy) scans_kept_->put(scan);
   if (result.doubt != Doubt::kNone) {
     const Pose2 off = between(result.T_map_predicted, result.T_map_base);
     outcome_.doubtful.push_back({mapped_.size(), result.stamp_s, result.doubt, result.accepted,
@@ -168,7 +168,7 @@ void MapRun::take_match(const MatchResult& result, const Pose2& T_map_base, cons
 // laser that nods has no keyframes to make it from.
 void MapRun::count_in(const Pose2& T_map_base) {
   extent_.add(T_map_base.translation());
-  if (!occupancy_ || nodding_ || extent_.is_one_piece()) return;
+  if (outcome_.is_in_tiles || nodding_ || extent_.is_one_piece()) return;
   if (casting_) casting_->finish();
   occupancy_.reset();
   outcome_.is_in_tiles = true;

@@ -14,8 +14,10 @@
 #include "engine/core/ascii.hpp"
 #include "engine/core/files/folder_calls.hpp"
 #include "engine/core/files/retried.hpp"
+#include "engine/io/atomic_file.hpp"
 #include "engine/runs/folder/folder_lock.hpp"
 #include "engine/runs/folder/run_reader.hpp"
+#include "engine/runs/keyframes/changes_of_keyframes.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
@@ -26,13 +28,18 @@ namespace fs = std::filesystem;
 constexpr std::string_view kNewPrefix = ".gdtslam-tiles-";
 constexpr std::string_view kOldSuffix = "-old";
 
+bool is_old_tile(const fs::path& file) {
+  std::error_code ignored;
+  return is_tile_file(file.filename().string()) && !fs::is_directory(fs::symlink_status(file, ignored));
+}
+
 // Files among old tiles that are none move to the new ones. False where one cannot: then the old ones stay.
 bool carry_over_foreign(const fs::path& old, const fs::path& place) {
   std::error_code failed;
   bool is_done = true;
   for (const fs::path& file : list_folder(old, failed)) {
     const std::string name = file.filename().string();
-    if (is_tile_file(name)) continue;
+    if (is_old_tile(file)) continue;
     std::error_code kept;
     if (!lies_there(place / name)) fs::rename(file, place / name, kept);
     is_done = is_done && !kept;
@@ -133,23 +140,38 @@ TileIndex index_with(const std::string& place, const std::string& keyframes_sha2
   throw InputError({place, 0}, "holds tiles of other keyframes than the run has now; make all of them again");
 }
 
-// Makes some tiles again among those that are there.
-TilesOutcome make_some(const TilesRequest& request, const TileMaker& maker, TileIndex index, const std::string& place,
-                       const std::function<void(double)>& progress) {
-  TilesOutcome outcome{place, std::move(index), 0, {}};
-  std::vector<TileRecord*> records;
-  for (const CellIndex& tile : request.only) {
-    const auto found = std::find_if(outcome.index.tiles.begin(), outcome.index.tiles.end(),
-                                    [&](const TileRecord& record) { return record.place == tile; });
-    if (found == outcome.index.tiles.end()) {
-      throw UsageError(fmt::format("--only: the run has no tile {},{}; {}/{} names those that there are", tile.x,
-                                   tile.y, place, kTileIndex));
-    }
+void require_tiles(const std::vector<CellIndex>& only, const TileIndex& index, const std::string& place) {
+  for (const CellIndex& tile : only) {
+    const bool is_there = std::any_of(index.tiles.begin(), index.tiles.end(),
+                                      [&](const TileRecord& record) { return record.place == tile; });
+    if (is_there) continue;
+    throw UsageError(fmt::format("--only: the run has no tile {},{}; {}/{} names those that there are", tile.x, tile.y,
+                                 place, kTileIndex));
   }
+}
+
+// The old tiles get their names in the new folder too, where what is made again takes them.
+void bring_along(const NewTiles& fresh, const std::function<void()>& before_piece) {
+  std::error_code failed;
+  for (const fs::path& file : list_folder(fresh.place(), failed)) {
+    const std::string name = file.filename().string();
+    if (!is_old_tile(file) || name.starts_with('.')) continue;
+    const fs::path there = fs::path(fresh.folder()) / name;
+    std::error_code without_links;  // as some file systems are
+    fs::create_hard_link(file, there, without_links);
+    if (without_links) copy_file_atomically(file.string(), there.string(), before_piece);
+  }
+  if (failed) throw FileError(fresh.place(), "cannot be listed: " + failed.message());
+}
+
+// Makes some tiles again; the others stay.
+void make_some(const std::vector<CellIndex>& only, const TileMaker& maker, const NewTiles& fresh,
+               const std::function<void(double)>& progress, TilesOutcome& outcome) {
+  bring_along(fresh, [&progress] { progress(0.0); });
   maker.make(
-      request.only,
+      only,
       [&](MapTile&& tile) {
-        const TileRecord made = write_tile(place, tile);
+        const TileRecord made = write_tile(fresh.folder(), tile);
         const auto record = std::find_if(outcome.index.tiles.begin(), outcome.index.tiles.end(),
                                          [&](const TileRecord& r) { return r.place == made.place; });
         if (record->sha256 != made.sha256) outcome.changed.push_back(made.place);
@@ -157,8 +179,22 @@ TilesOutcome make_some(const TilesRequest& request, const TileMaker& maker, Tile
         ++outcome.made;
       },
       progress);
-  write_tile_index(place, outcome.index);
-  return outcome;
+  write_tile_index(fresh.folder(), outcome.index);
+}
+
+RunKeyframes kept_keyframes_of(const RunReader& reader) {
+  if (std::optional<RunKeyframes> kept = reader.keyframes()) return *std::move(kept);
+  throw InputError({reader.folder(), 0},
+                   reader.summary().nods
+                       ? "is a run of a laser that nods; only flat lasers' maps are kept in tiles"
+                       : "has no keyframes.bin.gz, which older versions did not write: map its log again");
+}
+
+MapChanges changes_in(const RunReader& reader, const RunKeyframes& kept, const MapperConfig& config) {
+  const std::vector<std::size_t>& drives = reader.summary().drives;
+  if (drives.empty()) return {};
+  const Trajectory trajectory = reader.trajectory();
+  return changes_after_all({kept.keyframes, trajectory, drives}, config);
 }
 
 }  // namespace
@@ -169,30 +205,34 @@ TilesOutcome make_tiles(const TilesRequest& request) {
   static_cast<void>(RunReader(request.run));
   const FolderLock lock(request.run);
   const RunReader reader(request.run);
-  const std::optional<RunKeyframes> kept = reader.keyframes();
-  if (!kept) {
-    throw InputError({request.run, 0}, reader.summary().nods
-                                           ? "is a run of a laser that nods; only flat lasers' maps are kept in tiles"
-                                           : "has no keyframes.bin.gz, which older versions did not write: map its log "
-                                             "again");
-  }
+  const RunKeyframes kept = kept_keyframes_of(reader);
   const Settings settings = reader.settings();
-  const TileMaker maker(*kept, settings.mapper, settings.occupancy);
+  const MapperConfig& config = settings.mapper;
   const auto progress = [&request](double share) {
     if (request.stop && request.stop()) throw Error(ExitCode::kInterrupted, "interrupted; the tiles are as before");
     if (request.progress) request.progress(share);
   };
   const std::string& hash = *reader.summary().keyframes_sha256;
-  const std::string place = request.run + "/" + kTileFolder;
+  TilesOutcome outcome{(fs::path(request.run) / kTileFolder).string(), {}, 0, {}};
   clear_left_tiles(request.run);
-  if (!request.only.empty()) return make_some(request, maker, index_with(place, hash), place, progress);
-  require_own(place);
+  if (request.only.empty()) {
+    require_own(outcome.folder);
+  } else {
+    outcome.index = index_with(outcome.folder, hash);
+    require_tiles(request.only, outcome.index, outcome.folder);
+  }
+  progress(0.0);
+  const TileMaker maker(kept, config, settings.occupancy, changes_in(reader, kept, config));
   const NewTiles fresh(request.run);
-  MadeTiles made = write_tiles(fresh.folder(), maker, hash, settings.mapper.map.resolution_m, progress);
+  if (request.only.empty()) {
+    outcome.index = write_tiles(fresh.folder(), maker, hash, config.map.resolution_m, progress).index;
+    outcome.made = outcome.index.tiles.size();
+  } else {
+    make_some(request.only, maker, fresh, progress, outcome);
+  }
   reader.files().expect_unchanged();
   fresh.take_place();
-  const std::size_t count = made.index.tiles.size();
-  return {fresh.place(), std::move(made.index), count, {}};
+  return outcome;
 }
 
 }  // namespace gdtslam

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "engine/core/files/folder_calls.hpp"
+#include "engine/core/files/retried.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/io/message_text.hpp"
@@ -28,6 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kOldReport = "old.json";  // as long as sites are replaced
+constexpr const char* kWrittenSite = "site";
 
 const std::string& checked_place(const std::string& folder, std::size_t sessions, bool replaces_foreign_files) {
   std::vector<std::string> names = names_of_changes();
@@ -69,6 +71,27 @@ std::vector<std::string> names_in_order(const fs::path& folder, std::error_code&
   };
   std::sort(names.begin(), names.end(), [&](const std::string& a, const std::string& b) { return key(a) < key(b); });
   return names;
+}
+
+// What a drive that was killed there left may be all that there is of its log.
+bool is_leftover_of_a_merge(const fs::path& leftover) {
+  std::error_code failed;
+  const std::vector<fs::path> files = list_folder(leftover, failed);
+  const auto has_name_or_nothing = [](const fs::path& file) {
+    std::error_code ignored;
+    return file.filename() == kMergeFile || file.filename() == kOldReport || fs::is_empty(file, ignored);
+  };
+  return !failed && (lies_there(leftover / kWrittenSite) || std::ranges::all_of(files, has_name_or_nothing));
+}
+
+// After the commit, which is done whatever becomes of them.
+void remove_leftovers_in(const RunFolder& folder, bool has_new_run) {
+  without_throwing([&] {
+    std::error_code ignored;
+    for (const fs::path& leftover : folder.leftovers()) {
+      if (has_new_run || is_leftover_of_a_merge(leftover)) remove_tree(leftover, ignored);
+    }
+  });
 }
 
 }  // namespace
@@ -115,6 +138,8 @@ void SiteFolder::require_replaceable() const {
   }
 }
 
+std::string SiteFolder::written() const { return folder_->staged_path(kWrittenSite); }
+
 void SiteFolder::take_over() {
   leave_out_old();
   const fs::path from = written();
@@ -130,13 +155,15 @@ void SiteFolder::take_over() {
 
 void SiteFolder::commit() {
   names_ = folder_->names();
-  folder_->commit();
+  folder_->commit(RunFolder::Leftovers::kKept);
 }
+
+void SiteFolder::remove_leftovers() const { remove_leftovers_in(*folder_, !names_.empty()); }
 
 // A committed run folder has the old files beside the staged ones until it is gone itself. They are listed before a new
 // one is removed, for that may fail.
 std::string SiteFolder::undo() {
-  const fs::path old = folder_->staged_path("old");
+  const fs::path old = folder_->old_files();
   std::error_code failed;
   const std::vector<std::string> old_names = names_in_order(old, failed);
   std::string problems;
@@ -202,7 +229,7 @@ void MergeFolder::commit(std::string_view report) {
   try {
     set_old_report_aside();
     for (; committed < sites_.size(); ++committed) sites_[committed].commit();
-    folder_.commit();
+    folder_.commit(RunFolder::Leftovers::kKept);
   } catch (const Error& error) {
     const std::string problems = put_back(committed);
     if (problems.empty()) throw;
@@ -212,6 +239,8 @@ void MergeFolder::commit(std::string_view report) {
     if (problems.empty()) throw;
     throw Error(ExitCode::kFailed, "out of memory" + problems);
   }
+  for (const SiteFolder& site : sites_) site.remove_leftovers();
+  remove_leftovers_in(folder_, false);
   remove_empty_folders();
 }
 

@@ -34,12 +34,14 @@ class SiteFolder {
   /// Its number.
   [[nodiscard]] std::string name() const { return std::filesystem::path(path()).filename().string(); }
   /// Where the site is written, as a run folder of its own, until take_over().
-  [[nodiscard]] std::string written() const { return folder_->staged_path("site"); }
+  [[nodiscard]] std::string written() const;
   /// All files of the run that was written there are staged in place of those of the run that lies here. Throws
   /// FileError where one of them cannot be replaced.
   void take_over();
-  /// Throws what RunFolder::commit() throws.
+  /// Throws what RunFolder::commit() throws. Leftovers stay, as it may be undone.
   void commit();
+  /// What killed processes left there, after commit(); where no site is written, what a merge left.
+  void remove_leftovers() const;
   /// The old files have their names again after commit(). Says what cannot be undone, and then keeps them.
   std::string undo();
 

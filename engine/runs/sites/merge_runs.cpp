@@ -10,7 +10,9 @@
 #include "engine/mapping/map/separate_map.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/run_pictures.hpp"
+#include "engine/runs/folder/run_reader.hpp"
 #include "engine/runs/folder/run_report.hpp"
+#include "engine/runs/keyframes/changes_of_keyframes.hpp"
 #include "engine/runs/sites/merge_folder.hpp"
 #include "engine/runs/sites/shared_scans.hpp"
 #include "engine/runs/sites/site_outcome.hpp"
@@ -125,7 +127,7 @@ JoinedSite write_site(const MergeRequest& request, const MergedSite& site, const
   const WrittenField field = write_run_field(folder, job, map->field(), times);
   if (job.with_occupancy) {
     outcome.occupancy = occupancy_of(runs, site);
-    mark_changes(joined.changes, outcome.occupancy);
+    mark_changes(joined.changes.last, outcome.occupancy);
   }
   draw_changes(request, joined, site, runs, folder, outcome);
   times.skip();

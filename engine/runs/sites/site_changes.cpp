@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "engine/mapping/changes/session_changes.hpp"
 #include "engine/mapping/map/scan_beams.hpp"
+#include "engine/runs/folder/run_reader.hpp"
+#include "engine/runs/keyframes/changes_of_keyframes.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 
 namespace gdtslam {
@@ -17,41 +17,18 @@ std::vector<SiteDrive> drives_of(const std::vector<RunSession*>& runs) {
   std::vector<SiteDrive> drives;
   for (std::size_t k = 0; k < runs.size(); ++k) {
     const RunSession& run = *runs[k];
-    std::vector<std::size_t> starts{0};
-    starts.insert(starts.end(), run.drives.begin(), run.drives.end());
-    std::size_t keyframe = 0;
-    for (std::size_t i = 0; i < starts.size(); ++i) {
-      const std::size_t end = i + 1 < starts.size() ? starts[i + 1] : run.trajectory.size();
-      SiteDrive drive{.run = k, .folder = run.folder, .first_keyframe = keyframe};
-      while (keyframe < run.kept.keyframes.size() && run.kept.keyframes[keyframe].scan < end) ++keyframe;
-      drive.end_keyframe = keyframe;
-      drive.first_s = std::numeric_limits<double>::infinity();
-      drive.last_s = -drive.first_s;
-      for (std::size_t scan = starts[i]; scan < end; ++scan) {
-        drive.first_s = std::min(drive.first_s, run.trajectory[scan].stamp_s);
-        drive.last_s = std::max(drive.last_s, run.trajectory[scan].stamp_s);
-      }
-      drives.push_back(drive);
+    for (const DriveStretch& stretch : drive_stretches_of({run.kept.keyframes, run.trajectory, run.drives})) {
+      drives.push_back({k, run.folder, stretch.first_keyframe, stretch.end_keyframe, stretch.first_s, stretch.last_s});
     }
   }
   return drives;
 }
 
-RayLimits rays_of(const MapperConfig& config, const ChangeLimits& limits) {
-  return {.resolution_m = config.map.resolution_m,
-          .min_range_m = config.scan.min_range_m,
-          .max_range_m = config.scan.max_range_m,
-          .short_of_end_m = limits.tolerance_m};
-}
-
 std::vector<DriveViews> views_of(const std::vector<SiteDrive>& drives, const MergedSite& site,
-                                 const std::vector<RunSession*>& runs, const RayLimits& rays,
-                                 const ChangeLimits& limits) {
-  const std::uint64_t max_cells = static_cast<std::uint64_t>(runs.front()->settings.mapper.map.max_megacells) << 20U;
+                                 const std::vector<RunSession*>& runs, const ViewCounts::Limits& limits) {
   std::vector<DriveViews> all;
   for (const SiteDrive& drive : drives) {
-    all.push_back({ViewCounts({.rays = rays, .spacing_m = limits.spacing_m, .max_cells = max_cells}), drive.first_s,
-                   drive.last_s});
+    all.push_back({ViewCounts(limits), drive.first_s, drive.last_s});
     for (std::size_t i = drive.first_keyframe; i < drive.end_keyframe; ++i) {
       all.back().views.add(runs[drive.run]->kept.keyframes[i].laser, site.poses[drive.run][i]);
     }
@@ -73,24 +50,6 @@ std::size_t take_out(const SessionChanges& found, std::size_t drive, const Pose2
   return taken;
 }
 
-CellOffset cells_to_origin(const OccupancyMap& map) {
-  const auto whole = [&map](double origin_m) {
-    return static_cast<std::int32_t>(std::lround(origin_m / map.geometry.resolution_m));
-  };
-  return {-whole(map.geometry.origin_x_m), -whole(map.geometry.origin_y_m)};
-}
-
-void mark(const std::vector<ChangedCell>& cells, CellState state, OccupancyMap& map) {
-  const CellOffset offset = cells_to_origin(map);
-  for (const ChangedCell& changed : cells) {
-    const CellIndex cell = changed.cell + offset;
-    if (!map.geometry.contains(cell)) continue;
-    map.cells.set(static_cast<std::size_t>(cell.y) * static_cast<std::size_t>(map.geometry.width) +
-                      static_cast<std::size_t>(cell.x),
-                  state);
-  }
-}
-
 ChangesLayer layer_of(const std::vector<ChangedCell>& cells, CellOffset offset) {
   ChangesLayer layer;
   layer.cells.reserve(cells.size());
@@ -104,9 +63,9 @@ ChangesLayer layer_of(const std::vector<ChangedCell>& cells, CellOffset offset) 
 SiteChanges take_out_changes(const MergedSite& site, const std::vector<RunSession*>& runs) {
   const ChangeLimits limits;
   const MapperConfig& config = runs.front()->settings.mapper;
-  const RayLimits rays = rays_of(config, limits);
+  const ViewCounts::Limits counted = change_view_limits(config, limits);
   SiteChanges changes{.resolution_m = config.map.resolution_m, .drives = drives_of(runs), .by_drive = {}, .last = {}};
-  const std::vector<DriveViews> views = views_of(changes.drives, site, runs, rays, limits);
+  const std::vector<DriveViews> views = views_of(changes.drives, site, runs, counted);
   const SessionChanges found(views, changes.resolution_m, limits);
   changes.by_drive = found.by_drive();
   changes.last = found.last();
@@ -117,7 +76,7 @@ SiteChanges take_out_changes(const MergedSite& site, const std::vector<RunSessio
     ScanPoints points(run.settings.mapper.scan);
     for (std::size_t i = drive.first_keyframe; i < drive.end_keyframe; ++i) {
       LaserScan& scan = run.kept.keyframes[i].laser;
-      const std::size_t taken = take_out(found, k, site.poses[drive.run][i], rays, scan);
+      const std::size_t taken = take_out(found, k, site.poses[drive.run][i], counted.rays, scan);
       if (taken > 0) run.session.scans[i] = keep_scan(points.of(scan));
       changes.readings += taken;
     }
@@ -125,14 +84,9 @@ SiteChanges take_out_changes(const MergedSite& site, const std::vector<RunSessio
   return changes;
 }
 
-void mark_changes(const SiteChanges& changes, OccupancyMap& map) {
-  mark(changes.last.gone, CellState::kFree, map);
-  mark(changes.last.appeared, CellState::kOccupied, map);
-}
-
 Canvas changes_picture_of(const SiteChanges& changes, const OccupancyMap& map, const MergedSite& site,
                           const std::vector<const RunSession*>& runs) {
-  const CellOffset offset = cells_to_origin(map);
+  const CellOffset offset = cells_from_origin(map.geometry);
   ChangesOverlay overlay{layer_of(changes.last.appeared, offset), layer_of(changes.last.gone, offset), {}};
   for (const SiteDrive& drive : changes.drives) {
     Trajectory path;

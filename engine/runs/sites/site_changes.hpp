@@ -38,9 +38,6 @@ struct SiteChanges {
 /// Finds the changes, and takes the readings of what is gone out of the runs' keyframes.
 SiteChanges take_out_changes(const MergedSite& site, const std::vector<RunSession*>& runs);
 
-/// What a later drive saw as a wall and earlier ones saw through is one, and what is gone is free.
-void mark_changes(const SiteChanges& changes, OccupancyMap& map);
-
 /// For changes.png of the site.
 Canvas changes_picture_of(const SiteChanges& changes, const OccupancyMap& map, const MergedSite& site,
                           const std::vector<const RunSession*>& runs);

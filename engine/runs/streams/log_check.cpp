@@ -198,7 +198,7 @@ void LogChecker::add_ranges(const LaserScan& scan) {
     const auto range_m = static_cast<double>(range);
     if (!std::isfinite(range_m)) {
       ++check_.ranges.not_finite;
-    } else if (scan.max_range_m > 0.0 && range_m >= scan.max_range_m) {
+    } else if (scan.is_at_limit(range_m)) {
       ++beyond_stated_cm_[bin_of(range_m * 100.0, kRangeBins)];
     } else {
       has_return = has_return || range_m > 0.0;

@@ -158,8 +158,7 @@ void LogTimeline::add_ranges(const LaserScan& scan, double place) {
   bin.returns.resize(kTimelineRanges);
   for (const float range : scan.ranges_m) {
     const auto range_m = static_cast<double>(range);
-    const bool is_return =
-        std::isfinite(range_m) && range_m > 0.0 && !(scan.max_range_m > 0.0 && range_m >= scan.max_range_m);
+    const bool is_return = std::isfinite(range_m) && range_m > 0.0 && !scan.is_at_limit(range_m);
     if (is_return) ++bin.returns[range_bin(range_m)];
   }
 }

@@ -82,7 +82,8 @@ void NoddingStream::resolve_first() {
 }
 
 void NoddingStream::take_scan(ScanRecord record) {
-  const BeamTiming timing = calib::beam_timing(model_, record.scan.ranges_m.size(), record.scan.bearing_step_rad);
+  order_beams_by_time(record.scan);
+  const BeamTiming timing = calib::beam_timing(model_, record.scan);
   const std::size_t last = record.scan.ranges_m.empty() ? 0 : record.scan.ranges_m.size() - 1;
   const double stamp_s = record.scan.stamp_s;
   waiting_.push_back({std::move(record), timing.first_s, timing.of_beam_s(last), stamp_s < last_scan_s_});

@@ -76,7 +76,16 @@ bool read_states(const OccupancyMap& map, const CellIndex& first, CellStates& st
   return is_known;
 }
 
-// Likewise of the distance field.
+// Those that lie in the tile.
+void mark_states(const std::vector<ChangedCell>& cells, CellState state, const CellIndex& first, CellStates& states) {
+  for (const ChangedCell& changed : cells) {
+    const CellOffset d = changed.cell - first;
+    if (d.dx < 0 || d.dy < 0 || d.dx >= kMapTileSide || d.dy >= kMapTileSide) continue;
+    states.set(static_cast<std::size_t>(d.dy) * kMapTileSide + static_cast<std::size_t>(d.dx), state);
+  }
+}
+
+// The part of the distance field that lies in the tile; whether anything is known of it.
 bool read_distances(const GlobalField& field, const CellIndex& first, std::vector<std::uint16_t>& distances) {
   distances.resize(std::size_t{kMapTileSide} * kMapTileSide);
   for (std::int32_t y = 0; y < kMapTileSide; ++y) {
@@ -88,8 +97,9 @@ bool read_distances(const GlobalField& field, const CellIndex& first, std::vecto
 
 }  // namespace
 
-TileMaker::TileMaker(const RunKeyframes& run, const MapperConfig& mapper, const OccupancyConfig& occupancy)
-    : run_(&run), mapper_(mapper), occupancy_(occupancy) {
+TileMaker::TileMaker(const RunKeyframes& run, const MapperConfig& mapper, const OccupancyConfig& occupancy,
+                     MapChanges changes)
+    : run_(&run), mapper_(mapper), occupancy_(occupancy), changes_(std::move(changes)) {
   std::set<std::pair<std::int32_t, std::int32_t>> touched;
   reach_.reserve(run.keyframes.size());
   for (const RunKeyframe& keyframe : run.keyframes) {
@@ -118,25 +128,38 @@ void TileMaker::make(std::span<const CellIndex> places, const std::function<void
   }
   std::size_t done = 0;
   for (auto& [key, of_piece] : pieces) {
-    progress(static_cast<double>(done) / static_cast<double>(places.size()));
     std::sort(of_piece.begin(), of_piece.end(), by_row);
     CellBox tiles{of_piece.front(), of_piece.front() + CellOffset{1, 1}};
     for (const CellIndex& place : of_piece) tiles = hull(tiles, {place, place + CellOffset{1, 1}});
-    make_piece(tiles, of_piece, take);
+    make_piece(tiles, of_piece, take, [&](std::size_t made) {
+      progress(static_cast<double>(done + made) / static_cast<double>(places.size()));
+    });
     done += of_piece.size();
   }
 }
 
+OccupancyMap TileMaker::cast(std::span<const std::size_t> keyframes, const std::function<void()>& between) const {
+  constexpr std::size_t kBetween = 64;
+  OccupancyBuilder builder(occupancy_, occupancy_limits(mapper_));
+  for (std::size_t i = 0; i < keyframes.size(); ++i) {
+    if (i % kBetween == 0) between();
+    const RunKeyframe& keyframe = run_->keyframes[keyframes[i]];
+    builder.add(keyframe.laser, keyframe.T_map_base);
+  }
+  return builder.build();
+}
+
 // Whole scans are merged and cast: what of them lies outside is thrown away.
 void TileMaker::make_piece(const CellBox& tiles, std::span<const CellIndex> places,
-                           const std::function<void(MapTile&&)>& take) const {
+                           const std::function<void(MapTile&&)>& take,
+                           const std::function<void(std::size_t made)>& before) const {
   const std::vector<std::size_t> touching = keyframes_that_touch(tiles);
   if (touching.empty()) return;
-  OccupancyBuilder builder(occupancy_, occupancy_limits(mapper_));
-  for (const std::size_t k : touching) builder.add(run_->keyframes[k].laser, run_->keyframes[k].T_map_base);
-  const OccupancyMap occupancy = builder.build();
+  const OccupancyMap occupancy = cast(touching, [&] { before(0); });
   const std::unique_ptr<SeparateMap> map = map_of_keyframes(*run_, touching, mapper_);
-  for (const CellIndex& place : places) {
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    before(k);
+    const CellIndex& place = places[k];
     MapTile tile{.place = place,
                  .keyframes = keyframes_that_touch({place, place + CellOffset{1, 1}}).size(),
                  .distances = {},
@@ -144,6 +167,8 @@ void TileMaker::make_piece(const CellBox& tiles, std::span<const CellIndex> plac
                  .occupancy = {geometry_of(place, mapper_.map.resolution_m), {}}};
     const CellIndex first{place.x * kMapTileSide, place.y * kMapTileSide};
     const bool has_states = read_states(occupancy, first, tile.occupancy.cells);
+    mark_states(changes_.gone, CellState::kFree, first, tile.occupancy.cells);
+    mark_states(changes_.appeared, CellState::kOccupied, first, tile.occupancy.cells);
     const bool has_distances = read_distances(map->field(), first, tile.distances);
     if (has_states || has_distances) take(std::move(tile));
   }

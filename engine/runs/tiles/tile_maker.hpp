@@ -1,6 +1,7 @@
 // A map in tiles, for sites that are too large for one piece: squares of 2048 cells, 51.2 m of 25 mm, each with its
 // part of the distance field and of the occupancy map. A tile is made from the keyframes that touch it alone, merged in
 // their order, for the merge depends on it; so it has the same cells whether it is made by itself or with all others.
+// Of a merged site what changed between its drives is marked besides, as in the site's own map.
 // Frame: map; the corner of tile (0, 0) is the map's origin. Thread-safe; a keyframe costs about a millisecond for each
 // piece of 8 x 8 tiles that it touches, and memory is that of one such piece.
 #pragma once
@@ -12,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/mapping/changes/map_changes.hpp"
 #include "engine/runs/keyframes/keyframe_file.hpp"
 #include "gdtslam/core/grid_geometry.hpp"
 #include "gdtslam/mapping/config.hpp"
@@ -31,24 +33,29 @@ struct MapTile {
 
 class TileMaker {
  public:
-  /// Keyframes must outlive it; configurations are those of their run.
-  TileMaker(const RunKeyframes& run, const MapperConfig& mapper, const OccupancyConfig& occupancy);
+  /// Keyframes must outlive it; configurations are those of their run, and changes those after all of its drives, in
+  /// cells that count from the map's origin.
+  TileMaker(const RunKeyframes& run, const MapperConfig& mapper, const OccupancyConfig& occupancy,
+            MapChanges changes = {});
 
   /// Those that a keyframe may touch, row by row from the lowest.
   [[nodiscard]] const std::vector<CellIndex>& places() const { return places_; }
   /// Makes the tiles of those places that anything is known of. Throws InputError where a piece of the map would be
-  /// beyond map.max_megacells; what take() and progress() throw, the latter with the share that is done.
+  /// beyond map.max_megacells; what take() and progress() throw, the latter with the share that is done, before each
+  /// tile and each 64 keyframes that are cast.
   void make(std::span<const CellIndex> places, const std::function<void(MapTile&&)>& take,
             const std::function<void(double)>& progress) const;
 
  private:
   [[nodiscard]] std::vector<std::size_t> keyframes_that_touch(const CellBox& tiles) const;
-  void make_piece(const CellBox& tiles, std::span<const CellIndex> places,
-                  const std::function<void(MapTile&&)>& take) const;
+  void make_piece(const CellBox& tiles, std::span<const CellIndex> places, const std::function<void(MapTile&&)>& take,
+                  const std::function<void(std::size_t made)>& before) const;
+  [[nodiscard]] OccupancyMap cast(std::span<const std::size_t> keyframes, const std::function<void()>& between) const;
 
   const RunKeyframes* run_;
   MapperConfig mapper_;
   OccupancyConfig occupancy_;
+  MapChanges changes_;
   std::vector<CellBox> reach_;  // of each keyframe, in tiles
   std::vector<CellIndex> places_;
 };

@@ -154,5 +154,15 @@ TEST(FreeNetwork, IsHowFarSimulatedDrivesAreOff) {
   }
 }
 
+TEST(SpreadCovariances, AreLinearBetweenThoseKnownAndConstantBehind) {
+  const std::vector<std::size_t> at{0, 4};
+  const std::vector<Matrix3> known{Matrix3::diagonal(1.0, 2.0, 3.0), Matrix3::diagonal(5.0, 2.0, 1.0)};
+  const std::vector<Matrix3> all = spread_covariances(at, known, 7);
+  ASSERT_EQ(all.size(), 7U);
+  EXPECT_EQ(all[0], known[0]);
+  EXPECT_EQ(all[1], Matrix3::diagonal(2.0, 2.0, 2.5));
+  EXPECT_EQ(all[6], known[1]);
+}
+
 }  // namespace
 }  // namespace gdtslam

@@ -93,6 +93,18 @@ TEST(KeyframeSteps, AMatchTellsWhatItsPointsAndTheWheelsDoTogether) {
   }
 }
 
+// A scan that matched nothing for long is laid where the robot was taken to be: how it got there the wheels alone tell,
+// or nobody, whatever walls it sees.
+TEST(KeyframeSteps, AScanThatMatchedNothingTellsNothing) {
+  for (const double sigma_m : {0.004, 1.0, 8.0}) {
+    MatchResult second = metre_on(sigma_m, 0.1 * sigma_m);
+    second.accepted = false;
+    const Matrix3 covariance = inverse(by_match(steps_of(four_walls(20), second)).information);
+    EXPECT_LT(relative_error(covariance(0, 0), sigma_m * sigma_m + 4.0e-6 + 2.5e-5), 1e-6) << sigma_m;
+    EXPECT_LT(relative_error(covariance(2, 2), 0.01 * sigma_m * sigma_m + 2.5e-7 + 2.25e-6), 1e-6) << sigma_m;
+  }
+}
+
 // Fewer than sixty points tell less, by their share of sixty; more tell no more.
 TEST(KeyframeSteps, SixtyPointsAreEnough) {
   const auto of_points = [](std::size_t count) {

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <string>
 #include <vector>
 
 #include "engine/mapping/graph/free_network.hpp"
 #include "engine/mapping/sessions/session_merge.hpp"
 #include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
 #include "loop_drive.hpp"
 
 namespace gdtslam {
@@ -73,6 +75,18 @@ TEST(Sessions, APlaceIsFoundInTheOther) {
   EXPECT_TRUE(map.fits(query, fix, truth));
   EXPECT_FALSE(map.fits(query, fix, truth * Pose2{0.0, 0.0, kPi})) << "the other way around";
   EXPECT_FALSE(map.find(query, query.places.back()).is_possible) << "the first drive was not there";
+}
+
+// Two rooms of one site 3.4 km apart: a grid of 0.1 m over both has more cells along a side than the transforms take.
+TEST(Sessions, InASiteThatIsTooWideAreRefusedWithWhatToDo) {
+  Session session = session_of(rooms(), part_of(test::poses_around_ring(1), 0.0, 0.1), {});
+  session.poses.back().x_m += 3400.0;
+  try {
+    const SessionMap map(session, {});
+    ADD_FAILURE() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("merge those of one part of it"), std::string::npos) << error.what();
+  }
 }
 
 // One and a half rounds: where it began, a robot saw what lay ahead of it alone, and when it came by again all around.
@@ -375,16 +389,6 @@ TEST(KeyframesBeside, LieOnThePathToBothSides) {
   const OnALine line;
   EXPECT_EQ(keyframes_beside(line.session, 30), (std::vector<std::size_t>{24, 27, 33, 36}));
   EXPECT_EQ(keyframes_beside(line.session, 2), (std::vector<std::size_t>{5, 8})) << "the path begins a metre before";
-}
-
-TEST(SpreadCovariances, AreLinearBetweenThoseKnownAndConstantBehind) {
-  const std::vector<std::size_t> at{0, 4};
-  const std::vector<Matrix3> known{Matrix3::diagonal(1.0, 2.0, 3.0), Matrix3::diagonal(5.0, 2.0, 1.0)};
-  const std::vector<Matrix3> all = spread_covariances(at, known, 7);
-  ASSERT_EQ(all.size(), 7U);
-  EXPECT_EQ(all[0], known[0]);
-  EXPECT_EQ(all[1], Matrix3::diagonal(2.0, 2.0, 2.5));
-  EXPECT_EQ(all[6], known[1]);
 }
 
 }  // namespace

@@ -50,6 +50,21 @@ TEST(WheelBias, IsFoundWithinFourOfItsDeviations) {
   }
 }
 
+// A robot that turns on the spot turns by more than half a turn within a stretch, of which matches tell all but the
+// whole turns: a twentieth of each turn is missing, by either sign.
+TEST(WheelBias, OfTurnsBeyondHalfATurnIsTheSame) {
+  std::vector<WheelStretch> stretches;
+  for (int k = 1; k <= 60; ++k) {
+    WheelStretch s;
+    const double true_rad = (k % 2 == 0 ? 1.0 : -1.0) * 0.12 * k;
+    s.true_turn_rad = wrap_angle(true_rad);
+    s.turn_rad = true_rad / 1.05;
+    s.turned_rad = std::fabs(s.turn_rad);
+    stretches.push_back(s);
+  }
+  EXPECT_NEAR(estimate_bias(stretches, 1.0).turn, 0.05, 1.0e-3);
+}
+
 TEST(WheelBias, OfGoodWheelsLeavesThemAlone) {
   for (const std::uint64_t seed : {1U, 2U, 3U, 4U, 5U}) {
     Random random(seed);

@@ -259,6 +259,24 @@ TEST(Calibrate, FindsAZeroThatIsNotKnown) {
   }
 }
 
+// A zero near a whole turn that has to go on past it is one that a linkage file may have.
+TEST(Calibrate, TellsTheZeroWithinATurn) {
+  for (const double turn : {1.0, -1.0}) {
+    SweepModel start = kTruth;
+    start.encoder.zero_rad = turn * (kTwoPi - 0.01);
+    std::vector<RangeObservation> seen = exact_ranges();
+    const double zero = turn * (kTwoPi + 0.02);  // where the ticks of these ranges begin then
+    const double per_tick = kTwoPi / static_cast<double>(kTruth.encoder.ticks_per_turn);
+    for (RangeObservation& one : seen) {
+      one.ticks -= (zero - kTruth.encoder.zero_rad) / (kTruth.encoder.direction * per_tick);
+    }
+    const CalibrationResult result = calibrate(start, exact_wall(), seen, {});
+    EXPECT_LT(result.all_rms, 0.5);
+    EXPECT_NEAR(wrap_angle(result.model.encoder.zero_rad - zero), 0.0, 0.005);
+    EXPECT_TRUE(validate(result.model).empty()) << result.model.encoder.zero_rad;
+  }
+}
+
 TEST(Calibrate, RemarksOnRangesThatScatterTwiceAsMuchAsStated) {
   for (const bool is_more : {false, true}) {
     std::vector<RangeObservation> seen = exact_ranges(-1.0, 1.0);

@@ -82,6 +82,25 @@ TEST(AssignSurfaces, EachRangeIsOfTheSurfaceThatItsBeamMeetsFirst) {
   for (std::size_t k = 0; k < seen.size(); ++k) EXPECT_EQ(seen[k].surface, expected[k]) << k;
 }
 
+// By hand: of ten level ranges to a wall 2 m away three are right, three are 0.2 m off either way, two farther off than
+// half a metre, and two look away from it.
+TEST(MeanMiss, CountsWhatMissesByMoreAsTheMost) {
+  const SweepModel model = wide_mount();
+  double level_ticks = 0.0;
+  for (const TurnedBeam& beam : beams_of_a_turn(model)) {
+    if (std::fabs(beam.elevation) < 0.01) level_ticks = beam.ticks;
+  }
+  const double cosine = std::cos(*elevation_rad(model, crank_rad(model.encoder, level_ticks)));
+  std::vector<RangeObservation> seen;
+  for (const double off_m : {0.0, 0.0, 0.0, 0.2, -0.2, 0.2, 0.7, -1.5}) {
+    seen.push_back({.ticks = level_ticks, .range_m = (kRoomWall_m + off_m) / cosine});
+  }
+  for (int k = 0; k < 2; ++k) seen.push_back({.ticks = level_ticks, .bearing_rad = kPi, .range_m = kRoomWall_m});
+  const std::vector<CalibrationSurface> wall{upright_room()[0]};
+  EXPECT_NEAR(mean_miss_m(model, wall, 0.5, seen), (3 * 0.2 + 4 * 0.5) / 10.0, 1e-3);
+  EXPECT_EQ(mean_miss_m(model, wall, 0.5, {}), 0.0);
+}
+
 // The gate is on the distance from the surface, not along the beam.
 TEST(AssignSurfaces, WhatMissesByMoreThanTheGateIsTakenOut) {
   constexpr double kGate_m = 0.1;
@@ -127,7 +146,8 @@ TEST(PaperBars, StandWhereTheReadingsHaveThem) {
   EXPECT_EQ(places("paper-b"), "delta1= delta2=crank delta3= delta4=coupler delta5=rocker delta6=ground delta7= ");
   EXPECT_EQ(places("paper-c"), "delta1= delta2=crank delta3= delta4=coupler delta5=ground delta6=rocker delta7= ");
   EXPECT_EQ(places("paper-b-calibrated"), places("paper-b"));
-  for (const char* other : {"paper-d", "paper-", "paper", "mine", ""}) EXPECT_TRUE(paper_bars(other).empty()) << other;
+  for (const char* other : {"paper-d", "paper-", "paper", "paper-clip", "paper-a-mended", "mine", ""})
+    EXPECT_TRUE(paper_bars(other).empty()) << other;
   for (const char* bar : {"crank", "coupler", "rocker", "ground"}) EXPECT_TRUE(is_bar(bar)) << bar;
   for (const char* other : {"zero", "offset", "distance.wall", "lever.up", "crank.x", ""}) {
     EXPECT_FALSE(is_bar(other)) << other;

@@ -155,6 +155,39 @@ TEST(BeamTiming, StampOfTheFirstOrTheLastBeam) {
   EXPECT_GT(beam_timing(model, 361, rad_from_deg(-0.5)).step_s, 0.0);
 }
 
+TEST(BeamTiming, IsThatOfAScanThatSaysIt) {
+  SweepModel model;
+  model.mirror_rate_hz = 75.0;
+  LaserScan scan;
+  scan.bearing_step_rad = rad_from_deg(0.5);
+  scan.ranges_m.resize(361);
+  EXPECT_EQ(beam_timing(model, scan).first_s, beam_timing(model, 361, rad_from_deg(0.5)).first_s);
+  EXPECT_EQ(beam_timing(model, scan).step_s, beam_timing(model, 361, rad_from_deg(0.5)).step_s);
+  scan.beam_period_s = 1e-4;
+  EXPECT_NEAR(beam_timing(model, scan).of_beam_s(360), 0.036, 1e-15) << "from the stamp on";
+  scan.first_beam_after_s = -0.01;
+  EXPECT_NEAR(beam_timing(model, scan).of_beam_s(100), 0.0, 1e-15);
+}
+
+// A laser that turns clockwise, whose reader has turned its beams round.
+TEST(BeamTiming, BeamsAreOrderedByTime) {
+  LaserScan scan;
+  scan.first_bearing_rad = -1.0;
+  scan.bearing_step_rad = 0.5;
+  scan.first_beam_after_s = 0.02;
+  scan.beam_period_s = -0.005;
+  scan.ranges_m = {1.0F, 2.0F, 3.0F, 4.0F, 5.0F};
+  order_beams_by_time(scan);
+  EXPECT_EQ(scan.ranges_m, (std::vector<float>{5.0F, 4.0F, 3.0F, 2.0F, 1.0F}));
+  EXPECT_EQ(scan.first_bearing_rad, 1.0);
+  EXPECT_EQ(scan.bearing_step_rad, -0.5);
+  EXPECT_NEAR(scan.first_beam_after_s, 0.0, 1e-15);
+  EXPECT_EQ(scan.beam_period_s, 0.005);
+  const LaserScan once = scan;
+  order_beams_by_time(scan);
+  EXPECT_EQ(scan.ranges_m, once.ranges_m) << "those that are in order stay";
+}
+
 TEST(BeamTiming, WithoutMirrorAllBeamsFireAtTheStamp) {
   const BeamTiming timing = beam_timing(SweepModel{}, 961, rad_from_deg(0.25));
   EXPECT_EQ(timing.first_s, 0.0);

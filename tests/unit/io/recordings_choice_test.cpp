@@ -129,6 +129,22 @@ TEST(RecordingClocks, DelaysOfMessagesAreNoOtherClock) {
   EXPECT_NEAR(log.of<ScanRecord>().at(5).T_odom_base->x_m, 4.75, 1e-12);
 }
 
+// docs/formats.md: a header without stamp gets the time of receipt.
+TEST(RecordingClocks, HeadersWithoutStampsHaveThatOfTheirReceipt) {
+  std::string data = mcap_channel(1, "/scan", kCdrScan, "cdr") + mcap_channel(2, "/odom", kCdrOdometry, "cdr");
+  for (int k = 0; k < 10; ++k) {
+    data += mcap_message(2, 50.0 + k, cdr_odometry(0.0, {.x_m = 1.0 * k}));
+    data += mcap_message(1, 50.5 + k, cdr_scan({.stamp_s = 0.0}));
+  }
+  const WholeLog log = chosen_log(data);
+  const auto scans = log.of<ScanRecord>();
+  ASSERT_EQ(scans.size(), 10U);
+  for (std::size_t k = 0; k < 9; ++k) EXPECT_NEAR(scans[k].T_odom_base.value().x_m, 0.5 + static_cast<double>(k), 1e-9);
+  EXPECT_EQ(log.warned("scan without stamp"), 10U);
+  EXPECT_EQ(log.warned("odometry without stamp"), 10U);
+  EXPECT_EQ(log.warned("odometry steps back in time"), 0U);
+}
+
 TEST(RecordingCranks, NumbersAreTicksOrTilts) {
   std::string data = mcap_channel(1, "/scan", kCdrScan, "cdr") + mcap_channel(2, "/servo", "std_msgs/msg/Int32", "cdr");
   for (int k = 0; k < 3; ++k) {

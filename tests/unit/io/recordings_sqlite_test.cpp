@@ -149,6 +149,43 @@ TEST(SqliteBags, FilesOfMcapInAFolder) {
   EXPECT_EQ(drain(*open_log(folder.path(), {})).of<ScanRecord>().size(), 4U);
 }
 
+/// A file of MCAP whose scan has the last of its channels; the others have no messages.
+std::string mcap_of_many_channels(const std::string& prefix, double stamp_s) {
+  constexpr std::uint16_t kLast = 40'000;
+  std::string data;
+  for (std::uint16_t k = 0; k < kLast; ++k) data += mcap_channel(k, fmt::format("{}{}", prefix, k), "a/msg/B", "cdr");
+  data += mcap_channel(kLast, "/scan", "sensor_msgs/msg/LaserScan", "cdr");
+  return mcap_file(data + mcap_message(kLast, stamp_s, cdr_scan({.stamp_s = stamp_s})));
+}
+
+std::vector<double> stamps_of_all(const WholeLog& log) {
+  std::vector<double> stamps_s;
+  for (const ScanRecord& record : log.of<ScanRecord>()) stamps_s.push_back(record.scan.stamp_s);
+  return stamps_s;
+}
+
+// A long recording has the same topics in each of its files: 1,440 of them with 46 topics are 66,240 channels.
+TEST(SqliteBags, ChannelsThatAllFilesHaveCountOnce) {
+  const TemporaryFolder folder;
+  for (int k = 0; k < 3; ++k) put_file(folder / fmt::format("m_{}.mcap", k), mcap_of_many_channels("/t", 1.0 + k));
+  EXPECT_THAT(stamps_of_all(drain(*open_log(folder.path(), {}))), ElementsAre(1.0, 2.0, 3.0));
+  ReadOptions options;
+  options.topics.scans = {"/none"};
+  EXPECT_THAT(log_refusal<UsageError>(folder.path(), options), HasSubstr("/scan (sensor_msgs/LaserScan, 3 at 1.0 Hz)"));
+}
+
+TEST(SqliteBags, MoreThan65536DifferentChannelsAreNotKnown) {
+  const TemporaryFolder folder;
+  put_file(folder / "m_0.mcap", mcap_of_many_channels("/a", 1.0));
+  put_file(folder / "m_1.mcap", mcap_of_many_channels("/b", 2.0));
+  const std::string channel = mcap_channel(1, "/late", "sensor_msgs/msg/LaserScan", "cdr");
+  put_file(folder / "m_2.mcap", mcap_file(channel + mcap_message(1, 3.0, cdr_scan({.stamp_s = 3.0}))));
+  EXPECT_THAT(log_refusal<InputError>(folder.path()), HasSubstr("no known channel"));
+  const WholeLog log = drain(*open_log(folder.path(), {.lenient = true}));
+  EXPECT_THAT(stamps_of_all(log), ElementsAre(1.0, 2.0)) << "/scan is known from the first file";
+  EXPECT_EQ(log.warned("malformed message"), 1U);
+}
+
 // A recorder that was killed leaves its journal behind. It is read, and nothing in the folder changes.
 TEST(SqliteBags, AJournalBesideTheBagIsRead) {
   const TemporaryFolder folder;

@@ -114,6 +114,30 @@ TEST(ScanAssembler, OdometryThatStepsBackIsLeftOutAndOneThatRepeatsIsNotTold) {
   EXPECT_EQ(assembly.next()->T_odom_base->x_m, 2.0);
 }
 
+// The receipt is what there is to tell them apart; the scans of that recording have stamps of the same clock.
+TEST(ScanAssembler, OdometryWithoutAStampHasThatOfItsReceipt) {
+  for (const bool are_transforms : {false, true}) {
+    Assembly assembly;
+    assembly.assembler.add_laser("/scan");
+    for (int k = 0; k <= 10; ++k) {
+      const TransformMessage pose{
+          .stamp_s = 0.0, .parent = "odom", .child = "base_link", .T_parent_child = {.shift_m = {2.0 * k, 0.0, 0.0}}};
+      const double received_s = 100.0 + 0.5 * k;
+      are_transforms ? assembly.assembler.add_transform(pose, received_s)
+                     : assembly.assembler.add_odometry(pose, received_s);
+    }
+    EXPECT_EQ(assembly.warned["odometry without stamp"], 11);
+    EXPECT_EQ(assembly.warned.size(), 1U) << "none steps back";
+    for (const double stamp_s : {100.0, 101.25, 104.0}) assembly.scan(scan_at(stamp_s));
+    for (const double x_m : {0.0, 5.0, 16.0}) {
+      const std::optional<ScanRecord> record = assembly.next(true);
+      ASSERT_TRUE(record && record->T_odom_base);
+      EXPECT_NEAR(record->T_odom_base->x_m, x_m, 1e-9) << are_transforms;
+    }
+    EXPECT_EQ(assembly.warned["clocks differ"], 0);
+  }
+}
+
 /// x = t, four poses and a scan in 0.2 s from 100 s on; x less t of each scan that comes out with odometry.
 std::vector<double> off_m(Assembly& assembly, const std::function<double(double)>& scan_clock,
                           const std::function<double(double)>& pose_clock) {

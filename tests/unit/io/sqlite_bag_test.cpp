@@ -358,5 +358,33 @@ TEST(SqliteBag, WhatIsBeforeADamagedPageIsGiven) {
   EXPECT_EQ(SqliteBag(std::string_view(bytes)).progress(), -1.0) << "the last row is not known";
 }
 
+// SQLite gives a page that is cut with zeros for what is missing.
+TEST(SqliteBag, APageThatIsCutIsNotFilledUp) {
+  const TemporaryFolder folder;
+  const std::string data(100, 'x');
+  std::string rows;
+  for (int k = 1; k <= 10; ++k) rows += bag_row(k, "0", "'" + data + "'");
+  const std::string whole = get_file(made_by_sqlite(folder / "a.db3", "PRAGMA page_size=512;" + kOneTopic + rows));
+  const std::string cut = folder / "cut.db3";
+  const auto count_whole_messages = [&](SqliteBag bag) {
+    std::size_t given = 0;
+    try {
+      while (const std::optional<RecordingItem> item = next_item_of(bag)) {
+        if (item->definition) continue;
+        ++given;
+        EXPECT_EQ(item->bytes, data);
+      }
+    } catch (const RecordingCut&) {  // as it has to be
+    }
+    return given;
+  };
+  for (std::size_t missing = 1; missing <= 1024; missing += 7) {
+    const std::string part = whole.substr(0, whole.size() - missing);
+    put_file(cut, part);
+    EXPECT_EQ(count_whole_messages(SqliteBag(cut)), missing <= 512 ? 8U : 4U) << missing;
+    EXPECT_EQ(count_whole_messages(SqliteBag(std::string_view(part))), missing <= 512 ? 8U : 4U) << missing;
+  }
+}
+
 }  // namespace
 }  // namespace gdtslam

@@ -117,6 +117,31 @@ TEST(EvaluateRelations, EmptyInputsGiveNoErrorsAndStampsThatAreNoNumbersNeverMat
   EXPECT_EQ(evaluate_relations({}, {}).all.translation_m.count, 0u);
 }
 
+// A clock that is set back by ten seconds: of twenty stamps those from 5 to 9 occur twice.
+TEST(RepeatedStamps, AreThoseOfTwoStretches) {
+  Trajectory trajectory;
+  for (int k = 0; k < 15; ++k) trajectory.push_back({static_cast<double>(k), {}});
+  for (int k = 5; k < 10; ++k) trajectory.push_back({static_cast<double>(k), {}});
+  const RepeatedStamps repeated(trajectory, 0.25);
+  for (int k = -1; k < 16; ++k) EXPECT_EQ(repeated.have(k), k >= 5 && k < 10) << k;
+  EXPECT_TRUE(repeated.have(4.75) && repeated.have(9.25));
+  EXPECT_FALSE(repeated.have(4.74) || repeated.have(9.26));
+  EXPECT_FALSE(repeated.have(std::numeric_limits<double>::quiet_NaN()));
+  const std::vector<Relation> relations{{1.0, 2.0, {}}, {1.0, 5.0, {}}, {9.0, 12.0, {}}, {4.0, 10.0, {}}};
+  const std::vector<Relation> clear = without_repeated_stamps(relations, trajectory);
+  ASSERT_EQ(clear.size(), 2u);
+  EXPECT_EQ(clear[0].t2_s, 2.0);
+  EXPECT_EQ(clear[1].t1_s, 4.0);
+}
+
+// A recorder that stamps what it receives steps back by less than a second, and stamps of one drive that occur twice
+// are no question of which.
+TEST(RepeatedStamps, AreNoneWithinOneStretch) {
+  const Trajectory trajectory{{0.0, {}}, {1.0, {}}, {1.0, {}}, {0.5, {}}, {1.5, {}}};
+  const RepeatedStamps repeated(trajectory, 1.0);
+  for (const double stamp_s : {0.0, 0.5, 1.0, 1.5}) EXPECT_FALSE(repeated.have(stamp_s));
+}
+
 Trajectory random_walk(Random& random, std::size_t poses) {
   Trajectory walk;
   Pose2 pose;

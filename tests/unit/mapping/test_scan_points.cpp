@@ -42,6 +42,21 @@ TEST(ScanPoints, TheLeastRangeCountsAndTheMostDoesNot) {
   EXPECT_EQ(ranges_of(scan, between_ranges(0.5, 10.0)), (std::vector<double>{0.5}));
 }
 
+// 5.6 m, 8.191 m and 4.095 m lie above the nearest float32, 8.1 m and 29.9 m below it: a range that is the limit is one
+// without return, whichever side its float fell to, and the next one below is a return.
+TEST(ScanPoints, AtALimitThatNoFloatHoldsNothingReturned) {
+  for (const double limit_m : {5.6, 8.191, 4.095, 8.1, 29.9, 30.0}) {
+    const auto at_limit = static_cast<float>(limit_m);
+    const float under = std::nextafter(std::min(at_limit, std::nextafter(at_limit, 0.0F)), 0.0F);
+    LaserScan scan = scan_of_ranges({at_limit, under});
+    EXPECT_EQ(ranges_of(scan, between_ranges(0.1, limit_m)), (std::vector<double>{under})) << limit_m << " asked for";
+    scan.max_range_m = limit_m;
+    EXPECT_EQ(ranges_of(scan, between_ranges(0.1, 80.0)), (std::vector<double>{under})) << limit_m << " of the sensor";
+    EXPECT_TRUE(scan.is_at_limit(static_cast<double>(at_limit)));
+    EXPECT_FALSE(scan.is_at_limit(static_cast<double>(under)));
+  }
+}
+
 TEST(ScanPoints, AreSeenFromWhereTheLaserStands) {
   LaserScan scan = scan_of_ranges({3.0F, 2.0F}, -0.25 * kPi, 0.5 * kPi);
   scan.T_base_laser = {1.0, 2.0, 0.25 * kPi};

@@ -24,7 +24,9 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 using test::ring_run;
+using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 
 // Lines of the drive's log, a scan each.
 std::string some_scans(std::size_t from, std::size_t end) {
@@ -90,6 +92,54 @@ TEST(ContinuedRun, AFurtherLogComesBehind) {
   ASSERT_FALSE(warnings.empty());
   EXPECT_THAT(warnings[0], HasSubstr("ends with this log already: not added once more"));
   EXPECT_EQ(RunReader(folder.path("run")).summary().logs, logs);
+}
+
+// Of a list that is there in part, what is there is left out.
+TEST(ContinuedRun, OfAListTheFirstThatAreThereAreNotAddedTwice) {
+  const test::RunsFolder folder("partly");
+  const std::unique_ptr<Backend> cpu = make_cpu_backend({});
+  const auto log = [&](const std::string& name, std::size_t from, std::size_t to) {
+    std::ofstream(folder.path(name)) << some_scans(from, to);
+    return folder.path(name);
+  };
+  const std::string a = log("a.log", 0, 30), b = log("b.log", 30, 50), c = log("c.log", 50, 70);
+  const std::string d = log("d.log", 70, 90);
+  static_cast<void>(map_logs(test::ring_request(a, folder.path("run")), *cpu));
+  const auto warnings_of = [&](const std::vector<std::string>& logs) {
+    MapRequest more = test::ring_request(a, folder.path("run"));
+    more.logs = logs;
+    more.continued = folder.path("run");
+    std::vector<std::string> warnings;
+    more.warn = [&](const std::string& line) { warnings.push_back(line); };
+    static_cast<void>(map_logs(more, *cpu));
+    return warnings;
+  };
+  EXPECT_THAT(warnings_of({b, c}), IsEmpty());
+  EXPECT_THAT(warnings_of({c, d}), ElementsAre(HasSubstr("ends with the first of these logs already")));
+  const std::vector<std::string> all{a, b, c, d};
+  EXPECT_EQ(RunReader(folder.path("run")).summary().logs, all);
+  EXPECT_EQ(RunReader(folder.path("run")).summary().scans, 90U);
+  EXPECT_THAT(warnings_of({c, d, a}), ElementsAre(HasSubstr("ends with the first 2 of these logs already")));
+  EXPECT_EQ(RunReader(folder.path("run")).summary().logs.size(), 5U);
+}
+
+// A comparison of long logs ends where it is asked to.
+TEST(ContinuedRun, IsInterruptedWhileLogsAreCompared) {
+  const test::RunsFolder folder("compared");
+  const std::unique_ptr<Backend> cpu = make_cpu_backend({});
+  std::ofstream(folder.path("a.log")) << some_scans(0, 30);
+  static_cast<void>(map_logs(test::ring_request(folder.path("a.log"), folder.path("run")), *cpu));
+  MapRequest more = test::ring_request(folder.path("a.log"), folder.path("run"));
+  more.continued = folder.path("run");
+  more.stop = [] { return true; };
+  try {
+    static_cast<void>(map_logs(more, *cpu));
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::kInterrupted);
+    EXPECT_THAT(error.what(), HasSubstr("while logs were compared"));
+  }
+  EXPECT_EQ(RunReader(folder.path("run")).summary().scans, 30U);
 }
 
 // By its records, wherever they lie now; a log that has others is another one, also under the same name.

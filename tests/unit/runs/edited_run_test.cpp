@@ -13,6 +13,7 @@
 
 #include "engine/runs/edits/edits_file.hpp"
 #include "engine/runs/edits/map_picture_file.hpp"
+#include "engine/runs/edits/resolve_steps.hpp"
 #include "engine/runs/edits/run_scans.hpp"
 #include "engine/runs/edits/source_run.hpp"
 #include "gdtslam/core/angle.hpp"
@@ -240,6 +241,22 @@ TEST(EditedRun, StepsThatMakeNoSenseTogether) {
   request.origin = StatedOrigin{{0.0, 10040.0, 0.0}, false};
   EXPECT_THAT(edit_fault(request), HasSubstr("m from its origin, and 10000 m is the most"));
   EXPECT_FALSE(fs::exists(request.folder));
+}
+
+// Of a run that went farther than a map may be moved what the edit does counts, not where the run is.
+TEST(EditedRun, ARunThatGoesFarMayBeEdited) {
+  const test::RunsFolder folder("edit-far");
+  SourceRun run = read_source_run(ring_run().folder);
+  move_to_frame({15000.0, 2000.0, 0.0}, run);
+  EditRequest request = edit_into(folder);
+  request.crop = RegionBounds{{14990.0, 1990.0}, {15010.0, 2010.0}};
+  EXPECT_EQ(resolved_steps(request, run).size(), 1U);
+  request.origin = StatedOrigin{{0.0, 0.0, 0.5}, true};
+  EXPECT_EQ(resolved_steps(request, run).size(), 2U) << "turned it is as far as before";
+  request.origin = StatedOrigin{{3000.0, 0.0, 0.0}, false};
+  EXPECT_EQ(resolved_steps(request, run).size(), 2U) << "it comes nearer";
+  request.origin = StatedOrigin{{-100.0, 0.0, 0.0}, false};
+  EXPECT_THROW(static_cast<void>(resolved_steps(request, run)), UsageError);
 }
 
 TEST(EditedRun, AStopLeavesNothing) {

@@ -132,6 +132,15 @@ TEST_F(FollowedRun, AReferenceInAnotherFrameIsLaidOnTheRun) {
   EXPECT_FALSE(truth.find(1000.25));
 }
 
+TEST_F(FollowedRun, AReferenceTellsNothingOfStampsThatItHasTwice) {
+  const test::RunsFolder folder("twice");
+  write_tum(folder.path("truth.tum"), {{1000.0, {}}, {1001.0, {}}, {1002.0, {}}, {1000.0, {3.0, 0.0, 0.0}}});
+  const LocalizeTruth truth(folder.path("truth.tum"));
+  EXPECT_EQ(truth.count_repeated(), 2U);
+  EXPECT_FALSE(truth.find(1000.0));
+  EXPECT_TRUE(truth.find(1001.0));
+}
+
 TEST_F(FollowedRun, ADriveIsFollowedToItsEnd) {
   job_.reference.emplace(ring_run().folder + "/trajectory.tum");
   job_.choice.first = 3;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "engine/io/sha256.hpp"
+#include "engine/runs/folder/run_files.hpp"
 #include "engine/runs/folder/run_reader.hpp"
 #include "engine/runs/keyframes/keyframe_file.hpp"
 #include "engine/runs/sites/site_places.hpp"
@@ -143,6 +144,36 @@ TEST_F(MergedRunsTest, TheirOrderDoesNotMatterAndOldPathsGo) {
   EXPECT_EQ(merge_runs(request_).report, merged_once().report);
   EXPECT_FALSE(fs::exists(third));
   EXPECT_TRUE(fs::exists(request_.folder + "/1/session-2.tum"));
+}
+
+// A run, and what a drive left that was killed: they go in the place of a site alone, once all sites are written.
+TEST_F(MergedRunsTest, LeaveWhatLiesInTheFolderOfTheSites) {
+  const std::unique_ptr<Backend> cpu = make_cpu_backend({});
+  MapRequest mapped = test::ring_request(second_run() + ".log", request_.folder);
+  mapped.range.count = 30;
+  static_cast<void>(map_logs(mapped, *cpu));
+  const std::vector<std::string> recordings{request_.folder + "/.gdtslam-staging-1999999999/log-1.copy",
+                                            request_.folder + "/1/.gdtslam-staging-1999999999/log-1.copy"};
+  const std::string of_a_merge = request_.folder + "/.gdtslam-staging-1999999998";
+  fs::create_directories(of_a_merge);
+  std::ofstream(of_a_merge + "/merge.json") << "{}";
+  for (const std::string& recording : recordings) {
+    fs::create_directories(fs::path(recording).parent_path());
+    std::ofstream(recording) << "the only copy";
+  }
+  bool is_at_the_map = false;
+  request_.progress = [&](std::string_view what, double) { is_at_the_map = is_at_the_map || what == "the map"; };
+  request_.stop = [&] { return is_at_the_map; };
+  EXPECT_THAT(merge_fault(), HasSubstr("interrupted"));
+  for (const std::string& recording : recordings) EXPECT_TRUE(fs::exists(recording)) << recording;
+  request_.stop = {};
+  static_cast<void>(merge_runs(request_));
+  EXPECT_TRUE(fs::exists(recordings[0]));
+  EXPECT_FALSE(fs::exists(recordings[1])) << "where a run is written now";
+  EXPECT_FALSE(fs::exists(of_a_merge));
+  const RunFiles run(request_.folder);
+  for (const std::string& name : run.names()) EXPECT_NO_THROW(static_cast<void>(run.checked(name))) << name;
+  EXPECT_TRUE(run.has("log-1.copy"));
 }
 
 // Of folders with the files of a site those count whose names are the numbers of sites, and larger.

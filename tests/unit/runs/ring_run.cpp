@@ -24,7 +24,11 @@ RunsFolder::~RunsFolder() {
 }
 
 void write_ring_log(const std::string& file, const std::vector<Pose2>& truth, std::uint64_t seed) {
-  const std::vector<Segment> walls = rooms_around_a_block();
+  write_drive_log(file, {rooms_around_a_block(), 1000.0}, truth, seed);
+}
+
+void write_drive_log(const std::string& file, const DrivenPlace& place, const std::vector<Pose2>& truth,
+                     std::uint64_t seed) {
   Random random(seed);
   std::ofstream log(file);
   CarmenWriter writer(4);
@@ -37,7 +41,7 @@ void write_ring_log(const std::string& file, const std::vector<Pose2>& truth, st
       T_odom_base = T_odom_base * (between(truth[k - 1], truth[k]) * exp_se2({x_m, y_m, turn_rad}));
     }
     ScanRecord record;
-    record.scan = scan_of(walls, truth[k], 1000.0 + 0.5 * static_cast<double>(k), 180);
+    record.scan = scan_of(place.walls, truth[k], place.begins_at_s + 0.5 * static_cast<double>(k), 180);
     record.T_odom_base = T_odom_base;
     log << writer.scan(record);
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gdtslam/runs/map_log.hpp"
+#include "support/room.hpp"
 
 namespace gdtslam::test {
 
@@ -25,6 +26,14 @@ class RunsFolder {
 
 /// A scan each 0.5 s from 1000 s on, with wheels that are off by some millimetres and milliradians a step.
 void write_ring_log(const std::string& file, const std::vector<Pose2>& truth, std::uint64_t seed);
+
+/// Likewise through a place as it is at a time.
+struct DrivenPlace {
+  std::vector<Segment> walls;
+  double begins_at_s = 0.0;
+};
+void write_drive_log(const std::string& file, const DrivenPlace& place, const std::vector<Pose2>& truth,
+                     std::uint64_t seed);
 
 /// Once around and 10 m on.
 std::vector<Pose2> ring_drive();

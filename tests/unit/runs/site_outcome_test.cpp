@@ -1,5 +1,6 @@
 // What a site has of its runs: paths that follow their keyframes, counts, doubts and the graph, all by hand.
 #include "engine/runs/sites/site_outcome.hpp"
+#include "engine/runs/keyframes/changes_of_keyframes.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -262,7 +263,7 @@ TEST_F(SiteOutcomeTest, ChangedCellsAreMarkedInTheMap) {
   changes.resolution_m = 0.05;
   changes.last.gone = {{{-2, 1}, {}, 0}, {{1, 3}, {}, 0}, {{2, 1}, {}, 0}, {{-2, 0}, {}, 0}};
   changes.last.appeared = {{{0, 2}, {}, 0}};
-  mark_changes(changes, map);
+  mark_changes(changes.last, map);
   std::vector<int> states;
   for (std::size_t cell = 0; cell < 12; ++cell) states.push_back(static_cast<int>(map.cells[cell]));
   std::vector<int> expected(12, static_cast<int>(CellState::kUnknown));

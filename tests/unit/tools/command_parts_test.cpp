@@ -154,12 +154,12 @@ TEST_F(RunFolderTest, AFileOfSomebodyElseThatCameMeanwhileIsKept) {
 TEST_F(RunFolderTest, WhatAKilledCommitLeftIsNotLostToAProcessOfTheSameNumber) {
   const std::string prefix = ".gdtslam-staging-";
   const fs::path left = work_ / (prefix + std::to_string(::getpid()));
-  fs::create_directories(left / "old");
-  write(left / "old" / "map.pgm", "old");
+  fs::create_directories(left / ".old");
+  write(left / ".old" / "map.pgm", "old");
   { RunFolder run(work_); }  // which makes nothing
   const UnfinishedRun found = unfinished_run_in(work_, "report.json");
   EXPECT_TRUE(found.is_of_a_commit);
-  EXPECT_EQ(read(found.folder / "old" / "map.pgm"), "old");
+  EXPECT_EQ(read(found.folder / ".old" / "map.pgm"), "old");
 }
 
 TEST_F(RunFolderTest, FilesOfAnotherOriginAreRefused) {

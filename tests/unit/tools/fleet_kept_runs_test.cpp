@@ -103,6 +103,35 @@ TEST_F(FleetKeptRuns, AreThereWithTheirReport) {
   EXPECT_TRUE(is_run_there(run));
 }
 
+TEST_F(FleetKeptRuns, BehindWhatCannotBeLookedIntoAreNotTakenForGone) {
+  const std::string name(16, '1');
+  const std::string run = atlas() + "/" + run_path(name);
+  write_record(atlas(), record_of_run(0, '1'));
+  fs::create_directories(fs::path(run).parent_path());
+  EXPECT_FALSE(has_report(atlas(), name));
+  const auto expect_fault = [&](const char* what) {
+    EXPECT_THROW((void)is_run_there(run), FileError) << what;
+    EXPECT_THROW((void)has_report(atlas(), name), FileError) << what;
+    EXPECT_THROW((void)kept(), FileError) << what;
+  };
+  for (const std::string& target : {std::string("nowhere"), run}) {
+    fs::create_symlink(target, run);
+    expect_fault("a link to nothing, and one to itself, which is an error as of a folder that may not be read");
+    fs::remove(run);
+  }
+  fs::create_directory(run);
+  fs::create_symlink("nowhere", run + "/report.json");
+  expect_fault("the report");
+  fs::remove_all(run);
+  fs::create_directory(atlas() + "/empty");
+  fs::create_directory_symlink(atlas() + "/empty", run);
+  EXPECT_FALSE(has_report(atlas(), name));
+  EXPECT_THROW((void)is_run_there(run), FileError) << "no run takes the place of a link";
+  fs::remove_all(atlas() + "/runs");
+  fs::create_symlink("nowhere", atlas() + "/runs");
+  expect_fault("the disk of all runs");
+}
+
 /// A run folder of two files as a run writes it.
 class FleetRunFolder : public testing::Test {
  protected:

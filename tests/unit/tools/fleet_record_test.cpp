@@ -346,17 +346,17 @@ TEST(RunFolderStagings, ThoseOfRunsThatEndedAreRemoved) {
   const std::string own = folder.path() + "/.gdtslam-staging-" + std::to_string(::getpid());
   const std::string living = folder.path() + "/.gdtslam-staging-1";
   const std::string mine = folder.path() + "/.gdtslam-staging-1-backup";
-  for (const std::string& path : {own, living, mine}) std::filesystem::create_directories(path + "/old");
+  for (const std::string& path : {own, living, mine}) std::filesystem::create_directories(path + "/.old");
   {
     const FolderLock of_a_writer(folder.path());
     remove_stagings_of_ended_runs(folder.path());
     EXPECT_FALSE(std::filesystem::exists(own));
-    EXPECT_TRUE(std::filesystem::exists(living + "/old"));
+    EXPECT_TRUE(std::filesystem::exists(living + "/.old"));
   }
   // Whoever has that number by now, it holds no lock.
   remove_stagings_of_ended_runs(folder.path());
   EXPECT_FALSE(std::filesystem::exists(living));
-  EXPECT_TRUE(std::filesystem::exists(mine + "/old")) << "no name of the program's";
+  EXPECT_TRUE(std::filesystem::exists(mine + "/.old")) << "no name of the program's";
 }
 
 TEST(FleetWorkFolder, GivesARunItsNameOnce) {

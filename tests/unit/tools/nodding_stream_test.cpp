@@ -90,6 +90,33 @@ TEST_F(NoddingStreamOfLines, AScanHasThePositionBetweenTheMessagesAroundIt) {
   EXPECT_THAT(outcome.warnings, IsEmpty());
 }
 
+// Beams that the log says were measured from the stamp on, over a tenth of a second, one way or the other: the crank is
+// known from the first of them to the last, in the order of time.
+TEST_F(NoddingStreamOfLines, BeamsAreMeasuredWhenTheLogSays) {
+  for (const bool is_clockwise : {false, true}) {
+    std::string log;
+    for (const double stamp_s : {1.0, 1.05, 1.1, 1.15, 1.2}) {
+      log += "{\"stamp\":" + std::to_string(stamp_s) +
+             ",\"ticks\":" + std::to_string(std::llround(kTicksPerSecond * stamp_s)) + "}\n";
+    }
+    log += std::string("{\"stamp\":1.03,\"angle_min\":0.1,\"angle_increment\":") + (is_clockwise ? "-0.1" : "0.1") +
+           ",\"time_increment\":0.05,\"ranges\":[1,2,3]}\n";
+    ScanStream scans({write("beams.jsonl", {log})}, {}, {});
+    const calib::SweepModel model = calib::sweep_model_of_preset("paper-b");
+    NoddingStream stream(scans, NodKind::kEncoder, model, {});
+    const std::optional<NoddingScan> found = stream.next();
+    ASSERT_TRUE(found);
+    ASSERT_GE(found->knots.size(), 2U);
+    EXPECT_NEAR(found->knots.front().offset_s, 0.0, 1e-9);
+    EXPECT_NEAR(found->knots.back().offset_s, 0.1, 1e-9);
+    const LaserScan& laser = found->record.scan;
+    EXPECT_EQ(laser.ranges_m, (std::vector<float>{1.0F, 2.0F, 3.0F}));
+    EXPECT_NEAR(laser.first_bearing_rad, 0.1, 1e-12);
+    EXPECT_NEAR(laser.bearing_step_rad, is_clockwise ? -0.1 : 0.1, 1e-12);
+    EXPECT_NEAR(calib::beam_timing(model, laser).of_beam_s(2), 0.1, 1e-12);
+  }
+}
+
 TEST_F(NoddingStreamOfLines, ScansBeforeTheFirstAndAfterTheLastMessageAreNotCovered) {
   const Outcome outcome = read_lines({scan(0.9), encoder(1.0), scan(1.05), encoder(1.1), scan(1.15)});
   EXPECT_THAT(outcome.turns, ElementsAre(-1.0, testing::Gt(0.0), -1.0));

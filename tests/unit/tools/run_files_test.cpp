@@ -10,6 +10,8 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include "engine/io/json_file.hpp"
 #include "engine/runs/folder/run_folder.hpp"
@@ -112,6 +114,21 @@ TEST_F(RunFilesTest, WhatIsReplacedWhileItIsReadIsRefusedWhateverCameOfIt) {
   EXPECT_THAT(fault_of([&] { (void)again.report(); }), HasSubstr(replaced));
   EXPECT_THAT(fault_of([&] { (void)again.checked("b.txt"); }), HasSubstr(replaced))
       << "a file of the new run against the report of the old one";
+}
+
+TEST_F(RunFilesTest, ThreadsMayAskOneObjectAtOnce) {
+  for (int times = 0; times < 20; ++times) {
+    const RunFiles run(folder_.string());
+    std::vector<std::thread> threads;
+    for (const char* name : {"a.txt", "b.txt", "a.txt", "b.txt"}) {
+      threads.emplace_back([&run, name] {
+        EXPECT_EQ(run.read(name, [](const std::string& file) { return fs::file_size(file); }), 3U);
+        EXPECT_FALSE(run.sha256(name).empty());
+        run.expect_unchanged();
+      });
+    }
+    for (std::thread& thread : threads) thread.join();
+  }
 }
 
 TEST_F(RunFilesTest, FilesOfOlderVersionsAreTakenAsTheyAre) {

@@ -61,7 +61,7 @@ TEST_F(SyncsOfRuns, NewFilesTakeTheirNamesWhenTheOldOnesAreGoneFromTheDisk) {
   EXPECT_EQ(made.front(), "lock .") << testing::PrintToString(made);
   // Syncs of the staging folder, then old files out, a sync, new files in, a sync.
   const std::size_t last_written = calls.place_of("rename ~/~ to ~/report.json");
-  const std::size_t old_map = calls.place_of("rename map.yaml to ~/old/map.yaml");
+  const std::size_t old_map = calls.place_of("rename map.yaml to ~/.old/map.yaml");
   const std::size_t new_map = calls.place_of("rename ~/map.yaml to map.yaml");
   const std::size_t new_report = calls.place_of("rename ~/report.json to report.json");
   ASSERT_LT(new_report, made.size()) << testing::PrintToString(made);

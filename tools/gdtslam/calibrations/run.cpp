@@ -23,6 +23,8 @@ constexpr double kGateSigmas = 10.0;
 constexpr double kLeastGate_m = 0.03;
 constexpr double kNearEdge = 0.1;  // of the extents of the ranges: a guess that a few strays do not move
 constexpr std::size_t kMostSurfaces = 16;
+constexpr std::size_t kZerosTried = 144;    // 2.5 deg apart
+constexpr std::size_t kRangesTried = 2000;  // of all, spread evenly
 
 /// A surface as it was named, with its distance from the nodding axis where one was given.
 struct NamedSurface {
@@ -166,6 +168,28 @@ void require_turning(const StopStatistics& statistics) {
                         statistics.scans));
 }
 
+// Under a wrong zero most ranges miss their surfaces by more than the first gate, so the zero is sought before any is
+// taken out. O(zeros x ranges x surfaces).
+calib::SweepModel with_sought_zero(const CalibrateJob& job, const std::vector<NamedSurface>& surfaces,
+                                   const std::vector<calib::RangeObservation>& all, const std::function<bool()>& stop) {
+  std::vector<calib::RangeObservation> some;
+  const std::size_t step = std::max<std::size_t>(1, all.size() / kRangesTried);
+  for (std::size_t k = 0; k < all.size(); k += step) some.push_back(all[k]);
+  calib::SweepModel trial = job.start;
+  calib::SweepModel best = job.start;
+  double least_m = kFirstGate_m;
+  for (std::size_t k = 0; k < kZerosTried; ++k) {
+    if (stop()) throw Error(ExitCode::kInterrupted, "interrupted while calibrating; nothing was written");
+    const double turn = static_cast<double>(k) / static_cast<double>(kZerosTried);
+    trial.encoder.zero_rad = wrap_angle(job.start.encoder.zero_rad + kTwoPi * turn);
+    const double miss_m = calib::mean_miss_m(trial, placed_surfaces(surfaces, trial, some), kFirstGate_m, some);
+    if (miss_m >= least_m) continue;
+    least_m = miss_m;
+    best = trial;
+  }
+  return best;
+}
+
 }  // namespace
 
 // Two passes: the start may be degrees off, so at first a range counts for a surface that it misses by half a metre;
@@ -183,16 +207,17 @@ CalibrateOutcome run_calibration(const CalibrateJob& job, const std::function<vo
   const std::vector<calib::RangeObservation> all = collector.observations(job.sigma_m);
   outcome.statistics = collector.statistics();
   require_turning(outcome.statistics);
-  outcome.start_surfaces = placed_surfaces(surfaces, job.start, all);
+  const calib::SweepModel start = options.search_zero ? with_sought_zero(job, surfaces, all, stop) : job.start;
+  outcome.start_surfaces = placed_surfaces(surfaces, start, all);
   outcome.observations = all;
-  calib::assign_surfaces(job.start, outcome.start_surfaces, kFirstGate_m, outcome.observations);
-  outcome.result = calib::calibrate(job.start, outcome.start_surfaces, outcome.observations, options);
+  calib::assign_surfaces(start, outcome.start_surfaces, kFirstGate_m, outcome.observations);
+  outcome.result = calib::calibrate(start, outcome.start_surfaces, outcome.observations, options);
 
   outcome.observations = all;
   const double gate_m = std::max(kLeastGate_m, kGateSigmas * outcome.statistics.range_sigma_m);
   outcome.unassigned =
       calib::assign_surfaces(outcome.result.model, outcome.result.surfaces, gate_m, outcome.observations);
-  outcome.result = calib::calibrate(job.start, outcome.start_surfaces, outcome.observations, options);
+  outcome.result = calib::calibrate(start, outcome.start_surfaces, outcome.observations, options);
   outcome.distrust = calib::reason_for_distrust(outcome.result);
   return outcome;
 }

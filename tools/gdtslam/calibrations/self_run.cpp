@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -18,6 +19,7 @@ namespace {
 constexpr std::size_t kMostBeams = 60'000;
 constexpr double kBeamSpacing_rad = 1.5 * kPi / 180.0;
 constexpr double kMostPoseGap_s = 0.2;  // a beam this far from any pose of the trajectory has none
+constexpr double kSetBack_s = 1.0;      // stamps that step back by more are of another clock
 constexpr double kMostRange_m = 12.0;   // farther surfaces are too thin to be told
 constexpr double kLeastRange_m = 0.3;
 
@@ -49,8 +51,6 @@ Trajectory mapped_poses(const SelfCalibrateJob& job, SelfCalibrateOutcome& found
   MapOutcome outcome = run.run([&](std::uint64_t, double share) { progress(0.9 * share); }, stop);
   if (outcome.interrupted) throw Error(ExitCode::kInterrupted, "interrupted while mapping; nothing was written");
   found.warnings = std::move(outcome.warnings);
-  std::stable_sort(outcome.trajectory.begin(), outcome.trajectory.end(),
-                   [](const StampedPose& a, const StampedPose& b) { return a.stamp_s < b.stamp_s; });
   return std::move(outcome.trajectory);
 }
 
@@ -69,22 +69,55 @@ std::optional<Pose2> pose_at(const Trajectory& trajectory, double stamp_s) {
   return before.T_map_base * exp_se2(share * log_se2(between(before.T_map_base, after->T_map_base)));
 }
 
+/// Poses in the order of the logs, each of which has a clock of its own: another stretch begins where stamps step back.
+class PosesOfLogs {
+ public:
+  explicit PosesOfLogs(const Trajectory& trajectory) : stretches_(1) {
+    double last_s = -std::numeric_limits<double>::infinity();
+    for (const StampedPose& pose : trajectory) {
+      if (steps_back(last_s, pose.stamp_s)) stretches_.emplace_back();
+      stretches_.back().push_back(pose);
+      last_s = pose.stamp_s;
+    }
+    for (Trajectory& stretch : stretches_) {
+      std::stable_sort(stretch.begin(), stretch.end(),
+                       [](const StampedPose& a, const StampedPose& b) { return a.stamp_s < b.stamp_s; });
+    }
+  }
+
+  /// The next scan of the logs, in their order.
+  void go_to_scan(double stamp_s) {
+    if (steps_back(last_scan_s_, stamp_s) && now_ + 1 < stretches_.size()) ++now_;
+    last_scan_s_ = stamp_s;
+  }
+  /// About the time of that scan.
+  [[nodiscard]] std::optional<Pose2> at(double stamp_s) const { return pose_at(stretches_[now_], stamp_s); }
+
+ private:
+  static bool steps_back(double from_s, double to_s) { return to_s < from_s - kSetBack_s; }
+
+  std::vector<Trajectory> stretches_;
+  std::size_t now_ = 0;
+  double last_scan_s_ = -std::numeric_limits<double>::infinity();
+};
+
 /// Collects beams, every one at first, and drops every second one each time that there are too many.
 class BeamCollector {
  public:
   explicit BeamCollector(const calib::SweepModel& model, const Trajectory& trajectory)
-      : model_(model), trajectory_(trajectory) {}
+      : model_(model), poses_(trajectory) {}
 
   void add(const NoddingScan& nodding) {
     const LaserScan& scan = nodding.record.scan;
+    poses_.go_to_scan(scan.stamp_s);
     if (nodding.knots.size() < 2 || scan.ranges_m.empty()) return;
-    const BeamTiming timing = calib::beam_timing(model_, scan.ranges_m.size(), scan.bearing_step_rad);
+    const BeamTiming timing = calib::beam_timing(model_, scan);
     const auto step = static_cast<std::size_t>(
         std::max(1.0, std::floor(kBeamSpacing_rad / std::max(1e-6, std::fabs(scan.bearing_step_rad)))));
     for (std::size_t beam = 0; beam < scan.ranges_m.size(); beam += step) {
       const auto range_m = static_cast<double>(scan.ranges_m[beam]);
-      const bool is_return = std::isfinite(range_m) && range_m >= kLeastRange_m && range_m <= kMostRange_m &&
-                             (scan.max_range_m <= 0.0 || range_m < scan.max_range_m);
+      const bool is_return =
+          std::isfinite(range_m) && range_m >= kLeastRange_m && range_m <= kMostRange_m && !scan.is_at_limit(range_m);
       if (!is_return || count_++ % every_ != 0) continue;
       add_beam(nodding, timing.of_beam_s(beam),
                scan.first_bearing_rad + static_cast<double>(beam) * scan.bearing_step_rad, range_m);
@@ -106,7 +139,7 @@ class BeamCollector {
 
  private:
   void add_beam(const NoddingScan& nodding, double offset_s, double bearing_rad, double range_m) {
-    const std::optional<Pose2> T_map_base = pose_at(trajectory_, nodding.record.scan.stamp_s + offset_s);
+    const std::optional<Pose2> T_map_base = poses_.at(nodding.record.scan.stamp_s + offset_s);
     const std::optional<double> turns = turns_at(nodding.knots, offset_s);
     if (!T_map_base || !turns) return;
     const double ticks = *turns * static_cast<double>(model_.encoder.ticks_per_turn);
@@ -120,7 +153,7 @@ class BeamCollector {
   }
 
   const calib::SweepModel& model_;
-  const Trajectory& trajectory_;
+  PosesOfLogs poses_;
   std::uint64_t count_ = 0;
   std::uint64_t every_ = 1;
   std::uint32_t stroke_ = 0;

@@ -16,6 +16,7 @@ namespace {
 constexpr double kPlacesPerTurn = 1000.0;  // 0.36 deg: within it ranges bend by less than 0.1 mm
 constexpr double kMostStopBeams = 41.0;
 constexpr std::size_t kMostWaiting = 4096;
+constexpr double kMemory_s = 1.0;           // of the crank, before the oldest scan that waits
 constexpr double kLeastSigma_m = 0.001;     // a laser that repeats itself exactly is not exact for that
 constexpr double kLeastMeanSigma_m = 1e-4;  // nor are averages beyond the wall's flatness
 constexpr double kUnknownSigma_m = 0.01;    // where no place has ranges enough to tell
@@ -59,6 +60,7 @@ void StopCollector::take(const LogRecord& record) {
     ++statistics_.scans;
     if (scan->T_odom_base) note_odometry(*scan->T_odom_base);
     waiting_.push_back(scan->scan);
+    order_beams_by_time(waiting_.back());
   }
   place_scans(false);
 }
@@ -78,6 +80,9 @@ std::vector<LogReader::Warning> StopCollector::finish_log(const std::string& nam
   std::vector<LogReader::Warning> warnings = track_.faults().as_warnings();
   if (uncovered_.count > 0) warnings.push_back(uncovered_);
   uncovered_.count = 0;
+  const calib::NodTrack::Count& gaps = track_.faults().gaps;
+  if (gaps_.count == 0) gaps_.first_stamp_s = gaps.first_stamp_s;
+  gaps_.count += gaps.count;
   track_ = calib::NodTrack(model_.encoder, calib::NodTrackLimits{});
   T_odom_first_.reset();
   travel_ = {};
@@ -108,13 +113,16 @@ void StopCollector::place_scans(bool at_end) {
   const std::optional<double> known_s = track_.known_until_s();
   while (!waiting_.empty()) {
     const LaserScan& scan = waiting_.front();
-    const BeamTiming timing = calib::beam_timing(model_, scan.ranges_m.size(), scan.bearing_step_rad);
+    const BeamTiming timing = calib::beam_timing(model_, scan);
     const double last_s = scan.ranges_m.empty() ? 0.0 : timing.of_beam_s(scan.ranges_m.size() - 1);
     const bool is_covered = known_s && *known_s >= scan.stamp_s + std::max(0.0, last_s);
     if (!is_covered && !at_end && waiting_.size() <= kMostWaiting) return;
     add(scan);
-    track_.forget_before(scan.stamp_s + std::min(0.0, timing.first_s) - 1.0);
+    // One stamp far ahead must not cost what the others need.
+    double oldest_s = std::min(scan.stamp_s + std::min(0.0, timing.first_s), known_s.value_or(scan.stamp_s));
     waiting_.pop_front();
+    for (const LaserScan& other : waiting_) oldest_s = std::min(oldest_s, other.stamp_s);
+    track_.forget_before(oldest_s - kMemory_s);
   }
 }
 
@@ -146,7 +154,7 @@ void StopCollector::note_beams(const LaserScan& scan) {
 void StopCollector::add(const LaserScan& scan) {
   if (scan.ranges_m.empty() || !(std::fabs(scan.bearing_step_rad) > 0.0)) return;
   note_beams(scan);
-  const BeamTiming timing = calib::beam_timing(model_, scan.ranges_m.size(), scan.bearing_step_rad);
+  const BeamTiming timing = calib::beam_timing(model_, scan);
   const double last_s = timing.of_beam_s(scan.ranges_m.size() - 1);
   const std::vector<PhaseKnot> knots = track_.knots(scan.stamp_s, scan.stamp_s + timing.first_s, scan.stamp_s + last_s);
   if (knots.empty()) {
@@ -166,8 +174,7 @@ void StopCollector::add(const LaserScan& scan) {
     const auto place = static_cast<std::uint32_t>(std::floor(share * kPlacesPerTurn + 0.5)) %
                        static_cast<std::uint32_t>(kPlacesPerTurn);
     const double range_m = static_cast<double>(scan.ranges_m[beam]);
-    const bool is_return = std::isfinite(range_m) && range_m > kLeastStopRange_m &&
-                           (scan.max_range_m <= 0.0 || range_m < scan.max_range_m);
+    const bool is_return = std::isfinite(range_m) && range_m > kLeastStopRange_m && !scan.is_at_limit(range_m);
     // A place that straddles tick 0 counts on from below it.
     const double ticks =
         (place == 0 && share > 0.5 ? share - 1.0 : share) * static_cast<double>(model_.encoder.ticks_per_turn);
@@ -218,6 +225,12 @@ std::vector<calib::RangeObservation> StopCollector::observations(double sigma_m)
                          : "the log has no ENCODER message, so nothing tells where the crank was (docs/formats.md)");
   }
   if (statistics_.scans == 0) throw InputError("the log has no scan");
+  if (statistics_.scans == statistics_.uncovered && gaps_.count > 0) {
+    throw InputError(fmt::format(
+        "at the time of none of the {} scans the crank's place is known: messages of the encoder are more than "
+        "{:g} s apart ({} times, first at {:.6f} s); record it more often, also while the crank stands",
+        statistics_.scans, calib::NodTrackLimits{}.max_gap_s, gaps_.count, gaps_.first_stamp_s));
+  }
   if (statistics_.scans == statistics_.uncovered) {
     throw InputError(
         fmt::format("at the time of none of the {} scans the crank's place is known; do the stamps of the "

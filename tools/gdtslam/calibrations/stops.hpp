@@ -80,6 +80,7 @@ class StopCollector {
   Travel travel_;
   LogReader::Warning uncovered_{
       .kind = "scans without the crank's position", .count = 0, .first = ""};  ///< of this log
+  calib::NodTrack::Count gaps_;  ///< between messages of the encoder, of the logs that ended
   std::uint64_t encoder_messages_ = 0;
   std::uint64_t tilt_messages_ = 0;
   StopStatistics statistics_;

@@ -45,7 +45,8 @@ Json as_json(const RelationErrors& e) {
   return {{"translation_m", as_json(e.translation_m)}, {"rotation_deg", as_json(e.rotation_deg)}};
 }
 
-std::string relation_text(const RelationReport& report) {
+// Of the relations, as many as have stamps that do not tell which pose is meant.
+std::string relation_text(const RelationReport& report, std::size_t repeated) {
   std::string text = kHeading;
   text += row("all", report.all.translation_m, "m") + row("", report.all.rotation_deg, "deg");
   text += row("short (<= 20 s)", report.short_term.translation_m, "m") + row("", report.short_term.rotation_deg, "deg");
@@ -54,15 +55,20 @@ std::string relation_text(const RelationReport& report) {
   if (report.unmatched > 0) {
     text += fmt::format("{} relations have stamps that the trajectory does not have\n", report.unmatched);
   }
+  if (repeated > 0) {
+    text += fmt::format("{} relations are left out: the trajectory has their stamps twice, a clock stepped back\n",
+                        repeated);
+  }
   return text;
 }
 
-Json relation_json(const RelationReport& report) {
+Json relation_json(const RelationReport& report, std::size_t repeated) {
   return {{"metric", "relations"},
           {"all", as_json(report.all)},
           {"short", as_json(report.short_term)},
           {"loops", as_json(report.loops)},
           {"unmatched", report.unmatched},
+          {"repeated", repeated},
           {"worst", {{"t1_s", report.worst_t1_s}, {"t2_s", report.worst_t2_s}}}};
 }
 
@@ -152,8 +158,15 @@ void print_report(const EvaluateOptions& options, const Evaluated& evaluated, st
 
 int evaluate_against_relations(const EvaluateOptions& options) {
   const Evaluated evaluated = evaluated_of(options);
-  const std::vector<Relation> relations = read_relations(options.relations);
+  const std::vector<Relation> given = read_relations(options.relations);
   const double tolerance_s = options.tolerance_s < 0.0 ? kRelationTolerance_s : options.tolerance_s;
+  const std::vector<Relation> relations = without_repeated_stamps(given, evaluated.trajectory, tolerance_s);
+  const std::size_t repeated = given.size() - relations.size();
+  if (!given.empty() && relations.empty()) {
+    throw InputError(
+        {options.file, 0},
+        fmt::format("has the stamps of all {} relations twice, a clock stepped back: cut it there", given.size()));
+  }
   const RelationReport report = evaluate_relations(evaluated.trajectory, relations, tolerance_s);
   if (report.all.translation_m.count == 0) {
     throw InputError({options.relations, 0},
@@ -165,7 +178,7 @@ int evaluate_against_relations(const EvaluateOptions& options) {
     stated =
         stated_errors(evaluated.trajectory, *evaluated.covariances, relations, noise_of(options.noise), tolerance_s);
   }
-  print_report(options, evaluated, relation_text(report), relation_json(report), stated);
+  print_report(options, evaluated, relation_text(report, repeated), relation_json(report, repeated), stated);
   return static_cast<int>(ExitCode::kDone);
 }
 

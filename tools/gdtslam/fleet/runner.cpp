@@ -10,10 +10,12 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "engine/core/files/folder_calls.hpp"
 #include "engine/io/message_text.hpp"
+#include "engine/runs/fleet/kept_run.hpp"
 #include "engine/runs/fleet/shards.hpp"
 #include "engine/runs/fleet/state.hpp"
 #include "engine/runs/fleet/unit.hpp"
@@ -59,8 +61,11 @@ class Runner {
         place_(checked_node(stored, is_kept ? options.atlas : std::string(), device_, local_.path() + "/sample")),
         line_(options.quiet) {}
 
-  /// The largest first. Failures are those that stayed.
-  std::vector<UnitFailure> run(const std::vector<std::size_t>& units, const Done& done) {
+  /// The largest first. Failures are those that stayed; those of `blocked` units have a reason of their own and tell
+  /// nothing of the rest.
+  std::vector<UnitFailure> run(const std::vector<std::size_t>& units, const std::set<std::size_t>& blocked,
+                               const Done& done) {
+    blocked_ = blocked;
     std::vector<std::size_t> order = units;
     std::stable_sort(order.begin(), order.end(),
                      [this](std::size_t a, std::size_t b) { return work_s(a) > work_s(b); });
@@ -137,8 +142,9 @@ class Runner {
   // Where the atlas is gone every unit fails, and one line says why.
   void fail(std::size_t unit, const Workers::Failure& failure) {
     require_same_atlas(options_.atlas, stored_);
-    ++in_a_row_;
-    const bool is_tried_again = tries_[unit] < kTries;
+    const bool is_blocked = blocked_.contains(unit);
+    if (!is_blocked) ++in_a_row_;
+    const bool is_tried_again = !is_blocked && tries_[unit] < kTries;
     line_.clear();
     print_remark(
         fmt::format("unit {} is not done{}: {}", unit, is_tried_again ? " and is tried again" : "", failure.message));
@@ -180,6 +186,7 @@ class Runner {
   UnitPlace place_;
   TerminalLine line_;
   std::deque<std::size_t> queue_;
+  std::set<std::size_t> blocked_;
   std::map<std::size_t, unsigned> tries_;
   std::map<std::size_t, double> shares_;  ///< of what is in hand
   std::vector<UnitFailure> failures_;
@@ -194,6 +201,19 @@ class Runner {
 
 void print_refused(const UnitRecord& record, bool is_quiet) {
   if (!is_quiet && !record.is_mapped()) print_remark(fmt::format("{} is refused: {}", record.uri, record.reason));
+}
+
+// Units whose run folder lies there without its report, where somebody's files may be: it is in the way.
+std::set<std::size_t> blocked_units(const std::string& atlas, const AtlasState& state) {
+  std::set<std::size_t> blocked;
+  for (const UnitRecord& record : state.lost) {
+    try {
+      (void)is_run_there(atlas + "/" + run_path(record.run));
+    } catch (const FileError&) {
+      blocked.insert(record.unit);
+    }
+  }
+  return blocked;
 }
 
 }  // namespace
@@ -228,7 +248,8 @@ RunnerOutcome run_shards(const StoredPlan& stored, const std::vector<std::size_t
   for (const std::string& damage : state.damaged) print_remark(damage);
   if (!state.lost.empty() && !options.quiet)
     print_remark(
-        fmt::format("the run folders of {} logs of the atlas are gone; those of what is run here are mapped anew",
+        fmt::format("the run folders of {} logs of the atlas are gone or have no report; those of what is run here are "
+                    "mapped anew, once what is left of them is removed",
                     state.lost.size()));
   RunnerOutcome outcome;
   std::vector<std::size_t> units;
@@ -243,7 +264,7 @@ RunnerOutcome run_shards(const StoredPlan& stored, const std::vector<std::size_t
     for (const std::string& parent : {local_work_parent(), options.atlas + "/staging"}) remove_left_work(parent);
   } else {
     Runner runner(stored, options, true);
-    outcome.failures = runner.run(units, [&](UnitRecord record) {
+    outcome.failures = runner.run(units, blocked_units(options.atlas, state), [&](UnitRecord record) {
       print_refused(record, options.quiet);
       const std::size_t unit = record.unit;
       state.records[unit] = std::move(record);
@@ -262,7 +283,7 @@ std::vector<UnitRecord> compute_again(const StoredPlan& stored, const std::vecto
                                       const RunnerOptions& options) {
   std::map<std::size_t, UnitRecord> records;
   Runner runner(stored, options, false);
-  const std::vector<UnitFailure> failures = runner.run(units, [&records](UnitRecord record) {
+  const std::vector<UnitFailure> failures = runner.run(units, {}, [&records](UnitRecord record) {
     const std::size_t unit = record.unit;
     records[unit] = std::move(record);
   });

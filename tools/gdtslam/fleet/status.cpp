@@ -39,8 +39,8 @@ std::string reasons_text(const AtlasSummary& summary) {
 std::string lost_text(const AtlasState& state) {
   if (state.lost.empty()) return {};
   return fmt::format(
-      "{} of the missing have a record, but their run folders are gone; running their shards again maps "
-      "them anew\n",
+      "{} of the missing have a record, but their run folders are gone or have no report; running their shards again "
+      "maps them anew, once what is left of such folders is removed\n",
       state.lost.size());
 }
 

@@ -65,6 +65,12 @@ LocalizeJob job_of(const LocalizeOptions& options, const Settings& settings) {
       if (!job.run) job.run = run_of_map(options.map, "--align");
       job.reference->align(*job.run);
     }
+    if (const std::size_t repeated = job.reference->count_repeated(); repeated > 0) {
+      print_remark(
+          fmt::format("warning: {}: {} have stamps that occur twice, a clock stepped back: scans at these are "
+                      "compared with none",
+                      options.reference, plural(repeated, "pose")));
+    }
   }
   return job;
 }

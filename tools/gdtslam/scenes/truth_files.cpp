@@ -55,7 +55,7 @@ void HitCloud::add(const sim::SimulatedScan& scan, double max_range_m) {
   const LaserScan& measured = scan.record.scan;
   row_.clear();
   for (std::size_t beam = 0; beam < scan.beams.size(); ++beam) {
-    if (static_cast<double>(measured.ranges_m[beam]) >= max_range_m) {
+    if (static_cast<double>(measured.ranges_m[beam]) >= limit_of_floats_m(max_range_m)) {
       continue;
     }
     const sim::BeamTruth& truth = scan.beams[beam];

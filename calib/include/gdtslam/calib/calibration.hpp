@@ -117,6 +117,11 @@ std::string reason_for_distrust(const CalibrationResult& result);
 std::size_t assign_surfaces(const SweepModel& model, const std::vector<CalibrationSurface>& surfaces, double gate_m,
                             std::vector<RangeObservation>& observations);
 
+/// By how much the observations miss the surfaces that the model expects them to meet first, metres; one that meets
+/// none, or misses by more, counts as `most_m`. 0 without any.
+double mean_miss_m(const SweepModel& model, const std::vector<CalibrationSurface>& surfaces, double most_m,
+                   const std::vector<RangeObservation>& observations);
+
 /// One of the seven bars of the paper's appendix (L1..L7 = nominal + delta) under a preset's reading of the figure.
 struct PaperBar {
   std::string name;   ///< delta1 .. delta7

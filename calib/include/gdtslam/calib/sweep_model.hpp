@@ -54,6 +54,8 @@ Phase phase_of_ticks(const CrankEncoder& encoder, double ticks);
 ElevationTable elevation_table(const SweepModel& model, std::uint32_t bits = 15);
 /// When beam k of `beams`, `bearing_step_rad` apart, fires relative to the scan's stamp.
 BeamTiming beam_timing(const SweepModel& model, std::size_t beams, double bearing_step_rad);
+/// The same for a scan that may say it itself.
+BeamTiming beam_timing(const SweepModel& model, const LaserScan& scan);
 /// What one whole encoder tick, one whole step of the range and the table (of 2^15 steps, in float32) can move a point
 /// at this range at most, metres: the quantisation bound that a reconstruction is judged by. Where an encoder or a
 /// range is rounded to the nearest step instead of cut, half of it is left over. O(2^15).

@@ -16,6 +16,8 @@ namespace gdtslam {
 inline constexpr std::size_t kMostMessageBytes = std::size_t{16} << 20U;
 /// The longest header of a record, and the longest name of a topic or a type.
 inline constexpr std::size_t kMostHeaderBytes = std::size_t{1} << 16U;
+/// So many channels are known at a time.
+inline constexpr std::size_t kMostChannels = 65536;
 
 /// What is wrong with a recording, without its name and the place.
 class RecordingFault : public std::runtime_error {

@@ -15,6 +15,7 @@
 #include <optional>
 #include <string_view>
 #include <system_error>
+#include <tuple>
 #include <utility>
 
 #include "chunk.hpp"
@@ -218,7 +219,18 @@ std::string first_bytes(ByteSource& source) {
   return head;
 }
 
-/// Several files one after the other. Channels of each are numbered anew, because each file has its own numbers.
+/// Of channels that differ in anything.
+struct ChannelOrder {
+  bool operator()(const RecordingChannel& a, const RecordingChannel& b) const {
+    const auto fields = [](const RecordingChannel& channel) {
+      return std::tie(channel.topic, channel.type, channel.md5, channel.encoding_name, channel.encoding);
+    };
+    return fields(a) < fields(b);
+  }
+};
+
+/// Several files one after the other. Each has its own numbers; channels that are the same in all have one number here,
+/// so that a bag may have files without end.
 class FileSequence final : public Recording {
  public:
   explicit FileSequence(std::string folder) : folder_(std::move(folder)) {}
@@ -273,9 +285,18 @@ class FileSequence final : public Recording {
     std::optional<RecordingItem> item =
         file_->next([&](std::uint32_t channel) { return wanted(number_of(channel)); }, warn);
     if (!item) return item;
-    if (item->definition && numbers_.emplace(item->channel, next_number_).second) ++next_number_;
+    if (item->definition && !numbers_.contains(item->channel)) {
+      numbers_.emplace(item->channel, number_over_files(*item->definition));
+    }
     item->channel = number_of(item->channel);
     return item;
+  }
+
+  std::uint32_t number_over_files(const RecordingChannel& definition) {
+    const auto known = known_.find(definition);
+    if (known != known_.end()) return known->second;
+    if (known_.size() >= kMostChannels) return kNoChannel;
+    return known_.emplace(definition, static_cast<std::uint32_t>(known_.size())).first->second;
   }
 
   static constexpr std::uint32_t kNoChannel = 0xffffffffU;
@@ -284,8 +305,8 @@ class FileSequence final : public Recording {
   bool has_files_ = false;
   std::size_t next_file_ = 0;
   std::unique_ptr<Recording> file_;
-  std::map<std::uint32_t, std::uint32_t> numbers_;  ///< of the file's channels
-  std::uint32_t next_number_ = 0;
+  std::map<std::uint32_t, std::uint32_t> numbers_;                 ///< of the file's channels
+  std::map<RecordingChannel, std::uint32_t, ChannelOrder> known_;  ///< of the channels of all files
 };
 
 }  // namespace

@@ -19,7 +19,6 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::size_t kMostTopics = 65536;
 constexpr int kMostCacheKiB = 8192;
 
 /// SQLite takes names as URIs: what means something there is written as its number.
@@ -65,6 +64,19 @@ MessageEncoding sqlite_encoding(std::string_view name) {
 
 }  // namespace
 
+/// Of a file whose last page is cut: SQLite would fill that up with zeros, and take them for rows and messages.
+struct SqliteBag::WholePages {
+  sqlite3_io_methods methods;  ///< the first member, to which the file points
+  const sqlite3_io_methods* methods_of_file;
+  sqlite3_int64 bytes;
+
+  static int read(sqlite3_file* file, void* bytes, int count, sqlite3_int64 offset) {
+    const auto* const pages = reinterpret_cast<const WholePages*>(file->pMethods);
+    if (offset + count > pages->bytes) return SQLITE_CORRUPT;
+    return pages->methods_of_file->xRead(file, bytes, count, offset);
+  }
+};
+
 void SqliteBag::CloseDatabase::operator()(sqlite3* database) const { sqlite3_close(database); }
 void SqliteBag::CloseBlob::operator()(sqlite3_blob* blob) const { sqlite3_blob_close(blob); }
 void SqliteBag::FinishStatement::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
@@ -81,7 +93,8 @@ SqliteBag::SqliteBag(const std::string& path) : path_(path) {
   std::ifstream file(path, std::ios::binary | std::ios::ate);
   const std::streamoff size = file.tellg();
   if (!has_journal && size > 0 && file.seekg(0).read(head.data(), kHeadBytes)) {
-    check_size(head, static_cast<std::uint64_t>(size));
+    const auto bytes = static_cast<std::uint64_t>(size);
+    if (const std::uint64_t whole_bytes = check_size(head, bytes); whole_bytes < bytes) leave_out_rest(whole_bytes);
   }
   if (file.bad()) throw FileError(path, "cannot be read");
   start();
@@ -89,7 +102,7 @@ SqliteBag::SqliteBag(const std::string& path) : path_(path) {
 
 SqliteBag::SqliteBag(std::string_view bytes) {
   open("file::memory:", nullptr);
-  check_size(bytes, bytes.size());
+  bytes = bytes.substr(0, check_size(bytes, bytes.size()));
   auto* const copy = static_cast<unsigned char*>(sqlite3_malloc64(std::max<std::size_t>(bytes.size(), 1)));
   if (copy == nullptr) throw std::bad_alloc();
   std::memcpy(copy, bytes.data(), bytes.size());
@@ -103,15 +116,26 @@ SqliteBag::SqliteBag(std::string_view bytes) {
 }
 
 // The head states the number of pages, where the program that wrote last keeps it (its two counters agree).
-void SqliteBag::check_size(std::string_view head, std::uint64_t size) {
+std::uint64_t SqliteBag::check_size(std::string_view head, std::uint64_t size) {
   const auto number = [&](std::size_t at, std::size_t bytes) {
     std::uint64_t value = 0;
     for (std::size_t k = 0; k < bytes; ++k) value = 256 * value + static_cast<unsigned char>(head[at + k]);
     return value;
   };
-  if (head.size() < 100 || number(24, 4) != number(92, 4)) return;
+  if (head.size() < 100) return size;
   const std::uint64_t page_bytes = number(16, 2) == 1 ? 65536 : number(16, 2);
-  is_shortened_ = page_bytes * number(28, 4) > size;
+  if (number(24, 4) == number(92, 4)) is_shortened_ = page_bytes * number(28, 4) > size;
+  return page_bytes == 0 || size < page_bytes ? size : size - size % page_bytes;
+}
+
+void SqliteBag::leave_out_rest(std::uint64_t whole_bytes) {
+  sqlite3_file* file = nullptr;
+  (void)sqlite3_file_control(database_.get(), "main", SQLITE_FCNTL_FILE_POINTER, &file);
+  if (file == nullptr || file->pMethods == nullptr) return;
+  whole_pages_ = std::make_unique<WholePages>(WholePages{
+      .methods = *file->pMethods, .methods_of_file = file->pMethods, .bytes = static_cast<sqlite3_int64>(whole_bytes)});
+  whole_pages_->methods.xRead = WholePages::read;
+  file->pMethods = &whole_pages_->methods;
 }
 
 void SqliteBag::open(const std::string& uri, const char* vfs) {
@@ -193,7 +217,7 @@ void SqliteBag::require_tables() {
 // Later versions have more columns; these four have been there from the first.
 void SqliteBag::read_topics() {
   Statement topics = prepare("SELECT id, name, type, serialization_format FROM topics ORDER BY id DESC");
-  while (step(topics) && channels_.size() < kMostTopics) {
+  while (step(topics) && channels_.size() < kMostChannels) {
     RecordingChannel channel;
     channel.topic = text_of(topics.get(), 1);
     channel.type = text_of(topics.get(), 2);

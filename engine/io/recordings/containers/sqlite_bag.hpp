@@ -48,7 +48,9 @@ class SqliteBag final : public Recording {
   using Statement = std::unique_ptr<sqlite3_stmt, FinishStatement>;
 
   void open(const std::string& uri, const char* vfs);
-  void check_size(std::string_view head, std::uint64_t size);
+  /// The bytes of those pages that are there as a whole.
+  std::uint64_t check_size(std::string_view head, std::uint64_t size);
+  void leave_out_rest(std::uint64_t whole_bytes);
   void start();
   Statement prepare(const char* sql);
   bool step(Statement& statement);
@@ -61,7 +63,9 @@ class SqliteBag final : public Recording {
   std::string_view message_bytes();
   [[noreturn]] void fail_at_message(const std::string& what);
 
-  std::string path_;  ///< empty for bytes in memory
+  struct WholePages;
+  std::string path_;                         ///< empty for bytes in memory
+  std::unique_ptr<WholePages> whole_pages_;  ///< longer than the database, which calls it
   std::unique_ptr<sqlite3, CloseDatabase> database_;
   Statement messages_;
   std::unique_ptr<sqlite3_blob, CloseBlob> blob_;  ///< of the message that was given last

@@ -9,9 +9,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "gdtslam/core/pose3.hpp"
+#include "gdtslam/core/stream.hpp"
 
 namespace gdtslam {
 
@@ -77,5 +79,12 @@ struct BeamTiming {
   double step_s = 0.0;
   [[nodiscard]] double of_beam_s(std::size_t beam) const { return first_s + static_cast<double>(beam) * step_s; }
 };
+/// What the scan itself says of it; nothing where it says nothing.
+inline std::optional<BeamTiming> stated_timing(const LaserScan& scan) {
+  if (scan.first_beam_after_s == 0.0 && scan.beam_period_s == 0.0) return std::nullopt;
+  return BeamTiming{scan.first_beam_after_s, scan.beam_period_s};
+}
+/// The same scan with its beams in the order in which they were measured.
+void order_beams_by_time(LaserScan& scan);
 
 }  // namespace gdtslam

@@ -2,6 +2,7 @@
 // clock; the order of the records is the truth, not their stamps.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -12,6 +13,11 @@
 #include "gdtslam/core/pose.hpp"
 
 namespace gdtslam {
+
+/// A limit as ranges meet it that are kept as float32: 5.6 m is 5.5999999 m there, and at the limit nevertheless.
+inline double limit_of_floats_m(double limit_m) {
+  return std::min(limit_m, static_cast<double>(static_cast<float>(limit_m)));
+}
 
 /// One sweep of the laser. Beam k points to first_bearing_rad + k * bearing_step_rad in the laser's frame.
 struct LaserScan {
@@ -26,6 +32,10 @@ struct LaserScan {
   std::optional<Eigen::Vector3d> speed{};
   std::vector<float> ranges_m;
   Pose2 T_base_laser;
+  /// Whether the sensor says by a range that nothing came back.
+  [[nodiscard]] bool is_at_limit(double range_m) const {
+    return max_range_m > 0.0 && range_m >= limit_of_floats_m(max_range_m);
+  }
 };
 
 /// The robot's pose in the odometry frame, as its wheels tell it.

@@ -33,6 +33,24 @@ class PosesByStamp {
   std::vector<Entry> entries_;  // in the order of time
 };
 
+/// Stamps that two stretches of a trajectory have, between which a clock stepped back by more than a second: they do
+/// not tell which pose is meant. Thread-safe once made. O(n log n) to make, O(log n) to ask.
+class RepeatedStamps {
+ public:
+  RepeatedStamps(const Trajectory& trajectory, double tolerance_s);
+  /// Whether poses of two stretches are within the tolerance of it.
+  [[nodiscard]] bool have(double stamp_s) const;
+
+ private:
+  struct Entry {
+    double stamp_s = 0.0;
+    std::size_t stretch = 0;
+  };
+  double tolerance_s_;
+  std::vector<Entry> entries_;           // in the order of time; none where there is one stretch
+  std::vector<std::size_t> next_other_;  // of each the next one that is of another stretch
+};
+
 /// The pose of the robot at time t2 in its frame at time t1, as somebody verified it.
 struct Relation {
   double t1_s = 0.0;
@@ -66,6 +84,9 @@ struct RelationReport {
   double worst_t1_s = 0.0;    ///< the relation with the largest translation error
   double worst_t2_s = 0.0;
 };
+/// Those whose stamps tell which poses are meant, in their order; the others are as many as are missing.
+std::vector<Relation> without_repeated_stamps(std::span<const Relation> relations, const Trajectory& trajectory,
+                                              double tolerance_s = 1e-4);
 /// Stamps match within `tolerance_s`; where a stamp occurs more than once the last pose counts.
 RelationReport evaluate_relations(const Trajectory& trajectory, std::span<const Relation> relations,
                                   double tolerance_s = 1e-4);

@@ -65,9 +65,11 @@ struct NoddingScan {
 struct NoddingScanner {
   NoddingMount mount;
   ElevationTable table;
-  double mirror_rate_hz = 0.0;
+  double mirror_rate_hz = 0.0;  ///< for scans that do not say when their beams were measured, with the share
   double stamp_share = 0.5;
   [[nodiscard]] BeamTiming timing(std::size_t beams, double bearing_step_rad) const;
+  /// Of a scan that may say it itself, its beams in the order of time.
+  [[nodiscard]] BeamTiming timing(const LaserScan& scan) const;
 };
 
 /// Counts over the run so far.

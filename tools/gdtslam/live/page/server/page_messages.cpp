@@ -87,8 +87,7 @@ std::string points_text(const LaserScan& laser, const Pose2& T_map_base) {
   std::string points;
   for (std::size_t k = 0; k < laser.ranges_m.size(); ++k) {
     const double range_m = static_cast<double>(laser.ranges_m[k]);
-    const bool is_return =
-        range_m > 0.0 && std::isfinite(range_m) && (laser.max_range_m <= 0.0 || range_m < laser.max_range_m);
+    const bool is_return = range_m > 0.0 && std::isfinite(range_m) && !laser.is_at_limit(range_m);
     if (!is_return) continue;
     const double bearing =
         T_map_laser.theta_rad + laser.first_bearing_rad + static_cast<double>(k) * laser.bearing_step_rad;

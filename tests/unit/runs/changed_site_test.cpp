@@ -1,0 +1,180 @@
+// A site in which something went and something came after most of its scans: edits and tiles have both as merge found
+// them.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/runs/edits/edit_run.hpp"
+#include "engine/runs/folder/run_reader.hpp"
+#include "engine/runs/mapping/map_run.hpp"
+#include "engine/runs/retiling/make_tiles.hpp"
+#include "engine/runs/sites/merge_runs.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/io/occupancy_map_file.hpp"
+#include "ring_run.hpp"
+#include "unit/back_end/loop_drive.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kBefore_s = 1000.0;
+constexpr double kAfter_s = 90'000.0;
+
+// Three times around; and a day later half around, where the last steps alone see what is new.
+std::vector<Pose2> drive_before() { return test::poses_around_ring(3); }
+std::vector<Pose2> drive_after() {
+  const std::vector<Pose2> truth = test::poses_around_ring(1);
+  return {truth.begin() + 30, truth.begin() + 196};
+}
+
+std::vector<test::Segment> rooms_with_box(const Point2& low, const Point2& high) {
+  std::vector<test::Segment> walls = test::rooms_around_a_block();
+  std::vector<test::Segment> box;
+  test::add_box(box, low, high);
+  const Pose2 turned{0.011, 0.007, 0.21};  // as the rooms are
+  for (const test::Segment& wall : box) walls.push_back({turned * wall.from, turned * wall.to});
+  return walls;
+}
+
+// Merged once for all tests of the process.
+const JoinedSite& changed_site() {
+  static const test::RunsFolder folder("changed-site");
+  static const JoinedSite site = [] {
+    const std::unique_ptr<Backend> cpu = make_cpu_backend({});
+    const std::vector<test::Segment> before = rooms_with_box({5.6, -11.0}, {6.4, -10.5});
+    const std::vector<test::Segment> after = rooms_with_box({5.0, 8.9}, {5.6, 9.6});
+    test::write_drive_log(folder.path("before.log"), {before, kBefore_s}, drive_before(), 5);
+    test::write_drive_log(folder.path("after.log"), {after, kAfter_s}, drive_after(), 77);
+    MergeRequest request;
+    for (const char* name : {"before", "after"}) {
+      const std::string log = folder.path(std::string(name) + ".log");
+      static_cast<void>(map_logs(test::ring_request(log, folder.path(name)), *cpu));
+      request.runs.push_back(folder.path(name));
+    }
+    request.folder = folder.path("site");
+    request.with_pictures = false;
+    return merge_runs(request).sites.front();
+  }();
+  return site;
+}
+
+// Of cells that are walls in the site's map, and free where nothing but its scans is asked.
+std::vector<Point2> centres_of_what_is_new() {
+  const RunReader site(changed_site().folder);
+  const Settings settings = site.settings();
+  OccupancyBuilder builder(settings.occupancy, occupancy_limits(settings.mapper));
+  const RunKeyframes kept = site.keyframes().value();
+  for (const RunKeyframe& keyframe : kept.keyframes) builder.add(keyframe.laser, keyframe.T_map_base);
+  const OccupancyMap cast = builder.build();
+  const OccupancyMap map = site.map();
+  std::vector<Point2> centres;
+  for (std::int32_t y = 0; y < map.geometry.height; ++y) {
+    for (std::int32_t x = 0; x < map.geometry.width; ++x) {
+      const Point2 centre = map.geometry.centre_of({x, y});
+      if (map.at({x, y}) == CellState::kOccupied && cast.at(cast.geometry.cell_of(centre)) == CellState::kFree) {
+        centres.push_back(centre);
+      }
+    }
+  }
+  return centres;
+}
+
+EditRequest edit_of_site(const test::RunsFolder& folder) {
+  EditRequest request;
+  request.run = changed_site().folder;
+  request.folder = folder.path("edited");
+  request.with_pictures = false;
+  return request;
+}
+
+bool has_wall_near(const OccupancyMap& map, const Point2& at_m, double within_m) {
+  for (double x = -within_m; x <= within_m; x += map.geometry.resolution_m) {
+    for (double y = -within_m; y <= within_m; y += map.geometry.resolution_m) {
+      const CellIndex cell = map.geometry.cell_of(at_m + Point2(x, y));
+      if (map.geometry.contains(cell) && map.at(cell) == CellState::kOccupied) return true;
+    }
+  }
+  return false;
+}
+
+TEST(ChangedSite, HasWallsThatMostScansSawThrough) {
+  EXPECT_FALSE(changed_site().changes.last.gone.empty());
+  EXPECT_GT(changed_site().changes.readings, 0U);
+  EXPECT_GE(centres_of_what_is_new().size(), 5U);
+}
+
+TEST(ChangedSite, KeepsWhatIsNewWhereNothingIsErased) {
+  const test::RunsFolder folder("changed-erase");
+  EditRequest request = edit_of_site(folder);
+  request.erased = {rectangle_between({900.0, 900.0}, {901.0, 901.0})};
+  EXPECT_GT(edit_run(request).scans, 0U) << "its map is cast anew";
+  EXPECT_EQ(test::text_of_file(request.folder + "/map.pgm"), test::text_of_file(request.run + "/map.pgm"));
+}
+
+TEST(ChangedSite, KeepsWhatIsNewInAnotherFrame) {
+  const test::RunsFolder folder("changed-turn");
+  EditRequest request = edit_of_site(folder);
+  request.origin = StatedOrigin{{1.0, -2.0, 0.7}, true};
+  const EditOutcome outcome = edit_run(request);
+  const OccupancyMap map = RunReader(request.folder).map();
+  std::size_t missing = 0;
+  const std::vector<Point2> centres = centres_of_what_is_new();
+  for (const Point2& centre : centres) {
+    missing += has_wall_near(map, outcome.plan.T_edited_run * centre, 0.05) ? 0U : 1U;
+  }
+  EXPECT_EQ(missing, 0U) << "of " << centres.size();
+}
+
+TEST(ChangedSite, LosesWhatIsNewWhereItIsErased) {
+  const test::RunsFolder folder("changed-erase-new");
+  const std::vector<Point2> centres = centres_of_what_is_new();
+  ASSERT_FALSE(centres.empty());
+  EditRequest request = edit_of_site(folder);
+  const Point2 around(0.3, 0.3);
+  request.erased = {rectangle_between(centres.front() - around, centres.front() + around)};
+  EXPECT_GT(edit_run(request).readings, 0U);
+  EXPECT_FALSE(has_wall_near(RunReader(request.folder).map(), centres.front(), 0.2));
+}
+
+TEST(ChangedSite, HasTilesWithWhatIsNew) {
+  const test::RunsFolder folder("changed-tiles");
+  TilesRequest request{.run = folder.path("site"), .only = {}, .progress = {}, .stop = {}};
+  std::filesystem::copy(changed_site().folder, request.run, std::filesystem::copy_options::recursive);
+  const TilesOutcome made = make_tiles(request);
+  const OccupancyMap map = RunReader(request.run).map();
+  std::size_t walls = 0;
+  std::size_t known = 0;
+  for (const TileRecord& record : made.index.tiles) {
+    const std::string file = made.folder + "/map_" + name_of_tile(record.place) + ".yaml";
+    const OccupancyMap tile = read_occupancy_map(file);
+    for (std::int32_t y = 0; y < kMapTileSide; ++y) {
+      for (std::int32_t x = 0; x < kMapTileSide; ++x) {
+        if (tile.at({x, y}) == CellState::kUnknown) continue;
+        ++known;
+        walls += tile.at({x, y}) == CellState::kOccupied ? 1U : 0U;
+        ASSERT_EQ(tile.at({x, y}), map.at(map.geometry.cell_of(tile.geometry.centre_of({x, y}))));
+      }
+    }
+    request.only.push_back(record.place);
+  }
+  std::size_t walls_of_map = 0;
+  std::size_t known_of_map = 0;
+  for (const CellState state : map.cells.all()) {
+    walls_of_map += state == CellState::kOccupied ? 1U : 0U;
+    known_of_map += state == CellState::kUnknown ? 0U : 1U;
+  }
+  EXPECT_EQ(walls, walls_of_map);
+  EXPECT_EQ(known, known_of_map);
+  // One that is made alone is the same.
+  request.only.resize(1);
+  const std::string file = made.folder + "/map_" + name_of_tile(request.only.front()) + ".png";
+  const std::string before = test::text_of_file(file);
+  EXPECT_EQ(make_tiles(request).made, 1U);
+  EXPECT_EQ(test::text_of_file(file), before);
+}
+
+}  // namespace
+}  // namespace gdtslam
