@@ -50,7 +50,7 @@ void require_open(const gdtslam_mapper& mapper, const char* what) {
 
 // What is missing of the motion during the scan is taken of the map, as a whole log does.
 MatchResult process(gdtslam_mapper& mapper, ScanRecord record) {
-  mapper.speed.complete(record.scan);
+  mapper.speed.complete(record);
   MatchResult result;
   if (mapper.loops) {
     mapper.loops->start(record.scan, record.T_odom_base);
@@ -58,7 +58,7 @@ MatchResult process(gdtslam_mapper& mapper, ScanRecord record) {
   } else {
     result = mapper.plain->process(record.scan, record.T_odom_base);
   }
-  mapper.speed.take(record.scan, result.T_map_base);
+  mapper.speed.take(record, result.T_map_base);
   mapper.trajectory.push_back(to_c(StampedPose{result.stamp_s, result.T_map_base}));
   return result;
 }

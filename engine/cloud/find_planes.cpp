@@ -168,7 +168,7 @@ PatchPoints points_of(std::span<const CloudPoint> cloud, const ThinnedCloud& thi
   return found;
 }
 
-// The plane refined on all points; nothing when too few are left.
+// The plane refined on all points; nothing when too few are left, or those that are lie on a line.
 std::optional<PlanePatch> patch_of(std::span<const CloudPoint> cloud, const ThinnedCloud& thin,
                                    const Candidate& candidate, const std::vector<bool>& is_taken,
                                    const PlaneSearch& search) {
@@ -180,7 +180,10 @@ std::optional<PlanePatch> patch_of(std::span<const CloudPoint> cloud, const Thin
   for (int k = 0; k < kRefinements; ++k) {
     PatchPoints points = points_of(cloud, thin, plane, is_taken, is_of_patch, search.thickness_m);
     if (points.all.size() < std::max<std::size_t>(3, search.min_points)) return std::nullopt;
-    patch = fit_plane(cloud, points.core.size() >= 3 * kLeastCells ? points.core : points.all);
+    std::optional<PlanePatch> fitted =
+        fitted_plane(cloud, points.core.size() >= 3 * kLeastCells ? points.core : points.all);
+    if (!fitted) return std::nullopt;
+    patch = *std::move(fitted);
     plane = patch.plane;
     patch.points = std::move(points.all);
   }

@@ -54,9 +54,10 @@ struct PlacedMap {
     if (sees_little(config)) host.field.keep_near(scratch_folder);
   }
   [[nodiscard]] const GlobalField& matched() const { return device ? device->field() : host.field; }
-  void leave_device() {
+  void leave_device(const MapperConfig& config, const std::string& scratch_folder) {
     if (device) device->update_host();
     device.reset();
+    place_on(config, nullptr, scratch_folder);
   }
 
   KeyframeMap host;
@@ -185,7 +186,7 @@ void Mapper::State::fall_back(const DeviceError& error) {
   is_begun = false;
   device = nullptr;
   for (PlacedMap* placed : {map.get(), next.get()}) {
-    if (placed != nullptr) placed->leave_device();
+    if (placed != nullptr) placed->leave_device(config, options.scratch_folder);
   }
   count_work_of(*cpu);
   if (!options.fall_back || was_on_cpu) throw DeviceError(error);
@@ -291,7 +292,7 @@ void Mapper::State::update_map(MatchResult& result) {
   }
 }
 
-// A keyframe that was noted is in the map, whatever becomes of the device.
+// A keyframe that was noted is in the map, whatever becomes of the device, unless its map would become too large.
 void Mapper::State::merge(const Pose2& pose) {
   const double cell_m = config.map.resolution_m;
   const KeyframeCells keyframe =

@@ -71,7 +71,7 @@ def city_of_a_script():
 
 def bench_against():
     """An earlier run made twice as slow by hand is beaten twofold; rows of one side are named; --fail-below asks the kernels
-    alone; files that are none are refused."""
+    alone, one at least; files that are none are refused."""
     folder = fresh_folder("bench_against")
     before = _bench()
     (folder / "before.json").write_text(json.dumps(before))
@@ -96,6 +96,13 @@ def bench_against():
     one_error_line(process.stderr)
     expect("1 of 1 rows are less than 0.9 times as fast" in process.stderr and "smallest_values" in process.stderr, process.stderr)
     expect("only in that run: cpu kernel of_old" in process.stdout, process.stdout)
+
+    before["rows"] = [gone]
+    (folder / "other.json").write_text(json.dumps(before))
+    process = command("bench", "smallest_values", "--samples", 5, "--against", folder / "other.json", "--fail-below", 0.9)
+    expect_exit(process, 1)
+    one_error_line(process.stderr)
+    expect("nothing was compared" in process.stderr and "other.json" in process.stderr, process.stderr)
 
     for text, words in (("{}", "has no text 'version'"), ("[1", "no JSON"), ('{"version": "1"}', "has no rows"), ("[]", "is no object"),
                         ('{"version": "1", "rows": [{"on": "cpu"}]}', "has no text 'group'"),

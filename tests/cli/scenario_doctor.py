@@ -83,6 +83,55 @@ def doctor_of_several_lasers():
     expect(chosen["commands"][0]["line"] == f"gdtslam map {log} --topic '/rear scan' --mount 1m,0,0 --odom tf -o out", chosen["commands"])
     examined(folder / "my drive.bag", "--crank", "/servo", "--set", "log.crank=tilt", "--set", "log.crank_step=1deg")
 
+    found = examined(folder / "my drive.bag", "--topic", "all")
+    expect(found["scans"] == 80 and abs(found["median_step_s"] - 0.25) < 1e-9 and found["backward_stamps"]["count"] == 1, found)
+    expect(not any(words in text for text in found["suggestions"] for words in ("moves on the robot", "beams")), found["suggestions"])
+    places = [(laser["scans"], round(laser["x_m"], 6), laser["changes"]) for laser in found["lasers_on_robot"]]
+    expect(sorted(places) == [(40, -0.5, 0), (40, 0, 0)], places)
+    expect([layout["laser"] for layout in found["layouts"]] == [0, 1], found["layouts"])
+    text = command("doctor", folder / "my drive.bag", "--topic", "all").stdout
+    for k, laser in enumerate(found["lasers"]):
+        place = f"{found['lasers_on_robot'][k]['x_m']:.3f} m ahead"
+        expect(any(line.startswith(f"laser {k}  ") and laser["topic"] in line and place in line for line in text.splitlines()), text)
+
+
+def table_of_two_lasers(rear_x=lambda k: -0.3):
+    """Back to back, each ten times a second and 5 ms apart, of different beams; the odometry once for both."""
+    rows = ["stamp,laser,laser_x,laser_y,laser_theta,angle_min,angle_increment,x,y,theta,ranges"]
+    for k in range(200):
+        for laser, mount, beams in ((0, "0.3,0,0", 180), (1, f"{rear_x(k)},0,3.14159265", 120)):
+            ranges = " ".join(f"{2 + 0.01 * beam:.2f}" for beam in range(beams))
+            rows.append(f"{0.1 * k + 0.005 * laser:.3f},{laser},{mount},-1.5,0.02,{0.05 * k:.3f},0,0,{ranges}")
+    return "\n".join(rows) + "\n"
+
+
+def expect_two_lasers(folder):
+    (folder / "two.csv").write_text(table_of_two_lasers())
+    found = examined(folder / "two.csv")
+    expect(abs(found["median_step_s"] - 0.1) < 1e-9 and found["still_steps"] == 0 and found["suggestions"] == [], found)
+    expect([(laser["laser"], laser["scans"], laser["x_m"], laser["changes"]) for laser in found["lasers_on_robot"]] ==
+           [(0, 200, 0.3, 0), (1, 200, -0.3, 0)], found["lasers_on_robot"])
+    expect(found["laser_on_robot"] == {"x_m": 0.3, "y_m": 0, "theta_rad": 0, "changes": 0}, found["laser_on_robot"])
+    expect([(layout["beams"], layout["laser"]) for layout in found["layouts"]] == [(180, 0), (120, 1)], found["layouts"])
+    text = command("doctor", folder / "two.csv").stdout
+    for line in ("scans            400 of 2 lasers in 19.9 s, 10.0 Hz a laser (median step 0.100 s)",
+                 "standing still   0 steps without any motion of the odometry",
+                 "laser 0          200 scans", "laser on robot   0.300 m ahead, 0.000 m left, 0.00 deg",
+                 "laser 1          200 scans", "laser on robot   -0.300 m ahead, 0.000 m left, 180.00 deg"):
+        expect(line in text.splitlines(), f"{line}: {text}")
+    expect("moves on the robot" not in text and "one sensor only" not in text, text)
+    (folder / "two.csv").write_text(table_of_two_lasers(lambda k: -0.3 if k < 150 else -0.4))
+    found = examined(folder / "two.csv")
+    expect([laser["changes"] for laser in found["lasers_on_robot"]] == [0, 50], found["lasers_on_robot"])
+    expect(len(found["suggestions"]) == 1 and found["suggestions"][0].startswith("laser 1 moves on the robot"), found["suggestions"])
+    rear = [row for row in table_of_two_lasers().splitlines() if row.split(",")[1] != "0"]
+    (folder / "rear.csv").write_text("\n".join(rear) + "\n")
+    found = examined(folder / "rear.csv")
+    expect("lasers_on_robot" not in found and "laser" not in found["layouts"][0] and found["laser_on_robot"]["x_m"] == -0.3, found)
+    lines = command("doctor", folder / "rear.csv").stdout.splitlines()
+    expect("scans            200 in 19.9 s, 10.0 Hz (median step 0.100 s)" in lines, lines)
+    expect("laser on robot   -0.300 m ahead, 0.000 m left, 180.00 deg" in lines and not any(line.startswith("laser 1") for line in lines), lines)
+
 
 def doctor_of_hostile_names():
     """Names of topics, frames and files that would add lines of their own, or words to the line to type."""
@@ -147,7 +196,7 @@ def doctor_of_odd_recordings():
 
 
 def doctor_of_text_logs():
-    """Kinds of lines, and topics that a text log has none of."""
+    """Kinds of lines, topics that a text log has none of, and several lasers in one."""
     folder = cli.fresh_folder("doctor_of_text_logs")
     line = cli.flaser(cli.room_ranges(2.0, 1.5, 0.0), (0, 0, 0), (0, 0, 0), 1.0)
     line = line if line.endswith("\n") else line + "\n"
@@ -171,6 +220,7 @@ def doctor_of_text_logs():
                 cli.one_error_line(process.stderr)
                 expect(log in process.stderr and says in process.stderr, process.stderr)
     expect_exit(command("doctor", folder / "a.log", "--mount", "0.2m,0,0"), 0)
+    expect_two_lasers(folder)
 
 
 def doctor_pictures():

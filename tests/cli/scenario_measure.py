@@ -2,8 +2,10 @@
 of docs/measuring.md; the test runs three seeds."""
 
 import json
+import math
 import os
 import xml.etree.ElementTree as ElementTree
+from random import Random
 
 from cli_support import command, expect, expect_exit, fresh_folder, skip, validate
 
@@ -103,3 +105,48 @@ def _other_outputs(folder, cloud):
         expect(f"{100 * box['width']['value_m']:.2f} cm" in words, f"no width {box['width']} in the drawing: {words}")
     moved = command("measure", cloud, "--boxes", "--viewpoint", "none", timeout=250)
     expect(moved.returncode == 0 and "no viewpoint" in moved.stdout, f"without a viewpoint: {moved}")
+
+
+def _seen_box(file, at_m, noise=0.001):
+    """A cloud of a standing scanner at at_m, 0.3 m above the floor: beams that end at the face of a box, 0.6 m wide and
+    0.5 m high, 2 m in front, at the floor, or at the wall behind."""
+    rows = []
+    random = Random(1)
+    for elevation in range(-60, 50):
+        for bearing in range(-130, 131):
+            across, up = math.tan(0.004 * bearing), math.tan(0.004 * elevation)
+            x = 2.0 if abs(2 * across) <= 0.3 and -0.3 <= 2 * up <= 0.2 else 4.0
+            x = (min(x, -0.3 / up) if up < 0 else x) * (1.0 + random.gauss(0.0, noise))
+            rows.append(f"{at_m[0] + x:.6f} {at_m[1] + x * across:.6f} {0.3 + x * up:.6f}")
+    header = "ply\nformat ascii 1.0\nelement vertex %d\nproperty double x\nproperty double y\nproperty double z\nend_header\n"
+    file.write_text(header % len(rows) + "\n".join(rows) + "\n")
+
+
+def measure_viewpoint_in_a_grid():
+    """The viewpoint is in the coordinates of the cloud, of which whole kilometres are taken off: the box is the same."""
+    folder = fresh_folder("measure_viewpoint")
+    found = {}
+    for at_m in ((0, 0), (20300, 0), (500100, 5400200)):
+        cloud = folder / f"box-{at_m[0]}.ply"
+        _seen_box(cloud, at_m)
+        process = command("measure", cloud, "--boxes", "--json", "--viewpoint", f"{at_m[0]}m,{at_m[1]}m,30cm")
+        expect_exit(process, 0)
+        validate(process.stdout, "measure")
+        found[at_m] = json.loads(process.stdout)
+    near = found.pop((0, 0))
+    expect(len(near["boxes"]) == 1 and abs(near["boxes"][0]["width"]["value_m"] - 0.6) < 0.02, f"{near}")
+    for at_m, far in found.items():
+        expect(far["viewpoint_m"] == [at_m[0] % 1000, at_m[1] % 1000, 0.3], f"{at_m}: the viewpoint is {far['viewpoint_m']}")
+        expect(len(far["boxes"]) == 1, f"{at_m}: {far['boxes']}")
+        for name in ("width", "height"):
+            one, other = near["boxes"][0][name], far["boxes"][0][name]
+            expect(one["both_ends_seen"] == other["both_ends_seen"], f"{at_m}: {name} {one} and {other}")
+            for value in ("value_m", "sigma_m"):
+                expect(abs(one[value] - other[value]) < 2e-4, f"{at_m}: {name} {one} and {other}")
+    exact = folder / "exact.ply"  # rows of points on one line, too, which are no plane
+    _seen_box(exact, (0, 0), 0.0)
+    process = command("measure", exact, "--boxes", "--json", "--viewpoint", "0,0,30cm")
+    expect_exit(process, 0)
+    expect(len(json.loads(process.stdout)["boxes"]) == 1, process.stdout)
+    process = command("measure", folder / "box-0.ply", "--boxes", "--viewpoint", "1e10m,0,0")
+    expect(process.returncode == 2 and "1e10m is not between" in process.stderr, f"{process}")

@@ -11,6 +11,7 @@ import struct
 import cli_support as cli
 from cli_support import RUN, TRUTH, expect
 from nodding_log import Drive, stamp_of, ticks_of
+from scenario_merge import parts_of_the_log
 from scenario_nodding_faults import elevation_of
 from scenario_render import Png, refused, rendered, require_viewer, views_of, words_of
 
@@ -47,6 +48,28 @@ def render_scan_counts_points_once():
         expect(len(counts) == 1 and 0 < counts[0] < said["points"], f"{counts} points in {words}")
         share = f"{100 * said['points'] / said['points_of']:.0f} % of the points drawn"
         expect((share in words) == (said["points"] < said["points_of"]), f"{share!r}, {said}: {words}")
+
+
+def render_site():
+    """A merged site has its graph, but no replay of one drive: it is not listed, and whoever asks hears what there is. Its page
+    begins each drive anew."""
+    require_viewer()
+    folder = cli.fresh_folder("render_site")
+    early, late, _, part = parts_of_the_log(folder)
+    cli.expect_exit(cli.command("merge", early, late, "-o", folder / "sites", "-q"), 0)
+    site = folder / "sites/1"
+    views = ["map", "graph", "field", "distance", "cells", "trajectory"]
+    expect(views_of(site) == (set(views), {"still": "map"}), f"{views_of(site)}")
+    for name, *arguments in (("a.png", "--view", "loops"), ("a.mp4", "--view", "loops"), ("a.mp4",)):
+        refused(2, site, *arguments, "-o", folder / name, says=f"its views {'are ' if arguments else ''}{', '.join(views)}")
+    rendered(site, "--view", "graph", "-o", folder / "a.png")
+    rendered(site, "-o", folder / "a.html")
+    about = json.loads(re.search(r'id="description">(.*?)</script>', (folder / "a.html").read_text(), re.S)[1])
+    path, facts = about["path"], dict(about["facts"])
+    expect(path["drives"] == [part] and f"{path['length']:.1f} m" == facts["Path"], f"{path}, {facts}")
+    rows = [float(line.split()[0]) for line in (site / "trajectory.tum").read_text().splitlines() if line[0] != "#"]
+    driven_s = rows[part - 1] - rows[0] + rows[-1] - rows[part]
+    expect(abs(path["last"] - path["first"] - driven_s) < 1e-3, f"{path}, {driven_s} s")
 
 
 def render_errors_of_runs_of_one_log():

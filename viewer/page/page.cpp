@@ -71,7 +71,7 @@ PageData data_of(const PageInput& input) {
     origin.head<2>() = input.trajectory->front().T_map_base.translation();
   }
   json.point("origin", origin);
-  if (input.trajectory != nullptr) page::write_path(*input.trajectory, origin, json, data.elements);
+  if (input.trajectory != nullptr) page::write_path(*input.trajectory, input.drives, origin, json, data.elements);
   if (input.map != nullptr) page::write_map(*input.map, json, data.elements);
   if (input.linkage != nullptr) page::write_linkage(*input.linkage, json, data.elements);
   page::write_colour_maps(json);

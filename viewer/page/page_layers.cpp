@@ -12,6 +12,7 @@
 #include "engine/core/elementary.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/drawing/colour.hpp"
+#include "gdtslam/mapping/evaluation.hpp"
 #include "viewer/scene/cloud/cloud_colours.hpp"
 
 namespace gdtslam::page {
@@ -50,32 +51,55 @@ CellState shown_state(const OccupancyMap& map, std::int32_t x, std::int32_t y, s
 }
 static_assert(CellState::kUnknown < CellState::kFree && CellState::kFree < CellState::kOccupied);
 
+/// The finite poses of a path. The clocks of drives may be days apart or overlap: their times follow each other.
+struct FinitePath {
+  Trajectory poses;
+  std::vector<std::size_t> drives;
+};
+
+FinitePath finite_path(const Trajectory& trajectory, std::span<const std::size_t> drives) {
+  FinitePath path;
+  double later_s = 0.0;
+  auto next = drives.begin();
+  for (std::size_t k = 0; k < trajectory.size(); ++k) {
+    const auto& [stamp_s, T_map_base] = trajectory[k];
+    if (!T_map_base.is_finite() || !std::isfinite(stamp_s)) continue;
+    const auto begun = std::upper_bound(next, drives.end(), k);
+    if (begun != std::exchange(next, begun) && !path.poses.empty()) {
+      path.drives.push_back(path.poses.size());
+      later_s = path.poses.back().stamp_s - stamp_s;
+    }
+    path.poses.push_back({stamp_s + later_s, T_map_base});
+  }
+  return path;
+}
+
 }  // namespace
 
-void write_path(const Trajectory& trajectory, const Point3& origin, JsonWriter& json, std::string& elements) {
-  std::vector<const StampedPose*> poses;
-  for (const StampedPose& pose : trajectory) {
-    if (pose.T_map_base.is_finite() && std::isfinite(pose.stamp_s)) poses.push_back(&pose);
-  }
-  if (poses.empty()) return;
-  const std::size_t count = std::min(poses.size(), kMostPoses);
-  const auto shown = [&](std::size_t k) { return poses[count == 1 ? 0 : k * (poses.size() - 1) / (count - 1)]; };
-  const double first_s = poses.front()->stamp_s;
+void write_path(const Trajectory& trajectory, std::span<const std::size_t> drives, const Point3& origin,
+                JsonWriter& json, std::string& elements) {
+  const FinitePath path = finite_path(trajectory, drives);
+  if (path.poses.empty()) return;
+  const std::size_t count = std::min(path.poses.size(), kMostPoses);
+  const double first_s = path.poses.front().stamp_s;
   ByteWriter bytes(16 * count);
-  double length_m = 0.0;  // of all poses, whatever the page holds of them
-  for (std::size_t k = 1; k < poses.size(); ++k) {
-    length_m += (poses[k]->T_map_base.translation() - poses[k - 1]->T_map_base.translation()).norm();
-  }
+  json.open("path", '{').number("count", static_cast<double>(count));
+  json.open("drives", '[');
+  auto drive = path.drives.begin();
   for (std::size_t k = 0; k < count; ++k) {
-    const Pose2& pose = shown(k)->T_map_base;
+    const std::size_t index = count == 1 ? 0 : k * (path.poses.size() - 1) / (count - 1);
+    const auto& [stamp_s, pose] = path.poses[index];
     bytes.f32(pose.x_m - origin.x());
     bytes.f32(pose.y_m - origin.y());
     bytes.f32(pose.theta_rad);
-    bytes.f32(shown(k)->stamp_s - first_s);
+    bytes.f32(stamp_s - first_s);
+    const auto begun = std::upper_bound(drive, path.drives.end(), index);
+    if (begun != std::exchange(drive, begun)) json.number("", static_cast<double>(k));
   }
+  json.close();
   append_bytes_element("path", bytes.bytes(), elements);
-  json.open("path", '{').number("count", static_cast<double>(count)).number("length", length_m);
-  json.number("first", first_s).number("last", poses.back()->stamp_s).close();
+  json.number("length", length_m_of(path.poses, path.drives));  // whatever the page holds of them
+  json.number("first", first_s).number("last", path.poses.back().stamp_s).close();
 }
 
 void write_map(const OccupancyMap& map, JsonWriter& json, std::string& elements) {

@@ -2,6 +2,8 @@
 // Thread-safe.
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <string>
 
 #include "gdtslam/calib/sweep_model.hpp"
@@ -13,9 +15,11 @@
 namespace gdtslam::page {
 
 /// Poses as four float32: x, y relative to `origin`, heading, time since the first pose. At most kMostPoses, spread
-/// evenly, both ends among them.
+/// evenly, both ends among them. `drives`: as in PageInput; the description names the first pose of each that has one
+/// here.
 inline constexpr std::size_t kMostPoses = 50'000;
-void write_path(const Trajectory& trajectory, const Point3& origin, JsonWriter& json, std::string& elements);
+void write_path(const Trajectory& trajectory, std::span<const std::size_t> drives, const Point3& origin,
+                JsonWriter& json, std::string& elements);
 
 /// Cells as CellState in two bits, four to a byte, the first in the lowest bits; several cells become one where a side
 /// has more than kMostMapSide, the first of occupied, free, unknown that is among them.

@@ -75,7 +75,9 @@ Thresholds thresholds_of(const DescriptionFile& file) {
   Thresholds thresholds;
   thresholds.occupied = file.number_or("occupied_thresh", kOccupiedThreshold);
   thresholds.free = file.number_or("free_thresh", kFreeThreshold);
-  thresholds.negate = file.number_or("negate", 0.0) != 0.0;
+  // A number, or a word as Nav2 takes it.
+  const std::string negate = file.has("negate") ? file.text("negate") : "0";
+  thresholds.negate = negate == "true" || (negate != "false" && file.number_or("negate", 0.0) != 0.0);
   for (const char* key : {"occupied_thresh", "free_thresh"}) {
     const double value = file.number_or(key, 0.5);
     if (value < 0.0 || value > 1.0) {

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
+#include <string>
 
 #include "engine/compute/kernels/host_kernels.hpp"
+#include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
 namespace {
@@ -110,6 +113,17 @@ std::uint64_t samples_of(std::uint64_t width, std::uint64_t height, const LevelP
   return (plane_side(width, plan) * plane_side(height, plan)) << static_cast<unsigned>(2 * phase_bits_of(plan));
 }
 
+// Cells along a side of the field in bytes, whose margin is rounded, for so many cells of the field: at most.
+std::uint64_t most_side(std::uint64_t cells, std::span<const LevelPlan> plans) {
+  return cells + 2 * static_cast<std::uint64_t>(plans.back().dilation_cells.back() + kBoundAlignment);
+}
+
+// Words of a field of minorants.
+std::uint64_t minorant_words(std::uint64_t width, std::uint64_t height) {
+  constexpr std::uint64_t kMargins = 2 * std::uint64_t{FieldMinorant::kMargin};
+  return (width + kMargins) * (height + kMargins);
+}
+
 BoundLevel empty_level(const Bytes& bytes, const LevelPlan& plan) {
   BoundLevel level;
   level.spacing_bits = plan.spacing_bits;
@@ -197,6 +211,7 @@ std::int32_t aligned_down(std::int32_t cell) { return cell & ~(kBoundAlignment -
 
 BoundFields::BoundFields(const FieldView& field, Isa isa, CertifiedMap::Windows windows)
     : unit_(std::max(1U, (field.cap + 254U) / 255U)) {
+  require_countable(field.width, field.height, windows);
   if (windows == CertifiedMap::kAnyWindows) minorants_ = minorants_of(field, isa);
   const std::span<const LevelPlan> plans = plans_for(windows);
   const Bytes plain = bytes_of(field, unit_, plans.back().dilation_cells.back() + 1);
@@ -227,15 +242,31 @@ std::size_t BoundFields::bytes() const {
 // The field in bytes is there thrice: as it is, widened, and once more while it is widened.
 std::uint64_t BoundFields::most_bytes(std::uint64_t width, std::uint64_t height, CertifiedMap::Windows windows) {
   const std::span<const LevelPlan> plans = plans_for(windows);
-  const std::uint64_t room = 2 * static_cast<std::uint64_t>(plans.back().dilation_cells.back() + kBoundAlignment);
-  const std::uint64_t wide = width + room;
-  const std::uint64_t high = height + room;
+  const std::uint64_t wide = most_side(width, plans);
+  const std::uint64_t high = most_side(height, plans);
   std::uint64_t sum = 3 * wide * high;
   for (const LevelPlan& plan : plans) sum += BoundLevel::kDilations * samples_of(wide, high, plan);
   if (windows != CertifiedMap::kAnyWindows) return sum;
-  constexpr std::uint64_t kMargins = 2 * std::uint64_t{FieldMinorant::kMargin};
-  const std::uint64_t words = (width + kMargins) * (height + kMargins);
-  return sum + words * MinorantLevels::kReaches.size() * sizeof(std::uint32_t);
+  return sum + minorant_words(width, height) * MinorantLevels::kReaches.size() * sizeof(std::uint32_t);
+}
+
+// The kernels add a place within a field to where that begins, so all fields of a level are counted together.
+void BoundFields::require_countable(std::uint64_t width, std::uint64_t height, CertifiedMap::Windows windows) {
+  constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
+  const std::span<const LevelPlan> plans = plans_for(windows);
+  const std::uint64_t wide = most_side(width, plans);
+  const std::uint64_t high = most_side(height, plans);
+  bool is_countable = std::max(width, height) <= kMost / 2;  // or 64 bits would not count them either
+  for (const LevelPlan& plan : plans) {
+    is_countable = is_countable && samples_of(wide, high, plan) <= kMost / BoundLevel::kDilations;
+  }
+  if (windows == CertifiedMap::kAnyWindows) {
+    is_countable = is_countable && minorant_words(width, height) <= kMost / MinorantLevels::kReaches.size();
+  }
+  if (is_countable) return;
+  throw InputError("the map of " + std::to_string(width) + " x " + std::to_string(height) +
+                   " cells is too large to be searched in with proof (2^30 cells at most); cut a piece out of it, or "
+                   "map with a larger map.resolution");
 }
 
 }  // namespace gdtslam

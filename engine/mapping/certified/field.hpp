@@ -47,7 +47,8 @@ struct MinorantLevels {
 
 class BoundFields {
  public:
-  /// The widest boxes are 32 cells wide, 8 for small windows, 2 for near ones; these two have no minorants.
+  /// The widest boxes are 32 cells wide, 8 for small windows, 2 for near ones; these two have no minorants. Throws as
+  /// require_countable() before it takes memory.
   BoundFields(const FieldView& field, Isa isa, CertifiedMap::Windows windows);
 
   /// From wide boxes to narrow ones, each half as wide as the one before; the narrowest are two cells wide.
@@ -59,6 +60,9 @@ class BoundFields {
   [[nodiscard]] std::size_t bytes() const;
   /// At most so many at once while they are made for a field of that size.
   static std::uint64_t most_bytes(std::uint64_t width, std::uint64_t height, CertifiedMap::Windows windows);
+  /// Throws InputError for a field of that size where its samples or minorants are more than 32 bits count, as the
+  /// kernels do: from some 32,400 x 32,400 cells on.
+  static void require_countable(std::uint64_t width, std::uint64_t height, CertifiedMap::Windows windows);
 
  private:
   std::uint32_t unit_ = 1;

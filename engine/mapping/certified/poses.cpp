@@ -134,7 +134,7 @@ std::uint32_t CertifiedSearch::enough() const {
 }
 
 std::optional<CertifiedStop> CertifiedSearch::limit_reached() const {
-  if (boxes_ >= options_.max_boxes || open_.size() >= kMostOpen) return CertifiedStop::kBoxLimit;
+  if (boxes_ - uncounted_ >= options_.max_boxes || open_.size() >= kMostOpen) return CertifiedStop::kBoxLimit;
   const bool is_unbounded = options_.max_boxes == std::numeric_limits<std::uint64_t>::max();
   if (is_unbounded && is_asked_to_end()) return CertifiedStop::kTimeLimit;
   if (options_.max_seconds == std::numeric_limits<double>::infinity()) return std::nullopt;
@@ -175,6 +175,7 @@ void CertifiedSearch::work_through() {
 CertifiedResult CertifiedSearch::run() {
   try_starts();
   open_window();
+  if (!options_.counts_window) uncounted_ = boxes_;
   work_through();
   return result();
 }

@@ -112,6 +112,7 @@ class CertifiedSearch {
   std::uint32_t closed_bound_ = kNoCost;  // least bound of the boxes that were closed
   bool at_resolution_ = false;
   std::uint64_t boxes_ = 0;
+  std::uint64_t uncounted_ = 0;  ///< of these, which the limit does not hold for
   std::uint64_t evaluations_ = 0;
   CertifiedStop stop_ = CertifiedStop::kGapReached;
   std::chrono::steady_clock::time_point began_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "gdtslam/core/error.hpp"
 #include "store/field_store.hpp"
 
 namespace gdtslam {
@@ -27,26 +28,34 @@ KeyframeMap::KeyframeMap(const MapperConfig& config, Backend& backend)
       local(backend, config.map.radius_cells(), config.map.transform),
       step(merge_step(config)) {}
 
-void KeyframeMap::merge(const KeyframeCells& keyframe, StageTimes& stages) {
+void KeyframeMap::merge(const KeyframeCells& keyframe, StageTimes& stages, RoomLimit limit) {
   {
     const StageTimer timer(stages.local_field_s);
     field.grow_to_hold(keyframe.window);
-    local.prepare(keyframe, field);
+    local.prepare(keyframe, field, limit);
   }
   const StageTimer timer(stages.merge_s);
   local.merge_into(field, step);
 }
 
 void DeviceMap::merge(StageTimes& stages) {
-  map_.merge(journal_.back(), stages);
+  try {
+    map_.merge(journal_.back(), stages);
+  } catch (const InputError&) {
+    journal_.pop_back();
+    throw;
+  }
   const StageTimer timer(stages.merge_s);
   continue_checkpoint();
   map_.field.backend().flush();
 }
 
+// The CPU counts whole tiles, and so more than the device at times; but what the device has is the map.
 void DeviceMap::update_host() {
   StageTimes not_counted;
-  for (; !journal_.empty(); journal_.pop_front(), ++held_) host_.merge(journal_.front(), not_counted);
+  for (; !journal_.empty(); journal_.pop_front(), ++held_) {
+    host_.merge(journal_.front(), not_counted, RoomLimit::kIgnored);
+  }
 }
 
 void DeviceMap::continue_checkpoint() {

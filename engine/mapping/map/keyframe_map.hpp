@@ -17,8 +17,9 @@ namespace gdtslam {
 
 struct KeyframeMap {
   KeyframeMap(const MapperConfig& config, Backend& backend);
-  /// Paper equation (1), and (9) to (11); grows the map where it has to.
-  void merge(const KeyframeCells& keyframe, StageTimes& stages);
+  /// Paper equation (1), and (9) to (11); grows the map where it has to. Throws InputError where the map would become
+  /// too large; its cells are as before then.
+  void merge(const KeyframeCells& keyframe, StageTimes& stages, RoomLimit limit = RoomLimit::kHeeded);
 
   GlobalField field;
   LocalField local;
@@ -33,9 +34,10 @@ class DeviceMap {
   [[nodiscard]] const GlobalField& field() const { return map_.field; }
   /// Notes a keyframe for the CPU. Asks the device for nothing.
   void note(const KeyframeCells& keyframe) { journal_.push_back(keyframe); }
-  /// Sets the device to work on the keyframe that was noted, and returns.
+  /// Sets the device to work on the keyframe that was noted, and returns. Throws InputError where the device's map
+  /// would become too large; then the keyframe is noted no more, so that the CPU's map does not get it either.
   void merge(StageTimes& stages);
-  /// Brings the map on the CPU up to date. Asks the device for nothing.
+  /// Brings the map on the CPU up to date. Asks the device for nothing, and refuses no keyframe that it took.
   void update_host();
   /// Keyframes that the map on the CPU does not hold yet.
   [[nodiscard]] std::size_t journal_length() const { return journal_.size(); }

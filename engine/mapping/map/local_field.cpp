@@ -28,13 +28,14 @@ LocalField::LocalField(Backend& backend, std::uint32_t radius_cells, DistanceTra
             transform_ == DistanceTransform::kExact ? stamp_disc(radius_cells) : distance_table(radius_cells));
 }
 
-void LocalField::prepare(const KeyframeCells& keyframe, const GlobalField& map) {
+void LocalField::prepare(const KeyframeCells& keyframe, const GlobalField& map, RoomLimit limit) {
+  const bool is_limited = limit == RoomLimit::kHeeded;
   if (transform_ == DistanceTransform::kJumpFlood) {
-    map.require_room({&keyframe.window, 1});
+    if (is_limited) map.require_room({&keyframe.window, 1});
     return flood(keyframe);
   }
   lists_.list(keyframe, map);
-  map.require_room(lists_.boxes());
+  if (is_limited) map.require_room(lists_.boxes());
   upload_to(*backend_, cells_, lists_.words());
 }
 

@@ -115,6 +115,7 @@ SessionFix SessionMap::find(const Session& query, std::size_t keyframe) const {
   CertifiedOptions search;
   search.gap_m = options_.gap_m;
   search.max_boxes = options_.most_boxes;
+  search.counts_window = false;
   const double unit = 256.0 / options_.resolution_m * static_cast<double>(points.size());
   search.wanted_bound = static_cast<std::uint32_t>(options_.most_m * unit);
   const CertifiedResult best = find_pose(state_->map, points, state_->window, search);
@@ -188,6 +189,7 @@ std::optional<Pose2> SessionMap::find_elsewhere(const Session& query, std::size_
   CertifiedOptions search;
   search.gap_m = options_.gap_m;
   search.max_boxes = options_.most_boxes;
+  search.counts_window = false;
   search.excluded = ExcludedPoses{T_map_keyframe};
   search.wanted_bound =
       static_cast<std::uint32_t>(options_.most_m * 256.0 / options_.resolution_m * static_cast<double>(points.size()));
@@ -214,6 +216,7 @@ double SessionMap::mean_beside_m(const Session& query, std::size_t keyframe, con
   CertifiedOptions search;
   search.gap_m = options_.gap_m;
   search.max_boxes = options_.most_boxes;
+  search.counts_window = false;
   search.starts = {T_map_keyframe};
   return find_pose(state_->map, points, beside, search).mean_cost_m;
 }
@@ -226,6 +229,7 @@ bool SessionMap::fits_elsewhere(const Session& query, const SessionFix& fix, con
   CertifiedOptions search;
   search.gap_m = 0.0;
   search.max_boxes = options_.most_boxes;
+  search.counts_window = false;
   search.excluded = ExcludedPoses{T_map_keyframe};
   search.wanted_bound = static_cast<std::uint32_t>((fix.mean_m + as_good_m(fix)) * unit) + 1;
   const CertifiedResult elsewhere = find_pose(state_->map, points, state_->window, search);

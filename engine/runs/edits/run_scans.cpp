@@ -52,8 +52,8 @@ std::uint64_t from_copies(const RunScans& run, const std::function<void(LaserSca
                                    i, run.trajectory.size()));
     }
     const Pose2& T = run.trajectory[i].T_map_base;
-    speed.complete(record->scan);
-    speed.take(record->scan, T);
+    speed.complete(*record);
+    speed.take(*record, T);
     if (std::binary_search(run.refused.begin(), run.refused.end(), i)) continue;
     take(record->scan, T);
     ++cast;

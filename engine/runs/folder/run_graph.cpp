@@ -75,6 +75,9 @@ RunGraph read_run_graph(const RunReader& run) {
   if (!run.files().has("graph.g2o")) {
     throw InputError({source.file, 0}, fmt::format("is missing in this run{}{}", kMapAgain, source.folder));
   }
+  if (!run.summary().drives.empty()) {
+    throw InputError({source.file, 0}, "is of a site, whose drives do not make up one path");
+  }
   const std::vector<ClosedLoop> told = run.doubts().loops.value_or(LoopFindings()).loops;
   const GraphLines lines = run.graph();
   if (lines.places.empty()) source.refuse("has no places");

@@ -18,8 +18,8 @@ struct RunGraph {
   std::vector<bool> is_on;         ///< of each loop, as the report has it
 };
 
-/// Throws InputError where the run has no graph, or its graph is not of one run with its report: other scans, a step of
-/// the path that is missing, other loops; FileError.
+/// Throws InputError where the run has no graph, is a site of several drives, or its graph is not of one run with its
+/// report: other scans, a step of the path that is missing, other loops; FileError.
 RunGraph read_run_graph(const RunReader& run);
 
 }  // namespace gdtslam

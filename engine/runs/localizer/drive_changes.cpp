@@ -8,6 +8,7 @@
 #include "engine/runs/folder/run_reader.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/occupancy_map_file.hpp"
+#include "reference.hpp"
 
 namespace gdtslam {
 namespace {
@@ -51,9 +52,9 @@ DriveChanges::DriveChanges(const MapField& field, const MapperConfig& config, co
 }
 
 void DriveChanges::see_what_was_before(const MapField& field, const MapperConfig& config) {
-  const std::string folder = std::filesystem::path(field.path).parent_path().string();
-  if (field.source == MapField::Source::kOccupiedCells || !RunReader::is_run(folder)) return;
-  const std::optional<RunKeyframes> kept = (field.run ? *field.run : RunReader(folder)).keyframes();
+  const std::optional<std::string> folder = run_folder_of(field.path);
+  if (field.source == MapField::Source::kOccupiedCells || !folder) return;
+  const std::optional<RunKeyframes> kept = (field.run ? *field.run : RunReader(*folder)).keyframes();
   if (!kept) return;
   before_.emplace(views_in(map_, config, limits_));
   for (const RunKeyframe& keyframe : kept->keyframes) before_->add(keyframe.laser, in_grid(keyframe.T_map_base));

@@ -58,17 +58,12 @@ std::optional<Pose2> LocalizeTruth::find(double stamp_s) const {
   return by_stamp_.find(stamp_s, ReferenceOptions{}.tolerance_s);
 }
 
-namespace {
-
-// The folder of the run that a map belongs to, if there is one.
 std::optional<std::string> run_folder_of(const std::string& map) {
   namespace fs = std::filesystem;
   if (RunReader::is_run(map)) return map;
   const std::string parent = fs::path(map).has_parent_path() ? fs::path(map).parent_path().string() : ".";
   return RunReader::is_run(parent) ? std::optional(parent) : std::nullopt;
 }
-
-}  // namespace
 
 RunReader run_of_map(const std::string& map, const std::string& purpose) {
   if (const std::optional<std::string> folder = run_folder_of(map)) return RunReader(*folder);

@@ -55,7 +55,9 @@ class LocalizeTruth {
   bool is_aligned_ = false;
 };
 
-/// The run folder that a map belongs to: itself, or the folder of its gdt.yaml. Throws InputError, with what it was
+/// The run folder that a map belongs to: itself, or the folder of its gdt.yaml; none where that is none.
+std::optional<std::string> run_folder_of(const std::string& map);
+/// The same as a run. Throws InputError, with what it was
 /// needed for, where it is none.
 RunReader run_of_map(const std::string& map, const std::string& purpose);
 

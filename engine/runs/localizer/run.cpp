@@ -75,6 +75,7 @@ Verdict verdict_of(const LocalizedScan& scan, double good_fit_m) {
 }
 
 bool LocalizedScan::is_ambiguous() const {
+  if (best && is_elsewhere_open) return true;
   return best && runner_up && runner_up->stop != CertifiedStop::kNothingAllowed &&
          runner_up->bound <= best->cost + as_good;
 }
@@ -112,6 +113,7 @@ CertifiedResult Localizer::search(std::span<const PointCells> points, PoseWindow
 CertifiedOptions Localizer::options_with(double gap_m) const {
   CertifiedOptions options;
   options.gap_m = gap_m;
+  options.counts_window = false;
   if (limits_.max_seconds) options.max_seconds = *limits_.max_seconds;
   return options;
 }
@@ -156,8 +158,7 @@ LocalizedScan Localizer::find(const LaserScan& scan, std::uint64_t index, bool w
   found.is_changed = with_changes && is_poor && may_be_changed(points, found.best->T_map_base);
   const double accepted_m = found.is_changed ? good_m : good_fit_.distance_m;
   if (verdict_of(found, accepted_m) == Verdict::kFound) {
-    found.runner_up =
-        elsewhere(points, found.best->T_map_base, found.best->cost + found.as_good, LocalizeLimits::kWaitingBoxes);
+    look_elsewhere(points, LocalizeLimits::kWaitingBoxes, found);
   }
   found.verdict = verdict_of(found, accepted_m);
   if (found.is_changed && found.verdict != Verdict::kFound) {
@@ -174,10 +175,7 @@ LocalizedScan Localizer::localize(const LaserScan& scan, std::uint64_t index,
   const std::vector<PointCells> points = points_to_match(scan, config_, resolution_m());
   LocalizedScan found = begun(scan, index, points);
   if (found.has_returns) found.best = if_any(search(points, window_, options_with(limits_.gap_m)));
-  if (found.best && limits_.with_runner_up) {
-    found.runner_up =
-        elsewhere(points, found.best->T_map_base, found.best->cost + found.as_good, LocalizeLimits::kElsewhereBoxes);
-  }
+  if (found.best && limits_.with_runner_up) look_elsewhere(points, LocalizeLimits::kElsewhereBoxes, found);
   found.verdict = verdict_of(found, good_fit_.distance_m);
   if (T_map_base_reference) found.reference = beside(points, *T_map_base_reference, found.best);
   found.cpu_s = thread_cpu_s() - begin_s;
@@ -185,21 +183,26 @@ LocalizedScan Localizer::localize(const LaserScan& scan, std::uint64_t index,
 }
 
 // A good pose elsewhere, and whether one there may be as good as the best: a short search finds the pose; where it
-// leaves the question open a second one answers it, which needs no proof of how good the poses are that are worse.
-std::optional<CertifiedResult> Localizer::elsewhere(std::span<const PointCells> points, const Pose2& T_map_best,
-                                                    std::uint32_t as_good_as, std::uint64_t most_boxes) const {
+// leaves the question open a second one answers it, which needs no proof of how good the poses are that are worse. One
+// that ends before it has tried a pose answers nothing.
+void Localizer::look_elsewhere(std::span<const PointCells> points, std::uint64_t most_boxes,
+                               LocalizedScan& found) const {
+  const std::uint32_t as_good_as = found.best->cost + found.as_good;
   CertifiedOptions options = options_with(LocalizeLimits::kElsewhereGaps * limits_.gap_m);
   options.max_boxes = LocalizeLimits::kRunnerUpBoxes;
-  options.excluded = ExcludedPoses{T_map_best, LocalizeLimits::kElsewhereM, LocalizeLimits::kElsewhereRad};
+  options.excluded = ExcludedPoses{found.best->T_map_base, LocalizeLimits::kElsewhereM, LocalizeLimits::kElsewhereRad};
   const CertifiedResult first = search(points, window_, options);
-  if (first.stop == CertifiedStop::kNothingAllowed) return first;
   const bool has_pose = std::isfinite(first.mean_cost_m);
-  if (first.bound > as_good_as || (has_pose && first.cost <= as_good_as)) return if_any(first);
+  const bool is_told = first.bound > as_good_as || (has_pose && first.cost <= as_good_as);
+  found.runner_up = first.stop == CertifiedStop::kNothingAllowed ? std::optional(first) : if_any(first);
+  if (first.stop == CertifiedStop::kNothingAllowed || is_told) return;
   options.gap_m = 0.0;
   options.wanted_bound = as_good_as + 1;
   options.max_boxes = most_boxes;
   if (has_pose) options.starts = {first.T_map_base};
-  return if_any(search(points, window_, options));
+  const CertifiedResult second = search(points, window_, options);
+  found.runner_up = if_any(second);
+  found.is_elsewhere_open = !found.runner_up && second.bound <= as_good_as;
 }
 
 ReferencePose Localizer::beside(std::span<const PointCells> points, const Pose2& T_map_base,

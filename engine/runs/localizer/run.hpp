@@ -29,7 +29,8 @@ struct LocalizeLimits {
   std::optional<double> good_fit_m{};   ///< the largest mean distance that is one; none: what the map tells
   double within_m = 0.10;               ///< a pose so near to the reference is right
   double within_rad = rad_from_deg(1.0);
-  /// Elsewhere less is asked at first: whether anything there is as good. Where that leaves it open, more.
+  /// Elsewhere less is asked at first: whether anything there is as good. Where that leaves it open, more. Boxes are
+  /// those beyond the ones that cover the map, which are as many as it is large.
   static constexpr double kElsewhereGaps = 8.0;
   static constexpr std::uint64_t kRunnerUpBoxes = 50000;  ///< for a pose there
   static constexpr std::uint64_t kElsewhereBoxes = 6000000;
@@ -75,6 +76,7 @@ struct LocalizedScan {
   bool has_returns = false;             ///< enough to be searched for
   std::optional<CertifiedResult> best;  ///< nothing without them, or where the search was cut before it had a pose
   std::optional<CertifiedResult> runner_up;
+  bool is_elsewhere_open = false;  ///< the search elsewhere ended before it had tried a pose, and tells nothing
   std::optional<ReferencePose> reference;
   std::uint32_t as_good = 0;  ///< poses are, whose costs differ by no more: the gap in cost units
   Verdict verdict = Verdict::kNoPose;
@@ -123,8 +125,7 @@ class Localizer {
                                        CertifiedOptions options) const;
   [[nodiscard]] CertifiedOptions options_with(double gap_m) const;
   [[nodiscard]] std::uint32_t units_of(double distance_m, std::size_t points) const;
-  [[nodiscard]] std::optional<CertifiedResult> elsewhere(std::span<const PointCells> points, const Pose2& T_map_best,
-                                                         std::uint32_t as_good_as, std::uint64_t most_boxes) const;
+  void look_elsewhere(std::span<const PointCells> points, std::uint64_t most_boxes, LocalizedScan& found) const;
   [[nodiscard]] LocalizedScan begun(const LaserScan& scan, std::uint64_t index,
                                     std::span<const PointCells> points) const;
   [[nodiscard]] ReferencePose beside(std::span<const PointCells> points, const Pose2& T_map_base,

@@ -242,10 +242,10 @@ void MapRun::map_flat(const Progress& progress) {
   watch_.add_cpu_to(outcome_.read_cpu_s);
   while (next.scan && !stop_()) {
     ScanRecord record = *std::exchange(next.scan, std::nullopt);
-    speed_.complete(record.scan);
+    speed_.complete(record);
     const MatchResult result = map_scan(record, ahead, next);
     take_match(result, result.T_map_base, record.scan);
-    speed_.take(record.scan, result.T_map_base);
+    speed_.take(record, result.T_map_base);
     note_stamp(result.stamp_s);
     progress(mapped_.size(), ahead.progress());
     watch_.add_cpu_to(outcome_.occupancy_cpu_s);

@@ -124,7 +124,7 @@ std::string cells_of(const Dimension& dimension) {
 
 void choose_viewpoint(const MeasureJob& job, std::span<const CloudPoint> cloud, Measurement& measured) {
   if (job.viewpoint) {
-    measured.viewpoint = job.viewpoint;
+    measured.viewpoint = *job.viewpoint - Point3(job.origin_m[0], job.origin_m[1], job.origin_m[2]);
     measured.viewpoint_source = ViewpointSource::kGiven;
   } else if (job.finds_viewpoint) {
     measured.viewpoint = standing_viewpoint(cloud);

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -45,7 +46,9 @@ struct MeasureJob {
   BoxSearch box_search{};  ///< without the viewpoint
   PlaneSearch plane_search{};
   bool finds_viewpoint = true;        ///< where none is given
-  std::optional<Point3> viewpoint{};  ///< given
+  std::optional<Point3> viewpoint{};  ///< given, in the coordinates of the file
+  /// What was taken off the coordinates of the file (read_cloud()); all places measured are relative to it.
+  std::array<double, 3> origin_m{};
 };
 
 /// Measures as `gdtslam measure` does: finds where the scanner stood unless that is given, then boxes and planes.

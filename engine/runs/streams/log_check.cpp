@@ -17,7 +17,8 @@ namespace {
 
 constexpr std::size_t kStepBins = 10001;   // milliseconds
 constexpr std::size_t kRangeBins = 20001;  // centimetres
-constexpr std::size_t kMostLayouts = 16;
+constexpr std::size_t kMostLayouts = 16;   // of a laser
+constexpr std::size_t kMostMounts = 64;    // further lasers count as the last of them
 constexpr std::size_t kMostConstants = 3;  // that stand for "no return"
 constexpr double kShortestGap_s = 1.0;
 constexpr double kGapSteps = 5.0;      // a gap is this many usual steps, and at least kShortestGap_s
@@ -71,6 +72,24 @@ std::vector<std::size_t> no_return_bins(const std::vector<std::uint64_t>& histog
   return found;
 }
 
+void add_laser_suggestions(const LogCheck& check, std::vector<std::string>& list) {
+  const bool is_alone = check.lasers.size() == 1;
+  for (const LaserMount& mount : check.lasers) {
+    const auto is_its_own = [&mount](const BeamLayout& layout) { return layout.laser == mount.laser; };
+    if (std::count_if(check.layouts.begin(), check.layouts.end(), is_its_own) < 2) continue;
+    list.push_back(is_alone ? "the beams change within the log: no matter where a laser turns unevenly, else check "
+                              "that it holds one sensor only"
+                            : fmt::format("the beams of laser {} change within the log: no matter where it turns "
+                                          "unevenly, else check that it is one sensor only",
+                                          mount.laser));
+  }
+  for (const LaserMount& mount : check.lasers) {
+    if (mount.changes == 0) continue;
+    list.push_back((is_alone ? "the laser" : fmt::format("laser {}", mount.laser)) +
+                   " moves on the robot: the laser poses of the log may be corrected ones, not odometry");
+  }
+}
+
 }  // namespace
 
 bool is_mappable(const LaserScan& scan, const ScanConfig& config) {
@@ -119,7 +138,7 @@ void LogChecker::add(const LogRecord& record) {
   if (const auto* scan = std::get_if<ScanRecord>(&record)) add_scan(*scan);
   if (const auto* odometry = std::get_if<Odometry>(&record)) {
     ++check_.odometry_records;
-    if (check_.scans_with_odometry == 0) add_odometry(odometry->stamp_s, odometry->T_odom_base);
+    if (check_.scans_with_odometry == 0) add_odometry(odometry->stamp_s, odometry->T_odom_base, last_record_);
   }
   if (const auto* encoder = std::get_if<Encoder>(&record)) nod_.add(*encoder);
   if (const auto* tilt = std::get_if<Tilt>(&record)) nod_.add(*tilt);
@@ -127,30 +146,48 @@ void LogChecker::add(const LogRecord& record) {
 }
 
 void LogChecker::add_scan(const ScanRecord& record) {
-  add_time(record.scan.stamp_s);
+  const std::size_t place = place_of(record);
+  LastScan& last = last_scans_[place];
+  add_time(record.scan.stamp_s, last.stamp_s);
   if (record.T_odom_base) {
     if (check_.scans_with_odometry++ == 0) last_odometry_.reset();  // from here on only the scans' own odometry counts
-    add_odometry(record.scan.stamp_s, *record.T_odom_base);
+    add_odometry(record.scan.stamp_s, *record.T_odom_base, last.T_odom_base);
   }
   add_ranges(record.scan);
   check_.mappable_scans += is_mappable(record.scan, check_.scan) ? 1U : 0U;
-  add_layout(record.scan);
-  add_mount(record.scan.T_base_laser);
+  add_mount(record.scan.T_base_laser, check_.lasers[place]);
+  add_layout(record.scan, check_.lasers[place].laser);
   ++check_.scans;
 }
 
-void LogChecker::add_time(double stamp_s) {
-  if (!last_scan_s_) {
-    check_.first_stamp_s = stamp_s;
-    check_.last_stamp_s = stamp_s;
-    last_scan_s_ = stamp_s;
-    return;
+// In the lists that have an entry a laser.
+std::size_t LogChecker::place_of(const ScanRecord& record) {
+  std::vector<LaserMount>& lasers = check_.lasers;
+  const auto same = std::find_if(lasers.begin(), lasers.end(),
+                                 [&record](const LaserMount& mount) { return mount.laser == record.laser; });
+  if (same != lasers.end()) return static_cast<std::size_t>(same - lasers.begin());
+  if (lasers.size() < kMostMounts) {
+    lasers.push_back({.laser = record.laser, .T_base_laser = record.scan.T_base_laser});
+    last_scans_.emplace_back();
   }
-  check_.first_stamp_s = std::min(check_.first_stamp_s, stamp_s);
-  check_.last_stamp_s = std::max(check_.last_stamp_s, stamp_s);
-  const double step_s = stamp_s - *last_scan_s_;
+  return lasers.size() - 1;
+}
+
+void LogChecker::add_time(double stamp_s, std::optional<double>& before_s) {
+  check_.first_stamp_s = last_scan_s_ ? std::min(check_.first_stamp_s, stamp_s) : stamp_s;
+  check_.last_stamp_s = last_scan_s_ ? std::max(check_.last_stamp_s, stamp_s) : stamp_s;
+  const LogEvent event{.scan = check_.scans, .stamp_s = stamp_s};
+  if (last_scan_s_) add_pause(event, stamp_s - *last_scan_s_);
+  // That lasers of one moment come in any order is no step back; that one comes after another's later scans is.
+  const bool is_far_back = last_scan_s_ && stamp_s - *last_scan_s_ <= -kShortestGap_s;
+  const std::optional<double>& since_s = is_far_back ? last_scan_s_ : before_s;
+  if (since_s) add_step(event, stamp_s - *since_s);
   last_scan_s_ = stamp_s;
-  const LogEvent event{.scan = check_.scans, .stamp_s = stamp_s, .time_step_s = step_s};
+  before_s = stamp_s;
+}
+
+void LogChecker::add_step(LogEvent event, double step_s) {
+  event.time_step_s = step_s;
   if (step_s < 0.0) {
     check_.backward_stamps.add(event, -step_s);
   } else if (step_s == 0.0) {
@@ -164,15 +201,24 @@ void LogChecker::add_time(double stamp_s) {
       ++alike.count;
       alike.sum_s += std::min(step_s, kMostStep_s);
     }
-    const auto place = std::find_if(longest_steps_.begin(), longest_steps_.end(),
-                                    [step_s](const LogEvent& e) { return e.time_step_s < step_s; });
-    longest_steps_.insert(place, event);
-    if (longest_steps_.size() > EventList::kMostListed) longest_steps_.pop_back();
   }
 }
 
-void LogChecker::add_odometry(double stamp_s, const Pose2& T_odom_base) {
+void LogChecker::add_pause(LogEvent event, double pause_s) {
+  if (!(pause_s > 0.0)) return;
+  event.time_step_s = pause_s;
+  pauses_ms_.resize(kStepBins);
+  ++pauses_ms_[bin_of(pause_s * 1e3, kStepBins)];
+  const auto place = std::find_if(longest_pauses_.begin(), longest_pauses_.end(),
+                                  [pause_s](const LogEvent& e) { return e.time_step_s < pause_s; });
+  longest_pauses_.insert(place, event);
+  if (longest_pauses_.size() > EventList::kMostListed) longest_pauses_.pop_back();
+}
+
+void LogChecker::add_odometry(double stamp_s, const Pose2& T_odom_base, std::optional<Pose2>& before) {
   if (!T_odom_base.is_finite()) return;  // the reader counts it
+  if (before && T_odom_base == *before) ++check_.still_scans;
+  before = T_odom_base;
   if (last_odometry_) {
     const Pose2 step = between(last_odometry_->T_map_base, T_odom_base);
     const double distance_m = step.translation().norm();
@@ -184,7 +230,6 @@ void LogChecker::add_odometry(double stamp_s, const Pose2& T_odom_base) {
       check_.path_m += distance_m;
       check_.turned_rad += angle_rad;
     }
-    if (T_odom_base == last_odometry_->T_map_base) ++check_.still_scans;
   }
   last_odometry_ = {stamp_s, T_odom_base};
 }
@@ -208,30 +253,29 @@ void LogChecker::add_ranges(const LaserScan& scan) {
   if (!has_return) ++check_.scans_without_returns;
 }
 
-void LogChecker::add_layout(const LaserScan& scan) {
+void LogChecker::add_layout(const LaserScan& scan, std::size_t laser) {
+  std::size_t listed = 0;
   for (BeamLayout& layout : check_.layouts) {
+    if (layout.laser != laser) continue;
+    ++listed;
     if (layout.beams == scan.ranges_m.size() && layout.first_bearing_rad == scan.first_bearing_rad &&
         layout.step_rad == scan.bearing_step_rad && layout.max_range_m == scan.max_range_m) {
       ++layout.scans;
       return;
     }
   }
-  if (check_.layouts.size() == kMostLayouts) {
+  if (listed == kMostLayouts) {
     ++check_.other_layouts;
     return;
   }
-  check_.layouts.push_back({scan.ranges_m.size(), scan.first_bearing_rad, scan.bearing_step_rad, scan.max_range_m, 1});
+  check_.layouts.push_back(
+      {scan.ranges_m.size(), scan.first_bearing_rad, scan.bearing_step_rad, scan.max_range_m, 1, laser});
 }
 
-void LogChecker::add_mount(const Pose2& T_base_laser) {
-  if (!check_.T_base_laser) {
-    check_.T_base_laser = T_base_laser;
-    return;
-  }
-  const Pose2 change = between(*check_.T_base_laser, T_base_laser);
-  if (change.translation().norm() > kMountShift_m || std::fabs(change.theta_rad) > kMountTurn_rad) {
-    ++check_.mount_changes;
-  }
+void LogChecker::add_mount(const Pose2& T_base_laser, LaserMount& mount) {
+  if (mount.scans++ == 0) return;
+  const Pose2 change = between(mount.T_base_laser, T_base_laser);
+  if (change.translation().norm() > kMountShift_m || std::fabs(change.theta_rad) > kMountTurn_rad) ++mount.changes;
 }
 
 double LogChecker::usual_step_s() const {
@@ -247,18 +291,18 @@ double LogChecker::usual_step_s() const {
 }
 
 void LogChecker::finish_times(LogCheck& check) const {
-  if (steps_ms_.empty()) return;
+  if (pauses_ms_.empty()) return;
   check.median_step_s = static_cast<double>(quantile_bin(steps_ms_, 0.5)) * 1e-3;
   check.usual_step_s = usual_step_s();
   const double longest_s = static_cast<double>(kStepBins - 1) * 1e-3;
   check.gap_bound_s = std::min(std::max(kShortestGap_s, kGapSteps * check.median_step_s), longest_s);
-  for (std::size_t bin = bin_of(check.gap_bound_s * 1e3, kStepBins); bin < steps_ms_.size(); ++bin) {
-    check.gaps.count += steps_ms_[bin];
+  for (std::size_t bin = bin_of(check.gap_bound_s * 1e3, kStepBins); bin < pauses_ms_.size(); ++bin) {
+    check.gaps.count += pauses_ms_[bin];
   }
-  for (const LogEvent& event : longest_steps_) {
+  for (const LogEvent& event : longest_pauses_) {
     if (check.gaps.first.size() < check.gaps.count) check.gaps.first.push_back(event);
   }
-  if (check.gaps.count > 0) check.gaps.largest = longest_steps_.front().time_step_s;
+  if (check.gaps.count > 0) check.gaps.largest = longest_pauses_.front().time_step_s;
 }
 
 void LogChecker::finish_ranges(LogCheck& check) const {
@@ -318,13 +362,7 @@ std::vector<std::string> LogCheck::suggestions() const {
   if (std::string question = question_of_unit(usual_step_s); !question.empty()) list.push_back(std::move(question));
   if (backward_stamps.count > 0) list.emplace_back("stamps go backward: the order of the file is kept, do not sort it");
   if (gaps.count > 0) list.emplace_back("the robot may have moved in the gaps; odometry must carry over them");
-  if (layouts.size() > 1)
-    list.emplace_back(
-        "the beams change within the log: no matter where a laser turns unevenly, else check that it holds one "
-        "sensor only");
-  if (mount_changes > 0) {
-    list.emplace_back("the laser moves on the robot: the laser poses of the log may be corrected ones, not odometry");
-  }
+  add_laser_suggestions(*this, list);
   for (std::string& text : nod.suggestions()) list.push_back(std::move(text));
   return list;
 }

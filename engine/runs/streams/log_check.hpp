@@ -92,6 +92,15 @@ struct BeamLayout {
   double step_rad = 0.0;
   double max_range_m = 0.0;  ///< as the log states it; 0: it does not
   std::uint64_t scans = 0;
+  std::size_t laser = 0;  ///< whose scans they are
+};
+
+/// Where one of the lasers sits on the robot.
+struct LaserMount {
+  std::size_t laser = 0;  ///< its number in the log
+  std::uint64_t scans = 0;
+  Pose2 T_base_laser;         ///< of its first scan
+  std::uint64_t changes = 0;  ///< its scans whose mount differs from it by more than 1 mm or 0.1 degrees
 };
 
 /// What the ranges look like.
@@ -125,21 +134,20 @@ struct LogCheck {
   std::uint64_t parameters = 0;
   double first_stamp_s = 0.0;  ///< earliest
   double last_stamp_s = 0.0;   ///< latest
-  double median_step_s = 0.0;  ///< between scans, forward steps only; 10 s where it is longer
+  double median_step_s = 0.0;  ///< between scans of a laser, forward steps only; 10 s where it is longer
   double usual_step_s = 0.0;   ///< the same, however long
-  EventList gaps;              ///< time without a scan
-  EventList backward_stamps;
-  EventList repeated_stamps;
+  EventList gaps;              ///< time without a scan of any laser
+  EventList backward_stamps;   ///< from scan to scan of a laser, or from any scan by a second and more
+  EventList repeated_stamps;   ///< from scan to scan of a laser
   EventList impossible_steps;  ///< of the odometry
   double gap_bound_s = 0.0;
   double path_m = 0.0;            ///< by odometry, impossible steps left out
   double turned_rad = 0.0;        ///< sum of the absolute turns, likewise
-  std::uint64_t still_scans = 0;  ///< odometry equal to that of the scan before
+  std::uint64_t still_scans = 0;  ///< odometry equal to that of the laser's scan before
   std::vector<BeamLayout> layouts;
   std::uint64_t other_layouts = 0;  ///< scans of layouts beyond the listed ones
   RangeStatistics ranges;
-  std::optional<Pose2> T_base_laser;  ///< of the first scan
-  std::uint64_t mount_changes = 0;    ///< scans whose mount differs from it by more than 1 mm or 0.1 degrees
+  std::vector<LaserMount> lasers;  ///< in the order of their first scans
   std::uint64_t scans_without_returns = 0;
   std::uint64_t mappable_scans = 0;  ///< with at least scan.min_points returns, as the mapper counts them
   ScanConfig scan;                   ///< the rule that they were counted by
@@ -163,11 +171,19 @@ class LogChecker {
 
  private:
   void add_scan(const ScanRecord& record);
-  void add_time(double stamp_s);
-  void add_odometry(double stamp_s, const Pose2& T_odom_base);
+  /// What the next scan of the same laser is compared with.
+  struct LastScan {
+    std::optional<double> stamp_s;
+    std::optional<Pose2> T_odom_base;
+  };
+  std::size_t place_of(const ScanRecord& record);
+  void add_time(double stamp_s, std::optional<double>& before_s);
+  void add_step(LogEvent event, double step_s);
+  void add_pause(LogEvent event, double pause_s);
+  void add_odometry(double stamp_s, const Pose2& T_odom_base, std::optional<Pose2>& before);
   void add_ranges(const LaserScan& scan);
-  void add_layout(const LaserScan& scan);
-  void add_mount(const Pose2& T_base_laser);
+  void add_layout(const LaserScan& scan, std::size_t laser);
+  static void add_mount(const Pose2& T_base_laser, LaserMount& mount);
   [[nodiscard]] double usual_step_s() const;
   void finish_times(LogCheck& check) const;
   void finish_ranges(LogCheck& check) const;
@@ -175,15 +191,18 @@ class LogChecker {
   StepBounds bounds_;
   LogCheck check_;
   NodChecker nod_;
-  std::optional<StampedPose> last_odometry_;
-  std::optional<double> last_scan_s_;
-  std::vector<std::uint64_t> steps_ms_;  ///< histogram of the forward steps, the last bin open
+  std::vector<LastScan> last_scans_;          ///< of each of check_.lasers
+  std::optional<StampedPose> last_odometry_;  ///< whoever has it
+  std::optional<Pose2> last_record_;          ///< of the odometry's own records
+  std::optional<double> last_scan_s_;         ///< of any laser
+  std::vector<std::uint64_t> steps_ms_;       ///< histogram of the forward steps of each laser, the last bin open
+  std::vector<std::uint64_t> pauses_ms_;      ///< likewise, from scan to scan of any laser
   struct LongSteps {
     std::uint64_t count = 0;
     double sum_s = 0.0;
   };
   std::map<int, LongSteps> long_steps_;          ///< those of the open bin, by their length to a hundredth of it
-  std::vector<LogEvent> longest_steps_;          ///< the longest first
+  std::vector<LogEvent> longest_pauses_;         ///< the longest first
   std::vector<std::uint64_t> ranges_cm_;         ///< histogram of the finite ranges, the last bin open
   std::vector<std::uint64_t> beyond_stated_cm_;  ///< likewise, of those at or above the limit that the log states
 };

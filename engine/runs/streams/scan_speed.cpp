@@ -34,19 +34,23 @@ void OdometrySpeed::complete(ScanRecord& scan) {
   before = now;
 }
 
-void MapSpeed::complete(LaserScan& scan) const {
-  if (has_beam_times(scan) && !scan.speed) scan.speed = speed_;
+void MapSpeed::complete(ScanRecord& record) const {
+  if (record.laser >= lasers_.size() || !has_beam_times(record.scan)) return;
+  if (!record.scan.speed) record.scan.speed = lasers_[record.laser].speed;
 }
 
-void MapSpeed::take(const LaserScan& scan, const Pose2& T_map_base) {
-  if (!has_beam_times(scan)) return;
+void MapSpeed::take(const ScanRecord& record, const Pose2& T_map_base) {
+  const LaserScan& scan = record.scan;
+  if (record.laser >= kMostLasers || !has_beam_times(scan)) return;
+  if (record.laser >= lasers_.size()) lasers_.resize(record.laser + 1);
   const double beams = static_cast<double>(scan.ranges_m.size());
   const double middle_s = scan.first_beam_after_s + 0.5 * std::max(0.0, beams - 1.0) * scan.beam_period_s;
   const Pose2 T_map_middle = scan.speed ? T_map_base * exp_se2(middle_s * *scan.speed) : T_map_base;
   const Odometry now{scan.stamp_s + middle_s, T_map_middle};
-  if (last_ && now.stamp_s == last_->stamp_s) return;
-  speed_ = last_ ? speed_between(*last_, now) : std::nullopt;
-  last_ = now;
+  auto& [last, speed] = lasers_[record.laser];
+  if (last && now.stamp_s == last->stamp_s) return;
+  speed = last ? speed_between(*last, now) : std::nullopt;
+  last = now;
 }
 
 }  // namespace gdtslam

@@ -25,17 +25,21 @@ class OdometrySpeed {
   std::vector<std::optional<Odometry>> before_;  ///< by laser
 };
 
-/// Likewise by the map's poses, for scans that still have none: from the middle of one sweep to that of the next. There
-/// a scan is where it is, whatever speed it was given; from stamp to stamp each speed would make the next one.
+/// Likewise by the map's poses, for scans that still have none: from the middle of one sweep to that of the next of the
+/// same laser. There a scan is where it is, whatever speed it was given; from stamp to stamp each speed would make the
+/// next one.
 class MapSpeed {
  public:
-  void complete(LaserScan& scan) const;
+  void complete(ScanRecord& record) const;
   /// The scan as it was matched.
-  void take(const LaserScan& scan, const Pose2& T_map_base);
+  void take(const ScanRecord& record, const Pose2& T_map_base);
 
  private:
-  std::optional<Odometry> last_;
-  std::optional<Eigen::Vector3d> speed_;
+  struct OfLaser {
+    std::optional<Odometry> last;
+    std::optional<Eigen::Vector3d> speed;
+  };
+  std::vector<OfLaser> lasers_;
 };
 
 }  // namespace gdtslam

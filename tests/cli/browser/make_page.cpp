@@ -1,5 +1,6 @@
 // Writes a page from files, for the tests of the page: make_page OUT.html [--title TEXT] [--subtitle TEXT]
-// [--fact NAME=VALUE] [--cloud FILE] [--distances FILE (float32)] [--path TUM] [--map YAML] [--linkage PRESET]
+// [--fact NAME=VALUE] [--cloud FILE] [--distances FILE (float32)] [--path TUM] [--drive INDEX] [--map YAML]
+// [--linkage PRESET]
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -53,6 +54,8 @@ void take_option(Holder& holder, std::string_view option, const std::string& val
   } else if (option == "--path") {
     holder.trajectory = gdtslam::read_tum(value);
     holder.input.trajectory = &holder.trajectory;
+  } else if (option == "--drive") {
+    holder.input.drives.push_back(std::stoul(value));
   } else if (option == "--map") {
     holder.map = gdtslam::read_occupancy_map(value);
     holder.input.map = &holder.map;

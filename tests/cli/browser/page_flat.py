@@ -33,6 +33,37 @@ class FlatAndNarrow:
         self.assertGreater(first[2], first[0] + 60)  # blue, then orange
         self.assertGreater(last[0], last[2] + 60)
 
+    def test_drives_are_apart(self):
+        """No line leads from a drive to the next, whose clock begins while the first one lasts: one is played after the other."""
+        def line(stamp, x, y):
+            return f"{stamp} {x} {y} 0 0 0 0 1\n"
+        with open(self.path("p.tum"), "w", encoding="ascii") as file:
+            file.write("".join(line(100 + k, k, 0) for k in range(11)) + "".join(line(105 + k, k, 30) for k in range(6)))
+        make_page(self.path("p.html"), "--path", self.path("p.tum"), "--drive", "11")
+        browser = self.open(self.path("p.html"))
+        corners = browser.value("Array.from(gdtslam.cloudView.path.corners())")
+        stretches = [(corners[k + 1], corners[k + 5]) for k in range(0, len(corners), 48)]
+        self.assertEqual(stretches, [(0, 0)] * 10 + [(30, 30)] * 5)
+        self.assertEqual(browser.value("document.getElementById('layer-path').parentElement.textContent"), "Path15.0 m")
+        self.assertEqual(browser.value("gdtslam.timeline.value.textContent"), "15.0 of 15.0 s")
+        for seconds, place in ((0, (0, 0)), (4.5, (4.5, 0)), (9.75, (9.75, 0)), (10.5, (0.5, 30)), (15, (5, 30))):
+            pose = browser.value(f"gdtslam.cloudView.path.poseAt({100 + seconds})")
+            self.assertAlmostEqual(pose["x"], place[0], places=4)
+            self.assertAlmostEqual(pose["y"], place[1], places=4)
+        self.assert_quiet(browser)
+
+    def test_a_cloud_without_times_leaves_the_time_to_the_path(self):
+        write_cloud(self.path("c.ply"), [(10.0 + x, -20.0 + y, 0.1 * y, 0.0, 0.0, 0) for x in range(6) for y in range(6)])
+        write_path(self.path("p.tum"))
+        make_page(self.path("c.html"), "--cloud", self.path("c.ply"), "--path", self.path("p.tum"))
+        browser = self.open(self.path("c.html"))
+        self.assertEqual(browser.value("gdtslam.timeline.value.textContent"), "50.0 of 50.0 s")
+        browser.value("gdtslam.timeline.set(0.5)")
+        pose = browser.value("gdtslam.cloudView.path.poseAt(gdtslam.cloudView.path.about.first + 25)")
+        self.assertAlmostEqual(pose["x"], 3.0, places=3)  # half-way from 1 m to 5 m
+        self.assertEqual(browser.value("gdtslam.pointsShown()"), 36)
+        self.assert_quiet(browser)
+
     def test_on_a_telephone_time_has_a_slider(self):
         browser = self.open_room(width=390, height=844)
         self.assertGreater(browser.value("document.getElementById('time').getBoundingClientRect().width"), 300)

@@ -68,10 +68,15 @@ TEST(OccupancyMapFile, LevelsFollowTheThresholds) {
 }
 
 TEST(OccupancyMapFile, NegateTurnsLevelsAround) {
-  std::string yaml(kYaml);
-  yaml.replace(yaml.find("negate: 0"), 9, "negate: 1");
   const std::string image = std::string("P5 2 1 255\n") + '\x00' + '\xff';
-  EXPECT_THAT(read_map(yaml, image).cells.all(), ElementsAre(kFree, kOccupied));
+  for (const char* word : {"1", "true", "0", "false"}) {
+    std::string yaml(kYaml);
+    yaml.replace(yaml.find("negate: 0"), 9, std::string("negate: ") + word);
+    const bool is_turned = word[0] == '1' || word[0] == 't';
+    EXPECT_THAT(read_map(yaml, image).cells.all(),
+                is_turned ? ElementsAre(kFree, kOccupied) : ElementsAre(kOccupied, kFree))
+        << word;
+  }
 }
 
 TEST(OccupancyMapFile, ReadsCommentsAndOtherMaxima) {

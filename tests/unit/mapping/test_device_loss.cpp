@@ -1,6 +1,10 @@
 // A device that fails at the k-th call, for every k of a drive: the poses and the map are those of the CPU, one warning
 // is given, and the device is asked for nothing more. The drive on the CPU is the reference.
 #include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -136,6 +140,61 @@ TEST_F(DeviceLoss, AMapBeyondTheLargestBufferGoesOnOnTheCpu) {
   const MappedDrive found = drive(device);
   expect_same(found, expected);
   EXPECT_NE(found.loss.find("too large"), std::string::npos) << found.loss;
+}
+
+/// Scans of one room that the robot sees again and again, farther off each time: none matches, all are merged.
+struct LongDrive {
+  explicit LongDrive(Backend& backend)
+      : mapper(config_of(), backend, {.cpu = {}, .warn = {}, .scratch_folder = testing::TempDir()}) {}
+  static MapperConfig config_of() {
+    MapperConfig config = test::quick_config(MatcherKind::kExhaustive);
+    config.odometry.max_step_m = 100.0;
+    return config;
+  }
+  void go_on(int scans) {
+    const DriveScan first = test::room_scans(1, 1).front();
+    for (int k = 0; k < scans; ++k) {
+      const auto step = static_cast<double>(poses.size());
+      poses.push_back(mapper.process(first.scan, Pose2{40.0 * step, 40.0 * step, 0.0}).T_map_base);
+    }
+  }
+  [[nodiscard]] std::vector<std::uint16_t> cells_around(const Pose2& pose) const {
+    constexpr std::int32_t kHalf = 130;
+    const CellIndex at = map_cell_of(pose.translation(), mapper.config().map.resolution_m);
+    std::vector<std::uint16_t> cells;
+    std::vector<std::uint16_t> row(2 * kHalf);
+    for (std::int32_t y = -kHalf; y < kHalf; ++y) {
+      mapper.field().read_row(at + CellOffset{-kHalf, y}, row);
+      cells.insert(cells.end(), row.begin(), row.end());
+    }
+    return cells;
+  }
+  Mapper mapper;
+  std::vector<Pose2> poses;
+};
+
+// Beyond the 2^32 cells of a map that has to be in memory: what is far from the robot waits on disk, as it does on the
+// CPU from the start.
+TEST(DeviceLossOnALongDrive, TheMapGrowsAsThatOfTheCpu) {
+  constexpr int kScans = 56;  // 2.2 km along x and y
+  const auto cpu = make_cpu_backend({});
+  LongDrive expected(*cpu);
+  expected.go_on(kScans);
+  ASSERT_EQ(expected.mapper.statistics().keyframes, std::uint64_t{kScans});
+  QueuedBackend whole;
+  LongDrive(whole).go_on(3);
+  QueuedBackend device(whole.calls().size());
+  LongDrive found(device);
+  found.go_on(kScans);
+  ASSERT_TRUE(found.mapper.lost_device());
+  EXPECT_TRUE(found.poses == expected.poses);
+  EXPECT_EQ(found.mapper.statistics().keyframes, expected.mapper.statistics().keyframes);
+  const CellBox& box = expected.mapper.field().box();
+  EXPECT_GT(std::int64_t{box.width()} * box.height(), std::int64_t{1} << 32U);
+  EXPECT_EQ(found.mapper.field().box(), box);
+  for (const Pose2& pose : expected.poses) {
+    ASSERT_TRUE(found.cells_around(pose) == expected.cells_around(pose)) << pose.x_m;
+  }
 }
 
 // A matcher that walks on the host has its map there, so whatever happens to the device is no loss.

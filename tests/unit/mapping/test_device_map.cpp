@@ -1,10 +1,14 @@
 // The map on a device that shares no memory: the host's copy is the device's field, bit for bit, and the number of
 // submissions is the one that the design promises: one a window, one a keyframe.
 #include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "engine/mapping/map/keyframe_map.hpp"
+#include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/mapper.hpp"
 #include "support/mapper_drive.hpp"
 #include "support/queued_backend.hpp"
@@ -120,6 +124,61 @@ TEST_F(DeviceMapTest, TheJournalIsCutShort) {
   map.update_host();
   EXPECT_EQ(map.journal_length(), 0U);
   EXPECT_EQ(map.field().download(), host.field.download());
+}
+
+/// A map on a device and its copy on the CPU, for keyframes of a few points.
+struct CopiedMap {
+  CopiedMap(const MapperConfig& c, Backend& device) : config(c), host(config, *cpu), map(config, device, host) {}
+  void merge(const std::vector<Point2>& points) {
+    const KeyframeCells keyframe = keyframe_of(points, config.map.resolution_m, config.map.radius_cells());
+    host.field.grow_to_hold(keyframe.window);
+    map.note(keyframe);
+    map.merge(stages);
+  }
+  void expect_same_cells() const {
+    const std::vector<std::uint16_t> cells = map.field().download();
+    const CellBox& box = map.field().box();
+    std::vector<std::uint16_t> row(static_cast<std::size_t>(box.width()));
+    auto expected = cells.begin();
+    for (std::int32_t y = box.min.y; y < box.end.y; ++y) {
+      host.field.read_row({box.min.x, y}, row);
+      ASSERT_TRUE(std::equal(row.begin(), row.end(), expected)) << y;
+      expected += box.width();
+    }
+  }
+  MapperConfig config;
+  std::unique_ptr<Backend> cpu = make_cpu_backend({});
+  KeyframeMap host;
+  DeviceMap map;
+  StageTimes stages;
+};
+
+// The map goes on without it, and so must the CPU's, which counts tiles and would have room for it.
+TEST_F(DeviceMapTest, AKeyframeThatTheDeviceHasNoRoomForReachesNoMap) {
+  config_.map.max_megacells = 1;
+  CopiedMap copied(config_, device_);
+  copied.merge({{0.0, 0.0}, {1.0, 0.5}});
+  EXPECT_THROW(copied.merge({{100.0, 100.0}}), InputError);
+  EXPECT_EQ(copied.map.journal_length(), 1U);
+  copied.merge({{1.0, -2.0}});
+  copied.map.update_host();
+  copied.expect_same_cells();
+  EXPECT_EQ(copied.host.field.at(map_cell_of({100.0, 100.0}, config_.map.resolution_m)), copied.host.field.cap());
+}
+
+// A corridor along the border of tiles: as a rectangle it has room, as whole tiles it has not.
+TEST_F(DeviceMapTest, TheCopyHasRoomForWhatTheDeviceHas) {
+  config_.map.max_megacells = 1;
+  CopiedMap copied(config_, device_);
+  const double cell_m = config_.map.resolution_m;
+  for (int k = 0; k < 12; ++k) {
+    std::vector<Point2> wall;
+    for (int i = 0; i < 50; ++i) wall.emplace_back((1000 * k + 20 * i + 0.5) * cell_m, 0.5 * cell_m);
+    copied.merge(wall);
+  }
+  copied.map.update_host();
+  EXPECT_GT(copied.host.field.taken_cells(), std::uint64_t{1} << 20U);
+  copied.expect_same_cells();
 }
 
 TEST_F(DeviceMapTest, TheCopyIsTheDevicesFieldAtAnyTime) {

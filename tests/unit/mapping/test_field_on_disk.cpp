@@ -101,6 +101,30 @@ TEST(FieldOnDisk, HasEveryCellOfTheMapThatIsInMemory) {
   }
 }
 
+// The map of a device that was lost is whole in memory before any of it waits: in a piece of address space as others,
+// or in a larger one, all of which goes to disk in the end. A second call takes nothing back.
+TEST(FieldOnDisk, BeginsWhereMuchIsKnownAlready) {
+  for (const std::size_t begin : {std::size_t{5}, std::size_t{18}}) {
+    MapOnCpu whole;
+    MapOnCpu near;
+    Random random(7);
+    std::vector<CellBox> seen;
+    for (const Point2& place : long_way()) {
+      if (seen.size() == begin || seen.size() == begin + 20) near.field.keep_near(testing::TempDir());
+      const KeyframeCells keyframe = keyframe_of(obstacles_around(place, random), kCell_m, kDiskRadius);
+      seen.push_back(keyframe.window);
+      whole.merge(keyframe);
+      near.merge(keyframe);
+      ASSERT_EQ(near.field.taken_cells(), whole.field.taken_cells());
+    }
+    near.field.come_near({{-200000, 0}, {-199000, 1000}});
+    EXPECT_TRUE(common_part(near.field.stored(), whole.field.box()).empty()) << "some of it does not wait on disk";
+    EXPECT_EQ(near.field.box(), whole.field.box());
+    for (const CellBox& window : seen) EXPECT_TRUE(rows_are_equal(near.field, whole.field, window, 7)) << begin;
+    EXPECT_TRUE(rows_are_equal(near.field, whole.field, whole.field.box(), 1009)) << "nothing beside that";
+  }
+}
+
 // What kernels look up there, the cell beside the last one of a strip included, is what they find in the whole map.
 TEST(FieldOnDisk, KernelsFindTheSameOnceTheBoxIsNear) {
   MapOnCpu whole;

@@ -24,6 +24,7 @@ namespace {
 
 using test::ring_run;
 using testing::HasSubstr;
+using testing::Not;
 
 /// The lines of graph.g2o by their kind.
 struct GraphText {
@@ -90,6 +91,22 @@ TEST(RunGraphFiles, OfARobotThatStoodStillAreOnePlaceWithoutSteps) {
 
 TEST(RunGraphFiles, UnchangedAreRead) {
   EXPECT_EQ(refusal_of_graph([](GraphText&) {}), "");
+}
+
+TEST(RunGraphFiles, OfASiteHaveNoPathAndNoLogToMapAgain) {
+  const test::RunsFolder folder("site-graph");
+  const std::string copy = folder.path("site");
+  std::filesystem::copy(ring_run().folder, copy, std::filesystem::copy_options::recursive);
+  nlohmann::ordered_json report = nlohmann::ordered_json::parse(test::text_of_file(copy + "/report.json"));
+  report["drives"] = {5};
+  std::ofstream(copy + "/report.json", std::ios::binary) << report.dump(2) << '\n';
+  try {
+    read_run_graph(RunReader(copy));
+    ADD_FAILURE() << "it is read";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("graph.g2o: is of a site, whose drives do not make up one path"));
+    EXPECT_THAT(error.what(), Not(HasSubstr("map the log again")));
+  }
 }
 
 TEST(RunGraphFiles, WithoutPlacesOrWithPlacesOfOtherScansAreRefused) {

@@ -99,6 +99,43 @@ TEST_F(LocalizeOccupancy, FindsScansInAMapOfARealBuilding) {
   EXPECT_LT(tally.worst_rad, rad_from_deg(1.0));
 }
 
+// A hall of 60 m by 60 m in cells of 2.5 cm: more boxes cover it, in all headings, than a robot that waits may open
+// beyond them.
+TEST_F(LocalizeOccupancy, FindsARobotThatWaitsInALargeHall) {
+  OccupancyMap map;
+  map.geometry = {0.025, 0.0, 0.0, 2440, 2440};
+  map.cells = CellStates(map.geometry.cell_count());
+  test::fill(map, {{19, 19}, {2421, 2421}}, CellState::kOccupied);
+  test::fill(map, {{20, 20}, {2420, 2420}}, CellState::kFree);
+  for (const CellBox box :
+       {CellBox{{300, 200}, {420, 600}}, {{1500, 1700}, {1540, 2300}}, {{1900, 400}, {2300, 440}}}) {
+    test::fill(map, box, CellState::kOccupied);
+  }
+  write_occupancy_map(file("hall.yaml"), map);
+  const std::unique_ptr<Backend> backend = make_cpu_backend({});
+  const Localizer localizer(file("hall.yaml"), MapperConfig{}, LocalizeLimits{}, *backend);
+  Random random(5);
+  const Pose2 truth{37.0, 24.0, 0.7};
+  LaserScan scan = scan_at(map, truth, random);
+  const LocalizedScan found = localizer.find(scan, 0);
+  ASSERT_EQ(found.verdict, Verdict::kFound);
+  ASSERT_TRUE(found.runner_up);
+  EXPECT_GT(found.best->boxes, LocalizeLimits::kWaitingBoxes) << "no large hall";
+  EXPECT_LT((found.best->T_map_base.translation() - truth.translation()).norm(), 0.05);
+}
+
+// Where the search elsewhere was cut short before it had tried a pose, nobody knows that there is none.
+TEST(LocalizedScan, IsAmbiguousWhereNothingIsKnownOfElsewhere) {
+  LocalizedScan scan;
+  scan.best = CertifiedResult{};
+  scan.best->mean_cost_m = 0.01;
+  EXPECT_EQ(verdict_of(scan, 0.05), Verdict::kFound) << "nobody asked";
+  scan.is_elsewhere_open = true;
+  EXPECT_EQ(verdict_of(scan, 0.05), Verdict::kAmbiguous);
+  scan.best->mean_cost_m = 0.06;
+  EXPECT_EQ(verdict_of(scan, 0.05), Verdict::kPoorFit);
+}
+
 std::string refusal_of_map(const std::string& map) {
   const std::unique_ptr<Backend> backend = make_cpu_backend({});
   try {

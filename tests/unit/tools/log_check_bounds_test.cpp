@@ -230,7 +230,7 @@ TEST(LogCheckBounds, AMountMovesByAMillimetreOrATenthOfADegree) {
   const auto changes = [](const Pose2& T_base_laser) {
     ScanRecord moved = fixed_scan(1.0);
     moved.scan.T_base_laser = T_base_laser;
-    return checked_log({fixed_scan(0.0), moved, fixed_scan(2.0)}).mount_changes;
+    return checked_log({fixed_scan(0.0), moved, fixed_scan(2.0)}).lasers.front().changes;
   };
   for (const double sign : {-1.0, 1.0}) {
     EXPECT_EQ(changes({sign * 0.9e-3, 0.0, 0.0}), 0U);

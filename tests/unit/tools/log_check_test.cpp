@@ -241,7 +241,8 @@ TEST(LogCheck, BeamsAndMountThatChange) {
   ASSERT_EQ(check.layouts.size(), 2u);
   EXPECT_EQ(check.layouts[0].scans, 9u);
   EXPECT_EQ(check.layouts[1].beams, 4u);
-  EXPECT_EQ(check.mount_changes, 2u);
+  ASSERT_EQ(check.lasers.size(), 1u);
+  EXPECT_EQ(check.lasers[0].changes, 2u);
   EXPECT_THAT(check.suggestions(), Contains(HasSubstr("beams change")));
   EXPECT_THAT(check.suggestions(), Contains(HasSubstr("laser moves")));
 }

@@ -138,6 +138,9 @@ TEST(MeasureTable, MeasuresWhatWasAskedFor) {
   EXPECT_TRUE(boxes.has_boxes && !boxes.has_planes && !boxes.is_projection);
   EXPECT_EQ(boxes.viewpoint_source, ViewpointSource::kGiven);
   EXPECT_EQ(boxes.viewpoint, Point3(1.0, 2.0, 3.0));
+  job.origin_m = {500'000.0, 5'400'000.0, 0.0};
+  job.viewpoint = Point3(500'001.25, 5'399'998.5, 3.0);
+  EXPECT_EQ(measure_cloud(job, nothing).viewpoint, Point3(1.25, -1.5, 3.0)) << "in the frame of the points";
   job = {.cloud = "c.ply", .planes = true};
   const Measurement planes = measure_cloud(job, nothing);
   EXPECT_TRUE(planes.has_planes && !planes.has_boxes);

@@ -55,29 +55,30 @@ TEST(ScanSpeed, WhatTheReaderKnowsStays) {
   EXPECT_EQ((*scan.scan.speed)[0], 7.0);
 }
 
-LaserScan swept_scan(double stamp_s) {
-  LaserScan scan;
-  scan.stamp_s = stamp_s;
-  scan.beam_period_s = 0.001;
-  scan.ranges_m.assign(101, 1.0F);  // a tenth of a second
-  return scan;
+ScanRecord swept_scan(double stamp_s, std::size_t laser = 0) {
+  ScanRecord record;
+  record.scan.stamp_s = stamp_s;
+  record.scan.beam_period_s = 0.001;
+  record.scan.ranges_m.assign(101, 1.0F);  // a tenth of a second
+  record.laser = laser;
+  return record;
 }
 
 TEST(ScanSpeed, WithoutOdometryTheMapTells) {
   MapSpeed map;
-  LaserScan scan = swept_scan(2.2);
+  ScanRecord record = swept_scan(2.2);
   map.take(swept_scan(2.0), {0.0, 0.0, 0.0});
-  map.complete(scan);
-  EXPECT_FALSE(scan.speed);
+  map.complete(record);
+  EXPECT_FALSE(record.scan.speed);
   map.take(swept_scan(2.1), {0.05, 0.0, 0.0});
-  map.complete(scan);
-  ASSERT_TRUE(scan.speed);
-  EXPECT_NEAR((*scan.speed)[0], 0.5, 1e-9);
-  LaserScan at_once = scan;
-  at_once.speed.reset();
-  at_once.beam_period_s = 0.0;
+  map.complete(record);
+  ASSERT_TRUE(record.scan.speed);
+  EXPECT_NEAR((*record.scan.speed)[0], 0.5, 1e-9);
+  ScanRecord at_once = record;
+  at_once.scan.speed.reset();
+  at_once.scan.beam_period_s = 0.0;
   map.complete(at_once);
-  EXPECT_FALSE(at_once.speed);
+  EXPECT_FALSE(at_once.scan.speed);
 }
 
 // A match finds where the middle of the sweep was seen from, so a wrong speed makes a pose at the stamp that is wrong
@@ -85,13 +86,32 @@ TEST(ScanSpeed, WithoutOdometryTheMapTells) {
 TEST(ScanSpeed, OneWrongMatchIsForgotten) {
   MapSpeed map;
   for (int k = 0; k < 20; ++k) {
-    LaserScan scan = swept_scan(0.1 * k);
-    map.complete(scan);
+    ScanRecord record = swept_scan(0.1 * k);
+    map.complete(record);
     const double seen_x_m = k == 5 ? 0.05 : 0.0;  // the robot stands still
-    const double speed = scan.speed ? (*scan.speed)[0] : 0.0;
-    map.take(scan, {seen_x_m - 0.05 * speed, 0.0, 0.0});
+    const double speed = record.scan.speed ? (*record.scan.speed)[0] : 0.0;
+    map.take(record, {seen_x_m - 0.05 * speed, 0.0, 0.0});
     if (k > 8) {
       EXPECT_NEAR(speed, 0.0, 1e-9) << k;
+    }
+  }
+}
+
+// Two lasers that sweep within milliseconds of each other, matched to a millimetre: from one to the other is no speed.
+TEST(ScanSpeed, ByPosesOfTheSameLaser) {
+  MapSpeed map;
+  for (int k = 0; k < 20; ++k) {
+    for (const std::size_t laser : {0U, 1U}) {
+      ScanRecord record = swept_scan(0.1 * k + 0.002 * static_cast<double>(laser), laser);
+      map.complete(record);
+      EXPECT_EQ(record.scan.speed.has_value(), k > 1) << laser;
+      const double speed = record.scan.speed ? (*record.scan.speed)[0] : 0.0;
+      if (k > 1) {
+        EXPECT_NEAR(speed, 0.5, 0.05) << k << " " << laser;
+      }
+      const double missed_m = (k + static_cast<int>(laser)) % 2 == 0 ? 0.001 : -0.001;
+      const double middle_x_m = 0.5 * (record.scan.stamp_s + 0.05) + missed_m;
+      map.take(record, {middle_x_m - 0.05 * speed, 0.0, 0.0});
     }
   }
 }

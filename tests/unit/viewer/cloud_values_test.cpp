@@ -255,6 +255,45 @@ TEST_P(StillThinningTest, KeepsAsManyAsAskedForAndEvenly) {
 
 INSTANTIATE_TEST_SUITE_P(Expected, StillThinningTest, testing::Bool());
 
+// Two centimetres with many points, then points as far as a picture has them: as fine as those allow.
+TEST(StillThinning, CoarsensForPointsThatComeFromFarAway) {
+  Random random(4);
+  Cloud dense(1000);
+  for (CloudPoint& point : dense) {
+    point.x_m = static_cast<float>(random.uniform(0.0, 0.02));
+    point.y_m = static_cast<float>(random.uniform(0.0, 0.02));
+  }
+  StillThinning thinning(100);
+  thinning.add(dense);
+  for (const float far_m : {2000.0F, 2100.0F, -5000.0F, 5100.0F, -70'000.0F, 999'000.0F, 1'000'000.0F}) {
+    const Cloud one{{.x_m = 0.0F, .y_m = far_m}};
+    thinning.add(one);
+  }
+  const Cloud kept = thinning.take();
+  EXPECT_THAT(kept, ::testing::Contains(CloudPoint{.y_m = -5000.0F}));
+  EXPECT_THAT(kept, ::testing::Contains(CloudPoint{.y_m = -70'000.0F}));
+  EXPECT_EQ(kept.back(), CloudPoint{.y_m = 1'000'000.0F});
+  EXPECT_LE(kept.size(), 8U);  // voxels of a metre at the end, the two centimetres in one of them
+}
+
+// What is dense stays as fine as the far point lets it be: 5 mm, of which a square of 0.1 m has 20 x 20.
+TEST(StillThinning, IsNoCoarserThanTheFarthestPointAsksFor) {
+  Random random(5);
+  Cloud dense(50'000);
+  for (CloudPoint& point : dense) {
+    point.x_m = static_cast<float>(random.uniform(0.0, 0.1));
+    point.y_m = static_cast<float>(random.uniform(0.0, 0.1));
+  }
+  StillThinning thinning(4000);
+  thinning.add(dense);
+  const Cloud far{{.z_m = 5000.0F}};
+  thinning.add(far);
+  const Cloud kept = thinning.take();
+  EXPECT_GE(kept.size(), 400U);
+  EXPECT_LE(kept.size(), 4000U);
+  EXPECT_EQ(kept.back(), far[0]);
+}
+
 TEST(StillThinning, LeavesSmallCloudsAlone) {
   const Cloud cloud{{.x_m = 1.0F}, {.x_m = 2.0F}, {.x_m = 3.0F}};
   StillThinning thinning(3);

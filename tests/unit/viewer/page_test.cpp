@@ -115,6 +115,52 @@ TEST(Page, ADistanceThatIsUnknownIsTheLargest) {
   for (std::size_t k = 1; k < cloud.size(); ++k) EXPECT_EQ(bytes[12 * k + 10], 255U);
 }
 
+/// What the page says of its path.
+nlohmann::json path_description_of(const std::string& page) {
+  return nlohmann::json::parse(element_of(page, "description")).at("path");
+}
+
+/// The second drive begins while the first one lasts, in another room.
+TEST(Page, DrivesFollowEachOtherAndNoWayLeadsFromOneToTheNext) {
+  const Trajectory trajectory{{100.0, {0.0, 0.0, 0.0}},  {102.0, {1.0, 0.0, 0.0}},  {104.0, {2.0, 0.0, 0.0}},
+                              {101.0, {2.0, 40.0, 0.0}}, {104.0, {2.0, 43.0, 0.0}}, {9e8, {9.0, 43.0, 0.0}}};
+  PageInput input;
+  input.trajectory = &trajectory;
+  input.drives = {3, 5};
+  const std::string page = page_of(input);
+  const nlohmann::json about = path_description_of(page);
+  EXPECT_EQ(about.at("drives"), nlohmann::json({3, 5}));
+  EXPECT_EQ(about.at("length"), 5.0);
+  EXPECT_EQ(about.at("first"), 100.0);
+  EXPECT_EQ(about.at("last"), 107.0);
+  const std::vector<float> rows = floats_of(decoded(element_of(page, "path")));
+  ASSERT_EQ(rows.size(), 24U);
+  const std::vector<float> times_s{0.0F, 2.0F, 4.0F, 4.0F, 7.0F, 7.0F};
+  for (std::size_t k = 0; k < times_s.size(); ++k) EXPECT_EQ(rows[4 * k + 3], times_s[k]) << k;
+  EXPECT_EQ(rows[4 * 3 + 1], 40.0F);
+}
+
+/// Of so many poses a page has every second one, and of a drive of one pose perhaps none.
+TEST(Page, DrivesBeginAtThePosesThatThePageHas) {
+  constexpr std::size_t kPoses = 100'000;
+  Trajectory trajectory;
+  for (std::size_t k = 0; k < kPoses; ++k)
+    trajectory.push_back({0.1 * static_cast<double>(k), {k < 4321 ? 0.0 : 50.0, 0.0, 0.0}});
+  trajectory[4321].T_map_base.x_m = std::numeric_limits<double>::quiet_NaN();
+  PageInput input;
+  input.trajectory = &trajectory;
+  input.drives = {4321, 99'998, 99'999};
+  const std::string page = page_of(input);
+  const nlohmann::json about = path_description_of(page);
+  EXPECT_EQ(about.at("length"), 0.0);
+  const std::vector<float> rows = floats_of(decoded(element_of(page, "path")));
+  ASSERT_EQ(about.at("drives").size(), 2U);  // of the second of them there is no pose
+  const std::size_t begin = about.at("drives")[0];
+  EXPECT_EQ(rows[4 * begin], 50.0F);
+  EXPECT_EQ(rows[4 * (begin - 1)], 0.0F);
+  EXPECT_EQ(about.at("drives")[1], about.at("count").get<std::size_t>() - 1);
+}
+
 TEST(Page, TheSameInputGivesTheSameBytes) {
   const Cloud cloud = slope();
   PageInput input;

@@ -126,19 +126,19 @@ std::string clocks_text(const LogContents& contents) {
   return rows.empty() ? "" : "clocks\n" + table_text(rows);
 }
 
-std::string mount_text(const LaserContents& laser, const LogCheck& check, std::size_t lasers) {
+std::string mount_text(const LaserContents& laser, std::size_t number, const LogCheck& check) {
   if (laser.mount == MountSource::kStated) return "as stated by --mount";
   if (laser.mount == MountSource::kUnknown) {
     return fmt::format("unknown: no transform leads from {} to the robot; taken as the robot's own centre",
                        laser.frame.empty() ? "a frame without a name" : name_text(laser.frame));
   }
   std::string text = "by the transforms " + joined(laser.chain, " < ");
-  if (lasers == 1 && check.T_base_laser) {
-    const Pose2& place = *check.T_base_laser;
-    text +=
-        fmt::format(": {:.3f} m ahead, {:.3f} m left, {:.2f} deg", place.x_m, place.y_m, deg_from_rad(place.theta_rad));
-  }
-  return text;
+  const auto mount = std::find_if(check.lasers.begin(), check.lasers.end(),
+                                  [number](const LaserMount& m) { return m.laser == number; });
+  if (mount == check.lasers.end()) return text;
+  const Pose2& place = mount->T_base_laser;
+  return text + fmt::format(": {:.3f} m ahead, {:.3f} m left, {:.2f} deg", place.x_m, place.y_m,
+                            deg_from_rad(place.theta_rad));
 }
 
 std::string shift_text(std::optional<double> shift_s) {
@@ -148,9 +148,10 @@ std::string shift_text(std::optional<double> shift_s) {
 
 std::string uses_text(const LogContents& contents, const LogCheck& check) {
   std::string text;
-  for (const LaserContents& laser : contents.lasers) {
-    text += fmt::format("laser            {}, mount {}\n", name_text(laser.topic),
-                        mount_text(laser, check, contents.lasers.size()));
+  for (std::size_t k = 0; k < contents.lasers.size(); ++k) {
+    const std::string label = contents.lasers.size() == 1 ? "laser" : fmt::format("laser {}", k);
+    text += fmt::format("{:<16} {}, mount {}\n", label, name_text(contents.lasers[k].topic),
+                        mount_text(contents.lasers[k], k, check));
   }
   if (contents.odometry.empty()) {
     text += "odometry from    nothing: the scans are matched to the map alone\n";

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
+#include <utility>
 
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/angle.hpp"
@@ -42,11 +44,14 @@ std::string nod_text(const NodCheck& nod) {
 }
 
 std::string counts_text(const LogCheck& c) {
-  std::string text = fmt::format("scans            {} in {:.1f} s", c.scans, c.duration_s());
+  const bool are_several = c.lasers.size() > 1;
+  std::string text = fmt::format("scans            {}{} in {:.1f} s", c.scans,
+                                 are_several ? fmt::format(" of {} lasers", c.lasers.size()) : "", c.duration_s());
   if (c.usual_step_s > kSlow_s) {
     text += fmt::format(", one in {:.3f} s (median)", c.usual_step_s);
   } else if (c.median_step_s > 0.0) {
-    text += fmt::format(", {:.1f} Hz (median step {:.3f} s)", 1.0 / c.median_step_s, c.median_step_s);
+    text += fmt::format(", {:.1f} Hz{} (median step {:.3f} s)", 1.0 / c.median_step_s, are_several ? " a laser" : "",
+                        c.median_step_s);
   }
   if (c.scans_with_odometry + c.odometry_records == 0) return text + "\nodometry         none\n" + nod_text(c.nod);
   text +=
@@ -57,18 +62,17 @@ std::string counts_text(const LogCheck& c) {
 }
 
 // Lasers that turn unevenly have another number of beams every time: the usual ones are told, then what there is.
-std::string layouts_text(const LogCheck& c) {
-  std::vector<BeamLayout> layouts = c.layouts;
+std::string layouts_text(const LogCheck& c, const LaserMount& laser) {
+  std::vector<BeamLayout> layouts;
+  std::copy_if(c.layouts.begin(), c.layouts.end(), std::back_inserter(layouts),
+               [&laser](const BeamLayout& layout) { return layout.laser == laser.laser; });
   std::stable_sort(layouts.begin(), layouts.end(),
                    [](const BeamLayout& a, const BeamLayout& b) { return a.scans > b.scans; });
   std::string text;
-  std::uint64_t others = c.other_layouts;
-  for (std::size_t k = 0; k < layouts.size(); ++k) {
+  std::uint64_t others = laser.scans;
+  for (std::size_t k = 0; k < std::min(layouts.size(), kMostLayoutsShown); ++k) {
     const BeamLayout& b = layouts[k];
-    if (k >= kMostLayoutsShown) {
-      others += b.scans;
-      continue;
-    }
+    others -= b.scans;
     const double first_deg = deg_from_rad(b.first_bearing_rad);
     const double step_deg = deg_from_rad(b.step_rad);
     const double last_deg = b.beams > 0 ? first_deg + static_cast<double>(b.beams - 1) * step_deg : first_deg;
@@ -80,13 +84,19 @@ std::string layouts_text(const LogCheck& c) {
   return text;
 }
 
+// Of several lasers each has its number and its scans.
+std::string laser_text(const LogCheck& c, const LaserMount& laser) {
+  std::string text;
+  if (c.lasers.size() > 1) text += fmt::format("laser {:<10} {}\n", laser.laser, plural(laser.scans, "scan"));
+  text += layouts_text(c, laser);
+  text += fmt::format("laser on robot   {:.3f} m ahead, {:.3f} m left, {:.2f} deg", laser.T_base_laser.x_m,
+                      laser.T_base_laser.y_m, deg_from_rad(laser.T_base_laser.theta_rad));
+  return text + (laser.changes > 0 ? "; differs in " + plural(laser.changes, "scan") + "\n" : "\n");
+}
+
 std::string sensor_text(const LogCheck& c) {
-  std::string text = layouts_text(c);
-  if (c.T_base_laser) {
-    text += fmt::format("laser on robot   {:.3f} m ahead, {:.3f} m left, {:.2f} deg", c.T_base_laser->x_m,
-                        c.T_base_laser->y_m, deg_from_rad(c.T_base_laser->theta_rad));
-    text += c.mount_changes > 0 ? "; differs in " + plural(c.mount_changes, "scan") + "\n" : "\n";
-  }
+  std::string text;
+  for (const LaserMount& laser : c.lasers) text += laser_text(c, laser);
   const RangeStatistics& r = c.ranges;
   text += fmt::format("ranges           {:.2f} to {:.2f} m, median {:.2f} m, {:.1f} % of {} beams\n", r.shortest_m,
                       r.longest_m, r.median_m, 100.0 * share(r.returns, r.beams), r.beams);
@@ -188,14 +198,30 @@ Json ranges_json(const RangeStatistics& r) {
           {"longest_m", r.longest_m}};
 }
 
-Json layouts_json(const std::vector<BeamLayout>& layouts) {
+Json layouts_json(const LogCheck& c) {
   Json list = Json::array();
-  for (const BeamLayout& b : layouts) {
+  for (const BeamLayout& b : c.layouts) {
     list.push_back({{"beams", b.beams},
                     {"first_bearing_rad", b.first_bearing_rad},
                     {"step_rad", b.step_rad},
                     {"max_range_m", b.max_range_m},
                     {"scans", b.scans}});
+    if (c.lasers.size() > 1) list.back()["laser"] = b.laser;
+  }
+  return list;
+}
+
+Json mount_json(const LaserMount& mount) {
+  const Pose2& T = mount.T_base_laser;
+  return {{"x_m", T.x_m}, {"y_m", T.y_m}, {"theta_rad", T.theta_rad}, {"changes", mount.changes}};
+}
+
+Json mounts_json(const std::vector<LaserMount>& lasers) {
+  Json list = Json::array();
+  for (const LaserMount& mount : lasers) {
+    Json entry{{"laser", mount.laser}, {"scans", mount.scans}};
+    entry.update(mount_json(mount));
+    list.push_back(std::move(entry));
   }
   return list;
 }
@@ -254,10 +280,9 @@ Json findings_json(const Findings& found, const std::string& log) {
                            {"speed_m_s", bounds.speed_m_s},
                            {"angle_rad", bounds.angle_rad},
                            {"turn_rate_rad_s", bounds.turn_rate_rad_s}};
-  report["layouts"] = layouts_json(c.layouts);
-  const Pose2 mount = c.T_base_laser.value_or(Pose2{});
-  report["laser_on_robot"] = {
-      {"x_m", mount.x_m}, {"y_m", mount.y_m}, {"theta_rad", mount.theta_rad}, {"changes", c.mount_changes}};
+  report["layouts"] = layouts_json(c);
+  report["laser_on_robot"] = mount_json(c.lasers.empty() ? LaserMount{} : c.lasers.front());
+  if (c.lasers.size() > 1) report["lasers_on_robot"] = mounts_json(c.lasers);
   report["ranges"] = ranges_json(c.ranges);
   report["scans_without_returns"] = c.scans_without_returns;
   Json warnings = Json::object();

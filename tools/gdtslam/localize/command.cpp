@@ -300,10 +300,11 @@ void add_localize_command(CLI::App& app, CommandContext& context) {
   add_output_options(*command, *options);
   add_settings_options(*command, options->settings);
   command->footer(
-      "All poses over the known part of the map are searched, in every heading, by branch and bound: the result is\n"
-      "the pose of least mean distance between the scan's points and the map's obstacles, up to the gap. Elsewhere\n"
-      "means 1 m or 20 degrees away; a scan is ambiguous when a pose elsewhere may be as good, and a poor fit when\n"
-      "even the best pose leaves a larger mean distance than scans of the mapped place do: it was taken elsewhere.\n"
+      "All poses in the rectangle around the map's obstacles and map.truncation beyond (0.5 m) are searched, in every\n"
+      "heading, by branch and bound: the result is the pose of least mean distance between the scan's points and the\n"
+      "map's obstacles, up to the gap. Elsewhere means 1 m or 20 degrees away; a scan is ambiguous when a pose\n"
+      "elsewhere may be as good, or where that took too long to tell, and a poor fit when even the best pose leaves a\n"
+      "larger mean distance than scans of the mapped place do: it was taken elsewhere.\n"
       "\n"
       "Of an occupancy map the occupied cells are the obstacles, at the map's own resolution; distances to them are\n"
       "kept up to map.truncation.\n"

@@ -19,6 +19,7 @@ std::string proof_text(const CertifiedResult& found) {
 }
 
 std::string runner_up_text(const LocalizedScan& scan) {
+  if (scan.is_elsewhere_open) return "  elsewhere: not known, the search for it was cut short; it may be as good\n";
   if (!scan.runner_up) return "";
   if (scan.runner_up->stop == CertifiedStop::kNothingAllowed) return "  elsewhere: no pose in the map\n";
   const Pose2 apart = between(scan.best->T_map_base, scan.runner_up->T_map_base);
@@ -136,7 +137,7 @@ Json scan_json(const LocalizedScan& scan, const LocalizeLimits& limits) {
           {"verdict", json_name(scan.verdict)},
           {"best", found_json(scan.best)},
           {"runner_up", found_json(scan.runner_up)},
-          {"ambiguous", scan.runner_up ? Json(scan.is_ambiguous()) : Json()},
+          {"ambiguous", scan.runner_up || scan.is_elsewhere_open ? Json(scan.is_ambiguous()) : Json()},
           {"reference", reference_json(scan, limits)}};
 }
 

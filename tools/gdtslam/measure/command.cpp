@@ -39,7 +39,7 @@ struct MeasureCommand {
   std::string picture;
 };
 
-// "x,y,z", each with its unit.
+// "x,y,z", each with its unit, in the coordinates of the cloud's file.
 Point3 viewpoint_of(const std::string& text) {
   std::array<std::string, 3> words;
   std::size_t count = 0;
@@ -56,8 +56,8 @@ Point3 viewpoint_of(const std::string& text) {
   for (std::size_t k = 0; k < words.size(); ++k) {
     double& length_m = point[static_cast<Eigen::Index>(k)];
     length_m = quantity_of("--viewpoint", words[k], Unit::kMetre);
-    if (!(std::abs(length_m) <= 1e5))
-      throw UsageError("--viewpoint: " + words[k] + " is not between -100000 and 100000 m");
+    // Beyond, no grid of the earth.
+    if (!(std::abs(length_m) <= 1e9)) throw UsageError("--viewpoint: " + words[k] + " is not between -1e9 and 1e9 m");
   }
   return point;
 }
@@ -106,10 +106,9 @@ int run_measure(const MeasureCommand& command) {
   std::optional<RunReader> run;
   job.cloud = given_cloud(job.cloud, run);
   std::uint64_t skipped = 0;
-  std::array<double, 3> origin_m{};
-  const auto read = [&] { return read_cloud(job.cloud, kMostPoints, &skipped, &origin_m); };
+  const auto read = [&] { return read_cloud(job.cloud, kMostPoints, &skipped, &job.origin_m); };
   const Cloud cloud = run ? run->files().unless_changed(read) : read();
-  remark_origin(job.cloud, origin_m);
+  remark_origin(job.cloud, job.origin_m);
   if (skipped > 0)
     print_remark(fmt::format("warning: {} points of {} are not finite and left out", skipped, job.cloud));
   if (cloud.empty()) throw InputError({job.cloud, 0}, "holds no point to measure");

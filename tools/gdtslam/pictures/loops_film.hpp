@@ -15,7 +15,7 @@ namespace gdtslam {
 
 /// The path is driven as the front end measured it. Where loops lead back, the graph is solved with those that are
 /// known by then, the picture bends and the loop lights up; at the end comes the adjusted path, and the map. Walls are
-/// what the map has around each place: scans are not kept. `source` needs map, trajectory and graph, and must outlive
+/// what the map has around each place: scans are not kept. `source` needs map, trajectory and replay, and must outlive
 /// the film. `look`: without a title there are no words. Throws as read_run_graph() does.
 std::unique_ptr<Film> loops_film(RenderSource& source, const MapLook& look, const PictureSize& size,
                                  const LoopsFilmLength& length);

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <string_view>
 #include <utility>
 
@@ -16,6 +17,7 @@ namespace gdtslam {
 namespace {
 
 constexpr std::uint32_t kMostSide_px = 16384;
+constexpr double kLargestEnd = 1e12;  // of a scale: any two and one more than that are told apart, in degrees too
 
 constexpr std::array<std::pair<std::string_view, CloudColour>, 6> kColours{{{"height", CloudColour::kHeight},
                                                                             {"elevation", CloudColour::kElevation},
@@ -37,21 +39,26 @@ auto chosen_of(const std::string& option, const std::string& name, const Table& 
   throw UsageError(fmt::format("{}: '{}' is none of {}{}", option, name, list, did_you_mean(name, names)));
 }
 
-double scale_value(const std::string& text, CloudColour colour) {
-  const std::string option = "--range";
+Unit scale_unit(CloudColour colour) {
   switch (colour) {
     case CloudColour::kHeight:
     case CloudColour::kDistance:
-      return quantity_of(option, text, Unit::kMetre);
+      return Unit::kMetre;
     case CloudColour::kElevation:
-      return quantity_of(option, text, Unit::kRadian);
+      return Unit::kRadian;
     case CloudColour::kTime:
-      return quantity_of(option, text, Unit::kSecond);
+      return Unit::kSecond;
     case CloudColour::kScan:
     case CloudColour::kPlain:
       break;
   }
-  return quantity_of(option, text, Unit::kNone);
+  return Unit::kNone;
+}
+
+double scale_value(const std::string& text, CloudColour colour) {
+  const double value = quantity_of("--range", text, scale_unit(colour));
+  if (!(std::abs(value) <= kLargestEnd)) throw UsageError("--range: " + text + " is not between -1e12 and 1e12");
+  return value;
 }
 
 }  // namespace

@@ -198,7 +198,9 @@ RenderSource::RenderSource(std::string input)
       name_ = run_->name();
       parts_ =
           (run_->summary().map ? part::kMap : 0U) | part::kField | (run_->has_trajectory() ? part::kTrajectory : 0U);
-      if (run_->summary().has_loops && run_->has_trajectory()) parts_ |= part::kGraph;
+      if (run_->summary().has_loops && run_->has_trajectory()) {
+        parts_ |= part::kGraph | (run_->summary().drives.empty() ? part::kReplay : 0U);
+      }
       if (run_->summary().cloud_points > 0) parts_ |= part::kCloud;
       if ((linkage_ = run_->linkage())) parts_ |= part::kMount | (run_->summary().tilts ? 0U : part::kLinkage);
       break;
@@ -253,9 +255,22 @@ const FieldPicture& RenderSource::field() {
   return *field_;
 }
 
+// In double, so that a path in a country's grid keeps its millimetres.
+Trajectory RenderSource::read_trajectory() const {
+  if (run_) return run_->trajectory();
+  Trajectory trajectory = read_tum(trajectory_file_);
+  if (cloud_file_.empty()) return trajectory;
+  const std::array<double, 3> origin_m = origin_of_cloud(cloud_file_);
+  for (StampedPose& pose : trajectory) {
+    pose.T_map_base.x_m -= origin_m[0];
+    pose.T_map_base.y_m -= origin_m[1];
+  }
+  return trajectory;
+}
+
 const Trajectory& RenderSource::trajectory() {
   if (!trajectory_) {
-    trajectory_ = run_ ? run_->trajectory() : read_tum(trajectory_file_);
+    trajectory_ = read_trajectory();
     if (trajectory_->empty()) throw InputError({run_ ? input_ : trajectory_file_, 0}, "has no poses");
   }
   return *trajectory_;

@@ -40,6 +40,7 @@ inline constexpr unsigned kTruth = 32U;      ///< --reference or --relations of 
 inline constexpr unsigned kMount = 64U;      ///< of a linkage or of a laser that tilts by itself
 inline constexpr unsigned kGraph = 128U;     ///< of a run that closed loops
 inline constexpr unsigned kTruePath = 256U;  ///< --reference of a trajectory, itself one
+inline constexpr unsigned kReplay = 512U;    ///< of a run that closed loops in one drive, so of no merged site
 }  // namespace part
 
 /// Hears of the points that are read and their share; below 0 where that is not known.
@@ -65,6 +66,7 @@ class RenderSource {
   // Each throws InputError, FileError or ConfigError where its file cannot be used.
   const OccupancyMap& map();
   const FieldPicture& field();
+  /// Beside a cloud that is no run's relative to what was taken off its points (origin_of_cloud), as cloud() is.
   const Trajectory& trajectory();
   /// Of what has kMount alone only the mount counts.
   const calib::SweepModel& linkage();
@@ -101,6 +103,7 @@ class RenderSource {
 
  private:
   void open_cloud();
+  [[nodiscard]] Trajectory read_trajectory() const;
 
   std::string input_;
   std::string name_;

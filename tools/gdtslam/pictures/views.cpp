@@ -48,7 +48,7 @@ const std::vector<RenderView>& render_views() {
       {"graph", "loops over the map, how sure each pose is, and what is not to be trusted", part::kMap | part::kGraph,
        kMap & ~kPath, &Studio::graph},
       {"loops", "the path as it was driven, and how loops bend it; a still has before and after side by side",
-       part::kMap | part::kGraph, kMap & ~kPath, &Studio::before_and_after_loops, 1, &Studio::loops, 12.0},
+       part::kMap | part::kReplay, kMap & ~kPath, &Studio::before_and_after_loops, 1, &Studio::loops, 12.0},
       {"field", "distance field as intensity, bright near obstacles", part::kField, kMap | kColourMap,
        &Studio::field<true>, 2},
       {"distance", "distance field in metres", part::kField, kMap | kColourMap, &Studio::field<false>},
@@ -91,7 +91,7 @@ const RenderView* default_view(unsigned parts, bool is_film) {
 }
 
 std::string missing_parts(const RenderView& view, unsigned parts, std::string_view joint) {
-  constexpr std::array<std::pair<unsigned, std::string_view>, 9> kNames{{
+  constexpr std::array<std::pair<unsigned, std::string_view>, 10> kNames{{
       {part::kMap, "map"},
       {part::kField, "distance field"},
       {part::kTrajectory, "trajectory"},
@@ -99,6 +99,7 @@ std::string missing_parts(const RenderView& view, unsigned parts, std::string_vi
       {part::kLinkage, "linkage (--linkage NAME|FILE)"},
       {part::kMount, "linkage (--linkage NAME|FILE)"},
       {part::kGraph, "closed loops"},
+      {part::kReplay, "closed loops of one drive"},
       {part::kTruth, "truth (--reference or --relations FILE)"},
       {part::kTruePath, "true trajectory (--reference FILE)"},
   }};

@@ -85,7 +85,7 @@ unsigned parts_of(const RenderOptions& options, std::vector<RenderSource>& sourc
   unsigned parts = has_truth(options) ? part::kTruth : 0U;
   if (has_true_path(options)) parts |= part::kTruePath;
   if (!sources.empty()) return parts | sources.front().parts();
-  parts |= part::kMap | part::kField | part::kTrajectory | part::kGraph;
+  parts |= part::kMap | part::kField | part::kTrajectory | part::kGraph | part::kReplay;
   if (nods != NodKind::kNone) parts |= part::kCloud | part::kMount;
   return nods == NodKind::kEncoder ? parts | part::kLinkage : parts;
 }

@@ -40,6 +40,14 @@ unsigned parts_of(const RenderOptions& options, const std::vector<RenderSource>&
          (has_true_path(options) ? part::kTruePath : 0U);
 }
 
+// "map, graph"; of a film where none of them moves, those of stills.
+std::string views_instead(unsigned parts, bool moves) {
+  std::string there_are = views_there_are(parts, moves);
+  if (!there_are.empty()) return there_are;
+  const std::string of_stills = views_there_are(parts, false);
+  return of_stills.empty() ? "none" : of_stills + ", and none of them moves";
+}
+
 // The view that was asked for or suits, checked against input and output.
 const RenderView& view_of(const RenderOptions& options, const std::vector<RenderSource>& sources, OutputKind kind) {
   const RenderSource& source = sources.front();
@@ -50,12 +58,13 @@ const RenderView& view_of(const RenderOptions& options, const std::vector<Render
     if (const RenderView* const view = default_view(parts, moves)) return *view;
     throw UsageError(fmt::format("{}: {} has no view {}{}", source.input(), to_string(source.kind()),
                                  moves ? "that moves, as " + std::string(to_string(kind)) + " needs" : "without more",
-                                 moves ? "; .png .jpg .svg and .pdf fit" : ": give --reference or --relations"));
+                                 moves ? "; .png .jpg .svg and .pdf fit its views " + views_there_are(parts, false)
+                                       : ": give --reference or --relations"));
   }
   const RenderView& view = render_view(options.view);
   if (const std::string missing = missing_parts(view, parts, " and no "); !missing.empty()) {
     throw UsageError(fmt::format("--view {}: {} has no {}; its views are {}", view.name, source.input(), missing,
-                                 there_are.empty() ? "none" : there_are));
+                                 views_instead(parts, moves)));
   }
   if (moves && !view.moves()) {
     throw UsageError(fmt::format("--view {} does not move, so it is not for {}; .png .jpg .svg and .pdf fit{}",
@@ -247,6 +256,7 @@ void Render::write_page() {
     }
   }
   if ((source.parts() & part::kTrajectory) != 0) page.trajectory = &source.trajectory();
+  if (source.run() != nullptr) page.drives = source.run()->summary().drives;
   if ((source.parts() & part::kMap) != 0) page.map = &source.map();
   if ((source.parts() & part::kLinkage) != 0) page.linkage = &source.linkage();
   page.subtitle = studio_.subtitle(cloud.size());

@@ -49,8 +49,8 @@ std::string against_text(const Against& against);
 /// The member "against" of bench.schema.json.
 nlohmann::ordered_json against_json(const Against& against);
 
-/// Throws Error (exit 1) that names the rows whose whole interval lies below `least`; the machine's limits and peers
-/// are not asked.
+/// Throws Error (exit 1) that names the rows whose whole interval lies below `least`, or says that there was no row to
+/// compare; the machine's limits and peers are not asked. 0 asks for nothing.
 void require_at_least(const Against& against, double least);
 
 }  // namespace gdtslam

@@ -72,8 +72,7 @@ class Comparison {
       : job_(job),
         isa_(backend.host_isa()),
         mapper_(job.mapper, backend, {.fall_back = false, .cpu = {}, .warn = {}}),
-        motion_(job.mapper.odometry),
-        objective_(mapper_.field(), Interpolation::kBilinear, CostForm::kDistance) {
+        motion_(job.mapper.odometry) {
     outcome_.every = every;
   }
 
@@ -102,12 +101,12 @@ class Comparison {
  private:
   // Equation (8) with the widest threshold there is: points that lie, where the odometry says, over cells that know
   // nothing cannot tell where the robot is. The same points for all methods and starts.
-  bool choose_points(const ScanRecord& record, const Pose2& predicted) {
+  bool choose_points(const ScanRecord& record, const Pose2& predicted, Objective& objective) {
     const std::vector<PointCells> all =
         in_cells(points_of(record.scan, job_.mapper.scan), job_.mapper.map.resolution_m);
-    objective_.set_anchor(map_cell_of(predicted.translation(), job_.mapper.map.resolution_m));
-    objective_.set_cap(mapper_.field().cap());
-    objective_.residuals(objective_.to_cells(predicted), all, values_);
+    objective.set_anchor(map_cell_of(predicted.translation(), job_.mapper.map.resolution_m));
+    objective.set_cap(mapper_.field().cap());
+    objective.residuals(objective.to_cells(predicted), all, values_);
     points_.clear();
     for (std::size_t i = 0; i < all.size(); ++i) {
       if (values_[i] < mapper_.field().cap()) points_.push_back(all[i]);
@@ -118,31 +117,33 @@ class Comparison {
       for (std::size_t i = 0; i < points_.size(); i += every) points_[kept++] = points_[i];
       points_.resize(kept);
     }
-    objective_.set_points(points_);
+    objective.set_points(points_);
     return points_.size() >= static_cast<std::size_t>(job_.mapper.scan.min_points);
   }
 
   bool measure(const ScanRecord& record, const Pose2& predicted) {
-    if (!choose_points(record, predicted)) return false;
-    const FieldCopy field(mapper_.field());
+    const GlobalField& mapped = mapper_.field();  // of this scan: with local.stretch later ones have another
+    Objective objective(mapped, Interpolation::kBilinear, CostForm::kDistance);
+    if (!choose_points(record, predicted, objective)) return false;
+    const FieldCopy field(mapped);
     const CertifiedMap map(field.view(), isa_);
-    const CompareProblem problem{objective_, map, job_.mapper};
-    const CellPose from = objective_.to_cells(predicted);
+    const CompareProblem problem{objective, map, job_.mapper};
+    const CellPose from = objective.to_cells(predicted);
     GlobalSolution global = global_solution(problem, from, widest_reach(job_), job_.global);
     const std::vector<End> ends = run_methods(problem, starts_of(job_, from, global.pose, outcome_.scans_read));
-    settle(global, ends);
-    note(record, global, ends);
+    settle(objective, global, ends);
+    note(record, objective, global, ends);
     return true;
   }
 
-  End run_method(MatcherKind method, const CompareProblem& problem, const Start& start) {
+  static End run_method(MatcherKind method, const CompareProblem& problem, const Start& start) {
     End end;
     end.start = start;
     double wall_s = 0.0;
     Stopwatch watch;
     end.found = minimise_by(method, problem, start.pose, start.reach);
     watch.add_to(wall_s, end.seconds);
-    end.found.cost = objective_.evaluate(end.found.pose);
+    end.found.cost = problem.objective.evaluate(end.found.pose);
     return end;
   }
 
@@ -162,23 +163,23 @@ class Comparison {
 
   // A method may have ended below the solution, by less than the gap where that is proven: nothing in the window is
   // better than the best pose known.
-  void settle(GlobalSolution& global, const std::vector<End>& ends) {
+  static void settle(Objective& objective, GlobalSolution& global, const std::vector<End>& ends) {
     const auto best = std::min_element(ends.begin(), ends.end(),
                                        [](const End& a, const End& b) { return a.found.cost < b.found.cost; });
     if (best == ends.end() || best->found.cost >= global.cost ||
-        !global.window.holds(objective_.to_metres(best->found.pose))) {
+        !global.window.holds(objective.to_metres(best->found.pose))) {
       return;
     }
-    const LocalMinimum end = polished(objective_, best->found.pose);
+    const LocalMinimum end = polished(objective, best->found.pose);
     global.pose = end.pose;
     global.cost = end.cost;
     global.bound = std::min(global.bound, end.cost);
   }
 
-  CompareTrial trial_of(const End& end, const GlobalSolution& global) const {
-    const Pose2 solution = objective_.to_metres(global.pose);
-    const Pose2 from = objective_.to_metres(end.start.pose);
-    const Pose2 to = objective_.to_metres(end.found.pose);
+  CompareTrial trial_of(const Objective& objective, const End& end, const GlobalSolution& global) const {
+    const Pose2 solution = objective.to_metres(global.pose);
+    const Pose2 from = objective.to_metres(end.start.pose);
+    const Pose2 to = objective.to_metres(end.found.pose);
     const std::uint32_t excess = end.found.cost - std::min(global.bound, end.found.cost);
     const double resolution_m = job_.mapper.map.resolution_m;
     CompareTrial trial;
@@ -199,27 +200,27 @@ class Comparison {
     return trial;
   }
 
-  void note(const ScanRecord& record, const GlobalSolution& global, const std::vector<End>& ends) {
+  void note(const ScanRecord& record, const Objective& objective, const GlobalSolution& global,
+            const std::vector<End>& ends) {
     const double resolution_m = job_.mapper.map.resolution_m;
     CompareScan scan;
     scan.index = outcome_.scans_read;
     scan.stamp_s = record.scan.stamp_s;
     scan.points = static_cast<std::uint32_t>(points_.size());
-    scan.T_map_base = objective_.to_metres(global.pose);
+    scan.T_map_base = objective.to_metres(global.pose);
     scan.mean_cost_m = mean_cost_m(global.cost, points_.size(), resolution_m);
     scan.mean_bound_m = mean_cost_m(global.bound, points_.size(), resolution_m);
     scan.is_certified = global.is_certified;
     scan.hold = constraint_strength(line_information(points_, resolution_m));
     scan.seconds = global.seconds;
     outcome_.scans.push_back(scan);
-    for (const End& end : ends) outcome_.trials.push_back(trial_of(end, global));
+    for (const End& end : ends) outcome_.trials.push_back(trial_of(objective, end, global));
   }
 
   const CompareJob& job_;
   Isa isa_;
   Mapper mapper_;
   MotionModel motion_;
-  Objective objective_;
   std::vector<PointCells> points_;
   std::vector<std::uint16_t> values_;
   CompareOutcome outcome_;

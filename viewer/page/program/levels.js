@@ -14,10 +14,11 @@ const view = {
   },
 };
 
-/// The stretch of time that cloud and path take together, in the log's clock.
+/// The stretch of time that cloud and path take together, in the log's clock; a cloud without times takes none.
 function timeSpanOf(cloud, path) {
-  const from = Math.min(cloud ? cloud.time.least : Infinity, path ? path.first : Infinity);
-  const to = Math.max(cloud ? cloud.time.most : -Infinity, path ? path.last : -Infinity);
+  const time = cloud && (cloud.time.most > cloud.time.least || !path) ? cloud.time : {least: Infinity, most: -Infinity};
+  const from = Math.min(time.least, path ? path.first : Infinity);
+  const to = Math.max(time.most, path ? path.last : -Infinity);
   return {from, to, extent: to - from};
 }
 const timeSpan = timeSpanOf(description.cloud, description.path);

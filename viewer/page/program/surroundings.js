@@ -79,9 +79,10 @@ function drawHiddenAndSeen(gl, draw) {
 }
 
 class Path {
-  /// Poses: x, y, heading and time since the first, page's frame.
+  /// Poses: x, y, heading and time since the first, page's frame. No line leads to where another drive begins.
   constructor(about) {
     this.about = about;
+    this.begins = new Set(about.drives);
     this.poses = floatsOf(takeBytes('path'));
   }
 
@@ -97,22 +98,27 @@ class Path {
   /// stretch would be less to hold, but software renderers take a millisecond for every instance.)
   corners() {
     const pose = (k) => this.poses.subarray(4 * k, 4 * k + 4);
-    const kept = [0];
-    for (let k = 1; k < this.about.count; ++k) {
-      const [a, b] = [pose(kept[kept.length - 1]), pose(k)];
-      if (Math.hypot(b[0] - a[0], b[1] - a[1]) > kStretch_m || k === this.about.count - 1) kept.push(k);
-    }
-    const corners = new Float32Array(48 * (kept.length - 1));
-    for (let k = 0; k + 1 < kept.length; ++k) {
-      for (let corner = 0; corner < 6; ++corner) {
-        corners.set(pose(kept[k]), 48 * k + 8 * corner);
-        corners.set(pose(kept[k + 1]), 48 * k + 8 * corner + 4);
+    const stretches = [];
+    for (let from = 0, k = 1; k < this.about.count; ++k) {
+      const [a, b] = [pose(from), pose(k)];
+      const isEnd = k === this.about.count - 1 || this.begins.has(k + 1);
+      if (this.begins.has(k)) from = k;
+      else if (isEnd || Math.hypot(b[0] - a[0], b[1] - a[1]) > kStretch_m) {
+        stretches.push([a, b]);
+        from = k;
       }
     }
+    const corners = new Float32Array(48 * stretches.length);
+    stretches.forEach(([a, b], k) => {
+      for (let corner = 0; corner < 6; ++corner) {
+        corners.set(a, 48 * k + 8 * corner);
+        corners.set(b, 48 * k + 8 * corner + 4);
+      }
+    });
     return corners;
   }
 
-  /// Where the robot was, between the poses before and after.
+  /// Where the robot was, between the poses before and after; until another drive begins, at the end of the one before.
   poseAt(stamp) {
     const time = clamp(stamp - this.about.first, 0, this.poses[4 * (this.about.count - 1) + 3]);
     let [low, high] = [0, this.about.count - 1];
@@ -122,7 +128,8 @@ class Path {
       else high = middle;
     }
     const [a, b] = [this.poses.subarray(4 * low, 4 * low + 4), this.poses.subarray(4 * high, 4 * high + 4)];
-    const share = b[3] > a[3] ? clamp((time - a[3]) / (b[3] - a[3]), 0, 1) : 1;
+    const passed = b[3] > a[3] ? clamp((time - a[3]) / (b[3] - a[3]), 0, 1) : 1;
+    const share = this.begins.has(high) ? Math.floor(passed) : passed;
     return {x: mix(a[0], b[0], share), y: mix(a[1], b[1], share), heading: a[2] + wrapped(b[2] - a[2]) * share};
   }
 

@@ -68,6 +68,9 @@ double farthest_m(const Cloud& cloud) {
   return static_cast<double>(most);
 }
 
+// Voxels are counted from the origin with 20 bits: far away they cannot be small.
+double least_voxel_m(const Cloud& cloud) { return std::max(kLeastVoxel_m, farthest_m(cloud) / (1U << 20U) * 1.01); }
+
 // Of the box of the points, the longest.
 double side_m(const Cloud& cloud) {
   Bounds bounds;
@@ -95,6 +98,7 @@ struct StillThinning::State {
 
   void thin();
   void thin_to(double voxel_m);
+  void coarsen_for(const Cloud& piece);
 
   std::size_t most;
   std::uint64_t expected = 0;
@@ -119,11 +123,19 @@ void StillThinning::State::thin_to(double wanted_m) {
 void StillThinning::State::thin() {
   const double share = std::max(kStillShare, static_cast<double>(seen) / static_cast<double>(std::max(expected, seen)));
   const double aim = kStillAim * static_cast<double>(most) * share;
-  const double least_m = std::max(kLeastVoxel_m, farthest_m(keeper.cloud) / (1U << 20U) * 1.01);
+  const double least_m = least_voxel_m(keeper.cloud);
   thin_to(std::max(least_m, voxel_m == 0.0 ? side_m(keeper.cloud) / std::sqrt(4.0 * aim) : kStillStep * voxel_m));
   while (static_cast<double>(keeper.cloud.size()) > kStillFull * aim) {
     thin_to(voxel_m * std::max(kStillStep, std::sqrt(static_cast<double>(keeper.cloud.size()) / aim)));
   }
+}
+
+// Makes the voxels larger where a point of the piece lies too far for them; by a step at least, so that points that
+// come from farther and farther away rarely ask for it.
+void StillThinning::State::coarsen_for(const Cloud& piece) {
+  if (!thinning) return;
+  const double least_m = least_voxel_m(piece);
+  if (least_m > voxel_m) thin_to(std::max(least_m, kStillStep * voxel_m));
 }
 
 StillThinning::StillThinning(std::size_t most) : state_(std::make_unique<State>(most)) {}
@@ -139,6 +151,7 @@ void StillThinning::add(std::span<const CloudPoint> points) {
     s.seen += piece.size();
     s.finite.clear();
     std::copy_if(piece.begin(), piece.end(), std::back_inserter(s.finite), is_finite);
+    s.coarsen_for(s.finite);
     CloudSink& next = s.thinning ? static_cast<CloudSink&>(*s.thinning) : s.keeper;
     next.add(s.finite);
     if (s.keeper.cloud.size() > s.most) s.thin();
@@ -156,8 +169,7 @@ Cloud thinned_for_film(std::span<const CloudPoint> cloud, std::size_t most) {
   finite.reserve(cloud.size());
   std::copy_if(cloud.begin(), cloud.end(), std::back_inserter(finite), is_finite);
   if (finite.size() <= most || most == 0) return most == 0 ? Cloud{} : finite;
-  // Voxels are counted from the origin with 20 bits: far away they cannot be small.
-  double too_fine = std::max(kLeastVoxel_m, farthest_m(finite) / (1U << 20U) * 1.01);
+  double too_fine = least_voxel_m(finite);
   double coarse = 8.0 * std::max(too_fine, 0.01);
   Thinned best = thinned(finite, coarse, most);
   while (!best.fits) {

@@ -38,8 +38,8 @@ class FieldStore {
   /// the box around it. What comes next is in `wanted`, a part of it. Throws DeviceError where a device fails, Error
   /// where there is no such memory; all is as before then.
   virtual void hold(const CellBox& wanted, const GridBoxes& boxes) = 0;
-  /// From now on cells may wait in a file of that folder (ScratchFile) while come_near() is far from them. Where the
-  /// store can do that.
+  /// From now on cells, those that are known already too, may wait in a file of that folder (ScratchFile) while
+  /// come_near() is far from them. Where the store can do that; a second call changes nothing.
   virtual void keep_near(const std::string& /*folder*/) {}
   /// Brings what is known of the box, and somewhat around it, to where kernels find it. Throws FileError.
   virtual void come_near(const CellBox& /*box*/) {}

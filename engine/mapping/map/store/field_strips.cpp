@@ -95,9 +95,10 @@ void FieldStrips::hold(const CellBox& wanted, const GridBoxes& boxes) {
   box_ = boxes.stored;
 }
 
+// What is known already lies in the piece; with the next piece, or for want of memory, it goes to the shelf as the
+// rest.
 void FieldStrips::keep_near(const std::string& folder) {
-  assert(taken_ == 0);
-  shelf_.emplace(folder);
+  if (!shelf_) shelf_.emplace(folder);
 }
 
 void FieldStrips::come_near(const CellBox& box) {

@@ -5,6 +5,7 @@
 // program of our own. Frame: map, metres. Thread-safe; O(n log n) in the points.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -26,6 +27,9 @@ struct PageInput {
   const Cloud* cloud = nullptr;  ///< may be null, as all below; thinned by the caller to what a page can hold
   const std::vector<float>* distances_m = nullptr;  ///< of each point to a reference
   const Trajectory* trajectory = nullptr;
+  /// Poses at which another drive begins, ascending: no line leads there, and its time goes on where the one before
+  /// ends. A cloud's times stay as they are.
+  std::vector<std::size_t> drives{};
   const OccupancyMap* map = nullptr;  ///< a picture on the floor
   const calib::SweepModel* linkage = nullptr;
   std::vector<std::pair<std::string, std::string>> facts;  ///< name and value, for the panel: "Points", "2,612,034"

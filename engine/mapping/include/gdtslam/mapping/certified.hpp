@@ -60,7 +60,8 @@ class CertifiedMap {
   enum Windows : std::uint8_t { kAnyWindows, kSmallWindows, kNearWindows };
   /// `isa` runs the kernels, but for the boxes that the search of a large window begins with where there is a `device`,
   /// which must outlive this: those are bounded there, all at once. The result is the same. Throws Error where the
-  /// field is smaller than 4 x 4 cells or its edge does not hold the cap.
+  /// field is smaller than 4 x 4 cells or its edge does not hold the cap, InputError where it is larger than some
+  /// 32,400 x 32,400 cells.
   CertifiedMap(const FieldView& field, Isa isa, Windows windows = kAnyWindows, Backend* device = nullptr);
   ~CertifiedMap();
   CertifiedMap(const CertifiedMap&) = delete;
@@ -118,6 +119,9 @@ struct CertifiedOptions {
   std::uint32_t wanted_bound = std::numeric_limits<std::uint32_t>::max();
   std::uint64_t max_boxes = std::numeric_limits<std::uint64_t>::max();  ///< a batch may pass it; not more than 2^23
                                                                         ///< open at a time, whatever is allowed
+  /// Whether those that cover the window count, of which a large map has more than any search should take: else only
+  /// those beyond them.
+  bool counts_window = true;
   double max_seconds = std::numeric_limits<double>::infinity();
   std::vector<Pose2> starts{};  ///< poses to begin from, another matcher's result say
   std::optional<WindowPrior> prior{};

@@ -67,9 +67,10 @@ class GlobalField {
   /// where that exceeds the largest buffer), Error where the CPU has no such memory. The map is as before then.
   void grow_to_hold(const CellBox& map_box);
   /// For maps larger than the memory meant for them, on the CPU: from now on cells that are far from come_near() may
-  /// wait in a file without a name in that folder (where it is empty in that of TMPDIR, or in /var/tmp). To be called
-  /// while the map is empty. Kernels see the box that was last given to come_near() or grow_to_hold(), and 12 m around
-  /// it; at(), read_row() and download() see all cells. Throws nothing; the file is made when it is needed.
+  /// wait in a file without a name in that folder (where it is empty in that of TMPDIR, or in /var/tmp). What is known
+  /// already may wait there, too; a second call changes nothing. Kernels see the box that was last given to come_near()
+  /// or grow_to_hold(), and 12 m around it; at(), read_row() and download() see all cells. Throws nothing; the file is
+  /// made when it is needed.
   void keep_near(const std::string& folder);
   /// Brings the cells of the box (map cells; not empty) to where kernels find them. Nothing without keep_near(). Throws
   /// InputError for a box that holds more cells than 32 bits count, FileError where the disk is full, Error where there

@@ -107,8 +107,9 @@ class Mapper {
 
   [[nodiscard]] const MapperConfig& config() const;
   [[nodiscard]] MapperStatistics statistics() const;
-  /// The global distance transform on the host, as of this call; the reference stays valid, but only a new call brings
-  /// what it refers to up to date after a scan. Never asks the device.
+  /// The global distance transform on the host, as of this call: to be asked for anew after each scan. Only a new call
+  /// brings it up to date, and with local.stretch another map takes its place, which ends the reference; without, the
+  /// reference stays valid. Never asks the device.
   [[nodiscard]] const GlobalField& field() const;
   /// Whether the device failed, and the text of its error; empty while it works.
   [[nodiscard]] bool lost_device() const { return !device_loss().empty(); }

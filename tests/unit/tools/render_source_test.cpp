@@ -1,0 +1,75 @@
+// What `gdtslam render` draws of folders: the views that a merged site has, and a path beside a cloud of others.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "tools/gdtslam/pictures/source.hpp"
+#include "tools/gdtslam/pictures/views.hpp"
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+class RenderSourceTest : public testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(folder_); }
+  void TearDown() override { fs::remove_all(folder_); }
+  [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  void write(const std::string& name, const std::string& text) const { std::ofstream(path(name)) << text; }
+  /// A run of four scans that closed loops, with more in its report.
+  [[nodiscard]] RenderSource run_with(const std::string& more) const {
+    write("report.json", R"({"format": 1, "log": ["drive.log"], "scans": 4, "matched": 3, "keyframes": 1,
+      "path_m": 1.5, "cloud_points": 0, "map_sha256": "0", "keyframe_scans": [0], "doubtful_scans": [],
+      "map": {"resolution_m": 0.05, "origin_m": [1.0, 2.0], "width": 2, "height": 1}, "loops": {})" +
+                             more + "}");
+    write("trajectory.tum", "1 0 0 0 0 0 0 1\n2 1 0 0 0 0 0 1\n3 9 0 0 0 0 0 1\n4 8 0 0 0 0 0 1\n");
+    return RenderSource(folder_.string());
+  }
+
+  fs::path folder_ = fs::temp_directory_path() / ("gdtslam-render-source-" + std::to_string(::getpid()));
+};
+
+TEST_F(RenderSourceTest, ASiteHasItsGraphButNoReplayOfOneDrive) {
+  const unsigned of_a_drive = run_with("").parts();
+  const unsigned of_a_site = run_with(R"(, "drives": [2])").parts();
+  EXPECT_EQ(of_a_drive, of_a_site | part::kReplay);
+  EXPECT_EQ(of_a_site & (part::kGraph | part::kReplay), part::kGraph);
+  EXPECT_EQ(views_there_are(of_a_drive, true), "loops");
+  EXPECT_EQ(views_there_are(of_a_site, true), "");
+  EXPECT_EQ(views_there_are(of_a_site, false), "map, graph, field, distance, cells, trajectory");
+  EXPECT_EQ(missing_parts(render_view("loops"), of_a_site), "closed loops of one drive");
+}
+
+TEST_F(RenderSourceTest, APathBesideACloudInACountrysGridIsWhereTheCloudIs) {
+  write("cloud.ply",
+        "ply\nformat ascii 1.0\nelement vertex 2\nproperty double x\nproperty double y\nproperty double z\nend_header\n"
+        "500010.25 5400020.5 0.5\n500011.25 5400020.5 0.5\n");
+  write("trajectory.tum", "1 500010.126 5400020.503 0 0 0 0 1\n2 500011.127 5399999.504 0 0 0 0 1\n");
+  RenderSource source(folder_.string());
+  const Cloud cloud = source.cloud();
+  const Trajectory& poses = source.trajectory();
+  ASSERT_EQ(cloud.size(), 2U);
+  ASSERT_EQ(poses.size(), 2U);
+  EXPECT_EQ(cloud[0].x_m, 10.25F);
+  EXPECT_EQ(cloud[0].y_m, 20.5F);
+  EXPECT_NEAR(poses[0].T_map_base.x_m, 10.126, 1e-9);
+  EXPECT_NEAR(poses[0].T_map_base.y_m, 20.503, 1e-8);
+  EXPECT_NEAR(poses[1].T_map_base.x_m, 11.127, 1e-9);
+  EXPECT_NEAR(poses[1].T_map_base.y_m, -0.496, 1e-8);
+}
+
+TEST_F(RenderSourceTest, APathBesideACloudNearItsOriginStays) {
+  write("cloud.ply",
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty double x\nproperty double y\nproperty double z\nend_header\n"
+        "1 2 3\n");
+  write("trajectory.tum", "1 50000 2 0 0 0 0 1\n");
+  RenderSource source(folder_.string());
+  EXPECT_EQ(source.trajectory().front().T_map_base, (Pose2{50000.0, 2.0, 0.0}));
+}
+
+}  // namespace
+}  // namespace gdtslam
