@@ -21,8 +21,9 @@ constexpr double kOnFace = 3.5;       // standard deviations of a point on the f
 constexpr double kLeastOnFace_m = 5.0e-3;
 constexpr double kStep_m = 0.03;  // outwards, where a face goes on beyond its patch
 constexpr int kSteps = 6;
-constexpr double kOnFloor_m = 0.05;  // the lowest points of a face that is seen down to the floor
-constexpr double kInBox_m = 0.05;    // another face whose centre is this close to a box is one of its own
+constexpr std::size_t kLargeShare = 10;  // a floor has at least the tenth part of the points of the largest level plane
+constexpr double kOnFloor_m = 0.05;      // the lowest points of a face that is seen down to the floor
+constexpr double kInBox_m = 0.05;        // another face whose centre is this close to a box is one of its own
 
 /// A face on its way to being a box.
 struct Face {
@@ -174,13 +175,20 @@ Dimension between(const End& low, const End& high) {
   return {high.end.at_m - low.end.at_m, sigma_m, low.is_seen() && high.is_seen()};
 }
 
-// The lowest level plane below the face.
+// The lowest level plane below the face, of those that are large. A row of beams far away, whose errors stay in the
+// plane of its beams, is a plane, too, and as exact as it is tilted.
 const PlanePatch* floor_below(const std::vector<PlanePatch>& planes, const Face& face, double max_tilt_rad) {
+  const auto may_be_floor = [&](const PlanePatch& patch) {
+    const double level = std::fabs(patch.plane.normal.z());
+    return level * level >= 1.0 - max_tilt_rad * max_tilt_rad && patch.centre.z() < face.frame.origin.z();
+  };
+  std::size_t most = 0;
+  for (const PlanePatch& patch : planes) {
+    if (may_be_floor(patch)) most = std::max(most, patch.points.size());
+  }
   const PlanePatch* floor = nullptr;
   for (const PlanePatch& patch : planes) {
-    const double level = std::fabs(patch.plane.normal.z());
-    if (level * level < 1.0 - max_tilt_rad * max_tilt_rad) continue;
-    if (patch.centre.z() >= face.frame.origin.z()) continue;
+    if (!may_be_floor(patch) || kLargeShare * patch.points.size() < most) continue;
     if (floor == nullptr || patch.centre.z() < floor->centre.z()) floor = &patch;
   }
   return floor;

@@ -135,6 +135,8 @@ def measure_viewpoint_in_a_grid():
         found[at_m] = json.loads(process.stdout)
     near = found.pop((0, 0))
     expect(len(near["boxes"]) == 1 and abs(near["boxes"][0]["width"]["value_m"] - 0.6) < 0.02, f"{near}")
+    height = near["boxes"][0]["height"]  # rows of the floor far away are planes, too, and tilted
+    expect(abs(height["value_m"] - 0.5) < 0.02 and height["both_ends_seen"], f"{near}")
     for at_m, far in found.items():
         expect(far["viewpoint_m"] == [at_m[0] % 1000, at_m[1] % 1000, 0.3], f"{at_m}: the viewpoint is {far['viewpoint_m']}")
         expect(len(far["boxes"]) == 1, f"{at_m}: {far['boxes']}")
