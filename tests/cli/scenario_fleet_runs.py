@@ -81,6 +81,20 @@ def fleet_runs_without_their_reports():
     expect(finished(atlas)["atlas_sha256"] == whole, "another hash")
 
 
+def fleet_logs_that_are_gone():
+    """Logs that are gone, more in a row than failures that the machine is to blame for may be, keep none from being mapped."""
+    folder = fresh_folder("fleet_logs_that_are_gone")
+    logs = make_logs(folder / "logs", count=9)
+    atlas = folder / "atlas"
+    planned(atlas, logs)
+    for k in range(2, 9):  # the largest, which come first
+        (logs / f"drive-{k}.log").unlink()
+    process = fleet("run", atlas, "--shard", "1", "-j", "1", code=74)
+    status = status_of(atlas)
+    expect((status["mapped"], status["missing"]) == (2, 7), f"{status}: {process.stderr}")
+    expect(process.stderr.count("is not done and is tried again") == 7, process.stderr)
+
+
 def fleet_runs_that_are_damaged():
     """A damaged run, and one that somebody mapped by hand, are not taken; whoever does what the line says has the same hash."""
     logs, atlas, whole = atlas_of_two("fleet_runs_that_are_damaged")
@@ -165,7 +179,7 @@ def fleet_job_that_is_refused():
     half = with_sbatch(folder, 'case "$*" in *gdtslam-finish*) echo "sbatch: error: too many jobs" >&2; exit 1;; esac; echo 4711')
     process = fleet("submit", atlas, "--engine", "slurm", code=1, env=half)
     expect("job 4711 is submitted and runs" in process.stderr and f"gdtslam fleet finish {atlas}" in process.stderr, process.stderr)
-    process = fleet("submit", atlas, "--engine", "slurm", code=1, env=with_sbatch(folder, "yes"))
+    process = fleet("submit", atlas, "--engine", "slurm", code=1, env=with_sbatch(folder, "yes 2>/dev/null"))
     expect("sbatch prints more than the number of a job" in process.stderr, process.stderr)
 
 

@@ -37,12 +37,25 @@ std::uint64_t number_from(const std::string& text, const char* what) {
 struct SchedulerVariables {
   const char* index;
   const char* first;  ///< of the array; null: 0
+  const char* last;   ///< likewise; null: there is no gap
   const char* count;
 };
 constexpr std::array<SchedulerVariables, 3> kSchedulers{
-    {{"SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_COUNT"},
-     {"AWS_BATCH_JOB_ARRAY_INDEX", nullptr, "AWS_BATCH_JOB_ARRAY_SIZE"},
-     {"JOB_COMPLETION_INDEX", nullptr, "JOB_COMPLETIONS"}}};
+    {{"SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_MAX", "SLURM_ARRAY_TASK_COUNT"},
+     {"AWS_BATCH_JOB_ARRAY_INDEX", nullptr, nullptr, "AWS_BATCH_JOB_ARRAY_SIZE"},
+     {"JOB_COMPLETION_INDEX", nullptr, nullptr, "JOB_COMPLETIONS"}}};
+
+// The tasks of a list or of every tenth number do not say which part of all each is.
+void require_no_gaps(const SchedulerVariables& scheduler, const Environment& environment, const ShardChoice& choice) {
+  if (scheduler.last == nullptr || !choice.of) return;
+  const std::optional<std::string> last = environment(scheduler.last);
+  const std::uint64_t first = number_from(environment(scheduler.first).value_or("0"), scheduler.first);
+  if (!last || number_from(*last, scheduler.last) == first + *choice.of - 1) return;
+  throw UsageError(
+      fmt::format("--shard auto: the array from {} to {} has {} tasks, so that none says which part it is: "
+                  "submit again, which begins what is missing, or give --shard I/N",
+                  first, *last, *choice.of));
+}
 
 ShardChoice automatic_choice(const Environment& environment) {
   for (const SchedulerVariables& scheduler : kSchedulers) {
@@ -59,6 +72,7 @@ ShardChoice automatic_choice(const Environment& environment) {
       choice.of = number_from(*count, scheduler.count);
       choice.said_by += fmt::format(" of {}={}", scheduler.count, *count);
     }
+    require_no_gaps(scheduler, environment, choice);
     return choice;
   }
   throw UsageError(

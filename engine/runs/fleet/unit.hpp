@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "gdtslam/core/error.hpp"
 #include "gdtslam/runs/map_log.hpp"
 #include "plan.hpp"
 #include "record.hpp"
@@ -34,9 +35,15 @@ struct UnitWork {
   std::function<bool()> stop{};
 };
 
+/// The log cannot be had here and now, which says nothing of other logs.
+class LogUnavailable : public Error {
+ public:
+  explicit LogUnavailable(const std::string& message) : Error(ExitCode::kInputOutput, message) {}
+};
+
 /// Maps the log, moves the run folder into the atlas and writes the record. What bad data are to blame for (exit 2, 65,
-/// 78) becomes a record that says so; what the machine is to blame for is thrown and leaves no record: FileError, for a
-/// log that was changed meanwhile too, DeviceError, OutOfMemory, Error(kInterrupted).
+/// 78) becomes a record that says so; what the machine is to blame for is thrown and leaves no record: LogUnavailable,
+/// FileError, for a log that was changed meanwhile too, DeviceError, OutOfMemory, Error(kInterrupted).
 UnitRecord do_unit(const UnitWork& work);
 
 /// The same without an atlas: the record that the unit would have. For `fleet verify`.

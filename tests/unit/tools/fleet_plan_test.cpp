@@ -269,6 +269,16 @@ TEST(FleetShards, AreChosenBySchedulers) {
       ElementsAre(4));
   EXPECT_THAT(chosen_shards(automatic({{"SLURM_ARRAY_TASK_ID", "0"}, {"SLURM_ARRAY_TASK_COUNT", "2"}}), 3),
               ElementsAre(0, 2));
+  // The tasks 17 and 42, and those from 17 to 18.
+  const std::vector<std::pair<std::string, std::string>> list{
+      {"SLURM_ARRAY_TASK_ID", "17"}, {"SLURM_ARRAY_TASK_MIN", "17"}, {"SLURM_ARRAY_TASK_COUNT", "2"}};
+  const auto up_to = [&list](const std::string& last) {
+    std::map<std::string, std::string> variables(list.begin(), list.end());
+    variables["SLURM_ARRAY_TASK_MAX"] = last;
+    return automatic(variables);
+  };
+  EXPECT_THROW(up_to("42"), UsageError) << "an array with gaps";
+  EXPECT_THAT(chosen_shards(up_to("18"), 3), ElementsAre(0, 2));
   EXPECT_THAT(chosen_shards(automatic({{"AWS_BATCH_JOB_ARRAY_INDEX", "2"}}), 3), ElementsAre(2));
   EXPECT_THAT(chosen_shards(automatic({{"AWS_BATCH_JOB_ARRAY_INDEX", "1"}, {"AWS_BATCH_JOB_ARRAY_SIZE", "2"}}), 4),
               ElementsAre(1, 3));

@@ -49,7 +49,8 @@ class FleetUnitWork : public testing::Test {
     try {
       (void)do_unit(work);
       return {};
-    } catch (const FileError& error) {
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::kInputOutput);
       return error.what();
     }
   }
@@ -130,6 +131,15 @@ TEST_F(FleetUnitWork, StaysToDoWhereSomethingElseIsInThePlaceOfItsLog) {
   EXPECT_EQ(fault_after([] {}), log_ + ": is a folder without metadata.yaml: no log, and no ROS 2 bag");
   stored_.plan.units = {{"/dev/zero", 0}};
   EXPECT_EQ(fault_after([] {}), "/dev/zero: is no plain file");
+  EXPECT_THROW((void)do_unit({.stored = stored_,
+                              .unit = 0,
+                              .atlas = atlas_,
+                              .settings = {},
+                              .folder = folder_.path() + "/work",
+                              .staging = {},
+                              .place = {},
+                              .map = {}}),
+               LogUnavailable);
   EXPECT_FALSE(is_done());
 }
 

@@ -290,6 +290,7 @@ TEST_F(SceneFileTest, FindsAScenePathFirstThenByName) {
   EXPECT_EQ(find_scene(path, {}), path);
   EXPECT_EQ(find_scene("hall", {"/nonexistent", folder_.string()}), path);
   EXPECT_EQ(find_scene("hall.yaml", {folder_.string()}), path);
+  EXPECT_THROW((void)find_scene(folder_.string(), {folder_.string()}), FileError) << "a folder is no scene";
   try {
     find_scene("hell", {folder_.string()});
     FAIL();

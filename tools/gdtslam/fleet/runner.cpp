@@ -31,6 +31,7 @@ namespace {
 
 constexpr unsigned kMostProcesses = 1024;
 constexpr unsigned kTries = 2;
+constexpr const char* kNoLog = "no log: ";  // in place of a record, before the reason
 
 Settings settings_for(const FleetPlan& plan) {
   Settings settings = plan_settings(plan);
@@ -73,11 +74,12 @@ class Runner {
     queue_.assign(order.begin(), order.end());
     units_ = units.size();
     Workers workers(processes_);
-    while (!is_given_up()) {
-      while (!workers.is_full() && !queue_.empty()) begin(workers);
+    for (;;) {
+      while (!is_given_up() && !workers.is_full() && !queue_.empty()) begin(workers);
       if (workers.is_idle()) break;
-      take(workers.wait_for_any(), done);
+      take(workers.wait_for_any(), done);  // what is in hand is not lost to others that fail
     }
+    if (is_given_up() && failures_.empty()) failures_.push_back(last_);
     line_.clear();
     return std::move(failures_);
   }
@@ -92,7 +94,13 @@ class Runner {
     queue_.pop_front();
     ++tries_[unit];
     shares_[unit] = 0.0;
-    workers.start(unit, [this, unit](const Workers::Tell& tell) { return record_text(work_on(unit, tell)); });
+    workers.start(unit, [this, unit](const Workers::Tell& tell) {
+      try {
+        return record_text(work_on(unit, tell));
+      } catch (const LogUnavailable& error) {
+        return std::string(kNoLog) + error.what();
+      }
+    });
   }
 
   // In the worker.
@@ -126,8 +134,11 @@ class Runner {
     shares_.erase(event.id);
     std::error_code ignored;  // the whole folder goes in the end
     remove_tree(folder_of(event.id), ignored);
+    if (event.result && event.result->starts_with(kNoLog)) {
+      return fail(event.id, {ExitCode::kInputOutput, event.result->substr(std::string_view(kNoLog).size())}, true);
+    }
     if (event.result) {
-      in_a_row_ = 0;
+      in_a_row_ = logs_in_a_row_ = 0;
       ++finished_;
       done_s_ += work_s(event.id);
       UnitRecord record = parse_record(*event.result, "a worker's record");
@@ -136,14 +147,18 @@ class Runner {
       return done(std::move(record));
     }
     if (event.failure->code == ExitCode::kInterrupted && interrupted()) return;
-    fail(event.id, *event.failure);
+    fail(event.id, *event.failure, false);
   }
 
   // Where the atlas is gone every unit fails, and one line says why.
-  void fail(std::size_t unit, const Workers::Failure& failure) {
+  void fail(std::size_t unit, const Workers::Failure& failure, bool is_without_log) {
     require_same_atlas(options_.atlas, stored_);
     const bool is_blocked = blocked_.contains(unit);
-    if (!is_blocked) ++in_a_row_;
+    if (is_without_log) {
+      logs_in_a_row_ += tries_[unit] == 1 ? 1U : 0U;
+    } else if (!is_blocked) {
+      ++in_a_row_;
+    }
     const bool is_tried_again = !is_blocked && tries_[unit] < kTries;
     line_.clear();
     print_remark(
@@ -156,12 +171,12 @@ class Runner {
     last_ = {unit, failure.code, failure.message};
   }
 
-  // A disk that is full or gone fails every unit: trying them all would only take time.
-  bool is_given_up() {
+  // A disk that is full or gone fails every unit: trying them all would only take time. Logs that are gone say little
+  // of others, until they are many.
+  [[nodiscard]] bool is_given_up() const {
     constexpr std::size_t kLongestRow = 6;
-    if (in_a_row_ < kLongestRow) return false;
-    if (failures_.empty()) failures_.push_back(last_);
-    return true;
+    constexpr std::size_t kMostLogs = 100;
+    return in_a_row_ >= kLongestRow || logs_in_a_row_ >= kMostLogs;
   }
 
   [[nodiscard]] std::string progress(double elapsed_s) const {
@@ -194,7 +209,8 @@ class Runner {
   std::size_t units_ = 0;
   std::size_t finished_ = 0;
   std::size_t refused_ = 0;
-  std::size_t in_a_row_ = 0;  ///< failures
+  std::size_t in_a_row_ = 0;       ///< failures
+  std::size_t logs_in_a_row_ = 0;  ///< that cannot be had
   double all_s_ = 0.0;
   double done_s_ = 0.0;
 };

@@ -157,7 +157,7 @@ std::string printed_script(const SlurmJobs& jobs) {
   after.replace(after.find(place), place.size(), place + "\"$array\"");
   return fmt::format("#!/bin/sh\nset -e\nmkdir -p {}\n", shell_quoted(jobs.atlas + "/slurm")) +
          here(jobs.atlas + kArrayScript, array_script(jobs)) + here(jobs.atlas + kFinishScript, finish_script(jobs)) +
-         fmt::format("array=$(sbatch{})\nsbatch{}\n", joined(array_arguments(jobs)), after);
+         fmt::format("array=$(sbatch{})\narray=${{array%%;*}}\nsbatch{}\n", joined(array_arguments(jobs)), after);
 }
 
 std::vector<std::string> submit_slurm(const SlurmJobs& jobs) {

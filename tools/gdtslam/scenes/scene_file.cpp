@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <system_error>
 
 #include "engine/core/files/folder_calls.hpp"
 #include "engine/io/did_you_mean.hpp"
@@ -211,15 +212,15 @@ std::vector<sim::Waypoint> read_waypoints(const std::string& file) {
 }
 
 std::string find_scene(const std::string& scene, const std::vector<std::string>& folders) {
-  if (std::filesystem::exists(scene)) {
-    return scene;
-  }
+  // A folder of that name may be what was simulated from it; a pipe is as good as a file.
+  std::error_code ignored;
+  if (std::filesystem::exists(scene, ignored) && !std::filesystem::is_directory(scene, ignored)) return scene;
   std::vector<std::string> names;
   std::string looked_in;
   for (const std::string& folder : folders) {
     for (const std::string& name : {scene, scene + ".yaml"}) {
       const std::filesystem::path candidate = std::filesystem::path(folder) / name;
-      if (std::filesystem::is_regular_file(candidate)) {
+      if (std::filesystem::is_regular_file(candidate, ignored)) {
         return candidate.string();
       }
     }
