@@ -1,6 +1,5 @@
 #include "gdtslam/core/nodding.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -70,16 +69,6 @@ double ElevationTable::elevation_rad(Phase phase) const {
   const auto index = static_cast<std::size_t>(position);
   const double low = values_rad_[index];
   return low + (values_rad_[index + 1] - low) * (position - static_cast<double>(index));
-}
-
-void order_beams_by_time(LaserScan& scan) {
-  if (scan.beam_period_s >= 0.0 || scan.ranges_m.empty()) return;
-  const auto steps = static_cast<double>(scan.ranges_m.size() - 1);
-  scan.first_bearing_rad += steps * scan.bearing_step_rad;
-  scan.bearing_step_rad = -scan.bearing_step_rad;
-  scan.first_beam_after_s += steps * scan.beam_period_s;
-  scan.beam_period_s = -scan.beam_period_s;
-  std::reverse(scan.ranges_m.begin(), scan.ranges_m.end());
 }
 
 Phase phase_of_elevation(double elevation_rad) { return phase_of_turns((elevation_rad + kPi) / kTwoPi); }

@@ -28,13 +28,7 @@ void turn_right_to_left(LaserScan& scan, bool is_upside_down) {
     scan.first_bearing_rad = -scan.first_bearing_rad;
     scan.bearing_step_rad = -scan.bearing_step_rad;
   }
-  if (scan.bearing_step_rad >= 0.0 || scan.ranges_m.empty()) return;
-  const auto steps = static_cast<double>(scan.ranges_m.size() - 1);
-  scan.first_bearing_rad += steps * scan.bearing_step_rad;
-  scan.bearing_step_rad = -scan.bearing_step_rad;
-  scan.first_beam_after_s = steps * scan.beam_period_s;
-  scan.beam_period_s = -scan.beam_period_s;
-  std::reverse(scan.ranges_m.begin(), scan.ranges_m.end());
+  if (scan.bearing_step_rad < 0.0) turn_beams_round(scan);
 }
 
 /// REP 117: not a number, minus infinity and what is nearer than the least range say nothing of a place.

@@ -42,16 +42,6 @@ void require_finite(const TableRow& row) {
   }
 }
 
-void turn_row_right_to_left(LaserScan& scan) {
-  if (scan.bearing_step_rad >= 0.0 || scan.ranges_m.empty()) return;
-  const auto steps = static_cast<double>(scan.ranges_m.size() - 1);
-  scan.first_bearing_rad += steps * scan.bearing_step_rad;
-  scan.bearing_step_rad = -scan.bearing_step_rad;
-  scan.first_beam_after_s += steps * scan.beam_period_s;
-  scan.beam_period_s = -scan.beam_period_s;
-  std::reverse(scan.ranges_m.begin(), scan.ranges_m.end());
-}
-
 std::vector<float> mended_ranges(const std::vector<double>& ranges_m, RowRepairs& repairs) {
   std::vector<float> mended;
   mended.reserve(ranges_m.size());
@@ -130,7 +120,7 @@ ScanRecord RowRecords::scan_of(TableRow& row, RowRepairs& repairs) {
     set_bearings(scan);
     scan.first_beam_after_s = said_[TableNumber::kFirstBeamAfter].value_or(0.0);
     scan.beam_period_s = said_[TableNumber::kTimeIncrement].value_or(0.0);
-    turn_row_right_to_left(scan);
+    if (scan.bearing_step_rad < 0.0) turn_beams_round(scan);
   }
   scan.T_base_laser = mount();
   const double laser = row[TableNumber::kLaser].value_or(0.0);

@@ -17,10 +17,7 @@ constexpr std::string_view kLimitParameter = "robot_front_laser_max";
 /// CARMEN knows a step above 0 only.
 void turn_beams_right_to_left(LaserScan& scan) {
   if (scan.ranges_m.size() < 2 && !(scan.bearing_step_rad > 0.0)) scan.bearing_step_rad = rad_from_deg(1.0);
-  if (scan.bearing_step_rad > 0.0) return;
-  scan.first_bearing_rad += static_cast<double>(scan.ranges_m.size() - 1) * scan.bearing_step_rad;
-  scan.bearing_step_rad = -scan.bearing_step_rad;
-  std::reverse(scan.ranges_m.begin(), scan.ranges_m.end());
+  if (!(scan.bearing_step_rad > 0.0)) turn_beams_round(scan);
 }
 
 bool is_one_word(std::string_view text) {

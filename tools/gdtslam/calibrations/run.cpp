@@ -106,8 +106,9 @@ void number_names(std::vector<NamedSurface>& list) {
 
 // How far the ranges reach along the surface's normal, in falling order: for a wall its nearest ranges count, because
 // no beam meets it nearer than at its foot; for floor and ceiling the farthest do.
-double guessed_distance_m(const calib::CalibrationSurface& surface, const calib::SweepModel& start,
-                          const std::vector<calib::RangeObservation>& ranges) {
+// Nothing where no range reaches that way.
+std::optional<double> guessed_distance_m(const calib::CalibrationSurface& surface, const calib::SweepModel& start,
+                                         const std::vector<calib::RangeObservation>& ranges) {
   std::vector<double> reaches_m;
   for (const calib::RangeObservation& range : ranges) {
     const std::optional<double> elevation = calib::elevation_rad(start, calib::crank_rad(start.encoder, range.ticks));
@@ -121,10 +122,7 @@ double guessed_distance_m(const calib::CalibrationSurface& surface, const calib:
     const double reach_m = surface.kind == calib::SurfaceKind::kCeiling ? up_m : -up_m;
     if (reach_m > 0.0) reaches_m.push_back(reach_m);
   }
-  if (reaches_m.empty()) {
-    throw InputError("no range tells how far " + surface.name + " is; give its distance, as in --surfaces " +
-                     surface.name + "=2m");
-  }
+  if (reaches_m.empty()) return std::nullopt;
   return value_at_share(reaches_m, surface.kind == calib::SurfaceKind::kWall ? kNearEdge : 1.0 - kNearEdge);
 }
 
@@ -135,9 +133,23 @@ std::vector<calib::CalibrationSurface> placed_surfaces(const std::vector<NamedSu
   std::vector<calib::CalibrationSurface> surfaces;
   for (const NamedSurface& entry : named) {
     surfaces.push_back(entry.surface);
-    if (!entry.has_distance) surfaces.back().distance_m = guessed_distance_m(entry.surface, start, ranges);
+    if (entry.has_distance) continue;
+    const std::optional<double> distance_m = guessed_distance_m(entry.surface, start, ranges);
+    if (!distance_m) {
+      throw InputError("no range tells how far " + entry.surface.name + " is; give its distance, as in --surfaces " +
+                       entry.surface.name + "=2m");
+    }
+    surfaces.back().distance_m = *distance_m;
   }
   return surfaces;
+}
+
+// Whether each has a distance, or one that can be guessed.
+bool can_be_placed(const std::vector<NamedSurface>& named, const calib::SweepModel& start,
+                   const std::vector<calib::RangeObservation>& ranges) {
+  return std::all_of(named.begin(), named.end(), [&](const NamedSurface& entry) {
+    return entry.has_distance || guessed_distance_m(entry.surface, start, ranges).has_value();
+  });
 }
 
 std::vector<NamedSurface> surfaces_of(const CalibrateJob& job) {
@@ -182,6 +194,7 @@ calib::SweepModel with_sought_zero(const CalibrateJob& job, const std::vector<Na
     if (stop()) throw Error(ExitCode::kInterrupted, "interrupted while calibrating; nothing was written");
     const double turn = static_cast<double>(k) / static_cast<double>(kZerosTried);
     trial.encoder.zero_rad = wrap_angle(job.start.encoder.zero_rad + kTwoPi * turn);
+    if (!can_be_placed(surfaces, trial, some)) continue;
     const double miss_m = calib::mean_miss_m(trial, placed_surfaces(surfaces, trial, some), kFirstGate_m, some);
     if (miss_m >= least_m) continue;
     least_m = miss_m;

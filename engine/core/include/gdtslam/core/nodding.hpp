@@ -85,6 +85,8 @@ inline std::optional<BeamTiming> stated_timing(const LaserScan& scan) {
   return BeamTiming{scan.first_beam_after_s, scan.beam_period_s};
 }
 /// The same scan with its beams in the order in which they were measured.
-void order_beams_by_time(LaserScan& scan);
+inline void order_beams_by_time(LaserScan& scan) {
+  if (scan.beam_period_s < 0.0) turn_beams_round(scan);
+}
 
 }  // namespace gdtslam

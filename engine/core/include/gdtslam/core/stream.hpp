@@ -38,6 +38,17 @@ struct LaserScan {
   }
 };
 
+/// The same scan from its last beam to its first.
+inline void turn_beams_round(LaserScan& scan) {
+  if (scan.ranges_m.empty()) return;
+  const auto steps = static_cast<double>(scan.ranges_m.size() - 1);
+  scan.first_bearing_rad += steps * scan.bearing_step_rad;
+  scan.bearing_step_rad = -scan.bearing_step_rad;
+  scan.first_beam_after_s += steps * scan.beam_period_s;
+  scan.beam_period_s = -scan.beam_period_s;
+  std::reverse(scan.ranges_m.begin(), scan.ranges_m.end());
+}
+
 /// The robot's pose in the odometry frame, as its wheels tell it.
 struct Odometry {
   double stamp_s = 0.0;
