@@ -259,21 +259,31 @@ void BackEnd::adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose
   }
 }
 
-// Loops say how good a chain is where they tie it; where none does it may be as bad as it was stated. In between
-// linearly by the keyframes.
+// The graph as covariances are taken from it, and which keyframes its nodes are: the places, or all keyframes of a
+// drive that has one place alone, whose graph would tell nothing. Loops say how good a chain is where they tie it;
+// where none does it may be as bad as it was stated.
+BackEnd::CautiousGraph BackEnd::cautious_graph(const LoopCloser& closer) const {
+  MeasuredPath measured = closer.measured();
+  PoseGraph graph = closer.graph();
+  if (measured.places().size() == 1) {
+    while (measured.places().size() < keyframes_.size()) measured.add_place(measured.places().size());
+    graph.poses = closer.poses();
+  }
+  if (graph.poses.size() > 1) graph.path = measured.cautious_relations(kLeastForDoubt);
+  return {std::move(graph), measured.places()};
+}
+
+// In between linearly by the keyframes.
 std::vector<Matrix3> BackEnd::covariances_of_scans(const LoopCloser& closer) const {
-  const std::vector<std::size_t>& places = closer.places();
+  const auto [graph, places] = cautious_graph(closer);
   if (places.empty()) return {};
   std::vector<std::size_t> nodes;
   for (std::size_t i = 0; i < places.size(); i += places.size() / kMostCovariances + 1) nodes.push_back(i);
   if (nodes.back() + 1 < places.size()) nodes.push_back(places.size() - 1);
-  PoseGraph cautious = closer.graph();
-  if (places.size() > 1) cautious.path = closer.measured().cautious_relations(kLeastForDoubt);
   std::vector<std::size_t> at;
   at.reserve(nodes.size());
   for (const std::size_t node : nodes) at.push_back(places[node]);
-  const std::vector<Matrix3> of_keyframes =
-      spread_covariances(at, covariances_in_map(cautious, nodes), keyframes_.size());
+  const std::vector<Matrix3> of_keyframes = spread_covariances(at, covariances_in_map(graph, nodes), keyframes_.size());
   std::vector<Matrix3> covariances;
   covariances.reserve(scans_.size());
   Shelf<Scan>::Reader scans(scans_);

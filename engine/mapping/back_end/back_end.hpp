@@ -89,6 +89,11 @@ class BackEnd {
   JointResult adjust_keyframes(const MeasuredPath& measured, std::vector<Pose2>& keyframes, WorkerPool& workers,
                                const Progress& progress) const;
   [[nodiscard]] std::vector<Pose2> poses_of_scans(const std::vector<Pose2>& keyframes) const;
+  struct CautiousGraph {
+    PoseGraph graph;
+    std::vector<std::size_t> keyframes;  // of its nodes
+  };
+  [[nodiscard]] CautiousGraph cautious_graph(const LoopCloser& closer) const;
   [[nodiscard]] std::vector<Matrix3> covariances_of_scans(const LoopCloser& closer) const;
   [[nodiscard]] std::optional<std::size_t> kept_number(std::size_t keyframe) const;
   void finish_keeping();

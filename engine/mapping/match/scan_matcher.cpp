@@ -155,6 +155,7 @@ ExhaustiveResult ScanMatcher::prove_in(const SearchWindow& window) {
   CertifiedOptions options;
   options.gap_m = search_.gap_m;
   options.max_boxes = std::uint64_t{1000} * static_cast<std::uint64_t>(search_.max_kiloboxes);
+  options.counts_window = false;
   options.starts = {poses.centre};
   options.prior = WindowPrior{.mean = objective_.to_metres(rules_.predicted()),
                               .weight_xy = prior.weight_xy,

@@ -10,10 +10,13 @@
 
 namespace gdtslam {
 
+/// Of a session's path where another drive begins: what was seen before does not belong to it.
+inline constexpr double kBetweenDrives_m = 1000.0;
+
 struct Session {
   std::vector<KeptScan> scans;      ///< of its keyframes
   std::vector<Pose2> poses;         ///< likewise
-  std::vector<double> path_m;       ///< travelled until each
+  std::vector<double> path_m;       ///< travelled until each; kBetweenDrives_m more at each further drive
   std::vector<std::size_t> places;  ///< keyframes, ascending, the first one among them
   std::vector<PoseRelation> path;   ///< as it was measured, between places by their number
   std::vector<Loop> loops;          ///< likewise, as far as they are believed

@@ -12,8 +12,6 @@
 namespace gdtslam {
 namespace {
 
-// Of path between the end of a session and the start of the next: far more than what belongs together.
-constexpr double kBetweenSessions_m = 1000.0;
 // What a session says of its own path after its own adjustment: as good as a match over each step, and over stretches
 // as what the front end says of them in the adjustment of one drive.
 constexpr std::size_t kHeldSpans[] = {1, 4, 12, 30};  // keyframes
@@ -63,7 +61,7 @@ const SiteGraph::Part& SiteGraph::part_of_place(std::size_t place) const {
 
 void SiteGraph::add(const Session& session, std::size_t number) {
   const Part part{number, scans_.size(), session.scans.size(), places_.size(), session.places.size()};
-  const double before_m = path_m_.empty() ? 0.0 : path_m_.back() + kBetweenSessions_m;
+  const double before_m = path_m_.empty() ? 0.0 : path_m_.back() + kBetweenDrives_m;
   scans_.insert(scans_.end(), session.scans.begin(), session.scans.end());
   poses_.insert(poses_.end(), session.poses.begin(), session.poses.end());
   shape_.insert(shape_.end(), session.poses.begin(), session.poses.end());
@@ -167,6 +165,7 @@ void SiteGraph::carry_keyframes() {
   }
 }
 
+// As each drive lies in itself; a session may be a site of several, which the scans alone tell from each other.
 std::vector<PoseRelation> SiteGraph::held_relations() const {
   std::vector<PoseRelation> held;
   const Matrix3 information =
@@ -177,6 +176,7 @@ std::vector<PoseRelation> SiteGraph::held_relations() const {
     for (const std::size_t span : kHeldSpans) {
       const std::size_t step = std::max<std::size_t>(1, span / kHeldOver);
       for (std::size_t i = part.first_keyframe; i + span < end; i += step) {
+        if (path_m_[i + span] - path_m_[i] >= kBetweenDrives_m) continue;
         held.push_back({i, i + span, between(shape_[i], shape_[i + span]), information});
       }
     }

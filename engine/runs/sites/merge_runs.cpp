@@ -218,6 +218,7 @@ MergeOutcome merge_runs(const MergeRequest& request) {
       sessions, request.options, workers, [&](std::string_view step, double share) { tell(request, step, share); });
   MergeOutcome outcome;
   outcome.shared = shared_of(runs);
+  share_range_limits(runs);
   for (const SessionSearch& search : merged.searches) {
     RunSearch& told = outcome.searches.emplace_back(RunSearch{runs[search.query].folder, {}, search});
     for (const std::size_t k : search.searched_in) told.searched_in.push_back(runs[k].folder);

@@ -21,9 +21,6 @@ using PlaceOfScan = std::map<std::size_t, std::size_t>;
 
 Matrix3 matrix_of(const PoseInformation& p) { return {{p.xx, p.xy, p.xt, p.xy, p.yy, p.yt, p.xt, p.yt, p.tt}}; }
 
-// Of path where another drive begins: what was seen before does not belong to it.
-constexpr double kBetweenDrives_m = 1000.0;
-
 void take_keyframes(const RunKeyframes& kept, const MapperConfig& config, const std::vector<std::size_t>& drives,
                     Session& session) {
   ScanPoints points(config.scan);
@@ -70,6 +67,28 @@ void take_graph(const RunReader& run, const RunKeyframes& kept, Session& session
   }
 }
 
+constexpr float kTooNear_m = 0.001F;        // to count; the shortest range that keyframes.bin.gz has
+constexpr double kLeastMinRange_m = 0.002;  // that leaves it out
+
+ScanConfig widest_of(const std::vector<RunSession>& runs) {
+  ScanConfig widest = runs.front().settings.mapper.scan;
+  for (const RunSession& run : runs) {
+    widest.min_range_m = std::min(widest.min_range_m, run.settings.mapper.scan.min_range_m);
+    widest.max_range_m = std::max(widest.max_range_m, run.settings.mapper.scan.max_range_m);
+  }
+  return widest;
+}
+
+void limit_ranges(const ScanConfig& own, const ScanConfig& widest, LaserScan& laser) {
+  if (own.max_range_m < widest.max_range_m) {
+    laser.max_range_m = laser.max_range_m > 0.0 ? std::min(laser.max_range_m, own.max_range_m) : own.max_range_m;
+  }
+  if (own.min_range_m <= widest.min_range_m) return;
+  for (float& range_m : laser.ranges_m) {
+    if (static_cast<double>(range_m) < own.min_range_m) range_m = kTooNear_m;
+  }
+}
+
 }  // namespace
 
 RunSession read_run_session(const std::string& folder) {
@@ -97,6 +116,16 @@ RunSession read_run_session(const std::string& folder) {
   }
   take_graph(reader, run.kept, run.session);
   return run;
+}
+
+void share_range_limits(std::vector<RunSession>& runs) {
+  const ScanConfig widest = widest_of(runs);
+  for (RunSession& run : runs) {
+    ScanConfig& own = run.settings.mapper.scan;
+    for (RunKeyframe& keyframe : run.kept.keyframes) limit_ranges(own, widest, keyframe.laser);
+    if (own.min_range_m > widest.min_range_m) own.min_range_m = std::max(widest.min_range_m, kLeastMinRange_m);
+    own.max_range_m = widest.max_range_m;
+  }
 }
 
 }  // namespace gdtslam

@@ -30,4 +30,8 @@ struct RunSession {
 /// an older version, or its files do not belong together; FileError.
 RunSession read_run_session(const std::string& folder);
 
+/// Gives all runs the widest of their scan.min_range and scan.max_range, and each kept scan the limits of its own run
+/// in its place: of a site every reading counts as it did where it was mapped.
+void share_range_limits(std::vector<RunSession>& runs);
+
 }  // namespace gdtslam

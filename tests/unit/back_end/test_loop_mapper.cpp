@@ -73,6 +73,28 @@ TEST_F(LoopMapperInARoom, GivesAPoseAndACovarianceAScan) {
   EXPECT_GT(mapper.field().geometry().cell_count(), 0U);
 }
 
+// A graph of one place tells nothing; the steps between its keyframes do.
+TEST_F(LoopMapperInARoom, ADriveWithoutASecondPlaceHasCovariances) {
+  LoopMapper mapper({}, *backend_);
+  const std::vector<test::Segment> walls = test::furnished_room();
+  const std::vector<Pose2> truth = test::drive_through_room();
+  double driven_m = 0.0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    if (i > 0) driven_m += length_of(between(truth[i - 1], truth[i]));
+    if (driven_m > 3.5) break;
+    mapper.start(test::scan_of(walls, truth[i], 0.1 * static_cast<double>(i)), truth[i]);
+    static_cast<void>(mapper.finish());
+  }
+  const ClosedPath path = mapper.close([](std::string_view, double) {}, [] { return false; });
+  ASSERT_EQ(path.places.size(), 1U);
+  ASSERT_GT(path.keyframes.size(), 3U);
+  for (const PoseCovariance& covariance : {path.covariances.front(), path.covariances.back()}) {
+    EXPECT_GT(covariance.sigma_m(), 1.0e-4);
+    EXPECT_LT(covariance.sigma_m(), 0.1);
+    EXPECT_GT(covariance.tt, 1.0e-10);
+  }
+}
+
 TEST_F(LoopMapperInARoom, GivesTheSameBytesWithAndWithoutAThreadBeside) {
   std::vector<ClosedPath> paths;
   for (const bool is_beside : {true, false}) {

@@ -163,6 +163,16 @@ TEST(SiteGraph, ASessionHoldsItsOwnShape) {
   for (const PoseRelation& relation : both) EXPECT_EQ(relation.from < 31, relation.to < 31);
 }
 
+// A site of two drives that is merged again: where one ends and the next begins nothing is known by driving.
+TEST(SiteGraph, ASiteHoldsEachOfItsDrivesAlone) {
+  const std::vector<Session> drives{straight_on(12), straight_on(9)};
+  std::vector<Session> sites{SiteGraph({0, 1}, drives, {{0, 1, {fix_at(0, 0, {0.0, 5.0, 0.0}, 0.5)}}}).as_one()};
+  const SiteGraph again({0}, sites, {});
+  const std::vector<PoseRelation> held = again.held_relations();
+  EXPECT_EQ(held.size(), 11U + 8U + 8U + 5U) << "steps and stretches of four of each";
+  for (const PoseRelation& relation : held) EXPECT_EQ(relation.from < 12, relation.to < 12) << relation.from;
+}
+
 TEST(SiteGraph, ReturnsToTheFrameOfTheFirstSession) {
   const Pose2 first{1.0, 2.0, 0.5};
   const std::vector<Session> sessions{straight_on(3, first)};

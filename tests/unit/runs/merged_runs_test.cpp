@@ -16,10 +16,12 @@
 #include "engine/runs/folder/run_files.hpp"
 #include "engine/runs/folder/run_reader.hpp"
 #include "engine/runs/keyframes/keyframe_file.hpp"
+#include "engine/runs/sites/run_session.hpp"
 #include "engine/runs/sites/site_places.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
+#include "gdtslam/mapping/scan_points.hpp"
 #include "ring_run.hpp"
 #include "unit/back_end/loop_drive.hpp"
 
@@ -230,6 +232,41 @@ TEST_F(MergedRunsTest, WhatCannotBeJoined) {
   static_cast<void>(map_logs(bare, *cpu));
   request_.runs = {folder_.path("bare"), ring_run().folder};
   EXPECT_THAT(merge_fault(), HasSubstr("was mapped with --no-loops, so nothing holds its path"));
+}
+
+// One sees from 0.5 to 8 m, and one from 0.1 m on as far as its sensor says: in the widest limits of both, each reading
+// counts as it did.
+TEST_F(MergedRunsTest, ShareTheWidestLimitsAndEachScanKeepsItsOwn) {
+  const auto run_of = [](double min_m, double max_m, double sensor_m) {
+    RunSession run = read_run_session(second_run());
+    run.kept.keyframes.clear();
+    run.settings.mapper.scan.min_range_m = min_m;
+    run.settings.mapper.scan.max_range_m = max_m;
+    RunKeyframe keyframe;
+    keyframe.laser.max_range_m = sensor_m;
+    keyframe.laser.bearing_step_rad = 0.01;
+    keyframe.laser.ranges_m = {0.05F, 0.3F, 7.5F, 9.0F, 35.0F};
+    run.kept.keyframes.push_back(keyframe);
+    return run;
+  };
+  std::vector<RunSession> runs;
+  runs.push_back(run_of(0.5, 8.0, 0.0));
+  runs.push_back(run_of(0.1, 40.0, 30.0));
+  std::vector<std::vector<Point2>> own;
+  for (const RunSession& run : runs) {
+    own.push_back(ScanPoints(run.settings.mapper.scan).of(run.kept.keyframes[0].laser));
+  }
+  ASSERT_EQ(own[0].size(), 1U);
+  ASSERT_EQ(own[1].size(), 3U);
+  share_range_limits(runs);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const ScanConfig& scan = runs[k].settings.mapper.scan;
+    EXPECT_EQ(scan.min_range_m, 0.1);
+    EXPECT_EQ(scan.max_range_m, 40.0);
+    EXPECT_EQ(ScanPoints(scan).of(runs[k].kept.keyframes[0].laser), own[k]) << k;
+  }
+  EXPECT_EQ(runs[0].kept.keyframes[0].laser.max_range_m, 8.0);
+  EXPECT_EQ(runs[1].kept.keyframes[0].laser.max_range_m, 30.0);
 }
 
 }  // namespace
