@@ -46,7 +46,9 @@ if $quick; then export GDTSLAM_FAULT_SHARE=8; else export GDTSLAM_FAULT_SHARE=${
 
 long_share=${GDTSLAM_LONG_SHARE:-1}
 if ! [[ $long_share =~ ^[1-9][0-9]?$ ]]; then echo "test.sh: GDTSLAM_LONG_SHARE must be a number from 1 to 99" >&2; exit 2; fi
-revision=$(git -C "$root" rev-parse HEAD 2>/dev/null || echo 00000000)  # of an unpacked archive
+# ask_git WORD...: fails in an unpacked archive, also where that lies in somebody's clone, and in a clone that git refuses.
+ask_git() { [[ -e $root/.git ]] && git -C "$root" "$@" 2>/dev/null; }
+revision=$(ask_git rev-parse --verify HEAD || echo 00000000)
 
 reports=$root/build/reports
 build=$root/build/test
@@ -167,15 +169,24 @@ configure "$build" -DCMAKE_BUILD_TYPE=Release -DGDTSLAM_BUILD_TESTS=ON -DGDTSLAM
 cmake --build "$build" --parallel "$(build_jobs)"
 
 begin "Tests"
-since=${GDTSLAM_LINT_SINCE:-$(git -C "$root" rev-list -1 --before='6 hours ago' HEAD)}
-# The bundle, and a project that has this one as a folder, build nearly all once more: ten minutes on two processors; the
-# packages are made and installed for two.
+# Empty where there is no earlier revision, and where git knows none: then all is taken for changed.
+since=${GDTSLAM_LINT_SINCE:-$(ask_git rev-list -1 --before='6 hours ago' HEAD || true)}
+# leave_out_unless_changed TEST PATH...: the test is left out where the paths are as they were.
 left_out=()
-if [[ -n $since ]] && git -C "$root" diff --quiet "$since" -- CMakeLists.txt cmake tests/install \
-  {engine,shaders,calib,viewer,tools,assets}/'*CMakeLists.txt' tools/install-packages.sh tools/scripts/make_bundle.sh; then
-  left_out+=('^install\.(bundle|as_a_folder|debian_packages)')
-  skip "bundle, as_a_folder and debian_packages: how things are built is as it was at ${since:0:8} (tools/soak.sh long)"
-fi
+leave_out_unless_changed() {
+  local test=$1
+  shift
+  if [[ -z $since ]] || ! ask_git diff --quiet "$since" -- "$@"; then return; fi
+  left_out+=("^install\\.$test")
+  skip "install.$test: what it is made of is as it was at ${since:0:8} (tools/soak.sh long)"
+}
+# The bundle, and a project that has this one as a folder, build nearly all once more: ten minutes on two processors, so only
+# where it has changed how things are built. The packages, which have the pages too, are made and installed in two.
+how_built=(CMakeLists.txt cmake tests/install {engine,shaders,calib,viewer,tools,assets}/'*CMakeLists.txt' tools/install-packages.sh)
+leave_out_unless_changed bundle "${how_built[@]}" LICENSE tools/scripts/make_bundle.sh tools/scripts/gpu_server.sh
+leave_out_unless_changed as_a_folder "${how_built[@]}"
+leave_out_unless_changed debian_packages "${how_built[@]}" debian python assets examples docs tests/cli/schemas \
+  README.md CHANGELOG.md
 if ((long_share > 1)); then
   left_out+=("$(python3 "$root/tools/scripts/draw_tests.py" "$build" --share "$long_share" --revision "$revision")")
   skip "long tests that do not have their turn (GDTSLAM_LONG_SHARE=$long_share; the next line names them)"

@@ -1,7 +1,8 @@
 """Builds the wheel of gdtslam (PEP 517): the package, the shared library, and what it needs if that is wanted.
 
 Settings, of pip's --config-settings or the environment:
-    library, GDTSLAM_LIBRARY: the file libgdtslam.so; without it the project is built by CMake beside this folder.
+    library, GDTSLAM_LIBRARY: the file libgdtslam.so, from this folder or the project's where the name is relative; without
+        it the project is built by CMake beside this folder.
     bundle, GDTSLAM_BUNDLE=1: put the libraries that it needs into the wheel, but for those that every Linux has.
 
 One wheel serves every Python 3, for nothing is compiled against Python. It is for every Linux of this processor whose C
@@ -48,12 +49,21 @@ def _built_library() -> pathlib.Path:
     build = PROJECT / "build" / "wheel"
     generator = ["-G", "Ninja"] if shutil.which("ninja") else []
     parts = [f"-DGDTSLAM_BUILD_{part}=OFF" for part in ("TESTS", "EXAMPLES", "LAB", "SIM", "CALIBRATION")]
+    parts.append("-DGDTSLAM_WERROR=OFF")
     subprocess.run(
         ["cmake", "-S", PROJECT, "-B", build, "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_UNITY_BUILD=ON", *generator, *parts],
         check=True,
     )
     subprocess.run(["cmake", "--build", build, "--target", "gdtslam_c", "--parallel", str(os.cpu_count() or 1)], check=True)
     return next(build.glob("lib*/**/libgdtslam.so.0"))
+
+
+def _named_library(name: str) -> pathlib.Path:
+    """pip calls the backend in the folder of pyproject.toml, and whoever calls pip stands in the project's."""
+    for folder in (HERE, PROJECT):
+        if (folder / name).is_file():
+            return folder / name
+    raise SystemExit(f"gdtslam: there is no library {name}" + ("" if os.path.isabs(name) else f", in {HERE} or in {PROJECT}"))
 
 
 def _needed(library: pathlib.Path) -> "list[pathlib.Path]":
@@ -92,9 +102,7 @@ def _library_files(settings: "dict[str, str] | None", folder: pathlib.Path) -> "
     """The library and what comes with it, without debug information, and each found from where it lies; and where those
     that come with it were."""
     named = _setting(settings, "library")
-    source = pathlib.Path(named) if named else _built_library()
-    if not source.exists():
-        raise SystemExit(f"gdtslam: there is no library {source}")
+    source = _named_library(named) if named else _built_library()
     others = _needed(source) if _setting(settings, "bundle") not in ("", "0") else []
     sources = {"libgdtslam.so.0": source, **{library.name: library for library in others}}
     files = []

@@ -29,6 +29,8 @@ for name in map.pgm map.yaml trajectory.tum report.json; do
 done
 expected=$(sed -n '/"loops": true/,/map_sha256/s/.*"map_sha256": "\([0-9a-f]*\)".*/\1/p' /usr/share/gdtslam/expected/office-start.json)
 grep -q "\"map_sha256\": \"$expected\"" run/report.json || fail "the map is not the one that is shipped"
+gzip -dc /usr/share/gdtslam/logs/office-start.log.gz | gdtslam live -o drive --quiet >poses.jsonl || fail "live"
+grep -q "\"map_sha256\": \"$expected\"" drive/report.json || fail "the map of live is another"
 for sample in /usr/share/gdtslam/expected/*.json; do
   log=$(sed -n 's/.*"log": "\([^"]*\)".*/\1/p' "$sample")
   grep -q "\"log_sha256\": \"$(sha256sum "/usr/share/gdtslam/logs/$log" | cut -d ' ' -f 1)\"" "$sample" || fail "$log is another"

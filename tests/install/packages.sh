@@ -23,13 +23,20 @@ for package in man-db bash-completion python3; do
   [[ -e /usr/share/doc/$package ]] || skip "no package $package to make the root of"
 done
 
-# package FOLDER: the packages of a copy of the tracked files, beside it. Packed fast: what is compared is what is inside.
+# files: the names of what git tracks or does not ignore; of an unpacked archive, or a clone that git refuses to read, of all
+# but what is built.
+files() {
+  if [[ -e $source/.git ]] && git -C "$source" ls-files -z --cached --others --exclude-standard 2>/dev/null; then return; fi
+  (cd "$source" && find . \( -name build -o -path './build-*' -o -path ./runs -o -name .git -o -name __pycache__ \) -type d -prune \
+    -o ! -type d -print0)
+}
+
+# package FOLDER: the packages of a copy of the files, beside it. Packed fast: what is compared is what is inside.
 package() {
   local folder=$1
   mkdir -p "$folder/gdtslam"
   # What was deleted and is tracked still is no file.
-  git -C "$source" ls-files -z --cached --others --exclude-standard |
-    tar -C "$source" --ignore-failed-read --warning=no-failed-read --null -T - -cf - | tar -C "$folder/gdtslam" -xf -
+  files | tar -C "$source" --ignore-failed-read --warning=no-failed-read --null -T - -cf - | tar -C "$folder/gdtslam" -xf -
   (cd "$folder/gdtslam" && DPKG_DEB_COMPRESSOR_TYPE=gzip DPKG_DEB_COMPRESSOR_LEVEL=1 GDTSLAM_BUILD_TREE=$build \
     dpkg-buildpackage --build=binary -us -uc -d --no-sign >"$folder/build.log" 2>&1) || {
     tail -n 40 "$folder/build.log" >&2

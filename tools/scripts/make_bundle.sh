@@ -40,7 +40,7 @@ done < <(grep -ohE '/usr/share/common-licenses/[A-Za-z0-9.+-]*[A-Za-z0-9]' "$fol
 
 commit=unknown
 date=0
-if revision=$(git -C "$root" describe --always --dirty --abbrev=12 2>/dev/null); then
+if [[ -e $root/.git ]] && revision=$(git -C "$root" describe --always --dirty --abbrev=12 2>/dev/null); then
   commit=$revision
   date=$(git -C "$root" log -1 --format=%ct)
 fi
