@@ -6,6 +6,7 @@ import sys
 import threading
 import time
 import unittest
+from unittest import mock
 
 from bindings_support import SAMPLE, SKIPPED, SOURCE, folder
 
@@ -16,6 +17,7 @@ except ImportError:
     print("SKIPPED: no numpy for Python (package python3-numpy)")
     sys.exit(1 if os.environ.get("GDTSLAM_REQUIRE_PROGRAMS") == "1" else SKIPPED)
 import gdtslam
+from gdtslam import _scans
 
 WORK = folder("pipes")
 SHORT = {"loops": False, "pictures": False, "copies": False}
@@ -128,6 +130,27 @@ class Scans(Pipe):
             list(scans)
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         self.assertIs(signal.getsignal(signal.SIGALRM), stop)
+
+    def test_a_scan_in_hand_as_a_handler_raises_is_the_next_one(self):
+        def stop(number, frame):
+            raise Stopped
+
+        call = _scans.call
+
+        def call_and_send(*arguments):
+            call(*arguments)
+            os.kill(os.getpid(), signal.SIGUSR1)
+
+        self.handle(signal.SIGUSR1, stop)
+        self.send_half(lambda: True)
+        whole = list(gdtslam.scans(self.log))
+        for log in (self.log, self.pipe):
+            scans, given = gdtslam.scans(log), []
+            for _ in range(10):
+                with mock.patch.object(_scans, "call", call_and_send), self.assertRaises(Stopped):
+                    next(scans)
+                given.append(next(scans))
+            self.assertEqual(given + list(scans), whole)
 
     def test_reading_goes_on_behind_handlers_that_return(self):
         made, shares, problems = [], [], []

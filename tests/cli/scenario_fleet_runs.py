@@ -95,6 +95,26 @@ def fleet_logs_that_are_gone():
     expect(process.stderr.count("is not done and is tried again") == 7, process.stderr)
 
 
+def fleet_many_logs_that_are_gone():
+    """A hundred logs in a row that are gone keep those behind them from nothing; the later ones are looked for once."""
+    folder = fresh_folder("fleet_many_logs_that_are_gone")
+    logs = make_logs(folder / "logs", count=9)
+    for k in range(2, 9):
+        (logs / f"drive-{k}.log").unlink()
+    for k in range(101):
+        (logs / f"large-{k}.log").touch()
+        os.truncate(logs / f"large-{k}.log", 10_000_000)
+    atlas = folder / "atlas"
+    planned(atlas, logs, "--shards", 1)
+    for k in range(101):
+        (logs / f"large-{k}.log").unlink()
+    process = fleet("run", atlas, "--shard", "1", "-j", "1", code=74)
+    status = status_of(atlas)
+    expect((status["mapped"], status["missing"]) == (2, 101), f"{status}: {process.stderr}")
+    expect(process.stderr.count("is not done and is tried again") == 99, process.stderr)
+    expect("101 of 103 logs are not done" in process.stderr, process.stderr)
+
+
 def fleet_runs_that_are_damaged():
     """A damaged run, and one that somebody mapped by hand, are not taken; whoever does what the line says has the same hash."""
     logs, atlas, whole = atlas_of_two("fleet_runs_that_are_damaged")

@@ -136,12 +136,12 @@ class OutputOfCommand {
     if (count < 0 && errno != EINTR) throw FileError(command_, "cannot be read: " + errno_text(errno));
     return count;
   }
-  /// Waits for its end. Throws FileError unless it ended with 0.
+  /// Waits for its end. Throws LogUnavailable unless it ended with 0.
   void require_done() {
     const int status = end();
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
-    throw FileError(command_, WIFSIGNALED(status) ? fmt::format("was ended by signal {}", WTERMSIG(status))
-                                                  : fmt::format("ended with code {}", WEXITSTATUS(status)));
+    throw LogUnavailable({command_, WIFSIGNALED(status) ? fmt::format("was ended by signal {}", WTERMSIG(status))
+                                                        : fmt::format("ended with code {}", WEXITSTATUS(status))});
   }
 
  private:
@@ -195,26 +195,35 @@ HashedBytes fetch(const std::string& command, const std::string& file, const std
   return hashed;
 }
 
+// Nothing is written, so that a file that fails is the log's own or lies beside it.
+HashedBytes hash_in_its_place(const FleetPlan& plan, const std::function<bool()>& stop, UnitInput& input) {
+  const auto unless_stopped = [&stop] {
+    if (stop && stop()) throw Error(ExitCode::kInterrupted, "interrupted");
+  };
+  try {
+    require_log(input.path);
+    input.files = states_of(plan, input.path);
+    const std::string linkage = plan.linkage.empty() ? linkage_sidecar(input.path) : std::string();
+    if (!linkage.empty()) input.linkage_sha256 = sha256_of_file(linkage).sha256;
+    std::error_code ignored;  // what cannot be asked about cannot be read either
+    return fs::is_directory(input.path, ignored) ? hash_of_folder(input.path, unless_stopped)
+                                                 : sha256_of_file(input.path, unless_stopped);
+  } catch (const FileError& error) {
+    throw LogUnavailable(error);
+  }
+}
+
 }  // namespace
 
 UnitInput unit_input(const FleetPlan& plan, const FleetUnit& unit, const std::string& folder,
                      const std::function<bool()>& stop) {
-  const auto unless_stopped = [&stop] {
-    if (stop && stop()) throw Error(ExitCode::kInterrupted, "interrupted");
-  };
   UnitInput input{.path = unit.uri, .bytes = 0, .sha256 = {}, .linkage_sha256 = {}};
   HashedBytes hashed;
-  std::error_code ignored;  // what cannot be asked about cannot be read either
   if (has_scheme(unit.uri)) {
     input.path = folder + "/" + file_name_of_uri(unit.uri);
     hashed = fetch(get_command(plan.get, unit.uri), input.path, stop);
   } else {
-    require_log(unit.uri);
-    input.files = states_of(plan, unit.uri);
-    hashed = fs::is_directory(unit.uri, ignored) ? hash_of_folder(unit.uri, unless_stopped)
-                                                 : sha256_of_file(unit.uri, unless_stopped);
-    const std::string linkage = plan.linkage.empty() ? linkage_sidecar(unit.uri) : std::string();
-    if (!linkage.empty()) input.linkage_sha256 = sha256_of_file(linkage).sha256;
+    hashed = hash_in_its_place(plan, stop, input);
   }
   input.bytes = hashed.bytes;
   input.sha256 = std::move(hashed.sha256);

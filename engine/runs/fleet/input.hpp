@@ -8,6 +8,7 @@
 #include <string>
 
 #include "engine/core/files/file_state.hpp"
+#include "gdtslam/core/error.hpp"
 #include "plan.hpp"
 
 namespace gdtslam {
@@ -23,8 +24,14 @@ struct UnitInput {
   std::map<std::string, std::optional<FileState>> files{};
 };
 
-/// Looks at the log, or fetches it into `folder` by FleetPlan::get. Throws FileError where it cannot be had, which is
-/// the machine's fault, and Error(kInterrupted).
+/// The log cannot be had here and now, which says nothing of other logs.
+class LogUnavailable : public FileError {
+ public:
+  explicit LogUnavailable(const FileError& reason) : FileError(reason) {}
+};
+
+/// Looks at the log, or fetches it into `folder` by FleetPlan::get. Throws LogUnavailable where the log cannot be read
+/// or the command fails, another FileError where the copy cannot be written, and Error(kInterrupted).
 UnitInput unit_input(const FleetPlan& plan, const FleetUnit& unit, const std::string& folder,
                      const std::function<bool()>& stop);
 

@@ -101,12 +101,7 @@ UnitInput named_input(const UnitWork& work, UnitRecord& record) {
   // A log that is fetched has a folder of its own: it may have the name of anything that is written here.
   const std::string fetched = work.folder + "/log";
   make_folder(fetched);
-  UnitInput input;
-  try {
-    input = unit_input(plan, plan.units.at(work.unit), fetched, work.stop);
-  } catch (const FileError& error) {
-    throw LogUnavailable(error.what());
-  }
+  UnitInput input = unit_input(plan, plan.units.at(work.unit), fetched, work.stop);
   record.bytes = input.bytes;
   record.input_sha256 = input.sha256;
   record.run = unit_name(plan, input);

@@ -5,7 +5,6 @@
 #include <optional>
 #include <string>
 
-#include "gdtslam/core/error.hpp"
 #include "gdtslam/runs/map_log.hpp"
 #include "plan.hpp"
 #include "record.hpp"
@@ -33,12 +32,6 @@ struct UnitWork {
   std::function<MapResult(const MapRequest&)> map;
   std::function<void(double share)> progress{};
   std::function<bool()> stop{};
-};
-
-/// The log cannot be had here and now, which says nothing of other logs.
-class LogUnavailable : public Error {
- public:
-  explicit LogUnavailable(const std::string& message) : Error(ExitCode::kInputOutput, message) {}
 };
 
 /// Maps the log, moves the run folder into the atlas and writes the record. What bad data are to blame for (exit 2, 65,

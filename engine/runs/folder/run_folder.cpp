@@ -210,8 +210,9 @@ RunFolder::RunFolder(const std::string& path, const fs::path& leftover, ForeignF
       stays_(true) {
   lock_.emplace(folder_);
   std::error_code failed;
-  if (leftover != staging_ && fs::exists(staging_, failed)) set_aside(staging_);
-  if (leftover != staging_) fs::rename(leftover, staging_, failed);
+  if (fs::equivalent(leftover, staging_, failed)) return;  // the killed process had this one's number
+  if (fs::exists(staging_, failed)) set_aside(staging_);
+  fs::rename(leftover, staging_, failed);
   if (failed) throw FileError(path, "cannot be written to: " + failed.message());
 }
 

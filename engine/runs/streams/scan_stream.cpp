@@ -60,18 +60,25 @@ ScanStream::ScanStream(std::vector<std::string> paths, const ReadOptions& option
   open_next();
 }
 
-bool ScanStream::open_next() {
+// The log before stays in hand until then: what it tells of progress and warnings counts while a pipe is waited for.
+void ScanStream::open_next() {
+  std::unique_ptr<LogReader> next;
+  if (opened_ < paths_.size()) {
+    try {
+      if (opened_ > 0 && listener_.next_log) listener_.next_log();
+      next = open_ ? open_(opened_) : open_log(paths_[opened_], options_);
+    } catch (...) {
+      open_problem_ = std::current_exception();
+      throw;
+    }
+    ++opened_;
+  }
   if (reader_) merge_warnings(earlier_warnings_, reader_->warnings());
-  reader_.reset();
-  if (opened_ == paths_.size()) return false;
-  if (opened_ > 0 && listener_.next_log) listener_.next_log();
-  reader_ = open_ ? open_(opened_) : open_log(paths_[opened_], options_);
-  ++opened_;
+  reader_ = std::move(next);
   interpolator_ = {};
   speed_.reset();
   if (shift_) shift_.emplace(shift_->delay_s());
   T_first_this_.reset();
-  return true;
 }
 
 void ScanStream::connect(std::optional<Pose2>& T_odom_base) {
@@ -170,6 +177,7 @@ std::optional<ScanRecord> ScanStream::next_shifted() {
 }
 
 std::optional<ScanRecord> ScanStream::next_of_all() {
+  if (open_problem_) std::rethrow_exception(open_problem_);
   while (reader_) {
     std::optional<ScanRecord> scan = shift_ ? next_shifted() : next_with_odometry();
     if (scan) {

@@ -52,7 +52,8 @@ class ScanStream {
  public:
   /// Opens the log of that number, counted from 0, another way than by its path; empty: by its path.
   using OpenLog = std::function<std::unique_ptr<LogReader>(std::size_t log)>;
-  /// Opens the first log. Throws InputError or FileError, as next() does.
+  /// Opens the first log. Throws InputError or FileError, as next() does; once a log could not be opened, next() always
+  /// throws that.
   ScanStream(std::vector<std::string> paths, const ReadOptions& options, const ScanRange& range, OpenLog open = {});
 
   std::optional<ScanRecord> next();
@@ -88,7 +89,7 @@ class ScanStream {
   std::optional<ScanRecord> next_with_odometry();
   std::optional<ScanRecord> next_shifted();
   std::optional<ScanRecord> next_of_all();
-  bool open_next();
+  void open_next();
   void connect(std::optional<Pose2>& T_odom_base);
   void time_beams(ScanRecord& scan);
 
@@ -97,7 +98,8 @@ class ScanStream {
   ScanRange range_;
   OpenLog open_;
   std::size_t opened_ = 0;
-  std::unique_ptr<LogReader> reader_;
+  std::unique_ptr<LogReader> reader_;  ///< nothing once all logs are read
+  std::exception_ptr open_problem_;    ///< of the log behind it
   OdometryInterpolator interpolator_;
   OdometrySpeed speed_;
   std::optional<OdometryShift> shift_;

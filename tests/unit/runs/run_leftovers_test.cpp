@@ -94,6 +94,17 @@ TEST_F(RunLeftovers, OfAProcessOfTheSameNumberAreSetAside) {
   EXPECT_TRUE(fs::exists(folder.staged_path("log-1.copy")));
 }
 
+TEST_F(RunLeftovers, OfAProcessOfTheSameNumberAreGoneOnWithHoweverTheirFolderIsSpelt) {
+  const fs::path own = fs::path(left_) / (std::string(kStagingPrefix) + std::to_string(::getpid()));
+  fs::rename(staging_of_nobody(left_), own);
+  const std::string link = folder_.path("link");
+  fs::create_directory_symlink(left_, link);
+  for (const std::string& spelt : {left_, folder_.path("./left"), left_ + "/", link}) {
+    const RunFolder folder(spelt, own);
+    EXPECT_TRUE(fs::exists(folder.staged_path("log-1.copy"))) << spelt;
+  }
+}
+
 TEST_F(RunLeftovers, StayWhereAnEditFails) {
   EditRequest request;
   request.run = run_;

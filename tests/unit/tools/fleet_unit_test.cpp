@@ -6,6 +6,8 @@
 #include <fstream>
 #include <functional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "engine/runs/fleet/input.hpp"
 #include "engine/runs/fleet/state.hpp"
@@ -53,6 +55,24 @@ class FleetUnitWork : public testing::Test {
       EXPECT_EQ(error.code(), ExitCode::kInputOutput);
       return error.what();
     }
+  }
+  /// What is said of it where its log cannot be had; empty where the machine is to blame for something else.
+  std::string reason_of_lost_log() {
+    try {
+      (void)do_unit({.stored = stored_,
+                     .unit = 0,
+                     .atlas = atlas_,
+                     .settings = {},
+                     .folder = folder_.path() + "/work",
+                     .staging = {},
+                     .place = {},
+                     .map = {}});
+      ADD_FAILURE() << "is done";
+    } catch (const LogUnavailable& error) {
+      return error.what();
+    } catch (const FileError&) {
+    }
+    return {};
   }
   [[nodiscard]] bool is_done() const { return units_with_record(atlas_, 1).front(); }
 
@@ -131,15 +151,37 @@ TEST_F(FleetUnitWork, StaysToDoWhereSomethingElseIsInThePlaceOfItsLog) {
   EXPECT_EQ(fault_after([] {}), log_ + ": is a folder without metadata.yaml: no log, and no ROS 2 bag");
   stored_.plan.units = {{"/dev/zero", 0}};
   EXPECT_EQ(fault_after([] {}), "/dev/zero: is no plain file");
-  EXPECT_THROW((void)do_unit({.stored = stored_,
-                              .unit = 0,
-                              .atlas = atlas_,
-                              .settings = {},
-                              .folder = folder_.path() + "/work",
-                              .staging = {},
-                              .place = {},
-                              .map = {}}),
-               LogUnavailable);
+  EXPECT_EQ(reason_of_lost_log(), "/dev/zero: is no plain file");
+  EXPECT_FALSE(is_done());
+}
+
+TEST_F(FleetUnitWork, StaysToDoWhereItsLogIsGone) {
+  std::filesystem::remove(log_);
+  EXPECT_THAT(reason_of_lost_log(), HasSubstr(log_ + ": "));
+  stored_.plan.units = {{"x://robot/a.log", 0}};
+  stored_.plan.get = "printf abc; exit 3 # {}";
+  EXPECT_THAT(reason_of_lost_log(), HasSubstr("ended with code 3"));
+  EXPECT_FALSE(is_done());
+}
+
+// A work disk fails all logs alike, which tells nothing of this one.
+TEST_F(FleetUnitWork, IsNotSaidToHaveLostItsLogWhereTheCopyCannotBeWritten) {
+  namespace fs = std::filesystem;
+  const std::string work = folder_.path() + "/work";
+  const std::string copy = work + "/log/a.log";
+  stored_.plan.units = {{"x://robot/a.log", 0}};
+  stored_.plan.get = "printf abc # {}";
+  const std::vector<std::pair<const char*, std::function<void()>>> faults{
+      {"No space left", [&] { fs::create_symlink("/dev/full", copy); }},
+      {"a.log", [&] { fs::create_directory(copy); }},
+      {"work/log", [&] { fs::remove(work + "/log"), append_to(work + "/log", "no folder"); }}};
+  for (const auto& [words, plant] : faults) {
+    fs::remove_all(work);
+    fs::create_directories(work + "/log");
+    plant();
+    EXPECT_THAT(fault_after([] {}), HasSubstr(words));
+    EXPECT_THAT(reason_of_lost_log(), IsEmpty()) << words;
+  }
   EXPECT_FALSE(is_done());
 }
 

@@ -154,6 +154,22 @@ TEST(ScanStreamRules, ProgressIsOfTheInputOrOfTheWantedScans) {
   EXPECT_EQ(counted.progress(), 0.25);
 }
 
+// A pipe may be waited for as it is opened, and whoever waits asks how far it is.
+TEST(ScanStreamRules, ProgressIsNoWholeOneWhileTheNextLogIsOpened) {
+  for (const bool knows_progress : {true, false}) {
+    const ScanStream* opening = nullptr;
+    std::vector<double> shares;
+    ScanStream stream({"a", "b", "c"}, {}, {}, [&](std::size_t /*log*/) {
+      if (opening != nullptr) shares.push_back(opening->progress());
+      return std::make_unique<ListedRecords>(std::vector<LogRecord>{listed_scan(0.0)}, knows_progress);
+    });
+    opening = &stream;
+    EXPECT_EQ(stamps_of(stream).size(), 3U);
+    EXPECT_EQ(shares, knows_progress ? (std::vector<double>{1.0 / 3.0, 2.0 / 3.0}) : (std::vector<double>{-1.0, -1.0}));
+    EXPECT_EQ(stream.progress(), 1.0);
+  }
+}
+
 TEST(ScanStreamRules, BeamsAreTimedAsStatedOrAllAtOnce) {
   ScanRecord logged = listed_scan(0.0);
   logged.scan.first_beam_after_s = 0.25;

@@ -15,6 +15,7 @@
 
 #include "engine/core/files/folder_calls.hpp"
 #include "engine/io/message_text.hpp"
+#include "engine/runs/fleet/input.hpp"
 #include "engine/runs/fleet/kept_run.hpp"
 #include "engine/runs/fleet/shards.hpp"
 #include "engine/runs/fleet/state.hpp"
@@ -31,7 +32,8 @@ namespace {
 
 constexpr unsigned kMostProcesses = 1024;
 constexpr unsigned kTries = 2;
-constexpr const char* kNoLog = "no log: ";  // in place of a record, before the reason
+constexpr std::size_t kMostLogsTriedAgain = 100;  // of those in a row that cannot be had: their disk is gone
+constexpr const char* kNoLog = "no log: ";        // in place of a record, before the reason
 
 Settings settings_for(const FleetPlan& plan) {
   Settings settings = plan_settings(plan);
@@ -159,7 +161,8 @@ class Runner {
     } else if (!is_blocked) {
       ++in_a_row_;
     }
-    const bool is_tried_again = !is_blocked && tries_[unit] < kTries;
+    const bool is_tried_again =
+        !is_blocked && tries_[unit] < kTries && !(is_without_log && logs_in_a_row_ >= kMostLogsTriedAgain);
     line_.clear();
     print_remark(
         fmt::format("unit {} is not done{}: {}", unit, is_tried_again ? " and is tried again" : "", failure.message));
@@ -171,12 +174,11 @@ class Runner {
     last_ = {unit, failure.code, failure.message};
   }
 
-  // A disk that is full or gone fails every unit: trying them all would only take time. Logs that are gone say little
-  // of others, until they are many.
+  // A disk that is full or gone fails every unit: trying them all would only take time. Logs that are gone say nothing
+  // of others.
   [[nodiscard]] bool is_given_up() const {
     constexpr std::size_t kLongestRow = 6;
-    constexpr std::size_t kMostLogs = 100;
-    return in_a_row_ >= kLongestRow || logs_in_a_row_ >= kMostLogs;
+    return in_a_row_ >= kLongestRow;
   }
 
   [[nodiscard]] std::string progress(double elapsed_s) const {
@@ -210,7 +212,7 @@ class Runner {
   std::size_t finished_ = 0;
   std::size_t refused_ = 0;
   std::size_t in_a_row_ = 0;       ///< failures
-  std::size_t logs_in_a_row_ = 0;  ///< that cannot be had
+  std::size_t logs_in_a_row_ = 0;  ///< that cannot be had at the first try
   double all_s_ = 0.0;
   double done_s_ = 0.0;
 };
