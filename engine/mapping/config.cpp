@@ -146,8 +146,9 @@ std::vector<Option> search_options(MapperConfig& c) {
       {"search.gap",
        "What the matcher certified proves: no pose of a window has a mean distance smaller by more than this",
        Unit::kMetre, 0.0, 1.0, &c.search.gap_m},
-      {"search.max_kiloboxes", "Boxes, in thousands, after which the matcher certified gives a window up", Unit::kNone,
-       1, 1000000, &c.search.max_kiloboxes},
+      {"search.max_kiloboxes",
+       "Boxes, in thousands, beside those that cover the window, after which the matcher certified gives it up",
+       Unit::kNone, 1, 1000000, &c.search.max_kiloboxes},
   };
 }
 

@@ -7,6 +7,7 @@
 
 #include "engine/mapping/adjust/carried_poses.hpp"
 #include "engine/mapping/graph/free_network.hpp"
+#include "held_path.hpp"
 
 namespace gdtslam {
 namespace {
@@ -28,14 +29,6 @@ constexpr double kLeastWheels_m = 0.002;
 constexpr double kLeastWheels_rad = 0.0005;
 constexpr double kUnmeasured_m = 5.0;  // a step that is less sure is one that no odometry measured
 constexpr double kLeapChi2 = 25.0;
-// In the joint adjustment the points themselves speak: the path is held by little, and by what the front end says over
-// stretches of its local map.
-constexpr double kChainShare = 0.05;
-constexpr double kWheelShare = 0.3;
-constexpr std::size_t kSpans[] = {4, 12, 30};  // keyframes
-constexpr std::size_t kSpansOver = 4;          // each of them over every step of the path, which is to count once
-constexpr double kSpanNoise_m = 0.01;
-constexpr double kSpanNoise_rad = 0.003;
 constexpr double kLeastForDoubt = 0.3;     // factor of a variance, halfway between what loops found and what was stated
 constexpr std::size_t kMostUnkept = 128;   // scans whose points wait for what is kept of them
 constexpr std::size_t kScansAtOnce = 256;  // adjusted by the workers, before progress is told
@@ -167,31 +160,6 @@ void BackEnd::take_kept() {
   }
 }
 
-// The path from one kept keyframe to the next, by wheels and by the front end as far as they are believed, and what the
-// front end says of stretches of its local map.
-std::vector<PoseRelation> BackEnd::held_relations(const MeasuredPath& measured) const {
-  std::vector<PoseRelation> held;
-  const auto hold = [&held](std::size_t from, std::size_t to, const PoseRelation& relation, double share) {
-    held.push_back(
-        {.from = from, .to = to, .T_from_to = relation.T_from_to, .information = share * relation.information});
-  };
-  const std::size_t keyframes = kept_.size();
-  for (std::size_t i = 1; i < keyframes; ++i) {
-    hold(i - 1, i, measured.stretch(kept_[i - 1], kept_[i], StepSource::kWheels), kWheelShare);
-    hold(i - 1, i, measured.stretch(kept_[i - 1], kept_[i], StepSource::kFrontEnd), kChainShare);
-  }
-  const Matrix3 floor = Matrix3::diagonal(square(kSpanNoise_m), square(kSpanNoise_m), square(kSpanNoise_rad));
-  for (const std::size_t span : kSpans) {
-    for (std::size_t i = 0; i + span < keyframes; i += span / kSpansOver) {
-      if (kept_[i + span] - kept_[i] != span) continue;  // some in between are not kept
-      PoseRelation stretch = measured.stretch(kept_[i], kept_[i + span], StepSource::kFrontEnd);
-      stretch.information = inverse(inverse(stretch.information) + floor);
-      hold(i, i + span, stretch, 1.0 / static_cast<double>(kSpansOver * std::size(kSpans)));
-    }
-  }
-  return held;
-}
-
 std::vector<Pose2> BackEnd::poses_of_scans(const std::vector<Pose2>& keyframes) const {
   std::vector<Pose2> poses;
   poses.reserve(scans_.size());
@@ -216,7 +184,7 @@ JointResult BackEnd::adjust_keyframes(const MeasuredPath& measured, std::vector<
   const std::vector<Pose2> before = those_at(kept_, keyframes);
   std::vector<Pose2> after = before;
   const JointResult result =
-      JointAdjustment(kept_scans_, held_relations(measured), options_.joint).run(after, workers, [&](double share) {
+      JointAdjustment(kept_scans_, held_path(measured, kept_), options_.joint).run(after, workers, [&](double share) {
         progress("adjusting keyframes", share);
       });
   if (kept_.size() < keyframes.size()) carry_with_nearest(before, after, keyframes);
@@ -263,14 +231,16 @@ void BackEnd::adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose
 // drive that has one place alone, whose graph would tell nothing. Loops say how good a chain is where they tie it;
 // where none does it may be as bad as it was stated.
 BackEnd::CautiousGraph BackEnd::cautious_graph(const LoopCloser& closer) const {
-  MeasuredPath measured = closer.measured();
   PoseGraph graph = closer.graph();
-  if (measured.places().size() == 1) {
-    while (measured.places().size() < keyframes_.size()) measured.add_place(measured.places().size());
-    graph.poses = closer.poses();
+  if (closer.places().size() != 1) {
+    graph.path = closer.measured().cautious_relations(kLeastForDoubt);
+    return {std::move(graph), closer.places()};
   }
-  if (graph.poses.size() > 1) graph.path = measured.cautious_relations(kLeastForDoubt);
-  return {std::move(graph), measured.places()};
+  MeasuredPath steps = closer.measured();
+  for (std::size_t keyframe = 1; keyframe < keyframes_.size(); ++keyframe) steps.add_place(keyframe);
+  graph.poses = closer.poses();
+  graph.path = steps.cautious_relations(kLeastForDoubt);
+  return {std::move(graph), steps.places()};
 }
 
 // In between linearly by the keyframes.

@@ -85,7 +85,6 @@ class BackEnd {
   void add_keyframe(const MatchResult& result, KeptScan points);
   [[nodiscard]] MeasuredSteps steps_to(const MatchResult& result, const KeptScan& scan) const;
   void take_kept();
-  [[nodiscard]] std::vector<PoseRelation> held_relations(const MeasuredPath& measured) const;
   JointResult adjust_keyframes(const MeasuredPath& measured, std::vector<Pose2>& keyframes, WorkerPool& workers,
                                const Progress& progress) const;
   [[nodiscard]] std::vector<Pose2> poses_of_scans(const std::vector<Pose2>& keyframes) const;

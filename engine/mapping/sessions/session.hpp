@@ -10,7 +10,7 @@
 
 namespace gdtslam {
 
-/// Of a session's path where another drive begins: what was seen before does not belong to it.
+/// Of a path where another drive begins: far more than what belongs together.
 inline constexpr double kBetweenDrives_m = 1000.0;
 
 struct Session {

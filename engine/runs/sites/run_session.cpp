@@ -67,15 +67,19 @@ void take_graph(const RunReader& run, const RunKeyframes& kept, Session& session
   }
 }
 
-constexpr float kTooNear_m = 0.001F;        // to count; the shortest range that keyframes.bin.gz has
-constexpr double kLeastMinRange_m = 0.002;  // that leaves it out
+constexpr float kTooNear_m = 0.001F;  // a range that no run counts; keyframes.bin.gz has none that is shorter
+constexpr double kLeastMinRange_m = 0.002;
 
 ScanConfig widest_of(const std::vector<RunSession>& runs) {
   ScanConfig widest = runs.front().settings.mapper.scan;
+  bool is_one = true;
   for (const RunSession& run : runs) {
-    widest.min_range_m = std::min(widest.min_range_m, run.settings.mapper.scan.min_range_m);
-    widest.max_range_m = std::max(widest.max_range_m, run.settings.mapper.scan.max_range_m);
+    const ScanConfig& own = run.settings.mapper.scan;
+    is_one = is_one && own.min_range_m == widest.min_range_m;
+    widest.min_range_m = std::min(widest.min_range_m, own.min_range_m);
+    widest.max_range_m = std::max(widest.max_range_m, own.max_range_m);
   }
+  if (!is_one) widest.min_range_m = std::max(widest.min_range_m, kLeastMinRange_m);
   return widest;
 }
 
@@ -123,7 +127,7 @@ void share_range_limits(std::vector<RunSession>& runs) {
   for (RunSession& run : runs) {
     ScanConfig& own = run.settings.mapper.scan;
     for (RunKeyframe& keyframe : run.kept.keyframes) limit_ranges(own, widest, keyframe.laser);
-    if (own.min_range_m > widest.min_range_m) own.min_range_m = std::max(widest.min_range_m, kLeastMinRange_m);
+    own.min_range_m = widest.min_range_m;
     own.max_range_m = widest.max_range_m;
   }
 }

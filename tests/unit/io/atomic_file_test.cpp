@@ -1,11 +1,14 @@
 // Files that appear whole or not at all, also when the disk is full, the folder is closed or the writer is killed.
 #include "engine/io/atomic_file.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <csignal>
 
+#include "engine/core/files/interruption.hpp"
 #include "gdtslam/core/error.hpp"
 #include "io_test_support.hpp"
 
@@ -48,6 +51,26 @@ TEST(AtomicFile, NoDescriptorStaysOpen) {
     if (i % 2 == 0) file.commit();
   }
   EXPECT_EQ(open_now(), before);
+}
+
+// What the reader takes whole is no interrupted output.
+TEST(AtomicFile, APipeThatTakesAllIsWrittenWhoeverAsksToEnd) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  const int reader = ::open((folder / "pipe").c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  ASSERT_GE(reader, 0);
+  bool (*const before)() = asked_to_end;
+  asked_to_end = [] { return true; };
+  EXPECT_NO_THROW({
+    AtomicFile file(folder / "pipe");
+    file.write("abc");
+    file.commit();
+  });
+  asked_to_end = before;
+  char bytes[4] = {};
+  EXPECT_EQ(::read(reader, bytes, sizeof bytes), 3);
+  EXPECT_STREQ(bytes, "abc");
+  ::close(reader);
 }
 
 TEST(AtomicFile, WithoutCommitTheOldFileStays) {

@@ -197,6 +197,19 @@ INSTANTIATE_TEST_SUITE_P(All, MatchersOfAScan, testing::Values(MatcherKind::kSim
                            return kind.param == MatcherKind::kSimplex ? "simplex" : "exhaustive";
                          });
 
+// Those that cover it are many more than the matcher may open.
+TEST_F(Matching, BoxesThatCoverAWideWindowDoNotCountAsOpened) {
+  config_.match.matcher = MatcherKind::kCertified;
+  config_.search.max_kiloboxes = 20;
+  ScanMatcher matcher(config_, map_);
+  const Pose2 truth{0.2, 0.1, 0.4};
+  const Pose2 predicted = truth * Pose2{1.5, -0.4, 2.4};
+  const MatchResult result =
+      matcher.match(scan_from(truth), {.T_map_base = predicted, .travelled_m = 2.5, .turned_rad = 2.6}, false);
+  EXPECT_TRUE(result.accepted);
+  EXPECT_THAT(result.T_map_base, PoseNear(truth, 0.03, 0.5));
+}
+
 // Devices may take subnormal numbers for 0, so nothing near them is handed to one.
 TEST_F(Matching, APredictionNextToNothingIsZero) {
   MatchRules rules(config_);

@@ -267,6 +267,15 @@ TEST_F(MergedRunsTest, ShareTheWidestLimitsAndEachScanKeepsItsOwn) {
   }
   EXPECT_EQ(runs[0].kept.keyframes[0].laser.max_range_m, 8.0);
   EXPECT_EQ(runs[1].kept.keyframes[0].laser.max_range_m, 30.0);
+  // Where one counts from nothing on, what is too near for the other stays out in the settings of either.
+  std::vector<RunSession> from_nothing;
+  from_nothing.push_back(run_of(0.0, 40.0, 30.0));
+  from_nothing.push_back(run_of(0.5, 40.0, 30.0));
+  share_range_limits(from_nothing);
+  for (const RunSession& run : from_nothing) {
+    EXPECT_EQ(ScanPoints(run.settings.mapper.scan).of(from_nothing[0].kept.keyframes[0].laser).size(), 4U);
+    EXPECT_EQ(ScanPoints(run.settings.mapper.scan).of(from_nothing[1].kept.keyframes[0].laser).size(), 2U);
+  }
 }
 
 }  // namespace

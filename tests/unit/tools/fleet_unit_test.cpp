@@ -31,18 +31,21 @@ class FleetUnitWork : public testing::Test {
     stored_.plan.units = {{log_, 0}};
     stored_.plan.shards = {{0}};
   }
+  [[nodiscard]] UnitWork the_unit() const {
+    return {.stored = stored_,
+            .unit = 0,
+            .atlas = atlas_,
+            .settings = {},
+            .folder = folder_.path() + "/work",
+            .staging = {},
+            .place = {},
+            .map = {}};
+  }
   /// What is said of the unit where this happens while it is mapped; empty where it is done.
   std::string fault_after(
       const std::function<void()>& change,
       const std::function<void(const MapRequest&)>& look = [](const MapRequest&) {}) {
-    UnitWork work{.stored = stored_,
-                  .unit = 0,
-                  .atlas = atlas_,
-                  .settings = {},
-                  .folder = folder_.path() + "/work",
-                  .staging = {},
-                  .place = {},
-                  .map = {}};
+    UnitWork work = the_unit();
     work.map = [&](const MapRequest& request) -> MapResult {
       look(request);
       change();
@@ -59,14 +62,7 @@ class FleetUnitWork : public testing::Test {
   /// What is said of it where its log cannot be had; empty where the machine is to blame for something else.
   std::string reason_of_lost_log() {
     try {
-      (void)do_unit({.stored = stored_,
-                     .unit = 0,
-                     .atlas = atlas_,
-                     .settings = {},
-                     .folder = folder_.path() + "/work",
-                     .staging = {},
-                     .place = {},
-                     .map = {}});
+      (void)do_unit(the_unit());
       ADD_FAILURE() << "is done";
     } catch (const LogUnavailable& error) {
       return error.what();

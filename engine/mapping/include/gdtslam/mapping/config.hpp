@@ -119,7 +119,7 @@ struct SearchConfig {
   std::int32_t max_points = 96;  ///< a scan is thinned to this for the window
   std::int32_t attempts = 3;
   double gap_m = 0.005;              ///< certified: of the mean distance
-  std::int32_t max_kiloboxes = 200;  ///< certified: gives a window up after 1000 times so many boxes
+  std::int32_t max_kiloboxes = 200;  ///< certified: boxes in thousands, beside those that cover a window
 };
 
 /// When a match is suspect, refused or reported.

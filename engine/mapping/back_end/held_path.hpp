@@ -1,0 +1,18 @@
+// What holds keyframes to each other while their scans are adjusted together: the path as it was measured. Frame: none,
+// relations alone. Thread-safe; linear in the keyframes.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "engine/mapping/loops/measured_path.hpp"
+
+namespace gdtslam {
+
+/// From one kept keyframe to the next, by wheels and by the front end as far as they are believed, and what the front
+/// end says of stretches of its local map in which all keyframes are kept. `kept` are keyframes, ascending; relations
+/// have their places in it.
+std::vector<PoseRelation> held_path(const MeasuredPath& measured, std::span<const std::size_t> kept);
+
+}  // namespace gdtslam
