@@ -152,7 +152,9 @@ void AtomicFile::open_temporary() {
 }
 
 void AtomicFile::fail(const char* what, int code) const {
-  throw FileError(path_, fmt::format("{}: {}", what, errno_text(code)));
+  const std::string text = fmt::format("{}: {}", what, errno_text(code));
+  if (code == EPIPE) throw NoReaderError(path_, text);
+  throw FileError(path_, text);
 }
 
 void AtomicFile::write_through(const char* data, std::size_t size) {

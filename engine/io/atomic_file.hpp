@@ -13,7 +13,15 @@
 #include <string_view>
 #include <vector>
 
+#include "gdtslam/core/error.hpp"
+
 namespace gdtslam {
+
+/// Whoever read the pipe that is written has gone away, as `head` does once it has enough.
+class NoReaderError : public FileError {
+ public:
+  using FileError::FileError;
+};
 
 class AtomicFile {
  public:

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -22,6 +23,20 @@
 namespace gdtslam {
 namespace {
 
+constexpr int kSignalLook_ms = 200;  // a signal may come between the look at its flag and the wait
+
+// Whether a descriptor has bytes, its end or an error to give, before the time is up. Else whoever wants this thread to
+// end was asked.
+bool has_something(int descriptor) {
+  pollfd waited{.fd = descriptor, .events = POLLIN, .revents = 0};
+  const int count = ::poll(&waited, 1, kSignalLook_ms);
+  if (count > 0 || (count < 0 && errno != EINTR)) return true;
+  AskedAfterSignals::ask();
+  return false;
+}
+
+bool is_to_end() { return is_asked_to_end() || AskedAfterSignals::has_ended(); }
+
 class FileSource final : public ByteSource {
  public:
   explicit FileSource(const std::string& path) : name_(path == "-" ? "standard input" : path) {
@@ -35,7 +50,6 @@ class FileSource final : public ByteSource {
       close_file();
       throw FileError(name_, "is a folder; give a file");
     }
-    is_pipe_ = known && S_ISFIFO(status.st_mode);
     is_file_ = known && S_ISREG(status.st_mode);
     if (is_file_) size_ = static_cast<std::uint64_t>(status.st_size);
   }
@@ -44,7 +58,8 @@ class FileSource final : public ByteSource {
   std::size_t read(std::span<char> target) override {
     ssize_t count = -1;
     for (;;) {
-      if (is_over()) return 0;
+      if (!is_file_ && is_to_end()) return 0;
+      if (!is_file_ && !has_something(descriptor_)) continue;
       count = ::read(descriptor_, target.data(), target.size());
       if (count >= 0 || errno != EINTR) break;
       AskedAfterSignals::ask();
@@ -59,9 +74,6 @@ class FileSource final : public ByteSource {
   [[nodiscard]] std::uint64_t bytes_from_file() const override { return position_; }
 
  private:
-  [[nodiscard]] bool is_over() const {
-    return (is_pipe_ && is_asked_to_end()) || (!is_file_ && AskedAfterSignals::has_ended());
-  }
   void close_file() {
     if (descriptor_ > STDIN_FILENO) {
       ::close(descriptor_);
@@ -71,8 +83,7 @@ class FileSource final : public ByteSource {
 
   std::string name_;
   int descriptor_ = -1;
-  bool is_pipe_ = false;  // whose writer may let it wait
-  bool is_file_ = false;  // that has what it has; else a pipe, a terminal or another device
+  bool is_file_ = false;  // that has what it has; else a pipe, a terminal or another device, which may let it wait
   std::uint64_t size_ = 0;
   std::uint64_t position_ = 0;
 };
@@ -132,22 +143,39 @@ std::uint64_t free_kept_bytes() {
   return static_cast<std::uint64_t>(mib) << 20U;
 }
 
-// A pipe that comes after the end gives nothing: nobody waits for its writer.
-bool is_left_out(const std::string& path) {
-  std::error_code ignored;
-  return AskedAfterSignals::has_ended() && std::filesystem::is_fifo(path, ignored);
+Error no_writer(const std::string& path) {
+  return {ExitCode::kInterrupted, "interrupted while '" + path + "' had no writer, or one that gave nothing"};
+}
+
+// Opening a pipe waits for its writer, and a signal just before that would not end it: so what waits is a poll.
+int open_pipe(const std::string& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (descriptor < 0) return descriptor;
+  try {
+    while (!has_something(descriptor)) {
+      if (is_to_end()) throw no_writer(path);
+    }
+  } catch (...) {
+    ::close(descriptor);
+    throw;
+  }
+  ::fcntl(descriptor, F_SETFL, ::fcntl(descriptor, F_GETFL) & ~O_NONBLOCK);
+  return descriptor;
 }
 
 }  // namespace
 
+// A pipe that comes after the end gives nothing: nobody waits for its writer.
 int open_to_read(const std::string& path) {
-  const char* const name = is_left_out(path) ? "/dev/null" : path.c_str();
+  std::error_code ignored;
+  const bool is_pipe = std::filesystem::is_fifo(path, ignored);
+  if (is_pipe && !AskedAfterSignals::has_ended()) return open_pipe(path);
+  const char* const name = is_pipe ? "/dev/null" : path.c_str();
   for (;;) {
-    const int descriptor = ::open(name, O_RDONLY | O_CLOEXEC);
+    const int descriptor = ::open(name, O_RDONLY | O_CLOEXEC | O_NOCTTY);
     if (descriptor >= 0 || errno != EINTR) return descriptor;
     AskedAfterSignals::ask();
-    if (is_asked_to_end() || AskedAfterSignals::has_ended())
-      throw Error(ExitCode::kInterrupted, "interrupted while '" + path + "' had no writer");
+    if (is_to_end()) throw no_writer(path);
   }
 }
 

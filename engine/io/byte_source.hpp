@@ -25,11 +25,12 @@ class ByteSource {
   [[nodiscard]] virtual std::string defect() const { return {}; }
 };
 
-/// A descriptor of a file to read, or below 0 with errno. A named pipe waits for its writer; Error(kInterrupted) where
-/// the process or this thread is asked to end meanwhile (interruption.hpp).
+/// A descriptor of a file to read, or below 0 with errno. A named pipe waits until its writer gives something or goes;
+/// Error(kInterrupted) where the process or this thread is asked to end meanwhile (interruption.hpp), seen within 0.2
+/// s.
 int open_to_read(const std::string& path);
-/// A file, "-" being standard input; FileError when it cannot be opened, also when it is a folder. Where the process or
-/// this thread is asked to end while a read waits, that is the end of the input.
+/// A file, "-" being standard input; FileError when it cannot be opened, also when it is a folder. Of a pipe, a
+/// terminal or another device the end is also where the process or this thread is asked to end, seen within 0.2 s.
 std::unique_ptr<ByteSource> open_file_source(const std::string& path);
 std::unique_ptr<ByteSource> open_memory_source(std::span<const std::byte> data);
 /// The bytes that were read of a source to know what it is, then the rest of it.

@@ -151,11 +151,19 @@ std::optional<OdometryDelay> odometry_delay_of(const MapRequest& request, const 
   return delay;
 }
 
+std::string no_crank_warning(const std::string& linkage) {
+  return fmt::format(
+      "warning: {} lies beside the log, which has no ENCODER or TILT message among its first {} records: the laser is "
+      "taken to be level; of a recording, --crank NAME says which topic tells how it nods",
+      linkage, ScanStream::kMostAhead);
+}
+
 // How the laser nods, by the log.
 NodKind nod_kind_of_start(const MapRequest& request, ScanStream& scans) {
   if (request.scan_mapped) return NodKind::kNone;
   // Where there is a linkage the mount's messages may be late in the log; else a live log is not kept waiting for them.
-  const bool has_linkage = !request.linkage.empty() || !linkage_sidecar(request.logs.front()).empty();
+  const std::string beside = linkage_sidecar(request.logs.front());
+  const bool has_linkage = !request.linkage.empty() || !beside.empty();
   const NodKind kind = scans.nod_kind(has_linkage ? ScanStream::kMostAhead : ScanStream::kScansAhead);
   if (kind == NodKind::kNone && !request.linkage.empty()) {
     scans.expect_readable();
@@ -164,6 +172,7 @@ NodKind nod_kind_of_start(const MapRequest& request, ScanStream& scans) {
         fmt::format("has no ENCODER or TILT message among its first {} records, so --linkage has nothing to work on",
                     ScanStream::kMostAhead));
   }
+  if (kind == NodKind::kNone && has_linkage && request.warn) request.warn(no_crank_warning(beside));
   return kind;
 }
 

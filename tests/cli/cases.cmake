@@ -170,6 +170,8 @@ gdtslam_cli_test(map.summary ARGS map {log} -o out --first 60 STDOUT "^60 scans,
 gdtslam_cli_test(map.json ARGS map {log} -o out --first 60 --json SCHEMA report)
 gdtslam_cli_test(map.lenient ARGS map {data}/malformed.log -o out --lenient STDOUT "2 scans" STDERR "warning: malformed line \\(1 times. first: .*malformed.log:3: ")
 gdtslam_cli_test(map.exhaustive ARGS map {log} -o out --first 20 --matcher exhaustive STDOUT "20 scans")
+gdtslam_cli_test(map.two_matchers ARGS map {log} -o out --matcher simplex --set match.matcher=exhaustive EXIT 2 STDERR "--matcher simplex contradicts --set match.matcher=exhaustive: give one of them")
+gdtslam_cli_test(map.one_matcher_twice ARGS map {log} -o out --first 20 --matcher exhaustive --set match.matcher=exhaustive STDOUT "20 scans")
 gdtslam_cli_test(map.skip ARGS map {log} -o out --skip 30 --first 10 STDOUT "^10 scans")
 gdtslam_cli_test(map.other_resolution ARGS map {log} -o out --first 10 --set "map.resolution=10 cm" --json STDOUT "\"resolution_m\": 0.1,")
 gdtslam_cli_test(map.without_odometry ARGS map {data}/no_odometry.log -o out STDOUT "scans, [1-9][0-9]* matched")

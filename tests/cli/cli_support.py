@@ -6,6 +6,7 @@ import json
 import math
 import os
 import pathlib
+import pty
 import shutil
 import struct
 import subprocess
@@ -44,6 +45,18 @@ def require_vulkan():
         expect(os.environ.get("GDTSLAM_REQUIRE_VULKAN") != "1", "there is no Vulkan device, and GDTSLAM_REQUIRE_VULKAN=1")
         skip("there is no Vulkan device")
     return devices
+
+
+def full_terminal():
+    """Both ends of a terminal that nobody reads, as over a connection that hangs: whoever writes to the second one waits."""
+    ours, theirs = pty.openpty()
+    os.set_blocking(theirs, False)
+    try:
+        while True:
+            os.write(theirs, 100 * b".")
+    except BlockingIOError:
+        os.set_blocking(theirs, True)
+    return ours, theirs
 
 
 def environment(**changes):

@@ -77,6 +77,46 @@ def check_definitions(connections):
         expect(found == connection["md5sum"].decode(), f"{connection['type']}: {found}")
 
 
+def beginning_of(*words, lines=1):
+    """The first lines that a command prints to a reader who has enough then, as `head` has; its exit code and remarks."""
+    with subprocess.Popen([cli.PROGRAM, *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        read = [process.stdout.readline() for _ in range(lines)]
+        process.stdout.close()
+        remarks = process.stderr.read()
+        return read, process.wait(timeout=60), remarks
+
+
+def readers_that_had_enough():
+    """A log that is sent ends quietly with its reader; what cannot be written for another reason is an error."""
+    for name in ("jsonl", "csv", "carmen"):
+        read, code, remarks = beginning_of("convert", LOG, "-o", "-", "--format", name)
+        expect(read[0].endswith("\n") and (code, remarks) == (0, ""), f"{name}: {code} {remarks}")
+    for pace in ((), ("--pace", 1)):  # its drive takes more than a minute
+        read, code, remarks = beginning_of("simulate", "office-loop", "-o", "-", *pace, lines=3)
+        expect(read[0].startswith("PARAM") and (code, remarks) == (0, ""), f"{pace}: {code} {remarks}")
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        process = subprocess.run([cli.PROGRAM, "convert", LOG, "-o", "-", "--format", "csv"], stdout=full, stderr=subprocess.PIPE,
+                                 text=True, check=False)
+    expect(process.returncode == 74 and "No space left" in process.stderr, process.stderr)
+
+
+def convert_takes_what_is_stated():
+    """Times of the beams go into the log that is written; what would change nothing is refused."""
+    folder = cli.fresh_folder("convert_takes_what_is_stated")
+    stated = ("--set", "log.beam_times=stated", "--set", "log.first_beam_after=-10 ms", "--set", "log.beam_period=-0.1 ms")
+    scans = [row for row in map(json.loads, converted(folder / "a.jsonl", *stated).read_text().splitlines()) if "ranges" in row]
+    expect({(row["first_beam_after"], row["time_increment"]) for row in scans} == {(-0.01, -0.0001)}, "times of the beams")
+    level = converted(folder / "b.jsonl", "--set", "log.deskew=false", log=folder / "a.jsonl").read_text().splitlines()
+    expect({row["time_increment"] for row in map(json.loads, level) if "ranges" in row} == {0}, "log.deskew=false")
+    for setting in ("log.odometry_stamps=log", "map.resolution=1cm"):
+        process = command("convert", LOG, "-o", folder / "c.csv", "--set", setting)
+        expect_exit(process, 2)
+        cli.one_error_line(process.stderr)
+        expect(f"convert has no use for {setting.split('=')[0]}" in process.stderr and not (folder / "c.csv").exists(), process.stderr)
+    times = converted(folder / "c.csv", "--set", "log.mount=stated", "--set", "log.mount_x=10 cm")
+    expect(",0.1,0,0," in times.read_text(), "the mount that was stated")
+
+
 BEGIN = ("--first", 600)  # what is mapped of a log that is converted whole
 
 

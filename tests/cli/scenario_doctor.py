@@ -223,6 +223,25 @@ def doctor_of_text_logs():
     expect_two_lasers(folder)
 
 
+def doctor_of_a_nodding_recording():
+    """A linkage lies beside it: map without a crank says so, and the first line to type maps in 3D, by the crank's ticks."""
+    folder = cli.fresh_folder("doctor_of_a_nodding_recording")
+    expect_exit(command("simulate", "three-boxes", "-o", folder / "tb.mcap", "--rate", 10, "-q"), 0)
+    process = command("map", folder / "tb.mcap", "-o", folder / "flat")
+    expect_exit(process, 0)
+    expect("tb.linkage.yaml lies beside the log" in process.stderr and "--crank NAME" in process.stderr, process.stderr)
+    found = examined(folder / "tb.mcap")
+    lines = [entry["line"] for entry in found["commands"]]
+    log = folder / "tb.mcap"
+    expect(lines == [f"gdtslam map {log} --crank /crank -o out", f"gdtslam map {log} -o out"], lines)
+    report = types_here(lines[0], folder)
+    expect(report["nodding"] and (folder / "out/cloud.ply").is_file(), report.get("nodding"))
+    expect("lies beside" not in command("map", log, "--crank", "/crank", "-o", folder / "again").stderr, "a crank is there")
+    (folder / "tb.linkage.yaml").unlink()
+    lines = [entry["line"] for entry in examined(log)["commands"]]
+    expect(lines == [f"gdtslam map {log} -o out", f"gdtslam map {log} --crank /crank -o out"], lines)
+
+
 def doctor_pictures():
     """One picture of a log in each format; of which panels, its words tell. Names that cannot be written are refused first."""
     folder = cli.fresh_folder("doctor_pictures")

@@ -12,6 +12,7 @@ import socket
 import subprocess
 import sys
 import time
+import tty
 
 import cli_support as cli
 from cli_support import LOG, PROGRAM, RUN, expect, expect_exit, one_error_line
@@ -207,7 +208,7 @@ def with_small_pipe(*arguments, text):
 
 def live_slow_readers():
     """A slow reader gets every line. One that hangs stops nothing: the map is made, what it gets in the end are whole lines,
-    and the others are counted. No more does a terminal that hangs."""
+    and the others are counted. No more does a terminal that hangs, of standard output or of both."""
     folder = cli.fresh_folder("live_slow")
     lines = lines_of_drive(120)
     mapped_by_pipe(folder / "map", lines)
@@ -232,6 +233,33 @@ def live_slow_readers():
     write_at_once(stuck, "".join(lines))
     expect(stuck.wait(100 * cli.SLOWNESS) == 0 and "lines not read by anybody" in stuck.stderr.read(), "read by somebody")
     expect_same_files(folder / "stuck", folder / "map", "with a terminal that hangs")
+    os.close(ours)
+    ours, terminal = cli.full_terminal()
+    silent = started("-o", folder / "silent", "--queue", 200, stdin=subprocess.PIPE, stdout=terminal, stderr=terminal)
+    os.close(terminal)
+    write_at_once(silent, "".join(lines))
+    expect(silent.wait(100 * cli.SLOWNESS) == 0, "another exit code where nobody reads standard error")
+    expect_same_files(folder / "silent", folder / "map", "with a terminal that hangs for both")
+    os.close(ours)
+
+
+def live_of_a_terminal_that_falls_silent():
+    """A serial port is a terminal: its scans come, then nothing, and one SIGINT is the end of the drive."""
+    folder = cli.fresh_folder("live_serial")
+    lines = lines_of_drive(60)
+    mapped_by_pipe(folder / "map", lines)
+    ours, terminal = pty.openpty()
+    tty.setraw(terminal)
+    process = started(os.ttyname(terminal), "-o", folder / "live")
+    text = "".join(lines).encode()
+    while text:
+        text = text[os.write(ours, text[:1000]):]
+    expect([json.loads(line)["scan"] for line in read_lines(process, 60)] == list(range(60)), "scans are missing")
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    ended(process)
+    expect_same_files(folder / "live", folder / "map", "from a terminal")
+    os.close(terminal)
     os.close(ours)
 
 

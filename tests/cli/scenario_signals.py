@@ -160,13 +160,16 @@ def interrupt_of_bench():
 
 def second_interrupt_ends():
     """A second SIGINT ends the process at once, also where it cannot look at the flag."""
-    _, terminal = pty.openpty()  # a device that gives nothing
-    process = subprocess.Popen([PROGRAM, "doctor", os.ttyname(terminal)], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                               stderr=subprocess.PIPE)
+    pipe = cli.fresh_folder("second_interrupt") / "pipe"
+    os.mkfifo(pipe)
+    ours, terminal = cli.full_terminal()  # to which it cannot say that it was interrupted
+    process = subprocess.Popen([PROGRAM, "doctor", str(pipe)], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=terminal)
     time.sleep(0.3 * cli.SLOWNESS)
     process.send_signal(signal.SIGINT)
-    time.sleep(0.3)
+    time.sleep(0.5)
     expect(process.poll() is None, "the first signal ended the process")
     process.send_signal(signal.SIGINT)
     process.wait(timeout=10)
     expect(process.returncode == -signal.SIGINT, f"exit {process.returncode}")
+    os.close(terminal)
+    os.close(ours)

@@ -188,6 +188,27 @@ def files_of_others_among_tiles_are_kept():
     expect(not (run / "tiles").exists(), "--force left them")
 
 
+def tiles_without_an_occupancy_map(folder, log):
+    """Those of --no-map have distances alone, also made again; a piece that is cut out can be located in."""
+    run, cut = folder / "run", folder / "cut_without"
+    index = json.loads((run / "tiles/index.json").read_text())
+    names = sorted(file.name for file in (run / "tiles").iterdir())
+    expect(index["occupancy"] is False and not (run / "map.pgm").exists(), f"{index}")
+    expect("map" not in json.loads((run / "report.json").read_text()), "the report has a map")
+    expect(len(names) == 2 * len(index["tiles"]) + 1 and not any(name.startswith("map_") for name in names), f"{names}")
+    tile = index["tiles"][0]
+    expect_exit(command("tiles", run, "--only", f"{tile['x']},{tile['y']}", "-q"), 0)
+    expect(sorted(file.name for file in (run / "tiles").iterdir()) == names, "one made again has more files")
+    expect(json.loads((run / "tiles/index.json").read_text()) == index, "the index is another")
+    process = command("localize", run, log, "--scan", 3)
+    expect_exit(process, 65)
+    one_error_line(process.stderr)
+    expect("--crop" in process.stderr and "map_0_0" not in process.stderr, process.stderr)
+    expect_exit(command("edit", run, "--crop=-3,-3,3,3", "-o", cut), 0)
+    expect((cut / "gdt.png").exists() and not (cut / "map.pgm").exists(), "the piece has a map, or no distances")
+    expect_exit(command("localize", cut, log, "--scan", 3), 0)
+
+
 def map_writes_tiles_where_one_piece_is_too_large():
     """Cells of 5 mm make an office through whose window a wall is seen 64 m away too large for one piece: tiles and a small
     map, or tiles alone without a map; mapped again in one piece they go. How far the laser might have seen is no matter."""
@@ -205,6 +226,8 @@ def map_writes_tiles_where_one_piece_is_too_large():
     for arguments in (("--no-map",), ()):
         expect_exit(command("map", far, "-o", folder / "run", "-q", *small, *fine, *arguments), 0)
         expect((folder / "run/tiles/index.json").exists() and not (folder / "run/gdt.png").exists(), f"{arguments}: one piece")
+        if arguments:
+            tiles_without_an_occupancy_map(folder, far)
     report = json.loads((folder / "run/report.json").read_text())
     cli.validate((folder / "run/report.json").read_text(), "report")
     expect(report["tiles"] > 4, f"{report['tiles']} tiles")

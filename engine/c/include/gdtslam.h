@@ -153,8 +153,8 @@ enum {
 
 /* Called while the work goes on, in the thread of the call: "scans" with their number and the share of the log, then
  * the steps of closing loops and of writing, with their share; negative where it is not known. Not 0 ends the work.
- * While a log that is a pipe gives nothing, "scans" come again after each signal that interrupts the wait, as one does
- * whose handler was set without SA_RESTART. */
+ * While a log that is a pipe gives nothing, "scans" come again after each signal that interrupts the wait, and every
+ * 0.2 s, for a signal may come just before it. */
 typedef int32_t (*gdtslam_progress)(void* user_data, const char* step, uint64_t scans, double share);
 
 typedef struct gdtslam_reader_request {
@@ -164,8 +164,8 @@ typedef struct gdtslam_reader_request {
   const gdtslam_options* options; /* of which those of the log count */
   uint32_t flags;
   uint32_t reserved; /* 0 */
-  /* Called only after a signal that interrupts the wait for a pipe. It may ask how far the reader is and for its
-   * warnings, and nothing else of it. Not 0: the call that waits gives GDTSLAM_INTERRUPTED, and so does every later
+  /* Called only while the reader waits for a pipe: after a signal, and every 0.2 s. It may ask how far the reader is and
+   * for its warnings, and nothing else of it. Not 0: the call that waits gives GDTSLAM_INTERRUPTED, and so does every later
    * gdtslam_reader_next, for what had come of a scan is lost. */
   gdtslam_progress progress;
   void* user_data;

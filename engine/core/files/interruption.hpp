@@ -16,8 +16,9 @@ inline bool is_asked_to_end() {
   return asked != nullptr && asked();
 }
 
-/// While it lives, `wants_end` is asked where a signal interrupted a wait of this thread, and not those of the objects
-/// around it. What it throws comes out of the call that waited.
+/// While it lives, `wants_end` is asked where a signal interrupted a wait of this thread, and now and then while one
+/// lasts, for a signal may come just before it; those of the objects around it are not. What it throws comes out of the
+/// call that waited.
 class AskedAfterSignals {
  public:
   explicit AskedAfterSignals(std::function<bool()> wants_end)
@@ -26,7 +27,7 @@ class AskedAfterSignals {
   AskedAfterSignals& operator=(const AskedAfterSignals&) = delete;
   ~AskedAfterSignals() { innermost = outer_; }
 
-  /// For calls that wait: a signal came. Nobody is asked where there is no object in this thread.
+  /// For calls that wait: a signal came, or may have come. Nobody is asked where there is no object in this thread.
   static void ask() {
     if (innermost != nullptr && innermost->wants_end_()) innermost->has_ended_ = true;
   }

@@ -217,10 +217,6 @@ class RecordingReader final : public DescribedLog {
       return;
     }
     ScanMessage scan = channel.kind == MessageKind::kScan ? read_scan(message) : read_echo_scan(message);
-    if (scan.stamp_s == 0.0) {
-      scan.stamp_s = received_s;
-      if (received_s != 0.0) warn("scan without stamp", "it gets the time when it was recorded");
-    }
     const auto known = lasers_.find(topic);
     const std::size_t laser =
         known != lasers_.end() ? known->second : lasers_.emplace(topic, assembler_.add_laser(topic)).first->second;
@@ -249,6 +245,16 @@ class RecordingReader final : public DescribedLog {
       if (topic == kAllTopics || lasers_.contains(topic)) continue;
       throw UsageError(fmt::format("{}: has no scans in topic {}; those with scans are {}", name_, in_quotes(topic),
                                    topics_.text(has_scans)));
+    }
+    for (const TopicMount& mount : choice.mounts) {
+      bool is_there = false;
+      const std::string with_scans = topics_.text([&](const TopicChannel& channel) {
+        is_there = is_there || (has_scans(channel) && channel.definition.topic == mount.topic);
+        return has_scans(channel);
+      });
+      if (is_there) continue;
+      throw UsageError(fmt::format("{}: a mount is stated of topic {}, which has no scans; those with scans are {}",
+                                   name_, in_quotes(mount.topic), with_scans));
     }
     if (!choice.odometry.empty() && odometry_topic_.empty()) {
       throw UsageError(fmt::format(

@@ -40,9 +40,6 @@ void clear_missing_ranges(std::vector<float>& ranges_m, double min_range_m) {
   }
 }
 
-/// A message without a stamp has 0 there.
-double stamp_or_receipt_s(double stamp_s, double received_s) { return stamp_s == 0.0 ? received_s : stamp_s; }
-
 }  // namespace
 
 ScanAssembler::ScanAssembler(const ReadOptions& options, Warn warn) : options_(options), warn_(std::move(warn)) {
@@ -59,7 +56,18 @@ std::size_t ScanAssembler::add_laser(const std::string& topic) {
   return lasers_.size() - 1;
 }
 
+auto ScanAssembler::scan_taker(std::size_t laser) {
+  return [this, laser](ScanMessage&& scan, double received_s, bool has_stamp) {
+    if (!has_stamp) warn_("scan without stamp", "it gets the time when it was recorded");
+    take_scan(laser, std::move(scan), received_s);
+  };
+}
+
 void ScanAssembler::add_scan(std::size_t laser, ScanMessage scan, double received_s) {
+  lasers_[laser].stamps.add(std::move(scan), received_s, scan_taker(laser));
+}
+
+void ScanAssembler::take_scan(std::size_t laser, ScanMessage scan, double received_s) {
   scan_clock_.add(received_s, scan.stamp_s, sweep_s(scan));
   // Its clock may have been set back, and that of the odometry with it: the next poses tell.
   const bool is_back = lasers_[laser].last_stamp_s - scan.stamp_s > OdometryTrack::kLeap_s;
@@ -83,6 +91,7 @@ void ScanAssembler::add_odometry(const TransformMessage& pose, double received_s
   if (source_ == PoseSource::kUnknown) {
     source_ = PoseSource::kOdometry;
     poses_ = {};  // those of transforms
+    pose_stamps_ = {};
     pose_clock_ = {};
     base_.clear();
   }
@@ -97,17 +106,24 @@ void ScanAssembler::add_transform(const TransformMessage& transform, double rece
   }
 }
 
+auto ScanAssembler::pose_taker() {
+  return [this](const Odometry& pose, double received_s, bool has_stamp) {
+    if (!has_stamp) warn_("odometry without stamp", "it gets the time when it was recorded");
+    take_pose(pose, received_s);
+  };
+}
+
 void ScanAssembler::add_pose(const TransformMessage& pose, double received_s) {
   if (base_.empty()) base_ = pose.child;
   odometry_frame_ = pose.parent;
-  if (pose.stamp_s == 0.0 && received_s != 0.0) {
-    warn_("odometry without stamp", "it gets the time when it was recorded");
-  }
-  const double stamp_s = stamp_or_receipt_s(pose.stamp_s, received_s);
-  pose_clock_.add(received_s, stamp_s, 0.0);
+  pose_stamps_.add({pose.stamp_s, seen_from_above(pose.T_parent_child)}, received_s, pose_taker());
+}
+
+void ScanAssembler::take_pose(const Odometry& pose, double received_s) {
+  pose_clock_.add(received_s, pose.stamp_s, 0.0);
   ++poses_taken_;
   using Taken = OdometryTrack::Taken;
-  const Taken taken = poses_.take({stamp_s, seen_from_above(pose.T_parent_child)});
+  const Taken taken = poses_.take(pose);
   if (taken == Taken::kPast) warn_("odometry steps back in time", "it is left out");
   if (taken == Taken::kForgot) warn_("odometry far ahead in time", "it is left out");
   if (taken != Taken::kSetBack) return;
@@ -128,11 +144,21 @@ void ScanAssembler::place_held_scans() {
   }
 }
 
+auto ScanAssembler::crank_taker() {
+  return [this](const NumberMessage& number, double received_s, bool /*has_stamp*/) {
+    crank_clock_.add(received_s, number.stamp_s, 0.0);
+    waiting_.emplace_back(number);
+  };
+}
+
 void ScanAssembler::add_crank(const NumberMessage& number, double received_s) {
-  NumberMessage stamped = number;
-  stamped.stamp_s = stamp_or_receipt_s(number.stamp_s, received_s);
-  crank_clock_.add(received_s, stamped.stamp_s, 0.0);
-  waiting_.emplace_back(stamped);
+  crank_stamps_.add(number, received_s, crank_taker());
+}
+
+void ScanAssembler::settle_stamps() {
+  pose_stamps_.settle(pose_taker());
+  crank_stamps_.settle(crank_taker());
+  for (std::size_t laser = 0; laser < lasers_.size(); ++laser) lasers_[laser].stamps.settle(scan_taker(laser));
 }
 
 // Clocks that are the same need no waiting. How far two others are apart is known the better, the more was received.
@@ -255,8 +281,9 @@ LogRecord ScanAssembler::record_of(const NumberMessage& number) const {
 }
 
 std::optional<LogRecord> ScanAssembler::next(bool at_end) {
-  if (waiting_.empty()) return std::nullopt;
   const bool must_go = at_end || held_scans_ > kMostHeldScans || waiting_.size() > kMostHeldScans + kMostHeldNumbers;
+  if (must_go) settle_stamps();
+  if (waiting_.empty()) return std::nullopt;
   if (!must_go && !scan_clock_.is_known()) return std::nullopt;
   if (!is_clock_known(must_go)) return std::nullopt;
   if (const auto* const number = std::get_if<NumberMessage>(&waiting_.front())) {

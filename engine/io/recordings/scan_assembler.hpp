@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "engine/io/log_contents.hpp"
+#include "first_stamp.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "messages.hpp"
 #include "odometry_track.hpp"
@@ -62,6 +63,7 @@ class ScanAssembler {
     std::optional<Pose2> T_base_laser;  ///< stated
     std::string frame{};                ///< of its last scan
     double last_stamp_s = 0.0;
+    FirstStamp<ScanMessage> stamps{};
   };
   struct HeldScan {
     std::size_t laser = 0;
@@ -72,6 +74,13 @@ class ScanAssembler {
   using Held = std::variant<HeldScan, NumberMessage>;
 
   void add_pose(const TransformMessage& pose, double received_s);
+  void take_scan(std::size_t laser, ScanMessage scan, double received_s);
+  void take_pose(const Odometry& pose, double received_s);
+  /// What takes messages once their stamps are known.
+  auto scan_taker(std::size_t laser);
+  auto pose_taker();
+  auto crank_taker();
+  void settle_stamps();
   void place_held_scans();
   [[nodiscard]] bool is_clock_known(bool must_go);
   [[nodiscard]] double shift_of(const TopicClock& clock, std::string_view what);
@@ -91,6 +100,8 @@ class ScanAssembler {
   std::size_t held_scans_ = 0;
   OdometryTrack poses_;  ///< in the odometry's own clock
   std::uint64_t poses_taken_ = 0;
+  FirstStamp<Odometry> pose_stamps_;
+  FirstStamp<NumberMessage> crank_stamps_;
   TopicClock scan_clock_;
   TopicClock pose_clock_;
   TopicClock crank_clock_;

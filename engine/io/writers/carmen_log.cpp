@@ -46,15 +46,37 @@ bool CarmenLog::write(const LogRecord& record) {
 }
 
 bool CarmenLog::write_parameter(const Parameter& parameter) {
-  if (!is_one_word(parameter.name) || (!parameter.value.empty() && !is_one_word(parameter.value))) {
-    leave_out("parameter", "a name or value of several words: " + in_quotes(parameter.name));
+  if (!is_one_word(parameter.name) || !is_one_word(parameter.value)) {
+    leave_out("parameter", "a name or value of no word or several: " + in_quotes(parameter.name));
     return false;
   }
   if (parameter.name == kLimitParameter) {
+    double limit_m = 0.0;
     const char* const end = parameter.value.data() + parameter.value.size();
-    if (parse_double(parameter.value.data(), end, told_max_range_m_) != end) told_max_range_m_ = -1.0;
+    told_max_range_m_ = parse_double(parameter.value.data(), end, limit_m) == end ? limit_m : -1.0;
+    told_laser_ = 0;
   }
   sink_.write(writer_.parameter(parameter.name, parameter.value));
+  return true;
+}
+
+// Readers give a scan of no limit the one that was told last, of whichever laser.
+bool CarmenLog::tell_limit(const ScanRecord& record, const std::string& at) {
+  const double limit_m = record.scan.max_range_m;
+  const bool is_known = limit_m > 0.0;
+  if (!is_known && told_max_range_m_ > 0.0 && told_laser_ != record.laser) {
+    leave_out("scan of unknown limit", at + " would get that of the other laser");
+    return false;
+  }
+  has_no_limit_[record.laser] = !is_known;
+  if (limit_m == told_max_range_m_ || !writer_.is_told_by_beam_count(record.scan)) return true;
+  if (is_known && has_no_limit_[1 - record.laser]) {
+    leave_out("limit of the ranges", at + ": that of the other laser is not known");
+    return true;
+  }
+  told_max_range_m_ = limit_m;
+  told_laser_ = record.laser;
+  if (is_known) sink_.write(writer_.parameter(kLimitParameter, fmt::format("{}", limit_m)));
   return true;
 }
 
@@ -65,17 +87,14 @@ bool CarmenLog::write_scan(ScanRecord record) {
     leave_out("scan of a third laser", at);
     return false;
   }
+  turn_beams_right_to_left(scan);
+  if (!tell_limit(record, at)) return false;
   if (scan.first_beam_after_s != 0.0 || scan.beam_period_s != 0.0) leave_out("time of each beam", at);
   if (!record.T_odom_base) {
     leave_out("missing odometry", at + " gets the pose of the odometry before it");
     record.T_odom_base = T_odom_last_;
   }
   T_odom_last_ = *record.T_odom_base;
-  turn_beams_right_to_left(scan);
-  if (scan.max_range_m != told_max_range_m_ && writer_.is_told_by_beam_count(scan)) {
-    told_max_range_m_ = scan.max_range_m;
-    if (scan.max_range_m > 0.0) sink_.write(writer_.parameter(kLimitParameter, fmt::format("{}", scan.max_range_m)));
-  }
   sink_.write(writer_.scan(record));
   return true;
 }

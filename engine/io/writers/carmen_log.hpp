@@ -2,7 +2,10 @@
 // record before it. One object belongs to one thread.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <string>
 
 #include "engine/io/logs/carmen_writer.hpp"
 #include "engine/io/logs/gzip_file.hpp"
@@ -21,11 +24,15 @@ class CarmenLog final : public LogWriter {
  private:
   bool write_scan(ScanRecord record);
   bool write_parameter(const Parameter& parameter);
+  /// Where its line does not say it; false where the scan would get another limit than it has.
+  bool tell_limit(const ScanRecord& record, const std::string& at);
 
   TextSink sink_;
   CarmenWriter writer_;
   Pose2 T_odom_last_;
-  double told_max_range_m_ = 0.0;  ///< by the last PARAM
+  double told_max_range_m_ = 0.0;       ///< by the last PARAM
+  std::size_t told_laser_ = 0;          ///< of which it was told
+  std::array<bool, 2> has_no_limit_{};  ///< the last scan of each laser
 };
 
 }  // namespace gdtslam

@@ -22,8 +22,7 @@ std::string numbered(std::string_view name, std::size_t laser) {
 
 bool RosLog::write(const LogRecord& record) {
   if (const auto* scan = std::get_if<ScanRecord>(&record)) {
-    if (!is_stamp_possible(scan->scan.stamp_s) ||
-        !is_stamp_possible(scan->scan.stamp_s + scan->scan.first_beam_after_s)) {
+    if (!is_stamp_possible(scan->scan.stamp_s) || !is_stamp_possible(ros_scan_stamp_s(scan->scan))) {
       return false;
     }
     write_scan(*scan);

@@ -1,11 +1,13 @@
 #include "ros_messages.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
 
 #include "engine/core/elementary.hpp"
 #include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/nodding.hpp"
 
 namespace gdtslam {
 namespace {
@@ -69,11 +71,21 @@ std::int64_t ros_time_ns(double stamp_s) {
   return static_cast<std::int64_t>(seconds) * 1'000'000'000 + std::llround((stamp_s - seconds) * 1e9);
 }
 
+double ros_scan_stamp_s(const LaserScan& scan) {
+  const double steps = scan.ranges_m.empty() ? 0.0 : static_cast<double>(scan.ranges_m.size() - 1);
+  return scan.stamp_s + (scan.first_beam_after_s + std::min(0.0, steps * scan.beam_period_s));
+}
+
 std::string ros_laser_scan(RosEncoding encoding, const LaserScan& scan, std::string_view frame, double scan_time_s) {
+  if (scan.beam_period_s < 0.0 && !scan.ranges_m.empty()) {
+    LaserScan ordered = scan;
+    order_beams_by_time(ordered);
+    return ros_laser_scan(encoding, ordered, frame, scan_time_s);
+  }
   WrittenMessage bytes(encoding);
   const std::size_t beams = scan.ranges_m.size();
   const double steps = beams == 0 ? 0.0 : static_cast<double>(beams - 1);
-  bytes.header({scan.stamp_s + scan.first_beam_after_s, frame});
+  bytes.header({ros_scan_stamp_s(scan), frame});
   const double limit_m = scan.max_range_m > 0.0 ? scan.max_range_m : std::numeric_limits<double>::infinity();
   for (const double value : {scan.first_bearing_rad, scan.first_bearing_rad + steps * scan.bearing_step_rad,
                              scan.bearing_step_rad, scan.beam_period_s, scan_time_s, 0.0, limit_m}) {

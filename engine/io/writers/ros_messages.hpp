@@ -59,7 +59,9 @@ struct RosGrid {
   std::span<const std::int8_t> cells;
 };
 
-// The stamp of the message is that of its first beam; a limit that is not known is written as infinity.
+/// The stamp of its message: when the beam was measured that came first.
+double ros_scan_stamp_s(const LaserScan& scan);
+// Beams are written in the order in which they were measured, as ROS has them; a limit that is not known as infinity.
 std::string ros_laser_scan(RosEncoding encoding, const LaserScan& scan, std::string_view frame, double scan_time_s);
 std::string ros_odometry(RosEncoding encoding, const RosTransform& pose, const RosSpeed& speed);
 std::string ros_transforms(RosEncoding encoding, std::span<const RosTransform> transforms);

@@ -94,7 +94,7 @@ std::size_t write_run_recording(const std::string& file, const std::vector<std::
   for (const StampedPose& pose : outcome.trajectory) {
     const std::optional<ScanRecord> record = scans.next();
     if (!record) break;
-    const double first_beam_s = record->scan.stamp_s + record->scan.first_beam_after_s;
+    const double first_beam_s = ros_scan_stamp_s(record->scan);
     const double earliest_s = std::min(record->scan.stamp_s, first_beam_s);
     if (!(earliest_s >= 0.0) || !(std::max(record->scan.stamp_s, first_beam_s) < kRosStampLimit_s)) {
       ++left_out;

@@ -272,7 +272,8 @@ WrittenField write_run_tiles(RunFolder& folder, const MapJob& job, Settings sett
   const RunKeyframes kept = kept_keyframes(config_text(option_table(settings)), job, outcome);
   const std::string bytes = keyframe_bytes(kept);
   const RunKeyframes run = parse_keyframes(bytes, kKeyframeFile);
-  const TileMaker maker(run, job.mapper, job.occupancy);
+  const TileParts parts = job.with_occupancy ? TileParts::kBoth : TileParts::kDistances;
+  const TileMaker maker(run, job.mapper, job.occupancy, {}, parts);
   MadeTiles made = write_tiles(folder.staged_folder(kTileFolder), maker, Sha256().update(bytes).hex(),
                                job.mapper.map.resolution_m, [&job](double share) {
                                  if (job.finishing) job.finishing(fmt::format("tiles, {:.0f} %", 100.0 * share));

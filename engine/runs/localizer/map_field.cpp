@@ -164,10 +164,11 @@ void require_one_piece(const std::string& path) {
   std::error_code ignored;  // what cannot be asked about shows when it cannot be read
   if (std::filesystem::exists(path, ignored) || !std::filesystem::exists(folder / "tiles" / "index.json", ignored))
     return;
-  throw InputError(
-      {folder.string(), 0},
-      "has its map in tiles: name one of them, as tiles/map_0_0.yaml, or cut a piece out with 'gdtslam edit "
-      "RUN --crop X0,Y0,X1,Y1 -o DIR'");
+  const bool has_maps = std::filesystem::exists(folder / "tiles" / "map_0_0.yaml", ignored);
+  throw InputError({folder.string(), 0},
+                   fmt::format("has its map in tiles: {}cut a piece out with 'gdtslam edit RUN --crop X0,Y0,X1,Y1 "
+                               "-o DIR'",
+                               has_maps ? "name one of them, as tiles/map_0_0.yaml, or " : ""));
 }
 
 }  // namespace

@@ -222,7 +222,8 @@ TilesOutcome make_tiles(const TilesRequest& request) {
     require_tiles(request.only, outcome.index, outcome.folder);
   }
   progress(0.0);
-  const TileMaker maker(kept, config, settings.occupancy, changes_in(reader, kept, config));
+  const TileParts parts = outcome.index.has_occupancy ? TileParts::kBoth : TileParts::kDistances;
+  const TileMaker maker(kept, config, settings.occupancy, changes_in(reader, kept, config), parts);
   const NewTiles fresh(request.run);
   if (request.only.empty()) {
     outcome.index = write_tiles(fresh.folder(), maker, hash, config.map.resolution_m, progress).index;

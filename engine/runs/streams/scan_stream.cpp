@@ -17,6 +17,12 @@ Pose2 interpolated(const Odometry& a, const Odometry& b, double stamp_s) {
   return a.T_odom_base * exp_se2(share * log_se2(between(a.T_odom_base, b.T_odom_base)));
 }
 
+void state_beam_times(const ReadOptions& options, LaserScan& scan) {
+  if (options.first_beam_after_s) scan.first_beam_after_s = *options.first_beam_after_s;
+  if (options.beam_period_s) scan.beam_period_s = *options.beam_period_s;
+  if (!options.deskew) scan.first_beam_after_s = scan.beam_period_s = 0.0;
+}
+
 std::string log_name(const std::string& path) { return path == "-" ? "standard input" : path; }
 
 void OdometryInterpolator::take(const Odometry& odometry) {
@@ -90,14 +96,6 @@ void ScanStream::connect(std::optional<Pose2>& T_odom_base) {
     T_odom_base = *T_first_this_ * *T_odom_base;
   }
   T_odom_base_last_ = T_odom_base;
-}
-
-// As stated, or as the log says; without deskewing all at the scan's stamp.
-void ScanStream::time_beams(ScanRecord& scan) {
-  if (options_.first_beam_after_s) scan.scan.first_beam_after_s = *options_.first_beam_after_s;
-  if (options_.beam_period_s) scan.scan.beam_period_s = *options_.beam_period_s;
-  if (!options_.deskew) scan.scan.first_beam_after_s = scan.scan.beam_period_s = 0.0;
-  speed_.complete(scan);
 }
 
 NodKind ScanStream::nod_kind(std::size_t scans_ahead) {
@@ -183,7 +181,8 @@ std::optional<ScanRecord> ScanStream::next_of_all() {
     if (scan) {
       ++read_;
       connect(scan->T_odom_base);
-      time_beams(*scan);
+      state_beam_times(options_, scan->scan);
+      speed_.complete(*scan);
       return scan;
     }
     open_next();

@@ -28,6 +28,9 @@ namespace gdtslam {
 /// The log as messages name it: "-" is the standard input.
 std::string log_name(const std::string& path);
 
+/// The times of the beams where they are stated; all at the scan's stamp where nothing is to be deskewed.
+void state_beam_times(const ReadOptions& options, LaserScan& scan);
+
 /// Along the circular arc from a to b; the share is that of the time between them, and `a` where the clock stood still
 /// or went backward.
 Pose2 interpolated(const Odometry& a, const Odometry& b, double stamp_s);
@@ -91,7 +94,6 @@ class ScanStream {
   std::optional<ScanRecord> next_of_all();
   void open_next();
   void connect(std::optional<Pose2>& T_odom_base);
-  void time_beams(ScanRecord& scan);
 
   std::vector<std::string> paths_;
   ReadOptions options_;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "engine/core/ascii.hpp"
@@ -61,6 +62,13 @@ class IndexReader {
     if (found == json_->end() || !found->is_string()) fail(key);
     return found->get<std::string>();
   }
+  /// True where it is not told, as in older ones.
+  [[nodiscard]] bool flag(const char* key) const {
+    const auto found = json_->find(key);
+    if (found == json_->end()) return true;
+    if (!found->is_boolean()) fail(key);
+    return found->get<bool>();
+  }
   [[noreturn]] void fail(const char* key) const {
     throw InputError({file_, 0}, fmt::format("has no '{}' that is one{}", key, kTilesAgain));
   }
@@ -78,7 +86,9 @@ TileRecord write_tile(const std::string& folder, const MapTile& tile) {
   const DistanceFieldRows rows =
       rows_of(DistanceFieldView{tile.occupancy.geometry, std::size_t{kMapTileSide}, tile.distances, tile.cap});
   write_distance_field(file_of(folder, "gdt", tile.place), rows);
-  write_occupancy_map(file_of(folder, "map", tile.place), tile.occupancy, MapImage::kPng);
+  if (tile.occupancy.cells.size() > 0) {
+    write_occupancy_map(file_of(folder, "map", tile.place), tile.occupancy, MapImage::kPng);
+  }
   return {tile.place, tile.keyframes, sha256_of(rows)};
 }
 
@@ -89,6 +99,7 @@ void write_tile_index(const std::string& folder, const TileIndex& index) {
   json["keyframes_sha256"] = index.keyframes_sha256;
   json["resolution_m"] = index.resolution_m;
   json["tile_cells"] = kMapTileSide;
+  json["occupancy"] = index.has_occupancy;
   json["tiles"] = nlohmann::ordered_json::array();
   for (const TileRecord& tile : index.tiles) {
     json["tiles"].push_back(
@@ -158,7 +169,8 @@ TileIndex read_tile_index(const std::string& folder) {
       reader.whole("tile_cells", 1, std::numeric_limits<std::int32_t>::max()) != kMapTileSide) {
     throw InputError({file, 0}, std::string("is of another version") + kTilesAgain);
   }
-  TileIndex index{reader.hash("keyframes_sha256"), reader.positive("resolution_m", kCoarsestTiles_m), {}};
+  TileIndex index{
+      reader.hash("keyframes_sha256"), reader.positive("resolution_m", kCoarsestTiles_m), reader.flag("occupancy"), {}};
   const auto tiles = json.find("tiles");
   if (tiles == json.end() || !tiles->is_array()) reader.fail("tiles");
   for (const nlohmann::ordered_json& entry : *tiles) {
@@ -169,6 +181,7 @@ TileIndex read_tile_index(const std::string& folder) {
     index.tiles.push_back(
         {place, static_cast<std::size_t>(tile.whole("keyframes", 0, std::int64_t{1} << 40U)), tile.hash("gdt_sha256")});
     for (const char* what : {"gdt", "map"}) {
+      if (what == std::string_view("map") && !index.has_occupancy) continue;
       const std::string part = file_of(folder, what, place);
       if (!std::filesystem::exists(part, ignored)) {
         throw InputError({part, 0}, std::string("is missing, and index.json names it") + kTilesAgain);
@@ -201,21 +214,22 @@ GridGeometry geometry_of(const TileIndex& index) {
 
 MadeTiles write_tiles(const std::string& folder, const TileMaker& maker, const std::string& keyframes_sha256,
                       double resolution_m, const std::function<void(double)>& progress) {
-  MadeTiles made{{keyframes_sha256, resolution_m, {}}, {}};
+  MadeTiles made{{keyframes_sha256, resolution_m, maker.has_occupancy(), {}}, {}};
   if (maker.places().empty()) throw InputError("no keyframe sees anything, so there is no tile to make");
-  TileOverview overview(maker.places(), resolution_m);
+  std::optional<TileOverview> overview;
+  if (maker.has_occupancy()) overview.emplace(maker.places(), resolution_m);
   maker.make(
       maker.places(),
       [&](MapTile&& tile) {
         made.index.tiles.push_back(write_tile(folder, tile));
-        overview.add(tile);
+        if (overview) overview->add(tile);
       },
       progress);
   std::sort(made.index.tiles.begin(), made.index.tiles.end(), [](const TileRecord& a, const TileRecord& b) {
     return std::pair(a.place.y, a.place.x) < std::pair(b.place.y, b.place.x);
   });
   write_tile_index(folder, made.index);
-  made.overview = overview.take();
+  if (overview) made.overview = overview->take();
   return made;
 }
 

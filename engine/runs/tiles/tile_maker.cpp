@@ -98,8 +98,8 @@ bool read_distances(const GlobalField& field, const CellIndex& first, std::vecto
 }  // namespace
 
 TileMaker::TileMaker(const RunKeyframes& run, const MapperConfig& mapper, const OccupancyConfig& occupancy,
-                     MapChanges changes)
-    : run_(&run), mapper_(mapper), occupancy_(occupancy), changes_(std::move(changes)) {
+                     MapChanges changes, TileParts parts)
+    : run_(&run), mapper_(mapper), occupancy_(occupancy), changes_(std::move(changes)), parts_(parts) {
   std::set<std::pair<std::int32_t, std::int32_t>> touched;
   reach_.reserve(run.keyframes.size());
   for (const RunKeyframe& keyframe : run.keyframes) {
@@ -149,13 +149,22 @@ OccupancyMap TileMaker::cast(std::span<const std::size_t> keyframes, const std::
   return builder.build();
 }
 
+// With what changed between the drives of the site; whether anything was known before that.
+CellStates TileMaker::states_at(const CellIndex& first, const OccupancyMap& piece, bool& is_known) const {
+  CellStates states;
+  is_known = read_states(piece, first, states);
+  mark_states(changes_.gone, CellState::kFree, first, states);
+  mark_states(changes_.appeared, CellState::kOccupied, first, states);
+  return states;
+}
+
 // Whole scans are merged and cast: what of them lies outside is thrown away.
 void TileMaker::make_piece(const CellBox& tiles, std::span<const CellIndex> places,
                            const std::function<void(MapTile&&)>& take,
                            const std::function<void(std::size_t made)>& before) const {
   const std::vector<std::size_t> touching = keyframes_that_touch(tiles);
   if (touching.empty()) return;
-  const OccupancyMap occupancy = cast(touching, [&] { before(0); });
+  const OccupancyMap occupancy = has_occupancy() ? cast(touching, [&] { before(0); }) : OccupancyMap();
   const std::unique_ptr<SeparateMap> map = map_of_keyframes(*run_, touching, mapper_);
   for (std::size_t k = 0; k < places.size(); ++k) {
     before(k);
@@ -166,9 +175,8 @@ void TileMaker::make_piece(const CellBox& tiles, std::span<const CellIndex> plac
                  .cap = map->field().cap(),
                  .occupancy = {geometry_of(place, mapper_.map.resolution_m), {}}};
     const CellIndex first{place.x * kMapTileSide, place.y * kMapTileSide};
-    const bool has_states = read_states(occupancy, first, tile.occupancy.cells);
-    mark_states(changes_.gone, CellState::kFree, first, tile.occupancy.cells);
-    mark_states(changes_.appeared, CellState::kOccupied, first, tile.occupancy.cells);
+    bool has_states = false;
+    if (has_occupancy()) tile.occupancy.cells = states_at(first, occupancy, has_states);
     const bool has_distances = read_distances(map->field(), first, tile.distances);
     if (has_states || has_distances) take(std::move(tile));
   }

@@ -1,9 +1,9 @@
 // A map in tiles, for sites that are too large for one piece: squares of 2048 cells, 51.2 m of 25 mm, each with its
-// part of the distance field and of the occupancy map. A tile is made from the keyframes that touch it alone, merged in
-// their order, for the merge depends on it; so it has the same cells whether it is made by itself or with all others.
-// Of a merged site what changed between its drives is marked besides, as in the site's own map.
-// Frame: map; the corner of tile (0, 0) is the map's origin. Thread-safe; a keyframe costs about a millisecond for each
-// piece of 8 x 8 tiles that it touches, and memory is that of one such piece.
+// part of the distance field and, where it is asked for, of the occupancy map. A tile is made from the keyframes that
+// touch it alone, merged in their order, for the merge depends on it; so it has the same cells whether it is made by
+// itself or with all others. Of a merged site what changed between its drives is marked besides, as in the site's own
+// map. Frame: map; the corner of tile (0, 0) is the map's origin. Thread-safe; a keyframe costs about a millisecond for
+// each piece of 8 x 8 tiles that it touches, and memory is that of one such piece.
 #pragma once
 
 #include <cstddef>
@@ -28,18 +28,21 @@ struct MapTile {
   std::size_t keyframes = 0;             ///< that may touch it
   std::vector<std::uint16_t> distances;  ///< 1/256 cell, row by row from the lower left cell; the cap where unknown
   std::uint16_t cap = 0;
-  OccupancyMap occupancy;  ///< likewise
+  OccupancyMap occupancy;  ///< likewise; without cells where no occupancy is asked for
 };
+
+enum class TileParts : std::uint8_t { kBoth, kDistances };
 
 class TileMaker {
  public:
   /// Keyframes must outlive it; configurations are those of their run, and changes those after all of its drives, in
   /// cells that count from the map's origin.
   TileMaker(const RunKeyframes& run, const MapperConfig& mapper, const OccupancyConfig& occupancy,
-            MapChanges changes = {});
+            MapChanges changes = {}, TileParts parts = TileParts::kBoth);
 
   /// Those that a keyframe may touch, row by row from the lowest.
   [[nodiscard]] const std::vector<CellIndex>& places() const { return places_; }
+  [[nodiscard]] bool has_occupancy() const { return parts_ == TileParts::kBoth; }
   /// Makes the tiles of those places that anything is known of. Throws InputError where a piece of the map would be
   /// beyond map.max_megacells; what take() and progress() throw, the latter with the share that is done, before each
   /// tile and each 64 keyframes that are cast.
@@ -51,11 +54,13 @@ class TileMaker {
   void make_piece(const CellBox& tiles, std::span<const CellIndex> places, const std::function<void(MapTile&&)>& take,
                   const std::function<void(std::size_t made)>& before) const;
   [[nodiscard]] OccupancyMap cast(std::span<const std::size_t> keyframes, const std::function<void()>& between) const;
+  [[nodiscard]] CellStates states_at(const CellIndex& first, const OccupancyMap& piece, bool& is_known) const;
 
   const RunKeyframes* run_;
   MapperConfig mapper_;
   OccupancyConfig occupancy_;
   MapChanges changes_;
+  TileParts parts_;
   std::vector<CellBox> reach_;  // of each keyframe, in tiles
   std::vector<CellIndex> places_;
 };

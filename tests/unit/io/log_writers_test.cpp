@@ -161,13 +161,13 @@ TEST(CarmenLogs, SayWhatTheyCannotCarry) {
   ScanRecord turned = written_scan(3.0);
   turned.scan.first_bearing_rad = 0.5;
   turned.scan.bearing_step_rad = -0.5;
-  const std::vector<LogReader::Warning> left_out = write_records(
-      folder / "a.log",
-      {Parameter{"two words", "1"}, Parameter{"name", "two words"}, written_scan(0.5, 2), timed, bare, turned});
+  const std::vector<LogReader::Warning> left_out =
+      write_records(folder / "a.log", {Parameter{"two words", "1"}, Parameter{"name", "two words"},
+                                       Parameter{"name", ""}, written_scan(0.5, 2), timed, bare, turned});
   std::vector<std::pair<std::string, std::uint64_t>> kinds;
   for (const LogReader::Warning& warning : left_out) kinds.emplace_back(warning.kind, warning.count);
   EXPECT_THAT(kinds,
-              testing::UnorderedElementsAre(std::pair("parameter", 2U), std::pair("scan of a third laser", 1U),
+              testing::UnorderedElementsAre(std::pair("parameter", 3U), std::pair("scan of a third laser", 1U),
                                             std::pair("time of each beam", 1U), std::pair("missing odometry", 1U)));
   std::vector<ScanRecord> scans;
   for (const LogRecord& record : read_records(folder / "a.log")) {

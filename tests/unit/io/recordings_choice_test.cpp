@@ -2,6 +2,7 @@
 // constructed messages.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "engine/io/recordings/recording_reader.hpp"
@@ -90,6 +91,28 @@ TEST(RecordingChoice, SeveralLasersComeInTheOrderOfTheirStamps) {
   }
 }
 
+TEST(RecordingChoice, AMountIsOfATopicWithScans) {
+  std::string data = mcap_channel(1, "/front", kCdrScan, "cdr") + mcap_channel(2, "/rear", kCdrScan, "cdr") +
+                     mcap_channel(3, "/odom", kCdrOdometry, "cdr");
+  for (int k = 0; k < 4; ++k) {
+    for (const std::uint16_t laser : {std::uint16_t{1}, std::uint16_t{2}})
+      data += mcap_message(laser, k, cdr_scan({.stamp_s = 1.0 * k}));
+    data += mcap_message(3, k, cdr_odometry(k, {}));
+  }
+  ReadOptions options;
+  options.topics.scans = {"/front"};
+  for (const char* const topic : {"/front", "front", "/rear"}) {  // the last one is not read
+    options.topics.mounts = {{topic, Pose2{0.5, 0.0, 0.0}}};
+    EXPECT_EQ(chosen_log(data, options).of<ScanRecord>().size(), 4U) << topic;
+  }
+  for (const char* const topic : {"/fronr", "/odom", ""}) {
+    options.topics.mounts = {{topic, Pose2{0.5, 0.0, 0.0}}};
+    const std::string refusal = choice_refusal<UsageError>(data, options);
+    EXPECT_THAT(refusal, HasSubstr("/front (sensor_msgs/LaserScan, 4 at 1.0 Hz)")) << topic;
+    EXPECT_THAT(refusal, HasSubstr(topic));
+  }
+}
+
 // The laser counts from its own start, 1,000 s behind the odometry. A scan is sent when its last beam is measured, here
 // 0.2 s after its stamp; messages take 0 to 30 ms.
 TEST(RecordingClocks, AnOffsetIsMeasuredByTheTimesOfReceipt) {
@@ -143,6 +166,47 @@ TEST(RecordingClocks, HeadersWithoutStampsHaveThatOfTheirReceipt) {
   EXPECT_EQ(log.warned("scan without stamp"), 10U);
   EXPECT_EQ(log.warned("odometry without stamp"), 10U);
   EXPECT_EQ(log.warned("odometry steps back in time"), 0U);
+}
+
+// A simulator's clock begins at 0, while the recorder's is that of the wall.
+TEST(RecordingClocks, AStampOfZeroIsATimeWhereTheNextOneIsLater) {
+  constexpr double kWall_s = 1.7e9;
+  const std::string channels =
+      mcap_channel(1, "/scan", kCdrScan, "cdr") + mcap_channel(2, "/odom", kCdrOdometry, "cdr");
+  for (const double first_scan_s : {0.0, 0.05}) {
+    std::string data = channels;
+    for (int k = 0; k < 20; ++k) {
+      const double odometry_s = 0.1 * k;
+      const double scan_s = first_scan_s + 0.1 * k;
+      data += mcap_message(2, kWall_s + odometry_s, cdr_odometry(odometry_s, {.x_m = odometry_s}));
+      data += mcap_message(1, kWall_s + scan_s, cdr_scan({.stamp_s = scan_s}));
+    }
+    const WholeLog log = chosen_log(data);
+    const auto scans = log.of<ScanRecord>();
+    ASSERT_EQ(scans.size(), 20U);
+    for (std::size_t k = 0; k < 20; ++k) {
+      EXPECT_NEAR(scans[k].scan.stamp_s, first_scan_s + 0.1 * static_cast<double>(k), 1e-9);
+      ASSERT_TRUE(scans[k].T_odom_base) << k;
+      EXPECT_NEAR(scans[k].T_odom_base->x_m, std::min(scans[k].scan.stamp_s, 1.9), 1e-6);
+    }
+    for (const char* kind : {"scan without stamp", "odometry without stamp", "odometry steps back in time",
+                             "odometry's clock was set back", "clocks differ"}) {
+      EXPECT_EQ(log.warned(kind), 0U) << kind;
+    }
+  }
+}
+
+TEST(RecordingClocks, ASinglePoseWithoutAStampIsThatOfItsReceipt) {
+  std::string data = mcap_channel(1, "/scan", kCdrScan, "cdr") + mcap_channel(2, "/odom", kCdrOdometry, "cdr");
+  data += mcap_message(2, 50.0, cdr_odometry(0.0, {.x_m = 3.0}));
+  data += mcap_message(1, 50.5, cdr_scan({.stamp_s = 0.0}));
+  const WholeLog log = chosen_log(data);
+  const auto scans = log.of<ScanRecord>();
+  ASSERT_EQ(scans.size(), 1U);
+  EXPECT_EQ(scans[0].scan.stamp_s, 50.5);
+  EXPECT_EQ(scans[0].T_odom_base.value().x_m, 3.0);
+  EXPECT_EQ(log.warned("scan without stamp"), 1U);
+  EXPECT_EQ(log.warned("odometry without stamp"), 1U);
 }
 
 TEST(RecordingCranks, NumbersAreTicksOrTilts) {

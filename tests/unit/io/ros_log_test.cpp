@@ -9,8 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "engine/io/atomic_file.hpp"
 #include "engine/io/writers/ros_log.hpp"
 #include "gdtslam/core/angle.hpp"
+#include "gdtslam/io/log.hpp"
+#include "io_test_support.hpp"
 
 namespace gdtslam {
 namespace {
@@ -197,6 +200,11 @@ TEST_F(RosLogTest, StampsLieBetween1970And2038) {
   late.scan.first_beam_after_s = 1.0;
   log_.write(late);
   EXPECT_EQ(taken_.messages.size(), 12U);
+  ScanRecord turned = record_at(0.5);  // the last of its three beams came first
+  turned.scan.beam_period_s = -0.375;
+  EXPECT_FALSE(log_.write(turned));
+  turned.scan.first_beam_after_s = 0.25;
+  EXPECT_TRUE(log_.write(turned));
 }
 
 TEST_F(RosLogTest, CranksHave32Bits) {
@@ -248,6 +256,54 @@ TEST(RosScan, HasTheAnglesOfItsFirstAndLastBeam) {
   const std::string bare = ros_laser_scan(RosEncoding::kRos1, scan, "laser", 0.5);
   EXPECT_EQ(value_at<float>(bare, kScanFields + 4), -1.0F) << "without beams the last is the first";
   EXPECT_EQ(bare.size(), kScanFields + 28 + 4 + 4);
+}
+
+/// A scan as a reader gives that of a laser which measures from left to right.
+LaserScan turned_scan() {
+  LaserScan scan = record_at(1.0).scan;
+  scan.first_beam_after_s = 0.25;
+  scan.beam_period_s = -0.125;
+  return scan;
+}
+
+TEST(RosScan, IsStampedWithTheBeamThatWasMeasuredFirst) {
+  for (const double step_rad : {0.5, -0.5}) {
+    LaserScan scan = turned_scan();
+    scan.bearing_step_rad = step_rad;
+    EXPECT_EQ(ros_scan_stamp_s(scan), 1.0);
+    const std::string bytes = ros_laser_scan(RosEncoding::kRos1, scan, "laser", 0.5);
+    EXPECT_EQ(value_at<std::uint32_t>(bytes, 4), 1U);
+    EXPECT_EQ(value_at<std::uint32_t>(bytes, 8), 0U);
+    const double last_rad = -1.0 + 2.0 * step_rad;
+    std::vector<float> fields;
+    for (std::size_t k = 0; k < 4; ++k) fields.push_back(value_at<float>(bytes, kScanFields + 4 * k));
+    EXPECT_THAT(fields, ElementsAre(static_cast<float>(last_rad), -1.0F, static_cast<float>(-step_rad), 0.125F));
+    EXPECT_EQ(value_at<float>(bytes, kScanFields + 28 + 4), 3.0F) << "the range of the last beam";
+  }
+}
+
+TEST(RosScan, ThatAReaderTurnedRoundReadsBack) {
+  const test::TemporaryFolder folder;
+  for (const double step_rad : {0.5, -0.5}) {
+    ScanRecord written = record_at(1.0);
+    written.scan = turned_scan();
+    written.scan.bearing_step_rad = step_rad;
+    AtomicFileSet files;
+    const auto log = make_log_writer(LogFormat::kMcap, folder / "a.mcap", {}, files);
+    EXPECT_TRUE(log->write(written));
+    log->finish();
+    files.commit();
+    const auto reader = open_log(folder / "a.mcap", {});
+    const auto read = std::get<ScanRecord>(reader->next().value());
+    LaserScan expected = written.scan;
+    if (step_rad < 0.0) turn_beams_round(expected);  // readers give beams from right to left
+    EXPECT_EQ(read.scan.stamp_s, 1.0);
+    EXPECT_EQ(read.scan.first_bearing_rad, expected.first_bearing_rad);
+    EXPECT_EQ(read.scan.bearing_step_rad, 0.5);
+    EXPECT_EQ(read.scan.first_beam_after_s, expected.first_beam_after_s);
+    EXPECT_EQ(read.scan.beam_period_s, expected.beam_period_s);
+    EXPECT_EQ(read.scan.ranges_m, expected.ranges_m);
+  }
 }
 
 // What rosbag2 writes of a publisher: 1 is "keep last", "reliable", "transient local" and "automatic", 2 "volatile".

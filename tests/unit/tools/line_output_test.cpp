@@ -1,4 +1,5 @@
-// Lines for readers that take none: pipes, sockets and terminals that are full. What hangs is ended by an alarm.
+// Lines and remarks for readers that take none: pipes, sockets and terminals that are full. What hangs is ended by an
+// alarm.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -9,13 +10,17 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <climits>
 #include <cstdlib>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/live/output/line_output.hpp"
+#include "tools/gdtslam/live/remarks.hpp"
+#include "tools/gdtslam/shell/console.hpp"
 
 namespace gdtslam {
 namespace {
@@ -25,6 +30,7 @@ using ::testing::AnyOf;
 using ::testing::ElementsAre;
 using ::testing::Gt;
 using ::testing::Lt;
+using ::testing::StartsWith;
 
 /// Ends the process where the test takes longer.
 class Alarm {
@@ -208,6 +214,57 @@ TEST(LineOutput, ADeviceThatIsFullIsToldAtTheEndAndAReaderThatIsGoneIsNot) {
   other.write("1\n");
   other.finish();
   EXPECT_FALSE(other.has_failed());
+}
+
+// Of a drive that goes on: the mapping thread and that of snapshots both say things to a terminal that hangs.
+TEST(Remarks, ATerminalThatNobodyReadsStopsNobody) {
+  const Alarm alarm;
+  Ends ends;
+  open_terminal(ends);
+  {
+    const Remarks remarks(ends.theirs);
+    const auto say = [](const std::string& who) {
+      for (int k = 0; k < 100; ++k) print_remark(who + std::string(700, '.'));
+    };
+    std::thread other([&say] { say("snapshots"); });
+    say("mapping");
+    other.join();
+    print_error("the last words");
+  }
+  EXPECT_THAT(read_from(ends.ours), StartsWith("gdtslam: "));
+}
+
+TEST(Remarks, APipeThatIsReadGetsEachLineInOrder) {
+  const Alarm alarm;
+  Ends ends;
+  open_small_pipe(ends);
+  std::string expected;
+  std::string text;
+  std::thread reader([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    while (text.find("a\\nb") == std::string::npos) text += read_from(ends.ours);
+  });
+  {
+    const Remarks remarks(ends.theirs);
+    for (int k = 0; k < 500; ++k) {
+      print_remark(fmt::format("{}", k));
+      expected += fmt::format("gdtslam: {}\n", k);
+    }
+    print_error("a\nb");
+    expected += "gdtslam: error: a\\nb\n";
+  }
+  reader.join();
+  EXPECT_EQ(text, expected);
+}
+
+TEST(Remarks, ADeviceThatIsFullIsNoError) {
+  const int full = ::open("/dev/full", O_WRONLY);
+  ASSERT_GE(full, 0);
+  {
+    const Remarks remarks(full);
+    print_remark("1");
+  }
+  ::close(full);
 }
 
 }  // namespace

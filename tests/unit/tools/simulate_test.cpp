@@ -16,6 +16,7 @@
 #include "engine/io/sha256.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/io/log.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "tools/gdtslam/scenes/scene_file.hpp"
 
@@ -23,6 +24,7 @@ namespace gdtslam {
 namespace {
 
 using testing::HasSubstr;
+using testing::StartsWith;
 
 const std::string kSceneFolder = GDTSLAM_SOURCE_DIR "/assets/scenes";
 
@@ -182,6 +184,49 @@ TEST_F(SimulateTest, RefusesAPathThroughAWall) {
     EXPECT_THAT(error.what(), HasSubstr("t.yaml: the path comes within 0.0"));
   }
   EXPECT_FALSE(std::filesystem::exists(path("a.log")));
+}
+
+// The other option states what is right: it is not blamed.
+TEST_F(SimulateTest, NamesTheOptionThatIsWrong) {
+  const auto refusal = [&](const auto& change) {
+    SimulateOptions chosen = options("a.log");
+    chosen.scan_rate_hz = 5.0;
+    change(chosen);
+    try {
+      simulate(chosen);
+    } catch (const UsageError& error) {
+      return std::string(error.what());
+    }
+    return std::string("nothing is refused");
+  };
+  EXPECT_EQ(refusal([](SimulateOptions& o) { o.noise_m = -1.0; }), "--noise: laser: noise must be 0 to 10 m");
+  EXPECT_THAT(refusal([](SimulateOptions& o) { o.range_resolution_m = 2.0; }), StartsWith("--resolution: laser: "));
+  EXPECT_THAT(refusal([](SimulateOptions& o) { o.mirror_rate_hz = -1.0; }), StartsWith("--mirror-rate: laser: "));
+  EXPECT_THAT(refusal([](SimulateOptions& o) { o.crank_rate_hz = -1.0; }), StartsWith("--crank-rate: nodding: "));
+  EXPECT_THAT(refusal([](SimulateOptions& o) { o.ticks_per_turn = 1LL << 40; }), StartsWith("--ticks: nodding: "));
+  EXPECT_THAT(refusal([](SimulateOptions& o) { o.scan_rate_hz = 0.0; }), StartsWith("--rate: recording: scan_rate"));
+}
+
+// The ranges of a line are those that the sensor gives, whatever it rounds to.
+TEST_F(SimulateTest, RangesAreMultiplesOfTheResolution) {
+  for (const double resolution_m : {0.01, 0.0025, 0.003, 0.00125, 0.0005}) {
+    SimulateOptions chosen = options("a.log");
+    chosen.range_resolution_m = resolution_m;
+    simulate(chosen);
+    const auto log = open_log(path("a.log"), {});
+    std::size_t beams = 0;
+    while (const auto record = log->next()) {
+      const auto* const scan = std::get_if<ScanRecord>(&*record);
+      if (scan == nullptr) continue;
+      for (const float range_m : scan->scan.ranges_m) {
+        if (range_m > 10.0F) continue;  // no return
+        const double steps = static_cast<double>(range_m) / resolution_m;
+        ASSERT_NEAR(steps, std::round(steps), 1e-6 / resolution_m) << range_m << " of " << resolution_m;
+        ++beams;
+      }
+    }
+    EXPECT_GT(beams, 1000U);
+  }
 }
 
 TEST_F(SimulateTest, RefusesWhatMakesNoSense) {

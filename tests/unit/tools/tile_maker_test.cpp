@@ -113,6 +113,22 @@ TEST(TileMaker, ATileThatIsMadeAloneIsTheSame) {
   }
 }
 
+TEST(TileMaker, WithoutOccupancyDistancesAreTheSame) {
+  const RunKeyframes run = drive_over_tiles();
+  const TileMaker both(run, {}, {});
+  const TileMaker maker(run, {}, {}, {}, TileParts::kDistances);
+  EXPECT_FALSE(maker.has_occupancy());
+  const std::vector<MapTile> tiles = made(maker, maker.places());
+  ASSERT_GE(tiles.size(), 6U);
+  for (const MapTile& tile : tiles) {
+    EXPECT_EQ(tile.occupancy.cells.size(), 0U);
+    const std::vector<MapTile> with = made(both, {&tile.place, 1});
+    ASSERT_EQ(with.size(), 1U);
+    EXPECT_EQ(tile.distances, with.front().distances);
+    EXPECT_EQ(tile.occupancy.geometry, with.front().occupancy.geometry);
+  }
+}
+
 // 300 tiles along a line take cells of 64 in the small map; one of them has a wall and a free cell.
 TEST(TileOverview, ShowsWhatAnyCellOfItsSquareIs) {
   std::vector<CellIndex> places;

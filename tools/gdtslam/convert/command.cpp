@@ -12,6 +12,7 @@
 #include <utility>
 #include <variant>
 
+#include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/io/message_text.hpp"
 #include "engine/io/writers/log_writer.hpp"
@@ -72,6 +73,17 @@ void check_files(const ConvertOptions& options, LogFormat format, const std::str
     written.add_in_new_folder("--output", file, WrittenFiles::Kind::kLog);
 }
 
+// What would change nothing of the log that is written.
+void require_useful(const Settings& settings) {
+  for (const std::string& path : settings.from_sets) {
+    if (path.starts_with("log.") && !path.starts_with("log.odometry_")) continue;
+    throw UsageError(
+        fmt::format("--set: convert has no use for {}: it takes what log.* states of scans, clock and "
+                    "crank, and leaves odometry as it is",
+                    path));
+  }
+}
+
 // A converted log is as dear as its original: nothing is replaced unless that was said.
 void check_output(const ConvertOptions& options, LogFormat format) {
   namespace fs = std::filesystem;
@@ -114,11 +126,14 @@ void count_record(const LogRecord& record, ConvertCounts& counts) {
   if (std::holds_alternative<Parameter>(record)) ++counts.parameters;
 }
 
-ConvertCounts copy_records(LogReader& reader, LogWriter& writer, bool quiet) {
+ConvertCounts copy_records(LogReader& reader, const ReadOptions& read, LogWriter& writer, bool quiet) {
   ConvertCounts counts;
   ProgressLine progress("scans", quiet);
-  while (const std::optional<LogRecord> record = reader.next()) {
-    if (std::holds_alternative<ScanRecord>(*record)) ++counts.scans_read;
+  while (std::optional<LogRecord> record = reader.next()) {
+    if (auto* const scan = std::get_if<ScanRecord>(&*record)) {
+      ++counts.scans_read;
+      state_beam_times(read, scan->scan);
+    }
     if (writer.write(*record)) count_record(*record, counts);
     progress.update(counts.scans_read, reader.progress());
     if (interrupted()) {
@@ -166,12 +181,14 @@ int convert(const ConvertOptions& options) {
   const LogWriteOptions write{.packing = packing_named(options.compression)};
   check_output(options, format);
   Settings settings = load_settings(options.settings);
+  require_useful(settings);
   state_recording(options.recording, settings.log);
-  const std::unique_ptr<LogReader> reader = open_log(options.log, read_options_of(settings.log, options.lenient));
+  const ReadOptions read = read_options_of(settings.log, options.lenient);
+  const std::unique_ptr<LogReader> reader = open_log(options.log, read);
   const NewFolder new_folder(options.output);
   AtomicFileSet files;
   const std::unique_ptr<LogWriter> writer = make_log_writer(format, options.output, write, files);
-  const ConvertCounts counts = copy_records(*reader, *writer, options.quiet);
+  const ConvertCounts counts = copy_records(*reader, read, *writer, options.quiet);
   require_scans(options, counts, *writer);
   writer->finish();
   files.commit();
@@ -198,6 +215,16 @@ int convert(const ConvertOptions& options) {
   print_remark(fmt::format("interrupted after {}, which {} written", plural(counts.scans, "scan"),
                            counts.scans == 1 ? "was" : "were"));
   return static_cast<int>(ExitCode::kInterrupted);
+}
+
+// Whoever reads standard output may have enough, as `head` has.
+int convert_for_reader(const ConvertOptions& options) {
+  try {
+    return convert(options);
+  } catch (const NoReaderError&) {
+    if (options.output != "-") throw;
+    return static_cast<int>(ExitCode::kDone);
+  }
 }
 
 }  // namespace
@@ -238,7 +265,7 @@ void add_convert_command(CLI::App& app, CommandContext& context) {
       "  gdtslam convert drive.bag -o drive.csv.gz --topic /front/scan\n"
       "  gdtslam convert drive.csv -o drive/\n"
       "  gdtslam convert office.log -o - --format jsonl | head -n 1");
-  command->callback([options, &context] { context.run = [options] { return convert(*options); }; });
+  command->callback([options, &context] { context.run = [options] { return convert_for_reader(*options); }; });
 }
 
 }  // namespace gdtslam

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 #include "contents.hpp"
 #include "engine/core/one_line.hpp"
+#include "engine/runs/linkage/linkage_file.hpp"
 
 namespace gdtslam {
 namespace {
@@ -78,15 +80,35 @@ std::vector<MapCommand> scan_choices(const DoctorOptions& options, const LogCont
   return choices;
 }
 
-/// What a number's messages may be: a servo's degrees, or the elevation of a joint.
-MapCommand nodding_choice(const TopicContents& topic) {
-  MapCommand command{"if " + one_line(topic.name) + " tells how the laser nods",
-                     " --crank " + shell_word(topic.name) + " --set log.crank=tilt"};
-  if (!topic.joints.empty()) return command;  // radians, by ROS's own rule
-  const double middle = std::round(0.5 * (topic.numbers->least + topic.numbers->most));
-  command.when += fmt::format(", in degrees, and {:g} is level", middle);
-  command.line += fmt::format(" --set log.crank_step=1deg --set log.crank_zero={:g}", middle);
-  return command;
+bool has_whole_numbers(const TopicContents& topic) {
+  return topic.type.starts_with("std_msgs/Int") || topic.type.starts_with("std_msgs/UInt");
+}
+
+/// What a number's messages may be: ticks of a crank, a servo's degrees, or the elevation of a joint.
+std::vector<MapCommand> nodding_choices(const TopicContents& topic) {
+  constexpr double kMostDegrees = 360.0;
+  const std::string when = "if " + one_line(topic.name) + " tells how the laser nods";
+  const std::string line = " --crank " + shell_word(topic.name);
+  if (!topic.joints.empty()) return {{when, line + " --set log.crank=tilt"}};  // radians, by ROS's own rule
+  std::vector<MapCommand> choices;
+  if (has_whole_numbers(topic)) choices.push_back({when + ", in ticks of its crank", line});
+  if (topic.numbers->most - topic.numbers->least <= kMostDegrees) {
+    const double middle = std::round(0.5 * (topic.numbers->least + topic.numbers->most));
+    choices.push_back(
+        {fmt::format("{}, in degrees, and {:g} is level", when, middle),
+         fmt::format("{} --set log.crank=tilt --set log.crank_step=1deg --set log.crank_zero={:g}", line, middle)});
+  }
+  return choices;
+}
+
+/// Those of all topics that say different numbers.
+std::vector<MapCommand> all_nodding_choices(const LogContents& contents) {
+  std::vector<MapCommand> choices;
+  for (const TopicContents* topic : topics_for(TopicUse::kCrank, contents)) {
+    if (!topic->numbers || topic->numbers->least == topic->numbers->most) continue;
+    for (MapCommand& choice : nodding_choices(*topic)) choices.push_back(std::move(choice));
+  }
+  return choices;
 }
 
 }  // namespace
@@ -104,12 +126,11 @@ std::vector<MapCommand> map_commands(const DoctorOptions& options, const LogCont
   const std::string first_choice = commands.front().line;
   for (MapCommand& command : commands) command.line = fmt::format("{}{}{}{}", start, command.line, told_crank, end);
   if (!crank.empty()) return commands;
-  for (const TopicContents* topic : topics_for(TopicUse::kCrank, contents)) {
-    if (!topic->numbers || topic->numbers->least == topic->numbers->most) continue;
-    MapCommand nodding = nodding_choice(*topic);
-    nodding.line = fmt::format("{}{}{}{}", start, first_choice, nodding.line, end);
-    commands.push_back(std::move(nodding));
-  }
+  std::vector<MapCommand> nodding = all_nodding_choices(contents);
+  for (MapCommand& command : nodding) command.line = fmt::format("{}{}{}{}", start, first_choice, command.line, end);
+  // A linkage beside the log tells that the laser nods.
+  const bool has_linkage = !linkage_sidecar(options.log).empty();
+  commands.insert(has_linkage ? commands.begin() : commands.end(), nodding.begin(), nodding.end());
   return commands;
 }
 

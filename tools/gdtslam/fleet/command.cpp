@@ -22,6 +22,7 @@ void add_compute_options(CLI::App& command, ComputeOptions& options) {
       .add_option("-j,--jobs", options.runner.processes,
                   "Logs at a time, a process each [SLURM_CPUS_PER_TASK, else one per processor]")
       ->type_name("N")
+      ->transform(without_leading_zeros())
       ->check(whole_number_from(1));
   command
       .add_option("--device", options.runner.device.device,

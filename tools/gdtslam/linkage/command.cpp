@@ -239,6 +239,7 @@ void add_design_options(CLI::App& command, LinkageCommand& chosen) {
       .add_option("--count", chosen.count, "Number of linkages, of different shapes spread over all that meet the goal")
       ->needs(design)
       ->type_name("N")
+      ->transform(without_leading_zeros())
       ->check(CLI::Range(1, kMostDesigns))
       ->capture_default_str();
 }

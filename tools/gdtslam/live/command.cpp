@@ -11,6 +11,7 @@
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/error.hpp"
 #include "options.hpp"
+#include "remarks.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/help/offers.hpp"
@@ -110,9 +111,8 @@ std::shared_ptr<LiveInput> input_of(const DriveOptions& options) {
 
 // With a queue nobody waits for anybody; else a reader may be slow, but not hang.
 LineOutput::Rule output_rule_of(const DriveOptions& options) {
-  constexpr std::chrono::seconds kPatience{5};
   if (options.queue > 0) return {.most_waiting = options.queue, .patience = {}};
-  return {.most_waiting = LineOutput::Rule{}.most_waiting, .patience = kPatience};
+  return {.most_waiting = LineOutput::Rule{}.most_waiting, .patience = kReaderPatience};
 }
 
 std::unique_ptr<LivePage> page_of(const DriveOptions& options) {
@@ -152,6 +152,7 @@ void add_live_command(CLI::App& app, CommandContext& context) {
       "  robot_logger | gdtslam live -o drive --format tum > poses.tum");
   command->callback([options, log, &context] {
     context.run = [options, has_log = log->count() > 0] {
+      static const Remarks remarks;  // until the process ends, whose last words may be an error
       check(*options, has_log);
       answer_promptly();
       return options->map.empty() ? map_live(*options) : follow_live(*options);

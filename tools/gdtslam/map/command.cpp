@@ -56,10 +56,17 @@ struct MapOptions {
   bool quiet = false;
 };
 
-// --matcher is short for --set match.matcher and comes last, so that the command line beats the file.
+// --matcher is short for --set match.matcher. Where both are given they must agree.
 Settings settings_of(const MapOptions& options) {
   SettingsOptions settings = options.settings;
-  if (!options.matcher.empty()) settings.sets.push_back("match.matcher=" + options.matcher);
+  if (!options.matcher.empty()) {
+    const std::string stated = "match.matcher=" + options.matcher;
+    for (const std::string& set : settings.sets) {
+      if (!set.starts_with("match.matcher=") || set == stated) continue;
+      throw UsageError(fmt::format("--matcher {} contradicts --set {}: give one of them", options.matcher, set));
+    }
+    settings.sets.push_back(stated);
+  }
   Settings loaded = load_settings(settings);
   state_recording(options.recording, loaded.log);
   return loaded;

@@ -112,6 +112,7 @@ void add_merge_command(CLI::App& app, CommandContext& context) {
       ->add_option("--threads", options->request.threads,
                    "Threads of the CPU, 0 for one per processor. Results do not depend on it")
       ->type_name("N")
+      ->transform(without_leading_zeros())
       ->check(CLI::Range(0U, kMostThreads))
       ->capture_default_str();
   command->add_flag("--no-map", options->no_map,

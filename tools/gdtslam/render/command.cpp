@@ -271,7 +271,7 @@ void add_film_options(CLI::App& command, RenderOptions& chosen) {
   constexpr const char* kFilm = "Film";
   add(command, kFilm, "--fps", chosen.frames_per_s, "Frames a second [25]", "N")->check(CLI::Range(0.1, 240.0));
   CLI::Option* const frames = add(command, kFilm, "--frames", chosen.frames, "Number of frames", "N");
-  frames->check(whole_number_from(1));
+  frames->transform(without_leading_zeros())->check(whole_number_from(1));
   add(command, kFilm, "--seconds", chosen.seconds,
       "Time that a film plays, in place of --frames [orbit 8, follow 20, scan real time up to 20, scene 4,\nloops 12]",
       "TIME")
@@ -296,6 +296,7 @@ void add_data_options(CLI::App& command, RenderOptions& chosen) {
   add(command, kData, "--at", chosen.at, "Middle of the view cells [the obstacle nearest to the field's middle]",
       "X,Y");
   add(command, kData, "--cells", chosen.cells, "Cells a side in the view cells, 60 at most [12]", "N")
+      ->transform(without_leading_zeros())
       ->check(whole_number_from(1));
   add_flag(command, kData, "--squared", chosen.is_squared,
            "Show squared distances in the view cells, as figure 3 has them");
@@ -304,6 +305,7 @@ void add_data_options(CLI::App& command, RenderOptions& chosen) {
       "it as "
       "many as pixels or 1,000,000,\nelse all]",
       "N")
+      ->transform(without_leading_zeros())
       ->check(whole_number_from(1));
   add(command, kData, "--linkage", chosen.linkage, "How the laser nods, where the input does not say: preset or file",
       "NAME|FILE");

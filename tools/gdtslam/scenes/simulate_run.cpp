@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "engine/io/atomic_file.hpp"
@@ -28,6 +30,17 @@ constexpr double kClearanceLimit_m = 2.0;
 // What lies on the floor to this height is driven over.
 constexpr double kGroundClearance_m = 0.02;
 
+/// Puts what an option states in its place. A scene was right before, so that what is wrong then is the option's fault.
+template <class Value>
+void state(std::string_view option, const std::optional<Value>& stated, Value& value, SceneFile& scene) {
+  if (!stated) return;
+  value = *stated;
+  match_laser(scene.config);
+  if (const std::vector<std::string> faults = validate(scene.config); !faults.empty()) {
+    throw UsageError(fmt::format("{}: {}", option, faults.front()));
+  }
+}
+
 void apply_laser(const SimulateOptions& options, SceneFile& scene) {
   sim::LaserModel& laser = scene.config.laser;
   if (options.laser) {
@@ -46,9 +59,9 @@ void apply_laser(const SimulateOptions& options, SceneFile& scene) {
     laser.range_resolution_m = 0.0;
     laser.drop_out_share = 0.0;
   }
-  laser.mirror_rate_hz = options.mirror_rate_hz.value_or(laser.mirror_rate_hz);
-  laser.noise_constant_m = options.noise_m.value_or(laser.noise_constant_m);
-  laser.range_resolution_m = options.range_resolution_m.value_or(laser.range_resolution_m);
+  state("--mirror-rate", options.mirror_rate_hz, laser.mirror_rate_hz, scene);
+  state("--noise", options.noise_m, laser.noise_constant_m, scene);
+  state("--resolution", options.range_resolution_m, laser.range_resolution_m, scene);
 }
 
 void apply_nodding(const SimulateOptions& options, SceneFile& scene) {
@@ -56,14 +69,14 @@ void apply_nodding(const SimulateOptions& options, SceneFile& scene) {
   const bool asks = options.nod_mode || options.crank_rate_hz || options.ticks_per_turn;
   if (options.linkage || (asks && !nodding)) {
     if (!nodding) nodding.emplace();
-    nodding->truth = resolve_linkage(options.linkage.value_or(std::string(calib::kDefaultLinkage)));
+    const std::string linkage = options.linkage.value_or(std::string(calib::kDefaultLinkage));
+    state("--linkage", std::optional(resolve_linkage(linkage)), nodding->truth, scene);
   }
   if (!nodding) return;
-  if (options.nod_mode) nodding->mode = nod_mode(*options.nod_mode);
-  nodding->crank_rate_hz = options.crank_rate_hz.value_or(nodding->crank_rate_hz);
+  if (options.nod_mode) state("--nod", std::optional(nod_mode(*options.nod_mode)), nodding->mode, scene);
+  state("--crank-rate", options.crank_rate_hz, nodding->crank_rate_hz, scene);
   if (options.is_exact) make_exact(nodding->truth.encoder);
-  nodding->truth.encoder.ticks_per_turn = options.ticks_per_turn.value_or(nodding->truth.encoder.ticks_per_turn);
-  match_laser(scene.config);
+  state("--ticks", options.ticks_per_turn, nodding->truth.encoder.ticks_per_turn, scene);
 }
 
 void apply_motion(const SimulateOptions& options, SceneFile& scene) {
@@ -80,12 +93,7 @@ void apply_options(const SimulateOptions& options, SceneFile& scene) {
   apply_nodding(options, scene);
   apply_motion(options, scene);
   scene.config.stamps_first_beam = options.mirror_rate_hz && !scene.config.nodding;
-  if (options.scan_rate_hz) {
-    scene.config.scan_rate_hz = *options.scan_rate_hz;
-    if (const std::vector<std::string> faults = validate(scene.config); !faults.empty()) {
-      throw UsageError("--rate: " + faults.front());
-    }
-  }
+  state("--rate", options.scan_rate_hz, scene.config.scan_rate_hz, scene);
   if (options.trajectory) {
     scene.waypoints = read_waypoints(*options.trajectory);
   }
@@ -142,14 +150,20 @@ double checked_clearance_m(const SceneFile& scene, const sim::MotionPlan& plan, 
   return *nearest;
 }
 
+// As many as multiples of the resolution need. Whole centimetres still get three; ranges that are not rounded keep all
+// digits of a float beyond 4 m.
 int range_decimals(const sim::LaserModel& laser) {
-  // Whole centimetres still get three decimals; ranges that are not rounded keep all digits of a float beyond 4 m.
   constexpr double kMillimetre_m = 0.001;
-  constexpr int kUnrounded = 9;
-  if (laser.range_resolution_m == 0.0) {
-    return kUnrounded;
-  }
-  return laser.range_resolution_m >= kMillimetre_m ? 3 : 6;
+  constexpr int kMostDecimals = 9;
+  constexpr double kWhole = 1e-6;  // how near to a whole number
+  if (laser.range_resolution_m == 0.0) return kMostDecimals;
+  int decimals = laser.range_resolution_m >= kMillimetre_m ? 3 : 6;
+  const auto is_enough = [&] {
+    const double parts = laser.range_resolution_m * std::pow(10.0, decimals);
+    return std::fabs(parts - std::round(parts)) < kWhole;
+  };
+  while (decimals < kMostDecimals && !is_enough()) ++decimals;
+  return decimals;
 }
 
 std::string one_word(std::string text) {

@@ -13,6 +13,8 @@
 #include <cstdint>
 #include <cstdio>
 #include <ctime>
+#include <functional>
+#include <mutex>
 #include <utility>
 
 #include "engine/core/files/interruption.hpp"
@@ -29,8 +31,14 @@ bool is_control(char32_t code) {
   return code < 0x20U || (code >= 0x7FU && code < 0xA0U) || code == 0x2028U || code == 0x2029U;
 }
 
+std::mutex g_lines_mutex;
+std::function<void(std::string line)> g_take_line;
+
 void print_line(const char* begin, std::string_view text) {
-  std::fputs(fmt::format("{}{}\n", begin, printable(text)).c_str(), stderr);  // a terminal that is gone takes no more
+  std::string line = fmt::format("{}{}\n", begin, printable(text));
+  const std::lock_guard lock(g_lines_mutex);
+  if (g_take_line) return g_take_line(std::move(line));
+  std::fputs(line.c_str(), stderr);  // a terminal that is gone takes no more
   std::fflush(stderr);
 }
 
@@ -99,14 +107,15 @@ std::string printable(std::string_view text, std::string_view kept) {
   return shown;
 }
 
-void print_result(std::string_view text) {
+bool print_result(std::string_view text) {
   const std::string shown = printable(text, "\n\t");
   errno = 0;
   if (std::fwrite(shown.data(), 1, shown.size(), stdout) != shown.size() || std::fflush(stdout) != 0) {
     // The reader had enough, as `head` has, or its terminal is gone.
-    if (errno == EPIPE || (errno == EIO && interrupted())) return;
+    if (errno == EPIPE || (errno == EIO && interrupted())) return false;
     throw FileError("standard output", "cannot be written: " + errno_text(errno));
   }
+  return true;
 }
 
 std::string plural(std::uint64_t count, std::string_view noun) {
@@ -116,6 +125,11 @@ std::string plural(std::uint64_t count, std::string_view noun) {
 void print_remark(std::string_view text) { print_line("gdtslam: ", text); }
 
 void print_error(std::string_view text) { print_line("gdtslam: error: ", text); }
+
+void send_lines_to(std::function<void(std::string line)> take) {
+  const std::lock_guard lock(g_lines_mutex);
+  g_take_line = std::move(take);
+}
 
 void hold_standard_streams() {
   // The lowest free number is taken, so each closed one gets its place. A path alone (O_PATH) can be neither read nor

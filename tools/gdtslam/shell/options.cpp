@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <CLI/App.hpp>
 
+#include <algorithm>
 #include <charconv>
 #include <optional>
 #include <system_error>
@@ -51,6 +52,15 @@ CLI::Option* add_quantity_option(CLI::App& command, const std::string& name, dou
   return command.add_option_function<std::string>(name, read, doc)->type_name(type_name_of(unit));
 }
 
+CLI::Validator without_leading_zeros() {
+  const auto strip = [](std::string& text) -> std::string {
+    const bool is_whole = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+    if (is_whole) text.erase(0, std::min(text.find_first_not_of('0'), text.size() - 1));
+    return {};
+  };
+  return {strip, ""};
+}
+
 CLI::Validator whole_number_from(std::uint64_t minimum) {
   const auto fault_of = [minimum](const std::string& text) -> std::string {
     std::uint64_t number = 0;
@@ -64,7 +74,10 @@ CLI::Validator whole_number_from(std::uint64_t minimum) {
 template <class Count>
 CLI::Option* add_count_option(CLI::App& command, const std::string& name, Count& count, std::uint64_t minimum,
                               const std::string& doc) {
-  return command.add_option(name, count, doc)->type_name("N")->check(whole_number_from(minimum));
+  return command.add_option(name, count, doc)
+      ->type_name("N")
+      ->transform(without_leading_zeros())
+      ->check(whole_number_from(minimum));
 }
 template CLI::Option* add_count_option(CLI::App&, const std::string&, int&, std::uint64_t, const std::string&);
 template CLI::Option* add_count_option(CLI::App&, const std::string&, std::uint32_t&, std::uint64_t,

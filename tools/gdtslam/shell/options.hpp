@@ -26,7 +26,10 @@ struct QuantityBounds {
 CLI::Option* add_quantity_option(CLI::App& command, const std::string& name, double& value, Unit unit,
                                  const QuantityBounds& bounds, const std::string& doc);
 
-// Options that are counts. CLI11 alone takes "-1" for an unsigned number and wraps it.
+// Options that are counts. CLI11 alone takes "-1" for an unsigned number and wraps it, and reads "010" as 8.
+
+/// Transforms a whole number into one that is read as decimal; what is none it leaves as it is.
+CLI::Validator without_leading_zeros();
 
 /// Accepts whole decimal numbers of at least `minimum` that fit 64 bits.
 CLI::Validator whole_number_from(std::uint64_t minimum);

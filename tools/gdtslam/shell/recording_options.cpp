@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 #include <CLI/App.hpp>
 
+#include <algorithm>
 #include <array>
+#include <vector>
 
+#include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/units.hpp"
 #include "options.hpp"
@@ -23,8 +26,33 @@ Pose2 mount_of(const std::string& text) {
     parts[k] = text.substr(begin, comma - begin);
     begin = comma + 1;
   }
-  return {quantity_of("--mount", parts[0], Unit::kMetre), quantity_of("--mount", parts[1], Unit::kMetre),
-          quantity_of("--mount", parts[2], Unit::kRadian)};
+  LogConfig stated;  // whose options say how far a mount may lie
+  stated.T_base_laser = {quantity_of("--mount", parts[0], Unit::kMetre), quantity_of("--mount", parts[1], Unit::kMetre),
+                         quantity_of("--mount", parts[2], Unit::kRadian)};
+  if (const std::vector<std::string> faults = violations(option_table(stated)); !faults.empty()) {
+    throw UsageError("--mount: " + faults.front());
+  }
+  return stated.T_base_laser;
+}
+
+/// The topic of NAME=x,y,yaw, with or without its slash; empty where there is none.
+std::string topic_of_mount(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos) return {};
+  const std::size_t slash = text.starts_with('/') ? 1 : 0;
+  return text.substr(slash, equals - slash);
+}
+
+void require_one_mount_each(const std::vector<std::string>& mounts) {
+  std::vector<std::string> topics;
+  for (const std::string& text : mounts) {
+    const std::string topic = topic_of_mount(text);
+    if (std::find(topics.begin(), topics.end(), topic) != topics.end()) {
+      throw UsageError(topic.empty() ? "--mount: of several lasers each is named: NAME=x,y,yaw"
+                                     : fmt::format("--mount: {} is given twice", in_quotes(topic)));
+    }
+    topics.push_back(topic);
+  }
 }
 
 }  // namespace
@@ -55,6 +83,7 @@ void state_recording(const RecordingOptions& options, LogConfig& config) {
   config.topics.scans = options.topics;
   config.topics.odometry = options.odometry;
   config.topics.crank = options.crank;
+  require_one_mount_each(options.mounts);
   for (const std::string& text : options.mounts) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos) {

@@ -22,7 +22,8 @@ struct RecordingOptions {
 /// --topic, --odom, --crank, --mount.
 void add_recording_options(CLI::App& command, RecordingOptions& options);
 
-/// States them in the configuration: a mount without a topic as log.mount. Throws UsageError for what is no mount.
+/// States them in the configuration: a mount without a topic as log.mount. Throws UsageError for what is no mount,
+/// lies beyond the bounds of log.mount_*, or is stated twice.
 void state_recording(const RecordingOptions& options, LogConfig& config);
 
 }  // namespace gdtslam

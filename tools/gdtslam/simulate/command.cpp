@@ -121,11 +121,14 @@ class PacedLines {
         std::this_thread::sleep_for(std::min<std::chrono::duration<double>>(left, kSlice));
       }
     }
-    print_result(lines);
+    has_reader_ = print_result(lines);
   }
+  /// False once whoever read the lines had enough.
+  [[nodiscard]] bool has_reader() const { return has_reader_; }
 
  private:
   double pace_;
+  bool has_reader_ = true;
   std::optional<double> first_s_;
   std::chrono::steady_clock::time_point begin_;
 };
@@ -162,7 +165,7 @@ int run_simulate(const SimulateCommand& command) {
   options.scene_folders = asset_folders("scenes");
   if (!is_sent) check_files(options);
   options.progress = [&progress](std::uint64_t scans, double share) { progress.update(scans, share); };
-  options.stop = [] { return interrupted(); };
+  options.stop = [&lines] { return interrupted() || !lines.has_reader(); };
   const SimulateResult result = simulate(options);
   progress.clear();
   for (const LogReader::Warning& one : result.left_out) {
@@ -174,7 +177,7 @@ int run_simulate(const SimulateCommand& command) {
   } else if (!command.quiet && !is_sent) {
     print_result(summary_of(result));
   }
-  if (result.is_whole) {
+  if (result.is_whole || !lines.has_reader()) {
     return static_cast<int>(ExitCode::kDone);
   }
   const bool is_one = result.scans == 1;
@@ -205,6 +208,7 @@ void add_nodding_options(CLI::App& command, SimulateCommand& chosen) {
       ->group("Nodding");
   command.add_option("--ticks", options.ticks_per_turn, "Ticks of the encoder per turn of the crank")
       ->type_name("N")
+      ->transform(without_leading_zeros())
       ->check(whole_number_from(1))
       ->group("Nodding");
   command

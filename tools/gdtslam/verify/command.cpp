@@ -190,6 +190,7 @@ void add_case_options(CLI::App& command, VerifyCommand& chosen) {
       ->type_name("NAME");
   command.add_option("--random", options.random_cases, "Number of random cases beside the standard ones")
       ->type_name("N")
+      ->transform(without_leading_zeros())
       ->check(CLI::Range(0U, kMostRandom))
       ->capture_default_str();
   add_count_option(command, "--seed", options.seed, 0, "Seed of the random cases")->capture_default_str();

@@ -222,6 +222,7 @@ void add_log_options(CLI::App& command, BenchOptions& options) {
   add_settings_options(command, options.settings);
   command.add_option("--scans", options.certified.scans, "Scans that certified looks for, evenly over the log")
       ->type_name("N")
+      ->transform(without_leading_zeros())
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   add_quantity_option(
@@ -269,10 +270,12 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
               {"transform", "scan", "sweep", "clouds", "viewer", "certified", "live", "work", "logs"});
   command->add_option("--size", options->size, "Side of the square for the whole distance transforms, cells")
       ->type_name("N")
+      ->transform(without_leading_zeros())
       ->check(CLI::Range(std::uint32_t{32}, kLargestSize))
       ->capture_default_str();
   command->add_option("--samples", options->timing.samples, "Samples of each time at most; the median counts")
       ->type_name("N")
+      ->transform(without_leading_zeros())
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   add_log_options(*command, *options);

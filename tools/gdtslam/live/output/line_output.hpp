@@ -1,7 +1,8 @@
-// Lines on standard output for whoever steers by them, written at once while the reader takes them. Where it is slow
-// they wait, and the writer waits for it; where it takes none at all for that long, or nobody may wait, the oldest
-// lines are dropped whole, so that a reader that hangs never stops a robot's map. One writer; a thread of its own
-// writes what had to wait, and all that goes to a terminal, which may make whoever writes to it wait without end.
+// Lines on standard output for whoever steers by them, or on standard error, written at once while the reader takes
+// them. Where it is slow they wait, and the writer waits for it; where it takes none at all for that long, or nobody
+// may wait, the oldest lines are dropped whole, so that a reader that hangs never stops a robot's map. One writer; a
+// thread of its own writes what had to wait, and all that goes to a terminal, which may make whoever writes to it wait
+// without end.
 #pragma once
 
 #include <unistd.h>
@@ -14,6 +15,9 @@
 #include <thread>
 
 namespace gdtslam {
+
+/// With a reader that may be slow, but not hang.
+inline constexpr std::chrono::seconds kReaderPatience{5};
 
 class LineOutput {
  public:

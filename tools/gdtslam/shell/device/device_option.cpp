@@ -13,6 +13,7 @@
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/folders.hpp"
 #include "tools/gdtslam/shell/help/offers.hpp"
+#include "tools/gdtslam/shell/options.hpp"
 #include "verify_record.hpp"
 
 namespace gdtslam {
@@ -113,6 +114,7 @@ void add_device_options(CLI::App& command, DeviceOptions& options, bool with_fal
                   "Threads of the CPU, 0 for one per processor. Results do not depend on it")
       ->type_name("N")
       ->each([&options](const std::string&) { options.are_threads_given = true; })
+      ->transform(without_leading_zeros())
       ->check(CLI::Range(0U, kMostThreads))
       ->capture_default_str();
   command
