@@ -51,10 +51,14 @@ CellState shown_state(const OccupancyMap& map, std::int32_t x, std::int32_t y, s
 }
 static_assert(CellState::kUnknown < CellState::kFree && CellState::kFree < CellState::kOccupied);
 
-/// The finite poses of a path. The clocks of drives may be days apart or overlap: their times follow each other.
+constexpr double kClockStep_s = 1.0;      // back, beyond which a clock was set
+constexpr double kLongestGap_s = 3600.0;  // forward, beyond which a clock was set, as at boot
+
+/// The finite poses of a path, whose times never step back: they go on from drive to drive and where a clock was set.
 struct FinitePath {
   Trajectory poses;
   std::vector<std::size_t> drives;
+  bool has_log_times = true;  ///< but for jitter
 };
 
 FinitePath finite_path(const Trajectory& trajectory, std::span<const std::size_t> drives) {
@@ -65,11 +69,13 @@ FinitePath finite_path(const Trajectory& trajectory, std::span<const std::size_t
     const auto& [stamp_s, T_map_base] = trajectory[k];
     if (!T_map_base.is_finite() || !std::isfinite(stamp_s)) continue;
     const auto begun = std::upper_bound(next, drives.end(), k);
-    if (begun != std::exchange(next, begun) && !path.poses.empty()) {
-      path.drives.push_back(path.poses.size());
-      later_s = path.poses.back().stamp_s - stamp_s;
-    }
-    path.poses.push_back({stamp_s + later_s, T_map_base});
+    const bool is_other_drive = begun != std::exchange(next, begun) && !path.poses.empty();
+    const double last_s = path.poses.empty() ? stamp_s : path.poses.back().stamp_s;
+    const double passed_s = stamp_s + later_s - last_s;
+    if (is_other_drive) path.drives.push_back(path.poses.size());
+    if (is_other_drive || passed_s < -kClockStep_s || passed_s > kLongestGap_s) later_s = last_s - stamp_s;
+    path.has_log_times = path.has_log_times && later_s == 0.0;
+    path.poses.push_back({std::max(last_s, stamp_s + later_s), T_map_base});
   }
   return path;
 }
@@ -99,7 +105,8 @@ void write_path(const Trajectory& trajectory, std::span<const std::size_t> drive
   json.close();
   append_bytes_element("path", bytes.bytes(), elements);
   json.number("length", length_m_of(path.poses, path.drives));  // whatever the page holds of them
-  json.number("first", first_s).number("last", path.poses.back().stamp_s).close();
+  json.number("first", first_s).number("last", path.poses.back().stamp_s);
+  json.number("log_times", path.has_log_times ? 1 : 0).close();
 }
 
 void write_map(const OccupancyMap& map, JsonWriter& json, std::string& elements) {

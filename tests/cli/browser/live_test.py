@@ -5,9 +5,11 @@ import http.client
 import json
 import os
 import re
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 import chromium
@@ -40,19 +42,24 @@ class LiveTest(unittest.TestCase):
         subprocess.run([PROGRAM, "simulate", "office-loop", "-o", log, "-q"], check=True)
         with open(log, encoding="ascii") as file:
             self.lines = file.readlines()
-        self.drive = subprocess.Popen([PROGRAM, "live", "-", "-o", os.path.join(self.folder.name, "run"), "--page", "0"],
+        self.begin("-o", os.path.join(self.folder.name, "run"))
+
+    def begin(self, *options, port=0):
+        """A drive of which nothing has been sent."""
+        self.drive = subprocess.Popen([PROGRAM, "live", "-", *options, "--page", str(port)],
                                       stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, bufsize=1)
-        self.addCleanup(self.end)
+        self.addCleanup(self.end, self.drive)
         self.url = re.search(r"http://127\.0\.0\.1:(\d+)/", self.drive.stderr.readline())
         self.port = int(self.url.group(1))
         self.sent = 0
         self.poses = []
 
-    def end(self):
-        if self.drive.poll() is None:
-            self.drive.kill()
-        self.drive.wait()
-        for stream in (self.drive.stdout, self.drive.stderr):
+    @staticmethod
+    def end(drive):
+        if drive.poll() is None:
+            drive.kill()
+        drive.wait()
+        for stream in (drive.stdout, drive.stderr):
             stream.close()
 
     def send(self, scans):
@@ -111,7 +118,7 @@ class LiveTest(unittest.TestCase):
         self.assertEqual(browser.value("gdtslamLive.errors"), [])
         self.assertEqual([url for url in browser.requests if f"127.0.0.1:{self.port}" not in url and not url.startswith("data:")], [])
         self.drive.stdin.close()
-        browser.wait_for("document.getElementById('state').textContent === 'the drive has ended'", 120)
+        browser.wait_for("document.getElementById('state').textContent.includes('the drive has ended')", 120)
         self.picture(browser, "live-ended")
 
     def test_a_second_looker_on_and_a_phone(self):
@@ -143,6 +150,115 @@ class LiveTest(unittest.TestCase):
         browser.value("follow.click()")
         browser.settle()
         self.assertLess(browser.value("Math.hypot(camera.x - live.scan.pose[0], camera.y - live.scan.pose[1])"), 1e-9)
+
+    def test_whoever_opens_later_sees_what_is(self):
+        """The newest scan and the robot, where nobody looked on before, and where everybody had gone; then no scan follows."""
+        self.send(60)
+        for scans in (60, 330):
+            browser = self.open()
+            browser.wait_for(f"gdtslamLive.scan && gdtslamLive.scan.scan === {scans}")
+            self.assertEqual(browser.value(FIGURE % "scans"), str(scans))
+            if self.poses[-1]["correction"] == [0, 0, 0]:
+                shown = browser.value("gdtslamLive.scan.pose")
+                self.assertLess(max(abs(a - b) for a, b in zip(shown, self.poses[-1]["pose"])), 1e-3)
+            browser.call("Page.navigate", url="about:blank")
+            self.send(330 - len(self.poses))
+
+    def test_whoever_opens_later_sees_the_robot_in_a_map_that_stays(self):
+        self.send(150)
+        self.drive.communicate()
+        self.begin("--map", os.path.join(self.folder.name, "run"))
+        self.send(60)
+        browser = self.open()
+        browser.wait_for("gdtslamLive.map && gdtslamLive.scan && gdtslamLive.scan.scan === 60")
+        self.assertEqual(self.poses[-1]["whereabouts"], "tracked")
+        self.assertLess(max(abs(a - b) for a, b in zip(browser.value("gdtslamLive.scan.pose"), self.poses[-1]["pose"])), 1e-3)
+
+    def test_silence_is_told(self):
+        """A drive without scans is live, one that says nothing is not; the page asks again by itself."""
+        browser = self.open()
+        self.send(30)
+        self.wait_for_all(browser)
+        text = "document.getElementById('state').textContent"
+        browser.value("void (window.states = new Set(), new MutationObserver(() => window.states.add(state.textContent))"
+                      ".observe(state, {childList: true, subtree: true, characterData: true}))")
+        time.sleep(6)
+        self.assertEqual(browser.value("[...window.states]"), [])
+        self.drive.send_signal(signal.SIGSTOP)
+        browser.wait_for(f"/^nothing heard for [3-9] s$/.test({text})")
+        self.assertEqual(browser.value("document.querySelector('#state [aria-hidden=true]').textContent.slice(0, 5)"), " for ")
+        self.drive.send_signal(signal.SIGCONT)
+        browser.wait_for(f"{text} === 'live'")
+        self.drive.send_signal(signal.SIGSTOP)
+        browser.wait_for(f"{text} === 'no connection: the drive has ended, or is out of reach'")
+        self.drive.send_signal(signal.SIGCONT)
+        browser.wait_for(f"{text} === 'live'")
+        self.send(30)
+        self.wait_for_all(browser)
+        self.assertEqual(browser.value("gdtslamLive.errors"), [])
+
+    def test_another_drive_forgets_the_one_before(self):
+        browser = self.open()
+        self.send(200)
+        self.wait_for_all(browser)
+        drive = browser.value("gdtslamLive.drive")
+        self.drive.kill()
+        browser.wait_for("document.getElementById('state').className === 'gone'")
+        self.begin("-o", os.path.join(self.folder.name, "another"), port=self.port)
+        browser.wait_for(f"document.getElementById('state').textContent === 'live' && gdtslamLive.drive !== '{drive}'")
+        self.assertEqual(browser.value("[live.scan, live.map, picture, trail.filter((pose) => pose), figures.children.length]"),
+                         [None, None, None, [], 0])
+        self.send(5)
+        browser.wait_for("gdtslamLive.scan?.scan === 5 && gdtslamLive.map?.header.path.length === 10")
+        self.assertEqual(browser.value(FIGURE % "scans"), "5")
+        self.assertLess(browser.value("trail.length"), 6)
+
+    def test_where_the_robot_was_lost_there_is_no_line(self):
+        """Of a way of two places with none between: a gap, also when the trail is thinned."""
+        browser = self.open()
+        browser.value("""void (window.scan = (pose) => takeScan(JSON.stringify(
+            {drive: "d", scan: 1, pose, inDoubt: false, figures: {doubt: "none"}, points: []})))""")
+        browser.value("""void (follow.setAttribute('aria-pressed', 'false'), Object.assign(camera, {x: 4, y: 0, scale: 60}),
+            [[0, 1], [1, 1], null, null, [7, 1], [8, 1]].forEach((place) => scan(place && [...place, 0])))""")
+        self.assertEqual(browser.value("trail"), [[0, 1, 0], [1, 1, 0], None, [7, 1, 0], [8, 1, 0]])
+        browser.settle()
+        blue = """((x, y) => {
+          const [r, g, b] = context.getImageData(...place(x, y).map(Math.round), 1, 1).data;
+          return b > r + 60;
+        })"""
+        self.assertEqual([browser.value(f"{blue}({x}, 1)") for x in (0.5, 2, 4, 6, 7.4)], [True, False, False, False, True])
+        for poses in (15, 16, 1):
+            browser.value(f"void (trail = [], [...Array(60001).keys()].forEach((k) => followTrail(k % {poses + 1} ? [k, 0, 0] : null)))")
+            last = browser.value("[trail.length, trail.filter((p) => p).length, trail.filter((p) => p).at(-1)[0], "
+                                 "trail.findLastIndex((p, k) => k > 0 && !p && !trail[k - 1])]")
+            self.assertLessEqual(last[0], 20000)
+            self.assertGreater(last[1], 4000)
+            self.assertGreater(last[2], 60000 - poses - 2)
+            self.assertEqual(last[3], -1)
+
+    def test_zooming_out_of_a_wide_map(self):
+        """All of a map of kilometres is in the picture, and from there on minus makes nothing larger."""
+        browser = self.open()
+        browser.value("""(async () => {
+          const png = await (await new OffscreenCanvas(8, 4).getContext('2d').canvas.convertToBlob()).arrayBuffer();
+          const text = new TextEncoder().encode(JSON.stringify(
+              {drive: 'd', width: 8, height: 4, pixel_m: 1000, corner_m: [0, 0], path: []}));
+          const data = new Uint8Array(4 + text.length + png.byteLength);
+          new DataView(data.buffer).setUint32(0, text.length, true);
+          data.set(text, 4);
+          data.set(new Uint8Array(png), 4 + text.length);
+          await takeMap(data.buffer);
+          window.former = live.map.bitmap;
+          await takeMap(data.buffer);
+        })()""")
+        self.assertEqual(browser.value("[window.former.width, live.map.bitmap.width]"), [0, 8])  # closed, and not
+        browser.value("document.getElementById('whole').click()")
+        whole = browser.value("camera.scale")
+        self.assertLess(whole, 0.5)
+        browser.value("zoom(0.8)")
+        self.assertLessEqual(browser.value("camera.scale"), whole)
+        browser.value("zoom(1.25)")
+        self.assertAlmostEqual(browser.value("camera.scale"), 1.25 * whole)
 
     def test_nobody_else_may_ask(self):
         """A page of another site, by whatever name it knows this host, gets neither the page nor the websocket."""

@@ -1,5 +1,6 @@
 """Tests of pages without a cloud and of narrow windows, for the classes of page_browser_test that open pages."""
 import math
+import struct
 
 from page_input import make_page, write_cloud, write_map, write_path
 
@@ -64,6 +65,99 @@ class FlatAndNarrow:
         self.assertEqual(browser.value("gdtslam.pointsShown()"), 36)
         self.assert_quiet(browser)
 
+    def test_a_clock_that_steps_back(self):
+        """Time goes on, the path is all there, and the cloud, whose stamps are those of the log, is shown whole."""
+        with open(self.path("p.tum"), "w", encoding="ascii") as file:
+            for k in range(21):
+                file.write(f"{100 + k if k <= 10 else 40 + k} {k} 0 0 0 0 0 1\n")
+        points = [(float(x), float(y), 0.1 * y, 0.0, 100.0 + x if x <= 10 else 40.0 + x, 0) for x in range(21) for y in range(6)]
+        write_cloud(self.path("c.ply"), points)
+        for name, options in (("p", ()), ("pc", ("--cloud", self.path("c.ply")))):
+            make_page(self.path(name + ".html"), "--path", self.path("p.tum"), *options)
+            browser = self.open(self.path(name + ".html"))
+            self.assertEqual(browser.value("gdtslam.timeline.value.textContent"), "19.0 of 19.0 s")
+            for seconds, x in ((0, 0), (4.5, 4.5), (9.75, 9.75), (10.5, 11.5), (19, 20)):
+                self.assertAlmostEqual(browser.value(f"gdtslam.cloudView.path.poseAt({100 + seconds}).x"), x, places=4)
+            self.assert_quiet(browser)
+        browser.value("gdtslam.timeline.set(0.25)")
+        self.assertEqual(browser.value("gdtslam.pointsShown()"), len(points))
+
+    def test_a_robot_that_stood_is_in_the_picture(self):
+        """A path on one spot, and a point alone, have no extent that a camera could fit."""
+        with open(self.path("p.tum"), "w", encoding="ascii") as file:
+            file.write("".join(f"{100 + k} 3 4 0 0 0 0 1\n" for k in range(5)))
+        write_cloud(self.path("c.ply"), [(1.0, 2.0, 3.0, 0.0, 5.0, 0)])
+        make_page(self.path("p.html"), "--path", self.path("p.tum"))
+        make_page(self.path("c.html"), "--cloud", self.path("c.ply"))
+        for name, layer, least in (("p", "robot", 2000), ("c", "cloud", 1)):
+            browser = self.open(self.path(name + ".html"))
+            self.assertTrue(browser.value("(({target, yaw, pitch, distance}) => [...target, yaw, pitch, distance].every(Number.isFinite))"
+                                          "(gdtslam.camera.state())"))
+            browser.value("void (window.kept = gdtslam.picture())")
+            browser.value(f"gdtslam.view.layers.{layer} = false")
+            self.assertGreaterEqual(browser.value("gdtslam.differing(window.kept, gdtslam.picture())"), least, name)
+            self.assert_quiet(browser)
+        browser = self.open(self.path("p.html"))
+        for dx, dy in ((0.25, 0.2), (-0.25, -0.2)):
+            x, y, _ = browser.value(f"gdtslam.camera.pixelOf([{dx}, {dy}, 0])")
+            width, height = browser.box("#scene")[2:]
+            self.assertTrue(0 < x < width and 0 < y < height, (x, y))
+
+    def test_what_is_read_of_a_point_is_no_finer_than_it_is_known(self):
+        """Of 300 m and 1000 s in 16 bits, of 180° and 5 m in 8; a distance that was not found is at least the largest."""
+        points = [(3.0 * k, 0.0, 0.0, math.radians(1.8 * k), 10.0 * k, 0) for k in range(101)]
+        distances = [0.05 * k for k in range(101)]
+        distances[40] = math.nan
+        write_cloud(self.path("c.ply"), points)
+        with open(self.path("d.bin"), "wb") as file:
+            file.write(struct.pack(f"<{len(points)}f", *distances))
+        make_page(self.path("c.html"), "--cloud", self.path("c.ply"), "--distances", self.path("d.bin"))
+        browser = self.open(self.path("c.html"))
+        rows = {}
+        for k in (20, 40, 100):
+            browser.value(f"""(() => {{
+              const {{points}} = gdtslam.cloudView, {{step, count}} = points.about, [part] = points.elements;
+              const at = [...Array(count).keys()].find((k) => k * step % count === {k});
+              gdtslam.picks.set([points.at(part, at)]);
+            }})()""")
+            rows[k] = dict(browser.value("[...document.querySelectorAll('#readout tr')].map((row) => [...row.children].map((c) => c.textContent))"))
+        self.assertEqual(rows[20], {"x": "60.00 m", "y": "0.00 m", "z": "0.00 m", "time": "200.0 s", "elevation": "36°", "distance": "1.0 m"})
+        self.assertEqual(rows[40]["distance"], "at least 5.0 m")
+        self.assertEqual(rows[100]["distance"], "at least 5.0 m")
+        self.assert_quiet(browser)
+
+    def test_a_tab_that_was_hidden_goes_on_where_it_was(self):
+        write_path(self.path("p.tum"))
+        make_page(self.path("p.html"), "--path", self.path("p.tum"))
+        browser = self.open(self.path("p.html"))
+        browser.value("""(() => {
+          const {timeline} = gdtslam, now = performance.now();
+          timeline.set(0.1);
+          timeline.speed.value = '1';
+          Object.assign(timeline, {isPlaying: true, last: now - 60000});
+          timeline.step(now);
+          timeline.toggle();
+        })()""")
+        self.assertAlmostEqual(browser.value("gdtslam.view.until"), 0.1 + 0.25 / 50, delta=1e-6)
+
+    def test_lines_are_as_wide_as_the_picture_is_fine(self):
+        """The picture has at most two pixels to one of CSS, on a finer screen, too."""
+        write_path(self.path("p.tum"))
+        make_page(self.path("p.html"), "--path", self.path("p.tum"))
+        browser = self.open(self.path("p.html"))
+        for scale, ratio in ((1, 1), (2, 2), (4, 2)):
+            browser.resize(1000, 700, scale)
+            browser.settle()
+            width = browser.value("""(() => {
+              const {path} = gdtslam.cloudView, {use} = path.program;
+              let width = 0;
+              path.program.use = (values) => { width = values.width; use.call(path.program, values); };
+              gdtslam.cloudView.draw(1);
+              path.program.use = use;
+              return width;
+            })()""")
+            self.assertAlmostEqual(width, 2.4 * ratio, places=6)
+
     def test_on_a_telephone_time_has_a_slider(self):
         browser = self.open_room(width=390, height=844)
         self.assertGreater(browser.value("document.getElementById('time').getBoundingClientRect().width"), 300)
@@ -98,6 +192,18 @@ class FlatAndNarrow:
 
 
 class NarrowLinkage:
+    def test_stands_still_for_those_who_prefer_it(self):
+        make_page(self.path("l.html"), "--linkage", "paper-b")
+        browser = self.open_plain(self.path("l.html"))
+        browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-reduced-motion", "value": "reduce"}])
+        browser.open(self.path("l.html"))
+        first = browser.value("gdtslam.linkageView.step")
+        browser.settle()
+        self.assertEqual(browser.value("gdtslam.linkageView.step"), first)
+        self.assertEqual(browser.value("document.getElementById('crank-play').textContent"), "Play")
+        browser.value("document.getElementById('crank-play').click()")
+        browser.wait_for(f"gdtslam.linkageView.step > {first} + 5")
+
     def test_words_stand_apart_on_a_telephone(self):
         browser = self.open_linkage()
         browser.resize(390, 844)

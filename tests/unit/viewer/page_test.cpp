@@ -161,6 +161,49 @@ TEST(Page, DrivesBeginAtThePosesThatThePageHas) {
   EXPECT_EQ(about.at("drives")[1], about.at("count").get<std::size_t>() - 1);
 }
 
+/// Times of the poses since the first, as the page has them.
+std::vector<float> path_times_s(const std::string& page) {
+  const std::vector<float> rows = floats_of(decoded(element_of(page, "path")));
+  std::vector<float> times_s;
+  for (std::size_t k = 3; k < rows.size(); k += 4) times_s.push_back(rows[k]);
+  return times_s;
+}
+
+/// In one drive: a clock that steps back, jitter, a wild stamp, and a clock that is set at boot.
+TEST(Page, TimeOfAPathNeverStepsBack) {
+  struct Case {
+    const char* what;
+    std::vector<double> stamps_s;
+    std::vector<float> times_s;
+    int log_times;
+  };
+  const Case cases[] = {{"whole", {100.0, 102.0, 104.0}, {0.0F, 2.0F, 4.0F}, 1},
+                        {"back by 50 s", {100.0, 102.0, 52.0, 55.0}, {0.0F, 2.0F, 2.0F, 5.0F}, 0},
+                        {"back to where it began, twice",
+                         {100.0, 110.0, 100.0, 110.0, 100.0, 110.0},
+                         {0.0F, 10.0F, 10.0F, 20.0F, 20.0F, 30.0F},
+                         0},
+                        {"jitter of a second", {100.0, 102.0, 101.0, 103.0}, {0.0F, 2.0F, 2.0F, 3.0F}, 1},
+                        {"a pause of an hour", {100.0, 3700.0}, {0.0F, 3600.0F}, 1},
+                        {"set at boot", {3.0, 4.0, 1.75e9, 1.75e9 + 2.0}, {0.0F, 1.0F, 1.0F, 3.0F}, 0},
+                        {"one wild stamp", {100.0, 101.0, 9e9, 103.0, 104.0}, {0.0F, 1.0F, 1.0F, 1.0F, 2.0F}, 0}};
+  for (const Case& one : cases) {
+    Trajectory trajectory;
+    for (const double stamp_s : one.stamps_s) {
+      trajectory.push_back({stamp_s, {static_cast<double>(trajectory.size()), 0.0, 0.0}});
+    }
+    PageInput input;
+    input.trajectory = &trajectory;
+    const std::string page = page_of(input);
+    const nlohmann::json about = path_description_of(page);
+    EXPECT_EQ(path_times_s(page), one.times_s) << one.what;
+    EXPECT_EQ(about.at("log_times"), one.log_times) << one.what;
+    EXPECT_EQ(about.at("last").get<double>() - about.at("first").get<double>(), one.times_s.back()) << one.what;
+    EXPECT_EQ(about.at("length").get<double>(), static_cast<double>(trajectory.size() - 1)) << one.what;
+    EXPECT_TRUE(about.at("drives").empty()) << one.what;
+  }
+}
+
 TEST(Page, TheSameInputGivesTheSameBytes) {
   const Cloud cloud = slope();
   PageInput input;

@@ -86,7 +86,7 @@ int follow_live(const DriveOptions& options) {
         const bool is_known = pose.whereabouts != Whereabouts::kUnknown;
         if (is_known && T_map_last) counts.path_m += (pose.T_map_base.translation() - T_map_last->translation()).norm();
         T_map_last = is_known ? std::optional(pose.T_map_base) : std::nullopt;
-        if (page && page->is_watched()) page->show(shown_scan(counts, laser, pose));
+        if (page) page->show(shown_scan(counts, laser, pose));
       });
   output.finish();
   if (!options.quiet) {

@@ -91,7 +91,7 @@ int map_live(const DriveOptions& options) {
     output.write(pose_line(format, drive.counts.scans, mapped));
     record.take(mapped);
     drive.count(mapped);
-    if (page && page->is_watched()) page->show(shown_scan(drive.counts, mapped));
+    if (page) page->show(shown_scan(drive.counts, mapped));
   };
   Snapshots::Plan plan{.folder = request.folder, .every_s = options.snapshot_s, .is_quiet = options.quiet};
   if (page) {

@@ -3,6 +3,7 @@
 
 const kFieldOfView = 0.7;             // of the smaller side of the picture
 const kTurnPerPixel = Math.PI / 600;  // 100 pixels turn by 30 degrees
+const kLeastDistance_m = 0.05;        // of the eye from its target
 const kPresets = {
   top: {name: 'Top', yaw: -Math.PI / 2, pitch: Math.PI / 2},
   iso: {name: 'Iso', yaw: -2.2, pitch: 0.66},
@@ -93,7 +94,7 @@ class Camera {
 
   /// Nearer (factor < 1) or farther; what is at `anchor` stays where it is in the picture.
   zoom(factor, anchor = this.target) {
-    const distance = clamp(this.distance * factor, 0.05, 12 * this.radius);
+    const distance = clamp(this.distance * factor, kLeastDistance_m, 12 * this.radius);
     const applied = distance / this.distance;
     this.distance = distance;
     this.moveTarget(add(anchor, scaled(sub(this.target, anchor), applied)));
@@ -107,7 +108,7 @@ class Camera {
     const corners = cornersOf(this.least, this.most);
     for (let round = 0; round < 6; ++round) {
       const places = corners.map((corner) => sub(corner, trial.target));
-      trial.distance = Math.max(...places.map((away) => dot(away, back) +
+      trial.distance = Math.max(kLeastDistance_m, ...places.map((away) => dot(away, back) +
           Math.max(Math.abs(dot(away, right)) / slopes[0], Math.abs(dot(away, up)) / slopes[1])));
       // What is near looks larger, so the middle of the box is not the middle of the picture.
       for (const axis of [right, up]) {

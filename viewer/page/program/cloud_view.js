@@ -2,6 +2,7 @@
 // shaded onto the screen with its depths; the rest is drawn over that with smooth edges.
 
 const kLeastShare = 0.02;
+const kRobotReach_m = 0.5;
 const kSlowFrame_ms = 45;  // a frame that takes longer while the camera moves draws fewer points next time
 
 class CloudView {
@@ -42,6 +43,11 @@ class CloudView {
     for (let k = 0; this.path && k < this.path.about.count; ++k) {
       include([this.path.poses[4 * k], this.path.poses[4 * k + 1], this.floor]);
     }
+    if (this.path && Math.max(...sub(most, least)) < 2 * kRobotReach_m) {  // the robot stood, and is larger than its path
+      const middle = scaled(add(least, most), 0.5);
+      include(add(middle, [kRobotReach_m, kRobotReach_m, 0]));
+      include(sub(middle, [kRobotReach_m, kRobotReach_m, 0]));
+    }
     [this.least, this.most] = [least, most];
   }
 
@@ -71,7 +77,7 @@ class CloudView {
   }
 
   resize() {
-    const ratio = Math.min(devicePixelRatio || 1, 2);
+    const ratio = pixelRatio();
     this.camera.width = Math.max(this.canvas.clientWidth, 1);
     this.camera.height = Math.max(this.canvas.clientHeight, 1);
     this.canvas.width = Math.round(this.camera.width * ratio);
@@ -121,8 +127,7 @@ class CloudView {
   }
 
   flyTo(state) {
-    const isStill = matchMedia('(prefers-reduced-motion: reduce)').matches;
-    this.flight = {from: this.camera.state(), to: state, begin: performance.now(), lasts_ms: isStill ? 1 : 350};
+    this.flight = {from: this.camera.state(), to: state, begin: performance.now(), lasts_ms: prefersStill() ? 1 : 350};
     this.moved();
   }
 

@@ -51,12 +51,11 @@ class LinkageView {
                   new PlotDrawing(byId('transmission-plot'), linkage, kTransmissionCurve)];
     this.step = linkage.about.first;
     this.direction = linkage.about.direction;  // as the motor turns
-    this.isPlaying = true;
     this.makeValues();
     this.listen();
     theme.watchers.push(() => this.draw());
     for (const canvas of this.canvases()) new ResizeObserver(() => this.draw()).observe(canvas);
-    requestAnimationFrame((now) => this.advance(now));
+    this.toggle(!prefersStill());
   }
 
   canvases() { return [this.mechanism, ...this.plots].map((drawing) => drawing.canvas); }

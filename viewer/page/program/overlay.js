@@ -117,7 +117,7 @@ class Overlay {
     if (seen.length === 2 && seen[0] && seen[1]) {
       this.line('laser', 2, ...seen);
       const middle = [0, 1].map((axis) => (seen[0][axis] + seen[1][axis]) / 2);
-      this.words(`${picks.distance().toFixed(3)} m`, middle[0], middle[1] - this.size, 'center', 'laser-text');
+      this.words(picks.lengthText(), middle[0], middle[1] - this.size, 'center', 'laser-text');
     }
     context.strokeStyle = hexColour('laser');
     context.lineWidth = 2;
@@ -134,7 +134,7 @@ const cssOf = (colour, opacity = 1) => `rgb(${colour.map((part) => Math.round(25
 /// The chosen scale in the unit that is shown; times count from the begin of the log.
 function shownScale(quantity) {
   const {factor} = kQuantities[quantity];
-  return view.scale[quantity].map((value) => (quantity === 'time' ? value - timeSpan.from : value) * factor);
+  return view.scale[quantity].map((value) => (quantity === 'time' ? value - cloudBegin : value) * factor);
 }
 
 /// The scene with what is written over it, as PNG.

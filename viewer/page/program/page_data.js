@@ -43,4 +43,7 @@ function fixed(value, decimals) {
   return /^-0(\.0*)?$/.test(text) ? text.slice(1) : text.replace('-', '−');
 }
 const degrees = (angle) => angle * 180 / Math.PI;
+/// Pixels of the scene to one of CSS.
+const pixelRatio = () => Math.min(devicePixelRatio || 1, 2);
+const prefersStill = () => matchMedia('(prefers-reduced-motion: reduce)').matches;
 const clamp = (value, least, most) => Math.min(Math.max(value, least), most);

@@ -41,6 +41,13 @@ function groundAt(cloudView, x, y) {
   return along > 0 && along < 8 * camera.radius ? add(eye, scaled(ray, along)) : null;
 }
 
+/// Decimals that places of points have, whose sides are 16 bits, and quantities in their unit: time is 16 bits, others 8.
+const placeDecimals = () => knownDecimals(Math.max(...sub(description.cloud.most, description.cloud.least)) / 65535, 3);
+function decimalsOfQuantity(quantity, most) {
+  const range = description.cloud[quantity];
+  return knownDecimals((range.most - range.least) * kQuantities[quantity].factor / (quantity === 'time' ? 65535 : 255), most);
+}
+
 /// One point that was picked, two while measuring; shown beside the scene and in the overlay.
 const picks = {
   points: [],
@@ -55,17 +62,27 @@ const picks = {
     else this.set(this.isMeasuring && this.points.length === 1 ? [...this.points, point] : [point]);
   },
   distance() { return this.points.length === 2 ? norm(sub(this.points[1].position, this.points[0].position)) : null; },
+  lengthText() { return `${this.distance().toFixed(placeDecimals())} m`; },
 };
+
+/// The largest distance is also that of all points which were farther than was searched.
+function distanceText(distance) {
+  const {least, most} = description.cloud.distance;
+  const decimals = decimalsOfQuantity('distance', 3);
+  if (distance < most - (most - least) / 510) return `${distance.toFixed(decimals)} m`;
+  const unit = Math.pow(10, -decimals);
+  return `at least ${(Math.floor(most / unit + 1e-4) * unit).toFixed(decimals)} m`;
+}
 
 /// Name and value of what is known of a point.
 function rowsOf(point) {
   const at = add(point.position, description.origin);
   const about = description.cloud;
-  const rows = ['x', 'y', 'z'].map((name, axis) => [name, fixed(at[axis], 3) + ' m']);
+  const rows = ['x', 'y', 'z'].map((name, axis) => [name, fixed(at[axis], placeDecimals()) + ' m']);
   const has = (quantity) => about[quantity] && about[quantity].most > about[quantity].least;
-  if (has('time')) rows.push(['time', fixed(point.time - timeSpan.from, 2) + ' s']);
-  if (has('elevation')) rows.push(['elevation', fixed(degrees(point.elevation), 1) + '°']);
-  if (has('distance')) rows.push(['distance', point.distance.toFixed(3) + ' m']);
+  if (has('time')) rows.push(['time', fixed(point.time - cloudBegin, decimalsOfQuantity('time', 2)) + ' s']);
+  if (has('elevation')) rows.push(['elevation', fixed(degrees(point.elevation), decimalsOfQuantity('elevation', 1)) + '°']);
+  if (has('distance')) rows.push(['distance', distanceText(point.distance)]);
   return rows;
 }
 
@@ -82,8 +99,9 @@ function showReadout() {
     box.append(element('table', {}, ...rows));
   }
   if (picks.points.length === 2) {
-    const [dx, dy, dz] = sub(picks.points[1].position, picks.points[0].position).map((value) => fixed(value, 3));
-    box.append(element('p', {textContent: `Distance ${picks.distance().toFixed(3)} m`}));
+    const [dx, dy, dz] = sub(picks.points[1].position, picks.points[0].position)
+        .map((value) => fixed(value, placeDecimals()));
+    box.append(element('p', {textContent: `Distance ${picks.lengthText()}`}));
     box.append(element('div', {textContent: `x ${dx}, y ${dy}, z ${dz} m`}));
   }
 }

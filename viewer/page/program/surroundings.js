@@ -139,7 +139,7 @@ class Path {
     const gl = this.gl;
     if (this.about.count < 2) return;
     gl.bindVertexArray(this.array);
-    const common = {clip_from_page: matrix, height, pixels, width: (stops ? 2.4 : 3.5) * Math.max(devicePixelRatio, 1),
+    const common = {clip_from_page: matrix, height, pixels, width: (stops ? 2.4 : 3.5) * pixelRatio(),
                     until: until - this.about.first + 1e-3, length: stops ? this.about.last - this.about.first : 0};
     (stops ?? []).forEach((stop, k) => { common['stop' + k] = stop; });
     drawHiddenAndSeen(gl, (isHidden) => {

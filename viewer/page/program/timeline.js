@@ -2,6 +2,7 @@
 
 const kSpeeds = [0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500];
 const kWholeRun_s = 45;  // the speed at first plays the log in about this time
+const kLongestStep_s = 0.25;  // of the clock on the wall: a tab that was hidden goes on where it was
 
 class Timeline {
   constructor(cloudView) {
@@ -28,7 +29,7 @@ class Timeline {
 
   step(now) {
     if (!this.isPlaying) return;
-    const passed_s = Math.max(now - this.last, 0) / 1000 * Number(this.speed.value);
+    const passed_s = clamp((now - this.last) / 1000, 0, kLongestStep_s) * Number(this.speed.value);
     this.last = now;
     this.set(Math.min(view.until + passed_s / timeSpan.extent, 1));
     if (view.until >= 1) this.toggle();

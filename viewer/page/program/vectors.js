@@ -50,3 +50,5 @@ function roundStep(value) {
   return 10 * power;
 }
 const decimalsOf = (step) => clamp(Math.ceil(-Math.log10(step) - 1e-9), 0, 6);
+/// Decimals of a value that is known to such a step, which they are not finer than.
+const knownDecimals = (step, most) => (step > 0 ? clamp(Math.floor(1e-9 - Math.log10(step)), 0, most) : most);

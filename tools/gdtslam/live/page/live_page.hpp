@@ -1,6 +1,6 @@
 // The page that shows a drive in a browser while it lasts: map, path, scan, what speaks for the pose. It is served to
 // this host alone unless an address is given, and reads what it shows from a websocket; nobody can change anything by
-// it. One thread hands over scans, which costs it a copy where somebody watches; another one maps. The page's own
+// it. One thread hands over scans, which costs it a copy; another one maps. The page's own
 // thread does the rest.
 #pragma once
 
@@ -38,6 +38,7 @@ class LivePage {
   [[nodiscard]] virtual std::string url() const = 0;
   /// Whether a browser is connected; any thread.
   [[nodiscard]] virtual bool is_watched() const = 0;
+  /// Of every scan: whoever opens the page is shown the newest one, which becomes a text only then.
   virtual void show(ShownScan scan) = 0;
   /// The path in the map's frame.
   virtual void show(const OccupancyMap& map, const Trajectory& path) = 0;

@@ -8,12 +8,15 @@ const kMostScale = 400;   // pixels a metre
 const kLeastScale = 0.5;
 const kFirstScale = 30;
 
+const kSilent_s = 3;      // that nothing was heard, though the server says something each 2 s
+const kGivenUp_s = 10;
+
 // What was heard last. Tests look at it.
-const live = {map: null, scan: null, maps: 0, scans: 0, errors: []};
+const live = {drive: null, map: null, scan: null, maps: 0, scans: 0, errors: []};
 window.gdtslamLive = live;
 const camera = {x: 0, y: 0, scale: kFirstScale};
 let picture = null;       // the map in the colours of the page
-let trail = [];           // places since the map's path, metres
+let trail = [];           // poses since the map's path, null where the way between two is not known
 let isDue = false;
 const kMostTrail = 20000;
 
@@ -67,7 +70,12 @@ function drawPath() {
   context.lineJoin = "round";
   context.beginPath();
   for (let k = 0; k + 1 < path.length; k += 2) context.lineTo(...place(path[k] / 100, path[k + 1] / 100));
-  for (const [x, y] of trail) context.lineTo(...place(x, y));
+  let isGap = false;
+  for (const pose of trail) {
+    if (pose && isGap) context.moveTo(...place(pose[0], pose[1]));
+    else if (pose) context.lineTo(...place(pose[0], pose[1]));
+    isGap = !pose;
+  }
   context.stroke();
 }
 
@@ -118,7 +126,7 @@ function drawSoon() {
 }
 
 function showFigures() {
-  const rows = Object.entries(live.scan.figures).map(([name, value]) => {
+  const rows = Object.entries(live.scan ? live.scan.figures : {}).map(([name, value]) => {
     const row = document.createElement("div");
     if (name === "doubt" && live.scan.inDoubt) row.className = "doubt";
     const term = document.createElement("dt"), text = document.createElement("dd");
@@ -130,10 +138,46 @@ function showFigures() {
   figures.replaceChildren(...rows);
 }
 
+// Every second pose, the newest among them, and the gaps between those that are left.
+function halved(poses) {
+  const kept = [];
+  let left = poses.filter((pose) => pose).length;
+  for (const pose of poses) {
+    if (pose && --left % 2 === 0) kept.push(pose);
+    else if (!pose && kept.at(-1) !== null) kept.push(null);
+  }
+  return kept;
+}
+
+function followTrail(pose) {
+  if (!pose && trail.at(-1) === null) return;
+  if (trail.push(pose) > kMostTrail) trail = halved(trail);
+}
+
+function forgetMap() {
+  if (live.map) live.map.bitmap.close();
+  live.map = null;
+  picture = null;
+}
+
+// Another drive may follow at the same address: nothing of the one before belongs to it.
+function takeDrive(drive) {
+  if (drive === live.drive) return;
+  live.drive = drive;
+  live.scan = null;
+  trail = [];
+  forgetMap();
+  showFigures();
+  drawSoon();
+}
+
 async function takeMap(data) {
   const size = new DataView(data).getUint32(0, true);
   const header = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, size)));
+  takeDrive(header.drive);
   const bitmap = await createImageBitmap(new Blob([new Uint8Array(data, 4 + size)], {type: "image/png"}));
+  if (header.drive !== live.drive) return bitmap.close();
+  forgetMap();
   live.map = {header, bitmap};
   ++live.maps;
   if (header.path.length > 0) trail = [];
@@ -142,32 +186,73 @@ async function takeMap(data) {
 }
 
 function takeScan(text) {
-  live.scan = JSON.parse(text);
+  const scan = JSON.parse(text);
+  takeDrive(scan.drive);
+  if (!scan.figures) return;  // there is nothing new
+  live.scan = scan;
   ++live.scans;
-  if (live.scan.pose && trail.push(live.scan.pose) > kMostTrail) trail = trail.filter((_, k) => k % 2 === 1);
+  followTrail(scan.pose);
   showFigures();
   drawSoon();
 }
 
 function say(text, kind) {
-  state.textContent = text;
+  if (state.textContent !== text) state.textContent = text;
   state.className = kind;
 }
 
-// The drive may begin later, and a new one follows it: the page asks again.
-function connect() {
-  const socket = new WebSocket(`ws://${location.host}/`, "gdtslam-live");
-  socket.binaryType = "arraybuffer";
-  socket.onopen = () => say("live", "");
-  socket.onmessage = ({data}) => {
-    if (typeof data === "string") takeScan(data);
-    else takeMap(data).catch((error) => live.errors.push(String(error)));
-  };
-  socket.onclose = () => {
-    say(live.scan ? "the drive has ended" : "no drive here", "gone");
-    setTimeout(connect, 2000);
-  };
+// Seconds that go by are for the eye alone: read aloud each second they were in the way.
+function saySilent(seconds) {
+  if (state.className !== "silent") {
+    say("nothing heard", "silent");
+    const count = document.createElement("span");
+    count.setAttribute("aria-hidden", "true");
+    state.append(count);
+  }
+  state.lastChild.textContent = ` for ${seconds} s`;
 }
+
+let socket = null;
+let heardAt = 0;          // performance.now() of the last message, or of when it was asked for
+let hasHeard = false;
+
+function takeMessage(data) {
+  heardAt = performance.now();
+  hasHeard = true;
+  if (state.className !== "") say("live", "");
+  if (typeof data === "string") takeScan(data);
+  else takeMap(data).catch((error) => live.errors.push(String(error)));
+}
+
+// The drive may begin later, and a new one follows it: the page asks again. Where the robot went meanwhile is not known.
+function connect() {
+  heardAt = performance.now();
+  const asked = socket = new WebSocket(`ws://${location.host}/`, "gdtslam-live");
+  asked.binaryType = "arraybuffer";
+  asked.onopen = () => {
+    heardAt = performance.now();
+    followTrail(null);
+    say("live", "");
+  };
+  asked.onmessage = ({data}) => takeMessage(data);
+  asked.onclose = disconnect;
+}
+
+function disconnect() {
+  socket.onopen = socket.onmessage = socket.onclose = null;
+  socket.close();
+  socket = null;
+  say(hasHeard ? "no connection: the drive has ended, or is out of reach" : "no drive here", "gone");
+  setTimeout(connect, 2000);
+}
+
+// A connection that fails on the way may never say so.
+setInterval(() => {
+  if (!socket) return;
+  const silent_s = Math.floor((performance.now() - heardAt) / 1000);
+  if (silent_s >= kGivenUp_s) disconnect();
+  else if (silent_s >= kSilent_s && socket.readyState === WebSocket.OPEN) saySilent(silent_s);
+}, 250);
 
 function isFollowing() {
   return follow.getAttribute("aria-pressed") === "true";
@@ -178,8 +263,16 @@ function setFollowing(isOn) {
   drawSoon();
 }
 
+// At which all of the map is seen.
+function wholeScale() {
+  if (!live.map) return kLeastScale;
+  const {width, height, pixel_m} = live.map.header;
+  return Math.min(kMostScale, 0.94 * Math.min(canvas.width / (width * pixel_m), canvas.height / (height * pixel_m)));
+}
+
 function zoom(factor, x = canvas.width / 2, y = canvas.height / 2) {
-  const scale = Math.min(kMostScale, Math.max(kLeastScale, camera.scale * factor));
+  const least = Math.min(kLeastScale, wholeScale(), camera.scale);
+  const scale = Math.min(kMostScale, Math.max(least, camera.scale * factor));
   if (!isFollowing()) {
     camera.x += (x - canvas.width / 2) * (1 / camera.scale - 1 / scale);
     camera.y -= (y - canvas.height / 2) * (1 / camera.scale - 1 / scale);
@@ -194,7 +287,7 @@ function showWhole() {
   const {corner_m: [left, bottom], width, height, pixel_m} = live.map.header;
   camera.x = left + 0.5 * width * pixel_m;
   camera.y = bottom + 0.5 * height * pixel_m;
-  camera.scale = 0.94 * Math.min(canvas.width / (width * pixel_m), canvas.height / (height * pixel_m));
+  camera.scale = wholeScale();
   drawSoon();
 }
 

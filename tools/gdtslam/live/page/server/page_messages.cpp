@@ -75,10 +75,11 @@ Picture picture_of(const OccupancyMap& map) {
 std::string path_text(const Trajectory& path) {
   const std::size_t step = std::max<std::size_t>(1, path.size() / kMostPlaces);
   std::string text;
-  for (std::size_t i = 0; i < path.size(); i += step) {
-    const Pose2& pose = path[i].T_map_base;
+  const auto add = [&text](const Pose2& pose) {
     text += fmt::format("{}{},{}", text.empty() ? "" : ",", centimetres(pose.x_m), centimetres(pose.y_m));
-  }
+  };
+  for (std::size_t i = 0; i + 1 < path.size(); i += step) add(path[i].T_map_base);
+  if (!path.empty()) add(path.back().T_map_base);
   return text;
 }
 
@@ -100,7 +101,7 @@ std::string points_text(const LaserScan& laser, const Pose2& T_map_base) {
 
 }  // namespace
 
-std::string scan_message(const ShownScan& shown) {
+std::string scan_message(const ShownScan& shown, std::string_view drive) {
   nlohmann::ordered_json figures = nlohmann::ordered_json::object();
   for (const auto& [name, value] : shown.figures()) figures[name] = value;
   std::string pose = "null";
@@ -110,17 +111,19 @@ std::string scan_message(const ShownScan& shown) {
     pose = fmt::format("[{:.4f},{:.4f},{:.5f}]", T.x_m, T.y_m, T.theta_rad);
     points = points_text(shown.laser, T);
   }
-  return fmt::format("{{\"scan\":{},\"pose\":{},\"inDoubt\":{},\"figures\":{},\"points\":[{}]}}", shown.scan, pose,
-                     shown.is_in_doubt, figures.dump(), points);
+  return fmt::format("{{\"drive\":\"{}\",\"scan\":{},\"pose\":{},\"inDoubt\":{},\"figures\":{},\"points\":[{}]}}",
+                     drive, shown.scan, pose, shown.is_in_doubt, figures.dump(), points);
 }
 
-std::string map_message(const OccupancyMap& map, const Trajectory& path) {
+std::string sign_of_life_message(std::string_view drive) { return fmt::format("{{\"drive\":\"{}\"}}", drive); }
+
+std::string map_message(const OccupancyMap& map, const Trajectory& path, std::string_view drive) {
   const Picture picture = picture_of(map);
   const double pixel_m = map.geometry.resolution_m * picture.cells;
   const Point2 corner_m = map.geometry.centre_of({0, 0}) - 0.5 * map.geometry.resolution_m * Point2(1.0, 1.0);
   const std::string header =
-      fmt::format("{{\"width\":{},\"height\":{},\"pixel_m\":{},\"corner_m\":[{},{}],\"path\":[{}]}}", picture.width,
-                  picture.height, pixel_m, corner_m.x(), corner_m.y(), path_text(path));
+      fmt::format("{{\"drive\":\"{}\",\"width\":{},\"height\":{},\"pixel_m\":{},\"corner_m\":[{},{}],\"path\":[{}]}}",
+                  drive, picture.width, picture.height, pixel_m, corner_m.x(), corner_m.y(), path_text(path));
   std::string message;
   for (std::size_t byte = 0; byte < 4; ++byte) message += static_cast<char>(header.size() >> (8 * byte) & 0xffU);
   return message + header + picture.png;

@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <random>
 #include <string>
 #include <thread>
 #include <utility>
@@ -22,6 +23,7 @@ namespace gdtslam {
 namespace {
 
 constexpr lws_usec_t kBetweenScans_us = 50000;
+constexpr lws_usec_t kLongestSilence_us = 2000000;
 constexpr const char* kProtocol = "gdtslam-live";
 // The drive needs descriptors, too, of which a process has 1,024 as a rule: visitors beyond wait, or are sent away.
 constexpr unsigned kMostConnections = 128;
@@ -47,8 +49,14 @@ struct Message {
 struct Session {
   std::uint64_t scan;
   std::uint64_t map;
+  std::uint64_t sign_of_life;
   bool is_counted;  // one that was sent away is closed, too
 };
+
+std::string random_name() {
+  std::random_device random;
+  return fmt::format("{:08x}{:08x}", random(), random());
+}
 
 class PageServer final : public LivePage {
  public:
@@ -76,13 +84,16 @@ class PageServer final : public LivePage {
   void take_news();
 
   PageAddress address_;
+  std::string drive_ = random_name();
   std::string url_;
   std::array<lws_protocols, 2> protocols_{};
   lws_context* context_ = nullptr;
   Timer timer_;
-  Message page_;  // the thread's, as the next three
+  Message page_;  // the thread's, as the next five
   Message scan_;
   Message map_;
+  Message sign_of_life_;
+  lws_usec_t last_message_us_ = 0;
   std::atomic<int> sessions_ = 0;
   std::atomic<bool> is_ending_ = false;
   // Of both, under the lock:
@@ -106,6 +117,7 @@ std::string header_of(lws* connection, lws_token_indexes name) {
 PageServer::PageServer(const std::string& address, const std::string& title) : address_(page_address_of(address)) {
   lws_set_log_level(0, nullptr);
   page_.set(live_page_text(title));
+  sign_of_life_.set(sign_of_life_message(drive_));
   protocols_[0] = {kProtocol, &PageServer::on_event, sizeof(Session), 0, 0, nullptr, 0};
   lws_context_creation_info info{};
   info.port = address_.port;
@@ -149,14 +161,14 @@ void PageServer::show(ShownScan scan) {
 }
 
 void PageServer::show(const OccupancyMap& map, const Trajectory& path) {
-  std::string message = map_message(map, path);
+  std::string message = map_message(map, path, drive_);
   const std::lock_guard lock(mutex_);
   new_map_ = std::move(message);
 }
 
 void PageServer::on_time(lws_sorted_usec_list_t* list) {
   auto* const timer = reinterpret_cast<Timer*>(list);  // whose first member it is
-  timer->server->take_news();
+  if (timer->server->is_watched()) timer->server->take_news();
   lws_sul_schedule(timer->server->context_, 0, list, &PageServer::on_time, kBetweenScans_us);
 }
 
@@ -168,8 +180,12 @@ void PageServer::take_news() {
     scan = std::exchange(new_scan_, std::nullopt);
     map.swap(new_map_);
   }
-  if (!scan && map.empty()) return;
-  if (scan) scan_.set(scan_message(*scan));
+  const lws_usec_t now_us = lws_now_usecs();
+  const bool is_silent = !scan && map.empty();
+  if (is_silent && now_us - last_message_us_ < kLongestSilence_us) return;
+  last_message_us_ = now_us;
+  if (is_silent) sign_of_life_.set(sign_of_life_message(drive_));
+  if (scan) scan_.set(scan_message(*scan, drive_));
   if (!map.empty()) map_.set(map);
   lws_callback_on_writable_all_protocol(context_, protocols_.data());
 }
@@ -207,13 +223,19 @@ int PageServer::answer_request(lws* connection, std::string_view path) {
 
 // The map first, which the scan lies on.
 int PageServer::write_next(lws* connection, Session& session) {
-  const bool has_map = session.map != map_.version;
-  const bool has_scan = session.scan != scan_.version;
-  if (!has_map && !has_scan) return 0;
-  Message& message = has_map ? map_ : scan_;
-  (has_map ? session.map : session.scan) = message.version;
-  if (message.write(connection, has_map ? LWS_WRITE_BINARY : LWS_WRITE_TEXT) < 0) return -1;
-  if (has_map && has_scan) lws_callback_on_writable(connection);
+  struct Part {
+    Message& message;
+    std::uint64_t& written;
+    lws_write_protocol kind;
+  };
+  for (const Part& part : {Part{map_, session.map, LWS_WRITE_BINARY}, Part{scan_, session.scan, LWS_WRITE_TEXT},
+                           Part{sign_of_life_, session.sign_of_life, LWS_WRITE_TEXT}}) {
+    if (part.written == part.message.version) continue;
+    part.written = part.message.version;
+    if (part.message.write(connection, part.kind) < 0) return -1;
+    lws_callback_on_writable(connection);
+    return 0;
+  }
   return 0;
 }
 
@@ -229,6 +251,7 @@ int PageServer::handle(lws* connection, lws_callback_reasons reason, Session* se
     case LWS_CALLBACK_ESTABLISHED:
       session->is_counted = true;
       ++sessions_;
+      take_news();
       lws_callback_on_writable(connection);
       return 0;
     case LWS_CALLBACK_CLOSED:
