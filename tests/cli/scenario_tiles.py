@@ -66,8 +66,9 @@ def tiles_of_a_run():
         found |= walls_of(origin, rows)
     near = sum(any((x + dx, y + dy) in walls for dx in (-1, 0, 1) for dy in (-1, 0, 1)) for x, y in found)
     expect(len(found) > 1000 and near > 0.95 * len(found), f"{near} of {len(found)} walls are those of the map")
-    process = command("localize", tiles / f"map_{first['x']}_{first['y']}.yaml", LOG, "--scan", 3)
-    expect(process.returncode in (0, 1), process.stderr)
+    for what in ("map", "gdt"):
+        process = command("localize", tiles / f"{what}_{first['x']}_{first['y']}.yaml", LOG, "--scan", 3)
+        expect(process.returncode in (0, 1), process.stderr)
 
 
 def tiles_refuses_what_it_cannot_make():

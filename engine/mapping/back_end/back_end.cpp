@@ -116,6 +116,7 @@ void BackEnd::add_keyframe(const MatchResult& result, KeptScan points) {
     keyframe.travel = travel_;
     keyframe.travel.besides += least_of_wheels() + leaps_;
   }
+  keyframe.travel.is_matched = result.accepted;
   keyframe.travel.is_way_known = knows_way(keyframe.scan, inverse(T_wheels_).translation());
   keyframe.path_m = travelled_m_;
   T_map_keyframe_ = result.T_map_base;

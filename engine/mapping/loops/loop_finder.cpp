@@ -176,6 +176,7 @@ void LoopFinder::search(Reference& reference, const ScanGroup& query, Found& fou
   CertifiedOptions options;
   options.gap_m = options_.gap_m;
   options.max_boxes = options_.most_boxes;
+  options.counts_window = false;  // which is wide where the heading is not known well
   options.starts = {revisit.T_place_here};
   options.prior = prior_of(revisit, options_.resolution_m, points.size());
   found.is_near = window.half_x_m <= kNearWindow_m && window.half_theta_rad <= kNearWindow_rad;

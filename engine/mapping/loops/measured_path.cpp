@@ -61,8 +61,9 @@ void MeasuredPath::state_wheel_noise(const std::vector<Pose2>& keyframes) {
   for (std::size_t i = 0; i < keyframes.size(); ++i) {
     const Pose2& step = path_.steps_to(i)[kWheels].T;
     T_odom_base = T_odom_base * step;
-    noise.take(path_.travels[i].is_measured ? std::optional(T_odom_base) : std::nullopt, keyframes[i],
-               path_.travels[i].is_way_known);
+    const WheelTravel& travel = path_.travels[i];
+    const bool is_way_told = travel.is_measured && travel.is_matched;
+    noise.take(is_way_told ? std::optional(T_odom_base) : std::nullopt, keyframes[i], travel.is_way_known);
   }
   if (noise.errors().stretches == 0) return;
   wheel_information_.clear();

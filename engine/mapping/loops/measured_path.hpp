@@ -29,6 +29,7 @@ struct WheelTravel {
   Matrix3 besides{};          ///< covariance of all that is not the wheels' noise: leaps, steps that nothing measured
   bool is_measured = true;    ///< all of it, by odometry
   bool is_way_known = false;  ///< by the scan at its end: knows_way()
+  bool is_matched = true;     ///< that scan; else it lies where the wheels said, and tells nothing of them
 };
 
 enum class StepSource : std::size_t { kFrontEnd = 0, kWheels = 1 };

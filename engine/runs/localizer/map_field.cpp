@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <span>
 #include <utility>
 
 #include "engine/io/file_limits.hpp"
@@ -133,6 +134,35 @@ PoseWindow MapField::known_window() const {
           .half_x_m = 0.5 * r * known.width(),
           .half_y_m = 0.5 * r * known.height(),
           .half_theta_rad = kPi};
+}
+
+MapField framed(MapField field) {
+  constexpr std::int32_t kFrame = 2;
+  const DistanceFieldFile& file = field.file;
+  const GridGeometry& grid = file.geometry;
+  const auto width = static_cast<std::size_t>(grid.width);
+  const auto height = static_cast<std::size_t>(grid.height);
+  const auto row = [&file, width](std::size_t y) { return std::span(file.cells).subspan(y * width, width); };
+  const auto is_cap = [cap = file.cap](std::uint16_t cell) { return cell == cap; };
+  const auto holds_cap = [&](std::span<const std::uint16_t> cells) { return std::ranges::all_of(cells, is_cap); };
+  bool is_framed = width > 2 * kFrame && height > 2 * kFrame;
+  for (std::size_t y = 0; is_framed && y < height; ++y) {
+    const bool is_edge = y < kFrame || y >= height - kFrame;
+    is_framed = is_edge ? holds_cap(row(y)) : holds_cap(row(y).first(kFrame)) && holds_cap(row(y).last(kFrame));
+  }
+  if (is_framed) return field;
+  const double margin_m = kFrame * grid.resolution_m;
+  DistanceFieldFile wide{{grid.resolution_m, grid.origin_x_m - margin_m, grid.origin_y_m - margin_m,
+                          grid.width + 2 * kFrame, grid.height + 2 * kFrame},
+                         {},
+                         file.cap};
+  wide.cells.assign(wide.geometry.cell_count(), file.cap);
+  for (std::size_t y = 0; y < height; ++y) {
+    const std::size_t begin = (y + kFrame) * (width + 2 * kFrame) + kFrame;
+    std::ranges::copy(row(y), wide.cells.begin() + static_cast<std::ptrdiff_t>(begin));
+  }
+  field.file = std::move(wide);
+  return field;
 }
 
 bool is_occupancy_map(const std::string& path) {

@@ -34,6 +34,10 @@ struct MapField {
   [[nodiscard]] PoseWindow known_window() const;
 };
 
+/// With the cap around it, two cells wide, as searches and kernels need it: a field that ends where the map does not,
+/// as that of a tile, has none. O(cells).
+MapField framed(MapField field);
+
 /// Whether that is a folder with a gdt.yaml, or a file that may be a map's description by its name.
 bool looks_like_map(const std::string& path);
 

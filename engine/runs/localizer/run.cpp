@@ -83,7 +83,7 @@ bool LocalizedScan::is_ambiguous() const {
 Localizer::Localizer(const std::string& map, const MapperConfig& config, const LocalizeLimits& limits, Backend& backend)
     : config_(config),
       limits_(limits),
-      field_(read_map_field(map, config.map, backend.host_isa())),
+      field_(framed(read_map_field(map, config.map, backend.host_isa()))),
       window_(field_.known_window()),
       good_fit_(good_fit_in(field_, limits)) {
   try {

@@ -26,7 +26,7 @@ class Travel : public testing::Test {
     return options;
   }
   void take(bool is_keyframe, const Pose2& step = {}, double sigma_m = 0.01, double sigma_rad = 0.001,
-            const Pose2& off = {}) {
+            const Pose2& off = {}, bool is_matched = true) {
     MatchResult result;
     result.T_odometry_step = step;
     result.T_map_predicted = T_map_base_ * step;
@@ -34,7 +34,7 @@ class Travel : public testing::Test {
     result.T_map_base = T_map_base_;
     result.odometry_sigma_m = sigma_m;
     result.odometry_sigma_rad = sigma_rad;
-    result.accepted = true;
+    result.accepted = is_matched;
     result.merged = is_keyframe;
     back_end_.take({}, result);
     taken_.push_back(T_map_base_);
@@ -75,6 +75,15 @@ TEST_F(Travel, WaysAndTurnsAddUpFromKeyframeToKeyframe) {
     EXPECT_NEAR(found.travels[k].besides(0, 0), kLeastOfPlace, 1e-15);
     EXPECT_NEAR(found.travels[k].besides(2, 2), kLeastOfTurn, 1e-16);
   }
+}
+
+TEST_F(Travel, AKeyframeWithoutAMatchIsTold) {
+  take(true, {1.0, 0.0, 0.0}, 0.01, 0.001, {}, false);
+  take(true, {1.0, 0.0, 0.0});
+  const FrontEndPath& found = path();
+  EXPECT_TRUE(found.travels[0].is_matched);
+  EXPECT_FALSE(found.travels[1].is_matched);
+  EXPECT_TRUE(found.travels[2].is_matched);
 }
 
 TEST_F(Travel, ThePathIsTheWayFromKeyframeToKeyframe) {

@@ -69,6 +69,27 @@ TEST_F(RoomSeenAgain, BothEarlierPlacesAreFoundWhereTheyAre) {
   EXPECT_GT(finder.counts().boxes, 0U);
 }
 
+// Little is known of the way there, least of all the heading: what covers such a window is not what the search may
+// cost.
+TEST_F(RoomSeenAgain, BoxesThatCoverTheWindowDoNotCount) {
+  const Pose2 T_truth = between(graph_.poses[1], graph_.poses[2]);
+  graph_.poses[2] = graph_.poses[2] * Pose2{0.4, -0.5, 0.6};
+  for (PoseRelation& relation : graph_.path) {
+    relation.T_from_to = between(graph_.poses[relation.from], graph_.poses[relation.to]);
+    relation.information = Matrix3::diagonal(1.0, 1.0, 1.0);
+  }
+  LoopSearchOptions options;
+  options.most_boxes = 1000;
+  LoopFinder finder(options);
+  show_all_to(finder);
+  const std::vector<Loop> loops = look(finder, 1);
+  ASSERT_EQ(loops.size(), 1U);
+  EXPECT_LT(
+      off_m(loops[0], loops[0].relation.from == 1 ? T_truth : between(graph_.poses[0], graph_.poses[1]) * T_truth),
+      0.06);
+  EXPECT_GT(finder.counts().boxes, 2 * options.most_boxes);
+}
+
 TEST_F(RoomSeenAgain, NoMoreThanAskedForAreSearched) {
   LoopFinder finder({});
   show_all_to(finder);

@@ -221,5 +221,31 @@ TEST(MeasuredPath, StatesTheFirstStepsOfWheelsWithHindsight) {
   EXPECT_EQ(sigma_of(5), by_truth) << "and what was known before does not";
 }
 
+// Where nothing matched a keyframe lies where the wheels said: that they agree with themselves says nothing of them.
+TEST(MeasuredPath, KeyframesThatTheWheelsPlacedTellNothingOfTheirNoise) {
+  constexpr double kSlip_m = 0.05;  // per root of a metre
+  SquareDrive drive = drive_squares(12, 4);
+  Random random(4);
+  drive.path.travels.emplace_back();
+  std::vector<Pose2> found{Pose2{}};
+  for (std::size_t i = 1; i < drive.path.steps.size(); ++i) {
+    const bool is_matched = i < 80 || i >= 360;
+    drive.path.steps[i][1] = noisy(square_step(i), kSlip_m, 0.002, 0.3, 0.03, random);
+    drive.path.travels.push_back({.path_m = 1.0,
+                                  .turned_rad = std::fabs(square_step(i).theta_rad),
+                                  .is_way_known = true,
+                                  .is_matched = is_matched});
+    found.push_back(found.back() * (is_matched ? square_step(i) : drive.path.steps[i][1].T));
+  }
+  MeasuredPath measured(drive.path, drive.places);
+  const auto sigma = [&] { return std::sqrt(inverse(measured.stretch(4, 5, StepSource::kWheels).information)(0, 0)); };
+  measured.correct_wheels(found);
+  const double by_matches = sigma();
+  EXPECT_NEAR(by_matches, kSlip_m, 0.3 * kSlip_m);
+  for (WheelTravel& travel : drive.path.travels) travel.is_matched = true;
+  measured.correct_wheels(found);
+  EXPECT_LT(sigma(), 0.7 * by_matches) << "as if they had matched";
+}
+
 }  // namespace
 }  // namespace gdtslam

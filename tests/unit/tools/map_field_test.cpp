@@ -64,6 +64,38 @@ TEST(MapField, KernelsCountInCellsFromTheirOrigin) {
   EXPECT_EQ(field.view().first_cell, (CellIndex{2, -3}));
 }
 
+// A tile's field ends in the middle of the map, where distances are known.
+TEST(MapField, AFrameOfTheCapKeepsEachCellInItsPlace) {
+  MapField field = unknown_field();
+  for (std::size_t k = 0; k < field.file.cells.size(); ++k) field.file.cells[k] = static_cast<std::uint16_t>(k);
+  const MapField wide = framed(field);
+  const GridGeometry& grid = wide.file.geometry;
+  ASSERT_EQ(grid.width, 10);
+  ASSERT_EQ(grid.height, 9);
+  EXPECT_EQ(wide.file.cap, kCap);
+  for (std::int32_t y = 0; y < grid.height; ++y) {
+    for (std::int32_t x = 0; x < grid.width; ++x) {
+      const CellIndex before = field.file.geometry.cell_of(grid.centre_of({x, y}));
+      const bool is_inside = x >= 2 && x < 8 && y >= 2 && y < 7;
+      const std::uint16_t expected = is_inside ? static_cast<std::uint16_t>(before.y * 6 + before.x) : kCap;
+      EXPECT_EQ(wide.file.cells[static_cast<std::size_t>(y) * 10 + static_cast<std::size_t>(x)], expected)
+          << x << ", " << y;
+    }
+  }
+  EXPECT_EQ(wide.view().first_cell, (CellIndex{-6, 4}));
+}
+
+TEST(MapField, AFieldWithItsFrameStaysAsItIs) {
+  MapField field = unknown_field();
+  field.file.cells[2 * 6 + 2] = field.file.cells[2 * 6 + 3] = 0;  // all that is not of the frame
+  EXPECT_EQ(framed(field).file.cells, field.file.cells);
+  for (const std::size_t outer : {8U, 20U, 13U, 16U}) {
+    MapField open = field;
+    open.file.cells[outer] = kCap - 1;
+    EXPECT_EQ(framed(open).file.geometry.width, 10) << outer;
+  }
+}
+
 class MapFieldFiles : public testing::Test {
  protected:
   void SetUp() override { fs::create_directories(folder_); }
