@@ -7,6 +7,7 @@ import json
 import lzma
 import math
 import shutil
+import signal
 import struct
 import subprocess
 
@@ -94,6 +95,16 @@ def readers_that_had_enough():
     for pace in ((), ("--pace", 1)):  # its drive takes more than a minute
         read, code, remarks = beginning_of("simulate", "office-loop", "-o", "-", *pace, lines=3)
         expect(read[0].startswith("PARAM") and (code, remarks) == (0, ""), f"{pace}: {code} {remarks}")
+    # Ctrl-C ends the reader, too; what was sent is not the whole then.
+    process = subprocess.Popen([cli.PROGRAM, "simulate", "office-loop", "-o", "-", "--pace", "1"], stdout=subprocess.PIPE,
+                               stderr=subprocess.PIPE, text=True)
+    process.stdout.readline()
+    process.send_signal(signal.SIGSTOP)  # so that it hears of both at once
+    process.stdout.close()
+    process.send_signal(signal.SIGINT)
+    process.send_signal(signal.SIGCONT)
+    remarks = process.stderr.read()
+    expect(process.wait() == 130 and "interrupted after" in remarks, f"{process.returncode} {remarks}")
     with open("/dev/full", "w", encoding="utf-8") as full:
         process = subprocess.run([cli.PROGRAM, "convert", LOG, "-o", "-", "--format", "csv"], stdout=full, stderr=subprocess.PIPE,
                                  text=True, check=False)

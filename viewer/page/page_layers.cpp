@@ -51,8 +51,8 @@ CellState shown_state(const OccupancyMap& map, std::int32_t x, std::int32_t y, s
 }
 static_assert(CellState::kUnknown < CellState::kFree && CellState::kFree < CellState::kOccupied);
 
-constexpr double kClockStep_s = 1.0;      // back, beyond which a clock was set
-constexpr double kLongestGap_s = 3600.0;  // forward, beyond which a clock was set, as at boot
+constexpr double kClockStep_s = 1.0;       // back, beyond which a clock was set
+constexpr double kLongestGap_s = 86400.0;  // forward, beyond which a clock was set, as at boot
 
 /// The finite poses of a path, whose times never step back: they go on from drive to drive and where a clock was set.
 struct FinitePath {

@@ -1,8 +1,10 @@
 // Stamps of a topic's messages. A header without a stamp has 0 there, and its message gets the time of its receipt; but
 // a simulator's clock begins at 0, and then that is a time. The topic's second message tells which of them a first
-// stamp of 0 is, and until then the first message waits. Seconds. Not thread-safe; one message is kept.
+// stamp of 0 is: it is a time where stamps went on from it as receipts did. Until then the first message waits.
+// Seconds. Not thread-safe; one message is kept.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <utility>
@@ -17,7 +19,8 @@ class FirstStamp {
   template <class Take>
   void add(Message message, double received_s, const Take& take) {
     if (zero_ == Zero::kUnknown && first_) {
-      zero_ = message.stamp_s == 0.0 ? Zero::kNone : Zero::kTime;
+      const double off_s = message.stamp_s - (received_s - first_->second);
+      zero_ = message.stamp_s != 0.0 && std::fabs(off_s) < kMostOff_s ? Zero::kTime : Zero::kNone;
       give(std::exchange(first_, std::nullopt), take);
     } else if (zero_ == Zero::kUnknown && message.stamp_s != 0.0) {
       zero_ = Zero::kNone;
@@ -36,7 +39,12 @@ class FirstStamp {
     give(std::exchange(first_, std::nullopt), take);
   }
 
+  [[nodiscard]] bool is_waiting() const { return first_.has_value(); }
+
  private:
+  /// Of a simulator's clock from that of receipts, which may be slower or faster, between two messages.
+  static constexpr double kMostOff_s = 10.0;
+
   using Received = std::pair<Message, double>;
   /// What a stamp of 0 is.
   enum class Zero : std::uint8_t { kUnknown, kNone, kTime };

@@ -207,7 +207,7 @@ class RecordingReader final : public DescribedLog {
                                        : "has numbers: state the angle of one as log.crank_step, e.g. 1deg"));
     }
     ++crank_messages_;
-    assembler_.add_crank(number, received_s);
+    assembler_.add_crank(number, received_s, is_joint);
   }
 
   void take_scan(const TopicChannel& channel, const MessageBytes& message, double received_s) {
@@ -238,8 +238,8 @@ class RecordingReader final : public DescribedLog {
                     name_, topics_.text(has_scans)));
   }
 
-  /// What was asked for by name and is not there.
-  void check_choice() const {
+  /// What was asked for by name and is not there. Of several recordings each may have some of the lasers alone.
+  void check_choice() {
     const TopicChoice& choice = options_.topics;
     for (const std::string& topic : choice.scans) {
       if (topic == kAllTopics || lasers_.contains(topic)) continue;
@@ -253,8 +253,8 @@ class RecordingReader final : public DescribedLog {
         return has_scans(channel);
       });
       if (is_there) continue;
-      throw UsageError(fmt::format("{}: a mount is stated of topic {}, which has no scans; those with scans are {}",
-                                   name_, in_quotes(mount.topic), with_scans));
+      warn("mount of a topic without scans",
+           fmt::format("{} is stated; those with scans are {}", in_quotes(mount.topic), with_scans));
     }
     if (!choice.odometry.empty() && odometry_topic_.empty()) {
       throw UsageError(fmt::format(

@@ -145,14 +145,17 @@ void ScanAssembler::place_held_scans() {
 }
 
 auto ScanAssembler::crank_taker() {
-  return [this](const NumberMessage& number, double received_s, bool /*has_stamp*/) {
-    crank_clock_.add(received_s, number.stamp_s, 0.0);
-    waiting_.emplace_back(number);
+  return [this](const WaitingStamp& known, double received_s, bool /*has_stamp*/) {
+    known.number->stamp_s = known.stamp_s;
+    crank_clock_.add(received_s, known.stamp_s, 0.0);
   };
 }
 
-void ScanAssembler::add_crank(const NumberMessage& number, double received_s) {
-  crank_stamps_.add(number, received_s, crank_taker());
+void ScanAssembler::add_crank(const NumberMessage& number, double received_s, bool has_header) {
+  waiting_.emplace_back(number);
+  auto& waiting = std::get<NumberMessage>(waiting_.back());  // it stays there until it is the first, and goes
+  if (!has_header) return crank_taker()({received_s, &waiting}, received_s, false);
+  crank_stamps_.add({number.stamp_s, &waiting}, received_s, crank_taker());
 }
 
 void ScanAssembler::settle_stamps() {
@@ -287,6 +290,7 @@ std::optional<LogRecord> ScanAssembler::next(bool at_end) {
   if (!must_go && !scan_clock_.is_known()) return std::nullopt;
   if (!is_clock_known(must_go)) return std::nullopt;
   if (const auto* const number = std::get_if<NumberMessage>(&waiting_.front())) {
+    if (crank_stamps_.is_waiting()) return std::nullopt;  // for this one, if it is the first
     const LogRecord record = record_of(*number);
     waiting_.pop_front();
     return record;

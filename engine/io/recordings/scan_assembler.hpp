@@ -41,7 +41,8 @@ class ScanAssembler {
   void add_odometry(const TransformMessage& pose, double received_s);
   /// A transform from a frame called odom... is odometry; all others say how frames lie to each other.
   void add_transform(const TransformMessage& transform, double received_s);
-  void add_crank(const NumberMessage& number, double received_s);
+  /// A joint's message has a header; a number's has none, and its stamp is that of its receipt.
+  void add_crank(const NumberMessage& number, double received_s, bool has_header = true);
   /// The next record that is complete: of a scan the odometry, the mount and the scans of other lasers before it are
   /// known, or too many wait, or it is the end.
   std::optional<LogRecord> next(bool at_end);
@@ -72,6 +73,11 @@ class ScanAssembler {
     std::uint64_t due = 0;      ///< it waits for so many poses
   };
   using Held = std::variant<HeldScan, NumberMessage>;
+  /// Of a number that keeps its place among those that wait until its stamp is known.
+  struct WaitingStamp {
+    double stamp_s = 0.0;
+    NumberMessage* number = nullptr;
+  };
 
   void add_pose(const TransformMessage& pose, double received_s);
   void take_scan(std::size_t laser, ScanMessage scan, double received_s);
@@ -101,7 +107,7 @@ class ScanAssembler {
   OdometryTrack poses_;  ///< in the odometry's own clock
   std::uint64_t poses_taken_ = 0;
   FirstStamp<Odometry> pose_stamps_;
-  FirstStamp<NumberMessage> crank_stamps_;
+  FirstStamp<WaitingStamp> crank_stamps_;
   TopicClock scan_clock_;
   TopicClock pose_clock_;
   TopicClock crank_clock_;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "engine/io/decimal.hpp"
@@ -53,30 +54,38 @@ bool CarmenLog::write_parameter(const Parameter& parameter) {
   if (parameter.name == kLimitParameter) {
     double limit_m = 0.0;
     const char* const end = parameter.value.data() + parameter.value.size();
-    told_max_range_m_ = parse_double(parameter.value.data(), end, limit_m) == end ? limit_m : -1.0;
-    told_laser_ = 0;
+    const bool is_number = parse_double(parameter.value.data(), end, limit_m) == end;
+    if (is_number && limit_m > 0.0 && std::isfinite(limit_m)) {  // else readers leave it out
+      told_max_range_m_ = limit_m;
+      told_laser_ = 0;
+    }
   }
   sink_.write(writer_.parameter(parameter.name, parameter.value));
   return true;
 }
 
-// Readers give a scan of no limit the one that was told last, of whichever laser.
+// Readers give a scan of no limit the one that was told last, of whichever laser, and nothing takes that back.
 bool CarmenLog::tell_limit(const ScanRecord& record, const std::string& at) {
   const double limit_m = record.scan.max_range_m;
   const bool is_known = limit_m > 0.0;
-  if (!is_known && told_max_range_m_ > 0.0 && told_laser_ != record.laser) {
+  if (!is_known && told_laser_ && *told_laser_ != record.laser) {
     leave_out("scan of unknown limit", at + " would get that of the other laser");
     return false;
   }
   has_no_limit_[record.laser] = !is_known;
+  if (!is_known) {
+    if (told_laser_) leave_out("limit that is not known", at + " gets the one before");
+    told_max_range_m_ = 0.0;
+    return true;
+  }
   if (limit_m == told_max_range_m_ || !writer_.is_told_by_beam_count(record.scan)) return true;
-  if (is_known && has_no_limit_[1 - record.laser]) {
+  if (has_no_limit_[1 - record.laser]) {
     leave_out("limit of the ranges", at + ": that of the other laser is not known");
     return true;
   }
   told_max_range_m_ = limit_m;
   told_laser_ = record.laser;
-  if (is_known) sink_.write(writer_.parameter(kLimitParameter, fmt::format("{}", limit_m)));
+  sink_.write(writer_.parameter(kLimitParameter, fmt::format("{}", limit_m)));
   return true;
 }
 

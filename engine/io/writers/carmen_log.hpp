@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "engine/io/logs/carmen_writer.hpp"
@@ -30,9 +31,9 @@ class CarmenLog final : public LogWriter {
   TextSink sink_;
   CarmenWriter writer_;
   Pose2 T_odom_last_;
-  double told_max_range_m_ = 0.0;       ///< by the last PARAM
-  std::size_t told_laser_ = 0;          ///< of which it was told
-  std::array<bool, 2> has_no_limit_{};  ///< the last scan of each laser
+  double told_max_range_m_ = 0.0;            ///< by the last PARAM; 0 where it is to be told again
+  std::optional<std::size_t> told_laser_{};  ///< of that PARAM, which readers know from then on
+  std::array<bool, 2> has_no_limit_{};       ///< the last scan of each laser
 };
 
 }  // namespace gdtslam

@@ -188,17 +188,31 @@ std::optional<RunReader> told_run_in(const std::string& map) {
   return run.files().is_told() ? std::optional(std::move(run)) : std::nullopt;
 }
 
+// The first of the tiles by name that can be searched in; empty where there is none.
+std::string tile_in(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  std::string found;
+  for (std::filesystem::directory_iterator at(folder, ignored), end; at != end; at.increment(ignored)) {
+    const std::string name = at->path().filename().string();
+    if (!name.ends_with(".yaml") || !(name.starts_with("map_") || name.starts_with("gdt_"))) continue;
+    const bool is_map = name.starts_with('m');  // before a field
+    const bool is_better = found.starts_with('m') == is_map ? name < found : is_map;
+    if (found.empty() || is_better) found = name;
+  }
+  return found;
+}
+
 // A site in tiles has no field as a whole.
 void require_one_piece(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   std::error_code ignored;  // what cannot be asked about shows when it cannot be read
   if (std::filesystem::exists(path, ignored) || !std::filesystem::exists(folder / "tiles" / "index.json", ignored))
     return;
-  const bool has_maps = std::filesystem::exists(folder / "tiles" / "map_0_0.yaml", ignored);
+  const std::string tile = tile_in(folder / "tiles");
   throw InputError({folder.string(), 0},
                    fmt::format("has its map in tiles: {}cut a piece out with 'gdtslam edit RUN --crop X0,Y0,X1,Y1 "
                                "-o DIR'",
-                               has_maps ? "name one of them, as tiles/map_0_0.yaml, or " : ""));
+                               tile.empty() ? "" : fmt::format("name one of them, as tiles/{}, or ", tile)));
 }
 
 }  // namespace

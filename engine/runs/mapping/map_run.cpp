@@ -204,8 +204,7 @@ void MapRun::read_next(ScanAhead& ahead, NextScan& next) {
   watch_.add_cpu_to(outcome_.read_cpu_s);
 }
 
-// The next scan is read while the device works on this one, unless somebody waits for this one's pose. What the reader
-// has to complain of in it counts once this one is done.
+// The next scan is read while the device works, unless somebody waits for the pose; its faults count after this one.
 MatchResult MapRun::map_scan(const ScanRecord& scan, ScanAhead& ahead, NextScan& next) {
   loops_ ? loops_->start(scan.scan, scan.T_odom_base) : mapper_->start(scan.scan, scan.T_odom_base);
   watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
@@ -229,8 +228,9 @@ void MapRun::end_with(const std::exception_ptr& problem) {
   try {
     std::rethrow_exception(problem);
   } catch (const Error& error) {
-    if (error.code() != ExitCode::kBadInput && error.code() != ExitCode::kInputOutput) throw;
-    outcome_.broken_off = error.code();
+    const ExitCode code = error.code();  // kUsage: it has not what was asked for by name
+    if (code != ExitCode::kBadInput && code != ExitCode::kInputOutput && code != ExitCode::kUsage) throw;
+    outcome_.broken_off = code;
     broken_off_ = error.what();
   }
 }

@@ -164,7 +164,7 @@ void TileMaker::make_piece(const CellBox& tiles, std::span<const CellIndex> plac
                            const std::function<void(std::size_t made)>& before) const {
   const std::vector<std::size_t> touching = keyframes_that_touch(tiles);
   if (touching.empty()) return;
-  const OccupancyMap occupancy = has_occupancy() ? cast(touching, [&] { before(0); }) : OccupancyMap();
+  const OccupancyMap occupancy = cast(touching, [&] { before(0); });  // which says, too, where there is a tile
   const std::unique_ptr<SeparateMap> map = map_of_keyframes(*run_, touching, mapper_);
   for (std::size_t k = 0; k < places.size(); ++k) {
     before(k);
@@ -176,7 +176,8 @@ void TileMaker::make_piece(const CellBox& tiles, std::span<const CellIndex> plac
                  .occupancy = {geometry_of(place, mapper_.map.resolution_m), {}}};
     const CellIndex first{place.x * kMapTileSide, place.y * kMapTileSide};
     bool has_states = false;
-    if (has_occupancy()) tile.occupancy.cells = states_at(first, occupancy, has_states);
+    CellStates states = states_at(first, occupancy, has_states);
+    if (has_occupancy()) tile.occupancy.cells = std::move(states);
     const bool has_distances = read_distances(map->field(), first, tile.distances);
     if (has_states || has_distances) take(std::move(tile));
   }

@@ -212,6 +212,10 @@ class LiveTest(unittest.TestCase):
         browser.wait_for("gdtslamLive.scan?.scan === 5 && gdtslamLive.map?.header.path.length === 10")
         self.assertEqual(browser.value(FIGURE % "scans"), "5")
         self.assertLess(browser.value("trail.length"), 6)
+        browser.value("follow.setAttribute('aria-pressed', 'false')")
+        browser.value("""takeScan(JSON.stringify({drive: "e", title: "gdtslam live: <another>"}))""")
+        self.assertEqual(browser.value("[document.title, document.querySelector('h1').textContent, isFollowing()]"),
+                         ["gdtslam live: <another>", "gdtslam live: <another>", True])
 
     def test_where_the_robot_was_lost_there_is_no_line(self):
         """Of a way of two places with none between: a gap, also when the trail is thinned."""
@@ -220,7 +224,7 @@ class LiveTest(unittest.TestCase):
             {drive: "d", scan: 1, pose, inDoubt: false, figures: {doubt: "none"}, points: []})))""")
         browser.value("""void (follow.setAttribute('aria-pressed', 'false'), Object.assign(camera, {x: 4, y: 0, scale: 60}),
             [[0, 1], [1, 1], null, null, [7, 1], [8, 1]].forEach((place) => scan(place && [...place, 0])))""")
-        self.assertEqual(browser.value("trail"), [[0, 1, 0], [1, 1, 0], None, [7, 1, 0], [8, 1, 0]])
+        self.assertEqual(browser.value("trail"), [[0, 1, 0, 1], [1, 1, 0, 1], None, [7, 1, 0, 1], [8, 1, 0, 1]])
         browser.settle()
         blue = """((x, y) => {
           const [r, g, b] = context.getImageData(...place(x, y).map(Math.round), 1, 1).data;
@@ -235,6 +239,49 @@ class LiveTest(unittest.TestCase):
             self.assertGreater(last[1], 4000)
             self.assertGreater(last[2], 60000 - poses - 2)
             self.assertEqual(last[3], -1)
+
+    def test_a_map_takes_what_its_path_has(self):
+        """Poses of later scans stay, and so does the gap before them, as after a time without a connection."""
+        browser = self.open()
+        for scans, left in ((0, [1, None, 4, 5]), (1, [None, 4, 5]), (3, [None, 4, 5]), (4, [5]), (5, []), (9, [])):
+            browser.value("void (trail = [[0, 0, 0, 1], null, [0, 0, 0, 4], [0, 0, 0, 5]])")
+            self.assertEqual(browser.value(f"(shortenTrail({scans}), trail.map((pose) => pose && pose[3]))"), left, scans)
+        browser.value("void (trail = [[0, 0, 0, 1], null], shortenTrail(1))")
+        self.assertEqual(browser.value("trail"), [None])
+
+    def test_the_newest_map_is_shown(self):
+        """Pictures are read beside each other: of two the one that was sent later counts, whichever is read first."""
+        browser = self.open()
+        shown = browser.value("""(async () => {
+          const read = createImageBitmap, waiting = [];
+          const picture = await read(new ImageData(1, 1));
+          window.createImageBitmap = () => new Promise((resolve) => waiting.push(() => resolve(picture)));
+          const send = (width) => {
+            const text = new TextEncoder().encode(JSON.stringify({drive: 'd', width, height: 1, pixel_m: 1, corner_m: [0, 0], path: []}));
+            const data = new Uint8Array(4 + text.length);
+            new DataView(data.buffer).setUint32(0, text.length, true);
+            data.set(text, 4);
+            return takeMap(data.buffer);
+          };
+          const both = [send(1), send(2)];
+          waiting[1]();
+          await both[1];
+          picture.close = () => {};
+          waiting[0]();
+          await both[0];
+          window.createImageBitmap = read;
+          return live.map.header.width;
+        })()""")
+        self.assertEqual(shown, 2)
+
+    def test_patience_grows_with_a_slow_line(self):
+        """Whoever has not heard a whole message in ten seconds waits longer the next time."""
+        browser = self.open()
+        self.assertEqual(browser.value("patience_s"), 10)
+        self.drive.send_signal(signal.SIGSTOP)
+        browser.wait_for("patience_s === 20", 30)
+        self.drive.send_signal(signal.SIGCONT)
+        browser.wait_for("patience_s === 10 && document.getElementById('state').textContent === 'live'", 30)
 
     def test_zooming_out_of_a_wide_map(self):
         """All of a map of kilometres is in the picture, and from there on minus makes nothing larger."""

@@ -189,6 +189,13 @@ TEST(CarmenLogs, ALimitIsThatOfItsOwnLaser) {
   ScanRecord robotlaser = carmen_scan(3, -0.5, 0.25);
   robotlaser.laser = 1;  // whose line says that its limit is not known, which readers take from the parameter
   EXPECT_THAT(first_words(lines_written({scan_of(0, 8.0), robotlaser})), ElementsAre("PARAM", "FLASER"));
+  // Also after a scan of the first laser whose limit is not known, which gets the one before.
+  EXPECT_THAT(first_words(lines_written({scan_of(0, 8.0), scan_of(0, 0.0), scan_of(1, 0.0), scan_of(0, 8.0)})),
+              ElementsAre("PARAM", "FLASER", "FLASER", "PARAM", "FLASER"));
+  // A parameter that is no range is left out by readers, who keep the one before.
+  const Parameter none{"robot_front_laser_max", "far"};
+  EXPECT_THAT(first_words(lines_written({scan_of(0, 8.0), none, scan_of(0, 8.0), scan_of(1, 0.0)})),
+              ElementsAre("PARAM", "FLASER", "PARAM", "FLASER"));
 }
 
 TEST(CarmenLogs, WordsAreOfPrintableAscii) {

@@ -257,6 +257,26 @@ TEST(Remarks, APipeThatIsReadGetsEachLineInOrder) {
   EXPECT_EQ(text, expected);
 }
 
+// Each line is tried: room may come back. A reader that went away takes none, and nobody waits for it.
+TEST(Remarks, ALineThatCannotBeWrittenSilencesNoOther) {
+  const std::string path = testing::TempDir() + "/remarks_" + std::to_string(::getpid());
+  const int file = ::open(path.c_str(), O_CREAT | O_TRUNC | O_RDWR, 0600);
+  ASSERT_GE(file, 0);
+  const int full = ::open("/dev/full", O_WRONLY);
+  const int used = ::dup(full);
+  {
+    const Remarks remarks(used);
+    print_remark("1");
+    ::dup2(file, used);  // there is room now
+    print_remark("2");
+  }
+  std::string text(64, '\0');
+  text.resize(static_cast<std::size_t>(std::max<ssize_t>(0, ::pread(file, text.data(), text.size(), 0))));
+  EXPECT_EQ(text, "gdtslam: 2\n");
+  for (const int descriptor : {file, full, used}) ::close(descriptor);
+  ::unlink(path.c_str());
+}
+
 TEST(Remarks, ADeviceThatIsFullIsNoError) {
   const int full = ::open("/dev/full", O_WRONLY);
   ASSERT_GE(full, 0);

@@ -29,6 +29,7 @@ TEST(PageMessages, ThePathEndsAtItsLastPose) {
     for (int k = 0; k < poses; ++k) path.push_back({0.1 * k, {0.01 * k, 1.0, 0.0}});
     const nlohmann::json places = map_header_of(path).at("path");
     ASSERT_EQ(places.empty(), path.empty());
+    EXPECT_EQ(map_header_of(path).at("scans"), poses);
     if (path.empty()) continue;
     EXPECT_EQ(places[0], 0) << poses;
     EXPECT_EQ(places[places.size() - 2], poses - 1) << poses;
@@ -43,7 +44,8 @@ TEST(PageMessages, EachNamesItsDrive) {
   EXPECT_EQ(scan.at("drive"), "a-drive");
   EXPECT_TRUE(scan.at("pose").is_null());
   EXPECT_EQ(map_header_of({}).at("drive"), "a-drive");
-  EXPECT_EQ(nlohmann::json::parse(sign_of_life_message("a-drive")), nlohmann::json({{"drive", "a-drive"}}));
+  const nlohmann::json sign = nlohmann::json::parse(sign_of_life_message("a-drive", "a \"log\"\xff"));
+  EXPECT_EQ(sign, nlohmann::json({{"drive", "a-drive"}, {"title", "a \"log\"\uFFFD"}}));
 }
 
 }  // namespace

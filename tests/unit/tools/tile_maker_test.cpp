@@ -120,6 +120,7 @@ TEST(TileMaker, WithoutOccupancyDistancesAreTheSame) {
   EXPECT_FALSE(maker.has_occupancy());
   const std::vector<MapTile> tiles = made(maker, maker.places());
   ASSERT_GE(tiles.size(), 6U);
+  EXPECT_EQ(tiles.size(), made(both, both.places()).size()) << "those where beams only pass among them";
   for (const MapTile& tile : tiles) {
     EXPECT_EQ(tile.occupancy.cells.size(), 0U);
     const std::vector<MapTile> with = made(both, {&tile.place, 1});

@@ -223,7 +223,7 @@ int convert_for_reader(const ConvertOptions& options) {
     return convert(options);
   } catch (const NoReaderError&) {
     if (options.output != "-") throw;
-    return static_cast<int>(ExitCode::kDone);
+    return static_cast<int>(interrupted() ? ExitCode::kInterrupted : ExitCode::kDone);  // Ctrl-C ends both
   }
 }
 

@@ -91,8 +91,9 @@ std::vector<MapCommand> nodding_choices(const TopicContents& topic) {
   const std::string line = " --crank " + shell_word(topic.name);
   if (!topic.joints.empty()) return {{when, line + " --set log.crank=tilt"}};  // radians, by ROS's own rule
   std::vector<MapCommand> choices;
-  if (has_whole_numbers(topic)) choices.push_back({when + ", in ticks of its crank", line});
-  if (topic.numbers->most - topic.numbers->least <= kMostDegrees) {
+  const bool may_be_degrees = topic.numbers->most - topic.numbers->least <= kMostDegrees;
+  if (has_whole_numbers(topic) || !may_be_degrees) choices.push_back({when + ", in ticks of its crank", line});
+  if (may_be_degrees) {
     const double middle = std::round(0.5 * (topic.numbers->least + topic.numbers->most));
     choices.push_back(
         {fmt::format("{}, in degrees, and {:g} is level", when, middle),

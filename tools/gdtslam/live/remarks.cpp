@@ -9,13 +9,14 @@
 namespace gdtslam {
 
 Remarks::Remarks(int descriptor)
-    : output_({.most_waiting = LineOutput::Rule{}.most_waiting, .patience = kReaderPatience}, descriptor) {
-  send_lines_to([this](std::string line) {
-    try {
-      output_.write(std::move(line));
-    } catch (const std::system_error&) {  // there is no thread to be had: the line waits for the next one
-    }
-  });
+    : output_({.most_waiting = LineOutput::Rule{}.most_waiting, .patience = kReaderPatience, .tries_each = true},
+              descriptor) {
+  try {
+    output_.start();
+  } catch (const std::system_error&) {  // there is no thread to be had: lines are printed as elsewhere
+    return;
+  }
+  send_lines_to([this](std::string line) { output_.write(std::move(line)); });
 }
 
 Remarks::~Remarks() {

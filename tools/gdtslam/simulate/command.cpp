@@ -177,7 +177,7 @@ int run_simulate(const SimulateCommand& command) {
   } else if (!command.quiet && !is_sent) {
     print_result(summary_of(result));
   }
-  if (result.is_whole || !lines.has_reader()) {
+  if (result.is_whole || (!lines.has_reader() && !interrupted())) {
     return static_cast<int>(ExitCode::kDone);
   }
   const bool is_one = result.scans == 1;

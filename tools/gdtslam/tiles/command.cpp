@@ -52,8 +52,9 @@ int make(const TilesCommand& command) {
   line.clear();
   if (command.quiet) return static_cast<int>(ExitCode::kDone);
   const double side_m = kMapTileSide * outcome.index.resolution_m;
-  std::string text = fmt::format("{}: {} {} of {:g} m, each with gdt_X_Y.yaml and map_X_Y.yaml\n",
-                                 printable(outcome.folder), outcome.made, outcome.made == 1 ? "tile" : "tiles", side_m);
+  std::string text =
+      fmt::format("{}: {} {} of {:g} m, each with gdt_X_Y.yaml{}\n", printable(outcome.folder), outcome.made,
+                  outcome.made == 1 ? "tile" : "tiles", side_m, outcome.index.has_occupancy ? " and map_X_Y.yaml" : "");
   for (const CellIndex& tile : outcome.changed)
     text += fmt::format("tile {},{} is another than before\n", tile.x, tile.y);
   print_result(text);

@@ -1,9 +1,12 @@
 // Standard input, a named pipe, a file: what ends by itself.
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <filesystem>
+#include <system_error>
 
 #include "engine/io/byte_source.hpp"
 #include "engine/io/message_text.hpp"
@@ -13,10 +16,17 @@
 namespace gdtslam {
 namespace {
 
+// A named pipe whose writer has not come yet, too: each read waits for it.
+int open_without_waiting(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_fifo(path, ignored)) return open_to_read(path);
+  return ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+}
+
 class StreamInput final : public LiveInput {
  public:
   explicit StreamInput(const std::string& path) : name_(path == "-" ? "standard input" : path) {
-    descriptor_ = path == "-" ? STDIN_FILENO : open_to_read(path);
+    descriptor_ = path == "-" ? STDIN_FILENO : open_without_waiting(path);
     if (descriptor_ < 0) throw FileError(name_, "cannot be opened: " + errno_text(errno));
   }
   ~StreamInput() override {

@@ -115,9 +115,16 @@ bool LineOutput::Lines::write_some(std::unique_lock<std::mutex>& lock) {
 
 void LineOutput::Lines::stop(int error) {
   if (error == EINTR || error == EAGAIN) return;
-  is_gone_ = true;
   // The reader had enough, as `head` has, or it is gone, or its terminal is.
-  if (error != EPIPE && error != EIO && error != ECONNRESET) {
+  const bool has_no_reader = error == EPIPE || error == EIO || error == ECONNRESET;
+  if (rule_.tries_each && !has_no_reader) {
+    line_.clear();
+    written_ = 0;
+    ++dropped_;
+    return;
+  }
+  is_gone_ = true;
+  if (!has_no_reader) {
     failure_ = std::make_exception_ptr(FileError("standard output", "cannot be written: " + errno_text(error)));
   }
   waiting_.clear();
@@ -194,11 +201,14 @@ LineOutput::~LineOutput() { end(); }
 
 void LineOutput::write(std::string line) {
   if (line.empty() || !lines_->add(std::move(line))) return;
-  if (!thread_.joinable()) {
-    const SignalsBlocked blocked;
-    thread_ = std::thread([lines = lines_] { lines->work(); });
-  }
+  start();
   lines_->wait_for_thread();
+}
+
+void LineOutput::start() {
+  if (thread_.joinable()) return;
+  const SignalsBlocked blocked;
+  thread_ = std::thread([lines = lines_] { lines->work(); });
 }
 
 void LineOutput::finish() {

@@ -24,6 +24,7 @@ class LineOutput {
   struct Rule {
     std::size_t most_waiting = 1024;        ///< lines, beside the one that is being written
     std::chrono::milliseconds patience{0};  ///< with a reader that takes none
+    bool tries_each = false;                ///< after a line that cannot be written, as on a full disk
   };
   explicit LineOutput(const Rule& rule, int descriptor = STDOUT_FILENO);
   LineOutput(const LineOutput&) = delete;
@@ -31,6 +32,8 @@ class LineOutput {
   /// What still waits is dropped.
   ~LineOutput();
 
+  /// The thread, which else begins where a line has to wait. Throws std::system_error.
+  void start();
   /// Ends in a newline, or is empty. Where it cannot be written the drive goes on; finish() tells.
   void write(std::string line);
   /// Waits for a reader that goes on reading; what one leaves that does not is dropped. Throws FileError where standard

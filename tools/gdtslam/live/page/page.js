@@ -9,14 +9,15 @@ const kLeastScale = 0.5;
 const kFirstScale = 30;
 
 const kSilent_s = 3;      // that nothing was heard, though the server says something each 2 s
-const kGivenUp_s = 10;
+const kGivenUp_s = 10;    // at first: a slow line may take longer for a map
+const kMostPatience_s = 160;
 
 // What was heard last. Tests look at it.
 const live = {drive: null, map: null, scan: null, maps: 0, scans: 0, errors: []};
 window.gdtslamLive = live;
 const camera = {x: 0, y: 0, scale: kFirstScale};
 let picture = null;       // the map in the colours of the page
-let trail = [];           // poses since the map's path, null where the way between two is not known
+let trail = [];           // poses and their scans since the map's path, null where the way between two is not known
 let isDue = false;
 const kMostTrail = 20000;
 
@@ -149,6 +150,13 @@ function halved(poses) {
   return kept;
 }
 
+// What the path of a map has by now goes; a gap that is left, stays.
+function shortenTrail(scans) {
+  const from = trail.findIndex((pose) => pose && pose[3] > scans);
+  const begin = from < 0 ? trail.length : from;
+  trail = trail.slice(trail[begin - 1] === null ? begin - 1 : begin);
+}
+
 function followTrail(pose) {
   if (!pose && trail.at(-1) === null) return;
   if (trail.push(pose) > kMostTrail) trail = halved(trail);
@@ -163,6 +171,7 @@ function forgetMap() {
 // Another drive may follow at the same address: nothing of the one before belongs to it.
 function takeDrive(drive) {
   if (drive === live.drive) return;
+  if (live.drive) setFollowing(true);
   live.drive = drive;
   live.scan = null;
   trail = [];
@@ -171,16 +180,19 @@ function takeDrive(drive) {
   drawSoon();
 }
 
+let newestMap = 0;        // of those that were begun: pictures are read beside each other
+
 async function takeMap(data) {
   const size = new DataView(data).getUint32(0, true);
   const header = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, size)));
   takeDrive(header.drive);
+  const mine = ++newestMap;
   const bitmap = await createImageBitmap(new Blob([new Uint8Array(data, 4 + size)], {type: "image/png"}));
-  if (header.drive !== live.drive) return bitmap.close();
+  if (mine !== newestMap || header.drive !== live.drive) return bitmap.close();
   forgetMap();
   live.map = {header, bitmap};
   ++live.maps;
-  if (header.path.length > 0) trail = [];
+  if (header.path.length > 0) shortenTrail(header.scans);
   paint();
   drawSoon();
 }
@@ -188,10 +200,11 @@ async function takeMap(data) {
 function takeScan(text) {
   const scan = JSON.parse(text);
   takeDrive(scan.drive);
+  if (scan.title) document.title = document.querySelector("h1").textContent = scan.title;
   if (!scan.figures) return;  // there is nothing new
   live.scan = scan;
   ++live.scans;
-  followTrail(scan.pose);
+  followTrail(scan.pose && [...scan.pose, scan.scan]);
   showFigures();
   drawSoon();
 }
@@ -215,10 +228,12 @@ function saySilent(seconds) {
 let socket = null;
 let heardAt = 0;          // performance.now() of the last message, or of when it was asked for
 let hasHeard = false;
+let patience_s = kGivenUp_s;
 
 function takeMessage(data) {
   heardAt = performance.now();
   hasHeard = true;
+  patience_s = kGivenUp_s;
   if (state.className !== "") say("live", "");
   if (typeof data === "string") takeScan(data);
   else takeMap(data).catch((error) => live.errors.push(String(error)));
@@ -250,8 +265,10 @@ function disconnect() {
 setInterval(() => {
   if (!socket) return;
   const silent_s = Math.floor((performance.now() - heardAt) / 1000);
-  if (silent_s >= kGivenUp_s) disconnect();
-  else if (silent_s >= kSilent_s && socket.readyState === WebSocket.OPEN) saySilent(silent_s);
+  if (silent_s >= patience_s) {
+    patience_s = Math.min(kMostPatience_s, 2 * patience_s);
+    disconnect();
+  } else if (silent_s >= kSilent_s && socket.readyState === WebSocket.OPEN) saySilent(silent_s);
 }, 250);
 
 function isFollowing() {

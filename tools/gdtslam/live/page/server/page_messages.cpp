@@ -115,15 +115,18 @@ std::string scan_message(const ShownScan& shown, std::string_view drive) {
                      drive, shown.scan, pose, shown.is_in_doubt, figures.dump(), points);
 }
 
-std::string sign_of_life_message(std::string_view drive) { return fmt::format("{{\"drive\":\"{}\"}}", drive); }
+std::string sign_of_life_message(std::string_view drive, std::string_view title) {
+  const nlohmann::ordered_json message{{"drive", drive}, {"title", title}};
+  return message.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
 
 std::string map_message(const OccupancyMap& map, const Trajectory& path, std::string_view drive) {
   const Picture picture = picture_of(map);
   const double pixel_m = map.geometry.resolution_m * picture.cells;
   const Point2 corner_m = map.geometry.centre_of({0, 0}) - 0.5 * map.geometry.resolution_m * Point2(1.0, 1.0);
-  const std::string header =
-      fmt::format("{{\"drive\":\"{}\",\"width\":{},\"height\":{},\"pixel_m\":{},\"corner_m\":[{},{}],\"path\":[{}]}}",
-                  drive, picture.width, picture.height, pixel_m, corner_m.x(), corner_m.y(), path_text(path));
+  const std::string header = fmt::format(
+      "{{\"drive\":\"{}\",\"width\":{},\"height\":{},\"pixel_m\":{},\"corner_m\":[{},{}],\"scans\":{},\"path\":[{}]}}",
+      drive, picture.width, picture.height, pixel_m, corner_m.x(), corner_m.y(), path.size(), path_text(path));
   std::string message;
   for (std::size_t byte = 0; byte < 4; ++byte) message += static_cast<char>(header.size() >> (8 * byte) & 0xffU);
   return message + header + picture.png;

@@ -50,6 +50,7 @@ struct Session {
   std::uint64_t scan;
   std::uint64_t map;
   std::uint64_t sign_of_life;
+  bool is_after_map;
   bool is_counted;  // one that was sent away is closed, too
 };
 
@@ -85,6 +86,7 @@ class PageServer final : public LivePage {
 
   PageAddress address_;
   std::string drive_ = random_name();
+  std::string title_;
   std::string url_;
   std::array<lws_protocols, 2> protocols_{};
   lws_context* context_ = nullptr;
@@ -114,10 +116,11 @@ std::string header_of(lws* connection, lws_token_indexes name) {
   return text;
 }
 
-PageServer::PageServer(const std::string& address, const std::string& title) : address_(page_address_of(address)) {
+PageServer::PageServer(const std::string& address, const std::string& title)
+    : address_(page_address_of(address)), title_(title) {
   lws_set_log_level(0, nullptr);
   page_.set(live_page_text(title));
-  sign_of_life_.set(sign_of_life_message(drive_));
+  sign_of_life_.set(sign_of_life_message(drive_, title_));
   protocols_[0] = {kProtocol, &PageServer::on_event, sizeof(Session), 0, 0, nullptr, 0};
   lws_context_creation_info info{};
   info.port = address_.port;
@@ -184,7 +187,7 @@ void PageServer::take_news() {
   const bool is_silent = !scan && map.empty();
   if (is_silent && now_us - last_message_us_ < kLongestSilence_us) return;
   last_message_us_ = now_us;
-  if (is_silent) sign_of_life_.set(sign_of_life_message(drive_));
+  if (is_silent) sign_of_life_.set(sign_of_life_message(drive_, title_));
   if (scan) scan_.set(scan_message(*scan, drive_));
   if (!map.empty()) map_.set(map);
   lws_callback_on_writable_all_protocol(context_, protocols_.data());
@@ -221,18 +224,22 @@ int PageServer::answer_request(lws* connection, std::string_view path) {
   return 0;
 }
 
-// The map first, which the scan lies on.
+// The map first, which the scan lies on; then a scan, however soon the next map comes.
 int PageServer::write_next(lws* connection, Session& session) {
   struct Part {
     Message& message;
     std::uint64_t& written;
     lws_write_protocol kind;
   };
-  for (const Part& part : {Part{map_, session.map, LWS_WRITE_BINARY}, Part{scan_, session.scan, LWS_WRITE_TEXT},
-                           Part{sign_of_life_, session.sign_of_life, LWS_WRITE_TEXT}}) {
-    if (part.written == part.message.version) continue;
-    part.written = part.message.version;
-    if (part.message.write(connection, part.kind) < 0) return -1;
+  Part map{map_, session.map, LWS_WRITE_BINARY};
+  Part scan{scan_, session.scan, LWS_WRITE_TEXT};
+  Part sign{sign_of_life_, session.sign_of_life, LWS_WRITE_TEXT};
+  const bool has_turn = session.is_after_map;
+  for (const Part* part : {has_turn ? &scan : &map, has_turn ? &map : &scan, &sign}) {
+    if (part->written == part->message.version) continue;
+    part->written = part->message.version;
+    session.is_after_map = part == &map;
+    if (part->message.write(connection, part->kind) < 0) return -1;
     lws_callback_on_writable(connection);
     return 0;
   }
