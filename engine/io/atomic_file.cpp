@@ -49,7 +49,7 @@ void remove_if_abandoned(const std::string& temporary) {
 }
 
 // "4711-0.tmp": a process and its file.
-bool is_temporary(std::string_view ending) {
+bool is_ending_of_temporary(std::string_view ending) {
   const std::size_t dash = ending.find('-');
   if (dash == std::string_view::npos || !ending.ends_with(kSuffix)) return false;
   const std::string_view serial = ending.substr(dash + 1);
@@ -67,14 +67,13 @@ int open_pipe_or_device(const std::string& path) {
 
 void remove_abandoned(const std::string& target) {
   const std::string folder = folder_of(target);
-  const std::string prefix = temporary_prefix(target);
   DIR* const listing = ::opendir(folder.c_str());
   if (listing == nullptr) {
     return;  // creating the file will say what is wrong with the folder
   }
   while (const dirent* entry = ::readdir(listing)) {
     const std::string_view name = static_cast<const char*>(entry->d_name);
-    if (name.starts_with(prefix) && is_temporary(name.substr(prefix.size()))) {
+    if (is_temporary_of(target, name)) {
       remove_if_abandoned(folder + "/" + std::string(name));
     }
   }
@@ -82,6 +81,11 @@ void remove_abandoned(const std::string& target) {
 }
 
 }  // namespace
+
+bool is_temporary_of(const std::string& file, std::string_view name) {
+  const std::string prefix = temporary_prefix(file);
+  return name.starts_with(prefix) && is_ending_of_temporary(name.substr(prefix.size()));
+}
 
 AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(path) {
   buffer_.reserve(kBufferBytes);

@@ -23,6 +23,9 @@ class NoReaderError : public FileError {
   using FileError::FileError;
 };
 
+/// Whether a name is that of a temporary file, in the same folder, of which `file` was to be made.
+bool is_temporary_of(const std::string& file, std::string_view name);
+
 class AtomicFile {
  public:
   /// Creates the temporary file. Throws FileError with the file and the system's text, as all members do.

@@ -280,6 +280,15 @@ def merge_keeps_foreign_files():
         (sites / name).write_text("mine\n")
     expect_exit(command("merge", again, other, "-o", sites, "-q"), 0)
     expect(sorted(all_files(sites)) == sorted([*files, "keepout.png", "1/keepout.png", "1/session-7.tum"]), "others' files")
+    # What a merge that was killed left goes, also where it wrote its report just then; what a drive left stays.
+    for process, name, is_left in ((1999999998, ".merge.json.1999999998-22.tmp", False), (1999999997, "log-1.copy", True),
+                                   (1999999996, ".merge.json.mine.tmp", True)):
+        left = sites / f".gdtslam-staging-{process}" / name
+        left.parent.mkdir()
+        left.write_text("killed\n")
+        expect_exit(command("merge", again, other, "-o", sites, "-q"), 0)
+        expect(left.parent.exists() == is_left, f"{left} is {'gone' if is_left else 'still there'}")
+        shutil.rmtree(left.parent, ignore_errors=True)
     (sites / "1/changes.png").write_text("mine\n")
     refused_merge(2, "changes.png", (first, other), sites)
 

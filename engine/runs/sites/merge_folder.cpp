@@ -79,7 +79,8 @@ bool is_leftover_of_a_merge(const fs::path& leftover) {
   const std::vector<fs::path> files = list_folder(leftover, failed);
   const auto has_name_or_nothing = [](const fs::path& file) {
     std::error_code ignored;
-    return file.filename() == kMergeFile || file.filename() == kOldReport || fs::is_empty(file, ignored);
+    const std::string name = file.filename().string();
+    return name == kMergeFile || name == kOldReport || is_temporary_of(kMergeFile, name) || fs::is_empty(file, ignored);
   };
   return !failed && (lies_there(leftover / kWrittenSite) || std::ranges::all_of(files, has_name_or_nothing));
 }
