@@ -243,8 +243,8 @@ class RecordingReader final : public DescribedLog {
     const TopicChoice& choice = options_.topics;
     for (const std::string& topic : choice.scans) {
       if (topic == kAllTopics || lasers_.contains(topic)) continue;
-      throw UsageError(fmt::format("{}: has no scans in topic {}; those with scans are {}", name_, in_quotes(topic),
-                                   topics_.text(has_scans)));
+      throw MissingTopic(fmt::format("{}: has no scans in topic {}; those with scans are {}", name_, in_quotes(topic),
+                                     topics_.text(has_scans)));
     }
     for (const TopicMount& mount : choice.mounts) {
       bool is_there = false;
@@ -257,13 +257,13 @@ class RecordingReader final : public DescribedLog {
            fmt::format("{} is stated; those with scans are {}", in_quotes(mount.topic), with_scans));
     }
     if (!choice.odometry.empty() && odometry_topic_.empty()) {
-      throw UsageError(fmt::format(
+      throw MissingTopic(fmt::format(
           "{}: has no odometry in topic {}; those with odometry are {}", name_, in_quotes(choice.odometry),
           topics_.text([](const TopicChannel& channel) { return channel.kind == MessageKind::kOdometry; })));
     }
     if (!choice.crank.empty() && crank_messages_ == 0) {
-      throw UsageError(fmt::format("{}: has no numbers or joints in topic {}; its topics are {}", name_,
-                                   in_quotes(crank_topic_), topics_.text([](const TopicChannel&) { return true; })));
+      throw MissingTopic(fmt::format("{}: has no numbers or joints in topic {}; its topics are {}", name_,
+                                     in_quotes(crank_topic_), topics_.text([](const TopicChannel&) { return true; })));
     }
   }
 

@@ -153,7 +153,7 @@ auto ScanAssembler::crank_taker() {
 
 void ScanAssembler::add_crank(const NumberMessage& number, double received_s, bool has_header) {
   waiting_.emplace_back(number);
-  auto& waiting = std::get<NumberMessage>(waiting_.back());  // it stays there until it is the first, and goes
+  auto& waiting = std::get<NumberMessage>(waiting_.back());
   if (!has_header) return crank_taker()({received_s, &waiting}, received_s, false);
   crank_stamps_.add({number.stamp_s, &waiting}, received_s, crank_taker());
 }

@@ -6,8 +6,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <functional>
+#include <list>
 #include <map>
 #include <optional>
 #include <set>
@@ -102,7 +102,7 @@ class ScanAssembler {
   std::string odometry_frame_;
   std::string base_;
   std::vector<Laser> lasers_;
-  std::deque<Held> waiting_;
+  std::list<Held> waiting_;  ///< which stay where they are while others are put between them
   std::size_t held_scans_ = 0;
   OdometryTrack poses_;  ///< in the odometry's own clock
   std::uint64_t poses_taken_ = 0;

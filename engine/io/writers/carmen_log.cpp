@@ -68,7 +68,8 @@ bool CarmenLog::write_parameter(const Parameter& parameter) {
 bool CarmenLog::tell_limit(const ScanRecord& record, const std::string& at) {
   const double limit_m = record.scan.max_range_m;
   const bool is_known = limit_m > 0.0;
-  if (!is_known && told_laser_ && *told_laser_ != record.laser) {
+  const bool is_of_other = told_laser_ && *told_laser_ != record.laser;
+  if (!is_known && is_of_other) {
     leave_out("scan of unknown limit", at + " would get that of the other laser");
     return false;
   }
@@ -80,8 +81,9 @@ bool CarmenLog::tell_limit(const ScanRecord& record, const std::string& at) {
   }
   if (limit_m == told_max_range_m_ || !writer_.is_told_by_beam_count(record.scan)) return true;
   if (has_no_limit_[1 - record.laser]) {
-    leave_out("limit of the ranges", at + ": that of the other laser is not known");
-    return true;
+    leave_out(is_of_other ? "scan of another limit" : "limit of the ranges",
+              at + ": that of the other laser is not known");
+    return !is_of_other;
   }
   told_max_range_m_ = limit_m;
   told_laser_ = record.laser;

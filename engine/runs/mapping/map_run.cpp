@@ -228,9 +228,9 @@ void MapRun::end_with(const std::exception_ptr& problem) {
   try {
     std::rethrow_exception(problem);
   } catch (const Error& error) {
-    const ExitCode code = error.code();  // kUsage: it has not what was asked for by name
-    if (code != ExitCode::kBadInput && code != ExitCode::kInputOutput && code != ExitCode::kUsage) throw;
-    outcome_.broken_off = code;
+    const bool is_whole = dynamic_cast<const MissingTopic*>(&error) != nullptr;
+    if (!is_whole && error.code() != ExitCode::kBadInput && error.code() != ExitCode::kInputOutput) throw;
+    outcome_.broken_off = error.code();
     broken_off_ = error.what();
   }
 }

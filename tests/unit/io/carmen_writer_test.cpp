@@ -192,6 +192,9 @@ TEST(CarmenLogs, ALimitIsThatOfItsOwnLaser) {
   // Also after a scan of the first laser whose limit is not known, which gets the one before.
   EXPECT_THAT(first_words(lines_written({scan_of(0, 8.0), scan_of(0, 0.0), scan_of(1, 0.0), scan_of(0, 8.0)})),
               ElementsAre("PARAM", "FLASER", "FLASER", "PARAM", "FLASER"));
+  // Nor does a scan get the limit of a laser which no longer knows it.
+  EXPECT_THAT(first_words(lines_written({scan_of(0, 8.0), scan_of(0, 0.0), scan_of(1, 30.0)})),
+              ElementsAre("PARAM", "FLASER", "FLASER"));
   // A parameter that is no range is left out by readers, who keep the one before.
   const Parameter none{"robot_front_laser_max", "far"};
   EXPECT_THAT(first_words(lines_written({scan_of(0, 8.0), none, scan_of(0, 8.0), scan_of(1, 0.0)})),

@@ -273,6 +273,34 @@ TEST(RecordingCranks, TheFirstMessageKeepsItsPlace) {
   }
 }
 
+// Scans of a second laser, which come later than its stamps, are put before and behind a joint whose stamp is not
+// known.
+TEST(RecordingCranks, AFirstStampIsKnownHoweverManyScansArePutBeforeIt) {
+  for (const int others : {1, 2, 5, 9}) {
+    for (const int earlier : {0, 1, 3, 8}) {
+      std::string data = mcap_channel(1, "/a", kCdrScan, "cdr") + mcap_channel(2, "/b", kCdrScan, "cdr") +
+                         mcap_channel(3, "/crank", "sensor_msgs/msg/JointState", "cdr");
+      for (int k = 0; k < earlier; ++k) data += mcap_message(1, 0.1 + 0.01 * k, cdr_scan({.stamp_s = 0.1 + 0.01 * k}));
+      data += mcap_message(3, 0.2, cdr_joints(0.0, {"tilt"}, {0.25}));
+      for (int k = 0; k < others; ++k) data += mcap_message(1, 0.3 + 0.01 * k, cdr_scan({.stamp_s = 0.3 + 0.01 * k}));
+      for (int k = 0; k < others; ++k) data += mcap_message(2, 0.5, cdr_scan({.stamp_s = 0.05 + 0.06 * k}));
+      data += mcap_message(3, 0.7, cdr_joints(0.0, {"tilt"}, {0.5}));
+      ReadOptions options;
+      options.topics.scans = {"all"};
+      options.all_lasers = true;
+      options.topics.crank = "/crank";
+      options.crank = {.kind = CrankKind::kTilt};
+      const WholeLog log = chosen_log(data, options);
+      EXPECT_EQ(log.of<ScanRecord>().size(), static_cast<std::size_t>(earlier + 2 * others));
+      const auto tilts = log.of<Tilt>();
+      ASSERT_EQ(tilts.size(), 2U);
+      EXPECT_NEAR(tilts[0].stamp_s, 0.2, 1e-9) << others << ", " << earlier;
+      EXPECT_EQ(tilts[0].elevation_rad, 0.25);
+      EXPECT_NEAR(tilts[1].stamp_s, 0.7, 1e-9);
+    }
+  }
+}
+
 TEST(RecordingCranks, AJointIsChosenByItsName) {
   std::string data =
       mcap_channel(1, "/scan", kCdrScan, "cdr") + mcap_channel(2, "/joints", "sensor_msgs/msg/JointState", "cdr");

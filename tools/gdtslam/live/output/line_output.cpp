@@ -75,6 +75,7 @@ class LineOutput::Lines {
   std::uint64_t progress_ = 0;  // lines
   std::uint64_t dropped_ = 0;
   bool is_writing_ = false;
+  bool is_cut_ = false;    // the line before ends in the middle, for want of room
   bool is_stuck_ = false;  // the reader, since patience with it ended
   bool is_gone_ = false;
   bool is_ending_ = false;
@@ -92,6 +93,7 @@ bool LineOutput::Lines::write_some(std::unique_lock<std::mutex>& lock) {
   if (line_.empty()) {
     line_ = std::move(waiting_.front());
     waiting_.pop_front();
+    if (is_cut_) line_.insert(0, "\n");
   }
   is_writing_ = true;
   lock.unlock();
@@ -108,6 +110,7 @@ bool LineOutput::Lines::write_some(std::unique_lock<std::mutex>& lock) {
   if (written_ < line_.size()) return true;
   line_.clear();
   written_ = 0;
+  is_cut_ = false;
   ++progress_;
   is_stuck_ = false;
   return true;
@@ -118,6 +121,7 @@ void LineOutput::Lines::stop(int error) {
   // The reader had enough, as `head` has, or it is gone, or its terminal is.
   const bool has_no_reader = error == EPIPE || error == EIO || error == ECONNRESET;
   if (rule_.tries_each && !has_no_reader) {
+    is_cut_ = is_cut_ || written_ > 0;
     line_.clear();
     written_ = 0;
     ++dropped_;

@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "gdtslam/core/error.hpp"
 #include "gdtslam/core/pose.hpp"
 #include "gdtslam/core/stream.hpp"
 
@@ -33,6 +34,12 @@ struct TopicChoice {
   std::string odometry{};            ///< the first one that has any, then transforms, when empty
   std::string crank{};               ///< of a nodding mount, "TOPIC" or "TOPIC:JOINT"; none when empty
   std::vector<TopicMount> mounts{};  ///< what the frames of the recording say of the others
+};
+
+/// At the end of a recording: a topic that was named is not in it. All that is there was given before.
+class MissingTopic : public UsageError {
+ public:
+  using UsageError::UsageError;
 };
 
 /// Ticks of the crank, or the elevation of the scan plane itself.
