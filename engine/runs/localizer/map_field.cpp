@@ -188,9 +188,12 @@ std::optional<RunReader> told_run_in(const std::string& map) {
   return run.files().is_told() ? std::optional(std::move(run)) : std::nullopt;
 }
 
-// The first of the tiles by name that can be searched in; empty where there is none.
+// One of the tiles that can be searched in, that of the origin where it is there; empty where there is none.
 std::string tile_in(const std::filesystem::path& folder) {
   std::error_code ignored;
+  for (const char* name : {"map_0_0.yaml", "gdt_0_0.yaml"}) {
+    if (std::filesystem::exists(folder / name, ignored)) return name;
+  }
   std::string found;
   for (std::filesystem::directory_iterator at(folder, ignored), end; at != end; at.increment(ignored)) {
     const std::string name = at->path().filename().string();
