@@ -12,6 +12,7 @@ import struct
 import subprocess
 import tempfile
 import sys
+import time
 
 SOURCE = pathlib.Path(os.environ["GDTSLAM_SOURCE"])
 PROGRAM = os.environ["GDTSLAM"]
@@ -51,11 +52,14 @@ def full_terminal():
     """Both ends of a terminal that nobody reads, as over a connection that hangs: whoever writes to the second one waits."""
     ours, theirs = pty.openpty()
     os.set_blocking(theirs, False)
-    try:
-        while True:
-            os.write(theirs, 100 * b".")
-    except BlockingIOError:
-        os.set_blocking(theirs, True)
+    end = time.monotonic() + 0.3
+    while time.monotonic() < end:  # the system moves on what was written, and then there is room once more
+        try:
+            os.write(theirs, b".")
+            end = time.monotonic() + 0.3
+        except BlockingIOError:
+            time.sleep(0.01)
+    os.set_blocking(theirs, True)
     return ours, theirs
 
 

@@ -164,12 +164,19 @@ def second_interrupt_ends():
     os.mkfifo(pipe)
     ours, terminal = cli.full_terminal()  # to which it cannot say that it was interrupted
     process = subprocess.Popen([PROGRAM, "doctor", str(pipe)], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=terminal)
-    time.sleep(0.3 * cli.SLOWNESS)
+    writer = -1
+    deadline = time.monotonic() + 30 * cli.SLOWNESS
+    while writer < 0:  # until it reads, with what it does on signals in place
+        expect(time.monotonic() < deadline, "nobody reads the pipe")
+        try:
+            writer = os.open(pipe, os.O_WRONLY | os.O_NONBLOCK)
+        except OSError:
+            time.sleep(0.01)
     process.send_signal(signal.SIGINT)
-    time.sleep(0.5)
-    expect(process.poll() is None, "the first signal ended the process")
+    time.sleep(0.5 * cli.SLOWNESS)
+    expect(process.poll() is None, f"the first signal ended the process: {process.returncode}")
     process.send_signal(signal.SIGINT)
-    process.wait(timeout=10)
+    process.wait(timeout=10 * cli.SLOWNESS)
     expect(process.returncode == -signal.SIGINT, f"exit {process.returncode}")
-    os.close(terminal)
-    os.close(ours)
+    for descriptor in (writer, terminal, ours):
+        os.close(descriptor)
