@@ -26,8 +26,7 @@ class ByteSource {
 };
 
 /// A descriptor of a file to read, or below 0 with errno. A named pipe waits until its writer gives something or goes;
-/// Error(kInterrupted) where the process or this thread is asked to end meanwhile (interruption.hpp), seen within 0.2
-/// s.
+/// Error(kInterrupted) where the process or this thread is asked to end meanwhile (interruption.hpp): 0.2 s at most.
 int open_to_read(const std::string& path);
 /// A file, "-" being standard input; FileError when it cannot be opened, also when it is a folder. Of a pipe, a
 /// terminal or another device the end is also where the process or this thread is asked to end, seen within 0.2 s.

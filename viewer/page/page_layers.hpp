@@ -16,7 +16,7 @@ namespace gdtslam::page {
 
 /// Poses as four float32: x, y relative to `origin`, heading, time since the first pose. At most kMostPoses, spread
 /// evenly, both ends among them. `drives`: as in PageInput; the description names the first pose of each that has one
-/// here. Times never step back: where a clock did by more than a second, or leapt ahead by more than an hour, they go
+/// here. Times never step back: where a clock did by more than a second, or leapt ahead by more than a day, they go
 /// on as from drive to drive. `log_times` of the description is 0 where they are not those of the log, which a cloud
 /// has.
 inline constexpr std::size_t kMostPoses = 50'000;

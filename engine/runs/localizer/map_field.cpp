@@ -194,15 +194,13 @@ std::string tile_in(const std::filesystem::path& folder) {
   for (const char* name : {"map_0_0.yaml", "gdt_0_0.yaml"}) {
     if (std::filesystem::exists(folder / name, ignored)) return name;
   }
-  std::string found;
+  std::string first;
   for (std::filesystem::directory_iterator at(folder, ignored), end; at != end; at.increment(ignored)) {
     const std::string name = at->path().filename().string();
     if (!name.ends_with(".yaml") || !(name.starts_with("map_") || name.starts_with("gdt_"))) continue;
-    const bool is_map = name.starts_with('m');  // before a field
-    const bool is_better = found.starts_with('m') == is_map ? name < found : is_map;
-    if (found.empty() || is_better) found = name;
+    if (first.empty() || name < first) first = name;
   }
-  return found;
+  return first;
 }
 
 // A site in tiles has no field as a whole.

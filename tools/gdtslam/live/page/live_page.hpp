@@ -1,7 +1,6 @@
 // The page that shows a drive in a browser while it lasts: map, path, scan, what speaks for the pose. It is served to
 // this host alone unless an address is given, and reads what it shows from a websocket; nobody can change anything by
-// it. One thread hands over scans, which costs it a copy; another one maps. The page's own
-// thread does the rest.
+// it. One thread hands over scans, which costs it a copy; another one maps. The page's own thread does the rest.
 #pragma once
 
 #include <cstdint>
