@@ -84,7 +84,7 @@ def beginning_of(*words, lines=1):
         read = [process.stdout.readline() for _ in range(lines)]
         process.stdout.close()
         remarks = process.stderr.read()
-        return read, process.wait(timeout=60), remarks
+        return read, process.wait(timeout=60 * cli.SLOWNESS), remarks
 
 
 def readers_that_had_enough():

@@ -269,7 +269,7 @@ def interrupt_of_verify():
         process = subprocess.Popen([PROGRAM, "verify", *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         time.sleep(1.0)
         process.send_signal(signal.SIGINT)
-        output, error = process.communicate(timeout=60)
+        output, error = process.communicate(timeout=60 * cli.SLOWNESS)
         expect(process.returncode == 130, f"exit {process.returncode}: {output} {error}")
         one_error_line(error)
 

@@ -54,7 +54,7 @@ def missing_modules():
     alone = cli.installed_copy(folder / "alone", with_modules=False)
 
     def run(which, *arguments):
-        return subprocess.run([which, *map(str, arguments)], capture_output=True, text=True, check=False, timeout=100)
+        return subprocess.run([which, *map(str, arguments)], capture_output=True, text=True, check=False, timeout=100 * cli.SLOWNESS)
 
     for name in names:
         process = run(alone, name, "nothing")

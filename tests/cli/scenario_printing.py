@@ -37,7 +37,7 @@ def progress_on_a_terminal():
             drawn += chunk
     except OSError:  # the other end is closed
         pass
-    expect(process.wait(timeout=60) == 0, "the run failed")
+    expect(process.wait(timeout=60 * cli.SLOWNESS) == 0, "the run failed")
     text = drawn.decode()
     expect(re.search(r"\r\x1b\[K +\d+ %  [\d,]+ scans  [\d,]+/s  .* left", text), f"no progress: {text!r}")
     for what in ("the occupancy map", "trajectory.tum", "overview.png", "map.pgm", "gdt.png"):
@@ -76,7 +76,7 @@ def hostile_names():
     (folder / "linkage.yaml").write_bytes(b'gdtslam_linkage: 1\nname: "\\e[31mred\\nline"\npreset: paper-b\n')
 
     def bytes_of(code, *arguments):
-        process = subprocess.run([PROGRAM, *arguments], capture_output=True, check=False, stdin=subprocess.DEVNULL, timeout=100)
+        process = subprocess.run([PROGRAM, *arguments], capture_output=True, check=False, stdin=subprocess.DEVNULL, timeout=100 * cli.SLOWNESS)
         expect(process.returncode == code, f"{arguments}: exit {process.returncode}: {process.stderr}")
         return process.stdout, process.stderr
 

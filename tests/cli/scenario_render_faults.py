@@ -42,7 +42,7 @@ def render_without_a_display():
     try:
         process = subprocess.run(["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups", str(program), "render",
                                   str(place / "run"), "-o", str(place / "b.png"), *SMALL], capture_output=True, text=True, check=False,
-                                 env=environment(DISPLAY=None, HOME=NOWHERE, XDG_CACHE_HOME=None, XDG_RUNTIME_DIR=None), timeout=100)
+                                 env=environment(DISPLAY=None, HOME=NOWHERE, XDG_CACHE_HOME=None, XDG_RUNTIME_DIR=None), timeout=100 * cli.SLOWNESS)
         expect_exit(process, 0)
         expect(process.stderr == "" and (place / "b.png").read_bytes() in pictures, f"another picture: {process.stderr}")
     finally:

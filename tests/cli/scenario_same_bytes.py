@@ -68,7 +68,7 @@ def live_equals_offline():
                 ready, _, _ = select.select([live.stdout], [], [], 20)
                 expect(ready, f"only {shown.count(10)} poses came for {scans.index(end)} scans while the pipe was open")
                 shown += os.read(live.stdout.fileno(), 65536)
-        rest, _ = live.communicate("".join(lines[scans[3]:]).encode(), timeout=100)
+        rest, _ = live.communicate("".join(lines[scans[3]:]).encode(), timeout=100 * cli.SLOWNESS)
         rest = (shown + rest).decode()
     rows = [line.split() for line in rest.splitlines()]
     run = cli.fresh_folder("live") / "run"
@@ -99,7 +99,7 @@ def live_corrections():
     expect(all(len(row) == 4 and all(abs(float(x)) < 1.0 for x in row[1:]) for row in corrections), str(corrections))
     expect(all(a != b for a, b in zip(corrections, corrections[1:])), "a correction that changes nothing")
     expect(rows[0][0] != "correction", "a correction before the first pose")
-    run = subprocess.run([os.environ["LIVE_MAPPER"], "--lops"], input="", capture_output=True, text=True, timeout=100)
+    run = subprocess.run([os.environ["LIVE_MAPPER"], "--lops"], input="", capture_output=True, text=True, timeout=100 * cli.SLOWNESS)
     expect(run.returncode == 2 and run.stderr.startswith("Usage:"), f"{run.returncode}: {run.stderr}")
 
 

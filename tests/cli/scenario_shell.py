@@ -55,7 +55,7 @@ def help_fits_the_terminal():
     process = subprocess.Popen([PROGRAM, "map", "--help"], stdout=theirs, stderr=theirs, env=cli.environment(COLUMNS=None))
     os.close(theirs)
     shown = read_all(ours).replace("\r", "")
-    expect(process.wait(timeout=60) == 0, "help on a terminal")
+    expect(process.wait(timeout=60 * cli.SLOWNESS) == 0, "help on a terminal")
     expect(shown == command("map", "--help", env=cli.environment(COLUMNS="66")).stdout, f"not 66 columns wide: {shown}")
 
 

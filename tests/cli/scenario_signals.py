@@ -64,12 +64,12 @@ def lost_terminal():
     os.close(theirs)
     time.sleep(1.0)
     os.close(ours)
-    expect(process.wait(timeout=60) == 130, f"exit {process.returncode}")
+    expect(process.wait(timeout=60 * cli.SLOWNESS) == 130, f"exit {process.returncode}")
     expect(files_with_one_copy(folder) == PLAIN_OUTPUTS and scans_in(folder)["interrupted"] is True, "files are missing")
     process = start_slow_run(folder, preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
     time.sleep(0.3)
     process.send_signal(signal.SIGHUP)
-    stdout, stderr = process.communicate(LOG.read_text(), timeout=60)
+    stdout, stderr = process.communicate(LOG.read_text(), timeout=60 * cli.SLOWNESS)
     expect(process.returncode == 0, f"exit {process.returncode}: {stderr}")
 
 

@@ -117,7 +117,7 @@ exec "$@"
                       ("simulate", "wall", "-q", "-o", "/gdtslam-drive.log"), ("render", RUN, "--view", "map", "-o", "/gdtslam.png")):
         if arguments[0] == "render" and os.environ.get("GDTSLAM_VIEWER") != "1":
             continue
-        process = subprocess.run([*before, PROGRAM, *map(str, arguments)], capture_output=True, text=True, check=False, timeout=100)
+        process = subprocess.run([*before, PROGRAM, *map(str, arguments)], capture_output=True, text=True, check=False, timeout=100 * cli.SLOWNESS)
         expect_exit(process, 74)
         one_error_line(process.stderr)
 
@@ -189,7 +189,7 @@ def surroundings_streams():
         process.stdin.close()
         expect(process.wait(100 * cli.SLOWNESS) == (74 if 1 in numbers else 0), f"exit {process.returncode}")
     process = subprocess.run([PROGRAM, "map", "-", "-o", folder / "none"], preexec_fn=without(0), capture_output=True, text=True,
-                             check=False, timeout=100)
+                             check=False, timeout=100 * cli.SLOWNESS)
     expect_exit(process, 74)
     one_error_line(process.stderr)
 
@@ -200,7 +200,7 @@ def surroundings_arguments():
     folder = cli.fresh_folder("surroundings_arguments")
     for name in ("", "x" * 10000, "\x1b[31m", "a/b\nc"):
         process = subprocess.run([name, "config", "show", "map.resolution"], executable=PROGRAM, capture_output=True, text=True, check=False,
-                                 timeout=100)
+                                 timeout=100 * cli.SLOWNESS)
         expect(process.returncode == 0 and process.stdout.startswith("map.resolution"), f"argv[0] {name[:20]!r}: {process}")
     for arguments, code in ((["map", *["a"] * 100000], 74), (["x"] * 100000, 2), (["config", "show", *["--set"] * 99999], 2),
                             (["map", str(LOG), *["--set", "a=1"] * 50000], 78), (["help", *["map"] * 100000], 2),
@@ -215,7 +215,7 @@ def surroundings_arguments():
                       ["localize", b"run " + hostile, hostile, "--scan", "3"], ["evaluate", b"run " + hostile + b"/trajectory.tum", "--reference", str(cli.TRUTH)],
                       ["map", b"--" + hostile], ["map", hostile + b"none"], [hostile], ["config", "show", hostile], ["simulate", hostile, "-o", "a.log"],
                       ["map", "--continue", hostile]):
-        process = subprocess.run([PROGRAM, *arguments], capture_output=True, check=False, timeout=100, cwd=folder, stdin=subprocess.DEVNULL)
+        process = subprocess.run([PROGRAM, *arguments], capture_output=True, check=False, timeout=100 * cli.SLOWNESS, cwd=folder, stdin=subprocess.DEVNULL)
         text = process.stdout + process.stderr
         shown = text.decode("utf-8")  # what is no UTF-8 is shown as \\xff
         expect(all(letter.isprintable() or letter == "\n" for letter in shown), f"{arguments}: {text!r}")
