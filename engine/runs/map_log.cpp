@@ -335,6 +335,9 @@ MapResult map_logs(const MapRequest& request, const BackendOfRun& backend) {
     if (error.has_position()) throw;
     throw InputError(FilePosition{request.logs.empty() ? request.continued : log_name(request.logs.front()), 0},
                      error.what());
+  } catch (const MissingTopic&) {
+    if (stopped(request)) throw Error(ExitCode::kInterrupted, "interrupted before the first scan; nothing is written");
+    throw;
   }
 }
 

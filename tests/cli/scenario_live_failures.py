@@ -1,5 +1,6 @@
 """Drives that end by an error: what came by then is mapped, or kept to be gone on with; it does not come again."""
 
+import json
 import os
 import pty
 import re
@@ -12,11 +13,11 @@ import time
 import tty
 
 import cli_support as cli
-from cli_support import PROGRAM, expect, expect_exit, one_error_line
+from cli_support import LOG, PROGRAM, RUN, expect, expect_exit, one_error_line
 from scenario_continue import expect_same_run, lines_of_drive
 from scenario_live import mapped_by_pipe
 from scenario_live_folder import with_snapshot
-from scenario_live_inputs import ended
+from scenario_live_inputs import ended, started
 from scenario_live_page import UPGRADE
 
 MAP_FILES = ("map.pgm", "trajectory.tum", "keyframes.bin.gz", "graph.g2o")
@@ -216,3 +217,37 @@ def live_at_ports_that_are_none():
         expect(process.stdout.readline(), "no pose")
     process.send_signal(signal.SIGTERM)
     ended(process)
+
+
+def live_of_a_recording_without_what_was_named():
+    """That it has not that topic shows at its end: what was mapped is written all the same."""
+    folder = cli.fresh_folder("live_of_a_recording_without_what_was_named")
+    expect_exit(cli.command("convert", LOG, "-o", folder / "log.mcap", "-q"), 0)
+    process = subprocess.run([PROGRAM, "live", "-", "-o", folder / "drive", "--no-copy", "-q", "--odom", "/odmo"],
+                             stdin=(folder / "log.mcap").open("rb"), capture_output=True, text=True, check=False)
+    expect_exit(process, 2)
+    expect("not in the log: " in process.stderr and "no odometry in topic \"/odmo\"" in process.stderr, process.stderr)
+    report = json.loads((folder / "drive/report.json").read_text())
+    expect(report["scans"] == len(process.stdout.splitlines()) > 100, f"{report['scans']} {process.stderr}")
+    process = subprocess.run([PROGRAM, "live", "-", "-o", folder / "mount", "--no-copy", "--mount", "/scna=10cm,0m,0deg"],
+                             stdin=(folder / "log.mcap").open("rb"), capture_output=True, text=True, check=False)
+    expect_exit(process, 0)
+    expect("mount of a topic without scans" in process.stderr and '"/scna"' in process.stderr, process.stderr)
+    process = subprocess.run(f"{PROGRAM} live - --map {RUN} -q --odom /odmo < {folder}/log.mcap | (sleep 2; cat)", shell=True,
+                             capture_output=True, text=True, check=False)
+    expect(len(process.stdout.splitlines()) == report["scans"], f"{len(process.stdout.splitlines())} poses: {process.stderr}")
+    expect("no odometry in topic \"/odmo\"" in process.stderr, process.stderr)
+
+
+def live_interrupted_before_its_topics():
+    """Nobody knows yet whether the topic that was named is in the recording."""
+    folder = cli.fresh_folder("live_interrupted_before_its_topics")
+    expect_exit(cli.command("convert", LOG, "-o", folder / "log.mcap", "-q"), 0)
+    for map_of, code in (((), 130), (("--map", RUN), 0)):
+        process = started(*map_of, "--odom", "/odom", *(() if map_of else ("-o", folder / "cut")), stdin=subprocess.PIPE)
+        process.stdin.buffer.write((folder / "log.mcap").read_bytes()[:200])
+        process.stdin.flush()
+        time.sleep(0.5 * cli.SLOWNESS)
+        process.send_signal(signal.SIGINT)
+        _, stderr = process.communicate(timeout=20 * cli.SLOWNESS)
+        expect(process.returncode == code and "/odom" not in stderr, f"exit {process.returncode}: {stderr}")

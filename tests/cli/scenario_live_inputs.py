@@ -263,22 +263,6 @@ def live_of_a_terminal_that_falls_silent():
     os.close(ours)
 
 
-def live_of_a_recording_without_what_was_named():
-    """That it has not that topic shows at its end: what was mapped is written all the same."""
-    folder = cli.fresh_folder("live_of_a_recording_without_what_was_named")
-    expect_exit(cli.command("convert", LOG, "-o", folder / "log.mcap", "-q"), 0)
-    process = subprocess.run([PROGRAM, "live", "-", "-o", folder / "drive", "--no-copy", "-q", "--odom", "/odmo"],
-                             stdin=(folder / "log.mcap").open("rb"), capture_output=True, text=True, check=False)
-    expect_exit(process, 2)
-    expect("no odometry in topic \"/odmo\"" in process.stderr, process.stderr)
-    report = json.loads((folder / "drive/report.json").read_text())
-    expect(report["scans"] == len(process.stdout.splitlines()) > 100, f"{report['scans']} {process.stderr}")
-    process = subprocess.run([PROGRAM, "live", "-", "-o", folder / "mount", "--no-copy", "--mount", "/scna=10cm,0m,0deg"],
-                             stdin=(folder / "log.mcap").open("rb"), capture_output=True, text=True, check=False)
-    expect_exit(process, 0)
-    expect("mount of a topic without scans" in process.stderr and '"/scna"' in process.stderr, process.stderr)
-
-
 def live_snapshots():
     """SIGUSR1 saves map and path so far while the pose lines go on; killed, the snapshot and the copy stay, and the run is
     gone on with; ended, the run has taken the snapshot's place."""

@@ -13,6 +13,8 @@ namespace {
 constexpr double kLeastOfFrontEnd = 0.1;  // factor of its variance
 constexpr std::size_t kBiasSteps = 12;    // keyframes of a stretch by which the wheels are judged
 
+bool tells_of_wheels(const WheelTravel& travel) { return travel.is_measured && travel.is_matched; }
+
 }  // namespace
 
 MeasuredPath::MeasuredPath(const FrontEndPath& path, std::vector<std::size_t> places)
@@ -33,11 +35,15 @@ void MeasuredPath::state_between_places() {
 void MeasuredPath::correct_wheels(const std::vector<Pose2>& keyframes) {
   constexpr auto kWheels = static_cast<std::size_t>(StepSource::kWheels);
   std::vector<WheelStretch> stretches;
-  for (std::size_t from = 0; from + kBiasSteps < keyframes.size(); ++from) {
-    const Pose2 actual = between(keyframes[from], keyframes[from + kBiasSteps]);
+  std::size_t end_of_guess = 0;  // behind the last keyframe that tells nothing of the wheels
+  for (std::size_t to = 0; to < keyframes.size(); ++to) {
+    if (!path_.travels.empty() && !tells_of_wheels(path_.travels[to])) end_of_guess = to + 1;
+    if (to < end_of_guess + kBiasSteps) continue;
+    const std::size_t from = to - kBiasSteps;
+    const Pose2 actual = between(keyframes[from], keyframes[to]);
     WheelStretch stretch{.true_chord_m = length_of(actual), .true_turn_rad = actual.theta_rad};
     StraightenedWay way;
-    for (std::size_t i = from + 1; i <= from + kBiasSteps; ++i) {
+    for (std::size_t i = from + 1; i <= to; ++i) {
       const Pose2& step = path_.steps_to(i)[kWheels].T;
       way.add(step, between(keyframes[i - 1], keyframes[i]));
       stretch.path_m += length_of(step);
@@ -62,8 +68,7 @@ void MeasuredPath::state_wheel_noise(const std::vector<Pose2>& keyframes) {
     const Pose2& step = path_.steps_to(i)[kWheels].T;
     T_odom_base = T_odom_base * step;
     const WheelTravel& travel = path_.travels[i];
-    const bool is_way_told = travel.is_measured && travel.is_matched;
-    noise.take(is_way_told ? std::optional(T_odom_base) : std::nullopt, keyframes[i], travel.is_way_known);
+    noise.take(tells_of_wheels(travel) ? std::optional(T_odom_base) : std::nullopt, keyframes[i], travel.is_way_known);
   }
   if (noise.errors().stretches == 0) return;
   wheel_information_.clear();

@@ -28,8 +28,8 @@ struct WheelErrors {
 class WheelNoise {
  public:
   /// The robot's pose by odometry when a scan was taken, and where an accepted match put it; nothing where the match is
-  /// not to be learnt from. Without odometry the path breaks off. Where the match does not know the way, only its
-  /// heading is learnt from.
+  /// not to be learnt from. Without odometry the path breaks off: what was learnt stays, nothing is learnt across the
+  /// gap. Where the match does not know the way, only its heading is learnt from.
   void take(const std::optional<Pose2>& T_odom_base, const std::optional<Pose2>& T_map_base, bool knows_way = true);
 
   [[nodiscard]] const WheelErrors& errors() const { return errors_; }
@@ -49,6 +49,7 @@ class WheelNoise {
     double forward_m = 0.0;  // signed, as the next
     double turn_rad = 0.0;
     bool knows_way = true;
+    std::size_t stretch = 0;  // of the path, which broke off so many times
   };
   /// Of all stretches of so many marks: how much path, and the variance of the difference.
   struct Spread {
@@ -74,6 +75,7 @@ class WheelNoise {
   double forward_m_ = 0.0;
   double turn_rad_ = 0.0;
   std::size_t taken_ = 0;
+  std::size_t stretch_ = 0;
   WheelErrors errors_;
   WheelBias bias_;
 };

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/runs/streams/next_unless_stopped.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
@@ -35,16 +36,6 @@ TrackedScan follow(RobotTracker& tracker, const ScanRecord& record) {
   scan.is_searched = tracker.searches() != searches;
   scan.wall_s = std::chrono::duration<double>(Clock::now() - begin).count();
   return scan;
-}
-
-// A signal ends the standard input, wherever that leaves the line in hand.
-std::optional<ScanRecord> next_unless_stopped(ScanStream& stream, const std::function<bool()>& stop) {
-  try {
-    return stream.next();
-  } catch (const InputError&) {
-    if (!stop()) throw;
-    return std::nullopt;
-  }
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "engine/core/signals_blocked.hpp"
+#include "engine/runs/streams/next_unless_stopped.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/random.hpp"
@@ -228,16 +229,6 @@ void LocalizerThreads::work() {
   }
 }
 
-// A signal ends the standard input, wherever that leaves the line in hand.
-std::optional<ChosenScan> next_of(ScanSource& source, const std::function<bool()>& stop) {
-  try {
-    return source.next();
-  } catch (const InputError&) {
-    if (!stop()) throw;
-    return std::nullopt;
-  }
-}
-
 [[noreturn]] void complain(const LocalizeJob& job, const Localized& all, std::uint64_t read) {
   const ScanChoice& choice = job.choice;
   if (all.left_out + all.without_reference == 0) {
@@ -265,7 +256,7 @@ Localized localize_scans(const LocalizeJob& job, const Localizer& localizer, con
   LocalizerThreads threads(localizer, localizer.has_device() ? 0 : job.threads);
   std::uint64_t chosen = 0;
   while (!stop()) {
-    std::optional<ChosenScan> scan = next_of(source, stop);
+    std::optional<ChosenScan> scan = next_unless_stopped(source, stop);
     if (!scan) break;
     const std::uint64_t done = threads.take(std::move(*scan));
     ++chosen;

@@ -11,6 +11,7 @@
 #include "engine/core/worker_pool.hpp"
 #include "engine/mapping/nodding/level_scan.hpp"
 #include "engine/runs/streams/log_check.hpp"
+#include "engine/runs/streams/next_unless_stopped.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
 
@@ -127,17 +128,6 @@ MapRun::~MapRun() = default;
 
 const GlobalField& MapRun::field() const { return loops_ ? loops_->field() : mapper_->field(); }
 
-// A signal may cut the input in the middle of a line; what the reader says of that is not the user's concern.
-template <class Stream>
-auto MapRun::next_of(Stream& stream) {
-  try {
-    return stream.next();
-  } catch (const InputError&) {
-    if (!stop_()) throw;
-    return decltype(stream.next())();
-  }
-}
-
 void MapRun::note_stamp(double stamp_s) {
   first_s_ = std::min(first_s_, stamp_s);
   last_s_ = std::max(last_s_, stamp_s);
@@ -197,7 +187,7 @@ void MapRun::finish_casting() {
 
 void MapRun::read_next(ScanAhead& ahead, NextScan& next) {
   try {
-    next.scan = next_of(ahead);
+    next.scan = next_unless_stopped(ahead, stop_);
   } catch (...) {
     next.problem = std::current_exception();
   }
@@ -238,7 +228,7 @@ void MapRun::end_with(const std::exception_ptr& problem) {
 void MapRun::map_flat(const Progress& progress) {
   ScanAhead ahead(scans_, has_threads_ && !job_.scan_mapped && are_plain_files(job_.logs));
   NextScan next;
-  if (!stop_()) next.scan = next_of(ahead);
+  if (!stop_()) next.scan = next_unless_stopped(ahead, stop_);
   watch_.add_cpu_to(outcome_.read_cpu_s);
   while (next.scan && !stop_()) {
     ScanRecord record = *std::exchange(next.scan, std::nullopt);
@@ -303,7 +293,7 @@ void MapRun::take(const NoddingPose& pose, const NoddingScan& scan) {
 void MapRun::map_nodding(const Progress& progress) {
   std::uint64_t scans = 0;
   while (!stop_()) {
-    std::optional<NoddingScan> scan = next_of(nodding_->stream);
+    std::optional<NoddingScan> scan = next_unless_stopped(nodding_->stream, stop_);
     watch_.add_cpu_to(outcome_.read_cpu_s);
     if (!scan) break;
     note_stamp(scan->record.scan.stamp_s);
@@ -352,7 +342,7 @@ void MapRun::require_a_map() const {
 
 void MapRun::finish() {
   outcome_.warnings = scans_.warnings();
-  if (!broken_off_.empty()) outcome_.warnings.push_back({std::string(kBrokenOff), 1, broken_off_});
+  if (!broken_off_.empty()) outcome_.warnings.push_back({std::string(break_of(outcome_.broken_off)), 1, broken_off_});
   if (nodding_) {
     for (LogReader::Warning& warning : nodding_->stream.warnings()) outcome_.warnings.push_back(std::move(warning));
     for (const std::string& text : nodding_->mapper_warnings()) {

@@ -93,8 +93,6 @@ class MapRun {
   };
   struct Nodding;
 
-  template <class Stream>
-  auto next_of(Stream& stream);
   void end_with(const std::exception_ptr& problem);
   void read_next(ScanAhead& ahead, NextScan& next);
   MatchResult map_scan(const ScanRecord& scan, ScanAhead& ahead, NextScan& next);

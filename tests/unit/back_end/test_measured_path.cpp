@@ -247,5 +247,43 @@ TEST(MeasuredPath, KeyframesThatTheWheelsPlacedTellNothingOfTheirNoise) {
   EXPECT_LT(sigma(), 0.7 * by_matches) << "as if they had matched";
 }
 
+// What many keyframes told of the wheels stays told, wherever one is that does not.
+TEST(MeasuredPath, OneKeyframeThatNothingMatchedForgetsNothingOfTheWheels) {
+  constexpr double kSlip_m = 0.01;  // per root of a metre
+  for (const std::size_t before_end : {5U, 25U, 100U}) {
+    SquareDrive drive = drive_squares(12, 4);
+    Random random(4);
+    drive.path.travels.emplace_back();
+    for (std::size_t i = 1; i < drive.path.steps.size(); ++i) {
+      drive.path.steps[i][1] = noisy(square_step(i), kSlip_m, 0.002, 0.3, 0.03, random);
+      drive.path.travels.push_back({.path_m = 1.0,
+                                    .turned_rad = std::fabs(square_step(i).theta_rad),
+                                    .is_way_known = true,
+                                    .is_matched = i + before_end != drive.path.steps.size()});
+    }
+    MeasuredPath measured(drive.path, drive.places);
+    measured.correct_wheels(drive.truth);
+    const Matrix3 covariance = inverse(measured.stretch(4, 5, StepSource::kWheels).information);
+    EXPECT_NEAR(std::sqrt(covariance(0, 0)), kSlip_m, 0.3 * kSlip_m) << before_end;
+  }
+}
+
+// Keyframes laid by the wheels are as short as these are.
+TEST(MeasuredPath, KeyframesThatTheWheelsPlacedTellNothingOfTheirScale) {
+  constexpr double kMissing = 0.05;  // of the way
+  SquareDrive drive = drive_bends(300, kMissing, 0.0);
+  std::vector<Pose2> found{Pose2{}};
+  drive.path.travels.emplace_back();
+  for (std::size_t i = 1; i < drive.path.steps.size(); ++i) {
+    const bool is_matched = i < 100;
+    drive.path.travels.push_back({.path_m = 0.5, .turned_rad = 0.1, .is_way_known = true, .is_matched = is_matched});
+    found.push_back(found.back() *
+                    (is_matched ? between(drive.truth[i - 1], drive.truth[i]) : drive.path.steps[i][1].T));
+  }
+  MeasuredPath measured(drive.path, {0, 299});
+  measured.correct_wheels(found);
+  EXPECT_NEAR(measured.wheel_bias().distance, kMissing / (1.0 - kMissing), 5e-3);
+}
+
 }  // namespace
 }  // namespace gdtslam

@@ -83,6 +83,30 @@ TEST(WheelNoise, WithoutOdometryNothingIsLearnt) {
   EXPECT_GT(noise.of(1.0, 0.0).sigma_m, 0.09);
 }
 
+// Odometry that is gone for a while and counts from elsewhere then: 5 m that nobody drove tell nothing of the wheels.
+TEST(WheelNoise, AGapInTheOdometryForgetsNothingAndIsNotLearntFrom) {
+  constexpr double kSlip_m = 0.02;  // per root of a metre
+  for (const int every : {30, 660}) {
+    Random random(3);
+    WheelNoise noise;
+    Pose2 truth;
+    Pose2 odometry;
+    for (int i = 0; i < 700; ++i) {
+      const Pose2 step{0.3, 0.0, (i / 10 % 2 == 0 ? 0.1 : -0.1)};
+      const double m = kSlip_m * std::sqrt(0.3);
+      truth = truth * step;
+      odometry =
+          odometry * step * exp_tangent({random.normal(0.0, m), random.normal(0.0, m), random.normal(0.0, 0.005)});
+      const bool is_gone = i % every == every - 1;
+      if (is_gone) odometry = Pose2{5.0, 0.0, 1.0} * odometry * Pose2{5.0, 0.0, 0.0};
+      noise.take(is_gone ? std::nullopt : std::optional(odometry), truth);
+    }
+    EXPECT_GT(noise.errors().slip_m, 0.67 * kSlip_m) << every;
+    EXPECT_LT(noise.errors().slip_m, 1.5 * kSlip_m) << every;
+    EXPECT_NEAR(noise.bias().distance, 0.0, 0.01) << every;
+  }
+}
+
 // In a corridor a match slides along: here by a fifth of the way, of wheels that are right.
 TEST(WheelNoise, OfAWayThatTheMatchDoesNotKnowIsNotLearnt) {
   const auto drive = [](bool knows_way) {

@@ -55,6 +55,35 @@ std::string counts_text(const WhereaboutsCounts& counts) {
   return text;
 }
 
+/// Prints each pose, counts it and shows it.
+class FollowedDrive {
+ public:
+  FollowedDrive(const DriveOptions& options, LineOutput& output, LivePage* page)
+      : format_(pose_format_of(options.format)), output_(output), page_(page) {}
+
+  void take(const LaserScan& laser, const TrackedPose& pose) {
+    output_.write(pose_line(format_, counts_.scans, laser.stamp_s, pose));
+    ++counts_.scans;
+    ++whereabouts_.at(static_cast<std::size_t>(pose.whereabouts));
+    counts_.scans_per_s = meter_.count();
+    const bool is_known = pose.whereabouts != Whereabouts::kUnknown;
+    if (is_known && T_map_last_) counts_.path_m += (pose.T_map_base.translation() - T_map_last_->translation()).norm();
+    T_map_last_ = is_known ? std::optional(pose.T_map_base) : std::nullopt;
+    if (page_ != nullptr) page_->show(shown_scan(counts_, laser, pose));
+  }
+
+  [[nodiscard]] std::string text() const { return plural(counts_.scans, "scan") + ": " + counts_text(whereabouts_); }
+
+ private:
+  PoseFormat format_;
+  LineOutput& output_;
+  LivePage* page_;
+  DriveCounts counts_;
+  WhereaboutsCounts whereabouts_{};
+  RateMeter meter_;
+  std::optional<Pose2> T_map_last_;
+};
+
 }  // namespace
 
 int follow_live(const DriveOptions& options) {
@@ -68,30 +97,24 @@ int follow_live(const DriveOptions& options) {
   const std::unique_ptr<Backend> cpu = make_backend(device);
   const Localizer localizer(options.map, settings.mapper, {}, *backend);
   LineOutput output(output_rule_of(options));
-  const PoseFormat format = pose_format_of(options.format);
   const std::unique_ptr<LivePage> page = page_of(options);
   if (page) page->show(map_of(localizer.field().file.view()), {});
-  DriveCounts counts;
-  WhereaboutsCounts whereabouts_counts{};
-  RateMeter meter;
-  std::optional<Pose2> T_map_last;
-  const TrackedDrive drive = track_drive(
-      job, localizer, settings.mapper, *cpu, [](std::uint64_t, double) {},
-      [&] { return interrupted() || output.has_failed(); },
-      [&](const LaserScan& laser, const TrackedPose& pose) {
-        output.write(pose_line(format, counts.scans, laser.stamp_s, pose));
-        ++counts.scans;
-        ++whereabouts_counts.at(static_cast<std::size_t>(pose.whereabouts));
-        counts.scans_per_s = meter.count();
-        const bool is_known = pose.whereabouts != Whereabouts::kUnknown;
-        if (is_known && T_map_last) counts.path_m += (pose.T_map_base.translation() - T_map_last->translation()).norm();
-        T_map_last = is_known ? std::optional(pose.T_map_base) : std::nullopt;
-        if (page) page->show(shown_scan(counts, laser, pose));
-      });
-  output.finish();
-  if (!options.quiet) {
-    print_warnings(drive.warnings);
-    print_remark(plural(drive.followed, "scan") + ": " + counts_text(whereabouts_counts));
+  FollowedDrive drive(options, output, page.get());
+  const auto end = [&](const std::vector<LogReader::Warning>& warnings) {
+    output.finish();
+    if (options.quiet) return;
+    print_warnings(warnings);
+    print_remark(drive.text());
+  };
+  try {
+    end(track_drive(
+            job, localizer, settings.mapper, *cpu, [](std::uint64_t, double) {},
+            [&] { return interrupted() || output.has_failed(); },
+            [&](const LaserScan& laser, const TrackedPose& pose) { drive.take(laser, pose); })
+            .warnings);
+  } catch (const Error&) {  // what was followed by then is told all the same
+    if (!output.has_failed()) end({});
+    throw;
   }
   return static_cast<int>(ExitCode::kDone);
 }

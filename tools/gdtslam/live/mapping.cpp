@@ -59,10 +59,11 @@ struct Drive {
 
 // What there was by then is mapped and written.
 int exit_code_of(const MapOutcome& outcome) {
-  const auto broke_off = std::find_if(outcome.warnings.begin(), outcome.warnings.end(),
-                                      [](const auto& warning) { return warning.kind == kBrokenOff; });
-  if (broke_off == outcome.warnings.end()) return static_cast<int>(ExitCode::kDone);
-  print_error(fmt::format("{}: {}", kBrokenOff, broke_off->first));
+  const std::string_view kind = break_of(outcome.broken_off);
+  const auto why = std::find_if(outcome.warnings.begin(), outcome.warnings.end(),
+                                [&](const auto& warning) { return warning.kind == kind; });
+  if (outcome.broken_off == ExitCode::kDone || why == outcome.warnings.end()) return static_cast<int>(ExitCode::kDone);
+  print_error(fmt::format("{}: {}", kind, why->first));
   return static_cast<int>(outcome.broken_off);
 }
 

@@ -40,9 +40,11 @@ using ScanMapped = std::function<void(const MappedScan&)>;
 /// Opens a log another way than by its name, in the calling thread.
 using LiveLog = std::function<std::unique_ptr<LogReader>(const ReadOptions&)>;
 
-/// The warning of a run whose log broke off with something that cannot be read, where that is no error
-/// (MapRequest::stop_ends_log).
-inline constexpr std::string_view kBrokenOff = "the log broke off";
+/// The warning of a run whose log ended with this code where that is no error (MapRequest::stop_ends_log): with
+/// something that cannot be read, or whole, but without what was named.
+constexpr std::string_view break_of(ExitCode code) {
+  return code == ExitCode::kUsage ? "not in the log" : "the log broke off";
+}
 
 /// What to map, and where the results go.
 struct MapRequest {
