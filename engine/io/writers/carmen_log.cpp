@@ -80,7 +80,8 @@ bool CarmenLog::tell_limit(const ScanRecord& record, const std::string& at) {
     return true;
   }
   if (limit_m == told_max_range_m_ || !writer_.is_told_by_beam_count(record.scan)) return true;
-  if (has_no_limit_[1 - record.laser]) {
+  const bool is_own = told_laser_ && !is_of_other;  // scans of the other one are left out by now
+  if (has_no_limit_[1 - record.laser] && !is_own) {
     leave_out(is_of_other ? "scan of another limit" : "limit of the ranges",
               at + ": that of the other laser is not known");
     return !is_of_other;

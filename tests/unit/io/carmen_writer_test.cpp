@@ -195,6 +195,10 @@ TEST(CarmenLogs, ALimitIsThatOfItsOwnLaser) {
   // Nor does a scan get the limit of a laser which no longer knows it.
   EXPECT_THAT(first_words(lines_written({scan_of(0, 8.0), scan_of(0, 0.0), scan_of(1, 30.0)})),
               ElementsAre("PARAM", "FLASER", "FLASER"));
+  // One that knows it gets its own, also where the log has told another before.
+  const Parameter front{"robot_front_laser_max", "8"};
+  EXPECT_THAT(first_words(lines_written({scan_of(1, 0.0), front, scan_of(0, 30.0), scan_of(1, 0.0)})),
+              ElementsAre("RLASER", "PARAM", "PARAM", "FLASER"));
   // A parameter that is no range is left out by readers, who keep the one before.
   const Parameter none{"robot_front_laser_max", "far"};
   EXPECT_THAT(first_words(lines_written({scan_of(0, 8.0), none, scan_of(0, 8.0), scan_of(1, 0.0)})),

@@ -224,7 +224,7 @@ int PageServer::answer_request(lws* connection, std::string_view path) {
   return 0;
 }
 
-// The map first, which the scan lies on; then a scan, however soon the next map comes.
+// Which drive it is; the map, which the scan lies on; then a scan, however soon the next map comes.
 int PageServer::write_next(lws* connection, Session& session) {
   struct Part {
     Message& message;
@@ -235,7 +235,9 @@ int PageServer::write_next(lws* connection, Session& session) {
   Part scan{scan_, session.scan, LWS_WRITE_TEXT};
   Part sign{sign_of_life_, session.sign_of_life, LWS_WRITE_TEXT};
   const bool has_turn = session.is_after_map;
-  for (const Part* part : {has_turn ? &scan : &map, has_turn ? &map : &scan, &sign}) {
+  std::array<const Part*, 3> order{has_turn ? &scan : &map, has_turn ? &map : &scan, &sign};
+  if (session.sign_of_life == 0) std::swap(order.front(), order.back());
+  for (const Part* part : order) {
     if (part->written == part->message.version) continue;
     part->written = part->message.version;
     session.is_after_map = part == &map;
