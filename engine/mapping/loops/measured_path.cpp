@@ -13,8 +13,6 @@ namespace {
 constexpr double kLeastOfFrontEnd = 0.1;  // factor of its variance
 constexpr std::size_t kBiasSteps = 12;    // keyframes of a stretch by which the wheels are judged
 
-bool tells_of_wheels(const WheelTravel& travel) { return travel.is_measured && travel.is_matched; }
-
 }  // namespace
 
 MeasuredPath::MeasuredPath(const FrontEndPath& path, std::vector<std::size_t> places)
@@ -35,9 +33,9 @@ void MeasuredPath::state_between_places() {
 void MeasuredPath::correct_wheels(const std::vector<Pose2>& keyframes) {
   constexpr auto kWheels = static_cast<std::size_t>(StepSource::kWheels);
   std::vector<WheelStretch> stretches;
-  std::size_t end_of_guess = 0;  // behind the last keyframe that tells nothing of the wheels
+  std::size_t end_of_guess = 0;  // behind the last keyframe that lies where the wheels said
   for (std::size_t to = 0; to < keyframes.size(); ++to) {
-    if (!path_.travels.empty() && !tells_of_wheels(path_.travels[to])) end_of_guess = to + 1;
+    if (!path_.travels.empty() && !path_.travels[to].is_matched) end_of_guess = to + 1;
     if (to < end_of_guess + kBiasSteps) continue;
     const std::size_t from = to - kBiasSteps;
     const Pose2 actual = between(keyframes[from], keyframes[to]);
@@ -68,7 +66,11 @@ void MeasuredPath::state_wheel_noise(const std::vector<Pose2>& keyframes) {
     const Pose2& step = path_.steps_to(i)[kWheels].T;
     T_odom_base = T_odom_base * step;
     const WheelTravel& travel = path_.travels[i];
-    noise.take(tells_of_wheels(travel) ? std::optional(T_odom_base) : std::nullopt, keyframes[i], travel.is_way_known);
+    if (!travel.is_matched) {
+      noise.break_off();
+      continue;
+    }
+    noise.take(travel.is_measured ? std::optional(T_odom_base) : std::nullopt, keyframes[i], travel.is_way_known);
   }
   if (noise.errors().stretches == 0) return;
   wheel_information_.clear();

@@ -43,7 +43,7 @@ MotionNoise WheelNoise::of(double travelled_m, double turned_rad) const {
 
 void WheelNoise::take(const std::optional<Pose2>& T_odom_base, const std::optional<Pose2>& T_map_base, bool knows_way) {
   if (!T_odom_base) {
-    if (last_) ++stretch_;
+    marks_.clear();
     last_.reset();
     return;
   }
@@ -63,6 +63,11 @@ void WheelNoise::take(const std::optional<Pose2>& T_odom_base, const std::option
   marks_.push_back({*T_odom_base, *T_map_base, path_m_, turned_rad_, forward_m_, turn_rad_, knows_way, stretch_});
   if (marks_.size() > kMostMarks) marks_.pop_front();
   if (++taken_ % kEstimateEvery == 0) estimate();
+}
+
+void WheelNoise::break_off() {
+  ++stretch_;
+  last_.reset();
 }
 
 void WheelNoise::spreads_over(std::size_t marks, const std::vector<Pose2>& odometry, std::vector<Spread>& metres,

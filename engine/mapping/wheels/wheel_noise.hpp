@@ -28,9 +28,11 @@ struct WheelErrors {
 class WheelNoise {
  public:
   /// The robot's pose by odometry when a scan was taken, and where an accepted match put it; nothing where the match is
-  /// not to be learnt from. Without odometry the path breaks off: what was learnt stays, nothing is learnt across the
-  /// gap. Where the match does not know the way, only its heading is learnt from.
+  /// not to be learnt from. Without odometry all begins anew. Where the match does not know the way, only its heading
+  /// is learnt from.
   void take(const std::optional<Pose2>& T_odom_base, const std::optional<Pose2>& T_map_base, bool knows_way = true);
+  /// Nothing is learnt across this place; what was learnt before it stays.
+  void break_off();
 
   [[nodiscard]] const WheelErrors& errors() const { return errors_; }
   [[nodiscard]] const WheelBias& bias() const { return bias_; }

@@ -83,8 +83,8 @@ TEST(WheelNoise, WithoutOdometryNothingIsLearnt) {
   EXPECT_GT(noise.of(1.0, 0.0).sigma_m, 0.09);
 }
 
-// Odometry that is gone for a while and counts from elsewhere then: 5 m that nobody drove tell nothing of the wheels.
-TEST(WheelNoise, AGapInTheOdometryForgetsNothingAndIsNotLearntFrom) {
+// Odometry that counts from elsewhere behind a place: 5 m that nobody drove tell nothing of the wheels.
+TEST(WheelNoise, WhereThePathBreaksOffNothingIsForgottenOrLearnt) {
   constexpr double kSlip_m = 0.02;  // per root of a metre
   for (const int every : {30, 660}) {
     Random random(3);
@@ -99,7 +99,7 @@ TEST(WheelNoise, AGapInTheOdometryForgetsNothingAndIsNotLearntFrom) {
           odometry * step * exp_tangent({random.normal(0.0, m), random.normal(0.0, m), random.normal(0.0, 0.005)});
       const bool is_gone = i % every == every - 1;
       if (is_gone) odometry = Pose2{5.0, 0.0, 1.0} * odometry * Pose2{5.0, 0.0, 0.0};
-      noise.take(is_gone ? std::nullopt : std::optional(odometry), truth);
+      is_gone ? noise.break_off() : noise.take(odometry, truth);
     }
     EXPECT_GT(noise.errors().slip_m, 0.67 * kSlip_m) << every;
     EXPECT_LT(noise.errors().slip_m, 1.5 * kSlip_m) << every;
