@@ -310,6 +310,10 @@ MapJob job_of(const MapRequest& request) {
           .on_failure = request.on_failure};
 }
 
+void require_not_stopped(const MapRequest& request) {
+  if (stopped(request)) throw Error(ExitCode::kInterrupted, "interrupted before the first scan; nothing is written");
+}
+
 void require_own_names(const MapRequest& request) {
   if (request.replace_foreign_files) return;
   std::vector<std::string> copies;
@@ -331,12 +335,12 @@ MapResult map_logs(const MapRequest& request, const BackendOfRun& backend) {
     require_own_names(whole);  // those of the copies of all its logs
     return map_opened(whole, job_of(whole), backend, &continued);
   } catch (const InputError& error) {  // an input that a signal ended before anything came is no bad input
-    if (stopped(request)) throw Error(ExitCode::kInterrupted, "interrupted before the first scan; nothing is written");
+    require_not_stopped(request);
     if (error.has_position()) throw;
     throw InputError(FilePosition{request.logs.empty() ? request.continued : log_name(request.logs.front()), 0},
                      error.what());
   } catch (const MissingTopic&) {
-    if (stopped(request)) throw Error(ExitCode::kInterrupted, "interrupted before the first scan; nothing is written");
+    require_not_stopped(request);
     throw;
   }
 }

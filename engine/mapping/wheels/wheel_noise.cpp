@@ -56,17 +56,17 @@ void WheelNoise::take(const std::optional<Pose2>& T_odom_base, const std::option
   }
   last_ = T_odom_base;
   if (!T_map_base) return;
-  if (!marks_.empty() && marks_.back().stretch == stretch_ && path_m_ - marks_.back().path_m < kMarkEvery_m &&
+  if (!marks_.empty() && marks_.back().breaks == breaks_ && path_m_ - marks_.back().path_m < kMarkEvery_m &&
       turned_rad_ - marks_.back().turned_rad < kMarkEvery_rad) {
     return;
   }
-  marks_.push_back({*T_odom_base, *T_map_base, path_m_, turned_rad_, forward_m_, turn_rad_, knows_way, stretch_});
+  marks_.push_back({*T_odom_base, *T_map_base, path_m_, turned_rad_, forward_m_, turn_rad_, knows_way, breaks_});
   if (marks_.size() > kMostMarks) marks_.pop_front();
   if (++taken_ % kEstimateEvery == 0) estimate();
 }
 
 void WheelNoise::break_off() {
-  ++stretch_;
+  ++breaks_;
   last_.reset();
 }
 
@@ -79,7 +79,7 @@ void WheelNoise::spreads_over(std::size_t marks, const std::vector<Pose2>& odome
   for (std::size_t i = 0; i + marks < marks_.size(); ++i) {
     const Mark& from = marks_[i];
     const Mark& to = marks_[i + marks];
-    if (from.stretch != to.stretch) continue;
+    if (from.breaks != to.breaks) continue;
     const Tangent2 off =
         log_tangent(between(between(odometry[i], odometry[i + marks]), between(from.T_map_base, to.T_map_base)));
     const double path_m = to.path_m - from.path_m;
@@ -129,7 +129,7 @@ std::vector<WheelStretch> WheelNoise::stretches() const {
   for (std::size_t i = 0; i + kBiasMarks < marks_.size(); ++i) {
     const Mark& from = marks_[i];
     const Mark& to = marks_[i + kBiasMarks];
-    if (from.stretch != to.stretch) continue;
+    if (from.breaks != to.breaks) continue;
     const Pose2 T_from_to = between(from.T_map_base, to.T_map_base);
     StraightenedWay way;
     for (std::size_t k = i; k < i + kBiasMarks; ++k) {

@@ -51,7 +51,7 @@ class WheelNoise {
     double forward_m = 0.0;  // signed, as the next
     double turn_rad = 0.0;
     bool knows_way = true;
-    std::size_t stretch = 0;  // of the path, which broke off so many times
+    std::size_t breaks = 0;  // of the path before it
   };
   /// Of all stretches of so many marks: how much path, and the variance of the difference.
   struct Spread {
@@ -77,7 +77,7 @@ class WheelNoise {
   double forward_m_ = 0.0;
   double turn_rad_ = 0.0;
   std::size_t taken_ = 0;
-  std::size_t stretch_ = 0;
+  std::size_t breaks_ = 0;
   WheelErrors errors_;
   WheelBias bias_;
 };

@@ -342,7 +342,8 @@ void MapRun::require_a_map() const {
 
 void MapRun::finish() {
   outcome_.warnings = scans_.warnings();
-  if (!broken_off_.empty()) outcome_.warnings.push_back({std::string(break_of(outcome_.broken_off)), 1, broken_off_});
+  if (!broken_off_.empty())
+    outcome_.warnings.push_back({std::string(warning_of_end(outcome_.broken_off)), 1, broken_off_});
   if (nodding_) {
     for (LogReader::Warning& warning : nodding_->stream.warnings()) outcome_.warnings.push_back(std::move(warning));
     for (const std::string& text : nodding_->mapper_warnings()) {

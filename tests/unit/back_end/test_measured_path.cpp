@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -221,21 +222,28 @@ TEST(MeasuredPath, StatesTheFirstStepsOfWheelsWithHindsight) {
   EXPECT_EQ(sigma_of(5), by_truth) << "and what was known before does not";
 }
 
-// Where nothing matched a keyframe lies where the wheels said: that they agree with themselves says nothing of them.
-TEST(MeasuredPath, KeyframesThatTheWheelsPlacedTellNothingOfTheirNoise) {
-  constexpr double kSlip_m = 0.05;  // per root of a metre
+/// Squares by wheels that slip, of keyframes that matched or not.
+SquareDrive drive_of_slipping_wheels(double slip_m, const std::function<bool(std::size_t)>& is_matched) {
   SquareDrive drive = drive_squares(12, 4);
   Random random(4);
   drive.path.travels.emplace_back();
-  std::vector<Pose2> found{Pose2{}};
   for (std::size_t i = 1; i < drive.path.steps.size(); ++i) {
-    const bool is_matched = i < 80 || i >= 360;
-    drive.path.steps[i][1] = noisy(square_step(i), kSlip_m, 0.002, 0.3, 0.03, random);
+    drive.path.steps[i][1] = noisy(square_step(i), slip_m, 0.002, 0.3, 0.03, random);
     drive.path.travels.push_back({.path_m = 1.0,
                                   .turned_rad = std::fabs(square_step(i).theta_rad),
                                   .is_way_known = true,
-                                  .is_matched = is_matched});
-    found.push_back(found.back() * (is_matched ? square_step(i) : drive.path.steps[i][1].T));
+                                  .is_matched = is_matched(i)});
+  }
+  return drive;
+}
+
+// Where nothing matched a keyframe lies where the wheels said: that they agree with themselves says nothing of them.
+TEST(MeasuredPath, KeyframesThatTheWheelsPlacedTellNothingOfTheirNoise) {
+  constexpr double kSlip_m = 0.05;  // per root of a metre
+  SquareDrive drive = drive_of_slipping_wheels(kSlip_m, [](std::size_t i) { return i < 80 || i >= 360; });
+  std::vector<Pose2> found{Pose2{}};
+  for (std::size_t i = 1; i < drive.path.steps.size(); ++i) {
+    found.push_back(found.back() * (drive.path.travels[i].is_matched ? square_step(i) : drive.path.steps[i][1].T));
   }
   MeasuredPath measured(drive.path, drive.places);
   const auto sigma = [&] { return std::sqrt(inverse(measured.stretch(4, 5, StepSource::kWheels).information)(0, 0)); };
@@ -251,16 +259,8 @@ TEST(MeasuredPath, KeyframesThatTheWheelsPlacedTellNothingOfTheirNoise) {
 TEST(MeasuredPath, OneKeyframeThatNothingMatchedForgetsNothingOfTheWheels) {
   constexpr double kSlip_m = 0.01;  // per root of a metre
   for (const std::size_t before_end : {5U, 25U, 100U}) {
-    SquareDrive drive = drive_squares(12, 4);
-    Random random(4);
-    drive.path.travels.emplace_back();
-    for (std::size_t i = 1; i < drive.path.steps.size(); ++i) {
-      drive.path.steps[i][1] = noisy(square_step(i), kSlip_m, 0.002, 0.3, 0.03, random);
-      drive.path.travels.push_back({.path_m = 1.0,
-                                    .turned_rad = std::fabs(square_step(i).theta_rad),
-                                    .is_way_known = true,
-                                    .is_matched = i + before_end != drive.path.steps.size()});
-    }
+    const SquareDrive drive =
+        drive_of_slipping_wheels(kSlip_m, [&](std::size_t i) { return i + before_end != 12 * kStepsAround; });
     MeasuredPath measured(drive.path, drive.places);
     measured.correct_wheels(drive.truth);
     const Matrix3 covariance = inverse(measured.stretch(4, 5, StepSource::kWheels).information);

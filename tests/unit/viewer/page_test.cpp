@@ -184,6 +184,7 @@ TEST(Page, TimeOfAPathNeverStepsBack) {
                          {0.0F, 10.0F, 10.0F, 20.0F, 20.0F, 30.0F},
                          0},
                         {"jitter of a second", {100.0, 102.0, 101.0, 103.0}, {0.0F, 2.0F, 2.0F, 3.0F}, 1},
+                        {"a pause of an hour", {100.0, 3700.0}, {0.0F, 3600.0F}, 1},
                         {"a pause of a day", {100.0, 86500.0}, {0.0F, 86400.0F}, 1},
                         {"more than a day", {100.0, 86501.0}, {0.0F, 0.0F}, 0},
                         {"set at boot", {3.0, 4.0, 1.75e9, 1.75e9 + 2.0}, {0.0F, 1.0F, 1.0F, 3.0F}, 0},

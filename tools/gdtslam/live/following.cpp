@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <exception>
 #include <memory>
 #include <string>
 
@@ -72,6 +73,7 @@ class FollowedDrive {
     if (page_ != nullptr) page_->show(shown_scan(counts_, laser, pose));
   }
 
+  [[nodiscard]] std::uint64_t scans() const { return counts_.scans; }
   [[nodiscard]] std::string text() const { return plural(counts_.scans, "scan") + ": " + counts_text(whereabouts_); }
 
  private:
@@ -100,22 +102,23 @@ int follow_live(const DriveOptions& options) {
   const std::unique_ptr<LivePage> page = page_of(options);
   if (page) page->show(map_of(localizer.field().file.view()), {});
   FollowedDrive drive(options, output, page.get());
-  const auto end = [&](const std::vector<LogReader::Warning>& warnings) {
-    output.finish();
-    if (options.quiet) return;
+  std::vector<LogReader::Warning> warnings;
+  std::exception_ptr problem;
+  try {
+    warnings = track_drive(
+                   job, localizer, settings.mapper, *cpu, [](std::uint64_t, double) {},
+                   [&] { return interrupted() || output.has_failed(); },
+                   [&](const LaserScan& laser, const TrackedPose& pose) { drive.take(laser, pose); })
+                   .warnings;
+  } catch (const Error&) {
+    problem = std::current_exception();
+  }
+  output.finish();  // what was followed by then is told all the same
+  if (!options.quiet && (!problem || drive.scans() > 0)) {
     print_warnings(warnings);
     print_remark(drive.text());
-  };
-  try {
-    end(track_drive(
-            job, localizer, settings.mapper, *cpu, [](std::uint64_t, double) {},
-            [&] { return interrupted() || output.has_failed(); },
-            [&](const LaserScan& laser, const TrackedPose& pose) { drive.take(laser, pose); })
-            .warnings);
-  } catch (const Error&) {  // what was followed by then is told all the same
-    if (!output.has_failed()) end({});
-    throw;
   }
+  if (problem) std::rethrow_exception(problem);
   return static_cast<int>(ExitCode::kDone);
 }
 

@@ -59,10 +59,10 @@ struct Drive {
 
 // What there was by then is mapped and written.
 int exit_code_of(const MapOutcome& outcome) {
-  const std::string_view kind = break_of(outcome.broken_off);
+  const std::string_view kind = warning_of_end(outcome.broken_off);
   const auto why = std::find_if(outcome.warnings.begin(), outcome.warnings.end(),
                                 [&](const auto& warning) { return warning.kind == kind; });
-  if (outcome.broken_off == ExitCode::kDone || why == outcome.warnings.end()) return static_cast<int>(ExitCode::kDone);
+  if (why == outcome.warnings.end()) return static_cast<int>(ExitCode::kDone);
   print_error(fmt::format("{}: {}", kind, why->first));
   return static_cast<int>(outcome.broken_off);
 }

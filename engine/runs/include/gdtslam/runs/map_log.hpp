@@ -42,7 +42,7 @@ using LiveLog = std::function<std::unique_ptr<LogReader>(const ReadOptions&)>;
 
 /// The warning of a run whose log ended with this code where that is no error (MapRequest::stop_ends_log): with
 /// something that cannot be read, or whole, but without what was named.
-constexpr std::string_view break_of(ExitCode code) {
+constexpr std::string_view warning_of_end(ExitCode code) {
   return code == ExitCode::kUsage ? "not in the log" : "the log broke off";
 }
 

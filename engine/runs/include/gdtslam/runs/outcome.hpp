@@ -105,7 +105,7 @@ struct MapOutcome {
   bool is_in_tiles = false;
   MapperStatistics statistics;
   std::vector<LogReader::Warning> warnings;
-  ExitCode broken_off = ExitCode::kDone;  ///< what the log broke off with, where that is no error (break_of)
+  ExitCode broken_off = ExitCode::kDone;  ///< what the log broke off with, where that is no error (warning_of_end)
   std::string device_loss;                ///< the error of the device that failed; empty when none did
   double log_duration_s = 0.0;            ///< between the earliest and the latest stamp
   double wall_s = 0.0;                    ///< of the whole run: reading included, and in a run folder writing
