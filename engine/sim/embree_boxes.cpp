@@ -88,8 +88,10 @@ EmbreeBoxes::EmbreeBoxes(TriangleMesh mesh, const std::string& isa, RTCIntersect
   rtcAttachGeometry(scene_.get(), geometry);
   rtcReleaseGeometry(geometry);
   rtcCommitScene(scene_.get());
-  if (const RTCError error = rtcGetDeviceError(device_.get()); error != RTC_ERROR_NONE)
+  if (const RTCError error = rtcGetDeviceError(device_.get()); error != RTC_ERROR_NONE) {
+    static_cast<void>(scene_.release());  // Embree ends the program where it frees a tree that it could not build
     throw_error("Embree failed to build its tree", error);
+  }
 }
 
 }  // namespace gdtslam::sim

@@ -19,10 +19,12 @@ def limited(kind, value):
     return lambda: resource.setrlimit(kind, (value, value))
 
 
-def starts_with(megabytes):
-    """Whether the loader has room for the program and its libraries."""
-    return subprocess.run([PROGRAM, "--version"], preexec_fn=limited(resource.RLIMIT_AS, megabytes << 20), check=False,
-                          capture_output=True, timeout=100).returncode == 0
+def least_megabytes_to_start():
+    """What the loader needs for the program and its libraries."""
+    def starts_with(megabytes):
+        return subprocess.run([PROGRAM, "--version"], preexec_fn=limited(resource.RLIMIT_AS, megabytes << 20), check=False,
+                              capture_output=True, timeout=100).returncode == 0
+    return next(megabytes for megabytes in range(8, 400, 2) if starts_with(megabytes))
 
 
 def surroundings_little_memory():
@@ -32,7 +34,7 @@ def surroundings_little_memory():
         cli.skip("a sanitized program needs all the address space")
     folder = cli.fresh_folder("surroundings_memory")
     cases = cases_of(folder)
-    least = next(megabytes for megabytes in range(8, 400, 2) if starts_with(megabytes))
+    least = least_megabytes_to_start()
     outcomes = {case.name: [] for case in cases}
     for more in (1, 4, 16, 32, 64, 128, 4096):
         limit = limited(resource.RLIMIT_AS, (least + more) << 20)
@@ -44,6 +46,28 @@ def surroundings_little_memory():
     for name, works in outcomes.items():
         expect(works[-1], f"{name} fails with {least + 4096} MB")
     expect(not all(all(works) for works in outcomes.values()), "memory was never short")
+
+
+def surroundings_memory_that_almost_suffices():
+    """From where each command first works down in steps of 512 kB, GDTSLAM_MEMORY_STEPS of them: what fails is now what it asks
+    for last, its own or a library's. Exit 1 (69 for a part that cannot be loaded) and one line, or the right bytes."""
+    if cli.IS_SANITIZED:
+        cli.skip("a sanitized program needs all the address space")
+    folder = cli.fresh_folder("surroundings_memory_end")
+    steps = int(os.environ.get("GDTSLAM_MEMORY_STEPS", "8"))
+    starts, short = 2 * least_megabytes_to_start(), 0
+    for case in cases_of(folder):
+        def works(half_megabytes, case=case):
+            process, out = run(case, folder, preexec_fn=limited(resource.RLIMIT_AS, half_megabytes << 19))
+            return check(case, process, out, f"with {half_megabytes / 2} MB", (1, 69), "^gdtslam: warning: no thread to look for loops")
+        fails, least = starts, 2 * 4096
+        while least - fails > 1:
+            middle = (fails + least) // 2
+            fails, least = (fails, middle) if works(middle) else (middle, least)
+        outcomes = [works(least - step) for step in range(1, steps + 1) if least - step > starts]
+        print(f"{case.name} works with {least / 2} MB; with less: {outcomes}")
+        short += outcomes.count(False)
+    expect(short > 0, "memory was never short")
 
 
 def surroundings_few_descriptors():

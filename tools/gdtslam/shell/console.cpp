@@ -42,12 +42,13 @@ void print_line(const char* begin, std::string_view text) {
   std::fflush(stderr);
 }
 
-volatile std::sig_atomic_t g_interrupted = 0;
+std::atomic<bool> g_interrupted{false};  // other threads read it than the one that a signal interrupts
 int g_empty_input = -1;
 
 constexpr std::int64_t kOneAsk_ns = 100'000'000;
 std::array<std::atomic<std::int64_t>, 2> g_asked_ns{};  // by SIGINT, by another; 0: not yet
-static_assert(std::atomic<std::int64_t>::is_always_lock_free, "a signal handler sets it");
+static_assert(std::atomic<std::int64_t>::is_always_lock_free && std::atomic<bool>::is_always_lock_free,
+              "a signal handler sets them");
 
 std::int64_t monotonic_ns() {
   timespec now{};
@@ -74,7 +75,7 @@ void end_if_asked_twice(int signal) {
 extern "C" void on_interrupt(int signal) {
   const int saved_errno = errno;
   end_if_asked_twice(signal);
-  g_interrupted = 1;
+  g_interrupted = true;
   if (g_empty_input >= 0) ::dup2(g_empty_input, STDIN_FILENO);
   errno = saved_errno;
 }
@@ -157,7 +158,7 @@ void install_interrupt_handlers() {
   std::signal(SIGXFSZ, SIG_IGN);
 }
 
-bool interrupted() { return g_interrupted != 0; }
+bool interrupted() { return g_interrupted; }
 
 std::string time_left_text(double seconds) {
   const auto whole = static_cast<std::uint64_t>(std::ceil(std::max(seconds, 0.0)));
