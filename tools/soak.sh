@@ -15,7 +15,8 @@ Usage: tools/soak.sh [STEP...]
   debug      unit and property tests, unoptimised, with the checks of the standard library
   clang      the same, built by clang
   asan       the same and the tests of the command under AddressSanitizer and UndefinedBehaviorSanitizer
-  tsan       the same as asan under ThreadSanitizer, without the real logs: they are mapped by one thread, in hours
+  tsan       the same as asan under ThreadSanitizer, without the real logs: they are mapped by one thread, in hours. In the
+             tests of the command, kernels of the processor run as they are
   long       all tests with every mutant of the shaders, every failing call and 200 draws of the calibration;
              those of the Vulkan backend once more under validation
   faults     each file call of each command that writes failing in each way, each crash point, one allocation of each place
@@ -70,6 +71,7 @@ test_build() {
 # has, and is gone when leaks are looked for, so that none in a library of its can be named: memcheck looks for them.
 test_command() {
   local build=$root/build/$1
+  (cd "$root" && cmake --preset "$1" --log-level=WARNING)
   cmake --build "$build" --parallel "$(build_jobs)" --target gdtslam live_mapper
   (cd "$build" && ASAN_OPTIONS=detect_odr_violation=1:detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1 \
     TSAN_OPTIONS="halt_on_error=1 suppressions=$root/tests/tsan.supp" \
@@ -168,7 +170,7 @@ run_integer() {
 run_step() {
   case "$1" in
     debug | clang) test_build "$1" ;;
-    tsan) test_build tsan RealLog; test_command tsan ;;
+    tsan) test_build tsan RealLog; test_command tsan-command ;;
     asan) test_build asan-ubsan; test_command asan-ubsan ;;
     long) run_long ;;
     faults) run_faults ;;
