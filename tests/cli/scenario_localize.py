@@ -350,7 +350,7 @@ def localize_interrupt():
     """SIGINT and SIGTERM in the middle: exit 130, what was found is written and said, by one thread and by two."""
     for number, threads in ((signal.SIGINT, 1), (signal.SIGTERM, 2)):
         folder = fresh_folder("localize_interrupt")
-        for patience_s in (1.5, 5.0, 15.0):  # until a machine that is busy has done some scans
+        for patience_s in (1.5, 5.0, 15.0, 60.0, 240.0):  # until a machine that is busy has done some scans
             # Into a file: more than a pipe holds may be printed before anyone reads.
             with open(folder / "found.json", "w", encoding="utf-8") as file:
                 process = subprocess.Popen([PROGRAM, "localize", str(RUN), str(LOG), "--every", "1", "--json", "--threads", str(threads),
