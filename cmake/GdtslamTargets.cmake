@@ -74,9 +74,9 @@ set(GDTSLAM_COMMON_HEADERS <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <cm
 # and its public headers in include/. Private headers are included by their path from the project's root.
 function(gdtslam_library name)
   cmake_parse_arguments(PARSE_ARGV 1 library "" "" "WITHOUT")
-  file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cpp)
+  file(GLOB_RECURSE sources RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} CONFIGURE_DEPENDS *.cpp)
   foreach(folder IN LISTS library_WITHOUT)
-    list(FILTER sources EXCLUDE REGEX "^${CMAKE_CURRENT_SOURCE_DIR}/${folder}/")
+    list(FILTER sources EXCLUDE REGEX "^${folder}/")
   endforeach()
   add_library(gdtslam_${name} STATIC ${sources})
   add_library(gdtslam::${name} ALIAS gdtslam_${name})

@@ -69,7 +69,8 @@ if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
   exit 69
 fi
 
-is_installed() { [[ $(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null) == installed ]]; }
+# A package may be there for several architectures.
+is_installed() { [[ " $(dpkg-query -W -f '${db:Status-Status} ' "$1" 2>/dev/null) " == *" installed "* ]]; }
 
 missing=()
 for package in "${packages[@]}"; do

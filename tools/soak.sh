@@ -61,7 +61,11 @@ test_build() {
   if (($# > 1)); then left_out=(--exclude-regex "$2"); fi
   (cd "$root" && cmake --preset "$1" --log-level=WARNING)
   while read -r program; do names+=("$program"); done < <(
-    ninja -C "$build" -t targets all | sed -n 's/^\(gdtslam_\(unit\|property\)_[a-z]*_tests\): phony$/\1/p')
+    ninja -C "$build" -t targets all | sed -n 's/^\(gdtslam_\(unit\|property\)_[a-z_]*_tests\): phony$/\1/p')
+  if ((${#names[@]} != $(find "$root/tests/unit" "$root/tests/property" -mindepth 1 -maxdepth 1 -type d | wc -l))); then
+    echo "soak: tests/unit and tests/property have other folders than $build has programs: ${names[*]}" >&2
+    return 1
+  fi
   cmake --build "$build" --parallel "$(build_jobs)" --target "${names[@]}" gdtslam
   (cd "$build" && TSAN_OPTIONS="halt_on_error=1" UBSAN_OPTIONS=print_stacktrace=1 \
     ctest -j "$(nproc)" --output-on-failure --no-tests=error -L '^(unit|property)$' "${left_out[@]}")

@@ -8,6 +8,7 @@
 #include "engine/core/elementary.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/sim/scene.hpp"
 #include "motion_shapes.hpp"
 
 namespace gdtslam::sim {
@@ -266,6 +267,9 @@ void check_waypoints(const std::vector<Waypoint>& waypoints) {
     }
     if (!(waypoint.corner_cut_m.value_or(0.0) >= 0.0 && waypoint.corner_cut_m.value_or(0.0) <= 100.0)) {
       refuse(i, "corner_cut must be 0 to 100 m");
+    }
+    if (!(waypoint.position_m.cwiseAbs().maxCoeff() <= kMaxCoordinate_m)) {
+      refuse(i, "it must lie within 1000 m of the origin");
     }
     if (!(waypoint.pause_s >= 0.0 && waypoint.pause_s <= kMaxDuration_s)) {
       refuse(i, "pause must be 0 s to a day");

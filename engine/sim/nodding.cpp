@@ -71,7 +71,7 @@ std::vector<Waypoint> with_scan_stops(const NoddingModel& model, const std::vect
     const Point2 along_m = waypoints[i].position_m - from_m;
     const double length_m = std::sqrt(along_m.x() * along_m.x() + along_m.y() * along_m.y());
     const double parts = std::max(1.0, std::ceil(length_m / model.stop_every_m));
-    if (!(parts * static_cast<double>(waypoints.size()) <= 100'000.0)) {
+    if (!(static_cast<double>(stops.size()) + parts <= 100'000.0)) {
       throw ConfigError("the path has more than 100000 stops: raise stop_every");
     }
     for (double k = 1.0; k <= parts; k += 1.0) {

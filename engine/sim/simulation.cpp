@@ -219,8 +219,10 @@ std::vector<std::string> validate(const SimulationConfig& config) {
   for (const std::string& fault : validate(config.laser)) {
     faults.push_back("laser: " + fault);
   }
-  if (!config.T_base_laser.is_finite() || !(std::fabs(config.laser_height_m) <= kMaxCoordinate_m)) {
-    faults.emplace_back("laser: mount and height must be finite");
+  if (!config.T_base_laser.is_finite() ||
+      !(config.T_base_laser.translation().cwiseAbs().maxCoeff() <= kMaxCoordinate_m) ||
+      !(std::fabs(config.laser_height_m) <= kMaxCoordinate_m)) {
+    faults.emplace_back("laser: mount and height must lie within 1000 m");
   }
   for (const std::string& fault : validate(config.wheels)) {
     faults.push_back("wheels: " + fault);

@@ -26,6 +26,8 @@ HERE = pathlib.Path(__file__).resolve().parent.parent
 PROJECT = HERE.parent
 # What manylinux has on every system; ld-linux by its processor.
 EVERYWHERE = re.compile(r"^(lib(c|m|dl|rt|pthread|gcc_s|stdc\+\+)\.so\.\d+|ld-linux.*\.so\.\d+|linux-vdso\.so\.1)$")
+# The oldest C library of a system that has these symbols of libstdc++: RHEL 8 and 9, Debian 11, Ubuntu 22.04, 23.10 and 24.04.
+STANDARD_LIBRARY = {(3, 4, 25): (2, 28), (3, 4, 28): (2, 31), (3, 4, 29): (2, 34), (3, 4, 30): (2, 35), (3, 4, 32): (2, 38), (3, 4, 33): (2, 39)}
 TIME = (1980, 1, 1, 0, 0, 0)  # the same inputs give the same wheel
 
 
@@ -84,17 +86,22 @@ def _needs_nothing(library: pathlib.Path, beside: "set[str]") -> bool:
     return all(EVERYWHERE.match(name) or name in beside for name in names)
 
 
+def _numbers(version: str) -> "tuple[int, ...]":
+    return tuple(int(number) for number in version.split("."))
+
+
 def _platform_of(libraries: "list[pathlib.Path]") -> str:
     machine = platform.machine()
     names = {library.name for library in libraries}
     if not all(_needs_nothing(library, names) for library in libraries):
         return f"linux_{machine}"
-    versions = [
-        tuple(int(number) for number in version.split("."))
-        for library in libraries
-        for version in re.findall(r"GLIBC_(\d+\.\d+)", _output("readelf", "--version-info", "--wide", library))
-    ]
-    major, minor = max(versions)
+    symbols = "".join(_output("readelf", "--version-info", "--wide", library) for library in libraries)
+    needed = [_numbers(version) for version in re.findall(r"GLIBC_(\d+\.\d+)", symbols)]
+    standard = max(map(_numbers, re.findall(r"GLIBCXX_(\d+(?:\.\d+)+)", symbols)), default=(3, 4))
+    systems = [system for version, system in STANDARD_LIBRARY.items() if version >= standard]
+    if not systems:  # newer than what is known here
+        return f"linux_{machine}"
+    major, minor = max([*needed, min(systems)])
     return f"manylinux_{major}_{minor}_{machine}"
 
 

@@ -1,6 +1,7 @@
 """The wheel is built by pip without the network, installs into a folder, and maps there to the same hash."""
 import os
 import pathlib
+import platform
 import re
 import subprocess
 import sys
@@ -46,6 +47,17 @@ def check(wheel):
         fail(f"{wheel.name} gives {words[:2]}")
     return place, words[2:]
 
+
+# RHEL 9 has the C library 2.34 and symbols of libstdc++ to 3.4.29; 3.4.30 came to Ubuntu 22.04, with 2.35.
+sys.path.insert(0, str(SOURCE / "python/backend"))
+import wheel_backend  # noqa: E402
+
+for asks_for, tag in (("GLIBC_2.34 GLIBCXX_3.4.29", "manylinux_2_34"), ("GLIBC_2.34 GLIBCXX_3.4.30 GLIBCXX_3.4", "manylinux_2_35"),
+                      ("GLIBC_2.36 GLIBCXX_3.4.29", "manylinux_2_36"), ("GLIBC_2.17", "manylinux_2_28"), ("GLIBC_2.34 GLIBCXX_3.4.99", "linux")):
+    wheel_backend._output = lambda *words, symbols=asks_for: symbols if "--version-info" in words else ""
+    found = wheel_backend._platform_of([pathlib.Path("libgdtslam.so.0")])
+    if found != f"{tag}_{platform.machine()}":
+        fail(f"{asks_for}: {found}")
 
 plain = built("plain", library=LIBRARY)
 if not re.fullmatch(r"gdtslam-[0-9.]+-py3-none-(linux|manylinux_\d+_\d+)_\w+\.whl", plain.name):

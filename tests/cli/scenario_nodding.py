@@ -1,9 +1,10 @@
 """The whole chain of a nodding laser, from a simulated log with its truth to the cloud and its errors."""
 
 import json
+import os
 
 import cli_support as cli
-from cli_support import command, digests, expect, expect_exit, mapped, require_vulkan
+from cli_support import command, digests, expect, expect_exit, mapped, one_error_line, require_vulkan
 
 # Along the corridor of office-7f past an open door, with a turn and a stop: 40 s, eight strokes of the mount.
 DRIVE = """gdtslam_trajectory: 1
@@ -45,6 +46,23 @@ def nodding_wrong_linkage():
         expect_exit(process, 0)
         expect(json.loads(process.stdout)["warnings"] == expected, f"{linkage}: {process.stderr}")
         expect((f"warning: {doubt} (" in process.stderr) == bool(expected), f"{linkage}: {process.stderr}")
+
+
+def hits_wait_where_temporary_files_are():
+    """In TMPDIR, and where that takes none: one line, and no log that was half made."""
+    folder = cli.fresh_folder("hits_wait")
+    process = command("simulate", "wall", "--rate", 1, "--truth-hits", "-o", folder / "drive.log", "-q", env={**os.environ, "TMPDIR": str(folder / "none")})
+    expect_exit(process, 74)
+    one_error_line(process.stderr)
+    expect(str(folder / "none") in process.stderr, process.stderr)
+    expect(not list(folder.iterdir()), f"left {list(folder.iterdir())}")
+    (folder / "temporary").mkdir()
+    expect_exit(command("simulate", "wall", "--rate", 1, "--truth-hits", "-o", folder / "drive.log", "-q",
+                        env={**os.environ, "TMPDIR": str(folder / "temporary")}), 0)
+    header, rows = (folder / "drive.truth.ply").read_bytes().split(b"end_header\n", 1)
+    count = int(header.split(b"element vertex ")[1].split(b"\n")[0])
+    expect(count > 1000 and len(rows) == 60 * count, f"{count} rows in {len(rows)} bytes")  # six doubles and three words
+    expect(not list((folder / "temporary").iterdir()), "temporary files are left")
 
 
 def cloud_of_a_standing_scanner():

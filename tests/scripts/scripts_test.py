@@ -104,6 +104,13 @@ class InstallPackages(ScriptTest):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertFalse(self.calls.exists())
 
+    def test_a_package_of_two_architectures_is_there(self):
+        # As dpkg-query, which prints the format once for each, with nothing in between: -W -f FORMAT NAME.
+        self.stand_in("dpkg-query", """text=${3//'${db:Status-Status}'/installed}; printf '%b%b' "$text" "$text" """)
+        done = self.install("all")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertFalse(self.calls.exists())
+
     def test_stale_package_lists_are_renewed(self):
         self.stand_in("apt-get", f'''echo "apt-get $*" >>{self.calls}
           if [[ $* == *update* ]]; then touch {self.work}/fresh; exit 0; fi

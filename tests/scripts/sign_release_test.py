@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "tools/scripts/sign_release.sh"
@@ -64,6 +65,14 @@ class Signed:
         (self.release / "other.deb").write_text("slipped in")
         self.expect_refused("not those of SHA256SUMS")
 
+    def test_files_that_are_named_like_sums_are_files_like_any(self):
+        self.sign()
+        mark = next(name for name in ("SHA256SUMS.asc", "SHA256SUMS.sig") if not (self.release / name).exists())
+        for name in ("SHA256SUMS-gdtslam_1.0_amd64.deb", mark):
+            (self.release / name).write_text("slipped in")
+            self.expect_refused("SHA256SUMS")
+            (self.release / name).unlink()
+
     def test_sums_of_others_do_not_help(self):
         self.sign()
         (self.release / "gdtslam-1.0.tar.gz").write_text("another program")
@@ -116,7 +125,33 @@ class Gpg(Signed, unittest.TestCase):
         for name in (self.key, self.other_key):
             subprocess.run(["gpg", "--batch", "--quiet", "--passphrase", "", "--quick-generate-key", name, "ed25519", "sign"], env=self.environment,
                            check=True, capture_output=True)
+        self.export_keys()
+
+    def export_keys(self):
         self.signers.write_bytes(subprocess.run(["gpg", "--export", self.key], env=self.environment, check=True, capture_output=True).stdout)
+
+    def gpg(self, *arguments, text=None):
+        return subprocess.run(["gpg", "--batch", "--yes", "--quiet", *map(str, arguments)], env=self.environment, input=text, check=True,
+                              capture_output=True, text=True).stdout
+
+    def test_a_key_that_was_revoked_does_not_count(self):
+        self.sign()
+        listed = self.gpg("--list-keys", "--with-colons", self.key)
+        fingerprint = next(line.split(":")[9] for line in listed.splitlines() if line.startswith("fpr"))
+        # gpg makes the certificate with the key, and a colon before it keeps it from being taken by mistake.
+        certificate = self.work / "gnupg/openpgp-revocs.d" / f"{fingerprint}.rev"
+        self.gpg("--import", text=certificate.read_text().replace(":-----BEGIN", "-----BEGIN"))
+        self.export_keys()
+        self.expect_refused("revoked or has expired")
+
+    def test_a_key_that_has_expired_does_not_count(self):
+        self.sign()
+        listed = self.gpg("--list-keys", "--with-colons", self.key)
+        fingerprint = next(line.split(":")[9] for line in listed.splitlines() if line.startswith("fpr"))
+        self.gpg("--quick-set-expire", fingerprint, "seconds=1")
+        time.sleep(2.1)
+        self.export_keys()
+        self.expect_refused("revoked or has expired")
 
 
 class Usage(unittest.TestCase):

@@ -38,12 +38,16 @@ while read -r text; do
   cp -L "$text" "$folder/licences/$(basename "$text").txt"
 done < <(grep -ohE '/usr/share/common-licenses/[A-Za-z0-9.+-]*[A-Za-z0-9]' "$folder"/licences/*.txt | sort -u)
 
-commit=unknown
-date=0
-if [[ -e $root/.git ]] && revision=$(git -C "$root" describe --always --dirty --abbrev=12 2>/dev/null); then
-  commit=$revision
-  date=$(git -C "$root" log -1 --format=%ct)
+# What the program says of itself (cmake/GdtslamStamp.cmake): no tag of this clone counts.
+commit=${GDTSLAM_COMMIT:-}
+date=${SOURCE_DATE_EPOCH:-}
+if [[ -e $root/.git ]] && revision=$(git -C "$root" log -1 --format='%h %ct' --abbrev=12 2>/dev/null); then
+  if ! git -C "$root" diff --quiet HEAD --; then revision=${revision/ /-changed }; fi
+  commit=${commit:-${revision% *}}
+  date=${date:-${revision#* }}
 fi
+commit=${commit:-unknown}
+date=${date:-0}
 cat >"$folder/BUILD" <<END
 name=$name
 commit=$commit

@@ -35,10 +35,11 @@ fi
 need sha256sum coreutils
 cd "$folder"
 
-# The names of the files, in an order that no locale changes. A name with a line end would be a line of its own.
+# names_here FILE...: the names of the files but these, in an order that no locale changes. A name with a line end would be a line of its own.
 names_here() {
-  local name
-  find . -mindepth 1 -maxdepth 1 ! -name 'SHA256SUMS*' -printf '%f\0' | LC_ALL=C sort -z | while IFS= read -r -d '' name; do
+  local name but=()
+  for name in "$@"; do but+=(! -name "$name"); done
+  find . -mindepth 1 -maxdepth 1 "${but[@]}" -printf '%f\0' | LC_ALL=C sort -z | while IFS= read -r -d '' name; do
     if [[ ! -f $name || -L $name || $name == *[!A-Za-z0-9._+~-]* || $name == -* ]]; then
       fail 65 "$(printf %q "$name") is no file of a release: plain files, of letters, digits and ._+~-"
     fi
@@ -48,7 +49,7 @@ names_here() {
 
 sign() {
   local names
-  names=$(names_here) || exit $?
+  names=$(names_here SHA256SUMS SHA256SUMS.sig SHA256SUMS.asc) || exit $?
   if [[ -z $names ]]; then fail 65 "$folder holds no file"; fi
   rm -f SHA256SUMS SHA256SUMS.sig SHA256SUMS.asc
   # shellcheck disable=SC2086  # names of letters, digits and ._+~- without blanks
@@ -77,21 +78,24 @@ verify_gpg() {
   need gpgv gpgv
   said=$(gpgv --status-fd 1 --keyring "$key" SHA256SUMS.asc SHA256SUMS 2>/dev/null) ||
     fail 65 "SHA256SUMS.asc is no signature of SHA256SUMS by a key of $key"
+  if ! grep -q '^\[GNUPG:\] GOODSIG ' <<<"$said"; then fail 65 "SHA256SUMS.asc is by a key of $key that was revoked or has expired"; fi
   sed -n 's/^\[GNUPG:\] VALIDSIG \([0-9A-F]*\).*/signed by \1/p' <<<"$said"
 }
 
 # Who signed counts first: sums that nobody signed say nothing. Then each file, and that no other one lies beside them.
 verify() {
-  local names
+  local names signature
   if [[ ! -f SHA256SUMS ]]; then fail 65 "$folder has no SHA256SUMS"; fi
   if [[ -f SHA256SUMS.sig ]]; then
+    signature=SHA256SUMS.sig
     verify_ssh
   elif [[ -f SHA256SUMS.asc ]]; then
+    signature=SHA256SUMS.asc
     verify_gpg
   else
     fail 65 "$folder has no SHA256SUMS.sig and no SHA256SUMS.asc"
   fi
-  names=$(names_here) || exit $?
+  names=$(names_here SHA256SUMS "$signature") || exit $?
   if [[ $(sed 's/^[0-9a-f]\{64\} \*//' SHA256SUMS) != "$names" ]]; then
     fail 65 "the files of $folder are not those of SHA256SUMS"
   fi

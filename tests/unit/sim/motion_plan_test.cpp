@@ -152,6 +152,20 @@ TEST(MotionPlan, RefusesWhatCannotBeDriven) {
   EXPECT_EQ(validate(wrong).size(), 2U);
   EXPECT_THROW(MotionPlan({at(0.0, 0.0), at(1.0, 0.0)}, wrong), ConfigError);
   EXPECT_THROW(MotionPlan({at(0.0, 0.0), at(1e5, 0.0)}, MotionLimits{.speed_m_per_s = 0.1}), ConfigError);
+  const std::vector<Waypoint> longer_than_a_day = {at(-1000.0, 0.0), at(1000.0, 0.0)};
+  EXPECT_THROW(MotionPlan(longer_than_a_day, MotionLimits{.speed_m_per_s = 0.02}), ConfigError);
+}
+
+// Of 1000 m: docs/simulation.md.
+TEST(MotionPlan, RefusesPlacesFartherThanAScene) {
+  EXPECT_NO_THROW(MotionPlan({at(-1000.0, 0.0), at(1000.0, 0.0)}, limits()));
+  EXPECT_THROW(MotionPlan({at(0.0, 0.0), at(1000.5, 0.0)}, limits()), ConfigError);
+  EXPECT_THROW(MotionPlan({at(0.0, -1000.5), at(0.0, 0.0)}, limits()), ConfigError);
+  for (const double far_m : {1e18, 5e18, 1e30, 1e300}) {
+    Waypoint alone = at(far_m, 0.0);
+    alone.pause_s = 5.0;
+    EXPECT_THROW(MotionPlan({alone}, limits()), ConfigError) << far_m;
+  }
 }
 
 }  // namespace

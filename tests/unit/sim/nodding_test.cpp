@@ -133,6 +133,19 @@ TEST(NoddingCourse, StopAndScanTurnsOnlyWhileTheRobotStands) {
   EXPECT_EQ(course.crank_turns(plan.duration_s()), 5.0);
 }
 
+// 55 m with stops 0.5 m apart are 110, 998 legs of 5 cm one each, the beginning one more.
+TEST(NoddingCourse, StopsOfAPathAreCountedLegByLeg) {
+  NoddingModel model = model_of();
+  model.mode = NodMode::kStopAndScan;
+  model.stop_every_m = 0.5;
+  std::vector<Waypoint> path(1000);
+  for (std::size_t i = 1; i < path.size(); ++i)
+    path[i].position_m = {path[i - 1].position_m.x() + (i == 1 ? 55.0 : 0.05), 0.0};
+  EXPECT_EQ(with_scan_stops(model, path).size(), 1109U);
+  model.stop_every_m = 1e-3;  // 55,000 there and 55,000 back
+  EXPECT_THROW(with_scan_stops(model, {path[0], path[1], path[0]}), ConfigError);
+}
+
 TEST(NoddingCourse, AStopThatIsTooShortForATurnIsNamed) {
   NoddingModel model = model_of();
   model.mode = NodMode::kStopAndScan;

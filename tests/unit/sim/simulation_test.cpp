@@ -195,6 +195,14 @@ TEST(Simulation, RefusesAFaultyConfiguration) {
   EXPECT_THROW(record(config), ConfigError);
 }
 
+TEST(Simulation, RefusesALaserFartherThanAScene) {
+  SimulationConfig config = config_of(10.0, 0.0);
+  config.T_base_laser = {-1000.0, 1000.0, 0.0};
+  EXPECT_TRUE(validate(config).empty());
+  config.T_base_laser.y_m = 1e19;
+  EXPECT_EQ(validate(config).size(), 1U);
+}
+
 // 10,000 s at 9,999 and 1 Hz are 100,000,000 records.
 TEST(Simulation, HasAHundredMillionRecordsAtMost) {
   EXPECT_EQ(record(config_of(9'999.0, 1.0), 3, pause_of(10'000.0)).scans.size(), 3U);

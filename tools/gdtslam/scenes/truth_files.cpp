@@ -1,10 +1,11 @@
 #include "truth_files.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <span>
 
 #include "engine/io/logs/carmen_writer.hpp"
-#include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
 namespace {
@@ -45,12 +46,6 @@ void ElevationRows::add(const sim::SimulatedScan& scan) {
               fixed_text(scan.elevation_rad, kElevationDecimals) + "\n");
 }
 
-HitCloud::HitCloud(AtomicFile& file) : file_(file), rows_(std::tmpfile()) {
-  if (!rows_) {
-    throw FileError(file_.path(), "cannot be made: the folder for temporary files takes none (see TMPDIR)");
-  }
-}
-
 void HitCloud::add(const sim::SimulatedScan& scan, double max_range_m) {
   const LaserScan& measured = scan.record.scan;
   row_.clear();
@@ -71,21 +66,17 @@ void HitCloud::add(const sim::SimulatedScan& scan, double max_range_m) {
     ++hits_;
   }
   ++scans_;
-  if (std::fwrite(row_.data(), 1, row_.size(), rows_.get()) != row_.size()) {
-    throw FileError(file_.path(), "cannot be made: the folder for temporary files is full");
-  }
+  rows_.write(bytes_, std::as_bytes(std::span(row_)));
+  bytes_ += row_.size();
 }
 
 void HitCloud::finish() {
   file_.write(ply_header(hits_));
-  std::rewind(rows_.get());
   std::array<char, 65536> block{};
-  std::size_t count = 0;
-  while ((count = std::fread(block.data(), 1, block.size(), rows_.get())) > 0) {
-    file_.write(std::string_view(block.data(), count));
-  }
-  if (std::ferror(rows_.get()) != 0) {
-    throw FileError(file_.path(), "cannot be made: its rows in the temporary file cannot be read back");
+  for (std::uint64_t place = 0; place < bytes_; place += block.size()) {
+    const std::span<char> part = std::span(block).first(std::min<std::uint64_t>(block.size(), bytes_ - place));
+    rows_.read(place, std::as_writable_bytes(part));
+    file_.write(std::string_view(part.data(), part.size()));
   }
 }
 

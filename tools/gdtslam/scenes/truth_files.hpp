@@ -3,10 +3,9 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
-#include <memory>
 #include <string>
 
+#include "engine/core/memory/scratch_file.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "gdtslam/sim/simulation.hpp"
 
@@ -29,17 +28,15 @@ class ElevationRows {
 class HitCloud {
  public:
   /// Throws FileError, as all members do.
-  explicit HitCloud(AtomicFile& file);
+  explicit HitCloud(AtomicFile& file) : file_(file) {}
   void add(const sim::SimulatedScan& scan, double max_range_m);
   /// Writes header and rows; the last call.
   void finish();
 
  private:
-  struct Closer {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
   AtomicFile& file_;
-  std::unique_ptr<std::FILE, Closer> rows_;
+  ScratchFile rows_{""};
+  std::uint64_t bytes_ = 0;  // of rows_
   std::string row_;
   std::uint64_t scans_ = 0;
   std::uint64_t hits_ = 0;
