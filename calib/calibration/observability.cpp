@@ -22,15 +22,22 @@ Misses required_misses(const Setup& setup, const Fit& fit) {
   return misses ? std::move(*misses) : Misses{};
 }
 
-Eigen::MatrixXd weighted_jacobian(const Setup& setup, std::span<const Parameter> parameters, const Fit& fit,
-                                  double huber_sigmas) {
-  const Misses misses = required_misses(setup, fit);
+// What each row is weighted by, outliers less.
+Eigen::VectorXd gains_of(const Misses& misses, const Fit& fit, double huber_sigmas) {
+  Eigen::VectorXd gains(eigen_index(misses.list.size()));
+  for (std::size_t row = 0; row < misses.list.size(); ++row) {
+    gains(eigen_index(row)) = fit.used[row].gain * std::sqrt(robust_weight(misses.weighted[row], huber_sigmas));
+  }
+  return gains;
+}
+
+Eigen::MatrixXd weighted_jacobian(const Misses& misses, std::span<const Parameter> parameters, const Fit& fit,
+                                  const Eigen::VectorXd& gains) {
   Eigen::MatrixXd jacobian(eigen_index(misses.list.size()), eigen_index(parameters.size()));
   for (std::size_t row = 0; row < misses.list.size(); ++row) {
-    const double gain = fit.used[row].gain * std::sqrt(robust_weight(misses.weighted[row], huber_sigmas));
     for (std::size_t i = 0; i < parameters.size(); ++i) {
       jacobian(eigen_index(row), eigen_index(i)) =
-          gain * derivative(misses.list[row], parameters[i], fit.used[row].observation.surface);
+          gains(eigen_index(row)) * derivative(misses.list[row], parameters[i], fit.used[row].observation.surface);
     }
   }
   return jacobian;
@@ -113,7 +120,11 @@ std::vector<CalibratedParameter> described(std::span<const Parameter> parameters
 }
 
 Observability observe(const Setup& setup, std::span<const Parameter> parameters, const Fit& fit, double huber_sigmas) {
-  return observability_of(weighted_jacobian(setup, parameters, fit, huber_sigmas), parameters);
+  const Misses misses = required_misses(setup, fit);
+  const Eigen::VectorXd gains = gains_of(misses, fit, huber_sigmas);
+  Observability seen = observability_of(weighted_jacobian(misses, parameters, fit, gains), parameters);
+  seen.gains = gains;
+  return seen;
 }
 
 double elevation_sigma_rad(const Setup& setup, std::span<const Parameter> parameters, const Observability& seen,

@@ -24,6 +24,7 @@ inline Eigen::Index eigen_index(std::size_t k) { return static_cast<Eigen::Index
 
 struct Observability {
   Eigen::MatrixXd jacobian;         ///< weighted, outliers weighed down, scaled parameters
+  Eigen::VectorXd gains;            ///< what its rows were weighted by; nothing where it was given
   Eigen::VectorXd singular_values;  ///< falling, one per parameter
   Eigen::MatrixXd combinations;     ///< columns: right singular vectors
   Eigen::VectorXd data_sigma;       ///< of scaled parameters from the data alone; infinite where they say nothing

@@ -158,7 +158,7 @@ std::vector<std::string> alias_remarks(const Setup& setup, std::span<const Param
          Eigen::VectorXd::Zero(eigen_index(count))});
   }
   for (std::size_t row = 0; row < count; ++row) {
-    const double gain = fit.used[row].gain;
+    const double gain = seen.gains(eigen_index(row));  // as the misses counted
     bias.effect(eigen_index(row)) = gain * 0.001 * misses->list[row].incidence;
     tilts[fit.used[row].observation.surface].effect(eigen_index(row)) =
         gain * rad_from_deg(0.1) * misses->list[row].by_tilt;

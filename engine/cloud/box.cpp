@@ -165,7 +165,7 @@ Dimension depth_of(std::span<const CloudPoint> cloud, const Face& face, const En
     stretch = std::fabs(frame.across.dot(beam) / frame.normal.dot(beam));
   }
   const double side_m = stretch * (side.crease.sigma_m + side.sigma_slope * far.at_m);
-  const double face_m = face.patch->sigma_offset_m;
+  const double face_m = face.patch->sigma_centre_m;
   const double sigma_m = std::sqrt(far.sigma_m * far.sigma_m + face_m * face_m + side_m * side_m);
   return {far.at_m, sigma_m, far.kind == EndKind::kJump || far.kind == EndKind::kCrease};
 }
@@ -201,7 +201,7 @@ End lower_end(const Face& face, const std::vector<PlanePatch>& planes, const Box
     const Plane& plane = floor->plane;
     const double at_m = -plane.distance_m(face.frame.origin) / plane.normal.dot(face.frame.up);
     const bool is_seen = face.up.low_m - at_m <= kOnFloor_m;
-    low.end = {at_m, floor->sigma_offset_m, is_seen ? EndKind::kCrease : EndKind::kHidden};
+    low.end = {at_m, floor->sigma_centre_m, is_seen ? EndKind::kCrease : EndKind::kHidden};
     return low;
   }
   low.end = {face.up.low_m, face.sampling_m, EndKind::kHidden};

@@ -99,6 +99,20 @@ def calibrate_needs_a_robot_that_stands():
     log = drive.folder / "turning.log"
     log.write_text("\n".join(turning) + "\n")
     expect("5.7 deg" in refused(linkage, 65, log), "the turn is not told")
+    # Odometry in rows of its own, and none in those of the scans: 1 m in 2500 s.
+    rows = drive.folder / "rows.jsonl"
+    expect_exit(command("convert", drive.folder.parent / "calibrate_turning/wall.log", "-o", rows), 0)
+    told = 0
+    with open(rows, encoding="utf-8") as file, open(drive.folder / "moving.jsonl", "w", encoding="utf-8") as moving:
+        for row in map(json.loads, file):
+            if "ranges" in row:
+                row.pop("odom", None)
+            elif "odom" in row:
+                row["odom"] = [0.0004 * row["stamp"], 0.0, 0.0]
+                told += 1
+            moving.write(json.dumps(row) + "\n")
+    expect(told > 100, f"{told} rows of odometry")
+    expect("1.00 m" in refused(linkage, 65, drive.folder / "moving.jsonl"), "the way is not told")
 
 
 def calibrate_option_mistakes():

@@ -1,13 +1,15 @@
 """The page of `live` from the side of those who should not have it: who may ask, and what the page may do."""
 
 import http.client
+import json
 import re
 import socket
 import subprocess
 
 import cli_support as cli
-from cli_support import PROGRAM, expect
+from cli_support import PROGRAM, RUN, expect
 from content_policy import faults_of
+from scenario_render import Png
 
 UPGRADE = {"Upgrade": "websocket", "Connection": "Upgrade", "Sec-WebSocket-Version": "13",
            "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==", "Sec-WebSocket-Protocol": "gdtslam-live"}
@@ -89,6 +91,52 @@ def live_page_for_others():
             host = f"{host}:{page.port}"
             expect(page.ask(host)[0] != 200, f"the page for {host}")
             expect(page.upgrade(host, f"http://{host}") != 101, f"a websocket for {host}")
+
+
+def map_shown(port, picture):
+    """Of the first message of bytes that a watcher gets: its header; and the image, into that file."""
+    with socket.create_connection(("127.0.0.1", port), timeout=20 * cli.SLOWNESS) as connection:
+        ask = "".join(f"{name}: {value}\r\n" for name, value in {"Host": f"127.0.0.1:{port}", **UPGRADE}.items())
+        connection.sendall(f"GET / HTTP/1.1\r\n{ask}\r\n".encode())
+        stream = connection.makefile("rb")
+        expect(b" 101 " in stream.readline(), "no websocket")
+        while stream.readline() != b"\r\n":
+            pass
+        message = b""
+        while True:  # frames of RFC 6455
+            first, length = stream.read(2)
+            if length >= 126:
+                length = int.from_bytes(stream.read(2 if length == 126 else 8), "big")
+            body = stream.read(length)
+            kind = first & 15 or kind  # 0 goes on with the message before
+            message = message + body if first & 15 == 0 else body
+            if first & 128 and kind == 2:
+                break
+    header = 4 + int.from_bytes(message[:4], "little")
+    picture.write_bytes(message[header:])
+    return json.loads(message[4:header])
+
+
+def live_page_shows_the_map_that_is_followed():
+    """The page of a drive in a run shows floor and walls of that run's occupancy map; in a field of distances, walls."""
+    folder = cli.fresh_folder("live_page_map")
+    width, height = map(int, (RUN / "map.pgm").read_bytes().split(b"\n", 2)[1].split())
+    cells = (RUN / "map.pgm").read_bytes()[-width * height:]  # 0 occupied, 254 free, 205 unknown
+    for map_of, also in ((RUN, b"\xff\x80"), (RUN / "map.yaml", b"\xff\x80"), (RUN / "gdt.yaml", b"\x80")):
+        drive = subprocess.Popen([PROGRAM, "live", "-", "--map", str(map_of), "--page", "0"], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL,
+                                 stderr=subprocess.PIPE, text=True)
+        try:
+            port = int(re.search(r"http://\S+:(\d+)/", drive.stderr.readline()).group(1))
+            header = map_shown(port, folder / "shown.png")
+        finally:
+            drive.kill()
+            drive.communicate()
+        shown = b"".join(Png(folder / "shown.png").rows)
+        expect(len(shown) == header["width"] * header["height"] and set(shown) <= {0, *also}, f"{map_of}: {header}, {set(shown)}")
+        if map_of != RUN / "gdt.yaml":
+            expect(shown == cells.replace(b"\xfe", b"\xff").replace(b"\xcd", b"\x80"), f"{map_of}: another map")
+        walls, seen = shown.count(b"\x00"), cells.count(b"\x00")
+        expect(0.2 * seen < walls < 2.0 * seen, f"{map_of}: {walls} cells of walls, {seen} in map.pgm")
 
 
 def live_page_policy():

@@ -52,7 +52,7 @@ def refused(code, *arguments, says="", **options):
 
 
 class Png:
-    """A PNG file taken apart: RGBA or RGB pixels of 8 bits."""
+    """A PNG file taken apart: RGBA, RGB or grey pixels of 8 bits."""
 
     def __init__(self, path):
         data = path.read_bytes()
@@ -65,8 +65,8 @@ class Png:
             self.kinds.append(kind)
             if kind == b"IHDR":
                 self.width, self.height, depth, colour = struct.unpack(">IIBB", body[:10])
-                expect(depth == 8 and colour in (2, 6), f"{path}: depth {depth}, colour type {colour}")
-                self.channels = 3 if colour == 2 else 4
+                expect(depth == 8 and colour in (0, 2, 6), f"{path}: depth {depth}, colour type {colour}")
+                self.channels = {0: 1, 2: 3, 6: 4}[colour]
             packed += body if kind == b"IDAT" else b""
             at += 12 + size
         expect(self.kinds[-1] == b"IEND", f"{path} is cut")

@@ -36,7 +36,7 @@ class HorizontalScans {
   ScanConfig valid_;
   std::optional<Odometry> last_odometry_;  ///< of the scan before the one in hand
   ElevationRange seen_;
-  double last_elevation_rad_ = 0.0;
+  std::optional<double> last_elevation_rad_;
   int stroke_ = 0;  ///< +1 up, -1 down
   std::uint64_t strokes_ = 0;
   bool is_elevation_known_ = false;  ///< of any scan

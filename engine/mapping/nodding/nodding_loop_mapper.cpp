@@ -6,6 +6,7 @@
 #include "gdtslam/mapping/nodding_mapper.hpp"
 #include "horizontal_scans.hpp"
 #include "scan_placer.hpp"
+#include "steady_odometry.hpp"
 
 namespace gdtslam {
 namespace {
@@ -66,6 +67,7 @@ struct NoddingLoopMapper::State {
         CloudSink& cloud, PoseSink sink, MapperOptions on_failure)
       : mapper(with_loops),
         poses(std::move(sink)),
+        odometry(config.max_step_m),
         horizontal(config, scanner, valid()),
         placer(config, scanner, valid(), [this]() -> const GlobalField& { return mapper.field(); },
                {backend, cloud, [this](const NoddingPose& pose, const NoddingScan& scan) { give(pose, scan); },
@@ -80,7 +82,8 @@ struct NoddingLoopMapper::State {
   PoseSink poses;
   std::deque<Kept> kept;
   std::vector<Pose2> given;        // poses of all scans that got one
-  std::vector<std::size_t> fixes;  // which of them the 2D system fixed
+  std::vector<std::size_t> fixes;  // which of them went through the 2D system
+  SteadyOdometry odometry;
   HorizontalScans horizontal;
   ScanPlacer placer;
   NoddingStatistics statistics;
@@ -123,6 +126,7 @@ NoddingLoopMapper::~NoddingLoopMapper() = default;
 const NoddingStatistics& NoddingLoopMapper::statistics() const {
   state_->statistics = state_->placer.statistics();
   state_->statistics.sweeps = state_->horizontal.strokes();
+  state_->statistics.odometry_leaps = state_->odometry.leaps();
   return state_->statistics;
 }
 const std::vector<std::string>& NoddingLoopMapper::warnings() const { return state_->placer.warnings(); }
@@ -130,6 +134,7 @@ const std::vector<std::string>& NoddingLoopMapper::warnings() const { return sta
 void NoddingLoopMapper::process(NoddingScan scan) {
   State& s = *state_;
   std::optional<MatchResult> match;
+  scan.record.T_odom_base = s.odometry.take(scan.record.T_odom_base);
   if (std::optional<PointScan> level = s.horizontal.take(scan)) {
     s.mapper.start(std::move(*level), scan.record.T_odom_base);
     match = s.mapper.finish();

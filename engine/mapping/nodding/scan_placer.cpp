@@ -1,5 +1,6 @@
 #include "scan_placer.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <deque>
@@ -53,6 +54,7 @@ struct ScanPlacer::State {
         noise(nodding.smoother) {}
 
   Held hold(NoddingScan scan);
+  void begin_odometry(const Pose2& T_odom_base);
   void wait(Held scan);
   std::vector<PoseFix> place(const PoseFix& next);
   void learn(const PoseFix& next, std::span<const PoseFix> inner, const PointsOfNode& points_of);
@@ -86,6 +88,7 @@ struct ScanPlacer::State {
   std::optional<double> last_stamp_s;
   bool is_blind_reported = false;
   bool is_odometry_dead = false;
+  bool has_fix_odometry = false;  // at last_fix
   bool with_points = true;
 };
 
@@ -108,11 +111,18 @@ void ScanPlacer::State::on_device(const Action& action) {
 // A robot whose wheels have not turned since the last fix stands where it stood; fixing it again would only shake it by
 // the error of a match. Odometry that stands still while the fixes move is none, and counts no more.
 Pose2 ScanPlacer::State::rested(const Pose2& T_map_fixed, const std::optional<Pose2>& T_odom) {
-  if (!last_fix || !T_odom || is_odometry_dead || !(*T_odom == last_fix->T_odom_base)) return T_map_fixed;
+  if (!has_fix_odometry || !T_odom || is_odometry_dead || !(*T_odom == last_fix->T_odom_base)) return T_map_fixed;
   const Pose2 moved = between(last_fix->T_map_base, T_map_fixed);
   if (length_of(moved) <= kShake_m && std::fabs(moved.theta_rad) <= kShake_rad) return last_fix->T_map_base;
   is_odometry_dead = true;
   return T_map_fixed;
+}
+
+// Where its frame lies nobody could know before: until then the robot stood, as far as it tells.
+void ScanPlacer::State::begin_odometry(const Pose2& T_odom_base) {
+  for (Held& scan : held) scan.T_odom_base = T_odom_base;
+  if (last_fix) last_fix->T_odom_base = T_odom_base;
+  if (before_held) before_held->T_odom_base = T_odom_base;
 }
 
 Held ScanPlacer::State::hold(NoddingScan scan) {
@@ -123,6 +133,7 @@ Held ScanPlacer::State::hold(NoddingScan scan) {
   Held one{std::move(scan), scans++, std::nullopt, {}, last_odometry, 0.0};
   if (step_s > 0.0 && step_s <= config.max_blind_s) one.step_s = step_s;
   last_stamp_s = stamp_s;
+  if (T_odom && !last_odometry) begin_odometry(*T_odom);
   one.T_odom_base = T_odom.value_or(last_odometry ? last_odometry->T_odom_base : Pose2{});
   if (T_odom) last_odometry = Odometry{stamp_s, *T_odom};
   return one;
@@ -219,8 +230,11 @@ PosePath ScanPlacer::State::path_by_odometry() const {
 // known: the oldest scans go.
 void ScanPlacer::State::dead_reckon() {
   if (!is_blind_reported) {
-    warnings.push_back("no horizontal scan for more than " + std::to_string(std::lround(config.max_blind_s)) +
-                       " s before scan " + std::to_string(held.back().index) +
+    const bool is_refused =
+        std::any_of(held.begin() + 1, held.end(), [](const Held& scan) { return scan.match.has_value(); });
+    warnings.push_back(std::string("no horizontal scan ") + (is_refused ? "that matches " : "") + "for more than " +
+                       std::to_string(std::lround(config.max_blind_s)) + " s before scan " +
+                       std::to_string(held.back().index) +
                        (last_fix ? ": poses by odometry there" : ": what comes before the first is dropped") +
                        "; nod.horizontal is the tolerance");
     is_blind_reported = true;
@@ -235,6 +249,7 @@ void ScanPlacer::State::dead_reckon() {
   const std::size_t count = held.size() - 1;
   statistics.by_odometry += count;  // the last one as well, which is the fix of those that follow
   last_fix = PoseFix{path.last().stamp_s, path.last().T_map_base, path.last().T_odom_base};
+  has_fix_odometry = last_odometry.has_value();
   blind_s = 0.0;
   emit(count, path);
 }
@@ -267,11 +282,13 @@ void ScanPlacer::take_fix(NoddingScan scan, const Pose2& T_map_base, const Match
   const std::optional<Pose2> T_odom = scan.record.T_odom_base;
   Held held = s.hold(std::move(scan));
   held.match = match;
+  if (!match.accepted && s.last_fix) return s.wait(std::move(held));
   ++s.statistics.fixes;
   const PoseFix fix{held.stamp_s(), s.rested(T_map_base, T_odom), held.T_odom_base};
   s.close_segment(fix);
   s.held.push_back(std::move(held));
   s.last_fix = fix;
+  s.has_fix_odometry = s.last_odometry.has_value();
   s.blind_s = 0.0;
   s.is_blind_reported = false;
 }

@@ -34,7 +34,7 @@ class ScanPlacer {
   /// The next scan in log order. Throws DeviceError where the device failed and on_failure forbids to go on with the
   /// CPU.
   void take(NoddingScan scan);
-  /// The next scan, and where the 2D system put it.
+  /// The next scan, and where the 2D system put it; a match that was not accepted fixes nothing but the first pose.
   void take_fix(NoddingScan scan, const Pose2& T_map_base, const MatchResult& match);
   /// No more points from here on, and nothing is smoothed: only the rest of the poses.
   void leave_points();

@@ -50,10 +50,12 @@ struct MapRun::Nodding : CloudSink {
         sampler(job.check) {
     const auto take = [&run](const NoddingPose& pose, const NoddingScan& scan) { run.take(pose, scan); };
     const MapperOptions& on_failure = run.job_.on_failure;
+    NoddingConfig config = job.nodding;
+    config.max_step_m = run.job_.mapper.odometry.max_step_m;
     if (run.loops_) {
-      with_loops.emplace(job.nodding, scanner, *run.loops_, backend, *this, take, on_failure);
+      with_loops.emplace(config, scanner, *run.loops_, backend, *this, take, on_failure);
     } else {
-      without_loops.emplace(job.nodding, scanner, *run.mapper_, backend, *this, take, on_failure);
+      without_loops.emplace(config, scanner, *run.mapper_, backend, *this, take, on_failure);
     }
   }
 
@@ -351,7 +353,8 @@ void MapRun::finish() {
     }
   }
   outcome_.statistics = front_end().statistics();
-  if (outcome_.closed) outcome_.statistics.path_m = length_m_of(outcome_.trajectory);
+  if (outcome_.closed || nodding_) outcome_.statistics.path_m = length_m_of(outcome_.trajectory);
+  if (nodding_) outcome_.statistics.odometry_leaps += nodding_->statistics().odometry_leaps;
   outcome_.device_loss = front_end().device_loss();
   require_a_map();
   if (std::string question = question_of_unit(outcome_.trajectory); !question.empty()) {

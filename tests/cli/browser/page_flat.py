@@ -1,7 +1,9 @@
-"""Tests of pages without a cloud and of narrow windows, for the classes of page_browser_test that open pages."""
+"""Tests of pages without a cloud, of narrow windows and of what is drawn and said at limits, for the classes of
+page_browser_test that open pages."""
 import math
 import struct
 
+import chromium
 from page_input import make_page, write_cloud, write_map, write_path
 
 
@@ -190,8 +192,126 @@ class FlatAndNarrow:
         self.assertEqual(browser.value("gdtslam.camera.state()"), moved)
         self.assert_quiet(browser)
 
+    def test_nothing_is_clipped_from_any_side(self):
+        """Not the points that lie far from the middle of the cloud, nor a map that is larger than it."""
+        room = [(0.4 * x, 0.4 * y, 0.4 * z, 0.0, 0.0, 0) for x in range(11) for y in range(11) for z in range(11)] * 3
+        corners = [(x, y, z) for x in (-3.9, 7.9) for y in (-3.9, 7.9) for z in (-3.9, 7.9)]
+        stray = corners[::7]  # two that are opposite
+        write_cloud(self.path("c.ply"), room + [(*corner, 0.0, 0.0, 0) for corner in stray])
+        make_page(self.path("c.html"), "--cloud", self.path("c.ply"))
+        write_map(self.folder.name)
+        make_page(self.path("m.html"), "--cloud", self.path("c.ply"), "--map", self.path("map.yaml"))
+        for name, places in (("c", stray), ("m", [*stray, (10, -20, 0), (13, -20, 0)])):
+            browser = self.open(self.path(name + ".html"))
+            self.assertLess(browser.value("gdtslam.camera.most[0] - gdtslam.camera.least[0]"), 4.1)
+            hidden = browser.value(f"""(() => {{
+              const {{camera, description}} = gdtslam, hidden = [];
+              for (const distance of [0.05, 4, 14, 40]) {{
+                for (let yaw = 0; yaw < 6.28; yaw += 0.2) {{
+                  for (const pitch of [-1.5, -0.6, 0, 0.6, 1.5]) {{
+                    Object.assign(camera, {{yaw, pitch, distance}});
+                    const [near, far] = camera.planes(), eye = camera.eye(), {{back}} = camera.axes();
+                    for (const place of {[list(place) for place in places]}) {{
+                      const depth = [0, 1, 2].reduce((sum, k) => sum - back[k] * (place[k] - description.origin[k] - eye[k]), 0);
+                      if (depth > 0.05 && (depth < near || depth > far)) hidden.push([place, yaw, pitch, distance]);
+                    }}
+                    if (near >= distance) hidden.push(["target", near, distance]);
+                  }}
+                }}
+              }}
+              return hidden;
+            }})()""")
+            self.assertEqual(hidden, [])
+            self.assert_quiet(browser)
+
+    def test_a_colour_bar_of_one_large_value_is_drawn(self):
+        """Its steps are at least as far apart as its digits can tell."""
+        browser = self.open_room()
+        for value in (0, 1.8e6, 5e8, 1.7e9, -1.7e9):
+            browser.value(f"gdtslam.overlay.drawBar(18, 500, 300, {{name: 'Scan', unit: ''}}, [{value}, {value}], () => 'red')", 20)
+        texts = browser.value("""(() => {
+          const {overlay} = gdtslam, texts = [];
+          overlay.words = (text) => texts.push(text);
+          overlay.drawBar(18, 500, 300, {name: 'Height', unit: 'm'}, [0, 4], () => 'red');
+          delete overlay.words;
+          return texts;
+        })()""")
+        self.assertEqual(texts, ["Height (m)", "0", "1", "2", "3", "4"])
+        self.assert_quiet(browser)
+
+    def test_sliders_say_what_is_written_beside_them(self):
+        browser = self.open_room()
+        browser.value("""(() => {
+          gdtslam.timeline.set(0.25);
+          for (const [id, value] of [["scale-low", 0.2], ["point-size", 1], ["shading", 0.5], ["crank-speed", 1]]) {
+            document.getElementById(id).value = value;
+            document.getElementById(id).dispatchEvent(new Event("input"));
+          }
+        })()""")
+        said = dict(browser.value("""[...document.querySelectorAll("input[type=range]")].map((slider) =>
+            [slider.id, [slider.getAttribute("aria-valuetext"), document.querySelector(`output[for=${slider.id}]`).textContent]])"""))
+        self.assertEqual(set(said), {"time", "scale-low", "scale-high", "point-size", "shading", "crank-speed"})
+        for name, (spoken, written) in said.items():
+            self.assertEqual(spoken, written, name)
+        self.assertEqual((said["point-size"][0], said["shading"][0], said["crank-speed"][0]), ("× 2.00", "50 %", "30.0 rpm"))
+        self.assertRegex(said["time"][0], r"^[0-9.]+ of [0-9.]+ s$")
+
+    def test_help_lists_the_keys_that_do_something(self):
+        write_map(self.folder.name)
+        make_page(self.path("m.html"), "--map", self.path("map.yaml"))
+        make_page(self.path("l.html"), "--linkage", "paper-b")
+        listed = "[...document.querySelectorAll('#help-body th')].map((cell) => cell.textContent)"
+        of_points = {"Click", "M", "C", "L", "[  ]", "Esc"}
+        of_scene = {"Left drag, one finger", "Wheel, pinch", "Double click", "Arrows", "+  −", "1  2  3  4", "F"}
+        of_page = {"S", "T", "H", "Enter", "?"}
+        with_cloud = set(self.open_room().value(listed))
+        self.assertLessEqual(of_points | of_scene | of_page | {"Space", "Drag the crank or the mark"}, with_cloud)
+        flat = set(self.open(self.path("m.html")).value(listed))
+        self.assertLessEqual(of_scene | of_page, flat)
+        self.assertEqual(flat & (of_points | {"Space"}), set())
+        with chromium.Browser() as browser:
+            browser.open(self.path("l.html"))
+            linkage = set(browser.value(listed))
+        self.assertEqual(linkage, of_page | {"Space", "Left, right", "Drag the crank or the mark"})
+
 
 class NarrowLinkage:
+    def test_the_swept_sector_is_the_short_one(self):
+        """Also where it crosses the direction in which angles begin again."""
+        browser = self.open_linkage()
+        browser.value("gdtslam.linkageView.draw()")
+        for first, second, inside, outside in ((170, -170, 180, 0), (-150, 120, 165, 0), (-20, 40, 10, 180), (40, -20, 10, 180)):
+            seen = browser.value(f"""(() => {{
+              const drawing = gdtslam.linkageView.mechanism, context = drawing.canvas.getContext("2d"), {{fill}} = context;
+              const pivot = drawing.at(drawing.linkage.rockerPivot), reach = drawing.beam * drawing.scale / 2;
+              let seen = null;
+              context.fill = () => {{
+                seen = [{inside}, {outside}].map((angle) => context.isPointInPath(pivot[0] + reach * Math.cos(angle * Math.PI / 180),
+                                                                                pivot[1] - reach * Math.sin(angle * Math.PI / 180)));
+              }};
+              drawing.drawSector(context, {first} * Math.PI / 180, {second} * Math.PI / 180, 0.1);
+              context.fill = fill;
+              return seen;
+            }})()""")
+            self.assertEqual(seen, [True, False], (first, second))
+
+    def test_a_saved_linkage_has_the_ground_of_the_page(self):
+        browser = self.open_linkage()
+        for is_dark in ("true", "false"):
+            corner, ground, size = browser.value(f"""(() => {{
+              gdtslam.theme.set({is_dark});
+              let saved = null;
+              const {{toBlob}} = HTMLCanvasElement.prototype;
+              HTMLCanvasElement.prototype.toBlob = function() {{ saved = this; }};
+              document.getElementById("save").click();
+              HTMLCanvasElement.prototype.toBlob = toBlob;
+              const {{backgroundColor}} = getComputedStyle(document.getElementById("linkage-stage"));
+              return [[...saved.getContext("2d").getImageData(1, 1, 1, 1).data], backgroundColor, [saved.width, saved.height]];
+            }})()""")
+            self.assertEqual(f"rgb({corner[0]}, {corner[1]}, {corner[2]})", ground)
+            self.assertEqual(corner[3], 255)
+            self.assertEqual(size, [round(side) for side in browser.box("#mechanism")[2:]])
+
     def test_stands_still_for_those_who_prefer_it(self):
         make_page(self.path("l.html"), "--linkage", "paper-b")
         browser = self.open_plain(self.path("l.html"))

@@ -108,12 +108,34 @@ TEST(FitPlane, StandardDeviationsAreThoseOfRepeatedMeasurements) {
       const double tilt_rad = patch.plane.normal.dot(axes.col(1)) / patch.plane.normal.dot(axes.col(2));
       offset2 += error_m * error_m;
       tilt2 += tilt_rad * tilt_rad;
-      said_offset += patch.sigma_offset_m;
+      said_offset += patch.sigma_centre_m;
       said_tilt += patch.sigma_normal_rad;
     }
     EXPECT_NEAR(said_offset / kRuns / std::sqrt(offset2 / kRuns), 1.0, 0.15) << count;
     EXPECT_NEAR(said_tilt / kRuns / std::sqrt(tilt2 / kRuns), 1.0, 0.15) << count;
   }
+}
+
+// Of a wall that lies far aside of the foot of its perpendicular, whose offset its direction tells more than its
+// points.
+TEST(FitPlane, TheOffsetScattersAsItSays) {
+  constexpr int kRuns = 1000;
+  Random random(11);
+  const Eigen::Matrix3d axes = random_axes(random);
+  const Point3 centre = axes * Point3(9.0, 2.0, 4.0);
+  double off2 = 0.0;
+  double said = 0.0;
+  double said_at_centre = 0.0;
+  for (int run = 0; run < kRuns; ++run) {
+    const Cloud cloud = rectangle(centre, axes, 2.0, 1.0, 200, 0.01, random);
+    const PlanePatch patch = fit_plane(cloud, all_of(cloud));
+    const double error_m = std::fabs(patch.plane.offset_m) - 4.0;
+    off2 += error_m * error_m;
+    said += patch.sigma_offset_m;
+    said_at_centre += patch.sigma_centre_m;
+  }
+  EXPECT_NEAR(said / kRuns / std::sqrt(off2 / kRuns), 1.0, 0.1);
+  EXPECT_GT(said, 10.0 * said_at_centre);
 }
 
 }  // namespace

@@ -68,7 +68,7 @@ TEST(PlanesProperty, MovedCloudsHaveMovedPlanes) {
     ASSERT_EQ(patches.size(), 1U);
     const Point3 normal = T.rotation * wall.normal();
     EXPECT_LT(normal.cross(patches[0].plane.normal).norm(), 3.0 * std::sqrt(2.0) * patches[0].sigma_normal_rad);
-    EXPECT_LT(std::fabs(normal.dot(patches[0].centre - T * wall.corner)), 3.0 * patches[0].sigma_offset_m);
+    EXPECT_LT(std::fabs(normal.dot(patches[0].centre - T * wall.corner)), 3.0 * patches[0].sigma_centre_m);
   }
 }
 

@@ -304,6 +304,14 @@ TEST(Calibrate, SaysThatALeaningWallWouldBeReadAsAnOffset) {
               Contains(HasSubstr("front leaning by 0.1 deg cannot be told apart")));
 }
 
+// They count less on both sides of the comparison.
+TEST(Calibrate, OutliersChangeNothingOfWhatCannotBeToldApart) {
+  std::vector<RangeObservation> seen = exact_ranges(-1.0, 1.0);
+  for (std::size_t k = 5; k < seen.size(); k += 12) seen[k].range_m -= 0.05;
+  EXPECT_THAT(calibrate(kTruth, exact_wall(), seen, {}).remarks,
+              Contains(HasSubstr("wall leaning by 0.1 deg cannot be told apart")));
+}
+
 /// What a remark that begins so would have the parameters read: "name value unit, ..." of its end; metres, radians.
 std::map<std::string, double> shifts_in(const std::vector<std::string>& remarks, const std::string& beginning) {
   std::map<std::string, double> shifts;

@@ -30,7 +30,7 @@ const PlanePatch* patch_on(const std::vector<PlanePatch>& patches, const Rectang
 // The truth lies within the stated uncertainty: the offset at the patch's centre, the direction of the normal.
 void expect_within_three_sigma(const PlanePatch& patch, const Rectangle& truth) {
   const double off_m = truth.normal().dot(patch.centre - truth.corner);
-  EXPECT_LE(std::fabs(off_m), 3.0 * patch.sigma_offset_m) << "sigma " << patch.sigma_offset_m;
+  EXPECT_LE(std::fabs(off_m), 3.0 * patch.sigma_centre_m) << "sigma " << patch.sigma_centre_m;
   const double off_rad = patch.plane.normal.cross(truth.normal()).norm();
   EXPECT_LE(off_rad, 3.0 * std::sqrt(2.0) * patch.sigma_normal_rad) << "sigma " << patch.sigma_normal_rad;
 }

@@ -68,6 +68,18 @@ TEST(HorizontalScans, AStrokeEndsWhereTheElevationTurns) {
   EXPECT_EQ(strokes_with(-5.0), 4U);
 }
 
+TEST(HorizontalScans, WhereTheFirstScanIsRaisedNoStrokeHasBeen) {
+  HorizontalScans scans = within_a_degree();
+  const auto strokes_with = [&](double at_deg) {
+    static_cast<void>(scans.take(nodding_scan(at_deg, at_deg)));
+    return scans.strokes();
+  };
+  EXPECT_EQ(strokes_with(80.0), 0U);
+  EXPECT_EQ(strokes_with(40.0), 1U) << "down";
+  EXPECT_EQ(strokes_with(0.0), 1U);
+  EXPECT_EQ(strokes_with(40.0), 2U) << "up";
+}
+
 TEST(HorizontalScans, WithoutOneItSaysWhichElevationsItSaw) {
   HorizontalScans scans = within_a_degree();
   EXPECT_THAT([&] { scans.throw_none(); }, testing::ThrowsMessage<InputError>(testing::HasSubstr("no ENCODER")));

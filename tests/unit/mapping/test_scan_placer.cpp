@@ -104,6 +104,61 @@ TEST_F(PlacedByHand, BeforeTheFirstFixAndBehindTheLastTheOdometryLeads) {
   EXPECT_EQ(counts().between, 0U);
 }
 
+// Where the frame of the odometry lies is not known before: it is nobody's motion.
+TEST_F(PlacedByHand, ScansBeforeTheFirstOdometryStand) {
+  const Pose2 T_odom_map{100.0, 50.0, 1.0};
+  take(0.0);
+  take(0.5);
+  fix(1.0, {3.0, 0.0, 0.0}, T_odom_map);
+  take(1.5, T_odom_map * Pose2{1.0, 0.0, 0.0});
+  placer().finish();
+  expect_scans(0, 4);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_THAT(poses_[k].T_map_base, PoseNear({3.0, 0.0, 0.0}, 1e-9, 1e-9)) << k;
+  EXPECT_THAT(poses_[3].T_map_base, PoseNear({4.0, 0.0, 0.0}, 1e-9, 1e-9));
+}
+
+TEST_F(PlacedByHand, OdometryThatBeginsBehindAFixMovesNothing) {
+  config_.interpolation = PoseInterpolation::kOdometry;
+  const Pose2 T_odom_map{100.0, 50.0, 1.0};
+  fix(0.0, {3.0, 0.0, 0.0});
+  take(0.5);
+  take(1.0, T_odom_map);
+  take(1.5, T_odom_map * Pose2{0.5, 0.0, 0.0});
+  fix(2.0, {4.0, 0.0, 0.0}, T_odom_map * Pose2{1.0, 0.0, 0.0});
+  placer().finish();
+  expect_scans(0, 5);
+  const double expected_m[] = {3.0, 3.0, 3.0, 3.5, 4.0};
+  for (std::size_t k = 0; k < 5; ++k)
+    EXPECT_THAT(poses_[k].T_map_base, PoseNear({expected_m[k], 0.0, 0.0}, 1e-9, 1e-9)) << k;
+}
+
+// A match that was not accepted is the prediction of the wheels: it fixes nothing.
+TEST_F(PlacedByHand, AScanThatMatchedNothingIsPlacedBetweenFixes) {
+  const auto refused = [this](double stamp_s, const Pose2& T_map_base) {
+    MatchResult match;
+    match.T_map_base = T_map_base;
+    match.accepted = false;
+    placer().take_fix(at(stamp_s, {}), T_map_base, match);
+  };
+  refused(0.0, {});  // somewhere the map has to begin
+  refused(0.5, {7.0, 7.0, 0.0});
+  fix(1.0, {1.0, 0.0, 0.0});
+  placer().finish();
+  expect_scans(0, 3);
+  EXPECT_THAT(poses_[1].T_map_base, PoseNear({0.5, 0.0, 0.0}, 1e-9, 1e-9));
+  EXPECT_TRUE(poses_[1].match) << "who counts matches is told";
+  EXPECT_EQ(counts().fixes, 2U);
+  EXPECT_EQ(counts().between, 1U);
+}
+
+TEST_F(PlacedByHand, BlindForScansThatMatchNothingItSaysSo) {
+  fix(0.0, {});
+  MatchResult match;
+  for (const double stamp_s : {1.0, 2.0, 3.0}) placer().take_fix(at(stamp_s, {}), {}, match);
+  ASSERT_EQ(placer().warnings().size(), 1U);
+  EXPECT_THAT(placer().warnings()[0], testing::HasSubstr("no horizontal scan that matches for more than 2 s"));
+}
+
 /// Of a robot whose wheels stand: where its second fix is put, which the match says is there.
 class PlacedAtRest : public PlacedByHand {
  protected:

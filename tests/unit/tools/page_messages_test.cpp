@@ -6,9 +6,12 @@
 #include <nlohmann/json.hpp>
 
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "gdtslam/core/angle.hpp"
 
 namespace gdtslam {
 namespace {
@@ -38,7 +41,7 @@ TEST(PageMessages, ThePathEndsAtItsLastPose) {
 }
 
 TEST(PageMessages, EachNamesItsDrive) {
-  ShownScan shown{.scan = 7, .laser = {}, .T_map_base = {}, .is_in_doubt = true, .figures = {}};
+  ShownScan shown{.scan = 7, .laser = {}, .valid = {}, .T_map_base = {}, .is_in_doubt = true, .figures = {}};
   shown.figures = [] { return std::vector<std::pair<std::string, std::string>>{{"doubt", "unknown"}}; };
   const nlohmann::json scan = nlohmann::json::parse(scan_message(shown, "a-drive"));
   EXPECT_EQ(scan.at("drive"), "a-drive");
@@ -46,6 +49,28 @@ TEST(PageMessages, EachNamesItsDrive) {
   EXPECT_EQ(map_header_of({}).at("drive"), "a-drive");
   const nlohmann::json sign = nlohmann::json::parse(sign_of_life_message("a-drive", "a \"log\"\xff"));
   EXPECT_EQ(sign, nlohmann::json({{"drive", "a-drive"}, {"title", "a \"log\"\uFFFD"}}));
+}
+
+// A quarter turn a second: the second beam, a second behind the first, looks a quarter turn farther.
+TEST(PageMessages, BeamsAreDrawnFromWhereTheyWereMeasured) {
+  ShownScan shown{
+      .scan = 0, .laser = {}, .valid = {}, .T_map_base = Pose2{10.0, 5.0, 0.0}, .is_in_doubt = false, .figures = {}};
+  shown.figures = [] { return std::vector<std::pair<std::string, std::string>>{}; };
+  shown.laser.ranges_m = {2.0F, 2.0F};
+  shown.laser.beam_period_s = 1.0;
+  shown.laser.speed = Eigen::Vector3d(0.0, 0.0, 0.5 * kPi);
+  EXPECT_EQ(nlohmann::json::parse(scan_message(shown, "")).at("points"), nlohmann::json({1200, 500, 1000, 700}));
+}
+
+TEST(PageMessages, RangesThatDoNotCountAreNotDrawn) {
+  ShownScan shown{.scan = 0, .laser = {}, .valid = {}, .T_map_base = Pose2{}, .is_in_doubt = false, .figures = {}};
+  shown.figures = [] { return std::vector<std::pair<std::string, std::string>>{}; };
+  shown.valid.min_range_m = 0.5;
+  shown.valid.max_range_m = 40.0;
+  shown.laser.ranges_m = {0.3F, 3.0F, 81.83F, 0.0F, std::numeric_limits<float>::infinity()};  // of unknown limit
+  EXPECT_EQ(nlohmann::json::parse(scan_message(shown, "")).at("points"), nlohmann::json({300, 0}));
+  shown.laser.max_range_m = 2.5;
+  EXPECT_TRUE(nlohmann::json::parse(scan_message(shown, "")).at("points").empty());
 }
 
 }  // namespace

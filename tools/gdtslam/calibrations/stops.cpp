@@ -56,6 +56,8 @@ void StopCollector::take(const LogRecord& record) {
     track_.take(*encoder);
   } else if (std::holds_alternative<Tilt>(record)) {
     ++tilt_messages_;
+  } else if (const auto* odometry = std::get_if<Odometry>(&record)) {
+    note_odometry(odometry->T_odom_base);
   } else if (const auto* scan = std::get_if<ScanRecord>(&record)) {
     ++statistics_.scans;
     if (scan->T_odom_base) note_odometry(*scan->T_odom_base);

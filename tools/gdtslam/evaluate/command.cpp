@@ -80,9 +80,12 @@ void add_evaluate_command(CLI::App& app, CommandContext& context) {
                       "Stamps further apart do not match (default: 0.1 ms for relations, 10 ms for a reference)");
   add_quantity_option(*command, "--distance", options->distance_m, Unit::kMetre, {kLeastDistance_m, kMostDistance_m},
                       "Path length that the relative pose error is taken over")
-      ->default_str(format_quantity(options->distance_m, Unit::kMetre));
-  command->add_flag("--no-align", options->no_align,
-                    "Against a reference: make the first poses agree instead of the best rigid alignment");
+      ->default_str(format_quantity(options->distance_m, Unit::kMetre))
+      ->excludes("--relations");
+  command
+      ->add_flag("--no-align", options->no_align,
+                 "Against a reference: make the first poses agree instead of the best rigid alignment")
+      ->excludes("--relations");
   command
       ->add_option(
           "--noise", options->noise,

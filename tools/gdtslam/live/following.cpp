@@ -9,6 +9,7 @@
 
 #include "engine/runs/localizer/drive.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/io/occupancy_map_file.hpp"
 #include "input/live_log.hpp"
 #include "options.hpp"
 #include "page/page_figures.hpp"
@@ -31,18 +32,25 @@ LocalizeJob job_of(const DriveOptions& options, const Settings& settings) {
   return job;
 }
 
-// Of distances to obstacles: where they are none there is one, and where they are not the largest the floor is free.
-OccupancyMap map_of(const DistanceFieldView& view) {
+// Where there are distances alone they tell of walls, which reach half a cell from an obstacle; what is farther away
+// may be floor or not.
+OccupancyMap walls_of(const DistanceFieldView& view) {
+  constexpr std::uint16_t kWall = 128;  // 1/256 cell
   OccupancyMap map{.geometry = view.geometry, .cells = CellStates(view.geometry.cell_count())};
   std::size_t cell = 0;
   for (std::int32_t y = 0; y < view.geometry.height; ++y) {
     for (std::int32_t x = 0; x < view.geometry.width; ++x, ++cell) {
-      const std::uint16_t distance = view.at({x, y});
-      if (distance >= view.cap) continue;
-      map.cells.set(cell, distance == 0 ? CellState::kOccupied : CellState::kFree);
+      if (view.at({x, y}) <= kWall) map.cells.set(cell, CellState::kOccupied);
     }
   }
   return map;
+}
+
+// The occupancy map of the run or of its own, where there is one.
+OccupancyMap shown_map(const MapField& field) {
+  if (field.source == MapField::Source::kOccupiedCells) return read_occupancy_map(field.path);
+  if (field.run && field.run->summary().map) return field.run->map();
+  return walls_of(field.file.view());
 }
 
 using WhereaboutsCounts = std::array<std::uint64_t, kWhereabouts.size()>;
@@ -59,8 +67,8 @@ std::string counts_text(const WhereaboutsCounts& counts) {
 /// Prints each pose, counts it and shows it.
 class FollowedDrive {
  public:
-  FollowedDrive(const DriveOptions& options, LineOutput& output, LivePage* page)
-      : format_(pose_format_of(options.format)), output_(output), page_(page) {}
+  FollowedDrive(const DriveOptions& options, const ScanConfig& valid, LineOutput& output, LivePage* page)
+      : format_(pose_format_of(options.format)), valid_(valid), output_(output), page_(page) {}
 
   void take(const LaserScan& laser, const TrackedPose& pose) {
     output_.write(pose_line(format_, counts_.scans, laser.stamp_s, pose));
@@ -70,7 +78,7 @@ class FollowedDrive {
     const bool is_known = pose.whereabouts != Whereabouts::kUnknown;
     if (is_known && T_map_last_) counts_.path_m += (pose.T_map_base.translation() - T_map_last_->translation()).norm();
     T_map_last_ = is_known ? std::optional(pose.T_map_base) : std::nullopt;
-    if (page_ != nullptr) page_->show(shown_scan(counts_, laser, pose));
+    if (page_ != nullptr) page_->show(shown_scan(counts_, valid_, laser, pose));
   }
 
   [[nodiscard]] std::uint64_t scans() const { return counts_.scans; }
@@ -78,6 +86,7 @@ class FollowedDrive {
 
  private:
   PoseFormat format_;
+  ScanConfig valid_;
   LineOutput& output_;
   LivePage* page_;
   DriveCounts counts_;
@@ -100,8 +109,8 @@ int follow_live(const DriveOptions& options) {
   const Localizer localizer(options.map, settings.mapper, {}, *backend);
   LineOutput output(output_rule_of(options));
   const std::unique_ptr<LivePage> page = page_of(options);
-  if (page) page->show(map_of(localizer.field().file.view()), {});
-  FollowedDrive drive(options, output, page.get());
+  if (page) page->show(shown_map(localizer.field()), {});
+  FollowedDrive drive(options, settings.mapper.scan, output, page.get());
   std::vector<LogReader::Warning> warnings;
   std::exception_ptr problem;
   try {

@@ -87,12 +87,12 @@ int map_live(const DriveOptions& options) {
   LineOutput output(output_rule_of(options));
   DriveRecord record(request.settings.occupancy, occupancy_limits(request.settings.mapper));
   const std::unique_ptr<LivePage> page = page_of(options);
-  request.scan_mapped = [&, format = pose_format_of(options.format),
+  request.scan_mapped = [&, format = pose_format_of(options.format), valid = request.settings.mapper.scan,
                          drive = Drive()](const MappedScan& mapped) mutable {
     output.write(pose_line(format, drive.counts.scans, mapped));
     record.take(mapped);
     drive.count(mapped);
-    if (page) page->show(shown_scan(drive.counts, mapped));
+    if (page) page->show(shown_scan(drive.counts, valid, mapped));
   };
   Snapshots::Plan plan{.folder = request.folder, .every_s = options.snapshot_s, .is_quiet = options.quiet};
   if (page) {

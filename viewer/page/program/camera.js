@@ -18,9 +18,9 @@ const isSameView = (a, b) => a.yaw === b.yaw && a.pitch === b.pitch && a.distanc
 const kFirstPreset = description.cloud ? kPresets.iso : kPresets.top;
 
 class Camera {
-  /// least, most: what is looked at; reach: everything that is drawn.
-  constructor(least, most) {
-    [this.least, this.most] = [least, most];
+  /// least, most: what is looked at; reach: how far from its middle anything is drawn.
+  constructor(least, most, reach = 0) {
+    [this.least, this.most, this.reach] = [least, most, reach];
     this.target = scaled(add(least, most), 0.5);
     this.radius = Math.max(norm(sub(most, least)) / 2, 0.05);
     [this.yaw, this.pitch, this.distance] = [kFirstPreset.yaw, kFirstPreset.pitch, 3 * this.radius];
@@ -41,10 +41,12 @@ class Camera {
     return [smaller * this.width / side, smaller * this.height / side];
   }
 
+  /// Distances before the eye between which all that is drawn lies, with grid and robot; the target, too, however near it is.
   planes() {
     const away = norm(sub(this.eye(), scaled(add(this.least, this.most), 0.5)));
-    const far = away + 2.2 * this.radius;
-    return [Math.max(away - 1.6 * this.radius, far * 2e-4, Math.min(0.02, this.distance / 10)), far];
+    const reach = Math.max(2.2 * this.radius, 1.05 * this.reach);
+    const far = away + reach;
+    return [Math.max(away - reach, Math.min(Math.max(far * 2e-4, 0.02), this.distance / 10)), far];
   }
 
   matrix() {

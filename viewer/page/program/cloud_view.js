@@ -11,7 +11,7 @@ class CloudView {
     this.points = description.cloud ? new Points(description.cloud) : null;
     this.path = description.path ? new Path(description.path) : null;
     this.setBounds();
-    this.camera = new Camera(this.least, this.most);
+    this.camera = new Camera(this.least, this.most, this.reach());
     this.share = 1;        // of the points, while the camera moves
     if (this.points) this.share = clamp((isSoftware ? 120e3 : 3e6) / this.points.about.count, kLeastShare, 1);
     this.frames = 0;
@@ -37,8 +37,7 @@ class CloudView {
       include(sub(cloud.middle_least, origin));
       include(sub(cloud.middle_most, origin));
     } else if (map) {
-      include([map.x - origin[0], map.y - origin[1], this.floor]);
-      include([map.x - origin[0] + map.width * map.resolution, map.y - origin[1] + map.height * map.resolution, this.floor]);
+      this.boxOfMap().forEach(include);
     }
     for (let k = 0; this.path && k < this.path.about.count; ++k) {
       include([this.path.poses[4 * k], this.path.poses[4 * k + 1], this.floor]);
@@ -49,6 +48,23 @@ class CloudView {
       include(sub(middle, [kRobotReach_m, kRobotReach_m, 0]));
     }
     [this.least, this.most] = [least, most];
+  }
+
+  /// Least and most corner of the map.
+  boxOfMap() {
+    const {map, origin} = description;
+    const [x, y] = [map.x - origin[0], map.y - origin[1]];
+    return [[x, y, this.floor], [x + map.width * map.resolution, y + map.height * map.resolution, this.floor]];
+  }
+
+  /// How far from the middle of the bounds anything lies that is drawn: stray points of the cloud and the map beside it, too.
+  reach() {
+    const {cloud, map, origin} = description;
+    const corners = cornersOf(this.least, this.most);
+    if (cloud) corners.push(...cornersOf(sub(cloud.least, origin), sub(cloud.most, origin)));
+    if (map) corners.push(...cornersOf(...this.boxOfMap()));
+    const middle = scaled(add(this.least, this.most), 0.5);
+    return Math.max(...corners.map((corner) => norm(sub(corner, middle))));
   }
 
   /// All that lives on the graphics processor; again where its context was lost.

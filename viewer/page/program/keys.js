@@ -1,24 +1,28 @@
 // Keys, and the help that lists them.
 
-const kHelp = [
-  ['Left drag, one finger', 'Turn'], ['Right drag, Shift and drag, two fingers', 'Move'],
-  ['Wheel, pinch', 'Zoom towards the cursor'], ['Click', 'Read a point'], ['Double click', 'Make a point the centre'],
-  ['Arrows', 'Turn; with Shift, move'], ['+  −', 'Zoom'], ['1  2  3  4', 'Top, iso, front, side'], ['F', 'Fit into the picture'],
-  ['Space', 'Play or pause'], ['M', 'Measure a distance'], ['C', 'Next colour'], ['L', 'Floor and ceiling on or off'],
-  ['[  ]', 'Smaller or larger points'], ['S', 'Save the picture as PNG'], ['T', 'Dark or light'], ['H', 'Panel on or off'],
-  ['Enter', 'Full screen'], ['Esc', 'End measuring'], ['?', 'This help'],
+const kHelp = [  // keys, what they do, and what the page must show for it
+  ['Left drag, one finger', 'Turn', 'scene'], ['Right drag, Shift and drag, two fingers', 'Move', 'scene'],
+  ['Wheel, pinch', 'Zoom towards the cursor', 'scene'], ['Click', 'Read a point', 'points'],
+  ['Double click', 'Make a point the centre', 'scene'], ['Arrows', 'Turn; with Shift, move', 'scene'], ['+  −', 'Zoom', 'scene'],
+  ['1  2  3  4', 'Top, iso, front, side', 'scene'], ['F', 'Fit into the picture', 'scene'], ['Space', 'Play or pause', 'time'],
+  ['M', 'Measure a distance', 'points'], ['C', 'Next colour', 'points'], ['L', 'Floor and ceiling on or off', 'points'],
+  ['[  ]', 'Smaller or larger points', 'points'], ['S', 'Save the picture as PNG'], ['T', 'Dark or light'],
+  ['H', 'Panel on or off'], ['Enter', 'Full screen'], ['Esc', 'End measuring', 'points'], ['?', 'This help'],
 ];
 const kLinkageHelp = [['Drag the crank or the mark', 'Turn the crank'], ['Left, right', 'Turn the crank by 1°'],
                       ['Space', 'Play or pause']];
 
-function fillHelp(hasCloud, hasLinkage) {
+/// shown: whether the page shows a scene, points and time.
+function fillHelp(shown, hasLinkage) {
   const table = (rows) => element('table', {}, ...rows.map(([keys, what]) => element('tr', {},
       element('th', {textContent: keys, scope: 'row'}), element('td', {textContent: what}))));
-  if (hasCloud) byId('help-body').append(table(kHelp));
-  if (hasLinkage) {
-    if (hasCloud) byId('help-body').append(element('h2', {textContent: 'Linkage'}));
-    byId('help-body').append(table(hasCloud ? kLinkageHelp : [...kLinkageHelp, ...kHelp.slice(14, 18), ...kHelp.slice(19)]));
+  const rows = kHelp.filter(([, , need]) => !need || shown[need]);
+  if (!shown.scene) {
+    byId('help-body').append(table([...kLinkageHelp, ...rows]));
+    return;
   }
+  byId('help-body').append(table(rows));
+  if (hasLinkage) byId('help-body').append(element('h2', {textContent: 'Linkage'}), table(kLinkageHelp));
 }
 
 /// Keys that move the camera; false for others.

@@ -72,7 +72,11 @@ class LinkageView {
   listen() {
     byId('crank-play').addEventListener('click', () => this.toggle());
     const speed = byId('crank-speed');
-    const show = () => { byId('crank-speed-value').textContent = `${(15 * this.speed()).toFixed(1)} rpm`; };
+    const show = () => {
+      const text = `${(15 * this.speed()).toFixed(1)} rpm`;
+      byId('crank-speed-value').textContent = text;
+      speed.setAttribute('aria-valuetext', text);
+    };
     speed.addEventListener('input', show);
     show();
     for (const canvas of this.canvases()) {

@@ -152,15 +152,16 @@ class MechanismDrawing {
     return lines * 1.8 * size;
   }
 
-  /// A part of the disc about the rocker's pivot.
+  /// A part of the disc about the rocker's pivot, the short way: a crank-rocker swings by less than 180 degrees.
   drawSector(context, from, to, opacity) {
+    const by = wrapped(to - from);
     const pivot = this.at(this.linkage.rockerPivot);
     context.save();
     context.globalAlpha = opacity;
     context.fillStyle = inkOf('laser');
     context.beginPath();
     context.moveTo(...pivot);
-    context.arc(...pivot, this.beam * this.scale, -from, -to, to > from);
+    context.arc(...pivot, this.beam * this.scale, -from, -(from + by), by > 0);
     context.fill();
     context.restore();
   }

@@ -76,7 +76,7 @@ function showBriefly(text) {
 
 function save() {
   if (page.cloudView && !byId('cloud-stage').hidden) savePicture(page.cloudView, page.overlay);
-  else saveCanvas(byId('mechanism'));
+  else saveDrawing(byId('mechanism'));
 }
 
 /// Buttons of the top, and the keys that do the same.
@@ -99,7 +99,7 @@ async function start() {
   byId('stages').hidden = !(hasScene && description.linkage);
   showStage(hasScene ? 'cloud' : 'linkage');
   if (description.linkage) page.linkageView = new LinkageView(new Linkage(description.linkage));
-  fillHelp(hasScene, Boolean(description.linkage));
+  fillHelp({scene: hasScene, points: Boolean(description.cloud), time: timeSpan.extent > 0}, Boolean(description.linkage));
   page.cloudView = hasScene ? makeCloudView() : null;
   page.panel = new Panel(page.cloudView);
   let cloudActions = {};

@@ -76,8 +76,12 @@ class Overlay {
       context.fillStyle = colourAt(k / (width - 1));
       context.fillRect(x + k, y, 1.2, this.size * 0.9);
     }
-    const step = roundStep(Math.max(high - low, 1e-9) * 4.2 * this.size / width);
-    for (let k = Math.ceil(low / step - 1e-6); k * step <= high + 1e-6 * step; ++k) {
+    // Where both ends are one large value, its digits must still tell the ticks apart.
+    const extent = Math.max(high - low, 1e-9 * Math.max(1, Math.abs(high)));
+    const step = roundStep(extent * 4.2 * this.size / width);
+    const first = Math.ceil(low / step - 1e-6);
+    for (let tick = 0; (first + tick) * step <= high + 1e-6 * step; ++tick) {
+      const k = first + tick;
       const at = x + clamp((k * step - low) / Math.max(high - low, 1e-12), 0, 1) * width;
       context.fillStyle = hexColour('text');
       context.fillRect(Math.round(at) - 0.5, y + this.size * 0.9, 1, 4);
@@ -144,6 +148,16 @@ function savePicture(cloudView, overlay) {
   const context = picture.getContext('2d');
   context.drawImage(cloudView.canvas, 0, 0);
   context.drawImage(overlay.canvas, 0, 0);
+  saveCanvas(picture);
+}
+
+/// A drawing on the ground that it has on the page; its own canvas has none.
+function saveDrawing(canvas) {
+  const picture = element('canvas', {width: canvas.width, height: canvas.height});
+  const context = picture.getContext('2d');
+  context.fillStyle = cssOf(colourOf('scene'));
+  context.fillRect(0, 0, picture.width, picture.height);
+  context.drawImage(canvas, 0, 0);
   saveCanvas(picture);
 }
 

@@ -26,7 +26,10 @@ function slider(label, id, {min, max, step, value}, textOf, apply) {
   input.value = value;
   const output = element('output', {});
   output.setAttribute('for', id);
-  const show = () => { output.textContent = textOf(Number(input.value)); };
+  const show = () => {
+    output.textContent = textOf(Number(input.value));
+    input.setAttribute('aria-valuetext', output.textContent);
+  };
   input.addEventListener('input', () => {
     apply(Number(input.value));
     show();

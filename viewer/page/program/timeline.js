@@ -55,5 +55,6 @@ class Timeline {
     this.slider.value = view.until;
     const digits = timeSpan.extent < 1000 ? 1 : 0;
     this.value.textContent = `${(view.until * timeSpan.extent).toFixed(digits)} of ${timeSpan.extent.toFixed(digits)} s`;
+    this.slider.setAttribute('aria-valuetext', this.value.textContent);
   }
 }

@@ -21,6 +21,7 @@ namespace gdtslam {
 struct ShownScan {
   std::uint64_t scan = 0;
   LaserScan laser;
+  ScanConfig valid;                 ///< which of its ranges count
   std::optional<Pose2> T_map_base;  ///< in the frame of the map that is shown
   bool is_in_doubt = false;
   /// Names and values, as the page prints them; asked for by the page's thread.

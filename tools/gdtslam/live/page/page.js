@@ -9,6 +9,7 @@ const kLeastScale = 0.5;
 const kFirstScale = 30;
 
 const kSilent_s = 3;      // that nothing was heard, though the server says something each 2 s
+const kIdle_s = 3;        // that no scan came, and the rate is none any more
 const kGivenUp_s = 10;    // at first: a slow line may take longer for a map
 const kMostPatience_s = 160;
 
@@ -20,6 +21,8 @@ let picture = null;       // the map in the colours of the page
 let trail = [];           // poses and their scans since the map's path, null where the way between two is not known
 let isDue = false;
 const kMostTrail = 20000;
+const kTrailSpacing_m = 0.05;  // at first
+let trailSpacing_m = kTrailSpacing_m;
 
 function colour(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
@@ -133,21 +136,45 @@ function showFigures() {
     const term = document.createElement("dt"), text = document.createElement("dd");
     term.textContent = name;
     text.textContent = value;
+    if (name === "rate") text.id = "rate";
     row.append(term, text);
     return row;
   });
   figures.replaceChildren(...rows);
+  showRate();
 }
 
-// Every second pose, the newest among them, and the gaps between those that are left.
-function halved(poses) {
-  const kept = [];
-  let left = poses.filter((pose) => pose).length;
-  for (const pose of poses) {
-    if (pose && --left % 2 === 0) kept.push(pose);
-    else if (!pose && kept.at(-1) !== null) kept.push(null);
+// The rate is that of the last scans: where they have stopped, though the drive gives signs of life, it is none any more.
+function showRate() {
+  const rate = document.getElementById("rate");
+  if (!rate) return;
+  const idle_s = Math.floor((performance.now() - scannedAt) / 1000);
+  const text = idle_s < kIdle_s ? live.scan.figures.rate : `no scan for ${idle_s} s`;
+  if (rate.textContent !== text) rate.textContent = text;
+}
+
+// Whether a line needs both poses: they lie the spacing apart, or a quarter of it where the robot has turned (0.2 rad).
+function isApart(from, to) {
+  const away_m = Math.hypot(to[0] - from[0], to[1] - from[1]);
+  const hasTurned = Math.abs(Math.sin((to[2] - from[2]) / 2)) > 0.1;
+  return away_m >= (hasTurned ? trailSpacing_m / 4 : trailSpacing_m);
+}
+
+// The newest pose is among the poses until the next one comes, and stays if it lies apart from the one before it.
+function addPose(poses, pose) {
+  if (!pose) {
+    if (poses.at(-1) !== null) poses.push(null);
+    return poses;
   }
-  return kept;
+  const newest = poses.findLastIndex((one) => one);
+  const before = poses.findLastIndex((one, k) => one && k < newest);
+  if (before >= 0 && !isApart(poses[before], poses[newest])) {
+    const hasGap = poses.includes(null, before);
+    poses.length = before + 1;
+    if (hasGap) poses.push(null);
+  }
+  poses.push(pose);
+  return poses;
 }
 
 // What the path of a map has by now goes; a gap that is left, stays.
@@ -157,9 +184,14 @@ function shortenTrail(scans) {
   trail = trail.slice(trail[begin - 1] === null ? begin - 1 : begin);
 }
 
+// A trail that is too long gets a wider spacing, the same from its begin to its end.
 function followTrail(pose) {
-  if (!pose && trail.at(-1) === null) return;
-  if (trail.push(pose) > kMostTrail) trail = halved(trail);
+  if (trail.length === 0) trailSpacing_m = kTrailSpacing_m;
+  addPose(trail, pose);
+  while (trail.length > kMostTrail) {
+    trailSpacing_m *= 2;
+    trail = trail.reduce((poses, one) => addPose(poses, one), []);
+  }
 }
 
 function forgetMap() {
@@ -171,7 +203,10 @@ function forgetMap() {
 // Another drive may follow at the same address: nothing of the one before belongs to it.
 function takeDrive(drive) {
   if (drive === live.drive) return;
-  if (live.drive) setFollowing(true);
+  if (live.drive) {
+    setFollowing(true);
+    patience_s = kGivenUp_s;
+  }
   live.drive = drive;
   live.scan = null;
   trail = [];
@@ -202,6 +237,7 @@ function takeScan(text) {
   takeDrive(scan.drive);
   if (scan.title) document.title = document.querySelector("h1").textContent = scan.title;
   if (!scan.figures) return;  // there is nothing new
+  if (scan.scan !== live.scan?.scan) scannedAt = performance.now();  // after a reconnection the newest one comes again
   live.scan = scan;
   ++live.scans;
   followTrail(scan.pose && [...scan.pose, scan.scan]);
@@ -228,12 +264,13 @@ function saySilent(seconds) {
 let socket = null;
 let heardAt = 0;          // performance.now() of the last message, or of when it was asked for
 let hasHeard = false;
+let scannedAt = 0;        // performance.now() of the newest scan
+// What a slow line has taught stays for the drive: each connection begins with a sign of life, however long the map takes.
 let patience_s = kGivenUp_s;
 
 function takeMessage(data) {
   heardAt = performance.now();
   hasHeard = true;
-  patience_s = kGivenUp_s;
   if (state.className !== "") say("live", "");
   if (typeof data === "string") takeScan(data);
   else takeMap(data).catch((error) => live.errors.push(String(error)));
@@ -270,6 +307,7 @@ setInterval(() => {
     disconnect();
   } else if (silent_s >= kSilent_s && socket.readyState === WebSocket.OPEN) saySilent(silent_s);
 }, 250);
+setInterval(showRate, 250);
 
 function isFollowing() {
   return follow.getAttribute("aria-pressed") === "true";
@@ -336,9 +374,11 @@ canvas.addEventListener("wheel", (event) => {
   zoom(Math.exp(-0.0015 * event.deltaY), event.offsetX * devicePixelRatio, event.offsetY * devicePixelRatio);
 }, {passive: false});
 canvas.addEventListener("keydown", (event) => {
+  if (event.ctrlKey || event.metaKey || event.altKey) return;  // the browser's
   const kStep = 80 * devicePixelRatio / camera.scale;
   const moves = {ArrowLeft: [-kStep, 0], ArrowRight: [kStep, 0], ArrowUp: [0, kStep], ArrowDown: [0, -kStep]};
-  if (event.key === "+" || event.key === "-") zoom(event.key === "+" ? 1.25 : 0.8);
+  const zooms = {"+": 1.25, "=": 1.25, "-": 0.8};  // = is + without Shift
+  if (event.key in zooms) zoom(zooms[event.key]);
   const move = moves[event.key];
   if (!move) return;
   event.preventDefault();

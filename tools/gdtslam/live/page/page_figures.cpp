@@ -40,10 +40,11 @@ double RateMeter::count() {
   return rate_;
 }
 
-ShownScan shown_scan(const DriveCounts& counts, const MappedScan& mapped) {
+ShownScan shown_scan(const DriveCounts& counts, const ScanConfig& valid, const MappedScan& mapped) {
   const MatchResult& match = mapped.match;
   ShownScan shown{.scan = counts.scans,
                   .laser = mapped.scan,
+                  .valid = valid,
                   .T_map_base = mapped.T_closed_front * match.T_map_base,
                   .is_in_doubt = match.doubt != Doubt::kNone,
                   .figures = {}};
@@ -62,9 +63,11 @@ ShownScan shown_scan(const DriveCounts& counts, const MappedScan& mapped) {
   return shown;
 }
 
-ShownScan shown_scan(const DriveCounts& counts, const LaserScan& scan, const TrackedPose& pose) {
+ShownScan shown_scan(const DriveCounts& counts, const ScanConfig& valid, const LaserScan& scan,
+                     const TrackedPose& pose) {
   ShownScan shown{.scan = counts.scans,
                   .laser = scan,
+                  .valid = valid,
                   .T_map_base = {},
                   .is_in_doubt = pose.whereabouts != Whereabouts::kTracked || pose.is_ambiguous,
                   .figures = {}};

@@ -32,7 +32,8 @@ struct DriveCounts {
   double scans_per_s = 0.0;
 };
 
-ShownScan shown_scan(const DriveCounts& counts, const MappedScan& mapped);
-ShownScan shown_scan(const DriveCounts& counts, const LaserScan& scan, const TrackedPose& pose);
+ShownScan shown_scan(const DriveCounts& counts, const ScanConfig& valid, const MappedScan& mapped);
+ShownScan shown_scan(const DriveCounts& counts, const ScanConfig& valid, const LaserScan& scan,
+                     const TrackedPose& pose);
 
 }  // namespace gdtslam

@@ -25,7 +25,8 @@ struct PlanePatch {
   Plane plane;
   std::vector<std::uint32_t> points;  ///< indices into the cloud, ascending
   double rms_m = 0.0;                 ///< of the points' distances
-  double sigma_offset_m = 0.0;        ///< standard deviation of the offset at the points' centre
+  double sigma_centre_m = 0.0;        ///< standard deviation of the plane where the points' centre is
+  double sigma_offset_m = 0.0;        ///< of the offset, which its direction moves with the way from there
   double sigma_normal_rad = 0.0;      ///< of the direction, the worse of the two
   Point3 centre{0.0, 0.0, 0.0};
 };

@@ -47,6 +47,7 @@ struct NoddingConfig {
   double horizontal_rad = 0.017453292519943295;  ///< scans whose elevations all lie within fix the pose
   PoseInterpolation interpolation = PoseInterpolation::kOdometry;
   double prior_limit_sigmas = 1000.0;  ///< instead of PriorConfig::limit_sigmas: see mapper_config_of()
+  double max_step_m = 5.0;             ///< OdometryConfig::max_step_m of the run, held to between all scans here
   SweepForm form = SweepForm::kWorking;
   SmootherConfig smoother;
   double max_blind_s = 60.0;  ///< after this long without a horizontal scan a warning is given
@@ -74,8 +75,9 @@ struct NoddingScanner {
 
 /// Counts over the run so far.
 struct NoddingStatistics {
-  std::uint64_t fixes = 0;             ///< horizontal scans that the 2D system took
+  std::uint64_t fixes = 0;             ///< horizontal scans that the 2D system matched
   std::uint64_t between = 0;           ///< scans with an interpolated pose
+  std::uint64_t odometry_leaps = 0;    ///< odometry steps from scan to scan too long to be true
   std::uint64_t smoothed = 0;          ///< scans between fixes whose points helped to place them
   std::uint64_t by_odometry = 0;       ///< scans posed by odometry from the last fix: at the end, or blind for long
   std::uint64_t before_first_fix = 0;  ///< likewise, backwards from the first
@@ -88,10 +90,11 @@ struct NoddingStatistics {
 };
 
 /// The configuration of the 2D system under a nodding laser: seconds and metres lie between two fixes, so a pose far
-/// from the odometry is a place that looks alike rather than a fault of the wheels, and the prior does not level off.
+/// from the odometry is a place that looks alike rather than a fault of the wheels, and the prior does not level off;
+/// and a step of the odometry may be as long as it likes, since leaps are left out before.
 MapperConfig mapper_config_of(MapperConfig config, const NoddingConfig& nodding);
 
-/// One scan's outcome; match only where it fixed the pose.
+/// One scan's outcome; match only of a horizontal one. One that was not accepted fixes no pose.
 struct NoddingPose {
   std::uint32_t scan = 0;
   double stamp_s = 0.0;

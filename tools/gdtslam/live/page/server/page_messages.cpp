@@ -13,6 +13,7 @@
 
 #include "engine/drawing/markup.hpp"
 #include "engine/io/maps/png.hpp"
+#include "gdtslam/mapping/scan_points.hpp"
 
 namespace gdtslam::live_page {
 std::string_view skeleton();
@@ -83,20 +84,14 @@ std::string path_text(const Trajectory& path) {
   return text;
 }
 
-std::string points_text(const LaserScan& laser, const Pose2& T_map_base) {
-  const Pose2 T_map_laser = T_map_base * laser.T_base_laser;
-  std::string points;
-  for (std::size_t k = 0; k < laser.ranges_m.size(); ++k) {
-    const double range_m = static_cast<double>(laser.ranges_m[k]);
-    const bool is_return = range_m > 0.0 && std::isfinite(range_m) && !laser.is_at_limit(range_m);
-    if (!is_return) continue;
-    const double bearing =
-        T_map_laser.theta_rad + laser.first_bearing_rad + static_cast<double>(k) * laser.bearing_step_rad;
-    points +=
-        fmt::format("{}{},{}", points.empty() ? "" : ",", centimetres(T_map_laser.x_m + range_m * std::cos(bearing)),
-                    centimetres(T_map_laser.y_m + range_m * std::sin(bearing)));
+// As they were matched: those that count, each from where the robot was when it was measured.
+std::string points_text(const ShownScan& shown, const Pose2& T_map_base) {
+  std::string text;
+  for (const Point2& point_base_m : points_of(shown.laser, shown.valid)) {
+    const Point2 point_m = T_map_base * point_base_m;
+    text += fmt::format("{}{},{}", text.empty() ? "" : ",", centimetres(point_m.x()), centimetres(point_m.y()));
   }
-  return points;
+  return text;
 }
 
 }  // namespace
@@ -109,7 +104,7 @@ std::string scan_message(const ShownScan& shown, std::string_view drive) {
   if (shown.T_map_base) {
     const Pose2& T = *shown.T_map_base;
     pose = fmt::format("[{:.4f},{:.4f},{:.5f}]", T.x_m, T.y_m, T.theta_rad);
-    points = points_text(shown.laser, T);
+    points = points_text(shown, T);
   }
   return fmt::format("{{\"drive\":\"{}\",\"scan\":{},\"pose\":{},\"inDoubt\":{},\"figures\":{},\"points\":[{}]}}",
                      drive, shown.scan, pose, shown.is_in_doubt, figures.dump(), points);
