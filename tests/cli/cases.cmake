@@ -118,6 +118,7 @@ gdtslam_cli_test(input.other_log ARGS evaluate {data}/far.tum --reference {truth
 gdtslam_cli_test(input.localize_empty ARGS localize {run} {data}/empty.log EXIT 65 STDERR "empty.log: is empty. give a CARMEN log")
 gdtslam_cli_test(input.compare_no_scan ARGS compare {data}/no_scan.log EXIT 65 STDERR "no_scan.log: holds no laser scan")
 gdtslam_cli_test(input.compare_skip ARGS compare {log} --skip 99999 EXIT 65 STDERR "office.log: holds no laser scan after the 99999 of --skip")
+gdtslam_cli_test(input.compare_two_clocks ARGS compare {log} {log} --relations {data}/drive.relations EXIT 65 STDERR "has the stamps of all [0-9]+ relations twice")
 gdtslam_cli_test(input.compare_no_relation ARGS compare {log} --relations {data}/empty.log EXIT 65 STDERR "empty.log: holds no relation")
 gdtslam_cli_test(input.compare_no_pose ARGS compare {log} --reference {data}/empty.log EXIT 65 STDERR "empty.log: holds no pose")
 gdtslam_cli_test(file.compare_folder ARGS compare {log} --csv nowhere/a.csv EXIT 74 STDERR "nowhere/a.csv: cannot be created: there is no folder nowhere")

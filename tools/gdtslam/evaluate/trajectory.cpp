@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/io/json_file.hpp"
+#include "engine/runs/evaluation/known_relations.hpp"
 #include "engine/runs/evaluation/stated_errors.hpp"
 #include "engine/runs/folder/run_reader.hpp"
 #include "engine/runs/inputs/given_files.hpp"
@@ -160,19 +161,9 @@ int evaluate_against_relations(const EvaluateOptions& options) {
   const Evaluated evaluated = evaluated_of(options);
   const std::vector<Relation> given = read_relations(options.relations);
   const double tolerance_s = options.tolerance_s < 0.0 ? kRelationTolerance_s : options.tolerance_s;
-  const std::vector<Relation> relations = without_repeated_stamps(given, evaluated.trajectory, tolerance_s);
+  const auto [relations, report] =
+      check_relations(evaluated.trajectory, given, options.relations, options.file, tolerance_s);
   const std::size_t repeated = given.size() - relations.size();
-  if (!given.empty() && relations.empty()) {
-    throw InputError(
-        {options.file, 0},
-        fmt::format("has the stamps of all {} relations twice, a clock stepped back: cut it there", given.size()));
-  }
-  const RelationReport report = evaluate_relations(evaluated.trajectory, relations, tolerance_s);
-  if (report.all.translation_m.count == 0) {
-    throw InputError({options.relations, 0},
-                     fmt::format("none of its {} relations has stamps of {}; do both belong to the same log?",
-                                 relations.size(), options.file));
-  }
   std::optional<StatedReport> stated;
   if (evaluated.covariances) {
     stated =

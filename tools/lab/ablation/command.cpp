@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/io/atomic_file.hpp"
+#include "engine/runs/evaluation/known_relations.hpp"
 #include "engine/runs/mapping/map_run.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"
@@ -76,15 +77,6 @@ std::string row_of(const AblationVariant& variant, const MapOutcome& outcome, co
                      error_text(report.loops.translation_m, report.loops.rotation_deg), rate, s.keyframes, s.doubtful);
 }
 
-RelationReport evaluated(const MapOutcome& outcome, const std::vector<Relation>& relations,
-                         const AblationOptions& options) {
-  RelationReport report = evaluate_relations(outcome.trajectory, relations);
-  if (report.all.translation_m.count > 0) return report;
-  throw InputError({options.relations, 0},
-                   fmt::format("none of its {} relations has stamps of {}; do both belong to the same log?",
-                               relations.size(), options.log));
-}
-
 /// A row of the table; `unmatched`: relations whose stamps the log does not have.
 std::string variant_row(const AblationVariant& variant, const AblationOptions& options,
                         const std::vector<Relation>& relations, Backend& backend, std::size_t& unmatched) {
@@ -102,7 +94,7 @@ std::string variant_row(const AblationVariant& variant, const AblationOptions& o
                                  .run([&progress](std::uint64_t scans, double share) { progress.update(scans, share); },
                                       [] { return interrupted(); });
   if (outcome.interrupted) throw Error(ExitCode::kInterrupted, "interrupted; no table is written");
-  const RelationReport report = evaluated(outcome, relations, options);
+  const RelationReport report = check_relations(outcome.trajectory, relations, options.relations, options.log).report;
   unmatched = report.unmatched;
   return row_of(variant, outcome, report);
 }

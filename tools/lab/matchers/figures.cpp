@@ -1,10 +1,8 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <functional>
 
+#include "engine/runs/evaluation/known_relations.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "gdtslam/core/error.hpp"
 #include "run.hpp"
 
 namespace gdtslam {
@@ -41,12 +39,8 @@ void evaluate(const MapOutcome& outcome, const CompareTruth& truth, const Compar
     run.heading_deg = report.ate_rotation_deg;
     return;
   }
-  const RelationReport report = evaluate_relations(outcome.trajectory, truth.relations);
-  if (report.all.translation_m.count == 0) {
-    throw InputError({truth.relations_file, 0},
-                     fmt::format("none of its {} relations has stamps of {}; do both belong to the same log?",
-                                 truth.relations.size(), log_name(job.logs.front())));
-  }
+  const RelationReport report =
+      check_relations(outcome.trajectory, truth.relations, truth.relations_file, log_name(job.logs.front())).report;
   run.position_m = report.all.translation_m;
   run.heading_deg = report.all.rotation_deg;
 }
