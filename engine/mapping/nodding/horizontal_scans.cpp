@@ -35,15 +35,14 @@ HorizontalScans::HorizontalScans(const NoddingConfig& config, const NoddingScann
 
 // A stroke ends where the elevation turns by more than the tolerance of horizontal is wide.
 void HorizontalScans::note_stroke(double elevation_rad) {
-  const double step = elevation_rad - last_elevation_rad_.value_or(elevation_rad);
+  if (!last_elevation_rad_) last_elevation_rad_ = elevation_rad;
+  const double step = elevation_rad - *last_elevation_rad_;
   if (stroke_ != 0 && step * stroke_ >= 0.0) {
     last_elevation_rad_ = elevation_rad;
   } else if (std::fabs(step) > 2.0 * horizontal_rad_ || (stroke_ == 0 && step != 0.0)) {
     stroke_ = step > 0.0 ? 1 : -1;
     last_elevation_rad_ = elevation_rad;
     ++strokes_;
-  } else if (!last_elevation_rad_) {
-    last_elevation_rad_ = elevation_rad;
   }
 }
 
