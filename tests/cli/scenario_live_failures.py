@@ -240,7 +240,7 @@ def live_of_a_recording_without_what_was_named():
 
 
 def live_interrupted_before_its_topics():
-    """Nobody knows yet whether the topic that was named is in the recording."""
+    """Nobody knows yet whether the topic that was named is in the recording, nor in an input that ends before it begins."""
     folder = cli.fresh_folder("live_interrupted_before_its_topics")
     expect_exit(cli.command("convert", LOG, "-o", folder / "log.mcap", "-q"), 0)
     for map_of, code in (((), 130), (("--map", RUN), 0)):
@@ -251,3 +251,7 @@ def live_interrupted_before_its_topics():
         process.send_signal(signal.SIGINT)
         _, stderr = process.communicate(timeout=20 * cli.SLOWNESS)
         expect(process.returncode == code and "/odom" not in stderr, f"exit {process.returncode}: {stderr}")
+    for words in (("live", "-", "-o", folder / "none"), ("map", "-", "-o", folder / "none")):
+        process = cli.command(*words, "--odom", "/odom")  # of nothing
+        expect_exit(process, 65)
+        expect("is empty" in process.stderr and "topics" not in process.stderr, process.stderr)

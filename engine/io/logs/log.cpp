@@ -207,7 +207,7 @@ std::unique_ptr<DescribedLog> open_source(std::unique_ptr<ByteSource> packed, co
     if (magic.open != nullptr) return magic.open(std::move(source), name, options);
     throw InputError({name, 0}, fmt::format("is {}; {}", magic.kind, supported()));
   }
-  refuse_topics(options.topics, name, "a CARMEN log");
+  if (!head.empty()) refuse_topics(options.topics, name, "a CARMEN log");  // what ended before it began is none
   return open_carmen(std::move(source), name, options);
 }
 
