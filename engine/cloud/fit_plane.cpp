@@ -53,7 +53,7 @@ std::optional<PlanePatch> fitted_plane(std::span<const CloudPoint> cloud, std::s
   const double sigma_m = std::sqrt(extents[0] * count / std::max(1.0, count - 3.0));
   patch.sigma_centre_m = sigma_m / std::sqrt(count);
   Eigen::Vector3d parts_m(patch.sigma_centre_m, 0.0, 0.0);
-  for (const int axis : {1, 2}) {  // about which the normal turns, with the centre's way from the foot for a lever
+  for (const int axis : {1, 2}) {  // towards which the normal turns, with the centre's way from the foot for a lever
     parts_m[axis] = solver.eigenvectors().col(axis).dot(patch.centre) * sigma_m / std::sqrt(count * extents[axis]);
   }
   patch.sigma_offset_m = parts_m.norm();

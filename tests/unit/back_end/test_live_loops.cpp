@@ -117,7 +117,7 @@ TEST(LiveLoops, WhatWasFoundAtAPlaceTakesEffectWhenEightHaveComeAfterIt) {
   EXPECT_EQ(loops.statistics().beside_cpu_s, 0.0);
 }
 
-/// A distance field this fine has no room for a group.
+/// A distance field this fine has more cells to an obstacle than the kernels count.
 LoopOptions too_fine() {
   LoopOptions options;
   options.search.resolution_m = 1.0e-3;

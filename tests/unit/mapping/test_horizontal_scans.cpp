@@ -33,6 +33,14 @@ HorizontalScans within_a_degree() {
   return {config, kScanner, {}};
 }
 
+/// Takes a scan at an elevation; the strokes by then.
+auto counter_of_strokes(HorizontalScans& scans) {
+  return [&scans](double at_deg) {
+    static_cast<void>(scans.take(nodding_scan(at_deg, at_deg)));
+    return scans.strokes();
+  };
+}
+
 TEST(HorizontalScans, AllElevationsLieWithinTheTolerance) {
   HorizontalScans scans = within_a_degree();
   const auto is_level = [&](double from_deg, double to_deg) {
@@ -52,10 +60,7 @@ TEST(HorizontalScans, AllElevationsLieWithinTheTolerance) {
 // A turn counts once it is two degrees wide, twice the tolerance; the first motion is a stroke however small.
 TEST(HorizontalScans, AStrokeEndsWhereTheElevationTurns) {
   HorizontalScans scans = within_a_degree();
-  const auto strokes_with = [&](double at_deg) {
-    static_cast<void>(scans.take(nodding_scan(at_deg, at_deg)));
-    return scans.strokes();
-  };
+  const auto strokes_with = counter_of_strokes(scans);
   EXPECT_EQ(strokes_with(0.0), 0U);
   EXPECT_EQ(strokes_with(0.5), 1U);
   EXPECT_EQ(strokes_with(10.0), 1U);
@@ -70,10 +75,7 @@ TEST(HorizontalScans, AStrokeEndsWhereTheElevationTurns) {
 
 TEST(HorizontalScans, WhereTheFirstScanIsRaisedNoStrokeHasBeen) {
   HorizontalScans scans = within_a_degree();
-  const auto strokes_with = [&](double at_deg) {
-    static_cast<void>(scans.take(nodding_scan(at_deg, at_deg)));
-    return scans.strokes();
-  };
+  const auto strokes_with = counter_of_strokes(scans);
   EXPECT_EQ(strokes_with(80.0), 0U);
   EXPECT_EQ(strokes_with(40.0), 1U) << "down";
   EXPECT_EQ(strokes_with(0.0), 1U);
