@@ -35,12 +35,11 @@ LocalizeJob job_of(const DriveOptions& options, const Settings& settings) {
 // Where there are distances alone they tell of walls, which reach half a cell from an obstacle; what is farther away
 // may be floor or not.
 OccupancyMap walls_of(const DistanceFieldView& view) {
-  constexpr std::uint16_t kWall = 128;  // 1/256 cell
   OccupancyMap map{.geometry = view.geometry, .cells = CellStates(view.geometry.cell_count())};
   std::size_t cell = 0;
   for (std::int32_t y = 0; y < view.geometry.height; ++y) {
     for (std::int32_t x = 0; x < view.geometry.width; ++x, ++cell) {
-      if (view.at({x, y}) <= kWall) map.cells.set(cell, CellState::kOccupied);
+      if (view.at({x, y}) <= kWallOfField) map.cells.set(cell, CellState::kOccupied);
     }
   }
   return map;

@@ -22,8 +22,7 @@ constexpr double kLeastTall = 260.0;
 constexpr double kAround_m = 1.0;    // of poses
 constexpr double kImageScale = 2.0;  // pixels of the map's image for each of the drawing
 constexpr Colour kWall = colour_for(0x8e949c);
-constexpr std::uint16_t kFullWall = 128;  // 1/256 cell: up to here an obstacle is drawn in full, and to nothing at
-constexpr double kNoWall = 512.0;
+constexpr double kNoWall = 512.0;  // 1/256 cell: an obstacle is drawn in full up to kWallOfField, and to nothing here
 
 /// Where all but a few of the counts lie: the first and the last that count.
 std::pair<std::size_t, std::size_t> span_of(const std::vector<std::uint64_t>& counts) {
@@ -44,7 +43,7 @@ void frame_map(const DistanceFieldView& field, Point2& low, Point2& high) {
   std::vector<std::uint64_t> rows(static_cast<std::size_t>(grid.height));
   for (std::int32_t y = 0; y < grid.height; ++y) {
     for (std::int32_t x = 0; x < grid.width; ++x) {
-      if (field.at({x, y}) > kFullWall) continue;
+      if (field.at({x, y}) > kWallOfField) continue;
       ++columns[static_cast<std::size_t>(x)];
       ++rows[static_cast<std::size_t>(y)];
     }
@@ -99,7 +98,7 @@ void draw_walls(Canvas& canvas, const MapView& view, const DistanceFieldView& fi
       const Point2 from = view.back({upper_left.x(), lower_right.y()});
       const Point2 to = view.back({lower_right.x(), upper_left.y()});
       const double value = least_under(field, from, to);
-      const double share = std::clamp((kNoWall - value) / (kNoWall - kFullWall), 0.0, 1.0);
+      const double share = std::clamp((kNoWall - value) / (kNoWall - kWallOfField), 0.0, 1.0);
       std::uint8_t* const pixel = image->at(u, v);
       pixel[0] = kWall.red;
       pixel[1] = kWall.green;

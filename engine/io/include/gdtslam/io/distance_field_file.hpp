@@ -25,6 +25,9 @@ struct DistanceFieldView {
     return cells[static_cast<std::size_t>(cell.y) * stride + static_cast<std::size_t>(cell.x)];
   }
 };
+/// So near to an obstacle, in 1/256 cell, what is drawn of a field is its wall.
+inline constexpr std::uint16_t kWallOfField = 128;
+
 /// A distance field that is read row by row, so that one that is not stored in rows need not be copied.
 struct DistanceFieldRows {
   GridGeometry geometry;
