@@ -17,6 +17,7 @@
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gl_platform.hpp"
+#include "memory_reserve.hpp"
 #include "shading.hpp"
 #include "viewer/scene/camera_basis.hpp"
 #include "vtk_messages.hpp"
@@ -243,7 +244,9 @@ RawPicture read_back(RenderWindow& window, bool with_depth) {
 RawPicture drawn_over(Colour background, double alpha, RenderWindow& window, vtkRenderer& renderer, bool with_depth) {
   renderer.SetBackground(background.red / 255.0, background.green / 255.0, background.blue / 255.0);
   renderer.SetBackgroundAlpha(alpha);
+  const MemoryReserve reserve;
   window.Render();
+  reserve.throw_where_memory_ended();
   if (!window.loading_failure().empty()) throw DeviceError("OpenGL", "glewInit", window.loading_failure());
   throw_errors_of_vtk();
   return read_back(window, with_depth);
