@@ -220,10 +220,6 @@ std::unique_ptr<RunFolder> new_folder(const MapRequest& request) {
   return folder;
 }
 
-bool comes_once(const MapRequest& request) {
-  return request.live_log || std::find(request.logs.begin(), request.logs.end(), "-") != request.logs.end();
-}
-
 bool is_interruption() {
   try {
     throw;
@@ -234,20 +230,26 @@ bool is_interruption() {
   }
 }
 
-// In the handler of what ended a run whose log cannot be read again: what came of it stays, and is told of.
-[[noreturn]] void keep_what_came(RunFolder& folder, LogCopies& copies, const MapRequest& request) {
-  copies.keep(folder);
-  const std::string kept =
+// In the handler of what ended a run with a log that cannot be read again: logs up to that one stay, and are told of.
+[[noreturn]] void keep_what_came(RunFolder& folder, LogCopies& copies, const MapRequest& request, KeptRequest kept,
+                                 std::size_t logs) {
+  copies.keep(folder, logs);
+  if (logs < kept.paths.size()) {
+    kept.request.logs.resize(logs);
+    kept.paths.resize(logs);
+    write_continue_file(folder.staged_path(kContinueFile), kept);
+  }
+  const std::string told =
       fmt::format("; what came by then is kept: gdtslam map --continue {} makes a map of it", folder.path());
   try {
     throw;
   } catch (const InputError& error) {
-    if (error.has_position()) throw Error(error.code(), error.what() + kept);
-    throw InputError(FilePosition{log_name(request.logs.front()), 0}, error.what() + kept);
+    if (error.has_position()) throw Error(error.code(), error.what() + told);
+    throw InputError(FilePosition{log_name(request.logs.front()), 0}, error.what() + told);
   } catch (const Error& error) {
-    throw Error(error.code(), error.what() + kept);
+    throw Error(error.code(), error.what() + told);
   } catch (const std::bad_alloc&) {
-    throw Error(ExitCode::kFailed, "out of memory" + kept);
+    throw Error(ExitCode::kFailed, "out of memory" + told);
   }
 }
 
@@ -289,8 +291,10 @@ MapResult map_opened(const MapRequest& request, const MapJob& job, const Backend
   try {
     return map_prepared(*folder, request, job, backend, {std::move(scans), copies, *kept.prepared, mapped}, times);
   } catch (...) {
-    if (mapped == 0 || !request.with_copies || !comes_once(request) || is_interruption()) throw;
-    keep_what_came(*folder, copies, request);
+    const bool is_finished = continued != nullptr && continued->leftover.empty();
+    const std::size_t logs = copies.logs_to_keep(is_finished ? continued->copies.size() : 0);
+    if (mapped == 0 || !request.with_copies || logs == 0 || is_interruption()) throw;
+    keep_what_came(*folder, copies, request, kept, logs);
   }
 }
 

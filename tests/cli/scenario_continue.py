@@ -337,6 +337,33 @@ def continue_mistakes():
     expect(f"process {os.getpid()} is writing" in process.stderr, process.stderr)
 
 
+def continue_of_a_stream_with_a_log_that_fails():
+    """A log that is misspelt or damaged takes a run of the standard input nothing, and holds it up in nothing: what came once
+    is kept, without that log."""
+    folder = cli.fresh_folder("continue_of_a_stream")
+    first, second = write_halves(folder, lines_of_drive(120))
+    damaged = folder / "damaged.log"
+    damaged.write_text(second.read_text() + "FLASER 3 1.0\n")
+    map_quietly(first, second, "-o", folder / "both")
+    map_quietly("-", "-o", folder / "run", input=first.read_text())
+    for log, code in ((folder / "nowhere.log", 74), (damaged, 65)):
+        before = digests(folder)
+        process = command("map", "-q", "--continue", folder / "run", log)
+        expect_exit(process, code)
+        expect("is kept" not in process.stderr and digests(folder) == before, process.stderr)
+        process = command("map", "-q", "-", log, "-o", folder / "new", input=first.read_text())
+        expect_exit(process, code)
+        one_error_line(process.stderr)
+        expect("what came by then is kept" in process.stderr, process.stderr)
+        map_quietly("--continue", folder / "new")
+        expect(scans_in(folder / "new")["scans"] == scans_in(folder / "run")["scans"], "not what had come")
+        shutil.rmtree(folder / "new")
+    map_quietly("--continue", folder / "run", second)
+    for name in ("map.pgm", "trajectory.tum", "graph.g2o"):  # of pictures and continue.json the names of the logs are others
+        same = (folder / "run" / name).read_bytes() == (folder / "both" / name).read_bytes()
+        expect(same, f"{name}: gone on with after two logs that failed")
+
+
 def run_with_fewer_logs_leaves_no_copy():
     """A run of one log into the folder of a run of two leaves one copy; a run without copies none."""
     folder = cli.fresh_folder("continue_fewer")

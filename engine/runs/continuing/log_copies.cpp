@@ -176,9 +176,15 @@ void LogCopies::finish(bool is_all) {
   }
 }
 
-void LogCopies::keep(RunFolder& folder) {
+std::size_t LogCopies::logs_to_keep(std::size_t known) const {
+  std::size_t logs = opened_;
+  while (logs > known && !live_log_ && paths_[logs - 1] != "-") --logs;
+  return logs > known ? logs : 0;
+}
+
+void LogCopies::keep(RunFolder& folder, std::size_t logs) {
   std::vector<std::string> names = {kContinueFile};
-  for (std::size_t log = 0; log < names_.size(); ++log) names.push_back(log_copy_name(log));
+  for (std::size_t log = 0; log < logs; ++log) names.push_back(log_copy_name(log));
   folder.keep(names);
   try {
     if (in_hand_) in_hand_->flush();

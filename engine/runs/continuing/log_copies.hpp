@@ -37,8 +37,11 @@ class LogCopies {
   /// The last call: the copy in hand ends, and all copies are files of the run. `is_all` says that the run has all that
   /// it wanted of the log in hand, and was not interrupted.
   void finish(bool is_all);
-  /// The run fails: what it has read by now stays in the folder, to be gone on with.
-  void keep(RunFolder& folder);
+  /// How many logs a run that fails is to keep: up to the last one that was opened and does not come again. None where
+  /// that is among the first `known`, which a finished run has.
+  [[nodiscard]] std::size_t logs_to_keep(std::size_t known) const;
+  /// The run fails: what it has read by now of its first logs stays in the folder, to be gone on with.
+  void keep(RunFolder& folder, std::size_t logs);
   /// A run without copies takes away those of an earlier one.
   static void leave_out(RunFolder& folder);
 
