@@ -33,12 +33,16 @@ struct Target {
 std::vector<Target> cpu_targets(const DeviceOptions& options) {
   std::vector<Target> targets;
   for (const Isa isa : {Isa::kAvx2, Isa::kAvx512}) {
-    if (!isa_available(isa) || (!options.isa.empty() && isa != isa_from_name(options.isa))) continue;
+  const CpuOptions named = cpu_options(options);
+  const std::unique_ptr<Backend> tried = make_cpu_backend(named);
+  const unsigned threads = options.are_threads_given ? tried->device().threads : kOtherThreads;
+    if (!isa_available(isa) || isa != named.isa.value_or(isa)) continue;
     targets.push_back({"cpu " + std::string(to_string(isa)), Proof::kNone, false, true,
                        [isa] { return make_cpu_backend({.threads = 1, .isa = isa}); }});
   }
-  targets.push_back({"cpu, " + std::to_string(kOtherThreads) + " threads", Proof::kNone, false, targets.empty(),
-                     [] { return make_cpu_backend({.threads = kOtherThreads, .isa = {}}); }});
+  targets.push_back({"cpu, " + std::to_string(threads) + (threads == 1 ? " thread" : " threads"), Proof::kNone, false,
+                     targets.empty(),
+                     [threads, isa = named.isa] { return make_cpu_backend({.threads = threads, .isa = isa}); }});
   return targets;
 }
 

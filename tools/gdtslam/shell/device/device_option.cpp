@@ -69,12 +69,6 @@ const VulkanDeviceInfo* first_usable(const VulkanListing& listing, bool hardware
   return nullptr;
 }
 
-CpuOptions cpu_options(const DeviceOptions& options) {
-  CpuOptions cpu{.threads = options.threads, .isa = {}};
-  if (!options.isa.empty()) cpu.isa = isa_from_name(options.isa);
-  return cpu;
-}
-
 [[noreturn]] void fail(const DeviceName& name, const std::string& why) {
   throw UnavailableError("--device " + to_string(name) + ": " + why + "; --device cpu gives the same results");
 }
@@ -134,6 +128,12 @@ Isa isa_from_name(const std::string& name) {
   }
   throw UsageError("--isa: there is no instruction set '" + name + "'" + did_you_mean(name, names) +
                    " (baseline, avx2 or avx512)");
+}
+
+CpuOptions cpu_options(const DeviceOptions& options) {
+  CpuOptions cpu{.threads = options.threads, .isa = {}};
+  if (!options.isa.empty()) cpu.isa = isa_from_name(options.isa);
+  return cpu;
 }
 
 std::unique_ptr<Backend> make_cpu(const DeviceOptions& options) { return make_cpu_backend(cpu_options(options)); }

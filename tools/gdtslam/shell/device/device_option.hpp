@@ -28,6 +28,9 @@ void add_device_options(CLI::App& command, DeviceOptions& options, bool with_fal
 /// The instruction set of that name: baseline, avx2 or avx512. Throws UsageError.
 Isa isa_from_name(const std::string& name);
 
+/// The CPU's threads and instruction set, empty where none is named. Throws UsageError.
+CpuOptions cpu_options(const DeviceOptions& options);
+
 /// The CPU with its threads and instruction set.
 std::unique_ptr<Backend> make_cpu(const DeviceOptions& options);
 
