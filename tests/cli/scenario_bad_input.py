@@ -134,3 +134,26 @@ def hostile_report():
     (run / "report.json").write_text(json.dumps({**sound, "keyframe_scans": [0] * 1_000_000}))  # a long day
     code, error, megabytes, _ = cli.measured("localize", run, LOG, "--scan", 1)
     expect(code == 0, error)
+
+
+def verify_tells_what_it_found_before_an_error():
+    """A log without scans ends it with its own exit code, after the report of the logs before it; one that is not there is told first."""
+    folder = cli.fresh_folder("before_an_error")
+    (folder / "empty.log").write_text("PARAM robot_front_laser_max 81.9\n")
+    process = command("verify", "logs", "--device", "cpu", "--isa", "baseline", "--log", folder / "empty.log")
+    expect_exit(process, 65)
+    one_error_line(process.stderr)
+    expect("empty.log: holds no laser scan" in process.stderr, process.stderr)
+    expect("office-start.log.gz, " in process.stdout and ": equal, and as shipped" in process.stdout, process.stdout)
+    expect("ENDED: " in process.stdout and "empty.log" in process.stdout, process.stdout)
+    expect(process.stdout.splitlines()[-1] == "FAIL: cpu, 3 threads was not verified to its end; 0 differences until then", process.stdout)
+    process = command("verify", "logs", "--device", "cpu", "--isa", "baseline", "--log", folder / "empty.log", "--json")
+    expect_exit(process, 65)
+    cli.validate(process.stdout, "verify")
+    report = json.loads(process.stdout)
+    expect(report["passed"] is False and "holds no laser scan" in report["targets"][0]["failure"], process.stdout)
+    expect(len(report["targets"][0]["logs"]) == 4, process.stdout)
+    process = command("verify", "--device", "cpu", "--log", folder / "none.log")
+    expect_exit(process, 74)
+    one_error_line(process.stderr)
+    expect(process.stdout == "", process.stdout)

@@ -73,6 +73,17 @@ TEST(RecordOf, ADeviceThatFailedIsRemembered) {
   }
 }
 
+TEST(RecordOf, WhatWasEndedByAnotherErrorIsNoWhole) {
+  TargetReport ended = target(true, 10, 0, 1);
+  ended.error = "drive.log: holds no laser scan to map";
+  EXPECT_EQ(kept(report_of({ended})), std::nullopt);
+  EXPECT_TRUE(kept(report_of({target(true, 10, 0, 2), ended}))) << "of other shaders";
+  ended.kernels.front().different = 3;
+  const std::optional<VerifyRecord> record = kept(report_of({ended}));
+  ASSERT_TRUE(record);
+  EXPECT_EQ(record->differences, 3U);
+}
+
 VerifyOptions of_the_cpu(const std::string& isa) {
   VerifyOptions options;
   options.device = {.device = "cpu", .isa = isa};
@@ -104,6 +115,13 @@ TEST(RunVerify, ThreadsThatAreNamedAreTaken) {
   const VerifyReport report = run_verify(options);
   EXPECT_EQ(report.targets.back().name, "cpu, 5 threads");
   EXPECT_EQ(report.targets.back().device.threads, 5U);
+}
+
+TEST(RunVerify, ALogThatIsNotThereIsToldBeforeTheKernels) {
+  VerifyOptions options = of_the_cpu("baseline");
+  options.filter = "";
+  options.logs = {"/nowhere/drive.log"};
+  EXPECT_THROW(run_verify(options), FileError);
 }
 
 TEST(RecordOf, TheCpuIsNoDevice) {

@@ -81,6 +81,8 @@ std::string log_text(const LogVerdict& log, bool is_vulkan) {
 std::string verdict_text(const VerifyReport& report) {
   const std::string found = plural(report.differences(), "difference");
   if (report.failure) return fmt::format("FAIL: {} failed; {} until then\n", report.targets.back().name, found);
+  if (report.error)
+    return fmt::format("FAIL: {} was not verified to its end; {} until then\n", report.targets.back().name, found);
   return fmt::format("{}: {}\n", report.passed() ? "PASS" : "FAIL", found);
 }
 
@@ -93,6 +95,7 @@ std::string as_text(const VerifyReport& report) {
     text += kernels_text(target) + work_text(target);
     if (!target.failure.empty()) text += "FAILED: " + target.failure + "\n";
     for (const LogVerdict& log : target.logs) text += log_text(log, target.is_vulkan);
+    if (!target.error.empty()) text += "ENDED: " + target.error + "\n";
     text += "\n";
   }
   return text + fmt::format("{:.1f} s\n", report.wall_s) + verdict_text(report);
@@ -134,9 +137,10 @@ Json target_json(const TargetReport& target) {
   for (const KernelVerdict& kernel : target.kernels) kernels.push_back(kernel_json(kernel));
   Json logs = Json::array();
   for (const LogVerdict& log : target.logs) logs.push_back(log_json(log));
+  const std::string& failure = target.failure.empty() ? target.error : target.failure;
   return {{"name", target.name},
           {"device", target.device.name.empty() ? Json() : device_json(target.device)},
-          {"failure", target.failure.empty() ? Json() : Json(target.failure)},
+          {"failure", failure.empty() ? Json() : Json(failure)},
           {"dispatches", target.work.dispatches},
           {"submissions", target.work.submissions},
           {"decoys", target.work.decoys},
@@ -177,6 +181,7 @@ int verify(const VerifyCommand& command) {
   keep_result(report, command.options);
   print_result(command.json ? json_text(as_json(report)) : as_text(report));
   if (report.failure) throw DeviceError(*report.failure);
+  if (report.error) std::rethrow_exception(report.error);
   if (report.passed()) return static_cast<int>(ExitCode::kDone);
   throw Error(ExitCode::kFailed, fmt::format("{}: {} from {}", report.targets.front().name,
                                              plural(report.differences(), "difference"), report.reference.name));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -30,12 +31,13 @@ struct Target {
   std::function<std::unique_ptr<Backend>()> open;
 };
 
+/// With an instruction set or threads that are named, those alone. Throws UsageError and UnavailableError for a name.
 std::vector<Target> cpu_targets(const DeviceOptions& options) {
-  std::vector<Target> targets;
-  for (const Isa isa : {Isa::kAvx2, Isa::kAvx512}) {
   const CpuOptions named = cpu_options(options);
   const std::unique_ptr<Backend> tried = make_cpu_backend(named);
   const unsigned threads = options.are_threads_given ? tried->device().threads : kOtherThreads;
+  std::vector<Target> targets;
+  for (const Isa isa : {Isa::kAvx2, Isa::kAvx512}) {
     if (!isa_available(isa) || isa != named.isa.value_or(isa)) continue;
     targets.push_back({"cpu " + std::string(to_string(isa)), Proof::kNone, false, true,
                        [isa] { return make_cpu_backend({.threads = 1, .isa = isa}); }});
@@ -91,6 +93,7 @@ std::vector<LogTask> chosen_logs(const VerifyOptions& options) {
   state_recording(options.recording, config);
   const ReadOptions read = read_options_of(config, false);
   for (const std::string& log : options.logs) {
+    open_log(log, read);  // one that cannot be read is told before the kernels, which take a while
     for (const std::string& matcher : verified_matchers()) tasks.push_back({log, matcher, false, std::nullopt, read});
   }
   return tasks;
@@ -106,7 +109,7 @@ class Verification {
     }
   }
 
-  /// Where the device fails, `report` holds what was found so far.
+  /// Where this throws, `report` holds what was found so far.
   void verify(const Target& target, Backend& reference, TargetReport& report) {
     report.name = target.name;
     report.is_vulkan = target.proof == Proof::kDeviceDidIt;
@@ -201,6 +204,11 @@ VerifyReport run_verify(const VerifyOptions& options) {
       part.failure = error.what();
       report.failure = error;
       break;
+    } catch (const std::exception& error) {
+      if (interrupted()) throw;
+      part.error = error.what();
+      report.error = std::current_exception();
+      break;
     }
   }
   report.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -212,7 +220,7 @@ std::optional<VerifyRecord> record_of(const VerifyReport& report, const VerifyOp
   for (const TargetReport& target : report.targets) {
     if (!target.takes_own_variants) continue;
     const VerifyRecord record{date, target.cases(), target.logs.size(), target.differences(), target.failure};
-    if (record.passed() && !options.filter.empty()) break;
+    if (record.passed() && !(options.filter.empty() && target.error.empty())) break;
     return record;
   }
   return std::nullopt;

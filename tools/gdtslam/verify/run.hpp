@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,6 +40,7 @@ struct TargetReport {
   DeviceWork work;
   std::vector<LogVerdict> logs;
   std::string failure{};  ///< of its driver, which ended the verification
+  std::string error{};    ///< another one that ended it
   [[nodiscard]] std::uint64_t cases() const;
   [[nodiscard]] std::uint64_t differences() const;
 };
@@ -48,17 +50,19 @@ struct VerifyReport {
   std::vector<TargetReport> targets;
   VulkanDeviceInfo vulkan;               ///< the device, where one was verified
   std::optional<DeviceError> failure{};  ///< of the last target's driver; those after it were not verified
+  std::exception_ptr error{};            ///< another one that ended the last target's verification
   double wall_s = 0.0;
   [[nodiscard]] std::uint64_t differences() const;
-  [[nodiscard]] bool passed() const { return differences() == 0 && !failure; }
+  [[nodiscard]] bool passed() const { return differences() == 0 && !failure && !error; }
 };
 
 /// The default matcher and those that work on the device as a whole.
 std::vector<std::string> verified_matchers();
 
 /// Compares the device with the CPU, or, for the CPU, its instruction sets and threads with the baseline. Throws
-/// UnavailableError for a device that is not there, DeviceError when it fails before there is anything to verify,
-/// UsageError for a filter that leaves nothing, and Error(kInterrupted).
+/// UnavailableError for a device or an instruction set that is not there, DeviceError when it fails before there is
+/// anything to verify, UsageError for a filter that leaves nothing, FileError for a log that cannot be opened, and
+/// Error(kInterrupted). What fails later is in the report.
 VerifyReport run_verify(const VerifyOptions& options);
 
 /// What `gdtslam devices` and --device auto should know of it; nothing where it says nothing of the device: of the CPU,
