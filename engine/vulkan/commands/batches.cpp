@@ -50,7 +50,7 @@ Batches::Slot Batches::make_slot(const Device& device) {
 }
 
 Batches::Batches(const Device& device, double wait_limit_s, double spin_s)
-    : device_(device), wait_limit_s_(wait_limit_s), spin_s_(spin_s) {
+    : device_(device), wait_limit_s_(wait_limit_s), spin_s_(std::max(0.0, std::min(spin_s, wait_limit_s))) {
   for (Slot& slot : slots_) {
     slot = make_slot(device);
   }
@@ -114,7 +114,7 @@ void Batches::wait_for(std::uint64_t value) {
   ++wait_count_;
   if (is_done_soon(value)) return;
   const vk::SemaphoreWaitInfo info = wait_info(*device_.timeline(), value);
-  if (device_.handle().waitSemaphores(info, to_nanoseconds(wait_limit_s_)) == vk::Result::eTimeout) {
+  if (device_.handle().waitSemaphores(info, to_nanoseconds(wait_limit_s_ - spin_s_)) == vk::Result::eTimeout) {
     throw DeviceError(device_.info().name, "vkWaitSemaphores", timeout_text(wait_limit_s_));
   }
   note_done(value);

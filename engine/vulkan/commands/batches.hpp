@@ -57,7 +57,7 @@ class Batches {
 
   const Device& device_;
   double wait_limit_s_;
-  double spin_s_;
+  double spin_s_;  ///< a part of the limit
   std::function<void(std::size_t)> on_reuse_;
   std::array<Slot, kSlots> slots_;
   std::size_t slot_ = kSlots - 1;

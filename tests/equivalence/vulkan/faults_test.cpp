@@ -141,6 +141,15 @@ TEST_F(Limits, AWaitThatTakesTooLongIsALostDevice) {
   }
 }
 
+TEST_F(Limits, AskingBeforeSleepingIsAPartOfTheWait) {
+  VulkanOptions options;
+  options.wait_limit_s = 1.0e-4;
+  options.spin_s = 60.0;
+  EXPECT_THROW(wait_for_work(*test_backend(options)), DeviceError);
+  options.wait_limit_s = 30.0;
+  EXPECT_NO_THROW(wait_for_work(*test_backend(options)));
+}
+
 class Environment : public testing::Test {
  protected:
   void SetUp() override { GDTSLAM_NEEDS_VULKAN(); }
