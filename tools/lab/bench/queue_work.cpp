@@ -83,7 +83,7 @@ std::string text_of(const WorkBenchJob& job, const WorkBench& bench, const Vulka
   }
   line("median, us", 1.0e6 * median_of(bench.keyframes.scan_s).value_or(0.0),
        1.0e6 * median_of(bench.others.scan_s).value_or(0.0));
-  if (!bench.keyframes.device_s.empty()) {
+  if (!bench.keyframes.device_s.empty() || !bench.others.device_s.empty()) {
     line("on the device, us", 1.0e6 * median_of(bench.keyframes.device_s).value_or(0.0),
          1.0e6 * median_of(bench.others.device_s).value_or(0.0));
   }
@@ -100,9 +100,11 @@ void take_scan(const ScanRecord& record, Mapper& mapper, VulkanBackend& backend,
   ++scans.scans;
   scans.windows += mapper.statistics().attempts - mapped.attempts;
   scans.evaluations += mapper.statistics().evaluations - mapped.evaluations;
-  scans.work += backend.work() - before;
+  const QueueWork work = backend.work() - before;
+  scans.work += work;
   scans.scan_s.push_back(taken.count());
-  if (const double device_ns = backend.last_submission_ns(); device_ns > 0.0) {
+  // Without a wait of its own the device's time is that of an earlier scan.
+  if (const double device_ns = backend.last_submission_ns(); work.waits > 0 && device_ns > 0.0) {
     scans.device_s.push_back(1.0e-9 * device_ns);
   }
 }
