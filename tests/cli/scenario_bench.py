@@ -89,6 +89,13 @@ def bench_against():
     expect([name["name"] for name in against["only_before"]] == ["of_old"], f"{against['only_before']}")
     expect({name["group"] for name in against["only_now"]} == {"limit"}, f"{against['only_now']}")
 
+    other = dict(before, devices=[dict(before["devices"][0], name="Another processor")], rows=[dict(kernel, basis="wall")])
+    (folder / "other_basis.json").write_text(json.dumps(other))
+    process = command("bench", "smallest_values", "--samples", 5, "--against", folder / "other_basis.json")
+    expect_exit(process, 0)
+    expect("only in that run: cpu kernel smallest_values" in process.stdout, process.stdout)
+    expect("cpu was Another processor" in process.stderr and len(process.stderr.splitlines()) == 1, process.stderr)
+
     kernel["samples_s"] = [1e-6 * sample for sample in kernel["samples_s"]]
     (folder / "fast.json").write_text(json.dumps(before))
     process = command("bench", "smallest_values", "--samples", 5, "--against", folder / "fast.json", "--fail-below", 0.9)
@@ -107,7 +114,9 @@ def bench_against():
     for text, words in (("{}", "has no text 'version'"), ("[1", "no JSON"), ('{"version": "1"}', "has no rows"), ("[]", "is no object"),
                         ('{"version": "1", "rows": [{"on": "cpu"}]}', "has no text 'group'"),
                         (json.dumps({"version": "1", "rows": [dict(kernel, samples_s=[])]}), "samples_s in a row"),
-                        (json.dumps({"version": "1", "rows": [dict(kernel, samples_s=[0])]}), "no time above 0")):
+                        (json.dumps({"version": "1", "rows": [dict(kernel, samples_s=[0])]}), "no time above 0"),
+                        (json.dumps({"version": "1", "rows": [kernel]}), "has no devices"),
+                        (json.dumps({"version": "1", "rows": [kernel], "devices": [{"device": "cpu"}]}), "has no text 'name'")):
         (folder / "bad.json").write_text(text)
         process = command("bench", "smallest_values", "--against", folder / "bad.json")
         expect_exit(process, 65)

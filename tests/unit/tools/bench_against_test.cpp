@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <initializer_list>
+#include <optional>
 #include <string>
 
 #include "gdtslam/core/error.hpp"
@@ -13,7 +14,9 @@ namespace gdtslam {
 namespace {
 
 using testing::AllOf;
+using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 using testing::Not;
 using testing::ThrowsMessage;
 
@@ -48,6 +51,43 @@ TEST(BenchAgainst, NothingComparedIsNothingBeaten) {
         [&none] { require_at_least(none, 0.9); },
         ThrowsMessage<Error>(AllOf(HasSubstr("nothing was compared"), HasSubstr("before.json"), Not(HasSubstr("\n")))));
   }
+}
+
+Measured measured_on(const std::string& on, const std::string& device, std::optional<Isa> isa, bool has_device_time) {
+  BenchRow row;
+  row.group = "kernel";
+  row.name = "edt";
+  row.timing.wall_samples_s = {4.0, 4.0, 4.0, 4.0};
+  if (has_device_time) {
+    row.timing.device_s = 1.0;
+    row.timing.device_samples_s = {1.0, 1.0, 1.0, 1.0};
+  }
+  Measured measured{on, {}, isa, Basis::kDevice, {row}};
+  measured.device.name = device;
+  return measured;
+}
+
+TEST(BenchAgainst, OnlyTimesOfTheSameClockAreCompared) {
+  const EarlierBench before{"before.json", "0.1.0", {{{"vulkan:0", "kernel", "edt", ""}, "device", {2.0, 2.0}}}};
+  const Against same = compare_with(before, {measured_on("vulkan:0", "GPU", {}, true)});
+  ASSERT_EQ(same.rows.size(), 1U);
+  EXPECT_DOUBLE_EQ(same.rows.front().times.middle, 2.0);
+  const Against other = compare_with(before, {measured_on("vulkan:0", "GPU", {}, false)});
+  EXPECT_TRUE(other.rows.empty());
+  EXPECT_EQ(other.only_before.size(), 1U);
+  EXPECT_EQ(other.only_now.size(), 1U);
+}
+
+TEST(BenchAgainst, AnotherDeviceOrInstructionSetIsTold) {
+  const EarlierBench before{
+      "before.json", "0.1.0", {}, {{"cpu", "Processor", "avx2"}, {"vulkan:0", "GPU", ""}, {"vulkan:1", "Other", ""}}};
+  EXPECT_THAT(other_devices(before, {measured_on("cpu", "Processor", Isa::kAvx2, false),
+                                     measured_on("vulkan:0", "GPU", {}, true)}),
+              IsEmpty());
+  EXPECT_THAT(other_devices(before, {measured_on("cpu", "Processor", Isa::kAvx512, false),
+                                     measured_on("vulkan:0", "Big GPU", {}, true)}),
+              ElementsAre("cpu was Processor with avx2 in before.json and is Processor with avx512 now",
+                          "vulkan:0 was GPU in before.json and is Big GPU now"));
 }
 
 }  // namespace

@@ -3,7 +3,11 @@
 
 #include <array>
 #include <cstddef>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
 
+#include "tools/lab/bench/report.hpp"
 #include "tools/lab/bench/rows.hpp"
 
 namespace gdtslam {
@@ -18,6 +22,32 @@ TEST(BenchTiming, TheMedianOfTwoSamplesIsTheSlowerOne) {
   EXPECT_EQ(timing.samples, 2);
   ASSERT_TRUE(timing.device_s.has_value());
   EXPECT_DOUBLE_EQ(*timing.device_s, 3.0);
+}
+
+TEST(BenchTiming, ADeviceWhoseClockFailsOnceTellsNoTime) {
+  constexpr std::array<double, 4> kDevice_ns{7e9, 1e9, -1.0, 3e9};  // of the trial, then of the samples
+  std::size_t done = 0;
+  const Work work{.step = [] {}, .device_ns = [&] { return kDevice_ns.at(done++); }};
+  const Timing timing = measure(work, {.samples = 3, .sample_s = 0.0});
+  EXPECT_FALSE(timing.device_s.has_value());
+  EXPECT_TRUE(timing.device_samples_s.empty());
+}
+
+TEST(BenchTiming, WithoutTheDevicesTimeARowIsOnWallTime) {
+  BenchRow row;
+  Timing& timing = row.timing;
+  timing.wall_s = 2.0;
+  timing.wall_samples_s = {2.0};
+  EXPECT_EQ(basis_of(timing, Basis::kDevice), Basis::kWall);
+  EXPECT_EQ(basis_of(timing, Basis::kCpu), Basis::kCpu);
+  const Measured measured{"vulkan:0", {}, {}, Basis::kDevice, {row}};
+  const nlohmann::ordered_json json = bench_json({measured, measured});
+  for (const auto& line : json["rows"]) {
+    EXPECT_EQ(line["basis"], "wall");
+    EXPECT_EQ(line["samples_s"], nlohmann::ordered_json({2.0}));
+  }
+  timing.device_s = 1.0;
+  EXPECT_EQ(basis_of(timing, Basis::kDevice), Basis::kDevice);
 }
 
 }  // namespace

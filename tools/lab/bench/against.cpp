@@ -36,6 +36,7 @@ EarlierRow earlier_row(const Json& json, const std::string& file) {
   if (!json.is_object()) refuse_bench(file, "has a row that is no object");
   EarlierRow row{{bench_word(json, "on", file), bench_word(json, "group", file), bench_word(json, "name", file),
                   bench_word(json, "variant", file)},
+                 bench_word(json, "basis", file),
                  {}};
   const auto samples = json.find("samples_s");
   if (samples == json.end() || !samples->is_array() || samples->empty() || samples->size() > kMostBenchSamples) {
@@ -48,6 +49,16 @@ EarlierRow earlier_row(const Json& json, const std::string& file) {
     row.samples_s.push_back(seconds);
   }
   return row;
+}
+
+EarlierDevice earlier_device(const Json& json, const std::string& file) {
+  if (!json.is_object()) refuse_bench(file, "has a device that is no object");
+  return {bench_word(json, "device", file), bench_word(json, "name", file),
+          json.contains("isa") ? bench_word(json, "isa", file) : ""};
+}
+
+std::string words_of(const EarlierDevice& device) {
+  return printable(device.isa.empty() ? device.name : fmt::format("{} with {}", device.name, device.isa));
 }
 
 RowName name_of(const Measured& measured, const BenchRow& row) {
@@ -74,11 +85,14 @@ Json names_json(const std::vector<RowName>& names) {
 EarlierBench read_bench(const std::string& file) {
   const Json json = read_json(file, kMostBenchBytes, kBenchAdvice);
   if (!json.is_object()) refuse_bench(file, "is no object");
-  EarlierBench bench{file, bench_word(json, "version", file), {}};
+  EarlierBench bench{file, bench_word(json, "version", file), {}, {}};
   const auto rows = json.find("rows");
   if (rows == json.end() || !rows->is_array()) refuse_bench(file, "has no rows");
   bench.rows.reserve(rows->size());
   for (const Json& row : *rows) bench.rows.push_back(earlier_row(row, file));
+  const auto devices = json.find("devices");
+  if (devices == json.end() || !devices->is_array()) refuse_bench(file, "has no devices");
+  for (const Json& device : *devices) bench.devices.push_back(earlier_device(device, file));
   return bench;
 }
 
@@ -88,20 +102,36 @@ Against compare_with(const EarlierBench& before, const std::vector<Measured>& no
   for (const Measured& measured : now) {
     for (const BenchRow& row : measured.rows) {
       const RowName name = name_of(measured, row);
-      const auto found = std::find_if(before.rows.begin(), before.rows.end(),
-                                      [&name](const EarlierRow& earlier) { return earlier.name == name; });
+      const Basis basis = basis_of(row.timing, measured.basis);
+      const auto found = std::find_if(before.rows.begin(), before.rows.end(), [&](const EarlierRow& earlier) {
+        return earlier.name == name && earlier.basis == to_string(basis);
+      });
       if (found == before.rows.end()) {
         against.only_now.push_back(name);
         continue;
       }
       is_met[static_cast<std::size_t>(found - before.rows.begin())] = true;
-      against.rows.push_back({name, times_ratio(found->samples_s, samples_of(row.timing, measured.basis))});
+      against.rows.push_back({name, times_ratio(found->samples_s, samples_of(row.timing, basis))});
     }
   }
   for (std::size_t i = 0; i < before.rows.size(); ++i) {
     if (!is_met[i]) against.only_before.push_back(before.rows[i].name);
   }
   return against;
+}
+
+std::vector<std::string> other_devices(const EarlierBench& before, const std::vector<Measured>& now) {
+  std::vector<std::string> lines;
+  for (const Measured& measured : now) {
+    const EarlierDevice here{measured.name, measured.device.name,
+                             measured.isa ? std::string(to_string(*measured.isa)) : ""};
+    for (const EarlierDevice& device : before.devices) {
+      if (device.on != here.on || (device.name == here.name && device.isa == here.isa)) continue;
+      lines.push_back(fmt::format("{} was {} in {} and is {} now", here.on, words_of(device), printable(before.file),
+                                  words_of(here)));
+    }
+  }
+  return lines;
 }
 
 std::string against_text(const Against& against) {

@@ -20,13 +20,21 @@ struct RowName {
 };
 struct EarlierRow {
   RowName name;
+  std::string basis;
   std::vector<double> samples_s;
+};
+/// One that it was measured on.
+struct EarlierDevice {
+  std::string on;
+  std::string name;
+  std::string isa;  ///< of a CPU; else empty
 };
 /// What `bench --json` wrote. Throws FileError; InputError for what is not of that kind.
 struct EarlierBench {
   std::string file;
   std::string version;
   std::vector<EarlierRow> rows;
+  std::vector<EarlierDevice> devices{};
 };
 EarlierBench read_bench(const std::string& file);
 
@@ -41,8 +49,11 @@ struct Against {
   std::vector<RowName> only_before;
   std::vector<RowName> only_now;
 };
-/// Rows of the same name, each on the basis that it has now.
+/// Rows of the same name and basis.
 Against compare_with(const EarlierBench& before, const std::vector<Measured>& now);
+
+/// A line for each that was another device, or took other instructions, than what now has its name.
+std::vector<std::string> other_devices(const EarlierBench& before, const std::vector<Measured>& now);
 
 /// For people, a table below the rows.
 std::string against_text(const Against& against);

@@ -217,6 +217,7 @@ int bench(const BenchOptions& options) {
 void add_log_options(CLI::App& command, BenchOptions& options) {
   command
       .add_option("--log", options.log, "Log that certified, live and work map (default: the sample that comes along)")
+  for (const std::string& line : other_devices(*before, all)) print_remark(line);
       ->type_name("LOG");
   add_recording_options(command, options.recording);
   add_settings_options(command, options.settings);

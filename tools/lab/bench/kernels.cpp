@@ -76,8 +76,9 @@ BenchRow bench_case(Backend& backend, const KernelCase& kernel_case, const Timin
                    static_cast<double>(kernel_case.kernel->work({sizes, kernel_case.params, kernel_case.threads})),
                    work_on(backend, buffers.back(), dispatch), options);
   if (row.unit != "look-up" && touches_most(kernel_case, row.work)) {  // look-ups are bound by latency, not by bytes
-    row.copy_ratio =
-        copy_seconds(backend, traffic_bytes(kernel_case), options) / seconds_of(row.timing, basis_of(backend));
+    const Timing copy = copy_timing(backend, traffic_bytes(kernel_case), options);
+    const Basis basis = basis_of(row.timing, basis_of(copy, basis_of(backend)));  // one that both have
+    row.copy_ratio = seconds_of(copy, basis) / seconds_of(row.timing, basis);
   }
   return row;
 }
@@ -139,7 +140,11 @@ Basis basis_of(const Backend& backend) {
 
 double seconds_of(const Timing& timing, Basis basis) {
   if (basis == Basis::kCpu) return timing.cpu_s;
-  return basis == Basis::kDevice ? timing.device_s.value_or(timing.wall_s) : timing.wall_s;
+  return basis == Basis::kDevice ? timing.device_s.value() : timing.wall_s;
+}
+
+std::string_view to_string(Basis basis) {
+  return basis == Basis::kCpu ? "cpu" : basis == Basis::kDevice ? "device" : "wall";
 }
 
 std::function<double()> clock_of(Backend& backend) {
@@ -162,11 +167,10 @@ Work work_on(Backend& backend, const Buffer& last, std::function<void()> step) {
   return work;
 }
 
-double copy_seconds(Backend& backend, std::size_t traffic, const TimingOptions& options) {
+Timing copy_timing(Backend& backend, std::size_t traffic, const TimingOptions& options) {
   const std::size_t bytes = std::max<std::size_t>(traffic / 2, 1);
   auto* const vulkan = dynamic_cast<VulkanBackend*>(&backend);
-  const Timing timing = vulkan != nullptr ? device_copy_timing(*vulkan, bytes, options) : memcpy_timing(bytes, options);
-  return seconds_of(timing, basis_of(backend));
+  return vulkan != nullptr ? device_copy_timing(*vulkan, bytes, options) : memcpy_timing(bytes, options);
 }
 
 BenchRow copy_row(std::string_view variant, std::size_t bytes, const TimingOptions& options) {
@@ -206,8 +210,8 @@ Timing measure(const Work& work, const TimingOptions& options) {
   timing.fastest_s = *fastest;
   timing.slowest_s = *slowest;
   std::vector<double> device_s = times_of(samples, &Sample::device_s);
-  if (const double middle = median(device_s); middle > 0.0) {
-    timing.device_s = middle;
+  if (std::all_of(device_s.begin(), device_s.end(), [](double seconds) { return seconds > 0.0; })) {
+    timing.device_s = median(device_s);
     timing.device_samples_s = std::move(device_s);
   }
   return timing;

@@ -15,8 +15,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-const char* as_text(Basis basis) { return basis == Basis::kCpu ? "cpu" : basis == Basis::kDevice ? "device" : "wall"; }
-
 double rate_of(const BenchRow& row, Basis basis) { return row.work / seconds_of(row.timing, basis); }
 
 const BenchRow* same_row(const Measured& measured, const BenchRow& wanted) {
@@ -37,6 +35,7 @@ Json json_or_null(const std::optional<T>& value) {
 }
 
 Json row_json(const BenchRow& row, const Measured& measured, const Measured& cpu) {
+  const Basis basis = basis_of(row.timing, measured.basis);
   Json json{{"on", measured.name},
             {"group", row.group},
             {"name", row.name},
@@ -49,9 +48,9 @@ Json row_json(const BenchRow& row, const Measured& measured, const Measured& cpu
             {"cpu_fastest_s", row.timing.fastest_s},
             {"cpu_slowest_s", row.timing.slowest_s},
             {"device_s", json_or_null(row.timing.device_s)},
-            {"basis", as_text(measured.basis)},
-            {"rate", rate_of(row, measured.basis)},
-            {"samples_s", samples_of(row.timing, measured.basis)},
+            {"basis", to_string(basis)},
+            {"rate", rate_of(row, basis)},
+            {"samples_s", samples_of(row.timing, basis)},
             {"copy_ratio", json_or_null(row.copy_ratio)},
             {"load_ratio", json_or_null(row.load_ratio)},
             {"times_opencv", json_or_null(row.times_opencv)},
@@ -112,13 +111,14 @@ constexpr std::string_view kPairColumns = "{:>9} | {:>10} {:>8} {:>9} | {:>10} {
 std::string pair_row_text(const NameWidths& widths, const BenchRow& row, const Measured& device, const Measured& cpu) {
   const BenchRow* const beside = same_row(cpu, row);
   const bool has_cpu = beside != nullptr;
-  return line(
-      widths, row.name, row.variant,
-      fmt::format(kPairColumns, row.unit, has_cpu ? microseconds(beside->timing.wall_s) : "",
-                  has_cpu ? giga(rate_of(*beside, cpu.basis)) : "", has_cpu ? limit_text(*beside) : "",
-                  microseconds(row.timing.wall_s), microseconds(row.timing.cpu_s),
-                  row.timing.device_s ? microseconds(*row.timing.device_s) : "-", giga(rate_of(row, device.basis)),
-                  limit_text(row), has_cpu ? fmt::format("{:.2f}", times_cpu(*beside, row, device.basis)) : ""));
+  const bool is_rated = basis_of(row.timing, device.basis) == device.basis;  // as the head of the column says
+  return line(widths, row.name, row.variant,
+              fmt::format(kPairColumns, row.unit, has_cpu ? microseconds(beside->timing.wall_s) : "",
+                          has_cpu ? giga(rate_of(*beside, cpu.basis)) : "", has_cpu ? limit_text(*beside) : "",
+                          microseconds(row.timing.wall_s), microseconds(row.timing.cpu_s),
+                          row.timing.device_s ? microseconds(*row.timing.device_s) : "-",
+                          is_rated ? giga(rate_of(row, device.basis)) : "-", limit_text(row),
+                          has_cpu ? fmt::format("{:.2f}", times_cpu(*beside, row, device.basis)) : ""));
 }
 
 }  // namespace
@@ -163,7 +163,7 @@ std::string pair_report(const Measured& cpu, const Measured& device) {
   text += fmt::format("{:<{}} | {:^29} | {:^53} |\n", "", widths.name + widths.variant + 12, "cpu", device.name);
   text += line(widths, "", "",
                fmt::format(kPairColumns, "unit", "wall us", "G/CPU s", "of limit", "wall us", "CPU us", "device us",
-                           fmt::format("G/{} s", device.basis == Basis::kCpu ? "CPU" : as_text(device.basis)),
+                           fmt::format("G/{} s", device.basis == Basis::kCpu ? "CPU" : to_string(device.basis)),
                            "of limit", "x CPU"));
   for (const BenchRow& row : device.rows) text += pair_row_text(widths, row, device, cpu);
   text +=

@@ -46,7 +46,7 @@ struct Timing {
   int samples = 0;
   std::vector<double> wall_samples_s;  ///< in the order in which they were taken
   std::vector<double> cpu_samples_s;
-  std::vector<double> device_samples_s;  ///< empty where the clock does not tell
+  std::vector<double> device_samples_s;  ///< empty where the clock does not tell, if only for one of them
 };
 
 /// Throws Error(kInterrupted) where a signal came in between.
@@ -80,12 +80,18 @@ BenchRow measured_row(std::string_view group, std::string_view name, std::string
 /// clock; else wall time.
 enum class Basis : std::uint8_t { kCpu, kDevice, kWall };
 Basis basis_of(const Backend& backend);
-/// The time of a measurement on that basis.
+/// That of a measurement on such a backend: wall time where the device's clock did not tell.
+inline Basis basis_of(const Timing& timing, Basis backend) {
+  return backend == Basis::kDevice && !timing.device_s ? Basis::kWall : backend;
+}
+/// As JSON has it: "cpu", "device", "wall".
+std::string_view to_string(Basis basis);
+/// The time of a measurement on its basis.
 double seconds_of(const Timing& timing, Basis basis);
 /// The samples that it is the median of.
 inline const std::vector<double>& samples_of(const Timing& timing, Basis basis) {
   if (basis == Basis::kCpu) return timing.cpu_samples_s;
-  return basis == Basis::kDevice && timing.device_s ? timing.device_samples_s : timing.wall_samples_s;
+  return basis == Basis::kDevice ? timing.device_samples_s : timing.wall_samples_s;
 }
 
 /// What tells the device's time for the submission that was waited for last; empty where there is no such clock.
@@ -94,9 +100,9 @@ std::function<double()> clock_of(Backend& backend);
 /// Steps on a backend: what waits for them, and the device's clock where it has one. The step ends by writing `last`.
 Work work_on(Backend& backend, const Buffer& last, std::function<void()> step);
 
-/// Time that a backend takes to copy so many bytes, read and written together, on its basis: memcpy on the CPU, a
-/// copy between two buffers of its own memory on a device.
-double copy_seconds(Backend& backend, std::size_t traffic, const TimingOptions& options);
+/// Copying so many bytes, read and written together: memcpy on the CPU, a copy between two buffers of its own memory on
+/// a device.
+Timing copy_timing(Backend& backend, std::size_t traffic, const TimingOptions& options);
 
 /// A row of the group "limit": so many bytes read and as many written by memcpy.
 BenchRow copy_row(std::string_view variant, std::size_t bytes, const TimingOptions& options);
