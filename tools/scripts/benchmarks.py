@@ -162,7 +162,7 @@ class Benchmarks:
     def table_kernels(self):
         rows = []
         for row in self.json("bench")["rows"]:
-            if row["group"] in ("cloud", "viewer"):
+            if row["group"] in ("cloud", "viewer") or row["variant"].startswith("peer: "):
                 continue
             share = next((f"{kind} {row[key]:.2f}" for kind, key in (("copy", "copy_ratio"), ("load", "load_ratio"))
                           if row[key] is not None), "")
@@ -197,7 +197,7 @@ class Benchmarks:
         peers = {row["name"]: row for row in rows if row["variant"].startswith("peer: ")}
         made = []
         for row in rows:
-            if row["group"] != "cloud" or row["variant"].startswith("peer: "):
+            if row["group"] != "cloud":
                 continue
             peer = peers[row["name"]]
             made.append([f"`{row['name']}`", row["variant"], time_text(row["cpu_s"]), f"{1e-6 * row['rate']:.0f} M points/s",

@@ -50,5 +50,17 @@ TEST(BenchTiming, WithoutTheDevicesTimeARowIsOnWallTime) {
   EXPECT_EQ(basis_of(timing, Basis::kDevice), Basis::kDevice);
 }
 
+TEST(BenchClouds, WhatOthersDoIsAPeer) {
+  std::size_t peers = 0;
+  for (const BenchRow& row : bench_clouds({.samples = 1, .sample_s = 0.0})) {
+    const bool is_peer = row.variant.find("fwrite") != std::string::npos ||
+                         row.variant.find("fread") != std::string::npos ||
+                         row.variant.find("unordered_set") != std::string::npos;
+    peers += is_peer ? 1U : 0U;
+    EXPECT_EQ(row.group, is_peer ? "peer" : "cloud") << row.variant;
+  }
+  EXPECT_EQ(peers, 3U);
+}
+
 }  // namespace
 }  // namespace gdtslam

@@ -115,8 +115,9 @@ std::vector<BenchRow> bench_clouds(const TimingOptions& options) {
   const std::string file = folder.path() + "/cloud.ply";
   std::vector<char> bytes(kPoints * kPointBytes, 'x');
   std::vector<BenchRow> rows;
-  const auto add = [&](const char* name, const char* variant, std::function<void()> step) {
-    rows.push_back(measured_row("cloud", name, variant, "point", kPoints, {.step = std::move(step)}, options));
+  const auto add = [&](const char* name, std::string_view variant, std::function<void()> step) {
+    const char* const group = variant.starts_with("peer: ") ? "peer" : "cloud";
+    rows.push_back(measured_row(group, name, variant, "point", kPoints, {.step = std::move(step)}, options));
   };
   add("cloud_write", "binary PLY, SHA-256", [&] { write_cloud(file, cloud); });
   add("cloud_read", "binary PLY", [&] { read_cloud_in_pieces(file); });
