@@ -50,6 +50,15 @@ TEST(BenchTiming, WithoutTheDevicesTimeARowIsOnWallTime) {
   EXPECT_EQ(basis_of(timing, Basis::kDevice), Basis::kDevice);
 }
 
+TEST(BenchOrder, ComesByEachOnce) {
+  for (std::size_t count = 1; count < 200; ++count) {
+    const std::size_t stride = spreading_stride(count);
+    std::set<std::size_t> met;
+    for (std::size_t k = 0; k < count; ++k) met.insert(k * stride % count);
+    EXPECT_EQ(met.size(), count) << count;
+  }
+}
+
 TEST(BenchClouds, WhatOthersDoIsAPeer) {
   std::size_t peers = 0;
   for (const BenchRow& row : bench_clouds({.samples = 1, .sample_s = 0.0})) {

@@ -233,7 +233,7 @@ class CertifiedBenchRun {
     double spent_s = 0.0;
     std::uint64_t best = 0;
     // In an order that a short share of them is spread over the log, too.
-    const std::size_t stride = scans_.size() / 2 + 1;
+    const std::size_t stride = spreading_stride(scans_.size());
     for (std::size_t k = 0; k < scans_.size() && (k == 0 || spent_s < job_.lattice_s); ++k) {
       const std::size_t index = k * stride % scans_.size();
       const Found end = search_lattice(scans_[index], window_around(scans_[index], size, index));

@@ -3,6 +3,7 @@
 #include <array>
 #include <chrono>
 #include <cstring>
+#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
@@ -145,6 +146,12 @@ double seconds_of(const Timing& timing, Basis basis) {
 
 std::string_view to_string(Basis basis) {
   return basis == Basis::kCpu ? "cpu" : basis == Basis::kDevice ? "device" : "wall";
+}
+
+std::size_t spreading_stride(std::size_t count) {
+  std::size_t stride = count / 2 + 1;
+  while (std::gcd(stride, count) != 1) ++stride;
+  return stride;
 }
 
 std::function<double()> clock_of(Backend& backend) {

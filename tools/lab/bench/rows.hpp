@@ -94,6 +94,9 @@ inline const std::vector<double>& samples_of(const Timing& timing, Basis basis) 
   return basis == Basis::kDevice ? timing.device_samples_s : timing.wall_samples_s;
 }
 
+/// A step by which an index comes by each of `count` once, modulo it, and soon by all parts of them.
+std::size_t spreading_stride(std::size_t count);
+
 /// What tells the device's time for the submission that was waited for last; empty where there is no such clock.
 std::function<double()> clock_of(Backend& backend);
 
