@@ -13,13 +13,14 @@
 
 namespace gdtslam {
 
-FolderLock::FolderLock(const std::filesystem::path& folder)
+FolderLock::FolderLock(const std::filesystem::path& folder, Taken taken)
     : descriptor_(retried([&] { return ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); })) {
   if (descriptor_ < 0) {
     if (errno == EACCES) return;  // a folder may allow writing but not reading
     throw FileError(folder.string(), "cannot be written to: " + errno_text(errno));
   }
-  is_held_ = retried([this] { return ::flock(descriptor_, LOCK_EX | LOCK_NB); }) == 0;
+  const int how = taken == Taken::kWait ? LOCK_EX : LOCK_EX | LOCK_NB;
+  is_held_ = retried([&] { return ::flock(descriptor_, how); }) == 0;
   if (is_held_ || errno != EWOULDBLOCK) return;
   ::close(descriptor_);
   throw UsageError(fmt::format("another process is writing to '{}': wait until it has ended, or give another folder",

@@ -4,14 +4,16 @@
 // thread.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 
 namespace gdtslam {
 
 class FolderLock {
  public:
-  /// Throws UsageError where somebody else has it; FileError.
-  explicit FolderLock(const std::filesystem::path& folder);
+  enum class Taken : std::uint8_t { kRefuse, kWait };
+  /// Where somebody else has it, throws UsageError or waits. Throws FileError.
+  explicit FolderLock(const std::filesystem::path& folder, Taken taken = Taken::kRefuse);
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
   ~FolderLock();

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <thread>
 
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/device/verify_record.hpp"
@@ -207,6 +208,24 @@ TEST_F(CacheTest, EqualDevicesHaveEachTheirOwnRecord) {
   EXPECT_EQ(records.find(other)->differences, 7U);
   one.index = 5;
   EXPECT_TRUE(records.find(one)) << "another number, as when a device before it is taken out";
+}
+
+TEST_F(CacheTest, RecordsThatAreKeptAtOnceAreAllKept) {
+  const VerifyRecords records(work_.string(), "shaders");
+  constexpr unsigned kEach = 40;
+  const auto keep = [&](const std::string& name) {
+    for (unsigned k = 0; k < kEach; ++k) {
+      records.keep(device(k, name + std::to_string(k), "discrete"), {"2026-01-02T03:04:05Z", 10, 2, 0});
+    }
+  };
+  std::thread other(keep, "other ");
+  keep("one ");
+  other.join();
+  for (unsigned k = 0; k < kEach; ++k) {
+    for (const char* name : {"one ", "other "}) {
+      EXPECT_TRUE(records.find(device(k, name + std::to_string(k), "discrete"))) << name << k;
+    }
+  }
 }
 
 TEST_F(CacheTest, TheLastRecordOfADeviceCounts) {

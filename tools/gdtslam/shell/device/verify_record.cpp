@@ -5,6 +5,7 @@
 
 #include "engine/io/json_file.hpp"
 #include "engine/io/sha256.hpp"
+#include "engine/runs/folder/folder_lock.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/folders.hpp"
 
@@ -87,6 +88,7 @@ std::optional<VerifyRecord> VerifyRecords::find(const VulkanDeviceInfo& device) 
 
 void VerifyRecords::keep(const VulkanDeviceInfo& device, const VerifyRecord& record) const {
   if (folder_.empty()) return;
+  const FolderLock lock(folder_, FolderLock::Taken::kWait);  // another verification may keep what it found meanwhile
   Json results = Json::array();
   for (Json& entry : read_list(file())) {
     if (!is_of(entry, device)) results.push_back(std::move(entry));
