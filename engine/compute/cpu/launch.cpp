@@ -44,13 +44,13 @@ void LaunchCheck::layout(const FieldLayout& layout, std::uint32_t width, std::ui
   const bool has_strips = layout.has_strips();
   grid(has_strips ? 0 : width, height, layout.stride, limit);
   require(layout.blank <= 65535, "the blank exceeds 16 bits");
+  require(field_bytes(layout, width, height) / sizeof(std::uint16_t) <= std::uint64_t{1} << 32U,
+          "a field of more than 2^32 cells");
   if (!has_strips) return;
   require(width <= limit, "a field in strips exceeds its limit of columns");
   require(layout.stride > kStripWidth, "the stride of a strip must be more than its 64 columns");
   require(layout.strip % 4 == 0 && layout.strip >= std::uint64_t{layout.stride} * height,
           "the strips overlap, or their distance is no multiple of 4");
-  require(field_bytes(layout, width, height) / sizeof(std::uint16_t) <= std::uint64_t{1} << 32U,
-          "a field in strips of more than 2^32 cells");
 }
 
 void LaunchCheck::grid(std::uint32_t width, std::uint32_t height, std::uint32_t stride, std::uint32_t limit) const {

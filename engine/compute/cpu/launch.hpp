@@ -121,10 +121,10 @@ std::size_t field_bytes(const FieldLayout& layout, std::uint32_t width, std::uin
 class LaunchCheck {
  public:
   LaunchCheck(std::string_view kernel, const LaunchShape& shape) : kernel_(kernel), shape_(shape) {}
-  /// At least 1 and at most `limit` cells wide and high, rows that do not overlap, a stride that is a multiple of 4.
+  /// At most `limit` cells wide and high, or none, rows that do not overlap, a stride that is a multiple of 4.
   void grid(std::uint32_t width, std::uint32_t height, std::uint32_t stride, std::uint32_t limit) const;
-  /// At least 1 and at most `limit` cells wide and high, rows and strips that do not overlap, strides that are
-  /// multiples of 4, no more than 2^32 cells, a blank of 16 bits.
+  /// At most `limit` cells wide and high, or none, rows and strips that do not overlap, strides that are multiples of
+  /// 4, no more than 2^32 cells, a blank of 16 bits.
   void layout(const FieldLayout& layout, std::uint32_t width, std::uint32_t height, std::uint32_t limit) const;
   void buffer(std::size_t binding, std::size_t bytes) const;
   void extent(Extent wanted) const;

@@ -89,6 +89,16 @@ TEST(LaunchLimits, OfAMerge) {
   EXPECT_NE(fault_of<GdtMerge>(merge(), {kAmple, kAmple}, {7, 5, 1}), "");
 }
 
+TEST(LaunchLimits, OfAFieldInRowsAre32BitsOfCells) {
+  GdtMerge::Params params = merge();
+  params.global_stride = 1U << 20U;
+  params.offset_x = params.global_stride - params.scan_width;
+  params.offset_y = 4096 - params.scan_height;  // 2^12 rows of 2^20 cells
+  EXPECT_EQ(merge_fault(params), "");
+  ++params.offset_y;
+  EXPECT_THAT(merge_fault(params), HasSubstr("more than 2^32 cells"));
+}
+
 GdtStamp::Params stamp() {
   return {.tile_count = 2,
           .words = 16,
