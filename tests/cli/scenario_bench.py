@@ -4,7 +4,8 @@ import json
 import subprocess
 import sys
 
-from cli_support import IS_SANITIZED, PROGRAM, SOURCE, command, expect, expect_exit, fresh_folder, one_error_line, skip, validate
+from cli_support import (IS_SANITIZED, PROGRAM, SOURCE, command, expect, expect_exit, fresh_folder, one_error_line, require_vulkan,
+                         skip, validate)
 
 
 def _bench(*arguments):
@@ -122,3 +123,17 @@ def bench_against():
         expect_exit(process, 65)
         one_error_line(process.stderr)
         expect(words in process.stderr and "bench --json" in process.stderr, process.stderr)
+
+
+def bench_of_too_large_a_size():
+    """A square that the device has no buffers for is refused before anything is measured, with the largest one that fits."""
+    device = require_vulkan()[0]
+    most = device["limits"]["storage_buffer_bytes"]
+    if 4 * 8192 * 8192 <= most:
+        skip("the device's buffers are large enough for every size")
+    for arguments in (("transform",), ("--flood-errors",)):
+        process = command("bench", *arguments, "--size", 8192, "--device", device["device"])
+        expect_exit(process, 2)
+        one_error_line(process.stderr)
+        largest = int(process.stderr.split(" or less")[0].split()[-1])
+        expect(4 * largest * largest <= most < 4 * (largest + 1) * (largest + 4), process.stderr)

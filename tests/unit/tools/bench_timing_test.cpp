@@ -59,6 +59,15 @@ TEST(BenchOrder, ComesByEachOnce) {
   }
 }
 
+// 4 bytes a cell: 5792 cells a side take 134,189,056 bytes, 5793 cells in rows of 5796 or more take 134,304,912.
+TEST(BenchSizes, ATransformFitsIntoTheDevicesBuffers) {
+  EXPECT_EQ(largest_transform(std::size_t{1} << 27U, 8192), 5792U);
+  EXPECT_EQ(largest_transform(134189056, 8192), 5792U);
+  EXPECT_LT(largest_transform(134189055, 8192), 5792U);
+  EXPECT_EQ(largest_transform(std::size_t{1} << 28U, 8192), 8192U);
+  EXPECT_EQ(largest_transform(std::size_t{1} << 28U, 1024), 1024U);
+}
+
 TEST(BenchClouds, WhatOthersDoIsAPeer) {
   std::size_t peers = 0;
   for (const BenchRow& row : bench_clouds({.samples = 1, .sample_s = 0.0})) {

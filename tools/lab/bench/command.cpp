@@ -112,6 +112,16 @@ Measured measure_all(Backend& backend, std::string name, const BenchOptions& opt
   return measured;
 }
 
+// Before anything is measured, as that would be lost.
+void check_size(const VulkanBackend& device, const BenchOptions& options) {
+  const std::size_t bytes = device.device().max_buffer_bytes;
+  const std::uint32_t largest = largest_transform(bytes, options.size);
+  if (largest == options.size || !(options.flood_errors || wants(options, "transform"))) return;
+  throw UsageError(
+      fmt::format("bench: --size {} is too large for vulkan:{}, whose buffers have {} bytes at most; give {} or less",
+                  options.size, device.vulkan_device().index, bytes, largest));
+}
+
 ReadOptions read_of(const BenchOptions& options, LogConfig config) {
   state_recording(options.recording, config);
   return read_options_of(config, false);
@@ -196,6 +206,7 @@ int bench(const BenchOptions& options) {
   if (options.is_certified()) return print_certified(*cpu, options);
   if (options.is_logs()) return print_logs(*cpu, options);
   const std::unique_ptr<VulkanBackend> device = make_vulkan(options.device, {.time_submissions = true});
+  if (device) check_size(*device, options);
   if (options.flood_errors) return print_flood_errors(device ? *device : *cpu, options);
   std::vector<Measured> all{measure_all(*cpu, "cpu", options)};
   if (device) {
@@ -206,6 +217,7 @@ int bench(const BenchOptions& options) {
     print_result(options.json ? json_text(bench_json(all)) : text);
     return static_cast<int>(ExitCode::kDone);
   }
+  for (const std::string& line : other_devices(*before, all)) print_remark(line);
   const Against against = compare_with(*before, all);
   Json json = bench_json(all);
   json["against"] = against_json(against);
@@ -217,7 +229,6 @@ int bench(const BenchOptions& options) {
 void add_log_options(CLI::App& command, BenchOptions& options) {
   command
       .add_option("--log", options.log, "Log that certified, live and work map (default: the sample that comes along)")
-  for (const std::string& line : other_devices(*before, all)) print_remark(line);
       ->type_name("LOG");
   add_recording_options(command, options.recording);
   add_settings_options(command, options.settings);

@@ -120,6 +120,9 @@ void compare_with_limits(std::span<BenchRow> rows, std::span<const BenchRow> lim
 /// The kernels whose name contains the filter.
 std::vector<BenchRow> bench_kernels(Backend& backend, std::string_view filter, const TimingOptions& options);
 
+/// The largest square, of `most` cells a side at most, whose transforms need no buffer of more bytes than that.
+std::uint32_t largest_transform(std::size_t buffer_bytes, std::uint32_t most);
+
 /// Whole transforms of a square of `size` cells with walls on 1.5 % of them; on the CPU the peers too.
 std::vector<BenchRow> bench_transforms(Backend& backend, std::uint32_t size, const TimingOptions& options);
 

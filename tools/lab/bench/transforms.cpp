@@ -124,6 +124,12 @@ std::string opencv_version() {
 #endif
 }
 
+std::uint32_t largest_transform(std::size_t buffer_bytes, std::uint32_t most) {
+  std::uint32_t size = most;
+  while (size > 0 && std::size_t{4} * grid_stride(size) * size > buffer_bytes) --size;
+  return size;
+}
+
 std::vector<BenchRow> bench_transforms(Backend& backend, std::uint32_t size, const TimingOptions& options) {
   Square square(backend, SeedPattern::kWalls, size);
   std::vector<BenchRow> rows;
