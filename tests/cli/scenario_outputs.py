@@ -88,6 +88,8 @@ def outputs_are_no_files_of_a_run():
     refused(folder, OF_RUN, "doctor", "--after", run, "--picture", run / "graph.png")
     for name in ("report.json", "gdt.png"):
         refused(folder, "which is written; give another file", "map", LOG, "-o", run, "--mcap", to_run / name)
+    for name in ("trajectory.tum", "report.json", "overview.png"):  # of a run that is not read
+        refused(folder, "which would be damaged; give another file", "linkage", "paper-b", "--csv", to_run / name)
     for _ in range(2):
         expect_exit(command("localize", run, LOG, "-q", "-o", to_run / "found.tum"), 0)
         expect_exit(command("map", LOG, "-o", run, "-q", "--mcap", run / "drive.mcap"), 0)

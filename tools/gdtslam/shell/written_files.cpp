@@ -136,6 +136,10 @@ void WrittenFiles::require_not_of_a_run(std::string_view option, const std::stri
     throw UsageError(fmt::format("{}: '{}' is a file of the run in '{}', which is written; give another file", option,
                                  file, folder));
   }
+  const std::string folder = place_of_file(file).parent_path().string();
+  if (!RunReader::is_gdtslam_run(folder) || !is_run_file_in(folder, file)) return;
+  throw UsageError(fmt::format("{}: '{}' is a file of the run in '{}', which would be damaged; give another file",
+                               option, file, folder));
 }
 
 void WrittenFiles::require_once(std::string_view option, const std::string& file) {

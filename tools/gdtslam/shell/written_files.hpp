@@ -24,8 +24,8 @@ class WrittenFiles {
   void add_run(const std::string& folder) { written_runs_.push_back(folder); }
 
   /// Nothing where `file` is empty. Throws UsageError that names the option where `file` is one that is read, or
-  /// written already, under whatever name, or where a recording lies that it would replace; FileError where its folder
-  /// does not exist.
+  /// written already, under whatever name, a file of a run, or where a recording lies that it would replace; FileError
+  /// where its folder does not exist.
   void add(std::string_view option, const std::string& file, Kind kind = Kind::kResult);
   /// The same for a file whose folder is made if need be.
   void add_in_new_folder(std::string_view option, const std::string& file, Kind kind = Kind::kResult);
