@@ -137,7 +137,7 @@ def hostile_report():
 
 
 def verify_tells_what_it_found_before_an_error():
-    """A log without scans ends it with its own exit code, after the report of the logs before it; one that is not there is told first."""
+    """A log without scans ends it with its exit code, after the report of those before it; one that is not there is told first."""
     folder = cli.fresh_folder("before_an_error")
     (folder / "empty.log").write_text("PARAM robot_front_laser_max 81.9\n")
     process = command("verify", "logs", "--device", "cpu", "--isa", "baseline", "--log", folder / "empty.log")
@@ -146,7 +146,8 @@ def verify_tells_what_it_found_before_an_error():
     expect("empty.log: holds no laser scan" in process.stderr, process.stderr)
     expect("office-start.log.gz, " in process.stdout and ": equal, and as shipped" in process.stdout, process.stdout)
     expect("ENDED: " in process.stdout and "empty.log" in process.stdout, process.stdout)
-    expect(process.stdout.splitlines()[-1] == "FAIL: cpu, 3 threads was not verified to its end; 0 differences until then", process.stdout)
+    last = process.stdout.splitlines()[-1]
+    expect(last == "FAIL: cpu, 3 threads was not verified to its end; 0 differences until then", last)
     process = command("verify", "logs", "--device", "cpu", "--isa", "baseline", "--log", folder / "empty.log", "--json")
     expect_exit(process, 65)
     cli.validate(process.stdout, "verify")

@@ -4,8 +4,8 @@ import json
 import subprocess
 import sys
 
-from cli_support import (IS_SANITIZED, PROGRAM, SOURCE, command, expect, expect_exit, fresh_folder, one_error_line, require_vulkan,
-                         skip, validate)
+from cli_support import (IS_SANITIZED, PROGRAM, SOURCE, command, expect, expect_exit, fresh_folder, one_error_line,
+                         require_vulkan, skip, validate)
 
 
 def _bench(*arguments):
