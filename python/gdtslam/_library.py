@@ -270,13 +270,13 @@ def _in_process(maker: int, function: "Callable[..., Any]", *arguments: Any) -> 
         function(*arguments)
 
 
-def when_gone(owner: Any, function: "Callable[..., Any]", *arguments: Any) -> None:
+def when_gone(owner: Any, function: "Callable[..., Any]", *arguments: Any) -> weakref.finalize:
     """Calls the function when the last reference to the owner is gone, or at the process's end.
 
     Not in a process that was forked off: the threads of what the library made are not in it, and would be waited for
     for ever, and its files are the other process's.
     """
-    weakref.finalize(owner, _in_process, os.getpid(), function, *arguments)
+    return weakref.finalize(owner, _in_process, os.getpid(), function, *arguments)
 
 
 class Handle:
@@ -284,7 +284,8 @@ class Handle:
 
     def __init__(self, kind: str, pointer: c_void_p) -> None:
         self.pointer = pointer
-        when_gone(self, getattr(library, f"gdtslam_{kind}_free"), pointer)
+        # Not at the process's end: a thread may still be in the library with it then.
+        when_gone(self, getattr(library, f"gdtslam_{kind}_free"), pointer).atexit = False
 
     @property
     def _as_parameter_(self) -> c_void_p:

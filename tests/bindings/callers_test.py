@@ -259,6 +259,34 @@ class Warnings(unittest.TestCase):
         self.assertFalse((WORK / "tilted").exists(), "it came before the first scan")
 
 
+ENDS = """
+import sys, threading, time, gdtslam
+scans = list(gdtslam.scans(sys.argv[1]))
+mapper = gdtslam.Mapper(threads=2)
+run = gdtslam.map(sys.argv[1], loops=False, pictures=False, copies=False, count=20)
+
+def work():
+    while True:
+        for scan in scans:
+            mapper.process(scan)
+
+threading.Thread(target=work, daemon=True).start()
+time.sleep(float(sys.argv[2]))
+print(run.folder)
+"""
+
+
+class Ends(unittest.TestCase):
+    def test_a_daemon_thread_in_the_library_breaks_no_end_of_the_process(self):
+        for k in range(8):
+            done = subprocess.run(
+                [sys.executable, "-c", ENDS, str(SAMPLE), str(0.1 + 0.037 * k)], capture_output=True, text=True,
+                env={**os.environ, "PYTHONPATH": str(SOURCE / "python")},
+            )
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertFalse(os.path.exists(done.stdout.strip()), "a temporary folder stays")
+
+
 FORKS = """
 import gc, os, signal, sys, gdtslam
 sample, lets_go = sys.argv[1], sys.argv[2] == "True"
