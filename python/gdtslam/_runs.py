@@ -175,6 +175,8 @@ def map(  # noqa: A001 - the word of the field, as gdtslam.map
         warn: called with each line that a user should see, what was skipped or mended in the log among them; Python's
             warnings where it is None.
     """
+    if out is not None and not os.fspath(out):
+        raise UsageError("out: an empty name is no folder; name one, or leave it out for a temporary one")
     temporary = TemporaryFolder() if out is None else None
     folder = temporary.path / "run" if temporary is not None else pathlib.Path(out)  # type: ignore[arg-type]
     paths = log_list(logs)

@@ -287,6 +287,7 @@ class Errors(unittest.TestCase):
             (gdtslam.UsageError, ValueError, lambda: gdtslam.Mapper().process([1.0], first=0.0, step=0.1, odometry=(1, 2))),
             (gdtslam.UsageError, ValueError, lambda: gdtslam.map([], WORK / "none")),
             (gdtslam.UsageError, ValueError, lambda: gdtslam.map(SAMPLE, WORK / "none", count=0)),
+            (gdtslam.UsageError, ValueError, lambda: gdtslam.map(SAMPLE, "", count=5)),
         ):
             with self.assertRaises(kind) as caught:
                 provoke()
