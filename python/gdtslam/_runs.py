@@ -22,17 +22,25 @@ from ._library import CError, CMapRequest, CPictureRequest, Handle, call, encode
 from ._scans import MOST_WHOLE, Options, Path, log_list, options_of, whole
 
 
+def _absolute(folder: Path) -> "bytes | None":
+    """Of a run, whose files are read later, wherever the process is by then. An empty name stays one."""
+    given = encoded(folder)
+    return os.path.join(os.getcwdb(), given) if given and not os.path.isabs(given) else given
+
+
 class Run:
     """The folder of a run of `gdtslam map`. Each part is read when it is asked for, once."""
 
     def __init__(self, folder: Path) -> None:
         self._keep_folder: Any = None
-        self._handle = make("run", "run_open", encoded(folder))
+        self._given = os.fsdecode(folder)
+        self._handle = make("run", "run_open", _absolute(folder))
 
     @classmethod
-    def _of(cls, handle: Handle, keep_folder: Any) -> "Run":
+    def _of(cls, handle: Handle, given: Path, keep_folder: Any) -> "Run":
         run = cls.__new__(cls)
         run._keep_folder = keep_folder  # a temporary one goes with the run
+        run._given = os.fsdecode(given)
         run._handle = handle
         return run
 
@@ -112,7 +120,7 @@ class Run:
 
     def __repr__(self) -> str:
         report = self.report
-        return f"<gdtslam.Run {str(self.folder)!r}: {report['scans']} scans, map {self.map_sha256[:12]}>"
+        return f"<gdtslam.Run {self._given!r}: {report['scans']} scans, map {self.map_sha256[:12]}>"
 
 
 class TemporaryFolder:
@@ -185,7 +193,7 @@ def map(  # noqa: A001 - the word of the field, as gdtslam.map
     request = CMapRequest(
         logs=_library.text_list(paths),
         log_count=len(paths),
-        folder=encoded(folder),
+        folder=_absolute(folder),
         options=options_handle.pointer,
         linkage=encoded(linkage),
         flags=_flags(
@@ -206,7 +214,7 @@ def map(  # noqa: A001 - the word of the field, as gdtslam.map
     error, pointer = CError(), ctypes.c_void_p()
     with caller:
         status = library.gdtslam_map_logs(ctypes.byref(request), ctypes.byref(pointer), ctypes.byref(error))
-        made = Run._of(Handle("run", pointer), temporary) if pointer else None
+        made = Run._of(Handle("run", pointer), folder, temporary) if pointer else None
     if status == 0 and made is not None:
         return made
     problem = BY_STATUS.get(status, Error)(error.text.decode("utf-8", "replace"))

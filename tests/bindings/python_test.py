@@ -82,6 +82,17 @@ class WholeLog(unittest.TestCase):
         self.assertEqual(scans, list(range(1, 351)))
         self.assertIn("overview.png" if (WORK / "run/overview.png").exists() else "overview.svg", [s[0] for s in self.steps] + ["overview.svg"])
 
+    def test_is_read_wherever_the_process_goes(self):
+        place = folder("python/goes")
+        self.addCleanup(os.chdir, os.getcwd())
+        os.chdir(place)
+        made = gdtslam.map(SAMPLE, "here", loops=False, count=20)
+        opened = gdtslam.Run("here")
+        os.chdir("/")
+        for run in (made, opened):
+            self.assertEqual((run.folder, len(run.trajectory), run.map.ndim), (place / "here", 20, 2))
+            self.assertIn("<gdtslam.Run 'here': 20 scans", repr(run))
+
     def test_pictures_are_drawn_and_written_by_their_ending(self):
         self.assertTrue(self.made.render("graph", format="svg").startswith(b"<svg "))
         self.assertTrue(self.made._repr_svg_().startswith("<svg "))
