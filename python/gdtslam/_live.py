@@ -14,6 +14,7 @@ import numpy as np
 from . import _library
 from ._arrays import Grid, grid_of, poses_view
 from ._callers import Caller, ProgressFunction
+from ._errors import UsageError
 from ._library import CLocalizerRequest, CLocation, CMapperRequest, CMatch, CTracked, call, encoded, make, plain
 from ._runs import Run, thread_count
 from ._scans import Options, Path, Pose, _pose_of, c_scan, have_same_fields, options_of, scan_from
@@ -173,6 +174,15 @@ class Location:
         return self.verdict == "ambiguous"
 
 
+def _limit(name: str, value: "float | None") -> float:
+    """As the library takes it, for which 0 is its default."""
+    if value is None:
+        return 0.0
+    if value == 0:
+        raise UsageError(f"{name}: 0 cannot be kept; give more, or None")
+    return value
+
+
 class Localizer:
     """Finds scans in the whole of a map, without odometry and with a proof. May serve several threads.
 
@@ -200,9 +210,9 @@ class Localizer:
             map=encoded(map.folder if isinstance(map, Run) else map),
             options=handle.pointer,
             flags=0 if runner_up else _library.NO_RUNNER_UP,
-            gap=gap or 0.0,
-            max_seconds=max_seconds or 0.0,
-            good_fit=good_fit or 0.0,
+            gap=_limit("gap", gap),
+            max_seconds=_limit("max_seconds", max_seconds),
+            good_fit=_limit("good_fit", good_fit),
         )
         self._handle = make("localizer", "localizer_new", ctypes.byref(request))
 

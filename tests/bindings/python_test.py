@@ -297,6 +297,8 @@ class Errors(unittest.TestCase):
             (gdtslam.UsageError, ValueError, lambda: gdtslam.Mapper().process([1.0])),
             (gdtslam.UsageError, ValueError, lambda: gdtslam.Mapper().process([1.0], first=0.0, step=0.1, odometry=(1, 2))),
             (gdtslam.UsageError, ValueError, lambda: gdtslam.map([], WORK / "none")),
+            *((gdtslam.UsageError, ValueError, lambda limit=limit: gdtslam.Localizer(WORK / "none", **{limit: 0.0}))
+              for limit in ("gap", "max_seconds", "good_fit")),
             (gdtslam.UsageError, ValueError, lambda: gdtslam.map(SAMPLE, WORK / "none", count=0)),
             (gdtslam.UsageError, ValueError, lambda: gdtslam.map(SAMPLE, "", count=5)),
         ):
