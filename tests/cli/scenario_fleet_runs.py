@@ -115,6 +115,22 @@ def fleet_many_logs_that_are_gone():
     expect("101 of 103 logs are not done" in process.stderr, process.stderr)
 
 
+def fleet_logs_that_break_the_program():
+    """Logs that end their process by a signal, more in a row than a disk that is gone would be given, keep none from being
+    mapped."""
+    folder = fresh_folder("fleet_logs_that_break_the_program")
+    logs = make_logs(folder / "logs", count=2)
+    names = [*(f"bad-{k}" for k in range(7)), *(path.stem for path in logs.iterdir())]
+    listed = "".join(f"x://robot/{name}.log\t{10_000_000 if 'bad' in name else 1}\n" for name in names)  # the largest come first
+    atlas = folder / "atlas"
+    get = f"name=$(basename {{}}); case $name in bad*) kill -9 $PPID;; esac; cat {logs}/$name"
+    planned(atlas, "--list", "-", "--get", get, "--shards", 1, input=listed)
+    process = fleet("run", atlas, "--shard", "1", "-j", "1", code=1)
+    status = status_of(atlas)
+    expect((status["mapped"], status["missing"]) == (2, 7), f"{status}: {process.stderr}")
+    expect("by signal 9" in process.stderr, process.stderr)
+
+
 def fleet_runs_that_are_damaged():
     """A damaged run, and one that somebody mapped by hand, are not taken; whoever does what the line says has the same hash."""
     logs, atlas, whole = atlas_of_two("fleet_runs_that_are_damaged")

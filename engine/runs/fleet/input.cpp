@@ -236,7 +236,8 @@ void require_unchanged(const FleetPlan& plan, const UnitInput& input) {
   const auto [before, now] = std::mismatch(input.files.begin(), input.files.end(), files.begin(), files.end());
   if (before == input.files.end() && now == files.end()) return;
   const bool is_one_file = before != input.files.end() && now != files.end() && before->first == now->first;
-  throw FileError(is_one_file ? before->first : input.path, "was changed while it was mapped; run the command again");
+  throw LogUnavailable(
+      {is_one_file ? before->first : input.path, "was changed while it was mapped; run the command again"});
 }
 
 std::string unit_name(const FleetPlan& plan, const UnitInput& input) {

@@ -35,8 +35,8 @@ class LogUnavailable : public FileError {
 UnitInput unit_input(const FleetPlan& plan, const FleetUnit& unit, const std::string& folder,
                      const std::function<bool()>& stop);
 
-/// The log is opened once to be hashed and once more to be mapped: throws FileError where it was changed or replaced
-/// since unit_input(), so that what was mapped may not be what was hashed.
+/// The log is opened once to be hashed and once more to be mapped: throws LogUnavailable where it was changed or
+/// replaced since unit_input(), so that what was mapped may not be what was hashed.
 void require_unchanged(const FleetPlan& plan, const UnitInput& input);
 
 /// First 16 hexadecimal digits of the SHA-256 of the program, what is asked of it, and the log's bytes.

@@ -89,6 +89,16 @@ TEST_F(FleetUnitWork, LeavesNoRecordWhereItsLogGrows) {
   EXPECT_FALSE(is_done());
 }
 
+// A robot that still writes its logs tells nothing of those that are whole.
+TEST_F(FleetUnitWork, IsSaidToHaveLostItsLogWhereThatGrows) {
+  UnitWork work = the_unit();
+  work.map = [&](const MapRequest&) -> MapResult {
+    append_to(log_, "FLASER 0\n");
+    throw InputError("has no scan");
+  };
+  EXPECT_THROW((void)do_unit(work), LogUnavailable);
+}
+
 TEST_F(FleetUnitWork, LeavesNoRecordWhereItsLogIsReplaced) {
   EXPECT_THAT(fault_after([&] {
                 append_to(log_ + ".new", "# no scan\n");

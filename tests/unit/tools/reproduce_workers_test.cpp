@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "engine/core/memory/out_of_memory.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/workers.hpp"
 #include "tools/lab/reproduce/paper.hpp"
@@ -92,6 +93,19 @@ TEST(Workers, SayThatMemoryIsShort) {
     EXPECT_EQ(error.code(), ExitCode::kFailed);
     EXPECT_NE(std::string(error.what()).find("out of memory"), std::string::npos) << error.what();
   }
+}
+
+TEST(Workers, TellFailuresForMemoryFromOthers) {
+  Workers workers(1);
+  const auto is_for_memory = [&workers](const auto& problem) {
+    workers.start(0, [&](const Workers::Tell&) -> std::string { throw problem; });
+    for (;;) {
+      if (const auto failure = workers.wait_for_any().failure) return failure->for_memory;
+    }
+  };
+  EXPECT_TRUE(is_for_memory(OutOfMemory(8)));
+  EXPECT_TRUE(is_for_memory(std::bad_alloc()));
+  EXPECT_FALSE(is_for_memory(Error(ExitCode::kFailed, "else")));
 }
 
 TEST(Workers, SayWhichSignalEndedOne) {

@@ -32,7 +32,7 @@ namespace {
 
 constexpr unsigned kMostProcesses = 1024;
 constexpr unsigned kTries = 2;
-constexpr std::size_t kMostLogsTriedAgain = 100;  // of those in a row that cannot be had: their disk is gone
+constexpr std::size_t kMostLogsTriedAgain = 100;  // of those in a row that fail by themselves: their disk is gone
 constexpr const char* kNoLog = "no log: ";        // in place of a record, before the reason
 
 Settings settings_for(const FleetPlan& plan) {
@@ -149,20 +149,21 @@ class Runner {
       return done(std::move(record));
     }
     if (event.failure->code == ExitCode::kInterrupted && interrupted()) return;
-    fail(event.id, *event.failure, false);
+    fail(event.id, *event.failure, event.failure->by_signal || event.failure->for_memory);
   }
 
-  // Where the atlas is gone every unit fails, and one line says why.
-  void fail(std::size_t unit, const Workers::Failure& failure, bool is_without_log) {
+  // Where the atlas is gone every unit fails, and one line says why. What is of the log tells nothing of others: it
+  // cannot be had, needs more memory than there is, or breaks the program.
+  void fail(std::size_t unit, const Workers::Failure& failure, bool is_of_log) {
     require_same_atlas(options_.atlas, stored_);
     const bool is_blocked = blocked_.contains(unit);
-    if (is_without_log) {
+    if (is_of_log) {
       logs_in_a_row_ += tries_[unit] == 1 ? 1U : 0U;
     } else if (!is_blocked) {
       ++in_a_row_;
     }
     const bool is_tried_again =
-        !is_blocked && tries_[unit] < kTries && !(is_without_log && logs_in_a_row_ >= kMostLogsTriedAgain);
+        !is_blocked && tries_[unit] < kTries && !(is_of_log && logs_in_a_row_ >= kMostLogsTriedAgain);
     line_.clear();
     print_remark(
         fmt::format("unit {} is not done{}: {}", unit, is_tried_again ? " and is tried again" : "", failure.message));
@@ -174,8 +175,7 @@ class Runner {
     last_ = {unit, failure.code, failure.message};
   }
 
-  // A disk that is full or gone fails every unit: trying them all would only take time. Logs that are gone say nothing
-  // of others.
+  // A disk that is full or gone fails every unit: trying them all would only take time.
   [[nodiscard]] bool is_given_up() const {
     constexpr std::size_t kLongestRow = 6;
     return in_a_row_ >= kLongestRow;
@@ -212,7 +212,7 @@ class Runner {
   std::size_t finished_ = 0;
   std::size_t refused_ = 0;
   std::size_t in_a_row_ = 0;       ///< failures
-  std::size_t logs_in_a_row_ = 0;  ///< that cannot be had at the first try
+  std::size_t logs_in_a_row_ = 0;  ///< that fail by themselves at the first try
   double all_s_ = 0.0;
   double done_s_ = 0.0;
 };

@@ -56,11 +56,15 @@ WorkJson outcome_of(const Workers::Work& work, int pipe) {
   try {
     return {{"result", work(teller(pipe))}};
   } catch (const OutOfMemory& error) {
-    return {{"error", std::string(error.what()) + kFewerAtATime}, {"code", static_cast<int>(error.code())}};
+    return {{"error", std::string(error.what()) + kFewerAtATime},
+            {"code", static_cast<int>(error.code())},
+            {"memory", true}};
   } catch (const Error& error) {
     return {{"error", error.what()}, {"code", static_cast<int>(error.code())}};
   } catch (const std::bad_alloc&) {
-    return {{"error", std::string("out of memory") + kFewerAtATime}, {"code", static_cast<int>(ExitCode::kFailed)}};
+    return {{"error", std::string("out of memory") + kFewerAtATime},
+            {"code", static_cast<int>(ExitCode::kFailed)},
+            {"memory", true}};
   } catch (const std::exception& error) {
     return {{"error", error.what()}, {"code", static_cast<int>(ExitCode::kFailed)}};
   }
@@ -150,7 +154,8 @@ Workers::Event Workers::event_of(const Process& process, double cpu_s, int statu
   const WorkJson outcome = WorkJson::parse(process.outcome);
   if (outcome.contains("error")) {
     event.failure = {.code = static_cast<ExitCode>(outcome.at("code").get<int>()),
-                     .message = outcome.at("error").get<std::string>()};
+                     .message = outcome.at("error").get<std::string>(),
+                     .for_memory = outcome.contains("memory")};
   } else {
     event.result = outcome.at("result").get<std::string>();
   }

@@ -25,7 +25,8 @@ class Workers {
   struct Failure {
     ExitCode code = ExitCode::kFailed;
     std::string message;
-    bool by_signal = false;  ///< the process was ended from without, or broke
+    bool by_signal = false;   ///< the process was ended from without, or broke
+    bool for_memory = false;  ///< there was not enough
   };
   struct Event {
     std::size_t id = 0;
