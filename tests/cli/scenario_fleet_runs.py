@@ -169,6 +169,19 @@ def fleet_runs_that_are_damaged():
     expect(sorted(path.name for path in logs.iterdir()) == ["drive-0.log", "drive-1.log"], "the logs")
 
 
+def fleet_verify_tells_all_it_finds():
+    """A log that is gone hides no difference of another one; without one its own code is the end."""
+    logs, atlas, _ = atlas_of_two("fleet_verify_tells_all_it_finds")
+    record = json.loads((atlas / "units/000/000000.json").read_text())
+    os.rename(record["uri"], logs / "kept")
+    process = fleet("verify", atlas, "--sample", "100%", code=74)
+    expect("drive-0.log: cannot be " in process.stderr.splitlines()[-1] and not process.stdout, process.stdout + process.stderr)
+    (run_of(atlas, 1) / "map.pgm").write_bytes(b"P5")
+    process = fleet("verify", atlas, "--sample", "100%", code=1)
+    expect(f"{run_of(atlas, 1)} was changed since: " in process.stdout, process.stdout)
+    expect("1 of 1 logs became something else" in process.stderr and "unit 0 is not done: " in process.stderr, process.stderr)
+
+
 def tree_of(folder):
     """All that lies there, with the times at which something was written."""
     return {str(path): path.stat().st_mtime_ns for path in [folder, *folder.rglob("*")]}

@@ -297,19 +297,17 @@ RunnerOutcome run_shards(const StoredPlan& stored, const std::vector<std::size_t
   return outcome;
 }
 
-std::vector<UnitRecord> compute_again(const StoredPlan& stored, const std::vector<std::size_t>& units,
-                                      const RunnerOptions& options) {
+ComputedAgain compute_again(const StoredPlan& stored, const std::vector<std::size_t>& units,
+                            const RunnerOptions& options) {
   std::map<std::size_t, UnitRecord> records;
   Runner runner(stored, options, false);
-  const std::vector<UnitFailure> failures = runner.run(units, {}, [&records](UnitRecord record) {
+  ComputedAgain again;
+  again.failures = runner.run(units, {}, [&records](UnitRecord record) {
     const std::size_t unit = record.unit;
     records[unit] = std::move(record);
   });
-  if (!failures.empty()) throw Error(failures.front().code, failures.front().message);
-  std::vector<UnitRecord> list;
-  list.reserve(units.size());
-  for (const std::size_t unit : units) list.push_back(records.at(unit));
-  return list;
+  for (auto& [unit, record] : records) again.records.push_back(std::move(record));
+  return again;
 }
 
 }  // namespace gdtslam

@@ -51,9 +51,12 @@ struct RunnerOutcome {
 RunnerOutcome run_shards(const StoredPlan& stored, const std::vector<std::size_t>& shards,
                          const RunnerOptions& options);
 
-/// Computes units again, apart from the atlas: their records as they would be, in the order of `units`. Throws as
-/// run_shards(), and Error where one could not be computed.
-std::vector<UnitRecord> compute_again(const StoredPlan& stored, const std::vector<std::size_t>& units,
-                                      const RunnerOptions& options);
+struct ComputedAgain {
+  std::vector<UnitRecord> records{};  ///< as they would be, by their units
+  std::vector<UnitFailure> failures{};
+};
+/// Computes units again, apart from the atlas. Throws as run_shards().
+ComputedAgain compute_again(const StoredPlan& stored, const std::vector<std::size_t>& units,
+                            const RunnerOptions& options);
 
 }  // namespace gdtslam

@@ -66,11 +66,11 @@ int verify_atlas(const VerifyOptions& options) {
   const MostRefused sample = parse_most_refused("--sample", options.sample);
   const std::vector<std::size_t> units = drawn_units(state, sample.of(stored.plan.units.size()), options.seed);
   if (units.empty()) throw InputError(runner.atlas + ": no log is done that could be computed again");
-  const std::vector<UnitRecord> again = compute_again(stored, units, runner);
+  const ComputedAgain again = compute_again(stored, units, runner);
   std::string differences;
   std::size_t different = 0;
   std::size_t of_others = 0;
-  for (const UnitRecord& record : again) {
+  for (const UnitRecord& record : again.records) {
     const UnitRecord& kept = *state.records[record.unit];
     of_others += kept.host != record.host ? 1U : 0U;
     const std::string difference = difference_of(kept, record, runner.atlas);
@@ -81,8 +81,9 @@ int verify_atlas(const VerifyOptions& options) {
   if (different > 0) {
     print_result(differences);
     throw Error(ExitCode::kFailed,
-                fmt::format("{} of {} logs became something else than in the atlas", different, units.size()));
+                fmt::format("{} of {} logs became something else than in the atlas", different, again.records.size()));
   }
+  if (!again.failures.empty()) throw Error(again.failures.front().code, again.failures.front().message);
   if (!runner.quiet)
     print_result(fmt::format("{} logs computed again, {} of them other hosts' work: the same results\n", units.size(),
                              of_others));
