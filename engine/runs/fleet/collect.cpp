@@ -48,11 +48,20 @@ std::uint64_t bytes_in(const fs::path& path) {
   return bytes;
 }
 
+// Links stay as they are named, as other machines may know them; but what is above one is where it leads.
 std::string absolute_path(const fs::path& path) {
   std::error_code failed;
-  fs::path whole = fs::absolute(path, failed).lexically_normal();
+  fs::path whole;
+  for (const fs::path& part : fs::absolute(path, failed)) {
+    if (part == "..") {
+      std::error_code ignored;  // what is not there is no link
+      if (fs::is_symlink(fs::symlink_status(whole, ignored))) whole = fs::canonical(whole, failed);
+      whole = whole.parent_path();
+    } else if (!part.empty() && part != ".") {
+      whole /= part;
+    }
+  }
   if (failed) throw FileError(path.string(), "has no absolute path: " + failed.message());
-  if (!whole.has_filename()) whole = whole.parent_path();  // "bag/"
   return whole.string();
 }
 

@@ -194,6 +194,24 @@ TEST(FleetUnits, LinksInFoldersAreLeftOutAndCounted) {
   EXPECT_EQ(found.links, 2U) << "b.log and again";
 }
 
+TEST(FleetUnits, AboveALinkAreWhereItLeads) {
+  const TemporaryFolder folder("gdtslam-fleet-test");
+  const std::string root = folder.path();
+  std::filesystem::create_directories(root + "/far/away");
+  std::filesystem::create_directory_symlink("far/away", root + "/link");
+  std::ofstream(root + "/a.log") << "1";
+  std::ofstream(root + "/far/a.log") << "22";
+  std::ofstream(root + "/far/away/b.log") << "333";
+  UnitCollector collector;
+  collector.add(root + "/link/../a.log");
+  collector.add_list(root + "/link/./../a.log\n" + root + "/link/../listed.log\t7\n", "list");
+  collector.add(root + "//link/b.log");
+  collector.add(root + "/far/../link/");
+  const CollectedUnits found = collector.take();
+  EXPECT_THAT(found.units, ElementsAre(FleetUnit{root + "/far/a.log", 2}, FleetUnit{root + "/far/listed.log", 7},
+                                       FleetUnit{root + "/link/b.log", 3}));
+}
+
 TEST(FleetUnits, OfAListAreRefusedWithTheirLine) {
   const auto message = [](const std::string& text) -> std::string {
     UnitCollector collector;
