@@ -10,9 +10,11 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <memory>
+#include <thread>
 #include <vector>
 
 #include "collect.hpp"
@@ -123,9 +125,14 @@ class OutputOfCommand {
   OutputOfCommand(const OutputOfCommand&) = delete;
   OutputOfCommand& operator=(const OutputOfCommand&) = delete;
   ~OutputOfCommand() {
+    ::close(pipe_);
     if (process_ <= 0) return;
     ::kill(-process_, SIGTERM);
-    end();
+    constexpr std::chrono::seconds kToEnd{3};
+    const auto last = std::chrono::steady_clock::now() + kToEnd;
+    if (end([last] { return std::chrono::steady_clock::now() >= last; })) return;
+    ::kill(-process_, SIGKILL);
+    (void)end({});
   }
   /// 0 at its end, below 0 where a signal came, or nothing for a moment: a signal may also come just before the wait.
   ssize_t read(std::vector<char>& piece) const {
@@ -136,19 +143,25 @@ class OutputOfCommand {
     if (count < 0 && errno != EINTR) throw FileError(command_, "cannot be read: " + errno_text(errno));
     return count;
   }
-  /// Waits for its end. Throws LogUnavailable unless it ended with 0.
-  void require_done() {
-    const int status = end();
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
-    throw LogUnavailable({command_, WIFSIGNALED(status) ? fmt::format("was ended by signal {}", WTERMSIG(status))
-                                                        : fmt::format("ended with code {}", WEXITSTATUS(status))});
+  /// Waits for its end. Throws LogUnavailable unless it ended with 0, and Error(kInterrupted).
+  void require_done(const std::function<bool()>& stop) {
+    const std::optional<int> status = end(stop);
+    if (!status) throw Error(ExitCode::kInterrupted, "interrupted");
+    if (WIFEXITED(*status) && WEXITSTATUS(*status) == 0) return;
+    throw LogUnavailable({command_, WIFSIGNALED(*status) ? fmt::format("was ended by signal {}", WTERMSIG(*status))
+                                                         : fmt::format("ended with code {}", WEXITSTATUS(*status))});
   }
 
  private:
-  int end() {
-    ::close(pipe_);
+  /// How it ended; nothing where `stop` came first.
+  std::optional<int> end(const std::function<bool()>& stop) {
+    constexpr std::chrono::milliseconds kLook{10};
     int status = 0;
-    while (::waitpid(process_, &status, 0) < 0 && errno == EINTR) {
+    for (;;) {
+      const pid_t ended = ::waitpid(process_, &status, stop ? WNOHANG : 0);
+      if (ended > 0 || (ended < 0 && errno != EINTR)) break;
+      if (stop && stop()) return std::nullopt;
+      if (stop) std::this_thread::sleep_for(kLook);
     }
     process_ = 0;
     return status;
@@ -189,7 +202,7 @@ HashedBytes fetch(const std::string& command, const std::string& file, const std
     written.write(text);
     hashed.bytes += text.size();
   }
-  output.require_done();
+  output.require_done(stop);
   written.commit();
   hashed.sha256 = hash.hex();
   return hashed;

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -189,6 +190,25 @@ TEST_F(FleetUnitWork, IsNotSaidToHaveLostItsLogWhereTheCopyCannotBeWritten) {
     EXPECT_THAT(reason_of_lost_log(), IsEmpty()) << words;
   }
   EXPECT_FALSE(is_done());
+}
+
+TEST_F(FleetUnitWork, IsGivenUpWhateverItsCommandDoes) {
+  const std::string begun = folder_.path() + "/begun";
+  for (const char* command :
+       {"exec >&-; sleep 0.3; touch {}; exec sleep 60", "trap '' TERM; touch {}; sleep 60; sleep 60"}) {
+    std::filesystem::remove(begun);
+    std::string get = command;
+    stored_.plan.get = get.replace(get.find("{}"), 2, begun) + " # {}";
+    const auto begin = std::chrono::steady_clock::now();
+    try {
+      (void)unit_input(stored_.plan, {"x://robot/a.log", 0}, folder_.path(),
+                       [&begun] { return std::filesystem::exists(begun); });
+      ADD_FAILURE() << command;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::kInterrupted);
+    }
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(30)) << command;
+  }
 }
 
 TEST_F(FleetUnitWork, IsGivenUpWhileItsLogIsHashed) {
