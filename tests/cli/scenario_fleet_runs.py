@@ -182,6 +182,19 @@ def fleet_verify_tells_all_it_finds():
     expect("1 of 1 logs became something else" in process.stderr and "unit 0 is not done: " in process.stderr, process.stderr)
 
 
+def fleet_get_leaves_the_input_of_the_caller():
+    """Commands of --get read nothing of what a script reads on, and a pipe that breaks ends what writes into it quietly."""
+    folder = fresh_folder("fleet_get_leaves_the_input")
+    logs = make_logs(folder / "logs", count=1)
+    atlas = folder / "atlas"
+    planned(atlas, "x://robot/drive-0.log", "--get", f"cat; (yes; echo $? > {folder}/code) | head -n 0; cat {logs}/$(basename {{}})")
+    script = '"$0" fleet run "$1" --shard 1 -q; cat'
+    done = subprocess.run(["sh", "-c", script, cli.PROGRAM, atlas], input="the rest\n", capture_output=True, text=True, check=False)
+    expect((done.returncode, done.stdout, done.stderr) == (0, "the rest\n", ""), str(done))
+    expect((folder / "code").read_text() == "141\n", "SIGPIPE is ignored")
+    expect(status_of(atlas)["mapped"] == 1, "the log is not mapped")
+
+
 def tree_of(folder):
     """All that lies there, with the times at which something was written."""
     return {str(path): path.stat().st_mtime_ns for path in [folder, *folder.rglob("*")]}

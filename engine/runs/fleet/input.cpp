@@ -98,7 +98,8 @@ std::string file_name_of_uri(const std::string& uri) {
 }
 
 /// A shell command whose standard output is read. It and all that it starts are a session of their own, so that they
-/// are ended together, and none of them stops as it asks a terminal that it is in the background of.
+/// are ended together, and none of them stops as it asks a terminal that it is in the background of. The caller's
+/// standard input is not theirs, and a pipe that breaks ends them as it does in a shell.
 class OutputOfCommand {
  public:
   explicit OutputOfCommand(const std::string& command) : command_(command) {
@@ -107,11 +108,16 @@ class OutputOfCommand {
     posix_spawn_file_actions_t actions;
     ::posix_spawn_file_actions_init(&actions);
     ::posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+    ::posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     std::array<std::string, 3> words{"sh", "-c", command};
     std::array<char*, 4> arguments{words[0].data(), words[1].data(), words[2].data(), nullptr};
     posix_spawnattr_t attributes;
     ::posix_spawnattr_init(&attributes);
-    ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);
+    ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID | POSIX_SPAWN_SETSIGDEF);
+    sigset_t defaults;
+    ::sigemptyset(&defaults);
+    ::sigaddset(&defaults, SIGPIPE);
+    ::posix_spawnattr_setsigdefault(&attributes, &defaults);
     const int code = ::posix_spawn(&process_, "/bin/sh", &actions, &attributes, arguments.data(), environ);
     ::posix_spawnattr_destroy(&attributes);
     ::posix_spawn_file_actions_destroy(&actions);
