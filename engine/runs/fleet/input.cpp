@@ -281,18 +281,25 @@ std::string unit_name(const FleetPlan& plan, const UnitInput& input) {
 }
 
 std::string get_command(const std::string& get, const std::string& uri) {
-  const std::size_t place = get.find("{}");
+  std::size_t place = get.find("{}");
   if (place == std::string::npos)
     throw UsageError(
         fmt::format("--get: {} needs a command with {{}} in the place of the URI, for example --get 'aws s3 cp {{}} -'",
                     in_quotes(uri)));
-  // Within quotes of the command the URI's own quotes would end those, and its text would be the shell's.
-  if (is_in_quotes(get, place))
-    throw UsageError(
-        fmt::format("--get: {{}} stands within quotes in {}; the URI gets its own, so write it bare", in_quotes(get)));
   std::string quoted = "'";
   for (const char c : uri) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return get.substr(0, place) + quoted + "'" + get.substr(place + 2);
+  quoted += "'";
+  std::string command;
+  std::size_t begin = 0;
+  for (; place != std::string::npos; place = get.find("{}", begin)) {
+    // Within quotes of the command the URI's own quotes would end those, and its text would be the shell's.
+    if (is_in_quotes(get, place))
+      throw UsageError(fmt::format("--get: {{}} stands within quotes in {}; the URI gets its own, so write it bare",
+                                   in_quotes(get)));
+    command += get.substr(begin, place - begin) + quoted;
+    begin = place + 2;
+  }
+  return command + get.substr(begin);
 }
 
 }  // namespace gdtslam

@@ -42,7 +42,7 @@ void require_unchanged(const FleetPlan& plan, const UnitInput& input);
 /// First 16 hexadecimal digits of the SHA-256 of the program, what is asked of it, and the log's bytes.
 std::string unit_name(const FleetPlan& plan, const UnitInput& input);
 
-/// The command that gets an URI: {} in `get` becomes the URI, quoted for a shell. Throws UsageError where there is
+/// The command that gets an URI: each {} in `get` becomes the URI, quoted for a shell. Throws UsageError where there is
 /// none.
 std::string get_command(const std::string& get, const std::string& uri);
 

@@ -264,6 +264,8 @@ TEST(FleetInput, ThatCannotBeFetchedIsTheMachinesFault) {
     EXPECT_THROW((void)get_command(quoted, "s3://a;touch x"), UsageError) << quoted;
   }
   EXPECT_EQ(get_command("f 'a\"b' \"c'd\" {} -", "s3://a"), "f 'a\"b' \"c'd\" 's3://a' -");
+  EXPECT_EQ(get_command("f {} || g {}", "s3://{}"), "f 's3://{}' || g 's3://{}'");
+  EXPECT_THROW((void)get_command("f {} || g '{}'", "s3://a;touch x"), UsageError);
 }
 
 // Whether the process goes on; one that has ended and that nobody has waited for does not.
