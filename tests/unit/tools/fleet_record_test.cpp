@@ -378,6 +378,9 @@ TEST(FleetWorkFolder, GivesARunItsNameOnce) {
 TEST(FleetRunner, AllowsSoManyRefused) {
   EXPECT_EQ(parse_most_refused("--max-failed", "2%").of(200), 4U);
   EXPECT_EQ(parse_most_refused("--max-failed", "2 %").of(5), 1U);
+  EXPECT_EQ(parse_most_refused("--max-failed", "28%").of(25), 7U);
+  EXPECT_EQ(parse_most_refused("--max-failed", "0.7%").of(1000), 7U);
+  EXPECT_EQ(parse_most_refused("--max-failed", "100%").of(500'000), 500'000U);
   EXPECT_EQ(parse_most_refused("--max-failed", "0%").of(5), 0U);
   EXPECT_EQ(parse_most_refused("--max-failed", "7").of(5), 7U);
   for (const char* text : {"", "x", "-1", "1.5", "101%", "2percent", "nan"})

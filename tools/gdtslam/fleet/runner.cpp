@@ -234,10 +234,13 @@ std::set<std::size_t> blocked_units(const std::string& atlas, const AtlasState& 
   return blocked;
 }
 
+constexpr std::uint64_t kNano = 1'000'000'000;
+
 }  // namespace
 
 std::size_t MostRefused::of(std::size_t units) const {
-  return is_share ? static_cast<std::size_t>(std::ceil(share * static_cast<double>(units))) : count;
+  constexpr std::uint64_t kAll = 100 * kNano;
+  return is_share ? (share_nano_percent * units + kAll - 1) / kAll : count;
 }
 
 MostRefused parse_most_refused(const std::string& option, const std::string& text) {
@@ -253,7 +256,7 @@ MostRefused parse_most_refused(const std::string& option, const std::string& tex
   if (code != std::errc{} || !(number >= 0.0) || !is_sound)
     throw UsageError(option + ": " + in_quotes(text) + " is neither a number of logs nor a share such as 2%");
   if (most.is_share) {
-    most.share = number / kPercent;
+    most.share_nano_percent = static_cast<std::uint64_t>(std::llround(number * static_cast<double>(kNano)));
   } else {
     most.count = static_cast<std::size_t>(number);
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,7 @@ namespace gdtslam {
 /// How many logs may be refused before a shard counts as failed: a share, of which a part of a log counts as one, or a
 /// number.
 struct MostRefused {
-  double share = 0.02;
+  std::uint64_t share_nano_percent = 2'000'000'000;  ///< whole: 28 % of 25 logs are 7, and not a little more
   std::size_t count = 0;
   bool is_share = true;
   [[nodiscard]] std::size_t of(std::size_t units) const;
