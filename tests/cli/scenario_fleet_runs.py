@@ -245,6 +245,25 @@ def fleet_job_that_is_refused():
     expect("sbatch prints more than the number of a job" in process.stderr, process.stderr)
 
 
+def fleet_folder_whose_name_slurm_would_change():
+    """Each % of a folder is doubled for sbatch, which would put a number there, and a \\ is refused before anything is written."""
+    folder = fresh_folder("fleet_folder_whose_name_slurm_would_change")
+    logs = make_logs(folder / "logs", count=1)
+    env = with_sbatch(folder, f'for word; do echo "$word"; done >> {folder}/calls; echo 12')
+    (folder / "50%j").mkdir()
+    planned(folder / "50%j/atlas", logs)
+    fleet("submit", folder / "50%j/atlas", "--engine", "slurm", env=env)
+    said = (folder / "calls").read_text().splitlines()
+    for word in ("--output={}/slurm/%A_%a.txt", "--output={}/slurm/finish.txt"):
+        expect(word.format(f"{folder}/50%%j/atlas") in said, str(said))
+    expect(f"{folder}/50%j/atlas/slurm/run.sh" in said, str(said))
+    atlas = folder / "back\\slash"
+    planned(atlas, logs)
+    for engine in ("slurm", "print"):
+        process = fleet("submit", atlas, "--engine", engine, code=2, env=env)
+        expect("rename it" in process.stderr and not (atlas / "slurm").exists(), process.stderr)
+
+
 def fleet_folder_whose_name_has_lines():
     """No line of a folder's name becomes one of a script, and none of it an option for sbatch."""
     folder = fresh_folder("fleet_folder_whose_name_has_lines")

@@ -38,6 +38,15 @@ void add_common(const SlurmJobs& jobs, std::vector<std::string>& arguments) {
   if (!jobs.time.empty()) arguments.push_back("--time=" + jobs.time);
 }
 
+// Where what a job prints goes: a % of the folder is none of Slurm's, which \ would take from all of them.
+std::string output_argument(const SlurmJobs& jobs, const std::string& file) {
+  if (jobs.atlas.find('\\') != std::string::npos)
+    throw UsageError(in_quotes(jobs.atlas) + ": Slurm takes no file below a folder with a \\ in its name; rename it");
+  std::string folder;
+  for (const char c : jobs.atlas) folder += c == '%' ? std::string("%%") : std::string(1, c);
+  return fmt::format("--output={}/slurm/{}", folder, file);
+}
+
 // Its standard output without the last line end.
 std::string output_of(const std::vector<std::string>& words) {
   std::array<int, 2> ends{};
@@ -129,7 +138,7 @@ std::vector<std::string> array_arguments(const SlurmJobs& jobs) {
                                      "--open-mode=append",
                                      fmt::format("--array=0-{}%{}", jobs.shards - 1, jobs.at_most),
                                      fmt::format("--cpus-per-task={}", jobs.processors),
-                                     fmt::format("--output={}/slurm/%A_%a.txt", jobs.atlas)};
+                                     output_argument(jobs, "%A_%a.txt")};
   add_common(jobs, arguments);
   arguments.push_back(jobs.atlas + kArrayScript);
   return arguments;
@@ -137,8 +146,7 @@ std::vector<std::string> array_arguments(const SlurmJobs& jobs) {
 
 std::vector<std::string> finish_arguments(const SlurmJobs& jobs, const std::string& array) {
   std::vector<std::string> arguments{"--parsable", "--job-name=gdtslam-finish", "--dependency=afterok:" + array,
-                                     "--kill-on-invalid-dep=yes",
-                                     fmt::format("--output={}/slurm/finish.txt", jobs.atlas)};
+                                     "--kill-on-invalid-dep=yes", output_argument(jobs, "finish.txt")};
   add_common(jobs, arguments);
   arguments.push_back(jobs.atlas + kFinishScript);
   return arguments;
@@ -164,10 +172,11 @@ std::vector<std::string> submit_slurm(const SlurmJobs& jobs) {
   if (program_of_path("sbatch").empty())
     throw UnavailableError(
         "--engine slurm: there is no sbatch here; submit from a machine of the cluster, or --engine print");
+  const std::vector<std::string> arguments = array_arguments(jobs);
   make_folder(jobs.atlas + "/slurm");
   write_file_atomically(jobs.atlas + kArrayScript, array_script(jobs));
   write_file_atomically(jobs.atlas + kFinishScript, finish_script(jobs));
-  const std::string array = job_of(array_arguments(jobs));
+  const std::string array = job_of(arguments);
   try {
     return {array, job_of(finish_arguments(jobs, array))};
   } catch (const Error& error) {
