@@ -123,6 +123,8 @@ void UnitCollector::add(const std::string& log) {
   if (!fs::exists(status)) throw FileError(log, "cannot be read: " + errno_text(failed ? failed.value() : ENOENT));
   if (!fs::is_directory(status) && !fs::is_regular_file(status)) throw FileError(log, "is no plain file");
   if (!fs::is_directory(status) || is_ros2_bag(log)) return add_unit(absolute_path(log), bytes_in(log));
+  if (holds_results(log))
+    throw InputError({log, 0}, "holds results of gdtslam, whose tables are no logs; name the logs themselves");
   std::vector<fs::path> logs;
   search(log, logs, links_);
   if (logs.empty())

@@ -180,6 +180,17 @@ TEST(FleetUnits, AreSearchedInFolders) {
                                        FleetUnit{"s3://bucket/x.bag", 0}));
 }
 
+TEST(FleetUnits, AreNotTheTablesOfAFolderOfResults) {
+  const TemporaryFolder folder("gdtslam-fleet-test");
+  std::ofstream(folder.path() + "/covariance.csv") << "1";
+  for (const char* name : {"/report.json", "/plan.json"}) {
+    std::ofstream(folder.path() + name) << "{}";
+    UnitCollector collector;
+    EXPECT_THROW(collector.add(folder.path()), InputError) << name;
+    std::filesystem::remove(folder.path() + name);
+  }
+}
+
 TEST(FleetUnits, LinksInFoldersAreLeftOutAndCounted) {
   const TemporaryFolder folder("gdtslam-fleet-test");
   const std::string root = folder.path();
