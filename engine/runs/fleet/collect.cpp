@@ -149,6 +149,9 @@ void UnitCollector::add_list(std::string_view text, const std::string& name) {
         const std::string uri(line.substr(0, tab));
         if (uri.empty())
           throw InputError("names no log before its tab; a line is an URI, or an URI, a tab and its bytes");
+        std::error_code ignored;  // a log may be there on other machines alone
+        if (!has_scheme(uri) && fs::is_directory(uri, ignored) && !is_ros2_bag(uri))
+          throw InputError("is a folder and no ROS 2 bag; without its bytes it is searched for logs");
         add_unit(has_scheme(uri) ? uri : absolute_path(uri), bytes_from(line.substr(tab + 1)));
       }
     } catch (const InputError& error) {

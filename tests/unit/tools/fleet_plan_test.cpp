@@ -238,6 +238,10 @@ TEST(FleetUnits, OfAListAreRefusedWithTheirLine) {
   EXPECT_THAT(message("/dev/zero\n"), HasSubstr("list:1: /dev/zero: is no plain file"));
   EXPECT_THAT(message("/there/is/none.log\n"), HasSubstr("list:1: /there/is/none.log"));
   EXPECT_THAT(message("s3://a/\xff\t1\n"), HasSubstr("list:1:"));
+  const TemporaryFolder folder("gdtslam-fleet-test");
+  EXPECT_THAT(message(folder.path() + "\t1\n"), HasSubstr("list:1: is a folder and no ROS 2 bag"));
+  std::ofstream(folder.path() + "/metadata.yaml") << "x";
+  EXPECT_EQ(message(folder.path() + "\t1\n"), "");
 }
 
 TEST(FleetShards, HoldEveryUnitOnceAndAreEven) {
