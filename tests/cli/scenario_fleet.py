@@ -322,7 +322,9 @@ def fleet_bad_input():
                                    (("run", atlas, "--shard", "1", "--isa", "sse9"), 2, "--isa"),
                                    (("submit", atlas, "--engine", "slurmm"), 2, "did you mean 'slurm'"),
                                    (("submit", atlas, "--engine", "slurm"), 69, "there is no sbatch here"),
-                                   (("verify", atlas), 65, "no log is done")):
+                                   (("verify", atlas), 65, "no log is done"),
+                                   (("verify", atlas, "--sample", "0"), 2, "--sample: no log would be computed"),
+                                   (("verify", atlas, "--sample", "0%"), 2, "--sample: no log would be computed")):
         process = command("fleet", *arguments, env={**clean, "PATH": str(folder)} if "slurm" in arguments else clean)
         expect_exit(process, code)
         one_error_line(process.stderr)

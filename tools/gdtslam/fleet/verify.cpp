@@ -64,7 +64,10 @@ int verify_atlas(const VerifyOptions& options) {
   const StoredPlan stored = read_plan(runner.atlas);
   const AtlasState state = read_state(runner.atlas, stored);
   const MostRefused sample = parse_most_refused("--sample", options.sample);
-  const std::vector<std::size_t> units = drawn_units(state, sample.of(stored.plan.units.size()), options.seed);
+  const std::size_t count = sample.of(stored.plan.units.size());
+  if (count == 0)
+    throw UsageError("--sample: no log would be computed again; give a number from 1, or a share above 0");
+  const std::vector<std::size_t> units = drawn_units(state, count, options.seed);
   if (units.empty()) throw InputError(runner.atlas + ": no log is done that could be computed again");
   const ComputedAgain again = compute_again(stored, units, runner);
   std::string differences;
