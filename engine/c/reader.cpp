@@ -120,7 +120,7 @@ gdtslam_status gdtslam_reader_next(gdtslam_reader* reader, gdtslam_scan* scan, i
     require(has_scan, "gdtslam_reader_next: has_scan");
     *has_scan = 0;
     require(reader, "gdtslam_reader_next: reader");
-    require(scan, "gdtslam_reader_next: scan");
+    require_writable(scan, "gdtslam_reader_next: scan");  // before a scan is read that it has no room for
     std::optional<ScanRecord> record =
         reader->caller.unless_interrupted(reader->scans.scans_read(), [reader] { return reader->scans.next(); });
     if (!record) return;

@@ -32,16 +32,22 @@ Struct read_struct(const Struct* given, std::size_t least, const char* what) {
   return known;
 }
 
+/// Throws UsageError as read_struct() where write_struct() would.
+template <class Struct>
+void require_writable(const Struct* target, const char* what) {
+  if (target == nullptr) throw UsageError(std::string(what) + " is NULL");
+  if (target->size <= sizeof(target->size)) {
+    throw UsageError(std::string(what) + ": its size is " + std::to_string(target->size) + " and not " +
+                     std::to_string(sizeof(Struct)) + ": begin with GDTSLAM_INIT");
+  }
+}
+
 /// Fills in what the caller's version has; what it has beyond ours becomes 0. Throws UsageError as read_struct().
 template <class Struct>
 void write_struct(Struct value, Struct* target, const char* what) {
   static_assert(std::is_trivially_copyable_v<Struct>);
-  if (target == nullptr) throw UsageError(std::string(what) + " is NULL");
+  require_writable(target, what);
   const std::size_t size = target->size;
-  if (size <= sizeof(size)) {
-    throw UsageError(std::string(what) + ": its size is " + std::to_string(size) + " and not " +
-                     std::to_string(sizeof(Struct)) + ": begin with GDTSLAM_INIT");
-  }
   value.size = size;
   auto* const bytes = reinterpret_cast<unsigned char*>(target);
   if (size > sizeof(Struct)) std::fill(bytes + sizeof(Struct), bytes + size, static_cast<unsigned char>(0));

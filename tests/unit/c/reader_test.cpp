@@ -53,6 +53,23 @@ TEST(CReader, gives_the_mount_that_was_stated_and_tells_how_far_it_is) {
   EXPECT_EQ(gdtslam_reader_progress(reader), 1.0);
 }
 
+TEST(CReader, loses_no_scan_where_there_is_no_room_for_it) {
+  const char* const log = kSampleLog.c_str();
+  gdtslam_reader* reader = nullptr;
+  ASSERT_EQ(gdtslam_reader_open(&log, 1, nullptr, 0, &reader, nullptr), GDTSLAM_OK);
+  const Owned<gdtslam_reader> owned(reader);
+  gdtslam_scan unsized{};
+  auto scan = made<gdtslam_scan>();
+  int32_t has_scan = 0;
+  int scans = -1;
+  do {
+    EXPECT_EQ(gdtslam_reader_next(reader, &unsized, &has_scan, nullptr), GDTSLAM_USAGE);
+    ASSERT_EQ(gdtslam_reader_next(reader, &scan, &has_scan, nullptr), GDTSLAM_OK);
+    ++scans;
+  } while (has_scan != 0);
+  EXPECT_EQ(scans, 350);  // as the sample log ships
+}
+
 TEST(CReader, counts_what_it_skips) {
   const TempDir folder;
   const std::string log = (folder.path() / "broken.log").string();
