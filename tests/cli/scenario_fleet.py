@@ -322,6 +322,9 @@ def fleet_bad_input():
                                    (("run", atlas, "--shard", "1", "--isa", "sse9"), 2, "--isa"),
                                    (("submit", atlas, "--engine", "slurmm"), 2, "did you mean 'slurm'"),
                                    (("submit", atlas, "--engine", "slurm"), 69, "there is no sbatch here"),
+                                   *((("submit", atlas, "--engine", "local", *option), 2, f"{option[0]}: is for Slurm") for option in
+                                     (("--partition", "cpu"), ("--mem", "4G"), ("--time", "1:00"), ("--array-limit", "64"),
+                                      ("--max-retries", "1"))),
                                    (("verify", atlas), 65, "no log is done"),
                                    (("verify", atlas, "--sample", "0"), 2, "--sample: no log would be computed"),
                                    (("verify", atlas, "--sample", "0%"), 2, "--sample: no log would be computed")):

@@ -21,6 +21,7 @@ struct SubmitOptions {
   ComputeOptions compute;
   std::string engine;
   SlurmJobs jobs;
+  std::string slurm_option;  ///< one that was given
 };
 
 int run_here(const SubmitOptions& options, const StoredPlan& stored) {
@@ -60,7 +61,11 @@ int submit(const SubmitOptions& options) {
   const std::vector<std::string> engines{"local", "slurm", "print"};
   const StoredPlan stored = read_plan(options.compute.runner.atlas);
   (void)parse_most_refused("--max-failed", options.compute.most_refused);
-  if (options.engine == "local") return run_here(options, stored);
+  if (options.engine == "local") {
+    if (!options.slurm_option.empty())
+      throw UsageError(options.slurm_option + ": is for Slurm; leave it out, or choose another --engine than local");
+    return run_here(options, stored);
+  }
   if (options.engine == "print") {
     print_result(printed_script(jobs_of(options, stored)));
   } else if (options.engine == "slurm") {
@@ -111,7 +116,10 @@ void add_fleet_submit(CLI::App& fleet, CommandContext& context) {
       "  gdtslam fleet submit atlas --engine local\n"
       "  gdtslam fleet submit atlas --engine slurm --partition cpu --mem 4G --time 1:00:00 -j 4\n"
       "  gdtslam fleet submit atlas --engine print > jobs.sh");
-  command->callback([options, &context] {
+  command->callback([options, command, &context] {
+    for (const char* const name : {"--partition", "--mem", "--time", "--array-limit", "--max-retries"}) {
+      if (command->count(name) > 0) options->slurm_option = name;
+    }
     context.run = [options] { return submit(*options); };
     context.when_out_of_memory = "fewer at a time (-j) need less";
   });
