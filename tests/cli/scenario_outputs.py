@@ -98,6 +98,15 @@ def outputs_are_no_files_of_a_run():
     shutil.copy(RUN / "map.pgm", other / "floor.png")
     (other / "m.yaml").write_text((RUN / "map.yaml").read_text().replace("map.pgm", '"floor.png"  # of a scanner'))
     refused(other, READ, "localize", other / "m.yaml", LOG, "--picture", other / "floor.png")
+    (other / "m.yaml").rename(other / "m.yml")
+    refused(other, READ, "localize", other / "m.yml", LOG, "--picture", other / "floor.png")
+    refused(other, READ, "render", other / "m.yml", "-o", other / "floor.png")
+    (other / "floor.png").rename(other / "office-map.png")  # what a picture of it is called where no name is given
+    (other / "office.yaml").write_text((other / "m.yml").read_text().replace("floor.png", "office-map.png"))
+    before = digests(other)
+    process = command("render", "office.yaml", cwd=other)
+    expect_exit(process, 2)
+    expect(READ in process.stderr and digests(other) == before, process.stderr)
 
 
 def recordings_are_not_replaced():

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "engine/io/json_file.hpp"
-#include "engine/runs/linkage/linkage_file.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/colour.hpp"
 #include "gdtslam/runs/map_log.hpp"
@@ -27,7 +26,6 @@
 #include "tools/gdtslam/shell/options.hpp"
 #include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
-#include "tools/gdtslam/shell/written_files.hpp"
 
 namespace gdtslam {
 namespace {
@@ -178,17 +176,9 @@ void require_inputs_fit(const RenderOptions& options, const std::vector<RenderKi
         "or trajectories; several logs are mapped as one");
   }
   if (!options.run_folder.empty() && !are_logs) throw UsageError("--run is for logs: where their run is kept");
-}
-
-// Frames of a film have names of their own, and their folder is made.
-void check_output(const RenderOptions& options) {
-  if (options.output.empty() || output_kind_of(options.output) == OutputKind::kFrames) return;
-  std::vector<std::string> inputs = options.inputs;
-  inputs.insert(inputs.end(), {options.reference, options.relations, linkage_file_of(options.linkage)});
-  for (const std::string& input : options.inputs) inputs.push_back(linkage_sidecar(input));
-  WrittenFiles written(inputs);
-  if (!options.run_folder.empty()) written.add_run(options.run_folder);
-  written.add("--output", options.output);
+  if (options.recording.are_stated() && !are_logs) {
+    throw UsageError("--topic, --odom, --crank and --mount are for logs, which are mapped before they are drawn");
+  }
 }
 
 int render_inputs(const RenderOptions& options) {
@@ -196,7 +186,7 @@ int render_inputs(const RenderOptions& options) {
   std::vector<RenderKind> kinds;
   for (const std::string& input : options.inputs) kinds.push_back(kind_of_input(input));
   require_inputs_fit(options, kinds);
-  check_output(options);
+  if (!options.output.empty()) require_writable(options, options.output);
   std::vector<RenderSource> sources;
   std::optional<MappedLog> mapped;
   if (kinds.front() == RenderKind::kLog) {

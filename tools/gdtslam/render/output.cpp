@@ -9,8 +9,11 @@
 
 #include "engine/io/did_you_mean.hpp"
 #include "engine/io/referenced_file.hpp"
+#include "engine/runs/linkage/linkage_file.hpp"
 #include "film_writer.hpp"
 #include "gdtslam/core/error.hpp"
+#include "tools/gdtslam/pictures/source.hpp"
+#include "tools/gdtslam/shell/written_files.hpp"
 
 namespace gdtslam {
 namespace {
@@ -130,6 +133,17 @@ std::string_view to_string(OutputKind kind) {
 void refuse_idle_options(const RenderOptions& options, const RenderView* view, OutputKind output, bool is_linkage) {
   const unsigned effects = effects_of(view, output, is_linkage);
   for (const GivenOption& option : options_of(options, output)) {
+// Frames of a film have names of their own, and their folder is made.
+void require_writable(const RenderOptions& options, const std::string& file) {
+  if (output_kind_of(file) == OutputKind::kFrames) return;
+  std::vector<std::string> inputs = options.inputs;
+  inputs.insert(inputs.end(), {options.reference, options.relations, linkage_file_of(options.linkage)});
+  for (const std::string& input : options.inputs) inputs.push_back(linkage_sidecar(input));
+  WrittenFiles written(inputs);
+  if (!options.run_folder.empty()) written.add_run(options.run_folder);
+  written.add("--output", file);
+}
+
     if (!option.is_given || (option.effects & effects) != 0) continue;
     const std::string made =
         view == nullptr ? std::string(to_string(output)) : fmt::format("view {} as {}", view->name, to_string(output));

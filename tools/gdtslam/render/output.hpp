@@ -27,6 +27,9 @@ constexpr bool is_gltf(OutputKind kind) { return kind == OutputKind::kGltf || ki
 /// Points or parts for other programs, which no view belongs to.
 constexpr bool is_model(OutputKind kind) { return is_gltf(kind) || kind == OutputKind::kCloud; }
 
+/// Throws UsageError where the file is one that is read or another that is written, FileError where it has no folder.
+void require_writable(const RenderOptions& options, const std::string& file);
+
 /// Throws UsageError that names the first option that was given and changes nothing: a mistake, said before anything is
 /// drawn. `view`: null for pages and models; `is_linkage`: the model is one of a linkage.
 void refuse_idle_options(const RenderOptions& options, const RenderView* view, OutputKind output,

@@ -134,7 +134,10 @@ class Render {
       require_one_input(&view);
       refuse_idle_options(options_, &view, result_.kind);
       result_.view = view.name;
-      if (result_.file.empty()) result_.file = default_file(sources_.front(), view);
+      if (result_.file.empty()) {
+        result_.file = default_file(sources_.front(), view);
+        require_writable(options_, result_.file);
+      }
       is_film(result_.kind) ? write_film(view) : write_still(view);
     }
     result_.renderer = studio_.renderer();

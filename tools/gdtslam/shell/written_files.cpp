@@ -97,7 +97,8 @@ WrittenFiles::WrittenFiles(const std::vector<std::string>& inputs) {
     files_.push_back(input);
     const std::string folder = place_of_file(input).parent_path().string();
     if (RunReader::is_run(folder) && is_run_file_in(folder, input)) folders_.push_back(folder);
-    if (!fs::is_regular_file(status) || extension_of(input) != ".yaml") continue;
+    const std::string ending = extension_of(input);
+    if (!fs::is_regular_file(status) || (ending != ".yaml" && ending != ".yml")) continue;
     for (std::string& named : files_named_in(input)) files_.push_back(std::move(named));
   }
 }
