@@ -192,7 +192,8 @@ void set_range(PictureView& view, const std::array<double, 6>& bounds) {
       span = {span[0] + back, span[1] + back};
     }
     range.farthest_m = std::max(span[1] + margin, 1e-3 * distance);
-    range.nearest_m = std::max(span[0] - margin, 1e-3 * range.farthest_m);
+    // One stray point far out must not take away what the camera is pointed at.
+    range.nearest_m = std::max(span[0] - margin, 1e-3 * std::min(range.farthest_m, 100.0 * distance));
   }
   // 0.6 rad, the view angle of a Camera by default: 1/(2 tan 0.3).
   range.equivalent_m = 1.6163642 * camera.parallel_height_m;

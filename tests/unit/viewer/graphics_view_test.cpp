@@ -122,6 +122,17 @@ TEST_F(OffscreenViewTest, NothingBeforeTheCameraIsCutOff) {
   EXPECT_GT(spot_of(view.render(camera_along_y(false), size), kGreen).count, 10.0);
 }
 
+// Laser and camera both miss a wall at times; the room is drawn for all that.
+TEST_F(OffscreenViewTest, OneStrayPointFarOutTakesNothingAway) {
+  const PictureSize size{200, 200};
+  for (const Point3& stray : {Point3(0.0, 30000.0, 0.0), Point3(30000.0, 9.0, 0.0), Point3(0.0, -1e6, 20.0)}) {
+    OffscreenView view(graphics_);
+    add_shape(view, {Point3(0.4, 8.0, 0.3)}, kGreen);
+    add_shape(view, {stray}, kRed);
+    EXPECT_GT(spot_of(view.render(camera_along_y(false), size), kGreen).count, 10.0) << stray.transpose();
+  }
+}
+
 TEST_F(OffscreenViewTest, AParallelCameraSeesWhatIsBehindItsEyeToo) {
   OffscreenView view(graphics_);
   const Point3 behind(1.0, -40.0, -0.5);
