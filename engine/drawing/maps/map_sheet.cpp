@@ -12,7 +12,7 @@ namespace {
 constexpr double kTitleLine = 1.35;  // of the size of the letters
 constexpr double kSubtitleLine = 1.5;
 constexpr double kRowGap = 0.75;  // of body_px, between rows of the legend
-constexpr int kRounds = 3;        // until the scale bar, which depends on the map's size, stands still
+constexpr int kRounds = 3;        // until the scale bar, which depends on the map's size, should stand still
 
 double title_height(const MapLook& look, const Proportions& sizes) {
   double height = 0.0;
@@ -105,6 +105,15 @@ Layout with_legend_beside(const MapArea& area, const PictureSize& size, const Pr
   return layout;
 }
 
+/// The same middle at another scale.
+MapFrame scaled(MapFrame frame, double px_per_m) {
+  const double more = 0.5 / px_per_m - 0.5 / frame.px_per_m;
+  frame.x_m -= more * frame.panel.width_px;
+  frame.y_m += more * frame.panel.height_px;
+  frame.px_per_m = px_per_m;
+  return frame;
+}
+
 /// The page's colour behind words, so that rays and walls that reach there do not disturb.
 void dim(Canvas& canvas, const Sheet& sheet, const Point2& corner, double width, double height) {
   const double pad = 0.35 * sheet.sizes.body_px;
@@ -159,8 +168,9 @@ Sheet sheet_of(const MapArea& area, const MapLook& look, const PictureSize& size
   sheet.frame = fitted(area, {0.0, 0.0, width, height});
   if (std::min(size.width, size.height) < kLeastSideWithWords) return sheet;
   const double top = 0.7 * sheet.sizes.margin_px + title_height(look, sheet.sizes);
-  for (int round = 0; round < kRounds; ++round) {
-    sheet.items = legend(sheet.frame.px_per_m);
+  for (int round = 1;; ++round) {
+    const double px_per_m = sheet.frame.px_per_m;
+    sheet.items = legend(px_per_m);
     Layout layout = with_legend_below(area, size, sheet.sizes, top, sheet.items);
     Layout beside = with_legend_beside(area, size, sheet.sizes, top, sheet.items);
     const bool fits_beside = beside.legend.height_px + top + sheet.sizes.margin_px <= height;
@@ -168,8 +178,12 @@ Sheet sheet_of(const MapArea& area, const MapLook& look, const PictureSize& size
     sheet.frame = layout.frame;
     sheet.places = std::move(layout.legend.places);
     for (Point2& place : sheet.places) place += layout.corner;
+    if (sheet.frame.px_per_m == px_per_m) return sheet;
+    // Legend and map may change each other back and forth: then the map is left as small as the legend says.
+    if (round < kRounds || sheet.frame.px_per_m < px_per_m) continue;
+    sheet.frame = scaled(sheet.frame, px_per_m);
+    return sheet;
   }
-  return sheet;
 }
 
 FittedWords fitted_words(const std::string& words, double size_px, double least_px, double room_px, bool is_bold) {

@@ -6,9 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <string>
+#include <vector>
 
+#include "engine/drawing/maps/map_sheet.hpp"
 #include "engine/drawing/maps/path_layer.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/core/random.hpp"
 #include "support/picture_scene.hpp"
 
 namespace gdtslam {
@@ -80,6 +84,54 @@ TEST(MapPicture, scale_bar_is_as_long_as_it_says) {
     }
     EXPECT_TRUE(is_found);
   }
+}
+
+/// The map's place depends on the legend's rows, and the scale bar in the legend on the map's scale.
+TEST(MapPicture, legends_are_made_for_the_scale_that_is_drawn) {
+  Random random(20);
+  for (int round = 0; round < 3000; ++round) {
+    const PictureSize size{200 + static_cast<std::uint32_t>(random.below(700)),
+                           200 + static_cast<std::uint32_t>(random.below(700))};
+    const picture::MapArea area{0.0, 0.0, random.uniform(0.5, 60.0), random.uniform(0.5, 60.0)};
+    const picture::LegendLook legend{kLightTheme, picture::proportions_of(size)};
+    double px_per_m = 0.0;
+    const picture::Sheet sheet = picture::sheet_of(area, {}, size, kLightTheme, [&](double scale) {
+      px_per_m = scale;
+      return std::vector{picture::scale_bar_item(scale, legend), picture::axes_item(legend),
+                         picture::swatch_item("never observed", ink::kText, legend),
+                         picture::swatch_item("occupied", ink::kText, legend)};
+    });
+    ASSERT_EQ(sheet.frame.px_per_m, px_per_m) << size.width << "x" << size.height << ", round " << round;
+    const picture::Panel& panel = sheet.frame.panel;
+    for (const Point2& corner : {Point2(area.min_x_m, area.min_y_m), Point2(area.max_x_m, area.max_y_m)}) {
+      const Point2 at = sheet.frame.pixel_of(corner) - Point2(panel.left_px, panel.top_px);
+      EXPECT_GE(at.minCoeff(), -1e-6) << "round " << round;
+      EXPECT_LE(at.x(), panel.width_px + 1e-6) << "round " << round;
+      EXPECT_LE(at.y(), panel.height_px + 1e-6) << "round " << round;
+    }
+  }
+}
+
+/// Where one row of the legend asks for a longer bar than two rows do.
+TEST(MapPicture, scale_bar_of_a_narrow_map_is_as_long_as_it_says) {
+  const OccupancyMap map = free_map(7, 22, 0.2713, 0.0, 0.0);
+  const Canvas canvas = map_picture(map, straight_path({0.3, 1.0}, {0.3, 5.0}), {}, {240, 300});
+  const auto circles = shapes_of<shape::Circle>(canvas);
+  const auto start = std::find_if(circles.begin(), circles.end(), [](const shape::Circle& circle) {
+    return circle.fill && circle.fill->colour == kPathStart;
+  });
+  const auto end = std::find_if(circles.begin(), circles.end(), [](const shape::Circle& circle) {
+    return circle.edge && circle.edge->colour == kPathEnd;
+  });
+  ASSERT_TRUE(start != circles.end() && end != circles.end());
+  const double px_per_m = (end->centre - start->centre).norm() / 4.0;
+  const auto lines = shapes_of<shape::Line>(canvas);
+  const auto bar =
+      std::find_if(lines.begin(), lines.end(), [](const shape::Line& line) { return line.points.size() == 4; });
+  ASSERT_NE(bar, lines.end());
+  const double length_m = (bar->points[2] - bar->points[1]).norm() / px_per_m;
+  EXPECT_NEAR(length_m, std::round(length_m), 1e-6);
+  EXPECT_TRUE(says(canvas, std::to_string(std::lround(length_m)) + " m")) << length_m;
 }
 
 /// A standing robot must not fill the drawing.
