@@ -4,9 +4,14 @@
 
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
+#include <variant>
+#include <vector>
 
+#include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/pictures/source.hpp"
+#include "tools/gdtslam/pictures/studio.hpp"
 #include "tools/gdtslam/pictures/views.hpp"
 
 namespace gdtslam {
@@ -69,6 +74,35 @@ TEST_F(RenderSourceTest, APathBesideACloudNearItsOriginStays) {
   write("trajectory.tum", "1 50000 2 0 0 0 0 1\n");
   RenderSource source(folder_.string());
   EXPECT_EQ(source.trajectory().front().T_map_base, (Pose2{50000.0, 2.0, 0.0}));
+}
+
+// The second run begins 30 s after the first, and both end together.
+TEST_F(RenderSourceTest, ErrorsOfRunsOverTimeHaveOneClock) {
+  std::string rows;
+  std::string late;
+  for (int k = 0; k <= 60; ++k) {
+    const std::string row = std::to_string(1000 + k) + " " + std::to_string(0.1 * k) + " 0.01 0 0 0 0 1\n";
+    rows += row;
+    if (k >= 30) late += row;
+  }
+  write("truth.tum", rows);
+  write("whole.tum", rows);
+  write("late.tum", late);
+  RenderOptions options;
+  options.inputs = {path("whole.tum"), path("late.tum")};
+  options.reference = path("truth.tum");
+  options.view = "errors-time";
+  std::vector<RenderSource> sources;
+  for (const std::string& input : options.inputs) sources.emplace_back(input);
+  const Canvas canvas = RenderStudio(options, sources).errors_time(PictureSize{800, 500});
+  std::vector<std::vector<Point2>> curves;
+  for (const Shape& shape : canvas.shapes()) {
+    const auto* const line = std::get_if<shape::Line>(&shape);
+    if (line != nullptr && line->points.size() > 20) curves.push_back(line->points);
+  }
+  ASSERT_EQ(curves.size(), 2U);
+  EXPECT_NEAR(curves[0].back().x(), curves[1].back().x(), 0.5);
+  EXPECT_NEAR(curves[1].front().x(), 0.5 * (curves[0].front().x() + curves[0].back().x()), 0.5);
 }
 
 }  // namespace

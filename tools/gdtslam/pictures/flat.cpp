@@ -216,12 +216,17 @@ RenderStudio::Errors RenderStudio::errors() {
   Errors all{{title(), is_angle ? "Heading error" : "Position error", is_angle ? "°" : "m", {}}, {}};
   const std::vector<std::string> names = distinct_names();
   for (std::size_t k = 0; k < sources_.size(); ++k) {
-    const std::vector<TrajectoryError> errors = errors_of(sources_[k], options_);
     ErrorGroup group{names[k], {}};
     TimeSeries line{names[k], {}};
-    for (const TrajectoryError& error : errors) {
+  std::vector<std::vector<TrajectoryError>> errors;
+  double first_s = std::numeric_limits<double>::infinity();
+  for (RenderSource& source : sources_) {
+    errors.push_back(errors_of(source, options_));
+    for (const TrajectoryError& error : errors.back()) first_s = std::min(first_s, error.stamp_s);
+  }
+    for (const TrajectoryError& error : errors[k]) {
       group.values.push_back(is_angle ? error.angle_deg : error.position_m);
-      line.points.emplace_back(error.stamp_s - errors.front().stamp_s, group.values.back());
+      line.points.emplace_back(error.stamp_s - first_s, group.values.back());
     }
     all.plot.groups.push_back(std::move(group));
     all.series.push_back(std::move(line));
