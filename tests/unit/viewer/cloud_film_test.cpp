@@ -121,6 +121,18 @@ TEST_F(CloudFilmTest, FollowFilmKeepsTheRobotNearTheMiddle) {
   }
 }
 
+// Stamps that jitter are none that a clock was set back by.
+TEST_F(CloudFilmTest, AClockThatWasSetBackCannotBeFollowed) {
+  Trajectory path = room_path();
+  const auto film = [&] { return follow_film(scene_, path, look_, kBareCaption, kFilmSize, 2)->frame(1); };
+  for (std::size_t k = 1; k < path.size(); k += 2) path[k].stamp_s = path[k - 1].stamp_s - 0.01;
+  EXPECT_NO_THROW(film());
+  for (std::size_t k = path.size() / 2; k < path.size(); ++k) path[k].stamp_s -= 500.0;
+  EXPECT_THROW(film(), InputError);
+  path = {{10.0, {1.0, kPathY, 0.0}}, {9.5, {2.0, kPathY, 0.0}}};
+  EXPECT_THROW(film(), InputError);
+}
+
 TEST_F(CloudFilmTest, WhatMakesNoFilmIsSaid) {
   EXPECT_THROW(orbit_film(scene_, look_, kBareCaption, kFilmSize, 0), UsageError);
   EXPECT_THROW(follow_film(scene_, {}, look_, kBareCaption, kFilmSize, 5), InputError);

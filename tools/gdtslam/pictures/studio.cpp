@@ -232,7 +232,11 @@ std::unique_ptr<Film> RenderStudio::orbit(const PictureSize& size, std::size_t f
 
 std::unique_ptr<Film> RenderStudio::follow_film(const PictureSize& size, std::size_t frames, std::uint64_t points) {
   CloudScene& scene = cloud_scene(CameraPreset::kFollow, points);
-  return gdtslam::follow_film(scene, first().trajectory(), look_, caption(), size, frames);
+  try {
+    return gdtslam::follow_film(scene, first().trajectory(), look_, caption(), size, frames);
+  } catch (const InputError& error) {
+    throw InputError({first().input(), 0}, error.what());
+  }
 }
 
 std::unique_ptr<Film> RenderStudio::follow(const PictureSize& size, std::size_t frames) {

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "cloud_layout.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
@@ -17,6 +19,7 @@ constexpr double kFollowDistance_m = 3.2;  // from the robot to the eye, on the 
 constexpr double kSmoothed_s = 1.5;        // over which the eye's place is averaged, to each side,
 constexpr double kSmoothedFrames = 6.0;    // or over so many frames, where that is more
 constexpr int kSmoothingSteps = 8;         // to each side
+constexpr double kJitter_s = 1.0;          // back, beyond which a clock was set
 
 // What both films share: pictures whose colour bar stays where the first frame has it.
 class CloudFilm : public Film {
@@ -55,6 +58,21 @@ class OrbitFilm : public CloudFilm {
     return picture(turned(orbit_camera(scene_.bounds(), size_), angle_rad));
   }
 };
+
+// Points are shown by their stamps, which a clock that was set back says twice.
+void require_times_that_go_on(const Trajectory& trajectory) {
+  double latest_s = trajectory.front().stamp_s;
+  double back_s = 0.0;
+  for (const StampedPose& pose : trajectory) {
+    latest_s = std::max(latest_s, pose.stamp_s);
+    back_s = std::max(back_s, latest_s - pose.stamp_s);
+  }
+  if (back_s <= kJitter_s && trajectory.back().stamp_s >= trajectory.front().stamp_s) return;
+  throw InputError(
+      fmt::format("the times of its path step back by {:.3g} s, and a film that follows the robot needs "
+                  "times that go on; the view orbit needs none",
+                  back_s));
+}
 
 Pose2 pose_at(const Trajectory& trajectory, double stamp_s) {
   const auto next = std::find_if(trajectory.begin(), trajectory.end(),
@@ -97,6 +115,7 @@ class FollowFilm : public CloudFilm {
     std::erase_if(trajectory_,
                   [](const StampedPose& pose) { return !pose.T_map_base.is_finite() || !std::isfinite(pose.stamp_s); });
     if (trajectory_.empty()) throw InputError("a film that follows the robot needs its path; the trajectory is empty");
+    require_times_that_go_on(trajectory_);
     // The first frames show little: where the bar stands well in them says nothing of the others.
     bar_place_ = BarPlace::kLowRight;
     const double length_s = trajectory_.back().stamp_s - trajectory_.front().stamp_s;
