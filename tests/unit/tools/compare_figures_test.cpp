@@ -2,6 +2,7 @@
 #include "tools/lab/matchers/run.hpp"
 
 #include <algorithm>
+#include <variant>
 
 #include <gtest/gtest.h>
 
@@ -137,6 +138,19 @@ TEST_F(Trials, TablesNameEveryMethodAndEveryStart) {
   EXPECT_EQ(json["scans"]["weak"], 1);
   const std::string csv = as_csv(job_, outcome_);
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 16);
+}
+
+// Of no scan no share is known, and none is drawn: neither 0 % nor a band from 0 to 100 %.
+TEST_F(Trials, WhereNoScanCountsNoShareIsShown) {
+  for (CompareScan& scan : outcome_.scans) scan.is_certified = false;
+  const std::string text = as_text(job_, outcome_);
+  const std::string basin = text.substr(text.rfind("start"));
+  EXPECT_EQ(basin.find("0.0"), std::string::npos) << basin;
+  EXPECT_EQ(std::count(basin.begin(), basin.end(), '-'), 4) << basin;
+  const Canvas canvas = compare_picture(job_, outcome_, "drive.log");
+  for (const Shape& shape : canvas.shapes()) {
+    EXPECT_FALSE(std::holds_alternative<shape::Polygon>(shape) || std::holds_alternative<shape::Circle>(shape));
+  }
 }
 
 // Errors of kilometres leave the columns of their table, and stay words of their own.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "engine/core/elementary.hpp"
 #include "gdtslam/drawing/plot.hpp"
@@ -30,6 +31,11 @@ std::string_view dashes_of(MatcherKind method) {
   return matcher.is_refined ? "10 3 2 3" : "";
 }
 
+/// Not a number where nothing counted, which is drawn nowhere.
+double percent(const Share& share, double value) {
+  return share.of > 0 ? 100.0 * value : std::numeric_limits<double>::quiet_NaN();
+}
+
 void draw_basin(Canvas& canvas, const DrawingArea& area, const CompareJob& job, const CompareOutcome& outcome) {
   Axis x{.title = "Start: distance and angle from the proven solution", .from = -0.35, .has_grid = true};
   x.to = static_cast<double>(job.levels.size()) - 0.65;
@@ -48,15 +54,16 @@ void draw_basin(Canvas& canvas, const DrawingArea& area, const CompareJob& job, 
     std::vector<Point2> high;
     for (std::size_t level = 0; level < levels.size(); ++level) {
       const Share& share = levels[level][k].success;
-      low.emplace_back(static_cast<double>(level), 100.0 * share.low());
-      high.emplace_back(static_cast<double>(level), 100.0 * share.high());
+      low.emplace_back(static_cast<double>(level), percent(share, share.low()));
+      high.emplace_back(static_cast<double>(level), percent(share, share.high()));
     }
     plot.band(low, high, {colour_of_method(job.methods[k]), 0.10});
   }
   for (std::size_t k = 0; k < job.methods.size(); ++k) {
     std::vector<Point2> values;
     for (std::size_t level = 0; level < levels.size(); ++level) {
-      values.emplace_back(static_cast<double>(level), 100.0 * levels[level][k].success.value());
+      const Share& share = levels[level][k].success;
+      values.emplace_back(static_cast<double>(level), percent(share, share.value()));
     }
     const Colour colour = colour_of_method(job.methods[k]);
     plot.line(values, {.colour = colour, .width = 2.2, .dashes = dashes_of(job.methods[k])}, to_string(job.methods[k]));

@@ -56,7 +56,7 @@ std::string basin_of(const CompareJob& job, const CompareOutcome& outcome) {
   for (std::uint32_t level = 0; level <= job.levels.size(); ++level) {
     text += fmt::format("  {:>14}", level_text(job, level));
     for (const MethodFigures& f : figures_of(job, outcome, level, ScanKind::kHeld)) {
-      text += fmt::format("{:>16.1f}", 100.0 * f.success.value());
+      text += fmt::format("{:>16}", f.success.of > 0 ? fmt::format("{:.1f}", 100.0 * f.success.value()) : "-");
     }
     text += "\n";
   }
