@@ -76,6 +76,10 @@ TEST_F(RenderSourceTest, APathBesideACloudNearItsOriginStays) {
   EXPECT_EQ(source.trajectory().front().T_map_base, (Pose2{50000.0, 2.0, 0.0}));
 }
 
+constexpr const char* kBareCloud =
+    "ply\nformat ascii 1.0\nelement vertex 2\nproperty double x\nproperty double y\nproperty double z\nend_header\n"
+    "0 0 0\n0 7 0\n";
+
 // The second run begins 30 s after the first, and both end together.
 TEST_F(RenderSourceTest, ErrorsOfRunsOverTimeHaveOneClock) {
   std::string rows;
@@ -103,6 +107,25 @@ TEST_F(RenderSourceTest, ErrorsOfRunsOverTimeHaveOneClock) {
   ASSERT_EQ(curves.size(), 2U);
   EXPECT_NEAR(curves[0].back().x(), curves[1].back().x(), 0.5);
   EXPECT_NEAR(curves[1].front().x(), 0.5 * (curves[0].front().x() + curves[0].back().x()), 0.5);
+}
+
+TEST_F(RenderSourceTest, DistancesReachAsFarAsTheirColours) {
+  write("cloud.ply", kBareCloud);
+  write("reference.ply", std::string(kBareCloud).replace(std::string(kBareCloud).find("0 7 0"), 5, "0 0 0"));
+  RenderOptions options;
+  options.inputs = {path("cloud.ply")};
+  options.reference = path("reference.ply");
+  std::vector<RenderSource> sources;
+  sources.emplace_back(options.inputs.front());
+  const auto farthest_m = [&](const char* range) {
+    options.range = range;
+    RenderStudio studio(options, sources);
+    return studio.distances(studio.cloud(0)).back();
+  };
+  EXPECT_EQ(farthest_m(""), 1.0F);
+  EXPECT_EQ(farthest_m("0m:20cm"), 1.0F);
+  EXPECT_EQ(farthest_m("0m:5m"), 5.0F);
+  EXPECT_EQ(farthest_m("0m:20m"), 7.0F);
 }
 
 }  // namespace

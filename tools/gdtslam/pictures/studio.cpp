@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kFramesPerSecond = 25.0;
 constexpr std::size_t kMostFrames = 100'000;
+constexpr double kFarDistance_m = 1.0;     // to a reference: what is farther counts as that, or as what is shown
 constexpr std::size_t kStillFrames = 101;  // of the film that a still is taken from
 
 // A cloud from the side is long and low: it fills the picture between its title and its bars.
@@ -142,7 +143,9 @@ std::vector<float> RenderStudio::distances(const Cloud& cloud) {
     point.y_m += static_cast<float>(from[1] - to[1]);
     point.z_m += static_cast<float>(from[2] - to[2]);
   }
-  return distances_to(cloud, reference);
+  const CloudLook look = cloud_look_of(options_);
+  const double shown_m = look.colour == CloudColour::kDistance ? look.most.value_or(0.0) : 0.0;
+  return distances_to(cloud, reference, std::max(kFarDistance_m, shown_m));
 }
 
 // A ceiling hides the rooms from above; seen from the side it belongs to the picture.

@@ -275,8 +275,8 @@ void add_film_options(CLI::App& command, RenderOptions& chosen) {
 void add_data_options(CLI::App& command, RenderOptions& chosen) {
   constexpr const char* kData = "Data";
   add(command, kData, "--reference", chosen.reference,
-      "A cloud in the same frame, for distances; the true trajectory, TUM, for trajectory and errors-*;\na run for "
-      "either",
+      "A cloud in the same frame, for distances up to 1 m or the end of --range; the true trajectory, TUM,\nfor "
+      "trajectory and errors-*; a run for either",
       "FILE");
   add(command, kData, "--relations", chosen.relations, "Verified relations for errors-*, as evaluate reads them",
       "FILE")
