@@ -181,6 +181,15 @@ TEST_F(FilmWriterTest, WhatCannotWorkIsRefusedBeforeAFrameIsDrawn) {
               open_film({OutputKind::kMp4, film("no/film.mp4"), 4, 2, 25.0, ffmpeg});
             }),
             ExitCode::kInputOutput);
+  // Of a .gif a frame stays for whole hundredths of a second, at least two.
+  EXPECT_EQ(code_of(
+                [&] {
+                  open_film({OutputKind::kGif, film("film.gif"), 4, 2, 60.0, ffmpeg});
+                },
+                &what),
+            ExitCode::kUsage);
+  EXPECT_NE(what.find("--fps 60"), std::string::npos) << what;
+  EXPECT_NO_THROW(open_film({OutputKind::kGif, film("film.gif"), 4, 2, 50.0, ffmpeg}));
   EXPECT_EQ(code_of([&] { open_film({OutputKind::kMp4, "/dev/null", 4, 2, 25.0, ffmpeg}); }), ExitCode::kInputOutput);
   EXPECT_EQ(code_of([&] { open_film({OutputKind::kMp4, film(), 4, 2, 25.0, film("none")}); }), ExitCode::kUnavailable);
   EXPECT_EQ(code_of([&] {

@@ -259,7 +259,8 @@ void add_look_options(CLI::App& command, RenderOptions& chosen) {
 
 void add_film_options(CLI::App& command, RenderOptions& chosen) {
   constexpr const char* kFilm = "Film";
-  add(command, kFilm, "--fps", chosen.frames_per_s, "Frames a second [25]", "N")->check(CLI::Range(0.1, 240.0));
+  add(command, kFilm, "--fps", chosen.frames_per_s, "Frames a second, of a .gif 50 at most [25]", "N")
+      ->check(CLI::Range(0.1, 240.0));
   CLI::Option* const frames = add(command, kFilm, "--frames", chosen.frames, "Number of frames", "N");
   frames->transform(without_leading_zeros())->check(whole_number_from(1));
   add(command, kFilm, "--seconds", chosen.seconds,

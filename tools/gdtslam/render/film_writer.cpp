@@ -259,6 +259,11 @@ std::unique_ptr<FilmWriter> open_film(const FilmTarget& target) {
     throw UsageError(fmt::format("--size {}x{}: an .mp4 needs even numbers, for example {}x{}", target.width,
                                  target.height, target.width + target.width % 2, target.height + target.height % 2));
   }
+  constexpr double kMostGifFramesPerSecond = 50.0;  // a .gif counts hundredths, and players slow down what has but one
+  if (target.kind == OutputKind::kGif && target.frames_per_s > kMostGifFramesPerSecond) {
+    throw UsageError(fmt::format("--fps {}: a .gif shows at most {} frames a second; an .mp4 can show more",
+                                 target.frames_per_s, kMostGifFramesPerSecond));
+  }
   const std::string program = find_ffmpeg(target.ffmpeg);
   std::error_code ignored;
   if (const fs::file_status status = fs::status(target.path, ignored);
