@@ -128,5 +128,20 @@ TEST_F(RenderSourceTest, DistancesReachAsFarAsTheirColours) {
   EXPECT_EQ(farthest_m("0m:20m"), 7.0F);
 }
 
+TEST_F(RenderSourceTest, ACloudHasNoColoursOfWhatItDoesNotHold) {
+  write("bare.ply", kBareCloud);
+  write("timed.ply",
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty double x\nproperty double y\nproperty double z\n"
+        "property double time\nend_header\n0 0 0 5\n");
+  const RenderSource bare(path("bare.ply"));
+  for (const CloudColour colour : {CloudColour::kTime, CloudColour::kElevation, CloudColour::kScan}) {
+    EXPECT_THROW(bare.require_values(colour), UsageError);
+  }
+  EXPECT_NO_THROW(bare.require_values(CloudColour::kHeight));
+  const RenderSource timed(path("timed.ply"));
+  EXPECT_NO_THROW(timed.require_values(CloudColour::kTime));
+  EXPECT_THROW(timed.require_values(CloudColour::kScan), UsageError);
+}
+
 }  // namespace
 }  // namespace gdtslam

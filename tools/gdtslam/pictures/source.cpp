@@ -24,7 +24,6 @@
 #include "gdtslam/io/distance_field_file.hpp"
 #include "gdtslam/io/occupancy_map_file.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
-#include "gdtslam/viewer/cloud_scene.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 
 namespace gdtslam {
@@ -283,6 +282,17 @@ Cloud RenderSource::cloud(const CloudProgress& progress, const CloudRemark& rema
 }
 
 std::string RenderSource::cloud_file() const { return run_ ? run_->cloud_file().value() : cloud_file_; }
+
+void RenderSource::require_values(CloudColour colour) const {
+  if (kind_ != RenderKind::kCloud) return;  // a run's have all of them
+  const CloudReader reader(cloud_file_);
+  const CloudHeader& header = reader.header();
+  const char* const missing = colour == CloudColour::kTime && !header.has_time             ? "times"
+                              : colour == CloudColour::kElevation && !header.has_elevation ? "elevations"
+                              : colour == CloudColour::kScan && !header.has_scan           ? "numbers of scans"
+                                                                                           : nullptr;
+  if (missing != nullptr) throw UsageError(fmt::format("--colour: {} has no {} of its points", cloud_file_, missing));
+}
 
 PathOverlay RenderSource::overlay() {
   if ((parts_ & part::kTrajectory) == 0) return {};

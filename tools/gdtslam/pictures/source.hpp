@@ -19,6 +19,7 @@
 #include "gdtslam/drawing/image.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/mapping/occupancy.hpp"
+#include "gdtslam/viewer/cloud_scene.hpp"
 
 namespace gdtslam {
 
@@ -92,6 +93,8 @@ class RenderSource {
       throw;
     }
   }
+  /// Throws UsageError where the points of a cloud that is no run's have no values to colour them by.
+  void require_values(CloudColour colour) const;
   /// Path, keyframes and doubtful scans; empty where there is no trajectory.
   PathOverlay overlay();
   /// Of what has kGraph: loops, covariances and what is not to be trusted, and a line that counts them.

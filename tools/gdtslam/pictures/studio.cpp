@@ -182,6 +182,7 @@ std::string RenderStudio::scan_subtitle() const {
 CloudScene& RenderStudio::cloud_scene(CameraPreset from, std::uint64_t points,
                                       const std::optional<PictureSize>& whole_in) {
   look_ = look_of(from, points > 0);
+  first().require_values(look_.colour);
   drawn_ = whole_in && options_.points == 0 ? cloud_of_still(*whole_in) : cloud(points);
   const bool by_distance = look_.colour == CloudColour::kDistance;
   const std::vector<float> distances_m = by_distance ? distances(drawn_) : std::vector<float>();
@@ -280,6 +281,7 @@ std::uint64_t RenderStudio::points_of_scan() {
 // Only what is measured in the stretch is thinned, so that it has all the points.
 std::unique_ptr<Film> RenderStudio::scan_film(const PictureSize& size, std::size_t frames, std::uint64_t points) {
   look_ = look_of(CameraPreset::kFollow, points > 0);
+  first().require_values(look_.colour);
   const Stretch time = stretch(kLongestScan_s);
   drawn_ = whole_cloud();
   std::erase_if(drawn_, [&time](const CloudPoint& point) {

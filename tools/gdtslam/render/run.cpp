@@ -277,6 +277,8 @@ void Render::write_model() {
   }
   if ((source.parts() & part::kCloud) == 0) {
     throw UsageError(fmt::format("{}: has no 3D cloud{}, so {} cannot be made of it", source.input(),
+  const CloudLook look = cloud_look_of(options_);
+  source.require_values(look.colour);
                                  is_gltf(result_.kind) ? " and no linkage" : "", to_string(result_.kind)));
   }
   const Cloud cloud = filtered(studio_.cloud(is_gltf(result_.kind) ? kMostGltfPoints : 0), options_);
@@ -288,7 +290,6 @@ void Render::write_model() {
     return;
   }
   const bool has_path = (source.parts() & part::kTrajectory) != 0 && !options_.no_path;
-  const CloudLook look = cloud_look_of(options_);
   const std::vector<Colour> colours = point_colours(
       cloud, look, look.colour == CloudColour::kDistance ? studio_.distances(cloud) : std::vector<float>());
   const ModelInput model{.name = studio_.title(),
