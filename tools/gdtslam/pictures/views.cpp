@@ -15,7 +15,7 @@ using Studio = RenderStudio;
 
 constexpr unsigned kCompared = part::kTrajectory | part::kTruth;
 constexpr unsigned kScene = kSize | kDark | kLight | kPage;
-constexpr unsigned kScan = kScene | kColour | kColourMap | kPoint | kLevels | kTitle | kPoints;
+constexpr unsigned kScan = kScene | kColour | kColourMap | kPoint | kLevels | kTitle | kPoints | kLinkage;
 constexpr unsigned kCloud = kScan | kPath | kDistances;
 constexpr unsigned kMap = kSize | kLight | kPage | kPath | kTitle;
 constexpr unsigned kPlot = kSize | kLight | kTitle | kVector;
@@ -54,12 +54,12 @@ const std::vector<RenderView>& render_views() {
       {"distance", "distance field in metres", part::kField, kMap | kColourMap, &Studio::field<false>},
       {"cells", "a few cells of the field with their numbers (--at, --cells)", part::kField,
        kPngSize | kLight | kPage | kTitle | kColourMap | kCells | kVector, &Studio::cells},
-      {"scene", "the mount's four bars and its laser; a film is one turn", part::kLinkage, kScene, &Studio::linkage, 1,
-       &Studio::linkage_turn, 4.0},
+      {"scene", "the mount's four bars and its laser; a film is one turn", part::kLinkage, kScene | kLinkage,
+       &Studio::linkage, 1, &Studio::linkage_turn, 4.0},
       {"trajectory", "the path alone, coloured by time; over the truth (--reference), several side by side",
        part::kTrajectory, kMap | kColourMap | kReference | kSeveral, &Studio::trajectory, 1},
       {"drawing", "the linkage's positions, curves and figures on one sheet", part::kLinkage,
-       kPngSize | kLight | kVector, &Studio::linkage_sheet},
+       kPngSize | kLight | kVector | kLinkage, &Studio::linkage_sheet},
       {"errors-box", "errors of the trajectory as box plot, runs side by side", kCompared, kErrorPlot,
        &Studio::errors_box, 6},
       {"errors-cdf", "errors of the trajectory as distribution", kCompared, kErrorPlot, &Studio::errors_cdf},

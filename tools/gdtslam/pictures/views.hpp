@@ -39,6 +39,7 @@ inline constexpr unsigned kFfmpeg = 1U << 18U;     ///< --ffmpeg
 inline constexpr unsigned kReference = 1U << 20U;  ///< --reference, a trajectory
 inline constexpr unsigned kScale = 1U << 21U;      ///< --range
 inline constexpr unsigned kSeveral = 1U << 22U;    ///< more than one input
+inline constexpr unsigned kLinkage = 1U << 23U;    ///< --linkage
 inline constexpr unsigned kVector = 1U << 19U;     ///< -o .svg and .pdf: lines and words, which grow without blur
 }  // namespace effect
 

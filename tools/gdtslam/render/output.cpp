@@ -42,8 +42,8 @@ using namespace effect;
 
 /// What options change of a view in this form; of what no view belongs to, by its form alone.
 unsigned effects_of(const RenderView* view, OutputKind output, bool is_linkage) {
-  if (is_linkage) return kTitle;
-  if (output == OutputKind::kPage) return kTitle | kDistances | kPoints;
+  if (is_linkage) return kTitle | kLinkage;
+  if (output == OutputKind::kPage) return kTitle | kDistances | kPoints | kLinkage;
   if (output == OutputKind::kCloud) return kLevels | kPoints;
   if (is_gltf(output)) return kColour | kColourMap | kLevels | kPath | kTitle | kDistances | kPoints;
   unsigned effects = view->effects;
@@ -61,6 +61,8 @@ struct GivenOption {
 
 std::vector<GivenOption> options_of(const RenderOptions& o, OutputKind output) {
   const bool colours_by_distance = o.colour.empty() || o.colour == "distance" || output == OutputKind::kPage;
+  // A log has used it when it was mapped.
+  const bool draws_linkage = !o.linkage.empty() && kind_of_input(o.inputs.front()) != RenderKind::kLog;
   const unsigned of_reference = has_true_path(o) ? kErrors | kReference : colours_by_distance ? kDistances : 0U;
   return {
       {"--size", !o.size.empty(), kSize, "pictures in pixels; cells and drawing have a size of their own"},
@@ -93,6 +95,7 @@ std::vector<GivenOption> options_of(const RenderOptions& o, OutputKind output) {
       {"--cells", o.cells > 0, kCells, "the view cells"},
       {"--squared", o.is_squared, kCells, "the view cells"},
       {"--points", o.points > 0, kPoints, "clouds"},
+      {"--linkage", draws_linkage, kLinkage, "logs, pictures of clouds, the views scene and drawing, pages and models"},
   };
 }
 
@@ -130,9 +133,6 @@ std::string_view to_string(OutputKind kind) {
   return kNames[static_cast<std::size_t>(kind)];
 }
 
-void refuse_idle_options(const RenderOptions& options, const RenderView* view, OutputKind output, bool is_linkage) {
-  const unsigned effects = effects_of(view, output, is_linkage);
-  for (const GivenOption& option : options_of(options, output)) {
 // Frames of a film have names of their own, and their folder is made.
 void require_writable(const RenderOptions& options, const std::string& file) {
   if (output_kind_of(file) == OutputKind::kFrames) return;
@@ -144,6 +144,9 @@ void require_writable(const RenderOptions& options, const std::string& file) {
   written.add("--output", file);
 }
 
+void refuse_idle_options(const RenderOptions& options, const RenderView* view, OutputKind output, bool is_linkage) {
+  const unsigned effects = effects_of(view, output, is_linkage);
+  for (const GivenOption& option : options_of(options, output)) {
     if (!option.is_given || (option.effects & effects) != 0) continue;
     const std::string made =
         view == nullptr ? std::string(to_string(output)) : fmt::format("view {} as {}", view->name, to_string(output));
