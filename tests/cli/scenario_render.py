@@ -301,6 +301,8 @@ def render_models():
     heights = [place[2] for place in points_of(folder / "w.ply")]
     expect(len(heights) == said["points"], f"{said}")
     expect(-0.01 < min(heights) and max(heights) < 2.41 and sum(0.06 < z < 2.34 for z in heights) > 0.98 * len(heights), "no floor, no ceiling")
+    expect(rendered(run, "-o", folder / "w.png", "--view", "front", "--no-floor", "--no-ceiling")["points"] == len(heights), "as pictures")
+    expect(rendered(run, "-o", folder / "w.glb", "--no-floor", "--no-ceiling")["points"] == len(heights), "as pictures")
     said = rendered(run, "-o", folder / "a.ply", "--points", 500)
     again = command("render", folder / "a.ply", "-o", folder / "b.pcd", "--json")
     expect_exit(again, 0)

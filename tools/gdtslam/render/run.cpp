@@ -13,7 +13,6 @@
 
 #include "engine/io/atomic_file.hpp"
 #include "film_writer.hpp"
-#include "gdtslam/cloud/thinning.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/raster.hpp"
 #include "gdtslam/io/cloud_file.hpp"
@@ -22,6 +21,7 @@
 #include "tools/gdtslam/drawings/drawing_file.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "viewer/scene/cloud/cloud_colours.hpp"
+#include "viewer/scene/cloud/cloud_level.hpp"
 #include "viewer/scene/linkage/linkage_model.hpp"
 
 namespace gdtslam {
@@ -84,17 +84,15 @@ std::string default_file(const RenderSource& source, const RenderView& view) {
   return fmt::format("{}-{}.png", source.name(), view.name);
 }
 
-// Without floor and ceiling, where that is asked for.
+// Without floor and ceiling, where that is asked for, as in pictures.
 Cloud filtered(Cloud cloud, const RenderOptions& options) {
   if (!options.no_floor && !options.no_ceiling) return cloud;
-  constexpr double kMargin_m = 0.05;
-  LevelSurfaces surfaces = find_level_surfaces(cloud, LevelSearch{});
-  if (!options.no_floor) surfaces.floor.reset();
-  if (!options.no_ceiling) surfaces.ceiling.reset();
-  CloudKeeper kept;
-  LevelRemoval(surfaces, kMargin_m, kept).add(cloud);
-  if (kept.cloud.empty()) throw InputError("without floor and ceiling there are no points left");
-  return std::move(kept.cloud);
+  CloudLook look;
+  look.with_floor = !options.no_floor;
+  look.with_ceiling = !options.no_ceiling;
+  Cloud kept;
+  for (const std::uint32_t k : drawn_points(cloud, level_surfaces_of(cloud), look)) kept.push_back(cloud[k]);
+  return kept;
 }
 
 // In the middle of a page of this size, in the drawing's own background.
@@ -277,10 +275,10 @@ void Render::write_model() {
   }
   if ((source.parts() & part::kCloud) == 0) {
     throw UsageError(fmt::format("{}: has no 3D cloud{}, so {} cannot be made of it", source.input(),
-  const CloudLook look = cloud_look_of(options_);
-  source.require_values(look.colour);
                                  is_gltf(result_.kind) ? " and no linkage" : "", to_string(result_.kind)));
   }
+  const CloudLook look = cloud_look_of(options_);
+  source.require_values(look.colour);
   const Cloud cloud = filtered(studio_.cloud(is_gltf(result_.kind) ? kMostGltfPoints : 0), options_);
   result_.points = cloud.size();
   if (result_.kind == OutputKind::kCloud) {
