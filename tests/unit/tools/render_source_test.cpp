@@ -109,6 +109,29 @@ TEST_F(RenderSourceTest, ErrorsOfRunsOverTimeHaveOneClock) {
   EXPECT_NEAR(curves[1].front().x(), 0.5 * (curves[0].front().x() + curves[0].back().x()), 0.5);
 }
 
+// The first pose is 5 s before the first point; after 115 s the laser stands still, of which there is no plot.
+TEST_F(RenderSourceTest, ElevationsCountFromTheFirstPose) {
+  std::string cloud =
+      "ply\nformat ascii 1.0\nelement vertex 20\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float elevation\nproperty double time\nproperty uint scan\nend_header\n";
+  for (int k = 0; k < 20; ++k) {
+    cloud += "1 2 3 " + std::to_string(k <= 10 ? 0.1 * k : 1.0) + " " + std::to_string(105 + k) + " " +
+             std::to_string(k) + "\n";
+  }
+  write("cloud.ply", cloud);
+  write("trajectory.tum", "100 0 0 0 0 0 0 1\n125 1 0 0 0 0 0 1\n");
+  RenderOptions options;
+  options.inputs = {folder_.string()};
+  std::vector<RenderSource> sources;
+  sources.emplace_back(options.inputs.front());
+  options.from = "10s";
+  options.to = "15s";
+  EXPECT_NO_THROW(RenderStudio(options, sources).elevation(std::nullopt));
+  options.from = "0s";
+  options.to = "4s";
+  EXPECT_THROW(RenderStudio(options, sources).elevation(std::nullopt), UsageError);
+}
+
 TEST_F(RenderSourceTest, DistancesReachAsFarAsTheirColours) {
   write("cloud.ply", kBareCloud);
   write("reference.ply", std::string(kBareCloud).replace(std::string(kBareCloud).find("0 7 0"), 5, "0 0 0"));

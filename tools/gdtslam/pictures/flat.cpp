@@ -183,7 +183,11 @@ Canvas RenderStudio::cells(const Wanted& /*wanted*/) {
 Canvas RenderStudio::elevation(const Wanted& wanted) {
   Cloud cloud = first().cloud({}, [this](const std::string& remark) { tell(remark); });
   std::sort(cloud.begin(), cloud.end(), [](const CloudPoint& a, const CloudPoint& b) { return a.stamp_s < b.stamp_s; });
-  const double begin_s = cloud.front().stamp_s;
+  double begin_s = cloud.front().stamp_s;
+  if (const Trajectory poses = path(); !poses.empty()) {
+    const auto by_stamp = [](const StampedPose& a, const StampedPose& b) { return a.stamp_s < b.stamp_s; };
+    begin_s = std::min_element(poses.begin(), poses.end(), by_stamp)->stamp_s;
+  }
   const double from_s = begin_s + (options_.from.empty() ? 0.0 : time_of("--from", options_.from));
   const double to_s = options_.to.empty() ? cloud.back().stamp_s : begin_s + time_of("--to", options_.to);
   const double length_s = cloud.back().stamp_s - begin_s;
@@ -215,15 +219,15 @@ RenderStudio::Errors RenderStudio::errors() {
   const bool is_angle = options_.is_angle;
   Errors all{{title(), is_angle ? "Heading error" : "Position error", is_angle ? "°" : "m", {}}, {}};
   const std::vector<std::string> names = distinct_names();
-  for (std::size_t k = 0; k < sources_.size(); ++k) {
-    ErrorGroup group{names[k], {}};
-    TimeSeries line{names[k], {}};
   std::vector<std::vector<TrajectoryError>> errors;
   double first_s = std::numeric_limits<double>::infinity();
   for (RenderSource& source : sources_) {
     errors.push_back(errors_of(source, options_));
     for (const TrajectoryError& error : errors.back()) first_s = std::min(first_s, error.stamp_s);
   }
+  for (std::size_t k = 0; k < sources_.size(); ++k) {
+    ErrorGroup group{names[k], {}};
+    TimeSeries line{names[k], {}};
     for (const TrajectoryError& error : errors[k]) {
       group.values.push_back(is_angle ? error.angle_deg : error.position_m);
       line.points.emplace_back(error.stamp_s - first_s, group.values.back());
