@@ -127,6 +127,7 @@ class Annealing {
   Annealing(Counted& function, const SimplexAnnealing& method)
       : function_(function), method_(method), random_(method.seed) {
     vertices_ = first_simplex(function_, function_.start(), {});
+    if (function_.must_stop()) return;
     temperature_ = first_temperature();
     first_temperature_ = temperature_;
   }
