@@ -45,7 +45,7 @@ std::vector<PathPoint> seen_points(const MapFrame& frame, const Trajectory& traj
 
 constexpr int kNoBand = -1;  ///< of what has no value
 int band_of(double share) {
-  return std::isfinite(share) ? std::clamp(static_cast<int>(share * kPathBands), 0, kPathBands - 1) : kNoBand;
+  return std::isfinite(share) ? static_cast<int>(std::clamp(share * kPathBands, 0.0, kPathBands - 1.0)) : kNoBand;
 }
 
 /// A line for each band of values.

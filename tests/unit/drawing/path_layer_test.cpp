@@ -2,8 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <variant>
+#include <vector>
 
+#include "engine/drawing/maps/path_layer.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
 
 namespace gdtslam {
@@ -30,6 +33,28 @@ TEST(MapPicture, PosesThatNoPictureHoldsAreNotDrawn) {
     if (const auto* circle = std::get_if<shape::Circle>(&shape)) expect_near(circle->centre);
   }
   EXPECT_GE(points, 6U) << "both ends, the keyframe and the doubtful scan that can be seen";
+}
+
+TEST(PathLayer, SharesBeyondAnyNumberOfBandsHaveTheLastColours) {
+  picture::MapFrame frame;
+  frame.panel = {0.0, 0.0, 100.0, 100.0};
+  frame.y_m = 100.0;
+  for (const auto& [share, least, most] : {std::array{1e300, 0.98, 1.0}, std::array{-1e300, 0.0, 0.02},
+                                           std::array{1e9, 0.98, 1.0}, std::array{0.5, 0.49, 0.52}}) {
+    const Trajectory path{{0.0, {10.0, 50.0, 0.0}}, {1.0, {90.0, 50.0, 0.0}}};
+    const std::vector<double> shares(2, share);
+    std::vector<double> asked;
+    Canvas canvas(100.0, 100.0, "");
+    picture::draw_line_of_values(canvas, frame, {path, {}, shares},
+                                 [&asked](double at) {
+                                   asked.push_back(at);
+                                   return ink::kText;
+                                 },
+                                 {ink::kCard, 2.4});
+    ASSERT_EQ(asked.size(), 1U);
+    EXPECT_GE(asked[0], least) << share;
+    EXPECT_LE(asked[0], most) << share;
+  }
 }
 
 }  // namespace
