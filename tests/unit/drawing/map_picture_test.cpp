@@ -112,19 +112,16 @@ TEST(MapPicture, legends_are_made_for_the_scale_that_is_drawn) {
   }
 }
 
-/// Where one row of the legend asks for a longer bar than two rows do.
+/// Where one row of the legend asks for a longer bar than two rows do; cells are as large as pixels of the map's image.
 TEST(MapPicture, scale_bar_of_a_narrow_map_is_as_long_as_it_says) {
-  const OccupancyMap map = free_map(7, 22, 0.2713, 0.0, 0.0);
-  const Canvas canvas = map_picture(map, straight_path({0.3, 1.0}, {0.3, 5.0}), {}, {240, 300});
-  const auto circles = shapes_of<shape::Circle>(canvas);
-  const auto start = std::find_if(circles.begin(), circles.end(), [](const shape::Circle& circle) {
-    return circle.fill && circle.fill->colour == kPathStart;
-  });
-  const auto end = std::find_if(circles.begin(), circles.end(), [](const shape::Circle& circle) {
-    return circle.edge && circle.edge->colour == kPathEnd;
-  });
-  ASSERT_TRUE(start != circles.end() && end != circles.end());
-  const double px_per_m = (end->centre - start->centre).norm() / 4.0;
+  constexpr double kCell_m = 0.2713;
+  MapLook look;
+  look.title = "narrow";
+  const Canvas canvas = map_picture(free_map(7, 22, kCell_m, 0.0, 0.0), {}, look, {240, 300});
+  const auto images = shapes_of<shape::Picture>(canvas);
+  ASSERT_EQ(images.size(), 1U);
+  ASSERT_EQ(images[0].image->width, 7U);
+  const double px_per_m = images[0].width / (7.0 * kCell_m);
   const auto lines = shapes_of<shape::Line>(canvas);
   const auto bar =
       std::find_if(lines.begin(), lines.end(), [](const shape::Line& line) { return line.points.size() == 4; });
