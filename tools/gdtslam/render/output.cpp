@@ -95,7 +95,8 @@ std::vector<GivenOption> options_of(const RenderOptions& o, OutputKind output) {
       {"--cells", o.cells > 0, kCells, "the view cells"},
       {"--squared", o.is_squared, kCells, "the view cells"},
       {"--points", o.points > 0, kPoints, "clouds"},
-      {"--linkage", draws_linkage, kLinkage, "logs, pictures of clouds, the views scene and drawing, pages and models"},
+      {"--linkage", draws_linkage, kLinkage,
+       "logs, pictures of clouds, the views scene and drawing, pages, and .gltf and .glb of a linkage"},
   };
 }
 
