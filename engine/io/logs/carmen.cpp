@@ -106,8 +106,10 @@ class CarmenReader final : public DescribedLog {
       warn("malformed line", reason);
     } else {
       const std::string_view kind = line.text.substr(0, line.text.find_first_of(" \t\r"));
-      throw InputError({name_, line.number}, fmt::format("the line {} {}; correct it or skip such lines with --lenient",
-                                                         in_quotes(kind), reason));
+      throw InputError({name_, line.number},
+                       fmt::format("the line {} {}; correct it or skip such lines with --lenient, or else "
+                                   "with gdtslam convert --lenient",
+                                   in_quotes(kind), reason));
     }
   }
 

@@ -98,7 +98,9 @@ class TableReader final : public DescribedLog {
       warn("malformed line", reason);
     } else {
       throw InputError({name_, line.number},
-                       fmt::format("the row {}; correct it or skip such lines with --lenient", reason));
+                       fmt::format("the row {}; correct it or skip such lines with --lenient, or else with gdtslam "
+                                   "convert --lenient",
+                                   reason));
     }
   }
 

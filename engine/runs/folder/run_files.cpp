@@ -42,6 +42,12 @@ RunFiles::RunFiles(std::string folder, const std::function<void(const ReportRead
     : folder_(std::move(folder)) {
   const std::optional<FileState> state = state_of(kReportFile);
   if (!state) {
+    std::error_code ignored;
+    if (!fs::exists(folder_, ignored)) throw InputError({folder_, 0}, "is no folder of a run: it is not there");
+    if (!fs::is_directory(folder_, ignored)) throw InputError({folder_, 0}, "is a file; give the folder of a run");
+    if (fs::exists(path("merge.json"), ignored)) {
+      throw InputError({folder_, 0}, "is what 'gdtslam merge' wrote; give one of its sites, " + path("1"));
+    }
     throw InputError({folder_, 0},
                      fmt::format("is no folder of a run: it has no {}{}{}", kReportFile, kMapAgain, folder_));
   }

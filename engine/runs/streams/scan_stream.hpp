@@ -14,6 +14,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -68,6 +69,8 @@ class ScanStream {
   }
   static constexpr std::size_t kScansAhead = 20;
   static constexpr std::size_t kMostAhead = 10000;  ///< records
+  /// The kind of the warning where a laser that nods is taken for a level one.
+  static constexpr std::string_view kUnusedNods = "nodding message not used";
   /// Takes every record but the scans, in log order, those before a scan in hand among them, and tells whether it could
   /// use it; and hears of each log that follows the first, when all scans of the one before have been given.
   struct Listener {
@@ -109,7 +112,7 @@ class ScanStream {
   std::exception_ptr ahead_problem_;  ///< behind the records of ahead_
   Listener listener_;
   std::vector<LogReader::Warning> earlier_warnings_;
-  LogReader::Warning unused_{"nodding message not used", 0, ""};
+  LogReader::Warning unused_{std::string(kUnusedNods), 0, ""};
   std::uint64_t read_ = 0;
   std::uint64_t given_ = 0;
   bool skipped_ = false;

@@ -13,6 +13,7 @@
 #include "input/live_log.hpp"
 #include "options.hpp"
 #include "page/page_figures.hpp"
+#include "remarks.hpp"
 #include "snapshot/snapshots.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
@@ -124,6 +125,7 @@ int follow_live(const DriveOptions& options) {
   output.finish();  // what was followed by then is told all the same
   if (!options.quiet && (!problem || drive.scans() > 0)) {
     print_warnings(warnings);
+    print_remark_on_nods(warnings);
     print_remark(drive.text());
   }
   if (problem) std::rethrow_exception(problem);

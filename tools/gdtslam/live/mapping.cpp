@@ -14,6 +14,7 @@
 #include "input/live_log.hpp"
 #include "options.hpp"
 #include "page/page_figures.hpp"
+#include "remarks.hpp"
 #include "snapshot/snapshots.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
@@ -69,6 +70,7 @@ int exit_code_of(const MapOutcome& outcome) {
 
 void print_summary(const MapRequest& request, const MapOutcome& outcome, std::uint64_t dropped_lines) {
   print_remarks(outcome, request.folder);
+  print_remark_on_nods(outcome.warnings);
   const MapperStatistics& s = outcome.statistics;
   const std::string lines =
       dropped_lines > 0 ? fmt::format(", {} lines not read by anybody", dropped_lines) : std::string();

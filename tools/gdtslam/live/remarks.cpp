@@ -1,8 +1,10 @@
 #include "remarks.hpp"
 
+#include <algorithm>
 #include <system_error>
 #include <utility>
 
+#include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 
@@ -25,6 +27,12 @@ Remarks::~Remarks() {
     output_.finish();
   } catch (const FileError&) {  // of which nobody can be told
   }
+}
+
+void print_remark_on_nods(const std::vector<LogReader::Warning>& warnings) {
+  const bool nods = std::any_of(warnings.begin(), warnings.end(),
+                                [](const auto& warning) { return warning.kind == ScanStream::kUnusedNods; });
+  if (nods) print_remark("warning: the laser of this log nods, and live takes it for level; gdtslam map does not");
 }
 
 }  // namespace gdtslam

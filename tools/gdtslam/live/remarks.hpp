@@ -3,7 +3,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "gdtslam/io/log.hpp"
 #include "output/line_output.hpp"
 
 namespace gdtslam {
@@ -20,5 +22,8 @@ class Remarks {
  private:
   LineOutput output_;
 };
+
+/// What whoever has a laser that nods should do, where these warnings tell of one.
+void print_remark_on_nods(const std::vector<LogReader::Warning>& warnings);
 
 }  // namespace gdtslam
