@@ -187,13 +187,14 @@ def map(  # noqa: A001 - the word of the field, as gdtslam.map
         raise UsageError("out: an empty name is no folder; name one, or leave it out for a temporary one")
     temporary = TemporaryFolder() if out is None else None
     folder = temporary.path / "run" if temporary is not None else pathlib.Path(out)  # type: ignore[arg-type]
+    whole_path = _absolute(folder)
     paths = log_list(logs)
     options_handle = options_of(options, topics, odometry, crank, mount)
     caller = Caller(progress, warn)
     request = CMapRequest(
         logs=_library.text_list(paths),
         log_count=len(paths),
-        folder=_absolute(folder),
+        folder=whole_path,
         options=options_handle.pointer,
         linkage=encoded(linkage),
         flags=_flags(
@@ -217,7 +218,8 @@ def map(  # noqa: A001 - the word of the field, as gdtslam.map
         made = Run._of(Handle("run", pointer), folder, temporary) if pointer else None
     if status == 0 and made is not None:
         return made
-    problem = BY_STATUS.get(status, Error)(error.text.decode("utf-8", "replace"))
+    as_given = error.text.replace(whole_path or b"", encoded(folder) or b"")
+    problem = BY_STATUS.get(status, Error)(as_given.decode("utf-8", "replace"))
     if isinstance(problem, Interrupted):
         problem.run = made  # type: ignore[assignment]
     raise problem

@@ -15,13 +15,11 @@ def refused(code, words, *arguments):
 def folders_that_are_no_runs():
     """Exit 65 and what to give."""
     folder = fresh_folder("folders_that_are_no_runs")
-    (folder / "empty").mkdir()
     shutil.copytree(RUN, folder / "merged" / "1")
     (folder / "merged" / "merge.json").write_text("{}")
-    for map_folder in (folder / "empty", folder / "merged"):
-        refused(65, "is no folder of a run: it has no gdt.yaml; give", "localize", map_folder, LOG)
-        refused(65, "is no folder of a run: it has no gdt.yaml; give", "live", LOG, "--map", map_folder)
-    refused(65, f"give one of its sites, {folder / 'merged' / '1'}", "doctor", "--after", folder / "merged")
+    merged = folder / "merged"
+    for words in (("localize", merged, LOG), ("live", LOG, "--map", merged), ("doctor", "--after", merged)):
+        refused(65, f"give one of its sites, {folder / 'merged' / '1'}", *words)
     refused(65, "is a file; give the folder of a run", "doctor", "--after", LOG)
     refused(65, "is a file; give the folder of a run", "edit", LOG, "-o", folder / "new")
     refused(65, "is no folder of a run: it is not there", "doctor", "--after", folder / "nowhere")

@@ -25,13 +25,11 @@ std::string description_file_of(const std::string& map) {
   std::error_code ignored;
   if (fs::is_directory(map, ignored)) {
     refuse_broken_run(map, "gdt.yaml");
-    const fs::path field = fs::path(map) / "gdt.yaml";
-    if (!fs::exists(field, ignored)) {
+    if (fs::exists(fs::path(map) / "merge.json", ignored)) {
       throw InputError({map, 0},
-                       "is no folder of a run: it has no gdt.yaml; give the folder that 'gdtslam map -o' wrote, of "
-                       "'gdtslam merge' one of its sites, or a map.yaml of map_server");
+                       "is what 'gdtslam merge' wrote; give one of its sites, " + (fs::path(map) / "1").string());
     }
-    return field.string();
+    return (fs::path(map) / "gdt.yaml").string();
   }
   if (!fs::is_regular_file(map, ignored)) return map;  // reading it says what is wrong
   if (!looks_like_map(map)) {
