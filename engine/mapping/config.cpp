@@ -34,9 +34,8 @@ std::vector<Option> map_options(MapperConfig& c) {
        0, 0, Choice(c.map.transform, kTransforms)},
       {"map.max_megacells", "Most cells that the map may have, in units of 2^20", Unit::kNone, 1, 16384,
        &c.map.max_megacells},
-      {"local.stretch",
-       "Path after which scans are matched with a younger map; 0: 15 m where loops are closed, else one map of all",
-       Unit::kMetre, 0.0, 1000.0, &c.local.stretch_m},
+      {"local.stretch", "Path after which scans are matched with a younger map; 0 keeps one map of all", Unit::kMetre,
+       0.0, 1000.0, &c.local.stretch_m},
       {"scan.min_range", "Shorter ranges count as no return", Unit::kMetre, 0.0, 100.0, &c.scan.min_range_m},
       {"scan.max_range", "Ranges at or above this count as no return; the log's own limit counts too", Unit::kMetre,
        0.1, 1000.0, &c.scan.max_range_m},
@@ -156,9 +155,8 @@ std::vector<Option> search_options(MapperConfig& c) {
 std::vector<Option> doubt_options(MapperConfig& c) {
   return {
       {"odometry.estimate",
-       "Whether the noise of the odometry is estimated as the log goes, as always where loops are closed; else prior "
-       "and search state it",
-       Unit::kNone, 0, 1, &c.odometry.estimate},
+       "Whether the noise of the odometry is estimated as the log goes; else prior and search state it", Unit::kNone, 0,
+       1, &c.odometry.estimate},
       {"odometry.max_step", "Longest step of the odometry between two scans; a longer one is a fault and is not used",
        Unit::kMetre, 0.01, 1000.0, &c.odometry.max_step_m},
       {"odometry.frozen", "Odometry that stands still while the scans move this far counts as missing", Unit::kMetre,

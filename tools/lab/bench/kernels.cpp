@@ -144,10 +144,6 @@ double seconds_of(const Timing& timing, Basis basis) {
   return basis == Basis::kDevice ? timing.device_s.value() : timing.wall_s;
 }
 
-std::string_view to_string(Basis basis) {
-  return basis == Basis::kCpu ? "cpu" : basis == Basis::kDevice ? "device" : "wall";
-}
-
 std::size_t spreading_stride(std::size_t count) {
   std::size_t stride = count / 2 + 1;
   while (std::gcd(stride, count) != 1) ++stride;

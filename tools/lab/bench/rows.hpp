@@ -85,7 +85,9 @@ inline Basis basis_of(const Timing& timing, Basis backend) {
   return backend == Basis::kDevice && !timing.device_s ? Basis::kWall : backend;
 }
 /// As JSON has it: "cpu", "device", "wall".
-std::string_view to_string(Basis basis);
+constexpr std::string_view to_string(Basis basis) {
+  return basis == Basis::kCpu ? "cpu" : basis == Basis::kDevice ? "device" : "wall";
+}
 /// The time of a measurement on its basis.
 double seconds_of(const Timing& timing, Basis basis);
 /// The samples that it is the median of.
