@@ -2,7 +2,7 @@
 
 import shutil
 
-from cli_support import LOG, RUN, command, expect, expect_exit, fresh_folder, one_error_line
+from cli_support import LOG, RUN, TRUTH, command, expect, expect_exit, fresh_folder, one_error_line
 
 
 def refused(code, words, *arguments):
@@ -18,7 +18,8 @@ def folders_that_are_no_runs():
     shutil.copytree(RUN, folder / "merged" / "1")
     (folder / "merged" / "merge.json").write_text("{}")
     merged = folder / "merged"
-    for words in (("localize", merged, LOG), ("live", LOG, "--map", merged), ("doctor", "--after", merged)):
+    for words in (("localize", merged, LOG), ("live", LOG, "--map", merged), ("doctor", "--after", merged),
+                  ("evaluate", merged, "--reference", TRUTH)):
         refused(65, f"give one of its sites, {folder / 'merged' / '1'}", *words)
     refused(65, "is a file; give the folder of a run", "doctor", "--after", LOG)
     refused(65, "is a file; give the folder of a run", "edit", LOG, "-o", folder / "new")

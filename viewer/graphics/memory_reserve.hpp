@@ -3,7 +3,6 @@
 // lives, such an allocation is given what was kept, VTK goes on, and the caller is told afterwards.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 
 namespace gdtslam {

@@ -17,6 +17,7 @@ namespace gdtslam {
 /// A report is read up to so many bytes: of a day of scans, all of them doubtful.
 inline constexpr std::size_t kMostReportBytes = std::size_t{80} << 20U;
 inline constexpr const char* kReportFile = "report.json";
+inline constexpr const char* kMergeFile = "merge.json";  ///< beside the sites of a merge
 inline constexpr const char* kMapAgain = "; map the log again: gdtslam map LOG -o ";
 
 /// A row of the list of a run's files.

@@ -38,6 +38,13 @@ Json files_json(const RunFolder& folder) {
   return rows;
 }
 
+void refuse_folder_of_sites(const std::string& folder) {
+  std::error_code ignored;
+  if (!fs::exists(fs::path(folder) / kMergeFile, ignored)) return;
+  const std::string site = (fs::path(folder) / "1").string();
+  throw InputError({folder, 0}, "is what 'gdtslam merge' wrote; give one of its sites, " + site);
+}
+
 RunFiles::RunFiles(std::string folder, const std::function<void(const ReportReader&)>& also)
     : folder_(std::move(folder)) {
   const std::optional<FileState> state = state_of(kReportFile);
@@ -45,9 +52,7 @@ RunFiles::RunFiles(std::string folder, const std::function<void(const ReportRead
     std::error_code ignored;
     if (!fs::exists(folder_, ignored)) throw InputError({folder_, 0}, "is no folder of a run: it is not there");
     if (!fs::is_directory(folder_, ignored)) throw InputError({folder_, 0}, "is a file; give the folder of a run");
-    if (fs::exists(path("merge.json"), ignored)) {
-      throw InputError({folder_, 0}, "is what 'gdtslam merge' wrote; give one of its sites, " + path("1"));
-    }
+    refuse_folder_of_sites(folder_);
     throw InputError({folder_, 0},
                      fmt::format("is no folder of a run: it has no {}{}{}", kReportFile, kMapAgain, folder_));
   }

@@ -94,6 +94,9 @@ class RunFiles {
   std::shared_ptr<Seen> seen_ = std::make_shared<Seen>();
 };
 
+/// Throws InputError where the folder has the sites of a merge, with one of them to give.
+void refuse_folder_of_sites(const std::string& folder);
+
 /// The run there, where its report tells of its files: what it does not tell of is not the program's to remove.
 std::optional<RunFiles> told_files_in(const std::string& folder);
 

@@ -46,6 +46,7 @@ Trajectory trajectory_in(const std::string& given) {
 }  // namespace
 
 void refuse_broken_run(const std::string& folder, const char* name) {
+  refuse_folder_of_sites(folder);
   if (!RunReader::is_broken_run(folder)) return;
   throw InputError({folder, 0},
                    fmt::format("is a folder without report.json, so no run of 'gdtslam map', though files of one are "

@@ -11,7 +11,7 @@
 namespace gdtslam {
 
 /// Throws InputError where the folder has what is left of a run without its report (RunReader::is_broken_run): the file
-/// `name` of it would be of nobody knows which run.
+/// `name` of it would be of nobody knows which run. The same where it holds the sites of a merge.
 void refuse_broken_run(const std::string& folder, const char* name);
 
 /// The poses of a TUM file, or of trajectory.tum in a folder. Throws FileError, and InputError that says what to give.

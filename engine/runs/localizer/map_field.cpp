@@ -25,10 +25,6 @@ std::string description_file_of(const std::string& map) {
   std::error_code ignored;
   if (fs::is_directory(map, ignored)) {
     refuse_broken_run(map, "gdt.yaml");
-    if (fs::exists(fs::path(map) / "merge.json", ignored)) {
-      throw InputError({map, 0},
-                       "is what 'gdtslam merge' wrote; give one of its sites, " + (fs::path(map) / "1").string());
-    }
     return (fs::path(map) / "gdt.yaml").string();
   }
   if (!fs::is_regular_file(map, ignored)) return map;  // reading it says what is wrong

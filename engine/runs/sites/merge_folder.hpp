@@ -14,12 +14,10 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/runs/folder/report_reader.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 
 namespace gdtslam {
-
-/// In the folder that is written.
-inline constexpr const char* kMergeFile = "merge.json";
 
 /// The place of a site among them.
 class SiteFolder {
