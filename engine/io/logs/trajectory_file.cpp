@@ -123,13 +123,21 @@ Trajectory read_tum(std::span<const std::byte> data, const std::string& name) {
 
 std::vector<Relation> read_relations(const std::string& path) {
   std::vector<Relation> relations;
+  std::size_t unit_quaternions = 0;
   for_each_row(open_file_source(path), path, "t1 t2 x y z roll pitch yaw",
                [&](const Row& row, const FilePosition& position) {
+                 const double square = row[4] * row[4] + row[5] * row[5] + row[6] * row[6] + row[7] * row[7];
+                 if (std::abs(square - 1.0) < 1e-3) ++unit_quaternions;
                  check_place(row[2], row[3], position);
                  check_turn(row[7], position);
                  relations.push_back({row[0], row[1], {row[2], row[3], wrap_angle(row[7])}});
                });
   if (relations.empty()) throw InputError({path, 0}, "holds no relation; a row is `t1 t2 x y z roll pitch yaw`");
+  // One relation may be of 1 rad; several whose last four numbers are all of length 1 are orientations.
+  if (relations.size() > 2 && unit_quaternions == relations.size()) {
+    throw InputError({path, 0},
+                     "is a trajectory with rows `t x y z qx qy qz qw` and no relations, `t1 t2 x y z roll pitch yaw`");
+  }
   return relations;
 }
 

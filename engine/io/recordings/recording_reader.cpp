@@ -197,6 +197,10 @@ class RecordingReader final : public DescribedLog {
 
   void take_crank(const TopicChannel& channel, const MessageBytes& message, double received_s) {
     const bool is_joint = channel.kind == MessageKind::kJoints;
+    if (!is_joint && !joint_.empty()) {
+      throw UsageError(fmt::format("{0}: {1} has numbers and no joint {2}; give {1} alone", name_,
+                                   in_quotes(crank_topic_), in_quotes(joint_)));
+    }
     const NumberMessage number = is_joint ? read_joint(message, joint_) : read_number(message, channel.definition.type);
     if (!std::isfinite(number.value)) throw RecordingFault("has a position of the crank that is not finite");
     const CrankOptions& crank = options_.crank;

@@ -95,6 +95,9 @@ std::string read_text(const std::string& path, std::size_t most_bytes) {
 
 template <class Failure>
 YAML::Node parse_yaml(const std::string& text, const std::string& name) {
+  for (const std::string_view magic : {"\x1f\x8b", "BZh", "\xfd\x37zXZ", "\x28\xb5\x2f\xfd"}) {
+    if (text.starts_with(magic)) throw Failure({name, 0}, "is a packed file and no YAML; unpack it first");
+  }
   if (is_nested_too_deep(text)) {
     throw Failure({name, 0}, "is not valid YAML: nested too deeply for a file of this kind");
   }

@@ -110,6 +110,19 @@ TEST(Relations, AFileWithoutRowsSaysSo) {
   EXPECT_THAT(told_by<InputError>([&] { read_relations(folder / "r"); }), HasSubstr("r: holds no relation; a row is"));
 }
 
+TEST(Relations, ATrajectoryIsToldAsOne) {
+  const TemporaryFolder folder;
+  const auto error_of = [&](const std::string& text) {
+    put_file(folder / "r", text);
+    return told_by<InputError>([&] { read_relations(folder / "r"); }, "");
+  };
+  EXPECT_THAT(error_of("1 0 0 0 0 0 0 1\n2 1 0 0 0 0 0.6 0.8\n3 2 0 0 0 0 -0.6 0.8\n"), HasSubstr("is a trajectory"));
+  put_file(folder / "r", "1 2 0 0 0 0 0 1\n2 3 1 0 0 0 0 1\n");  // two turns of 1 rad
+  EXPECT_EQ(read_relations(folder / "r").size(), 2U);
+  put_file(folder / "r", "1 2 0 0 0 0 0 1\n2 3 1 0 0 0 0 1\n3 4 1 0 0 0 0 0.5\n");
+  EXPECT_EQ(read_relations(folder / "r").size(), 3U);
+}
+
 TEST(RelationsRealData, HaveTheirKnownCounts) {
   GDTSLAM_REAL_DATA(intel, "slam2d/intel.relations.gz");
   GDTSLAM_REAL_DATA(fr079, "slam2d/fr079.relations.gz");

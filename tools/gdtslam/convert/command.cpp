@@ -93,6 +93,10 @@ void check_output(const ConvertOptions& options, LogFormat format) {
   fs::path place(options.output);
   if (!place.has_filename()) place = place.parent_path();
   check_files(options, format, place.string());
+  if (is_folder && fs::exists(place / "report.json", error)) {
+    throw UsageError(
+        fmt::format("--output: {} is the folder of a run; a bag has a folder of its own", one_line(options.output)));
+  }
   const bool exists = is_folder ? !fs::is_empty(place, error) : fs::is_regular_file(place, error);
   if (exists && !options.force) {
     throw UsageError(

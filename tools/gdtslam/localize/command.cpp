@@ -82,6 +82,10 @@ void check(const LocalizeOptions& options) {
                                  options.log, options.map));
   }
   check_tracking(options);
+  static_cast<void>(limits_of(options));
+  if (options.is_within_given && options.reference.empty()) {
+    throw UsageError("--within is the distance to a reference: give --reference too");
+  }
   const ScanChoice& choice = options.choice;
   if (options.leave_out_s >= 0.0 && choice.random == 0 && choice.every == 0) {
     throw UsageError("--leave-out chooses among scans: give --random or --every too");
@@ -195,7 +199,9 @@ int localize(const LocalizeOptions& options) {
       std::any_of(all.scans.begin(), all.scans.end(), [](const auto& scan) { return scan.best.has_value(); });
   if (!is_any)
     throw InputError({options.log, 0},
-                     "none of the scans could be localised: too few returns, or --max-time too short");
+                     options.max_seconds > 0.0
+                         ? "none of the scans could be localised: too few returns, or --max-time too short"
+                         : "none of the scans could be localised: they have too few returns");
   if (options.strict) require_found(all, work.localizer->limits());
   return static_cast<int>(ExitCode::kDone);
 }
@@ -243,9 +249,12 @@ void add_reference_options(CLI::App& command, LocalizeOptions& chosen) {
       .add_flag("--align", chosen.align,
                 "Move the reference as a whole onto the run's own trajectory first, where its frame is another")
       ->needs(reference);
-  command.add_option("--within", chosen.within, "Distance and angle to the reference within which a pose is right")
+  command
+      .add_option_function<std::string>(
+          "--within", [&chosen](const std::string& text) { chosen.within = text, chosen.is_within_given = true; },
+          "Distance and angle to the reference within which a pose is right")
       ->type_name("D/A")
-      ->capture_default_str();
+      ->default_str(chosen.within);
 }
 
 void add_search_options(CLI::App& command, LocalizeOptions& chosen) {

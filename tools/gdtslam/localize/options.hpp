@@ -23,6 +23,7 @@ struct LocalizeOptions {
   std::string reference;
   bool align = false;
   std::string within = "10cm/1deg";
+  bool is_within_given = false;
   double gap_m = 0.005;
   double max_seconds = 0.0;  ///< 0: no limit
   bool no_runner_up = false;
