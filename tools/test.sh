@@ -158,6 +158,12 @@ run_sanitized() {
 begin "Packages"
 "$root/tools/install-packages.sh" all
 mkdir -p "$reports"
+# Compilers and tests tell of a full disk in many ways, and late.
+for folder in "$reports" "${TMPDIR:-/tmp}"; do
+  free_mib=$(df -Pm "$folder" | awk 'END {print $4}')
+  echo "free at $folder: $free_mib MiB"
+  if ((free_mib < 4096)); then echo "test.sh: the builds and tests need some 4 GiB there; the disk may be full before they end" >&2; fi
+done
 for lavapipe in /usr/share/vulkan/icd.d/lvp_icd{".$(uname -m)",}.json; do
   if [[ -z ${VK_DRIVER_FILES:-} && -f $lavapipe ]]; then export VK_DRIVER_FILES=$lavapipe; fi
 done
