@@ -58,7 +58,7 @@ def options_that_would_be_idle():
     refused(2, "--within is the distance to a reference: give --reference too", "localize", RUN, LOG, "--within", "10cm/1deg")
     (folder / "two.bag").write_bytes(two_lasers())
     tilting = ("--topic", "/scan", "--set", "log.crank=tilt", "--set", "log.crank_step=1deg", "--set", "log.crank_zero=90")
-    refused(2, "'/servo' has numbers and no joint 'tilt'; give '/servo' alone", "convert", folder / "two.bag", "--crank",
+    refused(2, '"/servo" has numbers and no joint "tilt"; give "/servo" alone', "convert", folder / "two.bag", "--crank",
             "/servo:tilt", *tilting, "-o", folder / "new.log")
     expect_exit(command("convert", folder / "two.bag", "--crank", "/servo", *tilting, "-o", folder / "new.log"), 0)
 
@@ -67,7 +67,7 @@ def files_of_another_kind():
     """What is packed, what holds poses in place of relations, a run's folder in place of a bag's."""
     folder = fresh_folder("files_of_another_kind")
     (folder / "config.yaml").write_bytes(gzip.compress((RUN / "config.yaml").read_bytes()))
-    refused(65, "is a packed file and no YAML; unpack it first", "map", LOG, "--config", folder / "config.yaml", "-o", folder / "new")
+    refused(78, "is a packed file and no YAML; unpack it first", "map", LOG, "--config", folder / "config.yaml", "-o", folder / "new")
     refused(65, "is a trajectory with rows `t x y z qx qy qz qw` and no relations", "evaluate", RUN, "--relations", TRUTH)
     shutil.copytree(RUN, folder / "run")
     before = {file.name: file.read_bytes() for file in (folder / "run").iterdir() if file.is_file()}
