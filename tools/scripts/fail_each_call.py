@@ -88,7 +88,7 @@ class Command:
             results.append(self.work.parent / f"undisturbed-{len(results)}")
             shutil.rmtree(results[-1], ignore_errors=True)
             self.work.rename(results[-1])
-        self.keys = volatile_keys(results)
+        self.keys = volatile_keys(results) | self.case.varies
         self.new = digests_of(results[0], self.keys)
         for other in results[1:]:
             if digests_of(other, self.keys) != self.new:

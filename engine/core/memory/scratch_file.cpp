@@ -1,6 +1,7 @@
 #include "scratch_file.hpp"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -18,9 +19,11 @@ std::string folder_meant(const std::string& folder) {
   return variable != nullptr && *variable != '\0' ? variable : "/var/tmp";
 }
 
-// A file that nothing names any more, by a name of its own at first.
+// A file without a name, which a kill leaves nothing of; where there is none, of which nothing tells any more.
 int open_unnamed(const std::string& folder) {
-  std::string name = folder + "/gdtslam-scratch-XXXXXX";
+  const int unnamed = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, S_IRUSR | S_IWUSR);
+  if (unnamed >= 0) return unnamed;
+  std::string name = folder + "/gdtslam-scratch-XXXXXX";  // not every file system has files without names
   const int descriptor = ::mkostemp(name.data(), O_CLOEXEC);
   if (descriptor >= 0) ::unlink(name.c_str());
   return descriptor;
