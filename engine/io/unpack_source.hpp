@@ -14,6 +14,10 @@
 namespace gdtslam {
 
 enum class StreamPacking : std::uint8_t { kBzip2, kXz, kZstd };
+/// The first bytes of such streams.
+inline constexpr std::string_view kBzip2Magic = "BZh";
+inline constexpr std::string_view kXzMagic = "\xfd\x37zXZ";
+inline constexpr std::string_view kZstdMagic = "\x28\xb5\x2f\xfd";
 
 /// `packed` begins with the first byte of the stream; `name` stands in messages. Reading throws InputError where the
 /// data are damaged.

@@ -19,11 +19,12 @@ std::string folder_meant(const std::string& folder) {
   return variable != nullptr && *variable != '\0' ? variable : "/var/tmp";
 }
 
-// A file without a name, which a kill leaves nothing of; where there is none, of which nothing tells any more.
+// A file without a name, of which a kill leaves nothing. Not every file system has such; else one that loses its name
+// at once.
 int open_unnamed(const std::string& folder) {
   const int unnamed = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, S_IRUSR | S_IWUSR);
   if (unnamed >= 0) return unnamed;
-  std::string name = folder + "/gdtslam-scratch-XXXXXX";  // not every file system has files without names
+  std::string name = folder + "/gdtslam-scratch-XXXXXX";
   const int descriptor = ::mkostemp(name.data(), O_CLOEXEC);
   if (descriptor >= 0) ::unlink(name.c_str());
   return descriptor;

@@ -46,11 +46,9 @@ constexpr std::array<Magic, 7> kMagics = {
      {"gdtslam-log-copy", "", open_log_copy},
      {"\x89MCAP", "", open_mcap},
      {kSqliteHead, "an SQLite file, which cannot be read from a pipe (give its name)"},
-     {"BZh", "bzip2 data", nullptr, StreamPacking::kBzip2},
-     {"\xfd"
-      "7zXZ",
-      "xz data", nullptr, StreamPacking::kXz},
-     {"\x28\xb5\x2f\xfd", "zstd data", nullptr, StreamPacking::kZstd}}};
+     {kBzip2Magic, "bzip2 data", nullptr, StreamPacking::kBzip2},
+     {kXzMagic, "xz data", nullptr, StreamPacking::kXz},
+     {kZstdMagic, "zstd data", nullptr, StreamPacking::kZstd}}};
 
 bool may_be_magic(std::string_view head) {
   return std::any_of(kMagics.begin(), kMagics.end(),

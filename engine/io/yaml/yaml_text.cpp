@@ -10,6 +10,7 @@
 #include "engine/io/byte_source.hpp"
 #include "engine/io/file_limits.hpp"
 #include "engine/io/message_text.hpp"
+#include "engine/io/unpack_source.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
@@ -95,7 +96,8 @@ std::string read_text(const std::string& path, std::size_t most_bytes) {
 
 template <class Failure>
 YAML::Node parse_yaml(const std::string& text, const std::string& name) {
-  for (const std::string_view magic : {"\x1f\x8b", "BZh", "\xfd\x37zXZ", "\x28\xb5\x2f\xfd"}) {
+  constexpr std::string_view kGzipMagic = "\x1f\x8b";
+  for (const std::string_view magic : {kGzipMagic, kBzip2Magic, kXzMagic, kZstdMagic}) {
     if (text.starts_with(magic)) throw Failure({name, 0}, "is a packed file and no YAML; unpack it first");
   }
   if (is_nested_too_deep(text)) {

@@ -16,6 +16,7 @@
 #include "engine/io/json_file.hpp"
 #include "engine/io/message_text.hpp"
 #include "engine/io/writers/log_writer.hpp"
+#include "engine/runs/folder/report_reader.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"
@@ -93,7 +94,7 @@ void check_output(const ConvertOptions& options, LogFormat format) {
   fs::path place(options.output);
   if (!place.has_filename()) place = place.parent_path();
   check_files(options, format, place.string());
-  if (is_folder && fs::exists(place / "report.json", error)) {
+  if (is_folder && fs::exists(place / kReportFile, error)) {
     throw UsageError(
         fmt::format("--output: {} is the folder of a run; a bag has a folder of its own", one_line(options.output)));
   }

@@ -30,6 +30,7 @@ namespace gdtslam {
 namespace {
 
 constexpr double kMostSeconds = 1.0e5;  // 28 hours
+constexpr const char* kUsualWithin = "10cm/1deg";
 constexpr double kMostGap_m = 1.0;
 constexpr double kMostFit_m = 10.0;
 
@@ -82,8 +83,8 @@ void check(const LocalizeOptions& options) {
                                  options.log, options.map));
   }
   check_tracking(options);
-  static_cast<void>(limits_of(options));
-  if (options.is_within_given && options.reference.empty()) {
+  static_cast<void>(limits_of(options));  // what is no quantity is told before what is missing
+  if (options.within && options.reference.empty()) {
     throw UsageError("--within is the distance to a reference: give --reference too");
   }
   const ScanChoice& choice = options.choice;
@@ -198,10 +199,8 @@ int localize(const LocalizeOptions& options) {
   const bool is_any =
       std::any_of(all.scans.begin(), all.scans.end(), [](const auto& scan) { return scan.best.has_value(); });
   if (!is_any)
-    throw InputError({options.log, 0},
-                     options.max_seconds > 0.0
-                         ? "none of the scans could be localised: too few returns, or --max-time too short"
-                         : "none of the scans could be localised: they have too few returns");
+    throw InputError({options.log, 0}, std::string("none of the scans could be localised: too few returns") +
+                                           (options.max_seconds > 0.0 ? ", or --max-time too short" : ""));
   if (options.strict) require_found(all, work.localizer->limits());
   return static_cast<int>(ExitCode::kDone);
 }
@@ -249,12 +248,9 @@ void add_reference_options(CLI::App& command, LocalizeOptions& chosen) {
       .add_flag("--align", chosen.align,
                 "Move the reference as a whole onto the run's own trajectory first, where its frame is another")
       ->needs(reference);
-  command
-      .add_option_function<std::string>(
-          "--within", [&chosen](const std::string& text) { chosen.within = text, chosen.is_within_given = true; },
-          "Distance and angle to the reference within which a pose is right")
+  command.add_option("--within", chosen.within, "Distance and angle to the reference within which a pose is right")
       ->type_name("D/A")
-      ->default_str(chosen.within);
+      ->default_str(kUsualWithin);
 }
 
 void add_search_options(CLI::App& command, LocalizeOptions& chosen) {
@@ -287,7 +283,7 @@ LocalizeLimits limits_of(const LocalizeOptions& options) {
   LocalizeLimits limits{.gap_m = options.gap_m, .max_seconds = {}, .with_runner_up = !options.no_runner_up};
   if (options.poor_fit_m >= 0.0) limits.good_fit_m = options.poor_fit_m;
   if (options.max_seconds > 0.0) limits.max_seconds = options.max_seconds;
-  read_within(options.within, limits);
+  read_within(options.within.value_or(kUsualWithin), limits);
   return limits;
 }
 

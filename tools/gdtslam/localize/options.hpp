@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <string>
 
 #include "engine/runs/localizer/run.hpp"
@@ -22,8 +23,7 @@ struct LocalizeOptions {
   double leave_out_s = -1.0;  ///< negative: not asked for
   std::string reference;
   bool align = false;
-  std::string within = "10cm/1deg";
-  bool is_within_given = false;
+  std::optional<std::string> within;  ///< of a pose that is right; none: kUsualWithin
   double gap_m = 0.005;
   double max_seconds = 0.0;  ///< 0: no limit
   bool no_runner_up = false;

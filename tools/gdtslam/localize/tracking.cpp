@@ -127,11 +127,9 @@ int track(const LocalizeOptions& options, const Settings& settings, const Locali
   if (drive.interrupted) return static_cast<int>(ExitCode::kInterrupted);
   const DriveFigures figures = figures_of(drive);
   if (figures.whereabouts[static_cast<std::size_t>(Whereabouts::kUnknown)] == drive.scans.size()) {
-    throw InputError({job.log, 0}, options.max_seconds > 0.0
-                                       ? "the robot was found at none of its scans; was it driven in the place of "
-                                         "this map? Or --max-time is too short"
-                                       : "the robot was found at none of its scans; was it driven in the place of "
-                                         "this map?");
+    throw InputError({job.log, 0},
+                     std::string("the robot was found at none of its scans; was it driven in the place of this map?") +
+                         (options.max_seconds > 0.0 ? " Or --max-time is too short" : ""));
   }
   if (options.strict) require_known(figures);
   return static_cast<int>(ExitCode::kDone);

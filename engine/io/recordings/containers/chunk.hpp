@@ -8,6 +8,7 @@
 
 #include "counted_bytes.hpp"
 #include "engine/io/byte_source.hpp"
+#include "engine/io/unpack_source.hpp"
 
 namespace gdtslam {
 
@@ -23,8 +24,6 @@ class ChunkBytes final : public ByteSource {
   CountedBytes& file_;
   std::uint64_t end_;
 };
-
-inline constexpr std::string_view kZstdMagic = "\x28\xb5\x2f\xfd";
 
 /// A message that was packed by itself (rosbag2's compression by message), out of `buffer`; others as they are, because
 /// no message of CDR begins like one of zstd. Throws RecordingFault for one that is damaged or longer than allowed.
