@@ -162,9 +162,12 @@ std::optional<OdometryDelay> measured_delay(const std::string& log, const ReadOp
   try {
     Mapper by_scans(config, *cpu);
     ScanStream scans({log}, options, {.skip = range.skip, .count = std::min<std::uint64_t>(range.count, kMostScans)});
+    std::optional<std::size_t> laser;
     while (turned < kEnoughTurn_rad && !stop()) {
       const std::optional<ScanRecord> record = scans.next();
       if (!record) break;
+      if (!laser) laser = record->laser;
+      if (record->laser != *laser) continue;
       const MatchResult result = by_scans.process(record->scan, std::nullopt);
       if (!record->T_odom_base || !result.accepted) continue;
       headings.push_back({result.stamp_s, record->T_odom_base->theta_rad, result.T_map_base.theta_rad});

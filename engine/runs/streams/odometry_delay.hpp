@@ -31,9 +31,9 @@ struct TimedHeading {
 /// headings.
 std::optional<OdometryDelay> delay_of(std::span<const TimedHeading> headings);
 
-/// Of the begin of a range of a log, until the robot has turned enough, at most 3,000 scans: they are matched as if
-/// there were no odometry. Nothing where that fails or tells nothing, and of what can be read only once, as a pipe.
-/// Once `stop` says so it tells what it has.
+/// Of the begin of a range of a log, until the robot has turned enough, at most 3,000 scans: those of its first laser
+/// are matched as if there were no odometry. Nothing where that fails or tells nothing, and of what can be read only
+/// once, as a pipe. Once `stop` says so it tells what it has.
 std::optional<OdometryDelay> measured_delay(const std::string& log, const ReadOptions& options, const ScanRange& range,
                                             const MapperConfig& mapper, const std::function<bool()>& stop);
 
