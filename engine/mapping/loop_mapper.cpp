@@ -146,7 +146,7 @@ std::shared_future<ClosedKeyframes> LoopMapper::request_keyframes() {
 }
 
 void LoopMapper::start(const LaserScan& scan, const std::optional<Pose2>& T_odom_base) {
-  start({scan.stamp_s, state_->points.of(scan)}, T_odom_base);
+  start({.stamp_s = scan.stamp_s, .points_base_m = state_->points.of(scan)}, T_odom_base);
 }
 
 void LoopMapper::start(PointScan scan, const std::optional<Pose2>& T_odom_base) {

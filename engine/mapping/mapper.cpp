@@ -83,7 +83,7 @@ struct Mapper::State {
   void open_matcher();
   void count_work_of(Backend& backend);
 
-  void see(PointScan scan);
+  void see(PointScan given);
   void predict(const std::optional<Pose2>& T_odom_base);
   void begin_match();
   MatchResult locate();
@@ -124,11 +124,10 @@ struct Mapper::State {
   bool in_hand = false;
   bool is_matched = false;  // there is enough of it when it is thinned, and a map
   bool is_begun = false;    // the matcher is at work on it
-  double stamp_s = 0.0;
+  PointScan scan;
   Prediction prediction;
   ScanPoints scan_points;
-  std::vector<Point2> points_m;
-  std::vector<PointCells> points;
+  std::vector<PointCells> points;  // that are matched
 };
 
 // The one place where a device may fail while it maps: what was being done is done again on the CPU, with the map as
@@ -212,10 +211,10 @@ void Mapper::State::count_work_of(Backend& backend) {
 
 // The returns of the scan in the robot's frame, the P of equation (6). A scan with more than a matcher takes is thinned
 // for matching, not for the map.
-void Mapper::State::see(PointScan scan) {
-  stamp_s = scan.stamp_s;
-  points_m = std::move(scan.points_base_m);
-  points = in_cells(points_m, config.map.resolution_m);
+void Mapper::State::see(PointScan given) {
+  scan = std::move(given);
+  points = in_cells(scan.points_base_m, config.map.resolution_m);
+  points.resize(points.size() - scan.unknown_points);
   thin(points, Matcher::kMostPoints);
 }
 
@@ -230,7 +229,7 @@ void Mapper::State::begin_match() {
   is_matched = started && points.size() >= static_cast<std::size_t>(config.scan.min_points);
   if (!is_matched) return;
   const StageTimer timer(statistics.stages.match_s);
-  if (!map->device) map->host.field.come_near(reach_of(points_m, prediction.T_map_base, config));
+  if (!map->device) map->host.field.come_near(reach_of(scan.points_base_m, prediction.T_map_base, config));
   matcher->start(points, prediction, wants_search(prediction.T_map_base));
   is_begun = true;
 }
@@ -256,7 +255,8 @@ bool Mapper::State::fits_as_well(const Pose2& pose, const Pose2& matched) {
 }
 
 bool Mapper::State::is_keyframe(const Pose2& pose) const {
-  return !started || config.keyframe.every_scan || distance(pose, last_keyframe) >= config.keyframe.distance_m ||
+  return !started || scan.unknown_points > 0 || config.keyframe.every_scan ||
+         distance(pose, last_keyframe) >= config.keyframe.distance_m ||
          turn(pose, last_keyframe) >= config.keyframe.angle_rad;
 }
 
@@ -295,9 +295,9 @@ void Mapper::State::update_map(MatchResult& result) {
 // A keyframe that was noted is in the map, whatever becomes of the device, unless its map would become too large.
 void Mapper::State::merge(const Pose2& pose) {
   const double cell_m = config.map.resolution_m;
-  const KeyframeCells keyframe =
-      keyframe_of(next ? in_map(with_surfaces_closed(points_m, cell_m), pose) : in_map(points_m, pose), cell_m,
-                  config.map.radius_cells());
+  const KeyframeCells keyframe = keyframe_of(
+      next ? in_map(with_surfaces_closed(scan.points_base_m, cell_m), pose) : in_map(scan.points_base_m, pose), cell_m,
+      config.map.radius_cells());
   if (next && stretch_m >= config.local.stretch_m) begin_stretch();
   for (PlacedMap* placed : {map.get(), next.get()}) {
     if (placed != nullptr) placed->host.field.grow_to_hold(keyframe.window);
@@ -365,7 +365,7 @@ MapperStatistics Mapper::statistics() const {
 }
 
 void Mapper::start(const LaserScan& scan, const std::optional<Pose2>& T_odom_base) {
-  start({scan.stamp_s, state_->scan_points.of(scan)}, T_odom_base);
+  start({.stamp_s = scan.stamp_s, .points_base_m = state_->scan_points.of(scan)}, T_odom_base);
 }
 
 void Mapper::start(PointScan scan, const std::optional<Pose2>& T_odom_base) {
@@ -384,7 +384,7 @@ MatchResult Mapper::finish() {
   s.in_hand = false;
   MatchResult result = s.match_on_device([&s] { return s.locate(); });
   if (s.estimate) {
-    s.estimate->take(result, s.is_matched, s.points_m,
+    s.estimate->take(result, s.is_matched, s.scan.points_base_m,
                      [&s](const Pose2& pose, const Pose2& matched) { return s.fits_as_well(pose, matched); });
   }
   if (s.is_matched) s.patience.take(result.accepted);
@@ -393,7 +393,7 @@ MatchResult Mapper::finish() {
   s.update_map(result);  // (1), (9), (10), (11)
   s.count(result);
   s.last_pose = result.T_map_base;
-  result.stamp_s = s.stamp_s;
+  result.stamp_s = s.scan.stamp_s;
   return result;
 }
 

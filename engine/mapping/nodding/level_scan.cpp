@@ -54,7 +54,7 @@ PointScan level_points(const NoddingScan& scan, const NoddingScanner& scanner, c
   const Tangent2 velocity = velocity_of(scan.record, before);
   ElevationCourse course(scan, scanner.table);
   const LevelTurn turn(scanner.mount);
-  PointScan level{laser.stamp_s, {}};
+  PointScan level{.stamp_s = laser.stamp_s, .points_base_m = {}};
   level.points_base_m.reserve(laser.ranges_m.size());
   for (std::size_t beam = 0; beam < laser.ranges_m.size(); ++beam) {
     const auto range_m = static_cast<double>(laser.ranges_m[beam]);

@@ -107,6 +107,8 @@ MapRun::MapRun(const MapJob& job, Backend& backend, ScanStream scans, const Nodd
       scans_(std::move(scans)),
       mapped_(job.on_failure.scratch_folder),
       merged_scans_(job.on_failure.scratch_folder),
+      observation_points_(job.mapper.scan),
+      observed_(job.on_failure.scratch_folder, ByteShelf::kFewBytes),
       extent_(job.mapper, job.occupancy.no_return_free_m),
       has_threads_(threads_meant(job.on_failure.cpu.threads) > 1),
       first_s_(kNever),
@@ -185,91 +187,6 @@ void MapRun::finish_casting() {
   watch_.add_cpu_to(meanwhile_s);
   meanwhile_s -= casting_->cpu_s();
   outcome_.occupancy_cpu_s += casting_->cpu_s();
-}
-
-void MapRun::read_next(ScanAhead& ahead, NextScan& next) {
-  try {
-    next.scan = next_unless_stopped(ahead, stop_);
-  } catch (...) {
-    next.problem = std::current_exception();
-  }
-  watch_.add_cpu_to(outcome_.read_cpu_s);
-}
-
-// The next scan is read while the device works, unless somebody waits for the pose; its faults count after this one.
-MatchResult MapRun::map_scan(const ScanRecord& scan, ScanAhead& ahead, NextScan& next) {
-  loops_ ? loops_->start(scan.scan, scan.T_odom_base) : mapper_->start(scan.scan, scan.T_odom_base);
-  watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
-  if (!job_.scan_mapped) read_next(ahead, next);
-  const MatchResult result = loops_ ? loops_->finish() : mapper_->finish();
-  if (job_.scan_mapped) tell_of(scan.scan, result);
-  watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
-  if (job_.scan_mapped) read_next(ahead, next);
-  return result;
-}
-
-void MapRun::tell_of(const LaserScan& scan, const MatchResult& match) {
-  const bool is_moved = loops_ && !(loops_->correction() == T_closed_front_);
-  if (is_moved) T_closed_front_ = loops_->correction();
-  job_.scan_mapped({scan, match, T_closed_front_, is_moved ? loops_->request_keyframes() : ClosedKeyframesSoon()});
-}
-
-// A live log that breaks off has been mapped so far, which is not lost with its sender.
-void MapRun::end_with(const std::exception_ptr& problem) {
-  if (!job_.stop_ends_log) std::rethrow_exception(problem);
-  try {
-    std::rethrow_exception(problem);
-  } catch (const Error& error) {
-    const bool is_whole = dynamic_cast<const MissingTopic*>(&error) != nullptr;
-    if (!is_whole && error.code() != ExitCode::kBadInput && error.code() != ExitCode::kInputOutput) throw;
-    outcome_.broken_off = error.code();
-    broken_off_ = error.what();
-  }
-}
-
-void MapRun::map_flat(const Progress& progress) {
-  ScanAhead ahead(scans_, has_threads_ && !job_.scan_mapped && are_plain_files(job_.logs));
-  NextScan next;
-  if (!stop_()) next.scan = next_unless_stopped(ahead, stop_);
-  watch_.add_cpu_to(outcome_.read_cpu_s);
-  while (next.scan && !stop_()) {
-    ScanRecord record = *std::exchange(next.scan, std::nullopt);
-    speed_.complete(record);
-    const MatchResult result = map_scan(record, ahead, next);
-    take_match(result, result.T_map_base, record.scan);
-    speed_.take(record, result.T_map_base);
-    note_stamp(result.stamp_s);
-    progress(mapped_.size(), ahead.progress());
-    watch_.add_cpu_to(outcome_.occupancy_cpu_s);
-    if (next.problem && !stop_()) end_with(next.problem);
-  }
-  if (job_.stop_ends_log && mapped_.size() > 0) stop_ = [] { return false; };
-  outcome_.interrupted = stop_();
-  ahead.stop();
-  outcome_.mapper_cpu_s -= ahead.cpu_s();  // where it was counted, going on meanwhile
-  outcome_.read_cpu_s += ahead.cpu_s();
-}
-
-// Poses, keyframes and occupancy are those of the path with its loops closed.
-void MapRun::close_loops() {
-  if (front_end().statistics().keyframes == 0) return;
-  ClosedPath path = loops_->close(job_.closing, stop_);
-  watch_.add_cpu_to(outcome_.loops_cpu_s);
-  if (job_.with_occupancy) job_.finishing("the occupancy map");
-  for (std::size_t i = 0; i < path.T_map_base.size(); ++i) {
-    outcome_.trajectory[i].T_map_base = path.T_map_base[i];
-    if (is_kept_[i]) count_in(path.T_map_base[i]);
-  }
-  LaserShelf::Reader kept(*scans_kept_);
-  for (std::size_t i = 0; i < path.T_map_base.size() && occupancy_; ++i) {
-    if (is_kept_[i]) occupancy_->add(kept.next(), path.T_map_base[i]);
-  }
-  scans_kept_.reset();
-  watch_.add_cpu_to(outcome_.occupancy_cpu_s);
-  const double beside_s = loops_->finish_field();
-  outcome_.occupancy_cpu_s -= beside_s;  // where it was counted, going on meanwhile
-  outcome_.loops_cpu_s += beside_s;
-  take_closed(std::move(path));
 }
 
 void MapRun::take_closed(ClosedPath path) {
@@ -353,6 +270,10 @@ void MapRun::finish() {
     }
   }
   outcome_.statistics = front_end().statistics();
+  outcome_.statistics.scans += beside_.scans;
+  outcome_.statistics.matched += beside_.matched;
+  outcome_.statistics.doubtful += beside_.doubtful;
+  outcome_.statistics.keyframes += beside_.keyframes;
   if (outcome_.closed || nodding_) outcome_.statistics.path_m = length_m_of(outcome_.trajectory);
   if (nodding_) outcome_.statistics.odometry_leaps += nodding_->statistics().odometry_leaps;
   outcome_.device_loss = front_end().device_loss();

@@ -30,6 +30,7 @@
 #include "laser_shelf.hpp"
 #include "map_extent.hpp"
 #include "mapped_scans.hpp"
+#include "observation_points.hpp"
 #include "stopwatch.hpp"
 #include "sweep_check.hpp"
 
@@ -86,17 +87,20 @@ class MapRun {
   [[nodiscard]] const GlobalField& field() const;
 
  private:
-  /// The scan after the one in hand: read, or not to be had, or not to be read.
-  struct NextScan {
-    std::optional<ScanRecord> scan;
+  /// The observation after the one in hand: read, or not to be had, or not to be read.
+  struct NextObservation {
+    std::optional<Observation> observation;
     std::exception_ptr problem;
   };
   struct Nodding;
 
   void end_with(const std::exception_ptr& problem);
-  void read_next(ScanAhead& ahead, NextScan& next);
-  MatchResult map_scan(const ScanRecord& scan, ScanAhead& ahead, NextScan& next);
-  void tell_of(const LaserScan& scan, const MatchResult& match);
+  void read_next(ScanAhead& ahead, NextObservation& next);
+  MatchResult match(const Observation& observation, std::vector<ObservedScan>& places, ScanAhead& ahead,
+                    NextObservation& next);
+  void report_scans(const Observation& observation, const std::vector<ObservedScan>& places, const MatchResult& match);
+  void take_observation(const Observation& observation, const std::vector<ObservedScan>& places,
+                        const MatchResult& match);
   void map_flat(const Progress& progress);
   void map_nodding(const Progress& progress);
   void take(const NoddingPose& pose, const NoddingScan& scan);
@@ -123,6 +127,9 @@ class MapRun {
   std::vector<bool> is_kept_;             ///< a scan each
   std::vector<bool> is_merged_;           ///< a scan each: of a flat laser, whether it went into the map,
   LaserShelf merged_scans_;               ///< and what the laser gave
+  ObservationPoints observation_points_;
+  Shelf<ObservedScan> observed_;  ///< with loops, a scan each
+  MapperStatistics beside_;       ///< scans that are not the last one of their observation
   MapExtent extent_;
   std::optional<OccupancyBuilder> occupancy_;  ///< nothing once the map is too large for one piece
   bool has_threads_;

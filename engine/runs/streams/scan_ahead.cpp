@@ -31,7 +31,7 @@ ScanAhead::ScanAhead(ScanStream& scans, bool has_thread) : scans_(scans), has_th
 ScanAhead::Read ScanAhead::read_one() {
   Read read;
   try {
-    read.scan = scans_.next();
+    read.observation = scans_.next_observation();
   } catch (...) {
     read.problem = std::current_exception();
   }
@@ -43,7 +43,7 @@ void ScanAhead::work() {
   bool is_end = false;
   while (!is_end) {
     Read read = read_one();
-    is_end = !read.scan;
+    is_end = !read.observation;
     std::unique_lock lock(mutex_);
     read_.push_back(std::move(read));
     if (read_.size() == 1 || is_end) read_changed_.notify_one();
@@ -55,8 +55,8 @@ void ScanAhead::work() {
 }
 
 // All that is there is taken at once, so that the two seldom meet. Behind the end there is nothing but the end.
-std::optional<ScanRecord> ScanAhead::next() {
-  if (!has_thread_) return scans_.next();
+std::optional<Observation> ScanAhead::next() {
+  if (!has_thread_) return scans_.next_observation();
   if (taken_.empty()) {
     std::unique_lock lock(mutex_);
     read_changed_.wait(lock, [this] { return !read_.empty(); });
@@ -66,10 +66,10 @@ std::optional<ScanRecord> ScanAhead::next() {
   Read& first = taken_.front();
   progress_ = first.progress;
   if (first.problem) std::rethrow_exception(first.problem);
-  if (!first.scan) return std::nullopt;
-  std::optional<ScanRecord> scan = std::move(first.scan);
+  if (!first.observation) return std::nullopt;
+  std::optional<Observation> observation = std::move(first.observation);
   taken_.pop_front();
-  return scan;
+  return observation;
 }
 
 void ScanAhead::stop() {

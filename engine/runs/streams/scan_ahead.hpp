@@ -1,4 +1,4 @@
-// The scans of a stream, read and decoded by a thread of their own some scans ahead of whoever maps them. What the
+// The observations of a stream, read and decoded by a thread of their own some ahead of whoever maps them. What the
 // stream throws comes in its place, behind the scans before it. One caller.
 #pragma once
 
@@ -21,16 +21,16 @@ bool are_plain_files(const std::vector<std::string>& logs);
 
 class ScanAhead {
  public:
-  /// `scans` must outlive this and is not to be touched until stop(). Without a thread scans are read when they are
+  /// `scans` must outlive this and is not to be touched until stop(). Without a thread they are read when they are
   /// asked for.
   ScanAhead(ScanStream& scans, bool has_thread);
   ScanAhead(const ScanAhead&) = delete;
   ScanAhead& operator=(const ScanAhead&) = delete;
   ~ScanAhead() { stop(); }
 
-  /// As ScanStream::next().
-  std::optional<ScanRecord> next();
-  /// As ScanStream::progress(), when the last scan given was read.
+  /// As ScanStream::next_observation().
+  std::optional<Observation> next();
+  /// As ScanStream::progress(), when the last observation given was read.
   [[nodiscard]] double progress() const { return has_thread_ ? progress_ : scans_.progress(); }
   /// Ends the thread; what was read ahead is dropped.
   void stop();
@@ -38,9 +38,9 @@ class ScanAhead {
   [[nodiscard]] double cpu_s() const { return cpu_s_; }
 
  private:
-  /// A scan, or none at the end, or what was thrown.
+  /// An observation, or none at the end, or what was thrown.
   struct Read {
-    std::optional<ScanRecord> scan;
+    std::optional<Observation> observation;
     double progress = -1.0;
     std::exception_ptr problem;
   };

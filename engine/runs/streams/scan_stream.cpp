@@ -83,6 +83,7 @@ void ScanStream::open_next() {
   reader_ = std::move(next);
   interpolator_ = {};
   speed_.reset();
+  observations_.end_log();
   if (shift_) shift_.emplace(shift_->delay_s());
   T_first_this_.reset();
 }
@@ -199,6 +200,24 @@ std::optional<ScanRecord> ScanStream::next() {
   std::optional<ScanRecord> scan = next_of_all();
   if (scan) ++given_;
   return scan;
+}
+
+std::optional<Observation> ScanStream::next_observation() {
+  std::optional<Observation> observation = observations_.next(false);
+  try {
+    while (!observation) {
+      if (problem_) std::rethrow_exception(std::exchange(problem_, nullptr));
+      std::optional<ScanRecord> scan = next();
+      if (!scan) return observations_.next(true);
+      observations_.take(std::move(*scan));
+      observation = observations_.next(false);
+    }
+  } catch (...) {
+    observation = observations_.next(true);
+    if (!observation) throw;
+    problem_ = std::current_exception();
+  }
+  return observation;
 }
 
 double ScanStream::progress() const {

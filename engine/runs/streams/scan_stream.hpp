@@ -21,6 +21,7 @@
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/io/log.hpp"
 #include "gdtslam/runs/outcome.hpp"
+#include "observation.hpp"
 #include "odometry_delay.hpp"
 #include "scan_speed.hpp"
 
@@ -61,6 +62,9 @@ class ScanStream {
   ScanStream(std::vector<std::string> paths, const ReadOptions& options, const ScanRange& range, OpenLog open = {});
 
   std::optional<ScanRecord> next();
+  /// The scans of the next observation; none lies in two logs. What next() throws comes behind the scans before it.
+  /// Either of the two is to be called, not both.
+  std::optional<Observation> next_observation();
   /// Looks ahead for a message of a mount, up to so many scans of the first log. What is wrong with a record that it
   /// passes is thrown when next() comes to it, or by expect_readable().
   NodKind nod_kind(std::size_t scans_ahead = kScansAhead);
@@ -108,6 +112,8 @@ class ScanStream {
   OdometryInterpolator interpolator_;
   OdometrySpeed speed_;
   std::optional<OdometryShift> shift_;
+  ObservationCollector observations_;
+  std::exception_ptr problem_;  ///< behind the scans of observations_
   std::deque<LogRecord> ahead_;
   std::exception_ptr ahead_problem_;  ///< behind the records of ahead_
   Listener listener_;

@@ -41,7 +41,7 @@ TEST(ScanAhead, GivesTheScansOfTheLogInTheirOrder) {
     ScanStream stream = log.stream();
     ScanAhead ahead(stream, has_thread);
     double stamp_s = 0.0;
-    while (const std::optional<ScanRecord> scan = ahead.next()) EXPECT_EQ(scan->scan.stamp_s, ++stamp_s);
+    while (const std::optional<Observation> scans = ahead.next()) EXPECT_EQ(scans->front().scan.stamp_s, ++stamp_s);
     EXPECT_EQ(stamp_s, 700.0);
     EXPECT_FALSE(ahead.next()) << "behind the end is the end";
     ahead.stop();

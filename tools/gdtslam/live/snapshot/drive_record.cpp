@@ -11,7 +11,7 @@ void DriveRecord::take(const MappedScan& mapped) {
   const bool is_keyframe = mapped.match.merged || taken_ == 0;
   News news{.scan = {.stamp_s = mapped.match.stamp_s,
                      .T_front_base = mapped.match.T_map_base,
-                     .is_keyframe = is_keyframe,
+                     .ends_keyframe = is_keyframe && mapped.ends_observation,
                      .is_shown = is_keyframe && mapped.match.accepted},
             .ranges = {}};
   if (news.scan.is_shown) news.ranges = mapped.scan;
@@ -36,10 +36,13 @@ void DriveRecord::take_news() {
   }
   for (const News& one : news) {
     scans_.put(one.scan);
-    if (one.scan.is_shown) ranges_.put(one.ranges);
-    if (!one.scan.is_keyframe) continue;
+    if (one.scan.is_shown) {
+      ranges_.put(one.ranges);
+      T_front_shown_.push_back(one.scan.T_front_base);
+    }
+    if (!one.scan.ends_keyframe) continue;
     T_front_keyframes_.push_back(one.scan.T_front_base);
-    is_shown_.push_back(one.scan.is_shown);
+    shown_.push_back(T_front_shown_.size());
   }
   if (!awaited_.valid() || awaited_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
   try {
@@ -65,11 +68,13 @@ void DriveRecord::cast(const std::vector<Pose2>& poses) {
     in_hand_.reset();
     cast_ = 0;
   }
-  for (; cast_ < poses.size(); ++cast_) {
-    if (!is_shown_[cast_]) continue;
-    if (!in_hand_) in_hand_ = to_cast_->next();
-    map_->add(*in_hand_, poses[cast_]);
-    in_hand_.reset();
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    for (; cast_ < shown_[k]; ++cast_) {
+      if (!in_hand_) in_hand_ = to_cast_->next();
+      const bool is_keyframe = T_front_shown_[cast_] == T_front_keyframes_[k];
+      map_->add(*in_hand_, is_keyframe ? poses[k] : poses[k] * between(T_front_keyframes_[k], T_front_shown_[cast_]));
+      in_hand_.reset();
+    }
   }
 }
 
@@ -83,7 +88,7 @@ DriveState DriveRecord::state() {
   std::size_t next = 0;  // keyframe
   while (state.trajectory.size() < scans_.size()) {
     const Scan scan = scans.next();
-    if (scan.is_keyframe) ++next;
+    if (scan.ends_keyframe) ++next;
     state.trajectory.push_back(
         {scan.stamp_s, poses[next - 1] * between(T_front_keyframes_[next - 1], scan.T_front_base)});
   }

@@ -1,7 +1,7 @@
 // What is known of a drive while it goes on: the occupancy map of its keyframes and the path, with the loops closed
 // that have been found. One thread maps and hands over each scan, which costs it a lock and of a keyframe a copy;
 // another one asks for the state. Cost of that: the keyframes since the last time, all of them where a loop has moved
-// them. Memory: 50 bytes a keyframe; all scans and the keyframes' ranges are on shelves.
+// them. Memory: 80 bytes a keyframe; all scans and the keyframes' ranges are on shelves.
 #pragma once
 
 #include <cstddef>
@@ -39,8 +39,8 @@ class DriveRecord {
   struct Scan {
     double stamp_s = 0.0;
     Pose2 T_front_base;
-    bool is_keyframe = false;
-    bool is_shown = false;  // a keyframe that belongs into the map
+    bool ends_keyframe = false;  // the last scan of an observation that is a keyframe
+    bool is_shown = false;       // part of a keyframe that belongs into the map
   };
   struct News {
     Scan scan;
@@ -60,14 +60,15 @@ class DriveRecord {
   // Of whoever asks:
   Shelf<Scan> scans_{{}, ByteShelf::kFewBytes};
   std::vector<Pose2> T_front_keyframes_;
-  std::vector<bool> is_shown_;  // of them
-  LaserShelf ranges_{{}};       // of those that are shown
+  std::vector<std::size_t> shown_;    // scans that are shown, up to each of them
+  std::vector<Pose2> T_front_shown_;  // of these scans
+  LaserShelf ranges_{{}};             // likewise
   std::shared_future<ClosedKeyframes> awaited_;
   ClosedKeyframes closed_;
   std::optional<OccupancyBuilder> map_;
   std::optional<LaserShelf::Reader> to_cast_;
   std::optional<LaserScan> in_hand_;  // the next one of it, where the map would not take it
-  std::size_t cast_ = 0;              // keyframes, from where `closed_` has them
+  std::size_t cast_ = 0;              // scans, from where `closed_` has their keyframes
 };
 
 }  // namespace gdtslam

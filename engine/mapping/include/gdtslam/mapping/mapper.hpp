@@ -100,7 +100,7 @@ class Mapper {
   /// process() in two steps, one finish() for each start(). A device works on the scan from start() on, and on the map
   /// after finish() has returned, so what the caller does in between costs no time: reading the next scan, drawing.
   void start(const LaserScan& scan, const std::optional<Pose2>& T_odom_base);
-  /// The same for returns that are points of the robot's plane: those of a nodding laser, levelled.
+  /// The same for returns that are points of the robot's plane: a nodding laser's, levelled, or several lasers' scans.
   void start(PointScan scan, const std::optional<Pose2>& T_odom_base);
   /// With fall_back off throws DeviceError, as does every later call; the map keeps what was merged so far.
   MatchResult finish();

@@ -2,6 +2,7 @@
 // into the map, paper equation (6). Thread-safe; linear in the beams.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -33,10 +34,13 @@ class ScanPoints {
   std::vector<Point2> directions_;  // cosine and sine
 };
 
-/// A scan whose returns are points of the robot's plane already.
+/// A scan whose returns are points of the robot's plane already, or scans of several lasers as one.
 struct PointScan {
   double stamp_s = 0.0;
   std::vector<Point2> points_base_m;
+  /// So many points at the end are those of a laser that the map does not know yet, so nothing they show is in it. They
+  /// are not matched, and the scan is a keyframe.
+  std::size_t unknown_points = 0;
 };
 
 /// The same points in cells.

@@ -1,0 +1,59 @@
+// The scans of an observation as one scan: each is placed where the robot was when it was taken, by the odometry
+// between the stamps; where there is none, by the last motion of the map's poses. Frame: the robot at the stamp of the
+// last scan. Not thread-safe; linear in the beams.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "engine/runs/streams/observation.hpp"
+#include "gdtslam/mapping/mapper.hpp"
+#include "gdtslam/mapping/scan_points.hpp"
+
+namespace gdtslam {
+
+/// A scan in its observation.
+struct ObservedScan {
+  Pose2 T_last_scan;  ///< the robot when it was taken, seen from the robot at the last scan of the observation
+  bool is_last = true;
+};
+
+class ObservationPoints {
+ public:
+  explicit ObservationPoints(const ScanConfig& valid) : valid_(valid) {}
+
+  /// Where the robot was at each of its scans.
+  [[nodiscard]] std::vector<ObservedScan> place(const Observation& observation);
+  /// All returns as one scan. Lasers none of whose scans are in the map yet come last, as its unknown points.
+  [[nodiscard]] PointScan points(const Observation& observation, const std::vector<ObservedScan>& places);
+  /// The observation as it was matched. Where there is no odometry its motion is known only now, so the scans that were
+  /// placed by the last one are placed again.
+  void take(const Observation& observation, const MatchResult& match, std::vector<ObservedScan>& places);
+
+ private:
+  struct Laser {
+    std::optional<ScanPoints> points;
+    bool is_in_map = false;
+  };
+  Laser& laser_of(std::size_t number);
+  [[nodiscard]] Pose2 T_last_scan(const ScanRecord& last, const ScanRecord& scan) const;
+  void see_odometry(const Observation& observation);
+
+  ScanConfig valid_;
+  std::vector<Laser> lasers_;
+  std::optional<Pose2> T_odom_first_;
+  bool has_odometry_ = false;     ///< logs without odometry state one pose again and again
+  std::optional<Odometry> last_;  ///< pose of the last observation, in the map
+  std::optional<Eigen::Vector3d> speed_;
+};
+
+/// The match of an observation, at the stamp and the pose of one of its scans.
+MatchResult match_of_scan(const MatchResult& match, const ScanRecord& scan, const ObservedScan& place);
+
+/// The path of the observations as one of their scans: each scan has a pose, a keyframe is all scans of its
+/// observation, and places and relations are those of the last one. The scans are those of all observations in order.
+ClosedPath path_of_scans(ClosedPath path, std::span<const ObservedScan> scans);
+
+}  // namespace gdtslam
