@@ -2,6 +2,7 @@
 
 #include <cstddef>
 
+#include "finding_list.hpp"
 #include "gdtslam/core/angle.hpp"
 
 namespace gdtslam {
@@ -62,6 +63,7 @@ RunDoubts doubts_of(const ReportReader& report, std::uint64_t scans) {
                    .weak = matches.whole("weak"),
                    .refused = matches.whole("refused"),
                    .restarts = report.whole("restarts"),
+                   .findings = findings_from(report),
                    .loops = {}};
   if (report.has("loops")) doubts.loops = loop_findings(report, scans);
   return doubts;

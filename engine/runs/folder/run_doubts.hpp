@@ -9,6 +9,7 @@
 #include "engine/runs/folder/report_reader.hpp"
 #include "engine/runs/loops/loops_report.hpp"
 #include "gdtslam/mapping/mapper.hpp"
+#include "gdtslam/runs/outcome.hpp"
 
 namespace gdtslam {
 
@@ -30,11 +31,12 @@ struct LoopFindings {
 struct RunDoubts {
   bool was_interrupted = false;
   std::uint64_t scans = 0;
-  std::uint64_t accepted = 0;         ///< of the scans without doubt,
-  std::uint64_t weak = 0;             ///< with weak evidence,
-  std::uint64_t refused = 0;          ///< not at all
-  std::uint64_t restarts = 0;         ///< keyframes where odometry says, after a long stretch without a match
-  std::optional<LoopFindings> loops;  ///< nothing where the run closed none
+  std::uint64_t accepted = 0;          ///< of the scans without doubt,
+  std::uint64_t weak = 0;              ///< with weak evidence,
+  std::uint64_t refused = 0;           ///< not at all
+  std::uint64_t restarts = 0;          ///< keyframes where odometry says, after a long stretch without a match
+  std::vector<LogFinding> findings{};  ///< faults of the logs whose causes are known
+  std::optional<LoopFindings> loops;   ///< nothing where the run closed none
 };
 
 /// Throws InputError where a key is missing or of another type, or names a scan beyond `scans`.
