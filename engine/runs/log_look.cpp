@@ -27,7 +27,7 @@ bool is_motion_known(const MapRequest& request) {
          request.settings.log.odometry_stamps == OdometryStamps::kMeasured;
 }
 
-std::optional<OdometryDelay> odometry_delay(const MapRequest& request, const ScanMotion& motion) {
+std::optional<OdometryDelay> odometry_delay(const MapRequest& request, const MotionByScans& motion) {
   const LogConfig& log = request.settings.log;
   if (log.odometry_stamps == OdometryStamps::kStated) return OdometryDelay{.delay_s = log.odometry_delay_s};
   std::optional<OdometryDelay> delay = delay_of(headings_of(motion.motions));
@@ -51,13 +51,13 @@ std::vector<LogFinding> look_at_ranges(MapRequest& request) {
 
 // Where the motion shows a fault, a delay that it shows too is none.
 void look_at_motion(const MapRequest& request, const MapJob& job, const std::string& log, RunPreparation& prepared) {
-  ScanMotion motion;
+  MotionByScans motion;
   if (!request.live_log && request.with_loops && request.settings.log.odometry_stamps == OdometryStamps::kMeasured) {
     motion = motion_by_scans(log, job.read, job.range, job.mapper, [&request] { return has_stopped(request); });
   }
   const std::vector<LogFinding> faults = motion_findings(motion);
   add(prepared.findings, faults);
-  prepared.delay = odometry_delay(request, faults.empty() ? motion : ScanMotion());
+  prepared.delay = odometry_delay(request, faults.empty() ? motion : MotionByScans());
 }
 
 void look_afterwards(const MapRequest& request, const MapJob& job, const std::string& log, MapOutcome& outcome) {

@@ -13,8 +13,8 @@
 #include <utility>
 
 #include "engine/io/json_file.hpp"
-#include "engine/runs/folder/finding_list.hpp"
 #include "engine/runs/folder/report_reader.hpp"
+#include "engine/runs/folder/run_doubts.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 

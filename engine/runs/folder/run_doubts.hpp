@@ -2,6 +2,8 @@
 // are off, stretches that are not to be trusted. Thread-safe; linear in the report.
 #pragma once
 
+#include <nlohmann/json.hpp>
+
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -38,6 +40,11 @@ struct RunDoubts {
   std::vector<LogFinding> findings{};  ///< faults of the logs whose causes are known
   std::optional<LoopFindings> loops;   ///< nothing where the run closed none
 };
+
+/// Faults of logs as reports and continue.json have them.
+nlohmann::ordered_json findings_json(const std::vector<LogFinding>& findings);
+/// The list `findings` of an object; empty in files of versions that had none. Throws InputError.
+std::vector<LogFinding> findings_from(const ReportReader& object);
 
 /// Throws InputError where a key is missing or of another type, or names a scan beyond `scans`.
 RunDoubts doubts_of(const ReportReader& report, std::uint64_t scans);

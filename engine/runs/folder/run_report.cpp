@@ -12,7 +12,7 @@
 #include "engine/io/json_file.hpp"
 #include "engine/io/sha256.hpp"
 #include "engine/mapping/map/store/field_store.hpp"
-#include "engine/runs/folder/finding_list.hpp"
+#include "engine/runs/folder/run_doubts.hpp"
 #include "engine/runs/folder/run_files.hpp"
 #include "engine/runs/folder/run_pictures.hpp"
 #include "engine/runs/folder/snapshot_folder.hpp"

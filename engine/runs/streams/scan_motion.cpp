@@ -52,7 +52,7 @@ double snapped(double angle_rad) {
 
 std::string degrees(double angle_rad) { return fmt::format("{:.9g}deg", deg_from_rad(angle_rad)); }
 
-LogFinding mirrored_laser(const TurnAgreement& turns, const ScanMotion& motion) {
+LogFinding mirrored_laser(const TurnAgreement& turns, const MotionByScans& motion) {
   const LaserScan& scan = motion.first_scan;
   return {.what = "scans and wheels turn opposite ways: laser upside down or mirrored, or wheels swapped",
           .evidence = fmt::format("in {} turns the scans turn {:.2f} times as far as the wheels, correlation {:.2f}",
@@ -69,7 +69,7 @@ std::string direction_text(double left_rad) {
   return fmt::format("{:.0f} deg to the {} of where the wheels go", off_deg, left_rad > 0.0 ? "left" : "right");
 }
 
-LogFinding turned_mount(const DirectionAgreement& directions, const ScanMotion& motion) {
+LogFinding turned_mount(const DirectionAgreement& directions, const MotionByScans& motion) {
   const Pose2& mount = motion.first_scan.T_base_laser;
   const double off_rad = snapped(directions.left_rad);
   return {.what = fmt::format("by its scans the laser moves {}: its mount is turned by {:.0f} deg",
@@ -85,9 +85,9 @@ LogFinding turned_mount(const DirectionAgreement& directions, const ScanMotion& 
 
 }  // namespace
 
-ScanMotion motion_by_scans(const std::string& log, const ReadOptions& options, const ScanRange& range,
-                           const MapperConfig& mapper, const std::function<bool()>& stop) {
-  ScanMotion motion;
+MotionByScans motion_by_scans(const std::string& log, const ReadOptions& options, const ScanRange& range,
+                              const MapperConfig& mapper, const std::function<bool()>& stop) {
+  MotionByScans motion;
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(log, ignored) && !std::filesystem::is_directory(log, ignored)) return motion;
   const MapperConfig config = config_of_look(mapper);
@@ -181,7 +181,7 @@ DirectionAgreement direction_agreement(std::span<const TimedMotion> motions) {
   return found;
 }
 
-std::vector<LogFinding> motion_findings(const ScanMotion& motion) {
+std::vector<LogFinding> motion_findings(const MotionByScans& motion) {
   if (const TurnAgreement turns = turn_agreement(motion.motions); turns.is_opposite()) {
     return {mirrored_laser(turns, motion)};
   }

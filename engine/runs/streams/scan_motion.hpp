@@ -23,7 +23,7 @@ struct TimedMotion {
 };
 
 /// What the scans of a log's begin tell.
-struct ScanMotion {
+struct MotionByScans {
   std::vector<TimedMotion> motions;
   LaserScan first_scan;        ///< without its ranges
   bool has_one_layout = true;  ///< of beams and mount, in all scans
@@ -32,8 +32,8 @@ struct ScanMotion {
 /// Of the begin of a range of a log, until the robot has turned enough, at most 3,000 scans: they are matched as if
 /// there were no odometry. No motions if that fails, or of what can be read only once, as a pipe. Once `stop` returns
 /// true, of the scans by then.
-ScanMotion motion_by_scans(const std::string& log, const ReadOptions& options, const ScanRange& range,
-                           const MapperConfig& mapper, const std::function<bool()>& stop);
+MotionByScans motion_by_scans(const std::string& log, const ReadOptions& options, const ScanRange& range,
+                              const MapperConfig& mapper, const std::function<bool()>& stop);
 
 /// How turns by the scans go with those by the wheels, in windows of 2 s.
 struct TurnAgreement {
@@ -56,6 +56,6 @@ struct DirectionAgreement {
 DirectionAgreement direction_agreement(std::span<const TimedMotion> motions);
 
 /// Faults that are certain: a mirrored laser or swapped wheels, a mount that is turned.
-std::vector<LogFinding> motion_findings(const ScanMotion& motion);
+std::vector<LogFinding> motion_findings(const MotionByScans& motion);
 
 }  // namespace gdtslam

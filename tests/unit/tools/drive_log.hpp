@@ -17,7 +17,7 @@
 
 namespace gdtslam::test {
 
-struct MappedDrive {
+struct MappedLog {
   std::vector<LogFinding> findings;
   std::string trajectory_sha256;
   std::size_t doubtful = 0;
@@ -54,7 +54,7 @@ class DriveLog {
     return path;
   }
 
-  [[nodiscard]] MappedDrive map(const std::string& path, const std::function<void(MapRequest&)>& change = {}) const {
+  [[nodiscard]] MappedLog map(const std::string& path, const std::function<void(MapRequest&)>& change = {}) const {
     MapRequest request{.logs = {path}, .folder = (folder_ / "run").string()};
     request.with_pictures = request.with_map = false;
     if (change) change(request);

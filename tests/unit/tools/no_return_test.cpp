@@ -125,10 +125,10 @@ TEST(NoReturn, OfFilesTheValueBecomesTheLimitUnlessOneIsStated) {
 
 TEST(NoReturn, TheMapIsThatOfALogWhichSaysSo) {
   const DriveLog log;
-  const test::MappedDrive found = log.map(short_sighted_log(log));
+  const test::MappedLog found = log.map(short_sighted_log(log));
   ASSERT_EQ(found.findings.size(), 1U);
   EXPECT_TRUE(found.findings[0].is_mended);
-  const test::MappedDrive stated = log.map(log.write([](LaserScan& scan) {
+  const test::MappedLog stated = log.map(log.write([](LaserScan& scan) {
     scan.max_range_m = 2.49;
     for (float& range_m : scan.ranges_m) range_m = range_m < 2.5F ? range_m : 2.5F;
   }));

@@ -178,7 +178,7 @@ TEST(OdometryDelay, IsFoundThoughTheClockWasSetBackOrOneStampIsWild) {
 TEST(OdometryDelay, AnInterruptEndsTheMeasurementWithTheScanInHand) {
   int asked = 0;
   const auto stop_at_the_tenth = [&asked] { return ++asked == 10; };
-  const ScanMotion motion =
+  const MotionByScans motion =
       motion_by_scans(GDTSLAM_SOURCE_DIR "/assets/logs/office-start.log.gz", {}, {}, {}, stop_at_the_tenth);
   EXPECT_FALSE(delay_of(headings_of(motion.motions)));
   EXPECT_EQ(asked, 10);
@@ -187,7 +187,7 @@ TEST(OdometryDelay, AnInterruptEndsTheMeasurementWithTheScanInHand) {
 TEST(OdometryDelay, IsMeasuredWithinTheRangeThatIsMapped) {
   int asked = 0;
   const auto count = [&asked] { return ++asked == 0; };
-  const ScanMotion motion =
+  const MotionByScans motion =
       motion_by_scans(GDTSLAM_SOURCE_DIR "/assets/logs/office-start.log.gz", {}, {.skip = 20, .count = 30}, {}, count);
   EXPECT_FALSE(delay_of(headings_of(motion.motions)));
   EXPECT_EQ(asked, 31);  // the last time there is no scan left

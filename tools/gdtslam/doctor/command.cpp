@@ -85,7 +85,7 @@ Findings findings_of(const DoctorOptions& options) {
   }
   const bool is_measured = settings.log.odometry_stamps == OdometryStamps::kMeasured;
   if (is_measured && !interrupted() && found.check.obstacle().empty()) {
-    const ScanMotion motion = motion_by_scans(options.log, read, {}, settings.mapper, [] { return interrupted(); });
+    const MotionByScans motion = motion_by_scans(options.log, read, {}, settings.mapper, [] { return interrupted(); });
     const std::vector<LogFinding> faults = motion_findings(motion);
     if (faults.empty()) found.delay = delay_of(headings_of(motion.motions));
     found.faults.insert(found.faults.end(), faults.begin(), faults.end());

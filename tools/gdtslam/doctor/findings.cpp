@@ -9,7 +9,7 @@
 #include <iterator>
 #include <utility>
 
-#include "engine/runs/folder/finding_list.hpp"
+#include "engine/runs/folder/run_doubts.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "engine/runs/streams/warning_text.hpp"
 #include "gdtslam/core/angle.hpp"
