@@ -96,6 +96,7 @@ void map_into(const gdtslam_map_request& given, gdtslam_run** run) {
   const MapResult result = map_logs(request, *backend);
   if (request.warn) {
     for (const LogReader::Warning& warning : result.outcome.warnings) request.warn(warning_text(warning));
+    for (const LogFinding& finding : result.outcome.findings) request.warn(finding_text(finding));
   }
   if (run != nullptr) {
     auto made = std::make_unique<gdtslam_run>(request.folder);

@@ -21,10 +21,10 @@
 #include "engine/runs/inputs/files_of_runs.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "engine/runs/mapping/map_run.hpp"
-#include "engine/runs/streams/odometry_delay.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/error.hpp"
+#include "log_look.hpp"
 
 namespace gdtslam {
 namespace {
@@ -82,6 +82,8 @@ MapResult map_into(RunFolder& folder, const MapRequest& request, const MapJob& j
   } else {
     LogCopies::leave_out(folder);
   }
+  result.outcome.findings = job.findings;
+  if (nodding == nullptr) look_afterwards(request, job, start.copies.first_log(), result.outcome);
   // The memory of what mapped is for the pictures, and the tiles of a large map.
   const auto end_mapping = [&run] {
     run.reset();
@@ -132,25 +134,6 @@ NoddingJob nodding_job(const MapRequest& request, NodKind kind) {
   return job;
 }
 
-std::optional<OdometryDelay> odometry_delay_of(const MapRequest& request, const MapJob& job,
-                                               const std::string& log_file) {
-  const LogConfig& log = request.settings.log;
-  if (log.odometry_stamps == OdometryStamps::kLog) return std::nullopt;
-  if (log.odometry_stamps == OdometryStamps::kStated) return OdometryDelay{.delay_s = log.odometry_delay_s};
-  if (request.live_log) return std::nullopt;     // it cannot be read ahead
-  if (!request.with_loops) return std::nullopt;  // what maps without loops are compared with was made without it
-  std::optional<OdometryDelay> delay =
-      measured_delay(log_file, job.read, job.range, job.mapper, [&request] { return stopped(request); });
-  if (!delay || !delay->stands_out()) return std::nullopt;
-  if (request.warn) {
-    request.warn(
-        fmt::format("odometry is stamped {:.2f} s {} than the scans that it belongs to (+-{:.3f} s), which is "
-                    "made up for; log.odometry_stamps=log leaves it",
-                    std::fabs(delay->delay_s), delay->delay_s < 0.0 ? "earlier" : "later", delay->sigma_s));
-  }
-  return delay;
-}
-
 std::string no_crank_warning(const std::string& linkage) {
   return fmt::format(
       "warning: {} lies beside the log, which has no ENCODER or TILT message among its first {} records: the laser is "
@@ -178,9 +161,9 @@ NodKind nod_kind_of_start(const MapRequest& request, ScanStream& scans) {
 
 // What the first log tells before it is mapped; a run that is gone on with knows it.
 RunPreparation prepare(const MapRequest& request, const MapJob& job, const LogCopies& copies, NodKind kind) {
-  RunPreparation prepared{.nods = kind, .linkage = {}, .linkage_yaml = {}, .delay = {}};
+  RunPreparation prepared{.nods = kind, .linkage = {}, .linkage_yaml = {}, .delay = {}, .findings = job.findings};
   if (kind == NodKind::kNone) {
-    prepared.delay = odometry_delay_of(request, job, copies.first_log());
+    look_at_motion(request, job, copies.first_log(), prepared);
   } else {
     const NoddingJob nodding = nodding_job(request, kind);
     prepared.linkage = nodding.linkage;
@@ -200,14 +183,15 @@ NoddingJob prepared_nodding_job(const MapRequest& request, const RunPreparation&
 
 MapResult map_prepared(RunFolder& folder, const MapRequest& request, const MapJob& job, Backend& backend,
                        RunStart start, RunTimes& times) {
+  MapJob whole = job;
+  whole.findings = start.prepared.findings;
   if (start.prepared.nods == NodKind::kNone) {
-    MapJob flat = job;
-    flat.odometry_delay = start.prepared.delay;
-    if (flat.odometry_delay) start.scans.set_odometry_delay(flat.odometry_delay->delay_s);
-    return map_into(folder, request, flat, nullptr, backend, std::move(start), times);
+    whole.odometry_delay = start.prepared.delay;
+    if (whole.odometry_delay) start.scans.set_odometry_delay(whole.odometry_delay->delay_s);
+    return map_into(folder, request, whole, nullptr, backend, std::move(start), times);
   }
   const NoddingJob nodding = prepared_nodding_job(request, start.prepared);
-  return map_into(folder, request, job, &nodding, backend, std::move(start), times);
+  return map_into(folder, request, whole, &nodding, backend, std::move(start), times);
 }
 
 ForeignFiles foreign_files_of(const MapRequest& request) {
@@ -326,13 +310,20 @@ void require_own_names(const MapRequest& request) {
   require_no_foreign_files(request.folder, copies);
 }
 
+MapResult map_new(MapRequest request, const BackendOfRun& backend) {
+  std::vector<LogFinding> findings = look_at_ranges(request);
+  MapJob job = job_of(request);
+  job.findings = std::move(findings);
+  return map_opened(request, job, backend, nullptr);
+}
+
 }  // namespace
 
 MapResult map_logs(const MapRequest& request, const BackendOfRun& backend) {
   if (request.continued != request.folder) require_logs_elsewhere(request.logs, request.folder);
   require_own_names(request);
   try {
-    if (request.continued.empty()) return map_opened(request, job_of(request), backend, nullptr);
+    if (request.continued.empty()) return map_new(request, backend);
     const Continuation continued = continuation_of(request.continued, request.logs, request.stop);
     if (!continued.remark.empty() && request.warn) request.warn(continued.remark);
     const MapRequest whole = restored(request, continued.kept);

@@ -119,7 +119,9 @@ std::vector<Option> option_table(LogConfig& config) {
        -kMostAngle_rad, kMostAngle_rad, &config.first_bearing_rad},
       {"log.bearing_step", "Angle from one beam to the next; negative where the laser hangs upside down", Unit::kRadian,
        -kMostAngle_rad, kMostAngle_rad, &config.bearing_step_rad},
-      {"log.max_range", "Limit of the sensor, at or above which a range is no return; 0 takes what the log says",
+      {"log.max_range",
+       "Limit of the sensor, at or above which a range is no return; 0 takes what the log says, or a constant below "
+       "that which stands for no return",
        Unit::kMetre, 0.0, kMostRange_m, &config.max_range_m},
       {"log.lasers",
        "Lasers of a CARMEN log that are taken: the front one, or all, with RLASER and ROBOTLASER2 as a second one",

@@ -14,6 +14,7 @@
 
 #include "engine/io/json_file.hpp"
 #include "engine/runs/folder/report_reader.hpp"
+#include "engine/runs/folder/run_doubts.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 
@@ -57,12 +58,14 @@ Json prepared_json(const RunPreparation& prepared) {
     json["odometry_delay"] = {
         {"delay_s", delay->delay_s}, {"sigma_s", delay->sigma_s}, {"unexplained", delay->unexplained}};
   }
+  if (!prepared.findings.empty()) json["findings"] = findings_json(prepared.findings);
   return json;
 }
 
 RunPreparation prepared_from(const ReportReader& file, const std::string& name) {
   RunPreparation prepared{
       .nods = NodKind::kNone, .linkage = file.text("linkage"), .linkage_yaml = file.text("linkage_yaml"), .delay = {}};
+  prepared.findings = findings_from(file);
   const std::string nods = file.text("nods");
   const auto* const found = std::find(kNodNames.begin(), kNodNames.end(), nods);
   if (found == kNodNames.end()) throw InputError({name, 0}, "'nods' is none of none, encoder and tilt");

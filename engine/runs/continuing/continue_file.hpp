@@ -19,6 +19,7 @@ struct RunPreparation {
   std::string linkage{};       ///< of a laser that nods: the preset or file that was taken
   std::string linkage_yaml{};  ///< and what it says
   std::optional<OdometryDelay> delay{};
+  std::vector<LogFinding> findings{};
 };
 
 struct KeptRequest {

@@ -71,7 +71,8 @@ MapOutcome outcome_of(const RunReader& reader, const RunKeyframes& kept) {
   if (!covariances) throw InputError({path_in(reader.folder(), "covariance.csv"), 0}, "is missing in this run");
   closed.covariances = *std::move(covariances);
   closed.keyframes = outcome.keyframes;
-  if (std::optional<LoopFindings> findings = reader.doubts().loops) closed.loops = std::move(findings->loops);
+  RunDoubts doubts = reader.doubts();
+  if (doubts.loops) closed.loops = std::move(doubts.loops->loops);
   outcome.closed = std::move(closed);
   return outcome;
 }

@@ -54,6 +54,26 @@ LoopFindings loop_findings(const ReportReader& report, std::uint64_t scans) {
 
 }  // namespace
 
+nlohmann::ordered_json findings_json(const std::vector<LogFinding>& findings) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const LogFinding& finding : findings) {
+    list.push_back({{"what", finding.what},
+                    {"evidence", finding.evidence},
+                    {"options", finding.options},
+                    {"mended", finding.is_mended}});
+  }
+  return list;
+}
+
+std::vector<LogFinding> findings_from(const ReportReader& object) {
+  std::vector<LogFinding> findings;
+  if (!object.has("findings")) return findings;
+  for (const ReportReader& entry : object.entries("findings")) {
+    findings.push_back({entry.text("what"), entry.text("evidence"), entry.text("options"), entry.truth("mended")});
+  }
+  return findings;
+}
+
 RunDoubts doubts_of(const ReportReader& report, std::uint64_t scans) {
   const ReportReader matches = report.section("matches");
   RunDoubts doubts{.was_interrupted = report.truth("interrupted"),
@@ -62,6 +82,7 @@ RunDoubts doubts_of(const ReportReader& report, std::uint64_t scans) {
                    .weak = matches.whole("weak"),
                    .refused = matches.whole("refused"),
                    .restarts = report.whole("restarts"),
+                   .findings = findings_from(report),
                    .loops = {}};
   if (report.has("loops")) doubts.loops = loop_findings(report, scans);
   return doubts;

@@ -2,6 +2,8 @@
 // are off, stretches that are not to be trusted. Thread-safe; linear in the report.
 #pragma once
 
+#include <nlohmann/json.hpp>
+
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -9,6 +11,7 @@
 #include "engine/runs/folder/report_reader.hpp"
 #include "engine/runs/loops/loops_report.hpp"
 #include "gdtslam/mapping/mapper.hpp"
+#include "gdtslam/runs/outcome.hpp"
 
 namespace gdtslam {
 
@@ -30,12 +33,18 @@ struct LoopFindings {
 struct RunDoubts {
   bool was_interrupted = false;
   std::uint64_t scans = 0;
-  std::uint64_t accepted = 0;         ///< of the scans without doubt,
-  std::uint64_t weak = 0;             ///< with weak evidence,
-  std::uint64_t refused = 0;          ///< not at all
-  std::uint64_t restarts = 0;         ///< keyframes where odometry says, after a long stretch without a match
-  std::optional<LoopFindings> loops;  ///< nothing where the run closed none
+  std::uint64_t accepted = 0;          ///< of the scans without doubt,
+  std::uint64_t weak = 0;              ///< with weak evidence,
+  std::uint64_t refused = 0;           ///< not at all
+  std::uint64_t restarts = 0;          ///< keyframes where odometry says, after a long stretch without a match
+  std::vector<LogFinding> findings{};  ///< faults of the logs whose causes are known
+  std::optional<LoopFindings> loops;   ///< nothing where the run closed none
 };
+
+/// Faults of logs as reports and continue.json have them.
+nlohmann::ordered_json findings_json(const std::vector<LogFinding>& findings);
+/// The list `findings` of an object; empty in files of versions that had none. Throws InputError.
+std::vector<LogFinding> findings_from(const ReportReader& object);
 
 /// Throws InputError where a key is missing or of another type, or names a scan beyond `scans`.
 RunDoubts doubts_of(const ReportReader& report, std::uint64_t scans);

@@ -12,6 +12,7 @@
 #include "engine/io/json_file.hpp"
 #include "engine/io/sha256.hpp"
 #include "engine/mapping/map/store/field_store.hpp"
+#include "engine/runs/folder/run_doubts.hpp"
 #include "engine/runs/folder/run_files.hpp"
 #include "engine/runs/folder/run_pictures.hpp"
 #include "engine/runs/folder/snapshot_folder.hpp"
@@ -234,6 +235,7 @@ Json run_report(const RunFacts& facts, const MapOutcome& outcome, const WrittenH
   }
   report["files"] = std::move(files);
   report["warnings"] = warnings_json(outcome.warnings);
+  report["findings"] = findings_json(outcome.findings);
   report["stages"] = stages_json(outcome, others);
   report["doubtful_scans"] = doubtful_json(outcome.doubtful);
   report["keyframe_scans"] = outcome.keyframes;

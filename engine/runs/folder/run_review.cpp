@@ -51,6 +51,16 @@ ReviewNote no_loops_note(const RunDoubts& doubts) {
           "map the log without --no-loops"};
 }
 
+// A fault of the log is the cause of most other doubts: it comes first.
+void add_findings(const std::vector<LogFinding>& findings, std::vector<ReviewNote>& notes) {
+  for (const LogFinding& finding : findings) {
+    if (finding.is_mended) continue;
+    notes.push_back(
+        {"log", fmt::format("{} ({})", finding.what, finding.evidence),
+         finding.options.empty() ? "mend the log, and map it again" : "map the log again with " + finding.options});
+  }
+}
+
 void add_run_notes(const RunDoubts& doubts, std::vector<ReviewNote>& notes) {
   if (!doubts.loops) {
     notes.push_back(no_loops_note(doubts));
@@ -154,6 +164,7 @@ std::string percent_text(std::uint64_t part, std::uint64_t whole) {
 RunReview review_of(const RunDoubts& doubts, const Trajectory& trajectory,
                     std::span<const PoseCovariance> covariances) {
   RunReview review{.doubts = doubts, .uncertain = {}, .switched_off = {}, .notes = {}};
+  add_findings(doubts.findings, review.notes);
   add_run_notes(doubts, review.notes);
   if (!doubts.loops) return review;
   for (const UncertainStretch& stretch : doubts.loops->uncertain) {

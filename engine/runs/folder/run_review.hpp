@@ -34,7 +34,7 @@ struct PlacedLoop {
 
 /// One thing that is doubtful.
 struct ReviewNote {
-  std::string_view about;  ///< run, loops, stretch, loop, scans or wheels; of static storage
+  std::string_view about;  ///< log, run, loops, stretch, loop, scans or wheels; of static storage
   std::string finding;
   std::string advice;
   std::optional<Point2> at_m{};  ///< where that is one place

@@ -45,6 +45,7 @@ struct MapJob {
   OccupancyConfig occupancy;
   bool with_occupancy = true;
   std::optional<OdometryDelay> odometry_delay{};           ///< that the scans' stream makes up for
+  std::vector<LogFinding> findings{};                      ///< by now, of the logs
   bool with_pictures = true;                               ///< the overview of the map
   bool with_loops = false;                                 ///< closed once the log has ended
   ScanMapped scan_mapped{};                                ///< as soon as a scan is, before the next one is read

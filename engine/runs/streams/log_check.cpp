@@ -11,15 +11,14 @@
 
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
+#include "histogram.hpp"
 
 namespace gdtslam {
 namespace {
 
-constexpr std::size_t kStepBins = 10001;   // milliseconds
-constexpr std::size_t kRangeBins = 20001;  // centimetres
-constexpr std::size_t kMostLayouts = 16;   // of a laser
-constexpr std::size_t kMostMounts = 64;    // further lasers count as the last of them
-constexpr std::size_t kMostConstants = 3;  // that stand for "no return"
+constexpr std::size_t kStepBins = 10001;  // milliseconds
+constexpr std::size_t kMostLayouts = 16;  // of a laser
+constexpr std::size_t kMostMounts = 64;   // further lasers count as the last of them
 constexpr double kShortestGap_s = 1.0;
 constexpr double kGapSteps = 5.0;      // a gap is this many usual steps, and at least kShortestGap_s
 constexpr double kLongSteps_s = 20.0;  // from scan to scan, where they are seconds
@@ -29,48 +28,6 @@ constexpr double kMountTurn_rad = 0.1 * kPi / 180.0;
 
 // Of steps beyond the histogram, each a hundredth longer than the one before.
 int long_bin_of(double step_s) { return static_cast<int>(std::log(std::min(step_s, kMostStep_s)) / std::log(1.01)); }
-
-std::size_t bin_of(double value, std::size_t bins) {
-  const double bin = std::floor(value + 0.5);
-  return bin < static_cast<double>(bins - 1) ? static_cast<std::size_t>(std::max(bin, 0.0)) : bins - 1;
-}
-
-// The bin that holds the given share of all counts.
-std::size_t quantile_bin(const std::vector<std::uint64_t>& histogram, double share) {
-  const auto total = std::accumulate(histogram.begin(), histogram.end(), std::uint64_t{0});
-  const auto wanted = static_cast<std::uint64_t>(share * static_cast<double>(total));
-  std::uint64_t sum = 0;
-  for (std::size_t bin = 0; bin < histogram.size(); ++bin) {
-    sum += histogram[bin];
-    if (sum > wanted) return bin;
-  }
-  return 0;
-}
-
-// Sensors report "no return" as one large constant: a lonely spike at the upper end of the ranges.
-bool is_spike(const std::vector<std::uint64_t>& histogram, std::size_t bin, std::uint64_t total) {
-  constexpr std::size_t kNeighbourhood = 50;
-  constexpr std::uint64_t kRatio = 20;
-  if (histogram[bin] < std::max<std::uint64_t>(10, total / 10000)) return false;
-  std::vector<std::uint64_t> around;
-  for (std::size_t k = bin - std::min(bin, kNeighbourhood); k < std::min(histogram.size(), bin + kNeighbourhood + 1);
-       ++k) {
-    if (k != bin) around.push_back(histogram[k]);
-  }
-  std::nth_element(around.begin(), around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2), around.end());
-  return histogram[bin] > kRatio * around[around.size() / 2];
-}
-
-std::vector<std::size_t> no_return_bins(const std::vector<std::uint64_t>& histogram, std::uint64_t total) {
-  std::size_t highest = histogram.size();
-  while (highest > 0 && histogram[highest - 1] == 0) --highest;
-  std::vector<std::size_t> found;
-  for (std::size_t bin = highest * 4 / 5; bin < highest; ++bin) {
-    if (bin >= 100 && is_spike(histogram, bin, total)) found.push_back(bin);
-  }
-  if (found.size() > kMostConstants) found.clear();  // a wall that was seen from one place
-  return found;
-}
 
 void add_laser_suggestions(const LogCheck& check, std::vector<std::string>& list) {
   const bool is_alone = check.lasers.size() == 1;
@@ -153,7 +110,7 @@ void LogChecker::add_scan(const ScanRecord& record) {
     if (check_.scans_with_odometry++ == 0) last_odometry_.reset();  // from here on only the scans' own odometry counts
     add_odometry(record.scan.stamp_s, *record.T_odom_base, last.T_odom_base);
   }
-  add_ranges(record.scan);
+  add_ranges(record);
   check_.mappable_scans += is_mappable(record.scan, check_.scan) ? 1U : 0U;
   add_mount(record.scan.T_base_laser, check_.lasers[place]);
   add_layout(record.scan, check_.lasers[place].laser);
@@ -234,21 +191,15 @@ void LogChecker::add_odometry(double stamp_s, const Pose2& T_odom_base, std::opt
   last_odometry_ = {stamp_s, T_odom_base};
 }
 
-void LogChecker::add_ranges(const LaserScan& scan) {
-  ranges_cm_.resize(kRangeBins);
-  beyond_stated_cm_.resize(kRangeBins);
+void LogChecker::add_ranges(const ScanRecord& record) {
+  const LaserScan& scan = record.scan;
+  no_return_.add(scan, record.laser);
   check_.ranges.beams += scan.ranges_m.size();
   bool has_return = false;
   for (const float range : scan.ranges_m) {
     const auto range_m = static_cast<double>(range);
-    if (!std::isfinite(range_m)) {
-      ++check_.ranges.not_finite;
-    } else if (scan.is_at_limit(range_m)) {
-      ++beyond_stated_cm_[bin_of(range_m * 100.0, kRangeBins)];
-    } else {
-      has_return = has_return || range_m > 0.0;
-      ++ranges_cm_[bin_of(range_m * 100.0, kRangeBins)];
-    }
+    if (!std::isfinite(range_m)) ++check_.ranges.not_finite;
+    has_return = has_return || (std::isfinite(range_m) && range_m > 0.0 && !scan.is_at_limit(range_m));
   }
   if (!has_return) ++check_.scans_without_returns;
 }
@@ -306,14 +257,15 @@ void LogChecker::finish_times(LogCheck& check) const {
 }
 
 void LogChecker::finish_ranges(LogCheck& check) const {
-  if (ranges_cm_.empty()) return;
+  if (no_return_.below_cm().empty()) return;
   RangeStatistics& ranges = check.ranges;
-  std::vector<std::uint64_t> returns = ranges_cm_;
-  ranges.no_return_count = std::accumulate(beyond_stated_cm_.begin(), beyond_stated_cm_.end(), std::uint64_t{0});
-  for (const std::size_t bin : no_return_bins(beyond_stated_cm_, ranges.beams)) {
-    ranges.no_return_m.push_back(static_cast<double>(bin) / 100.0);
-  }
-  for (const std::size_t bin : no_return_bins(ranges_cm_, ranges.beams)) {
+  std::vector<std::uint64_t> returns = no_return_.below_cm();
+  const std::vector<std::uint64_t>& at_limit = no_return_.at_limit_cm();
+  check.no_returns = no_return_.finish();
+  ranges.no_return_m = check.no_returns.at_limit_m;
+  ranges.no_return_count = std::accumulate(at_limit.begin(), at_limit.end(), std::uint64_t{0});
+  for (const NoReturnValue& value : check.no_returns.below) {
+    const std::size_t bin = bin_of(static_cast<double>(static_cast<float>(value.range_m)) * 100.0, returns.size());
     ranges.no_return_m.push_back(static_cast<double>(bin) / 100.0);
     ranges.no_return_count += returns[bin];
     returns[bin] = 0;

@@ -11,6 +11,7 @@
 
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/mapping/config.hpp"
+#include "no_return.hpp"
 
 namespace gdtslam {
 
@@ -147,6 +148,7 @@ struct LogCheck {
   std::vector<BeamLayout> layouts;
   std::uint64_t other_layouts = 0;  ///< scans of layouts beyond the listed ones
   RangeStatistics ranges;
+  NoReturns no_returns;
   std::vector<LaserMount> lasers;  ///< in the order of their first scans
   std::uint64_t scans_without_returns = 0;
   std::uint64_t mappable_scans = 0;  ///< with at least scan.min_points returns, as the mapper counts them
@@ -181,7 +183,7 @@ class LogChecker {
   void add_step(LogEvent event, double step_s);
   void add_pause(LogEvent event, double pause_s);
   void add_odometry(double stamp_s, const Pose2& T_odom_base, std::optional<Pose2>& before);
-  void add_ranges(const LaserScan& scan);
+  void add_ranges(const ScanRecord& record);
   void add_layout(const LaserScan& scan, std::size_t laser);
   static void add_mount(const Pose2& T_base_laser, LaserMount& mount);
   [[nodiscard]] double usual_step_s() const;
@@ -201,10 +203,9 @@ class LogChecker {
     std::uint64_t count = 0;
     double sum_s = 0.0;
   };
-  std::map<int, LongSteps> long_steps_;          ///< those of the open bin, by their length to a hundredth of it
-  std::vector<LogEvent> longest_pauses_;         ///< the longest first
-  std::vector<std::uint64_t> ranges_cm_;         ///< histogram of the finite ranges, the last bin open
-  std::vector<std::uint64_t> beyond_stated_cm_;  ///< likewise, of those at or above the limit that the log states
+  std::map<int, LongSteps> long_steps_;   ///< those of the open bin, by their length to a hundredth of it
+  std::vector<LogEvent> longest_pauses_;  ///< the longest first
+  NoReturnFinder no_return_;
 };
 
 }  // namespace gdtslam

@@ -2,14 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <utility>
 
-#include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "gdtslam/core/error.hpp"
-#include "gdtslam/mapping/mapper.hpp"
 #include "scan_stream.hpp"
 
 namespace gdtslam {
@@ -20,8 +16,6 @@ constexpr double kDelayStep_s = 0.01;
 constexpr double kLongestStep_s = 1.0;  // between scans
 constexpr double kSlip_rad = 0.05;      // beyond which a difference counts as this much
 constexpr double kLeastTurn_rad = 3.0;  // of all steps, to tell anything
-constexpr double kEnoughTurn_rad = 20.0;
-constexpr std::size_t kMostScans = 3000;
 constexpr std::size_t kMostShifted = 512;
 
 /// Headings by odometry over time, unwrapped; along straight lines between the stamps.
@@ -70,18 +64,6 @@ void add_agreement(std::span<const TimedHeading> headings, const HeadingTrack& o
     agreement.sum += std::min(off * off, kSlip_rad * kSlip_rad);
     ++agreement.steps;
   }
-}
-
-// Turns are wanted, and not the best map: a scan that lies wrongly is one of many. Nothing but the last motion says
-// where the next scan lies, so windows are wide; they are searched where a match is suspect, coarsely and once.
-MapperConfig config_of_look(MapperConfig config) {
-  constexpr double kCoarser = 2.0;
-  config.odometry.estimate = true;
-  config.search.when = std::min(config.search.when, SearchWhen::kSuspect);
-  config.search.attempts = std::min(config.search.attempts, 1);
-  config.search.step_m *= kCoarser;
-  config.search.step_rad *= kCoarser;
-  return config;
 }
 
 // A clock that was set back begins a new stretch; a stamp far ahead of both its neighbours is left out.
@@ -151,32 +133,13 @@ std::optional<OdometryDelay> delay_of(std::span<const TimedHeading> headings) {
                        .unexplained = here / without};
 }
 
-std::optional<OdometryDelay> measured_delay(const std::string& log, const ReadOptions& options, const ScanRange& range,
-                                            const MapperConfig& mapper, const std::function<bool()>& stop) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(log, ignored) && !std::filesystem::is_directory(log, ignored)) return {};
-  const MapperConfig config = config_of_look(mapper);
-  const std::unique_ptr<Backend> cpu = make_cpu_backend({});
+std::vector<TimedHeading> headings_of(std::span<const TimedMotion> motions) {
   std::vector<TimedHeading> headings;
-  double turned = 0.0;
-  try {
-    Mapper by_scans(config, *cpu);
-    ScanStream scans({log}, options, {.skip = range.skip, .count = std::min<std::uint64_t>(range.count, kMostScans)});
-    std::optional<std::size_t> laser;
-    while (turned < kEnoughTurn_rad && !stop()) {
-      const std::optional<ScanRecord> record = scans.next();
-      if (!record) break;
-      if (!laser) laser = record->laser;
-      if (record->laser != *laser) continue;
-      const MatchResult result = by_scans.process(record->scan, std::nullopt);
-      if (!record->T_odom_base || !result.accepted) continue;
-      headings.push_back({result.stamp_s, record->T_odom_base->theta_rad, result.T_map_base.theta_rad});
-      if (headings.size() > 1) turned += turned_rad(std::span(headings).last(2));
-    }
-  } catch (const Error&) {  // what is wrong with the log is told by those who map it
-    return std::nullopt;
+  headings.reserve(motions.size());
+  for (const TimedMotion& motion : motions) {
+    headings.push_back({motion.stamp_s, motion.T_odom_base.theta_rad, motion.T_scans_base.theta_rad});
   }
-  return delay_of(headings);
+  return headings;
 }
 
 void OdometryShift::take(ScanRecord scan) {

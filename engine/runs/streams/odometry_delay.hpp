@@ -6,16 +6,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <functional>
 #include <optional>
 #include <span>
-#include <string>
+#include <vector>
 
 #include "engine/io/recordings/odometry_track.hpp"
 #include "gdtslam/core/stream.hpp"
-#include "gdtslam/io/log.hpp"
-#include "gdtslam/mapping/config.hpp"
 #include "gdtslam/runs/outcome.hpp"
+#include "scan_motion.hpp"
 
 namespace gdtslam {
 
@@ -31,11 +29,7 @@ struct TimedHeading {
 /// headings.
 std::optional<OdometryDelay> delay_of(std::span<const TimedHeading> headings);
 
-/// Of the begin of a range of a log, until the robot has turned enough, at most 3,000 scans: those of its first laser
-/// are matched as if there were no odometry. Nothing where that fails or tells nothing, and of what can be read only
-/// once, as a pipe. Once `stop` says so it tells what it has.
-std::optional<OdometryDelay> measured_delay(const std::string& log, const ReadOptions& options, const ScanRange& range,
-                                            const MapperConfig& mapper, const std::function<bool()>& stop);
+std::vector<TimedHeading> headings_of(std::span<const TimedMotion> motions);
 
 /// Gives scans the odometry that was stamped a delay later than they, once it has come; of the same stretch of the
 /// clock, where that was set back. A scan whose stamp is wild gets that of where it was read between the others.

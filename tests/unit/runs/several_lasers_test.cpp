@@ -13,6 +13,7 @@
 #include "engine/io/logs/carmen_writer.hpp"
 #include "engine/runs/mapping/map_run.hpp"
 #include "engine/runs/streams/odometry_delay.hpp"
+#include "engine/runs/streams/scan_motion.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/random.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
@@ -141,19 +142,21 @@ TEST_F(TwoLasers, KeyframesHaveTheScansOfBoth) {
   }
 }
 
-TEST_F(TwoLasers, ShowHowLateTheOdometryIs) {
+std::optional<OdometryDelay> delay_by_scans(const std::string& log) {
   ReadOptions options;
   options.all_lasers = true;
-  const std::optional<OdometryDelay> delay = measured_delay(log({}, 4), options, {}, {}, [] { return false; });
+  return delay_of(headings_of(motion_by_scans(log, options, {}, {}, [] { return false; }).motions));
+}
+
+TEST_F(TwoLasers, ShowHowLateTheOdometryIs) {
+  const std::optional<OdometryDelay> delay = delay_by_scans(log({}, 4));
   ASSERT_TRUE(delay);
   EXPECT_TRUE(delay->stands_out());
   EXPECT_NEAR(delay->delay_s, 4.0 * kStep_s, 0.05);
 }
 
 TEST_F(TwoLasers, OdometryThatIsStampedRightHasNoDelay) {
-  ReadOptions options;
-  options.all_lasers = true;
-  const std::optional<OdometryDelay> delay = measured_delay(log(), options, {}, {}, [] { return false; });
+  const std::optional<OdometryDelay> delay = delay_by_scans(log());
   EXPECT_FALSE(delay && delay->stands_out()) << delay->delay_s;
 }
 

@@ -178,16 +178,18 @@ TEST(OdometryDelay, IsFoundThoughTheClockWasSetBackOrOneStampIsWild) {
 TEST(OdometryDelay, AnInterruptEndsTheMeasurementWithTheScanInHand) {
   int asked = 0;
   const auto stop_at_the_tenth = [&asked] { return ++asked == 10; };
-  EXPECT_FALSE(
-      measured_delay(GDTSLAM_SOURCE_DIR "/assets/logs/office-start.log.gz", ReadOptions{}, {}, {}, stop_at_the_tenth));
+  const MotionByScans motion =
+      motion_by_scans(GDTSLAM_SOURCE_DIR "/assets/logs/office-start.log.gz", {}, {}, {}, stop_at_the_tenth);
+  EXPECT_FALSE(delay_of(headings_of(motion.motions)));
   EXPECT_EQ(asked, 10);
 }
 
 TEST(OdometryDelay, IsMeasuredWithinTheRangeThatIsMapped) {
   int asked = 0;
   const auto count = [&asked] { return ++asked == 0; };
-  EXPECT_FALSE(measured_delay(GDTSLAM_SOURCE_DIR "/assets/logs/office-start.log.gz", ReadOptions{},
-                              {.skip = 20, .count = 30}, {}, count));
+  const MotionByScans motion =
+      motion_by_scans(GDTSLAM_SOURCE_DIR "/assets/logs/office-start.log.gz", {}, {.skip = 20, .count = 30}, {}, count);
+  EXPECT_FALSE(delay_of(headings_of(motion.motions)));
   EXPECT_EQ(asked, 31);  // the last time there is no scan left
 }
 

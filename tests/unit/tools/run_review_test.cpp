@@ -57,6 +57,18 @@ TEST(RunReview, SaysWhyLoopsWereNotClosed) {
   EXPECT_THAT(none.notes[0].finding, HasSubstr("no loop was found in 4 searches"));
 }
 
+TEST(RunReview, AFaultOfTheLogComesFirstUnlessItIsMended) {
+  RunDoubts doubts = sound();
+  doubts.refused = 3;
+  doubts.findings = {{"mirrored", "16 turns", "--set log.bearing_step=-2deg", false}, {"7.99 m", "90 %", "", true}};
+  const std::vector<ReviewNote> notes = review_of(doubts, ten_poses(), {}).notes;
+  ASSERT_EQ(notes.size(), 2U);
+  EXPECT_EQ(notes[0].about, "log");
+  EXPECT_EQ(notes[0].finding, "mirrored (16 turns)");
+  EXPECT_EQ(notes[0].advice, "map the log again with --set log.bearing_step=-2deg");
+  EXPECT_EQ(notes[1].about, "scans");
+}
+
 TEST(RunReview, AStretchIsWhereItsLeastSurePoseIs) {
   RunDoubts doubts = sound();
   doubts.loops->uncertain = {{0, 2, 0.2}, {4, 6, 0.5}, {8, 9, 0.3}};

@@ -16,6 +16,7 @@
 #include "engine/runs/streams/log_check.hpp"
 #include "engine/runs/streams/log_timeline.hpp"
 #include "engine/runs/streams/odometry_delay.hpp"
+#include "engine/runs/streams/scan_motion.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "findings.hpp"
 #include "gdtslam/core/error.hpp"
@@ -77,11 +78,19 @@ Findings findings_of(const DoctorOptions& options) {
   progress.clear();
   found.check = checker.finish(reader->warnings());
   found.contents = reader->contents();
+  const NoReturns& constants = found.check.no_returns;
+  if (const auto value = constants.taken(settings.mapper.scan); value && settings.log.max_range_m == 0.0) {
+    found.faults.push_back(no_return_finding(*value, constants.beams));
+    read.max_range_m = value->range_m;
+  }
   const bool is_measured = settings.log.odometry_stamps == OdometryStamps::kMeasured;
   if (is_measured && !interrupted() && found.check.obstacle().empty()) {
-    found.delay = measured_delay(options.log, read, {}, settings.mapper, [] { return interrupted(); });
+    const MotionByScans motion = motion_by_scans(options.log, read, {}, settings.mapper, [] { return interrupted(); });
+    const std::vector<LogFinding> faults = motion_findings(motion);
+    if (faults.empty()) found.delay = delay_of(headings_of(motion.motions));
+    found.faults.insert(found.faults.end(), faults.begin(), faults.end());
   }
-  found.commands = map_commands(options, found.contents, found.check);
+  found.commands = map_commands(options, found.contents, found.check, found.faults);
   if (!options.picture.empty()) draw(timelines, found.check, options);
   return found;
 }

@@ -21,7 +21,9 @@ struct MapCommand {
   std::string when;
   std::string line;
 };
-/// What maps the log, the simplest first; with what doctor itself was told. None where it cannot be mapped.
-std::vector<MapCommand> map_commands(const DoctorOptions& options, const LogContents& contents, const LogCheck& check);
+/// What maps the log, the simplest first; with what doctor itself was told, and with the options that mend `faults`.
+/// None where it cannot be mapped.
+std::vector<MapCommand> map_commands(const DoctorOptions& options, const LogContents& contents, const LogCheck& check,
+                                     const std::vector<LogFinding>& faults);
 
 }  // namespace gdtslam

@@ -9,7 +9,9 @@
 #include <iterator>
 #include <utility>
 
+#include "engine/runs/folder/run_doubts.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
+#include "engine/runs/streams/warning_text.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 
@@ -156,6 +158,7 @@ std::string delay_text(const std::optional<OdometryDelay>& delay) {
 
 std::string advice_text(const Findings& found) {
   std::string text;
+  for (const LogFinding& fault : found.faults) text += "-> " + finding_text(fault) + "\n";
   for (const std::string& suggestion : found.check.suggestions()) text += "-> " + suggestion + "\n";
   const std::vector<LaserContents>& lasers = found.contents.lasers;
   const bool is_placed = std::none_of(lasers.begin(), lasers.end(),
@@ -288,6 +291,7 @@ Json findings_json(const Findings& found, const std::string& log) {
   Json warnings = Json::object();
   for (const LogReader::Warning& w : c.warnings) warnings[w.kind] = {{"count", w.count}, {"first", w.first}};
   report["warnings"] = warnings;
+  report["findings"] = findings_json(found.faults);
   report["suggestions"] = c.suggestions();
   Json commands = Json::array();
   for (const MapCommand& command : found.commands) {

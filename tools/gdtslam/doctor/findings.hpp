@@ -19,6 +19,7 @@ struct Findings {
   LogCheck check;
   StepBounds bounds;
   std::optional<OdometryDelay> delay;
+  std::vector<LogFinding> faults;
   std::vector<MapCommand> commands;
 };
 

@@ -49,6 +49,30 @@ std::string told_settings(const DoctorOptions& options) {
   return text;
 }
 
+/// What mends the faults that map does not mend itself.
+std::string mending_settings(const std::vector<LogFinding>& faults) {
+  std::string text;
+  for (const LogFinding& fault : faults) text += fault.is_mended || fault.options.empty() ? "" : " " + fault.options;
+  return text;
+}
+
+/// The first command with the limit of the sensor, for a constant that may be a wall.
+void add_no_return_choice(const DoctorOptions& options, const LogCheck& check, std::vector<MapCommand>& commands) {
+  const auto& sets = options.settings.sets;
+  const bool is_stated =
+      std::any_of(sets.begin(), sets.end(), [](const std::string& set) { return set.starts_with("log.max_range="); });
+  const std::optional<NoReturnValue> value = check.no_returns.ambiguous(check.scan);
+  if (!value || is_stated) return;
+  MapCommand command = commands.front();
+  command.when += command.when.empty() ? "" : ", and ";
+  command.when +=
+      fmt::format("if {} m is what the laser gives where it sees nothing, in {:.1f} % of the beams", value->range_m,
+                  100.0 * static_cast<double>(value->beams) / static_cast<double>(check.ranges.beams));
+  command.line.insert(command.line.rfind(" -o out"), " " + no_return_option(*value));
+  if (commands.front().when.empty()) commands.front().when = "as the log says";
+  commands.push_back(std::move(command));
+}
+
 /// Topics of one use that a map could do with, those with messages.
 std::vector<const TopicContents*> topics_for(TopicUse use, const LogContents& contents) {
   std::vector<const TopicContents*> found;
@@ -114,18 +138,21 @@ std::vector<MapCommand> all_nodding_choices(const LogContents& contents) {
 
 }  // namespace
 
-std::vector<MapCommand> map_commands(const DoctorOptions& options, const LogContents& contents, const LogCheck& check) {
+std::vector<MapCommand> map_commands(const DoctorOptions& options, const LogContents& contents, const LogCheck& check,
+                                     const std::vector<LogFinding>& faults) {
   if (!check.obstacle().empty()) return {};
   const bool is_damaged = std::any_of(check.warnings.begin(), check.warnings.end(), [](const auto& warning) {
     return warning.kind == "malformed line" || warning.kind == "malformed message" || warning.kind == "damaged chunk";
   });
   const std::string start = "gdtslam map " + log_word(options.log);
-  const std::string end = told_settings(options) + (is_damaged ? " --lenient" : "") + " -o out";
+  const std::string end =
+      told_settings(options) + mending_settings(faults) + (is_damaged ? " --lenient" : "") + " -o out";
   const std::string& crank = options.recording.crank;
   const std::string told_crank = crank.empty() ? "" : " --crank " + shell_word(crank);
   std::vector<MapCommand> commands = scan_choices(options, contents);
   const std::string first_choice = commands.front().line;
   for (MapCommand& command : commands) command.line = fmt::format("{}{}{}{}", start, command.line, told_crank, end);
+  add_no_return_choice(options, check, commands);
   if (!crank.empty()) return commands;
   std::vector<MapCommand> nodding = all_nodding_choices(contents);
   for (MapCommand& command : nodding) command.line = fmt::format("{}{}{}{}", start, first_choice, command.line, end);

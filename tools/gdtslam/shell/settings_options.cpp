@@ -41,6 +41,7 @@ std::string doubts_text(const MapOutcome& outcome, const std::string& folder) {
 
 void print_remarks(const MapOutcome& outcome, const std::string& folder) {
   print_warnings(outcome.warnings);
+  for (const LogFinding& finding : outcome.findings) print_remark(finding_text(finding));
   const std::string doubts = doubts_text(outcome, folder);
   if (!doubts.empty()) print_remark(doubts);
 }

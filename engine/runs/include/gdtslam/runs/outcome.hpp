@@ -33,6 +33,14 @@ struct OdometryDelay {
   [[nodiscard]] double away_s() const { return delay_s < 0.0 ? -delay_s : delay_s; }
 };
 
+/// A fault of a log whose cause is known.
+struct LogFinding {
+  std::string what;        ///< is wrong, and what causes it
+  std::string evidence;    ///< how sure that is
+  std::string options;     ///< of the command line that mend it: "--set log.max_range=7.99m"; empty: none
+  bool is_mended = false;  ///< by the run itself
+};
+
 /// A scan whose match is in doubt.
 struct DoubtfulScan {
   std::uint64_t index = 0;  ///< in the trajectory, from 0
@@ -105,6 +113,7 @@ struct MapOutcome {
   bool is_in_tiles = false;
   MapperStatistics statistics;
   std::vector<LogReader::Warning> warnings;
+  std::vector<LogFinding> findings{};     ///< faults of the logs whose causes are known
   ExitCode broken_off = ExitCode::kDone;  ///< what the log broke off with, where that is no error (warning_of_end)
   std::string device_loss;                ///< the error of the device that failed; empty when none did
   double log_duration_s = 0.0;            ///< between the earliest and the latest stamp

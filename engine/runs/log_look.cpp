@@ -1,0 +1,80 @@
+#include "log_look.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <optional>
+
+#include "engine/runs/streams/no_return.hpp"
+#include "engine/runs/streams/odometry_delay.hpp"
+#include "engine/runs/streams/scan_ahead.hpp"
+#include "engine/runs/streams/scan_motion.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::size_t kDoubtfulShare = 10;  // one scan of so many
+
+bool has_stopped(const MapRequest& request) { return request.stop && request.stop(); }
+
+void add(std::vector<LogFinding>& findings, const std::vector<LogFinding>& more) {
+  findings.insert(findings.end(), more.begin(), more.end());
+}
+
+// Runs without loops are compared with other programs, so nothing is measured for them.
+bool is_motion_known(const MapRequest& request) {
+  return !request.live_log && request.with_loops && are_plain_files(request.logs) &&
+         request.settings.log.odometry_stamps == OdometryStamps::kMeasured;
+}
+
+std::optional<OdometryDelay> odometry_delay(const MapRequest& request, const MotionByScans& motion) {
+  const LogConfig& log = request.settings.log;
+  if (log.odometry_stamps == OdometryStamps::kStated) return OdometryDelay{.delay_s = log.odometry_delay_s};
+  std::optional<OdometryDelay> delay = delay_of(headings_of(motion.motions));
+  if (!delay || !delay->stands_out()) return std::nullopt;
+  if (request.warn) {
+    request.warn(
+        fmt::format("odometry is stamped {:.2f} s {} than the scans that it belongs to (+-{:.3f} s), which is "
+                    "made up for; log.odometry_stamps=log leaves it",
+                    std::fabs(delay->delay_s), delay->delay_s < 0.0 ? "earlier" : "later", delay->sigma_s));
+  }
+  return delay;
+}
+
+}  // namespace
+
+std::vector<LogFinding> look_at_ranges(MapRequest& request) {
+  if (request.live_log) return {};
+  return take_no_return(request.logs, request.range, request.lenient, request.settings,
+                        [&request] { return has_stopped(request); });
+}
+
+// Where the motion shows a fault, a delay that it shows too is none.
+void look_at_motion(const MapRequest& request, const MapJob& job, const std::string& log, RunPreparation& prepared) {
+  MotionByScans motion;
+  if (!request.live_log && request.with_loops && request.settings.log.odometry_stamps == OdometryStamps::kMeasured) {
+    motion = motion_by_scans(log, job.read, job.range, job.mapper, [&request] { return has_stopped(request); });
+  }
+  const std::vector<LogFinding> faults = motion_findings(motion);
+  add(prepared.findings, faults);
+  prepared.delay = odometry_delay(request, faults.empty() ? motion : MotionByScans());
+}
+
+void look_afterwards(const MapRequest& request, const MapJob& job, const std::string& log, MapOutcome& outcome) {
+  if (outcome.interrupted) return;
+  const auto stop = [&request] { return !request.stop_ends_log && has_stopped(request); };
+  if (request.live_log || !are_plain_files(request.logs)) {
+    Settings settings = request.settings;
+    std::vector<LogFinding> faults = take_no_return({log}, request.range, request.lenient, settings, stop);
+    for (LogFinding& fault : faults) {
+      fault.what += ", and were mapped as walls";
+      fault.is_mended = false;
+    }
+    add(outcome.findings, faults);
+  }
+  const bool is_doubtful = kDoubtfulShare * outcome.doubtful.size() >= scans_of(outcome);
+  if (is_motion_known(request) || !is_doubtful) return;
+  add(outcome.findings, motion_findings(motion_by_scans(log, job.read, job.range, job.mapper, stop)));
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,25 @@
+// What a run finds out about its logs besides the map: before the first scan from a second reading of files, and at the
+// end for what could be read only once. Each look belongs to one thread.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "engine/runs/continuing/continue_file.hpp"
+#include "engine/runs/mapping/map_run.hpp"
+#include "gdtslam/runs/map_log.hpp"
+
+namespace gdtslam {
+
+/// A constant that stands for "nothing seen" becomes log.max_range of the request, so that all that reads its logs
+/// again takes it for no return. Nothing for a log that is mapped live. Cost: one reading of the logs.
+std::vector<LogFinding> look_at_ranges(MapRequest& request);
+
+/// Adds faults that the motion shows, and the odometry's delay; warns of a delay. Cost: up to 3,000 scans are matched.
+void look_at_motion(const MapRequest& request, const MapJob& job, const std::string& log, RunPreparation& prepared);
+
+/// Adds faults of a log that could not be looked at before. `log` is the log or its copy. Its motion counts if many of
+/// its scans are in doubt.
+void look_afterwards(const MapRequest& request, const MapJob& job, const std::string& log, MapOutcome& outcome);
+
+}  // namespace gdtslam

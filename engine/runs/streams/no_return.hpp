@@ -1,0 +1,84 @@
+// Ranges that stand for "nothing seen". Sensors report it as a constant: at the limit that they state, just below it,
+// or without stating one. Metres. Memory is bounded. One finder belongs to one thread; O(beams) a scan.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gdtslam/core/stream.hpp"
+#include "gdtslam/io/log.hpp"
+#include "gdtslam/runs/outcome.hpp"
+#include "gdtslam/runs/settings.hpp"
+
+namespace gdtslam {
+
+/// A constant below the limit that the log states.
+struct NoReturnValue {
+  double range_m = 0.0;  ///< as the log writes it, to the precision of float32
+  std::uint64_t beams = 0;
+  /// No wall explains it: neighbouring beams have exactly this range while the robot moves, and nothing is farther. No
+  /// laser states a lower limit, which log.max_range would replace.
+  bool is_certain = false;
+};
+
+/// All constants of a log.
+struct NoReturns {
+  std::vector<double> at_limit_m;    ///< at or above the stated limit, to a centimetre
+  std::vector<NoReturnValue> below;  ///< ascending
+  std::uint64_t beams = 0;           ///< of all scans
+  /// The value that `map` takes for no return: the lowest certain one, if the mapper would use such ranges.
+  [[nodiscard]] std::optional<NoReturnValue> taken(const ScanConfig& scan) const;
+  /// A value that may be one, in too many beams to pass over; the lowest.
+  [[nodiscard]] std::optional<NoReturnValue> ambiguous(const ScanConfig& scan) const;
+};
+
+/// "--set log.max_range=7.99m".
+std::string no_return_option(const NoReturnValue& value);
+/// That map takes the value for no return.
+LogFinding no_return_finding(const NoReturnValue& value, std::uint64_t beams);
+
+class NoReturnFinder {
+ public:
+  void add(const LaserScan& scan, std::size_t laser);
+  [[nodiscard]] NoReturns finish() const;
+  /// Counts by centimetre of the finite ranges below the stated limit, and of those at or above it; the last bin is
+  /// open. Empty before the first scan.
+  [[nodiscard]] const std::vector<std::uint64_t>& below_cm() const { return below_cm_; }
+  [[nodiscard]] const std::vector<std::uint64_t>& at_limit_cm() const { return at_limit_cm_; }
+
+ private:
+  /// Ranges of one centimetre, in scans between which the laser has moved.
+  struct Seen {
+    std::uint64_t beams = 0;
+    std::uint64_t scans = 0;      ///< with such rows
+    std::uint64_t last_scan = 0;  ///< of them, counted from 1
+    std::uint64_t repeated = 0;   ///< in rows of beams that all have `range_m`, a lower bound
+    float range_m = 0.0F;         ///< the range of most such rows
+  };
+  bool has_moved(const LaserScan& scan, std::size_t laser);
+  void add_rows(const LaserScan& scan);
+  void add_row(float range_m, std::uint64_t beams);
+  [[nodiscard]] bool is_certain(std::size_t bin, const std::vector<std::size_t>& constants) const;
+
+  std::uint64_t beams_ = 0;
+  double least_limit_m_ = std::numeric_limits<double>::infinity();  ///< of those that scans state
+  std::vector<std::uint64_t> below_cm_;
+  std::vector<std::uint64_t> at_limit_cm_;
+  std::vector<Seen> seen_cm_;
+  std::uint64_t moved_ = 0;                           ///< scans in seen_cm_
+  std::map<std::size_t, std::vector<float>> last_m_;  ///< by laser: ranges of the last scan that counted in seen_cm_
+};
+
+/// Reads all that will be mapped of the logs once more and sets log.max_range to the value that is taken. Nothing if
+/// the limit is stated (log.max_range), if a log can be read only once, as a pipe, or if nothing is certain. Once
+/// `stop` returns true, what was read by then counts.
+std::vector<LogFinding> take_no_return(const std::vector<std::string>& logs, const ScanRange& range, bool lenient,
+                                       Settings& settings, const std::function<bool()>& stop);
+
+}  // namespace gdtslam
