@@ -41,13 +41,14 @@ Reason odometry_reason(const TopicContents& topic, const RecordingUses& uses) {
 
 Reason frames_reason(const TopicContents& topic, const RecordingUses& uses, const ScanAssembler& assembler,
                      const LogContents& contents) {
+  if (topic.name == uses.odometry) return {TopicUse::kOdometry, "--odom says so"};
   const bool has_odometry = std::any_of(contents.frames.begin(), contents.frames.end(), [](const FrameLink& link) {
-    return link.parent.starts_with("odom") && !link.is_static;
+    return is_odometry_frame(link.parent) && !link.is_static;
   });
-  const bool is_topic = topic.name == kTransformTopic;
-  const bool is_by_topic = !uses.odometry.empty() && uses.odometry != topic.name;
+  const bool is_topic = topic.name.ends_with(kTransformTopic);
+  const bool is_by_topic = !uses.odometry.empty();
   if (is_topic && has_odometry && !is_by_topic && assembler.has_odometry()) {
-    return {TopicUse::kOdometry, uses.choice.odometry.empty() ? "no topic has nav_msgs/Odometry" : "--odom says so"};
+    return {TopicUse::kOdometry, "no topic has nav_msgs/Odometry"};
   }
   if (is_topic && has_odometry && is_by_topic) {
     return {TopicUse::kFrames, "where lasers sit; its odometry not, --odom tf takes it"};

@@ -42,9 +42,21 @@ void clear_missing_ranges(std::vector<float>& ranges_m, double min_range_m) {
 
 }  // namespace
 
-ScanAssembler::ScanAssembler(const ReadOptions& options, Warn warn) : options_(options), warn_(std::move(warn)) {
-  const std::string& chosen = options_.topics.odometry;
-  if (!chosen.empty()) source_ = chosen == kTransformTopic ? PoseSource::kTransforms : PoseSource::kOdometry;
+OdometryChoice::OdometryChoice(const std::string& text) : topic(text) {
+  const std::string transforms = std::string(kTransformTopic) + ":";
+  if (!text.starts_with(transforms)) return;
+  topic = kTransformTopic;
+  frame = text.substr(transforms.size());
+  const std::size_t colon = frame.find(':');
+  if (colon == std::string::npos) return;
+  base = frame.substr(colon + 1);
+  frame.resize(colon);
+}
+
+ScanAssembler::ScanAssembler(const ReadOptions& options, Warn warn)
+    : options_(options), choice_(options.topics.odometry), warn_(std::move(warn)) {
+  if (choice_.topic.empty()) return;
+  source_ = choice_.is_transform() ? PoseSource::kTransforms : PoseSource::kOdometry;
 }
 
 std::size_t ScanAssembler::add_laser(const std::string& topic) {
@@ -64,6 +76,7 @@ auto ScanAssembler::scan_taker(std::size_t laser) {
 }
 
 void ScanAssembler::add_scan(std::size_t laser, ScanMessage scan, double received_s) {
+  lasers_[laser].frame = scan.frame;
   lasers_[laser].stamps.add(std::move(scan), received_s, scan_taker(laser));
 }
 
@@ -73,7 +86,6 @@ void ScanAssembler::take_scan(std::size_t laser, ScanMessage scan, double receiv
   const bool is_back = lasers_[laser].last_stamp_s - scan.stamp_s > OdometryTrack::kLeap_s;
   const std::uint64_t due = is_back ? poses_taken_ + OdometryTrack::kSetBack : 0;
   lasers_[laser].last_stamp_s = scan.stamp_s;
-  lasers_[laser].frame = scan.frame;
   auto place = waiting_.end();
   for (auto before = waiting_.end(); before != waiting_.begin();) {
     --before;
@@ -90,20 +102,50 @@ void ScanAssembler::add_odometry(const TransformMessage& pose, double received_s
   if (source_ == PoseSource::kTransforms) return;
   if (source_ == PoseSource::kUnknown) {
     source_ = PoseSource::kOdometry;
-    poses_ = {};  // those of transforms
-    pose_stamps_ = {};
-    pose_clock_ = {};
-    base_.clear();
+    start_odometry();  // the poses so far are those of transforms
   }
   add_pose(pose, received_s);
 }
 
-void ScanAssembler::add_transform(const TransformMessage& transform, double received_s) {
-  if (!transform.parent.starts_with("odom")) {
-    frames_.add(transform.parent, transform.child, transform.T_parent_child);
-  } else if (source_ != PoseSource::kOdometry && (base_.empty() || base_ == transform.child)) {
-    add_pose(transform, received_s);
+void ScanAssembler::start_odometry() {
+  poses_ = {};
+  pose_stamps_ = {};
+  pose_clock_ = {};
+  pose_shift_s_.reset();
+  base_.clear();
+}
+
+// A recording may have the odometry of several robots and sensors. The right one leads to the base that the laser is
+// mounted on, or at least has the laser's namespace.
+int ScanAssembler::fit_to_laser(const std::string& odometry, const std::string& base) const {
+  const std::string laser = lasers_.empty() ? "" : lasers_.front().frame;
+  if (frames_.find(laser, base)) return 3;
+  return (namespace_of(laser) == namespace_of(base) ? 2 : 0) +
+         (name_in_namespace(odometry).starts_with("odom") ? 1 : 0);
+}
+
+bool ScanAssembler::add_transform(const TransformMessage& transform, double received_s, bool is_static) {
+  const std::string& base = transform.child;
+  const bool is_odometry = choice_.frame.empty()
+                               ? is_odometry_frame(transform.parent)
+                               : transform.parent == choice_.frame && (choice_.base.empty() || base == choice_.base);
+  if (!is_odometry || is_static) {
+    frames_.add(transform.parent, base, transform.T_parent_child);
+    return false;
   }
+  if (source_ == PoseSource::kOdometry) return false;
+  if (!base_.empty() && (base != base_ || transform.parent != odometry_frame_)) {
+    const bool has_given_scans = !mounts_.empty();
+    if (has_given_scans || fit_to_laser(transform.parent, base) <= fit_to_laser(odometry_frame_, base_)) {
+      warn_("second odometry transform",
+            fmt::format("{} to {} is used, {} to {} is not; --odom tf:FRAME:BASE chooses", in_quotes(odometry_frame_),
+                        in_quotes(base_), in_quotes(transform.parent), in_quotes(base)));
+      return false;
+    }
+    start_odometry();
+  }
+  add_pose(transform, received_s);
+  return true;
 }
 
 auto ScanAssembler::pose_taker() {

@@ -123,7 +123,7 @@ TEST(ScanAssembler, OdometryWithoutAStampHasThatOfItsReceipt) {
       const TransformMessage pose{
           .stamp_s = 0.0, .parent = "odom", .child = "base_link", .T_parent_child = {.shift_m = {2.0 * k, 0.0, 0.0}}};
       const double received_s = 100.0 + 0.5 * k;
-      are_transforms ? assembly.assembler.add_transform(pose, received_s)
+      are_transforms ? void(assembly.assembler.add_transform(pose, received_s))
                      : assembly.assembler.add_odometry(pose, received_s);
     }
     EXPECT_EQ(assembly.warned["odometry without stamp"], 11);
