@@ -217,6 +217,7 @@ void LogChecker::add_pause(LogEvent event, double pause_s) {
 
 void LogChecker::add_odometry(double stamp_s, const Pose2& T_odom_base, std::optional<Pose2>& before) {
   if (!T_odom_base.is_finite()) return;  // the reader counts it
+  units_.add_heading(stamp_s, T_odom_base.theta_rad);
   if (before && T_odom_base == *before) ++check_.still_scans;
   before = T_odom_base;
   if (last_odometry_) {
@@ -238,6 +239,7 @@ void LogChecker::add_ranges(const LaserScan& scan) {
   ranges_cm_.resize(kRangeBins);
   beyond_stated_cm_.resize(kRangeBins);
   check_.ranges.beams += scan.ranges_m.size();
+  units_.add_ranges(scan);
   bool has_return = false;
   for (const float range : scan.ranges_m) {
     const auto range_m = static_cast<double>(range);
@@ -314,6 +316,7 @@ void LogChecker::finish_ranges(LogCheck& check) const {
     ranges.no_return_m.push_back(static_cast<double>(bin) / 100.0);
   }
   for (const std::size_t bin : no_return_bins(ranges_cm_, ranges.beams)) {
+    if (bin + 1 == kRangeBins && units_.are_ranges_doubtful()) continue;  // ranges of another unit, no constant
     ranges.no_return_m.push_back(static_cast<double>(bin) / 100.0);
     ranges.no_return_count += returns[bin];
     returns[bin] = 0;
@@ -331,6 +334,7 @@ void LogChecker::finish_ranges(LogCheck& check) const {
 LogCheck LogChecker::finish(const std::vector<LogReader::Warning>& warnings) const {
   LogCheck check = check_;
   check.warnings = warnings;
+  check.questions_of_units = units_.questions();
   check.nod = nod_.finish();
   finish_times(check);
   finish_ranges(check);
@@ -360,6 +364,7 @@ std::vector<std::string> LogCheck::suggestions() const {
         "search.half_angle_per_radian); look at the doubtful scans of the report");
   }
   if (std::string question = question_of_unit(usual_step_s); !question.empty()) list.push_back(std::move(question));
+  list.insert(list.end(), questions_of_units.begin(), questions_of_units.end());
   if (backward_stamps.count > 0) list.emplace_back("stamps go backward: the order of the file is kept, do not sort it");
   if (gaps.count > 0) list.emplace_back("the robot may have moved in the gaps; odometry must carry over them");
   add_laser_suggestions(*this, list);

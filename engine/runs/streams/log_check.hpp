@@ -11,6 +11,7 @@
 
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/mapping/config.hpp"
+#include "unit_check.hpp"
 
 namespace gdtslam {
 
@@ -151,6 +152,7 @@ struct LogCheck {
   std::uint64_t scans_without_returns = 0;
   std::uint64_t mappable_scans = 0;  ///< with at least scan.min_points returns, as the mapper counts them
   ScanConfig scan;                   ///< the rule that they were counted by
+  std::vector<std::string> questions_of_units;
   std::vector<LogReader::Warning> warnings;
 
   [[nodiscard]] double duration_s() const { return last_stamp_s - first_stamp_s; }
@@ -191,6 +193,7 @@ class LogChecker {
   StepBounds bounds_;
   LogCheck check_;
   NodChecker nod_;
+  UnitCheck units_;
   std::vector<LastScan> last_scans_;          ///< of each of check_.lasers
   std::optional<StampedPose> last_odometry_;  ///< whoever has it
   std::optional<Pose2> last_record_;          ///< of the odometry's own records
