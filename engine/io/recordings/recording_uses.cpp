@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <string_view>
 #include <tuple>
 #include <utility>
 #include <vector>
 
+#include "engine/core/ascii.hpp"
 #include "engine/core/one_line.hpp"
 
 namespace gdtslam {
@@ -77,10 +80,22 @@ Reason reason_of(const TopicContents& topic, const RecordingUses& uses, const Sc
   return {TopicUse::kNone, "a map does not need it"};
 }
 
+/// Whether a topic's numbers are of the drive, by its name or that of its first joint: never how a laser nods.
+bool is_of_drive(const TopicContents& topic) {
+  constexpr std::array<std::string_view, 8> kNames{"wheel", "vel",   "speed", "rpm",
+                                                   "left",  "right", "steer", "throttle"};
+  const std::string name = in_small_letters(topic.joints.empty() ? topic.name : topic.joints.front());
+  return std::any_of(kNames.begin(), kNames.end(),
+                     [&name](std::string_view part) { return name.find(part) != std::string::npos; });
+}
+
 }  // namespace
 
 void tell_uses(const RecordingUses& uses, const ScanAssembler& assembler, LogContents& contents) {
   for (TopicContents& topic : contents.topics) {
+    if (topic.can_be == TopicUse::kCrank && topic.name != uses.crank && is_of_drive(topic)) {
+      topic.can_be = TopicUse::kNone;
+    }
     std::tie(topic.use, topic.why) = reason_of(topic, uses, assembler, contents);
     if (topic.use != TopicUse::kOdometry) continue;
     contents.odometry = topic.name;
