@@ -7,12 +7,14 @@
 #include <limits>
 #include <utility>
 
+#include "engine/core/elementary.hpp"
 #include "engine/io/message_text.hpp"
+#include "gdtslam/core/angle.hpp"
 
 namespace gdtslam {
 namespace {
 
-constexpr double kLevelCosine = 0.94;  // within 20 degrees
+constexpr double kLevelSine = 0.0523;  // of 3 degrees, by which ranges are 0.14 % too long
 constexpr double kMostSweep_s = 10.0;  // a longer one is no sweep, but a field that nobody filled
 
 /// From the first beam to the last; 0 where the message does not say.
@@ -256,13 +258,19 @@ bool ScanAssembler::is_complete(const HeldScan& held) const {
   return std::all_of(lasers_.begin(), lasers_.end(), [&](const Laser& other) { return other.last_stamp_s >= stamp_s; });
 }
 
+// Upside down is level, too.
+void ScanAssembler::warn_of_tilt(const std::string& frame, const Transform3& mount) {
+  const double sine = std::sqrt(mount.rotation[6] * mount.rotation[6] + mount.rotation[7] * mount.rotation[7]);
+  if (sine <= kLevelSine) return;
+  warn_("laser is not level", fmt::format("frame {} is tilted by {:.1f} degrees, and its scans are taken as level",
+                                          in_quotes(frame), deg_from_rad(atan2(sine, std::fabs(mount.rotation[8])))));
+}
+
 const Transform3& ScanAssembler::mount_of(const std::string& frame) {
   if (const auto known = mounts_.find(frame); known != mounts_.end()) return known->second;
   std::optional<Transform3> mount = frames_.find(frame, base_);
   if (!mount) mount = frames_.find(frame, "");
-  if (mount && std::fabs(mount->rotation[8]) < kLevelCosine) {
-    warn_("laser is not level", fmt::format("frame {} is tilted by more than 20 degrees", in_quotes(frame)));
-  }
+  if (mount) warn_of_tilt(frame, *mount);
   if (mounts_.size() >= FrameTree::kMostFrames) {
     mounts_.clear();
     frames_without_mount_.clear();

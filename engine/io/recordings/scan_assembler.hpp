@@ -105,6 +105,7 @@ class ScanAssembler {
   [[nodiscard]] double shift_of(const TopicClock& clock, std::string_view what);
   [[nodiscard]] bool is_complete(const HeldScan& held) const;
   [[nodiscard]] std::optional<Pose2> odometry_at(std::uint64_t stretch, double stamp_s) const;
+  void warn_of_tilt(const std::string& frame, const Transform3& mount);
   [[nodiscard]] const Transform3& mount_of(const std::string& frame);
   [[nodiscard]] ScanRecord record_of(HeldScan held);
   [[nodiscard]] LogRecord record_of(const NumberMessage& number) const;
