@@ -321,7 +321,7 @@ void LogChecker::finish_ranges(LogCheck& check) const {
     ranges.no_return_count += returns[bin];
     returns[bin] = 0;
   }
-  returns.front() = 0;  // a range of zero is none
+  ranges.not_finite += std::exchange(returns.front(), 0);  // a range of zero is none
   ranges.returns = std::accumulate(returns.begin(), returns.end(), std::uint64_t{0});
   if (ranges.returns == 0) return;
   ranges.shortest_m = static_cast<double>(quantile_bin(returns, 0.0)) / 100.0;

@@ -107,7 +107,7 @@ struct LaserMount {
 /// What the ranges look like.
 struct RangeStatistics {
   std::uint64_t beams = 0;
-  std::uint64_t not_finite = 0;
+  std::uint64_t not_finite = 0;       ///< or zero
   std::uint64_t returns = 0;          ///< finite, positive, below every no-return value
   std::vector<double> no_return_m;    ///< constants that stand for "no return", to a centimetre
   std::uint64_t no_return_count = 0;  ///< beams with such a constant

@@ -159,6 +159,14 @@ TEST(LogCheck, RangesAndHeadingsOfAnotherUnitAreAskedAbout) {
   EXPECT_THAT(asked(1.0F, 180.0 / kPi, 0.0F).questions_of_units, ElementsAre(HasSubstr("are they degrees?")));
 }
 
+TEST(LogCheck, EachBeamIsAReturnOrNoneOrNothing) {
+  const float inf = std::numeric_limits<float>::infinity();
+  const RangeStatistics ranges = checked_log({driven_scan(1.0, {}, {1.0F, 0.0F, inf, 2.0F})}).ranges;
+  EXPECT_EQ(ranges.returns, 2U);
+  EXPECT_EQ(ranges.not_finite, 2U);
+  EXPECT_EQ(ranges.returns + ranges.not_finite + ranges.no_return_count, ranges.beams);
+}
+
 // A map is made of such a log, though a constant range may stand for none.
 TEST(LogCheck, OneRangeOnlyIsNoObstacle) {
   std::vector<LogRecord> records;
