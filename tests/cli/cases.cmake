@@ -112,6 +112,7 @@ gdtslam_cli_test(input.skip_all ARGS map {data}/no_odometry.log --skip 99999 EXI
 gdtslam_cli_test(input.standard_input ARGS map - -o out EXIT 65 STDERR "standard input: ")
 gdtslam_cli_test(input.malformed ARGS map {data}/malformed.log EXIT 65 STDERR "malformed.log:3: .*--lenient")
 gdtslam_cli_test(input.doctor_no_scan ARGS doctor {data}/no_scan.log EXIT 65 STDOUT "cannot be mapped: it holds no laser scan" STDERR "no_scan.log: cannot be mapped: it holds no laser scan")
+gdtslam_cli_test(input.other_unit ARGS evaluate {data}/nanoseconds.tum --reference {truth} EXIT 65 STDERR "only 0 of 3 stamps .*nanoseconds.tum, stamps are taken as seconds.*are they nanoseconds.")
 gdtslam_cli_test(doctor.zeros ARGS doctor {data}/clockwise.csv STDOUT "beams +360 from -179.00 to 180.00 deg.*50.0 % of 360 beams.*nothing at all: 50.0 %")
 gdtslam_cli_test(input.doctor_no_return ARGS doctor {data}/no_return.log EXIT 65 STDOUT "no return +81.91 m, 100.0 %" STDERR "no beam of any scan has a return")
 gdtslam_cli_test(input.bad_trajectory ARGS evaluate {data}/bad.tum --reference {truth} EXIT 65 STDERR "bad.tum:2: ")
