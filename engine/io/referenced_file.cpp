@@ -24,7 +24,8 @@ std::string extension_of(const std::string& path) {
 }
 
 std::string referenced_path(const std::string& referrer, const std::string& name) {
-  return (fs::path(referrer).parent_path() / name).string();
+  const fs::path path(name);
+  return (fs::path(referrer).parent_path() / (path.is_absolute() ? path.filename() : path)).string();
 }
 
 std::string fault_of_reference(const std::string& referrer, const std::string& name) {
@@ -34,15 +35,20 @@ std::string fault_of_reference(const std::string& referrer, const std::string& n
   if (name.size() > kMostBytes || std::any_of(name.begin(), name.end(), is_control)) {
     return in_quotes(name) + " is no name of a file";
   }
-  const fs::path relative(name);
+  const fs::path stated(name);
+  const fs::path relative = stated.is_absolute() ? stated.filename() : stated;
   std::string leads_out =
       in_quotes(name) + " leads out of the folder of this file; put what it names into that folder and give its name";
-  if (name.empty() || relative.is_absolute() || std::find(relative.begin(), relative.end(), "..") != relative.end()) {
+  if (relative.empty() || std::find(relative.begin(), relative.end(), "..") != relative.end()) {
     return leads_out;
   }
   std::error_code error;
   const fs::path path = fs::canonical(referenced_path(referrer, name), error);
-  if (error) return {};  // nothing there: whoever opens it says so
+  if (error && stated.is_absolute()) {
+    return in_quotes(name) +
+           " is an absolute name, of which the last part counts; no such file lies in the folder of this file";
+  }
+  if (error) return {};  // nothing there: the message of opening it says so
   const fs::path parent = fs::path(referrer).parent_path();
   const fs::path folder = fs::canonical(parent.empty() ? fs::path(".") : parent, error);
   if (error || !is_below(path, folder)) return leads_out;

@@ -243,6 +243,9 @@ def write_data():
     (DATA / "none.ply").write_text(header.format(0))
     (DATA / "few.ply").write_text(header.format(3) + "0 0 0\n1 0 0\n0 1 0\n")
     (DATA / "far.tum").write_text("".join(f"{k} 0 0 0 0 0 0 1\n" for k in (9001, 9002, 9003)))
+    (DATA / "nanoseconds.tum").write_text("".join(f"{k}00000000 0 0 0 0 0 0 1\n" for k in (1001, 1002, 1003)))
+    (DATA / "clockwise.csv").write_text("stamp,angle_min,angle_increment,ranges\n1,-3.14159265,-0.0174532925,"
+                                        + " ".join(f"{0.05 * (k % 2) * (k + 20):.2f}" for k in range(360)) + "\n")
     (DATA / "far.relations").write_text("9001 9002 0 0 0 0 0 0\n")
     # In the room of three-boxes: half a metre before a wall, 2 cm before the outside of one that is 12 cm thick, and 25 cm
     # over the floor.

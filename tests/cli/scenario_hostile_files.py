@@ -89,9 +89,9 @@ def hostile_meshes():
     (folder / "linked").symlink_to(outside)
     os.mkfifo(folder / "pipe.obj")
     (folder / "folder.obj").mkdir()
-    for name, pattern in ((outside / "secret.obj", "leads out"), ("../hostile_meshes_outside/secret.obj", "leads out"),
+    for name, pattern in ((outside / "secret.obj", "absolute name"), ("../hostile_meshes_outside/secret.obj", "leads out"),
                           ("link.obj", "leads out"), ("linked/secret.obj", "leads out"), ("pipe.obj", "no regular file"),
-                          ("folder.obj", "no regular file"), ("/dev/zero", "leads out")):
+                          ("folder.obj", "no regular file"), ("/dev/zero", "absolute name")):
         scene = f"{HEAD}meshes: [{{file: {name}}}]\n{PLACE}"
         (folder / "scene.yaml").write_text(scene)
         refused(name, 78, rf"scene.yaml:2: meshes\[0\].file: .*{pattern}", FEW_MB, "simulate", folder / "scene.yaml", "-o",

@@ -13,6 +13,7 @@
 #include "engine/io/log_contents.hpp"
 #include "engine/io/message_text.hpp"
 #include "engine/io/scan_sequence.hpp"
+#include "engine/io/tables/foreign_file.hpp"
 #include "engine/io/unpack_source.hpp"
 #include "engine/io/warning_counter.hpp"
 #include "gdtslam/core/error.hpp"
@@ -32,11 +33,13 @@ class CarmenReader final : public DescribedLog {
       : name_(std::move(name)), options_(options), lines_(std::move(source), kMaxLogLineBytes) {
     const std::string_view head = lines_.peek(kBinaryProbeBytes);
     if (head.empty()) {
-      throw InputError({name_, 0}, "is empty; give a CARMEN log");
+      throw InputError({name_, 0}, "is empty" + give_a_log());
     }
     // Of a pipe more than a line may have come or not, and that must make no difference.
-    if (head.substr(0, head.find('\n')).find('\0') != std::string_view::npos) {
-      throw InputError({name_, 0}, "holds binary data; give a CARMEN text log, plain or gzip");
+    const std::string_view first = head.substr(0, head.find('\n'));
+    if (const std::string fault = fault_of_foreign_line(first); !fault.empty()) throw InputError({name_, 0}, fault);
+    if (first.find('\0') != std::string_view::npos) {
+      throw InputError({name_, 0}, "holds binary data" + give_a_log());
     }
   }
 
@@ -67,6 +70,7 @@ class CarmenReader final : public DescribedLog {
 
   std::optional<LogRecord> record_of(const TextLine& line) {
     last_line_ = line.number;
+    if (!is_begun_) look_at_start(line);
     if (line.is_too_long) {
       refuse(line, fmt::format("is longer than {} bytes", kMaxLogLineBytes));
       return std::nullopt;
@@ -84,6 +88,13 @@ class CarmenReader final : public DescribedLog {
       refuse(line, error.what());
       return std::nullopt;
     }
+  }
+
+  /// Up to the first line that is no comment.
+  void look_at_start(const TextLine& line) {
+    const std::string_view text = without_byte_order_mark(line);
+    if (const std::string fault = fault_of_foreign_line(text); !fault.empty()) throw InputError({name_, 0}, fault);
+    is_begun_ = !text.empty() && text.front() != '#';
   }
 
   void count(std::string_view text, const CarmenLine& parsed) {
@@ -176,7 +187,7 @@ class CarmenReader final : public DescribedLog {
     }
     if (record_count_ == 0) {
       throw InputError({name_, 0},
-                       fmt::format("holds no complete CARMEN message in {} lines; give a CARMEN log", last_line_));
+                       fmt::format("holds no complete CARMEN message in {} lines{}", last_line_, give_a_log()));
     }
   }
 
@@ -196,6 +207,7 @@ class CarmenReader final : public DescribedLog {
   double stated_max_range_m_ = 0.0;
   std::uint64_t last_line_ = 0;
   std::uint64_t record_count_ = 0;
+  bool is_begun_ = false;
   bool finished_ = false;
 };
 

@@ -19,6 +19,7 @@ enum class MessageKind : std::uint8_t { kOther, kScan, kEchoScan, kOdometry, kTr
 MessageKind kind_of(const RecordingChannel& channel);
 /// Where transforms that move are.
 inline constexpr std::string_view kTransformTopic = "/tf";
+inline constexpr std::string_view kStaticTransforms = "tf_static";  ///< as such topics end
 /// pkg/Type of pkg/msg/Type.
 std::string short_type(std::string_view type);
 

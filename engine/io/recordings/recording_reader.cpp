@@ -175,9 +175,10 @@ class RecordingReader final : public DescribedLog {
     } else if (channel.kind == MessageKind::kOdometry) {
       take_odometry(topic, message, item.received_s);
     } else if (channel.kind == MessageKind::kTransforms) {
-      if (topic == options_.topics.odometry) odometry_topic_ = topic;
       for (const TransformMessage& transform : read_transforms(message)) {
-        assembler_.add_transform(transform, item.received_s);
+        const bool is_odometry =
+            assembler_.add_transform(transform, item.received_s, topic.ends_with(kStaticTransforms));
+        if (is_odometry && !options_.topics.odometry.empty()) odometry_topic_ = topic;
       }
     } else if (topic == crank_topic_ && channel.kind != MessageKind::kOther) {
       take_crank(channel, message, item.received_s);
@@ -259,6 +260,14 @@ class RecordingReader final : public DescribedLog {
       if (is_there) continue;
       warn("mount of a topic without scans",
            fmt::format("{} is stated; those with scans are {}", in_quotes(mount.topic), with_scans));
+    }
+    if (const OdometryChoice odometry(choice.odometry); odometry.is_transform() && odometry_topic_.empty()) {
+      const std::string frame = odometry.frame.empty() ? "a frame called odom" : in_quotes(odometry.frame);
+      const std::string base = odometry.base.empty() ? "" : " to " + in_quotes(odometry.base);
+      throw MissingTopic(
+          fmt::format("{}: has no transform from {}{}; its transforms are {}; --odom tf:FRAME:BASE names "
+                      "the frames of the odometry",
+                      name_, frame, base, assembler_.frames_text()));
     }
     if (!choice.odometry.empty() && odometry_topic_.empty()) {
       throw MissingTopic(fmt::format(

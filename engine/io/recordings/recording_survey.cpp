@@ -17,7 +17,6 @@ constexpr std::size_t kMostFramesOfTopic = 4;
 constexpr std::size_t kMostJoints = 16;
 constexpr std::size_t kLongestNameKept = 256;  // bytes; names that are longer are not kept
 constexpr double kMoved = 1e-4;                // metres, or of a rotation's matrix
-constexpr std::string_view kStaticEnding = "tf_static";
 
 // Of those messages that begin with a header, the small ones: pictures and clouds are not unpacked for their frames.
 constexpr std::array<std::string_view, 16> kHeadedTypes{"sensor_msgs/Imu",
@@ -149,7 +148,7 @@ void RecordingSurvey::add_number(TopicContents& topic, double value) {
 }
 
 void RecordingSurvey::add_transforms(Topic& topic, const MessageBytes& message, double received_s) {
-  const bool is_static = topic.contents.name.ends_with(kStaticEnding);
+  const bool is_static = topic.contents.name.ends_with(kStaticTransforms);
   for (const TransformMessage& transform : read_transforms(message)) {
     // One that never changes is stamped whenever it was set, and received when the recording began.
     if (!is_static && transform.stamp_s != 0.0) topic.delays_s.add(received_s - transform.stamp_s);

@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <string_view>
 #include <tuple>
 #include <utility>
 #include <vector>
 
+#include "engine/core/ascii.hpp"
 #include "engine/core/one_line.hpp"
 
 namespace gdtslam {
@@ -41,13 +44,14 @@ Reason odometry_reason(const TopicContents& topic, const RecordingUses& uses) {
 
 Reason frames_reason(const TopicContents& topic, const RecordingUses& uses, const ScanAssembler& assembler,
                      const LogContents& contents) {
+  if (topic.name == uses.odometry) return {TopicUse::kOdometry, "--odom says so"};
   const bool has_odometry = std::any_of(contents.frames.begin(), contents.frames.end(), [](const FrameLink& link) {
-    return link.parent.starts_with("odom") && !link.is_static;
+    return is_odometry_frame(link.parent) && !link.is_static;
   });
-  const bool is_topic = topic.name == kTransformTopic;
-  const bool is_by_topic = !uses.odometry.empty() && uses.odometry != topic.name;
+  const bool is_topic = topic.name.ends_with(kTransformTopic);
+  const bool is_by_topic = !uses.odometry.empty();
   if (is_topic && has_odometry && !is_by_topic && assembler.has_odometry()) {
-    return {TopicUse::kOdometry, uses.choice.odometry.empty() ? "no topic has nav_msgs/Odometry" : "--odom says so"};
+    return {TopicUse::kOdometry, "no topic has nav_msgs/Odometry"};
   }
   if (is_topic && has_odometry && is_by_topic) {
     return {TopicUse::kFrames, "where lasers sit; its odometry not, --odom tf takes it"};
@@ -76,10 +80,22 @@ Reason reason_of(const TopicContents& topic, const RecordingUses& uses, const Sc
   return {TopicUse::kNone, "a map does not need it"};
 }
 
+/// Whether a topic's numbers are of the drive, by its name or that of its first joint: never how a laser nods.
+bool is_of_drive(const TopicContents& topic) {
+  constexpr std::array<std::string_view, 8> kNames{"wheel", "vel",   "speed", "rpm",
+                                                   "left",  "right", "steer", "throttle"};
+  const std::string name = in_small_letters(topic.joints.empty() ? topic.name : topic.joints.front());
+  return std::any_of(kNames.begin(), kNames.end(),
+                     [&name](std::string_view part) { return name.find(part) != std::string::npos; });
+}
+
 }  // namespace
 
 void tell_uses(const RecordingUses& uses, const ScanAssembler& assembler, LogContents& contents) {
   for (TopicContents& topic : contents.topics) {
+    if (topic.can_be == TopicUse::kCrank && topic.name != uses.crank && is_of_drive(topic)) {
+      topic.can_be = TopicUse::kNone;
+    }
     std::tie(topic.use, topic.why) = reason_of(topic, uses, assembler, contents);
     if (topic.use != TopicUse::kOdometry) continue;
     contents.odometry = topic.name;

@@ -7,12 +7,14 @@
 #include <limits>
 #include <utility>
 
+#include "engine/core/elementary.hpp"
 #include "engine/io/message_text.hpp"
+#include "gdtslam/core/angle.hpp"
 
 namespace gdtslam {
 namespace {
 
-constexpr double kLevelCosine = 0.94;  // within 20 degrees
+constexpr double kLevelSine = 0.0523;  // of 3 degrees, by which ranges are 0.14 % too long
 constexpr double kMostSweep_s = 10.0;  // a longer one is no sweep, but a field that nobody filled
 
 /// From the first beam to the last; 0 where the message does not say.
@@ -42,9 +44,21 @@ void clear_missing_ranges(std::vector<float>& ranges_m, double min_range_m) {
 
 }  // namespace
 
-ScanAssembler::ScanAssembler(const ReadOptions& options, Warn warn) : options_(options), warn_(std::move(warn)) {
-  const std::string& chosen = options_.topics.odometry;
-  if (!chosen.empty()) source_ = chosen == kTransformTopic ? PoseSource::kTransforms : PoseSource::kOdometry;
+OdometryChoice::OdometryChoice(const std::string& text) : topic(text) {
+  const std::string transforms = std::string(kTransformTopic) + ":";
+  if (!text.starts_with(transforms)) return;
+  topic = kTransformTopic;
+  frame = text.substr(transforms.size());
+  const std::size_t colon = frame.find(':');
+  if (colon == std::string::npos) return;
+  base = frame.substr(colon + 1);
+  frame.resize(colon);
+}
+
+ScanAssembler::ScanAssembler(const ReadOptions& options, Warn warn)
+    : options_(options), choice_(options.topics.odometry), warn_(std::move(warn)) {
+  if (choice_.topic.empty()) return;
+  source_ = choice_.is_transform() ? PoseSource::kTransforms : PoseSource::kOdometry;
 }
 
 std::size_t ScanAssembler::add_laser(const std::string& topic) {
@@ -64,6 +78,7 @@ auto ScanAssembler::scan_taker(std::size_t laser) {
 }
 
 void ScanAssembler::add_scan(std::size_t laser, ScanMessage scan, double received_s) {
+  lasers_[laser].frame = scan.frame;
   lasers_[laser].stamps.add(std::move(scan), received_s, scan_taker(laser));
 }
 
@@ -73,7 +88,6 @@ void ScanAssembler::take_scan(std::size_t laser, ScanMessage scan, double receiv
   const bool is_back = lasers_[laser].last_stamp_s - scan.stamp_s > OdometryTrack::kLeap_s;
   const std::uint64_t due = is_back ? poses_taken_ + OdometryTrack::kSetBack : 0;
   lasers_[laser].last_stamp_s = scan.stamp_s;
-  lasers_[laser].frame = scan.frame;
   auto place = waiting_.end();
   for (auto before = waiting_.end(); before != waiting_.begin();) {
     --before;
@@ -90,20 +104,50 @@ void ScanAssembler::add_odometry(const TransformMessage& pose, double received_s
   if (source_ == PoseSource::kTransforms) return;
   if (source_ == PoseSource::kUnknown) {
     source_ = PoseSource::kOdometry;
-    poses_ = {};  // those of transforms
-    pose_stamps_ = {};
-    pose_clock_ = {};
-    base_.clear();
+    start_odometry();  // the poses so far are those of transforms
   }
   add_pose(pose, received_s);
 }
 
-void ScanAssembler::add_transform(const TransformMessage& transform, double received_s) {
-  if (!transform.parent.starts_with("odom")) {
-    frames_.add(transform.parent, transform.child, transform.T_parent_child);
-  } else if (source_ != PoseSource::kOdometry && (base_.empty() || base_ == transform.child)) {
-    add_pose(transform, received_s);
+void ScanAssembler::start_odometry() {
+  poses_ = {};
+  pose_stamps_ = {};
+  pose_clock_ = {};
+  pose_shift_s_.reset();
+  base_.clear();
+}
+
+// A recording may have the odometry of several robots and sensors. The right one leads to the base that the laser is
+// mounted on, or at least has the laser's namespace.
+int ScanAssembler::fit_to_laser(const std::string& odometry, const std::string& base) const {
+  const std::string laser = lasers_.empty() ? "" : lasers_.front().frame;
+  if (frames_.find(laser, base)) return 3;
+  return (namespace_of(laser) == namespace_of(base) ? 2 : 0) +
+         (name_in_namespace(odometry).starts_with("odom") ? 1 : 0);
+}
+
+bool ScanAssembler::add_transform(const TransformMessage& transform, double received_s, bool is_static) {
+  const std::string& base = transform.child;
+  const bool is_odometry = choice_.frame.empty()
+                               ? is_odometry_frame(transform.parent)
+                               : transform.parent == choice_.frame && (choice_.base.empty() || base == choice_.base);
+  if (!is_odometry || is_static) {
+    frames_.add(transform.parent, base, transform.T_parent_child);
+    return false;
   }
+  if (source_ == PoseSource::kOdometry) return false;
+  if (!base_.empty() && (base != base_ || transform.parent != odometry_frame_)) {
+    const bool has_given_scans = !mounts_.empty();
+    if (has_given_scans || fit_to_laser(transform.parent, base) <= fit_to_laser(odometry_frame_, base_)) {
+      warn_("second odometry transform",
+            fmt::format("{} to {} is used, {} to {} is not; --odom tf:FRAME:BASE chooses", in_quotes(odometry_frame_),
+                        in_quotes(base_), in_quotes(transform.parent), in_quotes(base)));
+      return false;
+    }
+    start_odometry();
+  }
+  add_pose(transform, received_s);
+  return true;
 }
 
 auto ScanAssembler::pose_taker() {
@@ -214,13 +258,19 @@ bool ScanAssembler::is_complete(const HeldScan& held) const {
   return std::all_of(lasers_.begin(), lasers_.end(), [&](const Laser& other) { return other.last_stamp_s >= stamp_s; });
 }
 
+// Upside down is level, too.
+void ScanAssembler::warn_of_tilt(const std::string& frame, const Transform3& mount) {
+  const double sine = std::sqrt(mount.rotation[6] * mount.rotation[6] + mount.rotation[7] * mount.rotation[7]);
+  if (sine <= kLevelSine) return;
+  warn_("laser is not level", fmt::format("frame {} is tilted by {:.1f} degrees, and its scans are taken as level",
+                                          in_quotes(frame), deg_from_rad(atan2(sine, std::fabs(mount.rotation[8])))));
+}
+
 const Transform3& ScanAssembler::mount_of(const std::string& frame) {
   if (const auto known = mounts_.find(frame); known != mounts_.end()) return known->second;
   std::optional<Transform3> mount = frames_.find(frame, base_);
   if (!mount) mount = frames_.find(frame, "");
-  if (mount && std::fabs(mount->rotation[8]) < kLevelCosine) {
-    warn_("laser is not level", fmt::format("frame {} is tilted by more than 20 degrees", in_quotes(frame)));
-  }
+  if (mount) warn_of_tilt(frame, *mount);
   if (mounts_.size() >= FrameTree::kMostFrames) {
     mounts_.clear();
     frames_without_mount_.clear();

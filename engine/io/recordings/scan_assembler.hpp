@@ -26,6 +26,15 @@
 
 namespace gdtslam {
 
+/// What --odom names: a topic, or "tf" with the frames of the transform that is odometry: tf[:FRAME[:BASE]].
+struct OdometryChoice {
+  std::string topic{};
+  std::string frame{};
+  std::string base{};
+  explicit OdometryChoice(const std::string& text);
+  [[nodiscard]] bool is_transform() const { return topic == kTransformTopic; }
+};
+
 class ScanAssembler {
  public:
   static constexpr std::size_t kMostHeldScans = 64;
@@ -39,8 +48,9 @@ class ScanAssembler {
   void add_scan(std::size_t laser, ScanMessage scan, double received_s);
   /// Of an odometry topic, which counts for more than transforms.
   void add_odometry(const TransformMessage& pose, double received_s);
-  /// A transform from a frame called odom... is odometry; all others say how frames lie to each other.
-  void add_transform(const TransformMessage& transform, double received_s);
+  /// A transform from an odometry frame, or from the one that was chosen, is odometry unless it is static; all others
+  /// say how frames lie to each other. Returns whether it was taken as odometry.
+  bool add_transform(const TransformMessage& transform, double received_s, bool is_static = false);
   /// A joint's message has a header; a number's has none, and its stamp is that of its receipt.
   void add_crank(const NumberMessage& number, double received_s, bool has_header = true);
   /// The next record that is complete: of a scan the odometry, the mount and the scans of other lasers before it are
@@ -51,6 +61,7 @@ class ScanAssembler {
   [[nodiscard]] bool has_odometry() const { return !poses_.empty(); }
   [[nodiscard]] const std::string& odometry_frame() const { return odometry_frame_; }
   [[nodiscard]] const std::string& base_frame() const { return base_; }
+  [[nodiscard]] std::string frames_text() const { return frames_.text(); }
   /// What is added to stamps; nothing before it is settled.
   [[nodiscard]] std::optional<double> odometry_shift_s() const { return pose_shift_s_; }
   [[nodiscard]] std::optional<double> crank_shift_s() const { return crank_shift_s_; }
@@ -79,6 +90,8 @@ class ScanAssembler {
     NumberMessage* number = nullptr;
   };
 
+  void start_odometry();
+  [[nodiscard]] int fit_to_laser(const std::string& odometry, const std::string& base) const;
   void add_pose(const TransformMessage& pose, double received_s);
   void take_scan(std::size_t laser, ScanMessage scan, double received_s);
   void take_pose(const Odometry& pose, double received_s);
@@ -92,11 +105,13 @@ class ScanAssembler {
   [[nodiscard]] double shift_of(const TopicClock& clock, std::string_view what);
   [[nodiscard]] bool is_complete(const HeldScan& held) const;
   [[nodiscard]] std::optional<Pose2> odometry_at(std::uint64_t stretch, double stamp_s) const;
+  void warn_of_tilt(const std::string& frame, const Transform3& mount);
   [[nodiscard]] const Transform3& mount_of(const std::string& frame);
   [[nodiscard]] ScanRecord record_of(HeldScan held);
   [[nodiscard]] LogRecord record_of(const NumberMessage& number) const;
 
   ReadOptions options_;
+  OdometryChoice choice_;
   Warn warn_;
   PoseSource source_ = PoseSource::kUnknown;
   std::string odometry_frame_;

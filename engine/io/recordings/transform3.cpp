@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "engine/core/ascii.hpp"
 #include "engine/core/elementary.hpp"
 #include "engine/io/message_text.hpp"
 
@@ -24,9 +25,9 @@ double unrounded_heading(double heading_rad) {
   return std::fabs(whole_rad - heading_rad) <= kLost_rad ? whole_rad : heading_rad;
 }
 
-bool is_base_called(const std::string& frame, const std::string& base) {
+bool is_base(const std::string& frame, const std::string& base) {
   if (!base.empty()) return frame == base;
-  return std::find(kBaseNames.begin(), kBaseNames.end(), frame) != kBaseNames.end();
+  return std::find(kBaseNames.begin(), kBaseNames.end(), name_in_namespace(frame)) != kBaseNames.end();
 }
 
 }  // namespace
@@ -53,6 +54,14 @@ Pose2 seen_from_above(const Transform3& transform) {
           unrounded_heading(atan2(transform.rotation[3], transform.rotation[0]))};
 }
 
+std::string_view name_in_namespace(std::string_view frame) { return frame.substr(frame.rfind('/') + 1); }
+
+std::string_view namespace_of(std::string_view frame) { return frame.substr(0, frame.rfind('/') + 1); }
+
+bool is_odometry_frame(std::string_view frame) {
+  return in_small_letters(name_in_namespace(frame)).find("odom") != std::string::npos;
+}
+
 void FrameTree::add(const std::string& parent, const std::string& child, const Transform3& T_parent_child) {
   if (edges_.size() >= kMostFrames && !edges_.contains(child)) return;
   edges_[child] = {parent, T_parent_child};
@@ -69,9 +78,10 @@ std::optional<Transform3> FrameTree::find(const std::string& frame, const std::s
 }
 
 std::vector<std::string> FrameTree::chain(const std::string& frame, const std::string& base) const {
-  std::vector<std::string> frames{frame};
+  const std::string in_namespace = std::string(namespace_of(base)) + frame;
+  std::vector<std::string> frames{!edges_.contains(frame) && edges_.contains(in_namespace) ? in_namespace : frame};
   for (int step = 0; step < kMostSteps; ++step) {
-    if (is_base_called(frames.back(), base)) return frames;
+    if (is_base(frames.back(), base)) return frames;
     const auto edge = edges_.find(frames.back());
     if (edge == edges_.end()) break;
     frames.push_back(edge->second.parent);

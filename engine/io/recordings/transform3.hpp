@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gdtslam/core/pose.hpp"
@@ -23,12 +24,19 @@ Transform3 operator*(const Transform3& a, const Transform3& b);
 /// which is what a quaternion takes of it, is that angle.
 Pose2 seen_from_above(const Transform3& transform);
 
+/// Frame names may have the namespace of their robot before them: "robot1/" and "base_link" in "robot1/base_link".
+std::string_view namespace_of(std::string_view frame);
+std::string_view name_in_namespace(std::string_view frame);
+/// Whether a frame is called as those that odometry drifts in: odom, robot1/odom, odom_combined, camera_odom_frame.
+bool is_odometry_frame(std::string_view frame);
+
 /// How frames lie to each other, as far as they do not move; at most kMostFrames are kept.
 class FrameTree {
  public:
   static constexpr std::size_t kMostFrames = 4096;
   void add(const std::string& parent, const std::string& child, const Transform3& T_parent_child);
-  /// From a frame up to another one, or to one that is called as robots' bases are where `base` is empty.
+  /// From a frame up to another one, or to one that is called as robots' bases are where `base` is empty. A frame that
+  /// is not in the tree is looked for in the namespace of `base`.
   [[nodiscard]] std::optional<Transform3> find(const std::string& frame, const std::string& base) const;
   /// The frames on the way, both ends included; empty where there is none.
   [[nodiscard]] std::vector<std::string> chain(const std::string& frame, const std::string& base) const;

@@ -15,6 +15,7 @@ namespace gdtslam {
 namespace {
 
 constexpr int kDeepestSkipped = 16;
+constexpr double kNoReturn = std::numeric_limits<double>::infinity();  // as which null is read in a list
 
 /// Reads what it expects, and says what is there instead.
 class JsonCursor {
@@ -35,7 +36,7 @@ class JsonCursor {
     skip_blanks();
     return position_ == end_;
   }
-  /// Also null (no return), NaN and Infinity.
+  /// Also null, NaN and Infinity.
   double number(std::string_view key) {
     if (takes_word("null")) return std::numeric_limits<double>::quiet_NaN();
     double value = 0.0;
@@ -74,7 +75,7 @@ class JsonCursor {
       if (position_ != end_ && *position_ == '[') {
         numbers(key, values, depth + 1);
       } else {
-        values.push_back(number(key));
+        values.push_back(takes_word("null") ? kNoReturn : number(key));
       }
     } while (takes(','));
     expect(']');

@@ -63,7 +63,7 @@ std::vector<float> ranges_of_points(const std::vector<double>& points_m, double 
     const double y_m = points_m[k + 1];
     const double range_m = std::sqrt(x_m * x_m + y_m * y_m);
     if (!std::isfinite(range_m)) {
-      ++repairs.not_a_number;
+      if (std::isnan(range_m)) ++repairs.not_a_number;
       continue;
     }
     if (range_m == 0.0) continue;

@@ -15,6 +15,7 @@
 #include "engine/io/scan_sequence.hpp"
 #include "engine/io/unpack_source.hpp"
 #include "engine/io/warning_counter.hpp"
+#include "foreign_file.hpp"
 #include "gdtslam/core/error.hpp"
 #include "json_rows.hpp"
 #include "row_records.hpp"
@@ -69,6 +70,11 @@ class TableReader final : public DescribedLog {
     if (line.number == 1 && text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
     const std::size_t begin = text.find_first_not_of(" \t\r");
     if (begin == std::string_view::npos || text[begin] == '#') return;
+    const char last = text[text.find_last_not_of(" \t\r")];
+    if (records_ == 0 && line.has_newline && !text.ends_with("[[") && text[begin] == '{' &&
+        std::string_view("{[,").find(last) != std::string_view::npos) {
+      throw InputError({name_, 0}, fault_of_foreign_line(text.substr(begin)));
+    }
     try {
       if (line.is_too_long) throw MalformedRow(fmt::format("is longer than {} bytes", kMaxTableLineBytes));
       TableRow row;

@@ -251,7 +251,9 @@ void MapRun::require_a_map() const {
                                             : "interrupted before a scan could be mapped; nothing is written");
   }
   if (!outcome_.trajectory.empty()) {
-    throw InputError(place, nothing_mappable(outcome_.trajectory.size(), job_.mapper.scan));
+    std::string text = nothing_mappable(outcome_.trajectory.size(), job_.mapper.scan);
+    for (const std::string& question : scans_.questions_of_units()) text += "; " + question;
+    throw InputError(place, text);
   }
   if (scans_.scans_read() > 0) {
     throw InputError(place, fmt::format("--skip {} leaves none of its {} scans", job_.range.skip, scans_.scans_read()));
@@ -280,6 +282,9 @@ void MapRun::finish() {
   require_a_map();
   if (std::string question = question_of_unit(outcome_.trajectory); !question.empty()) {
     outcome_.warnings.push_back({"scans far apart", 1, std::move(question)});
+  }
+  for (std::string& question : scans_.questions_of_units()) {
+    outcome_.warnings.push_back({"doubtful unit", 1, std::move(question)});
   }
   finish_casting();
   if (occupancy_) outcome_.occupancy = occupancy_->build();

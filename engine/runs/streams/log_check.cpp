@@ -174,6 +174,7 @@ void LogChecker::add_pause(LogEvent event, double pause_s) {
 
 void LogChecker::add_odometry(double stamp_s, const Pose2& T_odom_base, std::optional<Pose2>& before) {
   if (!T_odom_base.is_finite()) return;  // the reader counts it
+  units_.add_heading(stamp_s, T_odom_base.theta_rad);
   if (before && T_odom_base == *before) ++check_.still_scans;
   before = T_odom_base;
   if (last_odometry_) {
@@ -195,6 +196,7 @@ void LogChecker::add_ranges(const ScanRecord& record) {
   const LaserScan& scan = record.scan;
   no_return_.add(scan, record.laser);
   check_.ranges.beams += scan.ranges_m.size();
+  units_.add_ranges(scan);
   bool has_return = false;
   for (const float range : scan.ranges_m) {
     const auto range_m = static_cast<double>(range);
@@ -266,11 +268,12 @@ void LogChecker::finish_ranges(LogCheck& check) const {
   ranges.no_return_count = std::accumulate(at_limit.begin(), at_limit.end(), std::uint64_t{0});
   for (const NoReturnValue& value : check.no_returns.below) {
     const std::size_t bin = bin_of(static_cast<double>(static_cast<float>(value.range_m)) * 100.0, returns.size());
+    if (bin + 1 == returns.size() && units_.are_ranges_doubtful()) continue;  // ranges of another unit, no constant
     ranges.no_return_m.push_back(static_cast<double>(bin) / 100.0);
     ranges.no_return_count += returns[bin];
     returns[bin] = 0;
   }
-  returns.front() = 0;  // a range of zero is none
+  ranges.not_finite += std::exchange(returns.front(), 0);  // a range of zero is none
   ranges.returns = std::accumulate(returns.begin(), returns.end(), std::uint64_t{0});
   if (ranges.returns == 0) return;
   ranges.shortest_m = static_cast<double>(quantile_bin(returns, 0.0)) / 100.0;
@@ -283,6 +286,7 @@ void LogChecker::finish_ranges(LogCheck& check) const {
 LogCheck LogChecker::finish(const std::vector<LogReader::Warning>& warnings) const {
   LogCheck check = check_;
   check.warnings = warnings;
+  check.questions_of_units = units_.questions();
   check.nod = nod_.finish();
   finish_times(check);
   finish_ranges(check);
@@ -312,6 +316,7 @@ std::vector<std::string> LogCheck::suggestions() const {
         "search.half_angle_per_radian); look at the doubtful scans of the report");
   }
   if (std::string question = question_of_unit(usual_step_s); !question.empty()) list.push_back(std::move(question));
+  list.insert(list.end(), questions_of_units.begin(), questions_of_units.end());
   if (backward_stamps.count > 0) list.emplace_back("stamps go backward: the order of the file is kept, do not sort it");
   if (gaps.count > 0) list.emplace_back("the robot may have moved in the gaps; odometry must carry over them");
   add_laser_suggestions(*this, list);

@@ -12,6 +12,7 @@
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/mapping/config.hpp"
 #include "no_return.hpp"
+#include "unit_check.hpp"
 
 namespace gdtslam {
 
@@ -107,7 +108,7 @@ struct LaserMount {
 /// What the ranges look like.
 struct RangeStatistics {
   std::uint64_t beams = 0;
-  std::uint64_t not_finite = 0;
+  std::uint64_t not_finite = 0;       ///< or zero
   std::uint64_t returns = 0;          ///< finite, positive, below every no-return value
   std::vector<double> no_return_m;    ///< constants that stand for "no return", to a centimetre
   std::uint64_t no_return_count = 0;  ///< beams with such a constant
@@ -153,6 +154,7 @@ struct LogCheck {
   std::uint64_t scans_without_returns = 0;
   std::uint64_t mappable_scans = 0;  ///< with at least scan.min_points returns, as the mapper counts them
   ScanConfig scan;                   ///< the rule that they were counted by
+  std::vector<std::string> questions_of_units;
   std::vector<LogReader::Warning> warnings;
 
   [[nodiscard]] double duration_s() const { return last_stamp_s - first_stamp_s; }
@@ -193,6 +195,7 @@ class LogChecker {
   StepBounds bounds_;
   LogCheck check_;
   NodChecker nod_;
+  UnitCheck units_;
   std::vector<LastScan> last_scans_;          ///< of each of check_.lasers
   std::optional<StampedPose> last_odometry_;  ///< whoever has it
   std::optional<Pose2> last_record_;          ///< of the odometry's own records

@@ -30,8 +30,8 @@ struct MotionByScans {
 };
 
 /// Of the begin of a range of a log, until the robot has turned enough, at most 3,000 scans: those of its first laser
-/// are matched as if there were no odometry. No motions if that fails, or of what can be read only once, as a pipe. Once
-/// `stop` returns true, of the scans by then.
+/// are matched as if there were no odometry. No motions if that fails, or of what can be read only once, as a pipe.
+/// Once `stop` returns true, of the scans by then.
 MotionByScans motion_by_scans(const std::string& log, const ReadOptions& options, const ScanRange& range,
                               const MapperConfig& mapper, const std::function<bool()>& stop);
 

@@ -198,7 +198,10 @@ std::optional<ScanRecord> ScanStream::next() {
   }
   skipped_ = true;
   std::optional<ScanRecord> scan = next_of_all();
-  if (scan) ++given_;
+  if (!scan) return scan;
+  ++given_;
+  units_.add_ranges(scan->scan);
+  if (scan->T_odom_base) units_.add_heading(scan->scan.stamp_s, scan->T_odom_base->theta_rad);
   return scan;
 }
 

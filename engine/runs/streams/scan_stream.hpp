@@ -24,6 +24,7 @@
 #include "observation.hpp"
 #include "odometry_delay.hpp"
 #include "scan_speed.hpp"
+#include "unit_check.hpp"
 
 namespace gdtslam {
 
@@ -92,6 +93,8 @@ class ScanStream {
   [[nodiscard]] std::uint64_t scans_read() const { return read_; }
   /// Of all logs so far, by kind.
   [[nodiscard]] std::vector<LogReader::Warning> warnings() const;
+  /// Of the scans that were given.
+  [[nodiscard]] std::vector<std::string> questions_of_units() const { return units_.questions(); }
 
  private:
   std::optional<LogRecord> next_record();
@@ -111,6 +114,7 @@ class ScanStream {
   std::exception_ptr open_problem_;    ///< of the log behind it
   OdometryInterpolator interpolator_;
   OdometrySpeed speed_;
+  UnitCheck units_;
   std::optional<OdometryShift> shift_;
   ObservationCollector observations_;
   std::exception_ptr problem_;  ///< behind the scans of observations_

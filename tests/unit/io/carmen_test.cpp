@@ -248,7 +248,7 @@ TEST(Carmen, ErrorsNameTheFileThatWasRead) {
   const TemporaryFolder folder;
   put_file(folder / "empty.log", "");
   EXPECT_EQ(told_by<InputError>([&] { open_carmen(folder / "empty.log", {}); }),
-            folder / "empty.log" + ": is empty; give a CARMEN log");
+            folder / "empty.log" + ": is empty; give a CARMEN, CSV, JSON lines, ROS bag or MCAP log");
 }
 
 TEST(Carmen, ReadsStandardInput) {

@@ -123,6 +123,24 @@ TEST(RecordingUses, TransformsAreOdometryWhereNothingElseIsOrTheyAreChosen) {
   EXPECT_EQ(uses["/tf"], UseAndWhy(TopicUse::kFrames, "where lasers sit"));
 }
 
+// A laser does not nod as wheels turn: no line offers their speeds as its tilt.
+TEST(RecordingUses, NumbersOfTheDriveAreNoCrank) {
+  const auto number = [](std::uint16_t channel, const std::string& topic) {
+    return mcap_channel(channel, topic, "std_msgs/msg/Int32", "cdr") +
+           two_of(channel, CdrWriter().put(std::int32_t{7}).bytes());
+  };
+  const LogContents contents = contents_of(number(1, "/wheel_left") + number(2, "/motor/RPM") + number(3, "/servo") +
+                                           number(4, "/base/velocity"));
+  for (const TopicContents& topic : contents.topics) {
+    const bool is_crank = topic.name == "/servo";
+    EXPECT_EQ(topic.can_be, is_crank ? TopicUse::kCrank : TopicUse::kNone) << topic.name;
+  }
+  ReadOptions options;
+  options.topics.crank = "/wheel_left";
+  options.crank.step_rad = 1.0;
+  EXPECT_EQ(uses_of(contents_of(number(1, "/wheel_left"), options))["/wheel_left"].first, TopicUse::kCrank);
+}
+
 TEST(RecordingUses, ARecordingWithoutScansIsNoErrorOfASurvey) {
   const LogContents contents =
       contents_of(mcap_channel(9, "/text", "std_msgs/msg/String", "cdr") + two_of(9, CdrWriter().text("a").bytes()));

@@ -80,6 +80,12 @@ TEST(JsonLines, ReadTheSame) {
       " { \"stamp\" : 13.0 , \"ranges\" : [ 3.5, 4.25 ] }"));
 }
 
+TEST(JsonLines, NullIsNoReturnAndNoFault) {
+  const WholeLog log = read_lines("{\"stamp\":1,\"angle_min\":0,\"angle_increment\":0.5,\"ranges\":[1.25,null,NaN]}\n");
+  EXPECT_THAT(log.of<ScanRecord>().at(0).scan.ranges_m, ElementsAre(1.25F, kInfinite, kInfinite));
+  EXPECT_EQ(log.warned("range not a number"), 1U);
+}
+
 TEST(Csv, TakesAColumnForEachRange) {
   const WholeLog log =
       read_csv("stamp,angle_min,angle_max,r0,r1,r2,battery\n1,-1,1,5,6,7,12\n2,,,5,,7,12\n3,,,5,6,,12\n4,,,,,,12\n",

@@ -20,12 +20,14 @@
 #include "gdtslam/io/cloud_file.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
+#include "gdtslam/io/log.hpp"
 #include "io_test_support.hpp"
 #include "mcap_writer.hpp"
 
 namespace gdtslam {
 namespace {
 
+using ::testing::EndsWith;
 using ::testing::StartsWith;
 
 /// What is said of bytes that are called "f".
@@ -45,6 +47,34 @@ TEST(WholeFileErrors, OfLogs) {
   EXPECT_THAT(said_of(carmen, "# nothing\n"), StartsWith("f: holds no complete CARMEN message in 1 lines;"));
   const auto copy = [](std::span<const std::byte> data) { drain(*open_log_copy(data, "f", {})); };
   EXPECT_EQ(said_of(copy, "gdtslam-log-cop"), "f: holds no copy of a log");
+}
+
+// Files that people give in place of a log: each is called by its name, with what to do.
+TEST(WholeFileErrors, OfFilesThatAreNoLogs) {
+  const auto said = [](const std::string& bytes) {
+    const TemporaryFolder folder;
+    put_file(folder / "f", bytes);
+    return told_by<InputError>([&] { drain(*open_log(folder / "f", {})); }, "no error").substr((folder / "f").size());
+  };
+  const std::string give = "; give a CARMEN, CSV, JSON lines, ROS bag or MCAP log";
+  EXPECT_EQ(said(""), ": is empty" + give);
+  EXPECT_EQ(said("lorem ipsum\n"), ": holds no complete CARMEN message in 1 lines" + give);
+  EXPECT_EQ(said("\x89PNG\r\n\x1a\n"), ": is a PNG picture, not a log" + give);
+  EXPECT_EQ(said("# .PCD v0.7 - Point Cloud Data\nVERSION 0.7\n"), ": is a PCD point cloud, not a log" + give);
+  EXPECT_EQ(said("ply\nformat ascii 1.0\n"), ": is a PLY file, not a log" + give);
+  for (const char* head : {"", "# a comment\n", "\xef\xbb\xbf"}) {
+    EXPECT_EQ(said(std::string(head) + "1.5 1 2 0 0 0 0.7 0.7\n"), ": is a TUM trajectory, not a log" + give);
+    EXPECT_THAT(said(std::string(head) + "image: map.pgm\n"), StartsWith(": is the YAML file of a map, not a log;"));
+  }
+  EXPECT_THAT(said("version https://git-lfs.github.com/spec/v1\noid sha256:0\n"),
+              EndsWith("'git lfs pull' fetches that"));
+  EXPECT_THAT(said("%time,field.header.seq\n1,2\n"),
+              StartsWith(": is text of 'rostopic echo -p', not a log; give the bag"));
+  EXPECT_THAT(said("header: \n  seq: 1\n"), StartsWith(": is text of 'rostopic echo', not a log;"));
+  EXPECT_THAT(said("[{\"stamp\": 1}]\n"), StartsWith(": is a JSON array, not a log;"));
+  for (const char* json : {"{\n \"stamp\": 1\n}\n", "{ \"scans\": [\n1]}\n"}) {
+    EXPECT_THAT(said(json), StartsWith(": is JSON over several lines, not a log;"));
+  }
 }
 
 TEST(WholeFileErrors, OfRecordings) {

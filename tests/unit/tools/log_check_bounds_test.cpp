@@ -145,7 +145,7 @@ TEST(LogCheckBounds, WhatCountsAsAReturn) {
   const LogCheck check = checked_log({stated, fixed_scan(1.0, {0.0F, -2.0F, kInfinity})});
   EXPECT_EQ(check.ranges.returns, 1U);
   EXPECT_EQ(check.ranges.no_return_count, 2U);
-  EXPECT_EQ(check.ranges.not_finite, 2U);
+  EXPECT_EQ(check.ranges.not_finite, 6U);
   EXPECT_EQ(check.ranges.beams, 9U);
   EXPECT_EQ(check.scans_without_returns, 1U);
   ScanRecord beyond = fixed_scan(0.0, {8.0F, 0.0F});

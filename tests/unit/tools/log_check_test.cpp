@@ -132,6 +132,41 @@ TEST(LogCheck, AMappedLogIsAskedForItsUnit) {
   EXPECT_EQ(question_of_unit(Trajectory{}), "");
 }
 
+TEST(LogCheck, RangesAndHeadingsOfAnotherUnitAreAskedAbout) {
+  const auto asked = [](float metre, double radian, float no_return_m) {
+    std::vector<LogRecord> records;
+    for (int k = 0; k < 100; ++k) {
+      const std::vector<float> ranges_m{(1.0F + 0.01F * static_cast<float>(k)) * metre,
+                                        2.5F * metre,
+                                        4.0F * metre,
+                                        no_return_m,
+                                        no_return_m,
+                                        no_return_m,
+                                        no_return_m};
+      const double heading_rad = wrap_angle(0.15 * k);  // from -pi to pi again and again
+      records.emplace_back(driven_scan(10.0 + 0.2 * k, {0.1 * k, 0.0, heading_rad * radian}, ranges_m));
+    }
+    return checked_log(records);
+  };
+  EXPECT_THAT(asked(1.0F, 1.0, 0.0F).questions_of_units, IsEmpty());
+  EXPECT_THAT(asked(1.0F, 1.0, 9999.0F).questions_of_units, IsEmpty()) << "a constant that stands for no return";
+  for (const float scale : {100.0F, 1000.0F}) {
+    const LogCheck check = asked(scale, 1.0, 0.0F);
+    EXPECT_THAT(check.questions_of_units, ElementsAre(HasSubstr("are they millimetres or centimetres?")));
+    EXPECT_THAT(check.suggestions(), Contains(HasSubstr("millimetres")));
+    EXPECT_THAT(check.ranges.no_return_m, IsEmpty());
+  }
+  EXPECT_THAT(asked(1.0F, 180.0 / kPi, 0.0F).questions_of_units, ElementsAre(HasSubstr("are they degrees?")));
+}
+
+TEST(LogCheck, EachBeamIsAReturnOrNoneOrNothing) {
+  const float inf = std::numeric_limits<float>::infinity();
+  const RangeStatistics ranges = checked_log({driven_scan(1.0, {}, {1.0F, 0.0F, inf, 2.0F})}).ranges;
+  EXPECT_EQ(ranges.returns, 2U);
+  EXPECT_EQ(ranges.not_finite, 2U);
+  EXPECT_EQ(ranges.returns + ranges.not_finite + ranges.no_return_count, ranges.beams);
+}
+
 // A map is made of such a log, though a constant range may stand for none.
 TEST(LogCheck, OneRangeOnlyIsNoObstacle) {
   std::vector<LogRecord> records;

@@ -273,7 +273,7 @@ TEST_F(SceneFileTest, PlacesAndReferencesAreBounded) {
   EXPECT_EQ(refusal(object + "place: [{object: a, at: [0, 0], repeat: {count: 190, step: [0, 0]}}]\n"), "accepted");
   EXPECT_THAT(refusal("objects: [{name: a}, {name: a}]\n"), HasSubstr("there are two objects 'a'"));
   EXPECT_THAT(refusal("meshes: [{file: ../s.yaml}]\n"), HasSubstr("2: meshes[0].file: \"../s.yaml\" leads out"));
-  EXPECT_THAT(refusal("robot: {nodding: {linkage: /dev/null}}\n"), HasSubstr("leads out of the folder"));
+  EXPECT_THAT(refusal("robot: {nodding: {linkage: /dev/null}}\n"), HasSubstr("is an absolute name"));
   EXPECT_THAT(refusal("meshes: [{file: \"a\\nb.obj\"}]\n"), HasSubstr("is no name of a file"));
 }
 

@@ -75,9 +75,11 @@ std::string layouts_text(const LogCheck& c, const LaserMount& laser) {
   for (std::size_t k = 0; k < std::min(layouts.size(), kMostLayoutsShown); ++k) {
     const BeamLayout& b = layouts[k];
     others -= b.scans;
-    const double first_deg = deg_from_rad(b.first_bearing_rad);
     const double step_deg = deg_from_rad(b.step_rad);
-    const double last_deg = b.beams > 0 ? first_deg + static_cast<double>(b.beams - 1) * step_deg : first_deg;
+    const double sweep_deg = b.beams > 0 ? static_cast<double>(b.beams - 1) * step_deg : 0.0;
+    double first_deg = deg_from_rad(b.first_bearing_rad);  // a laser that turns clockwise may begin a turn earlier
+    if (std::min(first_deg, first_deg + sweep_deg) < -360.0) first_deg += 360.0;
+    const double last_deg = first_deg + sweep_deg;
     text += fmt::format("beams            {} from {:.2f} to {:.2f} deg, step {:.3f} deg, in {}", b.beams, first_deg,
                         last_deg, step_deg, plural(b.scans, "scan"));
     text += b.max_range_m > 0.0 ? fmt::format("; stated limit {:.2f} m\n", b.max_range_m) : "\n";

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/io/json_file.hpp"
@@ -12,6 +13,7 @@
 #include "engine/runs/evaluation/stated_errors.hpp"
 #include "engine/runs/folder/run_reader.hpp"
 #include "engine/runs/inputs/given_files.hpp"
+#include "engine/runs/streams/log_check.hpp"
 #include "evaluate.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
@@ -206,11 +208,25 @@ Json reference_json(const ReferenceReport& report, const ReferenceOptions& optio
           {"unmatched", report.unmatched}};
 }
 
+// Where stamps do not meet, one of the files may have them in another unit.
+ReferenceReport reference_report(const EvaluateOptions& options, const Trajectory& estimate,
+                                 const Trajectory& reference, const ReferenceOptions& how) {
+  try {
+    return evaluate_reference(estimate, reference, how);
+  } catch (const InputError& error) {
+    for (const auto& [file, trajectory] : {std::pair(options.file, &estimate), {options.reference, &reference}}) {
+      const std::string question = question_of_unit(*trajectory);
+      if (!question.empty()) throw InputError(fmt::format("{} In {}, {}", error.what(), file, question));
+    }
+    throw;
+  }
+}
+
 int evaluate_against_reference(const EvaluateOptions& options) {
   const ReferenceOptions reference = reference_options(options);
   const Evaluated evaluated = evaluated_of(options);
   const Trajectory truth = given_trajectory(options.reference);
-  const ReferenceReport report = evaluate_reference(evaluated.trajectory, truth, reference);
+  const ReferenceReport report = reference_report(options, evaluated.trajectory, truth, reference);
   std::optional<StatedReport> stated;
   if (evaluated.covariances && reference.align) {
     stated = stated_errors(evaluated.trajectory, *evaluated.covariances, truth, report.T_reference_estimate,

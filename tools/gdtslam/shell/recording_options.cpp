@@ -64,9 +64,11 @@ void add_recording_options(CLI::App& command, RecordingOptions& options) {
       ->type_name("NAME")
       ->allow_extra_args(false);
   command
-      .add_option("--odom", options.odometry,
-                  "Topic of the odometry of a recording, or tf [the first one, else the transforms]")
-      ->type_name("NAME");
+      .add_option(
+          "--odom", options.odometry,
+          "Topic of the odometry of a recording, or tf: the transform from FRAME to BASE [the first topic, else\n"
+          "the transform from a frame with odom in its name]")
+      ->type_name("NAME|tf[:FRAME[:BASE]]");
   command
       .add_option("--crank", options.crank,
                   "Topic of the crank of a nodding mount in a recording; log.crank says what it counts")

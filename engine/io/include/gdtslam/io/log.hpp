@@ -31,7 +31,7 @@ struct TopicMount {
 /// Which topics of a recording (bag, MCAP) are read.
 struct TopicChoice {
   std::vector<std::string> scans{};  ///< the only one that has any when empty; "all" are all of them
-  std::string odometry{};            ///< the first one that has any, then transforms, when empty
+  std::string odometry{};            ///< a topic or tf[:FRAME[:BASE]]; the first one, then transforms, when empty
   std::string crank{};               ///< of a nodding mount, "TOPIC" or "TOPIC:JOINT"; none when empty
   std::vector<TopicMount> mounts{};  ///< what the frames of the recording say of the others
 };
