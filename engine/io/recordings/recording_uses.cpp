@@ -82,10 +82,10 @@ Reason reason_of(const TopicContents& topic, const RecordingUses& uses, const Sc
 
 /// Whether a topic's numbers are of the drive, by its name or that of its first joint: never how a laser nods.
 bool is_of_drive(const TopicContents& topic) {
-  constexpr std::array<std::string_view, 8> kNames{"wheel", "vel",   "speed", "rpm",
-                                                   "left",  "right", "steer", "throttle"};
+  constexpr std::array<std::string_view, 8> kWheelWords{"wheel", "vel",   "speed", "rpm",
+                                                        "left",  "right", "steer", "throttle"};
   const std::string name = in_small_letters(topic.joints.empty() ? topic.name : topic.joints.front());
-  return std::any_of(kNames.begin(), kNames.end(),
+  return std::any_of(kWheelWords.begin(), kWheelWords.end(),
                      [&name](std::string_view part) { return name.find(part) != std::string::npos; });
 }
 

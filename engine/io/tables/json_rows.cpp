@@ -15,7 +15,7 @@ namespace gdtslam {
 namespace {
 
 constexpr int kDeepestSkipped = 16;
-constexpr double kNoReturn = std::numeric_limits<double>::infinity();  // as which null is read in a list
+constexpr double kNullInList = std::numeric_limits<double>::infinity();  // as which null is read in a list
 
 /// Reads what it expects, and says what is there instead.
 class JsonCursor {
@@ -75,7 +75,7 @@ class JsonCursor {
       if (position_ != end_ && *position_ == '[') {
         numbers(key, values, depth + 1);
       } else {
-        values.push_back(takes_word("null") ? kNoReturn : number(key));
+        values.push_back(takes_word("null") ? kNullInList : number(key));
       }
     } while (takes(','));
     expect(']');

@@ -17,12 +17,12 @@ namespace {
 
 constexpr std::size_t kRangeBins = 20001;  // centimetres
 constexpr std::size_t kMostConstants = 3;
-constexpr std::size_t kShortestRow = 3;    // of beams with the same range
-constexpr std::uint64_t kLeastScans = 10;  // with such rows
-constexpr std::uint64_t kMostAbove = 100;  // so many times fewer ranges are above a certain constant
-constexpr float kMoved_m = 0.05F;          // more than the noise of a range
-constexpr std::uint64_t kMovedShare = 4;   // one of so many ranges that differ
-constexpr std::uint64_t kWorthShare = 20;  // one of so many beams
+constexpr std::size_t kShortestRow = 3;      // of beams with the same range
+constexpr std::uint64_t kLeastScans = 10;    // with such rows
+constexpr std::uint64_t kMostAbove = 100;    // so many times fewer ranges are above a certain constant
+constexpr float kMoved_m = 0.05F;            // more than the noise of a range
+constexpr std::uint64_t kMovedShare = 4;     // one of so many ranges that differ
+constexpr std::uint64_t kOfferedShare = 20;  // one of so many beams
 
 // Sensors report "no return" as one large constant: a lonely spike at the upper end of the ranges.
 bool is_spike(const std::vector<std::uint64_t>& histogram, std::size_t bin, std::uint64_t total) {
@@ -72,7 +72,7 @@ std::optional<NoReturnValue> NoReturns::ambiguous(const ScanConfig& scan) const 
   const std::optional<NoReturnValue> certain = taken(scan);
   for (const NoReturnValue& value : below) {
     if (certain && value.range_m >= certain->range_m) break;
-    if (value.range_m < scan.max_range_m && value.beams * kWorthShare >= beams) return value;
+    if (value.range_m < scan.max_range_m && value.beams * kOfferedShare >= beams) return value;
   }
   return std::nullopt;
 }

@@ -152,8 +152,8 @@ TurnAgreement turn_agreement(std::span<const TimedMotion> motions) {
 }
 
 bool DirectionAgreement::is_turned() const {
-  constexpr double kLeastTurn_rad = 30.0 * kPi / 180.0;
-  return path_m > 3.0 && concentration > 0.95 && stretch > 0.7 && stretch < 1.4 && std::fabs(left_rad) > kLeastTurn_rad;
+  constexpr double kLeastOff_rad = 30.0 * kPi / 180.0;
+  return path_m > 3.0 && concentration > 0.95 && stretch > 0.7 && stretch < 1.4 && std::fabs(left_rad) > kLeastOff_rad;
 }
 
 DirectionAgreement direction_agreement(std::span<const TimedMotion> motions) {

@@ -8,10 +8,10 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kLongest_s = 1.0;
+constexpr double kLongestSpan_s = 1.0;
 constexpr double kFastest_m_per_s = 30.0;
 constexpr double kFastestTurn_rad_per_s = 2.0 * kTwoPi;
-constexpr std::size_t kMostLasers = 64;
+constexpr std::size_t kMostTimedLasers = 64;
 
 bool has_beam_times(const LaserScan& scan) { return scan.first_beam_after_s != 0.0 || scan.beam_period_s != 0.0; }
 
@@ -19,14 +19,14 @@ bool has_beam_times(const LaserScan& scan) { return scan.first_beam_after_s != 0
 
 std::optional<Eigen::Vector3d> speed_between(const Odometry& before, const Odometry& now) {
   const double span_s = now.stamp_s - before.stamp_s;
-  if (!(span_s > 0.0 && span_s <= kLongest_s)) return std::nullopt;
+  if (!(span_s > 0.0 && span_s <= kLongestSpan_s)) return std::nullopt;
   const Eigen::Vector3d speed = log_se2(between(before.T_odom_base, now.T_odom_base)) / span_s;
   const bool is_possible = speed.head<2>().norm() <= kFastest_m_per_s && std::fabs(speed[2]) <= kFastestTurn_rad_per_s;
   return is_possible ? std::optional(speed) : std::nullopt;  // false for NaN too
 }
 
 void OdometrySpeed::complete(ScanRecord& scan) {
-  if (!scan.T_odom_base || scan.laser >= kMostLasers || !has_beam_times(scan.scan)) return;
+  if (!scan.T_odom_base || scan.laser >= kMostTimedLasers || !has_beam_times(scan.scan)) return;
   if (scan.laser >= before_.size()) before_.resize(scan.laser + 1);
   std::optional<Odometry>& before = before_[scan.laser];
   const Odometry now{scan.scan.stamp_s, *scan.T_odom_base};
@@ -41,7 +41,7 @@ void MapSpeed::complete(ScanRecord& record) const {
 
 void MapSpeed::take(const ScanRecord& record, const Pose2& T_map_base) {
   const LaserScan& scan = record.scan;
-  if (record.laser >= kMostLasers || !has_beam_times(scan)) return;
+  if (record.laser >= kMostTimedLasers || !has_beam_times(scan)) return;
   if (record.laser >= lasers_.size()) lasers_.resize(record.laser + 1);
   const double beams = static_cast<double>(scan.ranges_m.size());
   const double middle_s = scan.first_beam_after_s + 0.5 * std::max(0.0, beams - 1.0) * scan.beam_period_s;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr float kFar_m = 100.0F;      // half of a scan is never so far from a 2D laser
 constexpr double kFast_rad_s = 10.0;  // 1.6 turns a second
-constexpr double kLeastTurn_rad = 0.3;
+constexpr double kFastTurn_rad = 0.3;
 constexpr std::uint64_t kLeastFastSteps = 10;
 
 }  // namespace
@@ -33,7 +33,7 @@ void UnitCheck::add_heading(double stamp_s, double heading_rad) {
   const double turn_rad = std::fabs(heading_rad - before->angle_rad);
   const double wrapped_rad = std::fabs(wrap_angle(turn_rad));
   // A heading in radians leaps by a whole turn where it is wrapped.
-  const bool is_fast = wrapped_rad > kLeastTurn_rad && turn_rad > kFast_rad_s * (stamp_s - before->stamp_s);
+  const bool is_fast = wrapped_rad > kFastTurn_rad && turn_rad > kFast_rad_s * (stamp_s - before->stamp_s);
   turned_rad_ += is_fast ? turn_rad : wrapped_rad;
   if (!is_fast) return;
   turned_fast_rad_ += turn_rad;
