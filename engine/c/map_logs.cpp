@@ -5,7 +5,7 @@
 
 #include "convert.hpp"
 #include "engine/core/files/interruption.hpp"
-#include "engine/runs/streams/warning_text.hpp"
+#include "engine/runs/warning_text.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/runs/map_log.hpp"
 #include "guard.hpp"

@@ -11,7 +11,7 @@
 
 #include "engine/runs/folder/run_doubts.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
-#include "engine/runs/streams/warning_text.hpp"
+#include "engine/runs/warning_text.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 

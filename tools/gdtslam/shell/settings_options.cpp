@@ -4,7 +4,7 @@
 #include <CLI/App.hpp>
 
 #include "console.hpp"
-#include "engine/runs/streams/warning_text.hpp"
+#include "engine/runs/warning_text.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 
 namespace gdtslam {
