@@ -12,7 +12,8 @@
 namespace gdtslam {
 
 /// A constant that stands for "nothing seen" becomes log.max_range of the request, so that all that reads its logs
-/// again takes it for no return. Nothing for a log that is mapped live. Cost: one reading of the logs.
+/// again takes it for no return. Nothing for a log that is mapped live. Cost: the logs are read until the laser has
+/// moved between 1,000 scans.
 std::vector<LogFinding> look_at_ranges(MapRequest& request);
 
 /// Adds faults that the motion shows, and the odometry's delay; warns of a delay. Cost: up to 3,000 scans are matched.

@@ -147,7 +147,7 @@ void NoReturnFinder::add(const LaserScan& scan, std::size_t laser) {
     if (!std::isfinite(range_m)) continue;
     ++(scan.is_at_limit(static_cast<double>(range_m)) ? at_limit_cm_ : below_cm_)[bin_of_range(range_m)];
   }
-  if (has_moved(scan, laser)) add_rows(scan);
+  if (!is_settled() && has_moved(scan, laser)) add_rows(scan);
 }
 
 bool NoReturnFinder::is_certain(std::size_t bin, const std::vector<std::size_t>& constants) const {
@@ -155,10 +155,10 @@ bool NoReturnFinder::is_certain(std::size_t bin, const std::vector<std::size_t>&
   if (seen.scans < kLeastScans || 2 * seen.repeated < seen.beams) return false;
   if (shortest_decimal(seen.range_m) > least_limit_m_) return false;
   std::uint64_t above = 0;
-  for (std::size_t k = bin + 1; k < below_cm_.size(); ++k) {
-    if (!std::binary_search(constants.begin(), constants.end(), k)) above += below_cm_[k];
+  for (std::size_t k = bin + 1; k < seen_cm_.size(); ++k) {
+    if (!std::binary_search(constants.begin(), constants.end(), k)) above += seen_cm_[k].beams;
   }
-  return kMostAbove * above <= below_cm_[bin];
+  return kMostAbove * above <= seen.beams;
 }
 
 NoReturns NoReturnFinder::finish() const {
@@ -183,7 +183,7 @@ std::vector<LogFinding> take_no_return(const std::vector<std::string>& logs, con
   NoReturnFinder finder;
   try {
     ScanStream scans(logs, read_options_of(settings.log, lenient), range);
-    while (!stop()) {
+    while (!finder.is_settled() && !stop()) {
       const std::optional<ScanRecord> record = scans.next();
       if (!record) break;
       finder.add(record->scan, record->laser);

@@ -46,6 +46,8 @@ LogFinding no_return_finding(const NoReturnValue& value, std::uint64_t beams);
 class NoReturnFinder {
  public:
   void add(const LaserScan& scan, std::size_t laser);
+  /// Scans between which the laser moved suffice to tell which value is certain; more of them change nothing.
+  [[nodiscard]] bool is_settled() const { return moved_ >= kEnoughMoved; }
   [[nodiscard]] NoReturns finish() const;
   /// Counts by centimetre of the finite ranges below the stated limit, and of those at or above it; the last bin is
   /// open. Empty before the first scan.
@@ -53,6 +55,7 @@ class NoReturnFinder {
   [[nodiscard]] const std::vector<std::uint64_t>& at_limit_cm() const { return at_limit_cm_; }
 
  private:
+  static constexpr std::uint64_t kEnoughMoved = 1000;
   /// Ranges of one centimetre, in scans between which the laser has moved.
   struct Seen {
     std::uint64_t beams = 0;
@@ -75,9 +78,9 @@ class NoReturnFinder {
   std::map<std::size_t, std::vector<float>> last_m_;  ///< by laser: ranges of the last scan that counted in seen_cm_
 };
 
-/// Reads all that will be mapped of the logs once more and sets log.max_range to the value that is taken. Nothing if
-/// the limit is stated (log.max_range), if a log can be read only once, as a pipe, or if nothing is certain. Once
-/// `stop` returns true, what was read by then counts.
+/// Reads the begin of what will be mapped of the logs, until the finder is settled, and sets log.max_range to the value
+/// that is taken. Nothing if the limit is stated (log.max_range), if a log can be read only once, as a pipe, or if
+/// nothing is certain. Once `stop` returns true, what was read by then counts.
 std::vector<LogFinding> take_no_return(const std::vector<std::string>& logs, const ScanRange& range, bool lenient,
                                        Settings& settings, const std::function<bool()>& stop);
 
