@@ -49,18 +49,18 @@ std::vector<GraphPlace> graph_places(const BackEndResult& result) {
   return places;
 }
 
-// The graph has those of the front end first, one between two places, then those of the wheels.
 std::vector<PathRelation> path_relations(const BackEndResult& result) {
-  const std::vector<PoseRelation>& path = result.graph.path;
   std::vector<PathRelation> relations;
-  relations.reserve(path.size());
-  for (std::size_t k = 0; k < path.size(); ++k) {
-    relations.push_back({.from = scan_of_place(result, path[k].from),
-                         .to = scan_of_place(result, path[k].to),
-                         .T_from_to = path[k].T_from_to,
-                         .information = pose_information(path[k].information),
-                         .is_by_wheels = k + 1 >= result.places.size()});
-  }
+  relations.reserve(result.graph.path.size() + result.graph.wheels.size());
+  const auto add = [&](const PoseRelation& relation, bool is_by_wheels) {
+    relations.push_back({.from = scan_of_place(result, relation.from),
+                         .to = scan_of_place(result, relation.to),
+                         .T_from_to = relation.T_from_to,
+                         .information = pose_information(relation.information),
+                         .is_by_wheels = is_by_wheels});
+  };
+  for (const PoseRelation& relation : result.graph.path) add(relation, false);
+  for (const WheelRelation& step : result.graph.wheels) add(step.relation, true);
   return relations;
 }
 

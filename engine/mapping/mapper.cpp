@@ -65,7 +65,6 @@ struct PlacedMap {
 };
 
 bool is_cpu(const Backend& backend) { return backend.device().kind == "cpu"; }
-
 double distance(const Pose2& a, const Pose2& b) { return (a.translation() - b.translation()).norm(); }
 double turn(const Pose2& a, const Pose2& b) { return std::fabs(wrap_angle(a.theta_rad - b.theta_rad)); }
 
@@ -295,13 +294,13 @@ void Mapper::State::update_map(MatchResult& result) {
 // A keyframe that was noted is in the map, whatever becomes of the device, unless its map would become too large.
 void Mapper::State::merge(const Pose2& pose) {
   const double cell_m = config.map.resolution_m;
-  const KeyframeCells keyframe = keyframe_of(
-      next ? in_map(with_surfaces_closed(scan.points_base_m, cell_m), pose) : in_map(scan.points_base_m, pose), cell_m,
-      config.map.radius_cells());
+  const std::vector<Point2> seen_m = next ? with_surfaces_closed(scan.points_base_m, cell_m) : scan.points_base_m;
+  const KeyframeCells keyframe = keyframe_of(in_map(seen_m, pose), cell_m, config.map.radius_cells());
   if (next && stretch_m >= config.local.stretch_m) begin_stretch();
   for (PlacedMap* placed : {map.get(), next.get()}) {
     if (placed != nullptr) placed->host.field.grow_to_hold(keyframe.window);
   }
+  if (estimate) estimate->known_surfaces().add(seen_m, pose);
   if (started) stretch_m += distance(pose, last_keyframe);
   last_keyframe = pose;
   started = true;
@@ -326,6 +325,7 @@ void Mapper::State::begin_stretch() {
   map = std::move(next);
   next = std::move(fresh);
   on_device([this] { open_matcher(); });
+  if (estimate) estimate->known_surfaces().begin_stretch();
   stretch_m = 0.0;
 }
 

@@ -7,27 +7,33 @@
 
 #include "engine/mapping/adjust/carried_poses.hpp"
 #include "engine/mapping/graph/free_network.hpp"
+#include "engine/mapping/wheels/pose_filter.hpp"
 #include "held_path.hpp"
 
 namespace gdtslam {
 namespace {
 
 // A match of one scan against the local map: its points' noise, those among them that tell something new, and how well
-// a keyframe is known at best, because neighbours are matched against the same cells.
+// a keyframe is known at best, because neighbours are matched against the same cells. Each keyframe is matched with all
+// those that the local map still shows, so the noise of a match does not add up from step to step: of a scan that lies
+// on the mean of the n before it, a share of 2 / (n + 1) stays in the path: 0.15 for a dozen keyframes. What matches
+// err beyond that shows beside the wheels, and stays as far as keyframes are apart.
 constexpr double kStepPointNoise_m = 0.02;
-constexpr double kStepIndependent = 20.0;
+constexpr double kStepIndependent = 20.0 / (0.15 * 0.15);
 constexpr double kEnoughPoints = 60.0;
-constexpr double kStepLeastShape = 1.0e-6;
-constexpr double kStepShapeOfNoise = 3.0e-3;  // of normals that are off by three degrees
-constexpr double kStepFloor_m = 0.005;
-constexpr double kStepFloor_rad = 0.0015;
+constexpr double kStepLeastShape = 1.0e-9;
+constexpr double kOverlap_m = 1.0;   // of path, whose keyframes a scan is laid on as on one another
+constexpr double kStretch_m = 15.0;  // of a local map of the front end
+constexpr double kStepFloor_m = 0.0015;
+constexpr double kStepFloor_rad = 0.0003;
 constexpr double kStepLeastShare = 0.01;
 // How far a match is off at most times, and the wheels at best; beyond this chi2 one of the two leapt.
 constexpr double kMatchNoise_m = 0.02;
 constexpr double kMatchNoise_rad = 0.01;
 constexpr double kLeastWheels_m = 0.002;
 constexpr double kLeastWheels_rad = 0.0005;
-constexpr double kUnmeasured_m = 5.0;  // a step that is less sure is one that no odometry measured
+constexpr double kUnmeasured_m = 5.0;  // a step that is less sure is one that no odometry measured, or no match
+constexpr double kUnmeasured_rad = 1.0;
 constexpr double kLeapChi2 = 25.0;
 constexpr double kLeastForDoubt = 0.3;     // factor of a variance, halfway between what loops found and what was stated
 constexpr std::size_t kMostUnkept = 128;   // scans whose points wait for what is kept of them
@@ -111,14 +117,23 @@ void BackEnd::add_keyframe(const MatchResult& result, KeptScan points) {
   keyframe.scan.surface.shrink_to_fit();  // it stays until the end
   keyframe.scan.lone.shrink_to_fit();
   if (keyframes_taken_ > 1) {
-    travelled_m_ += length_of(between(T_map_keyframe_, result.T_map_base));
-    keyframe.steps = steps_to(result, keyframe.scan);
+    const double step_m = length_of(between(T_map_keyframe_, result.T_map_base));
+    travelled_m_ += step_m;
+    stretch_m_ += step_m;
+    const KeptScan known = result.accepted ? known_.known_part(keyframe.scan, result.T_map_base) : KeptScan{};
+    keyframe.steps = steps_to(result, known);
+    keyframe.steps[0].unseen = update_unseen(result, known);
     keyframe.travel = travel_;
     keyframe.travel.besides += least_of_wheels() + leaps_;
   }
   keyframe.travel.is_matched = result.accepted;
   keyframe.travel.is_way_known = knows_way(keyframe.scan, inverse(T_wheels_).translation());
   keyframe.path_m = travelled_m_;
+  if (stretch_m_ > kStretch_m) {
+    known_.begin_stretch();
+    stretch_m_ = 0.0;
+  }
+  known_.add(points_of(keyframe.scan), result.T_map_base);
   T_map_keyframe_ = result.T_map_base;
   T_wheels_ = {};
   wheels_covariance_ = {};
@@ -127,24 +142,43 @@ void BackEnd::add_keyframe(const MatchResult& result, KeptScan points) {
   loops_.take(std::move(keyframe));
 }
 
+// Along what no known surface shows, the pose in the local map is as sure as the wheels since one did.
+Matrix3 BackEnd::update_unseen(const MatchResult& result, const KeptScan& known) {
+  const Matrix3 carried = adjoint_matrix(between(result.T_map_base, T_map_keyframe_));
+  covariance_ = carried * times_transposed(covariance_, carried) + wheels_covariance_ + least_of_wheels() + leaps_;
+  if (!result.accepted) return covariance_;
+  const auto [information, believed] = match_information(known);
+  covariance_ = inverse(inverse(covariance_) + information);
+  Matrix3 unseen = Matrix3::identity();
+  unseen -= believed;
+  return unseen * times_transposed(covariance_, unseen);
+}
+
 // The pose of the front end is that of points and wheels; what the wheels alone tell. A scan that lies far from its map
 // may have been matched with something else: who wants to know how sure the path is takes that for its points' noise.
 // One that was laid where the robot was taken to be, since nothing matched for long, tells no more than the wheels.
-MeasuredSteps BackEnd::steps_to(const MatchResult& result, const KeptScan& scan) const {
-  const std::size_t points = scan.surface.size();
-  const double share = std::min(1.0, static_cast<double>(points) / kEnoughPoints);
-  const Matrix3 of_points = kStepIndependent * std::max(share, kStepLeastShare) *
-                            shape_of_one(shape_of(scan), points, kStepLeastShape, kStepShapeOfNoise);
-  const Matrix3 shape = result.accepted ? of_points : Matrix3{};
-  const Matrix3 lone = result.accepted ? lone_information(scan) : Matrix3{};
-  const Matrix3 floor = Matrix3::diagonal(square(kStepFloor_m), square(kStepFloor_m), square(kStepFloor_rad));
-  const Matrix3 of_wheels = inverse(wheels_covariance_ + least_of_wheels() + leaps_);
+MeasuredSteps BackEnd::steps_to(const MatchResult& result, const KeptScan& known) const {
+  const std::size_t points = known.surface.size();
+  const double share = std::max(kStepLeastShare, std::min(1.0, static_cast<double>(points) / kEnoughPoints));
+  const auto [shape, believed] = shape_of_one(shape_of(known), points, kStepLeastShape, feigned_shape(known));
+  const Matrix3 lone = lone_information(known);
+  const double step_m = length_of(between(T_map_keyframe_, result.T_map_base));
+  const double staying = std::min(1.0, 2.0 * step_m / (kOverlap_m + step_m));
+  const double floor_m2 = square(kStepFloor_m) + square(staying * result.match_sigma_m);
+  const double floor_rad2 = square(kStepFloor_rad) + square(staying * result.match_sigma_rad);
+  const Matrix3 floor = Matrix3::diagonal(floor_m2, floor_m2, floor_rad2);
+  const Matrix3 nothing = Matrix3::diagonal(square(kUnmeasured_m), square(kUnmeasured_m), square(kUnmeasured_rad));
+  const Matrix3 by_wheels = wheels_covariance_ + least_of_wheels() + leaps_;
   const auto with_noise = [&](double noise_m) {
-    return inverse(inverse(1.0 / square(noise_m) * shape + lone + of_wheels) + floor + leaps_);
+    if (!result.accepted) return inverse(nothing);
+    const Matrix3 of_match = inverse(kStepIndependent * share / square(noise_m) * shape + lone);
+    return inverse(believed * times_transposed(of_match, believed) + floor + leaps_);
   };
-  return {MeasuredStep{between(T_map_keyframe_, result.T_map_base), with_noise(kStepPointNoise_m),
-                       with_noise(std::max(kStepPointNoise_m, result.mean_cost_m))},
-          MeasuredStep{T_wheels_, of_wheels, of_wheels}};
+  return {MeasuredStep{between(T_map_keyframe_, result.T_map_base),
+                       with_noise(kStepPointNoise_m),
+                       with_noise(std::max(kStepPointNoise_m, result.mean_cost_m)),
+                       {}},
+          MeasuredStep{T_wheels_, inverse(by_wheels), inverse(by_wheels), {}}};
 }
 
 // Once: a stopped finish() is followed by as_driven().
@@ -234,13 +268,15 @@ void BackEnd::adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose
 BackEnd::CautiousGraph BackEnd::cautious_graph(const LoopCloser& closer) const {
   PoseGraph graph = closer.graph();
   if (closer.places().size() != 1) {
-    graph.path = closer.measured().cautious_relations(kLeastForDoubt);
+    graph.path = closer.measured().matches(&MeasuredStep::cautious, kLeastForDoubt);
+    graph.wheels = closer.measured().wheels(kLeastForDoubt);
     return {std::move(graph), closer.places()};
   }
   MeasuredPath steps = closer.measured();
   for (std::size_t keyframe = 1; keyframe < keyframes_.size(); ++keyframe) steps.add_place(keyframe);
   graph.poses = closer.poses();
-  graph.path = steps.cautious_relations(kLeastForDoubt);
+  graph.path = steps.matches(&MeasuredStep::cautious, kLeastForDoubt);
+  graph.wheels = steps.wheels(kLeastForDoubt);
   return {std::move(graph), steps.places()};
 }
 

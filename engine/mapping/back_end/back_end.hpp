@@ -20,6 +20,7 @@
 #include "engine/mapping/adjust/scan_adjustment.hpp"
 #include "engine/mapping/back_end/scan_shelf.hpp"
 #include "engine/mapping/loops/live_loops.hpp"
+#include "engine/mapping/wheels/known_surfaces.hpp"
 #include "engine/mapping/wheels/motion_noise.hpp"
 #include "gdtslam/mapping/match.hpp"
 
@@ -83,7 +84,8 @@ class BackEnd {
   void put_on_shelf(std::function<void()> put);
   void add_scan(std::span<const Point2> points_base_m, const MatchResult& result);
   void add_keyframe(const MatchResult& result, KeptScan points);
-  [[nodiscard]] MeasuredSteps steps_to(const MatchResult& result, const KeptScan& scan) const;
+  [[nodiscard]] MeasuredSteps steps_to(const MatchResult& result, const KeptScan& known) const;
+  Matrix3 update_unseen(const MatchResult& result, const KeptScan& known);
   void take_kept();
   JointResult adjust_keyframes(const MeasuredPath& measured, std::vector<Pose2>& keyframes, WorkerPool& workers,
                                const Progress& progress) const;
@@ -106,6 +108,9 @@ class BackEnd {
   std::size_t keyframes_taken_ = 0;
   Pose2 T_map_keyframe_;      // the last one
   double travelled_m_ = 0.0;  // until it
+  double stretch_m_ = 0.0;    // since the local map began
+  KnownSurfaces known_;
+  Matrix3 covariance_ = Matrix3::diagonal(1.0e-6, 1.0e-6, 1.0e-7);  // of the last keyframe in the local map
   // Since the last keyframe, in the frame of the last scan:
   Pose2 T_wheels_;  // by the wheels alone
   Matrix3 wheels_covariance_;

@@ -23,13 +23,51 @@ BlockSystem system_for(const PoseGraph& graph) {
   std::vector<BlockSystem::Pair> pairs;
   for (const PoseRelation& relation : graph.path) pairs.emplace_back(relation.from, relation.to);
   for (const Loop& loop : graph.loops) pairs.emplace_back(loop.relation.from, loop.relation.to);
-  return {graph.poses.size(), std::move(pairs)};
+  if (graph.wheels.empty()) return {graph.poses.size(), std::move(pairs)};
+  const std::size_t bias = graph.poses.size();  // the row behind the poses
+  for (const auto& [relation, by_bias] : graph.wheels) {
+    pairs.emplace_back(relation.from, relation.to);
+    pairs.emplace_back(relation.from, bias);
+    pairs.emplace_back(relation.to, bias);
+  }
+  return {bias + 1, std::move(pairs)};
+}
+
+Tangent2 residual_of_wheels(const WheelRelation& wheels, const PoseGraph& graph) {
+  const PoseRelation& relation = wheels.relation;
+  Tangent2 residual = residual_of(relation, graph.poses[relation.from], graph.poses[relation.to]);
+  subtract(residual, wheels.by_bias * graph.bias);
+  return residual;
+}
+
+void add_wheels(const WheelRelation& wheels, const PoseGraph& graph, BlockSystem& system) {
+  const auto& [from, to, T, information] = wheels.relation;
+  const std::size_t bias = graph.poses.size();
+  const Tangent2 residual = residual_of_wheels(wheels, graph);
+  const Matrix3 by_from = -1.0 * adjoint_matrix(between(graph.poses[to], graph.poses[from]));
+  const Matrix3 by_bias = -1.0 * wheels.by_bias;
+  const Matrix3 of_from = information * by_from;
+  const Matrix3 of_bias = information * by_bias;
+  system.diagonal[to] += information;
+  system.diagonal[from] += transposed_times(by_from, of_from);
+  system.diagonal[bias] += transposed_times(by_bias, of_bias);
+  system.add(to, from, of_from);
+  system.add(to, bias, of_bias);
+  system.add(from, bias, transposed_times(by_from, of_bias));
+  const Tangent2 pull = information * residual;
+  subtract(system.right[to], pull);
+  subtract(system.right[from], transposed(by_from) * pull);
+  subtract(system.right[bias], transposed(by_bias) * pull);
 }
 
 void fill(const PoseGraph& graph, BlockSystem& system) {
   system.clear();
   for (const PoseRelation& relation : graph.path) add_relation(relation, graph.poses, 1.0, system);
   for (const Loop& loop : graph.loops) add_relation(loop.relation, graph.poses, loop.weight, system);
+  if (graph.wheels.empty()) return;
+  for (const WheelRelation& wheels : graph.wheels) add_wheels(wheels, graph, system);
+  system.diagonal.back() += graph.bias_information;
+  subtract(system.right.back(), graph.bias_information * graph.bias);
 }
 
 // How far the farthest went, metres.
@@ -71,14 +109,6 @@ void add_relation(const PoseRelation& relation, const std::vector<Pose2>& poses,
   subtract(system.right[relation.from], transposed(by_from) * pull);
 }
 
-double take_step(BlockSystem& system, BlockCholesky& factor, std::vector<Pose2>& poses) {
-  hold_first(system);
-  if (!factor.factorise(system)) return -1.0;
-  std::vector<Tangent2> steps = system.right;
-  factor.solve(steps);
-  return move_by(steps, poses);
-}
-
 double take_step_by_core(BlockSystem& system, BlockSystem& core, BlockCholesky& factor_of_core,
                          std::vector<Pose2>& poses) {
   hold_first(system);
@@ -86,6 +116,21 @@ double take_step_by_core(BlockSystem& system, BlockSystem& core, BlockCholesky& 
   if (!factor_of_core.factorise(core)) return -1.0;
   const std::vector<Tangent2> steps = solve_near(system, factor_of_core);
   return steps.empty() ? -1.0 : move_by(steps, poses);
+}
+
+double PoseGraph::take_step(BlockSystem& system, BlockCholesky& factor) {
+  fill(*this, system);
+  hold_first(system);
+  if (!factor.factorise(system)) return -1.0;
+  std::vector<Tangent2> steps = system.right;
+  factor.solve(steps);
+  return move_by(steps);
+}
+
+// The bias has the last row, behind the poses.
+double PoseGraph::move_by(const std::vector<Tangent2>& steps) {
+  if (!wheels.empty()) add(bias, steps.back());
+  return gdtslam::move_by(steps, poses);
 }
 
 double PoseGraph::largest_chi2() const {
@@ -120,6 +165,9 @@ void PoseGraph::weigh_loops(double scale) {
 double PoseGraph::cost() const {
   double sum = 0.0;
   for (const PoseRelation& relation : path) sum += chi2_of(relation, poses[relation.from], poses[relation.to]);
+  for (const WheelRelation& step : wheels)
+    sum += squared_norm(step.relation.information, residual_of_wheels(step, *this));
+  if (!wheels.empty()) sum += squared_norm(bias_information, bias);
   for (const Loop& loop : loops) {
     const double chi2 = chi2_of(loop.relation, poses[loop.relation.from], poses[loop.relation.to]);
     sum += kScale * chi2 / (kScale + chi2);
@@ -140,12 +188,14 @@ void PoseGraph::descend() {
     std::vector<Tangent2> steps = system.right;
     factor.solve(steps);
     const std::vector<Pose2> before = poses;
-    double moved_m = move_by(steps, poses);
+    const Tangent2 bias_before = bias;
+    double moved_m = move_by(steps);
     for (int halvings = 0; !(cost() < least); ++halvings) {
       poses = before;
+      bias = bias_before;
       if (halvings == kMostHalvings) return;
       for (Tangent2& part : steps) part = {0.5 * part[0], 0.5 * part[1], 0.5 * part[2]};
-      moved_m = move_by(steps, poses);
+      moved_m = move_by(steps);
     }
     least = cost();
     if (moved_m < kStill_m) return;
@@ -155,8 +205,9 @@ void PoseGraph::descend() {
 // Where turns contradict the path, whole steps may lead ever farther away. Where they do not come to rest, or at a
 // far worse place, they are held against shorter ones.
 void PoseGraph::optimise(bool is_graduated) {
-  if (loops.empty()) return;
+  if (loops.empty() && wheels.empty()) return;
   std::vector<Pose2> before = poses;
+  Tangent2 bias_before = bias;
   const double cost_before = cost();
   bool is_still = false;
   BlockSystem system = system_for(*this);
@@ -164,16 +215,19 @@ void PoseGraph::optimise(bool is_graduated) {
   double width = is_graduated ? std::clamp(2.0 * largest_chi2() / kScale, 1.0, kWidest) : kSlightlyWide;
   for (int step = 0; step < kMostSteps; ++step, width = std::max(1.0, width / kNarrowing)) {
     weigh_loops(width * kScale);
-    fill(*this, system);
-    const double moved_m = take_step(system, factor, poses);
+    const double moved_m = take_step(system, factor);
     is_still = width <= 1.0 && moved_m < kStill_m;
     if (moved_m < 0.0 || is_still) break;
   }
   if (!is_still || !(cost() <= kFarWorse * (cost_before + kScale))) {
     const double by_whole_steps = cost();
     poses.swap(before);
+    std::swap(bias, bias_before);
     descend();
-    if (by_whole_steps <= cost()) poses.swap(before);
+    if (by_whole_steps <= cost()) {
+      poses.swap(before);
+      std::swap(bias, bias_before);
+    }
   }
   weigh_loops(kScale);
 }
@@ -183,8 +237,7 @@ void PoseGraph::settle() {
   BlockCholesky factor(system);
   std::vector<Pose2> before = poses;
   for (int step = 0; step < kMostSteps; ++step) {
-    fill(*this, system);
-    const double moved_m = take_step(system, factor, poses);
+    const double moved_m = take_step(system, factor);
     if (!(moved_m >= kStill_m)) break;
   }
   if (!std::all_of(poses.begin(), poses.end(), [](const Pose2& pose) { return pose.is_finite(); })) poses.swap(before);
@@ -197,12 +250,20 @@ GraphCovariance::GraphCovariance(const PoseGraph& graph) : graph_(graph), system
 }
 
 std::vector<Matrix3> GraphCovariance::column(std::size_t node) const {
-  std::vector<Matrix3> blocks(graph_.poses.size());
+  std::vector<Matrix3> blocks = column_of_row(node);
+  blocks.resize(graph_.poses.size());
+  return blocks;
+}
+
+Matrix3 GraphCovariance::of_bias() const { return column_of_row(graph_.poses.size()).back(); }
+
+std::vector<Matrix3> GraphCovariance::column_of_row(std::size_t node) const {
+  std::vector<Matrix3> blocks(system_.rows());
   if (!is_known_) {
     blocks[node] = kUnsolved * Matrix3::identity();
     return blocks;
   }
-  std::vector<Tangent2> right(graph_.poses.size());
+  std::vector<Tangent2> right(system_.rows());
   for (int k = 0; k < 3; ++k) {
     std::fill(right.begin(), right.end(), Tangent2{});
     right[node][static_cast<std::size_t>(k)] = 1.0;

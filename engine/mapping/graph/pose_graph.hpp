@@ -21,16 +21,21 @@ struct PoseRelation {
   Matrix3 information{};  ///< of the tangent at T_from_to; perturbations act on the right
 };
 
+/// A step of the path by the wheels. All such steps share the bias of the wheels (share of the distance, share of the
+/// turn, turn per metre), so that the errors of a long stretch add up instead of averaging out.
+struct WheelRelation {
+  PoseRelation relation;
+  Matrix3 by_bias{};  ///< change of the tangent at T_from_to with the bias
+};
+
 /// log of what is between the measured relative pose and the actual one.
 Tangent2 residual_of(const PoseRelation& relation, const Pose2& T_from, const Pose2& T_to);
 double chi2_of(const PoseRelation& relation, const Pose2& T_from, const Pose2& T_to);
 /// Its normal equations at these poses, times a weight.
 void add_relation(const PoseRelation& relation, const std::vector<Pose2>& poses, double weight, BlockSystem& system);
-/// Moves the poses by the system's solution, the first one held; returns how far the farthest went, metres, or nothing
-/// below zero where the system has no solution, and the poses stay.
-double take_step(BlockSystem& system, BlockCholesky& factor, std::vector<Pose2>& poses);
-/// The same for a system whose own factor would be large: by that of `core`, a part of its relations that joins all
-/// poses.
+/// Moves the poses by the system's solution, the first one held; returns how far the farthest went, metres, or a value
+/// below zero if the system has no solution, and the poses stay. The system's own factor would be large, so that of
+/// `core` is used, a part of its relations that joins all poses.
 double take_step_by_core(BlockSystem& system, BlockSystem& core, BlockCholesky& factor_of_core,
                          std::vector<Pose2>& poses);
 
@@ -38,6 +43,7 @@ double take_step_by_core(BlockSystem& system, BlockSystem& core, BlockCholesky& 
 struct Loop {
   PoseRelation relation;
   double weight = 1.0;
+  bool is_ambiguous = false;  ///< another pose fits as well; the information leaves out the line between the two
   /// Whether it counts for more than a quarter: its chi2 is below the kernel's scale.
   [[nodiscard]] bool is_on() const { return weight > 0.25; }
 };
@@ -53,6 +59,9 @@ class PoseGraph {
   std::vector<Pose2> poses;
   std::vector<PoseRelation> path;
   std::vector<Loop> loops;
+  std::vector<WheelRelation> wheels{};
+  Tangent2 bias{};             ///< of all wheel relations, beyond that which their T_from_to are corrected by
+  Matrix3 bias_information{};  ///< of what is known of it before any log
 
   /// Least squares over path and loops. `is_graduated` starts from a kernel so wide that every loop counts and narrows
   /// it; otherwise from the poses as they are, for a graph that changed by little. Loops that are right where the path
@@ -63,6 +72,8 @@ class PoseGraph {
   void settle();
 
  private:
+  double take_step(BlockSystem& system, BlockCholesky& factor);
+  double move_by(const std::vector<Tangent2>& steps);
   void weigh_loops(double scale);
   [[nodiscard]] double largest_chi2() const;
   [[nodiscard]] double cost() const;
@@ -75,6 +86,8 @@ class GraphCovariance {
   explicit GraphCovariance(const PoseGraph& graph);
   /// Of the tangent of between(poses[from], poses[to]); kilometres where the graph has no solution.
   [[nodiscard]] Matrix3 relative(std::size_t from, std::size_t to) const;
+  /// Of the bias of the wheels. The graph must have wheel relations.
+  [[nodiscard]] Matrix3 of_bias() const;
   /// Between the tangents of each node and of this one, the first pose held.
   [[nodiscard]] std::vector<Matrix3> column(std::size_t node) const;
 
@@ -82,6 +95,7 @@ class GraphCovariance {
   const PoseGraph& graph_;
   BlockSystem system_;
   BlockCholesky factor_;
+  [[nodiscard]] std::vector<Matrix3> column_of_row(std::size_t row) const;
   bool is_known_ = false;
 };
 

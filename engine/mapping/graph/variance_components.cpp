@@ -12,8 +12,6 @@ namespace {
 constexpr std::size_t kFewestClosures = 4;
 constexpr double kUsualLog = 2.3;  // standard deviation of the factor's logarithm: what is said is right within ten
 constexpr std::size_t kMostClosures = 400;
-constexpr double kLeastFactor = 0.01;
-constexpr double kLargestFactor = 110.0;
 constexpr double kFactorStep = 1.7782794;  // fourth root of ten
 constexpr double kClosureFreedom = 4.0;    // of Student's t: a few loops may be far off
 constexpr double kDimensions = 3.0;
@@ -78,19 +76,21 @@ VarianceFactor variance_factor(std::span<const PoseRelation> chain, std::span<co
   }
   best.closures = closures.size();
   double least = std::numeric_limits<double>::infinity();
-  for (double factor = kLeastFactor; factor <= kLargestFactor; factor *= kFactorStep) {
+  for (double factor = kLeastVarianceFactor; factor <= kMostVarianceFactor; factor *= kFactorStep) {
     const double unusual = log(factor) / kUsualLog;
     const double now = minus_log_likelihood(closures, factor) + 0.5 * unusual * unusual;
     if (now >= least) continue;
     least = now;
-    best.variance = factor;
+    best.variance = best.turn_variance = factor;
   }
   return best;
 }
 
 PoseRelation rescaled(const PoseRelation& relation, const VarianceFactor& factor) {
+  const double way = 1.0 / std::sqrt(factor.variance);
+  const Matrix3 scale = Matrix3::diagonal(way, way, 1.0 / std::sqrt(factor.turn_variance));
   PoseRelation result = relation;
-  result.information = 1.0 / factor.variance * relation.information;
+  result.information = scale * relation.information * scale;
   return result;
 }
 

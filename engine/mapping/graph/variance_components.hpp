@@ -11,12 +11,16 @@
 
 namespace gdtslam {
 
-/// By how much variances are larger than they were said to be: above 1 a measurement is worse than it claims. One for
-/// translation and rotation: over a path the errors of heading make most of those of position, and loops cannot tell
+inline constexpr double kLeastVarianceFactor = 0.01;
+inline constexpr double kMostVarianceFactor = 110.0;
+
+/// By how much variances are larger than they were said to be: above 1 a measurement is worse than it claims. Matches
+/// have one factor for both: over a path the errors of heading make most of those of position, and loops cannot tell
 /// them apart.
 struct VarianceFactor {
   double variance = 1.0;
-  std::size_t closures = 0;  ///< loops that it comes from
+  double turn_variance = variance;  ///< of the heading
+  std::size_t closures = 0;         ///< loops or steps that it comes from
 };
 
 /// Of a chain whose relation i goes from node i to node i + 1, by the loops that are on. Between 1/100 and 100, and

@@ -13,6 +13,10 @@ namespace {
 constexpr double kHeldShare = 0.8;  // of the loops that were on, to stay on with other weights of the path
 constexpr double kLess = 4.0;       // times the variance
 constexpr int kMostTimesLess = 4;
+// One standard deviation of the bias of wheels that nothing is known of.
+constexpr double kUsualDistance = 0.1;
+constexpr double kUsualTurn = 0.1;
+constexpr double kUsualTurn_rad_per_m = 0.1;
 constexpr int kGraduatedEvery = 8;  // places with loops, after which the graph is solved from wide kernels on
 
 std::size_t loops_on(const PoseGraph& graph) {
@@ -37,7 +41,10 @@ LoopCloser::LoopCloser(const FrontEndPath& path, const LoopOptions& options)
       counter_(options),
       measured_(path, {}),
       finder_(options.search),
-      pruning_(options.pruning) {}
+      pruning_(options.pruning) {
+  graph_.bias_information =
+      Matrix3::diagonal(1.0 / square(kUsualDistance), 1.0 / square(kUsualTurn), 1.0 / square(kUsualTurn_rad_per_m));
+}
 
 bool LoopCloser::take_loops(const std::vector<Loop>& loops) {
   for (const Loop& loop : loops) take_loop(graph_.loops, loop);
@@ -51,7 +58,9 @@ void LoopCloser::take_keyframe() {
   if (!counter_.is_place(path_.path_m[here])) return;
   measured_.add_place(here);
   finder_.add_place(here);
-  if (places().size() > 1) coming_.push_back(measured_.by_front_end(places().size() - 1));
+  if (places().size() == 1) return;
+  const std::size_t place = places().size() - 1;
+  coming_.emplace_back(measured_.by_front_end(place), measured_.by_wheels(place));
 }
 
 void LoopCloser::follow_place(std::size_t here, WorkerPool& workers) {
@@ -59,7 +68,8 @@ void LoopCloser::follow_place(std::size_t here, WorkerPool& workers) {
     graph_.poses = {path_.poses.front()};
     return;
   }
-  push_sparingly(graph_.path, coming_.front());
+  push_sparingly(graph_.path, coming_.front().first);
+  push_sparingly(graph_.wheels, coming_.front().second);
   coming_.pop_front();
   push_sparingly(graph_.poses, graph_.poses.back() * graph_.path.back().T_from_to);
   const std::size_t most = pruning_.is_crowded(graph_, here) ? 1 : options_.search.revisits.most;
@@ -102,10 +112,11 @@ void LoopCloser::go_round(const Progress& progress, int round, WorkerPool& worke
 void LoopCloser::weigh_sources() {
   const std::size_t held = loops_on(graph_);
   const PoseGraph as_stated = graph_;
-  measured_.weigh(graph_.loops);
+  measured_.weigh(graph_);
   for (int times = 0; times <= kMostTimesLess; ++times) {
     graph_ = as_stated;
-    graph_.path = measured_.relations();
+    graph_.path = measured_.matches();
+    graph_.wheels = measured_.wheels();
     graph_.optimise(true);
     if (static_cast<double>(loops_on(graph_)) >= kHeldShare * static_cast<double>(held)) return;
     measured_.believe_less(kLess);
@@ -137,8 +148,10 @@ void LoopCloser::run(const Progress& progress, WorkerPool& workers) {
   graph_.optimise(true);
   carry_keyframes();
   for (int round = 1; round <= options_.rounds; ++round) go_round(progress, round, workers);
-  measured_.correct_wheels(poses_);
+  measured_.correct_wheels(graph_);
+  measured_.state_wheel_noise(poses_);
   weigh_sources();
+  measured_.correct_wheels(graph_);
   carry_keyframes();
 }
 

@@ -90,7 +90,7 @@ class LoopCloser {
   std::size_t known_ = 0;     // keyframes that were taken
   std::vector<Pose2> poses_;  // of all, from the end on
   MeasuredPath measured_;
-  std::deque<PoseRelation> coming_;  // to the places that were not looked at yet
+  std::deque<std::pair<PoseRelation, WheelRelation>> coming_;  // to the places that were not looked at yet
   PoseGraph graph_;
   LoopFinder finder_;
   PlacePruning pruning_;

@@ -20,11 +20,16 @@ constexpr double kLeastPrior_rad = 0.005;
 constexpr std::size_t kAheadAThread = 4;  // places that are looked at before it is known whether the graph stays
 constexpr double kNearWindow_m = 0.8;     // half windows that are cheap to prepare for
 constexpr double kNearWindow_rad = 0.5;
+constexpr double kElsewhere_m = 1.0;  // poses this near the best one, and turned as it is, are the same answer
+constexpr double kElsewhere_rad = 0.35;
+constexpr double kAsGoodChi2 = 16.0;  // a pose that costs no more than that above the best one may be right as well
 
 // Cost units that one sigma squared is worth: a point that is a cell off costs 256, and of `points` only some are
 // independent.
+double unit_of_chi2(std::size_t points) { return 0.25 * 256.0 * static_cast<double>(points) / kSearchIndependent; }
+
 WindowPrior prior_of(const Revisit& revisit, double resolution_m, std::size_t points) {
-  const double unit = 0.25 * 256.0 * static_cast<double>(points) / kSearchIndependent;
+  const double unit = unit_of_chi2(points);
   const double cells = std::max(kLeastPrior_m, revisit.sigma_m) / resolution_m;
   const double radians = std::max(kLeastPrior_rad, revisit.sigma_rad);
   WindowPrior prior;
@@ -92,8 +97,17 @@ struct LoopFinder::Found {
   bool is_near = false;      ///< the window
   Pose2 T_place_here;
   LoopEvidence evidence;
+  std::optional<Pose2> T_otherwise;  ///< a pose elsewhere in the window that fits about as well
   std::uint64_t boxes = 0;
 };
+
+// A place that could be in two ways says only what both have in common: along the line between them nothing.
+Matrix3 LoopFinder::information_of(const Found& found) {
+  const Matrix3 information = loop_information(found.evidence);
+  if (!found.T_otherwise) return information;
+  const Tangent2 apart = log_tangent(between(found.T_place_here, *found.T_otherwise));
+  return inverse(inverse(information) + outer(apart, apart));
+}
 
 LoopFinder::LoopFinder(const LoopSearchOptions& options) : options_(options), backend_(make_cpu_backend({})) {}
 
@@ -183,13 +197,26 @@ void LoopFinder::search(Reference& reference, const ScanGroup& query, Found& fou
   const CertifiedResult result = find_pose(reference.certified_for(found.is_near), points, window, options);
   found.boxes = result.boxes;
   found.T_place_here = result.T_map_base;
+  found.evidence = weigh_loop(reference.group, query, found.T_place_here);
+  const bool is_wide = half_m > kElsewhere_m || window.half_theta_rad > kElsewhere_rad;
+  if (!is_wide || !is_possible(found.evidence, options_.limits)) return;
+  options.starts = {};
+  options.excluded = ExcludedPoses{result.T_map_base, kElsewhere_m, kElsewhere_rad};
+  options.wanted_bound = result.cost + static_cast<std::uint32_t>(kAsGoodChi2 * unit_of_chi2(points.size()));
+  options.max_boxes = options_.most_boxes / 5;
+  const CertifiedResult second = find_pose(reference.certified_for(found.is_near), points, window, options);
+  found.boxes += second.boxes;
+  if (second.stop == CertifiedStop::kNothingAllowed || second.cost > options.wanted_bound) return;
+  if (!is_possible(weigh_loop(reference.group, query, second.T_map_base), options_.limits)) return;
+  found.T_otherwise = second.T_map_base;
 }
 
 LoopFinder::Found LoopFinder::find(const Revisit& revisit, const ScanGroup& query) {
   Reference& reference = reference_at(revisit.place);
-  Found found{.revisit = revisit, .number = reference.number, .T_place_here = {}, .evidence = {}};
+  Found found;
+  found.revisit = revisit;
+  found.number = reference.number;
   search(reference, query, found);
-  found.evidence = weigh_loop(reference.group, query, found.T_place_here);
   return found;
 }
 
@@ -216,7 +243,7 @@ std::vector<Revisit> LoopFinder::wanted_revisits(const PoseGraph& graph, std::si
       revisits_of(graph, GraphCovariance(graph), path_m_, here, rules, left_out_before(here));
   std::erase_if(revisits, [&](const Revisit& revisit) {
     return std::any_of(graph.loops.begin(), graph.loops.end(), [&](const Loop& loop) {
-      return loop.relation.from == revisit.place && loop.relation.to == here && loop.is_on();
+      return loop.relation.from == revisit.place && loop.relation.to == here && loop.is_on() && !loop.is_ambiguous;
     });
   });
   return revisits;
@@ -262,7 +289,8 @@ std::vector<Loop> LoopFinder::take(std::vector<Found> all, std::size_t here) {
     counts_.boxes += found.boxes;
     if (!is_possible(found.evidence, options_.limits)) continue;
     ++counts_.found;
-    loops.push_back({{found.revisit.place, here, found.T_place_here, loop_information(found.evidence)}, 1.0});
+    loops.push_back({.relation = {found.revisit.place, here, found.T_place_here, information_of(found)},
+                     .is_ambiguous = found.T_otherwise.has_value()});
   }
   return loops;
 }

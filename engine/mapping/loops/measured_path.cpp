@@ -10,51 +10,66 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kLeastOfFrontEnd = 0.1;  // factor of its variance
-constexpr std::size_t kBiasSteps = 12;    // keyframes of a stretch by which the wheels are judged
+constexpr double kBiasStep = 1.0e-4;  // of a difference quotient
+
+constexpr double kFarBetter = 0.25;    // of the variance
+constexpr double kVeryGood = 0.2;      // factor of the variance of wheels
+constexpr std::size_t kFewAPlace = 8;  // keyframes, from one to the next
+constexpr std::size_t kFewestOff = 12;
+constexpr double kQuantile = 0.85;  // and where it lies for the absolute value of a normal variable
+constexpr double kQuantileOfOne = 1.440;
+
+// By which factor variances are larger than stated, from errors in units of their standard deviations.
+double factor_of(std::vector<double>& off) {
+  const auto at = off.begin() + static_cast<std::ptrdiff_t>(kQuantile * static_cast<double>(off.size() - 1));
+  std::nth_element(off.begin(), at, off.end());
+  return std::clamp(square(*at / kQuantileOfOne), kLeastVarianceFactor, kMostVarianceFactor);
+}
+
+std::vector<PoseRelation> relations_of(const std::vector<WheelRelation>& wheels) {
+  std::vector<PoseRelation> relations;
+  for (const WheelRelation& step : wheels) relations.push_back(step.relation);
+  return relations;
+}
+
+VarianceFactor at_least(VarianceFactor factor, double least) {
+  factor.variance = std::max(factor.variance, least);
+  factor.turn_variance = std::max(factor.turn_variance, least);
+  return factor;
+}
+
+// What is taken as it is, however sure it is.
+WheelBias plain(const WheelBias& bias) { return {bias.distance, bias.turn, bias.turn_rad_per_m, 0.0, 0.0, 0.0}; }
+
+// How the tangent of a step changes with the bias, at this bias.
+Matrix3 change_with_bias(const Pose2& by_wheels, const WheelBias& bias) {
+  const WheelBias at = plain(bias);
+  const Pose2 T = corrected(by_wheels, at);
+  Matrix3 change;
+  for (int k = 0; k < 3; ++k) {
+    WheelBias moved = at;
+    (k == 0 ? moved.distance : k == 1 ? moved.turn : moved.turn_rad_per_m) += kBiasStep;
+    const Tangent2 by = log_tangent(between(T, corrected(by_wheels, moved)));
+    for (int row = 0; row < 3; ++row) change(row, k) = by[static_cast<std::size_t>(row)] / kBiasStep;
+  }
+  return change;
+}
 
 }  // namespace
 
 MeasuredPath::MeasuredPath(const FrontEndPath& path, std::vector<std::size_t> places)
-    : path_(path), places_(std::move(places)) {
-  state_between_places();
-}
+    : path_(path), places_(std::move(places)) {}
 
-void MeasuredPath::state_between_places() {
-  for (std::size_t source = 0; source < kStepSources; ++source) {
-    stated_[source].clear();
-    for (std::size_t place = 1; place < places_.size(); ++place) {
-      stated_[source].push_back(between_places(place, source, &MeasuredStep::information));
-    }
-  }
-}
-
-// Between two keyframes the wheels' step is a chord and a turn.
-void MeasuredPath::correct_wheels(const std::vector<Pose2>& keyframes) {
-  constexpr auto kWheels = static_cast<std::size_t>(StepSource::kWheels);
-  std::vector<WheelStretch> stretches;
-  std::size_t end_of_guess = 0;  // behind the last keyframe that lies where the wheels said
-  for (std::size_t to = 0; to < keyframes.size(); ++to) {
-    if (!path_.travels.empty() && !path_.travels[to].is_matched) end_of_guess = to + 1;
-    if (to < end_of_guess + kBiasSteps) continue;
-    const std::size_t from = to - kBiasSteps;
-    const Pose2 actual = between(keyframes[from], keyframes[to]);
-    WheelStretch stretch{.true_chord_m = length_of(actual), .true_turn_rad = actual.theta_rad};
-    StraightenedWay way;
-    for (std::size_t i = from + 1; i <= to; ++i) {
-      const Pose2& step = path_.steps_to(i)[kWheels].T;
-      way.add(step, between(keyframes[i - 1], keyframes[i]));
-      stretch.path_m += length_of(step);
-      stretch.turned_rad += std::fabs(step.theta_rad);
-      stretch.forward_m += step.x_m;
-      stretch.turn_rad += step.theta_rad;
-    }
-    stretch.chord_m = way.chord_m();
-    stretches.push_back(stretch);
-  }
-  bias_ = estimate_bias(stretches, static_cast<double>(kBiasSteps));
-  state_wheel_noise(keyframes);
-  state_between_places();
+void MeasuredPath::correct_wheels(PoseGraph& graph) {
+  if (graph.wheels.empty()) return;
+  bias_.distance += graph.bias[0];
+  bias_.turn += graph.bias[1];
+  bias_.turn_rad_per_m += graph.bias[2];
+  graph.bias = {};
+  const Matrix3 covariance = GraphCovariance(graph).of_bias();
+  bias_.sigma_distance = std::sqrt(covariance(0, 0));
+  bias_.sigma_turn = std::sqrt(covariance(1, 1));
+  bias_.sigma_rad_per_m = std::sqrt(covariance(2, 2));
 }
 
 void MeasuredPath::state_wheel_noise(const std::vector<Pose2>& keyframes) {
@@ -82,63 +97,144 @@ void MeasuredPath::state_wheel_noise(const std::vector<Pose2>& keyframes) {
   }
 }
 
-PoseRelation MeasuredPath::between_places(std::size_t place, std::size_t source, Information information) const {
-  PoseRelation relation = stated(places_[place - 1], places_[place], source, information);
-  relation.from = place - 1;
-  relation.to = place;
+WheelRelation MeasuredPath::between_places(std::size_t place, StepSource source, Information information) const {
+  WheelRelation relation = stated(places_[place - 1], places_[place], source, information);
+  relation.relation.from = place - 1;
+  relation.relation.to = place;
   return relation;
 }
 
-// The covariances of the steps in between, each carried to the frame of the last.
-PoseRelation MeasuredPath::stated(std::size_t from, std::size_t to, std::size_t source, Information information) const {
+WheelRelation MeasuredPath::stated(std::size_t from, std::size_t to, StepSource source, Information information) const {
+  return source == StepSource::kWheels ? wheels_between(from, to) : matches_between(from, to, information);
+}
+
+// The covariances of the steps in between, each carried to the frame of the last, which adds up as the map drifts; and
+// how far either end is off along what it does not see, which does not.
+WheelRelation MeasuredPath::matches_between(std::size_t from, std::size_t to, Information information) const {
   Pose2 T;
-  Matrix3 covariance;
+  Matrix3 covariance = unseen_at(from);
   for (std::size_t i = from + 1; i <= to; ++i) {
-    const MeasuredStep& step = path_.steps_to(i)[source];
-    const bool is_by_wheels = source == static_cast<std::size_t>(StepSource::kWheels);
-    const Pose2 T_step = is_by_wheels ? corrected(step.T, bias_) : step.T;
-    const bool is_restated = is_by_wheels && !wheel_information_.empty();
-    const Matrix3 carried = adjoint_matrix(inverse(T_step));
-    covariance = carried * times_transposed(covariance, carried) +
-                 inverse(is_restated ? wheel_information_[i] : step.*information);
-    T = T * T_step;
+    const MeasuredStep& step = path_.steps_to(i)[0];
+    const Matrix3 carried = adjoint_matrix(inverse(step.T));
+    covariance = carried * times_transposed(covariance, carried) + inverse(step.*information);
+    T = T * step.T;
   }
-  return {.from = from, .to = to, .T_from_to = T, .information = inverse(covariance)};
+  covariance += unseen_at(to);
+  return {.relation = {.from = from, .to = to, .T_from_to = T, .information = inverse(covariance)}, .by_bias = {}};
+}
+
+// The way of the wheels in the headings of the matches, which are far better: by the wheels' own headings, whose noise
+// bends it, the way would be too short, and its end as far aside as they turn too much. Where no match tells the
+// heading that of the wheels counts, and its errors are carried along; likewise where loops found the wheels to be very
+// good.
+WheelRelation MeasuredPath::wheels_between(std::size_t from, std::size_t to) const {
+  Pose2 T;
+  double turned_rad = 0.0;
+  Matrix3 covariance;
+  Matrix3 by_bias;
+  Matrix3 of_turns;  // of steps whose heading a match tells: they move nothing behind them
+  Matrix3 turns_by_bias;
+  for (std::size_t i = from + 1; i <= to; ++i) {
+    const MeasuredSteps& steps = path_.steps_to(i);
+    const Pose2 by_wheels = corrected(steps[1].T, plain(bias_));
+    const Matrix3 of_step = inverse(wheel_information_.empty() ? steps[1].information : wheel_information_[i]);
+    const bool is_told = !are_wheels_good_ && inverse(steps[0].information)(2, 2) < of_step(2, 2);
+    const double heading_rad = is_told ? steps[0].T.theta_rad : by_wheels.theta_rad;
+    const Point2 way = Pose2{0.0, 0.0, 0.5 * (heading_rad - by_wheels.theta_rad)} * by_wheels.translation();
+    const Pose2 step{way.x(), way.y(), heading_rad};
+    const Matrix3 carried = adjoint_matrix(inverse(step));
+    const Matrix3 change = change_with_bias(steps[1].T, bias_);
+    const Matrix3 moving = Matrix3::diagonal(1.0, 1.0, is_told ? 0.0 : 1.0);
+    const Matrix3 turning = Matrix3::diagonal(0.0, 0.0, is_told ? 1.0 : 0.0);
+    covariance = carried * times_transposed(covariance, carried) + moving * times_transposed(of_step, moving);
+    of_turns += turning * times_transposed(of_step, turning);
+    by_bias = carried * by_bias + moving * change;
+    turns_by_bias += turning * change;
+    T = T * step;
+    turned_rad += by_wheels.theta_rad;
+  }
+  T.theta_rad = turned_rad;
+  return {.relation = {.from = from, .to = to, .T_from_to = T, .information = inverse(covariance + of_turns)},
+          .by_bias = by_bias + turns_by_bias};
 }
 
 PoseRelation MeasuredPath::stretch(std::size_t from, std::size_t to, StepSource source) const {
-  const auto which = static_cast<std::size_t>(source);
-  return rescaled(stated(from, to, which), factors_[which]);
+  return rescaled(stated(from, to, source).relation, factors_[static_cast<std::size_t>(source)]);
 }
 
-std::vector<PoseRelation> MeasuredPath::relations() const {
-  std::vector<PoseRelation> relations;
-  for (std::size_t source = 0; source < kStepSources; ++source) {
-    for (const PoseRelation& stated : stated_[source]) relations.push_back(rescaled(stated, factors_[source]));
+std::vector<WheelRelation> MeasuredPath::all_between_places(StepSource source, Information information,
+                                                            const VarianceFactor& factor) const {
+  std::vector<WheelRelation> relations;
+  for (std::size_t place = 1; place < places_.size(); ++place) {
+    const auto [relation, by_bias] = between_places(place, source, information);
+    relations.push_back({rescaled(relation, factor), by_bias});
   }
   return relations;
 }
 
-std::vector<PoseRelation> MeasuredPath::cautious_relations(double least_factor) const {
+std::vector<PoseRelation> MeasuredPath::matches(Information information, double least_factor) const {
   std::vector<PoseRelation> relations;
-  for (std::size_t source = 0; source < kStepSources; ++source) {
-    VarianceFactor factor = factors_[source];
-    factor.variance = std::max(factor.variance, least_factor);
-    for (std::size_t place = 1; place < places_.size(); ++place) {
-      relations.push_back(rescaled(between_places(place, source, &MeasuredStep::cautious), factor));
-    }
+  const VarianceFactor factor = at_least(factors_[0], least_factor);
+  for (const WheelRelation& step : all_between_places(StepSource::kFrontEnd, information, factor)) {
+    relations.push_back(step.relation);
   }
   return relations;
 }
 
-// The front end's own noise from scan to scan does not add up along the path, so loops tell too little of it. Where
-// they find the front end far better than it says, both are believed less, in the same ratio.
-void MeasuredPath::weigh(const std::vector<Loop>& loops) {
-  for (std::size_t source = 0; source < kStepSources; ++source) {
-    factors_[source] = variance_factor(stated_[source], loops);
+std::vector<WheelRelation> MeasuredPath::wheels(double least_factor) const {
+  return all_between_places(StepSource::kWheels, &MeasuredStep::information, at_least(factors_[1], least_factor));
+}
+
+// How far the wheels are off the graph, from place to place, in units of what was stated: where matches say that they
+// know far better, the way and the turn apart. Where they do not, loops tell.
+VarianceFactor MeasuredPath::factor_of_wheels(const PoseGraph& graph) const {
+  std::vector<double> turns;
+  std::vector<double> ways;
+  for (std::size_t place = 1; place < places_.size(); ++place) {
+    const PoseRelation wheels = by_wheels(place).relation;
+    const Matrix3 covariance = inverse(wheels.information);
+    const Matrix3 of_matches = inverse(by_front_end(place).information);
+    const Tangent2 off = residual_of(wheels, graph.poses[place - 1], graph.poses[place]);
+    const auto is_judged = [&](int k) { return of_matches(k, k) < kFarBetter * covariance(k, k); };
+    if (is_judged(2)) turns.push_back(std::fabs(off[2]) / std::sqrt(covariance(2, 2)));
+    if (is_judged(0)) ways.push_back(std::fabs(off[0]) / std::sqrt(covariance(0, 0)));
   }
-  const double shift = std::max(1.0, kLeastOfFrontEnd / factors_[0].variance);
-  for (VarianceFactor& factor : factors_) factor.variance *= shift;
+  const bool are_judged = turns.size() >= kFewestOff && ways.size() >= kFewestOff;
+  if (!are_judged) return variance_factor(relations_of(wheels()), graph.loops);
+  return {.variance = factor_of(ways), .turn_variance = factor_of(turns), .closures = ways.size()};
+}
+
+// By what the matches differ from wheels that are known to be better.
+VarianceFactor MeasuredPath::factor_beside_good_wheels() const {
+  std::vector<double> turns;
+  std::vector<double> ways;
+  for (std::size_t place = 1; place < places_.size(); ++place) {
+    const PoseRelation matches = by_front_end(place);
+    const Matrix3 covariance = inverse(matches.information);
+    const Tangent2 off = log_tangent(between(by_wheels(place).relation.T_from_to, matches.T_from_to));
+    turns.push_back(std::fabs(off[2]) / std::sqrt(covariance(2, 2)));
+    ways.push_back(std::sqrt(square(off[0]) + square(off[1])) / std::sqrt(covariance(0, 0) + covariance(1, 1)));
+  }
+  if (turns.size() < kFewestOff) return {};
+  return {.variance = factor_of(ways), .turn_variance = factor_of(turns), .closures = ways.size()};
+}
+
+// Scans that are far apart are each matched with few others, and their errors do not average out. If a chain of the
+// wheels alone then closes the loops far better than it was stated to, what matches differ from it by is the fault of
+// the matches: loops tie what lies near by, and do not show it.
+void MeasuredPath::weigh(const PoseGraph& graph) {
+  const bool is_sparse = path_.poses.size() < kFewAPlace * places_.size();
+  factors_ = {};
+  are_wheels_good_ = true;
+  const VarianceFactor alone = variance_factor(relations_of(wheels()), graph.loops);
+  are_wheels_good_ = is_sparse && alone.variance < kVeryGood;
+  VarianceFactor of_matches = variance_factor(matches(), graph.loops);
+  if (are_wheels_good_) {
+    const VarianceFactor beside = factor_beside_good_wheels();
+    of_matches.variance = std::max(of_matches.variance, beside.variance);
+    of_matches.turn_variance = std::max(of_matches.turn_variance, beside.turn_variance);
+  }
+  factors_ = {of_matches, are_wheels_good_ ? alone : factor_of_wheels(graph)};
 }
 
 }  // namespace gdtslam

@@ -20,6 +20,7 @@ struct MeasuredStep {
   Pose2 T;
   Matrix3 information{};  ///< of the tangent at T
   Matrix3 cautious{};     ///< the same where the scan's distance from the map counts as noise: for covariances alone
+  Matrix3 unseen{};       ///< of a match: covariance of the pose at its end along what no known surface shows
 };
 
 /// What the wheels went from one keyframe to the next, whose noise is known better once the log has ended.
@@ -54,50 +55,63 @@ class MeasuredPath {
   /// Between places, which are keyframes, ascending; `path` must outlive this.
   MeasuredPath(const FrontEndPath& path, std::vector<std::size_t> places);
 
-  /// One place more, a keyframe behind the last place. relations() and weigh() know of it from correct_wheels() on.
+  /// One place more, a keyframe behind the last place.
   void add_place(std::size_t keyframe) { push_sparingly(places_, keyframe); }
 
   [[nodiscard]] const std::vector<std::size_t>& places() const { return places_; }
-  /// From place to place by each of the sources, as much as they are believed now: all of the front end, then all of
-  /// the wheels.
-  [[nodiscard]] std::vector<PoseRelation> relations() const;
-  /// The same with cautious information; factors of the variance below `least_factor` count as that.
-  [[nodiscard]] std::vector<PoseRelation> cautious_relations(double least_factor) const;
-  /// To a place from the one before it, as the front end says.
+  /// Which information of a step counts.
+  using Information = Matrix3 MeasuredStep::*;
+  /// From place to place by the matches, and by the wheels, as much as they are believed now; factors of the variance
+  /// below `least_factor` count as that.
+  [[nodiscard]] std::vector<PoseRelation> matches(Information information = &MeasuredStep::information,
+                                                  double least_factor = 0.0) const;
+  [[nodiscard]] std::vector<WheelRelation> wheels(double least_factor = 0.0) const;
+  /// To a place from the one before it, as the matches state it.
   [[nodiscard]] PoseRelation by_front_end(std::size_t place) const {
-    return between_places(place, static_cast<std::size_t>(StepSource::kFrontEnd), &MeasuredStep::information);
+    return between_places(place, StepSource::kFrontEnd).relation;
   }
+  /// The same by the wheels.
+  [[nodiscard]] WheelRelation by_wheels(std::size_t place) const { return between_places(place, StepSource::kWheels); }
   /// Between two keyframes, as far as the source is believed now.
   [[nodiscard]] PoseRelation stretch(std::size_t from, std::size_t to, StepSource source) const;
 
-  /// Takes from the wheels what they get wrong always, as it shows against keyframes that are known better, and states
-  /// their noise anew: it was stated step by step, when little was known of it.
-  void correct_wheels(const std::vector<Pose2>& keyframes);
+  /// Corrects the wheels by the bias that the graph found, whose own bias is zero from then on.
+  void correct_wheels(PoseGraph& graph);
+  /// States the noise of the wheels anew from keyframes that are known better: it was stated step by step, when little
+  /// was known of it.
+  void state_wheel_noise(const std::vector<Pose2>& keyframes);
   [[nodiscard]] const WheelBias& wheel_bias() const { return bias_; }
-  /// How far each source is to be believed, by what the loops that are on say of it.
-  void weigh(const std::vector<Loop>& loops);
+  /// How far each source is to be believed: the matches by what the loops that are on say of them, the wheels by how
+  /// far they are off the graph from place to place.
+  void weigh(const PoseGraph& graph);
   /// Both sources, their variances by this factor.
   void believe_less(double factor) {
-    for (VarianceFactor& source : factors_) source.variance *= factor;
+    for (VarianceFactor& source : factors_) {
+      source.variance *= factor;
+      source.turn_variance *= factor;
+    }
   }
   void believe_as_stated() { factors_ = {}; }
   [[nodiscard]] const std::array<VarianceFactor, kStepSources>& factors() const { return factors_; }
 
  private:
-  /// Which information of a step counts.
-  using Information = Matrix3 MeasuredStep::*;
-  [[nodiscard]] PoseRelation stated(std::size_t from, std::size_t to, std::size_t source,
-                                    Information information = &MeasuredStep::information) const;
-  [[nodiscard]] PoseRelation between_places(std::size_t place, std::size_t source, Information information) const;
-
-  void state_between_places();
-  void state_wheel_noise(const std::vector<Pose2>& keyframes);
+  [[nodiscard]] WheelRelation stated(std::size_t from, std::size_t to, StepSource source,
+                                     Information information = &MeasuredStep::information) const;
+  [[nodiscard]] Matrix3 unseen_at(std::size_t keyframe) const { return path_.steps_to(keyframe)[0].unseen; }
+  [[nodiscard]] WheelRelation matches_between(std::size_t from, std::size_t to, Information information) const;
+  [[nodiscard]] WheelRelation wheels_between(std::size_t from, std::size_t to) const;
+  [[nodiscard]] WheelRelation between_places(std::size_t place, StepSource source,
+                                             Information information = &MeasuredStep::information) const;
+  [[nodiscard]] std::vector<WheelRelation> all_between_places(StepSource source, Information information,
+                                                              const VarianceFactor& factor) const;
+  [[nodiscard]] VarianceFactor factor_of_wheels(const PoseGraph& graph) const;
+  [[nodiscard]] VarianceFactor factor_beside_good_wheels() const;
 
   const FrontEndPath& path_;
   std::vector<std::size_t> places_;
-  std::array<std::vector<PoseRelation>, kStepSources> stated_;  // as measured
   std::array<VarianceFactor, kStepSources> factors_;
   WheelBias bias_;
+  bool are_wheels_good_ = false;            // as loops found: their own headings count
   std::vector<Matrix3> wheel_information_;  // of each step with hindsight; empty before
 };
 

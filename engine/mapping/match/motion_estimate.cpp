@@ -57,6 +57,8 @@ void MotionEstimate::take(MatchResult& result, bool is_matched, std::span<const 
   result.T_odometry_step = step_;
   result.odometry_sigma_m = is_measured_ ? noise_.sigma_m : kNothingSaid.sigma_m;
   result.odometry_sigma_rad = is_measured_ ? noise_.sigma_rad : kNothingSaid.sigma_rad;
+  result.match_sigma_m = wheels_.errors().match_m;
+  result.match_sigma_rad = wheels_.errors().match_rad;
   const bool is_settled = result.accepted && is_matched;
   const KeptScan scan = is_settled ? keep_scan(points_base_m) : KeptScan{};
   const bool is_sure = result.accepted && result.doubt == Doubt::kNone;
@@ -70,9 +72,10 @@ void MotionEstimate::take(MatchResult& result, bool is_matched, std::span<const 
 // otherwise: along a corridor they would else wander, and the motion go on. Where few points see the corridor's ends,
 // what they tell is no worse fit for long, but is known. What was held back until then is no motion that goes on.
 void MotionEstimate::settle(MatchResult& result, const KeptScan& scan, const FitsAsWell& fits_as_well) {
-  const Matrix3 information = match_information(scan);
+  const MatchInformation information = match_information(known_ ? known_->known_part(scan, result.T_map_base) : scan);
   if (stands_) {
-    stands_ = !are_apart(T_map_last_, result.T_map_base, information) && fits_as_well(T_map_last_, result.T_map_base);
+    stands_ =
+        !are_apart(T_map_last_, result.T_map_base, information.matrix) && fits_as_well(T_map_last_, result.T_map_base);
     if (!stands_) {
       continued_ = ContinuedMotion{};
       filter_.predict(T_map_last_, kOfAnyRobot);
@@ -89,7 +92,7 @@ void MotionEstimate::settle(MatchResult& result, const KeptScan& scan, const Fit
     filter_.take(fused.T_map_base, fused.covariance);
     result.T_map_base = fused.T_map_base;
   } else {
-    filter_.take(result.T_map_base, inverse(information));
+    filter_.take(result.T_map_base, inverse(information.matrix));
   }
 }
 

@@ -10,6 +10,7 @@
 
 #include "engine/mapping/match/motion_model.hpp"
 #include "engine/mapping/wheels/continued_motion.hpp"
+#include "engine/mapping/wheels/known_surfaces.hpp"
 #include "engine/mapping/wheels/pose_filter.hpp"
 #include "engine/mapping/wheels/wheel_noise.hpp"
 #include "gdtslam/mapping/match.hpp"
@@ -31,6 +32,8 @@ class MotionEstimate {
   /// refused where it is weak and cannot be right; where both cannot be right the scan decides.
   void take(MatchResult& result, bool is_matched, std::span<const Point2> points_base_m,
             const FitsAsWell& fits_as_well);
+  /// What the map knows, which grows while mapping. A map that is whole from the beginning has none of it: all counts.
+  KnownSurfaces& known_surfaces() { return known_ ? *known_ : known_.emplace(); }
 
  private:
   [[nodiscard]] std::optional<Pose2> corrected(const std::optional<Pose2>& T_odom_base);
@@ -40,6 +43,7 @@ class MotionEstimate {
   WheelNoise wheels_;
   ContinuedMotion continued_;
   PoseFilter filter_;
+  std::optional<KnownSurfaces> known_;
   std::optional<Pose2> odometry_;  // of the scan in hand
   std::optional<Pose2> T_odom_last_;
   bool has_moved_ = false;  // the odometry, ever

@@ -15,13 +15,18 @@ constexpr double kReachShare = 0.05;  // of the range: neighbours at a grazing a
 constexpr double kReachNexts = 3.5;   // and of the next point's distance: beams may be few
 constexpr double kLeastReach_m = 0.12;
 constexpr double kMostReach_m = 0.5;
-constexpr double kFlatness = 0.05;       // most of the variance across, as a share of that along
-constexpr double kRoughness_m = 0.01;    // and beyond that share: a laser's noise
-constexpr double kLonePlace_m = 0.5;     // beams that have no neighbours are about so far apart
-constexpr double kMostLone = 20.0;       // that tell something new
-constexpr double kSurfaceEnough = 20.0;  // points on surfaces, beside which lone ones tell nothing
-constexpr double kAcross = 0.5;          // least squared cosine between a normal and the way: 45 degrees
-constexpr double kEnoughAcross = 0.1;    // of the surface
+constexpr double kFlatness = 0.05;          // most of the variance across, as a share of that along
+constexpr double kRoughness_m = 0.01;       // and beyond that share: a laser's noise
+constexpr double kReachNoises = 10.0;       // neighbours within this many times the noise make a normal of six degrees
+constexpr double kRoughnessNoises = 1.3;    // of the noise, which a small sample exceeds
+constexpr std::size_t kFewestOfNoise = 10;  // returns with neighbours
+constexpr double kMedianOfNormal = 0.6745;  // of the absolute value of a normal variable
+constexpr double kTiniest = 1.0e-12;        // of an eigenvalue that is divided by
+constexpr double kLonePlace_m = 0.5;        // beams that have no neighbours are about so far apart
+constexpr double kMostLone = 20.0;          // that tell something new
+constexpr double kSurfaceEnough = 20.0;     // points on surfaces, beside which lone ones tell nothing
+constexpr double kAcross = 0.5;             // least squared cosine between a normal and the way: 45 degrees
+constexpr double kEnoughAcross = 0.1;       // of the surface
 
 // Sums over the neighbours of a point, relative to it.
 struct Neighbourhood {
@@ -38,14 +43,15 @@ struct Neighbourhood {
   }
 };
 
-Neighbourhood neighbourhood_of(std::span<const Point2> points, std::size_t at) {
+Neighbourhood neighbourhood_of(std::span<const Point2> points, std::size_t at, double noise_m) {
   const double px = points[at].x();
   const double py = points[at].y();
   const auto away_m = [&](std::size_t other) { return (points[other] - points[at]).norm(); };
   const double next_m = std::min(at > 0 ? away_m(at - 1) : kMostReach_m,  //
                                  at + 1 < points.size() ? away_m(at + 1) : kMostReach_m);
   const double usual_m = kReachShare * std::sqrt(px * px + py * py);
-  const double reach_m = std::clamp(std::max(usual_m, kReachNexts * next_m), kLeastReach_m, kMostReach_m);
+  const double reach_m =
+      std::clamp(std::max({usual_m, kReachNexts * next_m, kReachNoises * noise_m}), kLeastReach_m, kMostReach_m);
   Neighbourhood sums;
   sums.add(0.0, 0.0);
   const auto take = [&](std::size_t neighbour) {
@@ -60,8 +66,13 @@ Neighbourhood neighbourhood_of(std::span<const Point2> points, std::size_t at) {
   return sums;
 }
 
-// The axis across a flat neighbourhood.
-std::optional<Point2> normal_of(const Neighbourhood& sums) {
+/// The axis across a flat neighbourhood, and the variance of its direction, rad^2.
+struct Normal {
+  Point2 axis;
+  double variance = 0.0;
+};
+
+std::optional<Normal> normal_of(const Neighbourhood& sums, double noise_m) {
   if (sums.count < kFewestPoints) return std::nullopt;
   const auto n = static_cast<double>(sums.count);
   const double xx = sums.xx - sums.x * sums.x / n;
@@ -70,10 +81,31 @@ std::optional<Point2> normal_of(const Neighbourhood& sums) {
   const double spread = std::sqrt((xx - yy) * (xx - yy) + 4.0 * xy * xy);
   const double along = 0.5 * (xx + yy + spread);
   const double across = 0.5 * (xx + yy - spread);
-  if (!(spread > 0.0) || across > kFlatness * along + n * kRoughness_m * kRoughness_m) return std::nullopt;
+  if (!(spread > 0.0) || across > kFlatness * along + n * square(std::max(kRoughness_m, kRoughnessNoises * noise_m))) {
+    return std::nullopt;
+  }
   const double angle = 0.5 * atan2(2.0 * xy, xx - yy);
   const auto direction = sin_cos(angle);
-  return Point2(-direction.sin, direction.cos);
+  return Normal{Point2(-direction.sin, direction.cos), across / ((n - 2.0) * along)};
+}
+
+// The noise of the returns across their surfaces: how far the middle one of three neighbours lies from the line through
+// the others, of the beams' median. Corners and edges are fewer than half.
+double noise_of(std::span<const Point2> points) {
+  std::vector<double> off;
+  for (std::size_t i = 1; i + 1 < points.size(); ++i) {
+    const Point2 before = points[i] - points[i - 1];
+    const Point2 after = points[i + 1] - points[i];
+    const double chord_m = (before + after).norm();
+    if (chord_m > kMostReach_m || chord_m <= 0.0) continue;
+    const double share = before.dot(before + after) / square(chord_m);
+    const double gain = std::sqrt(1.0 + square(share) + square(1.0 - share));
+    off.push_back(std::fabs(before.x() * after.y() - before.y() * after.x()) / (chord_m * gain));
+  }
+  if (off.size() < kFewestOfNoise) return 0.0;
+  const auto middle = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
+  std::nth_element(off.begin(), middle, off.end());
+  return *middle / kMedianOfNormal;
 }
 
 }  // namespace
@@ -88,20 +120,25 @@ std::vector<Point2> points_of(const KeptScan& scan) {
 
 KeptScan keep_scan(std::span<const Point2> points_base_m) {
   KeptScan kept;
+  const double noise_m = noise_of(points_base_m);
+  double variances = 0.0;
   for (std::size_t i = 0; i < points_base_m.size(); ++i) {
     const Point2& point = points_base_m[i];
     const auto x = static_cast<float>(point.x());
     const auto y = static_cast<float>(point.y());
-    const std::optional<Point2> normal = normal_of(neighbourhood_of(points_base_m, i));
-    if (!normal) {
+    const std::optional<Normal> found = normal_of(neighbourhood_of(points_base_m, i, noise_m), noise_m);
+    if (!found) {
       kept.lone.push_back({x, y});
       continue;
     }
-    const double away = normal->x() * point.x() + normal->y() * point.y();
+    const Point2& normal = found->axis;
+    variances += found->variance;
+    const double away = normal.x() * point.x() + normal.y() * point.y();
     const double sign = away > 0.0 ? -1.0 : 1.0;
-    kept.surface.push_back({x, y, static_cast<float>(sign * normal->x()), static_cast<float>(sign * normal->y()),
+    kept.surface.push_back({x, y, static_cast<float>(sign * normal.x()), static_cast<float>(sign * normal.y()),
                             static_cast<float>(direction_of(point.x(), point.y()))});
   }
+  if (!kept.surface.empty()) kept.normal_variance = variances / static_cast<double>(kept.surface.size());
   std::stable_sort(kept.surface.begin(), kept.surface.end(),
                    [](const SurfacePoint& a, const SurfacePoint& b) { return a.direction < b.direction; });
   return kept;
@@ -141,10 +178,25 @@ bool knows_way(const KeptScan& scan, const Point2& direction) {
   return static_cast<double>(across) > kEnoughAcross * static_cast<double>(scan.surface.size());
 }
 
-Matrix3 shape_of_one(const Matrix3& shape, std::size_t points, double least, double noise) {
+// The translation is scaled along its own axes, from both sides, so that the matrix stays positive and the heading
+// keeps what the scan says of it.
+ShapeOfOne shape_of_one(const Matrix3& shape, std::size_t points, double least, double noise) {
   const double share = points > 0 ? 1.0 / static_cast<double>(points) : 0.0;
-  return with_eigenvalues(eigen_of_symmetric(share * shape),
-                          [=](double value) { return std::max(least, value - noise); });
+  const Matrix3 one = share * shape;
+  const Eigen3 eigen = eigen_of_symmetric({{one(0, 0), one(0, 1), 0.0, one(0, 1), one(1, 1), 0.0, 0.0, 0.0, 1.0}});
+  ShapeOfOne result;
+  Matrix3 scale;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const int column = static_cast<int>(k);
+    const Tangent2 axis{eigen.vectors(0, column), eigen.vectors(1, column), eigen.vectors(2, column)};
+    const bool is_heading = axis[2] * axis[2] > 0.5;
+    const double value = eigen.values[k];
+    const double believed = is_heading ? 1.0 : std::max(0.0, value - noise) / std::max(value, kTiniest);
+    scale += std::sqrt(believed) * outer(axis, axis);
+    result.believed += believed * outer(axis, axis);
+  }
+  result.shape = scale * one * scale + Matrix3::diagonal(least, least, least);
+  return result;
 }
 
 }  // namespace gdtslam

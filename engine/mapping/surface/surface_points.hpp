@@ -36,6 +36,7 @@ struct LonePoint {
 struct KeptScan {
   std::vector<SurfacePoint> surface;  ///< by direction, ascending
   std::vector<LonePoint> lone;        ///< in beam order
+  double normal_variance = 0.0;       ///< mean over the surface points, rad^2
   [[nodiscard]] std::size_t points() const { return surface.size() + lone.size(); }
   [[nodiscard]] std::size_t bytes() const {
     return surface.size() * sizeof(SurfacePoint) + lone.size() * sizeof(LonePoint);
@@ -72,12 +73,22 @@ Matrix3 lone_information(const KeptScan& scan);
 /// to be seen.
 inline constexpr double kShapeOfTiltedNormals = 0.01;
 
+/// What the noise of a scan's normals feigns of a translation, for one point: their variance is its expected value, and
+/// neighbours that share points make it vary by as much.
+inline double feigned_shape(const KeptScan& scan) { return 2.0 * scan.normal_variance; }
+
 /// Whether enough of the scan's surfaces stand across this direction (robot frame, any length) to tell how far the
 /// robot went along it: in a bare corridor a match says what its prediction said.
 bool knows_way(const KeptScan& scan, const Point2& direction);
 
-/// The shape for one point, less what the noise of the normals feigns in directions in which there is nothing to be
-/// seen, `noise`; never less than `least` in any direction.
-Matrix3 shape_of_one(const Matrix3& shape, std::size_t points, double least, double noise);
+/// What one point tells of a pose, and the share of a motion that it is to be believed of.
+struct ShapeOfOne {
+  Matrix3 shape;
+  Matrix3 believed;
+};
+
+/// The shape for one point, less what the noise of the normals feigns of a translation along which there is nothing to
+/// be seen, `noise`; and `least` in any direction.
+ShapeOfOne shape_of_one(const Matrix3& shape, std::size_t points, double least, double noise);
 
 }  // namespace gdtslam

@@ -10,19 +10,19 @@ constexpr double kMatchPointNoise_m = 0.02;
 constexpr double kMatchIndependent = 400.0;  // points of a scan and of its map that tell something new
 constexpr double kMatchEnough = 100.0;       // points, with fewer of which a scan tells less
 constexpr double kMatchLeastShare = 0.01;
-constexpr double kMatchLeastShape = 4.0e-9;    // of a direction in which the scan tells nothing
-constexpr double kMatchShapeOfNoise = 6.0e-3;  // of normals that are off by 4.4 degrees
-constexpr double kMostMatchChi2 = 30.0;        // farther apart one of the two is wrong
+constexpr double kMatchLeastShape = 4.0e-9;  // of a direction in which the scan tells nothing
+constexpr double kMostMatchChi2 = 30.0;      // farther apart one of the two is wrong
 
 }  // namespace
 
-Matrix3 match_information(const KeptScan& scan) {
+MatchInformation match_information(const KeptScan& scan) {
   const std::size_t points = scan.surface.size();
   const double count =
       kMatchIndependent * std::clamp(static_cast<double>(points) / kMatchEnough, kMatchLeastShare, 1.0);
-  return count / (kMatchPointNoise_m * kMatchPointNoise_m) *
-             shape_of_one(shape_of(scan), points, kMatchLeastShape, kMatchShapeOfNoise) +
-         lone_information(scan);
+  const auto [shape, believed] = shape_of_one(shape_of(scan), points, kMatchLeastShape, feigned_shape(scan));
+  const Matrix3 lone = lone_information(scan);
+  return {.matrix = count / (kMatchPointNoise_m * kMatchPointNoise_m) * shape + lone,
+          .believed = lone == Matrix3{} ? believed : Matrix3::identity()};
 }
 
 bool are_apart(const Pose2& T_map_a, const Pose2& T_map_b, const Matrix3& information) {
@@ -41,8 +41,11 @@ MotionNoise PoseFilter::sigma() const {
   return {std::sqrt(largest_variance(covariance_)), std::sqrt(covariance_(2, 2))};
 }
 
-PoseFilter::Fused PoseFilter::fused_with(const Pose2& T_map_matched, const Matrix3& information) const {
-  const Tangent2 off = log_tangent(between(T_map_base_, T_map_matched));
+// Along a corridor a match slides, always to where the map is known. Its walls are seen under angles that are a little
+// off, so that what it slid would count as a measurement across them: it is left out.
+PoseFilter::Fused PoseFilter::fused_with(const Pose2& T_map_matched, const MatchInformation& match) const {
+  const Tangent2 off = match.believed * log_tangent(between(T_map_base_, T_map_matched));
+  const Matrix3& information = match.matrix;
   const Matrix3 covariance = inverse(inverse(covariance_) + information);
   return {.T_map_base = T_map_base_ * exp_tangent(covariance * (information * off)),
           .covariance = covariance,

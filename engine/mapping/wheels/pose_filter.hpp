@@ -10,6 +10,13 @@
 
 namespace gdtslam {
 
+/// What a match of a scan tells of its pose: the information of the tangent, and the share of a motion that the match
+/// is to be believed of, along the axes of what the scan sees.
+struct MatchInformation {
+  Matrix3 matrix;
+  Matrix3 believed = Matrix3::identity();
+};
+
 class PoseFilter {
  public:
   /// Wheels and match as one.
@@ -24,7 +31,7 @@ class PoseFilter {
   /// How sure the pose is, relative to the local map: in the least sure direction, and in heading.
   [[nodiscard]] MotionNoise sigma() const;
   /// With a match of this information.
-  [[nodiscard]] Fused fused_with(const Pose2& T_map_matched, const Matrix3& information) const;
+  [[nodiscard]] Fused fused_with(const Pose2& T_map_matched, const MatchInformation& match) const;
   /// The pose is this; without it the prediction stays.
   void take(const Pose2& T_map_base, const Matrix3& covariance);
 
@@ -33,8 +40,7 @@ class PoseFilter {
   Matrix3 covariance_ = Matrix3::diagonal(1.0e-6, 1.0e-6, 1.0e-7);  // of the tangent, relative to the local map
 };
 
-/// What a match of this scan against a map tells of its pose.
-Matrix3 match_information(const KeptScan& scan);
+MatchInformation match_information(const KeptScan& scan);
 /// Whether two poses lie farther apart than a match of this information errs.
 bool are_apart(const Pose2& T_map_a, const Pose2& T_map_b, const Matrix3& information);
 

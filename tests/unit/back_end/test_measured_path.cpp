@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
-#include <span>
 #include <vector>
 
 #include "engine/mapping/loops/measured_path.hpp"
@@ -75,20 +74,29 @@ TEST(MeasuredPath, StepsAddUpToPlaces) {
   EXPECT_NEAR(covariance(2, 2), 3.0e-6, 1.0e-11);
 }
 
+/// The places where they are, with loops that know it, a round of the square apart.
+PoseGraph true_graph(const SquareDrive& drive) {
+  PoseGraph graph;
+  for (const std::size_t place : drive.places) graph.poses.push_back(drive.truth[place]);
+  const std::size_t around = kStepsAround / kStepsBetween;
+  for (std::size_t i = around; i < drive.places.size(); ++i) {
+    const Pose2 T = between(graph.poses[i - around], graph.poses[i]);
+    graph.loops.push_back({.relation = {i - around, i, T, Matrix3::diagonal(1.0e4, 1.0e4, 1.0e6)}});
+  }
+  return graph;
+}
+
+// Wheels are 0.4 of what was stated, matches twice as bad.
 TEST(MeasuredPath, LoopsTellWhichSourceIsTheBetterOne) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
-    const SquareDrive drive = drive_squares(6, seed);
+    SquareDrive drive = drive_squares(6, seed);
+    for (MeasuredSteps& steps : drive.path.steps) steps[0].information = 16.0 * steps[0].information;
     MeasuredPath measured(drive.path, drive.places);
-    PoseGraph graph;
-    for (const std::size_t place : drive.places) graph.poses.push_back(drive.path.poses[place]);
-    const std::size_t around = kStepsAround / kStepsBetween;
-    for (std::size_t i = around; i < drive.places.size(); ++i) {
-      const Pose2 T = between(drive.truth[drive.places[i - around]], drive.truth[drive.places[i]]);
-      graph.loops.push_back({{i - around, i, T, Matrix3::diagonal(1.0e4, 1.0e4, 1.0e6)}, 1.0});
-    }
-    measured.weigh(graph.loops);
+    measured.weigh(true_graph(drive));
     const auto& [front_end, wheels] = measured.factors();
-    EXPECT_GT(front_end.variance, 5.0 * wheels.variance) << seed;
+    EXPECT_GT(front_end.variance, 10.0) << seed << ": stated four times as well as before";
+    EXPECT_LT(wheels.variance, 0.7) << seed;
+    EXPECT_LT(wheels.turn_variance, 0.7) << seed;
   }
 }
 
@@ -101,42 +109,12 @@ TEST(MeasuredPath, CautiousRelationsCountTheCautiousInformation) {
     path.steps.push_back({step, step});
   }
   const MeasuredPath measured(path, {0, 3});
-  const std::vector<PoseRelation> cautious = measured.cautious_relations(0.3);
-  ASSERT_EQ(cautious.size(), 2U) << "of each source one";
+  const std::vector<PoseRelation> cautious = measured.matches(&MeasuredStep::cautious, 0.3);
+  ASSERT_EQ(cautious.size(), 1U);
   EXPECT_NEAR(inverse(cautious[0].information)(0, 0), 4.0 * 3.0e-4, 1.0e-9);
-  const std::vector<PoseRelation> doubled = measured.cautious_relations(2.0);
+  const std::vector<PoseRelation> doubled = measured.matches(&MeasuredStep::cautious, 2.0);
   EXPECT_NEAR(inverse(doubled[0].information)(0, 0), 2.0 * 4.0 * 3.0e-4, 1.0e-9) << "variances no less than twice";
-  EXPECT_NEAR(inverse(measured.relations()[0].information)(0, 0), 3.0e-4, 1.0e-9);
-}
-
-/// Loops that know where the truth is, a round of the square apart.
-std::vector<Loop> true_loops(const SquareDrive& drive) {
-  std::vector<Loop> loops;
-  const std::size_t around = kStepsAround / kStepsBetween;
-  for (std::size_t i = around; i < drive.places.size(); ++i) {
-    const Pose2 T = between(drive.truth[drive.places[i - around]], drive.truth[drive.places[i]]);
-    loops.push_back({{i - around, i, T, Matrix3::diagonal(1.0e4, 1.0e4, 1.0e6)}, 1.0});
-  }
-  return loops;
-}
-
-// What loops say of each; but where they find the front end more than ten times better than stated, both less, alike.
-TEST(MeasuredPath, AFrontEndIsBelievedTenTimesBetterThanItSaysAtMost) {
-  for (const double stated_too_badly : {1.0, 1.0e4}) {
-    SquareDrive drive = drive_squares(6, 1);
-    for (MeasuredSteps& steps : drive.path.steps) steps[0].information = 1.0 / stated_too_badly * steps[0].information;
-    const std::vector<Loop> loops = true_loops(drive);
-    MeasuredPath measured(drive.path, drive.places);
-    const std::vector<PoseRelation> stated = measured.relations();
-    const std::span<const PoseRelation> all(stated);
-    const double front_end = variance_factor(all.first(stated.size() / 2), loops).variance;
-    const double wheels = variance_factor(all.last(stated.size() / 2), loops).variance;
-    EXPECT_EQ(front_end<0.1, stated_too_badly> 1.0);
-    const double shift = front_end < 0.1 ? 0.1 / front_end : 1.0;
-    measured.weigh(loops);
-    EXPECT_NEAR(measured.factors()[0].variance, shift * front_end, 1e-9);
-    EXPECT_NEAR(measured.factors()[1].variance, shift * wheels, 1e-9);
-  }
+  EXPECT_NEAR(inverse(measured.matches()[0].information)(0, 0), 3.0e-4, 1.0e-9);
 }
 
 /// Bends to the left and to the right, by wheels that miss a share of the way and of the turn, and a turn a metre.
@@ -148,19 +126,35 @@ SquareDrive drive_bends(std::size_t keyframes, double missing_of_way, double mis
     const double way_m = 0.5 * (1.0 - missing_of_way);
     const Tangent2 by_wheels{way_m, 0.0, turn_rad * (1.0 - missing_of_turn) - missing_rad_per_m * way_m};
     drive.truth.push_back(i == 0 ? Pose2{} : drive.truth.back() * exp_tangent({0.5, 0.0, turn_rad}));
-    MeasuredStep step{exp_tangent(by_wheels), Matrix3::diagonal(1.0e4, 1.0e4, 1.0e6)};
-    drive.path.steps.push_back({step, step});
+    const Pose2 matched = i == 0 ? Pose2{} : exp_tangent({0.5, 0.0, turn_rad});
+    drive.path.steps.push_back({MeasuredStep{matched, Matrix3::diagonal(1.0e6, 1.0e6, 1.0e8)},
+                                MeasuredStep{exp_tangent(by_wheels), Matrix3::diagonal(1.0e4, 1.0e4, 1.0e6)}});
     drive.path.poses.push_back(drive.truth.back());
+    if (i % 10 == 0) drive.places.push_back(i);
   }
   return drive;
+}
+
+/// What a graph finds of the wheels whose matches are as the path says.
+void correct_by_graph(const SquareDrive& drive, MeasuredPath& measured) {
+  PoseGraph graph;
+  graph.bias_information = Matrix3::diagonal(400.0, 400.0, 400.0);
+  for (int round = 0; round < 3; ++round) {
+    graph.poses.clear();
+    for (const std::size_t place : drive.places) graph.poses.push_back(drive.path.poses[place]);
+    graph.path = measured.matches();
+    graph.wheels = measured.wheels();
+    graph.settle();
+    measured.correct_wheels(graph);
+  }
 }
 
 TEST(MeasuredPath, WheelsAreRidOfWhatTheyMissAlways) {
   for (const double way : {-0.1, 0.1}) {
     for (const double turn : {-0.1, 0.1}) {
       const SquareDrive drive = drive_bends(300, way, turn);
-      MeasuredPath measured(drive.path, {0, 299});
-      measured.correct_wheels(drive.truth);
+      MeasuredPath measured(drive.path, drive.places);
+      correct_by_graph(drive, measured);
       EXPECT_NEAR(measured.wheel_bias().distance, way / (1.0 - way), 5e-3) << way << ' ' << turn;
       EXPECT_NEAR(measured.wheel_bias().turn, turn / (1.0 - turn), 5e-3) << way << ' ' << turn;
       EXPECT_NEAR(measured.wheel_bias().turn_rad_per_m, 0.0, 2e-3) << way << ' ' << turn;
@@ -174,8 +168,8 @@ TEST(MeasuredPath, WheelsAreRidOfWhatTheyMissAlways) {
 TEST(MeasuredPath, WheelsAreRidOfATurnWithEachMetre) {
   for (const double rad_per_m : {-0.02, 0.02}) {
     const SquareDrive drive = drive_bends(300, 0.0, 0.0, rad_per_m);
-    MeasuredPath measured(drive.path, {0, 299});
-    measured.correct_wheels(drive.truth);
+    MeasuredPath measured(drive.path, drive.places);
+    correct_by_graph(drive, measured);
     EXPECT_NEAR(measured.wheel_bias().turn_rad_per_m, rad_per_m, 1e-3);
     EXPECT_NEAR(measured.wheel_bias().turn, 0.0, 5e-3);
     EXPECT_NEAR(measured.stretch(9, 10, StepSource::kWheels).T_from_to.theta_rad, 0.1, 1e-3);
@@ -183,16 +177,40 @@ TEST(MeasuredPath, WheelsAreRidOfATurnWithEachMetre) {
   }
 }
 
-// Wheels are judged by stretches of twelve steps.
-TEST(MeasuredPath, OfFewerThanTwelveStepsNothingIsLearntOfWheels) {
+// The stated uncertainty of the distance is that of all the wheels' steps together: it shrinks with the root of their
+// number, where matches know the way far better.
+TEST(MeasuredPath, TheBiasIsAsUnsureAsAllStepsTogether) {
   const auto sigma_after = [](std::size_t keyframes) {
-    const SquareDrive drive = drive_bends(keyframes, 0.1, 0.1);
-    MeasuredPath measured(drive.path, {0, keyframes - 1});
-    measured.correct_wheels(drive.truth);
+    const SquareDrive drive = drive_bends(keyframes, 0.0, 0.0);
+    MeasuredPath measured(drive.path, drive.places);
+    correct_by_graph(drive, measured);
     return measured.wheel_bias().sigma_distance;
   };
-  EXPECT_EQ(sigma_after(12), WheelBias{}.sigma_distance);
-  EXPECT_LT(sigma_after(13), WheelBias{}.sigma_distance);
+  const double of_step = std::sqrt(1.0e-4 + 1.0e-6) / 0.5;
+  EXPECT_NEAR(sigma_after(101), of_step / 10.0, 0.1 * of_step / 10.0);
+  EXPECT_NEAR(sigma_after(401), of_step / 20.0, 0.1 * of_step / 20.0);
+}
+
+// Without matches and loops the length of a way is as unsure as the scale of the wheels says: its covariance grows with
+// the square of the length.
+TEST(MeasuredPath, TheErrorOfALongWayGrowsWithItsLength) {
+  FrontEndPath path;
+  std::vector<std::size_t> places;
+  PoseGraph graph;
+  graph.bias_information = Matrix3::diagonal(1.0e4, 1.0e4, 1.0e4);
+  for (int i = 0; i <= 100; ++i) {
+    path.poses.push_back({1.0 * i, 0.0, 0.0});
+    path.steps.push_back({MeasuredStep{{1.0, 0.0, 0.0}, Matrix3::diagonal(1.0e-4, 1.0e6, 1.0e8)},
+                          MeasuredStep{{1.0, 0.0, 0.0}, Matrix3::diagonal(1.0e6, 1.0e6, 1.0e6)}});
+    places.push_back(static_cast<std::size_t>(i));
+    graph.poses.push_back(path.poses.back());
+  }
+  const MeasuredPath measured(path, places);
+  graph.path = measured.matches();
+  graph.wheels = measured.wheels();
+  const GraphCovariance covariance(graph);
+  EXPECT_NEAR(std::sqrt(covariance.relative(0, 50)(0, 0)), 0.5, 0.01) << "a hundredth of 50 m";
+  EXPECT_NEAR(std::sqrt(covariance.relative(0, 100)(0, 0)), 1.0, 0.01);
 }
 
 // At first nothing is known of wheels, so their first steps are stated as badly as any; in the end it is known better.
@@ -212,13 +230,13 @@ TEST(MeasuredPath, StatesTheFirstStepsOfWheelsWithHindsight) {
     return std::sqrt(inverse(measured.stretch(step - 1, step, StepSource::kWheels).information)(0, 0));
   };
   EXPECT_NEAR(sigma_of(5), 0.3, 1.0e-6) << "as stated";
-  measured.correct_wheels(drive.truth);
+  measured.state_wheel_noise(drive.truth);
   EXPECT_NEAR(sigma_of(5), kSlip_m, 0.5 * kSlip_m);
   EXPECT_NEAR(sigma_of(5), sigma_of(205), 1.0e-9) << "of two steps alike the same";
   const double by_truth = sigma_of(5);
-  measured.correct_wheels(drive.path.poses);
+  measured.state_wheel_noise(drive.path.poses);
   EXPECT_GT(std::fabs(sigma_of(5) - by_truth), 1.0e-6) << "what is known now counts";
-  measured.correct_wheels(drive.truth);
+  measured.state_wheel_noise(drive.truth);
   EXPECT_EQ(sigma_of(5), by_truth) << "and what was known before does not";
 }
 
@@ -247,11 +265,11 @@ TEST(MeasuredPath, KeyframesThatTheWheelsPlacedTellNothingOfTheirNoise) {
   }
   MeasuredPath measured(drive.path, drive.places);
   const auto sigma = [&] { return std::sqrt(inverse(measured.stretch(4, 5, StepSource::kWheels).information)(0, 0)); };
-  measured.correct_wheels(found);
+  measured.state_wheel_noise(found);
   const double by_matches = sigma();
   EXPECT_NEAR(by_matches, kSlip_m, 0.3 * kSlip_m);
   for (WheelTravel& travel : drive.path.travels) travel.is_matched = true;
-  measured.correct_wheels(found);
+  measured.state_wheel_noise(found);
   EXPECT_LT(sigma(), 0.7 * by_matches) << "as if they had matched";
 }
 
@@ -262,27 +280,10 @@ TEST(MeasuredPath, OneKeyframeThatNothingMatchedForgetsNothingOfTheWheels) {
     const SquareDrive drive =
         drive_of_slipping_wheels(kSlip_m, [&](std::size_t i) { return i + before_end != 12 * kStepsAround; });
     MeasuredPath measured(drive.path, drive.places);
-    measured.correct_wheels(drive.truth);
+    measured.state_wheel_noise(drive.truth);
     const Matrix3 covariance = inverse(measured.stretch(4, 5, StepSource::kWheels).information);
     EXPECT_NEAR(std::sqrt(covariance(0, 0)), kSlip_m, 0.3 * kSlip_m) << before_end;
   }
-}
-
-// Keyframes laid by the wheels are as short as these are.
-TEST(MeasuredPath, KeyframesThatTheWheelsPlacedTellNothingOfTheirScale) {
-  constexpr double kMissing = 0.05;  // of the way
-  SquareDrive drive = drive_bends(300, kMissing, 0.0);
-  std::vector<Pose2> found{Pose2{}};
-  drive.path.travels.emplace_back();
-  for (std::size_t i = 1; i < drive.path.steps.size(); ++i) {
-    const bool is_matched = i < 100;
-    drive.path.travels.push_back({.path_m = 0.5, .turned_rad = 0.1, .is_way_known = true, .is_matched = is_matched});
-    found.push_back(found.back() *
-                    (is_matched ? between(drive.truth[i - 1], drive.truth[i]) : drive.path.steps[i][1].T));
-  }
-  MeasuredPath measured(drive.path, {0, 299});
-  measured.correct_wheels(found);
-  EXPECT_NEAR(measured.wheel_bias().distance, kMissing / (1.0 - kMissing), 5e-3);
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ TEST(PoseFilter, WeighsWheelsAndMatchByTheirVariances) {
   const double variance = 0.03 * 0.03 + 1.0e-6;  // and what the pose before was known by
   const double information = 1.0 / (0.02 * 0.02);
   const PoseFilter::Fused fused =
-      filter.fused_with({1.04, 0.0, 0.0}, Matrix3::diagonal(information, information, 1.0e6));
+      filter.fused_with({1.04, 0.0, 0.0}, {.matrix = Matrix3::diagonal(information, information, 1.0e6)});
   const double share = variance * information / (1.0 + variance * information);
   EXPECT_NEAR(fused.T_map_base.x_m, 1.0 + share * 0.04, 1.0e-9);
   EXPECT_NEAR(fused.covariance(0, 0), variance / (1.0 + variance * information), 1.0e-12);
@@ -38,7 +38,7 @@ TEST(PoseFilter, WeighsWheelsAndMatchByTheirVariances) {
 TEST(PoseFilter, SaysWhereBothCannotBeRight) {
   PoseFilter filter;
   filter.predict({1.0, 0.0, 0.0}, {.sigma_m = 0.01, .sigma_rad = 0.001});
-  const Matrix3 information = Matrix3::diagonal(1.0e4, 1.0e4, 1.0e6);
+  const MatchInformation information{.matrix = Matrix3::diagonal(1.0e4, 1.0e4, 1.0e6)};
   EXPECT_TRUE(filter.fused_with({1.03, 0.0, 0.0}, information).is_possible);
   EXPECT_FALSE(filter.fused_with({1.3, 0.0, 0.0}, information).is_possible);
   EXPECT_FALSE(filter.fused_with({1.0, 0.0, 0.05}, information).is_possible);

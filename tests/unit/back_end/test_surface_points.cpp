@@ -78,7 +78,7 @@ TEST(ScanShape, SaysWhatACorridorCannotTell) {
   EXPECT_NEAR(shape(0, 0) / n, 0.0, 1e-6);  // along
   EXPECT_NEAR(shape(1, 1) / n, 1.0, 1e-6);  // across
   EXPECT_GT(shape(2, 2) / n, 0.5);
-  const Matrix3 one = shape_of_one(shape, kept.surface.size(), 1e-6, 3e-3);
+  const Matrix3 one = shape_of_one(shape, kept.surface.size(), 1e-6, 3e-3).shape;
   EXPECT_NEAR(one(0, 0), 1e-6, 1e-8);
   EXPECT_NEAR(one(1, 1), 1.0, 0.01);
 }
@@ -90,7 +90,7 @@ TEST(ScanShape, OfARoundRoomSaysNothingOfTheHeading) {
     circle.emplace_back(3.0 * std::cos(bearing), 3.0 * std::sin(bearing));
   }
   const KeptScan kept = keep_scan(circle);
-  const Matrix3 one = shape_of_one(shape_of(kept), kept.surface.size(), 1e-6, 3e-3);
+  const Matrix3 one = shape_of_one(shape_of(kept), kept.surface.size(), 1e-6, 3e-3).shape;
   EXPECT_NEAR(one(0, 0), 0.5, 0.01);
   EXPECT_NEAR(one(1, 1), 0.5, 0.01);
   EXPECT_LT(one(2, 2), 1e-3);

@@ -45,6 +45,8 @@ struct MatchResult {
   Pose2 T_odometry_step;  ///< since the last scan by odometry, as it was logged; where there was none, as predicted
   double odometry_sigma_m = 0.0;  ///< of the corrected step, along each axis; 0 where nothing was estimated
   double odometry_sigma_rad = 0.0;
+  double match_sigma_m = 0.0;  ///< of one match, as it was estimated beside the wheels; 0 where nothing was
+  double match_sigma_rad = 0.0;
   double mean_cost_m = 0.0;       ///< mean capped distance of the valid points to the map's obstacles, at the estimate
   double overlap = 0.0;           ///< share of the valid points within the final gate, at the estimate
   double contradiction = 0.0;     ///< of the points within R of known obstacles, the share clearly beside them
