@@ -217,5 +217,60 @@ TEST_F(RoomSeenAgain, LookAtTellsOfEachPlaceInOrderForAnyNumberOfThreads) {
   }
 }
 
+/// A corridor whose niches repeat every 3 m, passed along 24 m in the middle of it, and then along 8 m of them.
+class RepeatedNiches : public testing::Test {
+ protected:
+  RepeatedNiches() {
+    std::vector<test::Segment> walls;
+    for (const double side : {-1.0, 1.0}) {
+      for (int k = -12; k < 12; ++k) {
+        const double x = 3.0 * k;
+        const std::vector<Point2> outline{{x, 1.2}, {x + 2.0, 1.2}, {x + 2.0, 1.7}, {x + 3.0, 1.7}, {x + 3.0, 1.2}};
+        for (std::size_t i = 1; i < outline.size(); ++i) {
+          walls.push_back({{outline[i - 1].x(), side * outline[i - 1].y()}, {outline[i].x(), side * outline[i].y()}});
+        }
+      }
+    }
+    for (const int half : {12, 4}) {
+      for (int k = -half; k <= half; ++k) {
+        poses_.push_back({1.0 * k, 0.0, 0.0});
+        path_m_.push_back(half == 12 ? 12.0 + k : 104.0 + k);
+        scans_.push_back(keep_scan(points_of(test::scan_of(walls, poses_.back(), 0.0), {})));
+      }
+    }
+  }
+
+  /// The loop that is found where the way along the corridor is known like this.
+  std::vector<Loop> loops_with(double sigma_m) {
+    PoseGraph graph;
+    graph.poses = {poses_[12], poses_[29]};
+    const double along = 1.0 / (sigma_m * sigma_m);
+    graph.path.push_back({0, 1, between(poses_[12], poses_[29]), Matrix3::diagonal(along, 1.0e4, 1.0e6)});
+    LoopFinder finder({});
+    finder.extend({scans_, poses_, path_m_});
+    finder.add_place(12);
+    finder.add_place(29);
+    WorkerPool alone(1);
+    return finder.look(graph, 1, 4, alone);
+  }
+
+  std::vector<KeptScan> scans_;
+  std::vector<Pose2> poses_;
+  std::vector<double> path_m_;
+};
+
+TEST_F(RepeatedNiches, SayNothingAlongTheCorridorWhileTheWindowHoldsSeveral) {
+  const std::vector<Loop> unsure = loops_with(2.0);
+  ASSERT_EQ(unsure.size(), 1U);
+  EXPECT_TRUE(unsure[0].is_ambiguous);
+  const Matrix3 covariance = inverse(unsure[0].relation.information);
+  EXPECT_GT(std::sqrt(covariance(0, 0)), 2.9) << "the next niche is 3 m away";
+  EXPECT_LT(std::sqrt(covariance(1, 1)), 0.1) << "across the corridor all answers agree";
+  const std::vector<Loop> sure = loops_with(0.1);
+  ASSERT_EQ(sure.size(), 1U);
+  EXPECT_FALSE(sure[0].is_ambiguous);
+  EXPECT_LT(std::sqrt(inverse(sure[0].relation.information)(0, 0)), 0.1);
+}
+
 }  // namespace
 }  // namespace gdtslam
