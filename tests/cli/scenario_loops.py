@@ -161,7 +161,7 @@ def doctor_of_a_map():
     report["uncertain"]["stretches"] = [{"from": 100, "to": 140, "from_s": 0, "to_s": 0, "sigma_m": 0.4},
                                         {"from": last, "to": last, "from_s": 0, "to_s": 0, "sigma_m": 0.2}]
     report["loops"]["closures"][0].update(on=False, weight=1e-9, off_m=1.5, off_deg=4)
-    report["wheels"].update(distance=0.1, distance_sigma=0.01)
+    report["wheels"].update(distance=0.1, distance_sigma=0.01, turn_deg_per_m=0.0)
     report["matches"].update(accepted=report["scans"] - 7, weak=2, refused=5)
     (folder / "made/report.json").write_text(json.dumps(report))
     before = digests(folder / "made")

@@ -22,8 +22,8 @@ constexpr double kStepPointNoise_m = 0.02;
 constexpr double kStepIndependent = 20.0 / (0.15 * 0.15);
 constexpr double kEnoughPoints = 60.0;
 constexpr double kStepLeastShape = 1.0e-9;
-constexpr double kOverlap_m = 1.0;   // of path, whose keyframes a scan is laid on as on one another
-constexpr double kStretch_m = 15.0;  // of a local map of the front end
+constexpr double kOverlap_m = 1.0;        // of path, whose keyframes a scan is laid on as on one another
+constexpr double kFrontStretch_m = 15.0;  // of a local map of the front end
 constexpr double kStepFloor_m = 0.0015;
 constexpr double kStepFloor_rad = 0.0003;
 constexpr double kStepLeastShare = 0.01;
@@ -129,7 +129,7 @@ void BackEnd::add_keyframe(const MatchResult& result, KeptScan points) {
   keyframe.travel.is_matched = result.accepted;
   keyframe.travel.is_way_known = knows_way(keyframe.scan, inverse(T_wheels_).translation());
   keyframe.path_m = travelled_m_;
-  if (stretch_m_ > kStretch_m) {
+  if (stretch_m_ > kFrontStretch_m) {
     known_.begin_stretch();
     stretch_m_ = 0.0;
   }

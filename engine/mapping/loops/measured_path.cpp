@@ -16,14 +16,14 @@ constexpr double kFarBetter = 0.25;    // of the variance
 constexpr double kVeryGood = 0.2;      // factor of the variance of wheels
 constexpr std::size_t kFewAPlace = 8;  // keyframes, from one to the next
 constexpr std::size_t kFewestOff = 12;
-constexpr double kQuantile = 0.85;  // and where it lies for the absolute value of a normal variable
-constexpr double kQuantileOfOne = 1.440;
+constexpr double kOffQuantile = 0.85;  // and where it lies for the absolute value of a normal variable
+constexpr double kOffSigmas = 1.440;
 
 // By which factor variances are larger than stated, from errors in units of their standard deviations.
 double factor_of(std::vector<double>& off) {
-  const auto at = off.begin() + static_cast<std::ptrdiff_t>(kQuantile * static_cast<double>(off.size() - 1));
+  const auto at = off.begin() + static_cast<std::ptrdiff_t>(kOffQuantile * static_cast<double>(off.size() - 1));
   std::nth_element(off.begin(), at, off.end());
-  return std::clamp(square(*at / kQuantileOfOne), kLeastVarianceFactor, kMostVarianceFactor);
+  return std::clamp(square(*at / kOffSigmas), kLeastVarianceFactor, kMostVarianceFactor);
 }
 
 std::vector<PoseRelation> relations_of(const std::vector<WheelRelation>& wheels) {

@@ -6,13 +6,13 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kCell_m = 0.2;  // a return counts as known within a cell of one that the map has
+constexpr double kKnownCell_m = 0.2;  // a return counts as known within a cell of one that the map has
 
 std::uint64_t key_of(std::int64_t x, std::int64_t y) {
   return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)) << 32U) | static_cast<std::uint32_t>(y);
 }
 
-std::int64_t cell_of(double metres) { return static_cast<std::int64_t>(std::floor(metres / kCell_m)); }
+std::int64_t cell_of(double metres) { return static_cast<std::int64_t>(std::floor(metres / kKnownCell_m)); }
 
 }  // namespace
 
