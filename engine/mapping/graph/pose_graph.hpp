@@ -86,7 +86,7 @@ class GraphCovariance {
   explicit GraphCovariance(const PoseGraph& graph);
   /// Of the tangent of between(poses[from], poses[to]); kilometres where the graph has no solution.
   [[nodiscard]] Matrix3 relative(std::size_t from, std::size_t to) const;
-  /// Of the bias of the wheels. The graph must have wheel relations.
+  /// Covariance of the bias of the wheels. The graph must have wheel relations.
   [[nodiscard]] Matrix3 of_bias() const;
   /// Between the tangents of each node and of this one, the first pose held.
   [[nodiscard]] std::vector<Matrix3> column(std::size_t node) const;

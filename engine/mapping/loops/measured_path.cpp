@@ -38,7 +38,7 @@ VarianceFactor at_least(VarianceFactor factor, double least) {
   return factor;
 }
 
-// What is taken as it is, however sure it is.
+// The bias without its uncertainty, so that corrected() applies all of it.
 WheelBias plain(const WheelBias& bias) { return {bias.distance, bias.turn, bias.turn_rad_per_m, 0.0, 0.0, 0.0}; }
 
 // How the tangent of a step changes with the bias, at this bias.

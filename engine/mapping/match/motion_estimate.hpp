@@ -32,7 +32,7 @@ class MotionEstimate {
   /// refused where it is weak and cannot be right; where both cannot be right the scan decides.
   void take(MatchResult& result, bool is_matched, std::span<const Point2> points_base_m,
             const FitsAsWell& fits_as_well);
-  /// What the map knows, which grows while mapping. A map that is whole from the beginning has none of it: all counts.
+  /// Surfaces of the map that grows while mapping. Without a call all surfaces count, as in a map that is whole.
   KnownSurfaces& known_surfaces() { return known_ ? *known_ : known_.emplace(); }
 
  private:

@@ -73,7 +73,7 @@ Matrix3 lone_information(const KeptScan& scan);
 /// to be seen.
 inline constexpr double kShapeOfTiltedNormals = 0.01;
 
-/// What the noise of a scan's normals feigns of a translation, for one point: their variance is its expected value, and
+/// The noise of a scan's normals feigns a translation, for one point: their variance is its expected value, and
 /// neighbours that share points make it vary by as much.
 inline double feigned_shape(const KeptScan& scan) { return 2.0 * scan.normal_variance; }
 
