@@ -160,7 +160,7 @@ Matrix3 BackEnd::update_unseen(const MatchResult& result, const KeptScan& known)
 MeasuredSteps BackEnd::steps_to(const MatchResult& result, const KeptScan& known) const {
   const std::size_t points = known.surface.size();
   const double share = std::max(kStepLeastShare, std::min(1.0, static_cast<double>(points) / kEnoughPoints));
-  const auto [shape, believed] = shape_of_one(shape_of(known), points, kStepLeastShape, feigned_shape(known));
+  const ShapeOfOne one = shape_of_one(shape_of(known), points, kStepLeastShape, feigned_shape(known));
   const Matrix3 lone = lone_information(known);
   const double step_m = length_of(between(T_map_keyframe_, result.T_map_base));
   const double staying = std::min(1.0, 2.0 * step_m / (kOverlap_m + step_m));
@@ -171,8 +171,8 @@ MeasuredSteps BackEnd::steps_to(const MatchResult& result, const KeptScan& known
   const Matrix3 by_wheels = wheels_covariance_ + least_of_wheels() + leaps_;
   const auto with_noise = [&](double noise_m) {
     if (!result.accepted) return inverse(nothing);
-    const Matrix3 of_match = inverse(kStepIndependent * share / square(noise_m) * shape + lone);
-    return inverse(believed * times_transposed(of_match, believed) + floor + leaps_);
+    const Matrix3 of_match = inverse(kStepIndependent * share / square(noise_m) * one.shape + lone);
+    return inverse(one.believed * times_transposed(of_match, one.believed) + floor + leaps_);
   };
   return {MeasuredStep{between(T_map_keyframe_, result.T_map_base),
                        with_noise(kStepPointNoise_m),
@@ -214,12 +214,14 @@ void BackEnd::finish_keeping() {
 }
 
 // Of a place that was passed often, the keyframes that are not kept go with the nearest that is.
-JointResult BackEnd::adjust_keyframes(const MeasuredPath& measured, std::vector<Pose2>& keyframes, WorkerPool& workers,
+JointResult BackEnd::adjust_keyframes(const LoopCloser& closer, std::vector<Pose2>& keyframes, WorkerPool& workers,
                                       const Progress& progress) const {
+  std::vector<PoseRelation> held = held_path(closer.measured(), kept_);
+  for (const PoseRelation& loop : held_loops(closer.graph(), closer.places(), kept_)) held.push_back(loop);
   const std::vector<Pose2> before = those_at(kept_, keyframes);
   std::vector<Pose2> after = before;
   const JointResult result =
-      JointAdjustment(kept_scans_, held_path(measured, kept_), options_.joint).run(after, workers, [&](double share) {
+      JointAdjustment(kept_scans_, std::move(held), options_.joint).run(after, workers, [&](double share) {
         progress("adjusting keyframes", share);
       });
   if (kept_.size() < keyframes.size()) carry_with_nearest(before, after, keyframes);
@@ -330,7 +332,7 @@ BackEndResult BackEnd::finish(const Progress& progress) {
   BackEndResult result;
   result.is_closed = true;
   result.covariances = covariances_of_scans(closer);
-  result.joint = adjust_keyframes(closer.measured(), keyframes, workers, progress);
+  result.joint = adjust_keyframes(closer, keyframes, workers, progress);
   result.poses = poses_of_scans(keyframes);
   adjust_scans(keyframes, result.poses, workers, progress);
   kept_scans_ = {};

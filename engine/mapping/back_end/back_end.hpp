@@ -87,7 +87,7 @@ class BackEnd {
   [[nodiscard]] MeasuredSteps steps_to(const MatchResult& result, const KeptScan& known) const;
   Matrix3 update_unseen(const MatchResult& result, const KeptScan& known);
   void take_kept();
-  JointResult adjust_keyframes(const MeasuredPath& measured, std::vector<Pose2>& keyframes, WorkerPool& workers,
+  JointResult adjust_keyframes(const LoopCloser& closer, std::vector<Pose2>& keyframes, WorkerPool& workers,
                                const Progress& progress) const;
   [[nodiscard]] std::vector<Pose2> poses_of_scans(const std::vector<Pose2>& keyframes) const;
   struct CautiousGraph {

@@ -1,6 +1,8 @@
 #include "held_path.hpp"
 
+#include <algorithm>
 #include <iterator>
+#include <optional>
 
 namespace gdtslam {
 namespace {
@@ -16,6 +18,12 @@ constexpr double kSpanNoise_rad = 0.003;
 
 PoseRelation held(std::size_t from, std::size_t to, const PoseRelation& relation, double share) {
   return {.from = from, .to = to, .T_from_to = relation.T_from_to, .information = share * relation.information};
+}
+
+std::optional<std::size_t> number_in(std::span<const std::size_t> kept, std::size_t keyframe) {
+  const auto found = std::lower_bound(kept.begin(), kept.end(), keyframe);
+  if (found == kept.end() || *found != keyframe) return std::nullopt;
+  return static_cast<std::size_t>(found - kept.begin());
 }
 
 }  // namespace
@@ -36,6 +44,17 @@ std::vector<PoseRelation> held_path(const MeasuredPath& measured, std::span<cons
     }
   }
   return path;
+}
+
+std::vector<PoseRelation> held_loops(const PoseGraph& graph, std::span<const std::size_t> places,
+                                     std::span<const std::size_t> kept) {
+  std::vector<PoseRelation> loops;
+  for (const Loop& loop : graph.loops) {
+    const std::optional<std::size_t> from = number_in(kept, places[loop.relation.from]);
+    const std::optional<std::size_t> to = number_in(kept, places[loop.relation.to]);
+    if (loop.is_on() && from && to) loops.push_back(held(*from, *to, loop.relation, loop.weight));
+  }
+  return loops;
 }
 
 }  // namespace gdtslam

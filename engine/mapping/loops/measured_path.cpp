@@ -28,6 +28,7 @@ double factor_of(std::vector<double>& off) {
 
 std::vector<PoseRelation> relations_of(const std::vector<WheelRelation>& wheels) {
   std::vector<PoseRelation> relations;
+  relations.reserve(wheels.size());
   for (const WheelRelation& step : wheels) relations.push_back(step.relation);
   return relations;
 }

@@ -165,7 +165,8 @@ void SiteGraph::carry_keyframes() {
   }
 }
 
-// As each drive lies in itself; a session may be a site of several, which the scans alone tell from each other.
+// As each drive lies in itself (a session may be a site of several, which the scans alone tell from each other), and
+// what joins them: passes may be too far apart for their points to hold them together.
 std::vector<PoseRelation> SiteGraph::held_relations() const {
   std::vector<PoseRelation> held;
   const Matrix3 information =
@@ -180,6 +181,11 @@ std::vector<PoseRelation> SiteGraph::held_relations() const {
         held.push_back({i, i + span, between(shape_[i], shape_[i + span]), information});
       }
     }
+  }
+  for (const Loop& loop : graph_.loops) {
+    const PoseRelation& joint = loop.relation;
+    if (!loop.is_on()) continue;
+    held.push_back({places_[joint.from], places_[joint.to], joint.T_from_to, loop.weight * joint.information});
   }
   return held;
 }

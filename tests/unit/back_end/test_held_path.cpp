@@ -81,5 +81,23 @@ TEST_F(HeldPath, OfFewKeyframesHasNoStretch) {
   EXPECT_EQ(of({0, 1, 2, 3, 4}).size(), 9U);
 }
 
+// Nodes are the keyframes 0, 10, 20 and 40, of which 20 is not kept and 40 is the fourth that is.
+TEST(HeldLoops, AreThoseThatAreOnBetweenKeptKeyframes) {
+  const std::vector<std::size_t> places = {0, 10, 20, 40};
+  const std::vector<std::size_t> kept = {0, 5, 10, 40};
+  const Matrix3 information = Matrix3::diagonal(400.0, 900.0, 1.0e4);
+  const auto loop = [&](std::size_t from, std::size_t to, double weight) {
+    return Loop{{from, to, Pose2{0.5, -4.0, 0.1}, information}, weight};
+  };
+  PoseGraph graph;
+  graph.loops = {loop(0, 3, 0.5), loop(0, 2, 1.0), loop(1, 3, 0.1)};
+  const std::vector<PoseRelation> held = held_loops(graph, places, kept);
+  ASSERT_EQ(held.size(), 1U);
+  EXPECT_EQ(held[0].from, 0U);
+  EXPECT_EQ(held[0].to, 3U);
+  EXPECT_NEAR(held[0].T_from_to.y_m, -4.0, 1.0e-12);
+  EXPECT_NEAR(held[0].information(1, 1), 0.5 * 900.0, 1.0e-9) << "times its weight";
+}
+
 }  // namespace
 }  // namespace gdtslam

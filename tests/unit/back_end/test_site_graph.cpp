@@ -159,8 +159,12 @@ TEST(SiteGraph, ASessionHoldsItsOwnShape) {
   }
   const std::vector<PoseRelation> both =
       SiteGraph({0, 1}, sessions, {{0, 1, {fix_at(0, 0, {0.0, 5.0, 0.0}, 0.5)}}}).held_relations();
-  EXPECT_EQ(both.size(), 65U + 11U + 8U);
-  for (const PoseRelation& relation : both) EXPECT_EQ(relation.from < 31, relation.to < 31);
+  ASSERT_EQ(both.size(), 65U + 11U + 8U + 1U);
+  const PoseRelation& fix = both.back();
+  EXPECT_EQ(fix.from, 0U);
+  EXPECT_EQ(fix.to, 31U) << "the first keyframe of the other";
+  EXPECT_THAT(fix.T_from_to, PoseNear(between(Pose2{1.0, 2.0, 0.5}, Pose2{0.0, 5.0, 0.0}), 1e-9, 1e-9));
+  for (std::size_t i = 0; i + 1 < both.size(); ++i) EXPECT_EQ(both[i].from < 31, both[i].to < 31);
 }
 
 // A site of two drives that is merged again: where one ends and the next begins nothing is known by driving.
