@@ -35,7 +35,8 @@ constexpr double kLeastWheels_rad = 0.0005;
 constexpr double kUnmeasured_m = 5.0;  // a step that is less sure is one that no odometry measured, or no match
 constexpr double kUnmeasured_rad = 1.0;
 constexpr double kLeapChi2 = 25.0;
-constexpr double kLeastForDoubt = 0.3;     // factor of a variance, halfway between what loops found and what was stated
+constexpr double kLeastForDoubt =
+    0.3;  // factor of the wheels' variance, halfway between what loops found and what was stated
 constexpr std::size_t kMostUnkept = 128;   // scans whose points wait for what is kept of them
 constexpr std::size_t kScansAtOnce = 256;  // adjusted by the workers, before progress is told
 constexpr int kTimesCarried = 3;           // scans are laid that hang on no kept keyframe: their poses are the graph's
@@ -270,14 +271,14 @@ void BackEnd::adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose
 BackEnd::CautiousGraph BackEnd::cautious_graph(const LoopCloser& closer) const {
   PoseGraph graph = closer.graph();
   if (closer.places().size() != 1) {
-    graph.path = closer.measured().matches(&MeasuredStep::cautious, kLeastForDoubt);
+    graph.path = closer.measured().matches(&MeasuredStep::cautious);
     graph.wheels = closer.measured().wheels(kLeastForDoubt);
     return {std::move(graph), closer.places()};
   }
   MeasuredPath steps = closer.measured();
   for (std::size_t keyframe = 1; keyframe < keyframes_.size(); ++keyframe) steps.add_place(keyframe);
   graph.poses = closer.poses();
-  graph.path = steps.matches(&MeasuredStep::cautious, kLeastForDoubt);
+  graph.path = steps.matches(&MeasuredStep::cautious);
   graph.wheels = steps.wheels(kLeastForDoubt);
   return {std::move(graph), steps.places()};
 }

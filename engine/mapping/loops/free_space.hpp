@@ -18,10 +18,11 @@ struct Beam {
   Point2 to;
 };
 
-/// A wall in a cell: a point of it and its normal, toward the robot that saw it.
+/// A wall in a cell: a point of it, its normal toward the robot that saw it, and which keyframe of the group that was.
 struct WallPoint {
   Point2 point;
   Point2 normal;
+  std::size_t keyframe = 0;
 };
 
 class FreeSpace {

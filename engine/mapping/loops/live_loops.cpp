@@ -131,6 +131,7 @@ void LiveLoops::append(Keyframe& keyframe) {
   path_.scans.push_back(std::move(keyframe.scan));
   push_sparingly(path_.poses, keyframe.T_map_base);
   push_sparingly(path_.path_m, keyframe.path_m);
+  push_sparingly(path_.doubts, path_.doubts.empty() ? StepDoubt{} : doubt_of(keyframe.steps));
   path_.steps.push_back(keyframe.steps);
   measured_.put({keyframe.steps, keyframe.travel});
   is_pruned_.push_back(false);

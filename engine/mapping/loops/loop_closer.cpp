@@ -54,7 +54,8 @@ bool LoopCloser::take_loops(const std::vector<Loop>& loops) {
 // What comes after it is hidden from the search, so that the path may be taken in one piece or in many.
 void LoopCloser::take_keyframe() {
   const std::size_t here = known_++;
-  finder_.extend({path_.scans, std::span(path_.poses).first(known_), std::span(path_.path_m).first(known_)});
+  finder_.extend({path_.scans, std::span(path_.poses).first(known_), std::span(path_.path_m).first(known_),
+                  std::span(path_.doubts).first(std::min(known_, path_.doubts.size()))});
   if (!counter_.is_place(path_.path_m[here])) return;
   measured_.add_place(here);
   finder_.add_place(here);
@@ -133,7 +134,7 @@ std::vector<Pose2> LoopCloser::carried_keyframes() const {
 
 void LoopCloser::carry_keyframes() {
   poses_ = carried_keyframes();
-  finder_.extend({path_.scans, poses_, path_.path_m});
+  finder_.extend({path_.scans, poses_, path_.path_m, path_.doubts});
   finder_.forget_bent();
 }
 

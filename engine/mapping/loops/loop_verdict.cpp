@@ -39,26 +39,37 @@ Shares in_free_space(const std::vector<Point2>& points, const Pose2& T, const Fr
 
 /// The query's walls on walls of the reference.
 struct CommonWalls {
-  std::size_t same = 0;   // seen from the same side
-  std::size_t other = 0;  // from the other alone
-  Matrix3 shape;          // the sum over the former
+  std::size_t same = 0;               // seen from the same side
+  std::size_t other = 0;              // from the other alone
+  Matrix3 shape;                      // the sum over the former
+  std::vector<Matrix3> of_query;      // that of each keyframe's points,
+  std::vector<Matrix3> of_reference;  // and of those that saw the reference's
 };
 
 CommonWalls common_walls(const ScanGroup& reference, const ScanGroup& query, const Pose2& T_reference_query) {
   CommonWalls common;
+  common.of_query.resize(query.keyframes());
+  common.of_reference.resize(reference.keyframes());
   const SinCos<double> turn = sin_cos(T_reference_query.theta_rad);
   for (const WallPoint& wall : query.space().walls()) {
     const Point2 point = T_reference_query * wall.point;
     const double nx = turn.cos * wall.normal.x() - turn.sin * wall.normal.y();
     const double ny = turn.sin * wall.normal.x() + turn.cos * wall.normal.y();
+    double nearest_m2 = kOnWall_m * kOnWall_m;
+    std::size_t keyframe = 0;
     bool is_same = false;
     bool is_other = false;
     reference.space().visit_walls_near(point, [&](const WallPoint& there) {
       const double dx = there.point.x() - point.x();
       const double dy = there.point.y() - point.y();
-      if (dx * dx + dy * dy > kOnWall_m * kOnWall_m) return;
+      const double away_m2 = dx * dx + dy * dy;
+      if (away_m2 > kOnWall_m * kOnWall_m) return;
       const double cosine = there.normal.x() * nx + there.normal.y() * ny;
-      is_same = is_same || cosine > kSameSide;
+      if (cosine > kSameSide && away_m2 <= nearest_m2) {
+        nearest_m2 = away_m2;
+        keyframe = there.keyframe;
+        is_same = true;
+      }
       is_other = is_other || cosine < -kSameSide;
     });
     common.other += is_other && !is_same ? 1U : 0U;
@@ -66,9 +77,19 @@ CommonWalls common_walls(const ScanGroup& reference, const ScanGroup& query, con
     ++common.same;
     const double lever = wall.point.x() * wall.normal.y() - wall.point.y() * wall.normal.x();
     const Tangent2 J{wall.normal.x(), wall.normal.y(), lever};
-    common.shape += outer(J, J);
+    const Matrix3 of_point = outer(J, J);
+    common.shape += of_point;
+    common.of_query[wall.keyframe] += of_point;
+    common.of_reference[keyframe] += of_point;
   }
   return common;
+}
+
+// The shapes are for motions in the query's frame, and so is the result.
+Matrix3 doubt_of_reference(const ScanGroup& reference, std::vector<Matrix3> shapes, const Pose2& T_reference_query) {
+  const Matrix3 carried = adjoint_matrix(inverse(T_reference_query));
+  for (Matrix3& shape : shapes) shape = transposed_times(carried, shape * carried);
+  return carried * times_transposed(reference.doubt().of_pose(shapes), carried);
 }
 
 double share(std::size_t part, std::size_t whole) {
@@ -81,10 +102,13 @@ LoopEvidence weigh_loop(const ScanGroup& reference, const ScanGroup& query, cons
   const CommonWalls common = common_walls(reference, query, T_reference_query);
   const Shares there = in_free_space(query.points(), T_reference_query, reference.space(), 1);
   const Shares back = in_free_space(reference.points(), inverse(T_reference_query), query.space(), kEvery);
+  const Matrix3 of_query = query.doubt().of_pose(common.of_query);
+  const Matrix3 of_reference = doubt_of_reference(reference, common.of_reference, T_reference_query);
   return {.overlap = share(common.same, query.space().walls().size()),
           .turned = share(common.other, common.same + common.other),
           .contradiction = share(there.wrong + back.wrong, there.known + back.known),
-          .shape = (common.same > 0 ? 1.0 / static_cast<double>(common.same) : 0.0) * common.shape};
+          .shape = (common.same > 0 ? 1.0 / static_cast<double>(common.same) : 0.0) * common.shape,
+          .doubt = of_query + of_reference};
 }
 
 bool is_possible(const LoopEvidence& evidence, const LoopLimits& limits) {
@@ -99,7 +123,7 @@ Matrix3 loop_information(const LoopEvidence& evidence) {
                               });
   const Matrix3 floor =
       Matrix3::diagonal(kLoopFloor_m * kLoopFloor_m, kLoopFloor_m * kLoopFloor_m, kLoopFloor_rad * kLoopFloor_rad);
-  return inverse(inverse(information) + floor);
+  return inverse(inverse(information) + floor + evidence.doubt);
 }
 
 }  // namespace gdtslam

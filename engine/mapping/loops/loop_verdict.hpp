@@ -14,6 +14,7 @@ struct LoopEvidence {
   double turned = 0.0;         ///< share of those on any wall that lie on one seen from the other side alone
   double contradiction = 0.0;  ///< share of what is known, where a wall of one is free space of the other
   Matrix3 shape{};             ///< shape_of() for one point of the query's walls that both have, in the query's frame
+  Matrix3 doubt{};             ///< covariance of where the groups' keyframes lie, as it comes to the relative pose
 };
 
 /// What a loop needs to be taken into the graph, which then decides. Lenient: a graph can switch off what is wrong, and

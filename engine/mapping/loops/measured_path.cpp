@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kBiasStep = 1.0e-4;  // of a difference quotient
 
+// Of the variance of matches: loops tie what lies near by, where the map is the same and matches are at their best.
+constexpr double kLeastOfMatches = 0.3;
 constexpr double kFarBetter = 0.25;    // of the variance
 constexpr double kVeryGood = 0.2;      // factor of the variance of wheels
 constexpr std::size_t kFewAPlace = 8;  // keyframes, from one to the next
@@ -173,10 +175,9 @@ std::vector<WheelRelation> MeasuredPath::all_between_places(StepSource source, I
   return relations;
 }
 
-std::vector<PoseRelation> MeasuredPath::matches(Information information, double least_factor) const {
+std::vector<PoseRelation> MeasuredPath::matches(Information information) const {
   std::vector<PoseRelation> relations;
-  const VarianceFactor factor = at_least(factors_[0], least_factor);
-  for (const WheelRelation& step : all_between_places(StepSource::kFrontEnd, information, factor)) {
+  for (const WheelRelation& step : all_between_places(StepSource::kFrontEnd, information, factors_[0])) {
     relations.push_back(step.relation);
   }
   return relations;
@@ -229,7 +230,7 @@ void MeasuredPath::weigh(const PoseGraph& graph) {
   are_wheels_good_ = true;
   const VarianceFactor alone = variance_factor(relations_of(wheels()), graph.loops);
   are_wheels_good_ = is_sparse && alone.variance < kVeryGood;
-  VarianceFactor of_matches = variance_factor(matches(), graph.loops);
+  VarianceFactor of_matches = at_least(variance_factor(matches(), graph.loops), kLeastOfMatches);
   if (are_wheels_good_) {
     const VarianceFactor beside = factor_beside_good_wheels();
     of_matches.variance = std::max(of_matches.variance, beside.variance);

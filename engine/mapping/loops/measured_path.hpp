@@ -10,6 +10,7 @@
 #include "engine/core/memory/sparing.hpp"
 #include "engine/mapping/graph/pose_graph.hpp"
 #include "engine/mapping/graph/variance_components.hpp"
+#include "engine/mapping/loops/group_doubt.hpp"
 #include "engine/mapping/surface/kept_scans.hpp"
 #include "engine/mapping/wheels/wheel_bias.hpp"
 
@@ -37,11 +38,17 @@ enum class StepSource : std::size_t { kFrontEnd = 0, kWheels = 1 };
 inline constexpr std::size_t kStepSources = 2;
 using MeasuredSteps = std::array<MeasuredStep, kStepSources>;
 
+/// By both sources together. `steps` must tell something.
+inline StepDoubt doubt_of(const MeasuredSteps& steps) {
+  return {.step = inverse(steps[0].information + steps[1].information), .unseen = steps[0].unseen};
+}
+
 /// What the front end gives: one entry a keyframe in each.
 struct FrontEndPath {
   KeptScans scans;  ///< those that are needed still (PlacePruning)
   std::vector<Pose2> poses;
   std::vector<double> path_m;        ///< travelled until each
+  std::vector<StepDoubt> doubts;     ///< of where each lies beside the one before, by all that was measured
   std::vector<MeasuredSteps> steps;  ///< to each from the one before; of the first nothing
   std::size_t first_step = 0;        ///< the keyframe that `steps` begin with: those before it wait on a shelf
   std::vector<WheelTravel>
@@ -61,10 +68,9 @@ class MeasuredPath {
   [[nodiscard]] const std::vector<std::size_t>& places() const { return places_; }
   /// Which information of a step counts.
   using Information = Matrix3 MeasuredStep::*;
-  /// From place to place by the matches, and by the wheels, as much as they are believed now; factors of the variance
-  /// below `least_factor` count as that.
-  [[nodiscard]] std::vector<PoseRelation> matches(Information information = &MeasuredStep::information,
-                                                  double least_factor = 0.0) const;
+  /// From place to place by the matches, and by the wheels, as much as they are believed now; a factor of the wheels'
+  /// variance below `least_factor` counts as that.
+  [[nodiscard]] std::vector<PoseRelation> matches(Information information = &MeasuredStep::information) const;
   [[nodiscard]] std::vector<WheelRelation> wheels(double least_factor = 0.0) const;
   /// To a place from the one before it, as the matches state it.
   [[nodiscard]] PoseRelation by_front_end(std::size_t place) const {

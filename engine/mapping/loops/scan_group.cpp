@@ -1,5 +1,6 @@
 #include "scan_group.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -21,6 +22,16 @@ std::pair<std::size_t, std::size_t> stretch_of(std::span<const double> path_m, s
     ++last;
   }
   return {first, last};
+}
+
+// The middle one first, then outward: of a wall that several see, what the nearest of them saw counts.
+std::vector<std::size_t> from_middle(std::size_t first, std::size_t middle, std::size_t last) {
+  std::vector<std::size_t> order{middle};
+  for (std::size_t away = 1; away <= std::max(middle - first, last - middle); ++away) {
+    if (middle >= first + away) order.push_back(middle - away);
+    if (middle + away <= last) order.push_back(middle + away);
+  }
+  return order;
 }
 
 Point2 turned(const SinCos<double>& turn, const Point2& v) {
@@ -46,22 +57,29 @@ ScanGroup::ScanGroup(const KeyframePath& keyframes, std::size_t middle, double h
   std::vector<Beam> beams;
   std::vector<WallPoint> walls;
   for (std::size_t i = first; i <= last; ++i) {
+    in_middle_.push_back(between(keyframes.poses[middle], keyframes.poses[i]));
+  }
+  std::vector<std::vector<Point2>> of_keyframes(in_middle_.size());
+  for (const std::size_t i : from_middle(first, middle, last)) {
     const KeptScan& scan = keyframes.scans[i];
-    const Pose2 T = between(keyframes.poses[middle], keyframes.poses[i]);
-    in_middle_.push_back(T);
+    const Pose2& T = in_middle_[i - first];
     const SinCos<double> turn = sin_cos(T.theta_rad);
     const auto take = [&](const Point2& point) {
       beams.push_back({T.translation(), point});
-      if (thinner.is_first(point)) points_.push_back(point);
+      if (thinner.is_first(point)) of_keyframes[i - first].push_back(point);
     };
     for (const SurfacePoint& p : scan.surface) {
       const Point2 point = T * p.point();
       take(point);
-      walls.push_back({point, turned(turn, p.normal())});
+      walls.push_back({point, turned(turn, p.normal()), i - first});
     }
     for (const LonePoint& p : scan.lone) take(T * p.point());
   }
+  for (const std::vector<Point2>& points : of_keyframes) points_.insert(points_.end(), points.begin(), points.end());
   space_ = std::make_unique<FreeSpace>(beams, walls);
+  const bool is_doubted = !keyframes.doubts.empty();
+  doubt_.emplace(is_doubted ? keyframes.doubts.subspan(first, last + 1 - first) : keyframes.doubts, in_middle_,
+                 middle - first);
 }
 
 bool ScanGroup::is_bent(std::span<const Pose2> poses) const {

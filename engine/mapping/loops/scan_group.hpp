@@ -4,11 +4,13 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "engine/mapping/graph/matrix3.hpp"
 #include "engine/mapping/loops/free_space.hpp"
+#include "engine/mapping/loops/group_doubt.hpp"
 #include "engine/mapping/surface/kept_scans.hpp"
 #include "gdtslam/mapping/certified.hpp"
 #include "gdtslam/mapping/global_field.hpp"
@@ -19,7 +21,8 @@ namespace gdtslam {
 struct KeyframePath {
   ScansOfPath scans;
   std::span<const Pose2> poses;
-  std::span<const double> path_m;  ///< travelled until each
+  std::span<const double> path_m;       ///< travelled until each
+  std::span<const StepDoubt> doubts{};  ///< of each; empty: they lie where `poses` says
 };
 
 /// Whether a group of them would have a point: keyframes of an edited run may have lost all their returns. What has
@@ -36,6 +39,8 @@ class ScanGroup {
   [[nodiscard]] bool is_bent(std::span<const Pose2> poses) const;
   [[nodiscard]] const std::vector<Point2>& points() const { return points_; }
   [[nodiscard]] const FreeSpace& space() const { return *space_; }
+  [[nodiscard]] const GroupDoubt& doubt() const { return *doubt_; }
+  [[nodiscard]] std::size_t keyframes() const { return in_middle_.size(); }
 
  private:
   std::size_t middle_;
@@ -43,6 +48,7 @@ class ScanGroup {
   std::vector<Pose2> in_middle_;  // the keyframes from the first on
   std::vector<Point2> points_;
   std::unique_ptr<FreeSpace> space_;
+  std::optional<GroupDoubt> doubt_;
 };
 
 }  // namespace gdtslam

@@ -136,6 +136,7 @@ inline LoopDrive drive_around_ring(int rounds, double sigma_m, double sigma_rad,
     if (i == 0) {
       result.path.poses.push_back(result.truth.front());
       result.path.path_m.push_back(0.0);
+      result.path.doubts.emplace_back();
       result.path.steps.emplace_back();
       result.path.travels.emplace_back();
       continue;
@@ -147,6 +148,7 @@ inline LoopDrive drive_around_ring(int rounds, double sigma_m, double sigma_rad,
     const Pose2 measured = step * exp_se2({x, y, turn});
     result.path.poses.push_back(result.path.poses.back() * measured);
     result.path.steps.push_back({MeasuredStep{measured, information}, MeasuredStep{measured, 0.01 * information}});
+    result.path.doubts.push_back(doubt_of(result.path.steps.back()));
     result.path.travels.push_back({.path_m = length_of(measured),
                                    .turned_rad = std::fabs(measured.theta_rad),
                                    .is_way_known = knows_way(kept, inverse(measured).translation())});

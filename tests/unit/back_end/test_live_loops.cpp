@@ -99,6 +99,7 @@ TEST(LiveLoops, WhatWasFoundAtAPlaceTakesEffectWhenEightHaveComeAfterIt) {
     path.poses.push_back(twice.path.poses[i]);
     path.path_m.push_back(twice.path.path_m[i]);
     path.steps.push_back(twice.path.steps[i]);
+    path.doubts.push_back(twice.path.doubts[i]);
     path.travels.push_back(twice.path.travels[i]);
     const std::size_t before = closer.places().size();
     closer.follow([](double, int) {}, alone);

@@ -46,6 +46,19 @@ TEST(ScanGroups, PointsAndNormalsAreInTheFrameOfTheMiddle) {
   EXPECT_EQ(ScanGroup({scans, poses, path_m}, 1, 4.0, 10.0).points().size(), 2U) << "one a cell";
 }
 
+// Three keyframes 10 cm apart see one wall, each some millimetres elsewhere.
+TEST(ScanGroups, OfAWallThatSeveralSeeWhatTheMiddleSawCounts) {
+  const std::vector<KeptScan> scans{scan_with(5.101, 0.02, -1.0, 0.0), scan_with(5.002, 0.02, -1.0, 0.0),
+                                    scan_with(4.903, 0.02, -1.0, 0.0)};
+  const std::vector<Pose2> poses{{0.0, 0.0, 0.0}, {0.1, 0.0, 0.0}, {0.2, 0.0, 0.0}};
+  const std::vector<double> path_m{0.0, 0.1, 0.2};
+  const ScanGroup group({scans, poses, path_m}, 1, 4.0, 0.1);
+  ASSERT_EQ(group.points().size(), 1U);
+  expect_point(group.points()[0], 5.002, 0.02);
+  ASSERT_EQ(group.space().walls().size(), 1U);
+  EXPECT_EQ(group.space().walls()[0].keyframe, 1U);
+}
+
 TEST(ScanGroups, OfATurnOnTheSpotAreEightyToEachSide) {
   std::vector<KeptScan> scans;
   for (int k = 0; k < 200; ++k) scans.push_back(scan_with(1.0 + 0.1 * k, 0.0, -1.0, 0.0));
