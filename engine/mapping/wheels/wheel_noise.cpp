@@ -18,7 +18,11 @@ constexpr double kMovedShare = 0.1;  // of a metre for each mark: stretches that
 constexpr double kQuantile = 0.85;
 constexpr double kQuantileOfTwo = 1.948;  // sqrt(-2 log(1 - 0.85))
 constexpr double kQuantileOfOne = 1.440;
-constexpr double kFullTrust = 60.0;  // marks, below which what is known of no robot counts too
+// Of that quantile squared: its relative variance times the number of stretches, 4 q (1 - q) / (x f(x))^2 at x = 1.44
+// of the absolute value of a normal variable.
+constexpr double kQuantileNoise = 3.07;
+constexpr double kBeyondChance = 2.0;  // standard errors of the level, which half of it is believed at
+constexpr double kFullTrust = 60.0;    // marks, below which what is known of no robot counts too
 constexpr WheelErrors kUnknown;
 constexpr double kLeastSlip_m = 0.003;
 constexpr double kLeastSlip_rad = 0.002;
@@ -101,7 +105,9 @@ void WheelNoise::spreads_over(std::size_t marks, const std::vector<Pose2>& odome
   add(off_rad, walk, kQuantileOfOne, radians);
 }
 
-// Least squares of the relative errors; neither the wheels nor the matches can have a variance below nothing.
+// Least squares of the relative errors; neither the wheels nor the matches can have a variance below nothing. Beside
+// wheels that are far worse the level of the matches is a difference of large numbers: it counts as far as it is larger
+// than its own standard error.
 WheelNoise::Line WheelNoise::fit(const std::vector<Spread>& spreads, double slope_before) {
   constexpr double kTiny = 1.0e-12;
   double w = 0.0, x = 0.0, v = 0.0, xx = 0.0, xv = 0.0;
@@ -114,11 +120,13 @@ WheelNoise::Line WheelNoise::fit(const std::vector<Spread>& spreads, double slop
     xv += weight * spread.path * spread.variance;
   }
   const double determinant = w * xx - x * x;
-  if (!(determinant > 0.0)) return {slope_before, 0.0};
-  Line line{(w * xv - x * v) / determinant, 0.0};
+  if (!(determinant > 0.0)) return {slope_before, 0.0, 0.0};
+  Line line{(w * xv - x * v) / determinant, 0.0, 0.0};
   line.level = (v - line.slope * x) / w;
-  if (line.level < 0.0) line = {xv / xx, 0.0};
-  if (line.slope < 0.0) line = {0.0, v / w};
+  const double chance = square(kBeyondChance) * kQuantileNoise * xx / determinant;
+  line.sure_level = line.level * square(line.level) / (square(line.level) + chance);
+  if (line.level < 0.0) line = {xv / xx, 0.0, 0.0};
+  if (line.slope < 0.0) line = {0.0, v / w, v / w};
   return line;
 }
 
@@ -171,8 +179,8 @@ void WheelNoise::estimate() {
   const auto knowing_way = std::count_if(marks_.begin(), marks_.end(), [](const Mark& mark) { return mark.knows_way; });
   errors_ = {.slip_m = slip(line_m, static_cast<std::size_t>(knowing_way), kUnknown.slip_m, kLeastSlip_m),
              .slip_rad = slip(line_rad, marks_.size(), kUnknown.slip_rad, kLeastSlip_rad),
-             .match_m = std::sqrt(0.5 * line_m.level),
-             .match_rad = std::sqrt(0.5 * line_rad.level),
+             .match_m = std::sqrt(0.5 * line_m.sure_level),
+             .match_rad = std::sqrt(0.5 * line_rad.sure_level),
              .stretches = marks_.size()};
 }
 

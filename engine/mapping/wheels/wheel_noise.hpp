@@ -20,7 +20,7 @@ namespace gdtslam {
 struct WheelErrors {
   double slip_m = 0.1;    ///< metres per root of a metre
   double slip_rad = 0.2;  ///< radians per root of half the metres and the radians turned
-  double match_m = 0.0;
+  double match_m = 0.0;   ///< as far as it is beyond chance: beside bad wheels little is seen of matches
   double match_rad = 0.0;
   std::size_t stretches = 0;  ///< that they were estimated from
 };
@@ -62,6 +62,7 @@ class WheelNoise {
   struct Line {
     double slope = 0.0;
     double level = 0.0;
+    double sure_level = 0.0;  // beyond chance
   };
   void estimate();
   [[nodiscard]] std::vector<WheelStretch> stretches() const;

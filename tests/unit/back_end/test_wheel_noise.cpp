@@ -63,6 +63,15 @@ TEST(WheelNoise, OfWheelsAsGoodAsCanBeIsSmall) {
   EXPECT_NEAR(errors.match_rad, 0.002, 0.001);
 }
 
+// Their sixth of a radian a root of the metre hides what a match gets wrong: a sixth of a step's error counts at most.
+TEST(WheelNoise, BesideBadWheelsWhatIsSeenOfExactMatchesIsChance) {
+  const double of_step_rad = 0.17 * std::sqrt(0.5 * 0.3 + 0.1);
+  double sum_rad2 = 0.0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed)
+    sum_rad2 += square(estimated({0.05, 0.17, 0.0, 0.0}, seed).match_rad);
+  EXPECT_LT(std::sqrt(sum_rad2 / 40.0), of_step_rad / 6.0);
+}
+
 TEST(WheelNoise, OneWrongMatchInTwentyIsNotTheWheels) {
   Random random(5);
   WheelNoise noise;

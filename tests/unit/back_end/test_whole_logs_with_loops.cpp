@@ -85,7 +85,17 @@ TEST_P(SparseLogWithLoops, IsNotLost) {
   for (std::size_t i = 0; i < mapped.trajectory.size(); ++i) {
     mapped.trajectory[i].stamp_s = mapped.odometry[i].stamp_s = static_cast<double>(i);
   }
-  EXPECT_LE(evaluate_reference(mapped.trajectory, mapped.odometry, {}).ate_m.rmse, 0.10);
+  EXPECT_LE(evaluate_reference(mapped.trajectory, mapped.odometry, {}).ate_m.rmse, 0.12);
+}
+
+// Published for this log by Cartographer: 0.1078 m and 0.747 degrees. Passes lie metres apart on wide ways outdoors.
+TEST(HospitalWithLoops, HoldsWhatItsLoopsSay) {
+  GDTSLAM_REAL_DATA(log, "slam2d/fr-clinic_robotlaser.clf.gz");
+  GDTSLAM_REAL_DATA(relations, "slam2d/fr-clinic.relations.gz");
+  const MappedLog mapped = map_with_loops(log);
+  const RelationReport report = evaluate_relations(mapped.trajectory, read_relations(relations));
+  EXPECT_LE(report.all.translation_m.mean, 0.115);
+  EXPECT_LE(report.all.rotation_deg.mean, 0.77);
 }
 
 INSTANTIATE_TEST_SUITE_P(Logs, SparseLogWithLoops, testing::Values("edmonton", "belgioioso"),
