@@ -48,6 +48,7 @@ bool holds_its_mark_alone(const std::string& folder) {
 const DriveRecipe& recipe_of(std::string_view name) {
   static const std::vector<DriveRecipe> recipes{
       {.name = "office-loop", .scene = "office-loop"},
+      {.name = "office-loop-matched", .scene = "office-loop", .with_loops = false, .weight_s = 0.5},
       {.name = "office-loop-2", .scene = "office-loop", .is_mapped = false, .seed = 2},
       {.name = "office-loop-3", .scene = "office-loop", .is_mapped = false, .seed = 3},
       {.name = "one-scan",
@@ -83,6 +84,7 @@ std::string Drives::key_of(std::string_view name) {
   key.update(recipe.waypoints).update(recipe.is_mapped ? "mapped" : "log").update(fmt::format("seed {}", recipe.seed));
   key.update(recipe.laser).update(recipe.linkage).update(fmt::format("first {}", recipe.first));
   for (const std::string& set : recipe.sets) key.update(set);
+  key.update(recipe.with_loops ? "loops" : "no loops");
   return key.hex();
 }
 
@@ -104,6 +106,7 @@ std::vector<std::string> Drives::commands_of(std::string_view name) {
   std::string map = fmt::format("gdtslam map {0}.log -o {0}", name);
   for (const std::string& set : recipe.sets) map += " --set " + set;
   if (recipe.first > 0) map += fmt::format(" --first {}", recipe.first);
+  if (!recipe.with_loops) map += " --no-loops";
   commands.push_back(map);
   return commands;
 }
@@ -134,7 +137,8 @@ void Drives::make(std::string_view name, const std::function<void(double)>& prog
   simulate_drive(recipe, made, folder, [&](double share) { progress(simulated_share * share); });
   if (recipe.is_mapped) {
     const auto map_progress = [&](double share) { progress(simulated_share + (1.0 - simulated_share) * share); };
-    map_whole(made.log, made.run, device_, map_progress, recipe.sets, recipe.first);
+    map_whole(made.log, made.run, device_, map_progress,
+              {.sets = recipe.sets, .first = recipe.first, .with_loops = recipe.with_loops});
   }
   write_file_atomically(folder + "/key", mark_of(name));
 }
@@ -171,9 +175,10 @@ void Drives::clear() const {
 }
 
 void map_whole(const std::string& log, const std::string& run, const DeviceOptions& device,
-               const std::function<void(double)>& progress, const std::vector<std::string>& sets, std::uint64_t first) {
-  MapRequest request{.logs = {log}, .folder = run, .settings = load_settings({.file = "", .sets = sets})};
-  if (first > 0) request.range.count = first;
+               const std::function<void(double)>& progress, const MapChoices& choices) {
+  MapRequest request{.logs = {log}, .folder = run, .settings = load_settings({.file = "", .sets = choices.sets})};
+  if (choices.first > 0) request.range.count = choices.first;
+  request.with_loops = choices.with_loops;
   request.with_pictures = false;
   request.with_copies = false;
   request.on_failure = on_failure_of(device);

@@ -21,6 +21,7 @@ struct DriveRecipe {
   std::string_view waypoints{};     ///< of a trajectory file; empty: those of the scene
   std::vector<std::string> sets{};  ///< of the map, as --set has them
   bool is_mapped = true;
+  bool with_loops = true;         ///< closed, which the paper's system does not do
   std::string_view laser = {};    ///< preset; empty: the scene's
   std::string_view linkage = {};  ///< the mount's; empty: the scene's
   std::uint64_t first = 0;        ///< scans that are mapped; 0: all
@@ -74,10 +75,15 @@ inline constexpr std::uint64_t kSeed = 1;
 /// Errors of a run against the truth of its drive: aligned, or with the first poses made to agree.
 ReferenceReport errors_of(const Drive& drive, bool is_aligned = true);
 
-/// A log mapped into a folder: all of it, or its first scans. Throws as map_logs(), Error(kInterrupted).
+/// How a log is mapped where it is not by the defaults.
+struct MapChoices {
+  std::vector<std::string> sets{};  ///< as --set has them
+  std::uint64_t first = 0;          ///< scans; 0: all
+  bool with_loops = true;
+};
+/// A log mapped into a folder. Throws as map_logs(), Error(kInterrupted).
 void map_whole(const std::string& log, const std::string& run, const DeviceOptions& device,
-               const std::function<void(double)>& progress, const std::vector<std::string>& sets = {},
-               std::uint64_t first = 0);
+               const std::function<void(double)>& progress, const MapChoices& choices = {});
 
 struct RealLog {
   std::string name;       ///< "Intel Research Lab"

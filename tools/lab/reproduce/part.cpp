@@ -37,7 +37,7 @@ std::vector<PartInfo> parts_in_2d() {
        .paper = "the map of an office floor with the robot\u2019s path, which ends where it began, and the global "
                 "distance transform behind it.",
        .weight_s = 0.3,
-       .drives = {"office-loop"},
+       .drives = {"office-loop-matched", "office-loop"},
        .data_weight_s = 6.5,
        .make = make_loop},
       {.id = "fig8",
