@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/mapping/graph/pose_graph.hpp"
+#include "engine/mapping/loops/group_doubt.hpp"
 #include "engine/mapping/surface/surface_points.hpp"
 
 namespace gdtslam {
@@ -20,6 +21,10 @@ struct Session {
   std::vector<std::size_t> places;  ///< keyframes, ascending, the first one among them
   std::vector<PoseRelation> path;   ///< as it was measured, between places by their number
   std::vector<Loop> loops;          ///< likewise, as far as they are believed
+  std::vector<StepDoubt> doubts{};  ///< of the keyframes; empty: they lie where `poses` says
 };
+
+/// As the path states them from place to place, in equal parts; none across a place that no relation reaches.
+std::vector<StepDoubt> doubts_by_path(const Session& session);
 
 }  // namespace gdtslam

@@ -36,7 +36,7 @@ constexpr double kOtherPlace_m = 4.0;                   // as places are apart
 constexpr std::size_t kMostOthers = 4;
 constexpr std::size_t kQueriesApart = 4;  // of which one is looked for before the others between
 
-KeyframePath path_of(const Session& session) { return {session.scans, session.poses, session.path_m}; }
+KeyframePath path_of(const Session& session) { return {session.scans, session.poses, session.path_m, session.doubts}; }
 
 std::vector<Point2> points_of(const Session& session, double spacing_m) {
   PointThinner thinner(spacing_m);

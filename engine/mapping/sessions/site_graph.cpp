@@ -66,6 +66,8 @@ void SiteGraph::add(const Session& session, std::size_t number) {
   poses_.insert(poses_.end(), session.poses.begin(), session.poses.end());
   shape_.insert(shape_.end(), session.poses.begin(), session.poses.end());
   for (const double path_m : session.path_m) path_m_.push_back(before_m + path_m);
+  doubts_.insert(doubts_.end(), session.doubts.begin(), session.doubts.end());
+  doubts_.resize(scans_.size());
   for (const std::size_t place : session.places) places_.push_back(part.first_keyframe + place);
   const auto moved = [&](PoseRelation relation) {
     relation.from += part.first_place;
@@ -138,7 +140,7 @@ void SiteGraph::add_edge(const SessionEdge& edge, const std::vector<Session>& se
 }
 
 void SiteGraph::show_to(LoopFinder& finder) {
-  finder.extend({scans_, poses_, path_m_});
+  finder.extend({scans_, poses_, path_m_, doubts_});
   for (const std::size_t place : places_) finder.add_place(place);
 }
 
@@ -208,6 +210,7 @@ Session SiteGraph::as_one() && {
   session.poses = std::move(poses_);
   session.path_m = std::move(path_m_);
   session.places = std::move(places_);
+  session.doubts = std::move(doubts_);
   return session;
 }
 

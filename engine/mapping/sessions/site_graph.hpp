@@ -66,6 +66,7 @@ class SiteGraph {
   std::vector<Pose2> poses_;
   std::vector<Pose2> shape_;  // the keyframes as each session had them
   std::vector<double> path_m_;
+  std::vector<StepDoubt> doubts_;
   std::vector<std::size_t> places_;  // which keyframes they are
   PoseGraph graph_;
 };

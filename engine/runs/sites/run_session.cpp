@@ -119,6 +119,7 @@ RunSession read_run_session(const std::string& folder) {
            "has no keyframe with a return, so nothing tells where it belongs: name the run that it was made from");
   }
   take_graph(reader, run.kept, run.session);
+  run.session.doubts = doubts_by_path(run.session);
   return run;
 }
 

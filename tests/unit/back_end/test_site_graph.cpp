@@ -294,5 +294,20 @@ TEST(SessionOverlapOfAPlace, FindsAndRepeatsWhatLiesWithinAMetre) {
   EXPECT_FALSE(overlap.finds(query, 3));
 }
 
+// Places at the first, the third and the last of five keyframes; of the way to the second place two sources tell.
+TEST(SessionDoubts, AreSharesOfWhatThePathStates) {
+  Session session;
+  session.poses.resize(5);
+  session.places = {0, 2, 4};
+  const Matrix3 information = Matrix3::diagonal(100.0, 400.0, 1.0e4);
+  session.path = {{0, 1, {}, information}, {0, 1, {}, 3.0 * information}};
+  const std::vector<StepDoubt> doubts = doubts_by_path(session);
+  ASSERT_EQ(doubts.size(), 5U);
+  EXPECT_EQ(doubts[0].step(0, 0), 0.0);
+  for (const std::size_t i : {1U, 2U}) EXPECT_NEAR(doubts[i].step(0, 0), 0.5 / 400.0, 1e-12);
+  EXPECT_NEAR(doubts[2].step(2, 2), 0.5 / 4.0e4, 1e-15);
+  EXPECT_EQ(doubts[3].step(0, 0), 0.0) << "nothing tells of that way";
+}
+
 }  // namespace
 }  // namespace gdtslam
