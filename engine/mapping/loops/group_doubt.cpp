@@ -3,7 +3,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kLeastShare = 1.0e-9;  // of all points, in a direction in which none of them tells anything
+constexpr double kLeastPull = 1.0e-9;  // of all points, in a direction in which none of them tells anything
 
 Matrix3 carried(const Matrix3& covariance, const Pose2& T) {
   const Matrix3 adjoint = adjoint_matrix(T);
@@ -27,7 +27,7 @@ Matrix3 GroupDoubt::of_pose(std::span<const Matrix3> shapes) const {
   if (unseen_.empty()) return sum;
   Matrix3 whole;
   for (const Matrix3& shape : shapes) whole += shape;
-  const double least = kLeastShare * (whole(0, 0) + whole(1, 1) + whole(2, 2) + 1.0);
+  const double least = kLeastPull * (whole(0, 0) + whole(1, 1) + whole(2, 2) + 1.0);
   const Matrix3 pose_by_pull = inverse(whole + Matrix3::diagonal(least, least, least));
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     if (i != middle_) sum += propagated(pose_by_pull * shapes[i], unseen_[i]);

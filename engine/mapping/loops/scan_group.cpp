@@ -66,12 +66,12 @@ ScanGroup::ScanGroup(const KeyframePath& keyframes, std::size_t middle, double h
     const SinCos<double> turn = sin_cos(T.theta_rad);
     const auto take = [&](const Point2& point) {
       beams.push_back({T.translation(), point});
-      if (thinner.is_first(point)) of_keyframes[i - first].push_back(point);
+      if (thinner.is_first(point)) of_keyframes[i - first_].push_back(point);
     };
     for (const SurfacePoint& p : scan.surface) {
       const Point2 point = T * p.point();
       take(point);
-      walls.push_back({point, turned(turn, p.normal()), i - first});
+      walls.push_back({point, turned(turn, p.normal()), i - first_});
     }
     for (const LonePoint& p : scan.lone) take(T * p.point());
   }
