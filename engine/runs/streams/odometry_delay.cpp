@@ -1,10 +1,12 @@
 #include "odometry_delay.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "engine/mapping/graph/matrix3.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "scan_stream.hpp"
 
@@ -17,6 +19,12 @@ constexpr double kLongestStep_s = 1.0;  // between scans
 constexpr double kSlip_rad = 0.05;      // beyond which a difference counts as this much
 constexpr double kLeastTurn_rad = 3.0;  // of all steps, to tell anything
 constexpr std::size_t kMostShifted = 512;
+constexpr double kAround = 1.5;           // periods of the odometry on each side of the best shift: a parabola
+constexpr std::size_t kFewestAround = 4;  // shifts
+constexpr std::size_t kMostAround = 40;
+constexpr std::size_t kParts = 10;       // of the log, each of which is left out once
+constexpr double kLeastSigma_s = 0.002;  // what straight lines between stamps leave
+constexpr double kLeastWalk_s = 1.0e-6;  // what its smoothing varies by, to be told from the parabola
 
 /// Headings by odometry over time, unwrapped; along straight lines between the stamps.
 class HeadingTrack {
@@ -28,14 +36,32 @@ class HeadingTrack {
       points_.emplace_back(heading.stamp_s, last + wrap_angle(heading.by_odometry_rad - last));
     }
   }
+  /// A heading on the track.
+  struct Place {
+    double heading_rad = 0.0;
+    std::size_t after = 0;  ///< of the two points that it lies between
+    double share = 0.0;     ///< of the way from the one before
+  };
   /// Nothing outside of the track, and where it has a gap.
-  [[nodiscard]] std::optional<double> at(double stamp_s) const {
+  [[nodiscard]] std::optional<Place> at(double stamp_s) const {
     const auto after = std::lower_bound(points_.begin(), points_.end(), std::pair(stamp_s, -1e300));
     if (after == points_.begin() || after == points_.end()) return std::nullopt;
     const auto before = std::prev(after);
     const double span_s = after->first - before->first;
     if (span_s > kLongestStep_s) return std::nullopt;
-    return before->second + (after->second - before->second) * (stamp_s - before->first) / span_s;
+    const double share = (stamp_s - before->first) / span_s;
+    return Place{before->second + (after->second - before->second) * share,
+                 static_cast<std::size_t>(after - points_.begin()), share};
+  }
+  /// Variance of the turn from one place to a later one, where headings walk at random by a unit a second: less than
+  /// the time between the two where they lie within steps, as a part of a step's error is a part of its variance's
+  /// root.
+  [[nodiscard]] double walk_s(const Place& from, const Place& to) const {
+    const auto span_s = [&](std::size_t after) { return points_[after].first - points_[after - 1].first; };
+    const auto part = [&](double share, std::size_t after) { return share * share * span_s(after); };
+    if (from.after == to.after) return part(to.share - from.share, to.after);
+    const double whole_s = points_[to.after - 1].first - points_[from.after].first;
+    return part(1.0 - from.share, from.after) + whole_s + part(to.share, to.after);
   }
 
  private:
@@ -44,25 +70,46 @@ class HeadingTrack {
 
 /// How badly turns by scans and by odometry agree at a shift.
 struct Agreement {
-  double sum = 0.0;  ///< of squared differences, those of slips capped, rad^2
+  double sum = 0.0;   ///< of squared differences, those of slips capped, rad^2
+  double walk = 0.0;  ///< of HeadingTrack::walk_s()
   std::size_t steps = 0;
   [[nodiscard]] double mean() const {
     return steps > 0 ? sum / static_cast<double>(steps) : std::numeric_limits<double>::infinity();
   }
+  [[nodiscard]] double mean_walk_s() const { return walk / static_cast<double>(steps); }
+  void add(const Agreement& other, double sign) {
+    sum += sign * other.sum;
+    walk += sign * other.walk;
+    steps = sign > 0.0 ? steps + other.steps : steps - other.steps;
+  }
+};
+
+/// Of the parts of a log one after the other, and of all.
+struct Agreements {
+  std::array<Agreement, kParts> of_parts;
+  Agreement all;
+  [[nodiscard]] Agreement without(std::size_t part) const {
+    Agreement rest = all;
+    rest.add(of_parts[part], -1.0);
+    return rest;
+  }
 };
 
 void add_agreement(std::span<const TimedHeading> headings, const HeadingTrack& odometry, double shift_s,
-                   Agreement& agreement) {
+                   Agreements& agreements) {
   for (std::size_t i = 1; i < headings.size(); ++i) {
     const TimedHeading& from = headings[i - 1];
     const TimedHeading& to = headings[i];
     if (!(to.stamp_s > from.stamp_s && to.stamp_s - from.stamp_s <= kLongestStep_s)) continue;
-    const std::optional<double> odometry_from = odometry.at(from.stamp_s + shift_s);
-    const std::optional<double> odometry_to = odometry.at(to.stamp_s + shift_s);
+    const std::optional<HeadingTrack::Place> odometry_from = odometry.at(from.stamp_s + shift_s);
+    const std::optional<HeadingTrack::Place> odometry_to = odometry.at(to.stamp_s + shift_s);
     if (!odometry_from || !odometry_to) continue;
-    const double off = wrap_angle(to.by_scans_rad - from.by_scans_rad) - (*odometry_to - *odometry_from);
-    agreement.sum += std::min(off * off, kSlip_rad * kSlip_rad);
-    ++agreement.steps;
+    const double by_odometry_rad = odometry_to->heading_rad - odometry_from->heading_rad;
+    const double off = wrap_angle(to.by_scans_rad - from.by_scans_rad) - by_odometry_rad;
+    const Agreement agreement{std::min(off * off, kSlip_rad * kSlip_rad), odometry.walk_s(*odometry_from, *odometry_to),
+                              1};
+    agreements.all.add(agreement, 1.0);
+    agreements.of_parts[i * kParts / headings.size()].add(agreement, 1.0);
   }
 }
 
@@ -99,6 +146,83 @@ double turned_rad(std::span<const TimedHeading> headings) {
   return sum;
 }
 
+// Where a parabola through what the shifts around the best one leave is lowest, in shifts from the first. Least squares
+// with four unknowns: constant, slope, bend, and the share of what is left that is a random walk of the odometry.
+// Between two of its stamps that walk is smoothed, which looks like a better shift by up to half a period.
+std::optional<double> lowest_of(std::span<const Agreement> around) {
+  const auto count = static_cast<double>(around.size());
+  const double middle = 0.5 * (count - 1.0);
+  std::vector<Tangent2> rows;
+  std::vector<double> left;
+  Tangent2 mean_row{};
+  double mean_left = 0.0;
+  for (std::size_t k = 0; k < around.size(); ++k) {
+    if (around[k].steps == 0) return std::nullopt;
+    const double x = (static_cast<double>(k) - middle) / middle;
+    rows.push_back({x, x * x, around[k].mean_walk_s()});
+    left.push_back(around[k].mean());
+    for (std::size_t i = 0; i < 3; ++i) mean_row[i] += rows.back()[i] / count;
+    mean_left += left.back() / count;
+  }
+  Matrix3 squares = Matrix3::diagonal(0.0, 0.0, square(kLeastWalk_s));
+  Tangent2 right{};
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    for (std::size_t i = 0; i < 3; ++i) rows[k][i] -= mean_row[i];
+    squares += outer(rows[k], rows[k]);
+    for (std::size_t i = 0; i < 3; ++i) right[i] += rows[k][i] * (left[k] - mean_left);
+  }
+  const Tangent2 found = inverse(squares) * right;
+  if (!(found[1] > 0.0)) return std::nullopt;
+  const double lowest = -0.5 * found[0] / found[1];
+  if (!(std::fabs(lowest) <= 1.0)) return std::nullopt;
+  return middle * (1.0 + lowest);
+}
+
+/// The lowest shift, and its standard deviation by leaving out a part of the log at a time [Efron1982].
+struct Lowest {
+  double at = 0.0;
+  double sigma = 0.0;
+};
+std::optional<Lowest> lowest_with_sigma(std::span<const Agreements> around) {
+  std::vector<Agreement> of_all;
+  for (const Agreements& at : around) of_all.push_back(at.all);
+  const std::optional<double> whole = lowest_of(of_all);
+  if (!whole) return std::nullopt;
+  double squares = 0.0;
+  for (std::size_t part = 0; part < kParts; ++part) {
+    std::vector<Agreement> rest;
+    for (const Agreements& at : around) rest.push_back(at.without(part));
+    const std::optional<double> without = lowest_of(rest);
+    if (!without) return std::nullopt;
+    squares += square(*without - *whole);
+  }
+  constexpr double kShare = static_cast<double>(kParts - 1) / static_cast<double>(kParts);
+  return Lowest{*whole, std::sqrt(kShare * squares)};
+}
+
+// Shifts on each side of the best one that a parabola is laid through: no farther than half up, where differences that
+// count as slips bend it.
+std::size_t shifts_around(std::span<const TimedHeading> headings, std::span<const Agreements> at, std::size_t best) {
+  double sum_s = 0.0;
+  double steps = 0.0;
+  for (std::size_t i = 1; i < headings.size(); ++i) {
+    const double step_s = headings[i].stamp_s - headings[i - 1].stamp_s;
+    if (!(step_s > 0.0 && step_s <= kLongestStep_s)) continue;
+    sum_s += step_s;
+    steps += 1.0;
+  }
+  const double shifts = steps > 0.0 ? std::ceil(kAround * sum_s / steps / kDelayStep_s) : 0.0;
+  double most = 0.0;
+  for (const Agreements& shift : at) {
+    if (shift.all.steps > 0) most = std::max(most, shift.all.mean());
+  }
+  const double half_up = 0.5 * (at[best].all.mean() + most);
+  std::size_t around = std::clamp(static_cast<std::size_t>(shifts), kFewestAround, kMostAround);
+  const auto is_high = [&](std::size_t shift) { return shift < at.size() && at[shift].all.mean() > half_up; };
+  while (around > kFewestAround && (is_high(best - around) || is_high(best + around))) --around;
+  return around;
+}
+
 }  // namespace
 
 std::optional<OdometryDelay> delay_of(std::span<const TimedHeading> headings) {
@@ -106,7 +230,7 @@ std::optional<OdometryDelay> delay_of(std::span<const TimedHeading> headings) {
   const std::vector<std::vector<TimedHeading>> stretches = stretches_of(headings);
   const std::vector<HeadingTrack> odometry(stretches.begin(), stretches.end());
   const int most = static_cast<int>(kMostDelay_s / kDelayStep_s);
-  std::vector<Agreement> at;
+  std::vector<Agreements> at;
   at.reserve(2 * static_cast<std::size_t>(most) + 1);
   for (int k = -most; k <= most; ++k) {
     at.emplace_back();
@@ -116,21 +240,18 @@ std::optional<OdometryDelay> delay_of(std::span<const TimedHeading> headings) {
   }
   std::size_t best = static_cast<std::size_t>(most);
   for (std::size_t k = 0; k < at.size(); ++k) {
-    if (at[k].mean() < at[best].mean()) best = k;
+    if (at[k].all.mean() < at[best].all.mean()) best = k;
   }
-  if (best == 0 || best + 1 == at.size()) return std::nullopt;  // agrees best beyond what is looked for
-  const double before = at[best - 1].mean();
-  const double here = at[best].mean();
-  const double after = at[best + 1].mean();
-  const double bend = before - 2.0 * here + after;
-  if (!(bend > 0.0) || !std::isfinite(bend)) return std::nullopt;
+  const std::size_t around = shifts_around(headings, at, best);
+  if (best < around || best + around >= at.size()) return std::nullopt;  // agrees best beyond what is looked for
+  const std::optional<Lowest> lowest = lowest_with_sigma(std::span(at).subspan(best - around, 2 * around + 1));
+  if (!lowest) return std::nullopt;
   // Between two stamps the noise of the odometry is smoothed, whichever way it is shifted; a delay is one way only.
-  const double without = std::min(at[static_cast<std::size_t>(most)].mean(), at[at.size() - 1 - best].mean());
-  const double off_steps = 0.5 * (before - after) / bend;
-  const double variance = 2.0 * here / (static_cast<double>(at[best].steps) * bend) * kDelayStep_s * kDelayStep_s;
-  return OdometryDelay{.delay_s = (static_cast<double>(best) - most + off_steps) * kDelayStep_s,
-                       .sigma_s = std::sqrt(variance),
-                       .unexplained = here / without};
+  const double without = std::min(at[static_cast<std::size_t>(most)].all.mean(), at[at.size() - 1 - best].all.mean());
+  const double shift = static_cast<double>(best) - static_cast<double>(around) + lowest->at - most;
+  return OdometryDelay{.delay_s = shift * kDelayStep_s,
+                       .sigma_s = std::sqrt(square(lowest->sigma * kDelayStep_s) + square(kLeastSigma_s)),
+                       .unexplained = at[best].all.mean() / without};
 }
 
 std::vector<TimedHeading> headings_of(std::span<const TimedMotion> motions) {
