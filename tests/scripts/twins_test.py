@@ -14,6 +14,7 @@ TWINS = {
         "SampleLogTest.EverySecondScanIsMappedWhereTheOdometryTurnsBy85DegreesInOneStep",
     "RealLogRule.TheMergeRuleAsPrintedMissesTheBoundOnIntel": "SampleLogRule.TheMergeRuleAsPrintedMissesTheBound",
     "RealLogWithLoops.IsWithinTheBounds": "SampleLogWithLoops.IsWithinTighterBoundsThanTheRealLogs",
+    "HospitalWithLoops.HoldsWhatItsLoopsSay": "HeldLoops.AreThoseThatAreOnBetweenKeptKeyframes",
     "SparseLogWithLoops.IsNotLost": "SampleLogWithLoops.IsNotLostWhereScansAreAsSparse",
     "LocalizeOccupancy.FindsScansInAMapOfARealBuilding": "LocalizeOccupancy.FindsScansInADrawnBuilding",
     "MapOfKeyframesTest.APublicLogGivesTheSameMap": "MapOfKeyframesTest.WholeMillimetresGiveTheSameMap",
