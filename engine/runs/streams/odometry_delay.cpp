@@ -22,7 +22,7 @@ constexpr std::size_t kMostShifted = 512;
 constexpr double kAround = 1.5;           // periods of the odometry on each side of the best shift: a parabola
 constexpr std::size_t kFewestAround = 4;  // shifts
 constexpr std::size_t kMostAround = 40;
-constexpr std::size_t kParts = 10;       // of the log, each of which is left out once
+constexpr std::size_t kTenths = 10;      // of the log, each of which is left out once
 constexpr double kLeastSigma_s = 0.002;  // what straight lines between stamps leave
 constexpr double kLeastWalk_s = 1.0e-6;  // what its smoothing varies by, to be told from the parabola
 
@@ -86,7 +86,7 @@ struct Agreement {
 
 /// Of the parts of a log one after the other, and of all.
 struct Agreements {
-  std::array<Agreement, kParts> of_parts;
+  std::array<Agreement, kTenths> of_parts;
   Agreement all;
   [[nodiscard]] Agreement without(std::size_t part) const {
     Agreement rest = all;
@@ -109,7 +109,7 @@ void add_agreement(std::span<const TimedHeading> headings, const HeadingTrack& o
     const Agreement agreement{std::min(off * off, kSlip_rad * kSlip_rad), odometry.walk_s(*odometry_from, *odometry_to),
                               1};
     agreements.all.add(agreement, 1.0);
-    agreements.of_parts[i * kParts / headings.size()].add(agreement, 1.0);
+    agreements.of_parts[i * kTenths / headings.size()].add(agreement, 1.0);
   }
 }
 
@@ -189,15 +189,15 @@ std::optional<Lowest> lowest_with_sigma(std::span<const Agreements> around) {
   const std::optional<double> whole = lowest_of(of_all);
   if (!whole) return std::nullopt;
   double squares = 0.0;
-  for (std::size_t part = 0; part < kParts; ++part) {
+  for (std::size_t part = 0; part < kTenths; ++part) {
     std::vector<Agreement> rest;
     for (const Agreements& at : around) rest.push_back(at.without(part));
     const std::optional<double> without = lowest_of(rest);
     if (!without) return std::nullopt;
     squares += square(*without - *whole);
   }
-  constexpr double kShare = static_cast<double>(kParts - 1) / static_cast<double>(kParts);
-  return Lowest{*whole, std::sqrt(kShare * squares)};
+  constexpr double kOfSquares = static_cast<double>(kTenths - 1) / static_cast<double>(kTenths);
+  return Lowest{*whole, std::sqrt(kOfSquares * squares)};
 }
 
 // Shifts on each side of the best one that a parabola is laid through: no farther than half up, where differences that
