@@ -14,8 +14,8 @@ std::string fault_of_reference(const std::string& referrer, const std::string& n
 /// What the name of a file ends in, ".png", in small letters.
 std::string extension_of(const std::string& path);
 
-/// Where that file is: names are relative to the folder of `referrer`; of an absolute one the last part counts, since
-/// files are moved together.
+/// The path of a file that another one names. Names are relative to the folder of `referrer`; of an absolute one the
+/// last part counts, since files are moved together.
 std::string referenced_path(const std::string& referrer, const std::string& name);
 
 }  // namespace gdtslam

@@ -26,7 +26,8 @@
 
 namespace gdtslam {
 
-/// What --odom names: a topic, or "tf" with the frames of the transform that is odometry: tf[:FRAME[:BASE]].
+/// The source of odometry that --odom names: a topic, or "tf" with the frames of the transform that is odometry:
+/// tf[:FRAME[:BASE]].
 struct OdometryChoice {
   std::string topic{};
   std::string frame{};

@@ -6,8 +6,8 @@
 
 namespace gdtslam {
 
-/// What a file is whose first line, or first line behind comments, is this one, and what to do: "is a PNG picture, not
-/// a log; give ...". Empty if the line is not known.
+/// The kind of a file, by its first line or the first behind comments, and what to do: "is a PNG picture, not a log;
+/// give ...". Empty if the line is not known.
 std::string fault_of_foreign_line(std::string_view line);
 
 /// "; give a CARMEN, CSV, JSON lines, ROS bag or MCAP log".
