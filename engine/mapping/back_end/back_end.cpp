@@ -14,10 +14,10 @@ namespace gdtslam {
 namespace {
 
 // A match of one scan against the local map: its points' noise, those among them that tell something new, and how well
-// a keyframe is known at best, because neighbours are matched against the same cells. Each keyframe is matched with all
-// those that the local map still shows, so the noise of a match does not add up from step to step: of a scan that lies
-// on the mean of the n before it, a share of 2 / (n + 1) stays in the path: 0.15 for a dozen keyframes. What matches
-// err beyond that shows beside the wheels, and stays as far as keyframes are apart.
+// a keyframe is known at best, because neighbours are matched against the same cells. The noise of a match does not add
+// up from step to step, since each keyframe is matched with all before it that the local map still shows: of a scan
+// that lies on the mean of n others, a share of 2 / (n + 1) stays in the path, 0.15 for a dozen. Errors beyond that
+// show beside the wheels, and stay as far as keyframes are apart.
 constexpr double kStepPointNoise_m = 0.02;
 constexpr double kStepIndependent = 20.0 / (0.15 * 0.15);
 constexpr double kEnoughPoints = 60.0;
@@ -35,8 +35,7 @@ constexpr double kLeastWheels_rad = 0.0005;
 constexpr double kUnmeasured_m = 5.0;  // a step that is less sure is one that no odometry measured, or no match
 constexpr double kUnmeasured_rad = 1.0;
 constexpr double kLeapChi2 = 25.0;
-constexpr double kLeastForDoubt =
-    0.3;  // factor of the wheels' variance, halfway between what loops found and what was stated
+constexpr double kLeastForDoubt = 0.3;  // of the wheels' variance: halfway between what was stated and what loops found
 constexpr std::size_t kMostUnkept = 128;   // scans whose points wait for what is kept of them
 constexpr std::size_t kScansAtOnce = 256;  // adjusted by the workers, before progress is told
 constexpr int kTimesCarried = 3;           // scans are laid that hang on no kept keyframe: their poses are the graph's
@@ -230,13 +229,6 @@ JointResult BackEnd::adjust_keyframes(const LoopCloser& closer, std::vector<Pose
   return result;
 }
 
-// Which of those that are kept this keyframe is, if it is one.
-std::optional<std::size_t> BackEnd::kept_number(std::size_t keyframe) const {
-  const auto found = std::lower_bound(kept_.begin(), kept_.end(), keyframe);
-  if (found == kept_.end() || *found != keyframe) return std::nullopt;
-  return static_cast<std::size_t>(found - kept_.begin());
-}
-
 void BackEnd::adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose2>& poses, WorkerPool& workers,
                            const Progress& progress) const {
   const std::vector<Pose2> kept = those_at(kept_, keyframes);
@@ -254,7 +246,7 @@ void BackEnd::adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose
     workers.run(count, 1, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::size_t i = first + begin; i < first + end; ++i) {
         const std::size_t keyframe = hung_on[i - first];
-        const std::optional<std::size_t> last = kept_number(keyframe);
+        const std::optional<std::size_t> last = number_in(kept_, keyframe);
         const bool is_keyframe = keyframes_[keyframe] == i;
         for (int times = last ? 1 : kTimesCarried; times > 0; --times) {
           poses[i] = adjustment.adjusted(taken[i - first], poses[i], last, last && is_keyframe);

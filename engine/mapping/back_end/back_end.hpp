@@ -96,7 +96,6 @@ class BackEnd {
   };
   [[nodiscard]] CautiousGraph cautious_graph(const LoopCloser& closer) const;
   [[nodiscard]] std::vector<Matrix3> covariances_of_scans(const LoopCloser& closer) const;
-  [[nodiscard]] std::optional<std::size_t> kept_number(std::size_t keyframe) const;
   void finish_keeping();
   void adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose2>& poses, WorkerPool& workers,
                     const Progress& progress) const;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <optional>
 
 namespace gdtslam {
 namespace {
@@ -20,13 +19,13 @@ PoseRelation held(std::size_t from, std::size_t to, const PoseRelation& relation
   return {.from = from, .to = to, .T_from_to = relation.T_from_to, .information = share * relation.information};
 }
 
+}  // namespace
+
 std::optional<std::size_t> number_in(std::span<const std::size_t> kept, std::size_t keyframe) {
   const auto found = std::lower_bound(kept.begin(), kept.end(), keyframe);
   if (found == kept.end() || *found != keyframe) return std::nullopt;
   return static_cast<std::size_t>(found - kept.begin());
 }
-
-}  // namespace
 
 std::vector<PoseRelation> held_path(const MeasuredPath& measured, std::span<const std::size_t> kept) {
   std::vector<PoseRelation> path;

@@ -19,13 +19,13 @@ struct StepDoubt {
 
 class GroupDoubt {
  public:
-  /// Of keyframes one after the other, those at `in_middle`, seen from the one with number `middle`. Without `doubts`
-  /// they lie where they are said to.
+  /// Keyframes one after the other at `in_middle`, seen from the one with number `middle`. Without `doubts` they lie
+  /// where they are said to.
   GroupDoubt(std::span<const StepDoubt> doubts, std::span<const Pose2> in_middle, std::size_t middle);
 
-  /// What that comes to for a pose that is the least squares over the points of all keyframes, with the sums J^T J of
-  /// each keyframe's points, for motions in the middle's frame: first-order propagation, each step moving all
-  /// keyframes behind it.
+  /// Covariance of a pose that is the least squares over the points of all keyframes, as far as it comes from where
+  /// these lie: first-order propagation, each step moving all keyframes behind it. `shapes`: the sum of J^T J over each
+  /// keyframe's points, for motions in the middle's frame.
   [[nodiscard]] Matrix3 of_pose(std::span<const Matrix3> shapes) const;
 
  private:

@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kBiasStep = 1.0e-4;  // of a difference quotient
 
-// Of the variance of matches: loops tie what lies near by, where the map is the same and matches are at their best.
+// Matches are believed no better than this factor of their variance: loops tie what lies near by, where the map is the
+// same and matches are at their best.
 constexpr double kLeastOfMatches = 0.3;
 constexpr double kFarBetter = 0.25;    // of the variance
 constexpr double kVeryGood = 0.2;      // factor of the variance of wheels

@@ -167,8 +167,8 @@ void SiteGraph::carry_keyframes() {
   }
 }
 
-// As each drive lies in itself (a session may be a site of several, which the scans alone tell from each other), and
-// what joins them: passes may be too far apart for their points to hold them together.
+// Each drive as it lies in itself (a session may be a site of several, which the scans alone tell from each other), and
+// the loops that are on: passes may be too far apart for their points to hold them together.
 std::vector<PoseRelation> SiteGraph::held_relations() const {
   std::vector<PoseRelation> held;
   const Matrix3 information =

@@ -81,7 +81,7 @@ inline double feigned_shape(const KeptScan& scan) { return 2.0 * scan.normal_var
 /// robot went along it: in a bare corridor a match says what its prediction said.
 bool knows_way(const KeptScan& scan, const Point2& direction);
 
-/// What one point tells of a pose, and the share of a motion that it is to be believed of.
+/// Information of one point on the pose, and the share of a motion that the point is to be believed of.
 struct ShapeOfOne {
   Matrix3 shape;
   Matrix3 believed;

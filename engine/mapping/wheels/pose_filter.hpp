@@ -10,8 +10,8 @@
 
 namespace gdtslam {
 
-/// What a match of a scan tells of its pose: the information of the tangent, and the share of a motion that the match
-/// is to be believed of, along the axes of what the scan sees.
+/// Information of a match on the scan's pose, and the share of a motion that the match is to be believed of, along the
+/// axes of what the scan sees.
 struct MatchInformation {
   Matrix3 matrix;
   Matrix3 believed = Matrix3::identity();

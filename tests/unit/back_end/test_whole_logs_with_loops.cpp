@@ -85,7 +85,7 @@ TEST_P(SparseLogWithLoops, IsNotLost) {
   for (std::size_t i = 0; i < mapped.trajectory.size(); ++i) {
     mapped.trajectory[i].stamp_s = mapped.odometry[i].stamp_s = static_cast<double>(i);
   }
-  EXPECT_LE(evaluate_reference(mapped.trajectory, mapped.odometry, {}).ate_m.rmse, 0.12);
+  EXPECT_LE(evaluate_reference(mapped.trajectory, mapped.odometry, {}).ate_m.rmse, 0.11);
 }
 
 // Published for this log by Cartographer: 0.1078 m and 0.747 degrees. Passes lie metres apart on wide ways outdoors.
