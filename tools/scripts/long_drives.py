@@ -7,6 +7,7 @@ places that were passed again have a loop, and whether what is off is listed. Th
 believed. A kilometre takes some 20 s. FOLDER is removed unless it is given."""
 
 import argparse
+import bisect
 import json
 import math
 import pathlib
@@ -22,10 +23,11 @@ OFF_M = 0.3  # a pose that is farther off is a bad one
 AGAIN_M = 2.0  # a place this near an earlier one
 AGAIN_AFTER_M = 20.0  # of path
 
+TRACK_WIDTH_M = 0.5
 ROBOT = """
 robot:
   laser: {preset: sick-lms, range_resolution: 1 mm, max_range: %s m, no_return: 81.91 m}
-  wheels: {slip: 3 cm, left_scale: 1.01, right_scale: 0.99}
+  wheels: {slip: 3 cm, track_width: %g m, left_scale: %.5f, right_scale: %.5f}
   motion: {speed: 1.2 m/s, acceleration: 1 m/s^2, turn_rate: 60 deg/s, corner_cut: 50 cm}
 recording: {scan_rate: 5 Hz, odometry_rate: 10 Hz}
 """
@@ -38,6 +40,8 @@ class World:
         self.walls, self.boxes = [], []
         self.corners, self.ways = [], {}
         self.max_range_m = max_range_m
+        self.distance_scale, self.turn_rad_per_m = 1.0, -0.02 / TRACK_WIDTH_M  # of the wheels
+        self.delay_s = 0.0  # of the odometry
 
     def rectangle(self, x0, y0, x1, y1):
         self.walls.append(f"  - {{points: [[{x0:g}, {y0:g}], [{x1:g}, {y0:g}], [{x1:g}, {y1:g}], [{x0:g}, {y1:g}]], closed: true}}")
@@ -68,7 +72,8 @@ class World:
         points = "".join(f"  - [{x:g}, {y:g}]\n" for x, y in waypoints)
         boxes = "boxes:\n" + "\n".join(self.boxes) if self.boxes else ""
         return (f"gdtslam_scene: 1\nname: {name}\nwalls:\n" + "\n".join(self.walls) + "\n" + boxes +
-                ROBOT % f"{self.max_range_m:g}" + "waypoints:\n" + points)
+                ROBOT % (f"{self.max_range_m:g}", TRACK_WIDTH_M, self.distance_scale - 0.5 * TRACK_WIDTH_M * self.turn_rad_per_m,
+                         self.distance_scale + 0.5 * TRACK_WIDTH_M * self.turn_rad_per_m) + "waypoints:\n" + points)
 
 
 def blocks(columns, rows, width_m, depth_m, wide_m, max_range_m=20.0):
@@ -166,6 +171,31 @@ def yard(rng):
     return world
 
 
+def repeats(rng):
+    """Two loops of 300 m whose long corridors have niches every 7 m and every 3.4 m and nothing else; each is passed some three
+    times, with wheels off by up to 3 % and 5 degrees a metre and odometry stamped up to 0.6 s early or late."""
+    size = (2, 1, 91.0, 59.5, 2.4)
+    world = blocks(*size)
+    columns, _, width_m, depth_m, wide_m = size
+    for i in range(columns):
+        x = i * (width_m + wide_m) + wide_m
+        for y, out, period_m in ((wide_m, -1, 7.0), (wide_m + depth_m, 1, 3.4)):  # posts stand between niches, on both sides
+            at = 0.5 * period_m
+            while at < width_m - 0.5:
+                world.box(x + at, y + out * 0.1, 1.2, 0.2)
+                world.box(x + at, y + out * (wide_m - 0.1), 1.2, 0.2)
+                at += period_m
+    for i in range(columns + 1):
+        x, at = i * (width_m + wide_m), wide_m + rng.uniform(2.0, 7.0)
+        while at < wide_m + depth_m - 1.0:
+            world.box(x + rng.choice((0.1, wide_m - 0.1)), at, rng.uniform(0.2, 0.5), rng.uniform(0.2, 1.5))
+            at += rng.uniform(3.0, 10.0)
+    world.distance_scale = 1.0 + rng.uniform(-0.03, 0.03)
+    world.turn_rad_per_m = math.radians(rng.uniform(-5.0, 5.0))
+    world.delay_s = rng.uniform(-0.6, 0.6)
+    return world
+
+
 def twins(rng):
     """Two wings with the same rooms, furniture and all, at the ends of a hall that is like nothing else: 62 by 18 m."""
     world = World(20.0)
@@ -206,7 +236,7 @@ def twins(rng):
     return world
 
 
-WORLDS = {"corridors": corridors, "doors": doors, "wings": wings, "yard": yard, "twins": twins}
+WORLDS = {"corridors": corridors, "doors": doors, "wings": wings, "yard": yard, "repeats": repeats, "twins": twins}
 
 
 def run(*command):
@@ -295,12 +325,42 @@ def figures(folder, truth):
             "bad_listed": len(listed & set(bad)), "good_listed": len(listed - set(bad))}
 
 
+def delay_odometry(log, delay_s):
+    """Each line of a CARMEN log gets the odometry that was true delay_s before it."""
+    lines = log.read_text().splitlines()
+    track = []  # (time, x, y, heading)
+    at = {"ODOM": 1, "FLASER": -6}  # where the odometry begins; before a scan's is its laser's pose, the same
+    for line in lines:
+        word = line.split()
+        if word and word[0] in at:
+            track.append((float(word[-1]), *map(float, word[at[word[0]]:][:3])))
+    times = [pose[0] for pose in track]
+    written = []
+    for line in lines:
+        word = line.split()
+        if word and word[0] in at:
+            time = float(word[-1]) - delay_s
+            k = min(max(bisect.bisect_right(times, time), 1), len(track) - 1)
+            (t0, *a), (t1, *b) = track[k - 1], track[k]
+            part = min(max((time - t0) / max(t1 - t0, 1e-9), 0.0), 1.0)
+            first = len(word) + at[word[0]] if at[word[0]] < 0 else at[word[0]]
+            heading = a[2] + part * math.remainder(b[2] - a[2], 2.0 * math.pi)
+            pose = [f"{a[0] + part * (b[0] - a[0]):.6f}", f"{a[1] + part * (b[1] - a[1]):.6f}", f"{heading:.6f}"]
+            word[first:first + 3] = pose
+            if word[0] == "FLASER":
+                word[first - 3:first] = pose
+        written.append(" ".join(word) if word else line)
+    log.write_text("\n".join(written) + "\n")
+
+
 def drive(program, folder, name, seed, length_m, options):
     rng = random.Random(f"{name} {seed}")
     world = WORLDS[name](rng)
     scene, log, out = folder / f"{name}.yaml", folder / f"{name}.log", folder / f"{name}-{seed}"
     scene.write_text(world.scene(name, world.drive(rng, length_m)))
     run(program, "simulate", scene, "-o", log, "--seed", seed, "--quiet")
+    if world.delay_s != 0.0:
+        delay_odometry(log, world.delay_s)
     run(program, "map", log, "-o", out, "--no-pictures", "--quiet", "--force", *options)
     return figures(out, poses_of(folder / f"{name}.truth.tum"))
 
