@@ -89,7 +89,8 @@ void BackEnd::add_scan(std::span<const Point2> points_base_m, const MatchResult&
       [this, points = std::vector(points_base_m.begin(), points_base_m.end())] { shelf_.put(keep_scan(points)); });
 }
 
-// One scan on. Where the match is farther from what the wheels said than both can be, either may be wrong by all of it.
+// One scan on. Where the match is farther from what was predicted than both can be, either may be wrong by all of it.
+// So it is where a robot without odometry drove off unseen along a corridor, until something told where it was.
 void BackEnd::follow(const MatchResult& result) {
   const Pose2& step = result.T_odometry_step;
   const Matrix3 carried = adjoint_matrix(inverse(step));
@@ -106,8 +107,8 @@ void BackEnd::follow(const MatchResult& result) {
   wheels_covariance_ = carried * times_transposed(wheels_covariance_, carried) + Matrix3::diagonal(m, m, rad);
   leaps_ = carried * times_transposed(leaps_, carried);
   const Tangent2 off = log_tangent(between(result.T_map_predicted, result.T_map_base));
-  const double chi2 = (square(off[0]) + square(off[1])) / (m + square(kMatchNoise_m)) +
-                      square(off[2]) / (rad + square(kMatchNoise_rad));
+  const double chi2 = (square(off[0]) + square(off[1])) / (square(result.predicted_sigma_m) + square(kMatchNoise_m)) +
+                      square(off[2]) / (square(result.predicted_sigma_rad) + square(kMatchNoise_rad));
   if (chi2 > kLeapChi2) leaps_ += outer(off, off);
 }
 

@@ -57,6 +57,8 @@ void MotionEstimate::take(MatchResult& result, bool is_matched, std::span<const 
   result.T_odometry_step = step_;
   result.odometry_sigma_m = is_measured_ ? noise_.sigma_m : kNothingSaid.sigma_m;
   result.odometry_sigma_rad = is_measured_ ? noise_.sigma_rad : kNothingSaid.sigma_rad;
+  result.predicted_sigma_m = noise_.sigma_m;
+  result.predicted_sigma_rad = noise_.sigma_rad;
   result.match_sigma_m = wheels_.errors().match_m;
   result.match_sigma_rad = wheels_.errors().match_rad;
   const bool is_settled = result.accepted && is_matched;

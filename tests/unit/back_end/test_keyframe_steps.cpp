@@ -32,8 +32,8 @@ MatchResult metre_on(double sigma_m, double sigma_rad, const Pose2& off = {}) {
   result.T_odometry_step = {1.0, 0.0, 0.0};
   result.T_map_predicted = {1.0, 0.0, 0.0};
   result.T_map_base = result.T_map_predicted * off;
-  result.odometry_sigma_m = sigma_m;
-  result.odometry_sigma_rad = sigma_rad;
+  result.odometry_sigma_m = result.predicted_sigma_m = sigma_m;
+  result.odometry_sigma_rad = result.predicted_sigma_rad = sigma_rad;
   result.accepted = true;
   result.merged = true;
   return result;
@@ -194,6 +194,17 @@ TEST(KeyframeSteps, WhereMatchAndWheelsCannotBothBeRightEitherMayBeWrong) {
     const double least_of_match = 2.25e-6 + (one.has_leapt ? off[0] * off[0] : 0.0);
     EXPECT_GE(inverse(by_match(steps).information)(0, 0), least_of_match);
   }
+}
+
+// A robot without odometry that drove off along a bare corridor seemed to stand, surely, until a match leapt: neither
+// the chain of matches nor what nothing measured knows how far it went meanwhile.
+TEST(KeyframeSteps, AMatchThatLeapsFromAMotionThatGoesOnMayBeWrongByAsMuch) {
+  MatchResult leapt = metre_on(10.0, 3.0, {0.5, 0.0, 0.0});
+  leapt.predicted_sigma_m = 0.012;
+  leapt.predicted_sigma_rad = 0.005;
+  EXPECT_GE(inverse(by_match(steps_of(four_walls(15), leapt)).information)(0, 0), 0.25);
+  leapt.predicted_sigma_m = 0.3;  // as far as such a robot may well have gone
+  EXPECT_LT(inverse(by_match(steps_of(four_walls(15), leapt)).information)(0, 0), 0.01);
 }
 
 }  // namespace

@@ -32,8 +32,8 @@ class Travel : public testing::Test {
     result.T_map_predicted = T_map_base_ * step;
     T_map_base_ = result.T_map_predicted * off;
     result.T_map_base = T_map_base_;
-    result.odometry_sigma_m = sigma_m;
-    result.odometry_sigma_rad = sigma_rad;
+    result.odometry_sigma_m = result.predicted_sigma_m = sigma_m;
+    result.odometry_sigma_rad = result.predicted_sigma_rad = sigma_rad;
     result.accepted = is_matched;
     result.merged = is_keyframe;
     back_end_.take({}, result);

@@ -142,8 +142,8 @@ class FiveRounds : public testing::Test {
       result.T_map_base = drive().path.poses[i];
       result.T_map_predicted = result.T_map_base;
       result.T_odometry_step = between(last, result.T_map_base);
-      result.odometry_sigma_m = 0.01;
-      result.odometry_sigma_rad = 0.002;
+      result.odometry_sigma_m = result.predicted_sigma_m = 0.01;
+      result.odometry_sigma_rad = result.predicted_sigma_rad = 0.002;
       result.accepted = true;
       result.merged = i % kEveryOther != 3;
       last = result.T_map_base;

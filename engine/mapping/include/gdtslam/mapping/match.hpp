@@ -45,6 +45,8 @@ struct MatchResult {
   Pose2 T_odometry_step;  ///< since the last scan by odometry, as it was logged; where there was none, as predicted
   double odometry_sigma_m = 0.0;  ///< of the corrected step, along each axis; 0 where nothing was estimated
   double odometry_sigma_rad = 0.0;
+  double predicted_sigma_m = 0.0;  ///< of the predicted step; the same, but where no odometry told it as motion goes on
+  double predicted_sigma_rad = 0.0;
   double match_sigma_m = 0.0;  ///< of one match, as it was estimated beside the wheels; 0 where nothing was
   double match_sigma_rad = 0.0;
   double mean_cost_m = 0.0;       ///< mean capped distance of the valid points to the map's obstacles, at the estimate
