@@ -15,6 +15,7 @@ TWINS = {
     "RealLogRule.TheMergeRuleAsPrintedMissesTheBoundOnIntel": "SampleLogRule.TheMergeRuleAsPrintedMissesTheBound",
     "RealLogWithLoops.IsWithinTheBounds": "SampleLogWithLoops.IsWithinTighterBoundsThanTheRealLogs",
     "HospitalWithLoops.HoldsWhatItsLoopsSay": "HeldLoops.AreThoseThatAreOnBetweenKeptKeyframes",
+    "IntelWithoutOdometryWithLoops.IsNotLost": "KeyframeSteps.AMatchThatLeapsFromAMotionThatGoesOnMayBeWrongByAsMuch",
     "SparseLogWithLoops.IsNotLost": "SampleLogWithLoops.IsNotLostWhereScansAreAsSparse",
     "LocalizeOccupancy.FindsScansInAMapOfARealBuilding": "LocalizeOccupancy.FindsScansInADrawnBuilding",
     "MapOfKeyframesTest.APublicLogGivesTheSameMap": "MapOfKeyframesTest.WholeMillimetresGiveTheSameMap",
