@@ -45,18 +45,22 @@ class Motion {
   SinCos<double> turn_;
 };
 
-// Looks up surface points by direction. Points asked for one after the other lie near each other, so the search goes
-// on where the last one ended.
+// Looks up surface points by direction. A point beyond the field of view is on no line: the line of the last beam has
+// its normal from one side alone, tilted by that beam's own noise, so that beyond it the two pull scans onto each
+// other, by 0.1 per cent of the way along a corridor. Points asked for one after the other lie near each other, so the
+// search goes on where the last one ended.
 class SurfaceLookup {
  public:
   explicit SurfaceLookup(const std::vector<SurfacePoint>& surface) : surface_(surface) {}
 
-  /// The nearest point within the gate among those in about the same direction; null where there is none.
+  /// The nearest point within the gate among those in about the same direction; null where there is none, and outside
+  /// the field of view.
   const SurfacePoint* nearest(const Placed& q, double most_m) {
     const double range_squared = q.x * q.x + q.y * q.y;
     const double direction = direction_of(q.x, q.y);
     const double reach = std::min(kMostReach_rad, most_m / std::max(kLeastRange_m, std::sqrt(range_squared)));
     const std::size_t at = go_to(direction);
+    if (!is_in_view(direction, at)) return nullptr;
     const SurfacePoint* best = nullptr;
     double least = most_m * most_m;
     // False where neither this point nor one beyond it can be nearer: all lie beyond a ray at this angle.
@@ -81,6 +85,14 @@ class SurfaceLookup {
 
  private:
   [[nodiscard]] double stored(std::size_t k) const { return surface_[k].direction; }
+
+  // Up to half a beam beyond the first and the last; `at` is the first point whose direction is not less.
+  [[nodiscard]] bool is_in_view(double direction, std::size_t at) const {
+    const std::size_t count = surface_.size();
+    if (count < 2) return true;
+    if (at == 0) return stored(0) - direction <= 0.5 * (stored(1) - stored(0));
+    return at < count || direction - stored(count - 1) <= 0.5 * (stored(count - 1) - stored(count - 2));
+  }
 
   // The first point whose direction is not less: by steps that double, away from the last place, then by halves.
   std::size_t go_to(double direction) {
