@@ -36,7 +36,7 @@ KeptScan half_circle_with(std::vector<SurfacePoint> points) {
 }
 
 LineEquations point_on_line(const SurfacePoint& point, const SurfacePoint& line) {
-  return line_equations(half_circle_with({line}), scan_with({point}), {}, kGate);
+  return line_equations(scan_with({line}), scan_with({point}), {}, kGate);
 }
 
 // Geman and McClure's kernel is 0.3 of the gate wide: at 6 cm a point counts for a quarter.
@@ -75,7 +75,7 @@ TEST(PointToLine, EquationsAreThoseOfTheMovingScan) {
   const Pose2 T_fixed_moving{0.0, 0.0, 0.5 * 3.14159265358979};
   const SurfacePoint aside{0.1F, -2.06F, 0.0F, 1.0F, static_cast<float>(direction_of(0.1, -2.06))};
   const LineEquations lines =
-      line_equations(half_circle_with({surface_point(2.0, 0.0)}), scan_with({aside}), T_fixed_moving, kGate);
+      line_equations(scan_with({surface_point(2.0, 0.0)}), scan_with({aside}), T_fixed_moving, kGate);
   EXPECT_NEAR(lines.weight, 0.25, 1e-4);
   // n = (0, 1) in its frame, 6 cm too far.
   EXPECT_NEAR(lines.gradient[0], 0.0, 1e-6);
@@ -109,7 +109,7 @@ TEST(PointToLine, NearTheRobotTheDirectionBoundsTheSearch) {
 
 TEST(PointToLine, AboutAsManyPointsAreTakenAsAskedFor) {
   const std::vector<SurfacePoint> same(5, surface_point(2.0, 0.0));
-  const KeptScan fixed = half_circle_with({surface_point(2.0, 0.0)});
+  const KeptScan fixed = scan_with({surface_point(2.0, 0.0)});
   const auto taken = [&](std::size_t points, std::size_t wanted) {
     const KeptScan moving = scan_with({same.begin(), same.begin() + static_cast<std::ptrdiff_t>(points)});
     return line_equations(fixed, moving, {}, {.most_m = 0.2, .points = wanted}).weight;
