@@ -39,19 +39,15 @@ CellBox reach_of(const std::vector<Point2>& points_base_m, const Pose2& pose, co
           map_cell_of(at_m + Eigen::Vector2d(reach_m, reach_m), config.map.resolution_m) + CellOffset{2, 2}};
 }
 
-// Whether what a scan may see is small beside the piece of the map that is at hand.
-bool sees_little(const MapperConfig& config) {
-  constexpr double kMostCells = 12000.0;
-  return (config.scan.max_range_m + config.search.max_half_m) / config.map.resolution_m <= kMostCells;
-}
-
 /// A map on the host and, where its matcher works on a device, there too.
 struct PlacedMap {
   PlacedMap(const MapperConfig& config, Backend& cpu) : host(config, cpu) {}
   // Where it is on the CPU alone it may be larger than the memory.
   void place_on(const MapperConfig& config, Backend* on_device, const std::string& scratch_folder) {
     if (on_device != nullptr) return static_cast<void>(device.emplace(config, *on_device, host));
-    if (sees_little(config)) host.field.keep_near(scratch_folder);
+    constexpr double kMostCells = 12000.0;  // for a scan to see little beside the piece that is kept near
+    const double reach_m = config.scan.max_range_m + config.search.max_half_m;
+    if (reach_m / config.map.resolution_m <= kMostCells) host.field.keep_near(scratch_folder);
   }
   [[nodiscard]] const GlobalField& matched() const { return device ? device->field() : host.field; }
   void leave_device(const MapperConfig& config, const std::string& scratch_folder) {
@@ -228,6 +224,10 @@ void Mapper::State::begin_match() {
   is_matched = started && points.size() >= static_cast<std::size_t>(config.scan.min_points);
   if (!is_matched) return;
   const StageTimer timer(statistics.stages.match_s);
+  if (estimate) {
+    points = in_cells(estimate->points_to_match(scan, config.scan.min_points), config.map.resolution_m);
+    thin(points, Matcher::kMostPoints);
+  }
   if (!map->device) map->host.field.come_near(reach_of(scan.points_base_m, prediction.T_map_base, config));
   matcher->start(points, prediction, wants_search(prediction.T_map_base));
   is_begun = true;

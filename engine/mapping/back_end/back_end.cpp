@@ -7,6 +7,7 @@
 
 #include "engine/mapping/adjust/carried_poses.hpp"
 #include "engine/mapping/graph/free_network.hpp"
+#include "engine/mapping/wheels/leap.hpp"
 #include "engine/mapping/wheels/pose_filter.hpp"
 #include "held_path.hpp"
 
@@ -27,14 +28,11 @@ constexpr double kFrontStretch_m = 15.0;  // of a local map of the front end
 constexpr double kStepFloor_m = 0.0015;
 constexpr double kStepFloor_rad = 0.0003;
 constexpr double kStepLeastShare = 0.01;
-// How far a match is off at most times, and the wheels at best; beyond this chi2 one of the two leapt.
-constexpr double kMatchNoise_m = 0.02;
-constexpr double kMatchNoise_rad = 0.01;
+// How far the wheels are off at best.
 constexpr double kLeastWheels_m = 0.002;
 constexpr double kLeastWheels_rad = 0.0005;
 constexpr double kUnmeasured_m = 5.0;  // a step that is less sure is one that no odometry measured, or no match
 constexpr double kUnmeasured_rad = 1.0;
-constexpr double kLeapChi2 = 25.0;
 constexpr double kLeastForDoubt = 0.3;  // of the wheels' variance: halfway between what was stated and what loops found
 constexpr std::size_t kMostUnkept = 128;   // scans whose points wait for what is kept of them
 constexpr std::size_t kScansAtOnce = 256;  // adjusted by the workers, before progress is told
@@ -64,6 +62,7 @@ std::vector<Pose2> those_at(const std::vector<std::size_t>& indices, const std::
 BackEnd::BackEnd(const BackEndOptions& options)
     : options_(options),
       loops_(options.loops, options.live),
+      counter_(options.loops),
       scans_(options.scratch_folder, ByteShelf::kFewBytes),
       shelf_(options.scratch_folder, options.shelf_bytes) {}
 
@@ -89,7 +88,8 @@ void BackEnd::add_scan(std::span<const Point2> points_base_m, const MatchResult&
       [this, points = std::vector(points_base_m.begin(), points_base_m.end())] { shelf_.put(keep_scan(points)); });
 }
 
-// One scan on. Where the match is farther from what was predicted than both can be, either may be wrong by all of it.
+// One scan on. Where the match is farther from what was predicted than both can be, either may be wrong by all of it;
+// but of a turn that the scan does not fit without, only the wheels.
 // So it is where a robot without odometry drove off unseen along a corridor, until something told where it was.
 void BackEnd::follow(const MatchResult& result) {
   const Pose2& step = result.T_odometry_step;
@@ -106,10 +106,12 @@ void BackEnd::follow(const MatchResult& result) {
   }
   wheels_covariance_ = carried * times_transposed(wheels_covariance_, carried) + Matrix3::diagonal(m, m, rad);
   leaps_ = carried * times_transposed(leaps_, carried);
-  const Tangent2 off = log_tangent(between(result.T_map_predicted, result.T_map_base));
-  const double chi2 = (square(off[0]) + square(off[1])) / (square(result.predicted_sigma_m) + square(kMatchNoise_m)) +
-                      square(off[2]) / (square(result.predicted_sigma_rad) + square(kMatchNoise_rad));
-  if (chi2 > kLeapChi2) leaps_ += outer(off, off);
+  match_leaps_ = carried * times_transposed(match_leaps_, carried);
+  if (const std::optional<Tangent2> off = leap_of(result)) {
+    leaps_ += outer(*off, *off);
+    const Tangent2 of_match{(*off)[0], (*off)[1], result.is_turn_open ? (*off)[2] : 0.0};
+    match_leaps_ += outer(of_match, of_match);
+  }
 }
 
 void BackEnd::add_keyframe(const MatchResult& result, KeptScan points) {
@@ -117,16 +119,20 @@ void BackEnd::add_keyframe(const MatchResult& result, KeptScan points) {
       .scan = std::move(points), .T_map_base = result.T_map_base, .path_m = 0.0, .steps = {}, .travel = {}};
   keyframe.scan.surface.shrink_to_fit();  // it stays until the end
   keyframe.scan.lone.shrink_to_fit();
-  if (keyframes_taken_ > 1) {
+  if (keyframes_taken_ <= 1) {
+    chain_.take(result.T_map_base, {}, known_, counter_.is_place(0.0));
+  } else {
     const double step_m = length_of(between(T_map_keyframe_, result.T_map_base));
     travelled_m_ += step_m;
     stretch_m_ += step_m;
     const KeptScan known = result.accepted ? known_.known_part(keyframe.scan, result.T_map_base) : KeptScan{};
     keyframe.steps = steps_to(result, known);
     keyframe.steps[0].unseen = update_unseen(result, known);
+    keyframe.steps[0].blind = chain_.take(result.T_map_base, known, known_, counter_.is_place(travelled_m_));
     keyframe.travel = travel_;
     keyframe.travel.besides += least_of_wheels() + leaps_;
   }
+  keyframe.scan.corners = {};
   keyframe.travel.is_matched = result.accepted;
   keyframe.travel.is_way_known = knows_way(keyframe.scan, inverse(T_wheels_).translation());
   keyframe.path_m = travelled_m_;
@@ -139,6 +145,7 @@ void BackEnd::add_keyframe(const MatchResult& result, KeptScan points) {
   T_wheels_ = {};
   wheels_covariance_ = {};
   leaps_ = {};
+  match_leaps_ = {};
   travel_ = {};
   loops_.take(std::move(keyframe));
 }
@@ -173,7 +180,7 @@ MeasuredSteps BackEnd::steps_to(const MatchResult& result, const KeptScan& known
   const auto with_noise = [&](double noise_m) {
     if (!result.accepted) return inverse(nothing);
     const Matrix3 of_match = inverse(kStepIndependent * share / square(noise_m) * one.shape + lone);
-    return inverse(one.believed * times_transposed(of_match, one.believed) + floor + leaps_);
+    return inverse(one.believed * times_transposed(of_match, one.believed) + floor + match_leaps_);
   };
   return {MeasuredStep{between(T_map_keyframe_, result.T_map_base),
                        with_noise(kStepPointNoise_m),

@@ -18,6 +18,7 @@
 #include "engine/core/worker_pool.hpp"
 #include "engine/mapping/adjust/joint_adjustment.hpp"
 #include "engine/mapping/adjust/scan_adjustment.hpp"
+#include "engine/mapping/back_end/match_chain.hpp"
 #include "engine/mapping/back_end/scan_shelf.hpp"
 #include "engine/mapping/loops/live_loops.hpp"
 #include "engine/mapping/wheels/known_surfaces.hpp"
@@ -102,6 +103,7 @@ class BackEnd {
 
   BackEndOptions options_;
   LiveLoops loops_;
+  PlaceCounter counter_;
   const FrontEndPath& path_ = loops_.path();  // of the keyframes, after the end
   Shelf<Scan> scans_;
   std::size_t keyframes_taken_ = 0;
@@ -109,11 +111,13 @@ class BackEnd {
   double travelled_m_ = 0.0;  // until it
   double stretch_m_ = 0.0;    // since the local map began
   KnownSurfaces known_;
+  MatchChain chain_;
   Matrix3 covariance_ = Matrix3::diagonal(1.0e-6, 1.0e-6, 1.0e-7);  // of the last keyframe in the local map
   // Since the last keyframe, in the frame of the last scan:
   Pose2 T_wheels_;  // by the wheels alone
   Matrix3 wheels_covariance_;
-  Matrix3 leaps_;  // covariance of what wheels and matches cannot agree on
+  Matrix3 leaps_;        // covariance of what wheels and matches cannot agree on, for the wheels
+  Matrix3 match_leaps_;  // and for the matches
   WheelTravel travel_;
   ScanShelf shelf_;                    // points of all scans
   std::optional<SideThread> keeping_;  // that fills it

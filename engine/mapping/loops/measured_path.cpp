@@ -113,17 +113,20 @@ WheelRelation MeasuredPath::stated(std::size_t from, std::size_t to, StepSource 
 }
 
 // The covariances of the steps in between, each carried to the frame of the last, which adds up as the map drifts; and
-// how far either end is off along what it does not see, which does not.
+// from place to place, and to the end, what surfaces do not hold.
 WheelRelation MeasuredPath::matches_between(std::size_t from, std::size_t to, Information information) const {
   Pose2 T;
-  Matrix3 covariance = unseen_at(from);
+  Matrix3 covariance;
+  auto place = std::upper_bound(places_.begin(), places_.end(), from);
   for (std::size_t i = from + 1; i <= to; ++i) {
     const MeasuredStep& step = path_.steps_to(i)[0];
     const Matrix3 carried = adjoint_matrix(inverse(step.T));
     covariance = carried * times_transposed(covariance, carried) + inverse(step.*information);
+    const bool is_place = place != places_.end() && *place == i;
+    if (is_place || i == to) covariance += step.blind;
+    if (is_place) ++place;
     T = T * step.T;
   }
-  covariance += unseen_at(to);
   return {.relation = {.from = from, .to = to, .T_from_to = T, .information = inverse(covariance)}, .by_bias = {}};
 }
 

@@ -21,6 +21,7 @@ struct MeasuredStep {
   Pose2 T;
   Matrix3 information{};  ///< of the tangent at T
   Matrix3 cautious{};     ///< the same where the scan's distance from the map counts as noise: for covariances alone
+  Matrix3 blind{};        ///< of a match: covariance beside the last place along what surfaces do not hold (MatchChain)
   Matrix3 unseen{};       ///< of a match: covariance of the pose at its end along what no known surface shows
 };
 
@@ -103,7 +104,6 @@ class MeasuredPath {
  private:
   [[nodiscard]] WheelRelation stated(std::size_t from, std::size_t to, StepSource source,
                                      Information information = &MeasuredStep::information) const;
-  [[nodiscard]] Matrix3 unseen_at(std::size_t keyframe) const { return path_.steps_to(keyframe)[0].unseen; }
   [[nodiscard]] WheelRelation matches_between(std::size_t from, std::size_t to, Information information) const;
   [[nodiscard]] WheelRelation wheels_between(std::size_t from, std::size_t to) const;
   [[nodiscard]] WheelRelation between_places(std::size_t place, StepSource source,

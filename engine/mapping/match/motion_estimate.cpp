@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "engine/mapping/wheels/leap.hpp"
+
 namespace gdtslam {
 namespace {
 
@@ -12,6 +14,15 @@ MotionNoise larger(const MotionNoise& a, const MotionNoise& b) {
 }
 
 }  // namespace
+
+std::vector<Point2> MotionEstimate::points_to_match(const PointScan& scan, int fewest) {
+  const std::span seen_m = std::span(scan.points_base_m).first(scan.points_base_m.size() - scan.unknown_points);
+  if (has_moved_) {
+    std::vector<Point2> kept_m = known_surfaces().without_wall_ends(seen_m, filter_.pose());
+    if (kept_m.size() >= static_cast<std::size_t>(fewest)) return kept_m;
+  }
+  return {seen_m.begin(), seen_m.end()};
+}
 
 // Where nothing measures the motion, it goes on, as surely as it did so far.
 Prediction MotionEstimate::predict(MotionModel& model, const std::optional<Pose2>& T_odom_base) {
@@ -67,6 +78,11 @@ void MotionEstimate::take(MatchResult& result, bool is_matched, std::span<const 
   wheels_.take(odometry_, is_sure ? std::optional(result.T_map_base) : std::nullopt,
                knows_way(scan, inverse(step_).translation()));
   if (is_settled) settle(result, scan, fits_as_well);
+  if (is_settled && result.accepted && leap_of(result)) {
+    Pose2 turned = result.T_map_base;
+    turned.theta_rad = result.T_map_predicted.theta_rad;
+    result.is_turn_open = fits_as_well(turned, result.T_map_base);
+  }
   continued_.take(result.T_map_base, result.accepted);
 }
 

@@ -7,6 +7,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "engine/mapping/match/motion_model.hpp"
 #include "engine/mapping/wheels/continued_motion.hpp"
@@ -14,6 +15,7 @@
 #include "engine/mapping/wheels/pose_filter.hpp"
 #include "engine/mapping/wheels/wheel_noise.hpp"
 #include "gdtslam/mapping/match.hpp"
+#include "gdtslam/mapping/scan_points.hpp"
 
 namespace gdtslam {
 
@@ -32,6 +34,9 @@ class MotionEstimate {
   /// refused where it is weak and cannot be right; where both cannot be right the scan decides.
   void take(MatchResult& result, bool is_matched, std::span<const Point2> points_base_m,
             const FitsAsWell& fits_as_well);
+  /// Of a scan that was predicted, the returns to match: where at least `fewest` are left, without the ends of walls
+  /// (KnownSurfaces::without_wall_ends). Without odometry all: nothing else tells how far the robot went.
+  [[nodiscard]] std::vector<Point2> points_to_match(const PointScan& scan, int fewest);
   /// Surfaces of the map that grows while mapping. Without a call all surfaces count, as in a map that is whole.
   KnownSurfaces& known_surfaces() { return known_ ? *known_ : known_.emplace(); }
 

@@ -12,6 +12,8 @@ constexpr double kNeighbours = 1.5;  // usual angles between beams: more and a b
 constexpr double kLineNoise_m = 0.02;
 constexpr double kLineShare = 0.05;  // of the distance to the next point, how far one may lie beside the line
 
+constexpr double kLone_m = 0.5;
+
 double length(double x, double y) { return std::sqrt(x * x + y * y); }
 
 // Of the angle between the beams of two returns.
@@ -64,6 +66,22 @@ std::vector<Point2> with_surfaces_closed(std::span<const Point2> points_base_m, 
     for (int k = 1; k < pieces; ++k) closed.push_back(row[1] + static_cast<double>(k) / pieces * gap);
   }
   return closed;
+}
+
+std::optional<Point2> lone_on_wall(std::span<const Point2> points_base_m, std::size_t at) {
+  const std::size_t count = points_base_m.size();
+  const auto is_near = [&](std::size_t other) { return (points_base_m[at] - points_base_m[other]).norm() < kLone_m; };
+  if ((at > 0 && is_near(at - 1)) || (at + 1 < count && is_near(at + 1))) return std::nullopt;
+  for (const std::size_t before : {1U, 2U, 0U}) {  // of three next to each other, those before this one
+    if (at < before || at - before + 2 >= count) continue;
+    const Point2& first = points_base_m[at - before];
+    const Point2 chord = points_base_m[at - before + 2] - first;
+    const Point2 middle = points_base_m[at - before + 1] - first;
+    const double far_m = std::max(middle.norm(), (chord - middle).norm());
+    const double aside_m = std::fabs(middle.x() * chord.y() - middle.y() * chord.x()) / chord.norm();
+    if (aside_m < std::max(kLineNoise_m, kLineShare * far_m)) return chord / chord.norm();
+  }
+  return std::nullopt;
 }
 
 }  // namespace gdtslam

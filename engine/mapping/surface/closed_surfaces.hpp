@@ -4,6 +4,7 @@
 // the length of the walls.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,5 +15,9 @@ namespace gdtslam {
 /// The returns in beam order, and points at most `spacing_m` apart between the two in the middle of four neighbouring
 /// beams that end on one line: nothing can stand open there that is wider than what the beams leave unseen.
 std::vector<Point2> with_surfaces_closed(std::span<const Point2> points_base_m, double spacing_m);
+
+/// The direction (robot frame, of length 1) of the wall that the return with this number is on, by its neighbours in
+/// beam order, where the nearest of them is farther than half a metre; nothing for any other return.
+std::optional<Point2> lone_on_wall(std::span<const Point2> points_base_m, std::size_t at);
 
 }  // namespace gdtslam

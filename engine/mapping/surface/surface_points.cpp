@@ -23,10 +23,13 @@ constexpr std::size_t kFewestOfNoise = 10;  // returns with neighbours
 constexpr double kMedianOfNormal = 0.6745;  // of the absolute value of a normal variable
 constexpr double kTiniest = 1.0e-12;        // of an eigenvalue that is divided by
 constexpr double kLonePlace_m = 0.5;        // beams that have no neighbours are about so far apart
+constexpr double kCornerPlace_m = 0.1;      // as a corner lies between two beams
 constexpr double kMostLone = 20.0;          // that tell something new
-constexpr double kSurfaceEnough = 20.0;     // points on surfaces, beside which lone ones tell nothing
-constexpr double kAcross = 0.5;             // least squared cosine between a normal and the way: 45 degrees
-constexpr double kEnoughAcross = 0.1;       // of the surface
+constexpr double kSurfaceEnough = 20.0;     // points on surfaces, beside which of lone ones only corners count
+constexpr double kOffLine_m = 0.05;
+constexpr double kOffLineNoises = 3.0;
+constexpr double kAcross = 0.5;        // least squared cosine between a normal and the way: 45 degrees
+constexpr double kEnoughAcross = 0.1;  // of the surface
 
 // Sums over the neighbours of a point, relative to it.
 struct Neighbourhood {
@@ -108,6 +111,38 @@ double noise_of(std::span<const Point2> points) {
   return *middle / kMedianOfNormal;
 }
 
+// Whether the middle one of three lies farther from the line through the others than noise takes it.
+bool is_off_line(const Point2& a, const Point2& p, const Point2& b, double noise_m) {
+  const Point2 before = p - a;
+  const Point2 after = b - p;
+  const double chord_m = (before + after).norm();
+  if (chord_m <= 0.0) return true;
+  const double share = before.dot(before + after) / square(chord_m);
+  const double gain = std::sqrt(1.0 + square(share) + square(1.0 - share));  // of the noise of the three
+  const double off_m = std::fabs(before.x() * after.y() - before.y() * after.x()) / chord_m;
+  return off_m > std::max(kOffLine_m, kOffLineNoises * noise_m) * gain;
+}
+
+// No two neighbours are on a line with it.
+bool is_corner(std::span<const Point2> points, std::size_t i, double noise_m) {
+  if (i < 2 || i + 2 >= points.size()) return false;
+  return is_off_line(points[i - 1], points[i], points[i + 1], noise_m) &&
+         is_off_line(points[i - 2], points[i - 1], points[i], noise_m) &&
+         is_off_line(points[i], points[i + 1], points[i + 2], noise_m);
+}
+
+// Of points each of which lies so near to where it was seen, in both directions.
+Matrix3 information_of(const std::vector<LonePoint>& points, double place_m) {
+  if (points.empty()) return {};
+  Matrix3 sum;
+  for (const LonePoint& p : points) {
+    sum += outer(Tangent2{1.0, 0.0, -static_cast<double>(p.y_m)}, Tangent2{1.0, 0.0, -static_cast<double>(p.y_m)});
+    sum += outer(Tangent2{0.0, 1.0, static_cast<double>(p.x_m)}, Tangent2{0.0, 1.0, static_cast<double>(p.x_m)});
+  }
+  const double share = std::min(1.0, kMostLone / static_cast<double>(points.size()));
+  return share / square(place_m) * sum;
+}
+
 }  // namespace
 
 std::vector<Point2> points_of(const KeptScan& scan) {
@@ -129,6 +164,7 @@ KeptScan keep_scan(std::span<const Point2> points_base_m) {
     const std::optional<Normal> found = normal_of(neighbourhood_of(points_base_m, i, noise_m), noise_m);
     if (!found) {
       kept.lone.push_back({x, y});
+      if (is_corner(points_base_m, i, noise_m)) kept.corners.push_back({x, y});
       continue;
     }
     const Point2& normal = found->axis;
@@ -157,15 +193,9 @@ Matrix3 shape_of(const KeptScan& scan) {
 }
 
 Matrix3 lone_information(const KeptScan& scan) {
-  const double missing = std::max(0.0, 1.0 - static_cast<double>(scan.surface.size()) / kSurfaceEnough);
-  if (scan.lone.empty() || missing == 0.0) return {};
-  Matrix3 sum;
-  for (const LonePoint& p : scan.lone) {
-    sum += outer(Tangent2{1.0, 0.0, -static_cast<double>(p.y_m)}, Tangent2{1.0, 0.0, -static_cast<double>(p.y_m)});
-    sum += outer(Tangent2{0.0, 1.0, static_cast<double>(p.x_m)}, Tangent2{0.0, 1.0, static_cast<double>(p.x_m)});
-  }
-  const double share = std::min(1.0, kMostLone / static_cast<double>(scan.lone.size()));
-  return missing * share / (kLonePlace_m * kLonePlace_m) * sum;
+  const double missing = 1.0 - static_cast<double>(scan.surface.size()) / kSurfaceEnough;
+  if (missing <= 0.0) return information_of(scan.corners, kCornerPlace_m);
+  return missing * information_of(scan.lone, kLonePlace_m);
 }
 
 bool knows_way(const KeptScan& scan, const Point2& direction) {

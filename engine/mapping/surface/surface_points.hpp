@@ -37,6 +37,7 @@ struct KeptScan {
   std::vector<SurfacePoint> surface;  ///< by direction, ascending
   std::vector<LonePoint> lone;        ///< in beam order
   double normal_variance = 0.0;       ///< mean over the surface points, rad^2
+  std::vector<LonePoint> corners{};   ///< those lone ones that are on no line with their neighbours
   [[nodiscard]] std::size_t points() const { return surface.size() + lone.size(); }
   [[nodiscard]] std::size_t bytes() const {
     return surface.size() * sizeof(SurfacePoint) + lone.size() * sizeof(LonePoint);
@@ -65,8 +66,9 @@ KeptScan keep_scan(std::span<const Point2> points_base_m);
 Matrix3 shape_of(const KeptScan& scan);
 
 /// What the returns tell of the pose of which no surface is known: where each of them lies, within a metre's fraction,
-/// in both directions. Information of the tangent (x, y, theta), 1/m^2 and so on; nothing where surfaces tell enough.
-/// Far away in the open, where beams are a foot apart, there is nothing else.
+/// in both directions. Information of the tangent (x, y, theta), 1/m^2 and so on. Far away in the open, where beams are
+/// a foot apart, there is nothing else. Where surfaces tell enough only corners count, as posts along a corridor do, of
+/// which a beam or two tell.
 Matrix3 lone_information(const KeptScan& scan);
 
 /// Of the shape for one point, what normals that are off by six degrees could feign in a direction in which nothing is

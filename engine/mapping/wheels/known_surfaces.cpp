@@ -1,12 +1,16 @@
 #include "known_surfaces.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
+
+#include "engine/mapping/surface/closed_surfaces.hpp"
 
 namespace gdtslam {
 namespace {
 
 constexpr double kKnownCell_m = 0.2;  // a return counts as known within a cell of one that the map has
+constexpr double kToEachSide_m = 0.5;
 
 std::uint64_t key_of(std::int64_t x, std::int64_t y) {
   return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)) << 32U) | static_cast<std::uint32_t>(y);
@@ -20,33 +24,55 @@ void KnownSurfaces::add(std::span<const Point2> points_base_m, const Pose2& T_ma
   for (const Point2& point : points_base_m) {
     const Point2 there = T_map_base * point;
     const std::uint64_t key = key_of(cell_of(there.x()), cell_of(there.y()));
-    cells_.insert(key);
-    next_.insert(key);
+    cells_.emplace(key, keyframes_);
+    next_.emplace(key, keyframes_);
   }
+  ++keyframes_;
 }
 
 void KnownSurfaces::begin_stretch() { cells_ = std::exchange(next_, {}); }
 
-bool KnownSurfaces::is_known(const Point2& point_map_m) const {
+std::optional<std::size_t> KnownSurfaces::first_near(const Point2& point_map_m) const {
   const std::int64_t x = cell_of(point_map_m.x());
   const std::int64_t y = cell_of(point_map_m.y());
+  std::optional<std::size_t> first;
   for (std::int64_t dy = -1; dy <= 1; ++dy) {
     for (std::int64_t dx = -1; dx <= 1; ++dx) {
-      if (cells_.contains(key_of(x + dx, y + dy))) return true;
+      const auto cell = cells_.find(key_of(x + dx, y + dy));
+      if (cell != cells_.end()) first = std::min(first.value_or(cell->second), cell->second);
     }
   }
-  return false;
+  return first;
+}
+
+std::size_t KnownSurfaces::first_seen(const Point2& point_map_m) const { return first_near(point_map_m).value(); }
+
+bool KnownSurfaces::goes_on(const Point2& point_map_m, const Point2& direction) const {
+  return first_near(point_map_m + kToEachSide_m * direction) && first_near(point_map_m - kToEachSide_m * direction);
+}
+
+std::vector<Point2> KnownSurfaces::without_wall_ends(std::span<const Point2> points_base_m,
+                                                     const Pose2& T_map_base) const {
+  const Pose2 turn{0.0, 0.0, T_map_base.theta_rad};
+  std::vector<Point2> kept_m;
+  kept_m.reserve(points_base_m.size());
+  for (std::size_t i = 0; i < points_base_m.size(); ++i) {
+    const std::optional<Point2> along = lone_on_wall(points_base_m, i);
+    if (!along || goes_on(T_map_base * points_base_m[i], turn * *along)) kept_m.push_back(points_base_m[i]);
+  }
+  return kept_m;
 }
 
 KeptScan KnownSurfaces::known_part(const KeptScan& scan, const Pose2& T_map_base) const {
-  KeptScan known{.surface = {}, .lone = {}, .normal_variance = scan.normal_variance};
-  for (const SurfacePoint& p : scan.surface) {
-    if (is_known(T_map_base * p.point())) known.surface.push_back(p);
-  }
-  for (const LonePoint& p : scan.lone) {
-    if (is_known(T_map_base * p.point())) known.lone.push_back(p);
-  }
-  return known;
+  const auto known_of = [&](const auto& points) {
+    auto known = points;
+    std::erase_if(known, [&](const auto& p) { return !first_near(T_map_base * p.point()); });
+    return known;
+  };
+  return {.surface = known_of(scan.surface),
+          .lone = known_of(scan.lone),
+          .normal_variance = scan.normal_variance,
+          .corners = known_of(scan.corners)};
 }
 
 }  // namespace gdtslam

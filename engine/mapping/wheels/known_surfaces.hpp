@@ -3,9 +3,12 @@
 // Cost: a look-up in a hash table a point.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
-#include <unordered_set>
+#include <unordered_map>
+#include <vector>
 
 #include "engine/mapping/surface/surface_points.hpp"
 #include "gdtslam/core/pose.hpp"
@@ -20,12 +23,24 @@ class KnownSurfaces {
   void begin_stretch();
   /// The part of a scan that lies on known surfaces.
   [[nodiscard]] KeptScan known_part(const KeptScan& scan, const Pose2& T_map_base) const;
+  /// The points but lone returns far along a wall beyond where it is known. Such a return lies between those of scans
+  /// before it, the nearest of which is always behind: it would pull a match back, by several per cent of the way where
+  /// little stands across. It counts where the map knows the wall on both sides of it.
+  [[nodiscard]] std::vector<Point2> without_wall_ends(std::span<const Point2> points_base_m,
+                                                      const Pose2& T_map_base) const;
+  /// The keyframe, in the order in which they were added, that was the first of the local map to see the surface at a
+  /// known point.
+  [[nodiscard]] std::size_t first_seen(const Point2& point_map_m) const;
 
  private:
-  [[nodiscard]] bool is_known(const Point2& point_map_m) const;
+  using Cells = std::unordered_map<std::uint64_t, std::size_t>;  // the keyframe that was first there
+  // Whether a wall through this point along `direction` (of length 1) is known half a metre to both sides.
+  [[nodiscard]] bool goes_on(const Point2& point_map_m, const Point2& direction) const;
+  [[nodiscard]] std::optional<std::size_t> first_near(const Point2& point_map_m) const;
 
-  std::unordered_set<std::uint64_t> cells_;
-  std::unordered_set<std::uint64_t> next_;  // since the last stretch began
+  Cells cells_;
+  Cells next_;  // since the last stretch began
+  std::size_t keyframes_ = 0;
 };
 
 }  // namespace gdtslam

@@ -28,6 +28,7 @@ class PoseFilter {
 
   /// The robot moved from where it was last to `T_map_predicted`, known this well.
   void predict(const Pose2& T_map_predicted, const MotionNoise& noise);
+  [[nodiscard]] const Pose2& pose() const { return T_map_base_; }
   /// How sure the pose is, relative to the local map: in the least sure direction, and in heading.
   [[nodiscard]] MotionNoise sigma() const;
   /// With a match of this information.

@@ -107,7 +107,8 @@ void WheelNoise::spreads_over(std::size_t marks, const std::vector<Pose2>& odome
 
 // Least squares of the relative errors; neither the wheels nor the matches can have a variance below nothing. Beside
 // wheels that are far worse the level of the matches is a difference of large numbers: it counts as far as it is larger
-// than its own standard error.
+// than its own standard error, and than what the wheels get wrong from mark to mark, a part of which does not grow with
+// the way either, as where their stamps are early or late.
 WheelNoise::Line WheelNoise::fit(const std::vector<Spread>& spreads, double slope_before) {
   constexpr double kTiny = 1.0e-12;
   double w = 0.0, x = 0.0, v = 0.0, xx = 0.0, xv = 0.0;
@@ -123,7 +124,8 @@ WheelNoise::Line WheelNoise::fit(const std::vector<Spread>& spreads, double slop
   if (!(determinant > 0.0)) return {slope_before, 0.0, 0.0};
   Line line{(w * xv - x * v) / determinant, 0.0, 0.0};
   line.level = (v - line.slope * x) / w;
-  const double chance = square(kBeyondChance) * kQuantileNoise * xx / determinant;
+  const double of_wheels = square(std::max(0.0, line.slope) * spreads.front().path);
+  const double chance = square(kBeyondChance) * kQuantileNoise * xx / determinant + of_wheels;
   line.sure_level = line.level * square(line.level) / (square(line.level) + chance);
   if (line.level < 0.0) line = {xv / xx, 0.0, 0.0};
   if (line.slope < 0.0) line = {0.0, v / w, v / w};

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "engine/mapping/surface/closed_surfaces.hpp"
+#include "engine/mapping/wheels/known_surfaces.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 #include "support/room.hpp"
@@ -74,6 +76,36 @@ TEST(ClosedSurfaces, FewPointsStayAsTheyAre) {
   EXPECT_TRUE(with_surfaces_closed({}, kSpacing_m).empty());
   const std::vector<Point2> origin(8, Point2{0.0, 0.0});
   EXPECT_EQ(with_surfaces_closed(origin, kSpacing_m).size(), origin.size());
+}
+
+// A wall 1 m aside, its far returns ever farther apart, and something beside it.
+TEST(LoneOnWall, OnlyReturnsFarFromTheirNeighboursOnALineWithThem) {
+  const std::vector<Point2> points{{1.0, -1.0}, {1.3, -1.0}, {2.0, -1.0}, {3.0, -1.0}, {5.0, -1.0}, {4.0, 1.0}};
+  EXPECT_FALSE(lone_on_wall(points, 0));
+  EXPECT_FALSE(lone_on_wall(points, 1)) << "0.3 m from its neighbour";
+  for (const std::size_t far : {2U, 3U, 4U}) {
+    const std::optional<Point2> along = lone_on_wall(points, far);
+    ASSERT_TRUE(along) << far;
+    EXPECT_NEAR(along->x(), 1.0, 1e-12);
+    EXPECT_NEAR(along->y(), 0.0, 1e-12);
+  }
+  EXPECT_FALSE(lone_on_wall(points, 5)) << "on no line";
+  EXPECT_FALSE(lone_on_wall({points.data(), 1}, 0));
+}
+
+// Of the same returns, 10 m farther on, those that lie where the map knows the wall half a metre to both sides stay.
+TEST(KnownSurfaces, LoneReturnsBeyondTheKnownEndOfAWallWait) {
+  const std::vector<Point2> points{{1.0, -1.0}, {1.3, -1.0}, {2.0, -1.0}, {3.0, -1.0}, {5.0, -1.0}, {4.0, 1.0}};
+  const Pose2 T_map_base{10.0, 0.0, 0.0};
+  KnownSurfaces known;
+  EXPECT_EQ(known.without_wall_ends(points, T_map_base).size(), 3U) << "of an empty map no lone return";
+  std::vector<Point2> wall;
+  for (double x = 9.0; x < 12.8; x += 0.1) wall.emplace_back(x, -1.0);
+  known.add(wall, {});
+  const std::vector<Point2> kept = known.without_wall_ends(points, T_map_base);
+  ASSERT_EQ(kept.size(), 4U);
+  EXPECT_EQ(kept[2], points[2]);
+  EXPECT_EQ(kept[3], points[5]);
 }
 
 }  // namespace

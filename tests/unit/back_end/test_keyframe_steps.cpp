@@ -95,6 +95,21 @@ TEST(KeyframeSteps, AMatchTellsWhatItsPointsDo) {
   }
 }
 
+// A match that is 0.3 rad from what was predicted: the wheels are wrong by that, and the match is too unless its scan
+// does not fit where the wheels would turn it. How far it is from there in place is open in either case.
+TEST(KeyframeSteps, ATurnThatTheScanDoesNotFitWithoutIsTheWheelsFault) {
+  MatchResult second = metre_on(0.01, 0.01, Pose2{0.0, 0.4, 0.3});
+  for (const bool is_open : {false, true}) {
+    second.is_turn_open = is_open;
+    const MeasuredSteps steps = steps_of(four_walls(20), second);
+    EXPECT_GE(inverse(by_wheels(steps).information)(2, 2), 0.09) << is_open;
+    const Matrix3 covariance = inverse(by_match(steps).information);
+    EXPECT_EQ(covariance(2, 2) > 0.09, is_open);
+    EXPECT_LT(covariance(2, 2), is_open ? 0.1 : 1.0e-4) << is_open;
+    EXPECT_GT(covariance(0, 0) + covariance(1, 1), 0.15) << is_open;
+  }
+}
+
 // Walls that the map does not have yet were matched with nothing: the way is as unsure as the wheels leave it.
 TEST(KeyframeSteps, AWallThatIsSeenForTheFirstTimeTellsNothing) {
   BackEndOptions options;

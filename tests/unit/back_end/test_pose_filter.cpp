@@ -55,6 +55,23 @@ TEST(PoseFilter, AlongABareCorridorTheWheelsAreFollowedAndAcrossItTheMatch) {
   EXPECT_NEAR(ended.T_map_base.x_m, 1.03, 0.002);
 }
 
+// The match tells the heading and where the robot is across the corridor, which is along x of the map: whatever the
+// wheels took the heading for, along it stays where they had it.
+TEST(PoseFilter, AWrongHeadingOfTheWheelsPushesNothingAlongACorridor) {
+  for (const double side : {-1.0, 1.0}) {
+    PoseFilter filter;
+    filter.predict({0.24, 0.006 * side, 0.05 * side}, {.sigma_m = 0.03, .sigma_rad = 0.05});
+    const MatchInformation across{.matrix = Matrix3::diagonal(0.0, 1.0e6, 1.0e8),
+                                  .believed = Matrix3::diagonal(0.0, 1.0, 1.0)};
+    const PoseFilter::Fused fused = filter.fused_with({0.3, 0.0, 0.0}, across);
+    EXPECT_NEAR(fused.T_map_base.x_m, 0.24, 1.0e-6);
+    EXPECT_NEAR(fused.T_map_base.y_m, 0.0, 1.0e-4);
+    EXPECT_NEAR(fused.T_map_base.theta_rad, 0.0, 1.0e-6);
+    EXPECT_NEAR(fused.covariance(0, 0), 0.03 * 0.03, 1.0e-5) << "in the frame of the result";
+    EXPECT_NEAR(fused.covariance(1, 1), 1.0e-6, 1.0e-8);
+  }
+}
+
 // Two things far away in the open, their returns too far apart for a surface: wheels that turn badly do not outweigh
 // them.
 TEST(PoseFilter, FarReturnsWithoutASurfaceHoldTheHeading) {

@@ -152,8 +152,22 @@ TEST(LoneInformation, IsTheCurvatureOfWhereTheReturnsLie) {
   }
 }
 
-TEST(LoneInformation, CountsForNothingWhereSurfacesTell) {
-  EXPECT_EQ(lone_information(keep_scan(seen(test::furnished_room(), {1.0, 0.3, 0.7}))), Matrix3{});
+// Between the walls of a corridor a post returns one beam, which says within a decimetre where it is.
+TEST(LoneInformation, WhereSurfacesTellOnlyCornersCount) {
+  const auto corridor_with = [](const std::vector<Point2>& between) {
+    std::vector<Point2> points;
+    for (int k = 0; k <= 30; ++k) points.emplace_back(0.1 * k, -1.0);
+    points.insert(points.end(), between.begin(), between.end());
+    for (int k = 30; k >= 0; --k) points.emplace_back(0.1 * k, 1.0);
+    return keep_scan(points);
+  };
+  EXPECT_EQ(lone_information(corridor_with({})), Matrix3{});
+  const Matrix3 post = lone_information(corridor_with({{3.5, 0.2}}));
+  EXPECT_NEAR(post(0, 0), 1.0 / (0.1 * 0.1), 1e-6);
+  EXPECT_NEAR(post(1, 1), 1.0 / (0.1 * 0.1), 1e-6);
+  EXPECT_NEAR(post(0, 2), -0.2 / (0.1 * 0.1), 1e-4);
+  EXPECT_NEAR(post(1, 2), 3.5 / (0.1 * 0.1), 1e-4);
+  EXPECT_EQ(lone_information(corridor_with({{4.0, -1.0}, {5.0, -1.0}})), Matrix3{}) << "lone ones on a wall";
   EXPECT_EQ(lone_information({}), Matrix3{});
 }
 

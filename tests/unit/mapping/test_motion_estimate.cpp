@@ -97,6 +97,27 @@ TEST_F(Drive, WhereTheOdometryLeapsTheMatchStands) {
   EXPECT_NEAR(result.T_map_base.theta_rad, pose.theta_rad, 0.02);
 }
 
+// Wheels that turn by 0.3 rad too much, as where they are stamped late in a corner: the scan says whether it would fit
+// so.
+TEST_F(Drive, OfAMatchThatLeapsTheScanSaysWhetherTheTurnIsOpen) {
+  for (const bool fits : {false, true}) {
+    estimate_ = MotionEstimate();
+    model_ = MotionModel(OdometryConfig{});
+    Pose2 pose;
+    Pose2 odometry;
+    for (int i = 0; i < 300; ++i) {
+      EXPECT_TRUE(drive_to(pose, odometry).is_turn_open) << "nobody asked";
+      pose = pose * kMotion;
+      odometry = odometry * kMotion;
+    }
+    fits_as_well_ = fits;
+    const MatchResult result = drive_to(pose, odometry * Pose2{0.0, 0.0, 0.3});
+    ASSERT_TRUE(result.accepted);
+    EXPECT_EQ(result.is_turn_open, fits);
+    fits_as_well_ = false;
+  }
+}
+
 // A match along a corridor may be anywhere. Who has not moved yet stands for as long as the scan fits there, too, and
 // is not held once it did move.
 TEST_F(Drive, WhoStandsIsMovedByNoMatchThatFitsThereAsWell) {

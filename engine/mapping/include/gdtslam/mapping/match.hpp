@@ -49,6 +49,8 @@ struct MatchResult {
   double predicted_sigma_rad = 0.0;
   double match_sigma_m = 0.0;  ///< of one match, as it was estimated beside the wheels; 0 where nothing was
   double match_sigma_rad = 0.0;
+  /// Whether the scan fits about as well turned as it was predicted; it is asked where the two are far apart.
+  bool is_turn_open = true;
   double mean_cost_m = 0.0;       ///< mean capped distance of the valid points to the map's obstacles, at the estimate
   double overlap = 0.0;           ///< share of the valid points within the final gate, at the estimate
   double contradiction = 0.0;     ///< of the points within R of known obstacles, the share clearly beside them
