@@ -36,33 +36,33 @@ class Drive {
   KnownSurfaces surfaces_;
 };
 
-constexpr double kNothing_m2 = 10.0;  // more than three metres either way
-constexpr double kMuch_m2 = 1.0e-4;
+constexpr double kNothing = 10.0;  // m^2, more than three metres either way
+constexpr double kMuch = 1.0e-4;
 
 TEST(MatchChain, ABareCorridorTellsNothingAlongIt) {
   Drive drive;
   drive.keyframe(0.0, corridor(), true);
   const Point2 variance = drive.keyframe(0.5, corridor());
-  EXPECT_GT(variance.x(), kNothing_m2);
-  EXPECT_LT(variance.y(), kMuch_m2);
+  EXPECT_GT(variance.x(), kNothing);
+  EXPECT_LT(variance.y(), kMuch);
 }
 
 TEST(MatchChain, AWallThatThePlaceSawHoldsAllWhoSeeIt) {
   Drive drive;
   drive.keyframe(0.0, corridor(3.0), true);
-  EXPECT_LT(drive.keyframe(0.5, corridor(2.5)).x(), kMuch_m2);
-  EXPECT_GT(drive.keyframe(1.0, corridor()).x(), kNothing_m2) << "this one does not";
-  EXPECT_LT(drive.keyframe(1.5, corridor(1.5), true).x(), kMuch_m2);
-  EXPECT_LT(drive.keyframe(2.0, corridor(1.0)).x(), kMuch_m2) << "beside the next place, which sees it";
+  EXPECT_LT(drive.keyframe(0.5, corridor(2.5)).x(), kMuch);
+  EXPECT_GT(drive.keyframe(1.0, corridor()).x(), kNothing) << "this one does not";
+  EXPECT_LT(drive.keyframe(1.5, corridor(1.5), true).x(), kMuch);
+  EXPECT_LT(drive.keyframe(2.0, corridor(1.0)).x(), kMuch) << "beside the next place, which sees it";
 }
 
 // The robot went half a metre that nothing measured before anybody saw the wall.
 TEST(MatchChain, AWallIsNoSurerThanWhoSawItFirst) {
   Drive drive;
   drive.keyframe(0.0, corridor(), true);
-  EXPECT_GT(drive.keyframe(0.5, corridor(4.5)).x(), kNothing_m2) << "the wall is new";
-  EXPECT_GT(drive.keyframe(1.0, corridor(4.0), true).x(), kNothing_m2);
-  EXPECT_LT(drive.keyframe(1.5, corridor(3.5)).x(), kMuch_m2) << "from there on it is known";
+  EXPECT_GT(drive.keyframe(0.5, corridor(4.5)).x(), kNothing) << "the wall is new";
+  EXPECT_GT(drive.keyframe(1.0, corridor(4.0), true).x(), kNothing);
+  EXPECT_LT(drive.keyframe(1.5, corridor(3.5)).x(), kMuch) << "from there on it is known";
 }
 
 }  // namespace
