@@ -88,9 +88,9 @@ void BackEnd::add_scan(std::span<const Point2> points_base_m, const MatchResult&
       [this, points = std::vector(points_base_m.begin(), points_base_m.end())] { shelf_.put(keep_scan(points)); });
 }
 
-// One scan on. Where the match is farther from what was predicted than both can be, either may be wrong by all of it;
-// but of a turn that the scan does not fit without, only the wheels.
-// So it is where a robot without odometry drove off unseen along a corridor, until something told where it was.
+// One scan on. Where the match is farther from what was predicted than both can be, either may be wrong by all of it,
+// as where a robot without odometry drove off unseen along a corridor, until something told where it was; but of a turn
+// that the scan does not fit without, only the wheels.
 void BackEnd::follow(const MatchResult& result) {
   const Pose2& step = result.T_odometry_step;
   const Matrix3 carried = adjoint_matrix(inverse(step));

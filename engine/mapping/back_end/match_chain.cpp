@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kAcrossAxis = 0.25;  // least squared cosine between a normal and the axis that its surface holds
 
-// Of a translation, seen by somebody who is turned by so much.
+// The covariance of a translation in a frame that is turned by so much.
 Matrix3 turned(const Matrix3& covariance, double by_rad) {
   const Matrix3 turn = adjoint_matrix(Pose2{0.0, 0.0, -by_rad});
   return turn * times_transposed(covariance, turn);

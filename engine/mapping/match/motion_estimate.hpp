@@ -34,8 +34,8 @@ class MotionEstimate {
   /// refused where it is weak and cannot be right; where both cannot be right the scan decides.
   void take(MatchResult& result, bool is_matched, std::span<const Point2> points_base_m,
             const FitsAsWell& fits_as_well);
-  /// Of a scan that was predicted, the returns to match: where at least `fewest` are left, without the ends of walls
-  /// (KnownSurfaces::without_wall_ends). Without odometry all: nothing else tells how far the robot went.
+  /// The returns of a predicted scan that are to be matched: where at least `fewest` are left, without the ends of
+  /// walls (KnownSurfaces::without_wall_ends). Without odometry all: nothing else tells how far the robot went.
   [[nodiscard]] std::vector<Point2> points_to_match(const PointScan& scan, int fewest);
   /// Surfaces of the map that grows while mapping. Without a call all surfaces count, as in a map that is whole.
   KnownSurfaces& known_surfaces() { return known_ ? *known_ : known_.emplace(); }

@@ -131,7 +131,7 @@ bool is_corner(std::span<const Point2> points, std::size_t i, double noise_m) {
          is_off_line(points[i], points[i + 1], points[i + 2], noise_m);
 }
 
-// Of points each of which lies so near to where it was seen, in both directions.
+// The information of points each of which lies so near to where it was seen, in both directions.
 Matrix3 information_of(const std::vector<LonePoint>& points, double place_m) {
   if (points.empty()) return {};
   Matrix3 sum;

@@ -1,5 +1,5 @@
-// Where a match is farther from what was predicted than both can be: one of the two is wrong by all of it, and which
-// one the two alone do not say. Thread-safe, constant time.
+// A match leaps that is farther from what was predicted than both can be: one of the two is wrong by all of it, and
+// which one the two alone do not say. Thread-safe, constant time.
 #pragma once
 
 #include <optional>

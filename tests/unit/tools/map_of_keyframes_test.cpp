@@ -51,10 +51,10 @@ class MapOfKeyframesTest : public testing::Test {
   }
 
   // The start of the sample log, each range moved by up to half a millimetre.
-  [[nodiscard]] std::string log_with_fractions() const {
+  [[nodiscard]] std::string log_with_fractions(std::uint64_t seed) const {
     const std::unique_ptr<LogReader> reader = open_log(sample_, {});
     CarmenWriter writer(6);
-    Random random(3);
+    Random random(seed);
     std::string path = (work_ / "fractions.log").string();
     std::ofstream file(path);
     for (std::uint64_t scans = 0; scans < kScansMapped;) {
@@ -120,20 +120,23 @@ TEST_F(MapOfKeyframesTest, LikewiseWithoutLoops) { expect_same_map(mapped(sample
 
 // One point in two hundred crosses from a cell of 5 cm to the next where each moves by a quarter of a millimetre in the
 // mean; then the cells change whose nearest obstacle it is, most of them by a fraction of a cell, which later merges
-// halve. Measured: 6.8 % of the cells, 2.2 % by a quarter of a cell and more, 0.091 cells in the root of the mean
-// square.
+// halve. Which points cross is chance: of eight logs 4.3 to 7.9 % of the cells change, 0.7 to 2.2 % by a quarter of a
+// cell and more, and 0.05 to 0.09 cells in the root of the mean square. The mean of four counts.
 TEST_F(MapOfKeyframesTest, FractionsOfAMillimetreChangeFewCellsByLittle) {
-  const RunReader run = mapped(log_with_fractions(), true, kScansMapped);
-  const std::unique_ptr<SeparateMap> again = map_of_keyframes(*run.keyframes(), run.settings().mapper);
-  const Differences differ = differences(run, again->field());
-  RecordProperty("known", static_cast<int>(differ.known));
-  RecordProperty("cells", static_cast<int>(differ.cells));
-  RecordProperty("by_a_quarter", static_cast<int>(differ.by_a_quarter));
-  RecordProperty("rms_thousandths", static_cast<int>(1000.0 * differ.rms_cells));
-  EXPECT_GT(differ.cells, 0U);
-  EXPECT_LT(static_cast<double>(differ.cells), 0.1 * static_cast<double>(differ.known));
-  EXPECT_LT(static_cast<double>(differ.by_a_quarter), 0.03 * static_cast<double>(differ.known));
-  EXPECT_LT(differ.rms_cells, 0.1);
+  Differences sum;
+  constexpr std::uint64_t kLogs = 4;
+  for (std::uint64_t seed = 1; seed <= kLogs; ++seed) {
+    const RunReader run = mapped(log_with_fractions(seed), true, kScansMapped);
+    const std::unique_ptr<SeparateMap> again = map_of_keyframes(*run.keyframes(), run.settings().mapper);
+    const Differences differ = differences(run, again->field());
+    EXPECT_GT(differ.cells, 0U) << seed;
+    EXPECT_LT(differ.rms_cells, 0.1) << seed;
+    EXPECT_LT(static_cast<double>(differ.cells), 0.1 * static_cast<double>(differ.known)) << seed;
+    sum.known += differ.known;
+    sum.by_a_quarter += differ.by_a_quarter;
+    fs::remove_all(work_ / "run");
+  }
+  EXPECT_LT(static_cast<double>(sum.by_a_quarter), 0.02 * static_cast<double>(sum.known));
 }
 
 TEST_F(MapOfKeyframesTest, FilesOfOtherRunsAreRefused) {
