@@ -21,7 +21,7 @@ def localize_in_an_occupancy_map():
     chosen = ("--every", 60, "--picture", folder / "found.svg")
     plain = localized(*chosen, "--reference", POSES, run=RUN / "map.yaml")
     expect(plain["field"] == {"from": "occupied-cells", "resolution_m": 0.025, "truncation_m": 0.5}, f"{plain['field']}")
-    expect(plain["good_fit"] == {"distance_m": 0.05, "from": "resolution"}, f"{plain['good_fit']}")
+    expect(plain["good_fit"] == {"distance_m": 0.05, "usual_m": 0.025, "from": "resolution"}, f"{plain['good_fit']}")
     poses = poses_of(POSES)
     found = [scan for scan in plain["scans"] if scan["verdict"] == "found"]
     expect(len(found) >= 0.8 * len(plain["scans"]), f"{plain['verdicts']}")

@@ -387,7 +387,7 @@ GDTSLAM_API void gdtslam_localizer_free(gdtslam_localizer* localizer);
 /* What the search for a scan came to. */
 enum {
   GDTSLAM_FOUND = 0,
-  GDTSLAM_AMBIGUOUS = 1, /* a pose elsewhere may be as good, as far as the proof tells */
+  GDTSLAM_AMBIGUOUS = 1, /* a pose elsewhere may fit about as well */
   GDTSLAM_POOR_FIT = 2,  /* even the best pose fits worse than scans of the mapped place do */
   GDTSLAM_NO_POSE = 3    /* too few returns, or max_seconds too short */
 };

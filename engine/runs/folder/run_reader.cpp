@@ -51,7 +51,6 @@ RunSummary summary_of(const ReportReader& report) {
   summary.nods = report.has("nodding");
   summary.has_loops = report.has("loops");
   summary.tilts = summary.nods && report.has_member("nodding", "told_by", "TILT");
-  if (report.has("match_p99_m")) summary.match_p99_m = report.number("match_p99_m");
   summary.doubtful = report.indices("doubtful_scans", "index", summary.scans);
   if (report.has("keyframe_scans")) {
     summary.keyframes = report.indices("keyframe_scans", nullptr, summary.scans);

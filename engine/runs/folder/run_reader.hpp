@@ -34,10 +34,8 @@ struct RunSummary {
   std::string map_sha256;                       ///< of the distance field
   std::optional<std::string> keyframes_sha256;  ///< nothing where the laser nods or the report is of an older version
   bool nods = false;
-  bool has_loops = false;  ///< closed ones, perhaps none of them found: doubts() tells of them
-  bool tilts = false;      ///< nods without a linkage: the log told the elevation itself
-  /// 99 of 100 matches left no larger mean distance to the map; nothing without one, or of an older version.
-  std::optional<double> match_p99_m;
+  bool has_loops = false;              ///< closed ones, perhaps none of them found: doubts() tells of them
+  bool tilts = false;                  ///< nods without a linkage: the log told the elevation itself
   std::vector<std::size_t> doubtful;   ///< indices into the trajectory
   std::vector<std::size_t> keyframes;  ///< likewise; empty where the report is of an older version
   std::vector<std::size_t> drives;     ///< likewise, at which another drive begins

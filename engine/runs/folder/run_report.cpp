@@ -136,7 +136,7 @@ Json matches_json(const MapOutcome& outcome) {
           {"refused", doubtful - weak}};
 }
 
-// How well scans fit the map, which tells `localize` what a good fit is; nothing where none was matched.
+// How well scans fit the map as it was when they were matched; nothing where none was matched.
 void add_match_distances(Json& report, std::vector<double> distances_m) {
   if (distances_m.empty()) return;
   std::sort(distances_m.begin(), distances_m.end());

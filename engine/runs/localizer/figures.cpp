@@ -60,7 +60,7 @@ LocalizeFigures figures_of(const std::vector<LocalizedScan>& scans, const Locali
   std::vector<double> angles_deg;
   for (const LocalizedScan& scan : scans) {
     ++figures.verdicts[static_cast<std::size_t>(scan.verdict)];
-    figures.certified += scan.best && scan.best->certified() ? 1U : 0U;
+    figures.certified += scan.is_proven() ? 1U : 0U;
     if (!scan.reference) continue;
     ++figures.within.of;
     const LocalizeFault fault = fault_of(scan, limits);

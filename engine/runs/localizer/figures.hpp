@@ -37,7 +37,7 @@ LocalizeFault fault_of(const LocalizedScan& scan, const LocalizeLimits& limits);
 
 struct LocalizeFigures {
   std::array<std::uint64_t, kVerdicts.size()> verdicts{};  ///< in the order of kVerdicts
-  std::uint64_t certified = 0;
+  std::uint64_t certified = 0;                             ///< scans that are proven
   Share within;  ///< of the scans with a reference, those without enough returns among them
   std::array<std::uint64_t, kLocalizeFaults.size()> faults{};  ///< in the order of kLocalizeFaults
   ErrorSummary distance_m;                                     ///< of those within the limits

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "engine/core/quantile.hpp"
 #include "engine/runs/inputs/given_files.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
@@ -71,17 +72,14 @@ RunReader run_of_map(const std::string& map, const std::string& purpose) {
                    "belongs to no folder of a run, which " + purpose + " needs: give what 'gdtslam map -o' wrote");
 }
 
-FitLimit fit_limit_of_cells(double resolution_m) {
-  constexpr double kCells = 2.0;
-  return {kCells * resolution_m, FitLimit::Source::kResolution};
-}
-
-FitLimit fit_limit_of(const std::string& map, double resolution_m) {
-  const std::optional<std::string> folder = run_folder_of(map);
-  const std::optional<double> by_run = folder ? RunReader(*folder).summary().match_p99_m : std::nullopt;
-  if (by_run && *by_run >= resolution_m) return {*by_run, FitLimit::Source::kRun};
-  if (by_run) return {resolution_m, FitLimit::Source::kCell};
-  return fit_limit_of_cells(resolution_m);
+FitLimit fit_limit_of(std::vector<double> own_m, double resolution_m) {
+  const FitLimit of_cells{2.0 * resolution_m, FitLimit::Source::kResolution, resolution_m};
+  if (own_m.empty()) return of_cells;
+  std::sort(own_m.begin(), own_m.end());
+  const double usual_m = quantile_of_sorted(own_m, 0.5);
+  const double most_m = quantile_of_sorted(own_m, 0.99);
+  if (most_m < of_cells.distance_m) return {of_cells.distance_m, of_cells.source, usual_m};
+  return {most_m, FitLimit::Source::kRun, usual_m};
 }
 
 }  // namespace gdtslam

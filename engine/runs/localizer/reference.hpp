@@ -61,19 +61,17 @@ std::optional<std::string> run_folder_of(const std::string& map);
 /// needed for, where it is none.
 RunReader run_of_map(const std::string& map, const std::string& purpose);
 
-/// The largest mean distance of a scan's points to the map's obstacles that is a good fit.
+/// How well a scan of the mapped place fits: mean distances of its points to the map's obstacles.
 struct FitLimit {
-  /// Where it comes from: 99 of 100 matches of the run left no more; no run tells and the map's cells are so coarse; or
-  /// the run's matches left less than one cell.
-  enum class Source : std::uint8_t { kOption, kRun, kResolution, kCell };
-  double distance_m = 0.0;
+  /// Where the largest comes from: 99 of 100 of the run's own scans leave no more, or the map's cells are so coarse.
+  enum class Source : std::uint8_t { kOption, kRun, kResolution };
+  double distance_m = 0.0;  ///< the largest that is a good fit
   Source source = Source::kOption;
+  double usual_m = 0.0;  ///< the median
 };
-/// For a map without a run, or a run of a version that did not tell: two cells, which is what rounding to cells in the
-/// scan and in the map may take away, and 50 mm by default. With a run at least one cell: what was matched while the
-/// map was made may fit better, as in a simulated room without noise, than any scan that the finished map rounds.
-FitLimit fit_limit_of(const std::string& map, double resolution_m);
-/// The two cells.
-FitLimit fit_limit_of_cells(double resolution_m);
+/// From the mean distances that the run's own scans leave in the finished map. Two cells are always a good fit: the
+/// most that rounding to cells in the scan and in the map can account for, while scans that a map was made of fit it
+/// better than others. Without scans one cell is usual.
+FitLimit fit_limit_of(std::vector<double> own_m, double resolution_m);
 
 }  // namespace gdtslam

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <ctime>
+#include <limits>
+#include <utility>
 
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
 #include "engine/core/elementary.hpp"
@@ -30,14 +32,14 @@ std::vector<PointCells> points_to_match(const LaserScan& scan, const MapperConfi
   return points;
 }
 
-// Of a run the occupied cells of its map.yaml are others than the obstacles that its scans were matched with.
-FitLimit good_fit_in(const MapField& field, const LocalizeLimits& limits) {
-  if (limits.good_fit_m) return {*limits.good_fit_m, FitLimit::Source::kOption};
-  const double resolution_m = field.file.geometry.resolution_m;
-  if (field.source == MapField::Source::kOccupiedCells) return fit_limit_of_cells(resolution_m);
-  const FitLimit limit = fit_limit_of(field.path, resolution_m);
+// The scans that the map was made of; none for a map without a run. A run's map.yaml counts as one: its occupied cells
+// differ from the obstacles that the run's scans were matched with.
+std::vector<RunKeyframe> own_scans_of(const MapField& field) {
+  const std::optional<std::string> folder = run_folder_of(field.path);
+  if (field.source == MapField::Source::kOccupiedCells || !folder) return {};
+  std::optional<RunKeyframes> kept = field.run ? field.run->keyframes() : RunReader(*folder).keyframes();
   if (field.run) field.run->files().expect_unchanged();
-  return limit;
+  return kept ? std::move(kept->keyframes) : std::vector<RunKeyframe>{};
 }
 
 // Calls take() with the distance of each point at that pose from the nearest obstacle; the cap outside of the field.
@@ -84,14 +86,30 @@ Localizer::Localizer(const std::string& map, const MapperConfig& config, const L
     : config_(config),
       limits_(limits),
       field_(framed(read_map_field(map, config.map, backend.host_isa()))),
-      window_(field_.known_window()),
-      good_fit_(good_fit_in(field_, limits)) {
+      window_(field_.known_window()) {
   try {
     Backend* const device = backend.device().kind == "cpu" ? nullptr : &backend;
     map_.emplace(field_.view(), backend.host_isa(), CertifiedMap::kAnyWindows, device);
   } catch (const InputError& error) {
     throw InputError({field_.path, 0}, error.what());
   }
+  good_fit_ = fit_limit_of(own_distances_m(), resolution_m());
+  if (limits.good_fit_m) {
+    good_fit_.distance_m = *limits.good_fit_m;
+    good_fit_.source = FitLimit::Source::kOption;
+  }
+}
+
+// Scans at poses that the map has little of do not count: it may be a piece that was cut out of the run's.
+std::vector<double> Localizer::own_distances_m() const {
+  std::vector<double> own_m;
+  for (const RunKeyframe& own : own_scans_of(field_)) {
+    const std::vector<PointCells> points = points_to_match(own.laser, config_, resolution_m());
+    if (points.empty() || known_share(points, own.T_map_base) < LocalizeLimits::kLeastKnown) continue;
+    const PoseWindow pose{.centre = own.T_map_base, .half_x_m = 0.0, .half_y_m = 0.0, .half_theta_rad = 0.0};
+    own_m.push_back(search(points, pose, {}).mean_cost_m);
+  }
+  return own_m;
 }
 
 // A window of the map as the kernels' frame has it, and the pose back.
@@ -124,7 +142,6 @@ LocalizedScan Localizer::begun(const LaserScan& scan, std::uint64_t index, std::
   found.stamp_s = scan.stamp_s;
   found.points = static_cast<std::uint32_t>(points.size());
   found.has_returns = !points.empty() && points.size() >= static_cast<std::size_t>(config_.scan.min_points);
-  found.as_good = units_of(limits_.gap_m, points.size());
   return found;
 }
 
@@ -142,7 +159,50 @@ double Localizer::worst_of_changed_m() const {
   return share * good_fit_.distance_m + (1.0 - share) * truncation_m;
 }
 
-// Where no pose is good enough the search ends as soon as that is proven.
+// The best pose, or, as soon as it is proven, that none has so small a mean distance. Where that takes no
+// pose at all the middle of the map is tried, so that there is one to show.
+std::optional<CertifiedResult> Localizer::look_everywhere(std::span<const PointCells> points, double good_m,
+                                                          CertifiedOptions options) const {
+  options.wanted_bound = units_of(good_m, points.size()) + 1;
+  const CertifiedResult found = search(points, window_, options);
+  if (std::isfinite(found.mean_cost_m) || found.stop != CertifiedStop::kBoundReached) return if_any(found);
+  options.starts = {window_.centre};
+  return if_any(search(points, window_, options));
+}
+
+// A search that takes long is mostly that for a scan of another place, which many poses fit about as well. No pose is
+// near both of two that lie twice as far apart as elsewhere begins, so one of these two is elsewhere than the best
+// pose, whichever that is. A best pose without enough lead before the worse of them cannot be found, and is not proven.
+// Returns the two if it has looked for them.
+std::vector<Pose2> Localizer::look_everywhere(std::span<const PointCells> points, LocalizedScan& found) const {
+  CertifiedOptions options = options_with(limits_.gap_m);
+  if (!limits_.with_runner_up) {
+    found.best = look_everywhere(points, good_fit_.distance_m, options);
+    return {};
+  }
+  const std::uint64_t without_limit = std::exchange(options.max_boxes, LocalizeLimits::kWaitingBoxes);
+  found.best = look_everywhere(points, good_fit_.distance_m, options);
+  if (!found.best || found.best->stop != CertifiedStop::kBoxLimit) return {};
+  CertifiedOptions far = elsewhere_options(found.best->T_map_base, 2.0);
+  far.max_boxes = LocalizeLimits::kWaitingBoxes;
+  const CertifiedResult other = search(points, window_, far);
+  options.starts = {found.best->T_map_base, other.T_map_base};
+  options.max_boxes = without_limit;
+  const double worse_m = std::max(found.best->mean_cost_m, other.mean_cost_m);
+  const double good_m = std::min(good_fit_.distance_m, std::sqrt(good_fit_.usual_m * worse_m));
+  found.best = look_everywhere(points, good_m, options);
+  return options.starts;
+}
+
+// A short search elsewhere than at that pose.
+CertifiedOptions Localizer::elsewhere_options(const Pose2& T_map_base, double times_as_far) const {
+  CertifiedOptions options = options_with(LocalizeLimits::kElsewhereGaps * limits_.gap_m);
+  options.max_boxes = LocalizeLimits::kRunnerUpBoxes;
+  options.excluded = ExcludedPoses{T_map_base, times_as_far * LocalizeLimits::kElsewhereM,
+                                   times_as_far * LocalizeLimits::kElsewhereRad};
+  return options;
+}
+
 LocalizedScan Localizer::find(const LaserScan& scan, std::uint64_t index, bool with_changes) const {
   const double begin_s = thread_cpu_s();
   const std::vector<PointCells> points = points_to_match(scan, config_, resolution_m());
@@ -151,14 +211,13 @@ LocalizedScan Localizer::find(const LaserScan& scan, std::uint64_t index, bool w
   if (found.has_returns) {
     CertifiedOptions options = options_with(limits_.gap_m);
     options.max_boxes = with_changes ? LocalizeLimits::kChangedBoxes : LocalizeLimits::kWaitingBoxes;
-    options.wanted_bound = units_of(good_m, points.size()) + 1;
-    found.best = if_any(search(points, window_, options));
+    found.best = look_everywhere(points, good_m, options);
   }
   const bool is_poor = verdict_of(found, good_fit_.distance_m) == Verdict::kPoorFit;
   found.is_changed = with_changes && is_poor && may_be_changed(points, found.best->T_map_base);
   const double accepted_m = found.is_changed ? good_m : good_fit_.distance_m;
   if (verdict_of(found, accepted_m) == Verdict::kFound) {
-    look_elsewhere(points, LocalizeLimits::kWaitingBoxes, found);
+    look_elsewhere(points, LocalizeLimits::kWaitingBoxes, {}, found);
   }
   found.verdict = verdict_of(found, accepted_m);
   if (found.is_changed && found.verdict != Verdict::kFound) {
@@ -174,23 +233,35 @@ LocalizedScan Localizer::localize(const LaserScan& scan, std::uint64_t index,
   const double begin_s = thread_cpu_s();
   const std::vector<PointCells> points = points_to_match(scan, config_, resolution_m());
   LocalizedScan found = begun(scan, index, points);
-  if (found.has_returns) found.best = if_any(search(points, window_, options_with(limits_.gap_m)));
-  if (found.best && limits_.with_runner_up) look_elsewhere(points, LocalizeLimits::kElsewhereBoxes, found);
+  std::vector<Pose2> apart;
+  if (found.has_returns) apart = look_everywhere(points, found);
+  if (limits_.with_runner_up && verdict_of(found, good_fit_.distance_m) == Verdict::kFound) {
+    look_elsewhere(points, LocalizeLimits::kElsewhereBoxes, std::move(apart), found);
+  }
   found.verdict = verdict_of(found, good_fit_.distance_m);
   if (T_map_base_reference) found.reference = beside(points, *T_map_base_reference, found.best);
   found.cpu_s = thread_cpu_s() - begin_s;
   return found;
 }
 
+// How much more a pose elsewhere has to cost than the best one. A scan of the mapped place usually fits as the run's
+// own scans do; one of another building fits some places by chance, the best of them hardly better than the next. So
+// the best pose has to be nearer to the usual fit than to the fit elsewhere, by their ratios: best / usual < elsewhere
+// / best.
+std::uint32_t Localizer::least_lead(const CertifiedResult& best, std::size_t points) const {
+  const double lead_m = best.mean_cost_m * (best.mean_cost_m / good_fit_.usual_m - 1.0);
+  return units_of(std::max(limits_.gap_m, lead_m), points);
+}
+
 // A good pose elsewhere, and whether one there may be as good as the best: a short search finds the pose; where it
 // leaves the question open a second one answers it, which needs no proof of how good the poses are that are worse. One
 // that ends before it has tried a pose answers nothing.
-void Localizer::look_elsewhere(std::span<const PointCells> points, std::uint64_t most_boxes,
+void Localizer::look_elsewhere(std::span<const PointCells> points, std::uint64_t most_boxes, std::vector<Pose2> starts,
                                LocalizedScan& found) const {
+  found.as_good = found.is_changed ? units_of(limits_.gap_m, points.size()) : least_lead(*found.best, points.size());
   const std::uint32_t as_good_as = found.best->cost + found.as_good;
-  CertifiedOptions options = options_with(LocalizeLimits::kElsewhereGaps * limits_.gap_m);
-  options.max_boxes = LocalizeLimits::kRunnerUpBoxes;
-  options.excluded = ExcludedPoses{found.best->T_map_base, LocalizeLimits::kElsewhereM, LocalizeLimits::kElsewhereRad};
+  CertifiedOptions options = elsewhere_options(found.best->T_map_base, 1.0);
+  options.starts = std::move(starts);
   const CertifiedResult first = search(points, window_, options);
   const bool has_pose = std::isfinite(first.mean_cost_m);
   const bool is_told = first.bound > as_good_as || (has_pose && first.cost <= as_good_as);

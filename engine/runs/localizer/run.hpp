@@ -38,6 +38,7 @@ struct LocalizeLimits {
   static constexpr std::uint64_t kChangedBoxes = 100000;  ///< likewise where much may have changed
   /// Share of a scan that the map explains, with which the rest may be what has changed since the map was made.
   static constexpr double kLeastExplained = 0.7;
+  static constexpr double kLeastKnown = 0.5;                   ///< share of a scan in the map, for it to be one of it
   static constexpr double kElsewhereM = 1.0;                   ///< elsewhere is this far away
   static constexpr double kElsewhereRad = rad_from_deg(20.0);  ///< or turned this far
   static constexpr double kNearbyGaps = 0.1;                   ///< of the search around the reference
@@ -78,12 +79,16 @@ struct LocalizedScan {
   std::optional<CertifiedResult> runner_up;
   bool is_elsewhere_open = false;  ///< the search elsewhere ended before it had tried a pose, and tells nothing
   std::optional<ReferencePose> reference;
-  std::uint32_t as_good = 0;  ///< poses are, whose costs differ by no more: the gap in cost units
+  std::uint32_t as_good = 0;  ///< cost units: a pose elsewhere counts as one that may be as good up to this difference
   Verdict verdict = Verdict::kNoPose;
   /// It was found though it is no good fit: the map explains enough of it, and the rest has changed.
   bool is_changed = false;
   /// Whether a pose elsewhere may be as good, as far as the proof tells.
   [[nodiscard]] bool is_ambiguous() const;
+  /// Whether no pose is better than the best by more than the gap, or none so good that the scan would be found.
+  [[nodiscard]] bool is_proven() const {
+    return best && (best->certified() || best->stop == CertifiedStop::kBoundReached);
+  }
 };
 
 /// Of a scan whose poses are known.
@@ -125,7 +130,14 @@ class Localizer {
                                        CertifiedOptions options) const;
   [[nodiscard]] CertifiedOptions options_with(double gap_m) const;
   [[nodiscard]] std::uint32_t units_of(double distance_m, std::size_t points) const;
-  void look_elsewhere(std::span<const PointCells> points, std::uint64_t most_boxes, LocalizedScan& found) const;
+  [[nodiscard]] std::vector<double> own_distances_m() const;
+  [[nodiscard]] std::uint32_t least_lead(const CertifiedResult& best, std::size_t points) const;
+  [[nodiscard]] std::optional<CertifiedResult> look_everywhere(std::span<const PointCells> points, double good_m,
+                                                               CertifiedOptions options) const;
+  std::vector<Pose2> look_everywhere(std::span<const PointCells> points, LocalizedScan& found) const;
+  [[nodiscard]] CertifiedOptions elsewhere_options(const Pose2& T_map_base, double times_as_far) const;
+  void look_elsewhere(std::span<const PointCells> points, std::uint64_t most_boxes, std::vector<Pose2> starts,
+                      LocalizedScan& found) const;
   [[nodiscard]] LocalizedScan begun(const LaserScan& scan, std::uint64_t index,
                                     std::span<const PointCells> points) const;
   [[nodiscard]] ReferencePose beside(std::span<const PointCells> points, const Pose2& T_map_base,

@@ -11,6 +11,7 @@
 #include "engine/runs/localizer/drive.hpp"
 #include "engine/runs/localizer/drive_changes.hpp"
 #include "engine/runs/localizer/drive_figures.hpp"
+#include "engine/runs/localizer/reference.hpp"
 #include "engine/runs/localizer/scans.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
@@ -196,23 +197,32 @@ TEST_F(FollowedRun, ADriveThatIsStoppedOrEmpty) {
   }
 }
 
-// A scan is held against whole cells: where the run's matches left less than one, one is the limit.
-TEST(FitLimit, IsOneCellAtLeast) {
-  const std::string& folder = ring_run().folder;
-  const double by_run_m = RunReader(folder).summary().match_p99_m.value();
-  EXPECT_EQ(fit_limit_of(folder, by_run_m).source, FitLimit::Source::kRun);
-  EXPECT_EQ(fit_limit_of(folder, by_run_m).distance_m, by_run_m);
-  EXPECT_EQ(fit_limit_of(folder, 1.5 * by_run_m).source, FitLimit::Source::kCell);
-  EXPECT_EQ(fit_limit_of(folder, 1.5 * by_run_m).distance_m, 1.5 * by_run_m);
+// Whole cells round the scan and the map: two of them are a good fit however well the run's own scans fit.
+TEST(FitLimit, IsTwoCellsAtLeast) {
+  std::vector<double> own_m;
+  for (int k = 100; k >= 0; --k) own_m.push_back(0.001 * k);
+  const FitLimit fine = fit_limit_of(own_m, 0.01);
+  EXPECT_EQ(fine.source, FitLimit::Source::kRun);
+  EXPECT_DOUBLE_EQ(fine.distance_m, 0.099);
+  EXPECT_DOUBLE_EQ(fine.usual_m, 0.050);
+  const FitLimit coarse = fit_limit_of(own_m, 0.06);
+  EXPECT_EQ(coarse.source, FitLimit::Source::kResolution);
+  EXPECT_DOUBLE_EQ(coarse.distance_m, 0.12);
+  EXPECT_DOUBLE_EQ(coarse.usual_m, 0.050) << "however coarse the cells are";
+  const FitLimit alone = fit_limit_of({}, 0.03);
+  EXPECT_EQ(alone.source, FitLimit::Source::kResolution);
+  EXPECT_EQ(alone.distance_m, 0.06);
+  EXPECT_EQ(alone.usual_m, 0.03);
 }
 
-TEST(FitLimit, IsThatOfTheRunElseTwoCells) {
+TEST(FitLimit, IsThatOfTheScansInTheFinishedMap) {
   const std::string& folder = ring_run().folder;
-  EXPECT_EQ(fit_limit_of(folder, 0.025).source, FitLimit::Source::kRun);
-  EXPECT_EQ(fit_limit_of(folder + "/gdt.yaml", 0.025).source, FitLimit::Source::kRun);
-  EXPECT_EQ(fit_limit_of(folder, 0.025).distance_m, RunReader(folder).summary().match_p99_m);
-  EXPECT_EQ(fit_limit_of("/gdtslam/nowhere/gdt.yaml", 0.03).source, FitLimit::Source::kResolution);
-  EXPECT_EQ(fit_limit_of("/gdtslam/nowhere/gdt.yaml", 0.03).distance_m, 0.06);
+  const auto cpu = make_cpu_backend({});
+  const Localizer in_run(folder, MapperConfig{}, {}, *cpu);
+  const Localizer in_field(folder + "/gdt.yaml", MapperConfig{}, {}, *cpu);
+  EXPECT_GT(in_run.good_fit().usual_m, 0.0);
+  EXPECT_LT(in_run.good_fit().usual_m, 0.025) << "walls without noise, rounded to cells of 25 mm";
+  EXPECT_EQ(in_run.good_fit().usual_m, in_field.good_fit().usual_m);
   EXPECT_EQ(run_of_map(folder + "/gdt.yaml", "--align").folder(), folder);
   EXPECT_THROW(run_of_map("/gdtslam/nowhere/gdt.yaml", "--align"), InputError);
 }

@@ -99,7 +99,6 @@ TEST_F(RunReaderTest, RunsOfEarlierVersionsDoWithoutKeyframesAndLinkage) {
   edit(", \"keyframe_scans\": [0]", "");
   fs::remove(path("linkage.yaml"));
   EXPECT_TRUE(reader().summary().keyframes.empty());
-  EXPECT_FALSE(reader().summary().match_p99_m.has_value());
   EXPECT_FALSE(reader().keyframes().has_value());
   EXPECT_FALSE(reader().linkage().has_value());
 }
@@ -153,8 +152,6 @@ TEST_F(RunReaderTest, ReportsThatCannotBeUsed) {
   refused("'scans' is no whole number");
   edit("\"scans\": 3", "\"scans\": \"three\"");
   refused("'scans' is no whole number");
-  edit("\"matched\": 2", "\"matched\": 2, \"match_p99_m\": \"small\"");
-  refused("'match_p99_m' is no number");
   edit("\"path_m\": 1.5", "\"path_m\": null");
   refused("'path_m' is no number");
   edit("[\"../data/drive.log.gz\"]", "[]");

@@ -261,8 +261,8 @@ void add_search_options(CLI::App& command, LocalizeOptions& chosen) {
                       "Give a search up after this long (default: never)");
   add_quantity_option(
       command, "--poor-fit", chosen.poor_fit_m, Unit::kMetre, {0.0, kMostFit_m},
-      "A larger mean distance is a poor fit (default: of the run's own matches 99 of 100 left no more, at\n"
-      "least one cell; two cells of a map without a run)");
+      "A larger mean distance is a poor fit (default: two cells of the map, or more where more than 1 of\n"
+      "100 of the run's own scans leave more in it)");
   command.add_flag("--strict", chosen.strict, "Exit 1 where a scan is not found: ambiguous, a poor fit, or no pose");
   command.add_flag("--no-runner-up", chosen.no_runner_up, "Do not look for the best pose elsewhere");
 }

@@ -15,6 +15,8 @@ namespace {
 
 std::string proof_text(const CertifiedResult& found) {
   if (found.certified()) return fmt::format("no pose is better by more than {:.2f} mm", 1000.0 * found.gap_m);
+  if (found.stop == CertifiedStop::kBoundReached)
+    return fmt::format("no pose has less than {:.1f} mm", 1000.0 * found.mean_bound_m);
   return fmt::format("not proven ({}): a pose may be better by {:.2f} mm", to_string(found.stop), 1000.0 * found.gap_m);
 }
 

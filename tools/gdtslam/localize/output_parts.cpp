@@ -10,21 +10,22 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array kFitSources{"option", "run", "resolution", "cell"};  // as FitLimit::Source has them
-constexpr std::array kFieldSources{"distances", "occupied-cells"};        // as MapField::Source has them
+constexpr std::array kFitSources{"option", "run", "resolution"};    // as FitLimit::Source has them
+constexpr std::array kFieldSources{"distances", "occupied-cells"};  // as MapField::Source has them
 
 }  // namespace
 
 std::string fit_text(const FitLimit& fit) {
   const char* why = "as --poor-fit says";
-  if (fit.source == FitLimit::Source::kRun) why = "99 of 100 matches of the run left no more";
-  if (fit.source == FitLimit::Source::kResolution) why = "two cells of the map, as no run tells how well its scans fit";
-  if (fit.source == FitLimit::Source::kCell) why = "one cell of the map, as 99 of 100 matches of the run left less";
+  if (fit.source == FitLimit::Source::kRun) why = "99 of 100 scans of the run leave no more";
+  if (fit.source == FitLimit::Source::kResolution) why = "two cells of the map";
   return fmt::format("a mean distance of more than {:.1f} mm is a poor fit: {}\n", 1000.0 * fit.distance_m, why);
 }
 
 Json fit_json(const FitLimit& fit) {
-  return {{"distance_m", fit.distance_m}, {"from", kFitSources[static_cast<std::size_t>(fit.source)]}};
+  return {{"distance_m", fit.distance_m},
+          {"usual_m", fit.usual_m},
+          {"from", kFitSources[static_cast<std::size_t>(fit.source)]}};
 }
 
 Json field_json(const MapField& field) {

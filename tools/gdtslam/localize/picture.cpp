@@ -28,7 +28,7 @@ Colour colour_of_mark(Mark mark) {
 Mark mark_of(const LocalizedScan& scan, const LocalizeLimits& limits) {
   if (!scan.best) return Mark::kNone;
   const bool is_off = scan.reference ? fault_of(scan, limits) != LocalizeFault::kNone
-                                     : !scan.best->certified() || scan.verdict == Verdict::kPoorFit;
+                                     : !scan.is_proven() || scan.verdict == Verdict::kPoorFit;
   if (is_off) return Mark::kOff;
   return scan.is_ambiguous() ? Mark::kAmbiguous : Mark::kRight;
 }
