@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "convert.hpp"
-#include "engine/runs/streams/scan_speed.hpp"
+#include "engine/runs/motion/scan_speed.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/mapping/mapper.hpp"
 #include "guard.hpp"

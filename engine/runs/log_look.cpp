@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <optional>
+#include <span>
 
 #include "engine/runs/streams/no_return.hpp"
 #include "engine/runs/streams/odometry_delay.hpp"
@@ -27,10 +28,10 @@ bool is_motion_known(const MapRequest& request) {
          request.settings.log.odometry_stamps == OdometryStamps::kMeasured;
 }
 
-std::optional<OdometryDelay> odometry_delay(const MapRequest& request, const MotionByScans& motion) {
+std::optional<OdometryDelay> odometry_delay(const MapRequest& request, std::span<const TimedMotion> motions) {
   const LogConfig& log = request.settings.log;
   if (log.odometry_stamps == OdometryStamps::kStated) return OdometryDelay{.delay_s = log.odometry_delay_s};
-  std::optional<OdometryDelay> delay = delay_of(headings_of(motion.motions));
+  std::optional<OdometryDelay> delay = delay_of(headings_of(motions));
   if (!delay || !delay->stands_out()) return std::nullopt;
   if (request.warn) {
     request.warn(
@@ -41,6 +42,14 @@ std::optional<OdometryDelay> odometry_delay(const MapRequest& request, const Mot
   return delay;
 }
 
+// So that all that reads the logs again takes the times that were found.
+void state_times(const ReadOptions& read, LogConfig& log) {
+  if (!read.first_beam_after_s || !read.beam_period_s) return;
+  log.beam_times = LogSource::kStated;
+  log.first_beam_after_s = *read.first_beam_after_s;
+  log.beam_period_s = *read.beam_period_s;
+}
+
 }  // namespace
 
 std::vector<LogFinding> look_at_ranges(MapRequest& request) {
@@ -49,15 +58,14 @@ std::vector<LogFinding> look_at_ranges(MapRequest& request) {
                         [&request] { return has_stopped(request); });
 }
 
-// Where the motion shows a fault, a delay that it shows too is none.
-void look_at_motion(const MapRequest& request, const MapJob& job, const std::string& log, RunPreparation& prepared) {
-  MotionByScans motion;
+void look_at_motion(MapRequest& request, MapJob& job, const std::string& log, RunPreparation& prepared) {
+  MotionLook look;
   if (!request.live_log && request.with_loops && request.settings.log.odometry_stamps == OdometryStamps::kMeasured) {
-    motion = motion_by_scans(log, job.read, job.range, job.mapper, [&request] { return has_stopped(request); });
+    look = look_at_motion_by_scans(log, job.read, job.range, job.mapper, [&request] { return has_stopped(request); });
+    state_times(job.read, request.settings.log);
   }
-  const std::vector<LogFinding> faults = motion_findings(motion);
-  add(prepared.findings, faults);
-  prepared.delay = odometry_delay(request, faults.empty() ? motion : MotionByScans());
+  add(prepared.findings, look.faults);
+  prepared.delay = odometry_delay(request, look.faultless());
 }
 
 void look_afterwards(const MapRequest& request, const MapJob& job, const std::string& log, MapOutcome& outcome) {

@@ -16,8 +16,9 @@ namespace gdtslam {
 /// moved between 1,000 scans.
 std::vector<LogFinding> look_at_ranges(MapRequest& request);
 
-/// Adds faults that the motion shows, and the odometry's delay; warns of a delay. Cost: up to 3,000 scans are matched.
-void look_at_motion(const MapRequest& request, const MapJob& job, const std::string& log, RunPreparation& prepared);
+/// Adds faults that the motion shows, and the odometry's delay; warns of a delay. Wrong times of beams are put right in
+/// log.beam_times of the request, and in the job. Cost: up to 3,000 scans are matched, twice if times are wrong.
+void look_at_motion(MapRequest& request, MapJob& job, const std::string& log, RunPreparation& prepared);
 
 /// Adds faults of a log that could not be looked at before. `log` is the log or its copy. Its motion counts if many of
 /// its scans are in doubt.

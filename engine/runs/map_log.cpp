@@ -160,7 +160,7 @@ NodKind nod_kind_of_start(const MapRequest& request, ScanStream& scans) {
 }
 
 // What the first log tells before it is mapped; a run that is gone on with knows it.
-RunPreparation prepare(const MapRequest& request, const MapJob& job, const LogCopies& copies, NodKind kind) {
+RunPreparation prepare(MapRequest& request, MapJob& job, const LogCopies& copies, NodKind kind) {
   RunPreparation prepared{.nods = kind, .linkage = {}, .linkage_yaml = {}, .delay = {}, .findings = job.findings};
   if (kind == NodKind::kNone) {
     look_at_motion(request, job, copies.first_log(), prepared);
@@ -239,8 +239,7 @@ bool is_interruption() {
 
 // `continued` is null for a new run. Whoever maps live may wait long for the first scan, and a folder that cannot be
 // had shows before.
-MapResult map_opened(const MapRequest& request, const MapJob& job, const BackendOfRun& backend_of,
-                     const Continuation* continued) {
+MapResult map_opened(MapRequest request, MapJob job, const BackendOfRun& backend_of, const Continuation* continued) {
   RunTimes times;
   KeptRequest kept = continued != nullptr ? continued->kept : kept_request_of(request);
   LogCopies copies(job.logs, kept.paths, job.read, request.live_log);
@@ -269,6 +268,8 @@ MapResult map_opened(const MapRequest& request, const MapJob& job, const Backend
   if (!kept.prepared) {
     if (request.with_copies) write_continue_file(folder->staged_path(kContinueFile), kept);
     kept.prepared = prepare(request, job, copies, kind);
+    kept.request.settings.log = request.settings.log;
+    scans.set_beam_times(job.read);
     if (request.with_copies && !stopped(request)) write_continue_file(folder->staged_path(kContinueFile), kept);
   }
   std::uint64_t mapped = 0;
@@ -314,7 +315,7 @@ MapResult map_new(MapRequest request, const BackendOfRun& backend) {
   std::vector<LogFinding> findings = look_at_ranges(request);
   MapJob job = job_of(request);
   job.findings = std::move(findings);
-  return map_opened(request, job, backend, nullptr);
+  return map_opened(std::move(request), std::move(job), backend, nullptr);
 }
 
 }  // namespace

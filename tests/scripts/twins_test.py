@@ -26,6 +26,8 @@ TWINS = {
     "CarmenRealData.CsailCarriesItsOdometryInItsScans": "Carmen.ReadsFlaser",
     "BagRealData.TheSameDriveAsItsCarmenLog": "Bag.ScansGetTheOdometryOfTheirOwnStampInEveryPacking",
     "BagRealData.AnIndexThatStatesAWrongLength": "Bag.AnIndexOfAWrongLengthIsPassedByItsEntries",
+    "RealBeamTimes.ARealLaserThatSweepsInMillisecondsIsNotAccused": "SweptLog.MapPutsReversedTimesRight",
+    "HokuyoBeamTimes.AreFoundFromItsScansWhateverIsSaid": "BeamTimes.TheSweepIsThatOfTheLaserWhateverTheLogSays",
     "RecordingsRealData.BagsOfRos2AreReadWhole": "SqliteBags.FilesOfAFolderFollowEachOther",
     "OccupancyMapFileRealData.WillowGarageLoads": "OccupancyMapFile.PngHasTheSameMap",
     "CertifiedIntel.NoBoundLiesAboveWhatBruteForceFinds": "CertifiedSample.NoBoundLiesAboveWhatBruteForceFinds",

@@ -11,7 +11,7 @@
 
 #include "engine/runs/continuing/continue_file.hpp"
 #include "engine/runs/continuing/log_copies.hpp"
-#include "engine/runs/streams/scan_speed.hpp"
+#include "engine/runs/motion/scan_speed.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/error.hpp"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/runs/streams/scan_speed.hpp"
+#include "engine/runs/motion/scan_speed.hpp"
 
 namespace gdtslam {
 

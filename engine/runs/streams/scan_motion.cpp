@@ -50,6 +50,10 @@ double snapped(double angle_rad) {
   return std::fabs(angle_rad - quarter) < kSnap_rad ? quarter : angle_rad;
 }
 
+bool are_times_stated(const ReadOptions& options) {
+  return options.first_beam_after_s || options.beam_period_s || !options.deskew;
+}
+
 std::string degrees(double angle_rad) { return fmt::format("{:.9g}deg", deg_from_rad(angle_rad)); }
 
 LogFinding mirrored_laser(const TurnAgreement& turns, const MotionByScans& motion) {
@@ -94,6 +98,7 @@ MotionByScans motion_by_scans(const std::string& log, const ReadOptions& options
   const std::unique_ptr<Backend> cpu = make_cpu_backend({});
   double turned_rad = 0.0;
   std::optional<std::size_t> laser;
+  BeamTimesFit beam_times;
   try {
     Mapper by_scans(config, *cpu);
     ScanStream scans({log}, options, {.skip = range.skip, .count = std::min<std::uint64_t>(range.count, kMostScans)});
@@ -108,6 +113,7 @@ MotionByScans motion_by_scans(const std::string& log, const ReadOptions& options
       motion.has_one_layout = motion.has_one_layout && has_layout_of(record->scan, motion.first_scan);
       if (record->laser != *laser) continue;
       const MatchResult result = by_scans.process(record->scan, std::nullopt);
+      if (result.accepted) beam_times.add(record->scan, result.T_map_base);
       if (!record->T_odom_base || !result.accepted) continue;
       if (!motion.motions.empty()) {
         const double before_rad = motion.motions.back().T_scans_base.theta_rad;
@@ -118,6 +124,7 @@ MotionByScans motion_by_scans(const std::string& log, const ReadOptions& options
   } catch (const Error&) {  // the run itself reports what is wrong with the log
     return {};
   }
+  if (!are_times_stated(options)) motion.beam_times = beam_times.fit(mapper.scan);
   return motion;
 }
 
@@ -184,13 +191,40 @@ DirectionAgreement direction_agreement(std::span<const TimedMotion> motions) {
 }
 
 std::vector<LogFinding> motion_findings(const MotionByScans& motion) {
-  if (const TurnAgreement turns = turn_agreement(motion.motions); turns.is_opposite()) {
-    return {mirrored_laser(turns, motion)};
+  std::vector<LogFinding> faults;
+  const TurnAgreement turns = turn_agreement(motion.motions);
+  const DirectionAgreement directions = direction_agreement(motion.motions);
+  if (turns.is_opposite()) {
+    faults.push_back(mirrored_laser(turns, motion));
+  } else if (directions.is_turned()) {
+    faults.push_back(turned_mount(directions, motion));
   }
-  if (const DirectionAgreement directions = direction_agreement(motion.motions); directions.is_turned()) {
-    return {turned_mount(directions, motion)};
+  if (motion.beam_times && motion.beam_times->stands_out()) {
+    faults.push_back(motion.beam_times->finding());
+    if (!motion.has_one_layout) faults.back().options.clear();
   }
-  return {};
+  return faults;
+}
+
+std::span<const TimedMotion> MotionLook::faultless() const {
+  const bool is_right =
+      std::all_of(faults.begin(), faults.end(), [](const LogFinding& fault) { return fault.is_mended; });
+  return is_right ? std::span(motion.motions) : std::span<const TimedMotion>();
+}
+
+MotionLook look_at_motion_by_scans(const std::string& log, ReadOptions& options, const ScanRange& range,
+                                   const MapperConfig& mapper, const std::function<bool()>& stop) {
+  MotionLook look{.motion = motion_by_scans(log, options, range, mapper, stop), .faults = {}};
+  const std::optional<BeamTimes> times = look.motion.beam_times;
+  look.faults = motion_findings(look.motion);
+  if (!times || !times->stands_out() || !look.motion.has_one_layout) return look;
+  LogFinding mended = look.faults.back();
+  mended.is_mended = true;
+  times->state_in(options);
+  look.motion = motion_by_scans(log, options, range, mapper, stop);
+  look.faults = motion_findings(look.motion);
+  look.faults.push_back(std::move(mended));
+  return look;
 }
 
 }  // namespace gdtslam

@@ -4,10 +4,12 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "engine/runs/motion/beam_times.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/io/log.hpp"
 #include "gdtslam/mapping/config.hpp"
@@ -25,8 +27,9 @@ struct TimedMotion {
 /// What the scans of a log's begin tell: the motion is that by its first laser.
 struct MotionByScans {
   std::vector<TimedMotion> motions;
-  LaserScan first_scan;        ///< without its ranges
-  bool has_one_layout = true;  ///< of beams and mount, in all scans of all lasers
+  LaserScan first_scan;                   ///< without its ranges
+  bool has_one_layout = true;             ///< of beams and mount, in all scans of all lasers
+  std::optional<BeamTimes> beam_times{};  ///< unless `options` state them
 };
 
 /// Of the begin of a range of a log, until the robot has turned enough, at most 3,000 scans: those of its first laser
@@ -55,7 +58,20 @@ struct DirectionAgreement {
 };
 DirectionAgreement direction_agreement(std::span<const TimedMotion> motions);
 
-/// Faults that are certain: a mirrored laser or swapped wheels, a mount that is turned.
+/// Faults that are certain: a mirrored laser or swapped wheels, or a mount that is turned; and wrong times of the
+/// beams.
 std::vector<LogFinding> motion_findings(const MotionByScans& motion);
+
+/// What the motion shows, once the times of the beams are right.
+struct MotionLook {
+  MotionByScans motion;
+  std::vector<LogFinding> faults;
+  /// For the delay of odometry, which a fault that is left would feign; else nothing.
+  [[nodiscard]] std::span<const TimedMotion> faultless() const;
+};
+
+/// As motion_by_scans. Times of the beams that are wrong are put right in `options`, and the motion is that with them.
+MotionLook look_at_motion_by_scans(const std::string& log, ReadOptions& options, const ScanRange& range,
+                                   const MapperConfig& mapper, const std::function<bool()>& stop);
 
 }  // namespace gdtslam

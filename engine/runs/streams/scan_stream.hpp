@@ -18,12 +18,12 @@
 #include <utility>
 #include <vector>
 
+#include "engine/runs/motion/scan_speed.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/io/log.hpp"
 #include "gdtslam/runs/outcome.hpp"
 #include "observation.hpp"
 #include "odometry_delay.hpp"
-#include "scan_speed.hpp"
 #include "unit_check.hpp"
 
 namespace gdtslam {
@@ -89,6 +89,11 @@ class ScanStream {
   [[nodiscard]] double progress() const;
   /// From now on, before the first scan is taken: odometry is stamped so much later than the scans that it belongs to.
   void set_odometry_delay(double delay_s) { shift_.emplace(delay_s); }
+  /// Likewise, the times of beams that these options state.
+  void set_beam_times(const ReadOptions& options) {
+    options_.first_beam_after_s = options.first_beam_after_s;
+    options_.beam_period_s = options.beam_period_s;
+  }
   /// Scans that were read so far, those that were left out at the start among them.
   [[nodiscard]] std::uint64_t scans_read() const { return read_; }
   /// Of all logs so far, by kind.

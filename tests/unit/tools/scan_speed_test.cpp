@@ -1,4 +1,4 @@
-#include "engine/runs/streams/scan_speed.hpp"
+#include "engine/runs/motion/scan_speed.hpp"
 
 #include <gtest/gtest.h>
 

@@ -83,12 +83,13 @@ Findings findings_of(const DoctorOptions& options) {
     found.faults.push_back(no_return_finding(*value, constants.beams));
     read.max_range_m = value->range_m;
   }
-  const bool is_measured = settings.log.odometry_stamps == OdometryStamps::kMeasured;
+  const bool is_measured =
+      settings.log.odometry_stamps == OdometryStamps::kMeasured && !found.check.nod.has_records();  // as in map
   if (is_measured && !interrupted() && found.check.obstacle().empty()) {
-    const MotionByScans motion = motion_by_scans(options.log, read, {}, settings.mapper, [] { return interrupted(); });
-    const std::vector<LogFinding> faults = motion_findings(motion);
-    if (faults.empty()) found.delay = delay_of(headings_of(motion.motions));
-    found.faults.insert(found.faults.end(), faults.begin(), faults.end());
+    const MotionLook look =
+        look_at_motion_by_scans(options.log, read, {}, settings.mapper, [] { return interrupted(); });
+    found.delay = delay_of(headings_of(look.faultless()));
+    found.faults.insert(found.faults.end(), look.faults.begin(), look.faults.end());
   }
   found.commands = map_commands(options, found.contents, found.check, found.faults);
   if (!options.picture.empty()) draw(timelines, found.check, options);
