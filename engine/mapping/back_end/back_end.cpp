@@ -155,10 +155,10 @@ Matrix3 BackEnd::update_unseen(const MatchResult& result, const KeptScan& known)
   const Matrix3 carried = adjoint_matrix(between(result.T_map_base, T_map_keyframe_));
   covariance_ = carried * times_transposed(covariance_, carried) + wheels_covariance_ + least_of_wheels() + leaps_;
   if (!result.accepted) return covariance_;
-  const auto [information, believed] = match_information(known);
-  covariance_ = inverse(inverse(covariance_) + information);
+  const MatchInformation match = match_information(known);
+  covariance_ = inverse(inverse(covariance_) + match.matrix);
   Matrix3 unseen = Matrix3::identity();
-  unseen -= believed;
+  unseen -= match.held;
   return unseen * times_transposed(covariance_, unseen);
 }
 

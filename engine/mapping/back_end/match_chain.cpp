@@ -19,7 +19,7 @@ Matrix3 turned(const Matrix3& covariance, double by_rad) {
 Matrix3 MatchChain::take(const Pose2& T_map_base, const KeptScan& known, const KnownSurfaces& surfaces, bool is_place) {
   const MatchInformation match = match_information(known);
   Matrix3 unseen = Matrix3::identity();
-  unseen -= match.believed;
+  unseen -= match.held;
   const Matrix3 own = unseen * times_transposed(inverse(match.matrix), unseen);
   const Matrix3 covariance = own + of_first_seen(T_map_base, known, surfaces);
   if (is_place) {

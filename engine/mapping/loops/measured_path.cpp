@@ -12,9 +12,9 @@ namespace {
 
 constexpr double kBiasStep = 1.0e-4;  // of a difference quotient
 
-// Matches are believed no better than this factor of their variance: loops tie what lies near by, where the map is the
-// same and matches are at their best.
-constexpr double kLeastOfMatches = 0.3;
+// Matches are believed no better than they state: loops tie what lies near by, where the map is the same and matches
+// are at their best.
+constexpr double kLeastOfMatches = 1.0;
 constexpr double kFarBetter = 0.25;    // of the variance
 constexpr double kVeryGood = 0.2;      // factor of the variance of wheels
 constexpr std::size_t kFewAPlace = 8;  // keyframes, from one to the next
@@ -80,6 +80,7 @@ void MeasuredPath::state_wheel_noise(const std::vector<Pose2>& keyframes) {
   if (path_.travels.empty()) return;
   constexpr auto kWheels = static_cast<std::size_t>(StepSource::kWheels);
   WheelNoise noise;
+  noise.set_distance(bias_);
   Pose2 T_odom_base;
   for (std::size_t i = 0; i < keyframes.size(); ++i) {
     const Pose2& step = path_.steps_to(i)[kWheels].T;

@@ -41,6 +41,7 @@ Prediction MotionEstimate::predict(MotionModel& model, const std::optional<Pose2
   }
   going_on_ = going_on(model);
   filter_.predict(prediction.T_map_base, noise_);
+  scale_.predict(between(T_map_last_, prediction.T_map_base), noise_, is_measured_);
   prediction.noise = stands_ ? larger(filter_.sigma(), kOfAnyRobot) : filter_.sigma();  // who stands may drive off
   prediction.otherwise = going_on_;
   return prediction;
@@ -57,6 +58,7 @@ std::optional<Pose2> MotionEstimate::corrected(const std::optional<Pose2>& T_odo
     const Pose2 step = between(*T_odom_last_, *T_odom_base);
     has_moved_ = has_moved_ || !(*T_odom_last_ == *T_odom_base);
     if (!has_moved_) return odometry_ = std::nullopt;  // logs without odometry state one pose again and again
+    wheels_.set_distance(scale_.told());
     T_odom_corrected_ = T_odom_corrected_ * wheels_.corrected(step);
   }
   T_odom_last_ = odometry_ = T_odom_base;
@@ -100,18 +102,22 @@ void MotionEstimate::settle(MatchResult& result, const KeptScan& scan, const Fit
     }
   }
   if (stands_) result.T_map_base = T_map_last_;
-  const PoseFilter::Fused fused = filter_.fused_with(result.T_map_base, information);
+  const Pose2 T_map_matched = result.T_map_base;
+  const PoseFilter::Fused fused = filter_.fused_with(T_map_matched, information);
   const bool is_leap = !fused.is_possible && !is_within_reach(going_on_, result.T_map_base);
   if (!fused.is_possible && (is_leap || result.doubt == Doubt::kWeakEvidence)) {
     result.accepted = false;
     result.doubt = Doubt::kWeakEvidence;
     result.T_map_base = result.T_map_predicted;
-  } else if (fused.is_possible || fits_as_well(fused.T_map_base, result.T_map_base)) {
+    return;
+  }
+  if (fused.is_possible || fits_as_well(fused.T_map_base, result.T_map_base)) {
     filter_.take(fused.T_map_base, fused.covariance);
     result.T_map_base = fused.T_map_base;
   } else {
     filter_.take(result.T_map_base, inverse(information.matrix));
   }
+  scale_.take(T_map_matched, information, result.T_map_base);
 }
 
 }  // namespace gdtslam

@@ -14,6 +14,7 @@
 #include "engine/mapping/wheels/known_surfaces.hpp"
 #include "engine/mapping/wheels/pose_filter.hpp"
 #include "engine/mapping/wheels/wheel_noise.hpp"
+#include "engine/mapping/wheels/wheel_scale.hpp"
 #include "gdtslam/mapping/match.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 
@@ -46,6 +47,7 @@ class MotionEstimate {
   void settle(MatchResult& result, const KeptScan& scan, const FitsAsWell& fits_as_well);
 
   WheelNoise wheels_;
+  WheelScale scale_;
   ContinuedMotion continued_;
   PoseFilter filter_;
   std::optional<KnownSurfaces> known_;

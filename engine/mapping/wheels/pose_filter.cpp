@@ -22,7 +22,8 @@ MatchInformation match_information(const KeptScan& scan) {
   const auto [shape, believed] = shape_of_one(shape_of(scan), points, kMatchLeastShape, feigned_shape(scan));
   const Matrix3 lone = lone_information(scan);
   return {.matrix = count / (kMatchPointNoise_m * kMatchPointNoise_m) * shape + lone,
-          .believed = lone == Matrix3{} ? believed : Matrix3::identity()};
+          .believed = lone == Matrix3{} ? believed : Matrix3::identity(),
+          .held = believed};
 }
 
 bool are_apart(const Pose2& T_map_a, const Pose2& T_map_b, const Matrix3& information) {

@@ -11,10 +11,11 @@
 namespace gdtslam {
 
 /// Information of a match on the scan's pose, and the share of a motion that the match is to be believed of, along the
-/// axes of what the scan sees.
+/// axes of what the scan sees: by all that it sees, and by its surfaces alone.
 struct MatchInformation {
   Matrix3 matrix;
   Matrix3 believed = Matrix3::identity();
+  Matrix3 held = Matrix3::identity();
 };
 
 class PoseFilter {
@@ -29,6 +30,7 @@ class PoseFilter {
   /// The robot moved from where it was last to `T_map_predicted`, known this well.
   void predict(const Pose2& T_map_predicted, const MotionNoise& noise);
   [[nodiscard]] const Pose2& pose() const { return T_map_base_; }
+  [[nodiscard]] const Matrix3& covariance() const { return covariance_; }
   /// How sure the pose is, relative to the local map: in the least sure direction, and in heading.
   [[nodiscard]] MotionNoise sigma() const;
   /// With a match of this information.

@@ -79,28 +79,25 @@ double standing_out(double value, double noise) {
 }  // namespace
 
 WheelBias estimate_bias(std::span<const WheelStretch> stretches, double overlap) {
-  std::vector<Equation> chords;
   std::vector<Equation> turns;
   for (const WheelStretch& s : stretches) {
     const double walk = walk_of(s.path_m, s.turned_rad);
-    if (s.path_m > 0.0 && s.knows_way) chords.push_back({s.chord_m, 0.0, s.true_chord_m - s.chord_m, s.path_m});
     // The true turn is known but for whole turns, which the wheels tell.
     const double missing_rad = wrap_angle(s.true_turn_rad - s.turn_rad);
     if (walk > 0.0) turns.push_back({s.turn_rad + missing_rad, s.forward_m, missing_rad, walk});
   }
-  const Solution distance = solve(chords, kNothingKnown.sigma_distance, 1.0, overlap);
   const Solution turn = solve(turns, kNothingKnown.sigma_turn, kNothingKnown.sigma_rad_per_m, overlap);
-  return {.distance = distance.a,
-          .turn = turn.a / (1.0 - turn.a),
+  return {.turn = turn.a / (1.0 - turn.a),
           .turn_rad_per_m = turn.b,
-          .sigma_distance = distance.sigma_a,
           .sigma_turn = turn.sigma_a,
           .sigma_rad_per_m = turn.sigma_b};
 }
 
+double distance_added(const WheelBias& bias) { return standing_out(bias.distance, kStandingOut * bias.sigma_distance); }
+
 Pose2 corrected(const Pose2& by_wheels, const WheelBias& bias) {
   const Tangent2 t = log_tangent(by_wheels);
-  const double longer = 1.0 + standing_out(bias.distance, kStandingOut * bias.sigma_distance);
+  const double longer = 1.0 + distance_added(bias);
   const double turn = (1.0 + standing_out(bias.turn, kStandingOut * bias.sigma_turn)) * t[2] +
                       standing_out(bias.turn_rad_per_m, kStandingOut * bias.sigma_rad_per_m) * t[0];
   return exp_tangent({longer * t[0], longer * t[1], turn});

@@ -140,20 +140,11 @@ std::vector<WheelStretch> WheelNoise::stretches() const {
     const Mark& from = marks_[i];
     const Mark& to = marks_[i + kBiasMarks];
     if (from.breaks != to.breaks) continue;
-    const Pose2 T_from_to = between(from.T_map_base, to.T_map_base);
-    StraightenedWay way;
-    for (std::size_t k = i; k < i + kBiasMarks; ++k) {
-      way.add(between(marks_[k].T_odom_base, marks_[k + 1].T_odom_base),
-              between(marks_[k].T_map_base, marks_[k + 1].T_map_base));
-    }
     all.push_back({.path_m = to.path_m - from.path_m,
                    .turned_rad = to.turned_rad - from.turned_rad,
                    .forward_m = to.forward_m - from.forward_m,
                    .turn_rad = to.turn_rad - from.turn_rad,
-                   .chord_m = way.chord_m(),
-                   .true_chord_m = length_of(T_from_to),
-                   .true_turn_rad = T_from_to.theta_rad,
-                   .knows_way = from.knows_way && to.knows_way});
+                   .true_turn_rad = between(from.T_map_base, to.T_map_base).theta_rad});
   }
   return all;
 }
@@ -169,7 +160,9 @@ std::vector<Pose2> WheelNoise::corrected_marks() const {
 void WheelNoise::estimate() {
   std::vector<Spread> metres;
   std::vector<Spread> radians;
+  const WheelBias before = bias_;
   bias_ = estimate_bias(stretches(), static_cast<double>(kBiasMarks));
+  set_distance(before);
   const std::vector<Pose2> odometry = corrected_marks();
   for (const std::size_t marks : {1U, 2U, 4U, 8U}) spreads_over(marks, odometry, metres, radians);
   const Line line_m = fit(metres, errors_.slip_m * errors_.slip_m);

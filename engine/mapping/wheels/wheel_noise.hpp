@@ -35,6 +35,11 @@ class WheelNoise {
   void break_off();
 
   [[nodiscard]] const WheelErrors& errors() const { return errors_; }
+  /// The distances of a bias, which WheelScale or a graph has learnt; motions are corrected by them from now on.
+  void set_distance(const WheelBias& bias) {
+    bias_.distance = bias.distance;
+    bias_.sigma_distance = bias.sigma_distance;
+  }
   [[nodiscard]] const WheelBias& bias() const { return bias_; }
   /// A motion by the wheels less what they get wrong always.
   [[nodiscard]] Pose2 corrected(const Pose2& by_wheels) const;

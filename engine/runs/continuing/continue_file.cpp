@@ -55,8 +55,7 @@ Json prepared_json(const RunPreparation& prepared) {
             {"linkage", prepared.linkage},
             {"linkage_yaml", prepared.linkage_yaml}};
   if (const std::optional<OdometryDelay>& delay = prepared.delay) {
-    json["odometry_delay"] = {
-        {"delay_s", delay->delay_s}, {"sigma_s", delay->sigma_s}, {"unexplained", delay->unexplained}};
+    json["odometry_delay"] = {{"delay_s", delay->delay_s}, {"sigma_s", delay->sigma_s}};
   }
   if (!prepared.findings.empty()) json["findings"] = findings_json(prepared.findings);
   return json;
@@ -72,9 +71,7 @@ RunPreparation prepared_from(const ReportReader& file, const std::string& name) 
   prepared.nods = static_cast<NodKind>(found - kNodNames.begin());
   if (file.has("odometry_delay")) {
     const ReportReader delay = file.section("odometry_delay");
-    prepared.delay = {.delay_s = delay.number("delay_s"),
-                      .sigma_s = delay.number("sigma_s"),
-                      .unexplained = delay.number("unexplained")};
+    prepared.delay = {.delay_s = delay.number("delay_s"), .sigma_s = delay.number("sigma_s")};
   }
   return prepared;
 }

@@ -15,9 +15,11 @@ namespace {
 
 constexpr double kMostDelay_s = 1.5;
 constexpr double kDelayStep_s = 0.01;
-constexpr double kLongestStep_s = 1.0;  // between scans
-constexpr double kSlip_rad = 0.05;      // beyond which a difference counts as this much
-constexpr double kLeastTurn_rad = 3.0;  // of all steps, to tell anything
+constexpr double kLongestStep_s = 1.0;      // between scans
+constexpr double kSlip_rad = 0.05;          // beyond which a difference counts as this much, or as
+constexpr double kSlipNoises = 3.0;         // deviations of the differences
+constexpr double kMedianOfNormal = 0.6745;  // of the absolute value of a normal variable
+constexpr double kLeastTurn_rad = 3.0;      // of all steps, to tell anything
 constexpr std::size_t kMostShifted = 512;
 constexpr double kAround = 1.5;           // periods of the odometry on each side of the best shift: a parabola
 constexpr std::size_t kFewestAround = 4;  // shifts
@@ -95,22 +97,59 @@ struct Agreements {
   }
 };
 
-void add_agreement(std::span<const TimedHeading> headings, const HeadingTrack& odometry, double shift_s,
-                   Agreements& agreements) {
-  for (std::size_t i = 1; i < headings.size(); ++i) {
-    const TimedHeading& from = headings[i - 1];
-    const TimedHeading& to = headings[i];
-    if (!(to.stamp_s > from.stamp_s && to.stamp_s - from.stamp_s <= kLongestStep_s)) continue;
-    const std::optional<HeadingTrack::Place> odometry_from = odometry.at(from.stamp_s + shift_s);
-    const std::optional<HeadingTrack::Place> odometry_to = odometry.at(to.stamp_s + shift_s);
-    if (!odometry_from || !odometry_to) continue;
-    const double by_odometry_rad = odometry_to->heading_rad - odometry_from->heading_rad;
-    const double off = wrap_angle(to.by_scans_rad - from.by_scans_rad) - by_odometry_rad;
-    const Agreement agreement{std::min(off * off, kSlip_rad * kSlip_rad), odometry.walk_s(*odometry_from, *odometry_to),
-                              1};
-    agreements.all.add(agreement, 1.0);
-    agreements.of_parts[i * kTenths / headings.size()].add(agreement, 1.0);
+/// A part of the log whose clock goes forward.
+struct Stretch {
+  std::vector<TimedHeading> headings;
+  HeadingTrack odometry;
+  [[nodiscard]] std::size_t part_of(std::size_t step) const { return step * kTenths / headings.size(); }
+};
+
+/// A step between two scans: how much farther it turned by them than by odometry, and HeadingTrack::walk_s() of it.
+struct TurnOff {
+  double rad = 0.0;
+  double walk_s = 0.0;
+};
+
+std::optional<TurnOff> turn_off(const Stretch& stretch, std::size_t step, double shift_s) {
+  const TimedHeading& from = stretch.headings[step - 1];
+  const TimedHeading& to = stretch.headings[step];
+  if (!(to.stamp_s > from.stamp_s && to.stamp_s - from.stamp_s <= kLongestStep_s)) return std::nullopt;
+  const std::optional<HeadingTrack::Place> odometry_from = stretch.odometry.at(from.stamp_s + shift_s);
+  const std::optional<HeadingTrack::Place> odometry_to = stretch.odometry.at(to.stamp_s + shift_s);
+  if (!odometry_from || !odometry_to) return std::nullopt;
+  const double by_odometry_rad = odometry_to->heading_rad - odometry_from->heading_rad;
+  return TurnOff{wrap_angle(to.by_scans_rad - from.by_scans_rad) - by_odometry_rad,
+                 stretch.odometry.walk_s(*odometry_from, *odometry_to)};
+}
+
+double capped_square(double off_rad, double slip_rad) { return std::min(off_rad * off_rad, slip_rad * slip_rad); }
+
+// Of noisy wheels a turn that they missed must be told from their noise: of most steps, which turn little.
+double slip_of(const std::vector<Stretch>& stretches) {
+  std::vector<double> off_rad;
+  for (const Stretch& stretch : stretches) {
+    for (std::size_t i = 1; i < stretch.headings.size(); ++i) {
+      if (const std::optional<TurnOff> off = turn_off(stretch, i, 0.0)) off_rad.push_back(std::fabs(off->rad));
+    }
   }
+  if (off_rad.empty()) return kSlip_rad;
+  const auto middle = off_rad.begin() + static_cast<std::ptrdiff_t>(off_rad.size() / 2);
+  std::nth_element(off_rad.begin(), middle, off_rad.end());
+  return std::max(kSlip_rad, kSlipNoises * *middle / kMedianOfNormal);
+}
+
+Agreements agreements_at(const std::vector<Stretch>& stretches, double shift_s, double slip_rad) {
+  Agreements agreements;
+  for (const Stretch& stretch : stretches) {
+    for (std::size_t i = 1; i < stretch.headings.size(); ++i) {
+      const std::optional<TurnOff> off = turn_off(stretch, i, shift_s);
+      if (!off) continue;
+      const Agreement agreement{capped_square(off->rad, slip_rad), off->walk_s, 1};
+      agreements.all.add(agreement, 1.0);
+      agreements.of_parts[stretch.part_of(i)].add(agreement, 1.0);
+    }
+  }
+  return agreements;
 }
 
 // A clock that was set back begins a new stretch; a stamp far ahead of both its neighbours is left out.
@@ -223,35 +262,68 @@ std::size_t shifts_around(std::span<const TimedHeading> headings, std::span<cons
   return around;
 }
 
+template <class AgreementOf>
+std::size_t best_of(const std::vector<Agreements>& at, const AgreementOf& agreement_of) {
+  std::size_t best = at.size() / 2;
+  for (std::size_t k = 0; k < at.size(); ++k) {
+    if (agreement_of(at[k]).mean() < agreement_of(at[best]).mean()) best = k;
+  }
+  return best;
+}
+
+// What is left is compared for scans that the delay was not found with: those of each tenth at the delay that the
+// others tell, beside none. Between two stamps the noise of the odometry is smoothed, whichever way it is shifted; a
+// delay is one way only, so that as much the other way stands for none where it leaves less.
+double gain_of(const std::vector<Stretch>& stretches, const std::vector<Agreements>& at, std::size_t best,
+               double slip_rad) {
+  const std::size_t none = at.size() / 2;
+  const std::size_t mirrored = at.size() - 1 - best;
+  const auto shift_s = [&](std::size_t k) {
+    return (static_cast<double>(k) - static_cast<double>(none)) * kDelayStep_s;
+  };
+  const double without_s = shift_s(at[none].all.mean() < at[mirrored].all.mean() ? none : mirrored);
+  std::array<double, kTenths> with_s{};
+  for (std::size_t part = 0; part < kTenths; ++part) {
+    with_s[part] = shift_s(best_of(at, [&](const Agreements& shift) { return shift.without(part); }));
+  }
+  double sum = 0.0;
+  double squares = 0.0;
+  for (const Stretch& stretch : stretches) {
+    for (std::size_t i = 1; i < stretch.headings.size(); ++i) {
+      const std::optional<TurnOff> with = turn_off(stretch, i, with_s[stretch.part_of(i)]);
+      const std::optional<TurnOff> without = turn_off(stretch, i, without_s);
+      if (!with || !without) continue;
+      const double less = capped_square(without->rad, slip_rad) - capped_square(with->rad, slip_rad);
+      sum += less;
+      squares += square(less);
+    }
+  }
+  return squares > 0.0 ? sum / std::sqrt(squares) : 0.0;
+}
+
 }  // namespace
 
 std::optional<OdometryDelay> delay_of(std::span<const TimedHeading> headings) {
   if (turned_rad(headings) < kLeastTurn_rad) return std::nullopt;
-  const std::vector<std::vector<TimedHeading>> stretches = stretches_of(headings);
-  const std::vector<HeadingTrack> odometry(stretches.begin(), stretches.end());
+  std::vector<Stretch> stretches;
+  for (std::vector<TimedHeading>& stretch : stretches_of(headings)) {
+    HeadingTrack odometry(stretch);
+    stretches.push_back({std::move(stretch), std::move(odometry)});
+  }
+  const double slip_rad = slip_of(stretches);
   const int most = static_cast<int>(kMostDelay_s / kDelayStep_s);
   std::vector<Agreements> at;
   at.reserve(2 * static_cast<std::size_t>(most) + 1);
-  for (int k = -most; k <= most; ++k) {
-    at.emplace_back();
-    for (std::size_t i = 0; i < stretches.size(); ++i) {
-      add_agreement(stretches[i], odometry[i], k * kDelayStep_s, at.back());
-    }
-  }
-  std::size_t best = static_cast<std::size_t>(most);
-  for (std::size_t k = 0; k < at.size(); ++k) {
-    if (at[k].all.mean() < at[best].all.mean()) best = k;
-  }
+  for (int k = -most; k <= most; ++k) at.push_back(agreements_at(stretches, k * kDelayStep_s, slip_rad));
+  const std::size_t best = best_of(at, [](const Agreements& shift) { return shift.all; });
   const std::size_t around = shifts_around(headings, at, best);
   if (best < around || best + around >= at.size()) return std::nullopt;  // agrees best beyond what is looked for
   const std::optional<Lowest> lowest = lowest_with_sigma(std::span(at).subspan(best - around, 2 * around + 1));
   if (!lowest) return std::nullopt;
-  // Between two stamps the noise of the odometry is smoothed, whichever way it is shifted; a delay is one way only.
-  const double without = std::min(at[static_cast<std::size_t>(most)].all.mean(), at[at.size() - 1 - best].all.mean());
   const double shift = static_cast<double>(best) - static_cast<double>(around) + lowest->at - most;
   return OdometryDelay{.delay_s = shift * kDelayStep_s,
                        .sigma_s = std::sqrt(square(lowest->sigma * kDelayStep_s) + square(kLeastSigma_s)),
-                       .unexplained = at[best].all.mean() / without};
+                       .gain = gain_of(stretches, at, best, slip_rad)};
 }
 
 std::vector<TimedHeading> headings_of(std::span<const TimedMotion> motions) {

@@ -19,6 +19,15 @@ std::vector<Point2> corridor(double end_m = 0.0) {
   return points;
 }
 
+/// A long one, with a post in the middle so far ahead.
+std::vector<Point2> corridor_with_post(double post_m) {
+  std::vector<Point2> points;
+  for (int k = -30; k <= 30; ++k) points.emplace_back(0.1 * k, -1.0);
+  points.emplace_back(post_m, 0.0);
+  for (int k = 30; k >= -30; --k) points.emplace_back(0.1 * k, 1.0);
+  return points;
+}
+
 /// A robot that drives along x, each keyframe added to what the next is laid on.
 class Drive {
  public:
@@ -54,6 +63,15 @@ TEST(MatchChain, AWallThatThePlaceSawHoldsAllWhoSeeIt) {
   EXPECT_GT(drive.keyframe(1.0, corridor()).x(), kNothing) << "this one does not";
   EXPECT_LT(drive.keyframe(1.5, corridor(1.5), true).x(), kMuch);
   EXPECT_LT(drive.keyframe(2.0, corridor(1.0)).x(), kMuch) << "beside the next place, which sees it";
+}
+
+// A post lies between two beams: it tells the way to a decimetre, the walls across to millimetres.
+TEST(MatchChain, APostTellsTheWayAsWellAsItsPlaceIsKnown) {
+  Drive drive;
+  drive.keyframe(0.0, corridor_with_post(2.5), true);
+  const Point2 variance = drive.keyframe(0.5, corridor_with_post(2.0));
+  EXPECT_NEAR(variance.x(), 0.1 * 0.1, 0.001);
+  EXPECT_LT(variance.y(), kMuch);
 }
 
 // The robot went half a metre that nothing measured before anybody saw the wall.

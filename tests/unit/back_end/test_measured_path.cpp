@@ -100,16 +100,16 @@ TEST(MeasuredPath, LoopsTellWhichSourceIsTheBetterOne) {
   }
 }
 
-// However well loops close that tie what lies near by: matches that are exact count as 0.3 of their stated variance.
-TEST(MeasuredPath, MatchesAreNotBelievedFarBetterThanStated) {
+// However well loops close that tie what lies near by: matches that are exact count as they are stated.
+TEST(MeasuredPath, MatchesAreNotBelievedBetterThanStated) {
   SquareDrive drive = drive_squares(6, 1);
   for (std::size_t i = 1; i < drive.path.steps.size(); ++i) {
     drive.path.steps[i][0].T = between(drive.truth[i - 1], drive.truth[i]);
   }
   MeasuredPath measured(drive.path, drive.places);
   measured.weigh(true_graph(drive));
-  EXPECT_DOUBLE_EQ(measured.factors()[0].variance, 0.3);
-  EXPECT_DOUBLE_EQ(measured.factors()[0].turn_variance, 0.3);
+  EXPECT_DOUBLE_EQ(measured.factors()[0].variance, 1.0);
+  EXPECT_DOUBLE_EQ(measured.factors()[0].turn_variance, 1.0);
 }
 
 TEST(MeasuredPath, CautiousRelationsCountTheCautiousInformation) {

@@ -152,14 +152,14 @@ TEST(OdometryDelayRules, ScansMoreThanASecondApartTellNothing) {
   EXPECT_FALSE(delay_of(swinging(1.0, 200, 1.01)));
 }
 
-TEST(OdometryDelayRules, StandsOutBeyondChanceSizeAndShare) {
-  const OdometryDelay good{.delay_s = 0.02, .sigma_s = 0.0039, .unexplained = 0.69};
+TEST(OdometryDelayRules, StandsOutBeyondChanceSizeAndGain) {
+  const OdometryDelay good{.delay_s = 0.02, .sigma_s = 0.0039, .gain = 3.1};
   EXPECT_TRUE(good.stands_out());
-  EXPECT_TRUE((OdometryDelay{.delay_s = -0.02, .sigma_s = 0.0039, .unexplained = 0.69}.stands_out()));
-  EXPECT_FALSE((OdometryDelay{.delay_s = 0.0199, .sigma_s = 0.001, .unexplained = 0.69}.stands_out()));
-  EXPECT_FALSE((OdometryDelay{.delay_s = -0.0199, .sigma_s = 0.001, .unexplained = 0.69}.stands_out()));
-  EXPECT_FALSE((OdometryDelay{.delay_s = 0.02, .sigma_s = 0.0041, .unexplained = 0.69}.stands_out()));
-  EXPECT_FALSE((OdometryDelay{.delay_s = 0.02, .sigma_s = 0.0039, .unexplained = 0.7}.stands_out()));
+  EXPECT_TRUE((OdometryDelay{.delay_s = -0.02, .sigma_s = 0.0039, .gain = 3.1}.stands_out()));
+  EXPECT_FALSE((OdometryDelay{.delay_s = 0.0199, .sigma_s = 0.001, .gain = 3.1}.stands_out()));
+  EXPECT_FALSE((OdometryDelay{.delay_s = -0.0199, .sigma_s = 0.001, .gain = 3.1}.stands_out()));
+  EXPECT_FALSE((OdometryDelay{.delay_s = 0.02, .sigma_s = 0.0041, .gain = 3.1}.stands_out()));
+  EXPECT_FALSE((OdometryDelay{.delay_s = 0.02, .sigma_s = 0.0039, .gain = 3.0}.stands_out()));
 }
 
 ScanRecord scan_at_x(double stamp_s, double x_m) {

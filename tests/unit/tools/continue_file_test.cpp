@@ -46,7 +46,7 @@ class ContinueFileTest : public testing::Test {
     kept.prepared = RunPreparation{.nods = NodKind::kTilt,
                                    .linkage = "mine.yaml",
                                    .linkage_yaml = "crank: 3 cm\n",
-                                   .delay = OdometryDelay{.delay_s = -0.0625, .sigma_s = 0.5, .unexplained = 0.25}};
+                                   .delay = OdometryDelay{.delay_s = -0.0625, .sigma_s = 0.5}};
     return kept;
   }
   [[nodiscard]] std::string file() const { return (folder_ / "continue.json").string(); }
@@ -99,7 +99,6 @@ TEST_F(ContinueFileTest, WhatIsKeptComesBack) {
     ASSERT_TRUE(back.prepared->delay.has_value());
     EXPECT_EQ(back.prepared->delay->delay_s, -0.0625);
     EXPECT_EQ(back.prepared->delay->sigma_s, 0.5);
-    EXPECT_EQ(back.prepared->delay->unexplained, 0.25);
   }
 }
 

@@ -24,11 +24,11 @@ enum class NodKind : std::uint8_t { kNone, kEncoder, kTilt };
 struct OdometryDelay {
   double delay_s = 0.0;  ///< negative where the scans are stamped later
   double sigma_s = 0.0;  ///< 0 where it was stated
-  /// Share of the squared differences of turns that is left at this delay, beside none and beside as much the other
-  /// way.
-  double unexplained = 0.0;
-  /// Whether it is worth a change: beyond chance, and odometry and scans agree much better with it.
-  [[nodiscard]] bool stands_out() const { return is_long_enough() && away_s() > 5.0 * sigma_s && unexplained < 0.7; }
+  /// By how many of its standard deviations odometry agrees better with scans that the delay was not found with than it
+  /// does without one, or with as much the other way.
+  double gain = 0.0;
+  /// Whether it is worth a change: beyond chance, and better for scans that did not tell it.
+  [[nodiscard]] bool stands_out() const { return is_long_enough() && away_s() > 5.0 * sigma_s && gain > 3.0; }
   [[nodiscard]] bool is_long_enough() const { return away_s() >= 0.02; }
   [[nodiscard]] double away_s() const { return delay_s < 0.0 ? -delay_s : delay_s; }
 };
