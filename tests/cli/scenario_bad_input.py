@@ -131,7 +131,7 @@ def hostile_report():
         one_error_line(error)
         expect(f"{run}/report.json" in error and fault in error and "map the log again: gdtslam map LOG -o" in error, error)
         expect(megabytes < 320, f"{fault}: {megabytes} MB")
-    (run / "report.json").write_text(json.dumps({**sound, "keyframe_scans": [0] * 1_000_000}))  # a long day
+    (run / "report.json").write_text(json.dumps({**sound, "doubtful_scans": [{"index": 0}] * 1_000_000}))  # a long day
     code, error, megabytes, _ = cli.measured("localize", run, LOG, "--scan", 1)
     expect(code == 0, error)
 
