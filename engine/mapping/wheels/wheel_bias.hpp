@@ -1,6 +1,6 @@
-// What the wheels get wrong always: a share of the distance (WheelScale learns it), a share of the turn, and a turn
-// with every metre, as of wheels of unequal size; these two are estimated by robust least squares from stretches of
-// which the true turn is known better. Thread-safe. Cost: linear in the stretches.
+// The bias of the wheels: they miss a share of the distance (WheelScale learns it), a share of the turn, and turn with
+// every metre, as wheels of unequal size do. The two of the turn are estimated by robust least squares from stretches
+// whose true turn is known better. Thread-safe. Cost: linear in the stretches.
 #pragma once
 
 #include <cstddef>

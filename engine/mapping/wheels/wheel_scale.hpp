@@ -13,11 +13,10 @@ namespace gdtslam {
 
 class WheelScale {
  public:
-  /// The robot moved by this step. `by_wheels` says whether odometry measured it: the step then is as corrected by
-  /// the `distance` of known().
+  /// The robot moved by this step. If odometry measured it (`by_wheels`), the step is the one that the `distance` of
+  /// told() has corrected.
   void predict(const Pose2& step, const MotionNoise& noise, bool by_wheels);
-  /// Where the scan was matched, what that tells, and where the robot is taken to be if filter and match cannot both be
-  /// right.
+  /// The scan was matched at the first pose. The second one stands if filter and match cannot both be right.
   void take(const Pose2& T_map_matched, const MatchInformation& match, const Pose2& T_map_base);
   /// A bias of nothing but this share, with its standard deviation.
   [[nodiscard]] WheelBias told() const;

@@ -63,7 +63,7 @@ RunReader run_of_map(const std::string& map, const std::string& purpose);
 
 /// How well a scan of the mapped place fits: mean distances of its points to the map's obstacles.
 struct FitLimit {
-  /// Where the largest comes from: 99 of 100 of the run's own scans leave no more, or the map's cells are so coarse.
+  /// The largest comes from an option, from 99 of 100 of the run's own scans, or from the size of the map's cells.
   enum class Source : std::uint8_t { kOption, kRun, kResolution };
   double distance_m = 0.0;  ///< the largest that is a good fit
   Source source = Source::kOption;

@@ -65,7 +65,7 @@ struct Around {
   double before = 0.0;
   double there = 0.0;
   double after = 0.0;
-  /// Where the parabola through them is highest, in steps; not finite if it has no highest point.
+  /// The parabola through them is highest there, in steps; not finite if it has no highest point.
   [[nodiscard]] double highest() const {
     const double bend = before - 2.0 * there + after;
     return bend < 0.0 ? 0.5 * (before - after) / bend : std::numeric_limits<double>::quiet_NaN();

@@ -36,8 +36,8 @@ struct BeamTimes {
 class BeamTimesFit {
  public:
   void add(const LaserScan& scan, const Pose2& T_map_base);
-  /// Nothing if the times of the log fit best, or the robot changed its rate of turn too seldom. Cost: up to 200 pairs
-  /// of scans are laid on each other for three sweeps, some 0.1 s, and for 16 more if the log is wrong.
+  /// Nothing if the times of the log fit best, or the robot changed its rate of turn too seldom. Cost: some 0.1 s, for
+  /// up to 200 pairs of scans that are laid on each other for three sweeps, and for 16 more if the log is wrong.
   [[nodiscard]] std::optional<BeamTimes> fit(const ScanConfig& valid) const;
 
  private:

@@ -124,7 +124,7 @@ std::optional<TurnOff> turn_off(const Stretch& stretch, std::size_t step, double
 
 double capped_square(double off_rad, double slip_rad) { return std::min(off_rad * off_rad, slip_rad * slip_rad); }
 
-// Of noisy wheels a turn that they missed must be told from their noise: of most steps, which turn little.
+// A turn that the wheels missed must stand out of their noise. Most steps turn little and show that noise.
 double slip_of(const std::vector<Stretch>& stretches) {
   std::vector<double> off_rad;
   for (const Stretch& stretch : stretches) {
@@ -271,9 +271,9 @@ std::size_t best_of(const std::vector<Agreements>& at, const AgreementOf& agreem
   return best;
 }
 
-// What is left is compared for scans that the delay was not found with: those of each tenth at the delay that the
-// others tell, beside none. Between two stamps the noise of the odometry is smoothed, whichever way it is shifted; a
-// delay is one way only, so that as much the other way stands for none where it leaves less.
+// The delay is judged by scans that it was not found with: each tenth of the log at the delay that the others tell. It
+// is compared with none. Between two stamps the noise of the odometry is smoothed, whichever way it is shifted, and a
+// delay is one way only; so as much the other way stands for none if it leaves less.
 double gain_of(const std::vector<Stretch>& stretches, const std::vector<Agreements>& at, std::size_t best,
                double slip_rad) {
   const std::size_t none = at.size() / 2;

@@ -62,7 +62,7 @@ DirectionAgreement direction_agreement(std::span<const TimedMotion> motions);
 /// beams.
 std::vector<LogFinding> motion_findings(const MotionByScans& motion);
 
-/// What the motion shows, once the times of the beams are right.
+/// The motion and its faults, once the times of the beams are right.
 struct MotionLook {
   MotionByScans motion;
   std::vector<LogFinding> faults;
