@@ -163,4 +163,17 @@ void refuse_doubtful(const OverlapOptions& options, SessionOverlap& overlap) {
   overlap.is_undecided = true;
 }
 
+std::string rule_that_failed(const OverlapOptions& options, const SessionOverlap& overlap) {
+  if (!overlap.held.empty()) return "joined, and taken out again when all runs were in (rules 6 to 8)";
+  if (!overlap.is_undecided) return "fewer than three of them agree about how it lies there (rule 3)";
+  if (overlap.rival > 0) {
+    return std::to_string(overlap.rival) + " of them fit in another way to lay it, too (rule 4)";
+  }
+  if (!Met{overlap.met, overlap.fitting}.fit(options.least_fitting)) {
+    return "of " + std::to_string(overlap.met) + " places where both would have driven only " +
+           std::to_string(overlap.fitting) + " fit (rule 5)";
+  }
+  return "too many of them fit elsewhere as well (rule 4)";
+}
+
 }  // namespace gdtslam

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "engine/core/worker_pool.hpp"
@@ -46,5 +47,8 @@ SessionOverlap find_overlap(const SessionMap& map, const Session& query, const O
 
 /// The verdict: where what speaks against it is too much, nothing holds the session there.
 void refuse_doubtful(const OverlapOptions& options, SessionOverlap& overlap);
+
+/// Why a session was not joined, after the verdict; rules have the numbers of docs/howto/merge.md.
+std::string rule_that_failed(const OverlapOptions& options, const SessionOverlap& overlap);
 
 }  // namespace gdtslam

@@ -1,9 +1,12 @@
 // What is asked of keyframes that are looked for in another session, at and beside each limit: in a room that is known.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 #include <vector>
 
+#include "engine/mapping/sessions/session_overlap.hpp"
 #include "engine/mapping/sessions/session_search.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
@@ -159,6 +162,39 @@ TEST(SessionRules, WallsAreCountedInSquaresOfHalfAMetre) {
     session.scans[0].lone.push_back({static_cast<float>(p.x()), static_cast<float>(p.y())});
   }
   EXPECT_EQ(walls_of(session), 3U);
+}
+
+/// Ten places found, nine of them in one spot alone, five that agree, and nothing against them.
+SessionOverlap joined() {
+  return {.fixes = {},
+          .possible = 10,
+          .alone = 9,
+          .explained = 9,
+          .met = 20,
+          .fitting = 18,
+          .held = std::vector<SessionFix>(5)};
+}
+
+std::string rule_by_which_is_refused(SessionOverlap overlap) {
+  const OverlapOptions options;
+  refuse_doubtful(options, overlap);
+  return rule_that_failed(options, overlap);
+}
+
+TEST(SessionRules, TheRuleThatFailedIsNamed) {
+  EXPECT_THAT(rule_by_which_is_refused(joined()), testing::HasSubstr("rules 6 to 8"));
+  SessionOverlap overlap = joined();
+  overlap.held.clear();
+  EXPECT_THAT(rule_by_which_is_refused(overlap), testing::HasSubstr("(rule 3)"));
+  overlap = joined();
+  overlap.alone = 7;
+  EXPECT_EQ(rule_by_which_is_refused(overlap), "too many of them fit elsewhere as well (rule 4)");
+  overlap = joined();
+  overlap.rival = 3;
+  EXPECT_EQ(rule_by_which_is_refused(overlap), "3 of them fit in another way to lay it, too (rule 4)");
+  overlap = joined();
+  overlap.fitting = 11;
+  EXPECT_EQ(rule_by_which_is_refused(overlap), "of 20 places where both would have driven only 11 fit (rule 5)");
 }
 
 }  // namespace

@@ -58,8 +58,8 @@ std::string text_of(const RunSearch& search) {
       fmt::format("not joined: {} and {}{}", printable(search.query), printable(search.searched_in.front()),
                   others == 0 ? "" : " with " + count_of(others, "run more"));
   if (search.search.may_lie_elsewhere) return pair + ", which has another part where it may lie as well\n";
-  return fmt::format("{}, where {} of {} places were found, {} of them in one spot alone\n", pair, overlap.possible,
-                     overlap.fixes.size(), overlap.alone);
+  return fmt::format("{}, where {} of {} places were found, {} of them in one spot alone: {}\n", pair, overlap.possible,
+                     overlap.fixes.size(), overlap.alone, rule_that_failed({}, overlap));
 }
 
 std::string text_of(const SharedRuns& pair) {
