@@ -164,8 +164,10 @@ void refuse_doubtful(const OverlapOptions& options, SessionOverlap& overlap) {
 }
 
 std::string rule_that_failed(const OverlapOptions& options, const SessionOverlap& overlap) {
-  if (!overlap.held.empty()) return "joined, and taken out again when all runs were in (rules 6 to 8)";
-  if (!overlap.is_undecided) return "fewer than three of them agree about how it lies there (rule 3)";
+  if (overlap.explained == 0) return "fewer than three of them fit nowhere else and agree (rules 2 and 3)";
+  if (!overlap.is_undecided) {
+    return "three or more agree, and what other sites or later runs show is against it (rules 4 to 8)";
+  }
   if (overlap.rival > 0) {
     return std::to_string(overlap.rival) + " of them fit in another way to lay it, too (rule 4)";
   }
