@@ -14,8 +14,10 @@ constexpr double kGroupPointNoise_m = 0.05;  // of a point of a group: its own s
 constexpr double kGroupIndependent = 60.0;   // points that tell something new
 // In a direction in which little holds a group the search stays where it was told to begin, and that is no measurement:
 // hundreds of loops along a corridor would say together that the path is right as it drifted. So what tilted normals
-// could feign counts as nothing.
+// could feign counts as nothing, and as much again: two points of a hundred that stand across a corridor often lie on
+// another door than the one that they are laid on.
 constexpr double kGroupLeastShape = 1.0e-10;
+constexpr double kShapeOfFewWalls = 2.0 * kShapeOfTiltedNormals;
 constexpr double kLoopFloor_m = 0.03;
 constexpr double kLoopFloor_rad = 0.006;
 constexpr std::size_t kEvery = 4;  // of the reference's points, which are many
@@ -119,7 +121,7 @@ bool is_possible(const LoopEvidence& evidence, const LoopLimits& limits) {
 Matrix3 loop_information(const LoopEvidence& evidence) {
   const double weight = kGroupIndependent * evidence.overlap / (kGroupPointNoise_m * kGroupPointNoise_m);
   const Matrix3 information = weight * with_eigenvalues(eigen_of_symmetric(evidence.shape), [](double value) {
-                                return std::max(kGroupLeastShape, value - kShapeOfTiltedNormals);
+                                return std::max(kGroupLeastShape, value - kShapeOfFewWalls);
                               });
   const Matrix3 floor =
       Matrix3::diagonal(kLoopFloor_m * kLoopFloor_m, kLoopFloor_m * kLoopFloor_m, kLoopFloor_rad * kLoopFloor_rad);

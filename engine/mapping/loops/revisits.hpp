@@ -23,7 +23,7 @@ struct Revisit {
 struct RevisitRules {
   double least_path_m = 16.0;  ///< travelled in between
   double near_m = 5.0;         ///< two stretches this near see the same walls
-  double widest_m = 8.0;       ///< of a window's half: what is less sure is looked for when the graph is surer
+  double widest_m = 40.0;      ///< of a window's half: what is less sure is looked for when the graph is surer
   double sigmas = 3.0;         ///< of a window's half, besides the next two
   double least_half_m = 0.3;
   double least_half_rad = 0.05;

@@ -2,9 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace gdtslam {
 namespace {
+
+// Where the noise of odometry is estimated, its window is narrow: a scan that turns on beside odometry that stands
+// still is soon matched with the wrong walls.
+constexpr double kFrozen_m = 0.1;
+constexpr double kFrozen_rad = 0.1;
 
 // A radian counts as a metre: kOfAnyRobot.
 double squared_change(const Pose2& from, const Pose2& to) {
@@ -29,15 +35,20 @@ std::optional<Pose2> MotionModel::odometry_motion(const std::optional<Pose2>& T_
   const Pose2 motion = between(*before, *T_odom_base);
   if (!(motion.translation().norm() <= config_.max_step_m) || !motion.is_finite()) {  // NaN too
     ++leaps_;
+    resumed_ = std::nullopt;
     return std::nullopt;
   }
-  T_map_resumed_ = std::nullopt;
   if (!(*before == *T_odom_base)) {
-    T_map_resumed_ = T_map_stop_;
+    if (T_map_stop_) {
+      resumed_ = Resumed{*T_map_stop_, *before, frozen_};
+    } else if (resumed_ && !std::exchange(resumed_->may_tell_later, false)) {
+      resumed_ = std::nullopt;
+    }
     T_map_stop_ = std::nullopt;
     frozen_ = false;
-  } else if (!T_map_stop_) {
-    T_map_stop_ = T_map_base_;
+  } else {
+    resumed_ = std::nullopt;
+    if (!T_map_stop_) T_map_stop_ = T_map_base_;
   }
   return frozen_ ? std::nullopt : std::optional(motion);
 }
@@ -47,11 +58,13 @@ std::optional<Pose2> MotionModel::odometry_motion(const std::optional<Pose2>& T_
 Pose2 MotionModel::moved_by(const Pose2& motion) {
   const Pose2 missed = T_map_base_ * motion;
   has_caught_up_ = false;
-  if (!config_.estimate || !T_map_resumed_) return missed;
-  const Pose2 told = *T_map_resumed_ * motion;
+  if (!config_.estimate || !resumed_) return missed;
+  const Pose2 told = resumed_->T_map_stop * between(resumed_->T_odom_stop, *last_odometry_);
   const Pose2 going_on = T_map_base_ * last_motion_;
   has_caught_up_ = squared_change(told, going_on) < squared_change(missed, going_on);
-  return has_caught_up_ ? told : missed;
+  if (!has_caught_up_) return missed;
+  resumed_ = std::nullopt;
+  return told;
 }
 
 Prediction MotionModel::predict(const std::optional<Pose2>& T_odom_base) {
@@ -68,8 +81,9 @@ void MotionModel::correct(const Pose2& T_map_base, bool matched) {
   T_map_base_ = T_map_base;
   if (T_map_stop_ && matched) {
     const Pose2 since = between(*T_map_stop_, T_map_base);
-    frozen_ =
-        frozen_ || since.translation().norm() > config_.frozen_m || std::fabs(since.theta_rad) > config_.frozen_rad;
+    const double most_m = config_.estimate ? std::min(config_.frozen_m, kFrozen_m) : config_.frozen_m;
+    const double most_rad = config_.estimate ? std::min(config_.frozen_rad, kFrozen_rad) : config_.frozen_rad;
+    frozen_ = frozen_ || since.translation().norm() > most_m || std::fabs(since.theta_rad) > most_rad;
   }
 }
 

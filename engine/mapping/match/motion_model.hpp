@@ -60,12 +60,20 @@ class MotionModel {
 
   Pose2 moved_by(const Pose2& motion);
 
+  /// Odometry that moves again after a stop, and may still report what it missed meanwhile.
+  struct Resumed {
+    Pose2 T_map_stop;
+    Pose2 T_odom_stop;
+    /// Also at the second scan: where poses are interpolated, the first one has only a part of the leap.
+    bool may_tell_later = false;
+  };
+
   OdometryConfig config_;
   Pose2 T_map_base_;
   std::optional<Pose2> last_odometry_;
-  Pose2 last_motion_;                   // of the estimate, in the robot's frame
-  std::optional<Pose2> T_map_stop_;     // where the odometry stopped; nothing while it moves
-  std::optional<Pose2> T_map_resumed_;  // where it had stopped, at the first scan of its moving again
+  Pose2 last_motion_;                // of the estimate, in the robot's frame
+  std::optional<Pose2> T_map_stop_;  // where the odometry stopped; nothing while it moves
+  std::optional<Resumed> resumed_;
   bool has_caught_up_ = false;
   bool frozen_ = false;  // the scans moved on from there
   std::uint64_t leaps_ = 0;

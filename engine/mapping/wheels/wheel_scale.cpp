@@ -21,7 +21,7 @@ void WheelScale::predict(const Pose2& step, const MotionNoise& noise, bool by_wh
     with_pose_ = carried * with_pose_;
     return;
   }
-  const Point2 way = (1.0 / (1.0 + added_)) * step.translation();
+  const Point2 way = (1.0 / (1.0 + distance_added(told()))) * step.translation();
   const Point2 moved = (1.0 + missing_) * way;
   const Pose2 longer{moved.x(), moved.y(), step.theta_rad};
   const Point2 ahead = Pose2{0.0, 0.0, -step.theta_rad} * way;
@@ -50,7 +50,6 @@ void WheelScale::take(const Pose2& T_map_matched, const MatchInformation& match,
   variance_ -= squared_norm(filter_.covariance(), gain) - squared_norm(fused.covariance, in_result);
   with_pose_ = fused.covariance * in_result;
   filter_.take(fused.T_map_base, fused.covariance);
-  added_ = distance_added(told());
 }
 
 WheelBias WheelScale::told() const {

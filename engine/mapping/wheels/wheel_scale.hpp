@@ -23,8 +23,7 @@ class WheelScale {
 
  private:
   PoseFilter filter_;
-  double missing_ = 0.0;  // as learnt
-  double added_ = 0.0;    // as steps are corrected by it
+  double missing_ = 0.0;
   double variance_ = 0.05 * 0.05;
   Tangent2 with_pose_{};  // covariance of the share and the pose
 };

@@ -121,7 +121,8 @@ TEST(RevisitRules, AWindowIsAsWideAsThePoseIsUnsureUpToItsMost) {
   const RevisitRules rules;
   EXPECT_NEAR(rules.half_m({0, {}, 1.0, 0.0}), 3.0 * 1.0 + 0.3, 1e-12);
   EXPECT_NEAR(rules.half_m({0, {}, 0.0, 0.0}), 0.3, 1e-12);
-  EXPECT_EQ(rules.half_m({0, {}, 10.0, 0.0}), 8.0);
+  EXPECT_NEAR(rules.half_m({0, {}, 10.0, 0.0}), 3.0 * 10.0 + 0.3, 1e-12);
+  EXPECT_EQ(rules.half_m({0, {}, 100.0, 0.0}), 40.0);
   EXPECT_NEAR(rules.half_rad({0, {}, 0.0, 0.1}), 3.0 * 0.1 + 0.05, 1e-12);
   EXPECT_EQ(rules.half_rad({0, {}, 0.0, 10.0}), std::numbers::pi);
 }
@@ -239,6 +240,13 @@ TEST(RevisitLimits, NoWindowReachesFartherThanTheWidest) {
   const auto found = [](double x_m) { return PlacesOnALine{}.add(x_m, 0.0).add(0.0, 50.0, 100.0).revisits(); };
   EXPECT_EQ(found(limit_m), Places{0});
   EXPECT_EQ(found(std::nextafter(limit_m, 99.0)), Places{});
+}
+
+// A wide way outdoors left Freiburg's hospital 10 m unsure, and 15 m off.
+TEST(RevisitLimits, APlaceTwentyMetresOffIsLookedForWhereTheGraphIsAsUnsure) {
+  const auto found = [](double sigma_m) { return PlacesOnALine{}.add(20.0, 0.0).add(0.0, 50.0, sigma_m).revisits(); };
+  EXPECT_EQ(found(10.0), Places{0});
+  EXPECT_EQ(found(4.0), Places{});
 }
 
 TEST(RevisitLimits, AStretchIsSixMetresOfPathToEitherSide) {

@@ -232,21 +232,21 @@ TEST(LoopLimits, AreReachedAndNotPassed) {
   EXPECT_FALSE(is_possible({.overlap = 0.0, .turned = 0.0, .contradiction = 0.0}));
 }
 
-// 60 points at full overlap, each known to 5 cm, less what tilted normals feign (0.01 of a shape); never better than
-// 3 cm and 6 mrad.
+// 60 points at full overlap, each known to 5 cm, less what tilted normals feign and a few walls tell (0.02 of a shape);
+// never better than 3 cm and 6 mrad.
 TEST(LoopInformationOfWalls, IsThatOfThePointsUpToItsFloor) {
   const auto expected = [](double shape, double overlap, double floor) {
-    return 1.0 / (1.0 / (60.0 * overlap / 0.0025 * (shape - 0.01)) + floor * floor);
+    return 1.0 / (1.0 / (60.0 * overlap / 0.0025 * (shape - 0.02)) + floor * floor);
   };
   for (const double overlap : {1.0, 0.5}) {
-    const Matrix3 information = loop_information({.overlap = overlap, .shape = Matrix3::diagonal(0.02, 0.4, 2.0)});
-    EXPECT_NEAR(information(0, 0), expected(0.02, overlap, 0.03), 1e-3);
+    const Matrix3 information = loop_information({.overlap = overlap, .shape = Matrix3::diagonal(0.04, 0.4, 2.0)});
+    EXPECT_NEAR(information(0, 0), expected(0.04, overlap, 0.03), 1e-3);
     EXPECT_NEAR(information(1, 1), expected(0.4, overlap, 0.03), 1e-3);
     EXPECT_NEAR(information(2, 2), expected(2.0, overlap, 0.006), 0.1);
     EXPECT_NEAR(information(0, 1), 0.0, 1e-6);
   }
-  const Matrix3 none = loop_information({.overlap = 1.0, .shape = Matrix3::diagonal(0.005, 0.4, 2.0)});
-  EXPECT_LT(none(0, 0), 1e-5) << "less than tilted normals feign is nothing";
+  const Matrix3 none = loop_information({.overlap = 1.0, .shape = Matrix3::diagonal(0.015, 0.4, 2.0)});
+  EXPECT_LT(none(0, 0), 1e-5) << "so little is nothing";
   EXPECT_GT(none(0, 0), 1e-7) << "and still positive";
 }
 
