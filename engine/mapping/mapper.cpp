@@ -215,7 +215,7 @@ void Mapper::State::see(PointScan given) {
 
 void Mapper::State::predict(const std::optional<Pose2>& T_odom_base) {
   const StageTimer timer(statistics.stages.predict_s);
-  prediction = estimate ? estimate->predict(motion, T_odom_base) : motion.predict(T_odom_base);
+  prediction = estimate ? estimate->predict(motion, T_odom_base, scan.stamp_s) : motion.predict(T_odom_base);
   prediction.is_hopeless = patience.is_over();
 }
 

@@ -1,6 +1,7 @@
 #include "motion_estimate.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "engine/mapping/wheels/leap.hpp"
 
@@ -25,9 +26,9 @@ std::vector<Point2> MotionEstimate::points_to_match(const PointScan& scan, int f
 }
 
 // Where nothing measures the motion, it goes on, as surely as it did so far.
-Prediction MotionEstimate::predict(MotionModel& model, const std::optional<Pose2>& T_odom_base) {
+Prediction MotionEstimate::predict(MotionModel& model, const std::optional<Pose2>& T_odom_base, double stamp_s) {
   const std::optional<Pose2> before = T_odom_last_;
-  Prediction prediction = model.predict(corrected(T_odom_base));
+  Prediction prediction = model.predict(corrected(T_odom_base), stamp_s - std::exchange(stamp_last_s_, stamp_s));
   is_measured_ = prediction.by_odometry;
   T_map_last_ = model.pose();
   stands_ = stands_ && !is_measured_;

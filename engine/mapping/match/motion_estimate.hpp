@@ -30,7 +30,7 @@ class MotionEstimate {
   explicit MotionEstimate(FirstPose first = FirstPose::kExact) : stands_(first == FirstPose::kExact) {}
 
   /// Asks the model for the next scan's pose by corrected odometry, and says how sure it is.
-  Prediction predict(MotionModel& model, const std::optional<Pose2>& T_odom_base);
+  Prediction predict(MotionModel& model, const std::optional<Pose2>& T_odom_base, double stamp_s);
   /// What the match says, of a scan of these points that was matched or not. The result gets the pose of both, or is
   /// refused where it is weak and cannot be right; where both cannot be right the scan decides.
   void take(MatchResult& result, bool is_matched, std::span<const Point2> points_base_m,
@@ -56,6 +56,7 @@ class MotionEstimate {
   bool has_moved_ = false;  // the odometry, ever
   bool stands_;             // since the map began, as far as scans tell; what odometry measures is believed instead
   Pose2 T_map_last_;        // of the scan before
+  double stamp_last_s_ = 0.0;
   Pose2 T_odom_corrected_;
   Pose2 step_;                // by odometry, as it was logged
   UncertainPose going_on_;    // the pose if the motion goes on, whatever the odometry says

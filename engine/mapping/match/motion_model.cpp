@@ -27,13 +27,14 @@ bool is_within_reach(const UncertainPose& expected, const Pose2& T_map_base) {
   return m + rad < kReachSigmas * kReachSigmas;
 }
 
-std::optional<Pose2> MotionModel::odometry_motion(const std::optional<Pose2>& T_odom_base) {
+std::optional<Pose2> MotionModel::odometry_motion(const std::optional<Pose2>& T_odom_base, double elapsed_s) {
   if (!T_odom_base || !T_odom_base->is_finite()) return std::nullopt;
   const std::optional<Pose2> before = last_odometry_;
   last_odometry_ = T_odom_base;
   if (!before) return std::nullopt;
   const Pose2 motion = between(*before, *T_odom_base);
-  if (!(motion.translation().norm() <= config_.max_step_m) || !motion.is_finite()) {  // NaN too
+  if (!(motion.translation().norm() <= config_.max_step_m * std::max(1.0, elapsed_s)) ||
+      !motion.is_finite()) {  // NaN too
     ++leaps_;
     resumed_ = std::nullopt;
     return std::nullopt;
@@ -67,8 +68,8 @@ Pose2 MotionModel::moved_by(const Pose2& motion) {
   return told;
 }
 
-Prediction MotionModel::predict(const std::optional<Pose2>& T_odom_base) {
-  const std::optional<Pose2> motion = odometry_motion(T_odom_base);
+Prediction MotionModel::predict(const std::optional<Pose2>& T_odom_base, double elapsed_s) {
+  const std::optional<Pose2> motion = odometry_motion(T_odom_base, elapsed_s);
   if (motion) {
     return {moved_by(*motion), motion->translation().norm(), std::fabs(motion->theta_rad), true};
   }

@@ -43,8 +43,9 @@ class MotionModel {
   explicit MotionModel(const OdometryConfig& config, const Pose2& T_map_base = {})
       : config_(config), T_map_base_(T_map_base) {}
 
-  /// Prediction for the next scan. A pose that is not finite counts as none.
-  Prediction predict(const std::optional<Pose2>& T_odom_base);
+  /// Prediction for the next scan. A pose that is not finite counts as none. Where `elapsed_s` since the scan before is
+  /// more than a second, the longest step that the odometry may take counts for each second.
+  Prediction predict(const std::optional<Pose2>& T_odom_base, double elapsed_s = 0.0);
   /// What the scan then showed; `matched` is false when the prediction itself was kept.
   void correct(const Pose2& T_map_base, bool matched);
 
@@ -56,7 +57,7 @@ class MotionModel {
   [[nodiscard]] std::uint64_t leaps() const { return leaps_; }
 
  private:
-  [[nodiscard]] std::optional<Pose2> odometry_motion(const std::optional<Pose2>& T_odom_base);
+  [[nodiscard]] std::optional<Pose2> odometry_motion(const std::optional<Pose2>& T_odom_base, double elapsed_s);
 
   Pose2 moved_by(const Pose2& motion);
 

@@ -157,7 +157,7 @@ MatchResult MapTracker::process(const LaserScan& scan, const std::optional<Pose2
   const std::vector<Point2> points_m = s.scan_points.of(scan);
   std::vector<PointCells> points = in_cells(points_m, s.config.map.resolution_m);
   thin(points, Matcher::kMostPoints);
-  Prediction prediction = s.estimate.predict(s.motion, T_odom_base);
+  Prediction prediction = s.estimate.predict(s.motion, T_odom_base, scan.stamp_s);
   prediction.is_hopeless = s.patience.is_over();
   const bool is_matched = points.size() >= static_cast<std::size_t>(s.config.scan.min_points);
   MatchResult result;

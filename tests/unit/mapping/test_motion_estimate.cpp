@@ -34,7 +34,7 @@ class Drive : public testing::Test {
  protected:
   /// What becomes of a match at this pose. The scan fits nowhere else.
   MatchResult drive_to(const Pose2& T_map_matched, const std::optional<Pose2>& T_odom_base) {
-    const Prediction prediction = estimate_.predict(model_, T_odom_base);
+    const Prediction prediction = estimate_.predict(model_, T_odom_base, 0.2 * ++scans_);
     MatchResult result;
     result.T_map_predicted = prediction.T_map_base;
     result.T_map_base = T_map_matched;
@@ -45,6 +45,7 @@ class Drive : public testing::Test {
     return result;
   }
 
+  int scans_ = 0;
   MotionModel model_{OdometryConfig{}};
   MotionEstimate estimate_;
   std::vector<Point2> points_ = room();

@@ -71,6 +71,21 @@ TEST(MotionModel, OdometryThatLeapsIsCountedAndNotUsed) {
   EXPECT_TRUE(model.predict(Pose2{50.1, 0.0, 0.0}).by_odometry) << "the step after the leap is an honest one";
 }
 
+TEST(MotionModel, BetweenScansSecondsApartTheLongestStepCountsForEachSecond) {
+  OdometryConfig config;
+  config.max_step_m = 2.0;
+  const auto is_used = [&](double step_m, double elapsed_s) {
+    MotionModel model{config};
+    model.predict(Pose2{});
+    return model.predict(Pose2{step_m, 0.0, 0.0}, elapsed_s).by_odometry;
+  };
+  EXPECT_TRUE(is_used(5.9, 3.0));
+  EXPECT_FALSE(is_used(6.1, 3.0));
+  EXPECT_TRUE(is_used(1.9, 0.1));
+  EXPECT_FALSE(is_used(2.1, 0.1));
+  EXPECT_FALSE(is_used(2.1, -7.0)) << "a clock that was set back";
+}
+
 TEST(MotionModel, OdometryThatStandsStillWhileScansMoveIsTakenAsMissing) {
   OdometryConfig config;
   config.frozen_m = 0.25;
