@@ -189,6 +189,13 @@ def localize_tells_what_is_ambiguous():
         expect(scan["reference"]["fault"] == (None if near[0][0] else "as-good"), f"{scan['reference']}")
     text = command("localize", run, log, "--scan", 20)
     expect(" s: ambiguous: x " in text.stdout and "; it may be as good\n" in text.stdout, text.stdout)
+    drawn = {}
+    for name, where in (("room", (run, log)), ("office", (RUN, LOG))):
+        drawn[name] = folder / f"{name}.svg"
+        expect_exit(command("localize", *where, "--scan", 20, "--picture", drawn[name], "-q"), 0)
+        drawn[name] = drawn[name].read_text()
+    expect(drawn["room"].count("stroke-dasharray") == 1 and ">that pose<" in drawn["room"], "the room's picture has no second pose")
+    expect(drawn["office"].count("stroke-dasharray") == 0 and ">that pose<" not in drawn["office"], "the office's picture has one")
 
 
 def _hall_scan(x, y, theta, stamp):

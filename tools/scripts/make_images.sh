@@ -42,6 +42,23 @@ sed -e '/points: \[\[22, 20\], \[22, 25\]\]/d' -e 's/copier, at: \[32.9, 5.38\]/
 gdtslam simulate office-now.yaml -o today.log --seed 5
 gdtslam localize office-loop today.log --track --changes "$images/office-loop-changes.png"
 rm "$images/office-loop-changes.csv"
+# One scan in a corridor whose niches repeat, and the pose a period away that fits as well (docs/loops.md).
+python3 - >niches.yaml <<'SCENE'
+wall = [[0, 0]]
+for k in range(8):
+    x = 3 + 7 * k
+    wall += [[x, 0], [x, -0.35], [x + 1.6, -0.35], [x + 1.6, 0]]
+wall += [[60, 0], [60, 2.4], [0, 2.4], [0, 0]]
+print(f"""gdtslam_scene: 1
+name: niches
+walls: [{{points: {wall}}}]
+robot: {{laser: {{preset: sick-lms, max_range: 8 m, no_return: 8.191 m, range_resolution: 1 mm}}}}
+recording: {{scan_rate: 5 Hz, odometry_rate: 10 Hz}}
+waypoints: [[2, 1.2], [58, 1.2]]""")
+SCENE
+gdtslam simulate niches.yaml -o niches.log
+gdtslam map niches.log -o niches
+gdtslam localize niches niches.log --scan 150 --picture "$images/repeated-corridor.svg"
 gdtslam calibrate wall.log -o "$work/wall.yaml" --picture "$images/calibration.png"
 # Of a real log, where there is one: GDTSLAM_DATA names the folder of slam2d/intel.clf.gz.
 if [[ -n ${GDTSLAM_DATA:-} ]]; then

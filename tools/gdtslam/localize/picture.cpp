@@ -33,12 +33,16 @@ Mark mark_of(const LocalizedScan& scan, const LocalizeLimits& limits) {
   return scan.is_ambiguous() ? Mark::kAmbiguous : Mark::kRight;
 }
 
+// A pose elsewhere that may be as good.
+bool has_alternative(const LocalizedScan& scan) { return scan.best && scan.runner_up && scan.is_ambiguous(); }
+
 MapView view_of(const Localizer& localizer, const Localized& all) {
   std::vector<Point2> places;
-  places.reserve(2 * all.scans.size());
+  places.reserve(3 * all.scans.size());
   for (const LocalizedScan& scan : all.scans) {
     if (scan.best) places.push_back(scan.best->T_map_base.translation());
     if (scan.reference) places.push_back(scan.reference->T_map_base.translation());
+    if (has_alternative(scan)) places.push_back(scan.runner_up->T_map_base.translation());
   }
   return view_of_map(localizer.field().file.view(), places);
 }
@@ -61,17 +65,21 @@ void draw_arrow(Canvas& canvas, const Point2& at, double theta_rad, Mark mark) {
   canvas.polyline(std::move(outline), {.colour = ink::kCard, .width = 0.6, .opacity = 0.9});
 }
 
-void draw_reference(Canvas& canvas, const MapView& view, const LocalizedScan& scan) {
-  const Pose2& T = scan.reference->T_map_base;
-  const Point2 at = view.at(T.translation());
-  if (scan.best) {
-    canvas.line(view.at(scan.best->T_map_base.translation()), at,
-                {.colour = ink::kWarning, .width = 1.2, .dashes = "4 3"});
-  }
-  std::vector<Point2> outline = arrow(at, T.theta_rad, 1.25 * kArrow);
+void draw_hollow(Canvas& canvas, const Point2& at, double theta_rad, const Colour& colour) {
+  std::vector<Point2> outline = arrow(at, theta_rad, 1.25 * kArrow);
   outline.push_back(outline.front());
   canvas.polygon({outline.begin(), outline.end() - 1}, {ink::kCard});
-  canvas.polyline(std::move(outline), {.colour = scan.best ? ink::kWarning : ink::kText, .width = 1.4});
+  canvas.polyline(std::move(outline), {.colour = colour, .width = 1.4});
+}
+
+// Another pose, tied to the one that was found by a dashed line.
+void draw_other(Canvas& canvas, const MapView& view, const LocalizedScan& scan, const Pose2& T_map_base, Mark mark) {
+  const Colour colour = scan.best ? colour_of_mark(mark) : ink::kText;
+  const Point2 at = view.at(T_map_base.translation());
+  if (scan.best) {
+    canvas.line(view.at(scan.best->T_map_base.translation()), at, {.colour = colour, .width = 1.2, .dashes = "4 3"});
+  }
+  draw_hollow(canvas, at, T_map_base.theta_rad, colour);
 }
 
 /// The indices of scans, one after the other where their places are the same.
@@ -118,7 +126,10 @@ void draw_scans(Canvas& canvas, const MapView& view, const Localized& all, const
     for (const LocalizedScan& scan : all.scans) {
       if (mark_of(scan, limits) != wanted) continue;
       const bool is_off = wanted == Mark::kOff || wanted == Mark::kNone;
-      if (is_off && scan.reference) draw_reference(canvas, view, scan);
+      if (is_off && scan.reference) draw_other(canvas, view, scan, scan.reference->T_map_base, wanted);
+      if (wanted == Mark::kAmbiguous && has_alternative(scan)) {
+        draw_other(canvas, view, scan, scan.runner_up->T_map_base, wanted);
+      }
       if (scan.best)
         draw_arrow(canvas, view.at(scan.best->T_map_base.translation()), scan.best->T_map_base.theta_rad, wanted);
     }
@@ -137,9 +148,7 @@ class Legend {
   void entry(Mark mark, bool is_hollow, const std::string& words) {
     const Point2 place = at_ + Point2(8.0, -4.5);
     if (is_hollow) {
-      std::vector<Point2> outline = arrow(place, 0.0, 1.25 * kArrow);
-      outline.push_back(outline.front());
-      canvas_.polyline(std::move(outline), {.colour = mark == Mark::kNone ? ink::kText : ink::kWarning, .width = 1.4});
+      draw_hollow(canvas_, place, 0.0, mark == Mark::kNone ? ink::kText : colour_of_mark(mark));
     } else {
       draw_arrow(canvas_, place, 0.0, mark);
     }
@@ -166,6 +175,9 @@ void draw_legend(Canvas& canvas, const Point2& at, const LocalizeJob& job, const
     legend.entry(
         Mark::kAmbiguous, false,
         fmt::format("{}, but a pose elsewhere may be as good: {}", has_reference ? "likewise" : "found", counts[1]));
+    if (std::any_of(all.scans.begin(), all.scans.end(), has_alternative)) {
+      legend.entry(Mark::kAmbiguous, true, "that pose");
+    }
   }
   if (counts[2] > 0) {
     legend.entry(Mark::kOff, false,
