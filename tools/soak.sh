@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # What is too long for tools/test.sh: the unit and property tests unoptimised, by clang and under three sanitizers, every
-# test with its longest settings, clang-tidy over every source, fuzzing for minutes, each call of each command that writes
-# failing once, the tests of the command in builds for other platforms. Some hours on two processors.
+# test with its longest settings, clang-tidy over every source, fuzzing for minutes, the tests of the command in builds for
+# other platforms. Some hours on two processors.
 # The last line is 'N passed, N failed' over the steps; the exit status is 0 only when none failed.
 set -euo pipefail
 root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
-step_count=14
+step_count=13
 source "$root/tools/scripts/common.sh"
 
 usage() {
@@ -19,7 +19,6 @@ Usage: tools/soak.sh [STEP...]
              tests of the command, kernels of the processor run as they are
   long       all tests with every mutant of the shaders, every failing call and 200 draws of the calibration;
              those of the Vulkan backend once more under validation
-  faults     each file call of each command that writes failing in each way, each crash point, one allocation of each place
   platforms  unit tests and those of the command, unoptimised, by clang, and compiled for this processor by both compilers
   lint       clang-tidy over every source
   fuzz       every fuzz target for GDTSLAM_FUZZ_S seconds (default 600)
@@ -36,13 +35,13 @@ USAGE
 steps=()
 for argument in "$@"; do
   case "$argument" in
-    debug | clang | asan | tsan | long | faults | platforms | lint | fuzz | integer | endurance | words | memcheck | arm64)
+    debug | clang | asan | tsan | long | platforms | lint | fuzz | integer | endurance | words | memcheck | arm64)
       steps+=("$argument") ;;
     -h | --help) usage; exit 0 ;;
     *) echo "soak.sh: unknown step '$argument'" >&2; usage >&2; exit 2 ;;
   esac
 done
-if ((${#steps[@]} == 0)); then steps=(debug clang asan tsan long faults platforms lint fuzz integer endurance words memcheck arm64); fi
+if ((${#steps[@]} == 0)); then steps=(debug clang asan tsan long platforms lint fuzz integer endurance words memcheck arm64); fi
 step_count=${#steps[@]}
 
 passed=0 failed=0
@@ -103,13 +102,6 @@ run_long() {
     --no-tests=error --timeout 7200
   GDTSLAM_VULKAN_VALIDATION=1 ctest --test-dir "$build" -j "$(nproc)" --output-on-failure --no-tests=error \
     -L equivalence --timeout 7200
-}
-
-run_faults() {
-  local build=$root/build/test
-  build_command gdtslam_failing_calls
-  python3 "$root/tools/scripts/fail_each_call.py" "$build/bin/gdtslam" \
-    --library "$build/tests/cli/libgdtslam_failing_calls.so"
 }
 
 run_lint() {
@@ -177,7 +169,6 @@ run_step() {
     tsan) test_build tsan RealLog; test_command tsan-command ;;
     asan) test_build asan-ubsan; test_command asan-ubsan ;;
     long) run_long ;;
-    faults) run_faults ;;
     platforms) run_platforms ;;
     lint) run_lint ;;
     fuzz) run_fuzz ;;

@@ -3,7 +3,7 @@
  * processes of gdtslam that it starts; not in other programs, and of files only what lies below the named folders, so
  * neither shared libraries nor fonts nor what drivers keep. Calls that the C library makes by itself are not seen
  * (fread, fwrite), nor are stat and readdir.
- * FAILING_KINDS: open, read, write, sync, close, rename, unlink, mkdir, link, truncate, map, allocate, or change
+ * FAILING_KINDS: open, read, write, sync, close, rename, unlink, mkdir, link, truncate, map, or change
  * (before and after which a kill can tell), several with commas. FAILING_AT: which of them, from 1; 0 counts only.
  * FAILING_HOW: EIO, ENOSPC, EINTR, EAGAIN, ENOMEM, EROFS, short, kill-before, kill-after. FAILING_ON=1: all later ones
  * too, as on a full disk. FAILING_BELOW: absolute folders with colons; unset: every file. FAILING_STATE: a file of
@@ -26,8 +26,8 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
-static const char* const kKindNames[kKinds] = {"open",  "read", "write",    "sync", "close",    "rename", "unlink",
-                                               "mkdir", "link", "truncate", "map",  "allocate", "change"};
+static const char* const kKindNames[kKinds] = {"open",   "read",  "write", "sync",     "close", "rename",
+                                               "unlink", "mkdir", "link",  "truncate", "map",   "change"};
 static const struct {
   const char* name;
   int number;
@@ -49,8 +49,6 @@ static const char* folders = NULL;
 #define REAL(type, name, ...)              \
   static type (*real)(__VA_ARGS__) = NULL; \
   if (real == NULL) real = (type(*)(__VA_ARGS__))dlsym(RTLD_NEXT, name)
-
-int calls_count(void) { return is_main; }
 
 static void read_settings(void) {
   const char* const kinds = getenv("FAILING_KINDS");

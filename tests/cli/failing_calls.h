@@ -1,5 +1,5 @@
-/* What the two sources of the preloaded library of failing calls share: which calls count, and what befalls the chosen
- * one. tests/cli/failing_calls.c has the rules, failing_calls_memory.c the allocations. */
+/* What the preloaded library of failing calls shares with the tests: which calls count, and what befalls the chosen
+ * one. */
 #pragma once
 
 #include <stdatomic.h>
@@ -19,7 +19,6 @@ enum CallKind {
   kLink,
   kTruncate,
   kMap,
-  kAllocate,
   kChange, /* whichever of them changes something in a folder or a file */
   kKinds
 };
@@ -38,6 +37,3 @@ struct CallState {
 
 /* The fate of a call of the kind, which is counted. `changes` says whether it changes something in a folder. */
 enum Fate fate_of(enum CallKind kind, int changes, const char* call, const char* path);
-
-/* Whether main has begun, in a process of the program that is meant. */
-int calls_count(void);

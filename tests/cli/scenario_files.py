@@ -98,34 +98,6 @@ def a_failing_disk_is_no_damage():
     expect(codes.count(74) > len(codes) / 2, f"{codes}")
 
 
-def memory_ends_in_a_commit():
-    """Whichever of the last allocations fails, among them those with which the files get their names: the old run with exit 1 and
-    one line, or the new one, and nothing beside it."""
-    if cli.IS_SANITIZED:
-        skip("the library that refuses memory is not preloaded into a sanitized program")
-    folder, before = old_run("memory_ends_in_a_commit")
-    kept = folder.parent / "kept"
-    shutil.copytree(folder, kept)
-    arguments = ("map", LOG, "-o", folder, "--first", 15, "-q")
-    count = cli.calls_counted("allocate", *arguments)
-    after = digests(folder)
-    seen = {"old": 0, "new": 0}
-    for number in range(count - 480, count - 20, 10):
-        shutil.rmtree(folder)
-        shutil.copytree(kept, folder)
-        process = command(*arguments, env=cli.failing_calls("allocate", number, "ENOMEM"))
-        files = digests(folder)
-        is_new = all(files.get(name) == after[name] for name in after if name != "report.json") and files.keys() == after.keys()
-        expect(files == before or is_new, f"allocation {number} of {count}: {sorted(files)}")
-        if process.returncode == 0 and is_new:  # what is removed in the end is removed at the second try
-            continue
-        expect_exit(process, 1)
-        one_error_line(process.stderr)
-        expect("out of memory" in process.stderr, process.stderr)
-        seen["new" if is_new else "old"] += 1
-    expect(seen["old"] > 10, f"{seen}")
-
-
 def file_size_limit():
     """A limit of the file size (ulimit -f): exit 74, the old files byte for byte. SIGXFSZ must not end the process first."""
     folder, before = old_run("file_size_limit")

@@ -24,7 +24,7 @@ import tempfile
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-import failing_commands  # noqa: E402
+import command_cases  # noqa: E402
 
 CODES = {0, 1, 2, 65, 69, 70, 74, 78, 130}
 REFUSED = {2, 78}
@@ -61,11 +61,11 @@ class Bench:
         self.variables.update(XDG_CACHE_HOME=str(folder / "cache"), TMPDIR=str(folder / "tmp"), LC_ALL="C.UTF-8")
         (folder / "tmp").mkdir()
         self.template.mkdir()
-        failing_commands.prepare_3d(self.template, self.must)
+        command_cases.prepare_3d(self.template, self.must)
         for path in list(self.template.glob("drive.*")):
             path.rename(path.with_name(path.name.replace("drive", "deep", 1)))
         self.must("map", "deep.log", "-o", "deep", "-q", "--first", 30, "--no-pictures", cwd=self.template)
-        failing_commands.prepare_run(self.template, self.must)
+        command_cases.prepare_run(self.template, self.must)
         self.must("map", "drive.log", "-o", "other", "-q", "--first", 10, "--no-pictures", cwd=self.template)
         (self.template / "drive.relations").write_text("0 1 0.4 0 0 0 0 0\n")
         self.must("fleet", "plan", "drive.log", "-o", "atlas", "--shards", 1, "-q", cwd=self.template)

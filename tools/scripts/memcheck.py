@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """One of each command under valgrind's memcheck: `memcheck.py PROGRAM [--commands map,over,...] [--limit SECONDS]`.
 
-The commands that write are those of fail_each_call.py; those that read look at what they made. Each ends as it does without
+The commands that write are those of command_cases.py; those that read look at what they made. Each ends as it does without
 valgrind: memory that was never written or is freed, and memory that nobody can free any more, are errors. Processes that a
 command starts are looked at too, other programs than this one excepted. tests/memcheck.supp names what libraries do, with the
 reason.
@@ -20,8 +20,8 @@ import time
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-import failing_commands  # noqa: E402
-from failing_commands import Case, QUICK  # noqa: E402
+import command_cases  # noqa: E402
+from command_cases import Case, QUICK  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FOUND = 99
@@ -32,8 +32,8 @@ VALGRIND = ("valgrind", "--quiet", f"--error-exitcode={FOUND}", "--num-callers=2
 
 
 def prepare_drive(folder, run):
-    failing_commands.short_log(folder, run, 300)
-    failing_commands.short_log(folder, run, 60, "next.log", 200)
+    command_cases.short_log(folder, run, 300)
+    command_cases.short_log(folder, run, 60, "next.log", 200)
     run("map", "drive.log", "-o", "run", "-q", "--no-pictures", *QUICK, cwd=folder)
 
 
@@ -46,15 +46,15 @@ READERS = (
     Case("localize", prepare_drive, ("localize", "run", "next.log", "--scan", 3)),
     Case("track", prepare_drive, ("localize", "run", "next.log", "--track", "-o", "out.tum", "-q")),
     Case("evaluate", prepare_truth, ("evaluate", "run", "--reference", "drive.truth.tum")),
-    Case("doctor", failing_commands.prepare_map, ("doctor", "drive.log")),
-    Case("live", failing_commands.prepare_map, ("live", "drive.log", "-o", "out", "-q", *QUICK)),
-    Case("tiles", failing_commands.prepare_run, ("tiles", "run")),
-    Case("linkage", failing_commands.prepare_3d, ("linkage", "drive.linkage.yaml")),
-    Case("measure", failing_commands.prepare_cloud, ("measure", "run", "--planes", "--boxes")),
+    Case("doctor", command_cases.prepare_map, ("doctor", "drive.log")),
+    Case("live", command_cases.prepare_map, ("live", "drive.log", "-o", "out", "-q", *QUICK)),
+    Case("tiles", command_cases.prepare_run, ("tiles", "run")),
+    Case("linkage", command_cases.prepare_3d, ("linkage", "drive.linkage.yaml")),
+    Case("measure", command_cases.prepare_cloud, ("measure", "run", "--planes", "--boxes")),
     Case("config", lambda folder, run: None, ("config", "show")),
     Case("devices", lambda folder, run: None, ("devices",)),
 )
-CASES = {**failing_commands.CASES, **{case.name: case for case in READERS}}
+CASES = {**command_cases.CASES, **{case.name: case for case in READERS}}
 
 
 def arguments_of():

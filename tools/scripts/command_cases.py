@@ -1,4 +1,4 @@
-"""The commands of fail_each_call.py: what lies in the folder before, and the words."""
+"""Commands that write: what lies in the folder before, and the words."""
 
 import bz2
 import lzma
