@@ -7,8 +7,8 @@
 namespace gdtslam {
 namespace {
 
-// Where the noise of odometry is estimated, its window is narrow: a scan that turns on beside odometry that stands
-// still is soon matched with the wrong walls.
+// Estimated odometry has a narrow search window: when it stands still while the robot turns, the next scans are soon
+// matched with the wrong walls.
 constexpr double kFrozen_m = 0.1;
 constexpr double kFrozen_rad = 0.1;
 
