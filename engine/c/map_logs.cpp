@@ -19,7 +19,7 @@ using namespace gdtslam;
 using namespace gdtslam::c;
 
 constexpr uint32_t kMapFlags = GDTSLAM_LENIENT | GDTSLAM_NO_LOOPS | GDTSLAM_NO_MAP | GDTSLAM_NO_PICTURES |
-                               GDTSLAM_NO_CLOUD | GDTSLAM_NO_COPIES | GDTSLAM_REPLACE_FOREIGN;
+                               GDTSLAM_NO_CLOUD | GDTSLAM_REPLACE_FOREIGN;
 
 /// Tells the caller how far the work is, and whether he wants it to end.
 class Watcher {
@@ -58,7 +58,6 @@ MapRequest request_of(const gdtslam_map_request& given, Watcher& watcher) {
   request.lenient = has(GDTSLAM_LENIENT);
   request.range = {given.skip, given.scan_count == 0 ? std::numeric_limits<std::uint64_t>::max() : given.scan_count};
   request.linkage = text_of(given.linkage);
-  request.with_copies = !has(GDTSLAM_NO_COPIES);
   request.replace_foreign_files = has(GDTSLAM_REPLACE_FOREIGN);
   request.with_cloud = !has(GDTSLAM_NO_CLOUD);
   request.with_map = !has(GDTSLAM_NO_MAP);

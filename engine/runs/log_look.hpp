@@ -2,14 +2,20 @@
 // end for what could be read only once. Each look belongs to one thread.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "engine/runs/continuing/continue_file.hpp"
 #include "engine/runs/mapping/map_run.hpp"
 #include "gdtslam/runs/map_log.hpp"
 
 namespace gdtslam {
+
+/// What a run learns from its first log before the first scan.
+struct RunPreparation {
+  std::optional<OdometryDelay> delay{};
+  std::vector<LogFinding> findings{};
+};
 
 /// A constant that stands for "nothing seen" becomes log.max_range of the request, so that all that reads its logs
 /// again takes it for no return. Nothing for a log that is mapped live. Cost: the logs are read until the laser has
@@ -20,8 +26,8 @@ std::vector<LogFinding> look_at_ranges(MapRequest& request);
 /// log.beam_times of the request, and in the job. Cost: up to 3,000 scans are matched, twice if times are wrong.
 void look_at_motion(MapRequest& request, MapJob& job, const std::string& log, RunPreparation& prepared);
 
-/// Adds faults of a log that could not be looked at before. `log` is the log or its copy. Its motion counts if many of
-/// its scans are in doubt.
+/// Adds faults of a log that could not be looked at before. `log` is the log, or the file in which its stream is kept.
+/// Its motion counts if many of its scans are in doubt.
 void look_afterwards(const MapRequest& request, const MapJob& job, const std::string& log, MapOutcome& outcome);
 
 }  // namespace gdtslam

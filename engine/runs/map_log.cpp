@@ -11,14 +11,14 @@
 
 #include "engine/core/memory/free_memory.hpp"
 #include "engine/io/atomic_file.hpp"
+#include "engine/io/message_text.hpp"
 #include "engine/mapping/match/matchers.hpp"
-#include "engine/runs/continuing/continuation.hpp"
 #include "engine/runs/continuing/continue_file.hpp"
-#include "engine/runs/continuing/log_copies.hpp"
+#include "engine/runs/continuing/kept_stream.hpp"
+#include "engine/runs/folder/files_of_runs.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/run_report.hpp"
 #include "engine/runs/folder/run_times.hpp"
-#include "engine/runs/inputs/files_of_runs.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "engine/runs/mapping/map_run.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
@@ -46,16 +46,37 @@ void add_cloud_picture(const MapRequest& request, const NoddingJob& nodding, con
       outcome.warnings.push_back({"no picture of the cloud", 1, error.what()});
     }
   }
-  folder.without("cloud.png");
+}
+
+/// Of each log the file that keeps it; null where it can be read again.
+using StreamFiles = std::vector<std::shared_ptr<StreamFile>>;
+
+void flush(const StreamFiles& streams) {
+  for (const auto& stream : streams) {
+    if (stream) stream->flush();
+  }
 }
 
 /// What a run has before its first scan.
 struct RunStart {
   ScanStream scans;
-  LogCopies& copies;
-  RunPreparation prepared;
-  std::uint64_t& mapped;  // scans, from then on
+  const StreamFiles& streams;
+  const KeptRequest& asked;
 };
+
+// What --continue needs, and the logs that nobody can read again.
+void write_inputs(RunFolder& folder, const MapRequest& request, const KeptRequest& asked, const StreamFiles& streams) {
+  if (!request.with_continue_file) return;
+  std::vector<std::string> names;
+  for (std::size_t log = 0; log < streams.size(); ++log) {
+    const bool is_of_run = !request.continued.empty() && lies_in(request.continued, request.logs[log]);
+    names.push_back(streams[log] || is_of_run ? folder.staged(kept_log_name(log)) : std::string());
+    if (is_of_run) copy_file_atomically(request.logs[log], names.back());
+  }
+  KeptRequest kept = asked;
+  kept.logs = kept_logs(request.logs, names);
+  write_continue_file(folder.staged(kContinueFile), kept);
+}
 
 // `nodding` is null where the laser does not nod.
 MapResult map_into(RunFolder& folder, const MapRequest& request, const MapJob& job, const NoddingJob* nodding,
@@ -65,25 +86,18 @@ MapResult map_into(RunFolder& folder, const MapRequest& request, const MapJob& j
   if (nodding != nullptr && request.with_cloud) {
     cloud_file = folder.staged("cloud.ply");
     cloud = std::make_unique<CloudOutput>(request.settings.cloud, cloud_file);
-  } else {
-    folder.without("cloud.ply");
   }
   auto run = std::make_unique<MapRun>(job, backend, std::move(start.scans), nodding, std::move(cloud));
   MapResult result;
   times.add("prepare");
-  const auto progress = [&](std::uint64_t scans, double share) {
-    start.mapped = scans;
-    if (request.progress) request.progress(scans, share);
-  };
-  result.outcome = run->run(progress, [&request] { return stopped(request); });
+  result.outcome = run->run(request.progress, [&request] { return stopped(request); });
   times.skip();  // its stages are in the outcome
-  if (request.with_copies) {
-    start.copies.finish(!result.outcome.interrupted);
-  } else {
-    LogCopies::leave_out(folder);
-  }
+  flush(start.streams);
   result.outcome.findings = job.findings;
-  if (nodding == nullptr) look_afterwards(request, job, start.copies.first_log(), result.outcome);
+  if (nodding == nullptr) {
+    const auto& stream = start.streams.front();
+    look_afterwards(request, job, stream ? stream->path() : request.logs.front(), result.outcome);
+  }
   // The memory of what mapped is for the pictures, and the tiles of a large map.
   const auto end_mapping = [&run] {
     run.reset();
@@ -99,10 +113,8 @@ MapResult map_into(RunFolder& folder, const MapRequest& request, const MapJob& j
     add_cloud_picture(request, *nodding, cloud_file, result.outcome, folder);
     times.add("write_cloud_picture");
     write_linkage(folder.staged("linkage.yaml"), nodding->model);
-  } else {
-    folder.without("cloud.png");
-    folder.without("linkage.yaml");
   }
+  write_inputs(folder, request, start.asked, start.streams);
   result.report = write_run(folder, {job, nodding, field, backend.device(), request.settings}, times, result.outcome);
   return result;
 }
@@ -159,48 +171,13 @@ NodKind nod_kind_of_start(const MapRequest& request, ScanStream& scans) {
   return kind;
 }
 
-// What the first log tells before it is mapped; a run that is gone on with knows it.
-RunPreparation prepare(MapRequest& request, MapJob& job, const LogCopies& copies, NodKind kind) {
-  RunPreparation prepared{.nods = kind, .linkage = {}, .linkage_yaml = {}, .delay = {}, .findings = job.findings};
-  if (kind == NodKind::kNone) {
-    look_at_motion(request, job, copies.first_log(), prepared);
-  } else {
-    const NoddingJob nodding = nodding_job(request, kind);
-    prepared.linkage = nodding.linkage;
-    prepared.linkage_yaml = linkage_text(nodding.model);
-  }
-  return prepared;
-}
-
-NoddingJob prepared_nodding_job(const MapRequest& request, const RunPreparation& prepared) {
-  return {.kind = prepared.nods,
-          .model = read_linkage_text(prepared.linkage_yaml, kContinueFile).model,
-          .linkage = prepared.linkage,
-          .nodding = request.settings.nodding,
-          .limits = request.settings.nod_limits,
-          .check = {}};
-}
-
-MapResult map_prepared(RunFolder& folder, const MapRequest& request, const MapJob& job, Backend& backend,
-                       RunStart start, RunTimes& times) {
-  MapJob whole = job;
-  whole.findings = start.prepared.findings;
-  if (start.prepared.nods == NodKind::kNone) {
-    whole.odometry_delay = start.prepared.delay;
-    if (whole.odometry_delay) start.scans.set_odometry_delay(whole.odometry_delay->delay_s);
-    return map_into(folder, request, whole, nullptr, backend, std::move(start), times);
-  }
-  const NoddingJob nodding = prepared_nodding_job(request, start.prepared);
-  return map_into(folder, request, whole, &nodding, backend, std::move(start), times);
-}
-
-ForeignFiles foreign_files_of(const MapRequest& request) {
-  return request.replace_foreign_files ? ForeignFiles::kReplaced : ForeignFiles::kKept;
-}
-
 std::unique_ptr<RunFolder> new_folder(const MapRequest& request) {
-  auto folder = std::make_unique<RunFolder>(request.folder, foreign_files_of(request));
-  if (request.folder_taken) request.folder_taken(folder->staging());
+  auto folder = std::make_unique<RunFolder>(
+      request.folder, request.replace_foreign_files ? ForeignFiles::kReplaced : ForeignFiles::kKept);
+  for (const std::string& log : folder->left_logs()) {
+    if (request.warn)
+      request.warn(fmt::format("warning: a run that was killed left its log, which is kept as {}", log));
+  }
   return folder;
 }
 
@@ -214,22 +191,28 @@ bool is_interruption() {
   }
 }
 
-// In the handler of what ended a run with a log that cannot be read again: logs up to that one stay, and are told of.
-[[noreturn]] void keep_what_came(RunFolder& folder, LogCopies& copies, const MapRequest& request, KeptRequest kept,
-                                 std::size_t logs) {
-  copies.keep(folder, logs);
-  if (logs < kept.paths.size()) {
-    kept.request.logs.resize(logs);
-    kept.paths.resize(logs);
-    write_continue_file(folder.staged_path(kContinueFile), kept);
+// In the handler of what ended a run: streams cannot be had again. Nothing where none was read.
+std::string streams_kept(const RunFolder& folder, const StreamFiles& streams) {
+  std::string told;
+  for (std::size_t log = 0; log < streams.size(); ++log) {
+    if (!streams[log]) continue;
+    try {
+      streams[log]->flush();
+    } catch (const FileError&) {  // as where a disk is full: there is what was written before
+    }
+    told +=
+        fmt::format("; what was read is kept: gdtslam map {} makes a map of it", folder.keep_log(kept_log_name(log)));
   }
-  const std::string told =
-      fmt::format("; what came by then is kept: gdtslam map --continue {} makes a map of it", folder.path());
+  return told;
+}
+
+// In the handler of what ended a run.
+[[noreturn]] void throw_with(const std::string& told, const std::string& log) {
   try {
     throw;
   } catch (const InputError& error) {
     if (error.has_position()) throw Error(error.code(), error.what() + told);
-    throw InputError(FilePosition{log_name(request.logs.front()), 0}, error.what() + told);
+    throw InputError(FilePosition{log_name(log), 0}, error.what() + told);
   } catch (const Error& error) {
     throw Error(error.code(), error.what() + told);
   } catch (const std::bad_alloc&) {
@@ -237,49 +220,46 @@ bool is_interruption() {
   }
 }
 
-// `continued` is null for a new run. Whoever maps live may wait long for the first scan, and a folder that cannot be
-// had shows before.
-MapResult map_opened(MapRequest request, MapJob job, const BackendOfRun& backend_of, const Continuation* continued) {
+MapResult map_opened(MapRequest request, MapJob job, const KeptRequest& asked, const BackendOfRun& backend_of) {
   RunTimes times;
-  KeptRequest kept = continued != nullptr ? continued->kept : kept_request_of(request);
-  LogCopies copies(job.logs, kept.paths, job.read, request.live_log);
-  std::unique_ptr<RunFolder> folder;
-  if (continued != nullptr) {
-    folder = folder_to_continue(*continued, request.folder, foreign_files_of(request));
-    copies.write_into(*folder);
-  } else if (request.scan_mapped) {
-    folder = new_folder(request);
-  }
-  ScanStream::OpenLog open;
-  if (request.with_copies) {
-    open = [&copies](std::size_t log) { return copies.open(log); };
-  } else if (request.live_log) {
-    open = [&request, &job](std::size_t) { return request.live_log(job.read); };
-  }
-  ScanStream scans(job.logs, job.read, job.range, open);
-  const NodKind kind = kept.prepared ? kept.prepared->nods : nod_kind_of_start(request, scans);
-  Backend& backend =
-      backend_of(kind != NodKind::kNone || matcher_info(job.mapper.match.matcher).place == MatcherPlace::kDevice);
-  if (!folder) folder = new_folder(request);
-  if (continued == nullptr) {
-    folder->remove_leftovers();
-    if (request.with_copies) copies.write_into(*folder);
-  }
-  if (!kept.prepared) {
-    if (request.with_copies) write_continue_file(folder->staged_path(kContinueFile), kept);
-    kept.prepared = prepare(request, job, copies, kind);
-    kept.request.settings.log = request.settings.log;
-    scans.set_beam_times(job.read);
-    if (request.with_copies && !stopped(request)) write_continue_file(folder->staged_path(kContinueFile), kept);
-  }
+  const std::unique_ptr<RunFolder> folder = new_folder(request);
+  StreamFiles streams(request.logs.size());
+  const auto open = [&](std::size_t log) {
+    const std::string& name = request.logs[log];
+    const bool is_kept = request.with_continue_file && (request.live_log || is_stream(name));
+    std::unique_ptr<LogReader> reader = request.live_log ? request.live_log(job.read) : open_log(name, job.read);
+    if (!is_kept) return reader;
+    streams[log] = std::make_shared<StreamFile>(folder->staged_path(kept_log_name(log)));
+    return std::unique_ptr<LogReader>(std::make_unique<KeptStream>(std::move(reader), streams[log]));
+  };
   std::uint64_t mapped = 0;
+  request.progress = [&mapped, then = request.progress](std::uint64_t scans, double share) {
+    mapped = scans;
+    if (then) then(scans, share);
+  };
   try {
-    return map_prepared(*folder, request, job, backend, {std::move(scans), copies, *kept.prepared, mapped}, times);
+    ScanStream scans(job.logs, job.read, job.range, open);
+    const NodKind kind = nod_kind_of_start(request, scans);
+    Backend& backend =
+        backend_of(kind != NodKind::kNone || matcher_info(job.mapper.match.matcher).place == MatcherPlace::kDevice);
+    std::optional<NoddingJob> nodding;
+    RunPreparation prepared{.delay = {}, .findings = job.findings};
+    if (kind == NodKind::kNone) {
+      look_at_motion(request, job, request.logs.front(), prepared);
+    } else {
+      nodding = nodding_job(request, kind);
+    }
+    scans.set_beam_times(job.read);
+    if (prepared.delay) scans.set_odometry_delay(prepared.delay->delay_s);
+    job.odometry_delay = prepared.delay;
+    job.findings = prepared.findings;
+    return map_into(*folder, request, job, nodding ? &*nodding : nullptr, backend, {std::move(scans), streams, asked},
+                    times);
   } catch (...) {
-    const bool is_finished = continued != nullptr && continued->leftover.empty();
-    const std::size_t logs = copies.logs_to_keep(is_finished ? continued->copies.size() : 0);
-    if (mapped == 0 || !request.with_copies || logs == 0 || is_interruption()) throw;
-    keep_what_came(*folder, copies, request, kept, logs);
+    if (mapped == 0 || is_interruption()) throw;
+    const std::string told = streams_kept(*folder, streams);
+    if (told.empty()) throw;
+    throw_with(told, request.logs.front());
   }
 }
 
@@ -303,33 +283,27 @@ void require_not_stopped(const MapRequest& request) {
   if (stopped(request)) throw Error(ExitCode::kInterrupted, "interrupted before the first scan; nothing is written");
 }
 
-void require_own_names(const MapRequest& request) {
-  if (request.replace_foreign_files) return;
-  std::vector<std::string> copies;
-  for (std::size_t log = 0; request.with_copies && log < request.logs.size(); ++log)
-    copies.push_back(log_copy_name(log));
-  require_no_foreign_files(request.folder, copies);
+void require_logs_elsewhere(const MapRequest& request) {
+  for (const std::string& log : request.logs) {
+    if (log == "-" || !lies_in(request.folder, log)) continue;
+    throw UsageError(fmt::format("'{}' lies in the folder that would be replaced; give another folder", one_line(log)));
+  }
 }
 
-MapResult map_new(MapRequest request, const BackendOfRun& backend) {
+MapResult map_request(MapRequest request, const BackendOfRun& backend) {
+  const KeptRequest asked{request, {}};
   std::vector<LogFinding> findings = look_at_ranges(request);
   MapJob job = job_of(request);
   job.findings = std::move(findings);
-  return map_opened(std::move(request), std::move(job), backend, nullptr);
+  return map_opened(std::move(request), std::move(job), asked, backend);
 }
 
 }  // namespace
 
 MapResult map_logs(const MapRequest& request, const BackendOfRun& backend) {
-  if (request.continued != request.folder) require_logs_elsewhere(request.logs, request.folder);
-  require_own_names(request);
+  require_logs_elsewhere(request);
   try {
-    if (request.continued.empty()) return map_new(request, backend);
-    const Continuation continued = continuation_of(request.continued, request.logs, request.stop);
-    if (!continued.remark.empty() && request.warn) request.warn(continued.remark);
-    const MapRequest whole = restored(request, continued.kept);
-    require_own_names(whole);  // those of the copies of all its logs
-    return map_opened(whole, job_of(whole), backend, &continued);
+    return map_request(request.continued.empty() ? request : continued_request(request), backend);
   } catch (const InputError& error) {  // an input that a signal ended before anything came is no bad input
     require_not_stopped(request);
     if (error.has_position()) throw;

@@ -11,7 +11,7 @@ from typing import Any, Callable
 
 from ._errors import BY_STATUS, Error, UsageError
 
-LENIENT, NO_LOOPS, NO_MAP, NO_PICTURES, NO_CLOUD, NO_COPIES, REPLACE_FOREIGN, NO_RUNNER_UP = (1 << k for k in range(8))
+LENIENT, NO_LOOPS, NO_MAP, NO_PICTURES, NO_CLOUD, REPLACE_FOREIGN, NO_RUNNER_UP = 1, 2, 4, 8, 16, 64, 128
 ALL_PROCESSORS, MOST_THREADS = 0xFFFFFFFF, 1024
 
 Progress = ctypes.CFUNCTYPE(c_int32, c_void_p, c_char_p, c_uint64, c_double)

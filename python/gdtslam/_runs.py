@@ -156,7 +156,6 @@ def map(  # noqa: A001 - the word of the field, as gdtslam.map
     occupancy: bool = True,
     pictures: bool = True,
     cloud: bool = True,
-    copies: bool = True,
     lenient: bool = False,
     replace_foreign: bool = False,
     threads: "int | None" = None,
@@ -173,9 +172,9 @@ def map(  # noqa: A001 - the word of the field, as gdtslam.map
         options: {"map.resolution": "5 cm"} or a configuration file; options() lists all.
         topics, odometry, crank, mount: as scans(); the crank's topic of a nodding mount.
         linkage: of a laser that nods: preset or file.
-        loops, occupancy, pictures, cloud, copies: False leaves the part out, as --no-loops and the like do.
+        loops, occupancy, pictures, cloud: False leaves the part out, as --no-loops and the like do.
         lenient: count and skip what is malformed.
-        replace_foreign: replace files of a run's names in the folder that no run wrote.
+        replace_foreign: remove files in the folder that no run wrote; else it is refused.
         threads: of the processor; 0 is one a processor. Results are the same.
         skip, count: scans that are left out at the start, and that are mapped.
         progress: called with the step at work, the scans so far and the share that is done, or None; ends the work
@@ -203,7 +202,6 @@ def map(  # noqa: A001 - the word of the field, as gdtslam.map
             NO_MAP=not occupancy,
             NO_PICTURES=not pictures,
             NO_CLOUD=not cloud,
-            NO_COPIES=not copies,
             REPLACE_FOREIGN=replace_foreign,
         ),
         threads=thread_count(threads),

@@ -262,8 +262,7 @@ def write_data():
 
 
 OVERVIEW = "overview.png" if os.environ.get("GDTSLAM_VIEWER") == "1" else "overview.svg"
-LEVEL_OUTPUTS = ["config.yaml", "gdt.png", "gdt.yaml", "map.pgm", "map.yaml", OVERVIEW, "report.json", "trajectory.tum", "continue.json",
-                 "log-1.copy"]
+LEVEL_OUTPUTS = ["config.yaml", "gdt.png", "gdt.yaml", "map.pgm", "map.yaml", OVERVIEW, "report.json", "trajectory.tum", "continue.json"]
 # Of a run that closed no loops: --no-loops, an interrupt.
 PLAIN_OUTPUTS = sorted([*LEVEL_OUTPUTS, "keyframes.bin.gz"])
 LOOP_OUTPUTS = ["covariance.csv", "graph.g2o", OVERVIEW.replace("overview", "graph")]

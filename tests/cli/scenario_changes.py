@@ -189,14 +189,12 @@ def merge_changes():
 
 
 def merge_of_an_unchanged_building():
-    """Nothing is taken out where nothing changed, and no picture is left of an earlier merge."""
+    """Nothing is taken out where nothing changed, and there is no picture of changes."""
     folder = fresh_folder("merge_unchanged")
     expect_exit(command("simulate", "office-loop", "-o", folder / "again.log", "--seed", 8, "--rate", 5, "-q"), 0)
     (folder / "later.log").write_text(shifted(folder / "again.log", LATER_S))
     mapped(folder / "later", log=folder / "later.log")
-    (folder / "site/1").mkdir(parents=True)
-    (folder / "site/1/changes.png").write_text("old")
-    expect_exit(command("merge", cli.RUN, folder / "later", "-o", folder / "site", "--force", "-q"), 0)
+    expect_exit(command("merge", cli.RUN, folder / "later", "-o", folder / "site", "-q"), 0)
     changes = json.loads((folder / "site/merge.json").read_text())["sites"][0]["changes"]
     expect(changes["readings_taken_out"] == 0 and changes["new"]["cells"] == changes["gone"]["cells"] == 0, f"{changes}")
-    expect(not (folder / "site/1/changes.png").exists(), "an old picture is left")
+    expect(not (folder / "site/1/changes.png").exists(), "a picture of no changes")

@@ -280,51 +280,6 @@ def edit_georeferences():
     expect(math.dist(world, moved(motion, (8.0, -3.0))) < 1e-5, "the world went elsewhere with a later edit")
 
 
-def edit_leaves_others_files():
-    """Masks of keep-out zones are copied where they still lie right, and left where they would not; DIR's stay."""
-    folder = fresh_folder("edit_masks")
-    shutil.copytree(RUN, folder / "run")
-    for name in ("keepout.yaml", "keepout.pgm"):
-        (folder / "run" / name).write_text("mine " + name)
-    process = command("edit", folder / "run", "-o", folder / "same", "--crop", "-2,-2,5,5")
-    expect_exit(process, 0)
-    expect("copied as they are: keepout.pgm, keepout.yaml" in process.stdout and not process.stderr, process.stdout + process.stderr)
-    expect((folder / "same/keepout.pgm").read_text() == "mine keepout.pgm", "the mask is another")
-    (folder / "turned").mkdir()
-    (folder / "turned/keepout.pgm").write_text("drawn in the new frame")
-    process = command("edit", folder / "run", "-o", folder / "turned", "--rotate-to-walls", "--origin", "1,1")
-    expect_exit(process, 0)
-    expect(process.stderr == "gdtslam: not copied, as drawn in the old frame: keepout.pgm, keepout.yaml\n", process.stderr)
-    expect((folder / "turned/keepout.pgm").read_text() == "drawn in the new frame", "DIR's own mask went")
-    expect(not (folder / "turned/keepout.yaml").exists(), "a mask of another frame was copied")
-    before = cli.digests(RUN)
-    expect({name: digest for name, digest in cli.digests(folder / "run").items() if not name.startswith("keepout")} == before,
-           "the run was changed")
-    # A link is a file of the run where it leads to one.
-    (folder / "elsewhere.pgm").write_text("of somebody else")
-    (folder / "run/link.pgm").symlink_to("../elsewhere.pgm")
-    (folder / "run/mask.pgm").symlink_to("keepout.pgm")
-    process = command("edit", folder / "run", "-o", folder / "linked", "--crop", "-2,-2,5,5")
-    expect_exit(process, 0)
-    expect(process.stderr == "gdtslam: not copied, as not plain files of the run or there: link.pgm\n", process.stderr)
-    expect((folder / "linked/mask.pgm").read_text() == "mine keepout.pgm", "another mask")
-    expect(not (folder / "linked/link.pgm").exists(), "what a link led to was copied")
-    for name in ("link.pgm", "mask.pgm"):
-        (folder / "run" / name).unlink()
-    # Again into the same folder: the copies of the first edit are of it, unless somebody has drawn on them since.
-    (folder / "run/keepout.pgm").write_text("drawn anew")
-    expect_exit(command("edit", folder / "run", "-o", folder / "same", "--crop", "-2,-2,5,5", "-q"), 0)
-    expect((folder / "same/keepout.pgm").read_text() == "drawn anew", "the mask of an earlier edit stays")
-    (folder / "same/keepout.yaml").write_text("drawn here")
-    process = command("edit", folder / "run", "-o", folder / "same", "--crop", "-2,-2,5,5")
-    expect_exit(process, 0)
-    expect(process.stderr == "gdtslam: not copied, as not plain files of the run or there: keepout.yaml\n", process.stderr)
-    expect_exit(command("edit", folder / "run", "-o", folder / "turned_too", "--crop", "-2,-2,5,5", "-q"), 0)
-    process = command("edit", folder / "run", "-o", folder / "turned_too", "--origin", "1,1")
-    expect_exit(process, 0)
-    expect(not list((folder / "turned_too").glob("keepout*")), "a mask of another frame stays beside the map")
-
-
 def edit_mistakes():
     """Each with one line and what to do; nothing is written."""
     folder = fresh_folder("edit_mistakes")

@@ -16,7 +16,6 @@ import cli_support as cli
 from cli_support import LOG, PROGRAM, RUN, expect, expect_exit, one_error_line
 from scenario_continue import expect_same_run, lines_of_drive
 from scenario_live import mapped_by_pipe
-from scenario_live_folder import with_snapshot
 from scenario_live_inputs import ended, started
 from scenario_live_page import UPGRADE
 
@@ -29,23 +28,22 @@ def small_files(size):
 
 
 def live_that_cannot_write_keeps_what_came():
-    """The map has no room: 74, one line, and the recording is there; gone on with it is the run that it would have been."""
+    """The map has no room: 74, one line, and the log lies beside the folder; it gives the map that would have been."""
     folder = cli.fresh_folder("live_full_disk")
     lines = lines_of_drive(60)
     mapped_by_pipe(folder / "map", lines)
     largest = max((folder / "map" / name).stat().st_size for name in MAP_FILES)
-    copy = (folder / "map/log-1.copy").stat().st_size
-    expect(copy < largest - 2000, f"the copy has {copy} bytes, the largest file {largest}")
+    kept = (folder / "map/log-1.jsonl.zst").stat().st_size
+    expect(kept < largest - 2000, f"the log has {kept} bytes, the largest file {largest}")
     for name, command in (("live", ("live", "-")), ("piped", ("map", "-"))):
-        run = folder / name
+        run, log = folder / name, folder / f"{name}-left-1.jsonl.zst"
         process = cli.command(*command, "-o", run, "-q", input="".join(lines), preexec_fn=small_files(largest - 1000))
         expect_exit(process, 74)
         one_error_line(process.stderr)
-        expect(f"gdtslam map --continue {run}" in process.stderr, process.stderr)
-        staging, = run.iterdir()
-        expect(sorted(file.name for file in staging.iterdir()) == ["continue.json", "log-1.copy"], f"{list(staging.iterdir())}")
-        expect_exit(cli.command("map", "--continue", run, "-q"), 0)
-        expect_same_run(run, folder / "map", f"{name}, gone on with")
+        expect(f"gdtslam map {log}" in process.stderr and not run.exists(), process.stderr)
+        expect_exit(cli.command("map", log, "-o", run, "-q"), 0)
+        for file in ("map.pgm", "trajectory.tum", "gdt.png"):
+            expect((run / file).read_bytes() == (folder / "map" / file).read_bytes(), f"{name}: {file} of what was kept")
 
 
 def live_that_cannot_print_is_mapped():
@@ -147,43 +145,6 @@ def live_outlives_watchers_without_number():
         connection.close()
 
 
-def is_being_written(run):
-    """Whether a snapshot is seen that has not its name yet, within a second; it takes some milliseconds."""
-    deadline = time.monotonic() + 1
-    while time.monotonic() < deadline:
-        if any(os.path.exists(f"{entry.path}/snapshot/map.pgm") for entry in os.scandir(run) if entry.name.startswith(".gdtslam")):
-            return True
-    return False
-
-
-def live_leaves_what_comes_into_a_snapshot():
-    """A file put beside those of a snapshot while the next one is written is left alone."""
-    folder = cli.fresh_folder("live_file_in_snapshot")
-    run = folder / "run"
-    lines = lines_of_drive(150)
-    first = next(k for k, line in enumerate(lines) if line.startswith("FLASER") and k > len(lines) // 2)
-    process = with_snapshot(run, lines[:first])
-    notes, put = run / "snapshot/notes", 0
-    for line in lines[first:]:
-        process.stdin.write(line)
-        process.stdin.flush()
-        if not line.startswith("FLASER"):
-            continue
-        expect(process.stdout.readline(), "no pose")
-        process.send_signal(signal.SIGUSR1)
-        if is_being_written(run):
-            notes.write_text("an hour of work\n")
-            put += 1
-            time.sleep(0.2)
-            expect(notes.exists() and notes.read_text() == "an hour of work\n", "a file of somebody else is gone")
-            notes.unlink()
-        if put == 5:
-            break
-    expect(put > 0, "no snapshot was seen while it was written")
-    process.stdin.close()
-    expect(process.wait(60 * cli.SLOWNESS) == 0, process.stderr.read())
-
-
 def live_asked_twice_at_once():
     """timeout(1) sends its signal to the process and to the group of it at once, which is one wish to end; two are two."""
     folder = cli.fresh_folder("live_timeout")
@@ -223,13 +184,13 @@ def live_of_a_recording_without_what_was_named():
     """That it has not that topic shows at its end: what was mapped is written all the same."""
     folder = cli.fresh_folder("live_of_a_recording_without_what_was_named")
     expect_exit(cli.command("convert", LOG, "-o", folder / "log.mcap", "-q"), 0)
-    process = subprocess.run([PROGRAM, "live", "-", "-o", folder / "drive", "--no-copy", "-q", "--odom", "/odmo"],
+    process = subprocess.run([PROGRAM, "live", "-", "-o", folder / "drive", "-q", "--odom", "/odmo"],
                              stdin=(folder / "log.mcap").open("rb"), capture_output=True, text=True, check=False)
     expect_exit(process, 2)
     expect("not in the log: " in process.stderr and "no odometry in topic \"/odmo\"" in process.stderr, process.stderr)
     report = json.loads((folder / "drive/report.json").read_text())
     expect(report["scans"] == len(process.stdout.splitlines()) > 100, f"{report['scans']} {process.stderr}")
-    process = subprocess.run([PROGRAM, "live", "-", "-o", folder / "mount", "--no-copy", "--mount", "/scna=10cm,0m,0deg"],
+    process = subprocess.run([PROGRAM, "live", "-", "-o", folder / "mount", "--mount", "/scna=10cm,0m,0deg"],
                              stdin=(folder / "log.mcap").open("rb"), capture_output=True, text=True, check=False)
     expect_exit(process, 0)
     expect("mount of a topic without scans" in process.stderr and '"/scna"' in process.stderr, process.stderr)

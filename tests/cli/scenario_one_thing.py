@@ -19,7 +19,7 @@ SMALL = ("--size", "64x64")
 
 # What each reader of a run reads of it: arguments with the run's folder, another run, and a folder for what is written.
 MAP, FIELD, PATH = {"map.pgm", "map.yaml"}, {"gdt.png", "gdt.yaml"}, {"trajectory.tum"}
-KEYFRAMES, COPIES = {"keyframes.bin.gz", "config.yaml"}, {"continue.json", "log-1.copy"}
+KEYFRAMES, CONTINUED = {"keyframes.bin.gz", "config.yaml"}, {"continue.json"}
 READERS = {
     "localize": (lambda run, other, out: ("localize", run, LOG, "--scan", 3, "-o", out / "a.tum"), FIELD),
     "localize --leave-out": (lambda run, other, out: ("localize", run, LOG, "--random", 1, "--leave-out", "1s", "-o", out / "a.tum"),
@@ -32,10 +32,10 @@ READERS = {
     "doctor --after": (lambda run, other, out: ("doctor", "--after", run), PATH | {"covariance.csv"}),
     "merge": (lambda run, other, out: ("merge", other, run, "-o", out / "site"), KEYFRAMES | PATH | {"graph.g2o"}),
     "edit": (lambda run, other, out: ("edit", run, "-o", out / "edited", "--origin", "1,1"),
-             KEYFRAMES | PATH | COPIES | {"covariance.csv", "graph.g2o"}),
+             KEYFRAMES | PATH | CONTINUED | {"covariance.csv", "graph.g2o"}),
     "edit --crop": (lambda run, other, out: ("edit", run, "-o", out / "edited", "--crop", "-9,-9,99,99"), KEYFRAMES | MAP),
     "tiles": (lambda run, other, out: ("tiles", run), KEYFRAMES),
-    "map --continue": (lambda run, other, out: ("map", "--continue", run, LOG, "-o", out / "more"), COPIES),
+    "map --continue": (lambda run, other, out: ("map", "--continue", run, LOG, "-o", out / "more"), set()),
 }
 VIEWS = {
     "render map": (lambda run, other, out: ("render", run, "--view", "map", "-o", out / "a.png", *SMALL), MAP | PATH),
@@ -83,8 +83,6 @@ def expect_noticed(readers, run, other, folder):
                 (copy / name).unlink() if data is None else (copy / name).write_bytes(data)
                 if name == "continue.json" and data is None and reader.startswith("edit"):
                     continue  # who leaves the copies out wants the keyframes
-                if name == "log-1.copy" and data is None:
-                    continue  # likewise; `map --continue` reads that log where it lies
                 out = cli.fresh_folder(f"{folder.name}/out")
                 before = digests(copy)
                 process = command(*arguments(copy, other, out))
@@ -124,7 +122,7 @@ def files_that_no_reader_minds():
     folder = cli.fresh_folder("no_reader_minds")
     run = folder / "run"
     mapped(run, "--first", 120)
-    for name in (*PICTURES, "log-1.copy", "keyframes.bin.gz", "gdt.png"):
+    for name in (*PICTURES, "continue.json", "keyframes.bin.gz", "gdt.png"):
         (run / name).unlink(missing_ok=True)
     expect_exit(command("doctor", "--after", run), 0)
     mapped(run, "--first", 120)
@@ -141,76 +139,6 @@ def files_that_no_reader_minds():
     expect(told_files(folder / "edited") == lying_files(folder / "edited"), "an edit tells of other files than it wrote")
 
 
-def files_of_others_in_a_run_are_kept():
-    """A file of a run's name that the run there did not write is not replaced without --force."""
-    folder = cli.fresh_folder("others_in_a_run") / "run"
-    mapped(folder, "--first", 40)
-    (folder / "linkage.yaml").write_text("mine")
-    before = digests(folder)
-    process = command("map", LOG, "-o", folder, "--first", 50)
-    expect_exit(process, 2)
-    one_error_line(process.stderr)
-    expect("linkage.yaml" in process.stderr and "--force" in process.stderr and digests(folder) == before, process.stderr)
-    mapped(folder, "--first", 50, "--force")
-    expect(not (folder / "linkage.yaml").exists(), "--force left it")
-
-
-def files_of_an_earlier_run_go():
-    """A run in the folder of another one takes away all files that the old report tells of, whichever command wrote it; files
-    that it does not tell of stay, and so does one that somebody drew on since, unless it has the name of a run's file."""
-    folder = cli.fresh_folder("files_go")
-    site, edited, run = (folder / name for name in ("site/1", "edited", "run"))
-    mapped(run, "--first", 60)
-    mapped(folder / "again", "--first", 70)
-    expect_exit(command("merge", run, folder / "again", "-o", site.parent, "-q"), 0)
-    # A picture of what changed, as the site would have told of it.
-    (site / "changes.png").write_bytes(b"changes")
-    tell_of(site, "changes.png")
-    (run / "mask.pgm").write_text("mine")
-    (run / "keepout.pgm").write_text("mine")
-    expect_exit(command("edit", run, "-o", edited, "--crop", "-99,-99,99,99", "--world-file", "-q"), 0)
-    expect({"mask.pgm", "keepout.pgm", "map.png", "map.pgw"} <= told_files(edited).keys(), f"{told_files(edited).keys()}")
-    kept = {"note.txt", "mask.pgm", "session-7.tum"}
-    for old, new in ((site, ("map", LOG, "--first", 40)), (site, ("map", "--continue", run)), (edited, ("map", LOG, "--first", 40)),
-                     (site, ("edit", run, "--origin", "1,1")), (edited, ("edit", site, "--origin", "1,1"))):
-        copy = folder / "copy"
-        shutil.rmtree(copy, ignore_errors=True)
-        shutil.copytree(old, copy)
-        for name in kept:
-            (copy / name).write_text("mine, drawn anew")
-        expect_exit(command(*new, "-o", copy, "-q"), 0)
-        stray = lying_files(copy).keys() - told_files(copy).keys()
-        expect(stray == kept, f"{new[0]} over {old.name}: {sorted(stray)} beside the files of the run")
-        expect(all((copy / name).read_text() == "mine, drawn anew" for name in kept), "a file of somebody else is another")
-
-
-def tell_of(run, name):
-    """As if the run had written that file."""
-    report = json.loads((run / "report.json").read_text())
-    data = (run / name).read_bytes()
-    report["files"] = sorted([*report["files"], [name, len(data), hashlib.sha256(data).hexdigest()]])
-    (run / "report.json").write_text(json.dumps(report))
-
-
-def files_of_others_with_numbers_are_kept():
-    """Nor one of a name with a number: a copy of a log that the run does not have, a path of a drive."""
-    folder = cli.fresh_folder("others_with_numbers")
-    mine = [folder / name for name in ("run/log-2.copy", "edited/session-1.tum", "run/.gdtslam-staging-1-backup/f", ".pic.png.mine.tmp")]
-    for path in mine:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text("mine")
-    mapped(folder / "run", "--first", 40)
-    expect_exit(command("edit", folder / "run", "--origin", "1,1", "-o", folder / "edited", "-q"), 0)
-    expect_exit(command("render", folder / "run", "-o", folder / "pic.png", "-q"), 0)
-    expect(all(path.read_text() == "mine" for path in mine), "a file of somebody else is gone")
-    (folder / "two").mkdir()
-    (folder / "two/log-2.copy").write_text("mine")
-    process = command("map", LOG, LOG, "-o", folder / "two", "--first", 40)
-    expect_exit(process, 2)
-    one_error_line(process.stderr)
-    expect("log-2.copy that no run wrote" in process.stderr and len(list((folder / "two").iterdir())) == 1, process.stderr)
-
-
 def start_writer(folder):
     """A run that has begun to write to the folder and waits for more of its log."""
     process = subprocess.Popen([PROGRAM, "map", "-", "-o", str(folder), "-q"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
@@ -218,7 +146,7 @@ def start_writer(folder):
     process.stdin.write("".join(LOG.read_text().splitlines(keepends=True)[:400]))
     process.stdin.flush()
     deadline = time.monotonic() + 60
-    while not list(folder.glob(".gdtslam-staging-*/continue.json")):
+    while not (folder.parent / f".{folder.name}.gdtslam-new" / "log-1.jsonl.zst").exists():
         expect(time.monotonic() < deadline and process.poll() is None, "the first writer did not begin")
         time.sleep(0.02)
     return process
@@ -234,16 +162,15 @@ def two_writers():
     mapped(place / "other", "--first", 40)
     (place / "link").symlink_to("run")
     first = start_writer(folder)
-    finished = lambda: {name: digest for name, digest in digests(folder).items() if not name.startswith(".gdtslam-staging-")}
-    before = finished()
+    before = digests(folder)
     for arguments in (("map", LOG, "-o", folder, "--first", 50), ("map", LOG, "-o", place / "link", "--first", 50),
-                      ("edit", place / "other", "-o", folder, "--origin", "1,1"), ("tiles", folder),
+                      ("edit", place / "other", "-o", folder, "--origin", "1,1"),
                       ("map", "--continue", place / "other", "-o", folder)):
         process = command(*arguments)
         expect_exit(process, 2)
         one_error_line(process.stderr)
         expect("is writing to" in process.stderr, process.stderr)
-        expect(finished() == before, f"{arguments}: the folder changed")
+        expect(digests(folder) == before, f"{arguments}: the folder changed")
     stdout, stderr = first.communicate(timeout=60 * cli.SLOWNESS)
     expect(first.returncode == 0, f"exit {first.returncode}: {stderr}")
     expect(told_files(folder) == lying_files(folder), "the first writer's run is not whole")
@@ -255,10 +182,11 @@ def two_writers():
 
 
 def removed_folder():
-    """The folder is taken away while a run writes to it, or its disk fails: 74 and one line."""
+    """The folder that is written is taken away, or its disk fails: 74 and one line. An old run that is taken away meanwhile is
+    not missed."""
     folder = cli.fresh_folder("removed_folder") / "run"
     process = start_writer(folder)
-    shutil.rmtree(folder)
+    shutil.rmtree(folder.parent / ".run.gdtslam-new")
     stdout, stderr = process.communicate(timeout=60 * cli.SLOWNESS)
     expect(process.returncode == 74, f"exit {process.returncode}: {stderr}")
     one_error_line(stderr)
@@ -300,12 +228,12 @@ def replaced_while_it_is_read():
 
     wanted = {reader: {} for reader in readers}
     for kind in kinds:
-        mapped(folder, *kind, "--no-copy", "--no-pictures")
+        mapped(folder, *kind, "--no-pictures")
         for reader in readers:
             wanted[reader][outcome(reader)] = kind[1]
     expect(all(len(known) == 2 for known in wanted.values()), "the two runs look alike")
     script = f"for i in $(seq 15); do " + "; ".join(
-        f"'{PROGRAM}' map '{LOG}' -o '{folder}' -q --no-copy --no-pictures --first {kind[1]}" + (f" --set '{kind[3]}'" if len(kind) > 2 else "")
+        f"'{PROGRAM}' map '{LOG}' -o '{folder}' -q --no-pictures --first {kind[1]}" + (f" --set '{kind[3]}'" if len(kind) > 2 else "")
         + " || exit 1" for kind in kinds) + "; done"
     writer = subprocess.Popen(["sh", "-c", script], stderr=subprocess.PIPE, text=True)
     seen = {}

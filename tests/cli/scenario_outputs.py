@@ -7,7 +7,7 @@ import lzma
 import shutil
 
 import cli_support as cli
-from cli_support import LOG, RUN, TRUTH, command, digests, expect, expect_exit, mapped, one_error_line
+from cli_support import LOG, RUN, TRUTH, command, digests, expect, expect_exit, one_error_line
 
 
 def refused(folder, words, *arguments, code=2):
@@ -18,28 +18,6 @@ def refused(folder, words, *arguments, code=2):
     one_error_line(process.stderr)
     expect(words in process.stderr, process.stderr)
     expect(digests(folder) == before, f"{arguments} changed {[name for name in before if digests(folder).get(name) != before[name]]}")
-
-
-def logs_of_a_run_are_not_mapped_into_it():
-    """The copy of its log that a run keeps is not mapped, nor followed live, into that run, by whatever name it is called."""
-    folder = cli.fresh_folder("logs_of_a_run")
-    run, link, elsewhere = folder / "run", folder / "link", folder / "elsewhere"
-    mapped(run)
-    link.symlink_to(run / "log-1.copy")
-    (folder / "to_run").symlink_to(run)
-    words = "is a file of the run folder that would be written; map it again with gdtslam map --continue"
-    for log in (run / "log-1.copy", folder / "elsewhere" / ".." / "run" / "log-1.copy", link):
-        for more in (("--first", 10), ("--no-copy",), ("--force",)):
-            refused(folder, words, "map", log, "-o", folder / "to_run", "-q", *more)
-    for more in ((run / "log-1.copy",), ("--follow", run / "log-1.copy"), (run / "log-1.copy", "--no-copy")):
-        refused(folder, words, "live", "-o", run, "-q", *more)
-    expect_exit(command("map", run / "log-1.copy", "-o", elsewhere, "--first", 10, "-q"), 0)
-    expect_exit(command("map", run / "log-1.copy", "-o", elsewhere, "--first", 12, "-q"), 0)
-    copy = (run / "log-1.copy").read_bytes()
-    expect_exit(command("map", "--continue", run, "-q"), 0)
-    expect((run / "log-1.copy").read_bytes() == copy, "another copy after --continue")
-    expect_exit(command("map", "--continue", run, run / "log-1.copy", "-q"), 0)
-    expect((run / "log-1.copy").read_bytes() == copy and (run / "log-2.copy").exists(), "the copies of a log that came twice")
 
 
 READ, OF_RUN, TWICE = "is what is read; give another file", "which is read; give another file", "writes; give another file"
@@ -92,7 +70,6 @@ def outputs_are_no_files_of_a_run():
         refused(folder, "which would be damaged; give another file", "linkage", "paper-b", "--csv", to_run / name)
     for _ in range(2):
         expect_exit(command("localize", run, LOG, "-q", "-o", to_run / "found.tum"), 0)
-        expect_exit(command("map", LOG, "-o", run, "-q", "--mcap", run / "drive.mcap"), 0)
     other = folder / "other"  # a map of another program, whose picture is called as it likes
     other.mkdir()
     shutil.copy(RUN / "map.pgm", other / "floor.png")

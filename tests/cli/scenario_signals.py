@@ -9,18 +9,13 @@ import termios
 import time
 
 import cli_support as cli
-from cli_support import LOG, PLAIN_OUTPUTS, PROGRAM, command, digests, expect, expect_exit, finish, one_error_line, scans_in
+from cli_support import LOG, PLAIN_OUTPUTS, PROGRAM, digests, expect, expect_exit, finish, one_error_line, scans_in
 
 
 def start_slow_run(folder, **options):
     """A run that takes long enough to be interrupted: the log over and over through a pipe."""
     return subprocess.Popen([PROGRAM, "map", "-", "-o", str(folder)], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                             stderr=subprocess.PIPE, text=True, **options)
-
-
-def files_with_one_copy(folder):
-    """Names of the files, without the copies of all logs but the first."""
-    return sorted(name for name in digests(folder) if name == "log-1.copy" or not name.endswith(".copy"))
 
 
 # Mapping begins at once, without a look at the turns of the log's beginning.
@@ -43,7 +38,7 @@ def interrupt_writes_what_there_is():
         done = finish(process)
         expect_exit(done, 130)
         report = scans_in(folder)
-        expect(files_with_one_copy(folder) == PLAIN_OUTPUTS, "files are missing")
+        expect(sorted(digests(folder)) == PLAIN_OUTPUTS, "files are missing")
         expect(report["interrupted"] is True and report["scans"] > 0, "the report does not say so")
         poses = [line for line in (folder / "trajectory.tum").read_text().splitlines() if line[0] != "#"]
         expect(len(poses) == report["scans"], f"{len(poses)} poses, {report['scans']} scans")
@@ -65,7 +60,7 @@ def lost_terminal():
     time.sleep(1.0)
     os.close(ours)
     expect(process.wait(timeout=60 * cli.SLOWNESS) == 130, f"exit {process.returncode}")
-    expect(files_with_one_copy(folder) == PLAIN_OUTPUTS and scans_in(folder)["interrupted"] is True, "files are missing")
+    expect(sorted(digests(folder)) == PLAIN_OUTPUTS and scans_in(folder)["interrupted"] is True, "files are missing")
     process = start_slow_run(folder, preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
     time.sleep(0.3)
     process.send_signal(signal.SIGHUP)

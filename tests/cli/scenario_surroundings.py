@@ -206,7 +206,7 @@ def surroundings_streams():
                                    **{name: subprocess.DEVNULL for name, number in (("stdout", 1), ("stderr", 2)) if number not in numbers})
         process.stdin.write(LOG.read_bytes()[:200000])
         process.stdin.flush()
-        wait_until(lambda: list(folder.glob("slow/.gdtslam-staging*/*")), "a file of the run")  # noqa: B023, called at once
+        wait_until(lambda: list(folder.glob(".slow.gdtslam-new/*")), "a file of the run")  # noqa: B023, called at once
         for number in numbers:
             link = os.readlink(f"/proc/{process.pid}/fd/{number}")
             expect(link == "/", f"without the streams {numbers} the number {number} is {link}")

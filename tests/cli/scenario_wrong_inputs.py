@@ -27,7 +27,7 @@ def folders_that_are_no_runs():
     refused(65, "is a file; give the folder of a run", "edit", LOG, "-o", folder / "new")
     refused(65, "is no folder of a run: it is not there", "doctor", "--after", folder / "nowhere")
     for line in (("map", RUN, "-o", folder / "new"), ("doctor", RUN), ("live", RUN, "-o", folder / "new")):
-        refused(65, "is a folder of results and no log; the log that was mapped is its log-1.copy", *line)
+        refused(65, "is a folder of results and no log; gdtslam map --continue maps its logs again", *line)
 
 
 def lines_that_cannot_be_read_name_a_command_that_skips_them():

@@ -94,7 +94,7 @@ def check(case, process, out, where, failures=(), remarks=""):
     expect(process.returncode in failures, what)
     expect(process.stderr is None or (len(rest) == 1 and rest[0].startswith("gdtslam: error: ")), what)
     expect("unexpected" not in "".join(rest) and "terminate" not in "".join(rest), what)
-    expect(not [name for name in files_of(out) if ".gdtslam-staging" in name or name.endswith(".tmp")], f"{what}: left {files_of(out)}")
+    expect(not [name for name in files_of(out) if ".gdtslam-new" in name or name.endswith(".tmp")], f"{what}: left {files_of(out)}")
     return False
 
 

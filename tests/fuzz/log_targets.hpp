@@ -14,11 +14,10 @@
 #include <variant>
 #include <vector>
 
-#include "engine/io/binary/log_copy.hpp"
-#include "engine/io/binary/log_copy_records.hpp"
 #include "engine/io/logs/carmen.hpp"
 #include "engine/io/logs/log_signs.hpp"
 #include "engine/io/tables/table_reader.hpp"
+#include "engine/io/writers/table_log.hpp"
 #include "log_reading.hpp"
 #include "tools/gdtslam/live/input/whole_lines.hpp"
 
@@ -46,37 +45,7 @@ inline void read_json_lines(std::span<const std::byte> data) {
   drain(kOpen, data, true);
 }
 
-/// A copy of a log with its checksums, and a frame within them, which a fuzzer could not guess: its records read back
-/// as themselves, and after the first fault nothing is read. How far a cut copy goes is asked of its file.
-inline void read_log_copy(std::span<const std::byte> data) {
-  constexpr OpenBytes kOpen = open_log_copy;
-  drain(kOpen, data, false);
-  drain(kOpen, data, true);
-  const std::string name = "fuzz";
-  expect_typed<InputError>([&] {
-    BytesIn frame(text_of(data), name);
-    RecordCoder coder;
-    while (frame.left() > 0) {
-      const LogRecord record = coder.record_from(frame);
-      check_record(record);
-      const std::string bytes = record_bytes(record);
-      BytesIn again(bytes, name);
-      require(record_bytes(RecordCoder().record_from(again)) == bytes && again.left() == 0);
-    }
-  });
-  expect_typed<InputError>([&] {
-    BytesIn frame(text_of(data), name);
-    require(end_from(frame).warnings.size() <= 128);
-  });
-  static const ScratchFolder folder;
-  expect_typed<InputError>([&] {
-    const LogCopyExtent extent = extent_of_log_copy(folder.put("log-1.copy", text_of(data)));
-    require(extent.sure_records <= extent.records && extent.sure_bytes <= extent.whole_bytes &&
-            extent.whole_bytes <= data.size());
-  });
-}
-
-/// Records as their bytes, and what ended the reading.
+/// Records as lines of JSON, and what ended the reading.
 struct ReadLog {
   std::vector<std::string> records;
   std::string error;
@@ -100,7 +69,7 @@ inline ReadLog read_in_pieces(std::string_view bytes, std::span<const std::size_
       const std::unique_ptr<LogReader> reader = open_log_of_bytes(read, "fuzz", {.lenient = lenient});
       while (const std::optional<LogRecord> record = reader->next()) {
         check_record(*record);
-        log.records.push_back(record_bytes(*record));
+        log.records.push_back(json_line(*record));
         log.has_scan = log.has_scan || std::holds_alternative<ScanRecord>(*record);
       }
       for (const LogReader::Warning& warning : reader->warnings()) log.error += warning.kind + ": " + warning.first;
@@ -182,8 +151,8 @@ inline void read_senders(std::span<const std::byte> data) {
 
 inline constexpr std::array kLogTargets{
     FuzzTarget{"carmen", read_carmen_log, 12}, FuzzTarget{"csv", read_csv, 6},
-    FuzzTarget{"jsonl", read_json_lines, 5},   FuzzTarget{"log_copy", read_log_copy, 6},
-    FuzzTarget{"stream", read_stream, 4},      FuzzTarget{"senders", read_senders, 4},
+    FuzzTarget{"jsonl", read_json_lines, 5},   FuzzTarget{"stream", read_stream, 4},
+    FuzzTarget{"senders", read_senders, 4},
 };
 
 }  // namespace gdtslam::fuzz

@@ -87,22 +87,6 @@ inline void read_fleet_text(std::span<const std::byte> data) {
   }
 }
 
-/// What a run was asked for is written as it was read.
-inline void read_request_kept(std::span<const std::byte> data) {
-  static const ScratchFolder folder;
-  expect_typed<InputError>([&] {
-    const KeptRequest kept = read_continue_file(folder.put("continue.json", text_of(data)), "runs/fuzz");
-    require(kept.paths.size() == kept.request.logs.size() && !kept.paths.empty());
-    const std::string again = folder.file("again.json");
-    write_continue_file(again, kept);
-    const KeptRequest reread = read_continue_file(again, "runs/fuzz");
-    require(reread.paths == kept.paths && reread.request.logs == kept.request.logs &&
-            reread.request.range.skip == kept.request.range.skip &&
-            reread.request.range.count == kept.request.range.count &&
-            reread.prepared.has_value() == kept.prepared.has_value());
-  });
-}
-
 inline void read_covariance_rows(std::span<const std::byte> data) {
   static const ScratchFolder folder;
   expect_typed<InputError>([&] {
@@ -181,7 +165,6 @@ inline constexpr std::array kRunTargets{
     FuzzTarget{"keyframes", read_keyframe_bytes, 8},
     FuzzTarget{"edits", read_edits_text, 8},
     FuzzTarget{"fleet", read_fleet_text, 8},
-    FuzzTarget{"continue", read_request_kept, 3},
     FuzzTarget{"covariance", read_covariance_rows, 3},
     FuzzTarget{"graph", read_graph_lines, 3},
     FuzzTarget{"tiles", read_tiles, 3},

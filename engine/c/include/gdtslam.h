@@ -146,8 +146,7 @@ enum {
   GDTSLAM_NO_MAP = 4,           /* no occupancy map and no pictures of it (map) */
   GDTSLAM_NO_PICTURES = 8,      /* (map) */
   GDTSLAM_NO_CLOUD = 16,        /* of a laser that nods (map) */
-  GDTSLAM_NO_COPIES = 32,       /* of what is read: the run cannot be gone on with (map) */
-  GDTSLAM_REPLACE_FOREIGN = 64, /* files of a run's names that no run wrote (map) */
+  GDTSLAM_REPLACE_FOREIGN = 64, /* remove files in the folder that no run wrote; else it is refused (map) */
   GDTSLAM_NO_RUNNER_UP = 128    /* do not look for the best pose elsewhere (localizer) */
 };
 

@@ -13,7 +13,6 @@
 
 #include "carmen.hpp"
 #include "engine/core/ascii.hpp"
-#include "engine/io/binary/log_copy.hpp"
 #include "engine/io/byte_source.hpp"
 #include "engine/io/log_contents.hpp"
 #include "engine/io/recordings/recording_reader.hpp"
@@ -41,9 +40,8 @@ struct Magic {
   std::optional<StreamPacking> packing{};
 };
 constexpr std::string_view kSqliteHead = "SQLite format 3";
-constexpr std::array<Magic, 7> kMagics = {
+constexpr std::array<Magic, 6> kMagics = {
     {{"#ROSBAG V", "", open_bag},
-     {"gdtslam-log-copy", "", open_log_copy},
      {"\x89MCAP", "", open_mcap},
      {kSqliteHead, "an SQLite file, which cannot be read from a pipe (give its name)"},
      {kBzip2Magic, "bzip2 data", nullptr, StreamPacking::kBzip2},

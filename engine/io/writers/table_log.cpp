@@ -145,7 +145,7 @@ bool CsvLog::write(const LogRecord& record) {
   return true;
 }
 
-bool JsonLinesLog::write(const LogRecord& record) {
+std::string json_line(const LogRecord& record) {
   std::string line;
   if (const auto* scan = std::get_if<ScanRecord>(&record)) {
     line = scan_line(*scan);
@@ -162,8 +162,7 @@ bool JsonLinesLog::write(const LogRecord& record) {
     line = fmt::format("{{\"{}\":{},\"{}\":{}", kNameColumn, json_string(parameter->name), kValueColumn,
                        json_string(parameter->value));
   }
-  sink_.write(line + "}\n");
-  return true;
+  return line + "}\n";
 }
 
 }  // namespace gdtslam

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "engine/io/logs/gzip_file.hpp"
 #include "log_writer.hpp"
@@ -21,11 +22,17 @@ class CsvLog final : public LogWriter {
   TextSink sink_;
 };
 
+/// A record as a line of JSON, with its end.
+std::string json_line(const LogRecord& record);
+
 class JsonLinesLog final : public LogWriter {
  public:
   /// `file` must outlive this.
   explicit JsonLinesLog(AtomicFile& file) : sink_(file) {}
-  bool write(const LogRecord& record) override;
+  bool write(const LogRecord& record) override {
+    sink_.write(json_line(record));
+    return true;
+  }
   void finish() override { sink_.finish(); }
   [[nodiscard]] std::uint64_t bytes() const override { return sink_.bytes(); }
 

@@ -3,30 +3,29 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
-#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <string_view>
 #include <system_error>
 #include <utility>
 
+#include "engine/core/files/folder_calls.hpp"
 #include "engine/io/json_file.hpp"
+#include "engine/io/sha256.hpp"
 #include "engine/runs/folder/report_reader.hpp"
-#include "engine/runs/folder/run_doubts.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/config_yaml.hpp"
+#include "kept_stream.hpp"
 
 namespace gdtslam {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kContinueVersion = 1;
-constexpr std::size_t kMostContinueBytes = std::size_t{16} << 20U;
-constexpr std::array<std::string_view, 3> kNodNames{"none", "encoder", "tilt"};  // in the order of NodKind
+constexpr int kContinueVersion = 2;
+namespace fs = std::filesystem;
 
+constexpr std::size_t kMostContinueBytes = std::size_t{16} << 20U;
 Json topics_json(const TopicChoice& topics) {
   Json mounts = Json::array();
   for (const TopicMount& mount : topics.mounts) {
@@ -50,30 +49,18 @@ TopicChoice topics_from(const ReportReader& file) {
   return topics;
 }
 
-Json prepared_json(const RunPreparation& prepared) {
-  Json json{{"nods", kNodNames.at(static_cast<std::size_t>(prepared.nods))},
-            {"linkage", prepared.linkage},
-            {"linkage_yaml", prepared.linkage_yaml}};
-  if (const std::optional<OdometryDelay>& delay = prepared.delay) {
-    json["odometry_delay"] = {{"delay_s", delay->delay_s}, {"sigma_s", delay->sigma_s}};
-  }
-  if (!prepared.findings.empty()) json["findings"] = findings_json(prepared.findings);
-  return json;
+Json logs_json(const std::vector<KeptLog>& logs) {
+  Json rows = Json::array();
+  for (const KeptLog& log : logs) rows.push_back({{"name", log.name}, {"path", log.path}, {"sha256", log.sha256}});
+  return rows;
 }
 
-RunPreparation prepared_from(const ReportReader& file, const std::string& name) {
-  RunPreparation prepared{
-      .nods = NodKind::kNone, .linkage = file.text("linkage"), .linkage_yaml = file.text("linkage_yaml"), .delay = {}};
-  prepared.findings = findings_from(file);
-  const std::string nods = file.text("nods");
-  const auto* const found = std::find(kNodNames.begin(), kNodNames.end(), nods);
-  if (found == kNodNames.end()) throw InputError({name, 0}, "'nods' is none of none, encoder and tilt");
-  prepared.nods = static_cast<NodKind>(found - kNodNames.begin());
-  if (file.has("odometry_delay")) {
-    const ReportReader delay = file.section("odometry_delay");
-    prepared.delay = {.delay_s = delay.number("delay_s"), .sigma_s = delay.number("sigma_s")};
+std::vector<KeptLog> logs_from(const ReportReader& file) {
+  std::vector<KeptLog> logs;
+  for (const ReportReader& log : file.entries("logs")) {
+    logs.push_back({log.text("name"), log.text("path"), log.text("sha256")});
   }
-  return prepared;
+  return logs;
 }
 
 ScanRange range_from(const ReportReader& file) {
@@ -95,45 +82,53 @@ Settings settings_from(const ReportReader& file, const std::string& name, const 
   return settings;
 }
 
-}  // namespace
-
-KeptRequest kept_request_of(const MapRequest& request) {
-  KeptRequest kept{.request = {.logs = request.logs,
-                               .settings = request.settings,
-                               .lenient = request.lenient,
-                               .range = request.range,
-                               .linkage = request.linkage,
-                               .with_cloud = request.with_cloud,
-                               .with_map = request.with_map,
-                               .with_loops = request.with_loops,
-                               .with_pictures = request.with_pictures},
-                   .paths = {}};
-  kept.paths.reserve(request.logs.size());
-  for (const std::string& log : request.logs) kept.paths.push_back(request.live_log ? "-" : absolute_path_of(log));
-  return kept;
-}
-
-MapRequest restored(const MapRequest& request, const KeptRequest& kept) {
-  MapRequest whole = request;
-  const MapRequest& was = kept.request;
-  whole.logs = was.logs;
-  whole.settings = was.settings;
-  whole.lenient = was.lenient;
-  whole.range = was.range;
-  whole.linkage = was.linkage;
-  whole.with_cloud = was.with_cloud;
-  whole.with_map = was.with_map;
-  whole.with_loops = was.with_loops;
-  whole.with_pictures = was.with_pictures;
-  return whole;
+std::string sha256_of_log(const std::string& log) {
+  std::error_code ignored;
+  if (!fs::is_directory(log, ignored)) return sha256_of_file(log).sha256;
+  std::error_code failed;
+  std::vector<fs::path> files = list_folder(log, failed);
+  if (failed) throw FileError(log, "cannot be listed: " + failed.message());
+  std::sort(files.begin(), files.end());
+  Sha256 hash;
+  for (const fs::path& file : files) {
+    if (fs::is_regular_file(file, ignored)) hash.update(sha256_of_file(file.string()).sha256);
+  }
+  return hash.hex();
 }
 
 std::string absolute_path_of(const std::string& log) {
-  if (log == "-") return log;
   std::error_code failed;
-  const std::filesystem::path path = std::filesystem::absolute(log, failed);
+  const fs::path path = fs::absolute(log, failed);
   return failed ? log : path.string();
 }
+
+bool is_of_run(const KeptLog& log) { return fs::path(log.path).is_relative(); }
+
+// What says how a recording is read was used up when its records were kept as lines.
+void forget_topics(const std::vector<KeptLog>& logs, LogConfig& log) {
+  if (!std::all_of(logs.begin(), logs.end(), is_of_run)) return;
+  log.topics = {};
+}
+
+void add_logs(const std::vector<std::string>& more, const std::vector<KeptLog>& before, MapRequest& whole) {
+  if (more.empty()) return;
+  if (whole.range.count != ScanRange{}.count) {
+    throw UsageError(
+        fmt::format("--continue: the run in '{}' has its first {} scans only (--first), and a further log "
+                    "would add nothing: map its logs again without --first",
+                    whole.continued, whole.range.count));
+  }
+  for (const std::string& log : more) {
+    const std::string sha256 = is_stream(log) ? std::string() : sha256_of_log(log);
+    const auto is_same = [&sha256](const KeptLog& kept) { return kept.sha256 == sha256; };
+    if (std::any_of(before.begin(), before.end(), is_same)) {
+      throw UsageError(fmt::format("--continue: the run in '{}' has '{}' already", whole.continued, log));
+    }
+    whole.logs.push_back(log);
+  }
+}
+
+}  // namespace
 
 void write_continue_file(const std::string& file, const KeptRequest& kept) {
   const MapRequest& request = kept.request;
@@ -141,8 +136,7 @@ void write_continue_file(const std::string& file, const KeptRequest& kept) {
   Json json = Json::object();
   json["format"] = kContinueVersion;
   json["version"] = GDTSLAM_VERSION;
-  json["log"] = request.logs;
-  json["path"] = kept.paths;
+  json["logs"] = logs_json(kept.logs);
   json["lenient"] = request.lenient;
   json["skip"] = request.range.skip;
   if (request.range.count != ScanRange{}.count) json["first"] = request.range.count;
@@ -153,7 +147,6 @@ void write_continue_file(const std::string& file, const KeptRequest& kept) {
   json["with_pictures"] = request.with_pictures;
   json["topics"] = topics_json(request.settings.log.topics);
   json["config_yaml"] = config_text(option_table(settings));
-  if (kept.prepared) json["prepared"] = prepared_json(*kept.prepared);
   write_json(file, json);
 }
 
@@ -166,9 +159,8 @@ KeptRequest read_continue_file(const std::string& file, const std::string& folde
                                             kContinueVersion, advice));
   }
   // Before the rest: GCC 12 destroys members that were never made where a later one of them cannot be.
-  std::vector<std::string> paths = reader.texts("path");
-  KeptRequest kept{.request = {.logs = reader.texts("log"),
-                               .settings = settings_from(reader, file, advice),
+  std::vector<KeptLog> logs = logs_from(reader);
+  KeptRequest kept{.request = {.settings = settings_from(reader, file, advice),
                                .lenient = reader.truth("lenient"),
                                .range = range_from(reader),
                                .linkage = reader.text("linkage"),
@@ -176,12 +168,60 @@ KeptRequest read_continue_file(const std::string& file, const std::string& folde
                                .with_map = reader.truth("with_map"),
                                .with_loops = reader.truth("with_loops"),
                                .with_pictures = reader.truth("with_pictures")},
-                   .paths = std::move(paths)};
-  if (kept.request.logs.empty() || kept.paths.size() != kept.request.logs.size()) {
-    throw InputError({file, 0}, "'log' and 'path' do not name the same logs" + advice);
-  }
-  if (reader.has("prepared")) kept.prepared = prepared_from(reader.section("prepared"), file);
+                   .logs = std::move(logs)};
+  if (kept.logs.empty()) throw InputError({file, 0}, "'logs' is empty" + advice);
   return kept;
+}
+
+std::vector<KeptLog> kept_logs(const std::vector<std::string>& logs, const std::vector<std::string>& streams) {
+  std::vector<KeptLog> kept;
+  for (std::size_t k = 0; k < logs.size(); ++k) {
+    const bool is_own = !streams[k].empty();
+    const std::string path = is_own ? streams[k] : absolute_path_of(logs[k]);
+    kept.push_back({logs[k], is_own ? fs::path(path).filename().string() : path, sha256_of_log(path)});
+  }
+  return kept;
+}
+
+std::string log_of_run(const KeptLog& log, const std::string& folder) {
+  std::string path = is_of_run(log) ? (fs::path(folder) / log.path).string() : log.path;
+  if (is_of_run(log) && fs::path(log.path).has_parent_path()) {
+    throw InputError({folder, 0}, fmt::format("'{}' in continue.json lies outside of the run", log.path));
+  }
+  std::error_code ignored;
+  if (!fs::is_regular_file(path, ignored) && !fs::is_directory(path, ignored)) {
+    throw InputError({path, 0}, fmt::format("is the log of the run in '{}', and is not there; put it back", folder));
+  }
+  if (sha256_of_log(path) != log.sha256) {
+    throw InputError({path, 0}, fmt::format("has another SHA-256 than the log that the run in '{}' read; give that "
+                                            "log its place again, or map the logs that there are",
+                                            folder));
+  }
+  return !is_of_run(log) && absolute_path_of(log.name) == path ? log.name : path;
+}
+
+MapRequest continued_request(const MapRequest& request) {
+  const std::string file = (fs::path(request.continued) / kContinueFile).string();
+  std::error_code ignored;
+  if (!fs::exists(file, ignored)) {
+    throw InputError({request.continued, 0}, "has no continue.json, as 'gdtslam map' leaves one; map its logs again");
+  }
+  const KeptRequest kept = read_continue_file(file, request.continued);
+  MapRequest whole = request;
+  const MapRequest& was = kept.request;
+  whole.settings = was.settings;
+  whole.lenient = was.lenient;
+  whole.range = was.range;
+  whole.linkage = was.linkage;
+  whole.with_cloud = was.with_cloud;
+  whole.with_map = was.with_map;
+  whole.with_loops = was.with_loops;
+  whole.with_pictures = was.with_pictures;
+  whole.logs.clear();
+  for (const KeptLog& log : kept.logs) whole.logs.push_back(log_of_run(log, request.continued));
+  forget_topics(kept.logs, whole.settings.log);
+  add_logs(request.logs, kept.logs, whole);
+  return whole;
 }
 
 }  // namespace gdtslam

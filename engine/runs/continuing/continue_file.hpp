@@ -1,8 +1,7 @@
-// continue.json of a run: what it was asked for, so that it can be gone on with (docs/formats.md). Thread-safe;
-// O(text).
+// continue.json of a run: what it was asked for and which logs it read, so that it can be continued (docs/formats.md).
+// Thread-safe; O(text), and what it takes to read the logs once for their hashes.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,35 +9,36 @@
 
 namespace gdtslam {
 
-/// In the folder of a run, and in its staging folder while it lasts.
 inline constexpr const char* kContinueFile = "continue.json";
 
-/// What a run knows before its first scan, for which it would have to look at its first log again.
-struct RunPreparation {
-  NodKind nods = NodKind::kNone;
-  std::string linkage{};       ///< of a laser that nods: the preset or file that was taken
-  std::string linkage_yaml{};  ///< and what it says
-  std::optional<OdometryDelay> delay{};
-  std::vector<LogFinding> findings{};
+/// A log that a run read.
+struct KeptLog {
+  std::string name;    ///< as it was given
+  std::string path;    ///< absolute; of one that the run itself has, the name of that file
+  std::string sha256;  ///< of the file; of a folder, of the hashes of its files in the order of their names
 };
 
+/// What determines the result, but for the logs; the rest has its defaults.
 struct KeptRequest {
-  MapRequest request;              ///< of what determines the result; the rest has its defaults
-  std::vector<std::string> paths;  ///< of its logs, absolute
-  std::optional<RunPreparation> prepared{};
+  MapRequest request;
+  std::vector<KeptLog> logs;
 };
 
-/// What is kept of a request.
-KeptRequest kept_request_of(const MapRequest& request);
-/// The request with what was kept in place of its own: logs, configuration, range and parts.
-MapRequest restored(const MapRequest& request, const KeptRequest& kept);
-
-/// The log as it is found from any folder; "-" stays.
-std::string absolute_path_of(const std::string& log);
+/// The logs as they are now. `streams` has of each log that the run itself keeps the file where it is, else nothing.
+/// Throws FileError.
+std::vector<KeptLog> kept_logs(const std::vector<std::string>& logs, const std::vector<std::string>& streams);
 
 /// Atomic. Throws FileError.
 void write_continue_file(const std::string& file, const KeptRequest& kept);
 /// Of the run in `folder`. Throws InputError or ConfigError where it is none of this version, FileError.
 KeptRequest read_continue_file(const std::string& file, const std::string& folder);
+
+/// Where the log is now, by the name that it was given if that still names it. Throws InputError where it is not there,
+/// or has other bytes than the run in `folder` read.
+std::string log_of_run(const KeptLog& log, const std::string& folder);
+
+/// `request` with what the run in request.continued was asked for, and with its logs before its own. Throws what
+/// read_continue_file() and log_of_run() throw, and UsageError where the logs cannot be added.
+MapRequest continued_request(const MapRequest& request);
 
 }  // namespace gdtslam

@@ -12,10 +12,8 @@
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/mapping/map/scan_beams.hpp"
-#include "engine/runs/continuing/log_copies.hpp"
 #include "engine/runs/edits/edits_file.hpp"
 #include "engine/runs/edits/map_picture_file.hpp"
-#include "engine/runs/edits/other_files.hpp"
 #include "engine/runs/edits/resolve_steps.hpp"
 #include "engine/runs/edits/run_scans.hpp"
 #include "engine/runs/edits/source_run.hpp"
@@ -82,8 +80,9 @@ OccupancyMap cast_map(const EditRequest& request, const SourceRun& run, EditOutc
   const ScanConfig& valid = run.settings.mapper.scan;
   OccupancyBuilder builder(run.settings.occupancy, occupancy_limits(run.settings.mapper));
   const std::vector<MapRegion> nowhere;
-  const RunScans scans{run.reader.files(), run.outcome.trajectory, run.kept.keyframes, run.refused};
-  outcome.is_of_keyframes = !has_log_copies(scans.files.folder());
+  const std::optional<RunLogs> logs = logs_of_run(run.reader, run.settings.log);
+  const RunScans scans{run.reader, logs, run.outcome.trajectory, run.kept.keyframes, run.refused};
+  outcome.is_of_keyframes = !logs;
   const double all =
       static_cast<double>(outcome.is_of_keyframes ? run.kept.keyframes.size() : run.reader.summary().scans);
   for_each_cast_scan(scans, [&, count = std::size_t{0}](LaserScan& scan, const Pose2& T) mutable {
@@ -153,36 +152,12 @@ void write_sessions(const SourceRun& run, RunFolder& folder) {
     write_tum(folder.staged(session_file_name(k)), {begin, end});
     begin = end;
   }
-  std::error_code ignored;
-  for (std::size_t k = run.sessions.size(); std::filesystem::exists(folder.file(session_file_name(k)), ignored); ++k) {
-    folder.without(session_file_name(k));
-  }
-}
-
-// Besides those of any run.
-std::vector<std::string> names_of_edit(const EditPlan& plan, std::size_t sessions) {
-  std::vector<std::string> names;
-  for (std::size_t k = 0; k < sessions; ++k) names.push_back(session_file_name(k));
-  if (plan.with_world_file) names.insert(names.end(), {kMapPicture, kWorldFile});
-  return names;
 }
 
 void write_map_for_gis(const EditPlan& plan, const OccupancyMap& map, RunFolder& folder) {
   write_map_picture(folder.staged(kMapPicture), map);
   write_file_atomically(folder.staged(kWorldFile),
                         world_file_text(map.geometry, plan.T_world_edited.value_or(Pose2{})));
-}
-
-void handle_other_files(const EditRequest& request, const SourceRun& run, RunFolder& folder, EditOutcome& outcome) {
-  std::vector<std::string> wanted;
-  for (std::string& name : other_files_in(run.reader.folder(), run.earlier.has_value())) {
-    const bool is_replaced = outcome.plan.with_world_file && is_map_for_gis(name);
-    (is_replaced || outcome.plan.has_other_frame ? outcome.left_out : wanted).push_back(std::move(name));
-  }
-  outcome.copied = copy_other_files(run.reader.folder(), wanted, folder,
-                                    [&] { tell_step(request, "copying files that no run wrote", 0.0); });
-  std::set_difference(wanted.begin(), wanted.end(), outcome.copied.begin(), outcome.copied.end(),
-                      std::back_inserter(outcome.left_out));
 }
 
 std::string recorded_edits(const EditRequest& request, const SourceRun& run, const EditOutcome& outcome) {
@@ -208,12 +183,9 @@ void keep_keyframe_scans(SourceRun& run) {
   if (!is_left) throw InputError("--crop and --erase leave nothing that was seen: no map can be made of it");
 }
 
-void write_edited(const EditRequest& request, SourceRun& run, EditOutcome& outcome) {
+void write_edited(const EditRequest& request, SourceRun& run, RunFolder& folder, EditOutcome& outcome) {
   RunTimes times;
-  RunFolder folder(request.folder, request.replace_foreign_files ? ForeignFiles::kReplaced : ForeignFiles::kKept);
   const MapJob job = job_of_edit(request, run);
-  leave_out_edits(folder);
-  handle_other_files(request, run, folder, outcome);
   const std::vector<MapRegion> nowhere;
   take_out_of_keyframes({outcome.plan.erased, nowhere}, run, outcome);
   if (job.with_occupancy) run.outcome.occupancy = edited_map(request, run, outcome);
@@ -222,8 +194,6 @@ void write_edited(const EditRequest& request, SourceRun& run, EditOutcome& outco
   tell_step(request, "the distance field", 0.0);
   const std::unique_ptr<SeparateMap> map = map_of_keyframes(run.kept, run.settings.mapper);
   const WrittenField field = write_run_field(folder, job, map->field(), times);
-  for (const char* name : {"cloud.ply", "cloud.png", "linkage.yaml"}) folder.without(name);
-  LogCopies::leave_out(folder);
   write_sessions(run, folder);
   if (outcome.plan.with_world_file) write_map_for_gis(outcome.plan, run.outcome.occupancy, folder);
   const WrittenHashes hashes = write_run_files(folder, job, run.settings, times, run.outcome, &run.graph);
@@ -240,20 +210,17 @@ void write_edited(const EditRequest& request, SourceRun& run, EditOutcome& outco
 
 EditOutcome edit_run(const EditRequest& request) {
   check_request(request);
-  if (!request.replace_foreign_files) require_no_foreign_files(request.folder);
+  RunFolder folder(request.folder, request.replace_foreign_files ? ForeignFiles::kReplaced : ForeignFiles::kKept);
   tell_step(request, "reading the run", 0.0);
   SourceRun run = read_source_run(request.run);
   EditOutcome outcome;
   outcome.steps = resolved_steps(request, run);
   outcome.plan = plan_of(outcome.steps, run.earlier ? plan_of(run.earlier->steps) : EditPlan{});
-  if (!request.replace_foreign_files) {
-    require_no_foreign_files(request.folder, names_of_edit(outcome.plan, run.sessions.size()));
-  }
   if (outcome.plan.with_world_file && !run.reader.summary().map) {
     throw InputError({request.run, 0}, "has no occupancy map, as it was mapped with --no-map: --world-file needs one");
   }
   if (outcome.plan.has_other_frame) move_to_frame(outcome.plan.T_edited_run, run);
-  write_edited(request, run, outcome);
+  write_edited(request, run, folder, outcome);
   return outcome;
 }
 

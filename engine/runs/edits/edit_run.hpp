@@ -32,7 +32,7 @@ struct EditRequest {
   bool with_world_file = false;
 
   bool with_pictures = true;
-  bool replace_foreign_files = false;  ///< files of a run's names in the folder that no run wrote
+  bool replace_foreign_files = false;  ///< files in the folder that no run wrote are removed, else it is refused
 
   std::function<void(std::string_view step, double share)>
       progress{};  ///< the step at work, and its share that is done
@@ -41,14 +41,12 @@ struct EditRequest {
 };
 
 struct EditOutcome {
-  std::vector<EditStep> steps;        ///< of this edit, those of `again` among them
-  EditPlan plan;                      ///< what they come to
-  std::uint64_t readings = 0;         ///< taken out of keyframes
-  std::uint64_t scans = 0;            ///< that the occupancy map was cast from; 0: its cells are those of the run
-  bool is_of_keyframes = false;       ///< the run had no copies of its logs to cast them from
-  std::vector<std::string> copied;    ///< files that no run wrote, as they were
-  std::vector<std::string> left_out;  ///< likewise: in the old frame, led to by a link, or their name taken
-  std::string edits;                  ///< the text of edits.json
+  std::vector<EditStep> steps;   ///< of this edit, those of `again` among them
+  EditPlan plan;                 ///< what they come to
+  std::uint64_t readings = 0;    ///< taken out of keyframes
+  std::uint64_t scans = 0;       ///< that the occupancy map was cast from; 0: its cells are those of the run
+  bool is_of_keyframes = false;  ///< the run's logs are gone or were changed
+  std::string edits;             ///< the text of edits.json
   std::vector<LogReader::Warning> warnings;  ///< of pictures that could not be made
 };
 

@@ -28,7 +28,7 @@ MapRequest request_of(const UnitWork& work, const UnitInput& input, const std::s
   const FleetPlan& plan = work.stored.plan;
   MapRequest request{
       .logs = {input.path}, .folder = folder, .settings = work.settings, .lenient = plan.reading.lenient};
-  request.with_copies = false;
+  request.with_continue_file = false;
   if (!plan.linkage.empty()) {
     request.linkage = work.folder + "/linkage.yaml";
     write_file_atomically(request.linkage, plan.linkage);
@@ -150,7 +150,6 @@ UnitRecord do_unit(const UnitWork& work) {
     const std::string run_folder = work.folder + "/run";
     if (map_unit(work, input, run_folder, record)) {
       take_results(run_folder, record);
-      remove_stagings_of_ended_runs(run_folder);
       require_same_atlas(work.atlas, work.stored);
       move_into_atlas(run_folder, work.atlas, record.run, work.staging);
     }

@@ -78,31 +78,6 @@ std::vector<std::string> RunFiles::names() const {
   return names;
 }
 
-bool RunFiles::is_as_told(const std::string& name) const {
-  if (!told_ || !told_->contains(name)) return false;
-  std::error_code ignored;
-  if (!fs::is_regular_file(fs::symlink_status(path(name), ignored))) return false;
-  try {
-    const HashedBytes hashed = sha256_of_file(path(name));
-    return hashed.bytes == told_->at(name).bytes && hashed.sha256 == told_->at(name).sha256;
-  } catch (const FileError&) {  // what cannot be read is left
-    return false;
-  }
-}
-
-std::vector<std::string> RunFiles::names_that_go() const {
-  std::vector<std::string> names;
-  if (!told_) return names;
-  for (const auto& [name, told] : *told_) {
-    if (name.starts_with('.') || fs::path(name).filename() != name) continue;  // none that a run writes
-    std::error_code ignored;
-    const fs::file_status status = fs::symlink_status(path(name), ignored);
-    const bool is_there = fs::exists(status) && !fs::is_directory(status);
-    if (is_file_of_a_run(name) ? is_there : is_as_told(name)) names.push_back(name);
-  }
-  return names;
-}
-
 std::string RunFiles::checked(const std::string& name) const {
   const std::optional<FileState> state = state_of(name);
   if (!state) refuse(name, "is missing in this run");
@@ -172,16 +147,6 @@ std::optional<RunFiles> told_files_in(const std::string& folder) {
   } catch (const InputError&) {  // a report of somebody else, or of another version
   }
   return std::nullopt;
-}
-
-void leave_out_edits(RunFolder& folder) {
-  std::error_code ignored;
-  if (!fs::exists(folder.file("edits.json"), ignored)) return;
-  const std::optional<RunFiles> run = told_files_in(folder.path());
-  folder.without("edits.json");
-  for (const char* name : {"map.png", "map.pgw"}) {
-    if (!run || run->has(name)) folder.without(name);
-  }
 }
 
 }  // namespace gdtslam

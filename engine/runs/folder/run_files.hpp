@@ -39,11 +39,6 @@ class RunFiles {
   [[nodiscard]] bool has(const std::string& name) const;
   /// All that the report tells of, sorted.
   [[nodiscard]] std::vector<std::string> names() const;
-  /// Whether it lies there with the bytes that the report tells of; false where that tells of no such file.
-  [[nodiscard]] bool is_as_told(const std::string& name) const;
-  /// The files that go with the run where another one replaces it: all that the report tells of and that lie there, but
-  /// for those that were changed since and are not of a name that a run writes, as a mask that somebody drew on.
-  [[nodiscard]] std::vector<std::string> names_that_go() const;
   /// Where the file is, which has the bytes that the report tells of. Throws InputError where they are others or there
   /// is none.
   [[nodiscard]] std::string checked(const std::string& name) const;
@@ -97,10 +92,7 @@ class RunFiles {
 /// Throws InputError where the folder has the sites of a merge, with one of them to give.
 void refuse_folder_of_sites(const std::string& folder);
 
-/// The run there, where its report tells of its files: what it does not tell of is not the program's to remove.
+/// The run there, where its report tells of its files.
 std::optional<RunFiles> told_files_in(const std::string& folder);
-
-/// A run without edits takes away those of an earlier one: edits.json, and the map for a GIS that came with it.
-void leave_out_edits(RunFolder& folder);
 
 }  // namespace gdtslam

@@ -86,7 +86,7 @@ EncodedPicture encoded_picture(const std::string& name, const Canvas& picture) {
 void write_encoded(RunFolder& folder, const std::string& name, const EncodedPicture& picture,
                    std::vector<LogReader::Warning>& warnings) {
   const auto write = [&folder](const std::string& file, const std::optional<std::string>& bytes) {
-    bytes ? write_file_atomically(folder.staged(file), *bytes) : folder.without(file);
+    if (bytes) write_file_atomically(folder.staged(file), *bytes);
   };
   write(name + ".png", picture.png);
   write(name + ".svg", picture.svg);
@@ -170,9 +170,6 @@ void write_picture(RunFolder& folder, const std::string& name, const Canvas& pic
 }
 
 void write_run_pictures(RunFolder& folder, const MapJob& job, MapOutcome& outcome) {
-  const auto none = [&folder](const std::string& name) {
-    for (const char* ending : {".png", ".svg"}) folder.without(name + ending);
-  };
   const auto tell = [&job](const char* what) {
     if (job.finishing) job.finishing(what);
   };
@@ -188,8 +185,8 @@ void write_run_pictures(RunFolder& folder, const MapJob& job, MapOutcome& outcom
     if (begin == 0) overview = encoded_picture("overview", overview_of(job, outcome));
     if (end == 2) graph = encoded_picture("graph", graph_of(job, outcome));
   });
-  has_overview ? write_encoded(folder, "overview", overview, outcome.warnings) : none("overview");
-  has_graph ? write_encoded(folder, "graph", graph, outcome.warnings) : none("graph");
+  if (has_overview) write_encoded(folder, "overview", overview, outcome.warnings);
+  if (has_graph) write_encoded(folder, "graph", graph, outcome.warnings);
 }
 
 }  // namespace gdtslam

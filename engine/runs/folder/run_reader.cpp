@@ -73,11 +73,7 @@ bool RunReader::is_broken_run(const std::string& path) {
   std::error_code ignored;
   if (!fs::is_directory(path, ignored) || is_run(path)) return false;
   const auto has = [&](const char* name) { return fs::exists(fs::path(path) / name, ignored); };
-  const std::vector<fs::path> entries = list_folder(path, ignored);
-  const bool is_staged = std::any_of(entries.begin(), entries.end(), [](const fs::path& entry) {
-    return entry.filename().string().starts_with(kStagingPrefix);
-  });
-  return is_staged || has("keyframes.bin.gz") || (has("gdt.yaml") && has(kTrajectory));
+  return has("keyframes.bin.gz") || (has("gdt.yaml") && has(kTrajectory));
 }
 
 bool RunReader::is_gdtslam_run(const std::string& path) {

@@ -15,7 +15,6 @@
 #include "engine/runs/folder/run_doubts.hpp"
 #include "engine/runs/folder/run_files.hpp"
 #include "engine/runs/folder/run_pictures.hpp"
-#include "engine/runs/folder/snapshot_folder.hpp"
 #include "engine/runs/keyframes/keyframe_file.hpp"
 #include "engine/runs/loops/covariance_file.hpp"
 #include "engine/runs/loops/graph_file.hpp"
@@ -146,10 +145,7 @@ void add_match_distances(Json& report, std::vector<double> distances_m) {
 
 // What is known of the path besides its poses; nothing where its loops were not closed.
 void write_path_facts(RunFolder& folder, const MapOutcome& outcome, const GraphLines* graph) {
-  if (!outcome.closed) {
-    for (const char* name : {"covariance.csv", "graph.g2o"}) folder.without(name);
-    return;
-  }
+  if (!outcome.closed) return;
   write_file_atomically(folder.staged("covariance.csv"),
                         covariance_text(outcome.trajectory, outcome.closed->covariances));
   write_file_atomically(folder.staged("graph.g2o"),
@@ -178,10 +174,7 @@ RunKeyframes kept_keyframes(const std::string& config, const MapJob& job, const 
 // Writes them, where they are ranges of one plane; returns their hash. A nodding laser's are points.
 std::string write_merged_scans(RunFolder& folder, const std::string& config, const MapJob& job,
                                const MapOutcome& outcome) {
-  if (outcome.keyframe_scans.size() != outcome.keyframes.size()) {
-    folder.without(kKeyframeFile);
-    return {};
-  }
+  if (outcome.keyframe_scans.size() != outcome.keyframes.size()) return {};
   return write_keyframes(folder.staged(kKeyframeFile), kept_keyframes(config, job, outcome));
 }
 
@@ -260,8 +253,6 @@ WrittenField write_run_field(RunFolder& folder, const MapJob& job, const GlobalF
   folder.staged("gdt.png");
   write_distance_field(folder.staged("gdt.yaml"), rows_of(field));
   times.add("write_field");
-  std::error_code ignored;  // what cannot be asked about is not in the way
-  if (std::filesystem::exists(folder.file(kTileFolder) + "/" + kTileIndex, ignored)) folder.without(kTileFolder);
   WrittenField written{.geometry = field.geometry(), .sha256 = sha256_of(rows_of(field))};
   times.add("hash");
   return written;
@@ -270,7 +261,6 @@ WrittenField write_run_field(RunFolder& folder, const MapJob& job, const GlobalF
 // From the keyframes as their file has them, so that they are the same when they are made again.
 WrittenField write_run_tiles(RunFolder& folder, const MapJob& job, Settings settings, RunTimes& times,
                              MapOutcome& outcome) {
-  for (const char* name : {"gdt.png", "gdt.yaml"}) folder.without(name);
   const RunKeyframes kept = kept_keyframes(config_text(option_table(settings)), job, outcome);
   const std::string bytes = keyframe_bytes(kept);
   const RunKeyframes run = parse_keyframes(bytes, kKeyframeFile);
@@ -290,8 +280,6 @@ WrittenHashes write_run_files(RunFolder& folder, const MapJob& job, Settings set
   const auto tell = [&job](const char* what) {
     if (job.finishing) job.finishing(what);
   };
-  // Files take their names in this order: what others refer to before the YAML that refers to it, and last the report,
-  // without which a folder is no run.
   tell("trajectory.tum");
   write_tum(folder.staged("trajectory.tum"), outcome.trajectory);
   write_path_facts(folder, outcome, graph);
@@ -303,10 +291,7 @@ WrittenHashes write_run_files(RunFolder& folder, const MapJob& job, Settings set
   tell(kKeyframeFile);
   WrittenHashes hashes{sha256_of(outcome.trajectory), write_merged_scans(folder, config, job, outcome)};
   times.add("write_keyframes");
-  if (!job.with_occupancy) {
-    for (const char* name : {"map.pgm", "map.yaml"}) folder.without(name);
-    return hashes;
-  }
+  if (!job.with_occupancy) return hashes;
   tell("map.pgm");
   folder.staged("map.pgm");
   write_occupancy_map(folder.staged("map.yaml"), outcome.occupancy);
@@ -315,13 +300,11 @@ WrittenHashes write_run_files(RunFolder& folder, const MapJob& job, Settings set
 }
 
 std::string write_run(RunFolder& folder, RunFacts facts, RunTimes& times, MapOutcome& outcome) {
-  leave_out_edits(folder);
   const WrittenHashes hashes = write_run_files(folder, facts.job, std::move(facts.settings), times, outcome);
   Json files = files_json(folder);
   times.read_whole(outcome.wall_s, outcome.cpu_s);
   std::string report = json_text(run_report(facts, outcome, hashes, std::move(files), times.stages()));
   write_file_atomically(folder.staged(kReportFile), report);
-  if (is_snapshot(folder.file(kSnapshotFolder))) folder.without(kSnapshotFolder);  // of a drive that this is the end of
   folder.commit();
   return report;
 }

@@ -1,28 +1,42 @@
 #include "merge_runs.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <tuple>
 #include <utility>
 
+#include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/mapping/map/separate_map.hpp"
+#include "engine/runs/folder/files_of_runs.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/run_pictures.hpp"
 #include "engine/runs/folder/run_reader.hpp"
 #include "engine/runs/folder/run_report.hpp"
 #include "engine/runs/keyframes/changes_of_keyframes.hpp"
-#include "engine/runs/sites/merge_folder.hpp"
 #include "engine/runs/sites/shared_scans.hpp"
 #include "engine/runs/sites/site_outcome.hpp"
-#include "engine/runs/sites/site_places.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 
 namespace gdtslam {
 namespace {
+
+// "session-1.tum": the path of a site's first run, counted from 0.
+std::string session_file(std::size_t run) { return fmt::format("session-{}.tum", run + 1); }
+
+void require_runs_elsewhere(const MergeRequest& request) {
+  for (const std::string& run : request.runs) {
+    if (place_of_file(run) != place_of_file(request.folder) && !lies_in(request.folder, run)) continue;
+    throw UsageError(
+        fmt::format("--output: '{}' has a run to be joined, {}, which would be replaced; give another folder",
+                    request.folder, run));
+  }
+}
 
 void check(const MergeRequest& request) {
   if (request.stop && request.stop()) throw Error(ExitCode::kInterrupted, "interrupted; no site was written");
@@ -105,17 +119,17 @@ void draw_changes(const MergeRequest& request, const JoinedSite& joined, const M
 }
 
 JoinedSite write_site(const MergeRequest& request, const MergedSite& site, const std::vector<RunSession*>& joined_runs,
-                      const SiteFolder& place) {
+                      const RunFolder& results, const std::string& name) {
   const std::vector<const RunSession*> runs(joined_runs.begin(), joined_runs.end());
   JoinedSite joined;
-  joined.folder = place.path();
+  joined.folder = results.file(name);
   RunTimes times;
-  RunFolder folder(place.written());
+  RunFolder folder(results.staged_path(name));
   std::vector<Trajectory> paths;
   for (std::size_t k = 0; k < runs.size(); ++k) {
     paths.push_back(trajectory_in_site(*runs[k], site.poses[k]));
     write_tum(folder.staged(session_file(k)), paths.back());
-    joined.runs.push_back({runs[k]->folder, runs[k]->name, place.name() + "/" + session_file(k), paths.back().size()});
+    joined.runs.push_back({runs[k]->folder, runs[k]->name, name + "/" + session_file(k), paths.back().size()});
   }
   joined.changes = take_out_changes(site, joined_runs);
   MapOutcome outcome = site_outcome(site, runs, paths);
@@ -206,10 +220,9 @@ std::string report_of(const MergeOutcome& outcome, const std::vector<SessionEdge
 }  // namespace
 
 MergeOutcome merge_runs(const MergeRequest& request) {
-  if (request.folder.empty()) throw UsageError("--output: the folder of the results has no name");
-  require_places_of_sites(request.folder, request.runs, request.replace_foreign_files);
+  require_runs_elsewhere(request);
+  RunFolder results(request.folder, request.replace_foreign_files ? ForeignFiles::kReplaced : ForeignFiles::kKept);
   std::vector<RunSession> runs = read_runs(request);
-  MergeFolder results(request.folder, request.replace_foreign_files);
   std::vector<Session> sessions;
   sessions.reserve(runs.size());
   for (const RunSession& run : runs) sessions.push_back(run.session);
@@ -223,20 +236,16 @@ MergeOutcome merge_runs(const MergeRequest& request) {
     RunSearch& told = outcome.searches.emplace_back(RunSearch{runs[search.query].folder, {}, search});
     for (const std::size_t k : search.searched_in) told.searched_in.push_back(runs[k].folder);
   }
-  // All places before the first map is made: one that cannot be written shows before anything changes.
-  for (const MergedSite& site : merged.sites) results.add_site(site.sessions.size());
-  results.leave_out_others();
   for (const MergedSite& site : merged.sites) {
     std::vector<RunSession*> of_site;
     of_site.reserve(site.sessions.size());
     for (const std::size_t k : site.sessions) of_site.push_back(&runs[k]);
-    SiteFolder& place = results.site(outcome.sites.size() + 1);
-    outcome.sites.push_back(write_site(request, site, of_site, place));
-    place.take_over();
+    outcome.sites.push_back(write_site(request, site, of_site, results, std::to_string(outcome.sites.size() + 1)));
   }
   outcome.report = report_of(outcome, merged.edges, runs);
   check(request);
-  results.commit(outcome.report);
+  write_file_atomically(results.staged(kMergeFile), outcome.report);
+  results.commit();
   return outcome;
 }
 

@@ -20,7 +20,7 @@ struct MergeRequest {
   MergeOptions options{};
   bool with_map = true;  ///< the occupancy map, and the pictures of it
   bool with_pictures = true;
-  bool replace_foreign_files = false;  ///< those of a run in the sites' folders that no run wrote; merge.json likewise
+  bool replace_foreign_files = false;  ///< files in the folder that no merge wrote are removed, else it is refused
   unsigned threads = 1;                ///< 0: one a processor
 
   MergeProgress progress{};  ///< the step at work, and the share of it that is done

@@ -145,17 +145,6 @@ std::string foreign_among_tiles(const std::string& folder) {
   return first;
 }
 
-void require_no_foreign_among_tiles(const std::string& run_folder) {
-  const std::string folder = run_folder + "/" + kTileFolder;
-  if (!is_tile_folder(folder)) return;
-  const std::string foreign = foreign_among_tiles(folder);
-  if (foreign.empty()) return;
-  throw UsageError(
-      fmt::format("--output: '{}' holds a {} that is no tile, and goes with the run that it is of; move it away, or "
-                  "--force to remove it",
-                  folder, foreign));
-}
-
 TileIndex read_tile_index(const std::string& folder) {
   const std::string file = folder + "/" + kTileIndex;
   std::error_code ignored;  // what cannot be asked about cannot be read either

@@ -39,8 +39,6 @@ TileIndex read_tile_index(const std::string& folder);
 bool is_tile_folder(const std::string& folder);
 /// The name of what somebody else put among the tiles, the first by the alphabet; empty where there is nothing.
 std::string foreign_among_tiles(const std::string& folder);
-/// Throws UsageError where there is such a thing among the tiles of a run, which go with it as a whole.
-void require_no_foreign_among_tiles(const std::string& run_folder);
 /// Whether files of tiles have such names: the index, and what write_tile() writes.
 bool is_tile_file(std::string_view name);
 /// Of all cells of all tiles.

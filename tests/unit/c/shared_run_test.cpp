@@ -22,7 +22,7 @@ class CSharedRun : public ::testing::Test {
     request.logs = &log;
     request.log_count = 1;
     request.folder = folder_.c_str();
-    request.flags = GDTSLAM_NO_LOOPS | GDTSLAM_NO_PICTURES | GDTSLAM_NO_COPIES;
+    request.flags = GDTSLAM_NO_LOOPS | GDTSLAM_NO_PICTURES;
     request.scan_count = 40;
     ASSERT_EQ(gdtslam_map_logs(&request, nullptr, &error_), GDTSLAM_OK) << error_.text;
   }

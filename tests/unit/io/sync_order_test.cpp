@@ -7,7 +7,6 @@
 #include <string>
 
 #include "engine/io/atomic_file.hpp"
-#include "engine/io/binary/log_copy_writer.hpp"
 #include "gdtslam/core/error.hpp"
 #include "io_test_support.hpp"
 #include "support/recorded_calls.hpp"
@@ -72,20 +71,6 @@ TEST(SyncOrder, ACopyOfAFileIsOnTheDiskToo) {
   const RecordedCalls calls(folder / "");
   copy_file_atomically(folder / "from", folder / "to");
   EXPECT_THAT(calls.all(), ElementsAre("lock ~", "sync ~", "rename ~ to to", "sync ."));
-}
-
-TEST(SyncOrder, TheEndOfALogCopyIsOnTheDisk) {
-  const TemporaryFolder folder;
-  const RecordedCalls calls(folder / "");
-  LogCopyWriter writer;
-  writer.write_into(folder / "copy");
-  writer.add(Odometry{.stamp_s = 1.0, .T_odom_base = {1.0, 2.0, 0.5}});
-  EXPECT_THAT(calls.all(), IsEmpty());
-  writer.end({});
-  EXPECT_THAT(calls.all(), ElementsAre("sync copy"));
-  sync_file(folder / "copy");
-  EXPECT_THAT(calls.all(), ElementsAre("sync copy", "sync copy"));
-  EXPECT_THROW(sync_file(folder / "none"), FileError);
 }
 
 }  // namespace

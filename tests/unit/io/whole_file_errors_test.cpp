@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "engine/io/binary/log_copy.hpp"
 #include "engine/io/byte_source.hpp"
 #include "engine/io/file_limits.hpp"
 #include "engine/io/maps/pgm.hpp"
@@ -45,8 +44,6 @@ TEST(WholeFileErrors, OfLogs) {
   EXPECT_THAT(said_of(carmen, ""), StartsWith("f: is empty;"));
   EXPECT_THAT(said_of(carmen, std::string("a\0b\n", 4)), StartsWith("f: holds binary data;"));
   EXPECT_THAT(said_of(carmen, "# nothing\n"), StartsWith("f: holds no complete CARMEN message in 1 lines;"));
-  const auto copy = [](std::span<const std::byte> data) { drain(*open_log_copy(data, "f", {})); };
-  EXPECT_EQ(said_of(copy, "gdtslam-log-cop"), "f: holds no copy of a log");
 }
 
 // Files that people give in place of a log: each is called by its name, with what to do.

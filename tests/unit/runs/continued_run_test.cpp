@@ -1,4 +1,4 @@
-// A run that is interrupted and gone on with, tiles of a run, and a run as a recording: against the run made at once.
+// A run that is continued, tiles of a run, and a run as a recording: against the run made at once.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "engine/runs/folder/folder_lock.hpp"
 #include "engine/runs/folder/run_reader.hpp"
 #include "engine/runs/folder/run_recording.hpp"
 #include "engine/runs/retiling/make_tiles.hpp"
@@ -47,26 +46,13 @@ void expect_same_results(const std::string& folder, const std::string& other) {
   }
 }
 
-TEST(ContinuedRun, GoesOnToTheSameBytes) {
-  const test::RunsFolder folder("continued");
-  const std::unique_ptr<Backend> cpu = make_cpu_backend({});
-  std::ofstream(folder.path("a.log")) << some_scans(0, 90);
-  static_cast<void>(map_logs(test::ring_request(folder.path("a.log"), folder.path("at-once")), *cpu));
-  MapRequest request = test::ring_request(folder.path("a.log"), folder.path("run"));
-  std::uint64_t scans = 0;
-  request.progress = [&](std::uint64_t done, double) { scans = done; };
-  request.stop = [&] { return scans >= 40; };
-  const MapResult part = map_logs(request, *cpu);
-  EXPECT_TRUE(part.outcome.interrupted);
-  EXPECT_EQ(part.outcome.trajectory.size(), 40U);
-  EXPECT_EQ(ordered_json::parse(part.report).at("interrupted"), true);
-  MapRequest more = test::ring_request("", folder.path("run"));
-  more.logs.clear();
-  more.continued = folder.path("run");
-  const MapResult whole = map_logs(more, *cpu);
-  EXPECT_FALSE(whole.outcome.interrupted);
-  EXPECT_EQ(whole.outcome.trajectory.size(), 90U);
-  expect_same_results(folder.path("run"), folder.path("at-once"));
+std::string fault_of_map(const MapRequest& request, Backend& backend) {
+  try {
+    static_cast<void>(map_logs(request, backend));
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "nothing was thrown";
 }
 
 TEST(ContinuedRun, AFurtherLogComesBehind) {
@@ -85,115 +71,34 @@ TEST(ContinuedRun, AFurtherLogComesBehind) {
   }
   const std::vector<std::string> logs{folder.path("a.log"), folder.path("b.log")};
   EXPECT_EQ(RunReader(folder.path("run")).summary().logs, logs);
-  // Once more it is not added.
-  std::vector<std::string> warnings;
-  more.warn = [&](const std::string& line) { warnings.push_back(line); };
-  static_cast<void>(map_logs(more, *cpu));
-  ASSERT_FALSE(warnings.empty());
-  EXPECT_THAT(warnings[0], HasSubstr("ends with this log already: not added once more"));
-  EXPECT_EQ(RunReader(folder.path("run")).summary().logs, logs);
-}
-
-// Of a list that is there in part, what is there is left out.
-TEST(ContinuedRun, OfAListTheFirstThatAreThereAreNotAddedTwice) {
-  const test::RunsFolder folder("partly");
-  const std::unique_ptr<Backend> cpu = make_cpu_backend({});
-  const auto log = [&](const std::string& name, std::size_t from, std::size_t to) {
-    std::ofstream(folder.path(name)) << some_scans(from, to);
-    return folder.path(name);
-  };
-  const std::string a = log("a.log", 0, 30), b = log("b.log", 30, 50), c = log("c.log", 50, 70);
-  const std::string d = log("d.log", 70, 90);
-  static_cast<void>(map_logs(test::ring_request(a, folder.path("run")), *cpu));
-  const auto warnings_of = [&](const std::vector<std::string>& logs) {
-    MapRequest more = test::ring_request(a, folder.path("run"));
-    more.logs = logs;
-    more.continued = folder.path("run");
-    std::vector<std::string> warnings;
-    more.warn = [&](const std::string& line) { warnings.push_back(line); };
-    static_cast<void>(map_logs(more, *cpu));
-    return warnings;
-  };
-  EXPECT_THAT(warnings_of({b, c}), IsEmpty());
-  EXPECT_THAT(warnings_of({c, d}), ElementsAre(HasSubstr("ends with the first of these logs already")));
-  const std::vector<std::string> all{a, b, c, d};
-  EXPECT_EQ(RunReader(folder.path("run")).summary().logs, all);
-  EXPECT_EQ(RunReader(folder.path("run")).summary().scans, 90U);
-  EXPECT_THAT(warnings_of({c, d, a}), ElementsAre(HasSubstr("ends with the first 2 of these logs already")));
-  EXPECT_EQ(RunReader(folder.path("run")).summary().logs.size(), 5U);
-}
-
-// A comparison of long logs ends where it is asked to.
-TEST(ContinuedRun, IsInterruptedWhileLogsAreCompared) {
-  const test::RunsFolder folder("compared");
-  const std::unique_ptr<Backend> cpu = make_cpu_backend({});
-  std::ofstream(folder.path("a.log")) << some_scans(0, 30);
-  static_cast<void>(map_logs(test::ring_request(folder.path("a.log"), folder.path("run")), *cpu));
-  MapRequest more = test::ring_request(folder.path("a.log"), folder.path("run"));
-  more.continued = folder.path("run");
-  more.stop = [] { return true; };
-  try {
-    static_cast<void>(map_logs(more, *cpu));
-    ADD_FAILURE() << "no error";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::kInterrupted);
-    EXPECT_THAT(error.what(), HasSubstr("while logs were compared"));
-  }
-  EXPECT_EQ(RunReader(folder.path("run")).summary().scans, 30U);
-}
-
-// By its records, wherever they lie now; a log that has others is another one, also under the same name.
-TEST(ContinuedRun, ALogThatItEndsWithIsNotAddedTwice) {
-  const test::RunsFolder folder("twice");
-  const std::unique_ptr<Backend> cpu = make_cpu_backend({});
-  const std::string log = folder.path("a.log");
-  std::ofstream(log) << some_scans(0, 30);
-  static_cast<void>(map_logs(test::ring_request(log, folder.path("run")), *cpu));
-  const auto scans_with = [&](const std::string& more_log, bool is_told) {
-    MapRequest more = test::ring_request(more_log, folder.path("run"));
-    more.continued = folder.path("run");
-    std::vector<std::string> warnings;
-    more.warn = [&](const std::string& line) { warnings.push_back(line); };
-    static_cast<void>(map_logs(more, *cpu));
-    EXPECT_EQ(warnings.empty(), !is_told) << more_log;
-    if (is_told && !warnings.empty()) {
-      EXPECT_THAT(warnings[0], HasSubstr("ends with this log already: not added once more"));
-    }
-    return RunReader(folder.path("run")).summary().scans;
-  };
-  EXPECT_EQ(scans_with(log, true), 30U) << "the only one that it has";
-  fs::copy_file(log, folder.path("copy.log"));
-  fs::create_symlink(log, folder.path("link.log"));
-  for (const std::string& name : {folder.path("copy.log"), folder.path("link.log"), folder.path("./a.log")}) {
-    EXPECT_EQ(scans_with(name, true), 30U) << name;
-  }
-  std::ofstream(log) << some_scans(30, 50);
-  EXPECT_EQ(scans_with(log, false), 50U);
-  EXPECT_EQ(scans_with(log, true), 50U);
-  EXPECT_EQ(scans_with(folder.path("copy.log"), false), 80U) << "it does not end with that one any more";
+  EXPECT_THAT(fault_of_map(more, *cpu), HasSubstr("has '" + folder.path("b.log") + "' already"));
+  MapRequest at_once = test::ring_request(folder.path("a.log"), folder.path("once"));
+  at_once.logs = logs;
+  static_cast<void>(map_logs(at_once, *cpu));
+  expect_same_results(folder.path("run"), folder.path("once"));
+  // A log that was changed, and one that is gone.
+  more.logs.clear();
+  std::ofstream(folder.path("b.log")) << some_scans(50, 80);
+  EXPECT_THAT(fault_of_map(more, *cpu), HasSubstr("has another SHA-256 than the log that the run"));
+  fs::remove(folder.path("b.log"));
+  EXPECT_THAT(fault_of_map(more, *cpu), HasSubstr("is the log of the run in"));
+  expect_same_results(folder.path("run"), folder.path("once"));
 }
 
 TEST(ContinuedRun, WhatCannotBeGoneOnWith) {
   const test::RunsFolder folder("no-more");
   const std::unique_ptr<Backend> cpu = make_cpu_backend({});
-  const auto fault = [&](const MapRequest& request) -> std::string {
-    try {
-      static_cast<void>(map_logs(request, *cpu));
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "nothing was thrown";
-  };
+  const auto fault = [&](const MapRequest& request) { return fault_of_map(request, *cpu); };
   MapRequest request = test::ring_request(ring_run().log, folder.path("run"));
   request.range.count = 20;
-  request.with_copies = false;
+  request.with_continue_file = false;
   static_cast<void>(map_logs(request, *cpu));
-  EXPECT_FALSE(fs::exists(folder.path("run/continue.json")) || fs::exists(folder.path("run/log-1.copy")));
+  EXPECT_FALSE(fs::exists(folder.path("run/continue.json")));
   MapRequest more = test::ring_request("", folder.path("run"));
   more.logs.clear();
   more.continued = folder.path("run");
-  EXPECT_THAT(fault(more), HasSubstr("has no run to go on with"));
-  request.with_copies = true;
+  EXPECT_THAT(fault(more), HasSubstr("has no continue.json"));
+  request.with_continue_file = true;
   static_cast<void>(map_logs(request, *cpu));
   more.logs = {ring_run().log + ".more"};
   EXPECT_THAT(fault(more), HasSubstr("has its first 20 scans only (--first)"));
@@ -242,13 +147,12 @@ TEST(TilesOfARun, AreMadeAllAndSingly) {
   const test::RunsFolder folder("tiled");
   fs::copy(ring_run().folder, folder.path("run"), fs::copy_options::recursive);
   TilesRequest request{.run = folder.path("run"), .only = {}, .progress = {}, .stop = {}};
-  // What a killed process of this one's number left is in nobody's way.
-  const fs::path left = fs::path(request.run) / (".gdtslam-tiles-" + std::to_string(::getpid()));
-  fs::create_directories(left / "deeper");
+  // What a killed process left is in nobody's way.
+  fs::create_directories(folder.path("run/.tiles.gdtslam-new/deeper"));
   make_tiles(request);
   const TilesOutcome all = make_tiles(request);
   for (const fs::directory_entry& entry : fs::directory_iterator(request.run)) {
-    EXPECT_NE(entry.path().filename().string().substr(0, 9), ".gdtslam-") << entry.path() << ": new ones or old ones";
+    EXPECT_NE(entry.path().filename().string().front(), '.') << entry.path() << ": new ones or old ones";
   }
   // The corridor reaches over the origin both ways, and a tile has 51.2 m: four of them.
   EXPECT_EQ(all.made, 4U);
@@ -298,18 +202,11 @@ TEST(TilesOfARun, StayWhereTheRunIsReplacedMeanwhile) {
   make_tiles(request);
   const fs::file_time_type before = fs::last_write_time(folder.path("run/tiles/index.json"));
   const std::string report = folder.path("run/report.json");
-  bool is_locked = false;
   request.progress = [&](double) {
-    try {
-      const FolderLock lock(request.run);
-    } catch (const UsageError&) {
-      is_locked = true;
-    }
     fs::copy_file(report, report + ".new", fs::copy_options::overwrite_existing);
-    fs::rename(report + ".new", report);  // by who does not ask for the lock
+    fs::rename(report + ".new", report);  // as another run does
   };
   EXPECT_THROW(make_tiles(request), InputError);
-  EXPECT_TRUE(is_locked);
   EXPECT_EQ(fs::last_write_time(folder.path("run/tiles/index.json")), before);
 }
 

@@ -78,7 +78,6 @@ TEST(EditedRun, AStatedOriginTurnsAndShiftsAllOfIt) {
   ASSERT_TRUE(edited.earlier);
   EXPECT_EQ(edited.earlier->begins_at_s, 1000.0);
   EXPECT_FALSE(fs::exists(request.folder + "/continue.json")) << "its log has no place in it";
-  EXPECT_FALSE(fs::exists(request.folder + "/log-1.copy"));
   EXPECT_THAT(outcome.edits, HasSubstr("\"readings"));
 }
 
@@ -212,7 +211,7 @@ TEST(EditedRun, AlongItsWalls) {
   request.along_walls = true;
   const EditOutcome outcome = edit_run(request);
   EXPECT_NEAR(outcome.plan.T_edited_run.theta_rad, -0.3, 0.01) << "beside the first step";
-  EXPECT_TRUE(outcome.is_of_keyframes) << "what was edited has no copy of its log";
+  EXPECT_TRUE(outcome.is_of_keyframes) << "what was edited names no log";
   const Trajectory is = read_tum(request.folder + "/trajectory.tum");
   EXPECT_NEAR(is[20].T_map_base.theta_rad, 0.0, 0.01);
 }
@@ -272,25 +271,6 @@ TEST(EditedRun, AStopLeavesNothing) {
   request.stop = [&] { return steps.size() > 3; };
   EXPECT_THAT(edit_fault(request), HasSubstr("interrupted; nothing was written"));
   EXPECT_FALSE(fs::exists(request.folder + "/report.json"));
-}
-
-TEST(EditedRun, AStopEndsACopy) {
-  const test::RunsFolder folder("edit-stop-copy");
-  EditRequest request = edit_into(folder);
-  request.run = folder.path("run");
-  fs::copy(ring_run().folder, request.run, fs::copy_options::recursive);
-  constexpr std::uintmax_t kHoleBytes = std::uintmax_t{64} << 20U;
-  std::ofstream(request.run + "/hole.bin").put('x');
-  fs::resize_file(request.run + "/hole.bin", kHoleBytes);
-  request.crop = RegionBounds{{-99.0, -99.0}, {99.0, 99.0}};
-  std::size_t pieces = 0;
-  request.progress = [&](std::string_view step, double) {
-    if (step.starts_with("copying")) ++pieces;
-  };
-  request.stop = [&] { return pieces == 2; };
-  EXPECT_THAT(edit_fault(request), HasSubstr("interrupted; nothing was written"));
-  EXPECT_EQ(pieces, 2U);
-  EXPECT_FALSE(fs::exists(request.folder));
 }
 
 }  // namespace

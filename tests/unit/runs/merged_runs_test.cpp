@@ -17,7 +17,6 @@
 #include "engine/runs/folder/run_reader.hpp"
 #include "engine/runs/keyframes/keyframe_file.hpp"
 #include "engine/runs/sites/run_session.hpp"
-#include "engine/runs/sites/site_places.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
@@ -135,59 +134,11 @@ TEST_F(MergedRunsTest, LieInOneFrame) {
   for (const ordered_json& fix : fixes) EXPECT_LT(fix.at("mean_distance_m").get<double>(), 0.05);
 }
 
-TEST_F(MergedRunsTest, TheirOrderDoesNotMatterAndOldPathsGo) {
-  // Beside the numbered paths of an earlier merge, which may have had a third run.
-  const std::string third = request_.folder + "/1/session-3.tum";
-  fs::create_directories(request_.folder);
-  fs::copy(merged_once().folder + "/1", request_.folder + "/1", fs::copy_options::recursive);
-  fs::copy_file(request_.folder + "/1/session-2.tum", third);
-  request_.replace_foreign_files = true;
+TEST_F(MergedRunsTest, TheirOrderDoesNotMatter) {
+  fs::copy(merged_once().folder, request_.folder, fs::copy_options::recursive);
   std::swap(request_.runs[0], request_.runs[1]);
   EXPECT_EQ(merge_runs(request_).report, merged_once().report);
-  EXPECT_FALSE(fs::exists(third));
   EXPECT_TRUE(fs::exists(request_.folder + "/1/session-2.tum"));
-}
-
-// A run, and what a drive left that was killed: they go in the place of a site alone, once all sites are written.
-TEST_F(MergedRunsTest, LeaveWhatLiesInTheFolderOfTheSites) {
-  const std::unique_ptr<Backend> cpu = make_cpu_backend({});
-  MapRequest mapped = test::ring_request(second_run() + ".log", request_.folder);
-  mapped.range.count = 30;
-  static_cast<void>(map_logs(mapped, *cpu));
-  const std::vector<std::string> recordings{request_.folder + "/.gdtslam-staging-1999999999/log-1.copy",
-                                            request_.folder + "/1/.gdtslam-staging-1999999999/log-1.copy"};
-  const std::string of_a_merge = request_.folder + "/.gdtslam-staging-1999999998";
-  fs::create_directories(of_a_merge);
-  std::ofstream(of_a_merge + "/merge.json") << "{}";
-  for (const std::string& recording : recordings) {
-    fs::create_directories(fs::path(recording).parent_path());
-    std::ofstream(recording) << "the only copy";
-  }
-  bool is_at_the_map = false;
-  request_.progress = [&](std::string_view what, double) { is_at_the_map = is_at_the_map || what == "the map"; };
-  request_.stop = [&] { return is_at_the_map; };
-  EXPECT_THAT(merge_fault(), HasSubstr("interrupted"));
-  for (const std::string& recording : recordings) EXPECT_TRUE(fs::exists(recording)) << recording;
-  request_.stop = {};
-  static_cast<void>(merge_runs(request_));
-  EXPECT_TRUE(fs::exists(recordings[0]));
-  EXPECT_FALSE(fs::exists(recordings[1])) << "where a run is written now";
-  EXPECT_FALSE(fs::exists(of_a_merge));
-  const RunFiles run(request_.folder);
-  for (const std::string& name : run.names()) EXPECT_NO_THROW(static_cast<void>(run.checked(name))) << name;
-  EXPECT_TRUE(run.has("log-1.copy"));
-}
-
-// Of folders with the files of a site those count whose names are the numbers of sites, and larger.
-TEST_F(MergedRunsTest, EarlierSitesAreThoseWithNumbers) {
-  for (const char* name : {"1", "2", "10", "03", "0", "4x", "x", "-5", "99999999999999999999999"}) {
-    fs::copy(merged_once().outcome.sites.front().folder, folder_.path(name));
-  }
-  fs::create_directory(folder_.path("3"));
-  const std::string folder = fs::path(folder_.path("1")).parent_path().string();
-  EXPECT_THAT(sites_beyond(folder, 1), testing::ElementsAre(folder_.path("10"), folder_.path("2")));
-  EXPECT_THAT(sites_beyond(folder, 2), testing::ElementsAre(folder_.path("10")));
-  EXPECT_THAT(sites_beyond(folder, 10), testing::IsEmpty());
 }
 
 // No edit takes all that was seen; another program that writes runs might.

@@ -198,14 +198,5 @@ TEST_F(MadeTilesTest, AStopIsAskedForBetweenKeyframes) {
   EXPECT_EQ(files(), before);
 }
 
-TEST_F(MadeTilesTest, FilesOfOthersStayWhenSomeAreMadeAgain) {
-  std::ofstream(run_ + "/tiles/keepout_0_0.png") << "mine";
-  fs::create_directory(run_ + "/tiles/gdt_7_7.png");  // of a tile's name, and none
-  static_cast<void>(make_tiles({.run = run_, .only = {index_.tiles[0].place}, .progress = {}, .stop = {}}));
-  EXPECT_EQ(test::text_of_file(run_ + "/tiles/keepout_0_0.png"), "mine");
-  EXPECT_TRUE(fs::is_directory(run_ + "/tiles/gdt_7_7.png"));
-  EXPECT_FALSE(has_leftovers());
-}
-
 }  // namespace
 }  // namespace gdtslam

@@ -74,11 +74,12 @@ TEST(TwoLasersWithoutOdometry, KeepThePathAndTheSpeedOfEach) {
   EXPECT_LT(worst_m, 0.03);
 
   // Read once more for edits, the scans have the same speeds.
-  const RunFiles files(folder.path("run"));
-  ASSERT_TRUE(has_log_copies(files.folder()));
+  const RunReader run(folder.path("run"));
+  const std::optional<RunLogs> logs = logs_of_run(run, run.settings().log);
+  ASSERT_TRUE(logs);
   std::size_t without = 0;
   double worst_m_per_s = 0.0;
-  for_each_cast_scan({files, poses, {}, {}}, [&](const LaserScan& scan, const Pose2&) {
+  for_each_cast_scan({run, logs, poses, {}, {}}, [&](const LaserScan& scan, const Pose2&) {
     if (!scan.speed) {
       ++without;
     } else {

@@ -84,101 +84,13 @@ TEST_F(RunFolderTest, FilesAppearAtTheCommitOnly) {
 TEST_F(RunFolderTest, WithoutCommitNothingChanges) {
   write(work_ / "one", "old");
   {
-    RunFolder run(work_);
+    RunFolder run(work_, ForeignFiles::kReplaced);
     write(run.staged("one"), "new");
   }
   EXPECT_EQ(read(work_ / "one"), "old");
   EXPECT_EQ(std::distance(fs::directory_iterator(work_), {}), 1);
   { RunFolder run(work_ / "never"); }
   EXPECT_FALSE(fs::exists(work_ / "never"));
-}
-
-TEST_F(RunFolderTest, AFailureHalfWayIsUndone) {
-  write(work_ / "one", "old");
-  fs::create_directories(work_ / "three" / "inside");  // a folder cannot be replaced by a file
-  RunFolder run(work_, ForeignFiles::kReplaced);
-  write(run.staged("one"), "new");
-  write(run.staged("two"), "new");
-  write(run.staged("three"), "new");
-  EXPECT_THROW(run.commit(), FileError);
-  EXPECT_EQ(read(work_ / "one"), "old");
-  EXPECT_FALSE(fs::exists(work_ / "two"));
-  EXPECT_TRUE(fs::is_directory(work_ / "three"));
-}
-
-TEST_F(RunFolderTest, ANameThatCannotBeGivenUndoesTheOthers) {
-  write(work_ / "one", "old");
-  write(work_ / "target", "linked");
-  fs::create_symlink("target", work_ / "two");
-  write(work_ / "gone", "old");
-  RunFolder run(work_, ForeignFiles::kReplaced);
-  write(run.staged("one"), "new");
-  write(run.staged("two"), "new");
-  write(run.staged("three"), "new");
-  run.staged("four");  // never written: its rename fails
-  run.without("gone");
-  EXPECT_THROW(run.commit(), FileError);
-  EXPECT_EQ(read(work_ / "one"), "old");
-  EXPECT_EQ(fs::read_symlink(work_ / "two"), "target");
-  EXPECT_FALSE(fs::exists(work_ / "three"));
-  EXPECT_EQ(read(work_ / "gone"), "old");
-}
-
-// Put there after the run began: what the run made waits in its staging folder.
-TEST_F(RunFolderTest, AFileOfSomebodyElseThatCameMeanwhileIsKept) {
-  {
-    RunFolder run(work_);
-    write(run.staged("map.pgm"), "new");
-    write(run.staged("report.json"), "new");
-    run.without("notes.txt");
-    for (const char* name : {"map.pgm", "notes.txt"}) write(work_ / name, "mine");
-    EXPECT_THROW(run.commit(), UsageError);
-  }
-  EXPECT_EQ(read(work_ / "map.pgm"), "mine");
-  EXPECT_FALSE(fs::exists(work_ / "report.json"));
-  const fs::path staging = unfinished_run_in(work_, "report.json").folder;
-  EXPECT_EQ(read(staging / "map.pgm"), "new");
-  fs::remove(work_ / "map.pgm");
-  {
-    RunFolder run(work_, staging);
-    for (const char* name : {"map.pgm", "report.json"}) run.staged(name);
-    run.without("notes.txt");
-    run.commit();
-  }
-  EXPECT_EQ(read(work_ / "map.pgm"), "new");
-  EXPECT_EQ(read(work_ / "notes.txt"), "mine");
-  EXPECT_EQ(std::distance(fs::directory_iterator(work_), {}), 3);
-}
-
-// A process of a container may have the number of one that was killed in the middle of its commit.
-TEST_F(RunFolderTest, WhatAKilledCommitLeftIsNotLostToAProcessOfTheSameNumber) {
-  const std::string prefix = ".gdtslam-staging-";
-  const fs::path left = work_ / (prefix + std::to_string(::getpid()));
-  fs::create_directories(left / ".old");
-  write(left / ".old" / "map.pgm", "old");
-  { RunFolder run(work_); }  // which makes nothing
-  const UnfinishedRun found = unfinished_run_in(work_, "report.json");
-  EXPECT_TRUE(found.is_of_a_commit);
-  EXPECT_EQ(read(found.folder / ".old" / "map.pgm"), "old");
-}
-
-TEST_F(RunFolderTest, FilesOfAnotherOriginAreRefused) {
-  const fs::path folder = work_ / "run";
-  EXPECT_NO_THROW(require_no_foreign_files(folder));
-  fs::create_directory(folder);
-  write(folder / "notes.txt", "mine");
-  EXPECT_NO_THROW(require_no_foreign_files(folder));
-  for (const char* name : {"trajectory.tum", "covariance.csv", "graph.g2o", "map.yaml", "map.pgm", "keyframes.bin.gz",
-                           "gdt.yaml", "gdt.png", "overview.png", "overview.svg", "graph.png", "graph.svg",
-                           "config.yaml", "linkage.yaml", "cloud.ply", "cloud.png", "report.json"}) {
-    write(folder / name, "{}");
-    EXPECT_THROW(require_no_foreign_files(folder), UsageError) << name;
-    fs::remove(folder / name);
-  }
-  fs::create_symlink("nowhere", folder / "map.yaml");
-  EXPECT_THROW(require_no_foreign_files(folder), UsageError) << "a link";
-  write(folder / "report.json", R"({"format": 1, "map_sha256": ""})");
-  EXPECT_NO_THROW(require_no_foreign_files(folder)) << "an earlier run";
 }
 
 // More than 32,767 pixels are refused by the rasteriser, a picture without pixels by the SVG too.

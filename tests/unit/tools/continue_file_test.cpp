@@ -28,7 +28,6 @@ class ContinueFileTest : public testing::Test {
   static KeptRequest unusual(int turned_round) {
     KeptRequest kept;
     MapRequest& request = kept.request;
-    request.logs = {"a.log", "b.log.gz"};
     request.linkage = "paper-b";
     request.range.skip = 17;
     request.range.count = 230;
@@ -42,11 +41,7 @@ class ContinueFileTest : public testing::Test {
                                    .odometry = "/wheels",
                                    .crank = "/ticks",
                                    .mounts = {{"/back", {-0.25, 0.5, -3.0}}, {"/front", {0.125, -0.5, 1.5}}}};
-    kept.paths = {"/logs/a.log", "/logs/b.log.gz"};
-    kept.prepared = RunPreparation{.nods = NodKind::kTilt,
-                                   .linkage = "mine.yaml",
-                                   .linkage_yaml = "crank: 3 cm\n",
-                                   .delay = OdometryDelay{.delay_s = -0.0625, .sigma_s = 0.5}};
+    kept.logs = {{"a.log", "/logs/a.log", std::string(64, 'a')}, {"-", "log-2.jsonl.zst", std::string(64, 'b')}};
     return kept;
   }
   [[nodiscard]] std::string file() const { return (folder_ / "continue.json").string(); }
@@ -73,8 +68,11 @@ TEST_F(ContinueFileTest, WhatIsKeptComesBack) {
     const KeptRequest kept = unusual(turned_round);
     write_continue_file(file(), kept);
     const KeptRequest back = read();
-    EXPECT_EQ(back.paths, kept.paths);
-    EXPECT_EQ(back.request.logs, kept.request.logs);
+    ASSERT_EQ(back.logs.size(), 2U);
+    EXPECT_EQ(back.logs[0].name, "a.log");
+    EXPECT_EQ(back.logs[0].path, "/logs/a.log");
+    EXPECT_EQ(back.logs[1].path, "log-2.jsonl.zst");
+    EXPECT_EQ(back.logs[1].sha256, std::string(64, 'b'));
     EXPECT_EQ(back.request.linkage, "paper-b");
     EXPECT_EQ(back.request.range.skip, 17U);
     EXPECT_EQ(back.request.range.count, 230U);
@@ -92,70 +90,46 @@ TEST_F(ContinueFileTest, WhatIsKeptComesBack) {
     EXPECT_EQ(topics.mounts[0].topic, "/back");
     EXPECT_EQ(topics.mounts[0].T_base_laser, (Pose2{-0.25, 0.5, -3.0}));
     EXPECT_EQ(topics.mounts[1].T_base_laser, (Pose2{0.125, -0.5, 1.5}));
-    ASSERT_TRUE(back.prepared.has_value());
-    EXPECT_EQ(back.prepared->nods, NodKind::kTilt);
-    EXPECT_EQ(back.prepared->linkage, "mine.yaml");
-    EXPECT_EQ(back.prepared->linkage_yaml, "crank: 3 cm\n");
-    ASSERT_TRUE(back.prepared->delay.has_value());
-    EXPECT_EQ(back.prepared->delay->delay_s, -0.0625);
-    EXPECT_EQ(back.prepared->delay->sigma_s, 0.5);
   }
 }
 
 TEST_F(ContinueFileTest, WhatIsNotThereIsAsWithoutIt) {
   KeptRequest kept;
-  kept.request.logs = {"a.log"};
-  kept.paths = {"/a.log"};
+  kept.logs = {{"a.log", "/a.log", ""}};
   write_continue_file(file(), kept);
   const KeptRequest back = read();
-  EXPECT_FALSE(back.prepared.has_value());
   EXPECT_EQ(back.request.range.count, ScanRange{}.count);
   EXPECT_EQ(back.request.range.skip, 0U);
   EXPECT_TRUE(back.request.settings.log.topics.scans.empty());
-  for (const NodKind kind : {NodKind::kNone, NodKind::kEncoder, NodKind::kTilt}) {
-    kept.prepared = RunPreparation{.nods = kind};
-    write_continue_file(file(), kept);
-    EXPECT_EQ(read().prepared->nods, kind);
-    EXPECT_FALSE(read().prepared->delay.has_value());
-  }
 }
 
 TEST_F(ContinueFileTest, AFileThatIsNoneIsRefused) {
   EXPECT_EQ(fault_with([](auto&) {}), "it is read");
-  EXPECT_THAT(fault_with([](auto& json) { json["format"] = 2; }), HasSubstr("has format 2, and this program reads 1"));
-  EXPECT_THAT(fault_with([](auto& json) { json["log"] = {"a.log"}; }), HasSubstr("do not name the same logs"));
-  EXPECT_THAT(fault_with([](auto& json) {
-                json["log"] = nlohmann::ordered_json::array();
-                json["path"] = nlohmann::ordered_json::array();
-              }),
-              HasSubstr("is empty"));
-  EXPECT_THAT(fault_with([](auto& json) { json["prepared"]["nods"] = "often"; }), HasSubstr("none, encoder and tilt"));
+  EXPECT_THAT(fault_with([](auto& json) { json["format"] = 1; }), HasSubstr("has format 1, and this program reads 2"));
+  EXPECT_THAT(fault_with([](auto& json) { json["logs"] = nlohmann::ordered_json::array(); }), HasSubstr("is empty"));
   for (const char* config :
        {"map.resolution: 900 m\n", "version: 1\nmap: {resolution: 900 m}\n", "version: 1\nmap: {x: 1}\n"}) {
     EXPECT_THAT(fault_with([&](auto& json) { json["config_yaml"] = config; }), HasSubstr("; map the log again"));
   }
-  for (const char* member : {"path", "log", "lenient", "skip", "linkage", "with_cloud", "with_map", "with_loops",
+  for (const char* member : {"logs", "lenient", "skip", "linkage", "with_cloud", "with_map", "with_loops",
                              "with_pictures", "topics", "config_yaml"}) {
     EXPECT_NE(fault_with([&](auto& json) { json.erase(member); }), "it is read") << member;
   }
 }
 
-TEST_F(ContinueFileTest, ARequestIsRestoredWithWhatWasKept) {
-  const KeptRequest kept = unusual(3);
-  MapRequest anew;
-  anew.logs = {"other.log"};
-  const MapRequest whole = restored(anew, kept);
-  EXPECT_EQ(whole.logs, kept.request.logs);
-  EXPECT_EQ(whole.linkage, kept.request.linkage);
-  EXPECT_EQ(whole.range.skip, 17U);
-  EXPECT_EQ(whole.with_loops, kept.request.with_loops);
-  EXPECT_EQ(whole.settings.mapper.map.resolution_m, 0.03125);
-  const KeptRequest again = kept_request_of(whole);
-  EXPECT_EQ(again.request.logs, kept.request.logs);
-  ASSERT_EQ(again.paths.size(), 2U);
-  EXPECT_TRUE(fs::path(again.paths[0]).is_absolute());
-  EXPECT_EQ(absolute_path_of("-"), "-");
-  EXPECT_EQ(absolute_path_of("/x/y.log"), "/x/y.log");
+TEST_F(ContinueFileTest, ALogIsFoundByItsBytes) {
+  const std::string log = (folder_ / "a.log").string();
+  std::ofstream(log) << "one\n";
+  const std::vector<KeptLog> kept = kept_logs({log, "-"}, {"", log});
+  ASSERT_EQ(kept.size(), 2U);
+  // printf 'one\n' | sha256sum
+  EXPECT_EQ(kept[0].sha256, "2c8b08da5ce60398e1f19af0e5dccc744df274b826abe585eaba68c525434806");
+  EXPECT_EQ(kept[1].path, "a.log") << "of the run";
+  EXPECT_EQ(log_of_run(kept[0], "elsewhere"), log);
+  EXPECT_EQ(log_of_run(kept[1], folder_.string()), log);
+  EXPECT_THROW((void)log_of_run({"-", "../a.log", kept[1].sha256}, folder_.string()), InputError);
+  std::ofstream(log) << "two\n";
+  EXPECT_THROW((void)log_of_run(kept[0], "elsewhere"), InputError);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // Which files are those of a run, whatever path leads to them.
-#include "engine/runs/inputs/files_of_runs.hpp"
+#include "engine/runs/folder/files_of_runs.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -20,10 +20,10 @@ class FilesOfRunsTest : public testing::Test {
   void SetUp() override {
     folder_ = fs::canonical(fs::temp_directory_path()) / ("gdtslam-files-of-runs-" + std::to_string(::getpid()));
     fs::create_directories(folder_ / "run");
-    std::ofstream(path("run/log-1.copy")) << "a log";
+    std::ofstream(path("run/log-1.jsonl.zst")) << "a log";
     fs::create_symlink("run", path("to_run"));
-    fs::create_symlink("run/log-1.copy", path("to_log"));
-    fs::create_symlink("run/log-2.copy", path("to_nothing"));
+    fs::create_symlink("run/log-1.jsonl.zst", path("to_log"));
+    fs::create_symlink("run/log-2.jsonl.zst", path("to_nothing"));
   }
   void TearDown() override { fs::remove_all(folder_); }
   [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
@@ -32,29 +32,33 @@ class FilesOfRunsTest : public testing::Test {
 };
 
 TEST_F(FilesOfRunsTest, APlaceIsTheSameByEveryPath) {
-  for (const char* name : {"run/log-1.copy", "to_run/log-1.copy", "to_log", "run/../run/./log-1.copy"}) {
-    EXPECT_EQ(place_of_file(path(name)), folder_ / "run/log-1.copy") << name;
+  for (const char* name : {"run/log-1.jsonl.zst", "to_run/log-1.jsonl.zst", "to_log", "run/../run/./log-1.jsonl.zst"}) {
+    EXPECT_EQ(place_of_file(path(name)), folder_ / "run/log-1.jsonl.zst") << name;
   }
-  for (const char* name : {"run/log-2.copy", "to_run/log-2.copy", "to_nothing", "nowhere/../run/log-2.copy"}) {
-    EXPECT_EQ(place_of_file(path(name)), folder_ / "run/log-2.copy") << name;
+  for (const char* name :
+       {"run/log-2.jsonl.zst", "to_run/log-2.jsonl.zst", "to_nothing", "nowhere/../run/log-2.jsonl.zst"}) {
+    EXPECT_EQ(place_of_file(path(name)), folder_ / "run/log-2.jsonl.zst") << name;
   }
   EXPECT_EQ(place_of_file(path("run/")), folder_ / "run");
   EXPECT_EQ(place_of_file(path("none/")), folder_ / "none");
 }
 
 TEST_F(FilesOfRunsTest, FilesOfARunAreThoseOfItsNamesThereOrNot) {
-  for (const char* name : {"run/log-1.copy", "to_log", "to_nothing", "run/report.json", "run/tiles/0/map.pgm"}) {
+  for (const char* name : {"run/log-1.jsonl.zst", "to_log", "to_nothing", "run/report.json", "run/tiles/0/map.pgm"}) {
     EXPECT_TRUE(is_run_file_in(path("run"), path(name))) << name;
     EXPECT_TRUE(is_run_file_in(path("to_run/"), path(name))) << name;
   }
-  for (const char* name : {"run/view.png", "log-1.copy", "run/views/report.json", "run", "other/report.json"}) {
+  for (const char* name : {"run/view.png", "log-1.jsonl.zst", "run/views/report.json", "run", "other/report.json"}) {
     EXPECT_FALSE(is_run_file_in(path("run"), path(name))) << name;
   }
 }
 
-TEST_F(FilesOfRunsTest, ALogOfTheRunIsRefused) {
-  EXPECT_THROW(require_logs_elsewhere({path("a.log"), path("to_log")}, path("to_run")), UsageError);
-  EXPECT_NO_THROW(require_logs_elsewhere({path("to_log"), "-"}, path("other")));
+TEST_F(FilesOfRunsTest, AFileLiesInAFolderByEveryPath) {
+  for (const char* name : {"run/view.png", "to_log", "to_run/views/a.png", "run/../run/b"}) {
+    EXPECT_TRUE(lies_in(path("to_run"), path(name))) << name;
+  }
+  for (const char* name : {"run", "other", "run/../other", "runs/a"})
+    EXPECT_FALSE(lies_in(path("run"), path(name))) << name;
 }
 
 }  // namespace

@@ -19,8 +19,8 @@
 #include "engine/runs/fleet/state.hpp"
 #include "engine/runs/fleet/summary.hpp"
 #include "engine/runs/fleet/work_folder.hpp"
-#include "engine/runs/folder/folder_lock.hpp"
 #include "engine/runs/folder/run_folder.hpp"
+#include "engine/runs/transaction/folder_lock.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/fleet/runner.hpp"
 #include "tools/gdtslam/shell/folders.hpp"
@@ -341,24 +341,6 @@ TEST(FleetWorkFolder, ManyAtOnceKeepTheirs) {
   }
   EXPECT_EQ(lost, 0);
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
-}
-
-TEST(RunFolderStagings, ThoseOfRunsThatEndedAreRemoved) {
-  const TemporaryFolder folder("gdtslam-fleet-test");
-  const std::string own = folder.path() + "/.gdtslam-staging-" + std::to_string(::getpid());
-  const std::string living = folder.path() + "/.gdtslam-staging-1";
-  const std::string mine = folder.path() + "/.gdtslam-staging-1-backup";
-  for (const std::string& path : {own, living, mine}) std::filesystem::create_directories(path + "/.old");
-  {
-    const FolderLock of_a_writer(folder.path());
-    remove_stagings_of_ended_runs(folder.path());
-    EXPECT_FALSE(std::filesystem::exists(own));
-    EXPECT_TRUE(std::filesystem::exists(living + "/.old"));
-  }
-  // Whoever has that number by now, it holds no lock.
-  remove_stagings_of_ended_runs(folder.path());
-  EXPECT_FALSE(std::filesystem::exists(living));
-  EXPECT_TRUE(std::filesystem::exists(mine + "/.old")) << "no name of the program's";
 }
 
 TEST(FleetWorkFolder, GivesARunItsNameOnce) {

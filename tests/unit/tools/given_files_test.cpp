@@ -100,7 +100,7 @@ TEST_F(GivenFilesTest, ARunWithoutItsReportIsNone) {
       EXPECT_NE(fault.find("name " + std::string(file) + " in it itself"), std::string::npos) << why << ": " << fault;
     }
   };
-  for (const char* const left : {"run/keyframes.bin.gz", "run/gdt.yaml", "run/.gdtslam-staging-7"}) {
+  for (const char* const left : {"run/keyframes.bin.gz", "run/gdt.yaml"}) {
     EXPECT_EQ(given_trajectory(path("run")).size(), 2U) << "without " << left;
     write(left, "left");
     is_refused(left);

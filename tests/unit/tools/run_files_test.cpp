@@ -150,34 +150,6 @@ TEST_F(RunFilesTest, AListThatIsNone) {
   }
 }
 
-TEST_F(RunFilesTest, OneWriterAtATime) {
-  {
-    const RunFolder first(folder_.string());
-    EXPECT_THROW(RunFolder(folder_.string()), UsageError);
-    fs::create_symlink("run", folder_.parent_path() / "link");
-    EXPECT_THROW(RunFolder((folder_.parent_path() / "link").string()), UsageError);
-    EXPECT_THROW(FolderLock{folder_}, UsageError);
-  }
-  EXPECT_NO_THROW(RunFolder(folder_.string()));
-  EXPECT_THROW(FolderLock(folder_ / "nowhere"), FileError);
-  EXPECT_EQ(fault_of([this] { (void)RunFiles(folder_.string()).checked("a.txt"); }), "nothing was thrown");
-}
-
-TEST_F(RunFilesTest, WhatTheReportDoesNotTellOfIsOfSomebodyElse) {
-  EXPECT_NO_THROW(require_no_foreign_files(folder_.string()));
-  write("linkage.yaml", "mine");
-  EXPECT_THROW(require_no_foreign_files(folder_.string()), UsageError);
-  fs::remove(path("linkage.yaml"));
-  write("edits.json", "{}");
-  write("map.png", "mine");
-  {
-    RunFolder folder(folder_.string());
-    leave_out_edits(folder);
-    folder.commit();
-  }
-  EXPECT_TRUE(fs::exists(path("map.png")));
-}
-
 TEST_F(RunFilesTest, AFolderOfTilesOfSomebodyElseIsNotReplaced) {
   write_run("one", "two");  // those that a run wrote are
   write("tiles/index.json", R"({"tiles": ["https://example.org/{z}/{x}/{y}.png"]})");

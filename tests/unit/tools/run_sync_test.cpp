@@ -43,39 +43,6 @@ class SyncsOfRuns : public testing::Test {
   const fs::path folder_ = fs::temp_directory_path() / ("gdtslam-syncs-" + std::to_string(::getpid()));
 };
 
-TEST_F(SyncsOfRuns, NewFilesTakeTheirNamesWhenTheOldOnesAreGoneFromTheDisk) {
-  const std::string run = path("run");
-  fs::create_directories(run);
-  std::ofstream(run + "/map.yaml") << "old";
-  std::ofstream(run + "/edits.json") << "old";
-  const RecordedCalls calls(run);
-  {
-    RunFolder folder(run, ForeignFiles::kReplaced);
-    write_file_atomically(folder.staged("map.yaml"), "new");
-    write_file_atomically(folder.staged("report.json"), "new");
-    folder.without("edits.json");
-    folder.commit();
-  }
-  const std::vector<std::string> made = calls.all();
-  ASSERT_FALSE(made.empty());
-  EXPECT_EQ(made.front(), "lock .") << testing::PrintToString(made);
-  // Syncs of the staging folder, then old files out, a sync, new files in, a sync.
-  const std::size_t last_written = calls.place_of("rename ~/~ to ~/report.json");
-  const std::size_t old_map = calls.place_of("rename map.yaml to ~/.old/map.yaml");
-  const std::size_t new_map = calls.place_of("rename ~/map.yaml to map.yaml");
-  const std::size_t new_report = calls.place_of("rename ~/report.json to report.json");
-  ASSERT_LT(new_report, made.size()) << testing::PrintToString(made);
-  std::vector<std::size_t> staging_syncs;
-  std::vector<std::size_t> syncs;
-  for (std::size_t k = 0; k < made.size(); ++k) {
-    if (made[k] == "sync ~") staging_syncs.push_back(k);
-    if (made[k] == "sync .") syncs.push_back(k);
-  }
-  EXPECT_THAT(staging_syncs, Contains(AllOf(Gt(last_written), Lt(std::min(old_map, new_map)))));
-  EXPECT_THAT(syncs, ElementsAre(AllOf(Gt(old_map), Lt(new_map)), Gt(new_report))) << testing::PrintToString(made);
-  EXPECT_LT(new_map, new_report);
-}
-
 TEST_F(SyncsOfRuns, ARecordOfAFleetIsOnTheDiskWithItsFolders) {
   UnitRecord record;
   record.plan = "0123456789abcdef";

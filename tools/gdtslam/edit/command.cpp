@@ -62,12 +62,6 @@ struct StepText {
   std::string operator()(const WorldFileEdit& /*edit*/) const { return "map.png and map.pgw for a GIS\n"; }
 };
 
-std::string listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + printable(name);
-  return text;
-}
-
 std::string text_of(const EditRequest& request, const EditOutcome& outcome) {
   std::string text;
   for (const EditStep& step : outcome.steps) text += std::visit(StepText{}, step);
@@ -76,17 +70,7 @@ std::string text_of(const EditRequest& request, const EditOutcome& outcome) {
     text +=
         fmt::format("map.pgm cast anew from {} {}\n", outcome.scans, outcome.is_of_keyframes ? "keyframes" : "scans");
   }
-  if (!outcome.copied.empty()) text += fmt::format("copied as they are: {}\n", listed(outcome.copied));
   return text + fmt::format("results in {}\n", printable(request.folder));
-}
-
-// Files that the user has to do something about.
-void remark_left_out(const EditOutcome& outcome) {
-  if (outcome.left_out.empty()) return;
-  print_remark(
-      fmt::format("not copied, {}: {}",
-                  outcome.plan.has_other_frame ? "as drawn in the old frame" : "as not plain files of the run or there",
-                  listed(outcome.left_out)));
 }
 
 EditRequest request_of(const EditCommand& command) {
@@ -110,10 +94,7 @@ int edit(const EditCommand& command) {
   };
   const EditOutcome outcome = edit_run(request);
   line.clear();
-  if (!command.quiet) {
-    remark_left_out(outcome);
-    print_warnings(outcome.warnings);
-  }
+  if (!command.quiet) print_warnings(outcome.warnings);
   if (command.json) {
     print_result(outcome.edits);
   } else if (!command.quiet) {
@@ -157,7 +138,6 @@ constexpr const char* kEditFooter =
     "steps with their numbers. --again does them once more after the next session, with the same numbers, before the\n"
     "steps that are named with it. --origin and --georeference are read in RUN's frame, --crop and --erase in the new "
     "one.\n"
-    "Files of others in RUN, as masks of keep-out zones, are copied as they are, but not into another frame.\n"
     "Runs are those of flat lasers, and sites of 'gdtslam merge'.\n"
     "\n"
     "Examples:\n"

@@ -10,7 +10,7 @@
 #include "engine/io/json_file.hpp"
 #include "engine/runs/fleet/record.hpp"
 #include "engine/runs/fleet/summary.hpp"
-#include "engine/runs/folder/folder_lock.hpp"
+#include "engine/runs/transaction/folder_lock.hpp"
 #include "fleet.hpp"
 #include "gdtslam/core/error.hpp"
 #include "page.hpp"

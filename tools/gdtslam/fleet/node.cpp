@@ -37,7 +37,7 @@ struct SampleResult {
 std::string map_sample(const DeviceOptions& device, const std::string& folder) {
   MapRequest request{.logs = {sample_log_file()}, .folder = folder};
   request.settings.log.odometry_stamps = OdometryStamps::kLog;  // they are right, and finding that out takes seconds
-  request.with_copies = false;
+  request.with_continue_file = false;
   request.with_map = false;
   request.with_pictures = false;
   request.on_failure = on_failure_of(device);

@@ -33,9 +33,8 @@ constexpr std::array kRunFiles{
     RunFile{"report.json",
             "What happened, in numbers: counts, times, hashes of the results, loops, and each scan that is "
             "in doubt."},
-    RunFile{"continue.json, log-1.copy",
-            "What 'gdtslam map --continue' goes on from: the request, and what was read of "
-            "each log (log-2.copy and so on)."},
+    RunFile{"continue.json", "What 'gdtslam map --continue' needs: the request, and each log with its SHA-256."},
+    RunFile{"log-1.jsonl.zst", "A log that came through a pipe, as JSON lines (log-2.jsonl.zst and so on)."},
     RunFile{"edits.json", "The steps of 'gdtslam edit', to do them again."},
     RunFile{"session-1.tum", "Of a site of 'gdtslam merge': the path of its first run (session-2.tum and so on)."},
     RunFile{"tiles/",

@@ -36,7 +36,6 @@ void check(const DriveOptions& options, bool has_log) {
   if (options.snapshot_s > 0.0) refuse("--snapshot");
   if (options.no_map) refuse("--no-map");
   if (options.no_loops) refuse("--no-loops");
-  if (options.no_copy) refuse("--no-copy");
   if (options.no_pictures) refuse("--no-pictures");
 }
 
@@ -68,7 +67,7 @@ void add_output_options(CLI::App& command, DriveOptions& options) {
                   "Folder of the results, written when the scans have ended\n"
                   "(default: runs/<log>-<UTC time>, with a link runs/latest)")
       ->type_name("DIR");
-  command.add_flag("--force", options.force, "Replace files of a run's names in DIR that no run wrote");
+  command.add_flag("--force", options.force, "Remove files in DIR that no run wrote; else it is refused");
   command
       .add_option("--snapshot", options.snapshot_s,
                   "Every so many seconds map and path so far, in DIR/snapshot (default: when SIGUSR1 comes)")
@@ -88,7 +87,6 @@ void add_output_options(CLI::App& command, DriveOptions& options) {
   offer_words(format, {"json", "tum"});
   command.add_flag("--no-map", options.no_map, "Do not cast the occupancy map, nor write the pictures of it");
   command.add_flag("--no-loops", options.no_loops, "Look for no loops");
-  command.add_flag("--no-copy", options.no_copy, "Do not keep what is read: the run cannot be gone on with");
   command.add_flag("--no-pictures", options.no_pictures, "Do not write overview.png and graph.png");
   command.add_flag("-q,--quiet", options.quiet, "No remarks on standard error");
 }
@@ -142,8 +140,8 @@ void add_live_command(CLI::App& app, CommandContext& context) {
       "for 5 s (with --queue: at once) loses the oldest ones.\n"
       "When the scans end, at SIGTERM or Ctrl-C, or at a line that cannot be read (exit 65), loops are closed and the\n"
       "run folder is written, of the same bytes as that of 'gdtslam map' for the same input, unless the laser nods,\n"
-      "which is taken for level; a second signal ends at once. Killed, it goes on with 'gdtslam map --continue DIR'.\n"
-      "SIGUSR1 saves map and path so far.\n"
+      "which is taken for level; a second signal ends at once. The run keeps its input, log-1.jsonl.zst; of a drive\n"
+      "that is killed or fails it stays beside DIR, and 'gdtslam map' maps it. SIGUSR1 saves map and path so far.\n"
       "\n"
       "Examples:\n"
       "  gdtslam live /run/laser.fifo -o drive\n"

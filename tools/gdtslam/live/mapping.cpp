@@ -30,7 +30,6 @@ MapRequest request_of(const DriveOptions& options) {
                      .folder = options.folder.empty() ? default_run_folder(log) : options.folder,
                      .settings = std::move(settings),
                      .lenient = options.lenient,
-                     .with_copies = !options.no_copy,
                      .replace_foreign_files = options.force,
                      .with_map = !options.no_map,
                      .with_loops = !options.no_loops,
@@ -102,7 +101,7 @@ int map_live(const DriveOptions& options) {
     plan.show = [&page](const DriveState& state) { page->show(state.map, state.trajectory); };
   }
   Snapshots snapshots(record, std::move(plan));
-  request.folder_taken = [&snapshots](const std::string& scratch) { snapshots.start(scratch); };
+  snapshots.start();
   request.closing = [&snapshots](std::string_view, double) { snapshots.stop(); };
   request.finishing = [&snapshots](std::string_view) { snapshots.stop(); };  // where no loops are closed
   BackendWhenNeeded backend(options.device);

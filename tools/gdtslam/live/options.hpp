@@ -33,7 +33,6 @@ struct DriveOptions {
   bool no_map = false;
   bool no_pictures = false;
   bool no_loops = false;
-  bool no_copy = false;
   bool quiet = false;
 };
 

@@ -51,7 +51,6 @@ struct MapOptions {
   bool no_map = false;
   bool no_pictures = false;
   bool no_loops = false;
-  bool no_copy = false;
   bool json = false;
   bool quiet = false;
 };
@@ -145,7 +144,6 @@ MapRequest request_of(const MapOptions& options) {
                      .range = options.range,
                      .linkage = options.linkage,
                      .continued = options.continued,
-                     .with_copies = !options.no_copy,
                      .replace_foreign_files = options.force,
                      .with_cloud = !options.no_cloud,
                      .with_map = !options.no_map,
@@ -194,10 +192,9 @@ void check_continued(const CLI::App& command, const MapOptions& options) {
   }
   for (const char* name :
        {"--config", "--set", "--matcher", "--linkage", "--lenient", "--topic", "--odom", "--crank", "--mount", "--skip",
-        "--first", "--no-cloud", "--no-map", "--no-loops", "--no-pictures", "--no-copy", "--mcap"}) {
+        "--first", "--no-cloud", "--no-map", "--no-loops", "--no-pictures", "--mcap"}) {
     if (command.count(name) == 0) continue;
-    throw UsageError(
-        fmt::format("{}: a run that is gone on with keeps its configuration and parts: leave it out", name));
+    throw UsageError(fmt::format("{}: a run that is continued keeps its configuration and parts: leave it out", name));
   }
 }
 
@@ -233,9 +230,9 @@ void add_input_options(CLI::App& command, MapOptions& options) {
   command
       .add_option(
           "--continue", options.continued,
-          "Go on with the run in DIR, and the logs after its own: the same results as all logs in one go, from\n"
-          "DIR alone. One that was interrupted or killed goes on where it was. Results replace those in DIR, or\n"
-          "go to -o")
+          "Continue the run in DIR with more logs: its own logs are read again, which must be as they were, with\n"
+          "its configuration, and then these; the same results as all logs in one go. Results replace those in\n"
+          "DIR, or go to -o")
       ->type_name("DIR");
   const auto refuse_frozen = [] {
     throw UsageError("--frozen: a log is followed in a map that stays as it is by: gdtslam localize MAP LOG --track");
@@ -256,10 +253,10 @@ void add_map_command(CLI::App& app, CommandContext& context) {
   add_input_options(*command, *options);
   command
       ->add_option("-o,--output", options->folder,
-                   "Folder of the results; made if need be, old results are replaced when all is done\n"
+                   "Folder of the results; a run that lies there is replaced as a whole when all is done\n"
                    "(default: runs/<log>-<UTC time>, with a link runs/latest)")
       ->type_name("DIR");
-  command->add_flag("--force", options->force, "Replace files of a run's names in DIR that no run wrote");
+  command->add_flag("--force", options->force, "Remove files in DIR that no run wrote; else it is refused");
   add_settings_options(*command, options->settings);
   CLI::Option* const matcher =
       command->add_option("--matcher", options->matcher,
@@ -281,8 +278,6 @@ void add_map_command(CLI::App& app, CommandContext& context) {
       "--no-loops", options->no_loops,
       "Match each scan with one map of all that was seen; without it loops are closed and the whole path\n"
       "is adjusted once the log has ended");
-  command->add_flag("--no-copy", options->no_copy,
-                    "Do not keep what is read of the logs (log-1.copy ...): the run cannot be gone on with");
   command->add_flag("--no-pictures", options->no_pictures,
                     "Do not write overview.png, graph.png (or .svg) and cloud.png");
   command
@@ -296,10 +291,11 @@ void add_map_command(CLI::App& app, CommandContext& context) {
       "Writes map.pgm and map.yaml (for ROS map_server and Nav2), gdt.png and gdt.yaml (the distance field),\n"
       "trajectory.tum, keyframes.bin.gz (the scans in the map), overview.png (or .svg), config.yaml and report.json;\n"
       "where loops are closed also covariance.csv, graph.g2o and graph.png (or .svg), and where the log tells how the\n"
-      "laser nods cloud.ply, cloud.png and linkage.yaml, but no keyframes.bin.gz. For --continue, continue.json and "
-      "of\n"
-      "each log log-N.copy. 'gdtslam render DIR' makes more pictures, films and pages; 'gdtslam doctor --after DIR'\n"
-      "says what in the map is doubtful.\n"
+      "laser nods cloud.ply, cloud.png and linkage.yaml, but no keyframes.bin.gz. For --continue, continue.json; a "
+      "log\n"
+      "that came through a pipe is kept as log-N.jsonl.zst. 'gdtslam render DIR' makes more pictures, films and "
+      "pages;\n"
+      "'gdtslam doctor --after DIR' says what in the map is doubtful.\n"
       "An interrupt (Ctrl-C, SIGTERM, a lost terminal) finishes the scan in hand and writes what there is, exit 130.\n"
       "\n"
       "Examples:\n"

@@ -129,7 +129,7 @@ MapOutcome map_into(const RenderOptions& options, const std::string& folder) {
                      .folder = folder,
                      .settings = settings,
                      .linkage = options.linkage,
-                     .with_copies = !options.run_folder.empty(),
+                     .with_continue_file = !options.run_folder.empty(),
                      .with_pictures = !options.run_folder.empty(),
                      .draw_cloud = draw_run_cloud};
   MapProgress progress(options.quiet);

@@ -8,8 +8,8 @@
 
 #include "engine/io/logs/log_signs.hpp"
 #include "engine/io/referenced_file.hpp"
+#include "engine/runs/folder/files_of_runs.hpp"
 #include "engine/runs/folder/run_reader.hpp"
-#include "engine/runs/inputs/files_of_runs.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {

@@ -180,7 +180,7 @@ void map_whole(const std::string& log, const std::string& run, const DeviceOptio
   if (choices.first > 0) request.range.count = choices.first;
   request.with_loops = choices.with_loops;
   request.with_pictures = false;
-  request.with_copies = false;
+  request.with_continue_file = false;
   request.on_failure = on_failure_of(device);
   request.progress = [&](std::uint64_t, double share) { progress(share); };
   request.stop = [] { return interrupted(); };

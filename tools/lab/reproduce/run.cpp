@@ -15,8 +15,8 @@
 #include "engine/io/did_you_mean.hpp"
 #include "engine/io/sha256.hpp"
 #include "engine/io/yaml/yaml_text.hpp"
-#include "engine/runs/folder/folder_lock.hpp"
 #include "engine/runs/mapping/stopwatch.hpp"
+#include "engine/runs/transaction/folder_lock.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #ifdef GDTSLAM_HAS_MODULES

@@ -324,9 +324,7 @@ std::vector<std::string> files_of_ros2_folder(const std::string& folder, const R
   if (files.empty()) files = names;
   if (files.empty()) {
     if (std::filesystem::exists(std::filesystem::path(folder) / "report.json")) {
-      throw InputError({folder, 0},
-                       "is a folder of results and no log; the log that was mapped is its log-1.copy, gdtslam map "
-                       "--continue goes on with the run");
+      throw InputError({folder, 0}, "is a folder of results and no log; gdtslam map --continue maps its logs again");
     }
     throw InputError({folder, 0}, "is a folder without .db3 and .mcap files, so no ROS 2 bag");
   }

@@ -1,24 +1,16 @@
 #include "snapshots.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <chrono>
 #include <csignal>
-#include <cstdio>
-#include <filesystem>
-#include <system_error>
 #include <utility>
 
-#include "engine/core/files/folder_calls.hpp"
 #include "engine/core/signals_blocked.hpp"
-#include "engine/io/atomic_file.hpp"
-#include "engine/io/message_text.hpp"
 #include "engine/runs/folder/snapshot_folder.hpp"
+#include "engine/runs/transaction/folder_transaction.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/occupancy_map_file.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
@@ -32,20 +24,11 @@ using SnapshotClock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kSnapshotSlice{50};  // after which signals and clocks are looked at
 constexpr std::chrono::seconds kBetweenShown{1};
 constexpr int kLeastUrgent = 19;
-constexpr mode_t kAllMayLook = 0777;  // as far as the user's mask lets them
 
 std::atomic<bool> g_is_save_wanted = false;
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
 
 extern "C" void on_save_signal(int /*signal*/) { g_is_save_wanted = true; }
-
-// Both folders change places, so that there is one of that name at any time; where a file system cannot do that the old
-// one goes first, to that place. Nothing is removed under the name itself, which may be another folder's by then.
-void give_name(const std::string& made, const std::string& name, const std::string& old) {
-  if (::renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, name.c_str(), RENAME_EXCHANGE) == 0) return;
-  ::rename(name.c_str(), old.c_str());
-  if (::rename(made.c_str(), name.c_str()) != 0) throw FileError(name, "cannot be replaced: " + errno_text(errno));
-}
 
 }  // namespace
 
@@ -57,8 +40,7 @@ void let_signal_save() {
   ::sigaction(SIGUSR1, &action, nullptr);
 }
 
-void Snapshots::start(std::string scratch) {
-  scratch_ = std::move(scratch);
+void Snapshots::start() {
   const SignalsBlocked blocked;
   thread_ = std::thread([this] { work(); });
 }
@@ -69,13 +51,6 @@ void Snapshots::stop() {
 }
 
 std::string Snapshots::name() const { return plan_.folder + "/" + kSnapshotFolder; }
-
-// That of an earlier drive.
-void Snapshots::remove_old() const {
-  const std::string old = scratch_ + "/snapshot.old";
-  if (!is_snapshot(name()) || ::rename(name().c_str(), old.c_str()) != 0) return;
-  remove_snapshot(old);
-}
 
 // A pose is more urgent than a picture of the map.
 void Snapshots::work() {
@@ -93,7 +68,7 @@ void Snapshots::work() {
     if (is_watched) last_shown = now;
     if (!has_begun && record_.scans() > 0) {
       has_begun = true;
-      remove_old();
+      if (is_snapshot(name())) remove_snapshot(name());  // of an earlier drive
     }
     record_.take_news();
     if (is_due || is_asked || is_watched) make(is_due || is_asked, is_watched);
@@ -119,32 +94,12 @@ void Snapshots::make(bool is_to_be_saved, bool is_to_be_shown) {
 
 void Snapshots::save(const DriveState& state) {
   require_no_foreign_snapshot(plan_.folder);
-  const std::string made = scratch_ + "/snapshot";
-  const std::string old = scratch_ + "/snapshot.old";
-  std::error_code ignored;
-  remove_tree(made, ignored);  // one that could not be written
-  for (const std::string& left : {old, scratch_ + "/snapshot.new"}) remove_snapshot(left);
-  if (::mkdir(made.c_str(), kAllMayLook) != 0) {
-    throw FileError(plan_.folder, errno == ENOENT ? "is no longer the folder that the run is written to"
-                                                  : "cannot be written to: " + errno_text(errno));
-  }
-  write_occupancy_map(made + "/" + kSnapshotMap, state.map);
-  write_tum(made + "/" + kSnapshotTrajectory, state.trajectory);
-  give_name(made, name(), old);
-  give_back_what_came(made, old);
-  sync_folder(plan_.folder);
+  FolderTransaction snapshot(name());
+  write_occupancy_map((snapshot.staging() / kSnapshotMap).string(), state.map);
+  write_tum((snapshot.staging() / kSnapshotTrajectory).string(), state.trajectory);
+  require_no_foreign_snapshot(plan_.folder);
+  snapshot.commit();
   saved_ = state.trajectory.size();
-  for (const std::string& left : {made, old}) remove_snapshot(left);
-}
-
-// Somebody may have put a file into the old one while this one was written: then that stays, and this one is none.
-void Snapshots::give_back_what_came(const std::string& made, const std::string& old) const {
-  for (const std::string& left : {made, old}) {
-    std::error_code ignored;
-    if (!std::filesystem::exists(std::filesystem::symlink_status(left, ignored)) || is_snapshot(left)) continue;
-    give_name(left, name(), scratch_ + "/snapshot.new");
-    require_no_foreign_snapshot(plan_.folder);
-  }
 }
 
 }  // namespace gdtslam

@@ -31,9 +31,8 @@ class Snapshots {
   Snapshots& operator=(const Snapshots&) = delete;
   ~Snapshots() { stop(); }
 
-  /// Begins, in a run folder that nobody else writes to. Snapshots are made in `scratch`, a folder inside it that is
-  /// this run's alone: it is not under its name any more where another folder has taken the run folder's.
-  void start(std::string scratch);
+  /// Begins. Nothing is written before the first scan.
+  void start();
   /// Ends the thread, after the snapshot at work. The run that takes the snapshot's place removes it.
   void stop();
 
@@ -41,13 +40,10 @@ class Snapshots {
   void work();
   void make(bool is_to_be_saved, bool is_to_be_shown);
   void save(const DriveState& state);
-  void give_back_what_came(const std::string& made, const std::string& old) const;
   [[nodiscard]] std::string name() const;
-  void remove_old() const;
 
   DriveRecord& record_;
   Plan plan_;
-  std::string scratch_;
   std::uint64_t saved_ = 0;  // scans of the last snapshot
   std::uint64_t shown_ = 0;
   std::string last_problem_;

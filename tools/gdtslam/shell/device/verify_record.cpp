@@ -5,7 +5,7 @@
 
 #include "engine/io/json_file.hpp"
 #include "engine/io/sha256.hpp"
-#include "engine/runs/folder/folder_lock.hpp"
+#include "engine/runs/transaction/folder_lock.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/folders.hpp"
 

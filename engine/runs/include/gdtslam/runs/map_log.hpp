@@ -57,12 +57,11 @@ struct MapRequest {
   ScanRange range{};
   std::string
       linkage{};  ///< of a nodding laser: preset or file; empty: the file beside the first log, else the default
-  /// Folder of a run to go on with, finished, interrupted or killed: its logs, configuration, range, linkage and parts
-  /// count in place of those here, and `logs` come after its own. What it has read of its logs need not be there any
-  /// more. Empty: a new run.
+  /// Folder of a run to continue: its configuration, range, linkage and parts count in place of those here, its logs
+  /// are read again, and `logs` come after them. Empty: a new run.
   std::string continued{};
-  bool with_copies = true;             ///< of the logs as they are read, from which the run can be gone on with
-  bool replace_foreign_files = false;  ///< files of a run's names in the folder that no run wrote
+  bool with_continue_file = true;      ///< continue.json, and what came from a stream: the run can be continued
+  bool replace_foreign_files = false;  ///< files in the folder that no run wrote are removed, else it is refused
   bool with_cloud = true;
   bool with_map = true;        ///< the occupancy map, and the pictures of it: overview and graph
   bool with_loops = true;      ///< closed once the log has ended
@@ -75,17 +74,13 @@ struct MapRequest {
   std::function<void(std::string_view what)> finishing{};  ///< before each of the rest: "overview.png", "gdt.png" ...
   std::function<bool()> stop{};                            ///< true ends the run; what there is gets written
   /// Whether a stop, or what cannot be read behind the first scan, is the end of the log: loops are closed then, and
-  /// the run counts as whole. Else the path stays as it was driven, and the run may be gone on with.
+  /// the run counts as whole. Else the path stays as it was driven.
   bool stop_ends_log = false;
   /// For those who map live: as soon as a scan is mapped, before the next one is read. The laser is taken for one that
   /// does not nod, and nothing is read ahead to see whether it does.
   ScanMapped scan_mapped{};
-  /// What is mapped in place of what lies under the name of the only log, which stands in messages. It comes once, so a
-  /// run that is gone on with has its copy alone.
+  /// What is mapped in place of what lies under the name of the only log, which stands in messages. It comes once.
   LiveLog live_log{};
-  /// Called once nobody else can write to the folder, before the first scan is waited for where scan_mapped is given,
-  /// with a folder inside it that is removed at the end of a new run.
-  std::function<void(const std::string& scratch)> folder_taken{};
   std::function<void(const std::string&)> warn{};  ///< one line at a time, before the work begins
 };
 

@@ -1,0 +1,131 @@
+#include "folder_transaction.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <system_error>
+
+#include "engine/core/files/folder_calls.hpp"
+#include "engine/core/files/retried.hpp"
+#include "engine/io/atomic_file.hpp"
+#include "engine/io/message_text.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kStagingEnding = ".gdtslam-new";
+
+fs::path without_links(const std::string& path) {
+  if (path.empty()) throw UsageError("--output: the folder of the results has no name");
+  std::error_code failed;
+  const fs::path named = fs::absolute(path, failed);
+  const fs::path place = failed ? named : fs::weakly_canonical(named, failed);
+  if (failed) throw FileError(path, "cannot be written to: " + failed.message());
+  return place.has_filename() ? place : place.parent_path();  // a slash at the end names the same
+}
+
+bool is_mount_point(const fs::path& folder) {
+  struct statx found {};
+  const bool is_known =
+      ::statx(AT_FDCWD, folder.c_str(), 0, 0, &found) == 0 && (found.stx_attributes_mask & STATX_ATTR_MOUNT_ROOT) != 0;
+  return is_known && (found.stx_attributes & STATX_ATTR_MOUNT_ROOT) != 0;
+}
+
+void require_exchangeable(const std::string& path, const fs::path& target) {
+  std::error_code ignored;
+  const fs::file_status status = fs::symlink_status(target, ignored);
+  if (fs::exists(status) && !fs::is_directory(status)) {
+    throw FileError(path, "cannot be written to: " + errno_text(ENOTDIR));
+  }
+  const auto refuse = [&path](const char* what) {
+    throw UsageError(fmt::format("'{}' is {}, and the results replace the folder as a whole: name one in it, {}", path,
+                                 what, (fs::path(path) / "run").string()));
+  };
+  if (is_mount_point(target)) refuse("a mount point");
+  if (fs::equivalent(target, fs::current_path(ignored), ignored)) refuse("the working folder");
+}
+
+}  // namespace
+
+bool is_staging_name(std::string_view name) { return name.starts_with('.') && name.ends_with(kStagingEnding); }
+
+FolderTransaction::FolderTransaction(const std::string& path,
+                                     const std::function<void(const fs::path&)>& before_removal)
+    : path_(path),
+      target_(without_links(path)),
+      staging_(target_.parent_path() / fmt::format(".{}{}", target_.filename().string(), kStagingEnding)) {
+  require_exchangeable(path, target_);
+  std::error_code ignored;
+  for (fs::path above = target_.parent_path(); !fs::exists(above, ignored); above = above.parent_path()) {
+    made_.push_back(above);
+  }
+  make_folder(target_.parent_path().string());
+  lock_staging(before_removal);
+}
+
+// Another process may exchange or remove the folder between opening and locking it: then it is not the one of that
+// name any more.
+void FolderTransaction::lock_staging(const std::function<void(const fs::path&)>& before_removal) {
+  do {
+    lock_.reset();
+    if (::mkdir(staging_.c_str(), 0777) != 0 && errno != EEXIST) {
+      throw FileError(path_, "cannot be written to: " + errno_text(errno));
+    }
+    lock_.emplace(staging_, FolderLock::Taken::kRefuse, path_);
+  } while (!lock_->is_of(staging_));
+  std::error_code failed;
+  const std::vector<fs::path> left = list_folder(staging_, failed);
+  if (!left.empty() && before_removal) before_removal(staging_);
+  for (const fs::path& file : left) remove_tree(file, failed);
+  if (failed) throw FileError(path_, "cannot be written to: " + failed.message());
+}
+
+FolderTransaction::~FolderTransaction() {
+  if (!lock_) return;
+  without_throwing([this] {
+    std::error_code ignored;
+    remove_tree(staging_, ignored);
+    for (const fs::path& above : made_) fs::remove(above, ignored);  // succeeds only where it is empty
+  });
+}
+
+// Where a file system knows no exchange, the old folder is away for the moment between two renamings.
+void FolderTransaction::exchange() const {
+  const bool has_old = lies_there(target_);
+  if (has_old && ::renameat2(AT_FDCWD, staging_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0) return;
+  const bool is_unknown = errno == EINVAL || errno == ENOSYS || errno == ENOTSUP;
+  const fs::path aside = staging_.string() + "-old";
+  std::error_code failed;
+  if (has_old && !is_unknown) throw FileError(path_, "cannot be replaced: " + errno_text(errno));
+  if (has_old) fs::rename(target_, aside, failed);
+  if (!failed) fs::rename(staging_, target_, failed);
+  std::error_code ignored;
+  if (failed && has_old) fs::rename(aside, target_, ignored);
+  if (failed) throw FileError(path_, "cannot be replaced: " + failed.message());
+  remove_tree(aside, ignored);
+}
+
+void FolderTransaction::commit() {
+  sync_folder(staging_.string());
+  std::optional<FolderLock> of_old;  // its name is that of the staging folder until it is gone
+  if (lies_there(target_)) of_old.emplace(target_, FolderLock::Taken::kRefuse, path_);
+  exchange();
+  std::error_code ignored;
+  try {
+    sync_folder(target_.parent_path().string());
+  } catch (const FileError&) {  // it is not known what is on the disk: the old folder stays
+    of_old ? exchange() : fs::rename(target_, staging_, ignored);
+    throw;
+  }
+  remove_tree(staging_, ignored);  // what cannot be removed now is removed by the next writer
+  made_.clear();
+  lock_.reset();
+}
+
+}  // namespace gdtslam
