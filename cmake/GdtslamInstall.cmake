@@ -19,6 +19,4 @@ install(FILES ${PROJECT_BINARY_DIR}/gdtslamConfig.cmake ${PROJECT_BINARY_DIR}/gd
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT core)
 if(GDTSLAM_BUILD_TOOLS) # the sample scenes and what verify compares with, which the command finds beside itself
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/assets/ DESTINATION ${CMAKE_INSTALL_DATADIR}/gdtslam COMPONENT tools)
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/tests/cli/schemas DESTINATION ${CMAKE_INSTALL_DATADIR}/gdtslam COMPONENT tools
-    FILES_MATCHING PATTERN "*.schema.json") # of what --json prints, for programs that read it
 endif()

@@ -191,8 +191,7 @@ leave_out_unless_changed() {
 how_built=(CMakeLists.txt cmake tests/install {engine,shaders,calib,viewer,tools,assets}/'*CMakeLists.txt' tools/install-packages.sh)
 leave_out_unless_changed bundle "${how_built[@]}" LICENSE tools/scripts/make_bundle.sh tools/scripts/gpu_server.sh
 leave_out_unless_changed as_a_folder "${how_built[@]}"
-leave_out_unless_changed debian_packages "${how_built[@]}" debian python assets examples docs tests/cli/schemas \
-  README.md CHANGELOG.md
+leave_out_unless_changed debian_packages "${how_built[@]}" debian python assets examples docs README.md CHANGELOG.md
 if ((long_share > 1)); then
   left_out+=("$(python3 "$root/tools/scripts/draw_tests.py" "$build" --share "$long_share" --revision "$revision")")
   skip "long tests that do not have their turn (GDTSLAM_LONG_SHARE=$long_share; the next line names them)"

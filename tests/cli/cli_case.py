@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""One run of the command: exit code, standard output and error against regular expressions, JSON against a schema.
+"""One run of the command: exit code, standard output and error against regular expressions, JSON against its table.
 Called by gdtslam_cli_test of CMakeLists.txt, which says what is allowed where nothing is stated."""
 
 import argparse

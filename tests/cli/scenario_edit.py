@@ -10,7 +10,7 @@ from scenario_keyframes import read_keyframes
 
 
 def edited(run, folder, *arguments):
-    """Edits; returns edits.json, checked against its schema and that of the report."""
+    """Edits; returns edits.json, checked against its table and that of the report."""
     process = command("edit", run, "-o", folder, "--json", *arguments)
     expect_exit(process, 0)
     cli.validate(process.stdout, "edits")

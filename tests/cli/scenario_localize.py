@@ -15,7 +15,7 @@ POSES = RUN / "trajectory.tum"
 
 
 def localized(*arguments, run=RUN, log=LOG, **options):
-    """Localises; returns the JSON report, checked against its schema."""
+    """Localises; returns the JSON report, checked against its table."""
     process = command("localize", run, log, "--json", *arguments, **options)
     expect_exit(process, 0)
     cli.validate(process.stdout, "localize")

@@ -1,6 +1,5 @@
 #!/usr/bin/env bash
-# Writes the generated pages of docs/reference from what the command itself says, every option, every sub-command, and
-# from the schemas of its JSON outputs.
+# Writes the generated pages of docs/reference from what the command itself says, every option and every sub-command.
 # With --check it writes nothing and fails where a page differs.
 # shellcheck disable=SC2016  # backquotes in single quotes are Markdown
 set -euo pipefail
@@ -43,10 +42,8 @@ help_of_all() {
   help_of_all
 } | sed 's/ *$//' | sed -e :a -e '/^\n*$/{$d;N;ba' -e '}' >"$work/commands.md"
 
-"$root/tools/scripts/json_reference.py" "$root/tests/cli/schemas" >"$work/json.md"
-
 status=0
-for page in options.md commands.md json.md; do
+for page in options.md commands.md; do
   target=$root/docs/reference/$page
   if ! $check; then
     mkdir -p "$(dirname "$target")"
