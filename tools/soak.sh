@@ -5,7 +5,7 @@
 # The last line is 'N passed, N failed' over the steps; the exit status is 0 only when none failed.
 set -euo pipefail
 root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
-step_count=13
+step_count=12
 source "$root/tools/scripts/common.sh"
 
 usage() {
@@ -24,9 +24,8 @@ Usage: tools/soak.sh [STEP...]
   fuzz       every fuzz target for GDTSLAM_FUZZ_S seconds (default 600)
   integer    the corpora of the fuzz targets and the unit tests of the readers, where whole numbers that wrap or lose bits
              are errors
-  endurance  ten hours of live, 10,000 maps in one process, a million scans (tools/scripts/endurance.py)
-  words      each option of each command with words that mean nothing (tools/scripts/hostile_words.py)
-  memcheck   one of each command under valgrind (tools/scripts/memcheck.py)
+  endurance  ten hours of live, 10,000 maps in one process, a million scans (tools/scripts/experiments.py endurance)
+  memcheck   one of each command under valgrind
   arm64      the command built for arm64, and the samples' hashes under qemu (tools/scripts/cross_arm64.sh)
 
 Without STEP: all of them.
@@ -35,13 +34,13 @@ USAGE
 steps=()
 for argument in "$@"; do
   case "$argument" in
-    debug | clang | asan | tsan | long | platforms | lint | fuzz | integer | endurance | words | memcheck | arm64)
+    debug | clang | asan | tsan | long | platforms | lint | fuzz | integer | endurance | memcheck | arm64)
       steps+=("$argument") ;;
     -h | --help) usage; exit 0 ;;
     *) echo "soak.sh: unknown step '$argument'" >&2; usage >&2; exit 2 ;;
   esac
 done
-if ((${#steps[@]} == 0)); then steps=(debug clang asan tsan long platforms lint fuzz integer endurance words memcheck arm64); fi
+if ((${#steps[@]} == 0)); then steps=(debug clang asan tsan long platforms lint fuzz integer endurance memcheck arm64); fi
 step_count=${#steps[@]}
 
 passed=0 failed=0
@@ -119,15 +118,43 @@ build_command() {
   cmake --build "$build" --parallel "$(build_jobs)" --target gdtslam "$@"
 }
 
-run_words() {
-  build_command
-  python3 -B "$root/tools/scripts/hostile_words.py" "$root/build/test/bin/gdtslam"
-}
-
+# One of each command, each with what those before it made. Errors are memory that was never written or is freed, and
+# memory that nobody can free any more; tests/memcheck.supp names what libraries do.
 run_memcheck() {
+  local folder words status=0
   command -v valgrind >/dev/null || install_besides valgrind
   build_command
-  python3 "$root/tools/scripts/memcheck.py" "$root/build/test/bin/gdtslam"
+  folder=$(mktemp -d)
+  while read -ra words; do
+    echo "gdtslam ${words[*]}"
+    (cd "$folder" && valgrind --quiet --error-exitcode=99 --num-callers=24 --leak-check=full --trace-children=yes \
+      --errors-for-leak-kinds=definite --show-leak-kinds=definite --keep-debuginfo=yes \
+      --trace-children-skip='*/ffmpeg,*/sh,*/git' --suppressions="$root/tests/memcheck.supp" \
+      "$root/build/test/bin/gdtslam" "${words[@]}" </dev/null >/dev/null) || status=1
+  done <<'COMMANDS'
+simulate three-boxes -o deep.log --rate 1 -q
+simulate office-loop -o drive.log --rate 1 --seed 3 -q
+convert drive.log -o drive.mcap -q
+map drive.log -o run -q --first 60
+map deep.log -o deep -q --first 30 --no-pictures
+localize run drive.log --scan 3
+localize run drive.log --track -o out.tum -q
+live drive.log -o live -q
+map --continue live drive.mcap -q
+evaluate run --reference drive.truth.tum
+merge run live -o sites -q --no-pictures
+edit run --origin 1,1,90 -o edited -q
+tiles run
+render run --view map -o out.png --size 96x64 -q
+render deep --view orbit --frames 2 -o out.mp4 --size 96x64 -q
+measure deep --planes --boxes
+doctor drive.log
+linkage paper-b
+config show
+devices
+COMMANDS
+  rm -rf "$folder"
+  return "$status"
 }
 
 # Packages that no other step needs.
@@ -148,7 +175,7 @@ run_arm64() {
 
 run_endurance() {
   build_command gdtslam_c
-  python3 "$root/tools/scripts/endurance.py" --program "$root/build/test/bin/gdtslam" --check
+  python3 "$root/tools/scripts/experiments.py" endurance "$root/build/test/bin/gdtslam"
 }
 
 run_fuzz() { GDTSLAM_FUZZ_S=${GDTSLAM_FUZZ_S:-600} "$root/tools/scripts/fuzz.sh"; }
@@ -174,7 +201,6 @@ run_step() {
     fuzz) run_fuzz ;;
     integer) run_integer ;;
     endurance) run_endurance ;;
-    words) run_words ;;
     memcheck) run_memcheck ;;
     arm64) run_arm64 ;;
   esac

@@ -4,9 +4,10 @@ import json
 import re
 import resource
 import shutil
+import subprocess
 
 import cli_support as cli
-from cli_support import LOG, command, expect, expect_exit, one_error_line, skip
+from cli_support import DATA, LOG, PROGRAM, RUN, SLOWNESS, command, expect, expect_exit, fresh_folder, one_error_line, skip
 
 
 def out_of_memory():
@@ -158,3 +159,31 @@ def verify_tells_what_it_found_before_an_error():
     expect_exit(process, 74)
     one_error_line(process.stderr)
     expect(process.stdout == "", process.stdout)
+
+
+# Words that are no number, no text, no file and no end.
+WORDS = (b"\xff", b"name=\xff", b"", b"nan", b"inf m", b"1e999", b"-1", b"0", b"99999999999999999999", b"a" * 5000, b"%n%s{}{0}",
+         b"x\ny", b"/dev/null", b"/dev/null/x", b".", b"\xc3(:=,", b"=", b",", b"1,2,3", b"\x1b[2J", b"../../..", b"map.resolution=")
+WORDS_OF_COMMANDS = (f"map {LOG} -o out --no-pictures --first 5", f"edit {RUN} -o out --origin 1,1,90",
+                     f"tiles {RUN} -o out", f"render {RUN} -o out.png --size 64x48", f"localize {RUN} {LOG} --scan 0", f"doctor {LOG}",
+                     f"convert {LOG} -o out.csv", f"measure {DATA}/few.ply --planes", f"evaluate {RUN} --reference {RUN}",
+                     "linkage paper-b", "simulate three-boxes -o out.log --rate 1", "verify smallest_values --device cpu", "config show")
+
+
+def hostile_words():
+    """Each option that takes a value gets one of the words in turn, and each call ends in time, with a stated exit code and
+    with one error line that was meant where that is not 0."""
+    calls = 0
+    for line in WORDS_OF_COMMANDS:
+        name, *words = line.split()
+        listed = re.findall(r"^  (?:-\w, )?(--[a-z0-9-]+) [^ \n]", command(name, *words, "--help").stdout, re.MULTILINE)
+        for option in listed:
+            word = WORDS[calls % len(WORDS)]
+            calls += 1
+            process = subprocess.run([PROGRAM, name, *words, option, word], cwd=fresh_folder("hostile_words"), capture_output=True,
+                                     stdin=subprocess.DEVNULL, timeout=60 * SLOWNESS, check=False)
+            errors = [text for text in process.stderr.decode(errors="replace").splitlines() if text.startswith("gdtslam: error:")]
+            expect(process.returncode in (0, 1, 2, 65, 69, 70, 74, 78), f"{name} {option} {word}: exit {process.returncode}")
+            expect(len(errors) == (process.returncode != 0), f"{name} {option} {word}: exit {process.returncode}, {errors}")
+            expect(not any("error: unexpected: " in text for text in errors), f"{name} {option} {word}: {errors}")
+    expect(calls > 120, f"{calls} options that take a value")

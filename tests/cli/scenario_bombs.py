@@ -1,5 +1,5 @@
 """Small files of every format that stand for gigabytes or for hours: each ends in one line, and is held against the most
-memory and CPU time that docs/formats.md allows. bomb_formats/ has them; tools/scripts/bombs.py prints what each took."""
+memory and CPU time that docs/formats.md allows. bomb_formats/ has them; `ctest -V -R bombs` prints what each took."""
 
 
 import cli_support as cli

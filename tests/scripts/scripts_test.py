@@ -372,7 +372,7 @@ class Variables(unittest.TestCase):
                 source = file.read_text()
                 if "getenv" in source:
                     named.update(re.findall(r'"(GDTSLAM_[A-Z_]+)"', source))
-        for file in [*(ROOT / "tools").glob("*.sh"), *(ROOT / "tools/scripts").iterdir()]:
+        for file in [*(ROOT / "tools").glob("*.sh"), *(ROOT / "tools/scripts").rglob("*.sh"), *(ROOT / "tools/scripts").rglob("*.py")]:
             found = re.findall(r'\$\{?(GDTSLAM_[A-Z_]+)|environ(?:\.get\(|\[)"(GDTSLAM_[A-Z_]+)"', file.read_text())
             named.update(shell or python for shell, python in found)
         self.assertLessEqual({"GDTSLAM_VULKAN_FAULT", "GDTSLAM_JOBS", "GDTSLAM_FUZZ_S", "GDTSLAM_FUZZ_RUNS"}, named)

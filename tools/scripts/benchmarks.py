@@ -205,16 +205,16 @@ class Benchmarks:
         return table(["row", "case", "CPU time", "rate", "comparison", "as fast"], made)
 
     def table_city(self):
-        script = ROOT / "tools/scripts/city.py"
-        process = subprocess.run([sys.executable, script, self.program, "-o", self.folder / "city", *self.city], capture_output=True,
+        script = ROOT / "tools/scripts/experiments.py"
+        process = subprocess.run([sys.executable, script, "city", self.program, "-o", self.folder / "city", *self.city], capture_output=True,
                                  text=True, check=False)
-        if process.returncode not in (0, 1) or "| | measured" not in process.stdout:
+        if process.returncode not in (0, 1) or "|  | measured" not in process.stdout:
             sys.exit(f"benchmarks.py: {script}: exit {process.returncode}: {process.stderr.strip()}")
         live = json.loads((self.folder / "city/live.json").read_text())
         rows = [[f"{part['first']:,} to {part['first'] + part['scans'] - 1:,}", f"{part['keyframes']:,}",
                  time_text(part["keyframe_cpu_s"]), time_text(part["keyframe_merge_s"])] for part in live["parts"]]
         parts = table(["scans", "keyframes", "a keyframe, CPU", "of that local field and merge"], rows)
-        return parts + "\n\n" + process.stdout[process.stdout.index("| | measured"):].strip()
+        return parts + "\n\n" + process.stdout[process.stdout.index("|  | measured"):].strip()
 
     def table_reading(self):
         rows = []

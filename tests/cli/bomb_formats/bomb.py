@@ -1,7 +1,6 @@
 """What bombs are made with and measured by: small files that stand for gigabytes or for hours."""
 
 import ctypes
-import os
 import re
 import resource
 import struct
@@ -11,8 +10,7 @@ from typing import NamedTuple
 import cli_support as cli
 
 MB = 1 << 20
-# What comes through a pipe; tools/scripts/bombs.py sends more.
-PIPED = int(os.environ.get("GDTSLAM_BOMB_MB", "32")) * MB
+PIPED = 32 * MB  # what comes through a pipe
 
 
 class Bomb(NamedTuple):

@@ -1,31 +1,99 @@
-#!/usr/bin/env python3
-"""Whether memory and the time of a scan stay what they are however long it goes on.
+"""How long a robot waits for its pose, from the last byte of a scan's line to the line of its pose; and whether memory and the
+time of a scan stay what they are however long it goes on."""
 
-`endurance.py [--program GDTSLAM] [KIND...] [--hours H] [--maps N] [--map-scans N] [--scans N] [--check]` simulates a lap of a
-hall and drives it again and again, the wheels going on, as fast as the program takes it. KINDs, each a line of the table that is
-printed:
-
-  live       `live -` for H hours of 36,000 scans each, with loops
-  no-loops   the same with --no-loops
-  follow     the same in a map that was made before, `live - --map`
-  drive      N scans through `map -`, mapped and closed as one log
-  maps       N maps of so many scans (100) made one after the other in one process, by the library
-
-Memory is that which the process holds (VmRSS), its growth the least-squares slope over the second half. CPU is that of all
-threads, in the first and the last quarter. With --check the exit status is 1 where a figure is beyond its bound, which is printed."""
-
-import argparse
+import gzip
 import itertools
+import json
 import math
 import os
-import pathlib
+import select
 import subprocess
 import sys
-import tempfile
 import threading
 import time
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+from experiment.common import ROOT, print_table, print_row, times, inverse
+from long_drives import run
+
+
+def scan_messages(log):
+    """Bytes up to and with a scan's line, and the robot's time then."""
+    open_log = gzip.open if log.suffix == ".gz" else open
+    waiting, parts = b"", []
+    with open_log(log, "rb") as file:
+        for line in file:
+            waiting += line
+            if line.startswith(b"FLASER"):
+                parts.append((float(line.split()[-1]), waiting))
+                waiting = b""
+    return parts
+
+
+def answered(process, parts, speed):
+    """Seconds from each scan's last byte to its pose's line, and the lines. Time stands still where the log's does."""
+    begin, robot_s, due = time.perf_counter() + 0.5, 0.0, []
+    for k, (stamp, _) in enumerate(parts):
+        robot_s += min(max(stamp - parts[k - 1][0], 0.0), 1.0) if k > 0 else 0.0
+        due.append(begin + robot_s / speed)
+    to, back = process.stdin.fileno(), process.stdout.fileno()
+    os.set_blocking(to, False)
+    sent, taken, lines, unread, left = 0, [], [], b"", b""
+    starts = []  # before the write that gives a scan's last byte
+    while len(lines) < len(parts):
+        now = time.perf_counter()
+        if not left and sent < len(parts) and now >= due[sent]:
+            left = parts[sent][1]
+            sent += 1
+        if left:
+            try:
+                now = time.perf_counter()
+                left = left[os.write(to, left):]
+                if not left:
+                    starts.append(now)
+            except BlockingIOError:
+                pass
+        wait_s = max(due[sent] - time.perf_counter(), 0.0) if sent < len(parts) and not left else 60.0
+        ready, _, _ = select.select([back], [to] if left else [], [], wait_s)
+        if back not in ready:
+            continue
+        chunk = os.read(back, 1 << 16)
+        now = time.perf_counter()
+        if not chunk:
+            sys.exit("gdtslam live ended before its poses had come")
+        *whole, unread = (unread + chunk).split(b"\n")
+        for line in whole:
+            taken.append(now - starts[len(lines)])
+            lines.append(line)
+    alone = [taken[k] for k in range(1, len(taken)) if starts[k] >= starts[k - 1] + taken[k - 1]]
+    return taken, alone, lines, time.perf_counter() - begin
+
+
+def latency(chosen):
+    """Lines of a CARMEN log go to `live -` when the robot would send them, its time going --speed times as fast, whether or not
+    poses have come for those before; so a scan that waits for others has that in its figure, the last column aside. Beside it
+    --busy processes keep a core busy each."""
+    parts = scan_messages(chosen.log)
+    beside = [subprocess.Popen([sys.executable, "-S", "-c", "while True: pass"]) for _ in range(chosen.busy)]
+    try:
+        process = subprocess.Popen([chosen.program, "live", "-", "-q", "-o", chosen.folder / "run", *chosen.mapping],
+                                   stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        taken, alone, lines, lasted_s = answered(process, parts, chosen.speed)
+        process.stdin.close()
+        if process.wait() != 0:
+            sys.exit(f"gdtslam live ended with {process.returncode}")
+    finally:
+        for one in beside:
+            one.kill()
+            one.wait()
+    poses = [json.loads(line) for line in lines]
+    corrections = sum(a["correction"] != b["correction"] for a, b in zip(poses, poses[1:]))
+    at = lambda seconds, share: f"{1e3 * sorted(seconds)[min(int(share * len(seconds)), len(seconds) - 1)]:.2f} ms"
+    print_table("log", "scans", "a second", "loops took effect", "p50", "p99", "p99.9", "largest", "p99 of those that waited for no other")
+    print_row(f"{chosen.log.name.split('.')[0]}, {chosen.speed:g} times the robot's speed, {chosen.busy} cores busy beside it", f"{len(taken):,}",
+              f"{len(taken) / lasted_s:,.0f}", f"{corrections} times", *(at(taken, share) for share in (0.5, 0.99, 0.999, 1.0)), at(alone, 0.99))
+    return True
+
+
 KINDS = ("live", "no-loops", "follow", "drive", "maps")
 SCAN_HZ = 10
 SAMPLES = 200
@@ -39,7 +107,7 @@ MOST_MB_AN_HOUR_SETTLED = {"live": 1.0, "no-loops": 1.0}
 MOST_BYTES_A_MAP = 1000.0
 MOST_TIMES_SLOWER = {"live": 3.0, "no-loops": 1.5, "follow": 1.5, "drive": 3.0, "maps": 1.5}
 
-SCENE = """gdtslam_scene: 1
+HALL = """gdtslam_scene: 1
 name: hall
 walls:
   - {points: [[0, 0], [24, 0], [24, 16], [0, 16]], closed: true}
@@ -65,28 +133,12 @@ waypoints:
 """
 
 
-def run(*command):
-    done = subprocess.run([str(part) for part in command], capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        sys.exit(f"{' '.join(map(str, command))}: exit {done.returncode}: {done.stderr.strip()}")
-
-
-def composed(a, b):
-    c, s = math.cos(a[2]), math.sin(a[2])
-    return (a[0] + c * b[0] - s * b[1], a[1] + s * b[0] + c * b[1], math.remainder(a[2] + b[2], 2.0 * math.pi))
-
-
-def inverse(a):
-    c, s = math.cos(a[2]), math.sin(a[2])
-    return (-c * a[0] - s * a[1], s * a[0] - c * a[1], -a[2])
-
-
 class Lap:
     """A lap whose end is its beginning: (the line up to its ranges, odometry, time) of each scan."""
 
     def __init__(self, program, folder):
         scene, log = folder / "hall.yaml", folder / "hall.log"
-        scene.write_text(SCENE % (SCAN_HZ, SCAN_HZ))
+        scene.write_text(HALL % (SCAN_HZ, SCAN_HZ))
         run(program, "simulate", scene, "-o", log, "--seed", 1, "--quiet")
         self.scans = []
         for line in log.read_text().splitlines():
@@ -95,7 +147,7 @@ class Lap:
                 beams = int(word[1])
                 self.scans.append((" ".join(word[:2 + beams]), tuple(map(float, word[5 + beams:8 + beams])), float(word[8 + beams])))
         odometry = [scan[1] for scan in self.scans]
-        self.round = composed(odometry[-1], inverse(odometry[0]))
+        self.round = times(odometry[-1], inverse(odometry[0]))
         self.length_m = sum(math.dist(a[:2], b[:2]) for a, b in zip(odometry, odometry[1:]))
 
     def lines(self, count):
@@ -104,12 +156,12 @@ class Lap:
         left = count
         while left > 0:
             for text, odometry, stamp_s in itertools.islice(self.scans, left):
-                x, y, turn = composed(before, odometry)
+                x, y, turn = times(before, odometry)
                 at = f"{x:.6f} {y:.6f} {turn:.6f}"
                 when = f"{stamp_s + shift_s:.6f}"
                 yield f"{text} {at} {at} {when} robot {when}\n".encode()
             left -= len(self.scans)
-            before = composed(self.round, before)
+            before = times(self.round, before)
             shift_s += self.scans[-1][2] - self.scans[0][2] + 1.0 / SCAN_HZ
 
 
@@ -198,7 +250,7 @@ def maps_line(program, lap, folder, count, scans):
     return row, [("bytes a map", growth, MOST_BYTES_A_MAP), ("CPU of the last quarter to the first", last / first, MOST_TIMES_SLOWER["maps"])]
 
 
-def line(kind, program, lap, folder, scans):
+def endurance_line(kind, program, lap, folder, scans):
     """A row of the table, and (what, measured, most)."""
     out = folder / f"run-{kind}"
     options = {"live": ["live", "-", "-q", "--no-copy", "-o", out], "no-loops": ["live", "-", "-q", "--no-copy", "--no-loops", "-o", out],
@@ -225,35 +277,22 @@ def line(kind, program, lap, folder, scans):
     return row, bounds
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("kinds", nargs="*", metavar="KIND", help="of: " + ", ".join(KINDS) + " (default: all)")
-    parser.add_argument("--program", type=pathlib.Path, default=ROOT / "build/release/bin/gdtslam")
-    parser.add_argument("--hours", type=float, default=10.0)
-    parser.add_argument("--scans", type=int, default=1_000_000)
-    parser.add_argument("--maps", type=int, default=10_000)
-    parser.add_argument("--map-scans", type=int, default=100)
-    parser.add_argument("--check", action="store_true")
-    chosen = parser.parse_args()
-    unknown = [kind for kind in chosen.kinds if kind not in KINDS]
-    if unknown:
-        parser.error(f"no kind '{unknown[0]}': there are {', '.join(KINDS)}")
-    print("| kind | of | robot's time | memory | growth | CPU, first and last quarter | closing |\n|---|---|---|---|---|---|---|", flush=True)
+def endurance(chosen):
+    """A lap of a hall is driven again and again, the wheels going on, as fast as the program takes it, for --hours of the robot.
+    KINDs: live with loops, no-loops, follow a map that was made before, drive --scans through `map -`, and --maps made one after
+    the other in one process by the library. Memory is that which the process holds, its growth the slope over the second half.
+    CPU is that of all threads, in the first and the last quarter."""
     beyond = []
-    with tempfile.TemporaryDirectory() as temporary:
-        folder = pathlib.Path(temporary)
-        lap = Lap(chosen.program, folder)
-        for kind in chosen.kinds or KINDS:
+    lap = Lap(chosen.program, chosen.folder)
+    print_table("kind", "of", "robot's time", "memory", "growth", "CPU, first and last quarter", "closing")
+    for kind in chosen.kinds or KINDS:
+        if kind == "maps":
+            row, bounds = maps_line(chosen.program, lap, chosen.folder, chosen.maps, chosen.map_scans)
+        else:
             scans = chosen.scans if kind == "drive" else int(chosen.hours * 3600 * SCAN_HZ)
-            if kind == "maps":
-                row, bounds = maps_line(chosen.program, lap, folder, chosen.maps, chosen.map_scans)
-            else:
-                row, bounds = line(kind, chosen.program, lap, folder, scans)
-            print(row, flush=True)
-            beyond += [f"{kind}: {what}: {value:.3g}, at most {most:g}" for what, value, most in bounds if value > most]
-    if chosen.check and beyond:
-        sys.exit("beyond the bounds: " + "; ".join(beyond))
-
-
-if __name__ == "__main__":
-    main()
+            row, bounds = endurance_line(kind, chosen.program, lap, chosen.folder, scans)
+        print(row, flush=True)
+        beyond += [f"{kind}: {what}: {value:.3g}, at most {most:g}" for what, value, most in bounds if value > most]
+    if beyond:
+        print("beyond the bounds: " + "; ".join(beyond), file=sys.stderr)
+    return not beyond

@@ -1,31 +1,17 @@
-#!/usr/bin/env python3
-"""A city of a square kilometre, or up to four, and a drive through all its streets, and what mapping it takes from its first scans to its last.
+"""A drive through all streets of a city, and what mapping it takes: from its first scans to its last, and against how far a
+robot drives and how large the city is."""
 
-  city.py GDTSLAM -o FOLDER [--side M] [--blocks N] [--scans N] [--seed N] [--only-log] [--set PATH=VALUE] [--loops]
-
-The campus of docs/benchmarks.md is --side 1994 --blocks 4 --scans 60000. Blocks of houses whose facades have recesses, parked cars, trees; the laser sees 80 m over half a turn. The drive goes through
-every street at least once and comes back to where it began. FOLDER gets city.yaml, city.log.gz and city.truth.tum, some
-25 MB at 30,000 scans; a log that is there and was made with the same options is used again. Then
-`gdtslam bench live --speed 0` maps the log, without loops or with them, and its figures are held against the bounds: time a
-keyframe of the last tenth within 10 % of the first, 3 GB, 30 ms a scan. The exit code is 1 where one is missed.
-"""
-
-import argparse
 import json
 import math
-import os
-import pathlib
 import random
-import subprocess
-import sys
-import time
+
+from experiment.common import print_table, print_row, peak_of
+from long_drives import run
 
 STREET_M = 14.0
 SPEED_M_S = 4.0
 CORNER_M = 11.0  # from a crossing's middle to where cars may park
-BOUNDS = {"growth": 1.10, "memory_bytes": 3e9, "largest_s": 0.030}
-
-ROBOT = """
+CITY_ROBOT = """
 robot:
   body: {{radius: 80 cm, height: 1.6 m}}
   laser: {{preset: sick-361, height: 60 cm}}
@@ -149,82 +135,68 @@ class City:
         for (x, y), radius in self.trees:
             lines.append(f"  - {{centre: {self.text_of(x, y)}, radius: {radius:.3f}, height: 5 m, sides: 12}}")
         points = "".join(f"  - {self.text_of(x, y)}\n" for x, y in waypoints)
-        return "\n".join(lines) + ROBOT.format(speed=SPEED_M_S, rate=rate_hz) + "waypoints:\n" + points
+        return "\n".join(lines) + CITY_ROBOT.format(speed=SPEED_M_S, rate=rate_hz) + "waypoints:\n" + points
 
 
-def length_of(waypoints):
-    return sum(abs(a[0] - b[0]) + abs(a[1] - b[1]) for a, b in zip(waypoints, waypoints[1:]))
-
-
-def run(*command):
-    """What it prints, its CPU seconds and the most memory in bytes that it had."""
-    process = subprocess.Popen([str(word) for word in command], stdout=subprocess.PIPE)
-    text = process.stdout.read().decode()
-    _, status, usage = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    if process.returncode != 0:
-        sys.exit(f"city.py: {' '.join(map(str, command))}: exit {process.returncode}")
-    return text, usage.ru_utime + usage.ru_stime, 1024.0 * usage.ru_maxrss
-
-
-def make_log(options):
-    """The log of the scene in the folder; made only where the scene is another."""
-    city = City(options.side, options.blocks, options.seed)
+def city_log(program, folder, side_m, blocks, scans, seed):
+    """The log of a city in the folder; made only where its scene is another than before."""
+    city = City(side_m, blocks, seed)
     waypoints = city.drive()
-    rate_hz = 1.01 * options.scans * SPEED_M_S / length_of(waypoints)
-    scene, log = city.scene(waypoints, rate_hz), options.output / "city.log.gz"
-    file = options.output / "city.yaml"
-    if log.exists() and file.exists() and file.read_text() == scene:
-        return log
-    options.output.mkdir(parents=True, exist_ok=True)
-    log.unlink(missing_ok=True)
-    file.write_text(scene)
-    print(f"{len(city.walls)} blocks and their rim, {len(city.cars)} cars, {len(city.trees)} trees; {length_of(waypoints) / 1000:.1f} km")
-    run(options.program, "simulate", file, "-o", log, "--seed", options.seed, "--quiet")
+    length_m = sum(abs(a[0] - b[0]) + abs(a[1] - b[1]) for a, b in zip(waypoints, waypoints[1:]))
+    scene, log, file = city.scene(waypoints, 1.01 * scans * SPEED_M_S / length_m), folder / "city.log.gz", folder / "city.yaml"
+    if not (log.exists() and file.exists() and file.read_text() == scene):
+        folder.mkdir(parents=True, exist_ok=True)
+        log.unlink(missing_ok=True)
+        file.write_text(scene)
+        print(f"{len(city.walls)} blocks and their rim, {len(city.cars)} cars, {len(city.trees)} trees; {length_m / 1000:.1f} km")
+        run(program, "simulate", file, "-o", log, "--seed", seed, "--quiet")
     return log
 
 
-def verdict(live, memory_bytes):
-    """Lines of a table, and whether all bounds hold."""
-    first, last = live["parts"][0], live["parts"][-1]
-    values = {"growth": last["keyframe_cpu_s"] / first["keyframe_cpu_s"], "memory_bytes": memory_bytes,
-              "largest_s": live["cpu"]["largest_s"]}
-    texts = {"growth": ("a keyframe's CPU time, last tenth by first", "{:.2f}"), "memory_bytes": ("memory, bytes", "{:.3g}"),
-             "largest_s": ("largest CPU time of a scan, s", "{:.4f}")}
-    lines = ["| | measured | at most |", "|---|---|---|"]
-    lines += [f"| {text} | {shape.format(values[key])} | {shape.format(BOUNDS[key])} |" for key, (text, shape) in texts.items()]
-    return lines, all(values[key] <= BOUNDS[key] for key in BOUNDS)
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("program")
-    parser.add_argument("-o", "--output", type=pathlib.Path, required=True)
-    parser.add_argument("--side", type=float, default=1000.0, help="of the city, metres (%(default)s)")
-    parser.add_argument("--blocks", type=int, default=10, help="along a side (%(default)s)")
-    parser.add_argument("--scans", type=int, default=30000, help="at least (%(default)s)")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--only-log", action="store_true", help="do not map it")
-    parser.add_argument("--loops", action="store_true", help="map with loops")
-    parser.add_argument("--set", action="append", default=[], metavar="PATH=VALUE", help="passed on")
-    options = parser.parse_args()
-    if not (60.0 <= options.side <= 1994.0 and options.blocks >= 1 and options.side / options.blocks >= 60.0):
-        parser.error("--side is 60 to 1994 m, 60 m a block at least")
-    start = time.monotonic()
-    log = make_log(options)
-    print(f"{log}: {time.monotonic() - start:.0f} s")
-    if options.only_log:
-        return
-    words = [word for value in options.set for word in ("--set", value)]
-    text, cpu_s, memory_bytes = run(options.program, "bench", "live", "--log", log, "--speed", 0, "--json", *words,
-                                    *([] if options.loops else ["--no-loops"]))
+def city(chosen):
+    """Maps a city as `bench live --speed 0` does: a keyframe's time in the last tenth by that in the first, memory, slowest scan."""
+    log = city_log(chosen.program, chosen.folder, chosen.side, chosen.blocks, chosen.scans, chosen.seed)
+    text, memory_bytes = peak_of(chosen.program, "bench", "live", "--log", log, "--speed", 0, "--json", *chosen.mapping,
+                                 *([] if chosen.loops else ["--no-loops"]))
+    (chosen.folder / "live.json").write_text(text)
     live = json.loads(text)
-    (options.output / "live.json").write_text(text)
-    lines, is_met = verdict(live, memory_bytes)
-    print(f"{live['scans']} scans, {live['keyframes']} keyframes, {cpu_s:.1f} s of CPU time; {options.output / 'live.json'} has more")
-    print("\n".join(lines))
-    sys.exit(0 if is_met else 1)
+    first, last = live["parts"][0], live["parts"][-1]
+    rows = (("a keyframe's CPU time, last tenth by first", "{:.2f}", last["keyframe_cpu_s"] / first["keyframe_cpu_s"], 1.10),
+            ("memory, bytes", "{:.3g}", memory_bytes, 3e9), ("largest CPU time of a scan, s", "{:.4f}", live["cpu"]["largest_s"], 0.030))
+    print_table("", "measured", "at most")
+    for name, shape, value, most in rows:
+        print_row(name, shape.format(value), shape.format(most))
+    return all(value <= most for _, _, value, most in rows)
 
 
-if __name__ == "__main__":
-    main()
+CAMPUS_SPACING_M = 23778.0 / 60704  # between scans
+CAMPUS_KM = (1, 5, 20)
+CITY_SIDES = ((125, 2), (250, 4), (500, 4), (1000, 4))  # metres, blocks
+AREA_SCANS = 12000
+
+
+def campus_row(chosen, label, log, scans, folder):
+    for mode in ("with loops", "--no-loops"):
+        out = chosen.folder / f"{folder}{mode[:2]}"
+        kept = out.with_suffix(".json")
+        if not kept.exists():
+            _, memory_bytes = peak_of(chosen.program, "map", log, "--first", scans, "-o", out, "--no-copy", "--quiet",
+                                      *(["--no-loops"] if mode == "--no-loops" else []))
+            kept.write_text(json.dumps([memory_bytes, json.loads((out / "report.json").read_text())]))
+        memory_bytes, report = json.loads(kept.read_text())
+        print_row(label, mode, f"{report['scans']:,}", f"{memory_bytes / 1e6:.0f} MB", f"{report['cpu_s']:.1f} s",
+                  f"{1000.0 * report['cpu_s'] / report['scans']:.2f} ms", report.get("tiles", "none"))
+
+
+def campus(chosen):
+    """Maps drives of 1, 5 and 20 km, and 12,000 scans of cities of other sizes, with loops and without."""
+    log = city_log(chosen.program, chosen.folder / "campus", 1994.0, 4, 60000, 1)
+    print_table("driven", "", "scans", "memory", "CPU time", "a scan", "tiles")
+    for km in CAMPUS_KM:
+        campus_row(chosen, f"{km} km", log, round(1000 * km / CAMPUS_SPACING_M), f"length_{km}")
+    print()
+    print_table("side", "", "scans", "memory", "CPU time", "a scan", "tiles")
+    for side, blocks in CITY_SIDES:
+        log = city_log(chosen.program, chosen.folder / f"side_{side}", float(side), blocks, AREA_SCANS, 1)
+        campus_row(chosen, f"{side} m", log, AREA_SCANS, f"area_{side}")
+    return True

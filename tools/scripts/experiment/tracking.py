@@ -1,26 +1,14 @@
-#!/usr/bin/env python3
-"""The table of docs/benchmarks.md about drives followed in a map that stays: `tracking_figures.py PROGRAM LOG... [-o FOLDER]`.
+"""Drives followed in a map that stays."""
 
-Each log (CARMEN, plain or gzip) is mapped whole, and its first half alone. The second half is followed in the map of
-the first; the whole log in the whole map, from starts in different places, and carried away five times. A line each as
-Markdown. FOLDER keeps what was made, and what it has is not made again.
-
-Where the second half should be in the map of the first: both maps have the scans of the first half, each in its own
-frame, and neither is rigid. So a scan's place is taken from the nearest of them: T_half(near) T_whole(near)^-1
-T_whole(scan). A place is mapped where the first half passed within a metre looking the same way within 45 degrees; the
-program's own figures count places by what their scans show of the map."""
-
-import argparse
 import csv
 import gzip
 import json
 import math
-import pathlib
-import subprocess
-import sys
-import tempfile
 
-NEAR_M = 1.0
+from experiment.common import printed, times, inverse, stamped_poses
+from long_drives import run
+
+PLACE_NEAR_M = 1.0
 SAME_WAY_RAD = math.radians(45.0)
 WITHIN_M = 0.1
 WITHIN_RAD = math.radians(1.0)
@@ -29,24 +17,8 @@ CARRIED = 5
 JUMP = 500  # scans
 
 
-def times(a, b):
-    c, s = math.cos(a[2]), math.sin(a[2])
-    return a[0] + c * b[0] - s * b[1], a[1] + s * b[0] + c * b[1], a[2] + b[2]
-
-
-def inverse(a):
-    c, s = math.cos(a[2]), math.sin(a[2])
-    return -c * a[0] - s * a[1], s * a[0] - c * a[1], -a[2]
-
-
 def turned(a, b):
     return abs((a - b + math.pi) % (2.0 * math.pi) - math.pi)
-
-
-def poses_of(path):
-    """(stamp, pose) of each row."""
-    rows = [list(map(float, line.split())) for line in path.read_text().splitlines() if line[0] != "#"]
-    return [(row[0], (row[1], row[2], 2.0 * math.atan2(row[6], row[7]))) for row in rows]
 
 
 def write_poses(path, poses):
@@ -66,26 +38,19 @@ class Passed:
         """(index, whether it is near and looks the same way)"""
         x, y = math.floor(pose[0]), math.floor(pose[1])
         near = [k for i in (-1, 0, 1) for j in (-1, 0, 1) for k in self.cells.get((x + i, y + j), ())]
-        near = [k for k in near if math.dist(self.poses[k][:2], pose[:2]) <= NEAR_M]
+        near = [k for k in near if math.dist(self.poses[k][:2], pose[:2]) <= PLACE_NEAR_M]
         alike = [k for k in near if turned(self.poses[k][2], pose[2]) <= SAME_WAY_RAD]
         return min(alike or near or range(len(self.poses)), key=lambda k: math.dist(self.poses[k][:2], pose[:2])), bool(alike)
-
-
-def run(program, *arguments):
-    process = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, check=False)
-    if process.returncode != 0:
-        sys.exit(f"{' '.join(map(str, arguments))}: {process.stderr}")
-    return process.stdout
 
 
 def mapped(program, log, folder, *arguments):
     if not (folder / "trajectory.tum").exists():
         run(program, "map", log, "-o", folder, "-q", *arguments)
-    return poses_of(folder / "trajectory.tum")
+    return stamped_poses(folder / "trajectory.tum")
 
 
 def tracked(program, map_folder, log, table, *arguments):
-    report = json.loads(run(program, "localize", map_folder, log, "--track", "--json", "--table", table, *arguments))
+    report = json.loads(printed(program, "localize", map_folder, log, "--track", "--json", "--table", table, *arguments))
     with open(table, newline="", encoding="ascii") as file:
         return report, list(csv.DictReader(file))
 
@@ -179,20 +144,16 @@ def carried(program, log, folder, whole):
     print(f"| {folder.name}, carried away {len(cuts)} times | right again after {words}; tracked elsewhere: {wrong} scans |")
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("program")
-    parser.add_argument("logs", nargs="+", type=pathlib.Path)
-    parser.add_argument("-o", "--output", type=pathlib.Path)
-    arguments = parser.parse_args()
-    with tempfile.TemporaryDirectory() as temporary:
-        for log in arguments.logs:
-            folder = (arguments.output or pathlib.Path(temporary)) / log.name.split(".")[0]
-            folder.mkdir(parents=True, exist_ok=True)
-            whole = second_half(arguments.program, log, folder)
-            starts(arguments.program, log, folder, whole)
-            carried(arguments.program, log, folder, whole)
-
-
-if __name__ == "__main__":
-    main()
+def tracking(chosen):
+    """Each log (CARMEN, plain or gzip) is mapped whole, and its first half alone. The second half is followed in the map of the
+    first; the whole log in the whole map, from starts in different places, and carried away five times. Both maps have the scans
+    of the first half, each in its own frame, so a scan's place is taken from the nearest of them:
+    T_half(near) T_whole(near)^-1 T_whole(scan). A place is mapped where the first half passed within a metre looking the same
+    way within 45 degrees."""
+    for log in chosen.logs:
+        folder = chosen.folder / log.name.split(".")[0]
+        folder.mkdir(parents=True, exist_ok=True)
+        whole = second_half(chosen.program, log, folder)
+        starts(chosen.program, log, folder, whole)
+        carried(chosen.program, log, folder, whole)
+    return True
