@@ -182,11 +182,10 @@ run_fuzz() { GDTSLAM_FUZZ_S=${GDTSLAM_FUZZ_S:-600} "$root/tools/scripts/fuzz.sh"
 
 run_integer() {
   export CCACHE_EXTRAFILES=$root/tests/fuzz/integer_ignored.txt  # which ccache does not know of
-  local build=$root/build/integer tests=(gdtslam_unit_io_tests gdtslam_unit_runs_tests)
+  local corpus build=$root/build/integer tests=(gdtslam_unit_io_tests gdtslam_unit_runs_tests)
   (cd "$root" && cmake --preset integer --log-level=WARNING)
   cmake --build "$build" --parallel "$(build_jobs)" --target gdtslam_fuzz "${tests[@]}"
-  python3 -B "$root/tools/scripts/fuzz_targets.py" --replay --program "$build/bin/gdtslam_fuzz" \
-    --corpus "$root/tests/fuzz/corpus" --folder "$build"
+  for corpus in "$root"/tests/fuzz/corpus/*; do "$build/bin/gdtslam_fuzz" "${corpus##*/}" -runs=0 "$corpus"; done
   for program in "${tests[@]}"; do "$build/bin/$program" --gtest_filter=-*RealLog*:*RealData*; done
 }
 

@@ -1,4 +1,4 @@
-// What `reproduce`, `bench` and `verify` kept of an earlier call.
+// What `reproduce` and `bench` kept of an earlier call.
 #pragma once
 
 #include <array>
@@ -11,7 +11,6 @@
 #include <string_view>
 
 #include "target.hpp"
-#include "tools/gdtslam/shell/device/verify_record.hpp"
 #include "tools/lab/bench/against.hpp"
 #include "tools/lab/reproduce/store.hpp"
 
@@ -56,22 +55,7 @@ inline void read_earlier_bench(std::span<const std::byte> data) {
   });
 }
 
-/// What `verify` found on devices: a file that is damaged is as good as none, and a result that is kept is found.
-inline void read_verify_records(std::span<const std::byte> data) {
-  static const ScratchFolder folder;
-  folder.put("verify.json", text_of(data));
-  const VerifyRecords records(folder.path(), "shaders");
-  VulkanDeviceInfo device;
-  device.name = "device";
-  device.driver = "driver";
-  static_cast<void>(records.find(device));
-  records.keep(device, {"2026-01-02", 3, 2, 1, ""});
-  const std::optional<VerifyRecord> kept = records.find(device);
-  require(kept && kept->cases == 3 && kept->logs == 2 && kept->differences == 1 && !kept->passed());
-}
-
 inline constexpr std::array kLabTargets{FuzzTarget{"part", read_kept_part, 3},
-                                        FuzzTarget{"bench", read_earlier_bench, 3},
-                                        FuzzTarget{"verify", read_verify_records, 3}};
+                                        FuzzTarget{"bench", read_earlier_bench, 3}};
 
 }  // namespace gdtslam::fuzz

@@ -19,7 +19,6 @@
 #include "engine/io/meshes/mesh_file.hpp"
 #include "gdtslam/io/cloud_file.hpp"
 #include "gdtslam/io/config_yaml.hpp"
-#include "gdtslam/io/distance_field_file.hpp"
 #include "gdtslam/io/occupancy_map_file.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "gdtslam/mapping/config.hpp"
@@ -70,22 +69,6 @@ inline void read_map_description(std::span<const std::byte> data) {
     const OccupancyMap again = read_occupancy_map(folder.file("again.yaml"));
     require(again.geometry == grid, "a map that is written again lies elsewhere");
     for (std::size_t cell = 0; cell < 6; ++cell) require(again.cells[cell] == map.cells[cell]);
-  });
-}
-
-inline void read_field_description(std::span<const std::byte> data) {
-  static const ScratchFolder folder;
-  static const bool is_ready = [] {
-    const std::vector<std::uint16_t> cells{0, 256, 5120};
-    write_distance_field(folder.file("gdt.yaml"), rows_of(DistanceFieldView{{0.05, 1.0, 2.0, 3, 1}, 3, cells, 5120}));
-    return true;
-  }();
-  require(is_ready);
-  expect_typed<InputError, FileError>([&] {
-    const DistanceFieldFile field = read_distance_field(folder.put("fuzz.yaml", text_of(data)));
-    require(field.geometry.width == 3 && field.geometry.height == 1 && field.cells.size() == 3 && field.cap > 0);
-    for (const std::uint16_t cell : field.cells) require(cell <= field.cap);
-    require(field.geometry.resolution_m > 0.0 && std::isfinite(field.geometry.resolution_m));
   });
 }
 
@@ -163,7 +146,7 @@ inline void read_distance_image(std::span<const std::byte> data) {
   detail::read_png(bytes_of(detail::with_png_checksums(text_of(data))));
 }
 
-/// PLY and PCD: which it is stands in the first line, so each has its corpus.
+/// PLY and PCD: which it is stands in the first line.
 inline void read_cloud_file(std::span<const std::byte> data) {
   expect_typed<InputError>([&] {
     CloudReader reader(data, "fuzz");
@@ -198,10 +181,9 @@ inline void read_mesh_file(std::span<const std::byte> data) {
 
 inline constexpr std::array kMapTargets{
     FuzzTarget{"config", read_configuration, 8},     FuzzTarget{"map", read_map_image, 3},
-    FuzzTarget{"map_yaml", read_map_description, 5}, FuzzTarget{"gdt_yaml", read_field_description, 4},
-    FuzzTarget{"tum", read_trajectory, 2},           FuzzTarget{"relations", read_relation_file, 3},
-    FuzzTarget{"png", read_distance_image, 2},       FuzzTarget{"ply", read_cloud_file, 5},
-    FuzzTarget{"pcd", read_cloud_file, 5},           FuzzTarget{"mesh", read_mesh_file, 8},
+    FuzzTarget{"map_yaml", read_map_description, 5}, FuzzTarget{"tum", read_trajectory, 2},
+    FuzzTarget{"relations", read_relation_file, 3},  FuzzTarget{"png", read_distance_image, 2},
+    FuzzTarget{"cloud", read_cloud_file, 10},        FuzzTarget{"mesh", read_mesh_file, 8},
 };
 
 }  // namespace gdtslam::fuzz

@@ -21,6 +21,7 @@
 #include "engine/runs/folder/run_reader.hpp"
 #include "engine/runs/localizer/map_field.hpp"
 #include "engine/runs/sites/run_session.hpp"
+#include "gdtslam/io/distance_field_file.hpp"
 #include "gdtslam/io/occupancy_map_file.hpp"
 #include "target.hpp"
 
