@@ -2,13 +2,13 @@
 
 import pathlib
 import re
-import sys
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tools/scripts"))
-import lint  # noqa: E402  (its folder is no package)
-
+# What anonymous namespaces define at the beginning of a line, as clang-format leaves it: types, aliases; functions, constants.
+HIDDEN = re.compile(r"^namespace \{$(.*?)^\}  // namespace$", re.MULTILINE | re.DOTALL)
+DEFINED = re.compile(r"^(?:struct|class|enum class) (\w+)|^using (\w+) ="
+                     r"|^(?!using )\w[^(){}=;\n]*(?<!::)\b(\w+)(?:\[\w*\])*(?:\(| = |\{|;$)", re.MULTILINE)
 LIBRARY = re.compile(r"gdtslam(?:_tools)?_library\(")
 
 
@@ -20,6 +20,12 @@ def libraries():
                 yield file.parent
     for layer in ("unit", "property", "oracle", "golden", "equivalence"):
         yield from (ROOT / "tests" / layer).iterdir()
+
+
+def hidden_names(text):
+    """What the anonymous namespaces of a source define; macros such as TEST are in capitals."""
+    found = (name for part in HIDDEN.findall(text) for names in DEFINED.findall(part) for name in names)
+    return {name for name in found if name and not name.isupper()}
 
 
 def code_of(text):
@@ -35,7 +41,7 @@ def clashes(sources):
     texts = {path: code_of(path.read_text()) for path in sources}
     found = {}
     for path, text in texts.items():
-        for name in lint.hidden_names(path.read_text()):
+        for name in hidden_names(path.read_text()):
             word = re.compile(rf"(?<!\.)(?<!->)(?<!::)\b{name}\b")
             defined = re.search(rf"^(?:using|constexpr|const|struct|class|enum)\b[^(\n]*?\b{name}\b.*$", text, re.MULTILINE)
             if not defined or not re.match(r"k?[A-Z]", name):

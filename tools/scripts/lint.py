@@ -3,15 +3,14 @@
 
 Usage: lint.py [--since REVISION] [--seconds N] BUILD_FOLDER [FILE...]
 
-One process per processor. A file whose text, own headers, compile command and .clang-tidy have not changed since it last
-passed is not checked again; the record lies in BUILD_FOLDER/lint. With CI=true the record is ignored. With --since only
-sources are checked that changed since that revision (other than by moving, or in what they include), and for each header of
-ours that did one source that includes it; all where .clang-tidy changed. With --seconds no batch begins after that time; the
-sources that this left out are counted, and where the others pass the exit code is 77.
+One process per processor. With --since only sources are checked that changed since that revision (other than by moving, or in
+what they include), and for each header of ours that did one source that includes it; all where .clang-tidy changed. With
+--seconds no batch begins after that time; the sources that this left out are counted, and where the others pass the exit code
+is 77.
 
 clang-tidy spends nearly all its time in the headers of the system. So sources that are compiled with the same arguments are
 written one behind the other into one file, a batch, and checked in one go:
-  - Names of anonymous namespaces that would clash in one file get an ending, which makes no wrong name right.
+  - They are of one target, so what their anonymous namespaces define has names of its own (tests/scripts/unity_test.py).
   - Where a batch does not compile, the sources that the compiler names and the others are two batches.
   - A batch is one main file, so checks that look at main files only see each of its sources.
   - misc-unused-using-decls and misc-unused-alias-decls count uses in the whole file. A source that has a declaration of
@@ -21,7 +20,6 @@ written one behind the other into one file, a batch, and checked in one go:
 """
 
 import concurrent.futures
-import hashlib
 import itertools
 import json
 import math
@@ -41,10 +39,6 @@ DROPPED_FLAGS = {"-Werror", "-Winvalid-pch", "-fpch-preprocess"}
 # Larger ones gain little more and take more memory (20 sources: up to 1 GB).
 SOURCES_PER_BATCH = 20
 USING = re.compile(r'^\s*using\s+(?:typename\s+)?[\w:]*::(\w+)\s*;|^\s*namespace\s+(\w+)\s*=', re.MULTILINE)
-# What anonymous namespaces define at the beginning of a line, as clang-format leaves it: types, aliases; functions, constants.
-HIDDEN = re.compile(r"^namespace \{$(.*?)^\}  // namespace$", re.MULTILINE | re.DOTALL)
-DEFINED = re.compile(r"^(?:struct|class|enum class) (\w+)|^using (\w+) ="
-                     r"|^(?!using )\w[^(){}=;\n]*(?<!::)\b(\w+)(?:\[\w*\])*(?:\(| = |\{|;$)", re.MULTILINE)
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
 
 
@@ -126,18 +120,6 @@ def touched(sources, changed):
     return wanted
 
 
-def fingerprint(path, arguments, version):
-    headers = set()
-    own_headers(path, include_folders(arguments), headers)
-    digest = hashlib.sha256(version)
-    digest.update(" ".join(arguments).encode())
-    configs = [ROOT / ".clang-tidy", *(parent / ".clang-tidy" for parent in path.parents if parent != ROOT)]
-    for file in [path, *sorted(headers), *configs]:
-        if file.is_file():
-            digest.update(str(file).encode() + b"\0" + file.read_bytes())
-    return digest.hexdigest()
-
-
 def tidy(*arguments):
     """Exit status and the text of a run of clang-tidy."""
     command = ["clang-tidy", "--quiet", "--warnings-as-errors=*", *(str(a) for a in arguments)]
@@ -164,30 +146,6 @@ def may_share(path):
     text = path.read_text(errors="replace")
     names = [first or second for first, second in USING.findall(text)]
     return all(len(re.findall(rf"\b{name}\b", text)) > names.count(name) for name in names)
-
-
-def hidden_names(text):
-    """What the anonymous namespaces of a source define; macros such as TEST are in capitals."""
-    found = (name for part in HIDDEN.findall(text) for names in DEFINED.findall(part) for name in names)
-    return {name for name in found if name and not name.isupper()}
-
-
-def joined(sources):
-    """The text of a batch. A name that was hidden in a source before gets an ending in all lines but those of #include."""
-    parts, taken = [], set()
-    for number, path in enumerate(sources):
-        text = path.read_text()
-        hidden = hidden_names(text)
-        if clashing := hidden & taken:
-            letter = chr(ord("a") + number)
-            ending = {True: f"_q{letter}", False: f"Q{letter}"}  # kName_m_qa, a_name_qa; ANameQa
-            # Of a.size() and std::size() neither is the hidden one.
-            names = "|".join(sorted(clashing))
-            word = re.compile(rf"^\s*#\s*include.*|(?<!\.)(?<!->)(?<!::)\b(?:{names})\b", re.MULTILINE)
-            text = word.sub(lambda m: m[0] + ending[m[0][0].islower()] if m[0] in clashing else m[0], text)
-        taken |= hidden
-        parts.append(f'#line 1 "{path}"\n{text}\n')
-    return "".join(parts)
 
 
 def have_clashing_headers(folders):
@@ -232,7 +190,7 @@ class Batches:
 
     def check_together(self, sources):
         batch = self.like(settings_folder(sources[0])) / f"batch_{next(self.count)}{sources[0].suffix}"
-        batch.write_text(joined(sources))
+        batch.write_text("".join(f'#line 1 "{path}"\n{path.read_text()}\n' for path in sources))
         # Files included by their name alone lie beside the source, but not beside the batch.
         beside = [word for folder in sorted({path.parent for path in sources}) for word in ("-iquote", folder)]
         return tidy(batch, "--", "-ferror-limit=0", *self.shared[sources[0]], *beside)
@@ -269,28 +227,16 @@ def main():
     wanted = {pathlib.Path(name).resolve() for name in words[1:]}
     work = build / "lint"
     work.mkdir(exist_ok=True)
-    record_file = work / "passed.json"
-    record = {}
-    if record_file.is_file() and os.environ.get("CI") != "true":
-        record = json.loads(record_file.read_text())
-
-    version = subprocess.run(["clang-tidy", "--version"], capture_output=True, check=True).stdout
-    database, prints = [], {}
+    database = {}
     for path, command in own_sources(json.loads((build / "compile_commands.json").read_text())):
         arguments = arguments_of(command)
         # One source compiled several times (once per instruction set) is checked once, as it is compiled first.
-        if path in prints or (wanted and path not in wanted):
-            continue
-        prints[path] = fingerprint(path, arguments, version)
-        database.append({"directory": command["directory"], "file": str(path), "arguments": arguments})
+        if path not in database and (not wanted or path in wanted):
+            database[path] = {"directory": command["directory"], "file": str(path), "arguments": arguments}
     if touched_since is not None:
-        wanted = touched({pathlib.Path(entry["file"]): entry["arguments"] for entry in database}, touched_since)
-        database = [entry for entry in database if pathlib.Path(entry["file"]) in wanted]
-        prints = {path: key for path, key in prints.items() if path in wanted}
-    (work / "compile_commands.json").write_text(json.dumps(database, indent=1))
-
-    changed = [path for path, key in prints.items() if record.get(str(path)) != key]
-    print(f"{len(prints)} sources, {len(prints) - len(changed)} unchanged since they passed", flush=True)
+        wanted = touched({path: entry["arguments"] for path, entry in database.items()}, touched_since)
+        database = {path: entry for path, entry in database.items() if path in wanted}
+    (work / "compile_commands.json").write_text(json.dumps(list(database.values()), indent=1))
     failures, late = [], []
 
     def in_time(batch):
@@ -300,20 +246,17 @@ def main():
         return []
 
     processes = int(os.environ.get("GDTSLAM_JOBS", os.cpu_count() or 1))
-    batches = Batches(work / "batches", database)
+    batches = Batches(work / "batches", database.values())
     # The longest first, so that no process is left with one at the end.
-    formed = sorted(batches.form(changed), key=lambda batch: -sum(path.stat().st_size for path in batch))
-    print(f"{len(changed)} to check, in {len(formed)} batches", flush=True)
+    formed = sorted(batches.form(database), key=lambda batch: -sum(path.stat().st_size for path in batch))
+    print(f"{len(database)} to check, in {len(formed)} batches", flush=True)
     with concurrent.futures.ThreadPoolExecutor(processes) as pool:
         for job in concurrent.futures.as_completed([pool.submit(in_time, batch) for batch in formed]):
             for path, status, text in job.result():
-                if status == 0:
-                    record[str(path)] = prints[path]
-                else:
+                if status != 0:
                     failures.append(path)
                     print(f"--- {path.relative_to(ROOT)}\n{text}", flush=True)
-            record_file.write_text(json.dumps(record, indent=1))
-    checked = len(changed) - len(late)
+    checked = len(database) - len(late)
     print(f"{checked - len(failures)} of {checked} checked sources pass")
     if late:
         print(f"{len(late)} were left out after the time that was given; tools/soak.sh lint checks all")
