@@ -4,9 +4,6 @@ import json
 import os
 import pty
 import re
-import resource
-import shutil
-import struct
 import subprocess
 
 import cli_support as cli
@@ -100,36 +97,3 @@ def hostile_names():
     (folder / f"{text}.log").symlink_to(LOG)
     stdout, _ = bytes_of(0, "map", hostile + b".log", "--first", "5", "-o", "run", "--json")
     expect("\ufffd" in json.loads(stdout)["log"][0], f"no name: {stdout!r}")
-
-
-def out_of_memory_of_a_command():
-    """Where memory ends, the line says what was being done and speaks of no map where none is made."""
-    if cli.IS_SANITIZED:
-        cli.skip("a sanitized program needs all the address space")
-    folder = cli.fresh_folder("memory_of_a_command")
-    points = 4000000
-    header = f"ply\nformat binary_little_endian 1.0\nelement vertex {points}\n" + "".join(f"property float {a}\n" for a in "xyz")
-    (folder / "large.ply").write_bytes(header.encode() + b"end_header\n" + struct.pack("<3f", 1.0, 2.0, 3.0) * points)
-
-    def limited(megabytes, *arguments):
-        limit = megabytes << 20
-        return command(*arguments, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)))
-
-    megabytes = 8
-    while limited(megabytes, "--version").returncode != 0:  # the loader needs room for the libraries
-        megabytes += 2
-    process = limited(megabytes + 20, "measure", folder / "large.ply", "--planes")
-    expect_exit(process, 1)
-    one_error_line(process.stderr)
-    expect("out of memory in 'gdtslam measure'; " in process.stderr and "map" not in process.stderr, process.stderr)
-    for more in (2, 3, 4, 5, 6, 8, 10):  # memory ends in one place or another
-        process = limited(megabytes + more, "map", LOG, "-o", folder / "run", "--no-loops")
-        if process.returncode == 0:
-            break
-        expect_exit(process, 1)
-        expect("out of memory in 'gdtslam map'; a smaller map.max_megacells" in process.stderr, process.stderr)
-    shutil.rmtree(folder / "run", ignore_errors=True)
-    process = limited(megabytes + 4, "map", LOG, "-o", folder / "run")
-    expect_exit(process, 1)
-    one_error_line(cli.without_thread_remark(process.stderr))
-    expect("out of memory" in process.stderr and not (folder / "run").exists(), process.stderr)

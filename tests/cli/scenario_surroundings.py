@@ -48,28 +48,6 @@ def surroundings_little_memory():
     expect(not all(all(works) for works in outcomes.values()), "memory was never short")
 
 
-def surroundings_memory_that_almost_suffices():
-    """From where each command first works down in steps of 512 kB, GDTSLAM_MEMORY_STEPS of them: what fails is now what it asks
-    for last, its own or a library's. Exit 1 (69 for a part that cannot be loaded) and one line, or the right bytes."""
-    if cli.IS_SANITIZED:
-        cli.skip("a sanitized program needs all the address space")
-    folder = cli.fresh_folder("surroundings_memory_end")
-    steps = int(os.environ.get("GDTSLAM_MEMORY_STEPS", "8"))
-    starts, short = 2 * least_megabytes_to_start(), 0
-    for case in cases_of(folder):
-        def works(half_megabytes, case=case):
-            process, out = run(case, folder, preexec_fn=limited(resource.RLIMIT_AS, half_megabytes << 19))
-            return check(case, process, out, f"with {half_megabytes / 2} MB", (1, 69), "^gdtslam: warning: no thread to look for loops")
-        fails, least = starts, 2 * 4096
-        while least - fails > 1:
-            middle = (fails + least) // 2
-            fails, least = (fails, middle) if works(middle) else (middle, least)
-        outcomes = [works(least - step) for step in range(1, steps + 1) if least - step > starts]
-        print(f"{case.name} works with {least / 2} MB; with less: {outcomes}")
-        short += outcomes.count(False)
-    expect(short > 0, "memory was never short")
-
-
 def surroundings_few_descriptors():
     """8 to 32 descriptors: the right bytes, or 74 (69 where a part of the program cannot be loaded) and one line."""
     folder = cli.fresh_folder("surroundings_descriptors")

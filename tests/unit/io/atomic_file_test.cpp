@@ -168,23 +168,6 @@ TEST(AtomicFile, ClosedFolderIsAFileErrorAndKeepsTheOldFile) {
   EXPECT_THAT(folder.names(), ElementsAre("a.txt"));
 }
 
-TEST(AtomicFile, RemovesWhatAKilledWriterLeft) {
-  const TemporaryFolder folder;
-  put_file(folder / "a.txt", "old");
-  const BoundedRun run = run_alone([&] {
-    AtomicFile file(folder / "a.txt");
-    file.write(std::string(200000, 'x'));
-    ::kill(::getpid(), SIGKILL);
-    return 0;
-  });
-  EXPECT_FALSE(run.exited);
-  EXPECT_EQ(get_file(folder / "a.txt"), "old");
-  EXPECT_EQ(folder.names().size(), 2U);
-  write_file_atomically(folder / "a.txt", "new");
-  EXPECT_EQ(get_file(folder / "a.txt"), "new");
-  EXPECT_THAT(folder.names(), ElementsAre("a.txt"));
-}
-
 TEST(AtomicFile, LeavesTheTemporaryFileOfALivingWriterAlone) {
   const TemporaryFolder folder;
   AtomicFile first(folder / "a.txt");
@@ -231,19 +214,6 @@ TEST(AtomicFileSet, NamesAppearOnlyWhenAllIsOnTheDisk) {
   EXPECT_EQ(get_file(folder / "map.pgm"), "old image");
   EXPECT_EQ(get_file(folder / "map.yaml"), "old text");
   EXPECT_THAT(folder.names(), UnorderedElementsAre("map.pgm", "map.yaml"));
-}
-
-TEST(AtomicFileSet, OneThatCannotTakeItsNameUndoesThoseBefore) {
-  const TemporaryFolder folder;
-  put_file(folder / "old", "as it was");
-  AtomicFileSet files;
-  files.add(folder / "old").write("new");
-  files.add(folder / "absent").write("new");
-  files.add(folder / "last").write("new");
-  std::filesystem::create_directory(folder / "last");
-  EXPECT_THROW(files.commit(), FileError);
-  EXPECT_EQ(get_file(folder / "old"), "as it was");
-  EXPECT_FALSE(std::filesystem::exists(folder / "absent"));
 }
 
 TEST(AtomicFileSet, LeavesNothingOfTheOldFiles) {
