@@ -31,7 +31,6 @@ BOXES = [((3.65, 4.15), (0.8, 1.6), (0.0, 0.9)), ((-1.2, -0.6), (-1.75, -1.25), 
 TICKS_PER_TURN = 20000
 SCAN = "ROBOTLASER1"
 UNCOVERED = "scans without the crank's position"
-APART = "sweeps that do not agree"
 FULL = 79000  # points of all scans, about
 
 

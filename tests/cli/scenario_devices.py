@@ -156,35 +156,6 @@ def verify_passes_and_is_remembered():
     expect("equal to the CPU" in command("devices", env=env).stdout, "devices does not say so")
 
 
-def verify_of_a_part_is_not_remembered():
-    """A filter verifies kernels; that is no verification of the device."""
-    device = require_vulkan()[0]
-    env = environment(XDG_CACHE_HOME=str(fresh_folder("part")))
-    process = command("verify", "smallest_values", "--device", device["device"], "--random", 30, "--variants", "all", env=env)
-    expect_exit(process, 0)
-    expect(process.stdout.splitlines()[-1] == "PASS: 0 differences", process.stdout)
-    for variants in ("", " wide", " narrow"):
-        name = device["device"] + variants
-        expect(f"\n{name}: " in "\n" + process.stdout, f"no part for {name}: {process.stdout}")
-    expect(vulkan_devices(env=env)[0]["verified"] is None, "a part counts as the whole")
-
-
-def verify_of_other_shaders_leaves_the_record():
-    """Shaders that the device would not take are no verification of it: neither a pass nor a wipe of what went wrong."""
-    device = require_vulkan()[0]["device"]
-    folder = fresh_folder("other_shaders")
-    env = environment(XDG_CACHE_HOME=str(folder))
-    for variants in ("narrow", "wide"):
-        expect_exit(command("verify", "--device", device, "--variants", variants, "-q", env=env, timeout=280), 0)
-        expect(vulkan_devices(env=env)[0]["verified"] is None, f"--variants {variants} counts as a verification")
-    # A record that says otherwise, by a verification that the device fails.
-    expect_exit(command("verify", "smallest_values", "--device", device, env={**env, "GDTSLAM_VULKAN_FAULT": "100:device-lost"}), 1)
-    failed = vulkan_devices(env=env)[0]["verified"]
-    expect(failed is not None and not failed["passed"], f"{failed}")
-    expect_exit(command("verify", "logs", "--device", device, "--variants", "narrow", env=env), 0)
-    expect(vulkan_devices(env=env)[0]["verified"] == failed, "--variants narrow wiped the record")
-
-
 def verify_remembers_a_device_that_fails():
     """A device that fails on the way is not as if it had never been verified: `devices` says what failed."""
     device = require_vulkan()[0]["device"]

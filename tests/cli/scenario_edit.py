@@ -128,74 +128,6 @@ def edit_turns_along_walls():
     expect_exit(command("doctor", "--after", straight), 0)
 
 
-def edit_by_a_quarter_turn():
-    """The picture of the map is turned; by nothing at all its bytes stay."""
-    folder = fresh_folder("edit_quarter")
-    edited(RUN, folder / "same", "--origin", "0,0,0")
-    for name in ("map.pgm", "map.yaml", "gdt.png", "gdt.yaml", "keyframes.bin.gz", "graph.g2o", "covariance.csv", "config.yaml"):
-        expect((folder / "same" / name).read_bytes() == (RUN / name).read_bytes(), f"{name} is another")
-    # Something is to be erased where nothing is: the map is cast anew.
-    edited(RUN, folder / "cast", "--erase", "900,900 901,900 901,901")
-    expect((folder / "cast/map.pgm").read_bytes() == (RUN / "map.pgm").read_bytes(), "cast anew, the map is another")
-    edited(RUN, folder / "turned", "--origin", "0,0,90")
-    expect_frame(RUN, folder / "turned", [0, 0, math.pi / 2])
-    old, new = Picture(RUN), Picture(folder / "turned")
-    expect(abs(old.width - new.height) <= 2 and abs(old.height - new.width) <= 2, f"{old.width}x{old.height}, {new.width}x{new.height}")
-    free = list(new.centres(254))
-    same = sum(old.at(-y, x) == 254 for x, y in free)
-    expect(same > 0.99 * len(free), f"{same} of {len(free)} free cells")
-    edited(RUN, folder / "again", "--origin", "0,0,90")
-    for path in sorted((folder / "again").iterdir()):
-        expect(path.read_bytes() == (folder / "turned" / path.name).read_bytes(), f"{path.name} differs from run to run")
-
-
-def edit_crops_and_erases():
-    """What is cropped is the same map, less; what is erased is no wall any more."""
-    folder = fresh_folder("edit_crop")
-    whole = Picture(RUN)
-    edited(RUN, folder / "crop", "--crop", "6,-3,-1.5,2.5")
-    part = Picture(folder / "crop")
-    expect((part.x, part.y, part.width, part.height) ==
-           (-1.5, -3.0, round(7.5 / part.step), round(5.5 / part.step)), f"{part.x} {part.y} {part.width} {part.height}")
-    for level in (0, 254, 205):
-        for x, y in part.centres(level):
-            expect(whole.at(x, y) == level, f"the cell at {x}, {y} is another")
-    kept = read_keyframes(folder / "crop/keyframes.bin.gz")[2]
-    before = read_keyframes(RUN / "keyframes.bin.gz")[2]
-    left = ends_of(kept)
-    expect(all(-1.5001 <= x <= 6.0001 and -3.0001 <= y <= 2.5001 for x, y in left), "readings end outside")
-    inside = sum(-1.5 < x < 6 and -3 < y < 2.5 for x, y in ends_of(before))
-    expect(abs(len(left) - inside) <= 2, f"{len(left)} readings of {inside}")
-    walls = list(whole.centres(0))
-    x, y = walls[len(walls) // 2]
-    text = f"{x - 0.5},{y - 0.5} {x + 0.5},{y - 0.5} {x + 0.5},{y + 0.5} {x - 0.5},{y + 0.5}"
-    edits = edited(RUN, folder / "erase", "--erase", text)
-    clean = Picture(folder / "erase")
-    was = sum(abs(u - x) < 0.45 and abs(v - y) < 0.45 for u, v in walls)
-    now = [(u, v) for u, v in clean.centres(0) if abs(u - x) < 0.45 and abs(v - y) < 0.45]
-    expect(was > 10 and not now, f"{was} cells of wall before, {len(now)} after")
-    expect(edits["readings_taken_out"] == len(ends_of(before)) - len(ends_of(read_keyframes(folder / "erase/keyframes.bin.gz")[2])),
-           f"{edits['readings_taken_out']} readings")
-    for u, v in walls:
-        if max(abs(u - x), abs(v - y)) > 0.55:
-            expect(clean.at(u, v) == 0, f"the wall at {u}, {v} went too")
-    (folder / "corners.txt").write_text("# the same\n" + "\n".join(text.split()) + "\n")
-    edited(RUN, folder / "file", "--erase", folder / "corners.txt")
-    expect((folder / "file/map.pgm").read_bytes() == (folder / "erase/map.pgm").read_bytes(), "a file of corners is read otherwise")
-
-
-def ends_of(keyframes):
-    """Where readings end, in the map."""
-    ends = []
-    for _, _, pose, _, (x, y, theta, first, step, limit, *_), ranges in keyframes:
-        laser = moved(pose, (x, y, theta))
-        for beam, mm in enumerate(ranges):
-            if mm is not None and 0.1 <= mm / 1000 < (limit or 80.0):
-                bearing = first + beam * step
-                ends.append(moved(laser, (mm / 1000 * math.cos(bearing), mm / 1000 * math.sin(bearing))))
-    return ends
-
-
 def edit_again_after_the_next_session():
     """All steps of two edits, on the run that went on: the same frame, erased again, and new scans in it."""
     folder = fresh_folder("edit_again")
@@ -249,35 +181,6 @@ def edit_of_a_site():
     expect(is_same_pose(*start, 0.05), f"{start}")
 
 
-def edit_georeferences():
-    """Points of a known motion give it back; the world file puts each cell where that motion does."""
-    folder = fresh_folder("edit_world")
-    motion = [455012.25, 5411930.5, math.radians(-117.0)]
-    places = [(0.0, 0.0), (8.0, -3.0), (4.0, 5.5)]
-    points = [f"{x},{y}={e!r},{n!r}" for x, y in places for e, n in [moved(motion, (x, y))]]
-    options = [word for point in points for word in ("--georeference", point)]
-    edits = edited(RUN, folder / "placed", *options, "--world-file")
-    expect(max(abs(a - b) for a, b in zip(edits["T_world_edited"], motion)) < 1e-6, str(edits["T_world_edited"]))
-    expect(edits["steps"][0]["rms_m"] < 1e-6 and abs(edits["steps"][0]["scale"] - 1) < 1e-8, str(edits["steps"][0]))
-    expect((folder / "placed/map.pgm").read_bytes() == (RUN / "map.pgm").read_bytes(), "the map changed")
-    (folder / "points.txt").write_text("# x y E N\n" + "\n".join(points[:2]) + "\n4 5.5 " + points[2].split("=")[1].replace(",", " ") + "\n")
-    process = command("edit", RUN, "-o", folder / "north", "--georeference", folder / "points.txt", "--north-up", "--world-file")
-    expect_exit(process, 0)
-    for name, frame in (("placed", [0, 0, 0]), ("north", json.loads((folder / "north/edits.json").read_text())["T_edited_run"])):
-        a, d, b, e, c, f = map(float, (folder / name / "map.pgw").read_text().split())
-        picture = Picture(folder / name)
-        for column, row in ((0, 0), (picture.width - 1, 0), (17, picture.height - 1)):
-            x = picture.x + (column + 0.5) * picture.step
-            y = picture.y + (picture.height - 1 - row + 0.5) * picture.step
-            east, north = moved(motion, moved(inverse(frame), (x, y)))
-            expect(math.hypot(a * column + b * row + c - east, d * column + e * row + f - north) < 1e-5,
-                   f"{name}: pixel {column}, {row} is elsewhere")
-        expect((folder / name / "map.png").read_bytes()[:4] == b"\x89PNG", "map.png is no PNG")
-    expect(abs(d) < 1e-12 and abs(b) < 1e-12 and a > 0 > e, f"north is not up: {a} {d} {b} {e}")
-    expect("residuals of 0.000 m" in process.stdout, process.stdout)
-    edits = edited(folder / "placed", folder / "moved", "--origin", "2,1,50")
-    world = moved(edits["T_world_edited"], moved(inverse([2, 1, math.radians(50)]), (8.0, -3.0)))
-    expect(math.dist(world, moved(motion, (8.0, -3.0))) < 1e-5, "the world went elsewhere with a later edit")
 
 
 def edit_mistakes():

@@ -13,7 +13,7 @@ import subprocess
 import time
 
 import cli_support as cli
-from cli_support import DATA, LOG, PROGRAM, RUN, TRUTH, command, digests, environment, expect, expect_exit, finish, one_error_line, without_told_files
+from cli_support import DATA, LOG, PROGRAM, RUN, TRUTH, command, digests, environment, expect, expect_exit, finish, one_error_line
 from scenario_render import Png, nodding_run, refused, rendered, require_ffmpeg, require_viewer
 
 NOWHERE = "/dev/null/none"  # which nobody can make
@@ -115,31 +115,6 @@ def fake_ffmpeg(folder, script):
     return path
 
 
-def render_ffmpeg_faults():
-    """No ffmpeg: 69 with its name and the package before anything is drawn. One that fails: what it said. Neither leaves a file."""
-    require_viewer()
-    folder = cli.fresh_folder("render_ffmpeg_faults")
-    film = folder / "a.mp4"
-    says = ("'ffmpeg'", "install the package ffmpeg", "--ffmpeg")
-    refused(69, "paper-b", "-o", film, says=says, env=environment(PATH=NOWHERE))
-    refused(69, "paper-b", "-o", film, "--ffmpeg", f"{NOWHERE}/ffmpeg", says=f"{NOWHERE}/ffmpeg")
-    short = ("-o", film, *SMALL, "--frames", 3)
-    failing = fake_ffmpeg(folder, "cat > /dev/null; echo 'the codec is out of order' >&2; exit 3")
-    refused(1, "paper-b", *short, "--ffmpeg", failing, says="ffmpeg failed (exit 3): the codec is out of order")
-    early = fake_ffmpeg(folder, "echo 'no, thanks' >&2; exit 1")
-    refused(1, "paper-b", "-o", film, "--frames", 3, "--size", "640x480", "--ffmpeg", early, says="ffmpeg failed (exit 1): no, thanks")
-    full = fake_ffmpeg(folder, "cat > /dev/null; echo 'write: No space left on device' >&2; exit 1")
-    refused(74, "paper-b", *short, "--ffmpeg", full, says="a.mp4")
-    (folder / "garbage").write_bytes(b"\x7fELF no program")
-    (folder / "garbage").chmod(0o755)
-    refused(69, "paper-b", *short, "--ffmpeg", folder / "garbage", says="garbage")
-    film.write_text("old")
-    refused(74, "paper-b", *short, "--ffmpeg", full)
-    expect(film.read_text() == "old", "the old film is gone")
-    film.unlink()
-    expect(sorted(digests(folder)) == ["ffmpeg", "garbage"], f"{sorted(digests(folder))}")
-
-
 def children_of(pid):
     """Processes whose parent is this one."""
     found = []
@@ -221,70 +196,6 @@ def render_unwritable():
         (folder / name).unlink()
     refused(74, "paper-b", *SMALL, "--frames", 2, "-o", "/proc/a.mp4", says="a.mp4")
     refused(74, run, *SMALL, "-o", "/proc/a.png", says="a.png")
-
-
-def render_hostile_runs():
-    """Files of a run that are missing, cut, edited or of another run: 65, the file's name and what to do; never an abort."""
-    require_viewer()
-    drive = nodding_run("render_hostile_runs")
-    run = drive.folder / "run"
-    without_told_files(run)  # whose hashes would tell of all that follows
-
-    def broken(name, content, *arguments, code=65, says=()):
-        copy = drive.folder / "copy"
-        shutil.rmtree(copy, ignore_errors=True)
-        shutil.copytree(run, copy)
-        (copy / name).unlink() if content is None else (copy / name).write_bytes(content)
-        refused(code, copy, "-o", drive.folder / "a.png", *SMALL, *arguments, says=(name, *says))
-        expect(not (drive.folder / "a.png").exists(), f"{name}: a picture was written")
-
-    again = ("map the log again: gdtslam map LOG -o",)
-    views = {"cloud.ply": "iso", "trajectory.tum": "map", "map.yaml": "map", "map.pgm": "map", "gdt.yaml": "field", "gdt.png": "field"}
-    for name, view in views.items():
-        data = (run / name).read_bytes()
-        if name != "trajectory.tum":  # without it the rest can be drawn
-            broken(name, None, "--view", view, says=again)
-        broken(name, b"", "--view", view)
-        broken(name, bytes(range(256)) * 4, "--view", view)
-        if name not in ("map.yaml", "gdt.yaml", "trajectory.tum"):
-            broken(name, data[:len(data) // 2], "--view", view)
-    report = json.loads((run / "report.json").read_text())
-    broken("report.json", b"{", says=again)
-    broken("report.json", json.dumps({**report, "scans": -1}).encode(), says=("'scans'",))
-    broken("report.json", json.dumps({**report, "doubtful_scans": [{"index": 1 << 40}]}).encode(), says=("'doubtful_scans'",))
-    lines = (run / "trajectory.tum").read_text().splitlines(keepends=True)
-    broken("trajectory.tum", "".join(lines[:-1]).encode(), "--view", "map", says=("not of one run", *again))
-    broken("linkage.yaml", b"gdtslam_linkage: 1\nbars: none\n", code=78)
-    header = (run / "cloud.ply").read_bytes().split(b"end_header\n")[0]
-    count = [word for word in header.split() if word.isdigit()][0]
-    broken("cloud.ply", header.replace(count, b"9" * len(count)) + b"end_header\n" + b"\0" * 280, "--view", "iso")
-    run = drive.folder / "closed"
-    shutil.copytree(RUN, run)
-    without_told_files(run)
-    graph = ("--view", "graph")
-    rows = (run / "covariance.csv").read_text().splitlines(keepends=True)
-    broken("covariance.csv", b"", *graph)
-    broken("covariance.csv", bytes(range(256)) * 4, *graph)
-    broken("covariance.csv", "".join(rows[:-1]).encode(), *graph, says=("not of one run", *again))
-    report = json.loads((run / "report.json").read_text())
-    loops = {**report["loops"], "closures": [{**report["loops"]["closures"][0], "to": report["scans"]}]}
-    broken("report.json", json.dumps({**report, "loops": loops}).encode(), *graph, says=("'loops.closures[0].to'", *again))
-    broken("report.json", json.dumps({**report, "uncertain": []}).encode(), *graph, says=("'uncertain' is no object",))
-    loops = ("--view", "loops")
-    lines = (run / "graph.g2o").read_text().splitlines(keepends=True)
-    first_edge = next(k for k, line in enumerate(lines) if line.startswith("EDGE"))
-    broken("graph.g2o", None, *loops, says=("is missing", *again))
-    broken("graph.g2o", b"", *loops, says=("has no places", *again))
-    broken("graph.g2o", bytes(range(256)) * 4, *loops, says=("graph.g2o:1",))
-    broken("graph.g2o", "".join(lines[:-1]).encode(), *loops, says=("not of one run", *again))
-    step = lines[first_edge].split()[:3]  # by the front end, and by the wheels
-    rest = [line for line in lines if line.split()[:3] != step]
-    broken("graph.g2o", "".join(rest).encode(), *loops, says=("no edge from one of its places to the next", *again))
-    broken("graph.g2o", "".join(lines[:first_edge] + lines[-1:]).encode(), *loops, says=("not of one run", *again))
-    broken("graph.g2o", "".join(lines[1:]).encode(), *loops, says=("no such vertex", *again))
-    broken("graph.g2o", "".join([*lines[1:first_edge], lines[0], *lines[first_edge:]]).encode(), *loops, says=("in the order", *again))
-    empty = cli.fresh_folder("render_hostile_runs/empty")
-    refused(65, empty, says=("no run of 'gdtslam map'",))
 
 
 def render_mistakes():

@@ -82,61 +82,6 @@ def track_follows_the_simulated_drive():
     expect(without_times(again) == without_times(report), "another number of threads, another drive")
 
 
-def _inverse(pose):
-    x, y, t = pose
-    return -math.cos(t) * x - math.sin(t) * y, math.sin(t) * x - math.cos(t) * y, -t
-
-
-def _times(a, b):
-    return a[0] + math.cos(a[2]) * b[0] - math.sin(a[2]) * b[1], a[1] + math.sin(a[2]) * b[0] + math.cos(a[2]) * b[1], a[2] + b[2]
-
-
-def carried_away(log, first, last):
-    """The log without its scans from `first` to before `last`, and odometry that knows nothing of the way between."""
-    lines, scans, before, moved = [], 0, None, (0.0, 0.0, 0.0)
-    for line in log.read_text().splitlines():
-        words = line.split()
-        if words[0] not in ("ODOM", "FLASER"):
-            lines.append(line)
-            continue
-        places = [1] if words[0] == "ODOM" else [2 + int(words[1]), 5 + int(words[1])]  # of the laser, of the robot
-        pose = tuple(map(float, words[places[-1]:places[-1] + 3]))
-        is_cut = first <= scans < last
-        scans += words[0] == "FLASER"
-        if is_cut:
-            continue
-        if scans > last and before is not None:
-            moved, before = _times(before, _inverse(pose)), None
-        elif scans <= first:
-            before = pose
-        elif before is not None:
-            continue  # odometry of the way, after the last scan that was cut
-        for at in places:
-            words[at:at + 3] = [f"{value:.6f}" for value in _times(moved, tuple(map(float, words[at:at + 3])))]
-        lines.append(" ".join(words))
-    return "\n".join(lines) + "\n"
-
-
-def track_finds_the_robot_that_was_carried_away():
-    """Somebody carries the robot elsewhere while it sees nothing: it is noticed and found again, and no pose in between
-    is said to be tracked."""
-    folder = fresh_folder("track_carried")
-    poses = poses_of(POSES)
-    first = len(poses) // 4
-    x, y = poses[first][1:3]
-    last = max(range(first, 3 * len(poses) // 4), key=lambda k: math.hypot(poses[k][1] - x, poses[k][2] - y))
-    (folder / "carried.log").write_text(carried_away(LOG, first, last))
-    report, rows = tracked(folder, "--reference", POSES, log=folder / "carried.log")
-    expect(len(rows) == len(poses) - (last - first), f"{len(rows)} rows")
-    wrong = [row for row in rows if row["whereabouts"] == "tracked" and not off(row)[0] < 0.3]
-    expect(not wrong, f"tracked elsewhere: {wrong[:3]}")
-    after = rows[first:]
-    found = next((k for k, row in enumerate(after) if row["whereabouts"] != "unknown" and off(row)[0] < 0.2), None)
-    expect(found is not None and found <= 40, f"found again after {found} scans")
-    expect(all(is_within(row) for row in after[-20:]), f"{after[-20:]}")
-    expect(report["searches"] >= 2, f"{report['searches']}")
-
-
 def track_refuses_what_does_not_go_together():
     """Options of single scans, a log of another place, a reference of another log."""
     folder = fresh_folder("track_refused")

@@ -4,29 +4,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <string>
 #include <vector>
 
-#include "engine/io/sha256.hpp"
 #include "engine/runs/edits/source_run.hpp"
 #include "engine/runs/folder/run_graph.hpp"
-#include "engine/runs/keyframes/keyframe_file.hpp"
 #include "engine/runs/sites/run_session.hpp"
 #include "engine/runs/views/run_views.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/io/log.hpp"
 #include "ring_run.hpp"
 #include "unit/back_end/loop_drive.hpp"
 
 namespace gdtslam {
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 using test::ring_run;
 using testing::HasSubstr;
@@ -106,25 +100,6 @@ TEST(WholeRun, ItsTimesAddUp) {
   EXPECT_FALSE(report.at("stages").contains("cloud"));
 }
 
-TEST(WholeRun, ItsFilesAreThoseThatTheReportTellsOf) {
-  const test::RingRun& run = ring_run();
-  std::set<std::string> told{"report.json"};
-  const ordered_json report = ordered_json::parse(run.result.report);
-  for (const ordered_json& row : report.at("files")) {
-    const std::string name = row.at(0);
-    told.insert(name);
-    EXPECT_EQ(row.at(1), fs::file_size(run.folder + "/" + name)) << name;
-    EXPECT_EQ(row.at(2), Sha256().update(test::text_of_file(run.folder + "/" + name)).hex()) << name;
-  }
-  std::set<std::string> there;
-  for (const auto& entry : fs::directory_iterator(run.folder)) there.insert(entry.path().filename().string());
-  EXPECT_EQ(there, told);
-  for (const char* name : {"trajectory.tum", "covariance.csv", "graph.g2o", "map.pgm", "map.yaml", "gdt.png",
-                           "gdt.yaml", "config.yaml", "keyframes.bin.gz", "continue.json"}) {
-    EXPECT_TRUE(told.contains(name)) << name;
-  }
-}
-
 TEST(WholeRun, ItsMapHasTheWallsAndTheWay) {
   const test::RingRun& run = ring_run();
   const OccupancyMap map = RunReader(run.folder).map();
@@ -154,35 +129,6 @@ TEST(WholeRun, ItsMapHasTheWallsAndTheWay) {
   }
   EXPECT_GT(points, 700U);
   EXPECT_GT(static_cast<double>(found), 0.9 * static_cast<double>(points));
-}
-
-TEST(WholeRun, ItsKeyframesAreScansOfTheLog) {
-  const test::RingRun& run = ring_run();
-  const RunReader reader(run.folder);
-  const RunKeyframes kept = reader.keyframes().value();
-  const std::vector<PoseCovariance> covariances = reader.covariances().value();
-  EXPECT_EQ(covariances.size(), run.truth.size());
-  EXPECT_TRUE(kept.in_single_precision);
-  EXPECT_EQ(kept.config_sha256, Sha256().update(test::text_of_file(run.folder + "/config.yaml")).hex());
-  std::vector<LaserScan> scans;
-  const auto log = open_log(run.log, {});
-  while (const auto record = log->next()) {
-    if (const auto* scan = std::get_if<ScanRecord>(&*record)) scans.push_back(scan->scan);
-  }
-  ASSERT_EQ(scans.size(), run.truth.size());
-  EXPECT_GE(kept.keyframes.size(), 200U) << "one each 25 cm or 10 degrees, which is each scan or each second one";
-  for (const RunKeyframe& keyframe : kept.keyframes) {
-    ASSERT_LT(keyframe.scan, scans.size());
-    EXPECT_EQ(keyframe.laser.stamp_s, scans[keyframe.scan].stamp_s);
-    for (std::size_t beam = 0; beam < keyframe.laser.ranges_m.size(); ++beam) {
-      const float range_m = scans[keyframe.scan].ranges_m[beam];
-      if (range_m >= 80.0F) continue;
-      ASSERT_NEAR(keyframe.laser.ranges_m[beam], range_m, 0.00051) << keyframe.scan << ' ' << beam;
-    }
-    ASSERT_TRUE(keyframe.covariance);
-    EXPECT_NEAR(keyframe.covariance->xx, covariances[keyframe.scan].xx, 1e-6);
-    EXPECT_EQ(keyframe.T_map_base, run.result.outcome.trajectory[keyframe.scan].T_map_base);
-  }
 }
 
 TEST(WholeRun, ItsGraphHasTheStepsAndLoopsOfTheDrive) {

@@ -251,22 +251,6 @@ std::string output_of(const std::string& command) {
   return text;
 }
 
-TEST_F(FilmWriterTest, RealFilmsHaveTheFramesThatWereGiven) {
-  GDTSLAM_NEEDS_PROGRAMS("ffmpeg ffprobe");
-  struct Case {
-    OutputKind kind;
-    const char* name;
-    const char* codec;
-  };
-  for (const Case& c : {Case{OutputKind::kMp4, "film.mp4", "h264"}, Case{OutputKind::kGif, "film.gif", "gif"}}) {
-    write_film({c.kind, film(c.name), 64, 48, 20.0, ""}, 7);
-    EXPECT_EQ(output_of("ffprobe -v error -count_frames -select_streams v -show_entries "
-                        "stream=codec_name,width,height,r_frame_rate,nb_read_frames -of csv=p=0 " +
-                        film(c.name)),
-              std::string(c.codec) + ",64,48,20/1,7\n");
-  }
-}
-
 TEST_F(FilmWriterTest, ColoursComeBack) {
   GDTSLAM_NEEDS_PROGRAMS("ffmpeg ffprobe");
   RgbaImage frame(32, 32);

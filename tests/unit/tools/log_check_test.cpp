@@ -159,14 +159,6 @@ TEST(LogCheck, RangesAndHeadingsOfAnotherUnitAreAskedAbout) {
   EXPECT_THAT(asked(1.0F, 180.0 / kPi, 0.0F).questions_of_units, ElementsAre(HasSubstr("are they degrees?")));
 }
 
-TEST(LogCheck, EachBeamIsAReturnOrNoneOrNothing) {
-  const float inf = std::numeric_limits<float>::infinity();
-  const RangeStatistics ranges = checked_log({driven_scan(1.0, {}, {1.0F, 0.0F, inf, 2.0F})}).ranges;
-  EXPECT_EQ(ranges.returns, 2U);
-  EXPECT_EQ(ranges.not_finite, 2U);
-  EXPECT_EQ(ranges.returns + ranges.not_finite + ranges.no_return_count, ranges.beams);
-}
-
 // A map is made of such a log, though a constant range may stand for none.
 TEST(LogCheck, OneRangeOnlyIsNoObstacle) {
   std::vector<LogRecord> records;
@@ -189,20 +181,6 @@ TEST(LogCheck, FindsImpossibleStepsAndLeavesThemOutOfThePath) {
   EXPECT_EQ(check.impossible_steps.first[1].scan, 15u);
   EXPECT_NEAR(deg_from_rad(check.impossible_steps.first[1].angle_rad), 85.0, 1e-9);
   EXPECT_NEAR(check.path_m, 18 * 0.1, 1e-9);
-}
-
-TEST(LogCheck, BoundOfAStepGrowsWithItsTimeUpToALimit) {
-  const StepBounds bounds;
-  const auto jumps = [](double step_s, double distance_m) {
-    return checked_log({driven_scan(0.0, {}), driven_scan(step_s, {distance_m, 0.0, 0.0})}).impossible_steps.count;
-  };
-  for (const double step_s : {0.1, 1.0, 2.0}) {
-    EXPECT_EQ(jumps(step_s, bounds.distance_m + bounds.speed_m_s * step_s - 1e-6), 0u) << step_s;
-    EXPECT_EQ(jumps(step_s, bounds.distance_m + bounds.speed_m_s * step_s + 1e-6), 1u) << step_s;
-  }
-  EXPECT_EQ(jumps(100.0, 7.0), 1u);  // a pause does not excuse any distance
-  EXPECT_EQ(jumps(-50.0, 1.0), 1u);  // nor does a clock that goes backward
-  EXPECT_EQ(jumps(-50.0, 0.5), 0u);
 }
 
 TEST(LogCheck, OdometryRecordsServeWhereScansHaveNone) {
@@ -243,27 +221,6 @@ TEST(LogCheck, FindsTheNoReturnValue) {
   EXPECT_NEAR(ranges.median_m, 15.25, 0.5);
   EXPECT_LE(ranges.longest_m, 30.0);
   EXPECT_GE(ranges.shortest_m, 0.5);
-}
-
-TEST(LogCheck, OrdinaryRangesHaveNoNoReturnValue) {
-  Random random(2);
-  std::vector<LogRecord> records;
-  for (int k = 0; k < 200; ++k) {
-    std::vector<float> ranges_m(180);
-    for (float& range_m : ranges_m) range_m = static_cast<float>(random.uniform(0.5, 10.0));
-    records.emplace_back(driven_scan(0.1 * k, {}, ranges_m));
-  }
-  EXPECT_THAT(checked_log(records).ranges.no_return_m, IsEmpty());
-}
-
-TEST(LogCheck, StatedLimitCounts) {
-  ScanRecord scan = driven_scan(1.0, {}, std::vector<float>(20, 81.91F));
-  scan.scan.ranges_m[0] = 5.0F;
-  scan.scan.max_range_m = 80.0;
-  const RangeStatistics ranges = checked_log({scan}).ranges;
-  EXPECT_EQ(ranges.no_return_count, 19u);
-  EXPECT_EQ(ranges.returns, 1u);
-  EXPECT_THAT(ranges.no_return_m, ElementsAre(testing::DoubleNear(81.91, 1e-9)));
 }
 
 TEST(LogCheck, BeamsAndMountThatChange) {
