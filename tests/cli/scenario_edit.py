@@ -181,8 +181,6 @@ def edit_of_a_site():
     expect(is_same_pose(*start, 0.05), f"{start}")
 
 
-
-
 def edit_mistakes():
     """Each with one line and what to do; nothing is written."""
     folder = fresh_folder("edit_mistakes")
