@@ -15,7 +15,6 @@
 
 #include "byte_source.hpp"
 #include "engine/core/ascii.hpp"
-#include "engine/core/files/folder_calls.hpp"
 #include "engine/core/files/interruption.hpp"
 #include "engine/core/files/retried.hpp"
 #include "gdtslam/core/error.hpp"
@@ -235,28 +234,6 @@ void AtomicFile::take_name(bool keeps_old) {
   has_name_ = true;
 }
 
-// On a network's file system the answer may be lost, and the call that is made once more finds its own link.
-bool AtomicFile::link_as_target() {
-  struct stat status {};
-  return ::link(temporary_.c_str(), target_.c_str()) == 0 ||
-         (::fstat(descriptor_, &status) == 0 && status.st_nlink > 1);
-}
-
-bool AtomicFile::take_free_name() {
-  if (temporary_.empty()) return true;
-  has_name_ = ::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, target_.c_str(), RENAME_NOREPLACE) == 0;
-  if (has_name_ || errno == EEXIST) return has_name_;
-  if (errno != EINVAL && errno != ENOSYS && errno != ENOTSUP) fail("cannot take its name", errno);
-  if (link_as_target()) {
-    has_name_ = true;
-    ::unlink(temporary_.c_str());
-    return true;
-  }
-  if (errno == EEXIST || lies_there(target_)) return false;
-  take_name(false);
-  return true;
-}
-
 void AtomicFile::give_back() {
   if (!has_name_) return;
   const std::string& from = is_exchanged_ ? temporary_ : target_;
@@ -281,13 +258,6 @@ void AtomicFile::commit() {
   sync();
   take_name(false);
   finish();
-}
-
-bool AtomicFile::commit_unless_there() {
-  sync();
-  const bool is_free = take_free_name();
-  if (is_free) finish();
-  return is_free;
 }
 
 AtomicFile& AtomicFileSet::add(const std::string& path) {

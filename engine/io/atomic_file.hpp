@@ -43,9 +43,6 @@ class AtomicFile {
   void sync();
   /// The file takes its name; the last call.
   void commit();
-  /// commit() where nothing has the name by then; false where something has it, which stays as it is. Where a file
-  /// system knows neither such a renaming nor links, what takes the name in the same moment may be replaced.
-  bool commit_unless_there();
   [[nodiscard]] const std::string& path() const { return path_; }
   /// Where the bytes are until the file takes its name, for a library that writes them itself. Throws FileError where
   /// that is a pipe or a device.
@@ -55,8 +52,6 @@ class AtomicFile {
   friend class AtomicFileSet;
   /// Where the old file is kept, give_back() undoes it.
   void take_name(bool keeps_old);
-  bool take_free_name();
-  bool link_as_target();
   void give_back();
   void finish();
   void open_temporary();

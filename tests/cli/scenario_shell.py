@@ -35,7 +35,7 @@ def help_fits_the_terminal():
     """Help of the commands at several widths: no line is wider, no word is broken, nothing of the parser shows; a terminal
     gives its width by itself."""
     commands = pages(fresh_folder("help_pages"))
-    expect(["map"] in commands and ["fleet", "plan"] in commands, f"commands: {commands}")
+    expect(["map"] in commands and ["fleet", "run"] in commands, f"commands: {commands}")
     few = [[], ["map"]]
     for columns, most, shown in ((60, 60, commands), (100, 100, commands), (300, 100, few), ("wide", 80, few), (None, 80, few)):
         for words in shown:
@@ -189,7 +189,7 @@ def completion_folder(name):
 CASES = (
     ("gdtslam ", {"map", "doctor", "generate"}, {"drive.log"}),
     ("gdtslam ma", {"map"}, {"merge"}),
-    ("gdtslam fleet ", {"plan", "submit"}, {"map"}),
+    ("gdtslam fleet ", {"run", "finish"}, {"map"}),
     ("gdtslam map --ma", {"--matcher"}, {"--lenient"}),
     ("gdtslam map --matcher ", {"simplex", "certified", "gauss-newton"}, {"--matcher", "drive.log"}),
     ("gdtslam map drive.log --matcher sim", {"simplex", "simpsa", "simplex-newton"}, {"certified"}),
@@ -199,7 +199,6 @@ CASES = (
     ("gdtslam measure ", {"cloud.ply"}, {"drive.log", "notes.txt"}),
     ("gdtslam doctor --after ", {"runs"}, {"drive.log"}),
     ("gdtslam map --linkage pap", {"paper-a", "paper-b"}, {"drive.log"}),
-    ("gdtslam fleet submit --engine ", {"local", "slurm", "print"}, {"drive.log"}),
     ("gdtslam generate completion ", {"bash", "zsh", "fish"}, {"drive.log"}),
     ("gdtslam config show --", {"--yaml", "--json"}, {"--matcher"}),
     ("gdtslam help co", {"config", "convert"}, {"map"}),

@@ -17,9 +17,6 @@ import scenario_doctor
 import scenario_edit
 import scenario_files
 import scenario_fleet
-import scenario_fleet_changes
-import scenario_fleet_engines
-import scenario_fleet_runs
 import scenario_hostile_files
 import scenario_keyframes
 import scenario_linkage
@@ -57,8 +54,7 @@ import scenario_tracking
 import scenario_wrong_inputs
 
 MODULES = (scenario_bad_input, scenario_bags, scenario_bench, scenario_bombs, scenario_calibrate, scenario_changes, scenario_compare, scenario_continue, scenario_convert, scenario_devices,
-           scenario_doctor, scenario_edit, scenario_files, scenario_fleet, scenario_fleet_changes, scenario_fleet_engines,
-           scenario_fleet_runs, scenario_hostile_files, scenario_keyframes, scenario_linkage, scenario_live, scenario_live_failures, scenario_live_folder, scenario_live_inputs, scenario_live_page, scenario_localize, scenario_localize_occupancy, scenario_loops,
+           scenario_doctor, scenario_edit, scenario_files, scenario_fleet, scenario_hostile_files, scenario_keyframes, scenario_linkage, scenario_live, scenario_live_failures, scenario_live_folder, scenario_live_inputs, scenario_live_page, scenario_localize, scenario_localize_occupancy, scenario_loops,
             scenario_measure, scenario_merge, scenario_modules,
            scenario_nodding,
            scenario_nodding_faults, scenario_nodding_runs, scenario_one_thing, scenario_outputs, scenario_printing, scenario_render,

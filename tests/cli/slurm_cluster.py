@@ -54,15 +54,7 @@ ReturnToService=2
 SlurmdTimeout=5
 KillWait=2
 MailProg=/bin/true
-TaskProlog={folder}/prolog
 PartitionName=main Nodes={nodes} Default=YES MaxTime=INFINITE State=UP
-"""
-
-# Jobs wait before they begin while there is a file "hold".
-PROLOG = """\
-#!/bin/sh
-while [ -e "{folder}/hold" ]; do sleep 0.05; done
-cat "{folder}/variables.$SLURMD_NODENAME"
 """
 
 
@@ -118,16 +110,6 @@ def reap(others=()):
                 os.waitpid(process, os.WNOHANG)
 
 
-def variable_of(process, name):
-    """A variable of the environment that a process began with; None where it has none or is gone."""
-    with contextlib.suppress(OSError):
-        for entry in pathlib.Path(f"/proc/{process}/environ").read_bytes().split(b"\0"):
-            key, _, value = entry.partition(b"=")
-            if key == name.encode():
-                return value.decode()
-    return None
-
-
 def free_ports(number):
     """Ports that nobody listens at now, all different."""
     with contextlib.ExitStack() as stack:
@@ -167,9 +149,9 @@ class SlurmCluster:
                           f"--socket={self.folder}/munge.socket", f"--pid-file={self.folder}/munged.pid",
                           f"--seed-file={self.folder}/munge.seed", f"--log-file={self.folder}/munged.log", "--num-threads=2")
         self.wait_until("munged answers", (self.folder / "munge.socket").exists, 60)
-        self.start_controller()
+        self.start_daemon("slurmctld", "slurmctld", "-D")
         for node in NODES:
-            self.start_node(node)
+            self.start_daemon(node, "slurmd", "-D", "-N", node)
         self.wait_until("both nodes are idle", lambda: self.states() == dict.fromkeys(NODES, "idle"), 60)
 
     def write_configuration(self):
@@ -177,21 +159,13 @@ class SlurmCluster:
             (self.folder / name).mkdir(mode=0o700)
         (self.folder / "munge.key").write_bytes(secrets.token_bytes(128))
         (self.folder / "munge.key").chmod(0o600)
-        (self.folder / "prolog").write_text(PROLOG.format(folder=self.folder))
-        (self.folder / "prolog").chmod(0o755)
         host = socket.gethostname().partition(".")[0]
         ports = free_ports(1 + len(NODES))
         text = CONFIGURATION.format(host=host, folder=self.folder, user=getpass.getuser(), controller_port=ports[0],
                                     nodes=",".join(NODES))
         for node, port in zip(NODES, ports[1:]):
-            self.set_variables(node)
             text += f"NodeName={node} NodeHostname={host} NodeAddr=127.0.0.1 Port={port} CPUs=1 RealMemory=64000\n"
         (self.folder / "slurm.conf").write_text(text)
-
-    def set_variables(self, node, **variables):
-        """Variables of the environment that jobs on this node find from now on: what differs between its nodes."""
-        lines = [f"export {name}={value}\n" for name, value in variables.items()]
-        (self.folder / f"variables.{node}").write_text("".join(lines))
 
     def start_daemon(self, name, *command):
         with open(self.folder / f"{name}.out", "ab") as out:
@@ -199,48 +173,6 @@ class SlurmCluster:
                 command, env=self.environment, stdin=subprocess.DEVNULL,
                 stdout=out, stderr=out, start_new_session=True,
                 preexec_fn=lambda: process_control(SET_DEATH_SIGNAL, signal.SIGKILL))
-
-    def start_controller(self, *arguments):
-        """slurmctld; what it knew of jobs before is there again unless "-c" is given."""
-        self.start_daemon("slurmctld", "slurmctld", "-D", *arguments)
-
-    def start_node(self, node):
-        self.start_daemon(node, "slurmd", "-D", "-N", node)
-
-    def hold_jobs(self):
-        """What starts from now on waits before its first command until release_jobs()."""
-        (self.folder / "hold").touch()
-
-    def release_jobs(self):
-        (self.folder / "hold").unlink(missing_ok=True)
-
-    def kill_controller(self):
-        """As by a power cut, once it has saved what runs: it saves every 5 s, and a job that it has forgotten is not run again
-        on a node on which it still runs."""
-        now = time.time()
-        saved = self.folder / "state/job_state"
-        self.run("scontrol", "update", "PartitionName=main", "MaxTime=UNLIMITED")
-        self.wait_until("slurmctld has saved its state", lambda: saved.exists() and saved.stat().st_mtime > now, 60)
-        self.daemons["slurmctld"].kill()
-        self.daemons.pop("slurmctld").wait()
-
-    def processes_of(self, node):
-        """Those of the jobs on a node, with the slurmstepd that watch over them."""
-        parent_of, found = parents(), set()
-        for process in descendants(os.getpid()):
-            if variable_of(process, "SLURMD_NODENAME") != node:
-                continue
-            while process not in (os.getpid(), 1, None) and process not in (d.pid for d in self.daemons.values()):
-                found.add(process)
-                process = parent_of.get(process)
-        return found - self.foreign
-
-    def kill_node(self, node):
-        """As by a power cut: slurmd, slurmstepd and the jobs at once."""
-        self.daemons[node].kill()
-        for process in self.processes_of(node):
-            end_process(process)
-        self.daemons.pop(node).wait()
 
     def run(self, *command):
         """Runs a program of Slurm; its standard output, and None where it fails."""

@@ -1,12 +1,9 @@
 #include "thumbnail.hpp"
 
-#include <filesystem>
-
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/maps/png.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
-#include "record.hpp"
 #ifdef GDTSLAM_HAS_RASTER
 #include "gdtslam/drawing/raster.hpp"
 #endif
@@ -14,16 +11,16 @@
 namespace gdtslam {
 namespace {
 
-constexpr PictureSize kThumbnail{.width = 320, .height = 180};  // below 200 pixels a picture has no words
+constexpr PictureSize kSize{.width = 320, .height = 180};  // below 200 pixels a picture has no words
 
 #ifdef GDTSLAM_HAS_RASTER
-constexpr const char* kThumbnailFile = "/thumbnail.png";
+constexpr const char* kThumbnail = "thumbnail.png";
 std::string thumbnail_bytes(const Canvas& picture) {
   const RgbaImage image = raster_of(picture, 2.0);
   return encode_png(image.width, image.height, image.pixels);
 }
 #else
-constexpr const char* kThumbnailFile = "/thumbnail.svg";
+constexpr const char* kThumbnail = "thumbnail.svg";
 std::string thumbnail_bytes(const Canvas& picture) {
   return svg_of(picture, [](const RgbaImage& image) { return encode_png(image.width, image.height, image.pixels); });
 }
@@ -31,23 +28,19 @@ std::string thumbnail_bytes(const Canvas& picture) {
 
 }  // namespace
 
-void write_thumbnail(const std::string& run_folder, const MapOutcome& outcome) {
+void write_thumbnail(const std::string& folder, const MapOutcome& outcome) {
   if (outcome.occupancy.cells.size() == 0) return;
   std::string bytes;
   try {
     MapLook look;
     look.with_keyframes = false;
-    bytes = thumbnail_bytes(map_picture(outcome.occupancy, {outcome.trajectory, {}, {}, {}}, look, kThumbnail));
+    bytes = thumbnail_bytes(map_picture(outcome.occupancy, {outcome.trajectory, {}, {}, {}}, look, kSize));
   } catch (const Error&) {  // the page does without
     return;
   }
-  write_file_atomically(run_folder + kThumbnailFile, bytes);
+  write_file_atomically(folder + "/" + kThumbnail, bytes);
 }
 
-std::string thumbnail_of(const std::string& atlas, const std::string& run) {
-  const std::string file = run_path(run) + kThumbnailFile;
-  std::error_code ignored;
-  return std::filesystem::exists(atlas + "/" + file, ignored) ? file : std::string();
-}
+const char* thumbnail_name() { return kThumbnail; }
 
 }  // namespace gdtslam

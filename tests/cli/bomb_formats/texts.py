@@ -100,26 +100,6 @@ def json_line(depth):
     return b'{"stamp":' + b"[" * depth + b"]" * depth + b"}\n"
 
 
-def atlas(name, text, *command):
-    """An atlas with a file of that text."""
-
-    def make(folder):
-        (folder / name).write_bytes(text())
-        return ["fleet", *command, folder]
-
-    return make
-
-
-def plan_of_units(count):
-    """A plan all of whose shards have all of its units."""
-    units = ",".join(f'["/l{k:06}",0]' for k in range(count))
-    shard = "[" + ",".join(map(str, range(count))) + "]"
-    program = {"version": "1", "sample_map_sha256": "", "sample_trajectory_sha256": ""}
-    reading = {"topics": [], "odometry": "", "crank": "", "mounts": [], "lenient": False}
-    head = {"format": 1, "program": program, "config": "", "reading": reading, "linkage": "", "get": ""}
-    return (json.dumps(head)[:-1] + f', "units": [{units}], "shards": [{",".join([shard] * 900)}]}}').encode()
-
-
 def bench_against(text):
     def make(folder):
         (folder / "earlier.json").write_bytes(text())
@@ -147,7 +127,5 @@ BOMBS = [
     Bomb("JSON text of 60 MB", run_with_report(lambda: b'{"version":"' + b"x" * (60 * MB) + b'"}'), 65, "report.json", 300),
     Bomb("JSON number of 1 MB", run_with_report(lambda: b'{"format_version":' + b"9" * MB + b"}"), 65, "report.json"),
     Bomb("JSON line nested 100,000 deep", log_of("log.jsonl", lambda: json_line(100_000)), 65, "log.jsonl:1"),
-    Bomb("plan of 900 shards of all", atlas("plan.json", lambda: plan_of_units(3000), "status"), 65, "plan.json", 200),
-    Bomb("plan nested 1,000,000 deep", atlas("plan.json", lambda: b"[" * 1_000_000, "status"), 65, "plan.json"),
     Bomb("earlier bench of 2,000,000 samples", bench_against(lambda: b'{"version":"1","rows":[{"samples_s":[' + b"1," * 2_000_000 + b"1]}]}"), 65, "earlier.json", 150),
 ]

@@ -93,7 +93,7 @@ Arrows make_arrows() {
        {"engine/runs/folder", "engine/runs/keyframes", "engine/runs/loops", "engine/runs/mapping",
         "engine/runs/tiles"}},
       {"engine/runs/fleet",
-       {"engine/runs", "engine/runs/folder", "engine/runs/linkage", "engine/runs/mapping", "engine/runs/transaction"}},
+       {"engine/runs", "engine/runs/folder", "engine/runs/linkage", "engine/runs/transaction"}},
       {"engine/runs/edits",
        {"engine/runs/continuing", "engine/runs/folder", "engine/runs/keyframes", "engine/runs/loops",
         "engine/runs/mapping", "engine/runs/motion", "engine/runs/streams"}},

@@ -178,19 +178,6 @@ TEST(AtomicFile, LeavesTheTemporaryFileOfALivingWriterAlone) {
   EXPECT_EQ(get_file(folder / "a.txt"), "first");
 }
 
-TEST(AtomicFile, LeavesWhatHasTheNameWhereItIsAskedTo) {
-  const TemporaryFolder folder;
-  const auto commit = [&folder](const char* text) {
-    AtomicFile file(folder / "plan");
-    file.write(std::string_view(text));
-    return file.commit_unless_there();
-  };
-  EXPECT_TRUE(commit("first"));
-  EXPECT_FALSE(commit("second"));
-  EXPECT_EQ(get_file(folder / "plan"), "first");
-  EXPECT_THAT(folder.names(), ElementsAre("plan"));
-}
-
 TEST(AtomicFileSet, NamesAppearOnlyWhenAllIsOnTheDisk) {
   const TemporaryFolder folder;
   put_file(folder / "map.pgm", "old image");

@@ -26,8 +26,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostRefusedShown = 1000;
-
 // In one pass, so that no text of others is taken for a mark.
 std::string filled(std::string_view skeleton, const std::map<std::string, std::string, std::less<>>& values) {
   std::string page;
@@ -62,76 +60,63 @@ std::string length_of(double metres) {
 }
 
 std::string facts_of(const AtlasSummary& summary) {
-  const AtlasCounts& counts = summary.counts;
-  std::string text = fact("maps", grouped(static_cast<double>(counts.mapped)));
-  text += fact("refused", grouped(static_cast<double>(counts.refused)), counts.refused > 0);
-  if (counts.missing() > 0) text += fact("missing", grouped(static_cast<double>(counts.missing())), true);
-  text += fact("path", length_of(summary.path_m)) + fact("time in the logs", time_of(summary.log_duration_s)) +
-          fact("scans", grouped(static_cast<double>(summary.scans))) + fact("CPU time", time_of(summary.cpu_s));
-  return text + fact(summary.hosts.size() == 1 ? "host" : "hosts",
-                     summary.hosts.size() == 1 ? summary.hosts.begin()->first
-                                               : grouped(static_cast<double>(summary.hosts.size())));
+  const auto count = [](std::size_t number) { return grouped(static_cast<double>(number)); };
+  std::string text = fact("maps", count(summary.mapped));
+  for (const auto& [name, number] :
+       {std::pair{"refused", summary.refused}, {"failed", summary.failed}, {"missing", summary.missing}}) {
+    if (number > 0) text += fact(name, count(number), true);
+  }
+  return text + fact("path", length_of(summary.path_m)) + fact("time in the logs", time_of(summary.log_duration_s)) +
+         fact("scans", grouped(static_cast<double>(summary.scans))) + fact("CPU time", time_of(summary.cpu_s)) +
+         fact("machines", count(summary.hosts));
 }
 
-// What all URIs begin with says nothing about one of them.
-std::size_t common_folder(const std::vector<FleetUnit>& units) {
-  std::string_view common = units.front().uri;
-  for (const FleetUnit& unit : units) {
-    const auto [end, other] = std::mismatch(common.begin(), common.end(), unit.uri.begin(), unit.uri.end());
+// The folder that all logs lie in says nothing about one of them.
+std::size_t common_folder(const std::vector<FleetRecord>& records) {
+  std::string_view common = records.front().log;
+  for (const FleetRecord& record : records) {
+    const auto [end, other] = std::mismatch(common.begin(), common.end(), record.log.begin(), record.log.end());
     common = common.substr(0, static_cast<std::size_t>(end - common.begin()));
   }
-  const std::size_t slash = common.find_last_of('/');
-  return slash == std::string_view::npos ? 0 : slash + 1;
+  return common.find_last_of('/') + 1;
 }
 
-std::string data_of(const std::string& atlas, const StoredPlan& stored, const AtlasState& state) {
-  const std::size_t begin = common_folder(stored.plan.units);
-  Json rows = Json::array();
-  for (std::size_t k = 0; k < state.records.size(); ++k) {
-    if (!state.records[k] || !state.records[k]->is_mapped()) continue;
-    const UnitRecord& record = *state.records[k];
-    const UnitFigures& f = record.figures;
-    const std::string uri = stored.plan.units[k].uri.substr(begin);
-    const std::size_t slash = uri.find_last_of('/');
-    const std::string run = run_path(record.run);
+std::string data_of(const std::string& atlas, const std::vector<FleetRecord>& records) {
+  const auto if_there = [&atlas](const std::string& file) {
     std::error_code ignored;
-    const bool has_overview = fs::exists(fmt::format("{}/{}/overview.png", atlas, run), ignored);
-    rows.push_back({uri.substr(slash == std::string::npos ? 0 : slash + 1),
-                    slash == std::string::npos ? "" : uri.substr(0, slash), run, thumbnail_of(atlas, record.run),
-                    has_overview ? run + "/overview.png" : "", f.scans, f.doubtful, f.path_m, f.log_duration_s,
-                    f.width_m, f.height_m, record.cpu_s});
+    return fs::exists(atlas + "/" + file, ignored) ? file : std::string();
+  };
+  Json rows = Json::array();
+  for (const FleetRecord& r : records) {
+    if (!r.is_mapped()) continue;
+    const std::string log = r.log.substr(common_folder(records));
+    const std::size_t name = log.find_last_of('/') + 1;
+    const std::string picture = fmt::format("logs/{}/{}", name_in_atlas(r.log), thumbnail_name());
+    rows.push_back({log.substr(name), log.substr(0, name), r.run, if_there(picture), if_there(r.run + "/overview.png"),
+                    r.scans, r.doubtful, r.path_m, r.log_duration_s, r.width_m, r.height_m, r.cpu_s});
   }
   std::string text = rows.dump(-1, ' ', true);
   for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos;) text.replace(at, 1, "\\u003c");
   return text;
 }
 
-std::string refused_of(const StoredPlan& stored, const AtlasState& state) {
+std::string unmapped_table(const std::vector<FleetRecord>& records) {
+  constexpr std::size_t kMostShown = 1000;
   std::string rows;
   std::size_t count = 0;
-  for (std::size_t k = 0; k < state.records.size(); ++k) {
-    if (!state.records[k] || state.records[k]->is_mapped()) continue;
-    if (++count > kMostRefusedShown) continue;
-    rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"code\">{}</td></tr>\n",
-                        markup_text(stored.plan.units[k].uri), markup_text(state.records[k]->reason),
-                        state.records[k]->exit_code);
+  for (const FleetRecord& record : records) {
+    if (record.is_mapped() || ++count > kMostShown) continue;
+    rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td class=\"code\">{}</td></tr>\n",
+                        markup_text(record.log), record.outcome, markup_text(record.reason), record.exit_code);
   }
   if (count == 0) return {};
-  if (count > kMostRefusedShown)
-    rows += fmt::format("<tr><td colspan=\"3\">and {} more, in summary.csv</td></tr>\n", count - kMostRefusedShown);
+  if (count > kMostShown)
+    rows += fmt::format("<tr><td colspan=\"4\">and {} more, in summary.csv</td></tr>\n", count - kMostShown);
   return fmt::format(
-      "<section id=\"refused\">\n<h2>Refused <span class=\"quiet\">{}</span></h2>\n<div class=\"table\"><table>\n"
-      "<thead><tr><th>log</th><th>why</th><th>exit</th></tr></thead>\n<tbody>\n{}</tbody></table></div>\n</section>\n",
+      "<section id=\"unmapped\">\n<h2>Not mapped <span class=\"quiet\">{}</span></h2>\n<div class=\"table\"><table>\n"
+      "<thead><tr><th>log</th><th>outcome</th><th>why</th><th>exit</th></tr></thead>\n<tbody>\n{}</tbody></table></div>"
+      "\n</section>\n",
       count, rows);
-}
-
-// What `fleet merge` left.
-std::string site_of(const std::string& atlas) {
-  std::error_code ignored;
-  if (!fs::exists(atlas + "/site/merge.json", ignored)) return {};
-  return "<section>\n<h2>Sites</h2>\n<p><a href=\"site/\">The runs that overlap, joined</a>; <a "
-         "href=\"site/merge.json\">"
-         "merge.json</a></p>\n</section>\n";
 }
 
 // Names and reasons are anybody's: only the page's own script runs, and pictures come from beside the page, whether it
@@ -144,17 +129,16 @@ std::string policy() {
 
 }  // namespace
 
-std::string atlas_page(const std::string& atlas, const StoredPlan& stored, const AtlasState& state,
-                       const AtlasSummary& summary, const std::string& hash) {
-  return filled(fleet_page::skeleton(), {{"policy", policy()},
-                                         {"title", markup_text("Atlas " + fs::canonical(atlas).filename().string())},
-                                         {"hash", hash.empty() ? "logs are missing, so there is no hash" : hash},
-                                         {"style", std::string(fleet_page::style())},
-                                         {"facts", facts_of(summary)},
-                                         {"site", site_of(atlas)},
-                                         {"refused", refused_of(stored, state)},
-                                         {"script", std::string(fleet_page::program())},
-                                         {"data", data_of(atlas, stored, state)}});
+std::string atlas_page(const std::string& atlas, const std::vector<FleetRecord>& records, const AtlasSummary& summary) {
+  return filled(fleet_page::skeleton(),
+                {{"policy", policy()},
+                 {"title", markup_text("Atlas " + fs::canonical(atlas).filename().string())},
+                 {"hash", summary.sha256.empty() ? "logs failed or are missing, so there is no hash" : summary.sha256},
+                 {"style", std::string(fleet_page::style())},
+                 {"facts", facts_of(summary)},
+                 {"unmapped", unmapped_table(records)},
+                 {"script", std::string(fleet_page::program())},
+                 {"data", data_of(atlas, records)}});
 }
 
 }  // namespace gdtslam

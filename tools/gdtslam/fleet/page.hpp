@@ -1,15 +1,15 @@
-// The page of an atlas: one file that needs no server, with a card for each map. Its pictures lie in the run folders.
-// Thread-safe; linear in the units, and a look for each thumbnail.
+// The page of an atlas: one file that needs no server, with a card for each map. Its pictures lie in the atlas.
+// Thread-safe; linear in the logs, and a look for each picture.
 #pragma once
 
 #include <string>
+#include <vector>
 
-#include "engine/runs/fleet/summary.hpp"
+#include "engine/runs/fleet/atlas.hpp"
 
 namespace gdtslam {
 
-/// `hash` is that of the atlas; empty where logs are missing. Texts of others are escaped.
-std::string atlas_page(const std::string& atlas, const StoredPlan& stored, const AtlasState& state,
-                       const AtlasSummary& summary, const std::string& hash);
+/// Texts of others are escaped.
+std::string atlas_page(const std::string& atlas, const std::vector<FleetRecord>& records, const AtlasSummary& summary);
 
 }  // namespace gdtslam

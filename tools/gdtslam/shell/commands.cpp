@@ -40,8 +40,8 @@ constexpr const char* kExamples =
     "  gdtslam verify --device vulkan             whether a GPU gives the same results as the CPU\n"
     "\n"
     "Exit codes: 0 done; 1 failed while running; 2 wrong usage; 65 bad input data; 69 a device or a part of the\n"
-    "program is not available; 70 this machine computes something else than the plan of a fleet has; 74 cannot read\n"
-    "or write; 78 bad configuration; 130 interrupted, with what was done written.";
+    "program is not available; 74 cannot read or write; 78 bad configuration; 130 interrupted, with what was done\n"
+    "written.";
 
 // A sub-command that is not here: whoever asks for it learns why.
 void add_missing_command(CLI::App& app, CommandContext& context, const std::string& name,

@@ -15,7 +15,6 @@ enum class ExitCode : int {
   kUsage = 2,
   kBadInput = 65,
   kUnavailable = 69,
-  kOtherResults = 70,
   kInputOutput = 74,
   kBadConfig = 78,
   kInterrupted = 130,

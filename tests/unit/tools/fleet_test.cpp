@@ -1,0 +1,275 @@
+// Logs of a fleet: how they are found and dealt out, what becomes of each, and what an atlas says of all of them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "engine/runs/fleet/atlas.hpp"
+#include "engine/runs/fleet/fleet_work.hpp"
+#include "engine/runs/fleet/log_list.hpp"
+#include "engine/runs/folder/folder_lock.hpp"
+#include "gdtslam/core/error.hpp"
+#include "tools/gdtslam/shell/folders.hpp"
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::StartsWith;
+
+class Fleet : public testing::Test {
+ protected:
+  [[nodiscard]] std::string path(const std::string& name) const { return folder_.path() + "/" + name; }
+  void write(const std::string& name, const std::string& text = "# no scan\n") const {
+    fs::create_directories(fs::path(path(name)).parent_path());
+    std::ofstream(path(name), std::ios::app) << text;
+  }
+  [[nodiscard]] std::vector<std::string> found(const std::vector<std::string>& names) const {
+    std::vector<std::string> logs;
+    for (const FleetLog& log : find_logs(names)) logs.push_back(log.path.substr(folder_.path().size() + 1));
+    return logs;
+  }
+  /// The record that a run would have, with its report.
+  void map_as(const std::string& log, const std::string& result, const std::string& outcome = "mapped") const {
+    FleetRecord record{.log = log, .outcome = outcome, .run = "runs/" + name_in_atlas(log)};
+    record.log_sha256 = "l" + log.substr(log.size() - 1);
+    record.result_sha256 = result;
+    write("atlas/" + record.run + "/report.json");
+    write_record(path("atlas"), record);
+  }
+  [[nodiscard]] AtlasSummary summary() const { return summary_of(read_atlas(path("atlas"))); }
+
+  const TemporaryFolder folder_{"gdtslam-fleet-test"};
+};
+
+TEST_F(Fleet, LogsAreFoundByTheirNames) {
+  for (const char* name : {"a.log", "b.clf.gz", "c.csv.bz2", "d.jsonl.xz", "e.bag", "f.mcap.zst", "g.db3"})
+    EXPECT_TRUE(has_name_of_a_log(name)) << name;
+  for (const char* name : {"a.txt", "log", ".log", "a.log.tar", "a.gz", "map.yaml"})
+    EXPECT_FALSE(has_name_of_a_log(name)) << name;
+}
+
+TEST_F(Fleet, LogsAreSearchedInFoldersTheLargestFirstAndEachOnce) {
+  write("logs/b/small.log", "1");
+  write("logs/large.log", "12345");
+  write("logs/a.log", "123");
+  write("logs/bag/metadata.yaml", "12");
+  write("logs/bag/bag_0.db3", "12");
+  write("logs/run/report.json");
+  write("logs/run/trajectory.csv");
+  write("logs/atlas/options.txt");
+  write("logs/atlas/summary.csv");
+  write("logs/.hidden/a.log");
+  write("logs/notes.txt");
+  fs::create_directory_symlink("..", path("logs/b/up"));
+  EXPECT_THAT(found({path("logs"), path("logs/a.log"), path("logs/b/../large.log"), path("logs/./b/")}),
+              ElementsAre("logs/large.log", "logs/bag", "logs/a.log", "logs/b/small.log"));
+}
+
+TEST_F(Fleet, ALogAboveALinkIsWhereThatLeads) {
+  write("one/a.log");
+  write("two/deep/b.log");
+  fs::create_directory_symlink("two/deep", path("link"));
+  write("two/a.log");
+  EXPECT_THAT(found({path("link/../a.log")}), ElementsAre("two/a.log"));
+  EXPECT_THAT(found({path("link/b.log")}), ElementsAre("link/b.log"));
+}
+
+TEST_F(Fleet, NamesThatAreNoLogsAreRefused) {
+  write("empty/notes.txt");
+  write("run/report.json");
+  write("a\nb.log");
+  write("\xff.log");
+  EXPECT_THROW(find_logs({path("absent.log")}), FileError);
+  EXPECT_THROW(find_logs({"/dev/null"}), FileError);
+  for (const char* name : {"empty", "run", "a\nb.log", "\xff.log"})
+    EXPECT_THROW(find_logs({path(name)}), InputError) << name;
+}
+
+TEST_F(Fleet, ShardsHoldEveryLogOnce) {
+  std::vector<FleetLog> logs;
+  for (std::size_t k = 0; k < 10; ++k) logs.push_back({"/" + std::to_string(k), 100 - k});
+  std::vector<bool> is_there(10);
+  for (const char* text : {"1/4", "2/4", "3/4", "4/4"}) {
+    for (const FleetLog& log : logs_of_shard(logs, parse_shard(text))) {
+      EXPECT_FALSE(is_there[100 - log.bytes]);
+      is_there[100 - log.bytes] = true;
+    }
+  }
+  EXPECT_EQ(std::count(is_there.begin(), is_there.end(), true), 10);
+  EXPECT_THAT(logs_of_shard(logs, parse_shard("11/11")), IsEmpty());
+  for (const char* text : {"", "1", "/", "1/", "0/1", "2/1", "1/0", "-1/2", "1/2x", "x/2", "1/2/3"})
+    EXPECT_THROW(parse_shard(text), UsageError) << text;
+}
+
+TEST_F(Fleet, ARecordReadsBackAndIsNoneIfItIsDamaged) {
+  FleetRecord record{.log = "/logs/ä b.log", .outcome = "refused", .exit_code = 65, .reason = "\"line\" 1: no"};
+  record.path_m = 0.1;
+  record.bytes = 1U << 31U;
+  write_record(path("atlas"), record);
+  EXPECT_EQ(read_record(path("atlas"), record.log), record);
+  EXPECT_EQ(read_record(path("atlas"), "/logs/other.log"), std::nullopt);
+  const std::string file = record_folder(path("atlas"), record.log) + "/record.json";
+  EXPECT_THAT(file, HasSubstr("/logs/___b.log-"));
+  for (const char* text : {"", "{", "[]", "{\"log\": 1}"}) {
+    std::ofstream(file) << text;
+    EXPECT_EQ(read_record(path("atlas"), record.log), std::nullopt) << text;
+  }
+}
+
+TEST_F(Fleet, AnAtlasHasTheSameOptionsForAllLogs) {
+  begin_atlas(path("atlas"), "options\n", {{"/b.log", 2}});
+  begin_atlas(path("atlas"), "options\n", {{"/b.log", 2}, {"/a.log", 1}});
+  EXPECT_THROW(begin_atlas(path("atlas"), "others\n", {}), UsageError);
+  write("site/index.html");
+  EXPECT_THROW(begin_atlas(path("site"), "options\n", {}), UsageError);
+  EXPECT_FALSE(fs::exists(path("site/options.txt")));
+  EXPECT_THROW(read_atlas(path("site")), FileError);
+  const std::vector<FleetRecord> records = read_atlas(path("atlas"));
+  ASSERT_EQ(records.size(), 2U);
+  EXPECT_EQ(records[0], (FleetRecord{.log = "/a.log", .outcome = "missing"}));
+}
+
+TEST_F(Fleet, TheHashDependsOnTheResultsAlone) {
+  begin_atlas(path("atlas"), "options\n", {{"/x/a", 2}, {"/x/b", 2}});
+  EXPECT_EQ(summary().missing, 2U);
+  map_as("/x/a", "one");
+  EXPECT_THAT(summary().sha256, IsEmpty());
+  map_as("/x/b", "two");
+  const std::string hash = summary().sha256;
+  EXPECT_EQ(hash.size(), 64U);
+  begin_atlas(path("atlas"), "options\n", {});
+  map_as("/x/b", "two");
+  EXPECT_EQ(summary().sha256, hash);
+  map_as("/x/b", "three");
+  EXPECT_NE(summary().sha256, hash);
+  map_as("/x/b", "two", "failed");
+  EXPECT_THAT(summary().sha256, IsEmpty());
+  EXPECT_TRUE(atlas_json(summary()).at("atlas_sha256").is_null());
+  map_as("/x/b", "two");
+  fs::remove_all(path("atlas/runs/" + name_in_atlas("/x/b")));
+  EXPECT_EQ(summary().missing, 1U);
+}
+
+TEST_F(Fleet, TheTableQuotesWhatIsAnybodys) {
+  FleetRecord record{.log = "/a,b.log", .outcome = "refused", .exit_code = 65, .reason = "no \"x\"\nhere"};
+  const std::string table = summary_csv({record});
+  EXPECT_THAT(table, StartsWith("log,outcome,exit_code,reason,run,"));
+  EXPECT_THAT(table, HasSubstr("\n\"/a,b.log\",refused,65,\"no \"\"x\"\"\nhere\",,0,"));
+}
+
+class FleetLogWork : public Fleet {
+ protected:
+  FleetLogWork() {
+    write("a.log");
+    begin_atlas(work_.atlas, work_.options, {});
+  }
+  /// The record of the log if this happens while it is mapped; it is refused if `change` throws nothing.
+  FleetRecord after(const std::function<void()>& change) {
+    work_.map = [&](const MapRequest&) -> MapResult {
+      change();
+      throw InputError({log_, 7}, "is no scan");
+    };
+    return map_fleet_log(work_, log_).record;
+  }
+  FleetWork work_{.atlas = path("atlas"), .options = "options\n"};
+  const std::string log_ = path("a.log");
+};
+
+TEST_F(FleetLogWork, ARefusedLogIsRecordedWithItsReason) {
+  const FleetRecord record = after([] {});
+  EXPECT_EQ(record.outcome, "refused");
+  EXPECT_EQ(record.exit_code, 65);
+  EXPECT_EQ(record.reason, "line 7: is no scan");
+  EXPECT_EQ(record.log_sha256.size(), 64U);
+  EXPECT_EQ(read_record(work_.atlas, log_), record);
+}
+
+TEST_F(FleetLogWork, ALogThatIsMappedIsSkippedUntilItsBytesOrOptionsChange) {
+  int calls = 0;
+  work_.map = [&](const MapRequest& request) {
+    ++calls;
+    write("atlas/runs/" + fs::path(request.folder).filename().string() + "/report.json");
+    MapResult result;
+    result.report = nlohmann::json{{"scans", 3},
+                                   {"doubtful", 0},
+                                   {"keyframes", 1},
+                                   {"path_m", 1.5},
+                                   {"log_duration_s", 2.0},
+                                   {"cpu_s", 1.0},
+                                   {"wall_s", 1.0},
+                                   {"map_sha256", "m"},
+                                   {"trajectory_sha256", "t"},
+                                   {"gdt", {{"resolution_m", 0.5}, {"width", 4}, {"height", 2}}},
+                                   {"device", {{"name", "CPU"}, {"driver", "avx2"}}},
+                                   {"files", {{"map.pgm", 9, "p"}, {"overview.png", 9, "q"}}}}
+                        .dump();
+    return result;
+  };
+  const auto was_done = [&] { return map_fleet_log(work_, log_).was_done; };
+  EXPECT_FALSE(was_done());
+  EXPECT_EQ(read_record(work_.atlas, log_)->device, "CPU, avx2");
+  EXPECT_EQ(read_record(work_.atlas, log_)->width_m, 2.0);
+  EXPECT_TRUE(was_done());
+  write("a.log", "more\n");
+  EXPECT_FALSE(was_done());
+  write("a.linkage.yaml", "gdtslam_linkage: 1\n");
+  EXPECT_FALSE(was_done());
+  work_.request.linkage = "paper-b";  // what lies beside the log does not count
+  EXPECT_FALSE(was_done());
+  write("a.linkage.yaml", "more\n");
+  EXPECT_TRUE(was_done());
+  fs::remove_all(path("atlas/runs"));
+  EXPECT_FALSE(was_done());
+  EXPECT_EQ(calls, 5);
+}
+
+TEST_F(FleetLogWork, ALogThatChangesMeanwhileHasFailed) {
+  const auto reason_after = [this](const std::function<void()>& change) {
+    work_.map = [&](const MapRequest&) {
+      change();
+      return MapResult{};
+    };
+    const FleetRecord record = map_fleet_log(work_, log_).record;
+    return record.outcome == "failed" && record.exit_code == 74 ? record.reason : "";
+  };
+  const std::string changed = "was changed while it was mapped; run the command again";
+  EXPECT_EQ(reason_after([&] { write("a.log", "more\n"); }), changed);
+  EXPECT_EQ(reason_after([&] { fs::remove(log_); }), changed);
+  write("a.log");
+  EXPECT_EQ(reason_after([&] { write("a.linkage.yaml"); }), changed);
+}
+
+TEST_F(FleetLogWork, ALogThatCannotBeReadHasFailed) {
+  fs::remove(log_);
+  EXPECT_EQ(after([] {}).outcome, "failed");
+  EXPECT_EQ(read_record(work_.atlas, log_)->exit_code, 74);
+}
+
+TEST_F(FleetLogWork, AnInterruptLeavesNoRecord) {
+  work_.request.stop = [] { return true; };
+  EXPECT_THROW((void)after([] {}), Error);
+  EXPECT_EQ(read_record(work_.atlas, log_), std::nullopt);
+}
+
+TEST_F(FleetLogWork, ALogIsMappedByOneProcessInAnAtlasThatIsThere) {
+  fs::create_directories(record_folder(work_.atlas, log_));
+  {
+    const FolderLock other(record_folder(work_.atlas, log_));
+    EXPECT_THROW((void)after([] {}), UsageError);
+  }
+  fs::rename(work_.atlas, path("moved"));
+  EXPECT_THROW((void)after([] {}), FileError);
+  EXPECT_FALSE(fs::exists(work_.atlas));
+}
+
+}  // namespace
+}  // namespace gdtslam
