@@ -59,7 +59,7 @@ def fleet_local():
     atlas = folder / "atlas"
     process = fleet_run(atlas, logs, code=65)
     expect(process.stdout == "7 logs: 5 mapped, 0 skipped as they are done, 2 refused, 0 failed\n", process.stdout)
-    expect(f"{logs}/bad-0.log refused: " in process.stderr and "2 of 7 logs are not mapped" in process.stderr, process.stderr)
+    expect(f"{logs}/bad-0.log refused: " in process.stderr and "2 of 7 logs not mapped" in process.stderr, process.stderr)
     report, rows = finished(atlas, code=65)
     expect((report["logs"], report["mapped"], report["refused"], report["failed"], report["missing"]) == (7, 5, 2, 0, 0), str(report))
     lines = []
@@ -193,6 +193,8 @@ def fleet_bad_input():
                                    (("run", "--list", folder / "absent.txt", "-o", atlas), 74, "absent.txt"),
                                    (("run", folder / "none", "-o", atlas), 65, "named as a log"),
                                    (("run", logs, "-o", atlas, "--shard", "2/1"), 2, "I from 1 to N"),
+                                   (("run", logs, "-o", atlas, "--device", "gpu"), 2, "gpu"),
+                                   (("run", logs, "-o", atlas, "--isa", "sse9"), 2, "sse9"),
                                    (("run", logs, "-o", atlas, "--linkage", "paper-z"), 74, "paper-z"),
                                    (("run", logs, "-o", atlas, "--set", "map.resolutoin=1 m"), 78, "map.resolution"),
                                    (("finish", atlas), 74, "gdtslam fleet run LOG")):

@@ -48,7 +48,7 @@ std::string csv_line(const FleetRecord& record, bool is_header) {
 
 void begin_atlas(const std::string& atlas, const std::string& options, const std::vector<FleetLog>& logs) {
   const std::string file = fmt::format("{}/{}", atlas, kOptionsFile);
-  if (!fs::exists(file)) {
+  if (!lies_there(file)) {
     for (const char* const name : {"runs", "logs", "lists", "index.html", "summary.csv", "atlas.json", "report.json"}) {
       if (lies_there(fmt::format("{}/{}", atlas, name)))
         throw UsageError(fmt::format(
@@ -64,11 +64,11 @@ void begin_atlas(const std::string& atlas, const std::string& options, const std
   const std::string name = fmt::format("{}/lists/{}.txt", atlas, Sha256().update(list).hex().substr(0, kDigits));
   make_folder(atlas + "/lists");
   make_folder(atlas + "/runs");
-  if (!fs::exists(name)) write_file_atomically(name, list);
+  if (!lies_there(name)) write_file_atomically(name, list);
 }
 
 std::vector<FleetRecord> read_atlas(const std::string& atlas) {
-  if (!fs::exists(fmt::format("{}/{}", atlas, kOptionsFile)))
+  if (!lies_there(fmt::format("{}/{}", atlas, kOptionsFile)))
     throw FileError(atlas, fmt::format("is no atlas; one begins with: gdtslam fleet run LOG... -o {}", atlas));
   std::set<std::string> logs;
   std::error_code failed;
@@ -82,7 +82,7 @@ std::vector<FleetRecord> read_atlas(const std::string& atlas) {
   std::vector<FleetRecord> records;
   for (const std::string& log : logs) {
     std::optional<FleetRecord> record = read_record(atlas, log);
-    if (record && record->is_mapped() && !fs::exists(fmt::format("{}/{}/{}", atlas, record->run, kReportFile)))
+    if (record && record->is_mapped() && !lies_there(fmt::format("{}/{}/{}", atlas, record->run, kReportFile)))
       record.reset();
     records.push_back(record ? std::move(*record) : FleetRecord{.log = log});
   }

@@ -71,7 +71,7 @@ void hash_log(const LogFiles& files, const std::function<void()>& unless_stopped
 bool is_done(const std::optional<FleetRecord>& before, const FleetRecord& now, const std::string& atlas) {
   return before && before->is_mapped() && before->log_sha256 == now.log_sha256 &&
          before->options_sha256 == now.options_sha256 &&
-         fs::exists(fmt::format("{}/{}/{}", atlas, now.run, kReportFile));
+         lies_there(fmt::format("{}/{}/{}", atlas, now.run, kReportFile));
 }
 
 void take_results(const std::string& report_text, FleetRecord& record) {
@@ -110,7 +110,7 @@ std::string reason_of(std::string message, const std::string& log) {
 }  // namespace
 
 MappedFleetLog map_fleet_log(const FleetWork& work, const std::string& log) {
-  if (!fs::exists(fmt::format("{}/{}", work.atlas, kOptionsFile))) throw FileError(work.atlas, "is gone");
+  if (!lies_there(fmt::format("{}/{}", work.atlas, kOptionsFile))) throw FileError(work.atlas, "is gone");
   const std::string folder = record_folder(work.atlas, log);
   make_folder(folder);
   const FolderLock lock(folder);

@@ -48,9 +48,9 @@ int finish(const FinishOptions& options) {
     print_result(text_of(records, summary, options.atlas));
   }
   if (summary.mapped == summary.logs) return static_cast<int>(ExitCode::kDone);
-  throw InputError(fmt::format(
-      "{} of {} are not mapped; summary.csv says why, and the same 'gdtslam fleet run' maps those that can be",
-      summary.logs - summary.mapped, plural(summary.logs, "log")));
+  throw InputError(
+      fmt::format("{} of {} not mapped; summary.csv says why, and the same 'gdtslam fleet run' maps what can be",
+                  summary.logs - summary.mapped, plural(summary.logs, "log")));
 }
 
 }  // namespace

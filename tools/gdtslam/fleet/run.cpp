@@ -116,7 +116,7 @@ class FleetRun {
       print_result(fmt::format("{}: {} mapped, {} skipped as they are done, {} refused, {} failed\n",
                                plural(logs_.size(), "log"), mapped_, skipped_, refused_, failed_));
     if (code_ == 0) return code_;
-    throw Error(static_cast<ExitCode>(code_), fmt::format("{} of {} are not mapped; the same command tries them again",
+    throw Error(static_cast<ExitCode>(code_), fmt::format("{} of {} not mapped; the same command tries again",
                                                           refused_ + failed_, plural(logs_.size(), "log")));
   }
 
@@ -128,10 +128,10 @@ class FleetRun {
       FleetWork work = work_;
       work.request.progress = [&tell](std::uint64_t, double share) { tell(share); };
       const MappedFleetLog done = map_fleet_log(work, logs_[log].path);
-      return nlohmann::json{{"outcome", done.was_done ? "skipped" : done.record.outcome},
-                            {"code", done.record.exit_code},
-                            {"reason", done.record.reason}}
-          .dump();
+      const nlohmann::json said{{"outcome", done.was_done ? "skipped" : done.record.outcome},
+                                {"code", done.record.exit_code},
+                                {"reason", done.record.reason}};
+      return said.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     });
   }
 
@@ -201,6 +201,8 @@ class FleetRun {
 int run_fleet(const RunOptions& options) {
   if (options.atlas.empty()) throw UsageError("--output: names no folder");
   const Shard shard = parse_shard(options.shard);
+  (void)parse_device_name(options.device.device);
+  (void)cpu_options(options.device);
   const std::vector<FleetLog> logs = logs_of(options);
   FleetRun run(options, logs);
   begin_atlas(options.atlas, run.options_text(), logs);
