@@ -1,4 +1,4 @@
-// Linkages, and the plan and records of an atlas.
+// Linkages.
 #pragma once
 
 #include <array>
@@ -24,8 +24,6 @@ inline void read_linkage_description(std::span<const std::byte> data) {
     const ElevationTable table = elevation_table(linkage.model, 6);
     for (const double elevation_rad : table.values_rad()) require(std::isfinite(elevation_rad));
   });
-}
-
 }
 
 inline constexpr std::array kRunTargets{
