@@ -1,6 +1,6 @@
-# OpenCV is a peer that `gdtslam bench` measures in the same run, never a part of the product. Debian's imgproc package has no
+# OpenCV is a peer that `gdtslam-lab bench` measures in the same run, never a part of the product. Debian's imgproc package has no
 # OpenCVConfig.cmake, so its parts are looked for one by one; without them the benchmark says that the peer is missing.
-option(GDTSLAM_BENCH_OPENCV "Measure OpenCV beside our kernels in gdtslam bench, where it is installed" ON)
+option(GDTSLAM_BENCH_OPENCV "Measure OpenCV beside our kernels in gdtslam-lab bench, where it is installed" ON)
 
 # gdtslam_measure_opencv(TARGET): links OpenCV's core and imgproc and defines GDTSLAM_HAVE_OPENCV when they are there.
 function(gdtslam_measure_opencv target)
@@ -12,7 +12,7 @@ function(gdtslam_measure_opencv target)
   find_library(GDTSLAM_OPENCV_IMGPROC opencv_imgproc)
   mark_as_advanced(GDTSLAM_OPENCV_INCLUDE GDTSLAM_OPENCV_CORE GDTSLAM_OPENCV_IMGPROC)
   if(NOT GDTSLAM_OPENCV_INCLUDE OR NOT GDTSLAM_OPENCV_CORE OR NOT GDTSLAM_OPENCV_IMGPROC)
-    message(STATUS "gdtslam bench: no OpenCV here, so no peer for the distance transforms")
+    message(STATUS "gdtslam-lab bench: no OpenCV here, so no peer for the distance transforms")
     return()
   endif()
   target_include_directories(${target} SYSTEM PRIVATE ${GDTSLAM_OPENCV_INCLUDE})

@@ -18,6 +18,9 @@ import json_fields
 
 SOURCE = pathlib.Path(os.environ["GDTSLAM_SOURCE"])
 PROGRAM = os.environ["GDTSLAM"]
+# The program of the experiments; empty where it was not built.
+LAB = os.environ.get("GDTSLAM_LAB", "")
+LAB_COMMANDS = ("compare", "ablation", "bench")
 WORK = pathlib.Path(os.environ["GDTSLAM_CLI_WORK"])
 LOG = pathlib.Path(os.environ["GDTSLAM_CLI_LOG"])
 TRUTH = LOG.with_suffix(".truth.tum")
@@ -98,13 +101,23 @@ def calls_counted(kinds, *arguments):
         return struct.unpack_from("14Q", pathlib.Path(state.name).read_bytes())[CHOSEN]
 
 
+def program_of(name):
+    """The program that has that sub-command."""
+    if name not in LAB_COMMANDS:
+        return PROGRAM
+    if not LAB:
+        skip("gdtslam-lab was not built")
+    return LAB
+
+
 def command(*arguments, **options):
-    """Runs gdtslam; returns the finished process with text output."""
+    """Runs gdtslam, or gdtslam-lab for a command of its own; returns the finished process with text output."""
     options["timeout"] = SLOWNESS * options.get("timeout", 100)
     options.setdefault("stdin", subprocess.DEVNULL if "input" not in options else None)
     if options["stdin"] is None:
         del options["stdin"]
-    return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, check=False, **options)
+    return subprocess.run([program_of(arguments[0] if arguments else ""), *map(str, arguments)], capture_output=True, text=True,
+                          check=False, **options)
 
 
 # Runs what is given and says what it took. A process of its own, because the largest size of a child counts from before

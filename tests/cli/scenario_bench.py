@@ -1,55 +1,89 @@
-"""Runs of `bench` held against each other, and the limits of the machine beside the kernels."""
+"""The rows of `gdtslam-lab bench`, and the limits of the machine beside the kernels."""
 
 import json
 import subprocess
 import sys
 
-from cli_support import (IS_SANITIZED, PROGRAM, SOURCE, command, expect, expect_exit, fresh_folder, one_error_line,
-                         require_vulkan, skip, validate)
+from cli_support import (DATA, IS_SANITIZED, LOG, PROGRAM, SOURCE, command, expect, expect_exit, fresh_folder,
+                         require_vulkan, skip)
+
+SAMPLE = SOURCE / "assets/logs/office-start.log.gz"
+QUICK = ("--benchmark_format=json", "--benchmark_min_time=0.01")
 
 
-def _bench(*arguments):
-    process = command("bench", "smallest_values", "--samples", 5, "--json", *arguments)
+def _rows(*arguments):
+    """By name and variant, or by the variant of the groups that have several names of one variant."""
+    process = command("bench", *arguments, *QUICK, timeout=250)
     expect_exit(process, 0)
-    validate(process.stdout, "bench")
-    return json.loads(process.stdout)
+    expect(process.stderr == "" or "DEBUG" in process.stderr, process.stderr)
+    return {tuple(entry["run_name"].split("/")[1:4]): entry for entry in json.loads(process.stdout)["benchmarks"]}
+
+
+def _fails(exit_code, words, *arguments):
+    process = command("bench", *arguments)
+    expect_exit(process, exit_code)
+    errors = [line for line in process.stderr.splitlines() if line.startswith("gdtslam: error: ")]
+    expect(len(errors) == 1 and words in errors[0], process.stderr)
 
 
 def bench_limits():
-    """The machine's limits stand before the kernels, slower with each larger table; kernels have their share of one."""
+    """The machine's limits are slower with each larger table."""
     if IS_SANITIZED:
         skip("a sanitized program looks at every access, which hides the caches")
-    rows = json.loads(command("bench", "pose_cost", "--samples", 5, "--json").stdout)["rows"]
-    limits = [row for row in rows if row["group"] == "limit"]
-    expect(rows[: len(limits)] == limits and len(limits) in (6, 9), f"{[row['name'] for row in rows]}")
+    rows = _rows("/limit/")
     for name in ("copy", "load"):
-        rates = [row["rate"] for row in limits if row["name"] == name]
-        expect(len(rates) == 3 and rates[0] > 3.0 * rates[2] > 0.0, f"{name}: {rates}")
-    most = max(row["rate"] for row in limits if row["unit"] == "load")
-    for row in rows[len(limits):]:
-        expect(abs(row["load_ratio"] - row["rate"] / most) < 1e-9, f"{row}")
+        rates = [row["items_per_second"] for (_, of, _), row in rows.items() if of == name]
+        expect(len(rates) == (6 if name == "copy" else 3) and rates[0] > 3.0 * rates[-1] > 0.0, f"{name}: {rates}")
+
+
+def bench_rows():
+    """Rows of each group: what they count fits what is known, and peers stand beside what they are compared with."""
+    ((kernel, row),) = _rows("smallest_values").items()
+    expect(kernel[:2] == ("kernel", "smallest_values") and row["label"] == "value" and row["items_per_second"] > 0.0, f"{row}")
+    transforms = _rows("/transform/|OpenCV", "--size", 256)
+    expect(transforms["transform", "edt", "256x256 R 255"]["different"] == 0, f"{transforms}")
+    expect(all(row["different"] == 0 for (_, name, variant), row in transforms.items() if variant.endswith("PRECISE")), f"{transforms}")
+    floods = [row for (_, name, variant), row in transforms.items() if name == "jump_flood" and "jfa" in variant]
+    expect(len(floods) == 8 and all((row["different"] > 0) == (row["largest_error_cells"] > 0.0) for row in floods), f"{floods}")
+    logs = _rows("/log/", "--megabytes", 0.2)
+    expect(len(logs) == 27 and all(row["bytes_per_second"] > 0.0 for row in logs.values()), f"{logs}")
+    expect(logs["log", "read", "CARMEN, gzip"]["bytes"] == logs["log", "read", "CARMEN, none"]["bytes"], f"{logs}")
+    certified = _rows("/certified/(search/.*40 deg|prepare)", "--log", SAMPLE)
+    search = certified["certified", "search", "+-1 m, 40 deg"]
+    expect(search["iterations"] == 100 and search["proven_share"] == search["known_share"] == 1.0, f"{search}")
+    expect(certified["certified", "prepare", "map"]["map_bytes"] > 0, f"{certified}")
+
+
+def bench_mistakes():
+    """What cannot be measured ends with one line of why."""
+    _fails(2, "no row's name matches 'no_such_kernel'", "no_such_kernel")
+    _fails(2, "unexpected argument '--samples'", "edt", "--samples")
+    _fails(2, "are for a --log", "edt", "--set", "map.resolution=5cm")
+    _fails(2, "are for a --log", "live", "--no-loops")
+    _fails(2, "are for a --log", "live", "--topic", "/scan")
+    _fails(2, "--speed", "live", "--speed", "-1")
+    _fails(2, "--megabytes", "log", "--megabytes", 0)
+    _fails(2, "--size", "--size", 1)
+    _fails(78, "map.resolution", "live", "--log", LOG, "--set", "map.resolution=0m")
+    for rows in ("/live/", "/certified/prepare"):
+        _fails(74, "none.log", rows, "--log", "none.log")
+        _fails(65, "no_scan.log: holds no laser scan", rows, "--log", DATA / "no_scan.log")
+    _fails(2, "has no topics: leave out --topic", "/live/", "--log", LOG, "--topic", "/scan")
 
 
 def bench_live_adds_up():
-    """The parts of a log hold each scan and keyframe once, with loops and without; the worst scans are in order; a city that a
-    script makes is driven through all its streets."""
+    """The parts of a log hold each scan and keyframe once, with loops and without; a city that a script makes is driven through
+    all its streets."""
     for loops in ((), ("--no-loops",)):
-        process = command("bench", "live", "--speed", 0, "--json", *loops)
-        expect_exit(process, 0)
-        validate(process.stdout, "bench_live")
-        live = json.loads(process.stdout)
-        parts = live["parts"]
+        (live,) = _rows("/live/", "--log", SAMPLE, "--speed", 0, *loops).values()
+        parts = [{key: live[f"part{number}_{key}"] for key in ("first", "scans", "keyframes", "keyframe_cpu_s")} for number in range(10)]
         expect([part["first"] for part in parts] == [sum(p["scans"] for p in parts[:k]) for k in range(len(parts))], f"{parts}")
         expect(sum(part["scans"] for part in parts) == live["scans"] == 350, f"{parts}")
         expect(sum(part["keyframes"] for part in parts) == live["keyframes"] > 0, f"{parts}")
-        cpu_s = sum(part["keyframes"] * part["keyframe_cpu_s"] + (part["scans"] - part["keyframes"]) * part["scan_cpu_s"]
-                    for part in parts)
-        expect(0.5 * live["scans"] * live["cpu"]["median_s"] < cpu_s < 1.5 * live["lasted_s"], f"{cpu_s}: {live}")
-        worst = [scan["cpu_s"] for scan in live["worst"]]
-        expect(len(worst) == 10 and worst == sorted(worst, reverse=True) and worst[0] == live["cpu"]["largest_s"], f"{worst}")
-        expect(live["largest"]["all_s"] >= live["p999_s"] >= live["median_s"] > 0.0, f"{live}")
-        expect((live["loops"] is None) == bool(loops), f"{live['loops']}")
-        expect(live["peak_bytes"] < 1e9, f"{live['peak_bytes']}")
+        cpu_s = sum(part["keyframes"] * part["keyframe_cpu_s"] for part in parts)
+        expect(0.0 < cpu_s < 1.5e-6 * live["real_time"], f"{cpu_s}: {live}")
+        expect(live["largest_s"] >= live["p999_s"] >= live["median_s"] > 0.0, f"{live}")
+        expect(("corrections" in live) == (not loops), f"{live}")
 
 
 def city_of_a_script():
@@ -67,70 +101,10 @@ def city_of_a_script():
     expect(streets <= seen, f"not driven: {sorted(streets - seen)}")
 
 
-def bench_against():
-    """An earlier run made twice as slow by hand is beaten twofold; rows of one side are named; --fail-below asks the kernels
-    alone, one at least; files that are none are refused."""
-    folder = fresh_folder("bench_against")
-    before = _bench()
-    (folder / "before.json").write_text(json.dumps(before))
-    again = _bench("--against", folder / "before.json", "--fail-below", 0.01)["against"]
-    expect(again["only_before"] == [] and again["only_now"] == [] and len(again["rows"]) == len(before["rows"]), f"{again}")
-    kernel = next(row for row in before["rows"] if row["group"] == "kernel")
-    kernel["samples_s"] = [1000.0 * sample for sample in kernel["samples_s"]]
-    gone = dict(kernel, name="of_old")
-    before["rows"] = [kernel, gone]
-    (folder / "slow.json").write_text(json.dumps(before))
-    against = _bench("--against", folder / "slow.json", "--fail-below", 100)["against"]
-    (row,) = against["rows"]
-    expect(row["name"] == "smallest_values" and row["least"] <= row["times_as_fast"] <= row["most"], f"{row}")
-    expect(200.0 < row["times_as_fast"] < 5000.0 and row["confidence"] >= 0.95, f"{row}")
-    expect([name["name"] for name in against["only_before"]] == ["of_old"], f"{against['only_before']}")
-    expect({name["group"] for name in against["only_now"]} == {"limit"}, f"{against['only_now']}")
-
-    other = dict(before, devices=[dict(before["devices"][0], name="Another processor")], rows=[dict(kernel, basis="wall")])
-    (folder / "other_basis.json").write_text(json.dumps(other))
-    process = command("bench", "smallest_values", "--samples", 5, "--against", folder / "other_basis.json")
-    expect_exit(process, 0)
-    expect("only in that run: cpu kernel smallest_values" in process.stdout, process.stdout)
-    expect("cpu was Another processor" in process.stderr and len(process.stderr.splitlines()) == 1, process.stderr)
-
-    kernel["samples_s"] = [1e-6 * sample for sample in kernel["samples_s"]]
-    (folder / "fast.json").write_text(json.dumps(before))
-    process = command("bench", "smallest_values", "--samples", 5, "--against", folder / "fast.json", "--fail-below", 0.9)
-    expect_exit(process, 1)
-    one_error_line(process.stderr)
-    expect("1 of 1 rows are less than 0.9 times as fast" in process.stderr and "smallest_values" in process.stderr, process.stderr)
-    expect("only in that run: cpu kernel of_old" in process.stdout, process.stdout)
-
-    before["rows"] = [gone]
-    (folder / "other.json").write_text(json.dumps(before))
-    process = command("bench", "smallest_values", "--samples", 5, "--against", folder / "other.json", "--fail-below", 0.9)
-    expect_exit(process, 1)
-    one_error_line(process.stderr)
-    expect("nothing was compared" in process.stderr and "other.json" in process.stderr, process.stderr)
-
-    for text, words in (("{}", "has no text 'version'"), ("[1", "no JSON"), ('{"version": "1"}', "has no rows"), ("[]", "is no object"),
-                        ('{"version": "1", "rows": [{"on": "cpu"}]}', "has no text 'group'"),
-                        (json.dumps({"version": "1", "rows": [dict(kernel, samples_s=[])]}), "samples_s in a row"),
-                        (json.dumps({"version": "1", "rows": [dict(kernel, samples_s=[0])]}), "no time above 0"),
-                        (json.dumps({"version": "1", "rows": [kernel]}), "has no devices"),
-                        (json.dumps({"version": "1", "rows": [kernel], "devices": [{"device": "cpu"}]}), "has no text 'name'")):
-        (folder / "bad.json").write_text(text)
-        process = command("bench", "smallest_values", "--against", folder / "bad.json")
-        expect_exit(process, 65)
-        one_error_line(process.stderr)
-        expect(words in process.stderr and "bench --json" in process.stderr, process.stderr)
-
-
 def bench_of_too_large_a_size():
-    """A square that the device has no buffers for is refused before anything is measured, with the largest one that fits."""
+    """A square that the device has no buffers for is refused with what they have."""
     device = require_vulkan()[0]
-    most = device["limits"]["storage_buffer_bytes"]
-    if 4 * 8192 * 8192 <= most:
+    if 4 * 8192 * 8192 <= device["limits"]["storage_buffer_bytes"]:
         skip("the device's buffers are large enough for every size")
-    for arguments in (("transform",), ("--flood-errors",)):
-        process = command("bench", *arguments, "--size", 8192, "--device", device["device"])
-        expect_exit(process, 2)
-        one_error_line(process.stderr)
-        largest = int(process.stderr.split(" or less")[0].split()[-1])
-        expect(4 * largest * largest <= most < 4 * (largest + 1) * (largest + 4), process.stderr)
+    _fails(2, f"{device['limits']['storage_buffer_bytes']} bytes at most", f"{device['device']}/transform/edt", "--size", 8192, "--device",
+           device["device"])

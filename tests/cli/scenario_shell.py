@@ -67,7 +67,7 @@ def help_groups_the_commands():
     expect(groups.get("Map", [])[:2] == ["map", "live"], f"{groups}")
     expect("evaluate" in groups.get("Measure and calibrate", []) and "doctor" in groups.get("Look", []), f"{groups}")
     names = [name for rows in groups.values() for name in rows]
-    expect(len(names) == len(set(names)) and {"help", "generate", "bench", "simulate"} <= set(names), f"{names}")
+    expect(len(names) == len(set(names)) and {"help", "generate", "verify", "simulate"} <= set(names), f"{names}")
     rows = re.sub(r"\s+", " ", command("linkage", "--help").stdout)
     expect("Number of linkages, of different shapes spread over all that meet the goal (default: 1; 1 to 100; with --design)" in rows, rows)
     expect("Angle that the laser sweeps (default: 90deg; with --design)" in rows, rows)

@@ -1,4 +1,3 @@
-// What `reproduce` and `bench` kept of an earlier call.
 #pragma once
 
 #include <array>
@@ -11,7 +10,6 @@
 #include <string_view>
 
 #include "target.hpp"
-#include "tools/lab/bench/against.hpp"
 #include "tools/lab/reproduce/store.hpp"
 
 namespace gdtslam::fuzz {
@@ -41,21 +39,6 @@ inline void read_kept_part(std::span<const std::byte> data) {
   require(kept->part.origin <= reproduce::Origin::kSimulatedAndReal);
 }
 
-inline void read_earlier_bench(std::span<const std::byte> data) {
-  static const ScratchFolder folder;
-  expect_typed<InputError>([&] {
-    const EarlierBench bench = read_bench(folder.put("bench.json", text_of(data)));
-    for (const EarlierRow& row : bench.rows) {
-      require(!row.samples_s.empty());
-      for (const double sample_s : row.samples_s) require(sample_s > 0.0 && std::isfinite(sample_s));
-    }
-    const Against against = compare_with(bench, {});
-    require(against.rows.empty() && against.only_before.size() == bench.rows.size());
-    require(!against_text(against).empty());
-  });
-}
-
-inline constexpr std::array kLabTargets{FuzzTarget{"part", read_kept_part, 3},
-                                        FuzzTarget{"bench", read_earlier_bench, 3}};
+inline constexpr std::array kLabTargets{FuzzTarget{"part", read_kept_part, 3}};
 
 }  // namespace gdtslam::fuzz

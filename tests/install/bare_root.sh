@@ -87,7 +87,7 @@ files = sorted(folder.glob("*.json"))
 for file in files:
     json.loads(file.read_text())
 names = {file.name for file in files}
-assert {"bench.json", "devices.json"} <= names, names
+assert "devices.json" in names, names
 page = (folder / "report.md").read_text()
 assert "llvmpipe" in page.splitlines()[0], page.splitlines()[0]
 rows = [line for line in page.splitlines() if line.startswith("| office")]

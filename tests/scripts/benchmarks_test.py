@@ -13,8 +13,9 @@ sys.path.insert(0, str(SCRIPT.parent))
 import benchmarks  # noqa: E402  (its folder is no package)
 import fleet_sizing  # noqa: E402
 
-ROW = {"on": "cpu", "group": "viewer", "name": "cloud_frame", "variant": "10 points", "cpu_s": 0.01234, "wall_s": 2.5}
-ANSWER = {"version": "9", "devices": [{"name": "a CPU", "isa": "avx2"}], "rows": [ROW, {**ROW, "group": "limit"}]}
+ROW = {"run_name": "cpu/viewer/cloud_frame/10 points/process_time", "real_time": 2500.0, "cpu_time": 12.34, "time_unit": "ms"}
+ANSWER = {"context": {"cpu": "a CPU, avx2"}, "benchmarks": [
+    ROW, {**ROW, "aggregate_name": "mean", "cpu_time": 99.0}, {**ROW, "aggregate_name": "median"}]}
 PAGE = "# Page\n\nBefore.\n\n<!-- made: frames -->\nold\n<!-- made -->\n\nBehind.\n"
 
 
@@ -29,8 +30,9 @@ class Benchmarks(unittest.TestCase):
         self.answer(f"cat <<'END'\n{json.dumps(ANSWER)}\nEND")
 
     def answer(self, what):
-        self.program.write_text(f"#!/bin/sh\nif [ \"$1\" = --version ]; then echo gdtslam 9; exit; fi\n{what}\n")
-        self.program.chmod(0o755)
+        for program in (self.program, self.folder / "gdtslam-lab"):
+            program.write_text(f"#!/bin/sh\nif [ \"$1\" = --version ]; then echo gdtslam 9; exit; fi\n{what}\n")
+            program.chmod(0o755)
 
     def make(self, *arguments):
         return subprocess.run([sys.executable, SCRIPT, "--program", self.program, "--page", self.page, *arguments],
@@ -73,8 +75,22 @@ class Benchmarks(unittest.TestCase):
             text = benchmarks.PAGES.get(name, benchmarks.PAGE).read_text()
             self.assertIn("| a |", benchmarks.with_table(text, name, "| a |"))
         marks = benchmarks.re.findall(r"<!-- made: (\S+) -->", benchmarks.PAGE.read_text())
-        names = set(benchmarks.Benchmarks("", pathlib.Path(), pathlib.Path()).names()) - {"results"}
+        names = set(benchmarks.Benchmarks("", pathlib.Path(), pathlib.Path()).names()) - {"results", "flood"}
         self.assertEqual(sorted(marks), sorted([*names, *fleet_sizing.TABLES]))
+
+    def test_shares_of_limits(self):
+        """Of the copy next in size, of the most loads a second, of no limit for a scan."""
+        def row(name, unit, cpu_us, rate, **counters):
+            return benchmarks.Row({"run_name": name, "real_time": 0.0, "cpu_time": cpu_us, "time_unit": "us", "label": unit,
+                                   "items_per_second": rate, **counters})
+        limits = [row("cpu/limit/copy/small", "byte", 1.0, 2e9), row("cpu/limit/copy/large", "byte", 1000.0, 1e9),
+                  row("cpu/limit/load/a", "load", 1.0, 4e9), row("cpu/limit/gather/a", "load", 1.0, 5e9),
+                  row("vulkan:0/limit/copy/large", "byte", 10.0, 1e11)]
+        share = benchmarks.share_of_limit
+        self.assertEqual(share(row("cpu/kernel/a/b", "cell", 4000.0, 1e6, bytes=2e6), limits), "copy 0.50")
+        self.assertEqual(share(row("cpu/kernel/a/b", "cell", 4.0, 1e6, bytes=2e3), limits), "copy 0.25")
+        self.assertEqual(share(row("cpu/kernel/a/b", "look-up", 4.0, 1e9), limits), "load 0.20")
+        self.assertEqual(share(row("cpu/scan/a/b", "candidate", 4.0, 1e9), limits), "")
 
     def test_times_have_three_digits(self):
         self.assertEqual([benchmarks.time_text(s) for s in (12.34, 0.0123, 1.5e-6, 4e-8)], ["12.3 s", "12.3 ms", "1.5 µs", "40 ns"])

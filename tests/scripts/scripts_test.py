@@ -210,23 +210,6 @@ DEVICES = """{ "devices": [],
   ] } }"""
 SOFTWARE = DEVICES.replace("A GPU (fast, new)", "llvmpipe").replace("discrete", "lavapipe")
 
-BENCH = """{
-  "rows": [
-    {
-      "on": "vulkan:0",
-      "name": "pose_cost",
-      "variant": "4096 poses: nearest | wide",
-      "unit": "look-up",
-      "wall_s": 0.00025,
-      "device_s": null,
-      "basis": "wall",
-      "rate": 2500000000.0,
-      "copy_ratio": 0.5,
-      "times_cpu": 3.25
-    }
-  ]
-}"""
-
 REPORT = """{
   "device": {
     "name": "NAME",
@@ -252,7 +235,7 @@ class GpuServer(ScriptTest):
         super().setUp()
         (self.work / "assets/logs").mkdir(parents=True)
         (self.work / "assets/logs/office.log.gz").touch()
-        for name, text in (("devices", DEVICES), ("bench", BENCH), ("report", REPORT)):
+        for name, text in (("devices", DEVICES), ("report", REPORT)):
             (self.work / name).write_text(text)
         self.gdtslam()
 
@@ -262,9 +245,6 @@ class GpuServer(ScriptTest):
           devices*--json) cat {self.work}/devices ;;
           devices*) echo "vulkan:0   A GPU (fast, new)" ;;
           verify*) {verify} ;;
-          bench*fallback*) exit 2 ;;
-          bench*work*) echo "pose_simplex 4.00 spin=$GDTSLAM_VULKAN_SPIN_S of ${{*: -1}}" ;;
-          bench*) cat {self.work}/bench ;;
           map*)
             while [[ $1 != -o ]]; do shift; done
             echo run >>{self.work}/runs; mkdir "$2"
@@ -287,10 +267,6 @@ class GpuServer(ScriptTest):
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertEqual(page.splitlines()[0], "# gdtslam 1.2.3 on A GPU (fast, new)")
         self.assertIn("Everything is equal", page)
-        self.assertIn("| pose_cost | 4096 poses: nearest / wide | vulkan:0 | 250.0 |  | 2500 M look-up/s of wall time |"
-                      " 0.5 | 3.25 |", page)
-        self.assertIn("## What a scan asks of the device\n\n```text\nGDTSLAM_VULKAN_SPIN_S=0\npose_simplex 4.00 spin=0 of ", page)
-        self.assertIn("assets/logs/office.log.gz\n\nGDTSLAM_VULKAN_SPIN_S=5e-5\npose_simplex 4.00 spin=5e-5 of ", page)
         # The fastest of three runs each: the first, the fourth and the seventh.
         for device, seconds in (("cpu, 1 thread: CPU", 1), ("cpu, all threads: CPU", 4), ("vulkan: A GPU (fast, new)", 7)):
             self.assertIn(f"| office.log | {device} | 350 | {seconds}.250 | 0.500 | 1.500 | 4080 | 466 | 123456789abc |"
@@ -310,12 +286,6 @@ class GpuServer(ScriptTest):
         self.assertEqual(done.returncode, 1)
         self.assertIn("**FAILED**: verify ended with status 1: gdtslam: error: vulkan:0: 3 differences", page)
         self.assertIn("\nFAIL: 3 differences\n", page)
-
-    def test_a_bench_without_rows_fails(self):
-        (self.work / "bench").write_text('{\n  "rows": []\n}')
-        done, page = self.prove("--repeat", "1")
-        self.assertEqual(done.returncode, 1)
-        self.assertIn("**FAILED**: bench measured nothing", page)
 
     def test_logs_are_verified_and_mapped_too(self):
         own = self.work / "my own.log"

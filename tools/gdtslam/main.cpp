@@ -4,5 +4,5 @@
 int main(int argc, char** argv) {
   gdtslam::hold_standard_streams();
   gdtslam::install_interrupt_handlers();
-  return gdtslam::run_command_line(argc, argv, gdtslam::command_table(), gdtslam::build_stamp());
+  return gdtslam::run_command_line(argc, argv, gdtslam::command_program(), gdtslam::build_stamp());
 }

@@ -3,6 +3,8 @@
 
   benchmarks.py [--program GDTSLAM] [--data FOLDER] [--write] [NAME...]
 
+gdtslam-lab is looked for beside the program.
+
 Without --write the tables are printed. A table stands in the page between the lines '<!-- made: NAME -->' and
 '<!-- made -->'; what is said around it is written by hand. Without a NAME all are made, some six minutes, best
 while the machine does nothing else. The public logs are looked for in the folder slam2d of --data (default: GDTSLAM_DATA, else
@@ -21,7 +23,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs/benchmarks.md"
-PAGES = {"results": ROOT / "README.md"}  # of those that stand elsewhere
+PAGES = {"results": ROOT / "README.md", "flood": ROOT / "docs/numerics.md"}  # of those that stand elsewhere
 LOGS = {"Intel": "intel", "Freiburg 079": "fr079", "MIT CSAIL": "mit-csail"}
 # Mean and deviation, metres and degrees, as [Hess2016] has them.
 CARTOGRAPHER = {"Intel": "0.0229 ± 0.0239 m, 0.453 ± 1.335°", "Freiburg 079": "0.0452 ± 0.0354 m, 0.538 ± 0.718°",
@@ -44,6 +46,38 @@ def time_text(seconds):
     return f"{seconds / 1e-9:.3g} ns"
 
 
+class Row:
+    """A row of `gdtslam-lab bench`: the median of its repetitions."""
+
+    def __init__(self, entry):
+        self.on, self.group, self.name, self.variant = entry["run_name"].split("/")[:4]
+        scale = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}[entry["time_unit"]]
+        self.wall_s, self.cpu_s = scale * entry["real_time"], scale * entry["cpu_time"]
+        self.unit, self.rate, self.counters = entry.get("label"), entry.get("items_per_second"), entry
+
+
+def rows_of(report):
+    """The rows of google-benchmark's JSON; of repeated ones the medians."""
+    entries = [entry for entry in report["benchmarks"] if entry.get("aggregate_name", "median") == "median"]
+    repeated = {entry["run_name"] for entry in entries if "aggregate_name" in entry}
+    return [Row(entry) for entry in entries if "aggregate_name" in entry or entry["run_name"] not in repeated]
+
+
+def share_of_limit(row, rows):
+    """What a row has of what the machine does at most: the time of a copy of as many bytes, by the rate of the copy next to it
+    in size, or its look-ups over the most loads a second."""
+    limits = [limit for limit in rows if limit.group == "limit" and limit.on == row.on]
+    if row.unit == "look-up":
+        most = max((limit.rate for limit in limits if limit.unit == "load"), default=None)
+        return f"load {row.rate / most:.2f}" if most else ""
+    if "bytes" not in row.counters or row.group != "kernel":
+        return ""
+    traffic = row.counters["bytes"]
+    copies = [limit for limit in limits if limit.name == "copy"]
+    copy = min(copies, key=lambda limit: abs(math.log(limit.rate * limit.cpu_s / traffic)))
+    return f"copy {traffic / copy.rate / row.cpu_s:.2f}"
+
+
 class Benchmarks:
     """Each method whose name begins with table_ makes one."""
 
@@ -52,21 +86,31 @@ class Benchmarks:
         self.maps = {}
         self.city = ()
 
-    def run(self, *arguments):
+    def run(self, *arguments, program=None):
         """What the command prints, with its CPU seconds and the most memory in MB that it had."""
+        program = program or self.program
         with tempfile.TemporaryFile() as output:
-            process = subprocess.Popen([self.program, *map(str, arguments)], stdin=subprocess.DEVNULL, stdout=output,
+            process = subprocess.Popen([program, *map(str, arguments)], stdin=subprocess.DEVNULL, stdout=output,
                                        stderr=subprocess.PIPE)
             said = process.stderr.read().decode(errors="replace").strip()
             _, status, usage = os.wait4(process.pid, 0)
             code = process.returncode = os.waitstatus_to_exitcode(status)
             if code != 0:
-                sys.exit(f"benchmarks.py: {self.program} {' '.join(map(str, arguments))}: exit {code}: {said}")
+                sys.exit(f"benchmarks.py: {program} {' '.join(map(str, arguments))}: exit {code}: {said}")
             output.seek(0)
             return output.read().decode(), usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1000
 
     def json(self, *arguments):
         return json.loads(self.run(*arguments, "--json")[0])
+
+    def report(self, *arguments, repeats=7):
+        """What `gdtslam-lab bench` measures."""
+        repeated = (f"--benchmark_repetitions={repeats}", "--benchmark_min_time=0.02") if repeats > 1 else ()
+        lab = pathlib.Path(self.program).with_name("gdtslam-lab")
+        return json.loads(self.run("bench", *arguments, "--benchmark_format=json", *repeated, program=lab)[0])
+
+    def rows(self, *arguments, repeats=7):
+        return rows_of(self.report(*arguments, repeats=repeats))
 
     def log(self, name):
         path = self.data / "slam2d" / f"{name}.clf.gz"
@@ -147,61 +191,70 @@ class Benchmarks:
         rows = []
         for name, stem in LOGS.items():
             for words in (("--speed", 100), ("--no-loops", "--speed", 0)):
-                live = self.json("bench", "live", "--log", self.log(stem), *words)
-                times = [live["median_s"], live["p99_s"], live["p999_s"], live["largest"]["all_s"], live["cpu"]["p999_s"],
-                         live["cpu"]["largest_s"]]
+                live = self.rows("/live/", "--log", self.log(stem), *words, repeats=1)[0].counters
+                times = [live[key] for key in ("median_s", "p99_s", "p999_s", "largest_s", "cpu_p999_s", "cpu_largest_s")]
                 row = [name + (", `--no-loops`" if "--no-loops" in words else ""), *(f"{1e3 * seconds:.2f} ms" for seconds in times),
-                       str(live["above_50_ms"] or "none")]
-                loops = live["loops"]
-                rows.append(row + (["", "", ""] if loops is None else
-                                   [str(loops["corrections"]), f"{loops['waits']} times" if loops["waits"] else "never",
-                                    f"{loops['beside_cpu_s']:.1f} s"]))
+                       str(int(live["above_50_ms"]) or "none")]
+                rows.append(row + (["", "", ""] if "corrections" not in live else
+                                   [f"{live['corrections']:.0f}", f"{live['waits']:.0f} times" if live["waits"] else "never",
+                                    f"{live['beside_cpu_s']:.1f} s"]))
         return table(["log", "median", "99 %", "99.9 %", "largest", "99.9 %, CPU", "largest, CPU", "above 50 ms", "corrections",
                       "waited for loops", "CPU beside"], rows)
 
     def table_kernels(self):
+        measured = self.rows("/(limit|kernel|transform|scan|sweep)/|OpenCV")
+        precise = [row.cpu_s for row in measured if row.variant.endswith("DIST_MASK_PRECISE")]
         rows = []
-        for row in self.json("bench")["rows"]:
-            if row["group"] in ("cloud", "viewer") or row["variant"].startswith("peer: "):
-                continue
-            share = next((f"{kind} {row[key]:.2f}" for kind, key in (("copy", "copy_ratio"), ("load", "load_ratio"))
-                          if row[key] is not None), "")
-            peer = f"{row['times_opencv']:.1f}" if row["times_opencv"] is not None and row["group"] != "peer" else ""
-            rows.append([f"`{row['name']}`", row["variant"], time_text(row["cpu_s"]), f"{1e-9 * row['rate']:.3g} G {row['unit']}s/s",
-                         share, peer])
+        for row in measured:
+            peer = f"{precise[0] / row.cpu_s:.1f}" if row.group == "transform" and precise else ""
+            rows.append([f"`{row.name}`", row.variant, time_text(row.cpu_s), f"{1e-9 * row.rate:.3g} G {row.unit}s/s",
+                         share_of_limit(row, measured), peer])
         return table(["row", "case", "CPU time", "rate", "of limit", "times OpenCV"], rows)
+
+    def table_flood(self):
+        """The one of numerics.md."""
+        rows = []
+        for size in (512, 1024, 2048, 4096):
+            for row in self.rows("/jump_flood/.*jfa", "--size", size, repeats=1):
+                variant, values = row.variant.split(" ", 1)[1], row.counters
+                rows.append([f"{size}²", *(variant.split() if " " in variant else ("walls", variant)), f"{values['passes']:.0f}",
+                             f"{values['different']:.0f}", f"{100.0 * values['different'] / size**2:.4f} %",
+                             f"{values['largest_error_cells']:.3f} cells"])
+        return table(["grid", "seeds", "variant", "passes", "wrong cells", "share", "largest error"], rows)
 
     def table_isa(self):
         rows = {}
         for isa in ("baseline", "avx2", "avx512"):
-            for what in ("pose_cost", "pose_simplex", "sweep"):
-                for row in self.json("bench", what, "--isa", isa)["rows"]:
-                    if row["group"] in ("kernel", "sweep"):
-                        rows.setdefault((row["name"], row["variant"], row["unit"]), []).append(1e-6 * row["rate"])
+            for row in self.rows("/(pose_cost|pose_simplex|sweep_points|assemble_sweep)/", "--isa", isa):
+                rows.setdefault((row.name, row.variant, row.unit), []).append(1e-6 * row.rate)
         return table(["row", "case", "SSE2", "AVX2", "AVX-512"],
                      [[f"`{name}`", variant, *(f"{rate:.0f} M {unit}s/s" for rate in rates)]
                       for (name, variant, unit), rates in rows.items() if len(rates) == 3])
 
     def table_certified(self):
         rows = []
-        for row in self.json("bench", "certified", "--log", self.log("intel"), "--lattice", "1 s")["windows"]:
-            peer = row["lattice"]
-            rows.append([f"Intel, ±{row['half_m']:g} m, {math.degrees(2.0 * row['half_rad']):.0f}°",
-                         *(time_text(row[key]) for key in ("cpu_median_s", "cpu_p90_s", "cpu_most_s")),
-                         f"{row['median_boxes']:,.0f}", f"{100.0 * row['proven_share']:.0f} %",
-                         f"{time_text(peer['cpu_median_s'])} ({peer['scans']} scans)", f"{peer['times_certified']:,.0f} ×"])
-        return table(["map, window", "median", "90 %", "largest", "boxes, median", "proven", "lattice", "ratio"], rows)
+        measured = self.rows("/certified/(search|lattice)/", "--log", self.log("intel"), repeats=1)
+        lattices = {row.variant: row for row in measured if row.name == "lattice"}
+        for row in measured:
+            if row.name != "search":
+                continue
+            peer, values = lattices[row.variant], row.counters
+            rows.append([f"Intel, {row.variant.replace('+-', '±').replace(' deg', '°')}",
+                         *(time_text(values[key]) for key in ("median_s", "p90_s", "largest_s")),
+                         f"{values['median_boxes']:,.0f}", f"{100.0 * values['proven_share']:.0f} %",
+                         f"{time_text(peer.cpu_s)} ({peer.counters['iterations']} scans)", f"{peer.cpu_s / row.cpu_s:,.0f} ×"])
+        return table(["map, window", "median", "90 %", "largest", "boxes, median", "proven", "lattice, mean", "ratio of means"], rows)
 
     def table_clouds(self):
-        rows = self.json("bench", "clouds")["rows"]
-        peers = {row["name"]: row for row in rows if row["variant"].startswith("peer: ")}
+        rows = self.rows("cloud_(write|read|thin)")
+        peers = {row.name: row for row in rows if row.group == "peer"}
         made = []
         for row in rows:
-            if row["group"] != "cloud":
+            if row.group != "cloud":
                 continue
-            peer = peers[row["name"]]
-            made.append([f"`{row['name']}`", row["variant"], time_text(row["cpu_s"]), f"{1e-6 * row['rate']:.0f} M points/s",
-                         f"`{peer['variant'][len('peer: '):]}` {time_text(peer['cpu_s'])}", f"{peer['cpu_s'] / row['cpu_s']:.1f} ×"])
+            peer = peers[row.name]
+            made.append([f"`{row.name}`", row.variant, time_text(row.cpu_s), f"{1e-6 * row.rate:.0f} M points/s",
+                         f"`{peer.variant}` {time_text(peer.cpu_s)}", f"{peer.cpu_s / row.cpu_s:.1f} ×"])
         return table(["row", "case", "CPU time", "rate", "comparison", "as fast"], made)
 
     def table_city(self):
@@ -210,32 +263,40 @@ class Benchmarks:
                                  text=True, check=False)
         if process.returncode not in (0, 1) or "|  | measured" not in process.stdout:
             sys.exit(f"benchmarks.py: {script}: exit {process.returncode}: {process.stderr.strip()}")
-        live = json.loads((self.folder / "city/live.json").read_text())
-        rows = [[f"{part['first']:,} to {part['first'] + part['scans'] - 1:,}", f"{part['keyframes']:,}",
-                 time_text(part["keyframe_cpu_s"]), time_text(part["keyframe_merge_s"])] for part in live["parts"]]
+        live = json.loads((self.folder / "city/live.json").read_text())["benchmarks"][0]
+        rows = []
+        for number in range(10):
+            part = {key: live[f"part{number}_{key}"] for key in ("first", "scans", "keyframes", "keyframe_cpu_s", "keyframe_merge_s")}
+            rows.append([f"{part['first']:,.0f} to {part['first'] + part['scans'] - 1:,.0f}", f"{part['keyframes']:,.0f}",
+                         time_text(part["keyframe_cpu_s"]), time_text(part["keyframe_merge_s"])])
         parts = table(["scans", "keyframes", "a keyframe, CPU", "of that local field and merge"], rows)
         return parts + "\n\n" + process.stdout[process.stdout.index("|  | measured"):].strip()
 
     def table_reading(self):
-        rows = []
-        for row in self.json("bench", "logs")["rows"]:
-            mega = [f"{1e-6 * bytes_:.1f} MB" for bytes_ in (row["file_bytes"], row["bytes"])]
-            rate = {key: f"{1e-6 * row['bytes'] / row[key]:,.0f} MB/s" for key in ("read_s", "cat_s", "alone_s")}
-            name = row["format"] + ("" if row["packing"] == "none" else f", {row['packing']}")
-            memory = "" if row["peak_bytes"] is None else f"{1e-6 * row['peak_bytes']:.0f} MB"
-            rows.append([name, *mega, f"**{rate['read_s']}**", rate["cat_s"], f"{row['alone']} {rate['alone_s']}",
-                         f"{row['times_alone']:.1f} ×", memory])
-        return table(["format", "file", "unpacked", "read", "`cat`", "alone", "of that", "memory"], rows)
+        rows = {}
+        for row in self.rows("/log/"):
+            rows.setdefault(row.variant, {})[row.name] = row.counters
+        made = []
+        for variant, row in rows.items():
+            read, rate = row["read"], {name: row[name]["bytes_per_second"] for name in ("read", "cat", "alone")}
+            name, packing = variant.split(", ")
+            alone = "crc32" if packing == "none" else packing
+            made.append([name + ("" if packing == "none" else f", {packing}"),
+                         *(f"{1e-6 * read[key]:.1f} MB" for key in ("file_bytes", "bytes")), f"**{1e-6 * rate['read']:,.0f} MB/s**",
+                         f"{1e-6 * rate['cat']:,.0f} MB/s", f"{alone} {1e-6 * rate['alone']:,.0f} MB/s",
+                         f"{rate['alone'] / rate['read']:.1f} ×",
+                         f"{1e-6 * read['peak_bytes']:.0f} MB" if "peak_bytes" in read else ""])
+        return table(["format", "file", "unpacked", "read", "`cat`", "alone", "of that", "memory"], made)
 
     def table_frames(self):
-        rows = [[row["variant"] if row["name"] == "cloud_frame" else "linkage: " + row["variant"], time_text(row["cpu_s"]),
-                 time_text(row["wall_s"])] for row in self.json("bench", "viewer")["rows"] if row["group"] == "viewer"]
+        rows = [[row.variant if row.name == "cloud_frame" else "linkage: " + row.variant, time_text(row.cpu_s), time_text(row.wall_s)]
+                for row in self.rows("/viewer/")]
         return table(["frame", "CPU time", "wall time"], rows)
 
     def machine(self):
-        device = self.json("bench", "limit", "--samples", 1)["devices"][0]
+        device = self.report("/limit/copy/16 KiB", repeats=1)["context"]["cpu"]
         version = self.run("--version")[0].splitlines()[0]
-        return f"{version}, {device['name']}, {device['isa']}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f} at the end"
+        return f"{version}, {device}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f} at the end"
 
     def names(self):
         return [name[len("table_"):] for name in dir(self) if name.startswith("table_")]

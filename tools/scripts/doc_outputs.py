@@ -190,7 +190,9 @@ class Pages:
         self.arguments, self.work, self.logs = arguments, work, public_logs()
         programs = work / "bin"
         programs.mkdir()
-        (programs / "gdtslam").symlink_to(arguments.program.resolve())
+        program = arguments.program.resolve()
+        (programs / "gdtslam").symlink_to(program)
+        (programs / "gdtslam-lab").symlink_to(program.with_name("gdtslam-lab"))
         self.environment = {name: value for name, value in os.environ.items() if name != "GDTSLAM_DATA"}
         self.environment.update(PATH=f"{programs}:{os.environ['PATH']}", LC_ALL="C", XDG_CACHE_HOME=str(work / "cache"))
         self.differences, self.ran, self.left_out = 0, 0, {}

@@ -1,7 +1,7 @@
 #!/bin/sh
 # The one command for a machine with a GPU, inside the bundle: lists the devices, proves that the GPU gives the same bits as
-# the CPU (every kernel, whole logs), measures both, maps logs on both, and writes all of it into one folder with a page
-# that can be sent or put into docs/benchmarks.md. Asks for nothing but /bin/sh and the usual small programs.
+# the CPU (every kernel, whole logs), maps logs on both with the times of each, and writes all of it into one folder with a
+# page that can be sent or put into docs/benchmarks.md. Asks for nothing but /bin/sh and the usual small programs.
 set -eu
 export LC_ALL=C # numbers with a point
 
@@ -109,58 +109,6 @@ verify() {
   cat "$output/verify.txt"
 }
 
-# rows_of BENCH.JSON: its rows as a table; fails where there is none.
-rows_of() {
-  echo '| kernel | work | on | wall, us | on the device, us | rate | share of a copy | times the CPU |'
-  echo '|---|---|---|---|---|---|---|---|'
-  awk '
-    function micro(seconds) { return seconds == "null" ? "" : sprintf("%.1f", seconds * 1e6) }
-    function number(value) { return value == "null" ? "" : sprintf("%.3g", value) }
-    {
-      key = $1
-      gsub(/[":]/, "", key)
-      value = $0
-      sub(/^[^:]*: */, "", value)
-      sub(/,$/, "", value)
-      gsub(/^"|"$/, "", value)
-      gsub(/[|]/, "/", value)
-      row[key] = value
-    }
-    key == "on" { inside = 1 }
-    inside && /^ *}/ {
-      printf "| %s | %s | %s | %s | %s | %.4g M %s/s of %s time | %s | %s |\n", row["name"], row["variant"], row["on"],
-        micro(row["wall_s"]), micro(row["device_s"]), row["rate"] * 1e-6, row["unit"], row["basis"],
-        number(row["copy_ratio"]), number(row["times_cpu"])
-      inside = 0
-      rows++
-    }
-    END { exit rows == 0 }' "$1"
-}
-
-bench() {
-  : >"$output/bench.txt"
-  "$gdtslam" bench --device "$device" --json >"$output/bench.json" || {
-    failed "bench ended with status $?"
-    return 0
-  }
-  rows_of "$output/bench.json" >"$output/bench.txt" || failed "bench measured nothing"
-  cat "$output/bench.txt"
-}
-
-# work_on LOG...: what a scan asks of the device, with waits that sleep at once and with those that ask first.
-work_on() {
-  : >"$output/work.txt"
-  for log in "$@"; do
-    for spin in 0 5e-5; do
-      echo "GDTSLAM_VULKAN_SPIN_S=$spin"
-      GDTSLAM_VULKAN_SPIN_S=$spin "$gdtslam" bench work --device "$device" --log "$log" ||
-        failed "counting the work of $(basename "$log") ended with status $?"
-      echo
-    done
-  done >"$output/work.txt"
-  cat "$output/work.txt"
-}
-
 # map_on LABEL LOG OPTION...: maps the log $repeat times; keeps the report of the fastest run and adds its row to the page.
 # Sets run_hashes; empty where it failed.
 map_on() {
@@ -211,12 +159,6 @@ printf '%s\n' "$listing" >"$output/devices.json"
 announce "Verify: the same bits as the processor gives ($device)"
 verify "$@"
 
-announce "Bench ($device)"
-bench
-
-announce "What a scan asks of $device"
-work_on "$sample_logs"/office*.log.gz "$@"
-
 announce "Whole logs, matched exhaustively, on the processor and on $device: the fastest of $repeat"
 header='| log | device | scans | wall s | matching s | CPU s | dispatches | submissions | map | trajectory |'
 printf '%s\n%s\n' "$header" '|---|---|---|---|---|---|---|---|---|---|' >"$page"
@@ -245,16 +187,13 @@ say "## Whole logs, \`--matcher exhaustive\`, the fastest of $repeat"
 say ""
 cat "$output/logs.md" >>"$page"
 say ""
-say "## Kernels"
-say ""
-cat "$output/bench.txt" >>"$page"
-for part in "work:What a scan asks of the device" "verify:The same bits" "devices:Devices"; do
+for part in "verify:The same bits" "devices:Devices"; do
   say ""
   say "## ${part#*:}"
   say ""
   in_block "$output/${part%%:*}.txt"
 done
-rm "$output/logs.md" "$output/bench.txt" "$output/work.txt"
+rm "$output/logs.md"
 
 announce "Done: $page"
 if [ "$status" -eq 0 ]; then echo "Everything is equal on the processor and on the device."; else printf '%s' "$failures"; fi

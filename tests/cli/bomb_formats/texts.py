@@ -100,10 +100,6 @@ def json_line(depth):
     return b'{"stamp":' + b"[" * depth + b"]" * depth + b"}\n"
 
 
-def bench_against(text):
-    def make(folder):
-        (folder / "earlier.json").write_bytes(text())
-        return ["bench", "nothing", "--against", folder / "earlier.json"]
 
     return make
 
@@ -127,5 +123,4 @@ BOMBS = [
     Bomb("JSON text of 60 MB", run_with_report(lambda: b'{"version":"' + b"x" * (60 * MB) + b'"}'), 65, "report.json", 300),
     Bomb("JSON number of 1 MB", run_with_report(lambda: b'{"format_version":' + b"9" * MB + b"}"), 65, "report.json"),
     Bomb("JSON line nested 100,000 deep", log_of("log.jsonl", lambda: json_line(100_000)), 65, "log.jsonl:1"),
-    Bomb("earlier bench of 2,000,000 samples", bench_against(lambda: b'{"version":"1","rows":[{"samples_s":[' + b"1," * 2_000_000 + b"1]}]}"), 65, "earlier.json", 150),
 ]

@@ -1,4 +1,4 @@
-// What `gdtslam bench work` counts and times on a device.
+// What `gdtslam-lab bench` counts and times on a device.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -14,11 +14,12 @@ TEST(BenchWork, AScanThatAsksTheDeviceForNothingHasNoTimeOfIt) {
   VulkanOptions options;
   options.time_submissions = true;
   const std::unique_ptr<VulkanBackend> device = test::test_backend(options);
-  WorkBenchJob job{GDTSLAM_SOURCE_DIR "/assets/logs/office-start.log.gz", {}, {}};
-  job.mapper.match.matcher = MatcherKind::kExhaustive;
-  job.mapper.scan.max_range_m = 3.0;
-  job.mapper.scan.min_points = 150;  // most scans have fewer returns that near
-  const WorkBench bench = run_work(job, *device, [] { return false; });
+  BenchLog log;
+  log.file = GDTSLAM_SOURCE_DIR "/assets/logs/office-start.log.gz";
+  log.mapper.match.matcher = MatcherKind::kExhaustive;
+  log.mapper.scan.max_range_m = 3.0;
+  log.mapper.scan.min_points = 150;  // most scans have fewer returns that near
+  const WorkBench bench = run_work(log, *device);
   for (const ScanWork& scans : {bench.keyframes, bench.others}) {
     EXPECT_LE(scans.device_s.size(), scans.work.waits);
   }

@@ -135,6 +135,7 @@ Arrows make_arrows() {
       {"tools/gdtslam/live/snapshot", {"tools/gdtslam/shell"}},
       {"tools/gdtslam/simulate", shared_and({"tools/gdtslam/scenes"})},
       {"tools/gdtslam/evaluate", shared_and({"tools/gdtslam/scenes"})},
+      {"tools/lab", {"tools/gdtslam/shell"}},
       {"tools/lab/matchers", kShared},
       {"tools/lab/compare", shared_and({"tools/lab/matchers"})},
       {"tools/lab/ablation", kShared},

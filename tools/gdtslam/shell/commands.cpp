@@ -30,19 +30,6 @@ namespace {
 
 constexpr const char* kHelpGroup = "This machine and this program";
 
-constexpr const char* kExamples =
-    "Examples:\n"
-    "  gdtslam map intel.clf.gz -o intel          map a log; the results are in the folder intel\n"
-    "  gdtslam render intel                       a picture of it; films, pages: gdtslam render --help\n"
-    "  gdtslam evaluate intel/trajectory.tum --relations intel.relations.gz\n"
-    "  gdtslam localize intel today.clf.gz        where a scan was taken in that map, with a proof\n"
-    "  gdtslam doctor intel.clf.gz                what is in a log, and what is wrong with it\n"
-    "  gdtslam verify --device vulkan             whether a GPU gives the same results as the CPU\n"
-    "\n"
-    "Exit codes: 0 done; 1 failed while running; 2 wrong usage; 65 bad input data; 69 a device or a part of the\n"
-    "program is not available; 74 cannot read or write; 78 bad configuration; 130 interrupted, with what was done\n"
-    "written.";
-
 // A sub-command that is not here: whoever asks for it learns why.
 void add_missing_command(CLI::App& app, CommandContext& context, const std::string& name,
                          const std::string& description, const std::string& reason) {
@@ -128,7 +115,7 @@ int print_help_on(CLI::App* app, const std::vector<std::string>& words) {
   return static_cast<int>(ExitCode::kDone);
 }
 
-void add_help_command(CLI::App& app, CommandContext& context) {
+void add_help_command(CLI::App& app, CommandContext& context, const Program& program) {
   auto words = std::make_shared<std::vector<std::string>>();
   CLI::App* command = add_command(app, "help", "Help on a command, as --help behind it");
   CLI::Option* const named =
@@ -138,26 +125,25 @@ void add_help_command(CLI::App& app, CommandContext& context) {
   std::erase_if(names, [](const std::string& name) { return name.starts_with('-'); });
   offer_words(named, std::move(names));
   command->group(kHelpGroup);
-  command->footer("Examples:\n  gdtslam help map\n  gdtslam help config show");
+  command->footer(std::string("Examples:\n  ") + program.name + " help " + program.commands.front().name);
   command->callback([&app, &context, words] { context.run = [&app, words] { return print_help_on(&app, *words); }; });
 }
 
-std::unique_ptr<CLI::App> make_app(std::span<const CommandRow> commands, const WantedCommands& wanted,
-                                   CommandContext& context) {
-  auto app = std::make_unique<CLI::App>("2D and 3D mapping with a laser range finder and wheel odometry", "gdtslam");
+std::unique_ptr<CLI::App> make_app(const Program& program, const WantedCommands& wanted, CommandContext& context) {
+  auto app = std::make_unique<CLI::App>(program.description, program.name);
   const auto version = [build = context.build] { return version_text(build); };
   app->set_version_flag("--version", version, "Print the version, its commit and what this build can do, and exit");
   app->set_help_flag("-h,--help", "Print this help and exit");
   app->require_subcommand(1);
-  app->footer(kExamples);
-  for (const CommandRow& command : commands) {
+  app->footer(program.examples);
+  for (const CommandRow& command : program.commands) {
     if (wanted.has(command.name)) {
       add_row(*app, context, command);
     } else {
       add_command(*app, command.name, "");
     }
   }
-  add_help_command(*app, context);
+  add_help_command(*app, context, program);
   return app;
 }
 
@@ -186,12 +172,12 @@ int report(std::string_view message, ExitCode code) {
   return static_cast<int>(code);
 }
 
-int parse_and_run(int argc, char** argv, std::span<const CommandRow> commands, const BuildStamp& build) {
+int parse_and_run(int argc, char** argv, const Program& program, const BuildStamp& build) {
   CommandContext context;
   context.build = build;
   const std::span<char* const> arguments(argv, static_cast<std::size_t>(std::max(argc, 0)));
   const WantedCommands wanted(arguments.subspan(std::min<std::size_t>(1, arguments.size())));
-  const std::unique_ptr<CLI::App> app = make_app(commands, wanted, context);
+  const std::unique_ptr<CLI::App> app = make_app(program, wanted, context);
   if (argc <= 1) return print_help_on(app.get(), {});
   try {
     app->parse(argc, argv);
@@ -239,10 +225,10 @@ CLI::App* add_command(CLI::App& parent, const std::string& name, const std::stri
   return command;
 }
 
-int run_command_line(int argc, char** argv, std::span<const CommandRow> commands, const BuildStamp& build) noexcept {
+int run_command_line(int argc, char** argv, const Program& program, const BuildStamp& build) noexcept {
   usual_end = std::set_terminate(end_in_one_line);
   try {
-    return parse_and_run(argc, argv, commands, build);
+    return parse_and_run(argc, argv, program, build);
   } catch (const Error& error) {
     const bool is_of_input = error.code() == ExitCode::kBadInput || error.code() == ExitCode::kBadConfig;
     if (!is_of_input || !interrupted()) return report(error.what(), error.code());

@@ -1,6 +1,6 @@
-// The command `gdtslam`: its sub-commands, its help and how errors become exit codes. Each sub-command adds its options
-// to the command line; when it was chosen, the parser leaves in the context what to run. The functions only register:
-// nothing is read or written while the command line is parsed.
+// The command `gdtslam`, and `gdtslam-lab`: sub-commands, help and how errors become exit codes. Each sub-command adds
+// its options to the command line; when it was chosen, the parser leaves in the context what to run. The functions only
+// register: nothing is read or written while the command line is parsed.
 #pragma once
 
 #include <functional>
@@ -35,14 +35,22 @@ struct CommandRow {
   void (*add)(CLI::App& app, CommandContext& context);  ///< null: not in this program
   const char* missing_option;  ///< the CMake option that is off then; null: the command is a module (modules.hpp)
 };
-/// In the order of the help.
-std::span<const CommandRow> command_table();
+/// A program of these commands.
+struct Program {
+  const char* name;
+  const char* description;
+  const char* examples;                  ///< below its help
+  std::span<const CommandRow> commands;  ///< in the order of the help
+};
+
+/// The command `gdtslam`.
+Program command_program();
 
 /// Of the program, which alone is made anew when the commit changes (cmake/GdtslamStamp.cmake).
 BuildStamp build_stamp();
 
 /// Parses the command line and runs which of the sub-commands it asks for. Every error is one line on standard error;
 /// returns the exit code (core/error.hpp). Never throws.
-int run_command_line(int argc, char** argv, std::span<const CommandRow> commands, const BuildStamp& build) noexcept;
+int run_command_line(int argc, char** argv, const Program& program, const BuildStamp& build) noexcept;
 
 }  // namespace gdtslam

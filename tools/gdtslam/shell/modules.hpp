@@ -1,4 +1,4 @@
-// Commands that need large libraries (VTK, Ceres, OpenCV) are modules: shared objects of the folder lib/gdtslam beside
+// Commands that need large libraries (VTK, Ceres) are modules: shared objects of the folder lib/gdtslam beside
 // the command's bin/, opened when the command line asks for one of them, so that the other commands start without those
 // libraries. A module uses the functions that the program has and brings those that only it needs. One is opened once
 // and stays; opening takes some 10 ms. Not thread-safe.

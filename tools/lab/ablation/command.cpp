@@ -1,4 +1,4 @@
-// gdtslam ablation: what each choice of the method is worth on a log with verified relations, as a Markdown table.
+// gdtslam-lab ablation: what each choice of the method is worth on a log with verified relations, as a Markdown table.
 #include <fmt/format.h>
 #include <CLI/App.hpp>
 
@@ -164,8 +164,8 @@ void add_ablation_command(CLI::App& app, CommandContext& context) {
       "Every variant maps the whole log with the configuration of -c and --set and its own assignments on top.\n"
       "\n"
       "Examples:\n"
-      "  gdtslam ablation intel.clf.gz --relations intel.relations.gz -o ablation.md\n"
-      "  gdtslam ablation drive.log --relations drive.relations -o kappa.md --variant merge.kappa=0.25 \\\n"
+      "  gdtslam-lab ablation intel.clf.gz --relations intel.relations.gz -o ablation.md\n"
+      "  gdtslam-lab ablation drive.log --relations drive.relations -o kappa.md --variant merge.kappa=0.25 \\\n"
       "      --variant \"merge.kappa=0.75 merge.threshold=10cm\"");
   command->callback([options, &context] {
     context.run = [options] { return ablation(*options); };

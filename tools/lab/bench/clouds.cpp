@@ -1,7 +1,5 @@
 // Clouds into files and out of them, beside the same bytes by fwrite and fread, and thinning beside the standard
 // library's set of cells.
-#include <unistd.h>
-
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -78,6 +76,20 @@ std::size_t thin_by_set(const Cloud& cloud) {
   return cells.size();
 }
 
+/// A cloud, as a file and as bytes in another.
+struct CloudFiles {
+  Cloud cloud = bench_hall(kPoints);
+  std::vector<char> bytes = std::vector<char>(kPoints * kPointBytes, 'x');
+  TemporaryFolder folder{"gdtslam-bench", bench_folder()};
+  std::string file = folder.path() + "/cloud.ply";
+  std::string plain_file = folder.path() + "/plain";
+  CloudFiles() {
+    write_cloud(file, cloud);
+    plain_write(plain_file, bytes);
+    if (thin(cloud) != thin_by_set(cloud)) throw Error(ExitCode::kFailed, "bench: the thinnings differ");
+  }
+};
+
 }  // namespace
 
 Cloud bench_hall(std::size_t points) {
@@ -108,25 +120,19 @@ Cloud bench_hall(std::size_t points) {
   return cloud;
 }
 
-std::vector<BenchRow> bench_clouds(const TimingOptions& options) {
-  const Cloud cloud = bench_hall(kPoints);
-  // In memory where the system has such a folder: the disk is not what is measured.
-  const TemporaryFolder folder("gdtslam-bench", ::access("/dev/shm", W_OK) == 0 ? "/dev/shm" : "");
-  const std::string file = folder.path() + "/cloud.ply";
-  std::vector<char> bytes(kPoints * kPointBytes, 'x');
-  std::vector<BenchRow> rows;
-  const auto add = [&](const char* name, std::string_view variant, std::function<void()> step) {
-    const char* const group = variant.starts_with("peer: ") ? "peer" : "cloud";
-    rows.push_back(measured_row(group, name, variant, "point", kPoints, {.step = std::move(step)}, options));
+void add_clouds(const BenchTarget& cpu) {
+  const auto files = shared_by_rows([] { return std::make_shared<CloudFiles>(); });
+  const auto add = [&cpu, &files](const char* group, const char* name, const char* variant, auto step) {
+    add_row(cpu, group, name, variant, [files, step](benchmark::State& state) {
+      time_work(state, {.step = [&files = files(), &step] { step(files); }}, kPoints, "point");
+    });
   };
-  add("cloud_write", "binary PLY, SHA-256", [&] { write_cloud(file, cloud); });
-  add("cloud_read", "binary PLY", [&] { read_cloud_in_pieces(file); });
-  add("cloud_write", "peer: fwrite", [&] { plain_write(file, bytes); });
-  add("cloud_read", "peer: fread", [&] { plain_read(file, bytes); });
-  if (thin(cloud) != thin_by_set(cloud)) throw Error(ExitCode::kFailed, "bench: the thinnings differ");
-  add("cloud_thin", "2 cm", [&] { thin(cloud); });
-  add("cloud_thin", "peer: unordered_set", [&] { thin_by_set(cloud); });
-  return rows;
+  add("cloud", "cloud_write", "binary PLY, SHA-256", [](CloudFiles& f) { write_cloud(f.file, f.cloud); });
+  add("cloud", "cloud_read", "binary PLY", [](CloudFiles& f) { read_cloud_in_pieces(f.file); });
+  add("cloud", "cloud_thin", "2 cm", [](CloudFiles& f) { thin(f.cloud); });
+  add("peer", "cloud_write", "fwrite", [](CloudFiles& f) { plain_write(f.plain_file, f.bytes); });
+  add("peer", "cloud_read", "fread", [](CloudFiles& f) { plain_read(f.plain_file, f.bytes); });
+  add("peer", "cloud_thin", "unordered_set", [](CloudFiles& f) { thin_by_set(f.cloud); });
 }
 
 }  // namespace gdtslam

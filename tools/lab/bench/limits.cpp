@@ -8,10 +8,13 @@
 #include <cstring>
 #include <numeric>
 #include <span>
+#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "gdtslam/core/random.hpp"
+#include "gdtslam/vulkan/vulkan.hpp"
 #include "rows.hpp"
 
 #ifdef __x86_64__
@@ -23,13 +26,16 @@ namespace {
 
 struct TableSize {
   std::size_t bytes;
-  std::string_view copy;
-  std::string_view table;
+  std::string_view name;
+  bool is_table;  // else it is only copied, as kernels of about that size are compared with it
 };
-// The first fits beside its indices into 32 KiB, the last into no cache of today.
-constexpr std::array<TableSize, 3> kTableSizes{{{std::size_t{1} << 14U, "16 KiB", "16 KiB table"},
-                                                {std::size_t{1} << 18U, "256 KiB", "256 KiB table"},
-                                                {std::size_t{1} << 27U, "128 MiB", "128 MiB table"}}};
+// The first table fits beside its indices into 32 KiB, the last into no cache of today.
+constexpr std::array<TableSize, 6> kTableSizes{{{std::size_t{1} << 14U, "16 KiB", true},
+                                                {std::size_t{1} << 18U, "256 KiB", true},
+                                                {std::size_t{1} << 20U, "1 MiB", false},
+                                                {std::size_t{1} << 22U, "4 MiB", false},
+                                                {std::size_t{1} << 24U, "16 MiB", false},
+                                                {std::size_t{1} << 27U, "128 MiB", true}}};
 // Enough places that those of the large table are in no cache either.
 constexpr std::size_t kFewestPlaces = std::size_t{1} << 11U;
 constexpr std::size_t kMostPlaces = std::size_t{1} << 21U;
@@ -93,38 +99,46 @@ LoadFunction gathers_of(Isa isa) {
   return nullptr;
 }
 
-BenchRow load_row(std::string_view name, const TableSize& size, LoadFunction load, const TimingOptions& options) {
+void measure_loads(benchmark::State& state, const TableSize& size, LoadFunction load) {
   const Words table(size.bytes / sizeof(std::uint32_t), 1);
   Words places(std::clamp(table.size() / 2, kFewestPlaces, kMostPlaces));
   Random random(1);
   for (std::uint32_t& place : places) place = static_cast<std::uint32_t>(random.below(table.size()));
+  const auto step = [&] { benchmark::DoNotOptimize(load(table, places)); };
+  time_work(state, {.step = step}, static_cast<double>(places.size()), "load");
+}
+
+void measure_copy(benchmark::State& state, Backend& backend, std::size_t bytes) {
+  const double traffic = 2.0 * static_cast<double>(bytes);
+  if (auto* const device = dynamic_cast<VulkanBackend*>(&backend)) {
+    const Buffer from = device->allocate(bytes);
+    const Buffer to = device->allocate(bytes);
+    return time_work(state, work_on(*device, to, [&] { device->copy(from, to); }), traffic, "byte");
+  }
+  const std::vector<std::byte> from(bytes, std::byte{1});
+  std::vector<std::byte> to(bytes);
   const auto step = [&] {
-    const std::uint32_t sum = load(table, places);
-    asm volatile("" : : "r"(sum) : "memory");  // the loads are for their own sake
+    std::memcpy(to.data(), from.data(), bytes);
+    benchmark::ClobberMemory();
   };
-  return measured_row("limit", name, size.table, "load", static_cast<double>(places.size()), {.step = step}, options);
+  time_work(state, {.step = step}, traffic, "byte");
 }
 
 }  // namespace
 
-std::vector<BenchRow> bench_limits(Backend& backend, const TimingOptions& options) {
-  std::vector<BenchRow> rows;
-  rows.reserve(3 * kTableSizes.size());
-  for (const TableSize& size : kTableSizes) rows.push_back(copy_row(size.copy, size.bytes, options));
-  for (const TableSize& size : kTableSizes) rows.push_back(load_row("load", size, single_loads, options));
-  if (const LoadFunction gather = gathers_of(backend.host_isa())) {
-    for (const TableSize& size : kTableSizes) rows.push_back(load_row("gather", size, gather, options));
+void add_limits(const BenchTarget& target) {
+  for (const TableSize& size : kTableSizes) {
+    add_row(target, "limit", "copy", size.name,
+            [size, &backend = target.backend](benchmark::State& state) { measure_copy(state, backend, size.bytes); });
   }
-  return rows;
-}
-
-void compare_with_limits(std::span<BenchRow> rows, std::span<const BenchRow> limits) {
-  double most = 0.0;
-  for (const BenchRow& limit : limits) {
-    if (limit.unit == "load") most = std::max(most, limit.work / limit.timing.cpu_s);
-  }
-  for (BenchRow& row : rows) {
-    if (row.unit == "look-up" && most > 0.0) row.load_ratio = row.work / row.timing.cpu_s / most;
+  if (!target.is_cpu()) return;
+  for (const auto& [name, load] :
+       {std::pair{"load", LoadFunction{single_loads}}, std::pair{"gather", gathers_of(target.backend.host_isa())}}) {
+    for (const TableSize& size : kTableSizes) {
+      if (!size.is_table || load == nullptr) continue;
+      add_row(target, "limit", name, std::string(size.name) + " table",
+              [size, load = load](benchmark::State& state) { measure_loads(state, size, load); });
+    }
   }
 }
 

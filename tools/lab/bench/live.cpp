@@ -1,15 +1,19 @@
-#include "live.hpp"
-
-#include <sys/resource.h>
-
+// What a mapper takes for each scan of a log that comes as it was recorded, only faster; with loops, while these are
+// looked for beside it. The poses depend on the log and the configuration alone, the times on the machine.
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <ctime>
 #include <optional>
 #include <thread>
+#include <utility>
+#include <vector>
 
+#include "engine/core/quantile.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/error.hpp"
+#include "rows.hpp"
+#include "tools/gdtslam/shell/console.hpp"
 
 namespace gdtslam {
 namespace {
@@ -18,10 +22,16 @@ using LiveClock = std::chrono::steady_clock;
 
 constexpr double kLongestPause_s = 10.0;  // between two scans, by their stamps: robots stand at night
 constexpr auto kNap = std::chrono::milliseconds(50);
+constexpr double kLong_s = 0.05;  // of a scan, for whoever steers by its pose
+constexpr std::size_t kParts = 10;
 
-double seconds_since(LiveClock::time_point start) {
-  return std::chrono::duration<double>(LiveClock::now() - start).count();
-}
+/// One scan, from its coming to its pose.
+struct LiveScan {
+  double all_s = 0.0;
+  double cpu_s = 0.0;  ///< of the thread that maps: what other work on the machine does not lengthen
+  bool is_keyframe = false;
+  double merge_s = 0.0;  ///< its local field and the merge of that
+};
 
 double cpu_of_this_thread_s() {
   timespec time{};
@@ -29,100 +39,123 @@ double cpu_of_this_thread_s() {
   return static_cast<double>(time.tv_sec) + 1.0e-9 * static_cast<double>(time.tv_nsec);
 }
 
-std::uint64_t most_memory_bytes() {
-  rusage usage{};
-  ::getrusage(RUSAGE_SELF, &usage);
-  return 1024 * static_cast<std::uint64_t>(usage.ru_maxrss);
-}
-
-StageTimes less(const StageTimes& a, const StageTimes& b) {
-  return {a.predict_s - b.predict_s, a.match_s - b.match_s, a.local_field_s - b.local_field_s, a.merge_s - b.merge_s};
-}
-
-/// A mapper with loops or without.
-class LiveMapper {
+/// A mapper with loops or without, and the times of its scans.
+class LiveRun {
  public:
-  LiveMapper(const LiveBenchJob& job, Backend& backend) {
-    if (job.loops) {
-      loops_.emplace(job.mapper, backend, job.options);
+  LiveRun(const BenchLog& log, Backend& backend) : log_(log) {
+    if (log.loops) {
+      loops_.emplace(log.mapper, backend, log.options);
     } else {
-      alone_.emplace(job.mapper, backend, job.options);
+      alone_.emplace(log.mapper, backend, log.options);
     }
   }
-  MatchResult process(const ScanRecord& record) {
-    if (alone_) return alone_->process(record.scan, record.T_odom_base);
-    loops_->start(record.scan, record.T_odom_base);
-    return loops_->finish();
-  }
-  [[nodiscard]] MapperStatistics statistics() const {
-    return alone_ ? alone_->statistics() : loops_->front_end().statistics();
-  }
-  [[nodiscard]] LiveStatistics loops() const { return loops_ ? loops_->live_statistics() : LiveStatistics{}; }
 
- private:
-  std::optional<LoopMapper> loops_;
-  std::optional<Mapper> alone_;
-};
-
-class LiveBenchRun {
- public:
-  LiveBenchRun(const LiveBenchJob& job, Backend& backend, const std::function<bool()>& stop)
-      : job_(job), stop_(stop), mapper_(job, backend) {}
-
-  LiveBench run() {
-    ScanStream scans({job_.log}, job_.read, {});
-    const LiveClock::time_point start = LiveClock::now();
+  void run() {
+    ScanStream scans({log_.file}, log_.read, {});
     while (const std::optional<ScanRecord> record = scans.next()) {
       wait_for(record->scan.stamp_s);
       take(*record);
     }
-    if (bench_.scans.empty()) throw InputError(FilePosition{log_name(job_.log), 0}, "holds no laser scan");
-    bench_.lasted_s = seconds_since(start);
-    bench_.loops = mapper_.loops();
-    bench_.keyframes = mapper_.statistics().keyframes;
-    bench_.peak_bytes = most_memory_bytes();
-    return std::move(bench_);
+    if (scans_.empty()) throw InputError(FilePosition{log_name(log_.file), 0}, "holds no laser scan");
+  }
+
+  void count(benchmark::State& state) const {
+    add_shares(state, "", &LiveScan::all_s);
+    add_shares(state, "cpu_", &LiveScan::cpu_s);
+    const auto set = [&state](const std::string& name, auto value) {
+      state.counters[name] = static_cast<double>(value);
+    };
+    set("scans", scans_.size());
+    set("keyframes", statistics().keyframes);
+    set("late", late_);
+    set("above_50_ms",
+        std::count_if(scans_.begin(), scans_.end(), [](const LiveScan& scan) { return scan.all_s > kLong_s; }));
+    if (loops_) {
+      const LiveStatistics loops = loops_->live_statistics();
+      set("places", loops.places);
+      set("corrections", loops.corrections);
+      set("waits", loops.waits);
+      set("waited_s", loops.waited_s);
+      set("beside_cpu_s", loops.beside_cpu_s);
+    }
+    for (std::size_t part = 0; part < kParts; ++part) add_part(state, part);
   }
 
  private:
+  [[nodiscard]] MapperStatistics statistics() const {
+    return alone_ ? alone_->statistics() : loops_->front_end().statistics();
+  }
+
   // Until the scan comes; one that the mapper was not ready for has come already.
   void wait_for(double stamp_s) {
-    if (last_stamp_s_ && job_.speed > 0.0) {
-      const double pause_s = std::clamp(stamp_s - *last_stamp_s_, 0.0, kLongestPause_s) / job_.speed;
+    if (last_stamp_s_ && log_.speed > 0.0) {
+      const double pause_s = std::clamp(stamp_s - *last_stamp_s_, 0.0, kLongestPause_s) / log_.speed;
       due_ += std::chrono::duration_cast<LiveClock::duration>(std::chrono::duration<double>(pause_s));
-      if (pause_s > 0.0 && done_ > due_) ++bench_.late;
+      if (pause_s > 0.0 && done_ > due_) ++late_;
     }
     last_stamp_s_ = stamp_s;
     while (true) {
-      if (stop_()) throw Error(ExitCode::kInterrupted, "interrupted; nothing is printed");
+      if (interrupted()) throw Error(ExitCode::kInterrupted, "interrupted");
       const LiveClock::time_point now = LiveClock::now();
       if (now >= due_) return;
       std::this_thread::sleep_until(std::min(due_, now + kNap));
     }
   }
 
+  MatchResult process(const ScanRecord& record) {
+    if (alone_) return alone_->process(record.scan, record.T_odom_base);
+    loops_->start(record.scan, record.T_odom_base);
+    return loops_->finish();
+  }
+
   void take(const ScanRecord& record) {
-    const MapperStatistics before = mapper_.statistics();
-    const double waited_s = mapper_.loops().waited_s;
-    LiveScan scan{.index = bench_.scans.size()};
+    const StageTimes before = statistics().stages;
     const double cpu_s = cpu_of_this_thread_s();
     const LiveClock::time_point start = LiveClock::now();
-    scan.is_keyframe = mapper_.process(record).merged;
+    LiveScan scan{.is_keyframe = process(record).merged};
     done_ = LiveClock::now();
     scan.all_s = std::chrono::duration<double>(done_ - start).count();
     scan.cpu_s = cpu_of_this_thread_s() - cpu_s;
-    const MapperStatistics after = mapper_.statistics();
-    scan.waited_s = mapper_.loops().waited_s - waited_s;
-    scan.stages = less(after.stages, before.stages);
-    scan.windows = after.attempts - before.attempts;
-    scan.evaluations = after.evaluations - before.evaluations;
-    bench_.scans.push_back(scan);
+    const StageTimes after = statistics().stages;
+    scan.merge_s = after.local_field_s - before.local_field_s + after.merge_s - before.merge_s;
+    scans_.push_back(scan);
   }
 
-  const LiveBenchJob& job_;
-  std::function<bool()> stop_;
-  LiveMapper mapper_;
-  LiveBench bench_;
+  void add_shares(benchmark::State& state, const std::string& of, double LiveScan::*time) const {
+    std::vector<double> times_s;
+    for (const LiveScan& scan : scans_) times_s.push_back(scan.*time);
+    for (const auto& [name, share] :
+         {std::pair{"median_s", 0.5}, {"p99_s", 0.99}, {"p999_s", 0.999}, {"largest_s", 1.0}}) {
+      state.counters[of + name] = value_at_share(times_s, share);
+    }
+  }
+
+  // A piece of the log, so that what grows with the map is seen.
+  void add_part(benchmark::State& state, std::size_t part) const {
+    const std::size_t first = part * scans_.size() / kParts;
+    const std::size_t end = (part + 1) * scans_.size() / kParts;
+    double keyframes = 0.0;
+    double cpu_s = 0.0;
+    double merge_s = 0.0;
+    for (std::size_t k = first; k < end; ++k) {
+      if (!scans_[k].is_keyframe) continue;
+      keyframes += 1.0;
+      cpu_s += scans_[k].cpu_s;
+      merge_s += scans_[k].merge_s;
+    }
+    const std::string name = "part" + std::to_string(part) + "_";
+    state.counters[name + "first"] = static_cast<double>(first);
+    state.counters[name + "scans"] = static_cast<double>(end - first);
+    state.counters[name + "keyframes"] = keyframes;
+    state.counters[name + "keyframe_cpu_s"] = cpu_s / std::max(1.0, keyframes);
+    state.counters[name + "keyframe_merge_s"] = merge_s / std::max(1.0, keyframes);
+  }
+
+  const BenchLog& log_;
+  std::optional<LoopMapper> loops_;
+  std::optional<Mapper> alone_;
+  std::vector<LiveScan> scans_;
+  std::size_t late_ = 0;  ///< scans that came before the one before them was done
   LiveClock::time_point due_ = LiveClock::now();
   LiveClock::time_point done_ = due_;  // the scan before
   std::optional<double> last_stamp_s_;
@@ -130,32 +163,16 @@ class LiveBenchRun {
 
 }  // namespace
 
-LiveBench run_live(const LiveBenchJob& job, Backend& backend, const std::function<bool()>& stop) {
-  return LiveBenchRun(job, backend, stop).run();
-}
-
-std::vector<LivePart> live_parts(const std::vector<LiveScan>& scans, std::size_t pieces) {
-  const std::size_t length = std::max<std::size_t>(1, (scans.size() + pieces - 1) / pieces);
-  std::vector<LivePart> parts((scans.size() + length - 1) / length);
-  for (const LiveScan& scan : scans) {
-    LivePart& part = parts[scan.index / length];
-    if (part.scans++ == 0) part.first = scan.index;
-    if (!scan.is_keyframe) {
-      part.scan_cpu_s += scan.cpu_s;
-      continue;
-    }
-    ++part.keyframes;
-    part.keyframe_cpu_s += scan.cpu_s;
-    part.keyframe_merge_s += scan.stages.local_field_s + scan.stages.merge_s;
-  }
-  for (LivePart& part : parts) {
-    const auto others = static_cast<double>(std::max<std::size_t>(1, part.scans - part.keyframes));
-    const auto keyframes = static_cast<double>(std::max<std::size_t>(1, part.keyframes));
-    part.scan_cpu_s /= others;
-    part.keyframe_cpu_s /= keyframes;
-    part.keyframe_merge_s /= keyframes;
-  }
-  return parts;
+void add_live(const BenchTarget& cpu, const BenchLog& log) {
+  add_row(cpu, "live", "log", log.loops ? "with loops" : "without loops",
+          [log, &backend = cpu.backend](benchmark::State& state) {
+            for (auto _ : state) {
+              LiveRun run(log, backend);
+              run.run();
+              run.count(state);
+            }
+          })
+      ->Iterations(1);
 }
 
 }  // namespace gdtslam

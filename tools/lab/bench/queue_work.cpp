@@ -1,93 +1,46 @@
 #include "queue_work.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <chrono>
-#include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "engine/core/quantile.hpp"
-#include "engine/io/json_file.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/error.hpp"
+#include "tools/gdtslam/shell/console.hpp"
 
 namespace gdtslam {
 namespace {
 
-using WorkJson = nlohmann::ordered_json;
 using WorkClock = std::chrono::steady_clock;
 
-std::optional<double> median_of(std::vector<double> values) {
-  if (values.empty()) return std::nullopt;
-  return upper_median(values);
-}
+double median_of(std::vector<double> times_s) { return upper_median(times_s); }
 
-double a_scan(const ScanWork& scans, std::uint64_t count) {
-  return static_cast<double>(count) / static_cast<double>(std::max<std::uint64_t>(1, scans.scans));
-}
-
-struct WorkRow {
-  const char* name;
-  std::uint64_t QueueWork::*count;
-};
-constexpr WorkRow kWorkRows[] = {
-    {"barriers", &QueueWork::barriers},   {"submissions", &QueueWork::submissions},
-    {"waits", &QueueWork::waits},         {"fills", &QueueWork::fills},
-    {"uploads", &QueueWork::uploads},     {"upload_bytes", &QueueWork::upload_bytes},
-    {"downloads", &QueueWork::downloads}, {"download_bytes", &QueueWork::download_bytes},
-};
-
-WorkJson json_of(const ScanWork& scans) {
-  WorkJson json{{"scans", scans.scans},
-                {"windows", a_scan(scans, scans.windows)},
-                {"evaluations", a_scan(scans, scans.evaluations)}};
-  json["dispatches"] = a_scan(scans, scans.work.dispatch_sum());
-  for (const WorkRow& row : kWorkRows) json[row.name] = a_scan(scans, scans.work.*row.count);
-  json["kernels"] = WorkJson::object();
-  for (const auto& [kernel, count] : scans.work.dispatches) json["kernels"][std::string(kernel)] = a_scan(scans, count);
-  const auto put = [&json](const char* key, const std::optional<double>& value) {
-    json[key] = value ? WorkJson(*value) : WorkJson(nullptr);
+void count_scans(benchmark::State& state, const ScanWork& scans) {
+  if (scans.scans == 0) {
+    state.SkipWithError("the log has no such scan");
+    return;
+  }
+  for (auto _ : state) state.SetIterationTime(median_of(scans.scan_s));
+  const auto set = [&state, &scans](const std::string& name, std::uint64_t count) {
+    state.counters[name] = static_cast<double>(count) / static_cast<double>(scans.scans);
   };
-  put("median_s", median_of(scans.scan_s));
-  put("device_s", median_of(scans.device_s));
-  return json;
-}
-
-std::string text_of(const WorkBenchJob& job, const WorkBench& bench, const VulkanBackend& backend) {
-  const std::string name = log_name(job.log);
-  std::string text = fmt::format("gdtslam {}\n{}: {}\n{}: {} keyframes, {} other scans; of each, on average\n",
-                                 GDTSLAM_VERSION, backend.device().name, backend.device().driver,
-                                 name.substr(name.rfind('/') + 1), bench.keyframes.scans, bench.others.scans);
-  const auto line = [&text](std::string_view what, double keyframe, double other) {
-    text += fmt::format("{:16} {:12.2f} {:12.2f}\n", what, keyframe, other);
-  };
-  text += fmt::format("{:16} {:>12} {:>12}\n", "", "keyframe", "other scan");
-  line("windows", a_scan(bench.keyframes, bench.keyframes.windows), a_scan(bench.others, bench.others.windows));
-  line("poses costed", a_scan(bench.keyframes, bench.keyframes.evaluations),
-       a_scan(bench.others, bench.others.evaluations));
-  line("dispatches", a_scan(bench.keyframes, bench.keyframes.work.dispatch_sum()),
-       a_scan(bench.others, bench.others.work.dispatch_sum()));
-  QueueWork both = bench.keyframes.work;
-  both += bench.others.work;
-  for (const auto& [kernel, count] : both.dispatches) {
-    const auto of = [kernel = kernel](const ScanWork& scans) {
-      const auto found = scans.work.dispatches.find(kernel);
-      return found == scans.work.dispatches.end() ? 0.0 : a_scan(scans, found->second);
-    };
-    line(fmt::format("  {}", kernel), of(bench.keyframes), of(bench.others));
-  }
-  for (const WorkRow& row : kWorkRows) {
-    line(row.name, a_scan(bench.keyframes, bench.keyframes.work.*row.count),
-         a_scan(bench.others, bench.others.work.*row.count));
-  }
-  line("median, us", 1.0e6 * median_of(bench.keyframes.scan_s).value_or(0.0),
-       1.0e6 * median_of(bench.others.scan_s).value_or(0.0));
-  if (!bench.keyframes.device_s.empty() || !bench.others.device_s.empty()) {
-    line("on the device, us", 1.0e6 * median_of(bench.keyframes.device_s).value_or(0.0),
-         1.0e6 * median_of(bench.others.device_s).value_or(0.0));
-  }
-  return text;
+  state.counters["scans"] = static_cast<double>(scans.scans);
+  set("windows", scans.windows);
+  set("evaluations", scans.evaluations);
+  set("dispatches", scans.work.dispatch_sum());
+  for (const auto& [kernel, count] : scans.work.dispatches) set("kernel " + std::string(kernel), count);
+  set("barriers", scans.work.barriers);
+  set("submissions", scans.work.submissions);
+  set("waits", scans.work.waits);
+  set("fills", scans.work.fills);
+  set("uploads", scans.work.uploads);
+  set("upload_bytes", scans.work.upload_bytes);
+  set("downloads", scans.work.downloads);
+  set("download_bytes", scans.work.download_bytes);
+  if (!scans.device_s.empty()) state.counters["device_s"] = median_of(scans.device_s);
 }
 
 void take_scan(const ScanRecord& record, Mapper& mapper, VulkanBackend& backend, WorkBench& bench) {
@@ -111,29 +64,29 @@ void take_scan(const ScanRecord& record, Mapper& mapper, VulkanBackend& backend,
 
 }  // namespace
 
-WorkBench run_work(const WorkBenchJob& job, VulkanBackend& backend, const std::function<bool()>& stop) {
+WorkBench run_work(const BenchLog& log, VulkanBackend& backend) {
   WorkBench bench;
-  Mapper mapper(job.mapper, backend, {.fall_back = false, .cpu = {}, .warn = {}});
-  ScanStream scans({job.log}, job.read, {});
+  Mapper mapper(log.mapper, backend, {.fall_back = false, .cpu = {}, .warn = {}});
+  ScanStream scans({log.file}, log.read, {});
   while (const std::optional<ScanRecord> record = scans.next()) {
-    if (stop()) throw Error(ExitCode::kInterrupted, "interrupted; nothing is printed");
+    if (interrupted()) throw Error(ExitCode::kInterrupted, "interrupted");
     take_scan(*record, mapper, backend, bench);
   }
-  if (bench.keyframes.scans == 0) throw InputError(FilePosition{log_name(job.log), 0}, "holds no laser scan");
+  if (bench.keyframes.scans == 0) throw InputError(FilePosition{log_name(log.file), 0}, "holds no laser scan");
   return bench;
 }
 
-std::string bench_work(const WorkBenchJob& job, VulkanBackend& backend, const std::function<bool()>& stop,
-                       bool is_json) {
-  const WorkBench bench = run_work(job, backend, stop);
-  if (!is_json) return text_of(job, bench, backend);
-  const std::string name = log_name(job.log);
-  return json_text(WorkJson{{"version", GDTSLAM_VERSION},
-                            {"device", backend.device().name},
-                            {"driver", backend.device().driver},
-                            {"log", name.substr(name.rfind('/') + 1)},
-                            {"keyframe", json_of(bench.keyframes)},
-                            {"other_scan", json_of(bench.others)}});
+void add_work(const BenchTarget& device, const BenchLog& log) {
+  const auto bench = shared_by_rows([log, &backend = dynamic_cast<VulkanBackend&>(device.backend)] {
+    return std::make_shared<WorkBench>(run_work(log, backend));
+  });
+  for (const auto& [name, scans] :
+       {std::pair{"keyframe", &WorkBench::keyframes}, std::pair{"other scan", &WorkBench::others}}) {
+    add_row(device, "work", name, "exhaustive",
+            [bench, scans = scans](benchmark::State& state) { count_scans(state, bench().*scans); })
+        ->Iterations(1)
+        ->UseManualTime();
+  }
 }
 
 }  // namespace gdtslam

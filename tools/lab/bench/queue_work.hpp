@@ -1,24 +1,15 @@
-// What `gdtslam bench work` counts: what mapping a log asks of a device, for scans that become keyframes and for the
-// others: kernels, barriers, copies, waits, and how long a scan takes. The counts depend on the log, the configuration
-// and the device's shaders alone, the times on the machine. Seconds, bytes.
+// What the rows of the group `work` count: what mapping a log asks of a device, for scans that become keyframes and for
+// the others: kernels, barriers, copies, waits, and how long a scan takes. The counts depend on the log, the
+// configuration and the device's shaders alone, the times on the machine. Seconds, bytes.
 #pragma once
 
 #include <cstdint>
-#include <functional>
-#include <string>
 #include <vector>
 
-#include "gdtslam/io/log.hpp"
-#include "gdtslam/mapping/mapper.hpp"
 #include "gdtslam/vulkan/vulkan.hpp"
+#include "rows.hpp"
 
 namespace gdtslam {
-
-struct WorkBenchJob {
-  std::string log;
-  ReadOptions read;
-  MapperConfig mapper;  ///< with the matcher `exhaustive`: the others ask a device for nothing
-};
 
 /// Scans of one kind.
 struct ScanWork {
@@ -35,11 +26,7 @@ struct WorkBench {
   ScanWork others;
 };
 
-/// Throws InputError, FileError, DeviceError; Error(kInterrupted) when stop() became true.
-WorkBench run_work(const WorkBenchJob& job, VulkanBackend& backend, const std::function<bool()>& stop);
-
-/// As the command prints it, for people or JSON. Throws as run_work().
-std::string bench_work(const WorkBenchJob& job, VulkanBackend& backend, const std::function<bool()>& stop,
-                       bool is_json);
+/// By the log's matcher. Throws InputError, FileError, DeviceError; Error(kInterrupted).
+WorkBench run_work(const BenchLog& log, VulkanBackend& backend);
 
 }  // namespace gdtslam

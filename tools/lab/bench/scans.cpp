@@ -3,6 +3,8 @@
 // kernel sweep_points turns them into points, and these go to a sink; a robot that drives an arc while the crank turns.
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -161,50 +163,54 @@ NoddingScan scan_number(std::uint32_t number) {
 
 }  // namespace
 
-std::vector<BenchRow> bench_scans(Backend& backend, const TimingOptions& options) {
-  ScanBench bench(backend);
+void add_scans(const BenchTarget& target) {
+  Backend& backend = target.backend;
+  const auto bench = shared_by_rows([&backend] { return std::make_shared<ScanBench>(backend); });
   const std::string size = "361 points, 1e5 candidates";
-  std::vector<BenchRow> rows;
-  const auto add = [&](const std::string& variant, const char* unit, double work, const Work& timed) {
-    rows.push_back(measured_row("scan", "scan", variant, unit, work, timed, options));
-  };
-  // A match waits for its own result.
-  const Work match{.step = [&bench] { bench.match(); }, .device_ns = clock_of(backend), .most_in_line = 1};
-  add("match: " + size, "candidate", kCandidates, match);
-  bench.require_found();
-  const Work merge = work_on(backend, bench.map_buffer(), [&bench] { bench.merge(); });
-  add("merge: 512x512 window", "cell", bench.window_cells(), merge);
-  Work both = work_on(backend, bench.map_buffer(), [&bench] {
-    bench.match();
-    bench.merge();
+  add_row(target, "scan", "scan", "match: " + size, [bench, &backend](benchmark::State& state) {
+    // A match waits for its own result.
+    time_work(state, {.step = [&] { bench().match(); }, .device_ns = clock_of(backend)}, kCandidates, "candidate");
+    bench().require_found();
   });
-  both.device_ns = nullptr;  // two submissions: the clock tells of the last
-  add("match and merge: " + size, "candidate", kCandidates, both);
-  bench.require_found();
-  bench.prepare_costs();
-  Work costs = work_on(backend, bench.costs(), [&bench] { bench.cost_many(); });
-  costs.most_in_line = 1;  // one of them keeps a slow device busy for seconds
-  add("cost: 361 points, 1e6 candidates", "look-up", bench.many_look_ups(), costs);
-  return rows;
+  add_row(target, "scan", "scan", "merge: 512x512 window", [bench, &backend](benchmark::State& state) {
+    const Work merge = work_on(backend, bench().map_buffer(), [&] { bench().merge(); });
+    time_work(state, merge, bench().window_cells(), "cell");
+  });
+  add_row(target, "scan", "scan", "match and merge: " + size, [bench, &backend](benchmark::State& state) {
+    Work both = work_on(backend, bench().map_buffer(), [&] {
+      bench().match();
+      bench().merge();
+    });
+    both.device_ns = nullptr;  // two submissions: the clock tells of the last
+    time_work(state, both, kCandidates, "candidate");
+    bench().require_found();
+  });
+  add_row(target, "scan", "scan", "cost: 361 points, 1e6 candidates", [bench, &backend](benchmark::State& state) {
+    bench().prepare_costs();
+    Work costs = work_on(backend, bench().costs(), [&] { bench().cost_many(); });
+    costs.in_line = 1;  // one of them keeps a slow device busy for seconds
+    time_work(state, costs, bench().many_look_ups(), "look-up");
+  });
 }
 
-std::vector<BenchRow> bench_sweeps(Backend& backend, const TimingOptions& options) {
-  std::vector<NoddingScan> scans;
-  for (std::uint32_t number = 0; number < kSweepScans; ++number) scans.push_back(scan_number(number));
-  const PoseKnot poses[] = {{-0.5 * kScan_s, {}}, {0.5 * kScan_s, {0.013, 0.0, 0.01}}};
-  CountingSink sink;
-  SweepAssembler assembler(scanner(), {}, backend, sink);
-  const auto sweep = [&] {
-    for (std::uint32_t number = 0; number < kSweepScans; ++number) {
-      assembler.add(scans[number], number, {3.0, -2.0, 0.01 * number}, poses);
-    }
-    assembler.flush();
-  };
-  sweep();
-  if (sink.count != kSweepScans * kSweepBeams) throw Error(ExitCode::kFailed, "bench: beams of a sweep were lost");
-  return {measured_row("sweep", "assemble_sweep",
-                       std::to_string(kSweepScans) + " scans of " + std::to_string(kSweepBeams) + " beams", "beam",
-                       static_cast<double>(kSweepScans * kSweepBeams), {.step = sweep}, options)};
+void add_sweeps(const BenchTarget& target) {
+  const std::string variant = std::to_string(kSweepScans) + " scans of " + std::to_string(kSweepBeams) + " beams";
+  add_row(target, "sweep", "assemble_sweep", variant, [&backend = target.backend](benchmark::State& state) {
+    std::vector<NoddingScan> scans;
+    for (std::uint32_t number = 0; number < kSweepScans; ++number) scans.push_back(scan_number(number));
+    const PoseKnot poses[] = {{-0.5 * kScan_s, {}}, {0.5 * kScan_s, {0.013, 0.0, 0.01}}};
+    CountingSink sink;
+    SweepAssembler assembler(scanner(), {}, backend, sink);
+    const auto sweep = [&] {
+      for (std::uint32_t number = 0; number < kSweepScans; ++number) {
+        assembler.add(scans[number], number, {3.0, -2.0, 0.01 * number}, poses);
+      }
+      assembler.flush();
+    };
+    sweep();
+    if (sink.count != kSweepScans * kSweepBeams) throw Error(ExitCode::kFailed, "bench: beams of a sweep were lost");
+    time_work(state, {.step = sweep}, static_cast<double>(kSweepScans * kSweepBeams), "beam");
+  });
 }
 
 }  // namespace gdtslam

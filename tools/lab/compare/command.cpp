@@ -1,4 +1,4 @@
-// gdtslam compare: the methods that minimise the cost of a scan, on the same scans and starts, against proven
+// gdtslam-lab compare: the methods that minimise the cost of a scan, on the same scans and starts, against proven
 // solutions.
 #include <fmt/format.h>
 #include <CLI/App.hpp>
@@ -225,9 +225,9 @@ void add_compare_command(CLI::App& app, CommandContext& context) {
       "proves (docs/matchers.md).\n"
       "\n"
       "Examples:\n"
-      "  gdtslam compare intel.clf.gz\n"
-      "  gdtslam compare intel.clf.gz --matchers simplex,gauss-newton --picture basins.svg --csv trials.csv\n"
-      "  gdtslam compare office.log --reference office.truth.tum --json");
+      "  gdtslam-lab compare intel.clf.gz\n"
+      "  gdtslam-lab compare intel.clf.gz --matchers simplex,gauss-newton --picture basins.svg --csv trials.csv\n"
+      "  gdtslam-lab compare office.log --reference office.truth.tum --json");
   command->callback([options, &context] {
     context.run = [options] { return compare(*options); };
     context.when_out_of_memory = kSmallerMap;

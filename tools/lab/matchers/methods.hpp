@@ -1,4 +1,4 @@
-// The matchers (mapping/matchers.hpp) as `gdtslam compare` holds them against each other, each as one call that
+// The matchers (mapping/matchers.hpp) as `gdtslam-lab compare` holds them against each other, each as one call that
 // minimises the same cost (4) from a start. All are told how far off the start may be, and take from that what they
 // need to know: the box of a population, the first edge of a simplex, the window of a search. Poses are in cells and
 // radians relative to the objective's anchor. Not thread-safe.
