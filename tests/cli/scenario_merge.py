@@ -255,7 +255,7 @@ def outputs_without_a_name():
     (folder / "here").mkdir()
     run, root = folder / "run", sorted(os.listdir("/"))
     for words in (("merge", run, folder / "again"), ("merge", run, folder / "again", "--force"), ("edit", run, "--origin", "1,1"),
-                  ("fleet", "run", LOG), ("convert", LOG), ("convert", LOG, "--format", "carmen"), ("reproduce",), ("render", run),
+                  ("fleet", "run", LOG), ("convert", LOG), ("convert", LOG, "--format", "carmen"), ("render", run),
                   ("simulate", "corridor")):
         if command(words[0], "--help").returncode != 0:  # not in this build
             continue

@@ -41,7 +41,6 @@ import scenario_render
 import scenario_render_faults
 import scenario_render_formats
 import scenario_render_runs
-import scenario_reproduce
 import scenario_results
 import scenario_same_bytes
 import scenario_shell
@@ -58,7 +57,7 @@ MODULES = (scenario_bad_input, scenario_bags, scenario_bench, scenario_bombs, sc
             scenario_measure, scenario_merge, scenario_modules,
            scenario_nodding,
            scenario_nodding_faults, scenario_nodding_runs, scenario_one_thing, scenario_outputs, scenario_printing, scenario_render,
-           scenario_render_faults, scenario_render_formats, scenario_render_runs, scenario_reproduce, scenario_results, scenario_same_bytes,
+           scenario_render_faults, scenario_render_formats, scenario_render_runs, scenario_results, scenario_same_bytes,
            scenario_shell, scenario_signals, scenario_slurm, scenario_surroundings,
            scenario_tilt3d, scenario_tiles, scenario_tracking, scenario_wrong_inputs)
 

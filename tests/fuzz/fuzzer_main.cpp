@@ -11,7 +11,6 @@
 
 #include "bzip2_targets.hpp"
 #include "c_targets.hpp"
-#include "lab_targets.hpp"
 #include "log_targets.hpp"
 #include "map_targets.hpp"
 #include "packed_targets.hpp"
@@ -37,7 +36,6 @@ std::vector<FuzzTarget> all_targets() {
         std::span<const FuzzTarget>(kPackedTargets), std::span<const FuzzTarget>(kBzip2Targets),
         std::span<const FuzzTarget>(kMapTargets), std::span<const FuzzTarget>(kRunTargets),
         std::span<const FuzzTarget>(kRunFolderTargets), std::span<const FuzzTarget>(kSceneTargets),
-        std::span<const FuzzTarget>(kLabTargets),
 #ifdef GDTSLAM_HAS_LIVE_PAGE
         std::span<const FuzzTarget>(kPageTargets),
 #endif

@@ -1,4 +1,4 @@
-# The report of `gdtslam reproduce` in a real browser: nothing is asked for elsewhere, nothing is cut, words are legible
+# The report of tools/lab/reproduce in a real browser: nothing is asked for elsewhere, nothing is cut, words are legible
 # as they stand, light and dark. Needs GDTSLAM and Chromium; without Chromium it skips and says so.
 import os
 import pathlib
@@ -22,8 +22,9 @@ class ReportTest(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory(prefix="gdtslam-report-")
         environment = {key: value for key, value in os.environ.items() if key != "GDTSLAM_DATA"}
-        subprocess.run([os.environ["GDTSLAM"], "reproduce", "-q", "-o", cls.folder.name, "--only", "fig3,fig11"], check=True,
-                       env=environment)
+        program = pathlib.Path(__file__).resolve().parents[3] / "tools/lab/reproduce/reproduce.py"
+        subprocess.run([program, "--programs", pathlib.Path(os.environ["GDTSLAM"]).parent, "-o", cls.folder.name, "--only",
+                        "fig3,fig11"], check=True, env=environment, stdout=subprocess.DEVNULL)
 
     @classmethod
     def tearDownClass(cls):
@@ -70,7 +71,7 @@ class ReportTest(unittest.TestCase):
         self.assertEqual(browser.value("document.querySelectorAll('.command').length"),
                          browser.value("document.querySelectorAll('.command > button').length"))
         self.assertEqual(browser.value("document.querySelector('#fig3 .command pre').textContent"),
-                         "gdtslam reproduce -o report --only fig3")
+                         "tools/lab/reproduce/reproduce.py -o report --only fig3")
 
     def test_every_link_leads_somewhere(self):
         browser = self.open(1300, "light")

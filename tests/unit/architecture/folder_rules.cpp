@@ -141,10 +141,6 @@ Arrows make_arrows() {
       {"tools/lab/ablation", kShared},
       {"tools/lab/bench", kShared},
       {"tools/lab/bench/viewer", shared_and({"tools/lab/bench"})},
-      {"tools/lab/reproduce", shared_and({"tools/gdtslam/calibrations", "tools/gdtslam/pictures",
-                                          "tools/gdtslam/scenes", "tools/lab/matchers"})},
-      {"tools/lab/reproduce/parts", shared_and({"tools/gdtslam/calibrations", "tools/gdtslam/pictures",
-                                                "tools/gdtslam/scenes", "tools/lab/matchers", "tools/lab/reproduce"})},
   };
   // A command that is not in the table knows the shared rooms.
   constexpr std::string_view kCommand = "/command.cpp";

@@ -1,5 +1,4 @@
 // The corpora of the fuzz targets of runs, scenes and what commands keep, replayed with every compiler.
-#include "fuzz/lab_targets.hpp"
 #include "fuzz/replay.hpp"
 #include "fuzz/run_folder_targets.hpp"
 #include "fuzz/run_targets.hpp"
@@ -18,7 +17,6 @@ class RunCorpus : public testing::TestWithParam<FuzzTarget> {};
 TEST_P(RunCorpus, EndsInFilesOrATypedError) { replay_corpus(GetParam()); }
 
 INSTANTIATE_TEST_SUITE_P(Runs, RunCorpus, testing::ValuesIn(kRunTargets), name_of_test);
-INSTANTIATE_TEST_SUITE_P(Lab, RunCorpus, testing::ValuesIn(kLabTargets), name_of_test);
 #ifdef GDTSLAM_HAS_LIVE_PAGE
 INSTANTIATE_TEST_SUITE_P(Page, RunCorpus, testing::ValuesIn(kPageTargets), name_of_test);
 #endif

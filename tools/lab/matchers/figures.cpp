@@ -45,6 +45,23 @@ void evaluate(const MapOutcome& outcome, const CompareTruth& truth, const Compar
   run.heading_deg = report.all.rotation_deg;
 }
 
+/// The log mapped from end to end by a matcher.
+MapOutcome map_with(MatcherKind matcher, const CompareJob& job, Backend& backend, const CompareProgress& progress,
+                    const std::function<bool()>& stop) {
+  MapJob whole{.logs = job.logs,
+               .read = job.read,
+               .range = job.range,
+               .mapper = job.mapper,
+               .occupancy = {},
+               .with_occupancy = false,
+               .with_pictures = false,
+               .on_failure = {.fall_back = false, .cpu = {}, .warn = {}}};
+  whole.mapper.match.matcher = matcher;
+  MapOutcome outcome = MapRun(whole, backend).run(progress, stop);
+  if (outcome.interrupted) throw Error(ExitCode::kInterrupted, "interrupted; nothing is written");
+  return outcome;
+}
+
 }  // namespace
 
 ScanKind kind_of(const CompareScan& scan) {
@@ -82,22 +99,6 @@ std::vector<MethodFigures> figures_of(const CompareJob& job, const CompareOutcom
 std::vector<double> distances_of(const CompareOutcome& outcome, std::uint32_t method, std::uint32_t level,
                                  ScanKind kind) {
   return collect_values(select_trials(outcome, method, level, kind), &CompareTrial::distance_m);
-}
-
-MapOutcome map_with(MatcherKind matcher, const CompareJob& job, Backend& backend, const CompareProgress& progress,
-                    const std::function<bool()>& stop, const MapperOptions& on_failure) {
-  MapJob whole{.logs = job.logs,
-               .read = job.read,
-               .range = job.range,
-               .mapper = job.mapper,
-               .occupancy = {},
-               .with_occupancy = false,
-               .with_pictures = false,
-               .on_failure = on_failure};
-  whole.mapper.match.matcher = matcher;
-  MapOutcome outcome = MapRun(whole, backend).run(progress, stop);
-  if (outcome.interrupted) throw Error(ExitCode::kInterrupted, "interrupted; nothing is written");
-  return outcome;
 }
 
 std::vector<WholeRun> whole_runs(const CompareJob& job, const CompareTruth& truth, Backend& backend,

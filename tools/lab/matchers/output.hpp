@@ -26,7 +26,4 @@ std::string level_text(const CompareJob& job, std::uint32_t level);
 /// odometry's prediction as boxes and as distribution. Pixels.
 Canvas compare_picture(const CompareJob& job, const CompareOutcome& outcome, const std::string& log);
 
-/// One for each method, the same in all figures.
-Colour colour_of_method(MatcherKind method);
-
 }  // namespace gdtslam

@@ -12,6 +12,13 @@
 namespace gdtslam {
 namespace {
 
+/// One for each method, the same in all figures.
+Colour colour_of_method(MatcherKind method) {
+  static constexpr std::array kColours{ink::kCoupler, ink::kCrank,  ink::kRocker, ink::kCurve,
+                                       ink::kLaser,   ink::kGround, ink::kQuiet,  ink::kText};
+  return kColours.at(static_cast<std::size_t>(method) % kColours.size());
+}
+
 constexpr double kWidth = 1180.0;
 constexpr double kMargin = 24.0;
 constexpr double kGap = 16.0;
@@ -127,12 +134,6 @@ void draw_distribution(Canvas& canvas, const DrawingArea& area, const CompareJob
 }
 
 }  // namespace
-
-Colour colour_of_method(MatcherKind method) {
-  static constexpr std::array kColours{ink::kCoupler, ink::kCrank,  ink::kRocker, ink::kCurve,
-                                       ink::kLaser,   ink::kGround, ink::kQuiet,  ink::kText};
-  return kColours.at(static_cast<std::size_t>(method) % kColours.size());
-}
 
 Canvas compare_picture(const CompareJob& job, const CompareOutcome& outcome, const std::string& log) {
   const double top = kMargin + kHeading;

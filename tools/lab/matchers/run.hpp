@@ -162,10 +162,4 @@ std::vector<WholeRun> whole_runs(const CompareJob& job, const CompareTruth& trut
                                  const std::function<CompareProgress(const std::string&)>& progress_of,
                                  const std::function<bool()>& stop);
 
-/// The log mapped from end to end by a matcher. Throws as compare() does, DeviceError where `on_failure` has no
-/// fallback. Cost: a whole `gdtslam map`.
-MapOutcome map_with(MatcherKind matcher, const CompareJob& job, Backend& backend, const CompareProgress& progress,
-                    const std::function<bool()>& stop,
-                    const MapperOptions& on_failure = {.fall_back = false, .cpu = {}, .warn = {}});
-
 }  // namespace gdtslam
