@@ -1,4 +1,5 @@
-// The variants of the method that `gdtslam ablation` compares: each a list of assignments on top of the configuration.
+// The variants of the method that `gdtslam-lab ablation` compares: each a list of assignments on top of the
+// configuration.
 #pragma once
 
 #include <string>
