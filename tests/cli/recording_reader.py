@@ -1,9 +1,6 @@
-"""Reads MCAP files, ROS 1 bags and ROS 2 databases by their published pages with struct, sqlite3 and zlib alone, to check
-what gdtslam writes: every count, length, offset and checksum. zstd is unpacked by its library through ctypes."""
+"""Reads MCAP files by their published page with struct and zlib alone, to check what gdtslam writes: every count, length, offset and checksum. zstd is unpacked by its library through ctypes."""
 
-import bz2
 import ctypes
-import sqlite3
 import struct
 import zlib
 
@@ -120,56 +117,6 @@ def bag_record(cursor):
 
 def whole(data):
     return int.from_bytes(data, "little")
-
-
-def bag_messages(data):
-    """The same of a ROS 1 bag; times are (seconds, nanoseconds) joined."""
-    assert data[:13] == b"#ROSBAG V2.0\n"
-    cursor = Bytes(data, 13)
-    first, _ = bag_record(cursor)
-    assert first["op"] == b"\x03" and cursor.at == 13 + 4096
-    index_begin, messages, connections, infos, chunks, here = whole(first["index_pos"]), [], {}, 0, {}, {}
-    while cursor.left():
-        at = cursor.at
-        fields, content = bag_record(cursor)
-        kind = fields["op"][0]
-        assert (at >= index_begin) == (kind in (6, 7))
-        if kind == 5:
-            plain = bz2.decompress(content) if fields["compression"] == b"bz2" else content
-            assert len(plain) == whole(fields["size"])
-            inner, here = Bytes(plain), {}
-            chunks[at] = here
-            while inner.left():
-                offset = inner.at
-                about, body = bag_record(inner)
-                number = whole(about["conn"])
-                if about["op"] == b"\x07":
-                    connections[number] = bag_record(Bytes(struct.pack("<I", len(body)) + body + bytes(4)))[0]
-                else:
-                    seconds, nanoseconds = struct.unpack("<II", about["time"])
-                    topic, kind_name = connections[number]["topic"].decode(), connections[number]["type"].decode()
-                    messages.append((topic, kind_name, seconds * 10**9 + nanoseconds, body))
-                    here.setdefault(number, []).append(about["time"] + struct.pack("<I", offset))
-        elif kind == 4:
-            rows = here[whole(fields["conn"])]
-            assert whole(fields["count"]) == len(rows) and content == b"".join(rows)
-        elif kind == 6:
-            infos += 1
-            counts = chunks[whole(fields["chunk_pos"])]
-            stated = {n: c for n, c in struct.iter_unpack("<II", content)}
-            assert stated == {number: len(rows) for number, rows in counts.items()}
-        else:
-            assert kind == 7 and connections[whole(fields["conn"])]
-    assert infos == len(chunks) == whole(first["chunk_count"]) and len(connections) == whole(first["conn_count"])
-    return messages, connections
-
-
-def database_messages(path):
-    """The same of a ROS 2 database."""
-    with sqlite3.connect(f"file:{path}?mode=ro", uri=True) as database:
-        assert database.execute("PRAGMA integrity_check").fetchone() == ("ok",)
-        return database.execute("SELECT name, type, timestamp, data FROM messages JOIN topics ON topics.id = topic_id "
-                                "ORDER BY messages.id").fetchall()
 
 
 def cdr_scan(data):

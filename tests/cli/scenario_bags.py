@@ -10,6 +10,7 @@ import struct
 import subprocess
 
 import cli_support as cli
+import recording_reader
 from cli_support import command, expect, expect_exit, mapped, one_error_line, results
 
 SCAN, ODOMETRY, TRANSFORM = "sensor_msgs/LaserScan", "nav_msgs/Odometry", "tf2_msgs/TFMessage"
@@ -140,16 +141,27 @@ def mcap(rows):
     return data + part(15, bytes(4)) + part(2, bytes(20)) + b"\x89MCAP0\r\n"
 
 
-def database(file, rows):
+def database(file, rows, topics=tuple(ROS2_TOPICS)):
     with sqlite3.connect(file) as bag_file:
         bag_file.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT)")
         bag_file.execute("CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB)")
-        for number, (topic, kind) in enumerate(ROS2_TOPICS):
+        for number, (topic, kind) in enumerate(topics):
             bag_file.execute("INSERT INTO topics VALUES(?, ?, ?, 'cdr')", (number, topic, kind))
         for number, seconds, content in rows:
             bag_file.execute("INSERT INTO messages(topic_id, timestamp, data) VALUES(?, ?, ?)",
                              (number, round(seconds * 1e9), content))
     bag_file.close()
+    return file
+
+
+def database_of_log(file, log=cli.LOG):
+    """The messages that `convert` writes of a log, as a database of ROS 2."""
+    whole = file.with_name(f"{file.name}.mcap")
+    expect_exit(command("convert", log, "-o", whole, "-q", "--force"), 0)
+    messages = recording_reader.mcap_messages(whole.read_bytes())
+    whole.unlink()
+    topics = list(dict.fromkeys((topic, kind) for topic, kind, *_ in messages))
+    return database(file, [(topics.index((topic, kind)), ns * 1e-9, data) for topic, kind, ns, data in messages], topics)
 
 
 def drive():

@@ -8,6 +8,7 @@ import signal
 import xml.etree.ElementTree as xml
 
 import cli_support as cli
+import scenario_bags as bags
 from cli_support import DATA, LOG, OUTPUTS, RUN, command, digests, expect, expect_exit, mapped, one_error_line, skip
 
 
@@ -75,7 +76,7 @@ def a_failing_disk_is_no_damage():
         skip("the library that lets calls fail is not preloaded into a sanitized program")
     folder = cli.fresh_folder("failing_disk")
     bag, whole, log = folder / "drive.db3", folder / "whole.log", folder / "drive.log"
-    expect_exit(command("convert", LOG, "-o", bag), 0)
+    bags.database_of_log(bag)
     expect_exit(command("convert", bag, "-o", whole), 0)
     reads, opens = (cli.calls_counted(kind, "convert", bag, "-o", folder / f"counted-{kind}.log") for kind in ("read", "open"))
     expect(reads > 20 and opens > 2, f"only {reads} readings and {opens} openings were seen")

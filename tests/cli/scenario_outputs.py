@@ -7,6 +7,7 @@ import lzma
 import shutil
 
 import cli_support as cli
+import scenario_bags as bags
 from cli_support import LOG, RUN, TRUTH, command, digests, expect, expect_exit, one_error_line
 
 
@@ -145,12 +146,13 @@ def convert_keeps_what_it_reads():
     """A ROS 2 folder is not converted over itself, by whatever name and with --force; beside it a new name is written."""
     folder = cli.fresh_folder("convert_keeps_what_it_reads")
     bag, link = folder / "bag", folder / "link"
-    expect_exit(command("convert", LOG, "-o", f"{bag}/", "-q"), 0)
+    bag.mkdir()
+    bags.database_of_log(bag / "bag_0.db3")
+    (bag / "metadata.yaml").write_text("rosbag2_bagfile_information:\n  relative_file_paths:\n    - bag_0.db3\n")
     link.symlink_to(bag)
-    for output in (f"{bag}/", f"{link}/", bag / "bag_0.db3", link / "bag_0.db3", bag / "metadata.yaml"):
-        refused(folder, "read; give another file", "convert", bag, "-o", output, "--force", "--format",
-                "ros2" if str(output).endswith("/") else "db3")
-    refused(folder, "read; give another file", "convert", bag / "bag_0.db3", "-o", f"{bag}/", "--force")
+    for output in (bag / "bag_0.db3", link / "bag_0.db3", bag / "metadata.yaml"):
+        refused(folder, "read; give another file", "convert", bag, "-o", output, "--force", "--format", "mcap")
+    refused(folder, "is a folder; give the name of a file", "convert", bag, "-o", bag, "--force", "--format", "mcap")
     refused(folder, "read; give another file", "map", bag, "-o", folder / "run", "--mcap", bag / "bag_0.db3")
     for _ in range(2):
         expect_exit(command("convert", bag, "-o", bag / "drive.csv", "--force", "-q"), 0)
@@ -176,7 +178,6 @@ def convert_counts_what_is_written():
     expect(json.loads(process.stdout)["scans"] == 20, process.stdout)
     expect("20 scans" in command("convert", some, "-o", folder / "again.mcap").stdout, "the text counts otherwise")
     (folder / "old.mcap").write_text("an old file")
-    for output in ("none.mcap", "none.db3", "none.bag", "bag/"):
-        refused(folder, "can carry none of its 60 scans", "convert", none, "-o", f"{folder}/{output}", code=65)
+    refused(folder, "can carry none of its 60 scans", "convert", none, "-o", folder / "none.mcap", code=65)
     refused(folder, "can carry none of its 60 scans", "convert", none, "-o", folder / "old.mcap", "--force", code=65)
     expect_exit(command("convert", none, "-o", folder / "none.csv", "-q"), 0)

@@ -64,7 +64,7 @@ def options_that_would_be_idle():
 
 
 def files_of_another_kind():
-    """What is packed, what holds poses in place of relations, a run's folder in place of a bag's."""
+    """What is packed, what holds poses in place of relations, a run's folder in place of a log."""
     folder = fresh_folder("files_of_another_kind")
     (folder / "config.yaml").write_bytes(gzip.compress((RUN / "config.yaml").read_bytes()))
     refused(78, "is a packed file and no YAML; unpack it first", "map", LOG, "--config", folder / "config.yaml", "-o", folder / "new")
@@ -72,8 +72,7 @@ def files_of_another_kind():
     shutil.copytree(RUN, folder / "run")
     before = {file.name: file.read_bytes() for file in (folder / "run").iterdir() if file.is_file()}
     for force in ((), ("--force",)):
-        refused(2, "is the folder of a run; a bag has a folder of its own", "convert", LOG, "--format", "ros2", *force,
-                "-o", folder / "run")
+        refused(2, "is a folder; give the name of a file", "convert", LOG, "--format", "mcap", *force, "-o", folder / "run")
     expect({file.name: file.read_bytes() for file in (folder / "run").iterdir() if file.is_file()} == before, "the run is another")
 
 

@@ -1,6 +1,5 @@
 #include "chunk_packer.hpp"
 
-#include <bzlib.h>
 #include <lz4frame.h>
 #include <zstd.h>
 
@@ -27,18 +26,6 @@ std::string lz4_packed(const std::string& bytes) {
   return packed;
 }
 
-std::string bz2_packed(std::string bytes) {
-  constexpr int kLargestBlock = 9;
-  // What cannot be packed grows by at most 1 % and 600 bytes.
-  std::string packed(bytes.size() + bytes.size() / 100 + 600, '\0');
-  auto size = static_cast<unsigned>(packed.size());
-  const int status = BZ2_bzBuffToBuffCompress(packed.data(), &size, bytes.data(), static_cast<unsigned>(bytes.size()),
-                                              kLargestBlock, 0, 0);
-  if (status != BZ_OK) refuse_packing(ChunkPacking::kBz2);
-  packed.resize(size);
-  return packed;
-}
-
 std::string zstd_packed(const std::string& bytes) {
   std::string packed(ZSTD_compressBound(bytes.size()), '\0');
   const std::size_t size = ZSTD_compress(packed.data(), packed.size(), bytes.data(), bytes.size(), ZSTD_CLEVEL_DEFAULT);
@@ -50,13 +37,12 @@ std::string zstd_packed(const std::string& bytes) {
 }  // namespace
 
 std::string_view packing_name(ChunkPacking packing) {
-  constexpr std::array<std::string_view, 4> kPackingNames{"none", "lz4", "bz2", "zstd"};
+  constexpr std::array<std::string_view, 3> kPackingNames{"none", "lz4", "zstd"};
   return kPackingNames[static_cast<std::size_t>(packing)];
 }
 
 std::string packed_chunk(const std::string& bytes, ChunkPacking packing) {
   if (packing == ChunkPacking::kLz4) return lz4_packed(bytes);
-  if (packing == ChunkPacking::kBz2) return bz2_packed(bytes);
   return packing == ChunkPacking::kZstd ? zstd_packed(bytes) : bytes;
 }
 

@@ -1,4 +1,4 @@
-// Chunks of recordings, packed whole. Thread-safe; throws Error where a library runs out of memory.
+// Chunks of MCAP files, packed whole. Thread-safe; throws Error where a library runs out of memory.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace gdtslam {
 
-/// "none", "lz4", "bz2", "zstd": how bags call it; an MCAP file has an empty text for none.
+/// "none", "lz4", "zstd"; an MCAP file has an empty text for none.
 std::string_view packing_name(ChunkPacking packing);
-/// lz4 is a frame of independent blocks with a checksum, as both kinds of file hold it.
+/// lz4 is a frame of independent blocks with a checksum.
 std::string packed_chunk(const std::string& bytes, ChunkPacking packing);
 
 }  // namespace gdtslam

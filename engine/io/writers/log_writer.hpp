@@ -16,16 +16,16 @@
 
 namespace gdtslam {
 
-enum class LogFormat : std::uint8_t { kCarmen, kCsv, kJsonLines, kMcap, kBag, kRos2Folder, kDb3 };
+enum class LogFormat : std::uint8_t { kCarmen, kCsv, kJsonLines, kMcap };
 
-/// How the chunks of MCAP files and bags are packed; a bag has no zstd, an MCAP file no bz2.
-enum class ChunkPacking : std::uint8_t { kNone, kLz4, kBz2, kZstd };
+/// How the chunks of MCAP files are packed.
+enum class ChunkPacking : std::uint8_t { kNone, kLz4, kZstd };
 
 struct LogWriteOptions {
   /// Of CARMEN: fixed numbers, poses with six decimals; as short as reads back the same when empty.
   std::optional<int> range_decimals{};
   std::string host = "gdtslam";           ///< of CARMEN: what stands as the computer's name
-  std::optional<ChunkPacking> packing{};  ///< zstd for MCAP, none for bags when empty
+  std::optional<ChunkPacking> packing{};  ///< of MCAP: zstd when empty
 };
 
 class LogWriter {
@@ -51,19 +51,16 @@ class LogWriter {
 };
 
 /// The format by its name (`carmen`, `csv`, ...) where one is given, else by the ending of the file's name, before
-/// which .gz is passed over; a name that ends in a slash is a ROS 2 folder. Throws UsageError that lists what there is.
+/// which .gz is passed over. Throws UsageError that lists what there is.
 LogFormat log_format_of(const std::string& path, const std::string& name);
 
-/// The same by the ending alone; nothing where it is none of these.
+/// The same by the ending alone; nothing where it is none of these. Throws UsageError for the ending of a bag.
 std::optional<LogFormat> log_format_by_ending(const std::string& path);
 
 /// "carmen, csv, ...": for help and messages.
 std::string log_format_names();
 
-/// The files that make_log_writer() writes there.
-std::vector<std::string> files_of_log(LogFormat format, const std::string& path);
-
-/// Adds its files to `files`; "-" as the path is standard output. Throws UsageError where the format cannot go there or
+/// Adds its files to `files`; "-" as the path is standard output. Throws UsageError where the format
 /// cannot be packed so, FileError.
 std::unique_ptr<LogWriter> make_log_writer(LogFormat format, const std::string& path, const LogWriteOptions& options,
                                            AtomicFileSet& files);

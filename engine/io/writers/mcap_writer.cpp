@@ -66,9 +66,9 @@ std::uint32_t McapWriter::add_channel(const std::string& topic, RosType type, bo
   if (!schemas_.contains(type)) {
     std::string schema;
     append_whole(schema, static_cast<std::uint16_t>(static_cast<unsigned>(type) + 1));  // 0 means none
-    append_mcap_text(schema, ros_type_name(type, RosEncoding::kCdr));
+    append_mcap_text(schema, ros_type_name(type));
     append_mcap_text(schema, "ros2msg");
-    append_mcap_text(schema, ros_definition(type, RosEncoding::kCdr));
+    append_mcap_text(schema, ros_definition(type));
     chunk_ += schemas_.emplace(type, mcap_record(McapWritten::kSchema, schema)).first->second;
   }
   const auto number = static_cast<std::uint32_t>(channels_.size());

@@ -20,7 +20,6 @@ class McapWriter final : public RosContainer {
  public:
   /// `file` must outlive this.
   McapWriter(AtomicFile& file, ChunkPacking packing);
-  [[nodiscard]] RosEncoding encoding() const override { return RosEncoding::kCdr; }
   std::uint32_t add_channel(const std::string& topic, RosType type, bool is_latched) override;
   void add(std::uint32_t channel, std::int64_t received_ns, std::string_view message) override;
   void finish() override;

@@ -1,4 +1,4 @@
-// What holds ROS messages: an MCAP file, a bag, a database. One object belongs to one thread.
+// A file of ROS 2 messages, as the records of a log are written to it. One object belongs to one thread.
 #pragma once
 
 #include <bit>
@@ -17,7 +17,6 @@ class RosContainer {
   RosContainer(const RosContainer&) = delete;
   RosContainer& operator=(const RosContainer&) = delete;
   virtual ~RosContainer() = default;
-  [[nodiscard]] virtual RosEncoding encoding() const = 0;
   /// The number by which add() knows it. Who plays a latched topic gives its last message to every late listener.
   virtual std::uint32_t add_channel(const std::string& topic, RosType type, bool is_latched) = 0;
   /// The message as it is, with the time when it came. Throws FileError, as finish() does.

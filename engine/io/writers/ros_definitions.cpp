@@ -1,4 +1,4 @@
-// The types of the messages: names, MD5 sums and fields, as the ROS packages publish them.
+// The types of the messages: names and fields, as the ROS 2 packages publish them.
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -11,7 +11,7 @@
 namespace gdtslam {
 namespace {
 
-/// A type that others are made of; `time` stands where ROS 2 writes builtin_interfaces/Time.
+/// A type that others are made of.
 struct RosPart {
   std::string_view package;
   std::string_view name;
@@ -21,7 +21,7 @@ struct RosPart {
 
 const std::array<RosPart, 19>& ros_parts() {
   static const std::array<RosPart, 19> parts{
-      {{"std_msgs", "Header", "time stamp\nstring frame_id\n", {"Time"}},
+      {{"std_msgs", "Header", "builtin_interfaces/Time stamp\nstring frame_id\n", {"Time"}},
        {"builtin_interfaces", "Time", "int32 sec\nuint32 nanosec\n"},
        {"geometry_msgs", "Point", "float64 x\nfloat64 y\nfloat64 z\n"},
        {"geometry_msgs", "Vector3", "float64 x\nfloat64 y\nfloat64 z\n"},
@@ -43,7 +43,8 @@ const std::array<RosPart, 19>& ros_parts() {
         {"Header", "Transform"}},
        {"nav_msgs",
         "MapMetaData",
-        "time map_load_time\nfloat32 resolution\nuint32 width\nuint32 height\ngeometry_msgs/Pose origin\n",
+        "builtin_interfaces/Time map_load_time\nfloat32 resolution\nuint32 width\nuint32 height\n"
+        "geometry_msgs/Pose origin\n",
         {"Time", "Pose"}},
        {"sensor_msgs",
         "LaserScan",
@@ -83,49 +84,30 @@ std::string_view short_name(RosType type) {
   return kRosTypeNames[static_cast<std::size_t>(type)];
 }
 
-/// The fields in the words of ROS 1 or ROS 2.
-std::string fields_of(const RosPart& part, RosEncoding encoding) {
-  std::string text(part.fields);
-  if (encoding == RosEncoding::kRos1) return (part.name == "Header" ? "uint32 seq\n" : "") + text;
-  if (const std::size_t at = text.find("time "); at == 0 || (at != std::string::npos && text[at - 1] == '\n')) {
-    text.replace(at, 4, "builtin_interfaces/Time");
-  }
-  return text;
-}
-
-void append_part(const RosPart& part, RosEncoding encoding, std::vector<std::string_view>& done, std::string& text) {
+void append_part(const RosPart& part, std::vector<std::string_view>& done, std::string& text) {
   for (const std::string_view name : part.parts) {
-    const bool is_known = std::find(done.begin(), done.end(), name) != done.end();
-    if (is_known || (name == "Time" && encoding == RosEncoding::kRos1)) continue;
+    if (std::find(done.begin(), done.end(), name) != done.end()) continue;
     done.push_back(name);
     const RosPart& below = part_called(name);
     text += std::string(80, '=') + "\nMSG: " + std::string(below.package) + "/" + std::string(name) + "\n" +
-            fields_of(below, encoding);
-    append_part(below, encoding, done, text);
+            std::string(below.fields);
+    append_part(below, done, text);
   }
 }
 
 }  // namespace
 
-std::string ros_type_name(RosType type, RosEncoding encoding) {
+std::string ros_type_name(RosType type) {
   const RosPart& part = part_called(short_name(type));
-  return std::string(part.package) + (encoding == RosEncoding::kRos1 ? "/" : "/msg/") + std::string(part.name);
+  return std::string(part.package) + "/msg/" + std::string(part.name);
 }
 
-std::string ros_definition(RosType type, RosEncoding encoding) {
+std::string ros_definition(RosType type) {
   const RosPart& part = part_called(short_name(type));
-  std::string text = fields_of(part, encoding);
+  std::string text(part.fields);
   std::vector<std::string_view> done;
-  append_part(part, encoding, done, text);
+  append_part(part, done, text);
   return text;
-}
-
-std::string_view ros_md5(RosType type) {
-  constexpr std::array<std::string_view, 7> kSums{
-      "90c7ef2dc6895d81024acba2ac42f369", "cd5e73d190d741a2f92e81eda573aca7", "94810edda583a504dfda3829e70d7eec",
-      "da5909fbe378aeaf85e547e830cc1bb7", "3066dcd76a6cfaef579bd0f34173e9fd", "d3812c3cbc69362b77dc0b19b345f8f5",
-      "3381f2d731d4076ec5c71b0759edbe4e"};
-  return kSums[static_cast<std::size_t>(type)];
 }
 
 }  // namespace gdtslam

@@ -69,7 +69,7 @@ void RosLog::write_mount(const ScanRecord& record, const std::string& frame) {
   mounts_[record.laser] = mount;
   const RosTransform T{{record.scan.stamp_s, kBaseFrame}, frame, mount};
   container_->add(channel("/tf_static", RosType::kTransforms, true), received_ns(record.scan.stamp_s),
-                  ros_transforms(container_->encoding(), {&T, 1}));
+                  ros_transforms({&T, 1}));
 }
 
 void RosLog::write_odometry(const Odometry& odometry) {
@@ -81,8 +81,8 @@ void RosLog::write_odometry(const Odometry& odometry) {
   last_ = odometry;
   const RosTransform pose{{odometry.stamp_s, kOdomFrame}, kBaseFrame, odometry.T_odom_base};
   const std::int64_t now_ns = received_ns(odometry.stamp_s);
-  container_->add(channel("/odom", RosType::kOdometry), now_ns, ros_odometry(container_->encoding(), pose, speed_));
-  container_->add(channel("/tf", RosType::kTransforms), now_ns, ros_transforms(container_->encoding(), {&pose, 1}));
+  container_->add(channel("/odom", RosType::kOdometry), now_ns, ros_odometry(pose, speed_));
+  container_->add(channel("/tf", RosType::kTransforms), now_ns, ros_transforms({&pose, 1}));
 }
 
 void RosLog::write_scan(const ScanRecord& record) {
@@ -94,7 +94,7 @@ void RosLog::write_scan(const ScanRecord& record) {
   const double scan_time_s = before == scan_stamps_s_.end() ? 0.0 : std::max(0.0, scan.stamp_s - before->second);
   scan_stamps_s_[record.laser] = scan.stamp_s;
   container_->add(channel(numbered("/scan", record.laser), RosType::kLaserScan), received_ns(scan.stamp_s),
-                  ros_laser_scan(container_->encoding(), scan, frame, scan_time_s));
+                  ros_laser_scan(scan, frame, scan_time_s));
 }
 
 // Its message has no stamp: only the time when it came says when it was.
@@ -105,13 +105,13 @@ bool RosLog::write_encoder(const Encoder& encoder) {
     return false;
   }
   container_->add(channel("/crank", RosType::kInt32), ros_time_ns(encoder.stamp_s),
-                  ros_int32(container_->encoding(), static_cast<std::int32_t>(encoder.ticks)));
+                  ros_int32(static_cast<std::int32_t>(encoder.ticks)));
   return true;
 }
 
 void RosLog::write_tilt(const Tilt& tilt) {
   container_->add(channel("/tilt", RosType::kJointState), received_ns(tilt.stamp_s),
-                  ros_joint_state(container_->encoding(), {tilt.stamp_s, kBaseFrame}, "tilt", tilt.elevation_rad));
+                  ros_joint_state({tilt.stamp_s, kBaseFrame}, "tilt", tilt.elevation_rad));
 }
 
 std::string ros2_service_quality(bool is_latched) {

@@ -14,27 +14,22 @@ namespace {
 
 constexpr std::size_t kCovarianceNumbers = 36;
 
-/// Little endian values one after the other; in CDR each starts at a multiple of its size, counted behind the four
-/// bytes that name the encoding.
+/// Little endian values one after the other. Each starts at a multiple of its size, counted behind the four bytes that
+/// name the encoding.
 class WrittenMessage {
  public:
-  explicit WrittenMessage(RosEncoding encoding) : is_cdr_(encoding == RosEncoding::kCdr) {
-    if (is_cdr_) bytes_.assign("\0\1\0\0", kEncapsulation);
-  }
   template <class Whole>
   void whole(Whole value) {
-    if (is_cdr_) {
-      while ((bytes_.size() - kEncapsulation) % sizeof(Whole) != 0) bytes_ += '\0';
-    }
+    while ((bytes_.size() - kEncapsulation) % sizeof(Whole) != 0) bytes_ += '\0';
     for (std::size_t k = 0; k < sizeof(Whole); ++k) bytes_ += static_cast<char>((value >> (8U * k)) & 0xffU);
   }
   void count(std::size_t value) { whole(static_cast<std::uint32_t>(value)); }
   void single(float value) { whole(std::bit_cast<std::uint32_t>(value)); }
   void real(double value) { whole(std::bit_cast<std::uint64_t>(value)); }
   void text(std::string_view value) {
-    count(value.size() + (is_cdr_ ? 1 : 0));
+    count(value.size() + 1);
     bytes_ += value;
-    if (is_cdr_) bytes_ += '\0';
+    bytes_ += '\0';
   }
   void time(double stamp_s) {
     const auto ns = static_cast<std::uint64_t>(ros_time_ns(stamp_s));
@@ -42,7 +37,6 @@ class WrittenMessage {
     whole(static_cast<std::uint32_t>(ns % 1'000'000'000U));
   }
   void header(const RosStamp& stamp) {
-    if (!is_cdr_) whole(std::uint32_t{0});  // the sequence number
     time(stamp.stamp_s);
     text(stamp.frame);
   }
@@ -60,8 +54,7 @@ class WrittenMessage {
 
  private:
   static constexpr std::size_t kEncapsulation = 4;
-  bool is_cdr_;
-  std::string bytes_;
+  std::string bytes_ = std::string("\0\1\0\0", kEncapsulation);
 };
 
 }  // namespace
@@ -76,13 +69,13 @@ double ros_scan_stamp_s(const LaserScan& scan) {
   return scan.stamp_s + (scan.first_beam_after_s + std::min(0.0, steps * scan.beam_period_s));
 }
 
-std::string ros_laser_scan(RosEncoding encoding, const LaserScan& scan, std::string_view frame, double scan_time_s) {
+std::string ros_laser_scan(const LaserScan& scan, std::string_view frame, double scan_time_s) {
   if (scan.beam_period_s < 0.0 && !scan.ranges_m.empty()) {
     LaserScan ordered = scan;
     order_beams_by_time(ordered);
-    return ros_laser_scan(encoding, ordered, frame, scan_time_s);
+    return ros_laser_scan(ordered, frame, scan_time_s);
   }
-  WrittenMessage bytes(encoding);
+  WrittenMessage bytes;
   const std::size_t beams = scan.ranges_m.size();
   const double steps = beams == 0 ? 0.0 : static_cast<double>(beams - 1);
   bytes.header({ros_scan_stamp_s(scan), frame});
@@ -97,8 +90,8 @@ std::string ros_laser_scan(RosEncoding encoding, const LaserScan& scan, std::str
   return bytes.take();
 }
 
-std::string ros_odometry(RosEncoding encoding, const RosTransform& pose, const RosSpeed& speed) {
-  WrittenMessage bytes(encoding);
+std::string ros_odometry(const RosTransform& pose, const RosSpeed& speed) {
+  WrittenMessage bytes;
   bytes.header(pose.parent);
   bytes.text(pose.child);
   bytes.pose(pose.T_parent_child);
@@ -108,8 +101,8 @@ std::string ros_odometry(RosEncoding encoding, const RosTransform& pose, const R
   return bytes.take();
 }
 
-std::string ros_transforms(RosEncoding encoding, std::span<const RosTransform> transforms) {
-  WrittenMessage bytes(encoding);
+std::string ros_transforms(std::span<const RosTransform> transforms) {
+  WrittenMessage bytes;
   bytes.count(transforms.size());
   for (const RosTransform& one : transforms) {
     bytes.header(one.parent);
@@ -119,14 +112,14 @@ std::string ros_transforms(RosEncoding encoding, std::span<const RosTransform> t
   return bytes.take();
 }
 
-std::string ros_int32(RosEncoding encoding, std::int32_t value) {
-  WrittenMessage bytes(encoding);
+std::string ros_int32(std::int32_t value) {
+  WrittenMessage bytes;
   bytes.whole(static_cast<std::uint32_t>(value));
   return bytes.take();
 }
 
-std::string ros_joint_state(RosEncoding encoding, const RosStamp& stamp, std::string_view joint, double position) {
-  WrittenMessage bytes(encoding);
+std::string ros_joint_state(const RosStamp& stamp, std::string_view joint, double position) {
+  WrittenMessage bytes;
   bytes.header(stamp);
   bytes.count(1);
   bytes.text(joint);
@@ -137,15 +130,15 @@ std::string ros_joint_state(RosEncoding encoding, const RosStamp& stamp, std::st
   return bytes.take();
 }
 
-std::string ros_pose(RosEncoding encoding, const RosStamp& stamp, const Pose2& pose) {
-  WrittenMessage bytes(encoding);
+std::string ros_pose(const RosStamp& stamp, const Pose2& pose) {
+  WrittenMessage bytes;
   bytes.header(stamp);
   bytes.pose(pose);
   return bytes.take();
 }
 
-std::string ros_occupancy_grid(RosEncoding encoding, const RosStamp& stamp, const RosGrid& grid) {
-  WrittenMessage bytes(encoding);
+std::string ros_occupancy_grid(const RosStamp& stamp, const RosGrid& grid) {
+  WrittenMessage bytes;
   bytes.header(stamp);
   bytes.time(stamp.stamp_s);
   bytes.single(static_cast<float>(grid.resolution_m));

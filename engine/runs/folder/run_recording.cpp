@@ -26,12 +26,11 @@ std::string grid_message(const OccupancyMap& map, double stamp_s) {
   std::vector<std::int8_t> cells(map.cells.size());
   for (std::size_t cell = 0; cell < cells.size(); ++cell) cells[cell] = occupancy_of(map.cells[cell]);
   const GridGeometry& geometry = map.geometry;
-  return ros_occupancy_grid(RosEncoding::kCdr, {stamp_s, kMapFrame},
-                            {.resolution_m = geometry.resolution_m,
-                             .width = static_cast<std::uint32_t>(geometry.width),
-                             .height = static_cast<std::uint32_t>(geometry.height),
-                             .T_map_origin = {geometry.origin_x_m, geometry.origin_y_m, 0.0},
-                             .cells = cells});
+  return ros_occupancy_grid({stamp_s, kMapFrame}, {.resolution_m = geometry.resolution_m,
+                                                   .width = static_cast<std::uint32_t>(geometry.width),
+                                                   .height = static_cast<std::uint32_t>(geometry.height),
+                                                   .T_map_origin = {geometry.origin_x_m, geometry.origin_y_m, 0.0},
+                                                   .cells = cells});
 }
 
 /// The messages of one scan after the other.
@@ -58,14 +57,14 @@ class RunMessages {
       add_transform(mounts_, now_ns, {{scan.stamp_s, kRobotFrame}, frame, scan.T_base_laser});
     }
     add_transform(transforms_, now_ns, {in_map, kRobotFrame, T_map_base});
-    writer_.add(poses_, now_ns, ros_pose(RosEncoding::kCdr, in_map, T_map_base));
-    writer_.add(scans_, now_ns, ros_laser_scan(RosEncoding::kCdr, scan, frame, 0.0));
+    writer_.add(poses_, now_ns, ros_pose(in_map, T_map_base));
+    writer_.add(scans_, now_ns, ros_laser_scan(scan, frame, 0.0));
   }
   void finish() { writer_.finish(); }
 
  private:
   void add_transform(std::uint32_t channel, std::int64_t now_ns, const RosTransform& transform) {
-    writer_.add(channel, now_ns, ros_transforms(RosEncoding::kCdr, {&transform, 1}));
+    writer_.add(channel, now_ns, ros_transforms({&transform, 1}));
   }
   std::int64_t received_ns(double stamp_s) {
     newest_ns_ = std::max(newest_ns_, ros_time_ns(stamp_s));

@@ -108,16 +108,8 @@ TEST_P(WrittenAsLines, EachRecordReadsBackInItsPlace) {
   expect_scan(std::get<ScanRecord>(read[6]), std::get<ScanRecord>(records[6]));
 }
 
-class WrittenAsMessages : public testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Formats, WrittenAsMessages, testing::Values("a.mcap", "a.bag", "a.db3", "folder/"),
-                         [](const auto& file) {
-                           std::string name = file.param;
-                           for (char& c : name) c = c == '.' || c == '/' ? '_' : c;
-                           return name;
-                         });
-
 // A reader of recordings gives scans the odometry of their stamp.
-TEST_P(WrittenAsMessages, ScansReadBackWithTheirOdometry) {
+TEST(WrittenAsMessages, ScansReadBackWithTheirOdometry) {
   const TemporaryFolder folder;
   std::vector<LogRecord> records{Odometry{10.0, {1.0, -2.0, 0.5}}, written_scan(10.0),
                                  Odometry{10.5, {1.5, -2.0, -0.75}}, written_scan(10.5),
@@ -125,9 +117,9 @@ TEST_P(WrittenAsMessages, ScansReadBackWithTheirOdometry) {
   for (LogRecord& record : records) {
     if (auto* scan = std::get_if<ScanRecord>(&record)) scan->T_odom_base.reset();
   }
-  EXPECT_TRUE(write_records(folder / GetParam(), records).empty());
+  EXPECT_TRUE(write_records(folder / "a.mcap", records).empty());
   std::vector<ScanRecord> scans;
-  for (const LogRecord& record : read_records(folder / GetParam())) {
+  for (const LogRecord& record : read_records(folder / "a.mcap")) {
     if (const auto* scan = std::get_if<ScanRecord>(&record)) scans.push_back(*scan);
   }
   ASSERT_EQ(scans.size(), 2U);
@@ -139,14 +131,13 @@ TEST_P(WrittenAsMessages, ScansReadBackWithTheirOdometry) {
 }
 
 // Most readers keep the first transform of /tf_static.
-TEST_P(WrittenAsMessages, AMountThatChangesIsTold) {
+TEST(WrittenAsMessages, AMountThatChangesIsTold) {
   const TemporaryFolder folder;
   ScanRecord moved = written_scan(10.5);
   moved.scan.T_base_laser.x_m += 0.25;
   ScanRecord again = written_scan(11.0);
   again.scan.T_base_laser = moved.scan.T_base_laser;
-  const std::vector<LogReader::Warning> left_out =
-      write_records(folder / GetParam(), {written_scan(10.0), moved, again});
+  const std::vector<LogReader::Warning> left_out = write_records(folder / "a.mcap", {written_scan(10.0), moved, again});
   ASSERT_EQ(left_out.size(), 1U);
   EXPECT_EQ(left_out[0].kind, "change of a mount");
   EXPECT_EQ(left_out[0].count, 1U);
@@ -185,13 +176,15 @@ TEST(LogFormats, AreToldByTheirEndings) {
   const std::vector<std::pair<std::string, LogFormat>> endings{
       {"a.log", LogFormat::kCarmen}, {"a.clf", LogFormat::kCarmen}, {"a.log.gz", LogFormat::kCarmen},
       {"a.csv", LogFormat::kCsv},    {"a.csv.gz", LogFormat::kCsv}, {"a.jsonl", LogFormat::kJsonLines},
-      {"a.mcap", LogFormat::kMcap},  {"a.bag", LogFormat::kBag},    {"a.db3", LogFormat::kDb3},
-      {"a/", LogFormat::kRos2Folder}};
+      {"a.mcap", LogFormat::kMcap}};
   for (const auto& [path, format] : endings) EXPECT_EQ(log_format_by_ending(path), format) << path;
   EXPECT_FALSE(log_format_by_ending("a.txt"));
   EXPECT_EQ(log_format_of("a.txt", "csv"), LogFormat::kCsv);
   EXPECT_EQ(log_format_of("a.log", "mcap"), LogFormat::kMcap) << "what is said counts";
   EXPECT_THROW(log_format_of("a.txt", ""), UsageError);
+  for (const char* bag : {"a.bag", "a.bag.gz", "a.db3", "folder/"}) {
+    EXPECT_THAT(told_by<UsageError>([bag] { (void)log_format_of(bag, ""); }), HasSubstr("rosbags-convert")) << bag;
+  }
   try {
     log_format_of("a.log", "carmem");
     FAIL();
@@ -200,17 +193,15 @@ TEST(LogFormats, AreToldByTheirEndings) {
   }
 }
 
-/// Little endian values one after the other; in CDR each at a multiple of its size behind the first four bytes.
+/// Little endian values one after the other, each at a multiple of its size behind the first four bytes.
 class Decoded {
  public:
-  Decoded(std::string bytes, bool is_cdr) : bytes_(std::move(bytes)), is_cdr_(is_cdr) {
-    if (!is_cdr_) return;
+  explicit Decoded(std::string bytes) : bytes_(std::move(bytes)) {
     EXPECT_EQ(bytes_.substr(0, 4), std::string("\0\1\0\0", 4));
-    at_ = 4;
   }
   template <class Value>
   Value take() {
-    while (is_cdr_ && (at_ - 4) % sizeof(Value) != 0) ++at_;
+    while ((at_ - 4) % sizeof(Value) != 0) ++at_;
     Value value{};
     EXPECT_LE(at_ + sizeof(Value), bytes_.size());
     if (at_ + sizeof(Value) <= bytes_.size()) std::memcpy(&value, bytes_.data() + at_, sizeof(Value));
@@ -219,13 +210,11 @@ class Decoded {
   }
   std::string text() {
     const auto size = take<std::uint32_t>();
-    const std::string value = bytes_.substr(at_, is_cdr_ ? size - 1 : size);
+    const std::string value = bytes_.substr(at_, size - 1);
     at_ += size;
     return value;
   }
   void expect_header(std::uint32_t s, std::uint32_t ns, const std::string& frame) {
-    const std::uint32_t counted = is_cdr_ ? 0U : take<std::uint32_t>();
-    EXPECT_EQ(counted, 0U) << "a number that ROS 1 counts itself";
     EXPECT_EQ(take<std::uint32_t>(), s);
     EXPECT_EQ(take<std::uint32_t>(), ns);
     EXPECT_EQ(text(), frame);
@@ -239,24 +228,16 @@ class Decoded {
 
  private:
   std::string bytes_;
-  bool is_cdr_;
-  std::size_t at_ = 0;
+  std::size_t at_ = 4;
 };
 
-class MessagesOfRos : public testing::TestWithParam<RosEncoding> {
- protected:
-  [[nodiscard]] Decoded decoded(std::string bytes) const { return {std::move(bytes), GetParam() == RosEncoding::kCdr}; }
-};
-INSTANTIATE_TEST_SUITE_P(Encodings, MessagesOfRos, testing::Values(RosEncoding::kRos1, RosEncoding::kCdr),
-                         [](const auto& encoding) { return encoding.param == RosEncoding::kCdr ? "cdr" : "ros1"; });
-
-TEST_P(MessagesOfRos, PosesAndTransforms) {
-  Decoded pose = decoded(ros_pose(GetParam(), {7.25, "map"}, {1.0, -2.0, 3.0}));
+TEST(MessagesOfRos, PosesAndTransforms) {
+  Decoded pose(ros_pose({7.25, "map"}, {1.0, -2.0, 3.0}));
   pose.expect_header(7, 250'000'000, "map");
   pose.expect_pose_of(1.0, -2.0, 3.0);
   pose.expect_end();
   const RosTransform transform{{1.5, "odom"}, "base", {0.5, 0.25, -1.0}};
-  Decoded transforms = decoded(ros_transforms(GetParam(), {&transform, 1}));
+  Decoded transforms(ros_transforms({&transform, 1}));
   EXPECT_EQ(transforms.take<std::uint32_t>(), 1U);
   transforms.expect_header(1, 500'000'000, "odom");
   EXPECT_EQ(transforms.text(), "base");
@@ -264,11 +245,11 @@ TEST_P(MessagesOfRos, PosesAndTransforms) {
   transforms.expect_end();
 }
 
-TEST_P(MessagesOfRos, NumbersAndJoints) {
-  Decoded number = decoded(ros_int32(GetParam(), -5));
+TEST(MessagesOfRos, NumbersAndJoints) {
+  Decoded number(ros_int32(-5));
   EXPECT_EQ(number.take<std::int32_t>(), -5);
   number.expect_end();
-  Decoded joint = decoded(ros_joint_state(GetParam(), {2.0, "nod"}, "tilt", 0.75));
+  Decoded joint(ros_joint_state({2.0, "nod"}, "tilt", 0.75));
   joint.expect_header(2, 0, "nod");
   EXPECT_EQ(joint.take<std::uint32_t>(), 1U);
   EXPECT_EQ(joint.text(), "tilt");
@@ -279,11 +260,10 @@ TEST_P(MessagesOfRos, NumbersAndJoints) {
   joint.expect_end();
 }
 
-TEST_P(MessagesOfRos, GridsHaveTheirCellsRowByRow) {
+TEST(MessagesOfRos, GridsHaveTheirCellsRowByRow) {
   const std::vector<std::int8_t> cells{-1, 0, 100, 0, 0, -1};
-  Decoded grid = decoded(ros_occupancy_grid(
-      GetParam(), {3.0, "map"},
-      {.resolution_m = 0.05, .width = 3, .height = 2, .T_map_origin = {-1.0, 2.0, 0.0}, .cells = cells}));
+  Decoded grid(ros_occupancy_grid(
+      {3.0, "map"}, {.resolution_m = 0.05, .width = 3, .height = 2, .T_map_origin = {-1.0, 2.0, 0.0}, .cells = cells}));
   grid.expect_header(3, 0, "map");
   EXPECT_EQ(grid.take<std::uint32_t>(), 3U);  // when the map was loaded
   EXPECT_EQ(grid.take<std::uint32_t>(), 0U);
@@ -344,45 +324,22 @@ TEST_P(TableFormats, TextsKeepTheirLetters) {
   }
 }
 
-TEST(LogWriters, ContainersThatSeekGoToFilesThatAreNotPacked) {
-  AtomicFileSet files;
-  for (const LogFormat format : {LogFormat::kBag, LogFormat::kRos2Folder, LogFormat::kDb3}) {
-    const auto refusal = [&](const std::string& path) {
-      return told_by<UsageError>([&] { make_log_writer(format, path, {}, files); });
-    };
-    EXPECT_THAT(refusal("-"), HasSubstr("can go to standard output"));
-    EXPECT_THAT(refusal("a.gz"), HasSubstr("is not packed from outside"));
-  }
-}
-
-TEST(LogWriters, EachContainerHasItsPackings) {
-  const std::vector<std::pair<std::string, std::vector<ChunkPacking>>> packings{
-      {"a.bag", {ChunkPacking::kNone, ChunkPacking::kBz2, ChunkPacking::kLz4}},
-      {"a.mcap", {ChunkPacking::kNone, ChunkPacking::kLz4, ChunkPacking::kZstd}},
-      {"a.log", {}},
-      {"a.csv", {}},
-      {"a.jsonl", {}},
-      {"a.db3", {}}};
-  for (const auto& [name, taken] : packings) {
-    for (const ChunkPacking packing :
-         {ChunkPacking::kNone, ChunkPacking::kLz4, ChunkPacking::kBz2, ChunkPacking::kZstd}) {
+TEST(LogWriters, OnlyMcapHasPackings) {
+  for (const std::string name : {"a.mcap", "a.log", "a.csv", "a.jsonl"}) {
+    for (const ChunkPacking packing : {ChunkPacking::kNone, ChunkPacking::kLz4, ChunkPacking::kZstd}) {
       const TemporaryFolder folder;
       AtomicFileSet files;
-      const std::string refusal = told_by<UsageError>([&, &log_name = name] {
-        make_log_writer(log_format_of(log_name, ""), folder / log_name, {.packing = packing}, files);
-      });
-      const bool is_taken = std::find(taken.begin(), taken.end(), packing) != taken.end();
-      EXPECT_EQ(refusal.empty(), is_taken) << name << ' ' << static_cast<int>(packing);
+      const std::string refusal = told_by<UsageError>(
+          [&] { make_log_writer(log_format_of(name, ""), folder / name, {.packing = packing}, files); });
+      EXPECT_EQ(refusal.empty(), name == "a.mcap") << name << ' ' << static_cast<int>(packing);
     }
   }
 }
 
-// What an MCAP file and a bag are packed with where nothing is said: zstd, and nothing.
-TEST(LogWriters, McapIsPackedUnlessItIsSaidOtherwise) {
+TEST(LogWriters, McapIsPackedByZstdUnlessItIsSaidOtherwise) {
   const TemporaryFolder folder;
-  for (const std::string name : {"a.mcap", "a.bag"}) write_records(folder / name, {written_scan(1.0)});
+  write_records(folder / "a.mcap", {written_scan(1.0)});
   EXPECT_THAT(get_file(folder / "a.mcap"), HasSubstr(std::string("\4\0\0\0zstd", 8)));
-  EXPECT_THAT(get_file(folder / "a.bag"), HasSubstr("compression=none"));
 }
 
 }  // namespace

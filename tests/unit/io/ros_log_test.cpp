@@ -51,7 +51,6 @@ struct Taken {
 class TakingContainer final : public RosContainer {
  public:
   explicit TakingContainer(Taken& taken) : taken_(taken) {}
-  [[nodiscard]] RosEncoding encoding() const override { return RosEncoding::kRos1; }
   std::uint32_t add_channel(const std::string& topic, RosType type, bool is_latched) override {
     taken_.channels.push_back({topic, type, is_latched});
     return static_cast<std::uint32_t>(taken_.channels.size() - 1);
@@ -105,18 +104,18 @@ TEST_F(RosLogTest, EachLaserHasItsTopicAndItsMount) {
   ASSERT_EQ(taken_.channels.size(), 3U);
   EXPECT_TRUE(taken_.channels[0].is_latched);
   EXPECT_FALSE(taken_.channels[1].is_latched);
-  EXPECT_THAT(taken_.last("/scan").bytes, HasSubstr(std::string("\5\0\0\0laser", 9)));
+  EXPECT_THAT(taken_.last("/scan").bytes, HasSubstr(std::string("\6\0\0\0laser", 10)));
   EXPECT_THAT(taken_.last("/scan_2").bytes, HasSubstr("laser_2"));
 }
 
-// Behind its header of 4 + 8 + 4 + 5 bytes a scan has its angles, the time of a beam and that of the scan.
-constexpr std::size_t kScanFields = 4 + 8 + 4 + 5;
+// Behind its header of 4 + 8 + 4 + 8 bytes a scan has its angles, the time of a beam and that of the scan. The name of
+// the frame, "laser" or "laser_2", has 8 bytes with what fills it up.
+constexpr std::size_t kScanFields = 4 + 8 + 4 + 8;
 
 TEST_F(RosLogTest, TheTimeOfAScanIsThatSinceTheLastOfItsLaser) {
   const auto scan_time_s = [&](double stamp_s, std::size_t laser) {
     log_.write(record_at(stamp_s, laser));
-    const std::size_t name_bytes = laser == 0 ? 0 : 2;
-    return value_at<float>(taken_.messages.back().bytes, kScanFields + name_bytes + 4 * sizeof(float));
+    return value_at<float>(taken_.messages.back().bytes, kScanFields + 4 * sizeof(float));
   };
   EXPECT_EQ(scan_time_s(10.0, 0), 0.0F);
   EXPECT_EQ(scan_time_s(10.25, 1), 0.0F);
@@ -214,8 +213,8 @@ TEST_F(RosLogTest, CranksHave32Bits) {
   log_.write(Encoder{3.0, std::int64_t{Limits::min()} - 1});
   log_.write(Encoder{4.0, std::int64_t{Limits::max()} + 1});
   ASSERT_EQ(taken_.messages.size(), 2U);
-  EXPECT_EQ(value_at<std::int32_t>(taken_.messages[0].bytes, 0), Limits::min());
-  EXPECT_EQ(value_at<std::int32_t>(taken_.messages[1].bytes, 0), Limits::max());
+  EXPECT_EQ(value_at<std::int32_t>(taken_.messages[0].bytes, 4), Limits::min());
+  EXPECT_EQ(value_at<std::int32_t>(taken_.messages[1].bytes, 4), Limits::max());
   EXPECT_THAT(left_out(), ElementsAre(std::pair("crank beyond 32 bits", 2U)));
 }
 
@@ -239,7 +238,7 @@ TEST(RosScan, HasTheAnglesOfItsFirstAndLastBeam) {
   LaserScan scan = record_at(1.0).scan;
   scan.first_beam_after_s = 0.25;
   scan.beam_period_s = 0.125;
-  const std::string bytes = ros_laser_scan(RosEncoding::kRos1, scan, "laser", 0.5);
+  const std::string bytes = ros_laser_scan(scan, "laser", 0.5);
   EXPECT_EQ(value_at<std::uint32_t>(bytes, 4), 1U);
   EXPECT_EQ(value_at<std::uint32_t>(bytes, 8), 250'000'000U) << "the time of the first beam";
   std::vector<float> fields;
@@ -249,11 +248,11 @@ TEST(RosScan, HasTheAnglesOfItsFirstAndLastBeam) {
   EXPECT_EQ(value_at<std::uint32_t>(bytes, kScanFields + 28 + 4 + 12), 0U) << "no intensities";
   EXPECT_EQ(bytes.size(), kScanFields + 28 + 4 + 12 + 4);
   scan.max_range_m = 0.0;
-  EXPECT_EQ(value_at<float>(ros_laser_scan(RosEncoding::kRos1, scan, "laser", 0.5), kScanFields + 24),
+  EXPECT_EQ(value_at<float>(ros_laser_scan(scan, "laser", 0.5), kScanFields + 24),
             std::numeric_limits<float>::infinity())
       << "a limit that is not known";
   scan.ranges_m.clear();
-  const std::string bare = ros_laser_scan(RosEncoding::kRos1, scan, "laser", 0.5);
+  const std::string bare = ros_laser_scan(scan, "laser", 0.5);
   EXPECT_EQ(value_at<float>(bare, kScanFields + 4), -1.0F) << "without beams the last is the first";
   EXPECT_EQ(bare.size(), kScanFields + 28 + 4 + 4);
 }
@@ -271,7 +270,7 @@ TEST(RosScan, IsStampedWithTheBeamThatWasMeasuredFirst) {
     LaserScan scan = turned_scan();
     scan.bearing_step_rad = step_rad;
     EXPECT_EQ(ros_scan_stamp_s(scan), 1.0);
-    const std::string bytes = ros_laser_scan(RosEncoding::kRos1, scan, "laser", 0.5);
+    const std::string bytes = ros_laser_scan(scan, "laser", 0.5);
     EXPECT_EQ(value_at<std::uint32_t>(bytes, 4), 1U);
     EXPECT_EQ(value_at<std::uint32_t>(bytes, 8), 0U);
     const double last_rad = -1.0 + 2.0 * step_rad;

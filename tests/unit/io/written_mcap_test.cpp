@@ -7,7 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "engine/io/recordings/containers/chunk.hpp"
+#include "engine/io/writers/chunk_packer.hpp"
 #include "engine/io/writers/mcap_writer.hpp"
+#include "gdtslam/core/random.hpp"
 #include "io_test_support.hpp"
 #include "mcap_writer.hpp"
 
@@ -305,6 +308,28 @@ TEST(WrittenMcap, AChunkEndsWithWhatFillsOneMebibyte) {
   };
   EXPECT_EQ(chunks_with(kChunkBytes), 3U);
   EXPECT_EQ(chunks_with(kChunkBytes - 1), 2U);
+}
+
+// Noise cannot be packed: it becomes longer.
+TEST(ChunkPacking, NoiseAndZerosComeBack) {
+  Random random(3);
+  std::string noise(300'000, '\0');
+  for (char& byte : noise) byte = static_cast<char>(random.below(256));
+  for (const ChunkPacking packing : {ChunkPacking::kNone, ChunkPacking::kLz4, ChunkPacking::kZstd}) {
+    for (const std::string& bytes : {noise, std::string(300'000, '\0'), std::string("a"), std::string()}) {
+      const std::string packed = packed_chunk(bytes, packing);
+      const auto source = unpacked_chunk(open_memory_source(bytes_of(packed)), packing_name(packing), "any");
+      EXPECT_TRUE(read_all(*source, 1'000'000, "it", "") == bytes) << packing_name(packing) << ' ' << bytes.size();
+    }
+  }
+}
+
+// The descriptor of an lz4 frame: version 1, independent blocks (bit 5), a checksum of the content (bit 2).
+TEST(ChunkPacking, AnLz4FrameHasIndependentBlocksAndASum) {
+  const std::string packed = packed_chunk("text", ChunkPacking::kLz4);
+  ASSERT_GT(packed.size(), 5U);
+  EXPECT_EQ(packed.substr(0, 4), "\x04\x22\x4d\x18");
+  EXPECT_EQ(static_cast<unsigned char>(packed[4]) & 0xe4U, 0x64U);
 }
 
 }  // namespace

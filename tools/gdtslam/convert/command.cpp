@@ -16,7 +16,6 @@
 #include "engine/io/json_file.hpp"
 #include "engine/io/message_text.hpp"
 #include "engine/io/writers/log_writer.hpp"
-#include "engine/runs/folder/report_reader.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"
@@ -59,19 +58,10 @@ struct ConvertCounts {
 std::optional<ChunkPacking> packing_named(const std::string& name) {
   if (name.empty()) return std::nullopt;
   for (const auto& [text, packing] : {std::pair("none", ChunkPacking::kNone), std::pair("lz4", ChunkPacking::kLz4),
-                                      std::pair("bz2", ChunkPacking::kBz2), std::pair("zstd", ChunkPacking::kZstd)}) {
+                                      std::pair("zstd", ChunkPacking::kZstd)}) {
     if (name == text) return packing;
   }
-  throw UsageError(fmt::format("--compression: {} is none of none, lz4, bz2, zstd", in_quotes(name)));
-}
-
-// With --force, too: what the target cannot carry would be gone from what is read.
-void check_files(const ConvertOptions& options, LogFormat format, const std::string& place) {
-  WrittenFiles written({options.log, options.settings.file});
-  written.add("--output", place, WrittenFiles::Kind::kLog);
-  if (format != LogFormat::kRos2Folder) return;
-  for (const std::string& file : files_of_log(format, place))
-    written.add_in_new_folder("--output", file, WrittenFiles::Kind::kLog);
+  throw UsageError(fmt::format("--compression: {} is none of none, lz4, zstd", in_quotes(name)));
 }
 
 // What would change nothing of the log that is written.
@@ -85,44 +75,21 @@ void require_useful(const Settings& settings) {
   }
 }
 
-// A converted log is as dear as its original: nothing is replaced unless that was said.
-void check_output(const ConvertOptions& options, LogFormat format) {
+// A converted log is as dear as its original: nothing is replaced unless that was said. With --force, too, the log that
+// is read stays: what the target cannot carry would be gone.
+void check_output(const ConvertOptions& options) {
   namespace fs = std::filesystem;
   if (options.output == "-") return;
   std::error_code error;
-  const bool is_folder = fs::is_directory(options.output, error);
-  fs::path place(options.output);
-  if (!place.has_filename()) place = place.parent_path();
-  check_files(options, format, place.string());
-  if (is_folder && fs::exists(place / kReportFile, error)) {
-    throw UsageError(
-        fmt::format("--output: {} is the folder of a run; a bag has a folder of its own", one_line(options.output)));
+  if (fs::is_directory(options.output, error)) {
+    throw UsageError(fmt::format("--output: {} is a folder; give the name of a file", one_line(options.output)));
   }
-  const bool exists = is_folder ? !fs::is_empty(place, error) : fs::is_regular_file(place, error);
-  if (exists && !options.force) {
+  WrittenFiles({options.log, options.settings.file}).add("--output", options.output, WrittenFiles::Kind::kLog);
+  if (fs::is_regular_file(options.output, error) && !options.force) {
     throw UsageError(
         fmt::format("--output: {} exists; give another name, or --force to replace it", one_line(options.output)));
   }
 }
-
-/// The folder of a ROS 2 bag goes again where nothing came into it.
-class NewFolder {
- public:
-  explicit NewFolder(std::string path) : path_(std::move(path)) {
-    std::error_code ignored;
-    is_new_ = !std::filesystem::exists(path_, ignored);
-  }
-  NewFolder(const NewFolder&) = delete;
-  NewFolder& operator=(const NewFolder&) = delete;
-  ~NewFolder() {
-    std::error_code ignored;  // of what is no empty folder
-    if (is_new_ && std::filesystem::is_directory(path_, ignored)) std::filesystem::remove(path_, ignored);
-  }
-
- private:
-  std::string path_;
-  bool is_new_ = false;
-};
 
 void count_record(const LogRecord& record, ConvertCounts& counts) {
   if (std::holds_alternative<ScanRecord>(record)) ++counts.scans;
@@ -184,13 +151,12 @@ void require_scans(const ConvertOptions& options, const ConvertCounts& counts, c
 int convert(const ConvertOptions& options) {
   const LogFormat format = log_format_of(options.output, options.format);
   const LogWriteOptions write{.packing = packing_named(options.compression)};
-  check_output(options, format);
+  check_output(options);
   Settings settings = load_settings(options.settings);
   require_useful(settings);
   state_recording(options.recording, settings.log);
   const ReadOptions read = read_options_of(settings.log, options.lenient);
   const std::unique_ptr<LogReader> reader = open_log(options.log, read);
-  const NewFolder new_folder(options.output);
   AtomicFileSet files;
   const std::unique_ptr<LogWriter> writer = make_log_writer(format, options.output, write, files);
   const ConvertCounts counts = copy_records(*reader, read, *writer, options.quiet);
@@ -236,25 +202,26 @@ int convert_for_reader(const ConvertOptions& options) {
 
 void add_convert_command(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<ConvertOptions>();
-  CLI::App* command = add_command(app, "convert", "A log in another format: CARMEN, CSV, JSON lines, MCAP, ROS bags");
+  CLI::App* command = add_command(app, "convert", "A log in another format: CARMEN, CSV, JSON lines, MCAP");
   command->add_option("log", options->log, fmt::format("{} log, plain or packed; - is standard input", kLogFormats))
       ->required()
       ->type_name("LOG");
   command
-      ->add_option("-o,--output", options->output,
-                   "The log to write. Its ending tells the format: .log or .clf (CARMEN), .csv, .jsonl, .mcap, .bag, "
-                   ".db3, NAME/ (a ROS 2 folder); .gz after the first four packs it; - is standard output")
+      ->add_option(
+          "-o,--output", options->output,
+          "The log to write. Its ending tells the format: .log or .clf (CARMEN), .csv, .jsonl, .mcap; .gz after "
+          "it packs it; - is standard output")
       ->required()
       ->type_name("OUT");
   CLI::Option* const format = command->add_option(
       "--format", options->format, "Format of OUT, where its name does not tell it: " + log_format_names());
-  offer_words(format->type_name("NAME"), {"carmen", "csv", "jsonl", "mcap", "bag", "ros2", "db3"});
+  offer_words(format->type_name("NAME"), {"carmen", "csv", "jsonl", "mcap"});
   command
       ->add_option("--compression", options->compression,
-                   "Compression of the chunks: none, lz4 or zstd in an MCAP file, none, lz4 or bz2 in a bag\n"
-                   "[zstd in an MCAP file, none in a bag]")
+                   "Compression of the chunks of an MCAP file: none, lz4 or zstd\n"
+                   "[zstd]")
       ->type_name("NAME");
-  offer_words(command->get_option("--compression"), {"none", "lz4", "zstd", "bz2"});
+  offer_words(command->get_option("--compression"), {"none", "lz4", "zstd"});
   command->add_flag("--lenient", options->lenient, "Count and skip malformed lines instead of failing");
   add_recording_options(*command, options->recording);
   add_settings_options(*command, options->settings);
@@ -268,7 +235,6 @@ void add_convert_command(CLI::App& app, CommandContext& context) {
       "Examples:\n"
       "  gdtslam convert intel.clf.gz -o intel.mcap\n"
       "  gdtslam convert drive.bag -o drive.csv.gz --topic /front/scan\n"
-      "  gdtslam convert drive.csv -o drive/\n"
       "  gdtslam convert office.log -o - --format jsonl | head -n 1");
   command->callback([options, &context] { context.run = [options] { return convert_for_reader(*options); }; });
 }

@@ -104,12 +104,12 @@ WrittenFiles::WrittenFiles(const std::vector<std::string>& inputs) {
 }
 
 void WrittenFiles::add(std::string_view option, const std::string& file, Kind kind) {
-  add_in_new_folder(option, file, kind);
-  if (!file.empty()) require_folder_of(file);
+  if (file.empty()) return;
+  if (is_replaced(file)) require_replaceable(option, file, kind);
+  require_folder_of(file);
 }
 
-void WrittenFiles::add_in_new_folder(std::string_view option, const std::string& file, Kind kind) {
-  if (file.empty() || !is_replaced(file)) return;
+void WrittenFiles::require_replaceable(std::string_view option, const std::string& file, Kind kind) {
   require_not_read(option, file);
   require_not_of_a_run(option, file);
   require_once(option, file);

@@ -27,14 +27,13 @@ class WrittenFiles {
   /// written already, under whatever name, a file of a run, or where a recording lies that it would replace; FileError
   /// where its folder does not exist.
   void add(std::string_view option, const std::string& file, Kind kind = Kind::kResult);
-  /// The same for a file whose folder is made if need be.
-  void add_in_new_folder(std::string_view option, const std::string& file, Kind kind = Kind::kResult);
 
  private:
   struct Written {
     std::string option;
     std::filesystem::path place;
   };
+  void require_replaceable(std::string_view option, const std::string& file, Kind kind);
   void require_not_read(std::string_view option, const std::string& file) const;
   void require_not_of_a_run(std::string_view option, const std::string& file) const;
   void require_once(std::string_view option, const std::string& file);

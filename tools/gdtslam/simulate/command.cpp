@@ -14,6 +14,7 @@
 
 #include "engine/io/json_file.hpp"
 #include "engine/io/message_text.hpp"
+#include "engine/io/writers/log_writer.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/scenes/scene_file.hpp"
@@ -141,11 +142,12 @@ void check_standard_output(const SimulateCommand& command) {
 
 // The log, and what may lie beside it.
 void check_files(const SimulateOptions& options) {
+  (void)log_format_by_ending(options.output);  // refuses the name of a bag
   WrittenFiles written({find_scene(options.scene, options.scene_folders), options.trajectory.value_or(""),
                         linkage_file_of(options.linkage.value_or(""))});
-  written.add_in_new_folder("--output", options.output, WrittenFiles::Kind::kLog);
+  written.add("--output", options.output, WrittenFiles::Kind::kLog);
   for (const char* ending : {".truth.tum", ".linkage.yaml", ".elevation.csv", ".truth.ply"}) {
-    written.add_in_new_folder("--output", sidecar_path(options.output, ending));
+    written.add("--output", sidecar_path(options.output, ending));
   }
 }
 
@@ -244,12 +246,11 @@ void add_simulate_command(CLI::App& app, CommandContext& context) {
   offer_words(command->get_option("scene"),
               {"office-loop", "corridor", "office-3f", "office-7f", "three-boxes", "wall", "walls"});
   command
-      ->add_option(
-          "-o,--output", options.output,
-          "The log to write: .log, .csv, .jsonl, .mcap, .bag, .db3 or NAME/ (a ROS 2 folder) tell the format, any "
-          "other name means CARMEN; .gz compresses it. - sends CARMEN lines to standard output, without any file. The "
-          "truth goes beside it: NAME.truth.tum and, for a laser that "
-          "nods, NAME.linkage.yaml and NAME.elevation.csv")
+      ->add_option("-o,--output", options.output,
+                   "The log to write: .log, .csv, .jsonl or .mcap tell the format, any other name means CARMEN; .gz "
+                   "compresses it. - sends CARMEN lines to standard output, without any file. The "
+                   "truth goes beside it: NAME.truth.tum and, for a laser that "
+                   "nods, NAME.linkage.yaml and NAME.elevation.csv")
       ->required()
       ->type_name("LOG");
   add_count_option(*command, "--seed", options.seed, 0, "Seed of every random number")->capture_default_str();

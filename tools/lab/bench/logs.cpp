@@ -47,12 +47,10 @@ struct LogKind {
   std::optional<ChunkPacking> chunks;
   std::string_view plain;  ///< the file of the same bytes unpacked; none: itself
 };
-constexpr std::array<LogKind, 9> kLogKinds{{
-    {"ROS 1 bag", "none", "none.bag", LogFormat::kBag, ChunkPacking::kNone, ""},
-    {"ROS 1 bag", "lz4", "lz4.bag", LogFormat::kBag, ChunkPacking::kLz4, "none.bag"},
+constexpr std::array<LogKind, 7> kLogKinds{{
     {"MCAP", "none", "none.mcap", LogFormat::kMcap, ChunkPacking::kNone, ""},
+    {"MCAP", "lz4", "lz4.mcap", LogFormat::kMcap, ChunkPacking::kLz4, "none.mcap"},
     {"MCAP", "zstd", "zstd.mcap", LogFormat::kMcap, ChunkPacking::kZstd, "none.mcap"},
-    {"ROS 2 database", "none", "drive.db3", LogFormat::kDb3, std::nullopt, ""},
     {"CSV", "none", "drive.csv", LogFormat::kCsv, std::nullopt, ""},
     {"JSON lines", "none", "drive.jsonl", LogFormat::kJsonLines, std::nullopt, ""},
     {"CARMEN", "none", "drive.log", LogFormat::kCarmen, std::nullopt, ""},
