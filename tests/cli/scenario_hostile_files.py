@@ -76,22 +76,23 @@ def hostile_meshes():
               "header.ply": b"ply\nformat ascii 1.0\n" + b"comment\n" * 200_000,
               "count.stl": b"\0" * 80 + b"\xff\xff\xff\xff" + b"\0" * 50,
               "cut.stl": b"\0" * 80 + struct.pack("<I", 4) + b"\0" * 66,
-              "corner.obj": b"v 0 0 0\nf 1 1 4000000000\n",
-              "line.obj": b"f" + b" 1" * 1_000_000, "binary.obj": bytes(range(256)) * 1000, "empty.ply": b""}
+              "corner.ply": ply.replace(b"binary_little_endian", b"ascii") + corners.replace(b"4000000000", b"1")
+                            + b"element face 1\nproperty list uint uint vertex_indices\nend_header\n0 0 0\n3 0 0 4000000000\n",
+              "line.ply": ply + b"comment" + b" 1" * 1_000_000, "binary.ply": bytes(range(256)) * 1000, "empty.ply": b""}
     for name, content in meshes.items():
         (folder / name).write_bytes(content)
         (folder / "scene.yaml").write_text(f"{HEAD}meshes: [{{file: {name}}}]\n{PLACE}")
         refused(name, 65, re.escape(name), FEW_MB, "simulate", folder / "scene.yaml", "-o", folder / "drive.log", most_s=1.0)
 
     outside = cli.fresh_folder("hostile_meshes_outside")
-    (outside / "secret.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
-    (folder / "link.obj").symlink_to(outside / "secret.obj")
+    (outside / "secret.stl").write_text("solid\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendfacet\n")
+    (folder / "link.stl").symlink_to(outside / "secret.stl")
     (folder / "linked").symlink_to(outside)
-    os.mkfifo(folder / "pipe.obj")
-    (folder / "folder.obj").mkdir()
-    for name, pattern in ((outside / "secret.obj", "absolute name"), ("../hostile_meshes_outside/secret.obj", "leads out"),
-                          ("link.obj", "leads out"), ("linked/secret.obj", "leads out"), ("pipe.obj", "no regular file"),
-                          ("folder.obj", "no regular file"), ("/dev/zero", "absolute name")):
+    os.mkfifo(folder / "pipe.stl")
+    (folder / "folder.stl").mkdir()
+    for name, pattern in ((outside / "secret.stl", "absolute name"), ("../hostile_meshes_outside/secret.stl", "leads out"),
+                          ("link.stl", "leads out"), ("linked/secret.stl", "leads out"), ("pipe.stl", "no regular file"),
+                          ("folder.stl", "no regular file"), ("/dev/zero", "absolute name")):
         scene = f"{HEAD}meshes: [{{file: {name}}}]\n{PLACE}"
         (folder / "scene.yaml").write_text(scene)
         refused(name, 78, rf"scene.yaml:2: meshes\[0\].file: .*{pattern}", FEW_MB, "simulate", folder / "scene.yaml", "-o",

@@ -163,9 +163,9 @@ inline void read_cloud_file(std::span<const std::byte> data) {
   });
 }
 
-/// The same bytes as every format of meshes, because the name tells which it is.
+/// The same bytes in both formats of meshes, because the name tells which it is.
 inline void read_mesh_file(std::span<const std::byte> data) {
-  for (const char* name : {"fuzz.obj", "fuzz.stl", "fuzz.ply"}) {
+  for (const char* name : {"fuzz.stl", "fuzz.ply"}) {
     expect_typed<InputError>([&] {
       const MeshFile mesh = read_mesh(data, name, {.max_triangles = 10'000});
       require(!mesh.triangles.empty() && mesh.triangles.size() <= 10'000 && mesh.vertices.size() <= 30'000);

@@ -25,7 +25,9 @@ inline void check_waypoints(const std::vector<sim::Waypoint>& waypoints) {
 inline void read_scene_text(std::span<const std::byte> data) {
   static const ScratchFolder folder;
   static const bool is_ready = [] {
-    folder.put("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 3\n");
+    folder.put("mesh.ply",
+               "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+               "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 1\n3 0 1 2\n");
     folder.put("mount.yaml", "gdtslam_linkage: 1\npreset: paper-a\n");
     return true;
   }();

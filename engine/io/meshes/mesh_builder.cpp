@@ -127,16 +127,6 @@ void MeshBuilder::clip_ears(std::vector<std::uint32_t> corners) {
   add_triangle({corners[0], corners[1], corners[2]});
 }
 
-std::array<float, 3> next_vertex(CloudNumbers& row, const MeshBuilder& mesh, const char* message) {
-  std::array<float, 3> vertex{};
-  for (float& coordinate : vertex) {
-    const std::optional<double> number = row.next(Scalar::kFloat);
-    if (!number) mesh.fail(message);
-    coordinate = static_cast<float>(*number);
-  }
-  return vertex;
-}
-
 MeshFile MeshBuilder::finish() {
   if (mesh_.triangles.empty()) throw InputError({name_, 0}, "holds no triangle: export it with its faces");
   constexpr auto kUnused = static_cast<std::uint32_t>(-1);

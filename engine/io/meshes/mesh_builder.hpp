@@ -42,11 +42,7 @@ class MeshBuilder {
   std::uint64_t rows_ = 0;
 };
 
-/// The next three numbers of a line; fails with `message` where there are fewer.
-std::array<float, 3> next_vertex(CloudNumbers& row, const MeshBuilder& mesh, const char* message);
-
 /// Each reads to the end of the input.
-void read_obj(CloudInput& input, MeshBuilder& mesh);
 void read_ply_mesh(CloudInput& input, MeshBuilder& mesh);
 /// `bytes` is the length of the input, by which binary files are told from others.
 void read_stl(CloudInput& input, std::uint64_t bytes, MeshBuilder& mesh);

@@ -18,8 +18,8 @@ namespace {
 MeshFile read_mesh(std::unique_ptr<ByteSource> source, std::uint64_t bytes, const std::string& name,
                    const MeshReadOptions& options) {
   const std::string extension = extension_of(name);
-  if (extension != ".obj" && extension != ".stl" && extension != ".ply") {
-    throw InputError({name, 0}, "not a mesh that can be imported: use .obj, .stl or .ply");
+  if (extension != ".ply" && extension != ".stl") {
+    throw InputError({name, 0}, "is not a mesh that can be read: export it as .ply or .stl");
   }
   if (bytes > kMaxMeshBytes) {
     throw InputError({name, 0},
@@ -27,9 +27,7 @@ MeshFile read_mesh(std::unique_ptr<ByteSource> source, std::uint64_t bytes, cons
   }
   CloudInput input(std::move(source), name);
   MeshBuilder mesh(options, name);
-  if (extension == ".obj") {
-    read_obj(input, mesh);
-  } else if (extension == ".stl") {
+  if (extension == ".stl") {
     read_stl(input, bytes, mesh);
   } else {
     read_ply_mesh(input, mesh);

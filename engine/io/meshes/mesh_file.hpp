@@ -1,7 +1,6 @@
-// Triangles from OBJ, STL and PLY files. Coordinates are the file's, in single precision and in its unit. Polygons
-// become triangles in the order of the file; materials, normals, groups and whatever else there is are read over,
-// points and lines left out. Cost: one pass; memory follows what has been read, never a number that the file states.
-// Thread-safe.
+// Triangles from PLY and STL files. Coordinates are the file's, in single precision and in its unit. Polygons
+// become triangles in the order of the file; colours, normals and other properties are read over. Cost: one pass;
+// memory follows what has been read, never a number that the file states. Thread-safe.
 #pragma once
 
 #include <array>

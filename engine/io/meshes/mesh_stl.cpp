@@ -32,6 +32,17 @@ void read_binary(CloudInput& input, std::uint64_t triangles, MeshBuilder& mesh) 
   }
 }
 
+// The next three numbers of a line.
+std::array<float, 3> next_vertex(CloudNumbers& row, const MeshBuilder& mesh) {
+  std::array<float, 3> vertex{};
+  for (float& coordinate : vertex) {
+    const std::optional<double> number = row.next(Scalar::kFloat);
+    if (!number) mesh.fail("expected 'vertex X Y Z'");
+    coordinate = static_cast<float>(*number);
+  }
+  return vertex;
+}
+
 void read_text(CloudInput& input, MeshBuilder& mesh) {
   std::vector<std::uint32_t> corners;
   while (const std::optional<std::string_view> line = input.line()) {
@@ -42,7 +53,7 @@ void read_text(CloudInput& input, MeshBuilder& mesh) {
       if (corners.size() == MeshBuilder::kMostCorners) mesh.fail("the facet has no 'endfacet'");
       corners.push_back(static_cast<std::uint32_t>(mesh.vertex_count()));
       CloudNumbers row(line->substr(line->find(words[0]) + words[0].size()));
-      const std::array<float, 3> vertex = next_vertex(row, mesh, "expected 'vertex X Y Z'");
+      const std::array<float, 3> vertex = next_vertex(row, mesh);
       if (!row.at_end()) mesh.fail("expected 'vertex X Y Z'");
       mesh.add_vertex(vertex);
     } else if (word == "endfacet") {

@@ -93,10 +93,11 @@ def stl_of(count):
     return bytes(80) + struct.pack("<I", count) + bytes(50)
 
 
-def obj_of_fans(faces):
-    """Faces of 200 corners of three points."""
-    face = b"f" + b" 1 2 3" * 66 + b"\n"
-    return b"v 0 0 0\nv 1 0 0\nv 0 1 0\n" + face * faces
+def ply_of_fans(faces):
+    """Faces of 198 corners of three points."""
+    face = b"198" + b" 0 1 2" * 66 + b"\n"
+    return (b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+            b"element face %d\nproperty list uint int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n" % faces + face * faces)
 
 
 PLY_FACE = (b"ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
@@ -146,5 +147,5 @@ BOMBS = [
     Bomb("PCD of 4,000,000,000 points", of("measure", "bomb.pcd", lambda: b"VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 4000000000\nHEIGHT 1\nPOINTS 4000000000\nDATA binary\n", "--planes"), 65, "bomb.pcd"),
     Bomb("PCD of 1,000,000 fields", of("measure", "bomb.pcd", lambda: b"VERSION 0.7\nFIELDS x y z" + b" a" * 1_000_000 + b"\n", "--planes"), 65, "bomb.pcd"),
     Bomb("STL of 4,000,000,000 triangles", mesh("bomb.stl", lambda: stl_of(0xFFFFFFFF)), 65, "bomb.stl"),
-    Bomb("OBJ of 9,800,000 triangles", mesh("bomb.obj", lambda: obj_of_fans(50_000)), 65, "bomb.obj", 1000, 10),
+    Bomb("PLY of 9,800,000 triangles", mesh("bomb.ply", lambda: ply_of_fans(50_000)), 65, "bomb.ply", 1000, 10),
 ]

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "gdtslam/core/error.hpp"
 
@@ -73,10 +75,20 @@ void append(std::string& bytes, T value, bool is_big_endian = false) {
   bytes.append(raw.data(), raw.size());
 }
 
+/// Rows of vertices and faces, a line each, as an ASCII file.
+std::string ply_of(const std::vector<std::string>& vertices, const std::vector<std::string>& faces) {
+  std::string text = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(vertices.size()) +
+                     "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
+                     std::to_string(faces.size()) + "\nproperty list ushort int vertex_indices\nend_header\n";
+  for (const std::vector<std::string>* const rows : {&vertices, &faces}) {
+    for (const std::string& row : *rows) text += row + "\n";
+  }
+  return text;
+}
+
 // A box of 1 x 2 x 3 with quadrilateral faces.
-const std::string kObj =
-    "v 0 0 0\nv 1 0 0\nv 1 2 0\nv 0 2 0\nv 0 0 3\nv 1 0 3\nv 1 2 3\nv 0 2 3\n"
-    "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+const std::string kBox = ply_of({"0 0 0", "1 0 0", "1 2 0", "0 2 0", "0 0 3", "1 0 3", "1 2 3", "0 2 3"},
+                                {"4 3 2 1 0", "4 4 5 6 7", "4 0 1 5 4", "4 1 2 6 5", "4 2 3 7 6", "4 3 0 4 7"});
 
 // A tetrahedron of volume 1/6.
 const std::string kStl =
@@ -128,7 +140,7 @@ std::string binary_ply(bool is_big_endian) {
 }
 
 TEST(MeshFile, ReadsTheSameSolidInEveryFormat) {
-  const MeshFile box = mesh_of(kObj, "box.obj");
+  const MeshFile box = mesh_of(kBox, "box.ply");
   EXPECT_EQ(box.triangles.size(), 12U);
   EXPECT_NEAR(volume_of(box), 6.0, 1e-12);
   for (const auto& [text, name] : {std::pair{kStl, "t.STL"}, std::pair{binary_stl(), "t.stl"}, std::pair{kPly, "t.ply"},
@@ -142,19 +154,13 @@ TEST(MeshFile, ReadsTheSameSolidInEveryFormat) {
 TEST(MeshFile, TrianglesStandInTheOrderOfTheFile) {
   EXPECT_THAT(mesh_of(kPly, "t.ply").triangles,
               ElementsAre(Triangle{0, 2, 1}, Triangle{0, 1, 3}, Triangle{0, 3, 2}, Triangle{1, 2, 3}));
-  const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
-  EXPECT_THAT(mesh_of(square + "f 1 2 3 4\nf 4 3 2\n", "q.obj").triangles,
-              ElementsAre(Triangle{0, 1, 2}, Triangle{0, 2, 3}, Triangle{3, 2, 1}));
+  EXPECT_THAT(
+      mesh_of(ply_of({"0 0 0", "1 0 0", "1 1 0", "0 1 0", "9 9 9"}, {"4 0 1 2 3", "3 3 2 1"}), "q.ply").triangles,
+      ElementsAre(Triangle{0, 1, 2}, Triangle{0, 2, 3}, Triangle{3, 2, 1}));
 }
 
-TEST(MeshFile, ReadsWhatObjFilesHave) {
-  const std::string text =
-      "# made by hand\nmtllib x.mtl\no thing\nv 0 0 0 1.0\n  v 1 0 0 0.5 0.5 0.5\nvt 0 0\nvn 0 0 1\n"
-      "g group\nusemtl red\ns off\nv 0 1 0 # a corner\nv 9 9 9\nl 1 2\nf 1/1 2/1 3/1\nf -4//1 -3//1 \\\n -2//1\nf 1 "
-      "2\n";
-  const MeshFile mesh = mesh_of(text, "a.obj");
-  EXPECT_THAT(mesh.triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{0, 1, 2}));
-  EXPECT_EQ(mesh.vertices.size(), 3U);  // the one at (9, 9, 9) belongs to no triangle
+TEST(MeshFile, LeavesOutVerticesOfNoTriangle) {
+  EXPECT_EQ(mesh_of(ply_of({"9 9 9", "0 0 0", "1 0 0", "0 1 0"}, {"3 1 2 3", "2 0 1"}), "a.ply").vertices.size(), 3U);
 }
 
 TEST(MeshFile, CutsPolygonsThatAreNotConvex) {
@@ -163,51 +169,49 @@ TEST(MeshFile, CutsPolygonsThatAreNotConvex) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (std::size_t start = 0; start < outline.size(); ++start) {
       for (const bool is_reversed : {false, true}) {
-        std::string text;
+        std::vector<std::string> vertices;
         for (const auto& [u, v] : outline) {
           std::array<int, 3> vertex{};
           vertex[axis] = 5;
           vertex[(axis + 1) % 3] = u;
           vertex[(axis + 2) % 3] = v;
-          text += "v " + std::to_string(vertex[0]) + " " + std::to_string(vertex[1]) + " " + std::to_string(vertex[2]);
-          text += "\n";
+          vertices.push_back(std::to_string(vertex[0]) + " " + std::to_string(vertex[1]) + " " +
+                             std::to_string(vertex[2]));
         }
-        text += "f";
+        std::string face = std::to_string(outline.size());
         for (std::size_t k = 0; k < outline.size(); ++k) {
-          const std::size_t corner = (start + (is_reversed ? outline.size() - k : k)) % outline.size();
-          text += " " + std::to_string(corner + 1);
+          face += " " + std::to_string((start + (is_reversed ? outline.size() - k : k)) % outline.size());
         }
-        const MeshFile mesh = mesh_of(text + "\n", "l.obj");
+        const MeshFile mesh = mesh_of(ply_of(vertices, {face}), "l.ply");
         EXPECT_EQ(mesh.triangles.size(), 4U);
-        EXPECT_NEAR(area_of(mesh), 3.0, 1e-12) << text;
+        EXPECT_NEAR(area_of(mesh), 3.0, 1e-12) << face;
       }
     }
   }
 }
 
 TEST(MeshFile, EndsForPolygonsThatCrossThemselvesOrHaveNoArea) {
-  EXPECT_EQ(mesh_of("v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 4\n", "x.obj").triangles.size(), 2U);
-  EXPECT_EQ(mesh_of("v 1 1 1\nf 1 1 1 1 1\n", "p.obj").triangles.size(), 3U);
+  EXPECT_EQ(mesh_of(ply_of({"0 0 0", "1 1 0", "1 0 0", "0 1 0"}, {"4 0 1 2 3"}), "x.ply").triangles.size(), 2U);
+  EXPECT_EQ(mesh_of(ply_of({"1 1 1"}, {"5 0 0 0 0 0"}), "p.ply").triangles.size(), 3U);
 }
 
 TEST(MeshFile, SaysWhatIsWrongAndWhere) {
-  EXPECT_EQ(refusal(kObj, "box.gltf"), ": not a mesh that can be imported: use .obj, .stl or .ply");
-  EXPECT_THAT(refusal(kObj, "noext"), HasSubstr("not a mesh"));
-  for (const char* name : {"empty.obj", "empty.ply", "empty.stl"}) EXPECT_NE(refusal("", name), "accepted");
-  EXPECT_THAT(refusal("hello\nworld\n", "a.obj"), HasSubstr("holds no triangle"));
-  EXPECT_THAT(refusal("v 0 0 0\nv 1 0 0\n", "a.obj"), HasSubstr("holds no triangle"));
-  EXPECT_THAT(refusal("v 0 0\n", "a.obj"), StartsWith(":1: expected 'v X Y Z'"));
-  EXPECT_THAT(refusal("v 0 0 nan\n", "a.obj"), StartsWith(":1: a vertex needs three finite numbers"));
-  EXPECT_THAT(refusal("v 0 0 1e99\n", "a.obj"), StartsWith(":1: a vertex needs three finite numbers"));
-  EXPECT_THAT(refusal("v 0 0 0 2\n", "a.obj"), StartsWith(":1: a vertex with a weight"));
-  for (const char* corner : {"4", "0", "-4", "9999999999"}) {
-    EXPECT_THAT(refusal(std::string("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 ") + corner + "\n", "a.obj"), StartsWith(":4: "));
+  EXPECT_EQ(refusal(kBox, "box.obj"), ": is not a mesh that can be read: export it as .ply or .stl");
+  EXPECT_THAT(refusal(kBox, "noext"), HasSubstr("is not a mesh"));
+  for (const char* name : {"empty.ply", "empty.stl"}) EXPECT_NE(refusal("", name), "accepted");
+  // The header of ply_of() has 9 lines.
+  EXPECT_THAT(refusal(ply_of({"0 0 0", "1 0 0"}, {}), "a.ply"), HasSubstr("holds no triangle"));
+  EXPECT_THAT(refusal(ply_of({"0 0"}, {}), "a.ply"), StartsWith(":10: has fewer numbers than properties"));
+  EXPECT_THAT(refusal(ply_of({"0 0 nan"}, {}), "a.ply"), StartsWith(":10: "));
+  EXPECT_THAT(refusal(ply_of({"0 0 1e99"}, {}), "a.ply"), StartsWith(":10: a vertex needs three finite numbers"));
+  for (const char* corner : {"3", "-1", "9999999999"}) {
+    const std::string text = ply_of({"0 0 0", "1 0 0", "0 1 0"}, {std::string("3 0 1 ") + corner});
+    EXPECT_THAT(refusal(text, "a.ply"), StartsWith(":13: ")) << corner;
   }
-  EXPECT_THAT(refusal("v 0 0 0\nf 1 1 x\n", "a.obj"), StartsWith(":2: expected 'f'"));
-  std::string many = "v 0 0 0\nf";
-  for (int i = 0; i < 257; ++i) many += " 1";
-  EXPECT_THAT(refusal(many + "\n", "a.obj"), StartsWith(":2: a face has more than 256 corners"));
-  EXPECT_THAT(refusal(std::string(70'000, 'v'), "a.obj"), StartsWith(":1: the line is longer"));
+  std::string many = "257";
+  for (int i = 0; i < 257; ++i) many += " 0";
+  EXPECT_THAT(refusal(ply_of({"0 0 0"}, {many}), "a.ply"), StartsWith(":11: a face has more than 256 corners"));
+  EXPECT_THAT(refusal(std::string(70'000, 'v'), "a.ply"), StartsWith(":1: the line is longer"));
 
   EXPECT_THAT(refusal("solid\nvertex 0 0\n", "a.stl"), StartsWith(":2: expected 'vertex X Y Z'"));
   EXPECT_THAT(refusal("solid\nvertex 0 0 0\nendfacet\n", "a.stl"), StartsWith(":3: the facet has fewer"));
@@ -246,13 +250,12 @@ TEST(MeshFile, BelievesNoNumberOfAPlyHeader) {
 }
 
 TEST(MeshFile, IsBoundedAndCanBeStopped) {
-  EXPECT_THAT(refusal(kObj, "a.obj", {.max_triangles = 11}), StartsWith(":14: has more than 11 triangles"));
-  EXPECT_THAT(refusal("v 0 0 0\nv 0 0 0\nv 0 0 0\nv 0 0 0\n", "a.obj", {.max_triangles = 1}),
-              StartsWith(":4: has more than 3 vertices"));
-  std::string long_text;
-  for (int i = 0; i < 10'000; ++i) long_text += "v 0 0 0\n";
+  EXPECT_THAT(refusal(kBox, "a.ply", {.max_triangles = 11}), StartsWith(":23: has more than 11 triangles"));
+  EXPECT_THAT(refusal(ply_of({"0 0 0", "0 0 0", "0 0 0", "0 0 0"}, {}), "a.ply", {.max_triangles = 1}),
+              StartsWith(":13: has more than 3 vertices"));
+  const std::string long_text = ply_of(std::vector<std::string>(10'000, "0 0 0"), {});
   try {
-    mesh_of(long_text, "a.obj", {.stop = [] { return true; }});
+    mesh_of(long_text, "a.ply", {.stop = [] { return true; }});
     ADD_FAILURE() << "not stopped";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::kInterrupted);

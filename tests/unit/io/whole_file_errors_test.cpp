@@ -132,8 +132,8 @@ TEST(WholeFileErrors, OfMeshes) {
   const auto said_of_mesh = [](const std::string& text, const std::string& name) {
     return told_by<InputError>([&] { (void)read_mesh(bytes_of(text), name, {}); }, "no error");
   };
-  EXPECT_THAT(said_of_mesh("", "f.gltf"), StartsWith("f.gltf: not a mesh"));
-  EXPECT_THAT(said_of_mesh("v 0 0 0\n", "f.obj"), StartsWith("f.obj: holds no triangle"));
+  EXPECT_THAT(said_of_mesh("", "f.gltf"), StartsWith("f.gltf: is not a mesh"));
+  EXPECT_THAT(said_of_mesh("solid\n", "f.stl"), StartsWith("f.stl: holds no triangle"));
   EXPECT_THAT(said_of_mesh("hello", "f.stl"), StartsWith("f.stl: is no STL"));
   const std::string ply = "ply\nformat ascii 1.0\n";
   const std::string vertex = "element vertex 1\nproperty float x\nproperty float y\n";

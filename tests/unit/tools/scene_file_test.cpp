@@ -75,7 +75,7 @@ objects:
 place:
   - {object: pair, at: [10, 20], yaw: 90 deg, repeat: {count: 2, step: [0, 5]}}
 meshes:
-  - {file: t.obj, unit: cm, scale: 2, position: [1, 2, 3], yaw: 0 deg, up: z}
+  - {file: t.stl, unit: cm, scale: 2, position: [1, 2, 3], yaw: 0 deg, up: z}
 robot:
   body: {radius: 0.3, height: 50 cm}
   laser:
@@ -113,7 +113,7 @@ waypoints:
   - [0, 1]
   - {at: [5, 1], speed: 0.5 m/s, corner_cut: 20 cm, pause: 500 ms, reverse: true}
 )");
-  write("t.obj", "v 0 0 0\nv 100 0 0\nv 0 100 0\nf 1 2 3\n");
+  write("t.stl", "solid\nvertex 0 0 0\nvertex 100 0 0\nvertex 0 100 0\nendfacet\n");
   const SceneFile file = read_scene(path);
   EXPECT_EQ(file.name, "full");
   ASSERT_EQ(file.scene.walls.size(), 2U);
@@ -261,7 +261,7 @@ TEST_F(SceneFileTest, RefusesWhatIsNoScene) {
   EXPECT_THROW(read_scene(write("none.yaml", "walls: []\n")), ConfigError);
   EXPECT_THROW(read_scene(write("late.yaml", "gdtslam_scene: 2\n")), ConfigError);
   EXPECT_THAT(refusal("walls: [\n"), HasSubstr("not valid YAML"));
-  EXPECT_THROW(read_scene(write("mesh.yaml", "gdtslam_scene: 1\nmeshes: [{file: gone.obj}]\n")), FileError);
+  EXPECT_THROW(read_scene(write("mesh.yaml", "gdtslam_scene: 1\nmeshes: [{file: gone.ply}]\n")), FileError);
 }
 
 // A fan of copies, one name twice, and files outside of the scene's folder: the whole of it in one line each.
@@ -274,7 +274,7 @@ TEST_F(SceneFileTest, PlacesAndReferencesAreBounded) {
   EXPECT_THAT(refusal("objects: [{name: a}, {name: a}]\n"), HasSubstr("there are two objects 'a'"));
   EXPECT_THAT(refusal("meshes: [{file: ../s.yaml}]\n"), HasSubstr("2: meshes[0].file: \"../s.yaml\" leads out"));
   EXPECT_THAT(refusal("robot: {nodding: {linkage: /dev/null}}\n"), HasSubstr("is an absolute name"));
-  EXPECT_THAT(refusal("meshes: [{file: \"a\\nb.obj\"}]\n"), HasSubstr("is no name of a file"));
+  EXPECT_THAT(refusal("meshes: [{file: \"a\\nb.ply\"}]\n"), HasSubstr("is no name of a file"));
 }
 
 TEST_F(SceneFileTest, ReadsATrajectory) {
