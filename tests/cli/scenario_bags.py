@@ -219,6 +219,7 @@ def ros2_is_mapped_as_its_carmen_log():
     (folder / "split").mkdir()
     database(folder / "split" / "split_9.db3", rows[:40])
     database(folder / "split" / "split_10.db3", rows[40:])
+    (folder / "split" / "metadata.yaml").write_text("rosbag2_bagfile_information: {relative_file_paths: [split_9.db3, split_10.db3]}\n")
     for name in ("a.mcap", "a.db3", "split"):
         report = mapped(folder / f"run-{name}", *STATED, log=folder / name)
         expect(results(report) == expected, f"{name}: another map or path than of the CARMEN log")

@@ -120,32 +120,21 @@ class RecordingReader final : public DescribedLog {
     return channel->kind != MessageKind::kOther && topic == crank_topic_;
   }
 
-  /// Nothing at the end, also of a recording that was cut.
+  /// Nothing at the end, also of a recording that was cut or, where that is tolerated, damaged.
   std::optional<RecordingItem> next_item() {
-    while (true) {
-      try {
-        return recording_->next([this](std::uint32_t channel) { return is_wanted(channel); },
-                                [this](std::string_view kind, const std::string& detail) { warn(kind, detail); });
-      } catch (const RecordingFault& fault) {
-        const bool is_cut = dynamic_cast<const RecordingCut*>(&fault) != nullptr;
-        const std::string what = fault.what();
-        const std::string place = recording_->place();
-        const bool goes_on = recording_->skip_damage();
-        if (is_cut && !goes_on) {
-          warn_at("cut bag", what + "; what came before counts", place);
-          return std::nullopt;
-        }
-        refuse("damaged chunk", what, place);
-        if (!goes_on) return std::nullopt;
+    try {
+      return recording_->next([this](std::uint32_t channel) { return is_wanted(channel); },
+                              [this](std::string_view kind, const std::string& detail) { warn(kind, detail); });
+    } catch (const RecordingCut& cut) {
+      warn("cut bag", cut.what() + std::string("; what came before counts"));
+    } catch (const RecordingFault& fault) {
+      if (!options_.lenient) {
+        throw InputError({name_, 0},
+                         fmt::format("{} {}; --lenient takes what is before it", fault.what(), recording_->place()));
       }
+      warn("damaged recording", fault.what() + std::string("; what came before counts"));
     }
-  }
-
-  void refuse(std::string_view kind, const std::string& what, const std::string& place) {
-    if (!options_.lenient) {
-      throw InputError({name_, 0}, fmt::format("{} {}; --lenient leaves out what is damaged", what, place));
-    }
-    warn_at(kind, what, place);
+    return std::nullopt;
   }
 
   void take(const RecordingItem& item) {
@@ -159,7 +148,11 @@ class RecordingReader final : public DescribedLog {
       if (channel == nullptr) throw RecordingFault("has a message of no known channel");
       take_message(*channel, item);
     } catch (const RecordingFault& fault) {
-      refuse("malformed message", fault.what(), recording_->place());
+      if (!options_.lenient) {
+        throw InputError({name_, 0},
+                         fmt::format("{} {}; --lenient leaves out what is damaged", fault.what(), recording_->place()));
+      }
+      warn("malformed message", fault.what());
     }
   }
 
@@ -290,9 +283,8 @@ class RecordingReader final : public DescribedLog {
                                              topics_.text([](const TopicChannel&) { return true; })));
   }
 
-  void warn(std::string_view kind, const std::string& detail) { warn_at(kind, detail, recording_->place()); }
-  void warn_at(std::string_view kind, const std::string& detail, const std::string& place) {
-    if (!warnings_.add_to(kind)) warnings_.add(kind, fmt::format("{}: {}: {}", name_, place, detail));
+  void warn(std::string_view kind, const std::string& detail) {
+    if (!warnings_.add_to(kind)) warnings_.add(kind, fmt::format("{}: {}: {}", name_, recording_->place(), detail));
   }
 
   std::string format_;

@@ -27,7 +27,7 @@ using RecordingMaker = std::function<std::unique_ptr<Recording>()>;
 
 /// Whatever container it is in, `format` in words; `name` stands in messages. next() throws UsageError where several
 /// topics have scans and ReadOptions::topics names none of them; InputError where the recording is damaged (with
-/// ReadOptions::lenient chunks and messages that are damaged are counted instead) or has no scan.
+/// ReadOptions::lenient a damaged message is left out, and other damage ends the log) or has no scan.
 std::unique_ptr<DescribedLog> read_recording(const RecordingMaker& make, std::string_view format,
                                              const std::string& name, const ReadOptions& options);
 

@@ -162,6 +162,32 @@ def sqlite_of_zeros(folder):
     return ["map", path, "-o", folder / "run", "-q"]
 
 
+def sqlite_that_computes(folder):
+    """Each row that is read would compute for hours."""
+    path = folder / "bag_0.db3"
+    with sqlite3.connect(path) as database:
+        database.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT)")
+        database.execute("CREATE TABLE messages(id INTEGER PRIMARY KEY, timestamp INTEGER, data BLOB)")
+        database.execute("INSERT INTO messages VALUES (1, 1, x'')")
+        database.execute("ALTER TABLE messages ADD COLUMN topic_id INTEGER GENERATED ALWAYS AS "
+                         f"(hex(zeroblob(8000000 + id)) GLOB '*{'0' * 20_000}1') VIRTUAL")
+    database.close()
+    return ["map", path, "-o", folder / "run", "-q"]
+
+
+def packed_sqlite(blocks):
+    """A database, then so many blocks of zstd of 4 bytes each, which stand for 128 KiB."""
+    with sqlite3.connect(":memory:") as database:
+        database.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT)")
+        database.execute("CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB)")
+        plain = database.serialize()
+
+    def block(kind, size, content):
+        return struct.pack("<I", kind << 1 | size << 3)[:3] + content
+
+    return b"\x28\xb5\x2f\xfd" + bytes([0, 17 << 3]) + block(0, len(plain), plain) + block(1, 128 << 10, b"\0") * blocks
+
+
 def ros2_folder_of_aliases(folder):
     (folder / "metadata.yaml").write_text("a: &a [x, x, x, x, x, x, x, x, x, x]\n" + "".join(
         f"b{k}: &b{k} [{', '.join(['*a' if k == 0 else f'*b{k - 1}'] * 10)}]\n" for k in range(10)) + "rosbag2_bagfile_information: *b9\n")
@@ -197,6 +223,8 @@ BOMBS = [
     Bomb("bag chunk of lz4 of zeros", log_of("log.bag", lambda: ros1_bag(bag_chunk(b"lz4", 1 << 28, lz4_frame(64)))), 65, "log.bag"),
     Bomb("SQLite of 300,000 topics", sqlite_of_many_topics, 65, "bag_0.db3", 200),
     Bomb("SQLite message of 512 MB of zeros", sqlite_of_zeros, 65, "bag_0.db3"),
+    Bomb("SQLite that computes its rows", sqlite_that_computes, 65, "bag_0.db3: has a computed column"),
+    Bomb("SQLite of 3 GiB of zeros in zstd", log_of("bag_0.db3.zst", lambda: packed_sqlite(24_576)), 65, "unpacks to more than 100 times", 300),
     Bomb("ROS 2 folder of aliases", ros2_folder_of_aliases, 65, "metadata.yaml|ros_2_folder"),
     Bomb("ROS 2 folder that names a file 50,000 times", ros2_folder_of_files, 65, "ros_2_folder", 100, 10),
 ]

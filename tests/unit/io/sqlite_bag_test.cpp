@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/core/files/interruption.hpp"
 #include "gdtslam/core/error.hpp"
 #include "io_test_support.hpp"
 
@@ -164,17 +165,60 @@ TEST(SqliteBag, RowsMayBeginBelowOne) {
   EXPECT_EQ(given, 5U);
 }
 
-TEST(SqliteBag, ARowThatComesTwiceIsDamage) {
+// What is no plain table of rosbag2 could be rows without end, or a program.
+TEST(SqliteBag, OnlyPlainTablesAreRead) {
   const TemporaryFolder folder;
-  const std::string without_key =
-      "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT);"
-      "CREATE TABLE messages(id INTEGER, topic_id INTEGER, timestamp INTEGER, data BLOB);";
-  std::size_t given = 0;
-  const std::string twice = made_by_sqlite(folder / "a.db3", without_key + bag_row(1) + bag_row(1) + bag_row(2));
-  EXPECT_EQ(refusal_of(twice, &given).text, "is damaged: its messages are not in order");
-  EXPECT_EQ(given, 1U);
-  const std::string once = made_by_sqlite(folder / "b.db3", without_key + bag_row(1) + bag_row(2) + bag_row(3));
-  EXPECT_EQ(refusal_of(once).text, "");
+  const std::string topics =
+      "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT);";
+  const std::string columns = "topic_id INTEGER, timestamp INTEGER, data BLOB";
+  const std::string no_bag = "is an SQLite file without the tables 'topics' and 'messages' of a ROS 2 bag";
+  const std::string computed = "has a computed column in its table 'messages', which no recorder writes";
+  const std::vector<std::pair<std::string, std::string>> kinds{
+      {"CREATE TABLE messages(id INTEGER, " + columns + ");", no_bag},
+      {"CREATE TABLE messages(id TEXT PRIMARY KEY, " + columns + ");", no_bag},
+      {"CREATE VIEW messages AS SELECT 1 AS id, 1 AS topic_id, 1 AS timestamp, x'' AS data;", no_bag},
+      {"CREATE VIRTUAL TABLE messages USING fts5(id, topic_id, timestamp, data);", no_bag},
+      {"CREATE TABLE messages(id INTEGER PRIMARY KEY, timestamp INTEGER, data BLOB, topic_id INTEGER AS (hex(id)));",
+       computed},
+      {"CREATE TABLE messages(id INTEGER PRIMARY KEY, " + columns + ", a INTEGER AS (hex(id)) STORED);", computed}};
+  for (std::size_t k = 0; k < kinds.size(); ++k) {
+    const std::string file = made_by_sqlite(folder / fmt::format("{}.db3", k), topics + kinds[k].first);
+    EXPECT_EQ(refusal_of(file).text, kinds[k].second) << kinds[k].first;
+    EXPECT_EQ(refusal_of(std::string_view(get_file(file))).text, kinds[k].second) << kinds[k].first;
+  }
+}
+
+// The index of such a key is no help with the order, so that all rows are sorted before the first one.
+TEST(SqliteBag, ARowTakesABoundedNumberOfSteps) {
+  const TemporaryFolder folder;
+  const auto refusal_with = [&](int rows) {
+    return refusal_of(made_by_sqlite(
+        folder / fmt::format("{}.db3", rows),
+        "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT);"
+        "CREATE TABLE messages(id INTEGER, topic_id INTEGER, timestamp INTEGER, data BLOB, "
+        "PRIMARY KEY(id COLLATE NOCASE, topic_id));" +
+            fmt::format("WITH RECURSIVE n(id) AS (SELECT 1 UNION ALL SELECT id + 1 FROM n WHERE id < {}) "
+                        "INSERT INTO messages SELECT id, 1, 1, x'07' FROM n;",
+                        rows)));
+  };
+  EXPECT_EQ(refusal_with(1000).text, "");
+  EXPECT_EQ(refusal_with(300'000).text, "takes more steps for a row than any bag");
+}
+
+TEST(SqliteBag, WhatTakesLongEndsWhenTheProcessIsAskedTo) {
+  const TemporaryFolder folder;
+  std::string views;
+  for (int k = 0; k < 2000; ++k) views += fmt::format("CREATE VIEW v{} AS SELECT 1;", k);
+  const std::string file = made_by_sqlite(folder / "a.db3", "BEGIN;" + kOneTopic + views + "COMMIT;");
+  EXPECT_EQ(refusal_of(file).text, "");
+  asked_to_end = [] { return true; };
+  try {
+    (void)refusal_of(file);
+    ADD_FAILURE() << "not interrupted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::kInterrupted);
+  }
+  asked_to_end = nullptr;
 }
 
 TEST(SqliteBag, ProgressAndPlaceGoByTheRows) {
@@ -195,7 +239,7 @@ TEST(SqliteBag, ProgressAndPlaceGoByTheRows) {
   EXPECT_EQ(SqliteBag(made_by_sqlite(folder / "none.db3", kOneTopic)).progress(), -1.0) << "unknown";
 }
 
-// docs/formats.md: a message has at most 16 MiB. A longer one is left out by who wants it, and passed over else.
+// docs/formats.md: a message has at most 16 MiB. A longer one is damage to who wants it, and passed over else.
 TEST(SqliteBag, AMessageOf16MiBIsReadAndNoLongerOne) {
   const TemporaryFolder folder;
   const std::string file = made_by_sqlite(folder / "a.db3", kOneTopic + bag_row(1, "0", "zeroblob(16777216)") +
@@ -204,17 +248,12 @@ TEST(SqliteBag, AMessageOf16MiBIsReadAndNoLongerOne) {
   RecordingItem message;
   ASSERT_EQ(skip_channels(bag, message), 1U);
   EXPECT_EQ(message.bytes.size(), 16777216U);
-  EXPECT_FALSE(bag.skip_damage()) << "nothing is damaged";
   try {
     (void)next_item_of(bag);
     ADD_FAILURE() << "the longer one was read";
   } catch (const RecordingFault& fault) {
     EXPECT_STREQ(fault.what(), "has a message of 16777217 bytes; at most 16777216 are read");
   }
-  EXPECT_TRUE(bag.skip_damage());
-  EXPECT_FALSE(bag.skip_damage()) << "once";
-  EXPECT_EQ(next_item_of(bag)->bytes, "\x07");
-  EXPECT_EQ(next_item_of(bag), std::nullopt);
 
   SqliteBag unwanted(file);
   std::size_t messages = 0;
@@ -254,29 +293,6 @@ TEST(SqliteBag, LeavesNothingBehindInSqlite) {
   EXPECT_EQ(sqlite3_memory_used(), before);
 }
 
-TEST(SqliteBag, AMessageWithoutBytesCostsItself) {
-  const TemporaryFolder folder;
-  for (const int missing : {1, 2, 3}) {
-    std::string rows;
-    for (int k = 1; k <= 3; ++k) rows += bag_row(k, "0", k == missing ? "NULL" : "x'07'");
-    SqliteBag bag(made_by_sqlite(folder / fmt::format("{}.db3", missing), kOneTopic + rows));
-    ASSERT_TRUE(next_item_of(bag)->definition);
-    for (int k = 1; k <= 3; ++k) {
-      if (k != missing) {
-        EXPECT_EQ(next_item_of(bag)->bytes, "\x07") << k << " of " << missing;
-        continue;
-      }
-      try {
-        (void)next_item_of(bag);
-        ADD_FAILURE() << missing;
-      } catch (const RecordingFault& fault) {
-        EXPECT_STREQ(fault.what(), "has a message without bytes");
-      }
-      EXPECT_TRUE(bag.skip_damage());
-    }
-  }
-}
-
 /// A bag of pages of that size whose last ones hold what nobody asks for.
 std::string with_pages_behind(const std::string& file, int page_bytes) {
   return made_by_sqlite(file, fmt::format("PRAGMA page_size={};", page_bytes) + kOneTopic + bag_row(1) + bag_row(2) +
@@ -284,7 +300,7 @@ std::string with_pages_behind(const std::string& file, int page_bytes) {
 }
 
 // www.sqlite.org/fileformat.html: the size of a page is at byte 16, where 1 means 65536, and their number at byte 28.
-TEST(SqliteBag, ABagWithFewerPagesThanItStatesIsReadAndToldToBeCut) {
+TEST(SqliteBag, ABagWithFewerPagesThanItStatesIsRefused) {
   const TemporaryFolder folder;
   for (const int page_bytes : {512, 4096, 32768, 65536}) {
     const std::string file = with_pages_behind(folder / fmt::format("{}.db3", page_bytes), page_bytes);
@@ -299,24 +315,12 @@ TEST(SqliteBag, ABagWithFewerPagesThanItStatesIsReadAndToldToBeCut) {
       const std::string cut = folder / "cut.db3";
       put_file(cut, part);
       put_file(cut + "-wal", "");  // of a recorder that had just emptied it
-      std::size_t given = 0;
-      const Refusal of_file = refusal_of(cut, &given);
-      EXPECT_EQ(of_file.text, "ends before the pages that it states") << page_bytes << " without " << missing;
-      EXPECT_TRUE(of_file.is_cut);
-      EXPECT_EQ(given, 2U);
-      EXPECT_EQ(refusal_of(std::string_view(part)).text, "ends before the pages that it states") << "in memory";
+      for (const Refusal& refusal : {refusal_of(cut), refusal_of(std::string_view(part))}) {
+        EXPECT_THAT(refusal.text, testing::HasSubstr("was cut off")) << page_bytes << " without " << missing;
+        EXPECT_THAT(refusal.text, EndsWith("'sqlite3 FILE .recover' saves what there is"));
+      }
     }
   }
-}
-
-// The same page: what a program older than SQLite 3.7 wrote last states no number of pages, so the two counters differ.
-TEST(SqliteBag, ANumberOfPagesThatNobodyKeptIsNotBelieved) {
-  const TemporaryFolder folder;
-  std::string bytes = get_file(with_pages_behind(folder / "a.db3", 4096));
-  bytes[31] = static_cast<char>(bytes[31] + 1);  // one page more
-  EXPECT_EQ(refusal_of(std::string_view(bytes)).text, "ends before the pages that it states");
-  bytes[95] = static_cast<char>(bytes[95] + 1);
-  EXPECT_EQ(refusal_of(std::string_view(bytes)).text, "");
 }
 
 TEST(SqliteBag, WhatCannotBeOpenedAndWhatIsDamagedAreToldApart) {
@@ -356,34 +360,6 @@ TEST(SqliteBag, WhatIsBeforeADamagedPageIsGiven) {
   EXPECT_GE(given, 35U) << "a page of 512 bytes holds four of them";
   EXPECT_LT(given, 40U);
   EXPECT_EQ(SqliteBag(std::string_view(bytes)).progress(), -1.0) << "the last row is not known";
-}
-
-// SQLite gives a page that is cut with zeros for what is missing.
-TEST(SqliteBag, APageThatIsCutIsNotFilledUp) {
-  const TemporaryFolder folder;
-  const std::string data(100, 'x');
-  std::string rows;
-  for (int k = 1; k <= 10; ++k) rows += bag_row(k, "0", "'" + data + "'");
-  const std::string whole = get_file(made_by_sqlite(folder / "a.db3", "PRAGMA page_size=512;" + kOneTopic + rows));
-  const std::string cut = folder / "cut.db3";
-  const auto count_whole_messages = [&](SqliteBag bag) {
-    std::size_t given = 0;
-    try {
-      while (const std::optional<RecordingItem> item = next_item_of(bag)) {
-        if (item->definition) continue;
-        ++given;
-        EXPECT_EQ(item->bytes, data);
-      }
-    } catch (const RecordingCut&) {  // as it has to be
-    }
-    return given;
-  };
-  for (std::size_t missing = 1; missing <= 1024; missing += 7) {
-    const std::string part = whole.substr(0, whole.size() - missing);
-    put_file(cut, part);
-    EXPECT_EQ(count_whole_messages(SqliteBag(cut)), missing <= 512 ? 8U : 4U) << missing;
-    EXPECT_EQ(count_whole_messages(SqliteBag(std::string_view(part))), missing <= 512 ? 8U : 4U) << missing;
-  }
 }
 
 }  // namespace

@@ -142,7 +142,8 @@ std::vector<MapCommand> map_commands(const DoctorOptions& options, const LogCont
                                      const std::vector<LogFinding>& faults) {
   if (!check.obstacle().empty()) return {};
   const bool is_damaged = std::any_of(check.warnings.begin(), check.warnings.end(), [](const auto& warning) {
-    return warning.kind == "malformed line" || warning.kind == "malformed message" || warning.kind == "damaged chunk";
+    return warning.kind == "malformed line" || warning.kind == "malformed message" ||
+           warning.kind == "damaged recording";
   });
   const std::string start = "gdtslam map " + log_word(options.log);
   const std::string end =

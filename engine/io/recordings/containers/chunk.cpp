@@ -30,7 +30,7 @@ class PackedChunk : public ByteSource {
       if (begin_ == end_ && !may_hold_more_) {
         begin_ = 0;
         end_ = packed_->read(piece_);
-        if (end_ == 0) throw RecordingCut("has packed data that stop early");
+        if (end_ == 0) throw RecordingFault("has packed data that stop early");
       }
       const std::size_t count = unpack({piece_.data() + begin_, end_ - begin_}, target);
       may_hold_more_ = count == target.size();

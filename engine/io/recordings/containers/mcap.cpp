@@ -107,18 +107,6 @@ void McapFile::close_chunk() {
   file_.skip(end - file_.offset());
 }
 
-bool McapFile::skip_damage() {
-  if (!chunk_) return false;
-  const std::uint64_t end = chunk_->end;
-  chunk_.reset();
-  try {
-    file_.skip(end - file_.offset());
-  } catch (const RecordingCut&) {
-    return false;
-  }
-  return true;
-}
-
 void McapFile::take_schema(const std::string& content) {
   McapFields fields(content);
   const auto number = fields.whole<std::uint16_t>();

@@ -60,11 +60,9 @@ class Recording {
   Recording(const Recording&) = delete;
   Recording& operator=(const Recording&) = delete;
   virtual ~Recording() = default;
-  /// The next channel or message; nothing at the end. Throws RecordingCut, or RecordingFault for what is damaged;
-  /// skip_damage() can go on after that.
+  /// The next channel or message; nothing at the end. Throws RecordingCut, or RecordingFault for what is damaged:
+  /// nothing can be read after that.
   virtual std::optional<RecordingItem> next(const Wanted& wanted, const Warn& warn) = 0;
-  /// Leaves what is damaged (a chunk, a file of several) behind; false where nothing can be read after it.
-  virtual bool skip_damage() = 0;
   /// Where the reading is, for messages: "before byte 120".
   [[nodiscard]] virtual std::string place() const = 0;
   /// Share of the input consumed, 0 to 1; negative when unknown.

@@ -80,16 +80,6 @@ void Ros1Bag::close_chunk() {
   file_.skip(chunk_end_ - file_.offset());
 }
 
-bool Ros1Bag::skip_damage() {
-  if (!chunk_) return false;
-  try {
-    close_chunk();
-  } catch (const RecordingCut&) {
-    return false;
-  }
-  return true;
-}
-
 RecordingItem Ros1Bag::connection_of(const BagFields& fields, std::uint32_t size, CountedBytes& bytes) {
   const std::string text = bytes.read_text(size, kMostMessageBytes, "a connection");
   const BagFields described(text);

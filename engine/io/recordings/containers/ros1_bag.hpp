@@ -39,8 +39,6 @@ class Ros1Bag final : public Recording {
   explicit Ros1Bag(std::unique_ptr<ByteSource> source);
 
   std::optional<RecordingItem> next(const Wanted& wanted, const Warn& warn) override;
-  /// False where the damage is outside of chunks, or the bag ended in it.
-  bool skip_damage() override;
   [[nodiscard]] std::string place() const override;
   [[nodiscard]] double progress() const override { return file_.source().progress(); }
   [[nodiscard]] std::string defect() const override { return file_.source().defect(); }

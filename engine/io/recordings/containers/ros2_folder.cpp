@@ -1,14 +1,13 @@
 #include "ros2_folder.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
 #include <unistd.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
@@ -18,11 +17,12 @@
 #include <tuple>
 #include <utility>
 
-#include "chunk.hpp"
 #include "engine/core/files/folder_calls.hpp"
+#include "engine/core/files/interruption.hpp"
 #include "engine/io/byte_source.hpp"
 #include "engine/io/file_limits.hpp"
 #include "engine/io/message_text.hpp"
+#include "engine/io/unpack_source.hpp"
 #include "engine/io/yaml/yaml_text.hpp"
 #include "gdtslam/core/error.hpp"
 #include "mcap.hpp"
@@ -47,37 +47,6 @@ bool is_recording_name(std::string_view name) {
   return false;
 }
 
-/// bag_2 before bag_10.
-bool comes_before(const std::string& a, const std::string& b) {
-  const auto digits_from = [](const std::string& text, std::size_t at) {
-    std::size_t end = at;
-    while (end < text.size() && text[end] >= '0' && text[end] <= '9') ++end;
-    return end - at;
-  };
-  std::size_t i = 0;
-  std::size_t j = 0;
-  while (i < a.size() && j < b.size()) {
-    const std::size_t m = digits_from(a, i);
-    const std::size_t n = digits_from(b, j);
-    if (m > 0 && n > 0) {
-      const std::string x = a.substr(std::min(a.find_first_not_of('0', i), i + m - 1), std::string::npos);
-      const std::string y = b.substr(std::min(b.find_first_not_of('0', j), j + n - 1), std::string::npos);
-      const std::size_t p = digits_from(x, 0);
-      const std::size_t q = digits_from(y, 0);
-      if (p != q) return p < q;
-      if (const int order = x.compare(0, p, y, 0, q); order != 0) return order < 0;
-      i += m;
-      j += n;
-    } else if (a[i] != b[j]) {
-      return a[i] < b[j];
-    } else {
-      ++i;
-      ++j;
-    }
-  }
-  return a.size() - i != b.size() - j ? a.size() - i < b.size() - j : a < b;
-}
-
 std::vector<std::string> names_in(const std::string& folder) {
   std::vector<std::string> names;
   std::error_code error;
@@ -86,24 +55,22 @@ std::vector<std::string> names_in(const std::string& folder) {
     if (is_recording_name(name) && names.size() < kMostFiles) names.push_back(std::move(name));
   }
   if (error) throw FileError(folder, fmt::format("cannot be read: {}", error.message()));
-  std::sort(names.begin(), names.end(), comes_before);
   return names;
 }
 
 /// Names as metadata.yaml has them; nothing where it is not there or has none.
-std::vector<std::string> names_in_metadata(const std::string& file, const Recording::Warn& warn) {
+std::vector<std::string> names_in_metadata(const std::string& file) {
   std::vector<std::string> names;
   std::error_code ignored;
   if (!fs::exists(file, ignored)) return names;
+  const YAML::Node root = parse_yaml<InputError>(gdtslam::read_text<InputError>(file, kMaxYamlBytes), file);
   try {
-    const YAML::Node root = parse_yaml<InputError>(gdtslam::read_text<InputError>(file, kMaxYamlBytes), file);
-    const YAML::Node paths = root["rosbag2_bagfile_information"]["relative_file_paths"];
-    for (const YAML::Node& path : paths) {
+    for (const YAML::Node& path : root["rosbag2_bagfile_information"]["relative_file_paths"]) {
       if (names.size() < kMostFiles) names.push_back(path.as<std::string>());
     }
-  } catch (const std::exception& error) {
-    names.clear();
-    warn("metadata.yaml not used", fmt::format("{}; files are read by their names", one_line(error.what(), 300)));
+  } catch (const YAML::Exception& error) {
+    throw InputError({file, 0},
+                     fmt::format("does not list the files of a ROS 2 bag ({})", one_line(error.what(), 200)));
   }
   return names;
 }
@@ -122,60 +89,45 @@ std::optional<std::string> find_name(const std::string& stated, const std::vecto
   return std::nullopt;
 }
 
-/// A temporary file, which gets a name only when it is whole, so that a killed process leaves none behind.
+/// A temporary file of what a source unpacks to. A few bytes of zstd may stand for gigabytes of zeros: what is much
+/// longer than its packed bytes is refused before it fills the disk.
 class SpooledFile {
  public:
-  SpooledFile(ByteSource& source, std::string_view head) : folder_(fs::temp_directory_path().string()) {
-    descriptor_ = ::open(folder_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, S_IRUSR | S_IWUSR);
-    if (descriptor_ < 0) make_named();  // not every file system has files without names
-    write(head);
-    std::vector<char> piece(std::size_t{1} << 18U);
-    try {
-      while (const std::size_t count = source.read(piece)) write({piece.data(), count});
-      defect_ = source.defect();
-    } catch (const RecordingFault& fault) {  // SQLite reads what there is
-      defect_ = fault.what();
-    }
-    if (name_.empty()) give_name();
+  SpooledFile() : folder_(fs::temp_directory_path().string()), name_(folder_ + "/gdtslam-bag-XXXXXX") {
+    descriptor_ = ::mkstemp(name_.data());
+    if (descriptor_ < 0) fail();
   }
   SpooledFile(const SpooledFile&) = delete;
   SpooledFile& operator=(const SpooledFile&) = delete;
   ~SpooledFile() {
-    remove_name();
-    if (descriptor_ >= 0) ::close(descriptor_);
+    ::unlink(name_.c_str());
+    ::close(descriptor_);
   }
-  /// What is wrong with the packed bytes, else empty.
-  [[nodiscard]] const std::string& defect() const { return defect_; }
   [[nodiscard]] const std::string& name() const { return name_; }
-  void remove_name() {
-    if (!name_.empty()) ::unlink(name_.c_str());
-    name_.clear();
+
+  void fill(ByteSource& source, std::string_view head) {
+    constexpr std::uint64_t kFreeBytes = std::uint64_t{16} << 20U;
+    constexpr std::uint64_t kMostPerPackedByte = 100;
+    std::uint64_t bytes = head.size();
+    write(head);
+    std::vector<char> piece(std::size_t{1} << 18U);
+    while (const std::size_t count = source.read(piece)) {
+      bytes += count;
+      if (bytes > kFreeBytes + kMostPerPackedByte * source.bytes_from_file()) {
+        throw RecordingFault(fmt::format("unpacks to more than {} times its bytes; unpack it by hand if that is meant",
+                                         kMostPerPackedByte));
+      }
+      if (is_asked_to_end()) throw Error(ExitCode::kInterrupted, "interrupted while a bag was unpacked");
+      write({piece.data(), count});
+    }
+    if (const std::string defect = source.defect(); !defect.empty()) throw RecordingFault(defect);
   }
 
  private:
-  [[noreturn]] void fail() {
+  [[noreturn]] void fail() const {
     const int why = errno;
-    remove_name();
-    if (descriptor_ >= 0) ::close(descriptor_);
     throw FileError(folder_,
                     fmt::format("cannot hold what a bag unpacks to: {}; TMPDIR names another folder", errno_text(why)));
-  }
-  void make_named() {
-    std::string pattern = folder_ + "/gdtslam-bag-XXXXXX";
-    descriptor_ = ::mkstemp(pattern.data());
-    if (descriptor_ < 0) fail();
-    name_ = pattern;
-  }
-  void give_name() {
-    const std::string file = fmt::format("/proc/self/fd/{}", descriptor_);
-    for (int number = 0;; ++number) {
-      const std::string name = fmt::format("{}/gdtslam-bag-{}-{}", folder_, ::getpid(), number);
-      if (::linkat(AT_FDCWD, file.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0) {
-        name_ = name;
-        return;
-      }
-      if (errno != EEXIST) fail();
-    }
   }
   void write(std::string_view bytes) {
     while (!bytes.empty()) {
@@ -186,25 +138,7 @@ class SpooledFile {
   }
   std::string folder_;
   std::string name_;
-  std::string defect_;
   int descriptor_ = -1;
-};
-
-/// SQLite over a file that was unpacked.
-class SpooledBag final : public Recording {
- public:
-  SpooledBag(ByteSource& source, std::string_view head) : file_(source, head), bag_(file_.name()) {
-    file_.remove_name();
-  }
-  std::optional<RecordingItem> next(const Wanted& wanted, const Warn& warn) override { return bag_.next(wanted, warn); }
-  bool skip_damage() override { return bag_.skip_damage(); }
-  [[nodiscard]] std::string place() const override { return bag_.place(); }
-  [[nodiscard]] double progress() const override { return bag_.progress(); }
-  [[nodiscard]] std::string defect() const override { return file_.defect(); }
-
- private:
-  SpooledFile file_;
-  SqliteBag bag_;
 };
 
 std::string first_bytes(ByteSource& source) {
@@ -244,12 +178,6 @@ class FileSequence final : public Recording {
       if (item) return item;
       leave_file(warn);
     }
-  }
-
-  bool skip_damage() override {
-    if (file_ && file_->skip_damage()) return true;
-    file_.reset();
-    return next_file_ < files_.size();
   }
 
   [[nodiscard]] std::string place() const override {
@@ -314,14 +242,20 @@ class FileSequence final : public Recording {
 std::vector<std::string> files_of_ros2_folder(const std::string& folder, const Recording::Warn& warn) {
   const std::vector<std::string> names = names_in(folder);
   std::vector<std::string> files;
-  for (const std::string& stated : names_in_metadata((fs::path(folder) / "metadata.yaml").string(), warn)) {
+  for (const std::string& stated : names_in_metadata((fs::path(folder) / "metadata.yaml").string())) {
     if (const std::optional<std::string> name = find_name(stated, names)) {
       if (std::find(files.begin(), files.end(), *name) == files.end()) files.push_back(*name);
     } else {
       warn("missing file of the bag", fmt::format("metadata.yaml names {}", in_quotes(stated)));
     }
   }
-  if (files.empty()) files = names;
+  if (files.empty() && names.size() == 1) files = names;
+  if (files.empty() && !names.empty()) {
+    throw InputError({folder, 0},
+                     fmt::format("has {} files and no metadata.yaml that names them in their order; 'ros2 bag "
+                                 "reindex' writes it, or give one file",
+                                 names.size()));
+  }
   if (files.empty()) {
     if (std::filesystem::exists(std::filesystem::path(folder) / "report.json")) {
       throw InputError({folder, 0}, "is a folder of results and no log; gdtslam map --continue maps its logs again");
@@ -336,12 +270,16 @@ std::unique_ptr<Recording> open_ros2_file(const std::string& path) {
   if (packed_head.starts_with(kSqliteMagic)) return std::make_unique<SqliteBag>(path);
   std::unique_ptr<ByteSource> source = open_file_source(path);
   if (packed_head.starts_with(kZstdMagic)) {
-    source = unpacked_chunk(std::move(source), "zstd", "zstd");
+    source = unpack_source(StreamPacking::kZstd, std::move(source), path);
   } else {
     source = gunzip_if_packed(std::move(source), path);
   }
   std::string head = first_bytes(*source);
-  if (head.starts_with(kSqliteMagic)) return std::make_unique<SpooledBag>(*source, head);
+  if (head.starts_with(kSqliteMagic)) {
+    SpooledFile file;
+    file.fill(*source, head);
+    return std::make_unique<SqliteBag>(file.name());
+  }
   return std::make_unique<McapFile>(with_head(std::move(head), std::move(source)));
 }
 

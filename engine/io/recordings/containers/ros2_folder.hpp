@@ -1,7 +1,6 @@
-// A ROS 2 bag as it lies on the disk: a folder with one or more files (SQLite or MCAP), with or without metadata.yaml,
-// or one SQLite file of it. Files follow each other as metadata.yaml has them, else by their names, numbers in them as
-// numbers. What was packed as a whole (.db3.zstd, .mcap.zstd, .gz) is unpacked; SQLite into a temporary file
-// because it cannot be read forwards. One bag belongs to one thread.
+// A ROS 2 bag as it lies on the disk: a folder with the files (SQLite or MCAP) that its metadata.yaml names, one after
+// the other, a folder with one such file, or a file by itself. What was packed as a whole (.db3.zstd, .mcap.zstd, .gz)
+// is unpacked; SQLite into a temporary file because it cannot be read forwards. One bag belongs to one thread.
 #pragma once
 
 #include <memory>
@@ -12,8 +11,8 @@
 
 namespace gdtslam {
 
-/// The files of a folder in their order. Throws InputError where it holds none, FileError where it cannot be read;
-/// what is wrong with metadata.yaml is told by `warn`.
+/// The files of a folder in their order. Throws InputError where it holds none, or several in no known order, FileError
+/// where it cannot be read; `warn` gets files that metadata.yaml names and that are not there.
 std::vector<std::string> files_of_ros2_folder(const std::string& folder, const Recording::Warn& warn);
 
 /// The file with that content, packed or not. Throws RecordingFault, InputError or FileError.

@@ -4,15 +4,14 @@
 #include <sqlite3.h>
 
 #include <algorithm>
-#include <cerrno>
+#include <array>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <new>
-#include <set>
 #include <system_error>
 #include <utility>
 
+#include "engine/core/files/interruption.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
 
@@ -20,6 +19,10 @@ namespace gdtslam {
 namespace {
 
 constexpr int kMostCacheKiB = 8192;
+// A row of a bag takes some ten steps of SQLite; a million take less than a second.
+constexpr int kStepsBetweenQuestions = 1000;
+constexpr int kMostQuestions = 1000;
+constexpr std::string_view kRecoverHint = "'sqlite3 FILE .recover' saves what there is";
 
 /// SQLite takes names as URIs: what means something there is written as its number.
 std::string sqlite_uri(const std::string& path, std::string_view parameters) {
@@ -53,119 +56,113 @@ bool is_damage(int code) {
   return kind == SQLITE_CORRUPT || kind == SQLITE_NOTADB || kind == SQLITE_FORMAT || kind == SQLITE_NOMEM;
 }
 
-// SQLite says so too where a damaged file asks for more than it ever allocates; then nobody was asked for memory. Calls
-// that may end so begin with errno 0.
-bool is_memory_short(int code) { return (code & 0xff) == SQLITE_NOMEM && errno == ENOMEM; }
-
 MessageEncoding sqlite_encoding(std::string_view name) {
   if (name == "cdr" || name.empty()) return MessageEncoding::kCdr;
   return name == "ros1" ? MessageEncoding::kRos1 : MessageEncoding::kOther;
 }
 
+// Our statements read these tables and call no function. What a database computes would call one.
+int allow_reading_alone(void* /*unused*/, int action, const char* table, const char* /*column*/,
+                        const char* /*database*/, const char* /*trigger*/) {
+  constexpr std::array<std::string_view, 3> kTables{"sqlite_master", "topics", "messages"};
+  if (action == SQLITE_SELECT) return SQLITE_OK;
+  const bool is_known = table != nullptr && std::find(kTables.begin(), kTables.end(), table) != kTables.end();
+  return action == SQLITE_READ && is_known ? SQLITE_OK : SQLITE_DENY;
+}
+
 }  // namespace
-
-/// Of a file whose last page is cut: SQLite would fill that up with zeros, and take them for rows and messages.
-struct SqliteBag::WholePages {
-  sqlite3_io_methods methods;  ///< the first member, to which the file points
-  const sqlite3_io_methods* methods_of_file;
-  sqlite3_int64 bytes;
-
-  static int read(sqlite3_file* file, void* bytes, int count, sqlite3_int64 offset) {
-    const auto* const pages = reinterpret_cast<const WholePages*>(file->pMethods);
-    if (offset + count > pages->bytes) return SQLITE_CORRUPT;
-    return pages->methods_of_file->xRead(file, bytes, count, offset);
-  }
-};
 
 void SqliteBag::CloseDatabase::operator()(sqlite3* database) const { sqlite3_close(database); }
 void SqliteBag::CloseBlob::operator()(sqlite3_blob* blob) const { sqlite3_blob_close(blob); }
 void SqliteBag::FinishStatement::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
 SqliteBag::~SqliteBag() = default;
 
-// A journal is read by this process alone, with locks and index in memory, so that nothing is written beside the bag.
+// Without a journal nothing is written beside the bag.
 SqliteBag::SqliteBag(const std::string& path) : path_(path) {
-  constexpr std::size_t kHeadBytes = 100;
-  std::error_code no_journal;
-  const std::uintmax_t journal_bytes = std::filesystem::file_size(path + "-wal", no_journal);
-  const bool has_journal = !no_journal && journal_bytes > 0;
-  open(sqlite_uri(path, has_journal ? "?mode=ro" : "?mode=ro&immutable=1"), "unix-none");
-  std::string head(kHeadBytes, '\0');
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  const std::streamoff size = file.tellg();
-  if (!has_journal && size > 0 && file.seekg(0).read(head.data(), kHeadBytes)) {
-    const auto bytes = static_cast<std::uint64_t>(size);
-    if (const std::uint64_t whole_bytes = check_size(head, bytes); whole_bytes < bytes) leave_out_rest(whole_bytes);
+  std::error_code error;
+  if (const std::uintmax_t bytes = std::filesystem::file_size(path + "-wal", error); !error && bytes > 0) {
+    throw RecordingFault(
+        "has messages in its journal (-wal), as its recorder was killed; 'sqlite3 FILE \"PRAGMA "
+        "wal_checkpoint(TRUNCATE)\"' moves "
+        "them into the file");
   }
-  if (file.bad()) throw FileError(path, "cannot be read");
-  start();
+  open(sqlite_uri(path, "?mode=ro&immutable=1"), "unix-none");
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error) throw FileError(path, fmt::format("cannot be read: {}", error.message()));
+  start(size);
 }
 
 SqliteBag::SqliteBag(std::string_view bytes) {
   open("file::memory:", nullptr);
-  bytes = bytes.substr(0, check_size(bytes, bytes.size()));
   auto* const copy = static_cast<unsigned char*>(sqlite3_malloc64(std::max<std::size_t>(bytes.size(), 1)));
   if (copy == nullptr) throw std::bad_alloc();
   std::memcpy(copy, bytes.data(), bytes.size());
   const auto size = static_cast<sqlite3_int64>(bytes.size());
   const unsigned flags = SQLITE_DESERIALIZE_FREEONCLOSE | SQLITE_DESERIALIZE_READONLY;
-  errno = 0;
   if (const int code = sqlite3_deserialize(database_.get(), "main", copy, size, size, flags); code != SQLITE_OK) {
     fail(code);
   }
-  start();
-}
-
-// The head states the number of pages, where the program that wrote last keeps it (its two counters agree).
-std::uint64_t SqliteBag::check_size(std::string_view head, std::uint64_t size) {
-  const auto number = [&](std::size_t at, std::size_t bytes) {
-    std::uint64_t value = 0;
-    for (std::size_t k = 0; k < bytes; ++k) value = 256 * value + static_cast<unsigned char>(head[at + k]);
-    return value;
-  };
-  if (head.size() < 100) return size;
-  const std::uint64_t page_bytes = number(16, 2) == 1 ? 65536 : number(16, 2);
-  if (number(24, 4) == number(92, 4)) is_shortened_ = page_bytes * number(28, 4) > size;
-  return page_bytes == 0 || size < page_bytes ? size : size - size % page_bytes;
-}
-
-void SqliteBag::leave_out_rest(std::uint64_t whole_bytes) {
-  sqlite3_file* file = nullptr;
-  (void)sqlite3_file_control(database_.get(), "main", SQLITE_FCNTL_FILE_POINTER, &file);
-  if (file == nullptr || file->pMethods == nullptr) return;
-  whole_pages_ = std::make_unique<WholePages>(WholePages{
-      .methods = *file->pMethods, .methods_of_file = file->pMethods, .bytes = static_cast<sqlite3_int64>(whole_bytes)});
-  whole_pages_->methods.xRead = WholePages::read;
-  file->pMethods = &whole_pages_->methods;
+  start(bytes.size());
 }
 
 void SqliteBag::open(const std::string& uri, const char* vfs) {
   sqlite3* database = nullptr;
-  errno = 0;
   const int flags = SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX;
   const int code = sqlite3_open_v2(uri.c_str(), &database, flags, vfs);
   database_.reset(database);
   if (code != SQLITE_OK) fail(code);
   sqlite3_limit(database, SQLITE_LIMIT_LENGTH, static_cast<int>(kMostMessageBytes) + 4096);
-  sqlite3_db_config(database, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
   sqlite3_db_config(database, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+  sqlite3_progress_handler(database, kStepsBetweenQuestions, ask_to_end, this);
 }
 
-void SqliteBag::start() {
-  // A bag that was cut has fewer pages than it states; those that are there can be read all the same.
-  const std::string cache = fmt::format("PRAGMA cache_size=-{}", kMostCacheKiB);
-  for (const char* const pragma : {"PRAGMA locking_mode=EXCLUSIVE", "PRAGMA writable_schema=ON", cache.c_str()}) {
-    errno = 0;
-    const int code = sqlite3_exec(database_.get(), pragma, nullptr, nullptr, nullptr);
-    if (code != SQLITE_OK && disk_errno() != 0) fail(code);
-  }
-  require_tables();
+// Rows of a bag are never interrupted: who reads it ends between two of them.
+int SqliteBag::ask_to_end(void* bag) {
+  const int asked = ++static_cast<SqliteBag*>(bag)->asked_;
+  return asked > kMostQuestions || (asked > 1 && is_asked_to_end()) ? 1 : 0;
+}
+
+void SqliteBag::start(std::uint64_t size) {
+  Statement cache = prepare(fmt::format("PRAGMA cache_size=-{}", kMostCacheKiB).c_str());
+  (void)step(cache);
+  require_whole_pages(size);
+  require_plain_table("topics");
+  require_plain_table("messages");
+  sqlite3_set_authorizer(database_.get(), allow_reading_alone, nullptr);
   read_topics();
-  Statement last = prepare("SELECT max(id) FROM messages");
   try {
+    Statement last = prepare("SELECT id FROM messages ORDER BY id DESC LIMIT 1");
     if (step(last)) last_row_ = sqlite3_column_double(last.get(), 0);
-  } catch (const RecordingFault&) {  // its last page is not there: no progress is told
+  } catch (const RecordingFault&) {  // its last page is damaged: the progress is not known
   }
   messages_ = prepare("SELECT id, topic_id, timestamp FROM messages ORDER BY id");
+}
+
+// SQLite fills a page that is cut with zeros, and would take them for messages.
+void SqliteBag::require_whole_pages(std::uint64_t size) {
+  Statement page = prepare("PRAGMA page_size");
+  const auto bytes = step(page) ? static_cast<std::uint64_t>(sqlite3_column_int64(page.get(), 0)) : 0;
+  if (bytes == 0 || size % bytes != 0) {
+    throw RecordingFault(fmt::format("was cut off within a page; {}", kRecoverHint));
+  }
+}
+
+// A view has rows without end, and a column may be computed by whatever its author wrote.
+void SqliteBag::require_plain_table(const std::string& name) {
+  constexpr const char* kNoBag = "is an SQLite file without the tables 'topics' and 'messages' of a ROS 2 bag";
+  Statement table = prepare("SELECT rootpage FROM sqlite_master WHERE type = 'table' AND name = ?");
+  sqlite3_bind_text(table.get(), 1, name.c_str(), -1, SQLITE_TRANSIENT);
+  if (!step(table) || sqlite3_column_int64(table.get(), 0) == 0) throw RecordingFault(kNoBag);
+  bool has_key = false;
+  Statement columns = prepare(("PRAGMA table_xinfo(" + name + ")").c_str());
+  while (step(columns)) {
+    if (sqlite3_column_int(columns.get(), 6) != 0) {
+      throw RecordingFault(fmt::format("has a computed column in its table '{}', which no recorder writes", name));
+    }
+    const bool is_number = text_of(columns.get(), 1) == "id" && text_of(columns.get(), 2) == "INTEGER";
+    has_key = has_key || (is_number && sqlite3_column_int(columns.get(), 5) == 1);
+  }
+  if (!has_key) throw RecordingFault(kNoBag);
 }
 
 // SQLite calls a page that the disk does not give malformed, as one that is.
@@ -177,41 +174,35 @@ int SqliteBag::disk_errno() const {
 }
 
 void SqliteBag::fail(int code) const {
-  if (is_memory_short(code)) throw std::bad_alloc();
+  if ((code & 0xff) == SQLITE_INTERRUPT) {
+    if (is_asked_to_end()) {
+      throw Error(ExitCode::kInterrupted, fmt::format("interrupted while '{}' was read", one_line(path_)));
+    }
+    throw RecordingFault("takes more steps for a row than any bag");
+  }
   if (const int reason = disk_errno(); reason != 0) {
     throw FileError(path_, fmt::format("cannot be read: {}", std::generic_category().message(reason)));
   }
-  const bool is_too_much = (code & 0xff) == SQLITE_NOMEM;
-  const std::string why = is_too_much
-                              ? "it asks for more memory than any bag"
-                              : one_line(database_ ? sqlite3_errmsg(database_.get()) : sqlite3_errstr(code), 200);
+  const std::string why = one_line(database_ ? sqlite3_errmsg(database_.get()) : sqlite3_errstr(code), 200);
   if (!is_damage(code)) throw RecordingFault(fmt::format("cannot be read as a ROS 2 bag: {}", why));
   if (row_ > 0) throw RecordingCut(fmt::format("is damaged or was cut off ({})", why));
-  throw RecordingFault(fmt::format("is damaged or was cut off ({}); 'sqlite3 FILE .recover' saves what there is", why));
+  throw RecordingFault(fmt::format("is damaged or was cut off ({}); {}", why, kRecoverHint));
 }
 
 SqliteBag::Statement SqliteBag::prepare(const char* sql) {
   sqlite3_stmt* statement = nullptr;
-  errno = 0;
+  asked_ = 0;
   const int code = sqlite3_prepare_v2(database_.get(), sql, -1, &statement, nullptr);
   if (code != SQLITE_OK) fail(code);
   return Statement(statement);
 }
 
 bool SqliteBag::step(Statement& statement) {
-  errno = 0;
+  asked_ = 0;
   const int code = sqlite3_step(statement.get());
   if (code == SQLITE_ROW) return true;
   if (code != SQLITE_DONE) fail(code);
   return false;
-}
-
-// Views could be without end.
-void SqliteBag::require_tables() {
-  Statement tables =
-      prepare("SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name IN ('topics', 'messages')");
-  if (step(tables) && sqlite3_column_int(tables.get(), 0) == 2) return;
-  throw RecordingFault("is an SQLite file without the tables 'topics' and 'messages' of a ROS 2 bag");
 }
 
 // Later versions have more columns; these four have been there from the first.
@@ -228,29 +219,22 @@ void SqliteBag::read_topics() {
   }
 }
 
-void SqliteBag::fail_at_message(const std::string& what) {
-  is_message_fault_ = true;
-  throw RecordingFault(what);
-}
-
 // Only what is wanted leaves the file: the pages of a camera's pictures are passed over.
 std::string_view SqliteBag::message_bytes() {
   sqlite3_blob* blob = blob_.get();
-  errno = 0;
   const int code = blob == nullptr ? sqlite3_blob_open(database_.get(), "main", "messages", "data", row_, 0, &blob)
                                    : sqlite3_blob_reopen(blob, row_);
   if (blob != blob_.get()) blob_.reset(blob);
   if (code != SQLITE_OK) {
     blob_.reset();
     if (code != SQLITE_ERROR) fail(code);
-    fail_at_message("has a message without bytes");
+    throw RecordingFault("has a message without bytes");
   }
   const auto size = static_cast<std::size_t>(sqlite3_blob_bytes(blob));
   if (size > kMostMessageBytes) {
-    fail_at_message(fmt::format("has a message of {} bytes; at most {} are read", size, kMostMessageBytes));
+    throw RecordingFault(fmt::format("has a message of {} bytes; at most {} are read", size, kMostMessageBytes));
   }
   data_.resize(size);
-  errno = 0;
   if (const int read = sqlite3_blob_read(blob, data_.data(), static_cast<int>(size), 0); read != SQLITE_OK) fail(read);
   return data_;
 }
@@ -264,7 +248,6 @@ std::optional<RecordingItem> SqliteBag::next(const Wanted& wanted, const Warn& /
   if (!messages_) return std::nullopt;
   if (!step(messages_)) {
     messages_.reset();
-    if (is_shortened_) throw RecordingCut("ends before the pages that it states");
     return std::nullopt;
   }
   const std::int64_t row = sqlite3_column_int64(messages_.get(), 0);
