@@ -1,6 +1,4 @@
-// Decimal numbers from text, correctly rounded and independent of the locale. Thread-safe.
-// Up to 19 digits whose value fits 53 bits, with a power of ten up to 22, take one exact multiplication or division
-// [Clinger1990]; everything else goes to std::from_chars.
+// Decimal numbers from text by std::from_chars, correctly rounded and independent of the locale. Thread-safe.
 #pragma once
 
 #include <cstdint>
