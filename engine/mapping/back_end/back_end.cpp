@@ -34,6 +34,9 @@ constexpr double kLeastWheels_rad = 0.0005;
 constexpr double kUnmeasured_m = 5.0;  // a step that is less sure is one that no odometry measured, or no match
 constexpr double kUnmeasured_rad = 1.0;
 constexpr double kLeastForDoubt = 0.3;  // of the wheels' variance: halfway between what was stated and what loops found
+// Of a turn in which the two come apart the wheels are believed a little more: their own heading counts then, and its
+// error moves what lies behind it as that of the matches does.
+constexpr double kTurnOfWheels = 0.9;
 constexpr std::size_t kMostUnkept = 128;   // scans whose points wait for what is kept of them
 constexpr std::size_t kScansAtOnce = 256;  // adjusted by the workers, before progress is told
 constexpr int kTimesCarried = 3;           // scans are laid that hang on no kept keyframe: their poses are the graph's
@@ -111,6 +114,10 @@ void BackEnd::follow(const MatchResult& result) {
     leaps_ += outer(*off, *off);
     const Tangent2 of_match{(*off)[0], (*off)[1], result.is_turn_open ? (*off)[2] : 0.0};
     match_leaps_ += outer(of_match, of_match);
+  }
+  if (const std::optional<double> turn_rad = turn_leap_.take(result)) {
+    leaps_ += Matrix3::diagonal(0.0, 0.0, square(kTurnOfWheels * *turn_rad));
+    match_leaps_ += Matrix3::diagonal(0.0, 0.0, square(*turn_rad));
   }
 }
 

@@ -23,6 +23,7 @@
 #include "engine/mapping/loops/live_loops.hpp"
 #include "engine/mapping/wheels/known_surfaces.hpp"
 #include "engine/mapping/wheels/motion_noise.hpp"
+#include "engine/mapping/wheels/turn_leap.hpp"
 #include "gdtslam/mapping/match.hpp"
 
 namespace gdtslam {
@@ -118,6 +119,7 @@ class BackEnd {
   Matrix3 wheels_covariance_;
   Matrix3 leaps_;        // covariance of what wheels and matches cannot agree on, for the wheels
   Matrix3 match_leaps_;  // and for the matches
+  TurnLeap turn_leap_;
   WheelTravel travel_;
   ScanShelf shelf_;                    // points of all scans
   std::optional<SideThread> keeping_;  // that fills it
