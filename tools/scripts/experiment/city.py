@@ -179,7 +179,7 @@ def campus_row(chosen, label, log, scans, folder):
         out = chosen.folder / f"{folder}{mode[:2]}"
         kept = out.with_suffix(".json")
         if not kept.exists():
-            _, memory_bytes = peak_of(chosen.program, "map", log, "--first", scans, "-o", out, "--no-copy", "--quiet",
+            _, memory_bytes = peak_of(chosen.program, "map", log, "--first", scans, "-o", out, "--quiet",
                                       *(["--no-loops"] if mode == "--no-loops" else []))
             kept.write_text(json.dumps([memory_bytes, json.loads((out / "report.json").read_text())]))
         memory_bytes, report = json.loads(kept.read_text())

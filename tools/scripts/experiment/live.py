@@ -253,9 +253,9 @@ def maps_line(program, lap, folder, count, scans):
 def endurance_line(kind, program, lap, folder, scans):
     """A row of the table, and (what, measured, most)."""
     out = folder / f"run-{kind}"
-    options = {"live": ["live", "-", "-q", "--no-copy", "-o", out], "no-loops": ["live", "-", "-q", "--no-copy", "--no-loops", "-o", out],
+    options = {"live": ["live", "-", "-q", "-o", out], "no-loops": ["live", "-", "-q", "--no-loops", "-o", out],
                "follow": ["live", "-", "-q", "--map", folder / "known"],
-               "drive": ["map", "-", "-q", "--no-copy", "--no-pictures", "-o", out]}[kind]
+               "drive": ["map", "-", "-q", "--no-pictures", "-o", out]}[kind]
     if kind == "follow":
         known = folder / "known.log"
         known.write_bytes(b"".join(lap.lines(len(lap.scans))))
