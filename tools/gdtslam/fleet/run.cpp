@@ -80,7 +80,7 @@ FleetWork work_of(const RunOptions& options) {
   work.request.settings = std::move(settings);
   work.request.lenient = options.lenient;
   work.request.linkage = options.linkage;
-  work.request.with_copies = false;
+  work.request.with_continue_file = false;
   DeviceOptions device = options.device;
   device.are_threads_given = true;  // as many processes as processors fill them
   work.request.on_failure = on_failure_of(device);
