@@ -51,9 +51,13 @@ void add_cloud_picture(const MapRequest& request, const NoddingJob& nodding, con
 /// Of each log the file that keeps it; null where it can be read again.
 using StreamFiles = std::vector<std::shared_ptr<StreamFile>>;
 
+bool has_scan(const StreamFiles& streams) {
+  return std::any_of(streams.begin(), streams.end(), [](const auto& stream) { return stream && stream->has_scan(); });
+}
+
 void flush(const StreamFiles& streams) {
   for (const auto& stream : streams) {
-    if (stream) stream->flush();
+    if (stream) stream->sync();
   }
 }
 
@@ -171,13 +175,16 @@ NodKind nod_kind_of_start(const MapRequest& request, ScanStream& scans) {
   return kind;
 }
 
+void warn_of_left_logs(const RunFolder& folder, const MapRequest& request, std::size_t known = 0) {
+  for (std::size_t k = known; request.warn && k < folder.left_logs().size(); ++k) {
+    request.warn(fmt::format("warning: an earlier run left its log, which is kept as {}", folder.left_logs()[k]));
+  }
+}
+
 std::unique_ptr<RunFolder> new_folder(const MapRequest& request) {
   auto folder = std::make_unique<RunFolder>(
       request.folder, request.replace_foreign_files ? ForeignFiles::kReplaced : ForeignFiles::kKept);
-  for (const std::string& log : folder->left_logs()) {
-    if (request.warn)
-      request.warn(fmt::format("warning: a run that was killed left its log, which is kept as {}", log));
-  }
+  warn_of_left_logs(*folder, request);
   return folder;
 }
 
@@ -192,12 +199,12 @@ bool is_interruption() {
 }
 
 // In the handler of what ended a run: streams cannot be had again. Nothing where none was read.
-std::string streams_kept(const RunFolder& folder, const StreamFiles& streams) {
+std::string streams_kept(RunFolder& folder, const StreamFiles& streams) {
   std::string told;
   for (std::size_t log = 0; log < streams.size(); ++log) {
     if (!streams[log]) continue;
     try {
-      streams[log]->flush();
+      streams[log]->sync();
     } catch (const FileError&) {  // as where a disk is full: there is what was written before
     }
     told +=
@@ -253,10 +260,13 @@ MapResult map_opened(MapRequest request, MapJob job, const KeptRequest& asked, c
     if (prepared.delay) scans.set_odometry_delay(prepared.delay->delay_s);
     job.odometry_delay = prepared.delay;
     job.findings = prepared.findings;
-    return map_into(*folder, request, job, nodding ? &*nodding : nullptr, backend, {std::move(scans), streams, asked},
-                    times);
+    const std::size_t left = folder->left_logs().size();
+    MapResult result = map_into(*folder, request, job, nodding ? &*nodding : nullptr, backend,
+                                {std::move(scans), streams, asked}, times);
+    warn_of_left_logs(*folder, request, left);
+    return result;
   } catch (...) {
-    if (mapped == 0 || is_interruption()) throw;
+    if (mapped == 0 && (is_interruption() || !has_scan(streams))) throw;
     const std::string told = streams_kept(*folder, streams);
     if (told.empty()) throw;
     throw_with(told, request.logs.front());
@@ -285,13 +295,16 @@ void require_not_stopped(const MapRequest& request) {
 
 void require_logs_elsewhere(const MapRequest& request) {
   for (const std::string& log : request.logs) {
-    if (log == "-" || !lies_in(request.folder, log)) continue;
+    const bool is_folder = place_of_file(log) == place_of_file(request.folder);
+    const bool is_of_run = !request.continued.empty() && lies_in(request.continued, log);  // which comes along
+    if (log == "-" || is_of_run || !(is_folder || lies_in(request.folder, log))) continue;
     throw UsageError(fmt::format("'{}' lies in the folder that would be replaced; give another folder", one_line(log)));
   }
 }
 
 MapResult map_request(MapRequest request, const BackendOfRun& backend) {
-  const KeptRequest asked{request, {}};
+  require_logs_elsewhere(request);
+  const KeptRequest asked{.request = request, .logs = {}};
   std::vector<LogFinding> findings = look_at_ranges(request);
   MapJob job = job_of(request);
   job.findings = std::move(findings);
@@ -301,7 +314,6 @@ MapResult map_request(MapRequest request, const BackendOfRun& backend) {
 }  // namespace
 
 MapResult map_logs(const MapRequest& request, const BackendOfRun& backend) {
-  require_logs_elsewhere(request);
   try {
     return map_request(request.continued.empty() ? request : continued_request(request), backend);
   } catch (const InputError& error) {  // an input that a signal ended before anything came is no bad input

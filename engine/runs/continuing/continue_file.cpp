@@ -13,6 +13,7 @@
 #include "engine/io/json_file.hpp"
 #include "engine/io/sha256.hpp"
 #include "engine/runs/folder/report_reader.hpp"
+#include "engine/runs/folder/run_folder.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 #include "kept_stream.hpp"
@@ -96,6 +97,15 @@ std::string sha256_of_log(const std::string& log) {
   return hash.hex();
 }
 
+// A log that goes away while it is mapped leaves a run that cannot be continued.
+std::string sha256_unless_gone(const std::string& log) {
+  try {
+    return sha256_of_log(log);
+  } catch (const FileError&) {
+    return {};
+  }
+}
+
 std::string absolute_path_of(const std::string& log) {
   std::error_code failed;
   const fs::path path = fs::absolute(log, failed);
@@ -108,6 +118,15 @@ bool is_of_run(const KeptLog& log) { return fs::path(log.path).is_relative(); }
 void forget_topics(const std::vector<KeptLog>& logs, LogConfig& log) {
   if (!std::all_of(logs.begin(), logs.end(), is_of_run)) return;
   log.topics = {};
+}
+
+// A file of another content is not read, whoever named it.
+void require_same_linkage(const KeptRequest& kept, const std::string& folder) {
+  const std::string& linkage = kept.request.linkage;
+  std::error_code ignored;
+  if (linkage.empty() || !fs::exists(linkage, ignored)) return;  // a preset, or its reader says what is wrong
+  if (fs::is_regular_file(linkage, ignored) && sha256_of_file(linkage).sha256 == kept.linkage_sha256) return;
+  throw InputError({linkage, 0}, fmt::format("has another SHA-256 than the linkage that the run in '{}' read", folder));
 }
 
 void add_logs(const std::vector<std::string>& more, const std::vector<KeptLog>& before, MapRequest& whole) {
@@ -141,6 +160,7 @@ void write_continue_file(const std::string& file, const KeptRequest& kept) {
   json["skip"] = request.range.skip;
   if (request.range.count != ScanRange{}.count) json["first"] = request.range.count;
   json["linkage"] = request.linkage;
+  json["linkage_sha256"] = fs::is_regular_file(request.linkage) ? sha256_of_file(request.linkage).sha256 : "";
   json["with_cloud"] = request.with_cloud;
   json["with_map"] = request.with_map;
   json["with_loops"] = request.with_loops;
@@ -168,7 +188,8 @@ KeptRequest read_continue_file(const std::string& file, const std::string& folde
                                .with_map = reader.truth("with_map"),
                                .with_loops = reader.truth("with_loops"),
                                .with_pictures = reader.truth("with_pictures")},
-                   .logs = std::move(logs)};
+                   .logs = std::move(logs),
+                   .linkage_sha256 = reader.text("linkage_sha256")};
   if (kept.logs.empty()) throw InputError({file, 0}, "'logs' is empty" + advice);
   return kept;
 }
@@ -178,14 +199,14 @@ std::vector<KeptLog> kept_logs(const std::vector<std::string>& logs, const std::
   for (std::size_t k = 0; k < logs.size(); ++k) {
     const bool is_own = !streams[k].empty();
     const std::string path = is_own ? streams[k] : absolute_path_of(logs[k]);
-    kept.push_back({logs[k], is_own ? fs::path(path).filename().string() : path, sha256_of_log(path)});
+    kept.push_back({logs[k], is_own ? fs::path(path).filename().string() : path, sha256_unless_gone(path)});
   }
   return kept;
 }
 
 std::string log_of_run(const KeptLog& log, const std::string& folder) {
   std::string path = is_of_run(log) ? (fs::path(folder) / log.path).string() : log.path;
-  if (is_of_run(log) && fs::path(log.path).has_parent_path()) {
+  if (is_of_run(log) && !is_kept_log(log.path)) {
     throw InputError({folder, 0}, fmt::format("'{}' in continue.json lies outside of the run", log.path));
   }
   std::error_code ignored;
@@ -218,6 +239,7 @@ MapRequest continued_request(const MapRequest& request) {
   whole.with_loops = was.with_loops;
   whole.with_pictures = was.with_pictures;
   whole.logs.clear();
+  require_same_linkage(kept, request.continued);
   for (const KeptLog& log : kept.logs) whole.logs.push_back(log_of_run(log, request.continued));
   forget_topics(kept.logs, whole.settings.log);
   add_logs(request.logs, kept.logs, whole);

@@ -22,6 +22,7 @@ struct KeptLog {
 struct KeptRequest {
   MapRequest request;
   std::vector<KeptLog> logs;
+  std::string linkage_sha256{};  ///< where the linkage is a file
 };
 
 /// The logs as they are now. `streams` has of each log that the run itself keeps the file where it is, else nothing.

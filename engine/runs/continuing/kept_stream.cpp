@@ -1,11 +1,18 @@
 #include "kept_stream.hpp"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <cerrno>
+#include <chrono>
 #include <cstddef>
 #include <filesystem>
 #include <system_error>
 #include <utility>
+#include <variant>
 
+#include "engine/core/files/retried.hpp"
+#include "engine/core/signals_blocked.hpp"
 #include "engine/io/message_text.hpp"
 #include "engine/io/writers/chunk_packer.hpp"
 #include "engine/io/writers/table_log.hpp"
@@ -26,22 +33,54 @@ bool is_stream(const std::string& log) {
          std::filesystem::is_socket(status) || std::filesystem::is_character_file(status);
 }
 
-StreamFile::StreamFile(std::string file)
-    : path_(std::move(file)), file_(path_, std::ios::binary), written_at_(std::chrono::steady_clock::now()) {
+StreamFile::StreamFile(std::string file) : path_(std::move(file)), file_(path_, std::ios::binary) {
   if (!file_) throw FileError(path_, "cannot be created: " + errno_text(errno));
+  const SignalsBlocked blocked;
+  thread_ = std::thread([this] { work(); });
+}
+
+StreamFile::~StreamFile() {
+  {
+    const std::lock_guard lock(mutex_);
+    is_over_ = true;
+  }
+  over_.notify_one();
+  thread_.join();
 }
 
 void StreamFile::add(const LogRecord& record) {
-  lines_ += json_line(record);
-  const bool is_due = std::chrono::steady_clock::now() - written_at_ >= kLongestWait;
-  if (is_due || lines_.size() >= kMostWaitingBytes) flush();
+  std::string line = json_line(record);
+  has_scan_ = has_scan_ || std::holds_alternative<ScanRecord>(record);
+  const std::lock_guard lock(mutex_);
+  lines_ += line;
+  if (lines_.size() >= kMostWaitingBytes || !file_) write();
 }
 
-void StreamFile::flush() {
-  written_at_ = std::chrono::steady_clock::now();
+// What cannot be written is said by the next add() or sync().
+void StreamFile::work() {
+  std::unique_lock lock(mutex_);
+  while (!over_.wait_for(lock, kLongestWait, [this] { return is_over_; })) {
+    without_throwing([this] { write(); });
+  }
+}
+
+void StreamFile::write() {
+  if (!file_) throw FileError(path_, "cannot be written: " + errno_text(EIO));
   if (lines_.empty()) return;
-  file_ << packed_chunk(std::exchange(lines_, {}), ChunkPacking::kZstd) << std::flush;
-  if (!file_) throw FileError(path_, "cannot be written: " + errno_text(errno));
+  file_ << packed_chunk(lines_, ChunkPacking::kZstd) << std::flush;
+  const int why = errno;
+  if (!file_) throw FileError(path_, "cannot be written: " + errno_text(why));
+  lines_.clear();
+}
+
+void StreamFile::sync() {
+  const std::lock_guard lock(mutex_);
+  write();
+  const int descriptor = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
+  const bool is_synced = descriptor >= 0 && ::fsync(descriptor) == 0;
+  const int why = errno;
+  if (descriptor >= 0) ::close(descriptor);
+  if (!is_synced) throw FileError(path_, "cannot be written: " + errno_text(why));
 }
 
 std::optional<LogRecord> KeptStream::next() {

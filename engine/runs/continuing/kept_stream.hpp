@@ -2,11 +2,13 @@
 // so that a process that is killed loses no more than its last second. One object belongs to one thread.
 #pragma once
 
-#include <chrono>
+#include <condition_variable>
 #include <fstream>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -17,20 +19,32 @@ namespace gdtslam {
 /// Whether a log can be read only once: standard input, a pipe, a device.
 bool is_stream(const std::string& log);
 
-/// The file of a stream's records. Throws FileError.
+/// The file of a stream's records. A thread beside writes them each second, so that they are there while the sender
+/// pauses. Throws FileError.
 class StreamFile {
  public:
   explicit StreamFile(std::string file);
+  StreamFile(const StreamFile&) = delete;
+  StreamFile& operator=(const StreamFile&) = delete;
+  ~StreamFile();
   void add(const LogRecord& record);
-  /// Writes what is not written yet.
-  void flush();
+  /// All of it is on the disk.
+  void sync();
   [[nodiscard]] const std::string& path() const { return path_; }
+  [[nodiscard]] bool has_scan() const { return has_scan_; }
 
  private:
+  void write();
+  void work();
+
   std::string path_;
   std::ofstream file_;
+  bool has_scan_ = false;
+  std::mutex mutex_;  // of what follows
   std::string lines_;
-  std::chrono::steady_clock::time_point written_at_;
+  bool is_over_ = false;
+  std::condition_variable over_;
+  std::thread thread_;
 };
 
 /// Gives the records of a log, and writes each into the file. Throws FileError too.

@@ -13,9 +13,9 @@
 #include "engine/core/files/folder_calls.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/sha256.hpp"
-#include "engine/runs/transaction/folder_lock.hpp"
 #include "engine/runs/folder/report_reader.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
+#include "engine/runs/transaction/folder_lock.hpp"
 #include "gdtslam/core/error.hpp"
 #include "thumbnail.hpp"
 

@@ -14,6 +14,7 @@
 #include "engine/core/files/folder_calls.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
+#include "engine/io/sha256.hpp"
 #include "engine/runs/tiles/tile_folder.hpp"
 #include "gdtslam/core/error.hpp"
 #include "run_files.hpp"
@@ -43,6 +44,11 @@ bool is_merge_report(const fs::path& file) {
   } catch (const Error&) {  // of somebody else
     return false;
   }
+}
+
+// What a killed process left of tiles or a snapshot.
+bool is_staging_of_part(const std::string& name) {
+  return name == staging_name(kTileFolder) || name == staging_name(kSnapshotFolder);
 }
 
 /// Which entries of a folder are of a run or a merge of this program, by what its report says. The report of an old
@@ -85,7 +91,10 @@ std::vector<fs::path> foreign_entries(const fs::path& folder) {
 
 // NOLINTNEXTLINE(misc-no-recursion): as deep as sites lie in a merge
 bool OwnEntries::is_own_folder(const fs::path& entry, const std::string& name) const {
-  if (is_staging_name(name)) return true;
+  if (is_staging_of_part(name)) {
+    const FolderLock lock(entry);  // nobody is at work on it
+    return true;
+  }
   if (name == kSnapshotFolder) return is_snapshot(entry.string());
   if (name == kTileFolder) return is_tile_folder(entry.string()) && foreign_among_tiles(entry.string()).empty();
   return is_merge_ && is_digits(name) && is_site(entry.string()) && foreign_entries(entry).empty();
@@ -113,11 +122,11 @@ std::string replaceable(const std::string& path, ForeignFiles foreign) {
 }
 
 // Beside the folder, under a name that is free.
-std::string kept_beside(const std::string& folder, const fs::path& log) {
+std::string kept_beside(const fs::path& folder, const fs::path& log) {
   std::string kept;
   int number = 1;
   do {
-    kept = fmt::format("{}-left-{}{}", folder, number++, kLogEnding);
+    kept = fmt::format("{}-left-{}{}", folder.string(), number++, kLogEnding);
   } while (lies_there(kept));
   std::error_code failed;
   fs::rename(log, kept, failed);
@@ -125,14 +134,12 @@ std::string kept_beside(const std::string& folder, const fs::path& log) {
   return kept;
 }
 
-std::vector<std::string> keep_left_logs(const std::string& folder, const fs::path& left) {
-  std::vector<std::string> kept;
-  std::error_code ignored;  // what cannot be listed shows when it cannot be removed
-  for (const fs::path& file : list_folder(left, ignored)) {
-    if (!is_numbered(file.filename().string(), "log-", kLogEnding) || fs::is_empty(file, ignored)) continue;
-    kept.push_back(kept_beside(folder, file));
-  }
-  return kept;
+// Whether the folder has the same log, as a run that is continued has.
+bool has_same_log(const fs::path& folder, const fs::path& log) {
+  std::error_code failed;
+  const fs::path other = folder / log.filename();
+  if (!fs::is_regular_file(other, failed)) return false;
+  return sha256_of_file(other.string()).sha256 == sha256_of_file(log.string()).sha256;
 }
 
 // "intel" from "../data/intel.clf.gz".
@@ -156,7 +163,19 @@ std::string utc_time() {
 RunFolder::RunFolder(const std::string& path, ForeignFiles foreign)
     : path_(replaceable(path, foreign)),
       foreign_(foreign),
-      transaction_(path_, [this](const fs::path& left) { left_logs_ = keep_left_logs(path_, left); }) {}
+      transaction_(path_, [this](const fs::path& removed, bool is_old) { before_removal(removed, is_old); }) {}
+
+// The logs of streams cannot be had again, and something may have come into the old folder at the last moment.
+void RunFolder::before_removal(const fs::path& removed, bool is_old) {
+  if (is_old) require_replaceable(removed.string(), foreign_);
+  const fs::path folder = target_of(removed);
+  std::error_code ignored;  // what cannot be listed shows when it cannot be removed
+  for (const fs::path& file : list_folder(removed, ignored)) {
+    const bool is_log = is_kept_log(file.filename().string()) && fs::is_regular_file(file, ignored);
+    if (!is_log || fs::is_empty(file, ignored) || (is_old && has_same_log(folder, file))) continue;
+    left_logs_.push_back(kept_beside(folder, file));
+  }
+}
 
 std::string RunFolder::staged(std::string_view name) {
   names_.emplace_back(name);
@@ -171,7 +190,14 @@ std::string RunFolder::staged_folder(std::string_view name) {
 
 std::string RunFolder::staged_path(std::string_view name) const { return (transaction_.staging() / name).string(); }
 
-std::string RunFolder::keep_log(const std::string& name) const { return kept_beside(path_, staged_path(name)); }
+std::string RunFolder::keep_log(const std::string& name) {
+  try {
+    return kept_beside(transaction_.target(), staged_path(name));
+  } catch (const FileError&) {  // it stays where it is then, with all else
+    transaction_.leave();
+    return staged_path(name);
+  }
+}
 
 void RunFolder::commit() {
   require_replaceable(path_, foreign_);
@@ -182,10 +208,11 @@ std::string RunFolder::file(std::string_view name) const { return (fs::path(path
 
 std::string kept_log_name(std::size_t log) { return fmt::format("log-{}{}", log + 1, kLogEnding); }
 
+bool is_kept_log(std::string_view name) { return is_numbered(name, "log-", kLogEnding); }
+
 bool is_file_of_a_run(std::string_view name) {
-  return std::find(kRunFiles.begin(), kRunFiles.end(), name) != kRunFiles.end() ||
-         is_numbered(name, "log-", kLogEnding) || is_numbered(name, "log-", ".copy") ||
-         is_numbered(name, "session-", ".tum") || name == kTileFolder;
+  return std::find(kRunFiles.begin(), kRunFiles.end(), name) != kRunFiles.end() || is_kept_log(name) ||
+         is_numbered(name, "log-", ".copy") || is_numbered(name, "session-", ".tum") || name == kTileFolder;
 }
 
 bool is_site(const std::string& folder) {

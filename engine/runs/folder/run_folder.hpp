@@ -3,7 +3,9 @@
 // to one thread.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,8 +34,8 @@ class RunFolder {
   std::string staged_folder(std::string_view name);
   [[nodiscard]] std::string staged_path(std::string_view name) const;
   /// The run fails, and this staged log cannot be had again: it stays beside the folder. Returns its path.
-  [[nodiscard]] std::string keep_log(const std::string& name) const;
-  /// Logs that a killed process left, kept in the same way.
+  [[nodiscard]] std::string keep_log(const std::string& name);
+  /// Logs of streams that a killed process left or the old run had, kept in the same way.
   [[nodiscard]] const std::vector<std::string>& left_logs() const { return left_logs_; }
   /// Throws what FolderTransaction::commit() throws, and UsageError where something came into the folder meanwhile that
   /// may not be replaced.
@@ -46,6 +48,8 @@ class RunFolder {
   [[nodiscard]] std::string file(std::string_view name) const;
 
  private:
+  void before_removal(const std::filesystem::path& removed, bool is_old);
+
   std::string path_;
   ForeignFiles foreign_;
   std::vector<std::string> left_logs_;
@@ -55,6 +59,7 @@ class RunFolder {
 
 /// "log-1.jsonl.zst": the log that a run keeps of a pipe, counted from 0.
 std::string kept_log_name(std::size_t log);
+bool is_kept_log(std::string_view name);
 
 /// Whether a run, a merge or an edit writes files of that name.
 bool is_file_of_a_run(std::string_view name);

@@ -118,6 +118,7 @@ TilesOutcome make_tiles(const TilesRequest& request) {
     make_some(request.only, maker, fresh, progress, outcome);
   }
   reader.files().expect_unchanged();
+  if (request.only.empty()) require_own(outcome.folder);
   fresh.commit();
   return outcome;
 }

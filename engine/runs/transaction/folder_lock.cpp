@@ -33,7 +33,7 @@ bool FolderLock::is_of(const std::filesystem::path& folder) const {
   struct stat held {};
   struct stat named {};
   if (descriptor_ < 0) return true;
-  return ::fstat(descriptor_, &held) == 0 && ::stat(folder.c_str(), &named) == 0 && held.st_dev == named.st_dev &&
+  return ::fstat(descriptor_, &held) == 0 && ::lstat(folder.c_str(), &named) == 0 && held.st_dev == named.st_dev &&
          held.st_ino == named.st_ino;
 }
 

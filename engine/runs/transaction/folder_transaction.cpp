@@ -3,10 +3,12 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
 #include <system_error>
+#include <utility>
 
 #include "engine/core/files/folder_calls.hpp"
 #include "engine/core/files/retried.hpp"
@@ -20,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kStagingEnding = ".gdtslam-new";
+constexpr mode_t kAllModes = 07777;
 
 fs::path without_links(const std::string& path) {
   if (path.empty()) throw UsageError("--output: the folder of the results has no name");
@@ -51,39 +54,58 @@ void require_exchangeable(const std::string& path, const fs::path& target) {
   if (fs::equivalent(target, fs::current_path(ignored), ignored)) refuse("the working folder");
 }
 
+// A folder of this user, and no link to one.
+bool is_own_folder(const fs::path& folder) {
+  struct stat found {};
+  return ::lstat(folder.c_str(), &found) == 0 && S_ISDIR(found.st_mode) && found.st_uid == ::geteuid();
+}
+
 }  // namespace
 
-bool is_staging_name(std::string_view name) { return name.starts_with('.') && name.ends_with(kStagingEnding); }
+std::string staging_name(std::string_view name) { return fmt::format(".{}{}", name, kStagingEnding); }
 
-FolderTransaction::FolderTransaction(const std::string& path,
-                                     const std::function<void(const fs::path&)>& before_removal)
+fs::path target_of(const fs::path& staging) {
+  const std::string name = staging.filename().string();
+  return staging.parent_path() / name.substr(1, name.size() - 1 - kStagingEnding.size());
+}
+
+FolderTransaction::FolderTransaction(const std::string& path, BeforeRemoval before_removal)
     : path_(path),
       target_(without_links(path)),
-      staging_(target_.parent_path() / fmt::format(".{}{}", target_.filename().string(), kStagingEnding)) {
+      staging_(target_.parent_path() / staging_name(target_.filename().string())),
+      before_removal_(std::move(before_removal)) {
   require_exchangeable(path, target_);
   std::error_code ignored;
   for (fs::path above = target_.parent_path(); !fs::exists(above, ignored); above = above.parent_path()) {
     made_.push_back(above);
   }
   make_folder(target_.parent_path().string());
-  lock_staging(before_removal);
+  lock_staging();
 }
 
 // Another process may exchange or remove the folder between opening and locking it: then it is not the one of that
 // name any more.
-void FolderTransaction::lock_staging(const std::function<void(const fs::path&)>& before_removal) {
+void FolderTransaction::lock_staging() {
+  const auto fail = [this](const std::string& why) {
+    throw FileError(path_, fmt::format("cannot be written to: '{}' cannot be made: {}", staging_.string(), why));
+  };
   do {
     lock_.reset();
-    if (::mkdir(staging_.c_str(), 0777) != 0 && errno != EEXIST) {
-      throw FileError(path_, "cannot be written to: " + errno_text(errno));
-    }
+    if (::mkdir(staging_.c_str(), 0777) != 0 && errno != EEXIST) fail(errno_text(errno));
+    if (!is_own_folder(staging_)) fail("something else has that name");
     lock_.emplace(staging_, FolderLock::Taken::kRefuse, path_);
   } while (!lock_->is_of(staging_));
+  struct stat old {};
+  if (::stat(target_.c_str(), &old) == 0) ::chmod(staging_.c_str(), old.st_mode & kAllModes);
   std::error_code failed;
   const std::vector<fs::path> left = list_folder(staging_, failed);
-  if (!left.empty() && before_removal) before_removal(staging_);
-  for (const fs::path& file : left) remove_tree(file, failed);
-  if (failed) throw FileError(path_, "cannot be written to: " + failed.message());
+  if (!left.empty() && before_removal_) before_removal_(staging_, false);
+  for (const fs::path& file : left) {
+    std::error_code kept;
+    remove_tree(file, kept);
+    if (kept) failed = kept;
+  }
+  if (failed) fail(failed.message());
 }
 
 FolderTransaction::~FolderTransaction() {
@@ -95,7 +117,7 @@ FolderTransaction::~FolderTransaction() {
   });
 }
 
-// Where a file system knows no exchange, the old folder is away for the moment between two renamings.
+// Where a file system knows no exchange, no folder has the name for the moment between two renamings.
 void FolderTransaction::exchange() const {
   const bool has_old = lies_there(target_);
   if (has_old && ::renameat2(AT_FDCWD, staging_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0) return;
@@ -106,9 +128,8 @@ void FolderTransaction::exchange() const {
   if (has_old) fs::rename(target_, aside, failed);
   if (!failed) fs::rename(staging_, target_, failed);
   std::error_code ignored;
-  if (failed && has_old) fs::rename(aside, target_, ignored);
+  if (has_old) fs::rename(aside, failed ? target_ : staging_, ignored);
   if (failed) throw FileError(path_, "cannot be replaced: " + failed.message());
-  remove_tree(aside, ignored);
 }
 
 void FolderTransaction::commit() {
@@ -119,11 +140,13 @@ void FolderTransaction::commit() {
   std::error_code ignored;
   try {
     sync_folder(target_.parent_path().string());
-  } catch (const FileError&) {  // it is not known what is on the disk: the old folder stays
+    if (of_old && of_old->is_of(staging_) && before_removal_) before_removal_(staging_, true);
+  } catch (const Error&) {
     of_old ? exchange() : fs::rename(target_, staging_, ignored);
     throw;
   }
-  remove_tree(staging_, ignored);  // what cannot be removed now is removed by the next writer
+  // Without an old folder the name is free, and may be another writer's by now.
+  if (of_old && of_old->is_of(staging_)) remove_tree(staging_, ignored);
   made_.clear();
   lock_.reset();
 }

@@ -95,6 +95,28 @@ TEST_F(FolderTransactionTest, ALinkStaysAndItsTargetIsReplaced) {
   EXPECT_THAT(names_in(run_), ElementsAre("new"));
 }
 
+TEST_F(FolderTransactionTest, NothingElseOfThatNameIsTaken) {
+  fs::create_directories(base_ / "precious");
+  write_text(base_ / "precious/file", "mine");
+  fs::create_directory_symlink("precious", staging_);
+  EXPECT_THAT(fault_of_folder([&] { const FolderTransaction made(run_.string()); }),
+              HasSubstr("something else has that name"));
+  EXPECT_EQ(text_in(base_ / "precious/file"), "mine");
+  fs::remove(staging_);
+  fs::create_directories(base_ / ".run.gdtslam-new-old");
+  FolderTransaction made(run_.string());
+  made.commit();
+  EXPECT_TRUE(fs::exists(base_ / ".run.gdtslam-new-old"));
+}
+
+TEST_F(FolderTransactionTest, TheModeOfTheOldFolderStays) {
+  fs::create_directories(run_);
+  fs::permissions(run_, fs::perms::owner_all);
+  FolderTransaction made(run_.string());
+  made.commit();
+  EXPECT_EQ(fs::status(run_).permissions(), fs::perms::owner_all);
+}
+
 TEST_F(FolderTransactionTest, OneWriterAtATime) {
   fs::create_directories(run_);
   {
@@ -126,6 +148,30 @@ TEST_F(FolderTransactionTest, WhatAKilledProcessLeftGoesButForTheLogOfAStream) {
   EXPECT_THAT(names_in(staging_), IsEmpty());
   write_text(run.staged("log-1.jsonl.zst"), "this drive");
   EXPECT_EQ(text_in(run.keep_log("log-1.jsonl.zst")), "this drive");
+}
+
+TEST_F(FolderTransactionTest, TheLogOfAStreamOutlivesItsRun) {
+  const auto put_drive = [this](const std::string& log) {
+    RunFolder run(run_.string());
+    write_text(run.staged("log-1.jsonl.zst"), log);
+    write_text(run.staged("report.json"), R"({"format": 1, "map_sha256": "", "files": [["log-1.jsonl.zst", 3, ""]]})");
+    run.commit();
+    return run.left_logs();
+  };
+  EXPECT_THAT(put_drive("one"), IsEmpty());
+  EXPECT_THAT(put_drive("one"), IsEmpty()) << "as where it is continued";
+  EXPECT_THAT(put_drive("two"), ElementsAre(run_.string() + "-left-1.jsonl.zst"));
+  EXPECT_EQ(text_in(run_.string() + "-left-1.jsonl.zst"), "one");
+}
+
+TEST_F(FolderTransactionTest, WhatIsWrittenWithinAFolderKeepsIt) {
+  put_run();
+  {
+    const FolderTransaction tiles((run_ / "tiles").string());
+    EXPECT_THAT(fault_of_folder([&] { put_run(); }), HasSubstr("another process is writing"));
+  }
+  fs::create_directories(run_ / ".x.gdtslam-new");
+  EXPECT_THAT(fault_of_folder([&] { put_run(); }), HasSubstr("holds a folder .x.gdtslam-new that no run wrote"));
 }
 
 TEST_F(FolderTransactionTest, ARunReplacesARunAndNothingElse) {
