@@ -118,16 +118,18 @@ TEST_F(ContinueFileTest, AFileThatIsNoneIsRefused) {
 }
 
 TEST_F(ContinueFileTest, ALogIsFoundByItsBytes) {
-  const std::string log = (folder_ / "a.log").string();
+  const std::string log = (folder_ / "log-1.jsonl.zst").string();
   std::ofstream(log) << "one\n";
   const std::vector<KeptLog> kept = kept_logs({log, "-"}, {"", log});
   ASSERT_EQ(kept.size(), 2U);
   // printf 'one\n' | sha256sum
   EXPECT_EQ(kept[0].sha256, "2c8b08da5ce60398e1f19af0e5dccc744df274b826abe585eaba68c525434806");
-  EXPECT_EQ(kept[1].path, "a.log") << "of the run";
+  EXPECT_EQ(kept[1].path, "log-1.jsonl.zst") << "of the run";
   EXPECT_EQ(log_of_run(kept[0], "elsewhere"), log);
   EXPECT_EQ(log_of_run(kept[1], folder_.string()), log);
-  EXPECT_THROW((void)log_of_run({"-", "../a.log", kept[1].sha256}, folder_.string()), InputError);
+  for (const char* path : {"../log-1.jsonl.zst", "..", "", "continue.json"}) {
+    EXPECT_THROW((void)log_of_run({"-", path, kept[1].sha256}, folder_.string()), InputError) << path;
+  }
   std::ofstream(log) << "two\n";
   EXPECT_THROW((void)log_of_run(kept[0], "elsewhere"), InputError);
 }
