@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <new>
 #include <optional>
@@ -295,7 +296,7 @@ void require_not_stopped(const MapRequest& request) {
 
 void require_logs_elsewhere(const MapRequest& request) {
   for (const std::string& log : request.logs) {
-    const bool is_folder = place_of_file(log) == place_of_file(request.folder);
+    const bool is_folder = place_of_file(log) == place_of_file(request.folder) && std::filesystem::is_directory(log);
     const bool is_of_run = !request.continued.empty() && lies_in(request.continued, log);  // which comes along
     if (log == "-" || is_of_run || !(is_folder || lies_in(request.folder, log))) continue;
     throw UsageError(fmt::format("'{}' lies in the folder that would be replaced; give another folder", one_line(log)));

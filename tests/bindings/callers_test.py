@@ -23,7 +23,7 @@ except ImportError:
 import gdtslam
 
 WORK = folder("callers")
-SHORT = {"loops": False, "pictures": False, "copies": False}
+SHORT = {"loops": False, "pictures": False}
 
 
 def send(number):
@@ -263,7 +263,7 @@ ENDS = """
 import sys, threading, time, gdtslam
 scans = list(gdtslam.scans(sys.argv[1]))
 mapper = gdtslam.Mapper(threads=2)
-run = gdtslam.map(sys.argv[1], loops=False, pictures=False, copies=False, count=20)
+run = gdtslam.map(sys.argv[1], loops=False, pictures=False, count=20)
 
 def work():
     while True:
@@ -294,7 +294,7 @@ mapper = gdtslam.Mapper(threads=2)
 scans = list(gdtslam.scans(sample))
 for scan in scans[:30]:
     mapper.process(scan)
-run = gdtslam.map(sample, loops=False, pictures=False, copies=False, count=20)
+run = gdtslam.map(sample, loops=False, pictures=False, count=20)
 child = os.fork()
 if child == 0:
     signal.alarm(20)  # ends one that hangs

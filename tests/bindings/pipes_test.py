@@ -20,7 +20,7 @@ import gdtslam
 from gdtslam import _scans
 
 WORK = folder("pipes")
-SHORT = {"loops": False, "pictures": False, "copies": False}
+SHORT = {"loops": False, "pictures": False}
 LINES = gzip.decompress(SAMPLE.read_bytes()).splitlines(keepends=True)[:240]
 SILENCE_S = 0.3  # in which whoever reads has come to wait
 

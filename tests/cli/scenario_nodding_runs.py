@@ -84,7 +84,7 @@ def nodding_interrupt():
     process = interrupted_run(drive, lines)
     expect_exit(process, 130)
     report = cli.scans_in(run)
-    expect(sorted(digests(run)) == sorted([*cli.PLAIN_NODDING_OUTPUTS, "cloud.ply"]), "files are missing")
+    expect(sorted(digests(run)) == sorted([*cli.PLAIN_NODDING_OUTPUTS, "cloud.ply", "log-1.jsonl.zst"]), "files are missing")
     points = points_of(run / "cloud.ply")
     expect(report["interrupted"] is True and report["cloud_points"] == len(points) > 10000, f"{report['cloud_points']} points")
     poses = [line for line in (run / "trajectory.tum").read_text().splitlines() if line[0] != "#"]

@@ -90,11 +90,12 @@ def outputs_are_no_files_of_a_run():
 def recordings_are_not_replaced():
     """A recording of any kind, by whatever name, is replaced by no result: exit 2; by a log it is, and results by results."""
     folder = cli.fresh_folder("recordings_are_not_replaced")
-    for name in ("a.csv", "a.jsonl", "a.mcap", "a.bag", "a.db3"):
+    for name in ("a.csv", "a.jsonl", "a.mcap"):
         expect_exit(command("convert", LOG, "-o", folder / name), 0)
+    bags.database_of_log(folder / "a.db3")
     text, table = LOG.read_bytes(), (folder / "a.csv").read_bytes()
     for name, data in (("a.log", text), ("picture.png", text), ("a.log.gz", gzip.compress(text)), ("a.log.bz2", bz2.compress(text)),
-                       ("a.csv.xz", lzma.compress(table)), ("b.csv", table.upper()), ("b.log", text.replace(b"FLASER", b" FLASER")), ("b.yaml", table), ("log-1.copy", (RUN / "log-1.copy").read_bytes())):
+                       ("a.csv.xz", lzma.compress(table)), ("b.csv", table.upper()), ("b.log", text.replace(b"FLASER", b" FLASER")), ("b.yaml", table)):
         (folder / name).write_bytes(data)
     recordings = sorted(path for path in folder.iterdir() if path.is_file())
     expect(len(recordings) >= 11, f"{recordings}")
@@ -102,7 +103,7 @@ def recordings_are_not_replaced():
     for recording in recordings:
         refused(folder, words, "linkage", "paper-b", "-o", recording)
         refused(folder, words, "linkage", "paper-b", "--csv", recording)
-    (folder / "link.svg").symlink_to(folder / "a.bag")
+    (folder / "link.svg").symlink_to(folder / "a.mcap")
     refused(folder, words, "doctor", LOG, "--picture", folder / "link.svg")
     refused(folder, words, "calibrate", LOG, "-o", folder / "a.log")
     expect_exit(command("convert", LOG, "-o", folder / "a.csv", "--force"), 0)
