@@ -235,7 +235,7 @@ def mapped_again(program, lap, folder, count, scans):
     log.write_bytes(b"".join(lap.lines(scans)))
     watched, step = Watched(os.getpid()), max(count // SAMPLES, 1)
     for k in range(1, count + 1):
-        gdtslam.map(log, out=folder / "again", pictures=False, copies=False)
+        gdtslam.map(log, out=folder / "again", pictures=False)
         if k % step == 0:
             watched.sample(k)
     return watched
