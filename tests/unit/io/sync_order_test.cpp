@@ -16,7 +16,6 @@ namespace {
 
 using test::RecordedCalls;
 using testing::ElementsAre;
-using testing::IsEmpty;
 
 TEST(SyncOrder, AFileIsOnTheDiskBeforeItTakesItsNameAndThenItsFolderIs) {
   const TemporaryFolder folder;

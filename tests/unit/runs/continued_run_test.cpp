@@ -23,9 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 using test::ring_run;
-using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::IsEmpty;
 
 // Lines of the drive's log, a scan each.
 std::string some_scans(std::size_t from, std::size_t end) {
