@@ -11,7 +11,7 @@
 
 namespace gdtslam {
 
-/// What a run learns from its first log before the first scan.
+/// Facts about the first log that a run learns before its first scan.
 struct RunPreparation {
   std::optional<OdometryDelay> delay{};
   std::vector<LogFinding> findings{};

@@ -49,7 +49,7 @@ void add_cloud_picture(const MapRequest& request, const NoddingJob& nodding, con
   }
 }
 
-/// Of each log the file that keeps it; null where it can be read again.
+/// For each log the file that keeps it; null where it can be read again.
 using StreamFiles = std::vector<std::shared_ptr<StreamFile>>;
 
 bool has_scan(const StreamFiles& streams) {
@@ -69,7 +69,7 @@ struct RunStart {
   const KeptRequest& asked;
 };
 
-// What --continue needs, and the logs that nobody can read again.
+// continue.json, and the logs that nobody can read again.
 void write_inputs(RunFolder& folder, const MapRequest& request, const KeptRequest& asked, const StreamFiles& streams) {
   if (!request.with_continue_file) return;
   std::vector<std::string> names;

@@ -334,7 +334,7 @@ def bench_work_of_a_device():
     device = require_vulkan()[0]["device"]
     texts = []
     for _ in range(2):
-        process = command("bench", "/work/", "--device", device, "--log", cli.LOG, "--benchmark_format=json")
+        process = command("bench", "work/", "--device", device, "--log", cli.LOG, "--benchmark_format=json")
         expect_exit(process, 0)
         kinds = json.loads(process.stdout)["benchmarks"]
         expect([kind["run_name"].split("/")[2] for kind in kinds] == ["keyframe", "other scan"], f"{kinds}")

@@ -34,7 +34,7 @@ constexpr double kLeastWheels_rad = 0.0005;
 constexpr double kUnmeasured_m = 5.0;  // a step that is less sure is one that no odometry measured, or no match
 constexpr double kUnmeasured_rad = 1.0;
 constexpr double kLeastForDoubt = 0.3;  // of the wheels' variance: halfway between what was stated and what loops found
-// Of a turn in which the two come apart the wheels are believed a little more: their own heading counts then, and its
+// In a turn in which the two come apart, wheels are believed a little more: their own heading counts then, and its
 // error moves what lies behind it as that of the matches does.
 constexpr double kTurnOfWheels = 0.9;
 constexpr std::size_t kMostUnkept = 128;   // scans whose points wait for what is kept of them

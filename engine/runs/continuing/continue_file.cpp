@@ -114,7 +114,7 @@ std::string absolute_path_of(const std::string& log) {
 
 bool is_of_run(const KeptLog& log) { return fs::path(log.path).is_relative(); }
 
-// What says how a recording is read was used up when its records were kept as lines.
+// Topics and mounts were applied when the records were kept as lines.
 void forget_topics(const std::vector<KeptLog>& logs, LogConfig& log) {
   if (!std::all_of(logs.begin(), logs.end(), is_of_run)) return;
   log.topics = {};

@@ -18,7 +18,7 @@ struct KeptLog {
   std::string sha256;  ///< of the file; of a folder, of the hashes of its files in the order of their names
 };
 
-/// What determines the result, but for the logs; the rest has its defaults.
+/// A request as far as it determines the result, and the logs; the rest has its defaults.
 struct KeptRequest {
   MapRequest request;
   std::vector<KeptLog> logs;
@@ -34,8 +34,8 @@ void write_continue_file(const std::string& file, const KeptRequest& kept);
 /// Of the run in `folder`. Throws InputError or ConfigError where it is none of this version, FileError.
 KeptRequest read_continue_file(const std::string& file, const std::string& folder);
 
-/// Where the log is now, by the name that it was given if that still names it. Throws InputError where it is not there,
-/// or has other bytes than the run in `folder` read.
+/// The path of the log now: the name that it was given, if that still names it. Throws InputError where it is not
+/// there, or has other bytes than the run in `folder` read.
 std::string log_of_run(const KeptLog& log, const std::string& folder);
 
 /// `request` with what the run in request.continued was asked for, and with its logs before its own. Throws what

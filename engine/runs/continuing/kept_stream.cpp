@@ -56,7 +56,7 @@ void StreamFile::add(const LogRecord& record) {
   if (lines_.size() >= kMostWaitingBytes || !file_) write();
 }
 
-// What cannot be written is said by the next add() or sync().
+// The next add() or sync() reports what cannot be written.
 void StreamFile::work() {
   std::unique_lock lock(mutex_);
   while (!over_.wait_for(lock, kLongestWait, [this] { return is_over_; })) {

@@ -24,10 +24,10 @@ struct RunLogs {
   double odometry_delay_s = 0.0;
 };
 
-/// Nothing where the run names none, or one of them is gone or was changed. Cost: the logs are read for their hashes.
+/// The logs that the run names; none if one of them is gone or was changed. Cost: the logs are read for their hashes.
 std::optional<RunLogs> logs_of_run(const RunReader& run, const LogConfig& config);
 
-/// Where the scans are.
+/// The scans of a run, and the poses that they were matched at.
 struct RunScans {
   const RunReader& run;
   const std::optional<RunLogs>& logs;

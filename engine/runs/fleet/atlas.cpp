@@ -52,7 +52,7 @@ void begin_atlas(const std::string& atlas, const std::string& options, const std
     for (const char* const name : {"runs", "logs", "lists", "index.html", "summary.csv", "atlas.json", "report.json"}) {
       if (lies_there(fmt::format("{}/{}", atlas, name)))
         throw UsageError(fmt::format(
-            "--output: {} is no atlas and has {}, which an atlas would replace: give a new folder", atlas, name));
+            "--output: {} is not an atlas and has {}, which an atlas would replace: give a new folder", atlas, name));
     }
     make_folder(atlas);
     write_file_atomically(file, options);
@@ -69,7 +69,7 @@ void begin_atlas(const std::string& atlas, const std::string& options, const std
 
 std::vector<FleetRecord> read_atlas(const std::string& atlas) {
   if (!lies_there(fmt::format("{}/{}", atlas, kOptionsFile)))
-    throw FileError(atlas, fmt::format("is no atlas; one begins with: gdtslam fleet run LOG... -o {}", atlas));
+    throw FileError(atlas, fmt::format("is not an atlas; make one with: gdtslam fleet run LOG... -o {}", atlas));
   std::set<std::string> logs;
   std::error_code failed;
   for (const fs::path& list : list_folder(atlas + "/lists", failed)) {

@@ -1,4 +1,4 @@
-// What became of a log in an atlas: logs/NAME/record.json, which is written last and is the only thing that says that
+// The record of a log in an atlas, logs/NAME/record.json, which is written last and is the only thing that says that
 // the log is done. Thread-safe.
 #pragma once
 

@@ -50,7 +50,7 @@ LogFiles files_of(const std::string& log, const std::string& sidecar) {
     }
     std::sort(files.paths.begin(), files.paths.end());
   } else if (!state_of_file(log) && lies_there(log)) {
-    throw FileError(log, "is no plain file");  // a device has no end
+    throw FileError(log, "is not a regular file");  // a device has no end
   }
   for (const std::string& path : files.paths) files.states.push_back(state_of_file(path));
   files.states.push_back(state_of_file(sidecar));

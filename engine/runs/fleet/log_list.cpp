@@ -82,7 +82,7 @@ void add_named(const std::string& name, std::vector<FleetLog>& logs) {
     logs.push_back(log_at(path));
     return;
   }
-  if (!fs::is_directory(status)) throw FileError(name, "is no plain file");
+  if (!fs::is_directory(status)) throw FileError(name, "is neither a regular file nor a folder");
   if (holds_results(path)) throw InputError({name, 0}, "holds results of gdtslam; name the logs themselves");
   const std::size_t before = logs.size();
   search(path, logs);
@@ -124,7 +124,7 @@ Shard parse_shard(const std::string& text) {
   const bool has_count = code == std::errc{} && slash != end && *slash == '/';
   const auto [last, count_code] = std::from_chars(has_count ? slash + 1 : end, end, shard.count);
   if (count_code != std::errc{} || last != end || shard.number == 0 || shard.number > shard.count)
-    throw UsageError(fmt::format("--shard: {} is no I/N with I from 1 to N", in_quotes(text)));
+    throw UsageError(fmt::format("--shard: {} is not of the form I/N, with I from 1 to N", in_quotes(text)));
   return shard;
 }
 

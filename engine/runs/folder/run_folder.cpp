@@ -46,7 +46,7 @@ bool is_merge_report(const fs::path& file) {
   }
 }
 
-// What a killed process left of tiles or a snapshot.
+// Names of tiles and snapshots that a killed process left unfinished.
 bool is_staging_of_part(const std::string& name) {
   return name == staging_name(kTileFolder) || name == staging_name(kSnapshotFolder);
 }

@@ -17,7 +17,7 @@ namespace gdtslam {
 /// Every site of a merge has it, and no run of `map`.
 inline constexpr const char* kFirstSession = "session-1.tum";
 
-/// What becomes of files in the folder that no run wrote. Folders of others are never removed.
+/// Files in the folder that no run wrote. Folders of others are never removed.
 enum class ForeignFiles : std::uint8_t {
   kKept,  ///< the folder is refused
   kReplaced,

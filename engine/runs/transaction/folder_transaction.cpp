@@ -117,7 +117,7 @@ FolderTransaction::~FolderTransaction() {
   });
 }
 
-// Where a file system knows no exchange, no folder has the name for the moment between two renamings.
+// On a file system without exchange no folder has the name for the moment between two renamings.
 void FolderTransaction::exchange() const {
   const bool has_old = lies_there(target_);
   if (has_old && ::renameat2(AT_FDCWD, staging_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0) return;

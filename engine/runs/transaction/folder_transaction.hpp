@@ -38,7 +38,7 @@ class FolderTransaction {
   [[nodiscard]] const std::filesystem::path& target() const { return target_; }
   /// The last call. Throws FileError; UsageError where the old folder is locked.
   void commit();
-  /// What is staged stays where it is.
+  /// The staged files stay where they are.
   void leave() { lock_.reset(); }
 
  private:

@@ -11,8 +11,8 @@
 
 namespace gdtslam {
 
-/// The files of a folder in their order. Throws InputError where it holds none, or several in no known order, FileError
-/// where it cannot be read; `warn` gets files that metadata.yaml names and that are not there.
+/// The files of a folder in their order. `warn` gets files that metadata.yaml names and that are not there. Throws
+/// InputError for a folder without files, or with several in no known order; FileError.
 std::vector<std::string> files_of_ros2_folder(const std::string& folder, const Recording::Warn& warn);
 
 /// The file with that content, packed or not. Throws RecordingFault, InputError or FileError.
