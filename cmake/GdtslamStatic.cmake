@@ -5,7 +5,7 @@
 # needs a newer one does not load.
 #
 # The packages' own targets are defined here, before find_package looks for them anywhere in the tree.
-option(GDTSLAM_STATIC "Link the packages and the C++ runtime statically, for the bundle (without simulator, calibration and OpenCV)" OFF)
+option(GDTSLAM_STATIC "Link the packages and the C++ runtime statically, for the bundle (without simulator and calibration)" OFF)
 set(GDTSLAM_STATIC_INPUTS "") # archives and headers of other projects that end in the program; the bundle gives their licences
 if(NOT GDTSLAM_STATIC)
   return()
@@ -16,7 +16,6 @@ endif()
 if(GDTSLAM_SANITIZE)
   message(FATAL_ERROR "gdtslam: GDTSLAM_STATIC and GDTSLAM_SANITIZE exclude each other")
 endif()
-set(GDTSLAM_BENCH_OPENCV OFF)
 set(GDTSLAM_MODULES OFF) # one program, all in it
 set(GDTSLAM_BUILD_LAB OFF) # Debian has no static google-benchmark
 set(GDTSLAM_BUILD_C OFF) # not all static libraries of Debian may go into a shared one

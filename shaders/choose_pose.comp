@@ -62,7 +62,6 @@ layout(push_constant) uniform Params {
   float far_rad;
 } params;
 
-#include "common/field_words.glsl"
 #include "common/launch.glsl"
 #include "common/field_lookup.glsl"
 #include "common/prior.glsl"

@@ -1,9 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// A field moved into a larger one (engine/compute/kernels/gdt_merge/gdt_merge.hpp, FieldGrow), several words of two
-// cells an invocation.
-
-layout(constant_id = 10) const uint kWords = 1;  // of an invocation
+// A field moved into a larger one (engine/compute/kernels/gdt_merge/gdt_merge.hpp, FieldGrow), a word of two cells an
+// invocation.
 
 layout(set = 0, binding = 0, std430) readonly buffer OldField { uint old_field[]; };
 layout(set = 0, binding = 1, std430) writeonly buffer NewField { uint new_field[]; };
@@ -34,19 +32,15 @@ uint cell_at(bool crosses, uint old_row, uint x) {
 
 void main() {
   uint words = (params.width + 1u) >> 1;
-  uint pieces = (words + kWords - 1u) / kWords;
   uint place = linear_invocation();
-  uint y = place / pieces;
+  uint y = place / words;
   if (y >= params.height) {
     return;
   }
-  uint begin = (place - y * pieces) * kWords;
-  uint end = min(begin + kWords, words);
+  uint word = place - y * words;
   uint old_y = y - params.offset_y;
   bool crosses = old_y < params.old_height;
-  for (uint word = begin; word < end; ++word) {
-    uint left = cell_at(crosses, old_y * params.old_stride, 2u * word);
-    uint right = cell_at(crosses, old_y * params.old_stride, 2u * word + 1u);
-    new_field[((y * params.stride) >> 1) + word] = left | (right << 16);
-  }
+  uint left = cell_at(crosses, old_y * params.old_stride, 2u * word);
+  uint right = cell_at(crosses, old_y * params.old_stride, 2u * word + 1u);
+  new_field[((y * params.stride) >> 1) + word] = left | (right << 16);
 }

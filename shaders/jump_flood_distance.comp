@@ -2,9 +2,15 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "common/jump_flood.glsl"
-#include "common/edt_params.glsl"
 #include "common/launch.glsl"
 #include "common/packed.glsl"
+
+layout(push_constant) uniform Params {
+  uint width;
+  uint height;
+  uint stride;
+  uint radius;
+};
 
 layout(set = 0, binding = 0, std430) readonly buffer Nearest { uvec4 nearest[]; };
 layout(set = 0, binding = 1, std430) writeonly buffer SqDistance { uvec2 sq_distance[]; };

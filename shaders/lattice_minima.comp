@@ -5,7 +5,7 @@
 // An invocation walks along a piece of a row. Of each column of nine samples it looks at once it keeps the least cost
 // among those of lower and those of higher index than the middle one; three such columns decide about a sample.
 
-layout(constant_id = 10) const uint kPiece = 1;  // samples of an invocation
+const uint kPiece = 4u;  // samples of an invocation
 
 layout(set = 0, binding = 0, std430) readonly buffer Cost { uint cost[]; };
 layout(set = 0, binding = 1, std430) writeonly buffer Minima { uint minima[]; };

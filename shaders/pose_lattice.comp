@@ -2,8 +2,6 @@
 #extension GL_GOOGLE_include_directive : require
 // The samples of a window (engine/compute/kernels/pose_lattice/pose_lattice.hpp, PoseLattice).
 
-layout(constant_id = 10) const uint kSamples = 1;  // of an invocation
-
 layout(set = 0, binding = 0, std430) writeonly buffer Candidates { uvec4 candidates[]; };
 
 layout(push_constant) uniform Params {
@@ -34,17 +32,15 @@ float coordinate(float centre, uint i, uint count, float step_width) {
 void main() {
   uint n = params.count_xy;
   uint count = n * n * params.count_theta;
-  uint first = linear_group() * gl_WorkGroupSize.x * kSamples + gl_LocalInvocationID.x;
+  uint i = linear_invocation();
+  if (i >= count) {
+    return;
+  }
   Prior prior = Prior(vec3(params.mean_x, params.mean_y, params.mean_theta), params.weight_xy, params.weight_theta,
                       params.limit);
-  for (uint k = 0u; k < kSamples; ++k) {
-    uint i = first + k * gl_WorkGroupSize.x;
-    if (i < count) {
-      uint row = i / n;
-      vec3 pose = vec3(coordinate(params.centre_x, i - row * n, n, params.step_cells),
-                       coordinate(params.centre_y, row % n, n, params.step_cells),
-                       coordinate(params.centre_theta, row / n, params.count_theta, params.step_rad));
-      candidates[i] = uvec4(floatBitsToUint(pose), prior_cost(prior, pose));
-    }
-  }
+  uint row = i / n;
+  vec3 pose = vec3(coordinate(params.centre_x, i - row * n, n, params.step_cells),
+                   coordinate(params.centre_y, row % n, n, params.step_cells),
+                   coordinate(params.centre_theta, row / n, params.count_theta, params.step_rad));
+  candidates[i] = uvec4(floatBitsToUint(pose), prior_cost(prior, pose));
 }

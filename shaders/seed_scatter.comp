@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Seeds of a list of cells (engine/compute/kernels/edt/edt.hpp, SeedScatter).
+// Seeds of a list of cells (engine/compute/kernels/jump_flood/jump_flood.hpp, SeedScatter).
 
 layout(set = 0, binding = 0, std430) readonly buffer Cells { uint cells[]; };
 layout(set = 0, binding = 1, std430) buffer Seeds { uint seeds[]; };  // four a word

@@ -5,8 +5,6 @@
 #include "common/elementary.glsl"
 #include "common/launch.glsl"
 
-layout(constant_id = 10) const uint kEach = 1u;  // beams of an invocation, a work group's width apart
-
 struct BeamStrip {
   uint first_beam;
   uint first_direction;
@@ -100,7 +98,11 @@ vec3 in_map(vec3 p, float above_sensor, uint strip, float k) {
   return vec3(ox, oy, p.z);
 }
 
-void place(uint beam) {
+void main() {
+  uint beam = linear_invocation();
+  if (beam >= params.beams) {
+    return;
+  }
   uint range_bits = beams[beam].x;
   uint strip = beams[beam].y;
   strip = strip < params.strips ? strip : params.strips - 1u;
@@ -114,15 +116,4 @@ void place(uint beam) {
       range_bits > 0u && range_bits < kInfinity && is_finite(m.x) && is_finite(m.y) && is_finite(m.z);
   uvec3 place = is_point ? uvec3(settled(m.x), settled(m.y), settled(m.z)) : uvec3(0u);
   points[beam] = uvec4(place, floatBitsToUint(elevation));
-}
-
-void main() {
-  uint width = gl_WorkGroupSize.x;
-  uint first = linear_group() * width * kEach + gl_LocalInvocationID.x;
-  for (uint n = 0u; n < kEach; ++n) {
-    uint beam = first + n * width;
-    if (beam < params.beams) {
-      place(beam);
-    }
-  }
 }

@@ -20,7 +20,7 @@ vulkan_packages=(libvulkan1 mesa-vulkan-drivers)
 docs_packages=(python3-sphinx python3-myst-parser furo python3-breathe doxygen)
 # To build and run the tests, the checks and the benchmark's peer.
 test_packages=(
-  git ccache libgtest-dev libgmock-dev librapidcheck-dev libmpfr-dev libgsl-dev libnlopt-cxx-dev libpagmo-dev libopencv-imgproc-dev
+  git ccache libgtest-dev libgmock-dev librapidcheck-dev libmpfr-dev libgsl-dev libnlopt-cxx-dev libpagmo-dev
   libbenchmark-dev libbenchmark-tools python3-scipy python3-matplotlib python3-jinja2
   clang libclang-rt-14-dev clang-tidy clang-format shellcheck
   sqlite3 zstd python3 python3-jsonschema python3-yaml chromium

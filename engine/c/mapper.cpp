@@ -17,8 +17,8 @@ struct gdtslam_mapper {
   gdtslam_mapper(const gdtslam::MapperConfig& config, bool with_loops, const gdtslam::c::ThreadChoice& threads);
 
   std::unique_ptr<gdtslam::Backend> backend;
-  std::unique_ptr<gdtslam::Mapper> plain;      ///< without loops
-  std::unique_ptr<gdtslam::LoopMapper> loops;  ///< or with them
+  std::unique_ptr<gdtslam::Mapper> mapper;
+  gdtslam::LoopClosing* loops = nullptr;  ///< its own, where it closes loops
   gdtslam::MapSpeed speed;
   bool is_closed = false;
   std::vector<gdtslam_stamped_pose> trajectory;
@@ -51,13 +51,7 @@ void require_open(const gdtslam_mapper& mapper, const char* what) {
 // What is missing of the motion during the scan is taken of the map, as a whole log does.
 MatchResult process(gdtslam_mapper& mapper, ScanRecord record) {
   mapper.speed.complete(record);
-  MatchResult result;
-  if (mapper.loops) {
-    mapper.loops->start(record.scan, record.T_odom_base);
-    result = mapper.loops->finish();
-  } else {
-    result = mapper.plain->process(record.scan, record.T_odom_base);
-  }
+  const MatchResult result = mapper.mapper->process(record.scan, record.T_odom_base);
   mapper.speed.take(record, result.T_map_base);
   mapper.trajectory.push_back(to_c(StampedPose{result.stamp_s, result.T_map_base}));
   return result;
@@ -79,7 +73,7 @@ void close_loops(gdtslam_mapper& mapper, gdtslam_progress progress, void* user_d
 }
 
 std::unique_ptr<gdtslam_grid> field_of(gdtslam_mapper& mapper) {
-  if (mapper.plain) return grid_of(rows_of(mapper.plain->field()));
+  if (mapper.loops == nullptr) return grid_of(rows_of(mapper.mapper->field()));
   if (mapper.is_closed) return grid_of(rows_of(mapper.loops->field()));
   const FrozenMap frozen = mapper.loops->request_map().get();
   return grid_of(rows_of(*frozen.field));
@@ -92,11 +86,9 @@ gdtslam_mapper::gdtslam_mapper(const MapperConfig& config, bool with_loops, cons
   MapperOptions options;
   options.cpu.threads = threads.count;
   options.loops_beside = threads.loops_beside;
-  if (with_loops) {
-    loops = std::make_unique<LoopMapper>(config, *backend, options);
-  } else {
-    plain = std::make_unique<Mapper>(config, *backend, options);
-  }
+  options.with_loops = with_loops;
+  mapper = std::make_unique<Mapper>(config, *backend, options);
+  loops = mapper->loops();
 }
 
 gdtslam_status gdtslam_mapper_new(const gdtslam_mapper_request* request, gdtslam_mapper** mapper,

@@ -6,7 +6,7 @@
 
 #include "gdtslam.h"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/mapping/option.hpp"
+#include "gdtslam/mapping/config.hpp"
 #include "gdtslam/runs/settings.hpp"
 
 struct gdtslam_options {

@@ -11,7 +11,6 @@
 #include "engine/mapping/match/matchers.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/mapping/nodding_mapper.hpp"
-#include "gdtslam/mapping/option.hpp"
 
 namespace gdtslam {
 namespace {

@@ -65,13 +65,13 @@ void map_without_loops(gdtslam::Backend& backend) {
 }
 
 void map_with_loops(gdtslam::Backend& backend) {
-  gdtslam::LoopMapper mapper({}, backend);
+  gdtslam::Mapper mapper({}, backend, {.with_loops = true});
+  const gdtslam::LoopClosing& loops = *mapper.loops();
   gdtslam::Pose2 T_closed_front;
   map_standard_input([&](const gdtslam::LaserScan& scan, const std::optional<gdtslam::Pose2>& T_odom_base) {
-    mapper.start(scan, T_odom_base);
-    print_pose(mapper.finish());
-    if (mapper.correction() == T_closed_front) return;
-    T_closed_front = mapper.correction();
+    print_pose(mapper.process(scan, T_odom_base));
+    if (loops.correction() == T_closed_front) return;
+    T_closed_front = loops.correction();
     print_correction(T_closed_front);
   });
 }

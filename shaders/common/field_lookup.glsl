@@ -1,7 +1,7 @@
 // Where a point of the scan falls on a field and what the field holds there, to the bit as
 // engine/compute/kernels/pose_cost/pose_cost.hpp has it.
 //
-// The includer defines FIELD_WORD(i): 32-bit word i of the field, two cells of a row, the left one in the low half.
+// Declares the field, binding 0 of the kernel: words of two cells of a row, the left one in the low half.
 // Offers: FieldView and field_view() (what does not change from point to point), CellRotation and cell_rotation(),
 // point_position() (1/256 cell from the field's corner), nearest_value() and bilinear_value() there, cost_term(),
 // saturating_add(). Costing and point_cost() are all of it, for shaders whose interpolation is a constant.
@@ -10,6 +10,8 @@
 
 #include "common/elementary.glsl"
 #include "common/field_layout.glsl"
+
+layout(set = 0, binding = 0, std430) readonly buffer Field { uint field[]; };
 
 const uint kBilinear = 0u;  // Interpolation
 const uint kNearest = 1u;
@@ -63,15 +65,15 @@ uint cell_index(FieldView view, ivec2 position) {
 /// The cell that holds the position.
 uint nearest_value(FieldView view, ivec2 position) {
   uint cell = cell_index(view, position);
-  return ((FIELD_WORD(cell >> 1) ^ view.blank) >> ((cell & 1u) << 4)) & 0xFFFFu;
+  return ((field[cell >> 1] ^ view.blank) >> ((cell & 1u) << 4)) & 0xFFFFu;
 }
 
 /// Two neighbours in a row, the left one in the low half. Rows begin at whole words, so the word behind is read only
 /// where the right neighbour lies in it.
 uint cell_pair(uint cell) {
   uint odd = cell & 1u;
-  uint first = FIELD_WORD(cell >> 1);
-  uint second = FIELD_WORD((cell >> 1) + odd);
+  uint first = field[cell >> 1];
+  uint second = field[(cell >> 1) + odd];
   return odd == 0u ? first : (first >> 16) | (second << 16);
 }
 

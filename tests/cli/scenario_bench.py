@@ -5,7 +5,7 @@ import subprocess
 import sys
 
 from cli_support import (DATA, IS_SANITIZED, LOG, PROGRAM, SOURCE, command, expect, expect_exit, fresh_folder,
-                         require_vulkan, skip)
+                         skip)
 
 SAMPLE = SOURCE / "assets/logs/office-start.log.gz"
 QUICK = ("--benchmark_format=json", "--benchmark_min_time=0.01")
@@ -40,11 +40,6 @@ def bench_rows():
     """Rows of each group: what they count fits what is known, and peers stand beside what they are compared with."""
     ((kernel, row),) = _rows("smallest_values").items()
     expect(kernel[:2] == ("kernel", "smallest_values") and row["label"] == "value" and row["items_per_second"] > 0.0, f"{row}")
-    transforms = _rows("/transform/|OpenCV", "--size", 256)
-    expect(transforms["transform", "edt", "256x256 R 255"]["different"] == 0, f"{transforms}")
-    expect(all(row["different"] == 0 for (_, name, variant), row in transforms.items() if variant.endswith("PRECISE")), f"{transforms}")
-    floods = [row for (_, name, variant), row in transforms.items() if name == "jump_flood" and "jfa" in variant]
-    expect(len(floods) == 8 and all((row["different"] > 0) == (row["largest_error_cells"] > 0.0) for row in floods), f"{floods}")
     logs = _rows("/log/", "--megabytes", 0.2)
     expect(len(logs) == 21 and all(row["bytes_per_second"] > 0.0 for row in logs.values()), f"{logs}")
     expect(logs["log", "read", "CARMEN, gzip"]["bytes"] == logs["log", "read", "CARMEN, none"]["bytes"], f"{logs}")
@@ -57,13 +52,12 @@ def bench_rows():
 def bench_mistakes():
     """What cannot be measured ends with one line of why."""
     _fails(2, "no row's name matches 'no_such_kernel'", "no_such_kernel")
-    _fails(2, "unexpected argument '--samples'", "edt", "--samples")
-    _fails(2, "are for a --log", "edt", "--set", "map.resolution=5cm")
+    _fails(2, "unexpected argument '--samples'", "gdt", "--samples")
+    _fails(2, "are for a --log", "gdt", "--set", "map.resolution=5cm")
     _fails(2, "are for a --log", "live", "--no-loops")
     _fails(2, "are for a --log", "live", "--topic", "/scan")
     _fails(2, "--speed", "live", "--speed", "-1")
     _fails(2, "--megabytes", "log", "--megabytes", 0)
-    _fails(2, "--size", "--size", 1)
     _fails(78, "map.resolution", "live", "--log", LOG, "--set", "map.resolution=0m")
     for rows in ("/live/", "/certified/prepare"):
         _fails(74, "none.log", rows, "--log", "none.log")
@@ -99,12 +93,3 @@ def city_of_a_script():
     seen = {(round(float(word[1]) / 58 * 2), round(float(word[2]) / 58 * 2)) for word in truth}
     streets = {(x, y) for x in range(5) for y in range(5) if (x + y) % 2 == 1}  # the middles of all streets between crossings
     expect(streets <= seen, f"not driven: {sorted(streets - seen)}")
-
-
-def bench_of_too_large_a_size():
-    """A square that the device has no buffers for is refused with what they have."""
-    device = require_vulkan()[0]
-    if 4 * 8192 * 8192 <= device["limits"]["storage_buffer_bytes"]:
-        skip("the device's buffers are large enough for every size")
-    _fails(2, f"{device['limits']['storage_buffer_bytes']} bytes at most", f"{device['device']}/transform/edt", "--size", 8192, "--device",
-           device["device"])

@@ -7,8 +7,8 @@ import subprocess
 import cli_support as cli
 from cli_support import LOG, RUN, command, environment, expect, expect_exit, one_error_line
 
-# Of the names of the libraries that only modules need: VTK, OpenGL, the parts of Ceres (which is an archive), OpenCV.
-HEAVY = re.compile(r"/lib(vtk|GL|EGL|OpenGL|ceres|glog|cholmod|cxsparse|lapack|f77blas|opencv)[^/]*$")
+# Of the names of the libraries that only modules need: VTK, OpenGL, the parts of Ceres (which is an archive).
+HEAVY = re.compile(r"/lib(vtk|GL|EGL|OpenGL|ceres|glog|cholmod|cxsparse|lapack|f77blas)[^/]*$")
 
 
 def require_modules():

@@ -58,7 +58,7 @@ def cases_of(folder):
              Case("simulate", "simulate", "office-loop", "-o", "{out}/drive.log", "--rate", 1, "-q"),
              Case("doctor", "doctor", folder / "first.log", prints=True),
              Case("config show", "config", "show", "-c", RUN / "config.yaml", prints=True),
-             Case("verify", "verify", "edt_columns", "--device", "cpu", "-q", prints=True)]
+             Case("verify", "verify", "distance_field", "--device", "cpu", "-q", prints=True)]
     if cli.environment().get("GDTSLAM_VIEWER") == "1":
         cases.append(Case("render", "render", RUN, "--view", "map", "-o", "{out}/map.png", "--size", "300x200", "-q"))
     for case in cases:

@@ -35,7 +35,7 @@ for sample in /usr/share/gdtslam/expected/*.json; do
   log=$(sed -n 's/.*"log": "\([^"]*\)".*/\1/p' "$sample")
   grep -q "\"log_sha256\": \"$(sha256sum "/usr/share/gdtslam/logs/$log" | cut -d ' ' -f 1)\"" "$sample" || fail "$log is another"
 done
-gdtslam verify edt --device cpu --quiet | tail -n 1 | grep -q '^PASS' || fail "verify"
+gdtslam verify gdt --device cpu --quiet | tail -n 1 | grep -q '^PASS' || fail "verify"
 gdtslam doctor --after run | grep -q . || fail "doctor"
 # Recommended packages are not here: what needs them says so.
 status=0

@@ -75,7 +75,7 @@ class Benchmarks(unittest.TestCase):
             text = benchmarks.PAGES.get(name, benchmarks.PAGE).read_text()
             self.assertIn("| a |", benchmarks.with_table(text, name, "| a |"))
         marks = benchmarks.re.findall(r"<!-- made: (\S+) -->", benchmarks.PAGE.read_text())
-        names = set(benchmarks.Benchmarks("", pathlib.Path(), pathlib.Path()).names()) - {"results", "flood"}
+        names = set(benchmarks.Benchmarks("", pathlib.Path(), pathlib.Path()).names()) - {"results"}
         self.assertEqual(sorted(marks), sorted([*names, *fleet_sizing.TABLES]))
 
     def test_shares_of_limits(self):

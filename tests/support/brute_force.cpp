@@ -46,26 +46,6 @@ Flood flood_pass(const Flood& before, const GridShape& shape, std::int64_t step)
   return after;
 }
 
-/// Steps as the literature has them, for a side n: n/2, n/4, .. 1 with n rounded up to a power of two.
-std::vector<std::int64_t> steps_of(JumpFloodVariant variant, std::int64_t side) {
-  std::vector<std::int64_t> halving;
-  for (std::int64_t power = 1; power < side; power *= 2) {
-    halving.insert(halving.begin(), power);
-  }
-  std::vector<std::int64_t> steps = halving;
-  if (variant == JumpFloodVariant::kOnePlus) {
-    steps.insert(steps.begin(), 1);
-  }
-  if (variant == JumpFloodVariant::kPlusTwo) {
-    steps.push_back(2);
-    steps.push_back(1);
-  }
-  if (variant == JumpFloodVariant::kSquared) {
-    steps.insert(steps.end(), halving.begin(), halving.end());
-  }
-  return steps;
-}
-
 /// One coordinate of a point in the map, in float32, each operation rounded by itself.
 float mapped(float a, float x, float b, float y, float t) {
   volatile float ax = a * x;
@@ -175,7 +155,7 @@ std::vector<std::uint16_t> truncated(const std::vector<std::uint32_t>& sq_distan
   return result;
 }
 
-std::vector<std::uint32_t> brute_jump_flood(JumpFloodVariant variant, std::uint32_t side,
+std::vector<std::uint32_t> brute_jump_flood(const std::vector<std::uint32_t>& steps,
                                             const std::vector<std::uint8_t>& seeds, const GridShape& shape) {
   Flood flood(seeds.size());
   for (std::int64_t y = 0; y < shape.height; ++y) {
@@ -185,7 +165,7 @@ std::vector<std::uint32_t> brute_jump_flood(JumpFloodVariant variant, std::uint3
       }
     }
   }
-  for (const std::int64_t step : steps_of(variant, side)) {
+  for (const std::uint32_t step : steps) {
     flood = flood_pass(flood, shape, step);
   }
   std::vector<std::uint32_t> result(seeds.size(), kNone);

@@ -36,9 +36,9 @@ std::uint32_t brute_pose_cost(const PoseCost::Params& params, const std::vector<
 /// Squared distances as kernels give them: at most the squared radius.
 std::vector<std::uint16_t> truncated(const std::vector<std::uint32_t>& sq_distances, std::uint32_t radius);
 
-/// Jump flooding with coordinates instead of packed indices: squared distances that a variant finds with the steps for
-/// a grid of that side.
-std::vector<std::uint32_t> brute_jump_flood(JumpFloodVariant variant, std::uint32_t side,
+/// Jump flooding with coordinates instead of packed indices: squared distances that are found
+/// with these steps.
+std::vector<std::uint32_t> brute_jump_flood(const std::vector<std::uint32_t>& steps,
                                             const std::vector<std::uint8_t>& seeds, const GridShape& shape);
 
 /// What a dispatch of the case list must leave in its buffers, padding as it was. Throws std::logic_error for a kernel

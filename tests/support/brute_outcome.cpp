@@ -14,7 +14,7 @@
 #include "brute_polish.hpp"
 #include "brute_sweep.hpp"
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
-#include "engine/compute/kernels/edt/edt.hpp"
+#include "engine/compute/kernels/jump_flood/jump_flood.hpp"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/gdt_stamp/gdt_stamp.hpp"
 
@@ -57,49 +57,6 @@ void fill(const KernelCase& kernel_case, CaseOutcome& outcome, std::size_t bindi
     }
   }
   outcome.contents[binding] = bytes_of(values);
-}
-
-/// Distance to the nearest seed of the column, at most the radius.
-std::uint32_t in_column(const std::vector<std::uint8_t>& seeds, const EdtColumns::Params& params, std::uint32_t x,
-                        std::uint32_t y) {
-  std::uint32_t best = params.radius;
-  for (std::uint32_t j = 0; j < params.height; ++j) {
-    if (seeds[std::size_t{j} * params.stride + x] != 0) {
-      best = std::min(best, j > y ? j - y : y - j);
-    }
-  }
-  return best;
-}
-
-/// Least of (x - i)^2 + g(i)^2 over the row, at most the squared radius.
-std::uint64_t in_row(const std::uint8_t* g, const EdtRows::Params& params, std::uint32_t x) {
-  std::uint64_t best = std::uint64_t{params.radius} * params.radius;
-  for (std::uint32_t i = 0; i < params.width; ++i) {
-    const std::uint64_t dx = i > x ? i - x : x - i;
-    best = std::min(best, dx * dx + std::uint64_t{g[i]} * g[i]);
-  }
-  return best;
-}
-
-void columns_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
-  const auto params = params_of<EdtColumns::Params>(kernel_case);
-  const auto seeds = values_of<std::uint8_t>(outcome.contents[0]);
-  fill<std::uint8_t>(kernel_case, outcome, 1,
-                     [&](std::uint32_t x, std::uint32_t y) { return in_column(seeds, params, x, y); });
-}
-
-void rows_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
-  const auto params = params_of<EdtRows::Params>(kernel_case);
-  const auto g = values_of<std::uint8_t>(outcome.contents[0]);
-  fill<std::uint16_t>(kernel_case, outcome, 1, [&](std::uint32_t x, std::uint32_t y) {
-    return in_row(g.data() + std::size_t{y} * params.stride, params, x);
-  });
-}
-
-std::int64_t sq_to(std::uint32_t packed, std::int64_t x, std::int64_t y) {
-  const std::int64_t dx = packed % 65536 - x;
-  const std::int64_t dy = packed / 65536 - y;
-  return dx * dx + dy * dy;
 }
 
 void flood_init_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
@@ -295,9 +252,7 @@ void bounds_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
 using Oracle = std::function<void(const KernelCase&, CaseOutcome&)>;
 
 const std::map<std::string_view, Oracle>& oracles() {
-  static const std::map<std::string_view, Oracle> table{{"edt_columns", columns_oracle},
-                                                        {"edt_rows", rows_oracle},
-                                                        {"jump_flood_init", flood_init_oracle},
+  static const std::map<std::string_view, Oracle> table{{"jump_flood_init", flood_init_oracle},
                                                         {"jump_flood_step", flood_step_oracle},
                                                         {"jump_flood_distance", flood_distance_oracle},
                                                         {"distance_field", field_oracle},

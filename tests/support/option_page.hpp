@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "gdtslam/core/units.hpp"
-#include "gdtslam/mapping/option.hpp"
+#include "gdtslam/mapping/config.hpp"
 
 namespace gdtslam::test {
 

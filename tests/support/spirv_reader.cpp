@@ -20,8 +20,6 @@ constexpr std::uint32_t kTypeBool = 20;
 constexpr std::uint32_t kTypeInt = 21;
 constexpr std::uint32_t kTypeFloat = 22;
 constexpr std::uint32_t kTypeVector = 23;
-constexpr std::uint32_t kTypeImage = 25;
-constexpr std::uint32_t kTypeSampledImage = 27;
 constexpr std::uint32_t kTypeArray = 28;
 constexpr std::uint32_t kTypeRuntimeArray = 29;
 constexpr std::uint32_t kTypeStruct = 30;
@@ -40,14 +38,10 @@ constexpr std::uint32_t kOffset = 35;
 constexpr std::uint32_t kNoContraction = 42;
 constexpr std::uint32_t kWorkgroupSize = 25;  // a built-in
 // Storage classes.
-constexpr std::uint32_t kUniformConstant = 0;
 constexpr std::uint32_t kUniform = 2;
 constexpr std::uint32_t kWorkgroup = 4;
 constexpr std::uint32_t kPushConstant = 9;
 constexpr std::uint32_t kStorageBuffer = 12;
-// Of images: the dimension of a texel buffer, and what is read through a sampled one rather than loaded and stored.
-constexpr std::uint32_t kBuffer = 5;
-constexpr std::uint32_t kSampled = 1;
 
 struct FloatOperation {
   std::uint32_t opcode;
@@ -162,8 +156,6 @@ class Reader {
       case kTypeVector:
         type.bytes = types_.at(ops[1]).bytes * ops[2];
         break;
-      case kTypeImage:
-      case kTypeSampledImage:
       case kTypeArray:
       case kTypeRuntimeArray:
       case kTypePointer:
@@ -212,22 +204,11 @@ class Reader {
       binding.is_uniform = storage == kUniform;
       binding.is_read_only = is_read_only(ops[1], pointed);
       module_.bindings[decorations_.at(ops[1]).at(kBinding)] = binding;
-    } else if (storage == kUniformConstant) {
-      SpirvBinding binding;
-      binding.is_texels = is_texel_buffer(types_.at(pointed));
-      binding.is_read_only = binding.is_texels;
-      module_.bindings[decorations_.at(ops[1]).at(kBinding)] = binding;
     } else if (storage == kPushConstant) {
       read_push_constants(pointed);
     } else if (storage == kWorkgroup) {
       module_.shared_bytes += bytes_of(pointed);
     }
-  }
-
-  bool is_texel_buffer(const Type& type) const {
-    if (type.opcode != kTypeSampledImage) return false;
-    const Type& image = types_.at(type.parts[0]);
-    return image.parts[1] == kBuffer && image.parts[5] == kSampled;
   }
 
   bool is_read_only(std::uint32_t variable, std::uint32_t block) {

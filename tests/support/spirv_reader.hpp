@@ -13,8 +13,7 @@ namespace gdtslam::test {
 
 /// A buffer of descriptor set 0.
 struct SpirvBinding {
-  bool is_uniform = false;    ///< a uniform buffer; neither this nor texels: a storage buffer
-  bool is_texels = false;     ///< a uniform texel buffer
+  bool is_uniform = false;    ///< a uniform buffer; else a storage buffer
   bool is_read_only = false;  ///< no member may be written
 };
 

@@ -23,7 +23,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs/benchmarks.md"
-PAGES = {"results": ROOT / "README.md", "flood": ROOT / "docs/numerics.md"}  # of those that stand elsewhere
+PAGES = {"results": ROOT / "README.md"}  # of those that stand elsewhere
 LOGS = {"Intel": "intel", "Freiburg 079": "fr079", "MIT CSAIL": "mit-csail"}
 # Mean and deviation, metres and degrees, as [Hess2016] has them.
 CARTOGRAPHER = {"Intel": "0.0229 ± 0.0239 m, 0.453 ± 1.335°", "Freiburg 079": "0.0452 ± 0.0354 m, 0.538 ± 0.718°",
@@ -202,25 +202,10 @@ class Benchmarks:
                       "waited for loops", "CPU beside"], rows)
 
     def table_kernels(self):
-        measured = self.rows("/(limit|kernel|transform|scan|sweep)/|OpenCV")
-        precise = [row.cpu_s for row in measured if row.variant.endswith("DIST_MASK_PRECISE")]
-        rows = []
-        for row in measured:
-            peer = f"{precise[0] / row.cpu_s:.1f}" if row.group == "transform" and precise else ""
-            rows.append([f"`{row.name}`", row.variant, time_text(row.cpu_s), f"{1e-9 * row.rate:.3g} G {row.unit}s/s",
-                         share_of_limit(row, measured), peer])
-        return table(["row", "case", "CPU time", "rate", "of limit", "times OpenCV"], rows)
-
-    def table_flood(self):
-        """The one of numerics.md."""
-        rows = []
-        for size in (512, 1024, 2048, 4096):
-            for row in self.rows("/jump_flood/.*jfa", "--size", size, repeats=1):
-                variant, values = row.variant.split(" ", 1)[1], row.counters
-                rows.append([f"{size}²", *(variant.split() if " " in variant else ("walls", variant)), f"{values['passes']:.0f}",
-                             f"{values['different']:.0f}", f"{100.0 * values['different'] / size**2:.4f} %",
-                             f"{values['largest_error_cells']:.3f} cells"])
-        return table(["grid", "seeds", "variant", "passes", "wrong cells", "share", "largest error"], rows)
+        measured = self.rows("/(limit|kernel|scan|sweep)/")
+        rows = [[f"`{row.name}`", row.variant, time_text(row.cpu_s), f"{1e-9 * row.rate:.3g} G {row.unit}s/s", share_of_limit(row, measured)]
+                for row in measured]
+        return table(["row", "case", "CPU time", "rate", "of limit"], rows)
 
     def table_isa(self):
         rows = {}

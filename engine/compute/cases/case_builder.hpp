@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/compute/kernels/edt/edt.hpp"
+#include "engine/compute/kernels/jump_flood/jump_flood.hpp"
 #include "gdtslam/compute/kernel_options.hpp"
 #include "gdtslam/core/random.hpp"
 #include "kernel_cases.hpp"

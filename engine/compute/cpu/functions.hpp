@@ -8,7 +8,6 @@
 #include <cstdint>
 
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
-#include "engine/compute/kernels/edt/edt.hpp"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/gdt_stamp/gdt_stamp.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
@@ -27,9 +26,8 @@ namespace gdtslam {
 template <class... K>
 struct KernelList {};
 /// Every kernel that is dispatched, in the order of the registry, which walks this list as the cases do.
-using AllKernels = KernelList<EdtColumns, EdtRows, JumpFloodInit, JumpFloodStep, JumpFloodDistance, DistanceField,
-                              PoseCost, GdtMerge, PoseLattice, LatticeMinima, SmallestValues, SeedScatter, FieldGrow,
-                              PoseStarts, PoseSimplex, ChoosePose, SweepPoints, PoseBounds, GdtStamp>;
+using AllKernels = KernelList<SeedScatter, JumpFloodInit, JumpFloodStep, JumpFloodDistance, DistanceField, PoseCost,
+                              GdtMerge, PoseLattice, LatticeMinima, SmallestValues, FieldGrow, PoseStarts, PoseSimplex, ChoosePose, SweepPoints, PoseBounds, GdtStamp>;
 
 /// The cells of a launch: columns [x_begin, x_end) of rows [y_begin, y_end).
 struct CellRange {
@@ -45,28 +43,9 @@ struct Slice {
   std::uint32_t end;
 };
 
-/// Cells that the row passes search together, and offsets between two looks whether more can matter.
-constexpr std::uint32_t kEdtTile = 64;
-constexpr std::uint32_t kEdtOffsets = 4;
-
-/// A row's width in whole tiles.
-static constexpr std::size_t edt_tiled_width(std::uint32_t width) {
-  return (static_cast<std::size_t>(width) + kEdtTile - 1) / kEdtTile * kEdtTile;
-}
-/// Cells on either side of a row that edt_rows reads: the radius, rounded up to what it searches at once.
-static constexpr std::uint32_t edt_rows_margin(const EdtRows::Params& params) { return params.radius + kEdtOffsets; }
-/// u16 cells of scratch that edt_rows needs: a row with its margins, and one value a tile.
-static constexpr std::size_t edt_rows_scratch(const EdtRows::Params& params) {
-  const std::size_t tiled = edt_tiled_width(params.width);
-  return tiled + tiled / kEdtTile + 2 * static_cast<std::size_t>(edt_rows_margin(params));
-}
-
 /// Behind the parameters come the buffers in the order of the bindings, then what the launch is about: the cells of a
 /// grid or a slice of its things (columns, rows, samples, cells of a list, starts, candidates, poses, tiles, beams).
 struct IsaFunctions {
-  void (*edt_columns)(const EdtColumns::Params&, const std::uint8_t* seeds, std::uint8_t* distance, Slice);
-  void (*edt_rows)(const EdtRows::Params&, const std::uint8_t* distance, std::uint16_t* sq_distance, Slice,
-                   std::uint16_t* scratch);
   void (*distance_field)(const DistanceField::Params&, const std::uint16_t* sq_distance, const std::uint16_t* table,
                          std::uint16_t* field, CellRange);
   void (*pose_cost)(const PoseCost::Params&, const std::uint16_t* field, const PointCells* points,

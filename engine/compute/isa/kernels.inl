@@ -31,7 +31,6 @@ constexpr std::size_t at(std::uint32_t stride, std::uint32_t y) { return static_
 #elif GDTSLAM_ISA_LEVEL == 1
 #include "lanes_avx2.inl"
 #endif
-#include "engine/compute/kernels/edt/edt.inl"
 #include "engine/compute/kernels/distance_field/distance_field.inl"
 #include "engine/compute/kernels/pose_cost/pose_cost.inl"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.inl"
@@ -52,8 +51,6 @@ constexpr std::size_t at(std::uint32_t stride, std::uint32_t y) { return static_
 }  // namespace
 
 const IsaFunctions GDTSLAM_ISA_FUNCTIONS = {
-    .edt_columns = edt_columns,
-    .edt_rows = edt_rows,
     .distance_field = distance_field,
     .pose_cost = pose_cost,
     .gdt_merge = gdt_merge,

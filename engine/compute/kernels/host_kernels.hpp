@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <span>
 
-#include "engine/compute/kernels/edt/edt.hpp"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
 #include "engine/compute/kernels/point_values/point_values.hpp"
@@ -52,10 +51,6 @@ void field_minorant_host(Isa isa, const FieldMinorant::Params& params, const std
 void pose_minorant_wide_host(Isa isa, const PoseMinorantWide::Params& params, const std::uint32_t* minorants,
                              const BoundPoint* points, const PoseCandidate* boxes, std::uint32_t count,
                              PoseMinorant::Value* values);
-
-/// Truncated exact transform, both passes; `column_distance` is scratch of stride * height bytes.
-void edt_host(Isa isa, const EdtColumns::Params& params, const std::uint8_t* seeds, std::uint8_t* column_distance,
-              std::uint16_t* sq_distance);
 
 // The tests' references for the kernels of the same names; no other code calls these.
 

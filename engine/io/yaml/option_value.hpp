@@ -5,7 +5,7 @@
 #include <string_view>
 #include <variant>
 
-#include "gdtslam/mapping/option.hpp"
+#include "gdtslam/mapping/config.hpp"
 
 namespace gdtslam {
 

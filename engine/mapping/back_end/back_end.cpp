@@ -248,7 +248,7 @@ void BackEnd::adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose
                            const Progress& progress) const {
   const std::vector<Pose2> kept = those_at(kept_, keyframes);
   const ScanAdjustment adjustment(kept_scans_, kept, options_.scans);
-  ScanShelf::Reader shelf(shelf_);
+  Shelf<KeptScan>::Reader shelf(shelf_);
   Shelf<Scan>::Reader scans(scans_);
   std::vector<KeptScan> taken(kScansAtOnce);
   std::vector<std::size_t> hung_on(kScansAtOnce);  // keyframes
@@ -309,7 +309,7 @@ std::vector<Matrix3> BackEnd::covariances_of_scans(const LoopCloser& closer) con
 }
 
 void BackEnd::visit_keyframes(const std::function<void(std::size_t, const KeptScan&)>& visit) const {
-  ScanShelf::Reader shelf(shelf_);
+  Shelf<KeptScan>::Reader shelf(shelf_);
   std::size_t next = 0;
   for (std::size_t i = 0; next < keyframes_.size(); ++i) {
     const KeptScan scan = shelf.next();

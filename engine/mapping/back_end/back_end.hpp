@@ -19,7 +19,6 @@
 #include "engine/mapping/adjust/joint_adjustment.hpp"
 #include "engine/mapping/adjust/scan_adjustment.hpp"
 #include "engine/mapping/back_end/match_chain.hpp"
-#include "engine/mapping/back_end/scan_shelf.hpp"
 #include "engine/mapping/loops/live_loops.hpp"
 #include "engine/mapping/wheels/known_surfaces.hpp"
 #include "engine/mapping/wheels/motion_noise.hpp"
@@ -121,7 +120,7 @@ class BackEnd {
   Matrix3 match_leaps_;  // and for the matches
   TurnLeap turn_leap_;
   WheelTravel travel_;
-  ScanShelf shelf_;                    // points of all scans
+  Shelf<KeptScan> shelf_;              // points of all scans
   std::optional<SideThread> keeping_;  // that fills it
   // After the end:
   std::vector<std::size_t> keyframes_;  // which scans they are

@@ -21,7 +21,7 @@
 #include "engine/core/memory/byte_shelf.hpp"
 #include "engine/core/worker_pool.hpp"
 #include "engine/mapping/loops/loop_closer.hpp"
-#include "gdtslam/mapping/mapper.hpp"
+#include "gdtslam/mapping/loop_closing.hpp"
 
 namespace gdtslam {
 

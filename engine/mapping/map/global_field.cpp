@@ -42,12 +42,6 @@ std::span<const std::uint16_t> GlobalField::memory() const { return store_->memo
 std::uint16_t GlobalField::at(CellIndex map_cell) const { return at_and_beside(map_cell).front(); }
 
 std::array<std::uint16_t, 4> GlobalField::at_and_beside(CellIndex map_cell) const {
-  if (!store_->is_whole()) {
-    std::array<std::uint16_t, 4> cells{};
-    store_->read_row(map_cell, std::span(cells).first<2>(), cap());
-    store_->read_row(map_cell + CellOffset{0, 1}, std::span(cells).last<2>(), cap());
-    return cells;
-  }
   const CellBox& stored = store_->stored();
   const bool is_inside = map_cell.x >= stored.min.x && map_cell.y >= stored.min.y && map_cell.x + 1 < stored.end.x &&
                          map_cell.y + 1 < stored.end.y;
@@ -73,7 +67,7 @@ void GlobalField::grow_to_hold(const CellBox& map_box) {
   if (!grown) {
     throw InputError("the map would reach over " + size_of(hull_of(content_, guarded)) + store_->limit());
   }
-  store_->hold(guarded, *grown);
+  store_->hold(*grown);
   box_ = grown->stored;
   content_ = grown->content;
 }
@@ -86,13 +80,8 @@ void GlobalField::require_room(std::span<const CellBox> map_boxes) const {
   }
 }
 
-void GlobalField::keep_near(const std::string& folder) { store_->keep_near(folder); }
-void GlobalField::come_near(const CellBox& map_box) { store_->come_near(map_box); }
-
 void GlobalField::touch(const CellBox& map_box) { store_->touch(map_box); }
 
-Buffer GlobalField::snapshot() const { return store_->snapshot(); }
-std::uint32_t GlobalField::snapshot_stride() const { return row_stride(box_); }
 std::vector<std::uint16_t> GlobalField::download() const { return store_->read(); }
 void GlobalField::adopt(const CellRows& from) { store_->write(from); }
 

@@ -7,7 +7,6 @@
 
 #include "device_memory.hpp"
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
-#include "engine/compute/kernels/edt/edt.hpp"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
 
@@ -28,14 +27,13 @@ LocalField::LocalField(Backend& backend, std::uint32_t radius_cells, DistanceTra
             transform_ == DistanceTransform::kExact ? stamp_disc(radius_cells) : distance_table(radius_cells));
 }
 
-void LocalField::prepare(const KeyframeCells& keyframe, const GlobalField& map, RoomLimit limit) {
-  const bool is_limited = limit == RoomLimit::kHeeded;
+void LocalField::prepare(const KeyframeCells& keyframe, const GlobalField& map) {
   if (transform_ == DistanceTransform::kJumpFlood) {
-    if (is_limited) map.require_room({&keyframe.window, 1});
+    map.require_room({&keyframe.window, 1});
     return flood(keyframe);
   }
   lists_.list(keyframe, map);
-  if (is_limited) map.require_room(lists_.boxes());
+  map.require_room(lists_.boxes());
   upload_to(*backend_, cells_, lists_.words());
 }
 

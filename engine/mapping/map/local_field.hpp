@@ -12,17 +12,13 @@
 
 namespace gdtslam {
 
-/// Whether a keyframe is refused that takes more memory than the map may have: not where a device, which counts its
-/// memory otherwise, has taken it already.
-enum class RoomLimit : std::uint8_t { kHeeded, kIgnored };
-
 class LocalField {
  public:
   LocalField(Backend& backend, std::uint32_t radius_cells, DistanceTransform transform = DistanceTransform::kExact);
 
   /// Prepares a keyframe for a map that holds its window and lives on the same backend. Throws InputError where the map
-  /// may not take so much memory and the limit is heeded, what the backend throws else; the map is as before then.
-  void prepare(const KeyframeCells& keyframe, const GlobalField& map, RoomLimit limit = RoomLimit::kHeeded);
+  /// may not take so much memory, what the backend throws else; the map is as before then.
+  void prepare(const KeyframeCells& keyframe, const GlobalField& map);
   /// Merges it into that map, which has not grown since.
   void merge_into(GlobalField& map, const MergeStep& step);
 

@@ -30,23 +30,20 @@ ScanMatcher::ScanMatcher(const MapperConfig& config, const GlobalField& map)
 
 ScanMatcher::~ScanMatcher() = default;
 
-void ScanMatcher::start(std::span<const PointCells> points, const Prediction& prediction, bool search) {
+MatchResult ScanMatcher::match(std::span<const PointCells> points, const Prediction& prediction,
+                               bool must_search) {
   assert(map_->box().empty() || !map_->memory().empty());  // it lives where the host sees it
   points_ = points;
   by_odometry_ = prediction.by_odometry;
-  must_search_ = search;
   rules_.begin(prediction, points.size());
   objective_.set_anchor(rules_.anchor());
   objective_.set_prior(rules_.prior());
-}
-
-MatchResult ScanMatcher::finish() {
   const std::uint64_t before = objective_.evaluations();
   attempts_ = 0;
   proven_gap_m_.reset();
   proof_evaluations_ = 0;
   Estimate best = descend(rules_.predicted());
-  if (must_search_ || (search_.when != SearchWhen::kNever && rules_.may_search() &&
+  if (must_search || (search_.when != SearchWhen::kNever && rules_.may_search() &&
                        (rules_.is_suspect(best.evidence) || rules_.is_far(best.pose)))) {
     best = search(best);
   }

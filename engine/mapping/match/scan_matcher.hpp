@@ -26,8 +26,7 @@ class ScanMatcher final : public Matcher {
   ScanMatcher(const MapperConfig& config, const GlobalField& map);
   ~ScanMatcher() override;
 
-  void start(std::span<const PointCells> points, const Prediction& prediction, bool search) override;
-  MatchResult finish() override;
+  MatchResult match(std::span<const PointCells> points, const Prediction& prediction, bool search) override;
 
  private:
   struct Estimate {
@@ -57,7 +56,6 @@ class ScanMatcher final : public Matcher {
   Objective objective_;
   std::span<const PointCells> points_;
   bool by_odometry_ = false;
-  bool must_search_ = false;
   std::uint32_t attempts_ = 0;       // windows searched for this scan
   std::vector<PointCells> kept_;     // points that pass the gate
   std::vector<PointCells> voters_;   // points that count in a window

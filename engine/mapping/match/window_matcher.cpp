@@ -39,7 +39,7 @@ WindowMatcher::WindowMatcher(const MapperConfig& config, const GlobalField& map)
       poses_(backend_->allocate(std::size_t{SmallestValues::kMost + 1} * sizeof(PolishedPose))),
       verdict_(backend_->allocate(sizeof(MatchVerdict))) {}
 
-void WindowMatcher::start(std::span<const PointCells> points, const Prediction& prediction, bool /*search*/) {
+MatchResult WindowMatcher::match(std::span<const PointCells> points, const Prediction& prediction, bool /*search*/) {
   by_odometry_ = prediction.by_odometry;
   points_ = static_cast<std::uint32_t>(points.size());
   rules_.begin(prediction, points.size());
@@ -50,9 +50,6 @@ void WindowMatcher::start(std::span<const PointCells> points, const Prediction& 
   backend_->upload(point_buffer_, std::as_bytes(std::span(ordered_points_)));
   attempts_ = 0;
   launch(rules_.window(1.0));
-}
-
-MatchResult WindowMatcher::finish() {
   MatchVerdict best = wait();
   Evidence evidence = evidence_of(best);
   std::uint64_t evaluations = samples_ + best.evaluations;

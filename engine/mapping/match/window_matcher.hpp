@@ -20,11 +20,10 @@ class WindowMatcher final : public Matcher {
   /// The map must outlive the matcher, which works where it lives.
   WindowMatcher(const MapperConfig& config, const GlobalField& map);
 
-  /// Sets the device to work and returns at once. A window is always searched. Throws DeviceError where its poses, 16
-  /// bytes each, are more than the backend's largest buffer holds, as finish() does for the windows that follow.
-  void start(std::span<const PointCells> points, const Prediction& prediction, bool search) override;
-  /// While the best pose is suspect or lies at the window's edge, further windows follow, each twice as large.
-  MatchResult finish() override;
+  /// A window is always searched. While the best pose is suspect or lies at the window's edge, further windows follow,
+  /// each twice as large. Throws DeviceError also where their poses, 16 bytes each, are more than the backend's largest
+  /// buffer holds.
+  MatchResult match(std::span<const PointCells> points, const Prediction& prediction, bool search) override;
 
  private:
   bool launch_wider();

@@ -1,7 +1,9 @@
 #include "surface_points.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 
 #include "engine/core/elementary.hpp"
@@ -227,6 +229,21 @@ ShapeOfOne shape_of_one(const Matrix3& shape, std::size_t points, double least, 
   }
   result.shape = scale * one * scale + Matrix3::diagonal(least, least, least);
   return result;
+}
+
+void put_on(ByteShelf& shelf, const KeptScan& scan) {
+  const std::array<std::uint32_t, 2> counts{static_cast<std::uint32_t>(scan.surface.size()),
+                                            static_cast<std::uint32_t>(scan.lone.size())};
+  shelf.put({bytes_of(counts), std::as_bytes(std::span(scan.surface)), std::as_bytes(std::span(scan.lone))});
+}
+
+void take_from(std::span<const std::byte> record, KeptScan& scan) {
+  std::array<std::uint32_t, 2> counts{};
+  take_values(record, std::span<std::uint32_t>(counts));
+  scan.surface.resize(counts[0]);
+  scan.lone.resize(counts[1]);
+  take_values(record, std::span(scan.surface));
+  take_values(record, std::span(scan.lone));
 }
 
 }  // namespace gdtslam

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/core/memory/byte_shelf.hpp"
 #include "engine/mapping/graph/matrix3.hpp"
 #include "gdtslam/core/pose.hpp"
 
@@ -92,5 +93,9 @@ struct ShapeOfOne {
 /// The shape for one point, less what the noise of the normals feigns of a translation along which there is nothing to
 /// be seen, `noise`; and `least` in any direction.
 ShapeOfOne shape_of_one(const Matrix3& shape, std::size_t points, double least, double noise);
+
+/// As a record of a shelf: 8 bytes and those of its points.
+void put_on(ByteShelf& shelf, const KeptScan& scan);
+void take_from(std::span<const std::byte> record, KeptScan& scan);
 
 }  // namespace gdtslam

@@ -63,7 +63,7 @@ void check_memory(const ObstacleFieldSize& size, const std::string& path) {
   check_derived_bytes(derived, ignored ? 0 : picture, path, "searching in the map");
 }
 
-MapField field_of_occupied(const std::string& path, const MapConfig& config, Isa isa) {
+MapField field_of_occupied(const std::string& path, const MapConfig& config) {
   const OccupancyMap map = read_occupancy_map(path);
   check_geometry(map.geometry, path);
   MapField field;
@@ -77,7 +77,7 @@ MapField field_of_occupied(const std::string& path, const MapConfig& config, Isa
     throw InputError({path, 0}, error.what());
   }
   check_memory(size, path);
-  field.file = obstacle_field(map, radius, isa);
+  field.file = obstacle_field(map, radius);
   if (field.file.cells.empty()) {
     throw InputError(
         {path, 0},
@@ -218,10 +218,10 @@ void require_one_piece(const std::string& path) {
 
 }  // namespace
 
-MapField read_map_field(const std::string& map, const MapConfig& config, Isa isa) {
+MapField read_map_field(const std::string& map, const MapConfig& config) {
   const std::string path = description_file_of(map);
   std::optional<RunReader> run = told_run_in(map);
-  if (!run && is_occupancy_map(path)) return field_of_occupied(path, config, isa);
+  if (!run && is_occupancy_map(path)) return field_of_occupied(path, config);
   require_one_piece(path);
   MapField field;
   field.path = path;

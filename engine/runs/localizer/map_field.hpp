@@ -47,6 +47,6 @@ bool is_occupancy_map(const std::string& path);
 
 /// `map` is a run folder, its gdt.yaml, or the map.yaml of an occupancy map, whose distances are kept up to
 /// `config.truncation_m`. Throws InputError, also where no cell of it is occupied; FileError.
-MapField read_map_field(const std::string& map, const MapConfig& config, Isa isa);
+MapField read_map_field(const std::string& map, const MapConfig& config);
 
 }  // namespace gdtslam

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
-#include "engine/compute/kernels/host_kernels.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
@@ -53,11 +52,12 @@ FieldBox field_box(const CellBox& occupied, std::uint32_t radius) {
   return box;
 }
 
-/// Makes one band of rows after the other, each from the obstacles of its own rows and of those within the radius.
+/// Makes one band of rows after the other, each from the obstacles of its own rows and of those within the radius. Two
+/// separable passes [Meijster2000]: along the columns, then the least sum of squares along the rows.
 class BandTransform {
  public:
-  BandTransform(const OccupancyMap& map, const FieldBox& box, std::uint32_t radius, Isa isa)
-      : map_(map), box_(box), radius_(radius), isa_(isa), table_(distance_table(radius)) {
+  BandTransform(const OccupancyMap& map, const FieldBox& box, std::uint32_t radius)
+      : map_(map), box_(box), radius_(radius), table_(distance_table(radius)) {
     states_.resize(static_cast<std::size_t>(map.geometry.width));
   }
 
@@ -66,44 +66,69 @@ class BandTransform {
     const std::int64_t low = std::max<std::int64_t>(0, first - radius_);
     const std::int64_t high = std::min<std::int64_t>(box_.height, first + rows + radius_);
     const auto width = static_cast<std::size_t>(box_.width);
-    const std::size_t cells = width * static_cast<std::size_t>(high - low);
-    seeds_.assign(cells, 0);
-    columns_.resize(cells);
-    squares_.resize(cells);
-    for (std::int64_t y = low; y < high; ++y) sow(y, &seeds_[static_cast<std::size_t>(y - low) * width]);
-    edt_host(isa_,
-             {.width = static_cast<std::uint32_t>(width),
-              .height = static_cast<std::uint32_t>(high - low),
-              .stride = static_cast<std::uint32_t>(width),
-              .radius = radius_},
-             seeds_.data(), columns_.data(), squares_.data());
-    const std::uint16_t* const squares = &squares_[static_cast<std::size_t>(first - low) * width];
-    const std::size_t wanted = static_cast<std::size_t>(rows) * width;
-    std::transform(squares, squares + wanted, field, [this](std::uint16_t square) { return table_[square]; });
+    columns_.assign(width * static_cast<std::size_t>(high - low), static_cast<std::uint16_t>(radius_));
+    for (std::int64_t y = low; y < high; ++y) sow(y, column_distances(y - low));
+    for (std::int64_t y = low + 1; y < high; ++y) spread(column_distances(y - low - 1), column_distances(y - low));
+    for (std::int64_t y = high - 1; y-- > low;) spread(column_distances(y - low + 1), column_distances(y - low));
+    for (std::int64_t y = first; y < first + rows; ++y) {
+      fill_row(column_distances(y - low), field + static_cast<std::size_t>(y - first) * width);
+    }
   }
 
  private:
-  // The obstacles of a row of the field; the map may not reach that far.
-  void sow(std::int64_t y, std::uint8_t* seeds) {
+  [[nodiscard]] std::uint16_t* column_distances(std::int64_t row) {
+    return &columns_[static_cast<std::size_t>(row) * static_cast<std::size_t>(box_.width)];
+  }
+
+  // Zero at the obstacles of a row of the field; the map may not reach that far.
+  void sow(std::int64_t y, std::uint16_t* distances) {
     const std::int64_t row = box_.y + y;
     if (row < 0 || row >= map_.geometry.height) return;
     map_.read_row(static_cast<std::int32_t>(row), states_);
     const std::int64_t begin = std::max<std::int64_t>(0, box_.x);
     const std::int64_t end = std::min<std::int64_t>(map_.geometry.width, box_.x + box_.width);
     for (std::int64_t x = begin; x < end; ++x) {
-      seeds[x - box_.x] = states_[static_cast<std::size_t>(x)] == CellState::kOccupied ? 1 : 0;
+      if (states_[static_cast<std::size_t>(x)] == CellState::kOccupied) distances[x - box_.x] = 0;
     }
+  }
+
+  // One cell farther than the row before, where that is nearer.
+  void spread(const std::uint16_t* from, std::uint16_t* to) const {
+    for (std::int64_t x = 0; x < box_.width; ++x) {
+      to[x] = std::min(to[x], static_cast<std::uint16_t>(from[x] + 1));
+    }
+  }
+
+  // No sum exceeds the squared radius, so that all stay within 16 bits.
+  void fill_row(const std::uint16_t* distances, std::uint16_t* field) {
+    const auto width = static_cast<std::size_t>(box_.width);
+    squares_.resize(width);
+    best_.resize(width);
+    std::transform(distances, distances + width, squares_.begin(),
+                   [](std::uint32_t distance) { return static_cast<std::uint16_t>(distance * distance); });
+    std::copy(squares_.begin(), squares_.end(), best_.begin());
+    for (std::size_t dx = 1; dx < std::min<std::size_t>(radius_, width); ++dx) {
+      const auto sq = static_cast<std::uint16_t>(dx * dx);
+      const auto most = static_cast<std::uint16_t>(radius_ * radius_ - sq);
+      const auto offer = [sq, most](std::uint16_t best, std::uint16_t square) {
+        return std::min(best, static_cast<std::uint16_t>(std::min(square, most) + sq));
+      };
+      const auto shift = static_cast<std::ptrdiff_t>(dx);
+      std::transform(best_.begin() + shift, best_.end(), squares_.begin(), best_.begin() + shift, offer);
+      std::transform(best_.begin(), best_.end() - shift, squares_.begin() + shift, best_.begin(), offer);
+    }
+    std::transform(best_.begin(), best_.end(), field, [this](std::uint16_t square) { return table_[square]; });
   }
 
   const OccupancyMap& map_;
   FieldBox box_;
   std::uint32_t radius_;
-  Isa isa_;
   std::vector<std::uint16_t> table_;
   std::vector<CellState> states_;
-  std::vector<std::uint8_t> seeds_;
-  std::vector<std::uint8_t> columns_;
+  std::vector<std::uint16_t> columns_;  // distances along the columns, at most the radius
+  // Of a row: squared distances along the columns, and the least sums.
   std::vector<std::uint16_t> squares_;
+  std::vector<std::uint16_t> best_;
 };
 
 }  // namespace
@@ -121,7 +146,7 @@ ObstacleFieldSize obstacle_field_size(const OccupancyMap& map, std::uint32_t rad
   return {static_cast<std::uint64_t>(box.width), static_cast<std::uint64_t>(box.height)};
 }
 
-DistanceFieldFile obstacle_field(const OccupancyMap& map, std::uint32_t radius_cells, Isa isa, std::int32_t band_rows) {
+DistanceFieldFile obstacle_field(const OccupancyMap& map, std::uint32_t radius_cells, std::int32_t band_rows) {
   assert(radius_cells >= 1 && radius_cells <= 255 && band_rows >= 1);
   const GridGeometry& grid = map.geometry;
   DistanceFieldFile field;
@@ -134,7 +159,7 @@ DistanceFieldFile obstacle_field(const OccupancyMap& map, std::uint32_t radius_c
                     grid.origin_y_m + static_cast<double>(box.y) * grid.resolution_m,
                     static_cast<std::int32_t>(box.width), static_cast<std::int32_t>(box.height)};
   field.cells.resize(field.geometry.cell_count());
-  BandTransform bands(map, box, radius_cells, isa);
+  BandTransform bands(map, box, radius_cells);
   for (std::int64_t first = 0; first < box.height; first += band_rows) {
     const std::int64_t rows = std::min<std::int64_t>(band_rows, box.height - first);
     bands.make(first, rows, field.cells.data() + first * box.width);

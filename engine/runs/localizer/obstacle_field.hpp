@@ -1,11 +1,10 @@
 // The distance field of an occupancy map, whoever made it: the exact distance from each cell to the nearest occupied
 // one, paper equation (1). Cells of which nothing is known are no obstacles. Frame: the map's. Thread-safe; O(cells of
-// the field), within its memory and some rows.
+// the field times the radius), within its memory and some rows.
 #pragma once
 
 #include <cstdint>
 
-#include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
 #include "gdtslam/mapping/occupancy.hpp"
 
@@ -31,7 +30,7 @@ inline constexpr std::int32_t kObstacleFieldBand = 256;
 /// Distances up to `radius_cells`, 1 to 255, on the map's cells, as far around the occupied ones as there are any: the
 /// two outermost rows and columns hold the cap. No cells where none is occupied. Throws InputError, without a file,
 /// where there would be too many.
-DistanceFieldFile obstacle_field(const OccupancyMap& map, std::uint32_t radius_cells, Isa isa,
+DistanceFieldFile obstacle_field(const OccupancyMap& map, std::uint32_t radius_cells,
                                  std::int32_t band_rows = kObstacleFieldBand);
 
 }  // namespace gdtslam

@@ -85,7 +85,7 @@ bool LocalizedScan::is_ambiguous() const {
 Localizer::Localizer(const std::string& map, const MapperConfig& config, const LocalizeLimits& limits, Backend& backend)
     : config_(config),
       limits_(limits),
-      field_(framed(read_map_field(map, config.map, backend.host_isa()))),
+      field_(framed(read_map_field(map, config.map))),
       window_(field_.known_window()) {
   try {
     Backend* const device = backend.device().kind == "cpu" ? nullptr : &backend;

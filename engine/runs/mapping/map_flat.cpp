@@ -18,24 +18,18 @@ void MapRun::read_next(ScanAhead& ahead, NextObservation& next) {
   watch_.add_cpu_to(outcome_.read_cpu_s);
 }
 
-// The next observation is read while the device works, unless somebody waits for the pose; its faults count after this
-// one.
+// The faults of the next observation count after this one.
 MatchResult MapRun::match(const Observation& observation, std::vector<ObservedScan>& places, ScanAhead& ahead,
                           NextObservation& next) {
   const ScanRecord& last = observation.back();
-  if (observation.size() == 1) {
-    loops_ ? loops_->start(last.scan, last.T_odom_base) : mapper_->start(last.scan, last.T_odom_base);
-  } else {
-    PointScan scan = observation_points_.points(observation, places);
-    loops_ ? loops_->start(std::move(scan), last.T_odom_base) : mapper_->start(std::move(scan), last.T_odom_base);
-  }
-  watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
-  if (!job_.scan_mapped) read_next(ahead, next);
-  const MatchResult result = loops_ ? loops_->finish() : mapper_->finish();
+  const MatchResult result =
+      observation.size() == 1
+          ? mapper_->process(last.scan, last.T_odom_base)
+          : mapper_->process(observation_points_.points(observation, places), last.T_odom_base);
   observation_points_.take(observation, result, places);
   if (job_.scan_mapped) report_scans(observation, places, result);
   watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
-  if (job_.scan_mapped) read_next(ahead, next);
+  read_next(ahead, next);
   return result;
 }
 
@@ -109,7 +103,7 @@ void MapRun::map_flat(const Progress& progress) {
 
 // Poses, keyframes and occupancy are those of the path with its loops closed.
 void MapRun::close_loops() {
-  if (front_end().statistics().keyframes == 0) return;
+  if (mapper_->statistics().keyframes == 0) return;
   ClosedPath path = loops_->close(job_.closing, stop_);
   if (beside_.scans > 0) path = path_of_scans(std::move(path), observed_.all());
   watch_.add_cpu_to(outcome_.loops_cpu_s);

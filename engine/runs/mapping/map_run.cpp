@@ -52,25 +52,12 @@ struct MapRun::Nodding : CloudSink {
     const MapperOptions& on_failure = run.job_.on_failure;
     NoddingConfig config = job.nodding;
     config.max_step_m = run.job_.mapper.odometry.max_step_m;
-    if (run.loops_) {
-      with_loops.emplace(config, scanner, *run.loops_, backend, *this, take, on_failure);
-    } else {
-      without_loops.emplace(config, scanner, *run.mapper_, backend, *this, take, on_failure);
-    }
+    mapper.emplace(config, scanner, *run.mapper_, backend, *this, take, on_failure);
   }
 
   void add(std::span<const CloudPoint> points) override {
     if (cloud) cloud->add(points);
     sampler.add(points);
-  }
-  void process(NoddingScan scan) {
-    with_loops ? with_loops->process(std::move(scan)) : without_loops->process(std::move(scan));
-  }
-  [[nodiscard]] const NoddingStatistics& statistics() const {
-    return with_loops ? with_loops->statistics() : without_loops->statistics();
-  }
-  [[nodiscard]] const std::vector<std::string>& mapper_warnings() const {
-    return with_loops ? with_loops->warnings() : without_loops->warnings();
   }
   NoddingOutcome finish(std::vector<LogReader::Warning>& warnings);
 
@@ -78,13 +65,12 @@ struct MapRun::Nodding : CloudSink {
   NoddingStream stream;
   std::unique_ptr<CloudOutput> cloud;
   SweepSampler sampler;
-  std::optional<NoddingMapper> without_loops;  // one of the two
-  std::optional<NoddingLoopMapper> with_loops;
+  std::optional<NoddingMapper> mapper;
 };
 
 NoddingOutcome MapRun::Nodding::finish(std::vector<LogReader::Warning>& warnings) {
   NoddingOutcome outcome;
-  outcome.statistics = statistics();
+  outcome.statistics = mapper->statistics();
   outcome.check = sampler.finish();
   if (std::string doubt = outcome.check.doubt(); !doubt.empty()) {
     warnings.push_back({"sweeps that do not agree", 1, std::move(doubt)});
@@ -118,12 +104,10 @@ MapRun::MapRun(const MapJob& job, Backend& backend, ScanStream scans, const Nodd
   const MapperConfig config = nodding != nullptr ? mapper_config_of(job.mapper, nodding->nodding) : job.mapper;
   MapperOptions options = job.on_failure;
   options.with_covariance = static_cast<bool>(job.scan_mapped);
-  if (job.with_loops) {
-    loops_ = std::make_unique<LoopMapper>(config, backend, options);
-    scans_kept_.emplace(options.scratch_folder);
-  } else {
-    mapper_ = std::make_unique<Mapper>(config, backend, options);
-  }
+  options.with_loops = job.with_loops;
+  mapper_ = std::make_unique<Mapper>(config, backend, options);
+  loops_ = mapper_->loops();
+  if (loops_) scans_kept_.emplace(options.scratch_folder);
   if (job.with_occupancy) occupancy_.emplace(job.occupancy, occupancy_limits(job.mapper));
   if (nodding != nullptr) nodding_ = std::make_unique<Nodding>(*nodding, std::move(cloud), backend, *this);
 }
@@ -216,7 +200,7 @@ void MapRun::map_nodding(const Progress& progress) {
     watch_.add_cpu_to(outcome_.read_cpu_s);
     if (!scan) break;
     note_stamp(scan->record.scan.stamp_s);
-    nodding_->process(std::move(*scan));
+    nodding_->mapper->process(std::move(*scan));
     progress(++scans, scans_.progress());
     watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
   }
@@ -232,12 +216,9 @@ void MapRun::map_nodding(const Progress& progress) {
 
 // With loops only now poses and points come, from the closed path.
 void MapRun::finish_nodding() {
-  if (!loops_) {
-    nodding_->without_loops->finish();
-    watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
-    return;
-  }
-  take_closed(nodding_->with_loops->close(job_.closing, stop_));
+  std::optional<ClosedPath> path = nodding_->mapper->finish(job_.closing, stop_);
+  if (!path) return watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
+  take_closed(std::move(*path));
   outcome_.interrupted = outcome_.interrupted || stop_();
 }
 
@@ -267,18 +248,18 @@ void MapRun::finish() {
     outcome_.warnings.push_back({std::string(warning_of_end(outcome_.broken_off)), 1, broken_off_});
   if (nodding_) {
     for (LogReader::Warning& warning : nodding_->stream.warnings()) outcome_.warnings.push_back(std::move(warning));
-    for (const std::string& text : nodding_->mapper_warnings()) {
+    for (const std::string& text : nodding_->mapper->warnings()) {
       outcome_.warnings.push_back({"no horizontal scan", 1, text});
     }
   }
-  outcome_.statistics = front_end().statistics();
+  outcome_.statistics = mapper_->statistics();
   outcome_.statistics.scans += beside_.scans;
   outcome_.statistics.matched += beside_.matched;
   outcome_.statistics.doubtful += beside_.doubtful;
   outcome_.statistics.keyframes += beside_.keyframes;
   if (outcome_.closed || nodding_) outcome_.statistics.path_m = length_m_of(outcome_.trajectory);
-  if (nodding_) outcome_.statistics.odometry_leaps += nodding_->statistics().odometry_leaps;
-  outcome_.device_loss = front_end().device_loss();
+  if (nodding_) outcome_.statistics.odometry_leaps += nodding_->mapper->statistics().odometry_leaps;
+  outcome_.device_loss = mapper_->device_loss();
   require_a_map();
   if (std::string question = question_of_unit(outcome_.trajectory); !question.empty()) {
     outcome_.warnings.push_back({"scans far apart", 1, std::move(question)});

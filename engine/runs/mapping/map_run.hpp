@@ -50,7 +50,7 @@ struct MapJob {
   bool with_loops = false;                                 ///< closed once the log has ended
   ScanMapped scan_mapped{};                                ///< as soon as a scan is, before the next one is read
   bool stop_ends_log = false;                              ///< what comes after the stop goes on as after a log's end
-  LoopMapper::Progress closing{};                          ///< as that goes on; empty: nobody is told
+  LoopClosing::Progress closing{};                          ///< as that goes on; empty: nobody is told
   std::function<void(std::string_view what)> finishing{};  ///< before each of what is made after that, likewise
   MapperOptions on_failure;                                ///< of the device
 };
@@ -110,7 +110,6 @@ class MapRun {
   void cast(const LaserScan& scan, const Pose2& T_map_base);
   void finish_casting();
   void note_stamp(double stamp_s);
-  [[nodiscard]] const Mapper& front_end() const { return loops_ ? loops_->front_end() : *mapper_; }
   void finish_nodding();
   void close_loops();
   void take_closed(ClosedPath path);
@@ -120,8 +119,8 @@ class MapRun {
 
   MapJob job_;
   ScanStream scans_;
-  std::unique_ptr<Mapper> mapper_;     ///< without loops
-  std::unique_ptr<LoopMapper> loops_;  ///< or with them
+  std::unique_ptr<Mapper> mapper_;
+  LoopClosing* loops_ = nullptr;  ///< its own, where it closes loops
   MapSpeed speed_;
   MappedScans mapped_;
   std::optional<LaserShelf> scans_kept_;  ///< of a flat laser, for the occupancy of a path that will still change

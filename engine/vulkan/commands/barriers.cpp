@@ -32,7 +32,7 @@ void BarrierTracker::begin(const vk::raii::CommandBuffer& commands) {
   }
   if (before) {
     // All that comes later waits, so that one barrier serves every buffer.
-    memory.dstAccessMask = AccessBit::eShaderRead | AccessBit::eShaderWrite | AccessBit::eUniformRead |
+    memory.dstAccessMask = AccessBit::eShaderRead | AccessBit::eShaderWrite |
                            AccessBit::eTransferRead | AccessBit::eTransferWrite;
     commands.pipelineBarrier(before, StageBit::eComputeShader | StageBit::eTransfer, {}, memory, {}, {});
     ++barrier_count_;

@@ -52,12 +52,6 @@ std::size_t largest_local_heap(const vk::PhysicalDeviceMemoryProperties& memory)
   return largest;
 }
 
-/// Words of a uniform texel buffer (VK_FORMAT_R32_UINT, as the shaders read one).
-std::size_t max_texel_words(const vk::raii::PhysicalDevice& device, const vk::PhysicalDeviceLimits& limits) {
-  const vk::FormatFeatureFlags features = device.getFormatProperties(kTexelFormat).bufferFeatures;
-  return features & vk::FormatFeatureFlagBits::eUniformTexelBuffer ? limits.maxTexelBufferElements : 0;
-}
-
 std::string problem_of(const vk::raii::PhysicalDevice& device, std::uint32_t api_version) {
   if (api_version < VK_API_VERSION_1_2) {
     return "offers Vulkan " + to_text(api_version) + ", 1.2 is needed";
@@ -96,7 +90,6 @@ VulkanDeviceInfo describe(const vk::raii::PhysicalDevice& device, unsigned index
   info.memory_bytes = largest_local_heap(device.getMemoryProperties());
   info.max_storage_buffer_bytes = basic.limits.maxStorageBufferRange;
   info.max_uniform_buffer_bytes = basic.limits.maxUniformBufferRange;
-  info.max_texel_words = max_texel_words(device, basic.limits);
   info.shared_memory_bytes = basic.limits.maxComputeSharedMemorySize;
   info.max_group_invocations = basic.limits.maxComputeWorkGroupInvocations;
   info.max_push_constant_bytes = basic.limits.maxPushConstantsSize;

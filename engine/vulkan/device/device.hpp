@@ -12,9 +12,6 @@
 
 namespace gdtslam {
 
-/// Of uniform texel buffers: a texel is a word.
-inline constexpr vk::Format kTexelFormat = vk::Format::eR32Uint;
-
 /// Within a DriverCalls::Scope.
 VulkanDeviceInfo describe(const vk::raii::PhysicalDevice& device, unsigned index);
 /// The queue family that work is given to: the first that computes.

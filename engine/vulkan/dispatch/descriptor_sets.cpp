@@ -12,11 +12,8 @@ constexpr std::uint32_t kSetsPerPool = 128;
 }  // namespace
 
 void DescriptorSets::add_pool() {
-  // A variant has at most one uniform buffer and one of texels.
-  const std::array sizes{vk::DescriptorPoolSize(vk::DescriptorType::eStorageBuffer, kSetsPerPool * kMostBindings),
-                         vk::DescriptorPoolSize(vk::DescriptorType::eUniformBuffer, kSetsPerPool),
-                         vk::DescriptorPoolSize(vk::DescriptorType::eUniformTexelBuffer, kSetsPerPool)};
-  pools_.emplace_back(device_.handle(), vk::DescriptorPoolCreateInfo({}, kSetsPerPool, sizes));
+  const vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer, kSetsPerPool * kMostBindings);
+  pools_.emplace_back(device_.handle(), vk::DescriptorPoolCreateInfo({}, kSetsPerPool, size));
   sets_left_ = kSetsPerPool;
 }
 
@@ -41,24 +38,13 @@ vk::DescriptorSet DescriptorSets::new_set(const ShaderVariant& variant, const Va
   return set;
 }
 
-void DescriptorSets::write(vk::DescriptorSet set, const ShaderVariant& variant,
-                           std::span<DeviceBuffer* const> buffers) const {
+void DescriptorSets::write(vk::DescriptorSet set, std::span<DeviceBuffer* const> buffers) const {
   std::array<vk::DescriptorBufferInfo, kMostBindings> infos;
-  std::array<vk::BufferView, kMostBindings> views;
   std::array<vk::WriteDescriptorSet, kMostBindings> writes;
   for (std::size_t i = 0; i < buffers.size(); ++i) {
-    const vk::DescriptorType type = descriptor_type(variant, i);
-    writes[i] = vk::WriteDescriptorSet(set, static_cast<std::uint32_t>(i), 0, 1, type);
-    if (type == vk::DescriptorType::eUniformTexelBuffer) {
-      views[i] = texel_view(device_, *buffers[i]);
-      writes[i].pTexelBufferView = &views[i];
-    } else {
-      const std::size_t most = device_.info().max_uniform_buffer_bytes / 16 * 16;
-      const std::size_t bytes = buffers[i]->padded_bytes;
-      const bool is_uniform = type == vk::DescriptorType::eUniformBuffer;
-      infos[i] = vk::DescriptorBufferInfo(*buffers[i]->handle, 0, is_uniform ? std::min(bytes, most) : bytes);
-      writes[i].pBufferInfo = &infos[i];
-    }
+    infos[i] = vk::DescriptorBufferInfo(*buffers[i]->handle, 0, buffers[i]->padded_bytes);
+    writes[i] = vk::WriteDescriptorSet(set, static_cast<std::uint32_t>(i), 0, 1, vk::DescriptorType::eStorageBuffer);
+    writes[i].pBufferInfo = &infos[i];
   }
   device_.handle().updateDescriptorSets(vk::ArrayProxy(static_cast<std::uint32_t>(buffers.size()), writes.data()), {});
 }
@@ -71,7 +57,7 @@ vk::DescriptorSet DescriptorSets::set_for(const ShaderVariant& variant, const Va
   auto found = sets_.find(key);
   if (found == sets_.end()) {
     const vk::DescriptorSet set = new_set(variant, pipeline);
-    write(set, variant, buffers);
+    write(set, buffers);
     found = sets_.emplace(key, Entry{set, batch}).first;
   }
   found->second.last_batch = batch;

@@ -43,7 +43,7 @@ class DescriptorSets {
   };
   vk::DescriptorSet new_set(const ShaderVariant& variant, const VariantPipeline& pipeline);
   void add_pool();
-  void write(vk::DescriptorSet set, const ShaderVariant& variant, std::span<DeviceBuffer* const> buffers) const;
+  void write(vk::DescriptorSet set, std::span<DeviceBuffer* const> buffers) const;
 
   const Device& device_;
   std::vector<vk::raii::DescriptorPool> pools_;

@@ -10,7 +10,6 @@
 #include <glm/vec3.hpp>
 #include <glm/vector_relational.hpp>
 
-#include "engine/vulkan/memory/buffers.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
@@ -137,15 +136,6 @@ bool fits(const Device& device, const glm::uvec3& local_size) {
   return glm::all(glm::lessThanEqual(local_size, most)) && invocations <= device.info().max_group_invocations;
 }
 
-/// Whether the device takes what the variant reads as texels.
-bool has_texels(const VariantContext& context, const ShaderVariant& variant) {
-  if (variant.texel_binding < 0) {
-    return true;
-  }
-  const std::size_t bytes = context.shape.buffer_bytes[static_cast<std::size_t>(variant.texel_binding)];
-  return padded_size(bytes) / sizeof(std::uint32_t) <= context.device.max_texel_words;
-}
-
 /// The values of the specialisation constants and where they stand; a shader takes those that it has.
 struct Specialization {
   std::array<std::uint32_t, 5> values;
@@ -168,17 +158,8 @@ struct Specialization {
 
 }  // namespace
 
-vk::DescriptorType descriptor_type(const ShaderVariant& variant, std::size_t binding) {
-  if (variant.uniform_binding == static_cast<int>(binding)) {
-    return vk::DescriptorType::eUniformBuffer;
-  }
-  return variant.texel_binding == static_cast<int>(binding) ? vk::DescriptorType::eUniformTexelBuffer
-                                                            : vk::DescriptorType::eStorageBuffer;
-}
-
 Pipelines::Pipelines(const Device& device, const VulkanOptions& options)
     : device_(device),
-      preference_(options.variants),
       edit_shader_(options.edit_shader),
       cache_(device, options.cache_folder) {}
 
@@ -190,10 +171,10 @@ const ShaderVariant& Pipelines::variant_for(const KernelInfo& kernel, const Laun
   if (found->second.empty()) {
     throw Error(ExitCode::kFailed, "kernel " + std::string(kernel.name) + ": this build has no shader for it");
   }
-  const VariantContext context{device_.info(), preference_, shape};
+  const VariantContext context{device_.info(), shape};
   for (const ShaderVariant& variant : found->second) {
     const bool suits = variant.suits == nullptr || variant.suits(context);
-    if (suits && has_texels(context, variant) && fits(device_, vector_of(variant.local_size))) {
+    if (suits && fits(device_, vector_of(variant.local_size))) {
       return variant;
     }
   }
@@ -227,7 +208,7 @@ VariantPipeline Pipelines::make(const KernelInfo& kernel, const ShaderVariant& v
   VariantPipeline made;
   std::vector<vk::DescriptorSetLayoutBinding> bindings;
   for (std::size_t i = 0; i < kernel.bindings.size(); ++i) {
-    bindings.emplace_back(static_cast<std::uint32_t>(i), descriptor_type(variant, i), 1,
+    bindings.emplace_back(static_cast<std::uint32_t>(i), vk::DescriptorType::eStorageBuffer, 1,
                           vk::ShaderStageFlagBits::eCompute);
   }
   made.set_layout = vk::raii::DescriptorSetLayout(device_.handle(), vk::DescriptorSetLayoutCreateInfo({}, bindings));

@@ -37,9 +37,6 @@ struct VariantPipeline {
   vk::raii::Pipeline pipeline{nullptr};
 };
 
-/// What a binding of a variant is.
-vk::DescriptorType descriptor_type(const ShaderVariant& variant, std::size_t binding);
-
 /// Every call within a DriverCalls::Scope.
 class Pipelines {
  public:
@@ -57,7 +54,6 @@ class Pipelines {
   vk::raii::ShaderModule make_module(const ShaderVariant& variant);
 
   const Device& device_;
-  ShaderVariants preference_;
   std::function<void(std::string_view, std::vector<std::uint32_t>&)> edit_shader_;
   PipelineCache cache_;
   std::unordered_map<const KernelInfo*, std::span<const ShaderVariant>> variants_;

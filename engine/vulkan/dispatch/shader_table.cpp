@@ -1,5 +1,5 @@
 // Which shader serves which launch on which device: the rows of every kernel, in the order of the registry. The first
-// row that suits is taken: those for CPUs that play a device come first, and the last row of a kernel always suits.
+// row that suits is taken, and the last row of a kernel always suits.
 #include "shader_table.hpp"
 
 #include <algorithm>
@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
-#include "engine/compute/kernels/edt/edt.hpp"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/gdt_stamp/gdt_stamp.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
@@ -43,13 +42,11 @@ GroupCount groups_for(std::uint64_t count, std::uint32_t per_group) {
           1};
 }
 
-/// Groups of a grid launch: along x they cover `columns` things, along y `rows` rows, `rows_each` an invocation. A
-/// shader goes on by the launch's rows where that leaves some (launch_rows() in shaders/common/launch.glsl), so any
+/// Groups of a grid launch: along x they cover `columns` things, along y `rows` rows. A shader goes on by the
+/// launch's rows where that leaves some (launch_rows() in shaders/common/launch.glsl), so any
 /// number of rows is covered.
-GroupCount grid_groups(std::uint64_t columns, std::uint32_t group_columns, std::uint32_t rows,
-                       std::uint32_t rows_each) {
-  return {static_cast<std::uint32_t>(divided_up(columns, group_columns)),
-          static_cast<std::uint32_t>(std::min<std::uint64_t>(divided_up(rows, rows_each), kMostGroups)), 1};
+GroupCount grid_groups(std::uint64_t columns, std::uint32_t group_columns, std::uint32_t rows) {
+  return {static_cast<std::uint32_t>(divided_up(columns, group_columns)), std::min(rows, kMostGroups), 1};
 }
 
 GroupCount one_group(const LaunchShape& /*shape*/) { return {}; }
@@ -59,38 +56,37 @@ GroupCount linear(const LaunchShape& shape) {
   return groups_for(shape.threads.x, kPerGroup);
 }
 
-/// Of a kernel that goes through its grid, `kCellsEach` neighbours of `kRowsEach` rows an invocation.
-template <class K, std::uint32_t kCellsEach, std::uint32_t kGroup, std::uint32_t kRowsEach>
+constexpr std::uint32_t kGroup = 128;  // invocations: what every device has
+
+/// Of a kernel that goes through its grid, `kCellsEach` neighbours of a row an invocation.
+template <class K, std::uint32_t kCellsEach>
 GroupCount grid(const LaunchShape& shape) {
   const auto params = launch_params<K>(shape);
-  return grid_groups(divided_up(params.width, kCellsEach), kGroup, params.height, kRowsEach);
+  return grid_groups(divided_up(params.width, kCellsEach), kGroup, params.height);
 }
 
 /// The quads of the global field's row that the scan's field touches.
-template <std::uint32_t kQuads, std::uint32_t kRowsEach>
 GroupCount merged_quads(const LaunchShape& shape) {
   const auto params = launch_params<GdtMerge>(shape);
   const std::uint64_t end = divided_up(std::uint64_t{params.offset_x} + params.scan_width, 4);
-  return grid_groups(end - params.offset_x / 4, kQuads, params.scan_height, kRowsEach);
+  return grid_groups(end - params.offset_x / 4, kGroup, params.scan_height);
 }
 
 /// Quads of all tiles that are stamped.
-template <std::uint32_t kGroup>
 GroupCount stamped_quads(const LaunchShape& shape) {
   return groups_for(std::uint64_t{shape.threads.x} * (kStampTile * kStampTile / 4), kGroup);
 }
 
-/// Words of two cells of the new field, `kWords` of a row an invocation.
-template <std::uint32_t kWords, std::uint32_t kGroup>
+/// Words of two cells of the new field, one an invocation.
 GroupCount grown_words(const LaunchShape& shape) {
   const auto params = launch_params<FieldGrow>(shape);
-  return groups_for(divided_up(divided_up(params.width, 2), kWords) * params.height, kGroup);
+  return groups_for(divided_up(params.width, 2) * params.height, kGroup);
 }
 
-/// Samples of a window's row, `kPiece` an invocation: a column of nine is loaded once a sample, and two more columns
-/// once an invocation.
-template <std::uint32_t kPiece, std::uint32_t kGroup>
+/// Samples of a window's row, four an invocation: a column of nine is loaded once a sample, and two more columns once an
+/// invocation.
 GroupCount row_pieces(const LaunchShape& shape) {
+  constexpr std::uint32_t kPiece = 4;  // that of the shader
   const auto params = launch_params<LatticeMinima>(shape);
   return groups_for(divided_up(params.count_xy, kPiece) * params.count_xy * params.count_theta, kGroup);
 }
@@ -103,17 +99,6 @@ bool fits_loops(const VariantContext& context, std::uint64_t turns) {
   return context.device.kind != "lavapipe" || turns < 65535;
 }
 
-/// Whether the variants for CPUs that play a device are wanted.
-bool wants_narrow(const VariantContext& context) { return !context.wide(); }
-
-/// Points that a uniform buffer of the size that every device allows takes.
-constexpr std::uint32_t kUniformPoints = 16384 / sizeof(PointCells);
-constexpr std::uint32_t kUniformBoundPoints = 16384 / sizeof(BoundPoint);
-
-/// Bindings of the kernels that look points up in a field.
-constexpr int kFieldBinding = 0;
-constexpr int kPointsBinding = 1;
-
 // What is a constant of the shaders stands in the rows as a number: 0 and 1.
 constexpr std::uint32_t kBilinear = static_cast<std::uint32_t>(Interpolation::kBilinear);
 constexpr std::uint32_t kNearest = static_cast<std::uint32_t>(Interpolation::kNearest);
@@ -124,20 +109,10 @@ template <std::uint32_t kInterpolation>
 bool costs_by(const VariantContext& context) {
   return static_cast<std::uint32_t>(launch_params<PoseCost>(context.shape).interpolation) == kInterpolation;
 }
-template <std::uint32_t kInterpolation>
-bool costs_few_points(const VariantContext& context) {
-  return wants_narrow(context) && costs_by<kInterpolation>(context) &&
-         launch_params<PoseCost>(context.shape).point_count <= kUniformPoints;
-}
 
 template <std::uint32_t kTiles>
 bool has_tiles(const VariantContext& context) {
   return (launch_params<PoseBounds>(context.shape).tile_width != 2) == (kTiles == kWideTiles);
-}
-template <std::uint32_t kTiles>
-bool bounds_few_points(const VariantContext& context) {
-  return wants_narrow(context) && has_tiles<kTiles>(context) &&
-         launch_params<PoseBounds>(context.shape).point_count <= kUniformBoundPoints;
 }
 
 template <std::uint32_t kInterpolation>
@@ -145,7 +120,6 @@ bool descends_by(const VariantContext& context) {
   return static_cast<std::uint32_t>(launch_params<PoseSimplex>(context.shape).cost.interpolation) == kInterpolation;
 }
 
-constexpr std::uint32_t kDescentGroup = 128;
 /// The group for descents so long that a device which ends loops needs many invocations, and points a turn of its loop.
 constexpr std::uint32_t kLongDescentGroup = 1024;
 constexpr std::uint32_t kPointsATurn = 16;
@@ -159,56 +133,20 @@ bool fits_descent(const VariantContext& context, std::uint32_t turns) {
 static_assert((PoseSimplex::kMostEvaluations + 5) * (65537U / (kLongDescentGroup * kPointsATurn) + 2) < 65535,
               "the largest group takes every descent");
 
-/// Whether an invocation a pose, which goes through all points, takes them and not too many turns.
-template <std::uint32_t kInterpolation>
-bool descends_alone(const VariantContext& context) {
-  const std::uint32_t points = launch_params<PoseSimplex>(context.shape).cost.point_count;
-  return wants_narrow(context) && descends_by<kInterpolation>(context) && points <= kUniformPoints &&
-         fits_descent(context, points / 8 + 8);
-}
-
 /// Whether a group of the usual size would take too many turns.
 template <std::uint32_t kInterpolation>
 bool descends_long(const VariantContext& context) {
   const std::uint32_t points = launch_params<PoseSimplex>(context.shape).cost.point_count;
-  return descends_by<kInterpolation>(context) && !fits_descent(context, points / kDescentGroup + 1);
+  return descends_by<kInterpolation>(context) && !fits_descent(context, points / kGroup + 1);
 }
 
-constexpr std::uint32_t kFewInvocations = 8;
 constexpr std::uint32_t kManyInvocations = 1024;
-
-/// Whether few invocations do not take too many turns of their loops: two a block of sixteen values, and the merge.
-bool picks_by_few(const VariantContext& context) {
-  const std::uint64_t blocks = launch_params<SmallestValues>(context.shape).count / (kFewInvocations * 16);
-  return wants_narrow(context) && fits_loops(context, 2 * blocks + 1000);
-}
-
 bool takes_many(const VariantContext& context) { return context.device.max_group_invocations >= kManyInvocations; }
-
-/// Few invocations suit a CPU, unless each would take too many turns: one pose of eight, or two or three of more,
-/// through all points.
-bool chooses_by_few(const VariantContext& context) {
-  const auto params = launch_params<ChoosePose>(context.shape);
-  const std::uint64_t poses_each = divided_up(params.pose_count, kFewInvocations);
-  return wants_narrow(context) && fits_loops(context, poses_each * (params.cost.point_count + 1) + 100);
-}
 
 // ------------------------------------------------------------------------------------------------ the rows
 
 using Suits = bool (*)(const VariantContext&);
 using Groups = GroupCount (*)(const LaunchShape&);
-
-/// An invocation goes through all points, for CPUs; `kind` is a constant of the shader.
-constexpr ShaderVariant by_points(const ShaderSource& shader, std::uint32_t kind, Groups groups, Suits suits) {
-  return {.shader = shader,
-          .local_size = {8, 1, 1},
-          .constants = {kind, 0},
-          .uniform_binding = kPointsBinding,
-          .texel_binding = kFieldBinding,
-          .takes_count = true,
-          .groups = groups,
-          .suits = suits};
-}
 
 /// A group shares the points out; it has one thing of the launch to do.
 constexpr ShaderVariant by_groups(const ShaderSource& shader, std::uint32_t group,
@@ -221,60 +159,38 @@ constexpr ShaderVariant by_groups(const ShaderSource& shader, std::uint32_t grou
           .suits = suits};
 }
 
-constexpr ShaderVariant one_size(const ShaderSource& shader, std::uint32_t group, Groups groups, Suits suits = nullptr,
-                                 std::uint32_t constant = 0) {
-  return {.shader = shader, .local_size = {group, 1, 1}, .constants = {constant, 0}, .groups = groups, .suits = suits};
+constexpr ShaderVariant by_cells(const ShaderSource& shader, Groups groups) {
+  return {.shader = shader, .local_size = {kGroup, 1, 1}, .groups = groups};
+}
+
+constexpr ShaderVariant in_one_group(const ShaderSource& shader, std::uint32_t group, Suits suits = nullptr) {
+  return {.shader = shader, .local_size = {group, 1, 1}, .groups = one_group, .suits = suits};
 }
 
 constexpr ShaderVariant kVariants[] = {
-    one_size(shader::edt_columns, 8, grid<EdtColumns, 4, 8, 256>, wants_narrow, 256),
-    one_size(shader::edt_columns, 64, grid<EdtColumns, 4, 64, 16>, nullptr, 16),
-    one_size(shader::edt_rows_narrow, 16, grid<EdtRows, 8, 16, 16>, wants_narrow),
-    one_size(shader::edt_rows_wide, 128, grid<EdtRows, 2, 128, 1>),
-    one_size(shader::jump_flood_init, 32, grid<JumpFloodInit, 4, 32, 16>, wants_narrow),
-    one_size(shader::jump_flood_init, 128, grid<JumpFloodInit, 4, 128, 1>),
-    one_size(shader::jump_flood_step, 32, grid<JumpFloodStep, 1, 32, 16>, wants_narrow),
-    one_size(shader::jump_flood_step, 128, grid<JumpFloodStep, 1, 128, 1>),
-    one_size(shader::jump_flood_distance, 32, grid<JumpFloodDistance, 4, 32, 16>, wants_narrow),
-    one_size(shader::jump_flood_distance, 128, grid<JumpFloodDistance, 4, 128, 1>),
-    one_size(shader::distance_field, 32, grid<DistanceField, 4, 32, 16>, wants_narrow),
-    one_size(shader::distance_field, 128, grid<DistanceField, 4, 128, 1>),
-    // Four candidates an invocation.
-    by_points(shader::pose_cost_narrow, kNearest, linear<8 * 4>, costs_few_points<kNearest>),
-    by_groups(shader::pose_cost_wide, 64, {kNearest, 0}, costs_by<kNearest>),
-    by_points(shader::pose_cost_narrow, kBilinear, linear<8 * 4>, costs_few_points<kBilinear>),
-    by_groups(shader::pose_cost_wide, 64, {kBilinear, 0}, nullptr),
-    one_size(shader::gdt_merge, 32, merged_quads<32, 16>, wants_narrow),
-    one_size(shader::gdt_merge, 128, merged_quads<128, 1>),
-    // Eight samples an invocation on a CPU, where a group costs more than a sample.
-    one_size(shader::pose_lattice, 64, linear<64 * 8>, wants_narrow, 8),
-    one_size(shader::pose_lattice, 128, linear<128>, nullptr, 1),
-    one_size(shader::lattice_minima, 64, row_pieces<16, 64>, wants_narrow, 16),
-    one_size(shader::lattice_minima, 64, row_pieces<4, 64>, nullptr, 4),
-    one_size(shader::smallest_values, kFewInvocations, one_group, picks_by_few),
-    one_size(shader::smallest_values, kManyInvocations, one_group, takes_many),
-    one_size(shader::smallest_values, 128, one_group),
-    one_size(shader::seed_scatter, 64, linear<64>),
-    one_size(shader::field_grow, 64, grown_words<16, 64>, wants_narrow, 16),
-    one_size(shader::field_grow, 64, grown_words<1, 64>, nullptr, 1),
+    by_cells(shader::seed_scatter, linear<kGroup>),
+    by_cells(shader::jump_flood_init, grid<JumpFloodInit, 4>),
+    by_cells(shader::jump_flood_step, grid<JumpFloodStep, 1>),
+    by_cells(shader::jump_flood_distance, grid<JumpFloodDistance, 4>),
+    by_cells(shader::distance_field, grid<DistanceField, 4>),
+    by_groups(shader::pose_cost, 64, {kNearest, 0}, costs_by<kNearest>),
+    by_groups(shader::pose_cost, 64, {kBilinear, 0}, nullptr),
+    by_cells(shader::gdt_merge, merged_quads),
+    by_cells(shader::pose_lattice, linear<kGroup>),
+    by_cells(shader::lattice_minima, row_pieces),
+    in_one_group(shader::smallest_values, kManyInvocations, takes_many),
+    in_one_group(shader::smallest_values, kGroup),
+    by_cells(shader::field_grow, grown_words),
     {.shader = shader::pose_starts, .local_size = {32, 1, 1}, .takes_count = true, .groups = linear<32>},
-    by_points(shader::pose_simplex_narrow, kNearest, linear<8>, descends_alone<kNearest>),
-    by_groups(shader::pose_simplex_wide, kLongDescentGroup, {kNearest, kPointsATurn}, descends_long<kNearest>),
-    by_groups(shader::pose_simplex_wide, kDescentGroup, {kNearest, 1}, descends_by<kNearest>),
-    by_points(shader::pose_simplex_narrow, kBilinear, linear<8>, descends_alone<kBilinear>),
-    by_groups(shader::pose_simplex_wide, kLongDescentGroup, {kBilinear, kPointsATurn}, descends_long<kBilinear>),
-    by_groups(shader::pose_simplex_wide, kDescentGroup, {kBilinear, 1}, nullptr),
-    one_size(shader::choose_pose, kFewInvocations, one_group, chooses_by_few),
-    one_size(shader::choose_pose, 128, one_group),
-    // Eight beams an invocation on a CPU.
-    one_size(shader::sweep_points, 32, linear<32 * 8>, wants_narrow, 8),
-    one_size(shader::sweep_points, 128, linear<128>, nullptr, 1),
-    by_points(shader::pose_bounds_narrow, kSmallTiles, linear<8>, bounds_few_points<kSmallTiles>),
-    by_groups(shader::pose_bounds_wide, 128, {kSmallTiles, 0}, has_tiles<kSmallTiles>),
-    by_points(shader::pose_bounds_narrow, kWideTiles, linear<8>, bounds_few_points<kWideTiles>),
-    by_groups(shader::pose_bounds_wide, 128, {kWideTiles, 0}, nullptr),
-    one_size(shader::gdt_stamp, 32, stamped_quads<32>, wants_narrow),
-    one_size(shader::gdt_stamp, 128, stamped_quads<128>),
+    by_groups(shader::pose_simplex, kLongDescentGroup, {kNearest, kPointsATurn}, descends_long<kNearest>),
+    by_groups(shader::pose_simplex, kGroup, {kNearest, 1}, descends_by<kNearest>),
+    by_groups(shader::pose_simplex, kLongDescentGroup, {kBilinear, kPointsATurn}, descends_long<kBilinear>),
+    by_groups(shader::pose_simplex, kGroup, {kBilinear, 1}, nullptr),
+    in_one_group(shader::choose_pose, kGroup),
+    by_cells(shader::sweep_points, linear<kGroup>),
+    by_groups(shader::pose_bounds, kGroup, {kSmallTiles, 0}, has_tiles<kSmallTiles>),
+    by_groups(shader::pose_bounds, kGroup, {kWideTiles, 0}, nullptr),
+    by_cells(shader::gdt_stamp, stamped_quads),
 };
 
 }  // namespace
@@ -283,7 +199,7 @@ std::span<const ShaderVariant> shader_variants() { return kVariants; }
 
 std::span<const ShaderVariant> variants_of(std::string_view kernel) {
   const auto all = shader_variants();
-  const auto is_of = [kernel](const ShaderVariant& variant) { return variant.shader.kernel() == kernel; };
+  const auto is_of = [kernel](const ShaderVariant& variant) { return variant.shader.name == kernel; };
   const auto begin = std::find_if(all.begin(), all.end(), is_of);
   const auto end = std::find_if_not(begin, all.end(), is_of);
   return {begin, end};
@@ -293,14 +209,10 @@ std::span<const ShaderModule> shader_modules() {
   static const std::vector<ShaderModule> all = [] {
     std::vector<ShaderModule> modules;
     for (const ShaderVariant& variant : shader_variants()) {
-      const std::string_view kernel = variant.shader.kernel();
-      modules.push_back({.kernel = kernel,
-                         .name = variant.shader.name,
+      modules.push_back({.kernel = variant.shader.name,
                          .spirv = variant.shader.spirv,
                          .local_size = variant.local_size,
-                         .uniform_binding = variant.uniform_binding,
-                         .texel_binding = variant.texel_binding,
-                         .push_constant_bytes = push_constant_bytes(variant, find_kernel(kernel)->params_bytes),
+                         .push_constant_bytes = push_constant_bytes(variant, find_kernel(variant.shader.name)->params_bytes),
                          .is_always_suitable = variant.suits == nullptr});
     }
     return modules;

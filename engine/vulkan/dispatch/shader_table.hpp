@@ -21,38 +21,19 @@ struct GroupCount {
 /// What the choice of a variant may look at.
 struct VariantContext {
   const VulkanDeviceInfo& device;
-  ShaderVariants preference;
   const LaunchShape& shape;
-  /// Whether the variants for GPUs are wanted: asked for, or by the device.
-  [[nodiscard]] bool wide() const {
-    return preference == ShaderVariants::kWide ||
-           (preference == ShaderVariants::kByDevice && device.kind != "lavapipe");
-  }
 };
 
 /// A shader of the build: gdtslam::shader::<stem> in the header that the build makes of each file of shaders/.
 struct ShaderSource {
-  std::string_view name;  ///< stem of its file
+  std::string_view name;  ///< stem of its file, the name of its kernel
   std::span<const std::uint32_t> spirv;
-  /// The kernel that it is named after: the stem, less what tells its two variants apart.
-  [[nodiscard]] constexpr std::string_view kernel() const {
-    for (const std::string_view variant : {"_narrow", "_wide"}) {
-      if (name.ends_with(variant)) {
-        return name.substr(0, name.size() - variant.size());
-      }
-    }
-    return name;
-  }
 };
 
 struct ShaderVariant {
   ShaderSource shader;
   std::array<std::uint32_t, 3> local_size;   ///< specialisation constants 0, 1, 2
   std::array<std::uint32_t, 2> constants{};  ///< specialisation constants 10, 11 where the shader has them
-  int uniform_binding = -1;                  ///< the binding that is a uniform buffer; -1: none
-  /// The binding that is a uniform texel buffer of 32-bit words; -1: none. The variant serves buffers that the device
-  /// takes as such; a variant without must stand behind it for the others.
-  int texel_binding = -1;
   bool takes_count = false;  ///< the launch's extent along x follows the parameters as one more push constant
   GroupCount (*groups)(const LaunchShape&) = nullptr;  ///< work groups of a launch; x, y at most 65535
   bool (*suits)(const VariantContext&) = nullptr;      ///< nullptr: always

@@ -8,27 +8,16 @@
 namespace gdtslam {
 namespace {
 
-/// Shaders read whole words, and a uniform buffer is made of 16-byte elements.
+/// Shaders read whole words, up to four at a time.
 constexpr std::size_t kGranularity = 16;
 
-vk::BufferUsageFlags usage_on(const Device& device) {
-  using Usage = vk::BufferUsageFlagBits;
-  const vk::BufferUsageFlags usage =
-      Usage::eStorageBuffer | Usage::eUniformBuffer | Usage::eTransferSrc | Usage::eTransferDst;
-  return device.info().max_texel_words > 0 ? usage | Usage::eUniformTexelBuffer : usage;
-}
+constexpr vk::BufferUsageFlags kUsage = vk::BufferUsageFlagBits::eStorageBuffer |
+                                        vk::BufferUsageFlagBits::eTransferSrc | vk::BufferUsageFlagBits::eTransferDst;
 
 }  // namespace
 
 std::size_t padded_size(std::size_t bytes) {
   return std::max(kGranularity, (bytes + kGranularity - 1) / kGranularity * kGranularity);
-}
-
-vk::BufferView texel_view(const Device& device, DeviceBuffer& buffer) {
-  if (!*buffer.texels) {
-    buffer.texels = vk::raii::BufferView(device.handle(), {{}, *buffer.handle, kTexelFormat, 0, buffer.padded_bytes});
-  }
-  return *buffer.texels;
 }
 
 Buffers::~Buffers() {
@@ -54,7 +43,7 @@ std::uint64_t Buffers::create(std::size_t bytes) {
   DeviceBuffer buffer;
   buffer.bytes = bytes;
   buffer.padded_bytes = padded_size(bytes);
-  buffer.handle = vk::raii::Buffer(device_.handle(), vk::BufferCreateInfo({}, buffer.padded_bytes, usage_on(device_)));
+  buffer.handle = vk::raii::Buffer(device_.handle(), vk::BufferCreateInfo({}, buffer.padded_bytes, kUsage));
   buffer.range = memory_.take(buffer.handle.getMemoryRequirements());
   try {
     buffer.handle.bindMemory(buffer.range.memory, buffer.range.offset);
@@ -75,7 +64,6 @@ void Buffers::collect(std::uint64_t done_batch) noexcept {
       ++entry;
       continue;
     }
-    entry->second.texels.clear();
     entry->second.handle.clear();
     memory_.give_back(entry->second.range);
     entry = released_.erase(entry);

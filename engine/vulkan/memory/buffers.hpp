@@ -11,7 +11,6 @@ namespace gdtslam {
 
 struct DeviceBuffer {
   vk::raii::Buffer handle{nullptr};
-  vk::raii::BufferView texels{nullptr};  ///< of all of it, made when it is first read as texels
   MemoryRange range;
   std::size_t bytes = 0;         ///< as asked for
   std::size_t padded_bytes = 0;  ///< as it is, at least 16 and a multiple of 16
@@ -22,9 +21,6 @@ struct DeviceBuffer {
 
 /// Bytes that a buffer of `bytes` really has.
 std::size_t padded_size(std::size_t bytes);
-/// The buffer as words of a uniform texel buffer, which the device must take it as (VulkanDeviceInfo::max_texel_words).
-/// The view lives as long as the buffer. Within a DriverCalls::Scope.
-vk::BufferView texel_view(const Device& device, DeviceBuffer& buffer);
 
 /// create() is called within a DriverCalls::Scope.
 class Buffers {

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
 #include <map>
 #include <memory>
@@ -35,13 +34,12 @@ const std::vector<KernelCase>& cases_of(std::string_view kernel) {
 /// How a verification of one kernel with a changed shader ends.
 enum class Outcome : std::uint8_t { kFound, kNotFound, kNotUsed };
 
-Outcome verify_with(const ShaderModule& shader, const std::vector<std::uint32_t>& words, ShaderVariants variants) {
+Outcome verify_with(const ShaderModule& shader, const std::vector<std::uint32_t>& words) {
   bool used = false;
   VulkanOptions options;
-  options.variants = variants;
   options.wait_limit_s = 10.0;
   options.edit_shader = [&](std::string_view name, std::vector<std::uint32_t>& spirv) {
-    if (name != shader.name) return;
+    if (name != shader.kernel) return;
     used = true;
     spirv = words;
   };
@@ -57,18 +55,6 @@ Outcome verify_with(const ShaderModule& shader, const std::vector<std::uint32_t>
     return Outcome::kFound;  // the command ends with it, and with exit 1
   }
   return used ? Outcome::kNotFound : Outcome::kNotUsed;
-}
-
-Outcome verify_with(const ShaderModule& shader, const std::vector<std::uint32_t>& words) {
-  std::array order{ShaderVariants::kWide, ShaderVariants::kNarrow};
-  if (shader.name.ends_with("_narrow")) std::swap(order[0], order[1]);
-  Outcome outcome = Outcome::kNotUsed;
-  for (const ShaderVariants variants : order) {  // the likeliest first
-    const Outcome here = verify_with(shader, words, variants);
-    if (here == Outcome::kFound) return here;
-    if (here == Outcome::kNotFound) outcome = here;
-  }
-  return outcome;
 }
 
 /// Uses of a literal that a shader may have changed without any value changing, and why; the shader is the beginning of
@@ -94,8 +80,6 @@ constexpr Equivalent kEquivalents[] = {
      "less than the 256th of a cell that a verdict can tell; pose_cost shows it"},
     {"choose_pose", "IMul 65536", 1, "a share that is off by one 65536th of itself"},
     {"choose_pose", "Store 0", 2, "set for the first pose before it is read"},
-    {"edt_rows_narrow", "SGreaterThanEqual 0", 1, "column 0 is read for want of another as well"},
-    {"edt_rows_narrow", "Store 0", 1, "what is read for want of another is thrown away"},
     {"field_grow", "Store 0", 1, "what is read for want of another is thrown away"},
     {"gdt_merge", "INotEqual 64", 1, "in rows the cell that is repeated is the cell itself"},
     {"gdt_merge", "UGreaterThan 0", 1, "no strip begins with the second quad"},
@@ -108,24 +92,17 @@ constexpr Equivalent kEquivalents[] = {
     {"gdt_stamp", "IAdd 3", 1, "the same"},
     {"lattice_minima", "UGreaterThan 0", 1, "pieces of several samples begin at multiples of their length"},
     {"lattice_minima", "Select 0", 1, "what is read for want of another is thrown away"},
-    {"pose_bounds_wide", "Select 0", 1, "groups beyond the launch look at some tile and keep nothing"},
-    {"pose_bounds_wide", "Store 0", 1, "groups beyond the launch keep nothing"},
-    {"pose_bounds_wide", "IEqual 0", 1, "another invocation writes what this one would"},
-    {"pose_bounds_narrow", "Store 2", 2, "reads a word that may hold none of the bytes that are used"},
-    {"pose_bounds_narrow", "IAdd 15", 1, "reads a word that holds none of the bytes that are used"},
-    {"pose_bounds_narrow", "UDiv 4", 1, "the points beyond the last four are taken one by one"},
-    {"pose_bounds_narrow", "IAdd 2", 1, "of the points beyond the last four none ends in the word behind"},
-    {"pose_cost_wide", "Select 0", 1, "groups beyond the batch cost some candidate and keep nothing"},
-    {"pose_cost_wide", "Store 0", 1, "groups beyond the batch keep nothing"},
-    {"pose_cost_wide", "IEqual 0", 1, "another invocation writes what this one would"},
-    {"pose_simplex_narrow", "Select 3", 1, "what is neither of the other purposes is a contraction"},
-    {"pose_simplex_narrow", "UDiv 8", 1, "the points beyond the last eight are taken one by one"},
-    {"pose_simplex_narrow", "Select 4294967295", 1, "so few points cannot overflow"},
-    {"pose_simplex_wide", "Select 3", 1, "what is neither of the other purposes is a contraction"},
-    {"pose_simplex_wide", "ULessThan 3", 1, "makes one word more zero, which nobody reads"},
-    {"pose_simplex_wide", "Store 0", 1, "any of the three sums may be the first"},
-    {"pose_simplex_wide", "IEqual 2", 1, "four sums in turn do what three do"},
-    {"pose_simplex_wide", "IEqual 0", 2, "another invocation makes zero, or writes, what this one would"},
+    {"pose_bounds", "Select 0", 1, "groups beyond the launch look at some tile and keep nothing"},
+    {"pose_bounds", "Store 0", 1, "groups beyond the launch keep nothing"},
+    {"pose_bounds", "IEqual 0", 1, "another invocation writes what this one would"},
+    {"pose_cost", "Select 0", 1, "groups beyond the batch cost some candidate and keep nothing"},
+    {"pose_cost", "Store 0", 1, "groups beyond the batch keep nothing"},
+    {"pose_cost", "IEqual 0", 1, "another invocation writes what this one would"},
+    {"pose_simplex", "Select 3", 1, "what is neither of the other purposes is a contraction"},
+    {"pose_simplex", "ULessThan 3", 1, "makes one word more zero, which nobody reads"},
+    {"pose_simplex", "Store 0", 1, "any of the three sums may be the first"},
+    {"pose_simplex", "IEqual 2", 1, "four sums in turn do what three do"},
+    {"pose_simplex", "IEqual 0", 2, "another invocation makes zero, or writes, what this one would"},
     {"sweep_points", "BitwiseAnd 2139095040", 1, "no operation makes a NaN whose lowest bit is set"},
     {"sweep_points", "ULessThan 2139095040", 1, "an infinite range gives a point that is not finite, so none"},
     {"smallest_values", "UDiv 32", 1, "runs of another length merge to the same"},
@@ -163,7 +140,7 @@ class VerifyMutants : public testing::TestWithParam<std::string> {};
 TEST_P(VerifyMutants, AreFound) {
   GDTSLAM_NEEDS_VULKAN();
   const auto all = shader_modules();
-  const auto shader = std::find_if(all.begin(), all.end(), [](const ShaderModule& m) { return m.name == GetParam(); });
+  const auto shader = std::find_if(all.begin(), all.end(), [](const ShaderModule& m) { return m.kernel == GetParam(); });
   ASSERT_NE(shader, all.end());
   const std::vector<ConstantUse> uses = tried(*shader);
   ASSERT_FALSE(uses.empty()) << "no literal to change";
@@ -183,14 +160,14 @@ TEST_P(VerifyMutants, AreFound) {
 TEST_P(VerifyMutants, NoneMeansNoDifference) {
   GDTSLAM_NEEDS_VULKAN();
   const auto all = shader_modules();
-  const auto shader = std::find_if(all.begin(), all.end(), [](const ShaderModule& m) { return m.name == GetParam(); });
+  const auto shader = std::find_if(all.begin(), all.end(), [](const ShaderModule& m) { return m.kernel == GetParam(); });
   ASSERT_NE(shader, all.end());
   EXPECT_EQ(verify_with(*shader, {shader->spirv.begin(), shader->spirv.end()}), Outcome::kNotFound);
 }
 
 std::vector<std::string> shader_names() {
   std::vector<std::string> names;
-  for (const ShaderModule& shader : shader_modules()) names.emplace_back(shader.name);
+  for (const ShaderModule& shader : shader_modules()) names.emplace_back(shader.kernel);
   std::sort(names.begin(), names.end());  // a shader may serve several variants
   names.erase(std::unique(names.begin(), names.end()), names.end());
   return names;

@@ -94,14 +94,14 @@ TEST_F(Batches, TwoBackendsWorkSideBySide) {
 TEST_F(Batches, MemoryThatIsReleasedInFlightIsNotGivenAwayTooEarly) {
   constexpr std::uint32_t kSide = 512;
   const auto seeds = make_seeds(SeedPattern::kOne, kSide, kSide, kSide, 1);
-  const EdtColumns::Params params{.width = kSide, .height = kSide, .stride = kSide, .radius = 255};
+  const JumpFloodInit::Params params{.width = kSide, .height = kSide, .stride = kSide};
   const auto cpu = make_cpu_backend({});
   const auto distances = [&](Backend& device) {
-    const Buffer columns = device.allocate(seeds.size());
+    const Buffer nearest = device.allocate(4 * seeds.size());
     {
       const Buffer input = device.allocate(seeds.size());
       device.upload(input, std::as_bytes(std::span(seeds)));
-      run<EdtColumns>(device, params, {kSide, 1, 1}, input, columns);
+      run<JumpFloodInit>(device, params, {kSide, kSide, 1}, input, nearest);
       device.flush();
     }  // the device may still read the input
     for (int i = 0; i < 3; ++i) {
@@ -109,8 +109,8 @@ TEST_F(Batches, MemoryThatIsReleasedInFlightIsNotGivenAwayTooEarly) {
       device.fill(next, 0x01010101U);
       device.flush();
     }
-    std::vector<std::byte> found(columns.bytes());
-    device.download(columns, found);
+    std::vector<std::byte> found(nearest.bytes());
+    device.download(nearest, found);
     return found;
   };
   EXPECT_TRUE(distances(*backend) == distances(*cpu));
@@ -143,14 +143,14 @@ TEST_F(Batches, BarriersFollowFromTheBindings) {
   const std::uint32_t stride = grid_stride(kJobWidth);
   const std::size_t cells = std::size_t{stride} * kJobHeight;
   const Buffer seeds = backend->allocate(cells);
-  const Buffer a = backend->allocate(cells);
-  const Buffer b = backend->allocate(cells);
+  const Buffer a = backend->allocate(cells * 4);
+  const Buffer b = backend->allocate(cells * 4);
   const Buffer squares = backend->allocate(cells * 2);
   const Buffer field = backend->allocate(cells * 2);
   for (const Buffer* buffer : {&seeds, &a, &b, &squares, &field}) {
     backend->fill(*buffer, 0);
   }
-  const EdtColumns::Params edt{.width = kJobWidth, .height = kJobHeight, .stride = stride, .radius = kJobRadius};
+  const Extent all{kJobWidth, kJobHeight, 1};
   const GdtMerge::Params merge{
       .scan_width = kJobWidth, .scan_height = kJobHeight, .scan_stride = stride, .global_stride = stride, .cap = 5120};
   const auto barriers_of = [&](auto action) {
@@ -158,27 +158,32 @@ TEST_F(Batches, BarriersFollowFromTheBindings) {
     action();
     return backend->barrier_count() - before;
   };
-  const auto columns_to = [&](const Buffer& to) { run<EdtColumns>(*backend, edt, {kJobWidth, 1, 1}, seeds, to); };
-  const auto merge_once = [&] { run<GdtMerge>(*backend, merge, {kJobWidth, kJobHeight, 1}, field, squares); };
+  const auto begin_flood = [&](const Buffer& to) {
+    run<JumpFloodInit>(*backend, {kJobWidth, kJobHeight, stride}, all, seeds, to);
+  };
+  const auto squares_of = [&](const Buffer& from) {
+    run<JumpFloodDistance>(*backend, {kJobWidth, kJobHeight, stride, kJobRadius}, all, from, squares);
+  };
+  const auto merge_once = [&] { run<GdtMerge>(*backend, merge, all, field, squares); };
   EXPECT_EQ(backend->barrier_count(), 0U);             // five buffers that do not touch each other
-  EXPECT_EQ(barriers_of([&] { columns_to(a); }), 1U);  // fill, then read
-  EXPECT_EQ(barriers_of([&] { columns_to(b); }), 0U);  // two readers
-  EXPECT_EQ(barriers_of([&] { columns_to(b); }), 1U);  // write, then write
-  EXPECT_EQ(barriers_of([&] { run<EdtRows>(*backend, edt, {1, kJobHeight, 1}, a, squares); }), 0U);  // covered by it
-  EXPECT_EQ(barriers_of([&] { columns_to(a); }), 1U);                                                // read, then write
+  EXPECT_EQ(barriers_of([&] { begin_flood(a); }), 1U);  // fill, then read
+  EXPECT_EQ(barriers_of([&] { begin_flood(b); }), 0U);  // two readers
+  EXPECT_EQ(barriers_of([&] { begin_flood(b); }), 1U);  // write, then write
+  EXPECT_EQ(barriers_of([&] { squares_of(a); }), 0U);  // covered by it
+  EXPECT_EQ(barriers_of([&] { begin_flood(a); }), 1U);                                                // read, then write
   EXPECT_EQ(barriers_of(merge_once), 0U);                        // the squares were written before that barrier
   EXPECT_EQ(barriers_of(merge_once), 1U);                        // read and written, again
   EXPECT_EQ(barriers_of([&] { backend->fill(field, 0); }), 1U);  // read and written, then copied to
   EXPECT_EQ(barriers_of([&] { backend->fill(seeds, 0); }), 0U);  // read before the last barrier
   EXPECT_EQ(barriers_of([&] { backend->flush(); }), 0U);
-  EXPECT_EQ(barriers_of([&] { columns_to(b); }), 1U);  // what the batch before wrote
+  EXPECT_EQ(barriers_of([&] { begin_flood(b); }), 1U);  // what the batch before wrote
 }
 
 TEST_F(Batches, LaunchesAreRefusedWithTheWordsOfTheCpu) {
   const auto cpu = make_cpu_backend({});
   const auto refusal = [](Backend& device, auto action) -> std::string {
     const Buffer seeds = device.allocate(640);
-    const Buffer distance = device.allocate(640);
+    const Buffer distance = device.allocate(2560);
     try {
       action(device, seeds, distance);
     } catch (const Error& error) {
@@ -191,48 +196,47 @@ TEST_F(Batches, LaunchesAreRefusedWithTheWordsOfTheCpu) {
     EXPECT_NE(expected, "no error");
     EXPECT_EQ(refusal(*backend, action), expected);
   };
-  const EdtColumns::Params good{.width = 60, .height = 10, .stride = 64, .radius = 5};
+  const JumpFloodInit::Params good{.width = 60, .height = 10, .stride = 64};
   const auto with = [&](auto member, std::uint32_t value, Extent threads) {
-    EdtColumns::Params params = good;
+    JumpFloodInit::Params params = good;
     params.*member = value;
     expect_alike([=](Backend& device, const Buffer& seeds, const Buffer& distance) {
-      run<EdtColumns>(device, params, threads, seeds, distance);
+      run<JumpFloodInit>(device, params, threads, seeds, distance);
     });
   };
-  with(&EdtColumns::Params::height, 11, {60, 1, 1});
-  with(&EdtColumns::Params::stride, 62, {60, 1, 1});
-  with(&EdtColumns::Params::radius, 0, {60, 1, 1});
-  with(&EdtColumns::Params::radius, 5, {59, 1, 1});
+  with(&JumpFloodInit::Params::height, 11, {60, 11, 1});
+  with(&JumpFloodInit::Params::stride, 62, {60, 10, 1});
+  with(&JumpFloodInit::Params::stride, 64, {59, 10, 1});
   expect_alike([=](Backend& device, const Buffer& seeds, const Buffer&) {
-    run<EdtColumns>(device, good, {60, 1, 1}, seeds, seeds);
+    run<JumpFloodInit>(device, good, {60, 10, 1}, seeds, seeds);
   });
   expect_alike([=](Backend& device, const Buffer& seeds, const Buffer&) {
-    run<EdtColumns>(device, good, {60, 1, 1}, seeds, Buffer{});
+    run<JumpFloodInit>(device, good, {60, 10, 1}, seeds, Buffer{});
   });
   expect_alike([=](Backend& device, const Buffer& seeds, const Buffer&) {
     const Buffer* const one[] = {&seeds};
-    device.dispatch(EdtColumns::info(), one, std::as_bytes(std::span(&good, 1)), {60, 1, 1});
+    device.dispatch(JumpFloodInit::info(), one, std::as_bytes(std::span(&good, 1)), {60, 10, 1});
   });
   EXPECT_EQ(backend->dispatch_count(), 0U);
 }
 
 TEST_F(Batches, AnEmptyLaunchIsCountedAndDoesNothing) {
   const Buffer seeds = backend->allocate(640);
-  const Buffer distance = backend->allocate(640);
-  run<EdtColumns>(*backend, {.width = 0, .height = 0, .stride = 0, .radius = 5}, {0, 1, 1}, seeds, distance);
+  const Buffer distance = backend->allocate(2560);
+  run<JumpFloodInit>(*backend, {.width = 0, .height = 0, .stride = 0}, {0, 0, 1}, seeds, distance);
   EXPECT_EQ(backend->dispatch_count(), 1U);
   backend->flush();
   EXPECT_EQ(backend->submit_count(), 0U);
 }
 
 TEST_F(Batches, AKernelWithoutAShaderIsNamed) {
-  KernelInfo nameless = EdtColumns::info();
+  KernelInfo nameless = JumpFloodInit::info();
   nameless.name = "no_such_kernel";
   const Buffer seeds = backend->allocate(640);
-  const Buffer distance = backend->allocate(640);
+  const Buffer distance = backend->allocate(2560);
   const Buffer* const both[] = {&seeds, &distance};
-  const EdtColumns::Params params{.width = 60, .height = 10, .stride = 64, .radius = 5};
-  const auto launch = [&] { backend->dispatch(nameless, both, std::as_bytes(std::span(&params, 1)), {60, 1, 1}); };
+  const JumpFloodInit::Params params{.width = 60, .height = 10, .stride = 64};
+  const auto launch = [&] { backend->dispatch(nameless, both, std::as_bytes(std::span(&params, 1)), {60, 10, 1}); };
   EXPECT_THAT(launch, ThrowsMessage<Error>(AllOf(HasSubstr("no_such_kernel"), HasSubstr("no shader"))));
 }
 
@@ -261,7 +265,7 @@ TEST_F(Batches, TheDeviceTimesItsOwnWorkWhereItIsAskedTo) {
 TEST_F(Batches, ManyBuffersAreBoundAtATime) {
   constexpr std::size_t kBuffers = 300;  // more descriptor sets than a pool holds
   constexpr std::uint32_t kSide = 32;
-  const EdtColumns::Params params{.width = kSide, .height = kSide, .stride = kSide, .radius = 20};
+  const JumpFloodInit::Params params{.width = kSide, .height = kSide, .stride = kSide};
   const auto cpu = make_cpu_backend({});
   const auto distances = [&](Backend& device) {
     std::vector<Buffer> inputs;
@@ -269,17 +273,18 @@ TEST_F(Batches, ManyBuffersAreBoundAtATime) {
     for (std::size_t i = 0; i < kBuffers; ++i) {
       const auto seeds = make_seeds(SeedPattern::kSparse, kSide, kSide, kSide, i);
       inputs.push_back(device.allocate(seeds.size()));
-      outputs.push_back(device.allocate(seeds.size()));
+      outputs.push_back(device.allocate(4 * seeds.size()));
       device.upload(inputs.back(), std::as_bytes(std::span(seeds)));
     }
     for (int again = 0; again < 2; ++again) {
       for (std::size_t i = 0; i < kBuffers; ++i) {
-        run<EdtColumns>(device, params, {kSide, 1, 1}, inputs[i], outputs[i]);
+        run<JumpFloodInit>(device, params, {kSide, kSide, 1}, inputs[i], outputs[i]);
       }
     }
-    std::vector<std::byte> all(kBuffers * kSide * kSide);
+    constexpr std::size_t kBytes = 4 * kSide * kSide;
+    std::vector<std::byte> all(kBuffers * kBytes);
     for (std::size_t i = 0; i < kBuffers; ++i) {
-      device.download(outputs[i], std::span(all).subspan(i * kSide * kSide, kSide * kSide));
+      device.download(outputs[i], std::span(all).subspan(i * kBytes, kBytes));
     }
     return all;
   };

@@ -127,23 +127,19 @@ class CertifiedOnDevice : public testing::Test {
   const CertifiedMap host{view, best_isa()};
 };
 
-class CertifiedOnVulkan : public CertifiedOnDevice, public testing::WithParamInterface<ShaderVariants> {
+class CertifiedOnVulkan : public CertifiedOnDevice {
  protected:
   void SetUp() override { GDTSLAM_NEEDS_VULKAN(); }
-  static std::unique_ptr<VulkanBackend> device(VulkanOptions options = {}) {
-    options.variants = GetParam();
-    return test_backend(options);
-  }
 };
 
-TEST_P(CertifiedOnVulkan, GivesTheHostsResult) {
-  const auto backend = device();
+TEST_F(CertifiedOnVulkan, GivesTheHostsResult) {
+  const auto backend = test_backend();
   expect_the_hosts_results(*backend);
   EXPECT_EQ(backend->submit_count(), 12U);
 }
 
 // A deliberate fault: with bounds that are too low in every other column the search would take more boxes.
-TEST_P(CertifiedOnVulkan, SeesAConstantThatIsWrong) {
+TEST_F(CertifiedOnVulkan, SeesAConstantThatIsWrong) {
   constexpr std::uint32_t kRight = 0x00FF00FF;
   constexpr std::uint32_t kWrong = 0x00FF000F;
   std::size_t edits = 0;
@@ -152,22 +148,13 @@ TEST_P(CertifiedOnVulkan, SeesAConstantThatIsWrong) {
     edits += static_cast<std::size_t>(std::count(spirv.begin(), spirv.end(), kRight));
     std::replace(spirv.begin(), spirv.end(), kRight, kWrong);
   };
-  const auto backend = device(options);
+  const auto backend = test_backend(options);
   const CertifiedMap map(view, best_isa(), CertifiedMap::kAnyWindows, backend.get());
   const Problem problem = make_problem(0);
   const CertifiedResult found = find_pose(map, problem.points, problem.window, problem.options);
   EXPECT_GT(edits, 0U);
   EXPECT_GT(found.boxes, on_host(problem).boxes);
 }
-
-std::string bounds_variant(const testing::TestParamInfo<ShaderVariants>& variants) {
-  constexpr std::array kNames{"ByDevice", "Wide", "Narrow"};
-  return kNames[static_cast<std::size_t>(variants.param)];
-}
-
-INSTANTIATE_TEST_SUITE_P(Variants, CertifiedOnVulkan,
-                         testing::Values(ShaderVariants::kByDevice, ShaderVariants::kWide, ShaderVariants::kNarrow),
-                         bounds_variant);
 
 // Every call to the driver may be the one that loses the device: the search ends with its error, or with the result.
 TEST_F(CertifiedOnDevice, EndsWithTheErrorOfTheDevice) {
@@ -203,10 +190,10 @@ TEST_F(CertifiedOnDevice, ThreadsOfTheCpuGiveTheHostsResult) {
 }
 
 // Threads that share a map take turns with its device.
-TEST_P(CertifiedOnVulkan, ThreadsMayShareTheMap) {
+TEST_F(CertifiedOnVulkan, ThreadsMayShareTheMap) {
   constexpr std::size_t kThreads = 4;
   constexpr std::uint64_t kSeeds = 8;
-  const auto backend = device();
+  const auto backend = test_backend();
   const CertifiedMap map(view, best_isa(), CertifiedMap::kAnyWindows, backend.get());
   std::vector<CertifiedResult> found(kSeeds);
   std::vector<std::thread> threads;

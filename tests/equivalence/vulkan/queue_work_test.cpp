@@ -46,7 +46,7 @@ TEST_F(QueueWorkOfADevice, IsWhatWasAskedFor) {
   record_job(*device, new_map(*device), 1);
   const QueueWork job = device->work() - before - first;
   const std::map<std::string_view, std::uint64_t> kernels{
-      {"edt_columns", 1}, {"edt_rows", 1}, {"distance_field", 1}, {"gdt_merge", 1}};
+      {"jump_flood_init", 1}, {"jump_flood_distance", 1}, {"distance_field", 1}, {"gdt_merge", 1}};
   EXPECT_EQ(job.dispatches, kernels);
   EXPECT_EQ(job.submissions + job.waits, 0U);
 }
@@ -54,7 +54,7 @@ TEST_F(QueueWorkOfADevice, IsWhatWasAskedFor) {
 // Uploads, downloads and each kernel, as many as the interface was asked for.
 TEST_F(QueueWorkOfADevice, IsThatOfTheSameDriveOnAStandIn) {
   MapperConfig config = quick_config(MatcherKind::kExhaustive);
-  config.keyframe.every_scan = true;  // growth, and the journal cut short
+  config.keyframe.every_scan = true;  // growth
   const std::vector<DriveScan> scans = room_scans(80, 2);
   QueuedBackend stand_in;
   const MappedDrive expected = map_drive(scans, config, stand_in);

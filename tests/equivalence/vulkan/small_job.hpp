@@ -1,4 +1,4 @@
-// A job that uses every verb: seeds up, an exact distance transform and its field, fills, downloads of both kinds.
+// A job that uses every verb: seeds up, a pass of a distance transform and its field, fills, downloads of both kinds.
 #pragma once
 
 #include <cstddef>
@@ -6,8 +6,8 @@
 
 #include "engine/compute/cases/kernel_cases.hpp"
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
-#include "engine/compute/kernels/edt/edt.hpp"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
+#include "engine/compute/kernels/jump_flood/jump_flood.hpp"
 #include "gdtslam/compute/backend.hpp"
 
 namespace gdtslam::test {
@@ -23,21 +23,21 @@ inline void record_job(Backend& backend, const Buffer& global, std::uint64_t ran
   const auto seeds = make_seeds(SeedPattern::kSparse, kJobWidth, kJobHeight, stride, random_seed);
   const auto table = distance_table(kJobRadius);
   const Buffer seed_buffer = backend.allocate(cells);
-  const Buffer columns = backend.allocate(cells);
+  const Buffer nearest = backend.allocate(cells * 4);
   const Buffer squares = backend.allocate(cells * 2);
   const Buffer field = backend.allocate(cells * 2);
   const Buffer table_buffer = backend.allocate(table.size() * 2);
   backend.upload(seed_buffer, std::as_bytes(std::span(seeds)));
   backend.upload(table_buffer, std::as_bytes(std::span(table)));
-  const EdtColumns::Params edt{.width = kJobWidth, .height = kJobHeight, .stride = stride, .radius = kJobRadius};
-  run<EdtColumns>(backend, edt, {kJobWidth, 1, 1}, seed_buffer, columns);
-  run<EdtRows>(backend, edt, {1, kJobHeight, 1}, columns, squares);
+  const Extent all{kJobWidth, kJobHeight, 1};
+  run<JumpFloodInit>(backend, {kJobWidth, kJobHeight, stride}, all, seed_buffer, nearest);
+  run<JumpFloodDistance>(backend, {kJobWidth, kJobHeight, stride, kJobRadius}, all, nearest, squares);
   run<DistanceField>(backend,
                      {.width = kJobWidth,
                       .height = kJobHeight,
                       .stride = stride,
                       .table_size = static_cast<std::uint32_t>(table.size())},
-                     {kJobWidth, kJobHeight, 1}, squares, table_buffer, field);
+                     all, squares, table_buffer, field);
   run<GdtMerge>(backend,
                 {.scan_width = kJobWidth,
                  .scan_height = kJobHeight,
@@ -46,7 +46,7 @@ inline void record_job(Backend& backend, const Buffer& global, std::uint64_t ran
                  .threshold = 256,
                  .lift = 200,
                  .cap = field_cap(kJobRadius)},
-                {kJobWidth, kJobHeight, 1}, global, field);
+                all, global, field);
 }
 
 inline Buffer new_map(Backend& backend) {

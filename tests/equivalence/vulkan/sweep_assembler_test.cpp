@@ -1,4 +1,4 @@
-// The same cloud, byte for byte, on the CPU and on a device, in whichever variants.
+// The same cloud, byte for byte, on the CPU and on a device.
 #include <gtest/gtest.h>
 
 #include "support/sweep_scans.hpp"
@@ -16,16 +16,12 @@ TEST(SweepAssemblerOnDevice, GivesTheCloudOfTheCpu) {
   for (const SweepForm form : {SweepForm::kWorking, SweepForm::kLiteral}) {
     const Cloud expected = assemble(scanner, {.form = form}, scans, *cpu);
     ASSERT_GT(expected.size(), 40000U);
-    for (const ShaderVariants variants : {ShaderVariants::kWide, ShaderVariants::kNarrow}) {
-      VulkanOptions options;
-      options.variants = variants;
-      const auto device = test_backend(options);
-      const AssemblyLimits limits{.form = form, .batch_beams = 8192};
-      const Cloud found = assemble(scanner, limits, scans, *device);
-      EXPECT_TRUE(found == expected);
-      EXPECT_GT(device->dispatch_count(), 5U);
-      EXPECT_EQ(device->pending_downloads(), 0U);
-    }
+    const auto device = test_backend();
+    const AssemblyLimits limits{.form = form, .batch_beams = 8192};
+    const Cloud found = assemble(scanner, limits, scans, *device);
+    EXPECT_TRUE(found == expected);
+    EXPECT_GT(device->dispatch_count(), 5U);
+    EXPECT_EQ(device->pending_downloads(), 0U);
   }
 }
 

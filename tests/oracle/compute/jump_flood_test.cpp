@@ -16,9 +16,6 @@
 namespace gdtslam::test {
 namespace {
 
-constexpr JumpFloodVariant kVariants[] = {JumpFloodVariant::kPlain, JumpFloodVariant::kOnePlus,
-                                          JumpFloodVariant::kPlusTwo, JumpFloodVariant::kSquared};
-
 std::vector<std::uint16_t> flooded(Backend& backend, std::span<const std::uint32_t> steps, std::uint32_t radius,
                                    const std::vector<std::uint8_t>& seeds, const GridShape& shape) {
   const Extent all{shape.width, shape.height, 1};
@@ -48,20 +45,12 @@ void expect_equal(const std::vector<std::uint16_t>& found, const std::vector<std
   }
 }
 
-/// Every variant on one grid, with the steps for the whole grid and those for a radius; with dispatches, and on the
-/// host.
+/// Floods of one grid with the steps for a radius; with dispatches, and on the host.
 void expect_floods_of(const std::vector<std::uint8_t>& seeds, const GridShape& shape, Isa isa) {
   const auto backend = make_cpu_backend({.threads = 2, .isa = isa});
-  for (const JumpFloodVariant variant : kVariants) {
-    const std::string what = std::string(to_string(variant)) + " " + std::string(to_string(isa));
-    const auto whole = jump_flood_steps(variant, shape.width, shape.height);
-    const std::uint32_t side = std::max(shape.width, shape.height);
-    expect_equal(flooded(*backend, whole, 255, seeds, shape),
-                 truncated(brute_jump_flood(variant, side, seeds, shape), 255), shape, what);
-  }
-  for (const std::uint32_t radius : {1U, 6U, 20U}) {
-    const auto expected = truncated(brute_jump_flood(JumpFloodVariant::kOnePlus, radius + 1, seeds, shape), radius);
+  for (const std::uint32_t radius : {1U, 6U, 20U, 255U}) {
     const auto steps = jump_flood_steps_within(radius);
+    const auto expected = truncated(brute_jump_flood(steps, seeds, shape), radius);
     const std::string what = "R" + std::to_string(radius) + " " + std::string(to_string(isa));
     expect_equal(flooded(*backend, steps, radius, seeds, shape), expected, shape, what);
     std::vector<std::uint32_t> nearest(seeds.size());
@@ -73,7 +62,7 @@ void expect_floods_of(const std::vector<std::uint8_t>& seeds, const GridShape& s
   }
 }
 
-TEST(JumpFlood, EveryVariantMatchesTheSlowOne) {
+TEST(JumpFlood, MatchesTheSlowOne) {
   for (const Isa isa : available_isas()) {
     for (const auto& [width, height] : {std::pair{1U, 1U}, {1U, 6U}, {9U, 1U}, {16U, 16U}, {33U, 20U}, {61U, 67U}}) {
       const GridShape shape{width, height, grid_stride(width)};
@@ -83,16 +72,6 @@ TEST(JumpFlood, EveryVariantMatchesTheSlowOne) {
       }
     }
   }
-}
-
-TEST(JumpFlood, StepsAreThoseOfTheLiterature) {
-  using Steps = std::vector<std::uint32_t>;
-  EXPECT_EQ(jump_flood_steps(JumpFloodVariant::kPlain, 8, 5), (Steps{4, 2, 1}));
-  EXPECT_EQ(jump_flood_steps(JumpFloodVariant::kPlain, 3, 9), (Steps{8, 4, 2, 1}));
-  EXPECT_EQ(jump_flood_steps(JumpFloodVariant::kOnePlus, 8, 8), (Steps{1, 4, 2, 1}));
-  EXPECT_EQ(jump_flood_steps(JumpFloodVariant::kPlusTwo, 8, 8), (Steps{4, 2, 1, 2, 1}));
-  EXPECT_EQ(jump_flood_steps(JumpFloodVariant::kSquared, 8, 8), (Steps{4, 2, 1, 4, 2, 1}));
-  EXPECT_EQ(jump_flood_steps(JumpFloodVariant::kPlain, 1, 1), Steps{});
 }
 
 TEST(JumpFlood, StepsWithinARadiusReachIt) {
@@ -114,39 +93,19 @@ TEST(JumpFlood, StepsWithinARadiusReachIt) {
   }
 }
 
-// [Rong2007] reports that 1+JFA and the like leave far fewer errors than plain JFA.
-TEST(JumpFlood, MorePassesLeaveFewerErrorsAndNeverTooSmallADistance) {
+TEST(JumpFlood, LeavesFewErrorsAndNeverTooSmallADistance) {
   const GridShape shape{256, 256, 256};
   const std::vector<std::uint8_t> seeds = make_seeds(SeedPattern::kSparse, 256, 256, 256, 3);
   const std::vector<std::uint16_t> exact = truncated(brute_sq_distances(seeds, shape), 255);
   const auto backend = make_cpu_backend({});
-  std::vector<JumpFloodError> errors;
-  for (const JumpFloodVariant variant : kVariants) {
-    const auto found = flooded(*backend, jump_flood_steps(variant, 256, 256), 255, seeds, shape);
-    for (std::size_t i = 0; i < exact.size(); ++i) {
-      ASSERT_GE(found[i], exact[i]);
-    }
-    errors.push_back(jump_flood_error(exact, found, {256, 256, 256}));
-    EXPECT_EQ(errors.back().cells, 65536U);
-    EXPECT_LT(errors.back().wrong_cells, 656U) << to_string(variant);  // under 1 %
-    EXPECT_LT(errors.back().largest_cells, 4.0) << to_string(variant);
+  const auto found = flooded(*backend, jump_flood_steps_within(255), 255, seeds, shape);
+  int wrong = 0;
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    ASSERT_GE(found[i], exact[i]);
+    ASSERT_LT(std::sqrt(found[i]) - std::sqrt(exact[i]), 4.0);
+    wrong += found[i] != exact[i] ? 1 : 0;
   }
-  EXPECT_GT(errors[0].wrong_cells, 0U);
-  EXPECT_LE(errors[1].wrong_cells, errors[0].wrong_cells);
-  EXPECT_LE(errors[2].wrong_cells, errors[0].wrong_cells);
-  EXPECT_LE(errors[3].wrong_cells, errors[0].wrong_cells);
-}
-
-TEST(JumpFloodError, CountsWrongCellsAndTheLargestDistance) {
-  const std::vector<std::uint16_t> exact{0, 4, 9, 77, 25, 99};
-  const std::vector<std::uint16_t> found{0, 9, 9, 78, 16, 99};  // columns 1 of row 0 and 1 of row 1 are wrong
-  const JumpFloodError error = jump_flood_error(exact, found, {3, 2, 3});
-  EXPECT_EQ(error.cells, 6U);
-  EXPECT_EQ(error.wrong_cells, 3U);
-  EXPECT_DOUBLE_EQ(error.largest_cells, 1.0);
-  const JumpFloodError inner = jump_flood_error(exact, found, {1, 2, 3});
-  EXPECT_EQ(inner.wrong_cells, 1U);
-  EXPECT_NEAR(inner.largest_cells, std::sqrt(78.0) - std::sqrt(77.0), 1e-12);
+  EXPECT_LT(wrong, 656);  // under 1 %
 }
 
 }  // namespace

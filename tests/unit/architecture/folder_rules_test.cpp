@@ -29,7 +29,7 @@ TEST(Rooms, know_only_those_below_them) {
 TEST(Rooms, of_public_headers_are_those_of_their_part) {
   EXPECT_EQ(room_of("engine/core/include/gdtslam/core/pose.hpp"), "engine/core");
   EXPECT_EQ(room_of("engine/mapping/match/descents.cpp"), "engine/mapping/match");
-  EXPECT_EQ(room_of("engine/compute/kernels/edt/edt.cpp"), "engine/compute/kernels");
+  EXPECT_EQ(room_of("engine/compute/kernels/gdt_merge/gdt_merge.cpp"), "engine/compute/kernels");
   EXPECT_EQ(room_of("README.md"), "");
 }
 

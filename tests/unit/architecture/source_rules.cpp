@@ -73,7 +73,6 @@ const std::vector<Library>& libraries() {
       {"CLI/", {}},
       {"libwebsockets.h", {}},
       {"spdlog/", {}},
-      {"opencv2/", {}},
       {"gtest/", {}},
       {"gmock/", {}},
       {"rapidcheck", {}},

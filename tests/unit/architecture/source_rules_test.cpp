@@ -60,7 +60,6 @@ INSTANTIATE_TEST_SUITE_P(Parts, WhoMayIncludeWhom, ::testing::Values(
     IncludeCase{"engine/io/src/config.cpp", "<sys/stat.h>", true},
     IncludeCase{"engine/io/src/config.cpp", "\"gdtslam/sim/scene.hpp\"", false},
     IncludeCase{"engine/io/src/config.cpp", "<CLI/CLI.hpp>", false},
-    IncludeCase{"engine/io/src/config.cpp", "<opencv2/imgproc.hpp>", false},
     IncludeCase{"engine/io/include/gdtslam/io/config.hpp", "<yaml-cpp/yaml.h>", false},
     IncludeCase{"engine/io/include/gdtslam/io/config.hpp", "\"line_reader.hpp\"", false},
     IncludeCase{"engine/io/include/gdtslam/io/config.hpp", "\"gdtslam/core/stream.hpp\"", true},

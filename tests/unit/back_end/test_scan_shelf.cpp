@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "engine/mapping/back_end/back_end.hpp"
-#include "engine/mapping/back_end/scan_shelf.hpp"
 #include "gdtslam/core/random.hpp"
 #include "gdtslam/mapping/mapper.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
@@ -55,10 +54,10 @@ std::vector<KeptScan> many_scans() {
   return scans;
 }
 
-void expect_all_back(const ScanShelf& shelf, const std::vector<KeptScan>& scans) {
+void expect_all_back(const Shelf<KeptScan>& shelf, const std::vector<KeptScan>& scans) {
   ASSERT_EQ(shelf.bytes().size(), scans.size());
   for (int round = 0; round < 2; ++round) {
-    ScanShelf::Reader reader(shelf);
+    Shelf<KeptScan>::Reader reader(shelf);
     for (std::size_t i = 0; i < scans.size(); ++i) expect_same(reader.next(), scans[i], i);
   }
 }
@@ -72,7 +71,7 @@ std::size_t bytes_of(const std::vector<KeptScan>& scans) {
 TEST(ScanShelf, GivesBackWhatWasPut) {
   const std::vector<KeptScan> scans = many_scans();
   for (const std::size_t memory_bytes : {std::size_t{0}, std::size_t{20'000}, ByteShelf::kMemoryBytes}) {
-    ScanShelf shelf(testing::TempDir(), memory_bytes);
+    Shelf<KeptScan> shelf(testing::TempDir(), memory_bytes);
     for (const KeptScan& scan : scans) shelf.put(scan);
     EXPECT_EQ(shelf.bytes().trouble(), "");
     if (memory_bytes == ByteShelf::kMemoryBytes) {
@@ -86,7 +85,7 @@ TEST(ScanShelf, GivesBackWhatWasPut) {
 
 TEST(ScanShelf, StaysInMemoryWhereThereIsNoFolder) {
   const std::vector<KeptScan> scans = many_scans();
-  ScanShelf shelf(testing::TempDir() + "no-such-folder", 0);
+  Shelf<KeptScan> shelf(testing::TempDir() + "no-such-folder", 0);
   for (const KeptScan& scan : scans) shelf.put(scan);
   EXPECT_EQ(shelf.bytes().bytes_in_file(), 0U);
   EXPECT_NE(shelf.bytes().trouble().find("no-such-folder: takes no file"), std::string::npos)

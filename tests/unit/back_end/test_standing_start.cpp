@@ -40,10 +40,9 @@ TEST(StandingStart, DoesNotSlideAlongACorridor) {
   const std::unique_ptr<Backend> cpu = make_cpu_backend({});
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     Random random(seed);
-    LoopMapper mapper(MapperConfig{}, *cpu);
+    Mapper mapper(MapperConfig{}, *cpu, {.with_loops = true});
     for (int i = 0; i < kScans; ++i) {
-      mapper.start(corridor_scan(0.2 * i, random), Pose2{0.0, 0.0, -0.002458});
-      const MatchResult result = mapper.finish();
+      const MatchResult result = mapper.process(corridor_scan(0.2 * i, random), Pose2{0.0, 0.0, -0.002458});
       ASSERT_LT(std::hypot(result.T_map_base.x_m, result.T_map_base.y_m), 0.05) << "scan " << i << ", seed " << seed;
     }
   }
@@ -74,11 +73,11 @@ TEST(StandingStart, HoldsNobodyWhoDrivesOffWhereTheEndsAreSeen) {
   for (const double half_length_m : {10.0, 20.0}) {
     for (const double step_m : {0.02, 0.05, 0.1, 0.2}) {
       Random random(1);
-      LoopMapper mapper(MapperConfig{}, *cpu);
+      Mapper mapper(MapperConfig{}, *cpu, {.with_loops = true});
       const double first_m = -0.4 * half_length_m;
       for (int i = 0; i < 60; ++i) {
-        mapper.start(closed_corridor_scan(0.1 * i, first_m + step_m * i, half_length_m, random), std::nullopt);
-        ASSERT_NEAR(mapper.finish().T_map_base.x_m, step_m * i, 0.05)
+        const LaserScan scan = closed_corridor_scan(0.1 * i, first_m + step_m * i, half_length_m, random);
+        ASSERT_NEAR(mapper.process(scan, std::nullopt).T_map_base.x_m, step_m * i, 0.05)
             << "scan " << i << ", " << step_m << " m a scan, " << half_length_m << " m";
       }
     }
@@ -89,12 +88,12 @@ TEST(StandingStart, LetsGoWhoStoodAndDrivesOff) {
   const std::unique_ptr<Backend> cpu = make_cpu_backend({});
   for (const double step_m : {0.02, 0.05, 0.1}) {
     Random random(2);
-    LoopMapper mapper(MapperConfig{}, *cpu);
+    Mapper mapper(MapperConfig{}, *cpu, {.with_loops = true});
     double last_m = 0.0;
     for (int i = 0; i < 140; ++i) {
       const double way_m = step_m * std::max(0, i - 80);
-      mapper.start(closed_corridor_scan(0.1 * i, way_m - 3.0, 10.0, random), std::nullopt);
-      last_m = mapper.finish().T_map_base.x_m - way_m;
+      const LaserScan scan = closed_corridor_scan(0.1 * i, way_m - 3.0, 10.0, random);
+      last_m = mapper.process(scan, std::nullopt).T_map_base.x_m - way_m;
     }
     EXPECT_NEAR(last_m, 0.0, 0.05) << step_m;
   }

@@ -27,18 +27,18 @@ struct MappedLog {
 // Of every so many scans.
 MappedLog map_with_loops(const std::string& log, std::size_t step = 1, bool has_odometry = true) {
   const auto backend = make_cpu_backend({});
-  LoopMapper mapper({}, *backend);
+  Mapper mapper({}, *backend, {.with_loops = true});
   MappedLog mapped;
   const auto reader = open_log(log, {});
   std::size_t seen = 0;
   while (const auto record = reader->next()) {
     const auto* const scan = std::get_if<ScanRecord>(&*record);
     if (scan == nullptr || seen++ % step != 0) continue;
-    mapper.start(scan->scan, has_odometry ? scan->T_odom_base : std::nullopt);
-    mapped.trajectory.push_back({mapper.finish().stamp_s, {}});
+    const MatchResult result = mapper.process(scan->scan, has_odometry ? scan->T_odom_base : std::nullopt);
+    mapped.trajectory.push_back({result.stamp_s, {}});
     mapped.odometry.push_back({scan->scan.stamp_s, scan->T_odom_base.value_or(Pose2{})});
   }
-  mapped.path = mapper.close([](std::string_view, double) {}, [] { return false; });
+  mapped.path = mapper.loops()->close([](std::string_view, double) {}, [] { return false; });
   for (std::size_t i = 0; i < mapped.trajectory.size(); ++i) {
     mapped.trajectory[i].T_map_base = mapped.path.T_map_base[i];
   }

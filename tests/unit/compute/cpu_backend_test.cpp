@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
-#include "engine/compute/kernels/edt/edt.hpp"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
+#include "engine/compute/kernels/jump_flood/jump_flood.hpp"
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/error.hpp"
@@ -107,71 +107,68 @@ class Launch : public testing::Test {
  protected:
   std::unique_ptr<Backend> backend = make_cpu_backend({});
   Buffer seeds = backend->allocate(64 * 10);
-  Buffer distance = backend->allocate(64 * 10);
-  EdtColumns::Params params{.width = 60, .height = 10, .stride = 64, .radius = 5};
+  Buffer nearest = backend->allocate(4 * 64 * 10);
+  JumpFloodInit::Params params{.width = 60, .height = 10, .stride = 64};
 
-  void expect_refused(const EdtColumns::Params& bad, Extent threads, const char* message) {
-    EXPECT_THAT([&] { run<EdtColumns>(*backend, bad, threads, seeds, distance); },
-                ThrowsMessage<Error>(AllOf(HasSubstr("edt_columns"), HasSubstr(message))));
+  void expect_refused(const JumpFloodInit::Params& bad, Extent threads, const char* message) {
+    EXPECT_THAT([&] { run<JumpFloodInit>(*backend, bad, threads, seeds, nearest); },
+                ThrowsMessage<Error>(AllOf(HasSubstr("jump_flood_init"), HasSubstr(message))));
   }
 };
 
 TEST_F(Launch, RightOnesRunAndAreCounted) {
-  run<EdtColumns>(*backend, params, {60, 1, 1}, seeds, distance);
+  run<JumpFloodInit>(*backend, params, {60, 10, 1}, seeds, nearest);
   EXPECT_EQ(backend->dispatch_count(), 1U);
-  EXPECT_EQ(backend->host_view(distance)[59], std::byte{5});
-  EXPECT_EQ(backend->host_view(distance)[60], std::byte{0});
+  EXPECT_EQ(backend->host_view(nearest)[4 * 59], std::byte{0xFF});
+  EXPECT_EQ(backend->host_view(nearest)[4 * 60], std::byte{0});
 }
 
 TEST_F(Launch, SizesThatDoNotFitAreRefused) {
-  expect_refused({.width = 60, .height = 11, .stride = 64, .radius = 5}, {60, 1, 1}, "needs 700");
-  expect_refused({.width = 60, .height = 10, .stride = 62, .radius = 5}, {60, 1, 1}, "stride 62");
-  expect_refused({.width = 60, .height = 10, .stride = 56, .radius = 5}, {60, 1, 1}, "stride 56");
-  expect_refused({.width = 60, .height = 10, .stride = 64, .radius = 0}, {60, 1, 1}, "radius");
-  expect_refused({.width = 60, .height = 10, .stride = 64, .radius = 256}, {60, 1, 1}, "radius");
-  expect_refused(params, {59, 1, 1}, "extent 59 x 1 x 1, expected 60 x 1 x 1");
-  expect_refused({.width = 4000000000U, .height = 4000000000U, .stride = 4000000000U, .radius = 5}, {4000000000U, 1, 1},
+  expect_refused({.width = 60, .height = 11, .stride = 64}, {60, 11, 1}, "needs 700");
+  expect_refused({.width = 60, .height = 10, .stride = 62}, {60, 10, 1}, "stride 62");
+  expect_refused({.width = 60, .height = 10, .stride = 56}, {60, 10, 1}, "stride 56");
+  expect_refused(params, {59, 10, 1}, "extent 59 x 10 x 1, expected 60 x 10 x 1");
+  expect_refused({.width = 4000000000U, .height = 4000000000U, .stride = 4000000000U}, {4000000000U, 4000000000U, 1},
                  "exceeds its limit");
   EXPECT_EQ(backend->dispatch_count(), 0U);
 }
 
 TEST_F(Launch, OneByteTooFewIsTooFew) {
-  const Buffer just = backend->allocate(64 * 9 + 60);  // the last row needs no padding
-  EXPECT_NO_THROW(run<EdtColumns>(*backend, params, {60, 1, 1}, just, distance));
-  EXPECT_NO_THROW(run<EdtColumns>(*backend, params, {60, 1, 1}, seeds, just));
-  const Buffer short_by_one = backend->allocate(64 * 9 + 59);
-  EXPECT_THROW(run<EdtColumns>(*backend, params, {60, 1, 1}, short_by_one, distance), Error);
-  EXPECT_THROW(run<EdtColumns>(*backend, params, {60, 1, 1}, seeds, short_by_one), Error);
+  const std::size_t cells = 64 * 9 + 60;  // the last row needs no padding
+  EXPECT_NO_THROW(run<JumpFloodInit>(*backend, params, {60, 10, 1}, backend->allocate(cells), nearest));
+  EXPECT_NO_THROW(run<JumpFloodInit>(*backend, params, {60, 10, 1}, seeds, backend->allocate(4 * cells)));
+  EXPECT_THROW(run<JumpFloodInit>(*backend, params, {60, 10, 1}, backend->allocate(cells - 1), nearest), Error);
+  EXPECT_THROW(run<JumpFloodInit>(*backend, params, {60, 10, 1}, seeds, backend->allocate(4 * cells - 1)), Error);
 }
 
 TEST_F(Launch, CountsOfBuffersAndParametersAreChecked) {
   const std::array<const Buffer*, 1> one{&seeds};
-  const std::array<const Buffer*, 2> two{&seeds, &distance};
+  const std::array<const Buffer*, 2> two{&seeds, &nearest};
   const auto bytes = std::as_bytes(std::span(&params, 1));
   EXPECT_THAT(
       [&] {
-        backend->dispatch(EdtColumns::info(), one, bytes, {60, 1, 1});
+        backend->dispatch(JumpFloodInit::info(), one, bytes, {60, 10, 1});
       },
       ThrowsMessage<Error>(HasSubstr("1 buffers given, 2 bound")));
   EXPECT_THAT(
       [&] {
-        backend->dispatch(EdtColumns::info(), two, bytes.subspan(4), {60, 1, 1});
+        backend->dispatch(JumpFloodInit::info(), two, bytes.subspan(4), {60, 10, 1});
       },
-      ThrowsMessage<Error>(HasSubstr("12 bytes of parameters given, 16 expected")));
+      ThrowsMessage<Error>(HasSubstr("8 bytes of parameters given, 12 expected")));
 }
 
 TEST_F(Launch, ABufferThatIsWrittenMustNotBeBoundTwice) {
   EXPECT_THAT(
       [&] {
-        run<EdtColumns>(*backend, params, {60, 1, 1}, seeds, seeds);
+        run<JumpFloodInit>(*backend, params, {60, 10, 1}, seeds, seeds);
       },
       ThrowsMessage<Error>(HasSubstr("bound twice")));
 }
 
 TEST_F(Launch, ABufferThatOutlivedItsBackendIsRefused) {
   const auto other = make_cpu_backend({});
-  EXPECT_THROW(run<EdtColumns>(*other, params, {60, 1, 1}, seeds, distance), Error);
-  EXPECT_THROW(run<EdtColumns>(*backend, params, {60, 1, 1}, seeds, Buffer{}), Error);
+  EXPECT_THROW(run<JumpFloodInit>(*other, params, {60, 10, 1}, seeds, nearest), Error);
+  EXPECT_THROW(run<JumpFloodInit>(*backend, params, {60, 10, 1}, seeds, Buffer{}), Error);
 }
 
 TEST_F(Launch, OtherKernelsRefuseWhatTheyCannotDo) {

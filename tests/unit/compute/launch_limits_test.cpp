@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
-#include "engine/compute/kernels/edt/edt.hpp"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/gdt_stamp/gdt_stamp.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
@@ -186,25 +185,10 @@ TEST(LaunchLimits, OfAStamp) {
 
 // A grid of 5 x 3 in rows of 8 cells has 2 * 8 + 5 = 21 of them.
 TEST(LaunchLimits, OfDistanceTransforms) {
-  const EdtColumns::Params grid{.width = 5, .height = 3, .stride = 8, .radius = 10};
-  EXPECT_EQ(fault_of<EdtColumns>(grid, {21, 21}, {5, 1, 1}), "");
-  EXPECT_NE(fault_of<EdtColumns>(grid, {20, 21}, {5, 1, 1}), "");
-  EXPECT_NE(fault_of<EdtColumns>(grid, {21, 20}, {5, 1, 1}), "");
-  EXPECT_NE(fault_of<EdtColumns>(grid, {21, 21}, {1, 3, 1}), "");
-  EXPECT_EQ(fault_of<EdtRows>(grid, {21, 42}, {1, 3, 1}), "");
-  EXPECT_NE(fault_of<EdtRows>(grid, {21, 41}, {1, 3, 1}), "");
-  EXPECT_NE(fault_of<EdtRows>(grid, {20, 42}, {1, 3, 1}), "");
-  EXPECT_NE(fault_of<EdtRows>(grid, {21, 42}, {5, 1, 1}), "");
-  EXPECT_NE(fault_of<EdtColumns>({5, 3, 4, 10}, {21, 21}, {5, 1, 1}), "") << "the stride is less than the width";
-  EXPECT_NE(fault_of<EdtColumns>({5, 3, 6, 10}, {21, 21}, {5, 1, 1}), "") << "it is no multiple of 4";
   for (const std::uint32_t radius : {1U, 255U}) {
-    EXPECT_EQ(fault_of<EdtColumns>({5, 3, 8, radius}, {21, 21}, {5, 1, 1}), "") << radius;
-    EXPECT_EQ(fault_of<EdtRows>({5, 3, 8, radius}, {21, 42}, {1, 3, 1}), "") << radius;
     EXPECT_EQ(fault_of<JumpFloodDistance>({5, 3, 8, radius}, {84, 42}, {5, 3, 1}), "") << radius;
   }
   for (const std::uint32_t radius : {0U, 256U}) {
-    EXPECT_THAT(fault_of<EdtColumns>({5, 3, 8, radius}, {21, 21}, {5, 1, 1}), HasSubstr("1 to 255")) << radius;
-    EXPECT_THAT(fault_of<EdtRows>({5, 3, 8, radius}, {21, 42}, {1, 3, 1}), HasSubstr("1 to 255")) << radius;
     EXPECT_THAT(fault_of<JumpFloodDistance>({5, 3, 8, radius}, {84, 42}, {5, 3, 1}), HasSubstr("1 to 255")) << radius;
   }
   EXPECT_EQ(fault_of<DistanceField>({5, 3, 8, 101}, {42, 202, 42}, {5, 3, 1}), "");
@@ -232,22 +216,6 @@ TEST(LaunchLimits, OfJumpFlooding) {
   EXPECT_NE(fault_of<JumpFloodInit>({32768, 1, 32768}, {kAmple, kAmple}, {32768, 1, 1}), "");
   EXPECT_EQ(fault_of<JumpFloodInit>({1, 32767, 4}, {kAmple, kAmple}, {1, 32767, 1}), "");
   EXPECT_NE(fault_of<JumpFloodInit>({1, 32768, 4}, {kAmple, kAmple}, {1, 32768, 1}), "");
-  using Steps = std::vector<std::uint32_t>;
-  EXPECT_EQ(jump_flood_steps(JumpFloodVariant::kPlain, 9, 3), (Steps{8, 4, 2, 1}));
-  EXPECT_EQ(jump_flood_steps(JumpFloodVariant::kPlain, 8, 3), (Steps{4, 2, 1}));
-  EXPECT_EQ(jump_flood_steps(JumpFloodVariant::kPlain, 3, 9), (Steps{8, 4, 2, 1}));
-  EXPECT_EQ(jump_flood_steps(JumpFloodVariant::kOnePlus, 5, 5), (Steps{1, 4, 2, 1}));
-  EXPECT_EQ(jump_flood_steps(JumpFloodVariant::kPlusTwo, 5, 5), (Steps{4, 2, 1, 2, 1}));
-  EXPECT_EQ(jump_flood_steps(JumpFloodVariant::kSquared, 5, 5), (Steps{4, 2, 1, 4, 2, 1}));
-  EXPECT_EQ(jump_flood_steps_within(8), (Steps{1, 8, 4, 2, 1}));
-  EXPECT_EQ(jump_flood_steps_within(7), (Steps{1, 4, 2, 1}));
-  // Distances 3 and 4 of squares 9 and 16: one cell of three is wrong, by 1.
-  const std::vector<std::uint16_t> exact{9, 25, 0, 7};
-  const std::vector<std::uint16_t> approximate{16, 25, 0, 8};  // the last one is padding
-  const JumpFloodError error = jump_flood_error(exact, approximate, {.width = 3, .height = 1, .stride = 4});
-  EXPECT_EQ(error.cells, 3U);
-  EXPECT_EQ(error.wrong_cells, 1U);
-  EXPECT_EQ(error.largest_cells, 1.0);
 }
 
 TEST(LaunchLimits, OfACost) {

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
-#include "engine/compute/kernels/edt/edt.hpp"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/gdt_stamp/gdt_stamp.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
@@ -33,8 +32,6 @@ std::uint64_t steps_of(const typename K::Params& params, Extent threads) {
 }
 
 TEST(LaunchWork, OfGridsIsTheirCells) {
-  EXPECT_EQ(steps_of<EdtColumns>({.width = 5, .height = 3, .stride = 8, .radius = 1}, {5, 1, 1}), 15U);
-  EXPECT_EQ(steps_of<EdtRows>({.width = 5, .height = 3, .stride = 8, .radius = 1}, {1, 3, 1}), 15U);
   EXPECT_EQ(steps_of<JumpFloodInit>({.width = 5, .height = 3, .stride = 8}, {5, 3, 1}), 15U);
   EXPECT_EQ(steps_of<DistanceField>({.width = 5, .height = 3, .stride = 8, .table_size = 2}, {5, 3, 1}), 15U);
   EXPECT_EQ(steps_of<DistanceField>({.width = 1U << 20U, .height = 1U << 20U}, {}), std::uint64_t{1} << 40U);

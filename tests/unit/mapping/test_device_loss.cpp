@@ -46,6 +46,8 @@ class DeviceLoss : public testing::Test {
 };
 
 TEST_F(DeviceLoss, EveryCallOfADriveMayFail) {
+  config_.local.stretch_m = 0.5;  // two maps at a time, of which the younger takes the place of the older on the way
+  config_.odometry.estimate = true;
   const MappedDrive expected = drive(*cpu_);
   QueuedBackend device;
   const MappedDrive whole = drive(device);
@@ -58,42 +60,6 @@ TEST_F(DeviceLoss, EveryCallOfADriveMayFail) {
     SCOPED_TRACE("call " + std::to_string(call) + ", " + calls[call - 1]);
     expect_recovery_from(call, expected);
     if (HasFailure()) return;
-  }
-}
-
-// Two maps at a time, of which the younger takes the place of the older on the way.
-TEST_F(DeviceLoss, WithLocalMaps) {
-  config_.local.stretch_m = 0.5;
-  config_.odometry.estimate = true;
-  const MappedDrive expected = drive(*cpu_);
-  QueuedBackend device;
-  expect_same(drive(device), expected);
-  for (std::uint64_t call = 1; call <= device.calls().size(); call += 3) {
-    SCOPED_TRACE("call " + std::to_string(call) + ", " + device.calls()[call - 1]);
-    expect_recovery_from(call, expected);
-    if (HasFailure()) return;
-  }
-}
-
-TEST_F(DeviceLoss, WhileTheJournalIsBeingCutShort) {
-  config_.keyframe.every_scan = true;
-  scans_ = test::room_scans(160, 1);
-  const MappedDrive expected = drive(*cpu_);
-  QueuedBackend device;
-  expect_same(drive(device), expected);
-  // A checkpoint begins with a copy of the field.
-  const auto& calls = device.calls();
-  std::vector<std::uint64_t> checkpoints;
-  for (std::size_t i = 1; i < calls.size(); ++i) {
-    if (calls[i] == "start_download" && calls[i - 1] == "field_grow") checkpoints.push_back(i + 1);
-  }
-  ASSERT_EQ(checkpoints.size(), 2U);
-  for (const std::uint64_t checkpoint : checkpoints) {
-    for (std::uint64_t call = checkpoint - 3; call < checkpoint + 25; ++call) {
-      SCOPED_TRACE("call " + std::to_string(call) + ", " + calls[call - 1]);
-      expect_recovery_from(call, expected);
-      if (HasFailure()) return;
-    }
   }
 }
 
@@ -140,61 +106,6 @@ TEST_F(DeviceLoss, AMapBeyondTheLargestBufferGoesOnOnTheCpu) {
   const MappedDrive found = drive(device);
   expect_same(found, expected);
   EXPECT_NE(found.loss.find("too large"), std::string::npos) << found.loss;
-}
-
-/// Scans of one room that the robot sees again and again, farther off each time: none matches, all are merged.
-struct LongDrive {
-  explicit LongDrive(Backend& backend)
-      : mapper(config_of(), backend, {.cpu = {}, .warn = {}, .scratch_folder = testing::TempDir()}) {}
-  static MapperConfig config_of() {
-    MapperConfig config = test::quick_config(MatcherKind::kExhaustive);
-    config.odometry.max_step_m = 100.0;
-    return config;
-  }
-  void go_on(int scans) {
-    const DriveScan first = test::room_scans(1, 1).front();
-    for (int k = 0; k < scans; ++k) {
-      const auto step = static_cast<double>(poses.size());
-      poses.push_back(mapper.process(first.scan, Pose2{40.0 * step, 40.0 * step, 0.0}).T_map_base);
-    }
-  }
-  [[nodiscard]] std::vector<std::uint16_t> cells_around(const Pose2& pose) const {
-    constexpr std::int32_t kHalf = 130;
-    const CellIndex at = map_cell_of(pose.translation(), mapper.config().map.resolution_m);
-    std::vector<std::uint16_t> cells;
-    std::vector<std::uint16_t> row(2 * kHalf);
-    for (std::int32_t y = -kHalf; y < kHalf; ++y) {
-      mapper.field().read_row(at + CellOffset{-kHalf, y}, row);
-      cells.insert(cells.end(), row.begin(), row.end());
-    }
-    return cells;
-  }
-  Mapper mapper;
-  std::vector<Pose2> poses;
-};
-
-// Beyond the 2^32 cells of a map that has to be in memory: what is far from the robot waits on disk, as it does on the
-// CPU from the start.
-TEST(DeviceLossOnALongDrive, TheMapGrowsAsThatOfTheCpu) {
-  constexpr int kScans = 56;  // 2.2 km along x and y
-  const auto cpu = make_cpu_backend({});
-  LongDrive expected(*cpu);
-  expected.go_on(kScans);
-  ASSERT_EQ(expected.mapper.statistics().keyframes, std::uint64_t{kScans});
-  QueuedBackend whole;
-  LongDrive(whole).go_on(3);
-  QueuedBackend device(whole.calls().size());
-  LongDrive found(device);
-  found.go_on(kScans);
-  ASSERT_TRUE(found.mapper.lost_device());
-  EXPECT_TRUE(found.poses == expected.poses);
-  EXPECT_EQ(found.mapper.statistics().keyframes, expected.mapper.statistics().keyframes);
-  const CellBox& box = expected.mapper.field().box();
-  EXPECT_GT(std::int64_t{box.width()} * box.height(), std::int64_t{1} << 32U);
-  EXPECT_EQ(found.mapper.field().box(), box);
-  for (const Pose2& pose : expected.poses) {
-    ASSERT_TRUE(found.cells_around(pose) == expected.cells_around(pose)) << pose.x_m;
-  }
 }
 
 // A matcher that walks on the host has its map there, so whatever happens to the device is no loss.

@@ -1,4 +1,3 @@
-#include "gdtslam/mapping/option.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

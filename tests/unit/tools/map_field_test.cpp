@@ -105,7 +105,7 @@ class MapFieldFiles : public testing::Test {
   /// What is said of a map there; empty where it is taken.
   static std::string fault_of(const std::string& map) {
     try {
-      static_cast<void>(read_map_field(map, MapConfig{}, Isa::kBaseline));
+      static_cast<void>(read_map_field(map, MapConfig{}));
     } catch (const InputError& error) {
       return error.what();
     }

@@ -28,7 +28,7 @@ namespace {
 /// The drawn building, whose field is that of its cells; poses are counted from the field's corner.
 struct TrackedBuilding {
   TrackedBuilding() {
-    field.file = obstacle_field(map, obstacle_radius(MapConfig{}.truncation_m, map.geometry.resolution_m), best_isa());
+    field.file = obstacle_field(map, obstacle_radius(MapConfig{}.truncation_m, map.geometry.resolution_m));
     field.kernel_origin_m = {field.file.geometry.origin_x_m, field.file.geometry.origin_y_m};
   }
   [[nodiscard]] Pose2 in_field(const Pose2& T_map_base) const {
@@ -132,7 +132,7 @@ TEST(MapTracker, IsUnsureAlongABareCorridor) {
   building.map.cells = CellStates(building.map.geometry.cell_count());
   test::fill(building.map, {{0, 99}, {320, 100}}, CellState::kOccupied);
   test::fill(building.map, {{0, 140}, {320, 141}}, CellState::kOccupied);
-  building.field.file = obstacle_field(building.map, obstacle_radius(MapConfig{}.truncation_m, 0.05), best_isa());
+  building.field.file = obstacle_field(building.map, obstacle_radius(MapConfig{}.truncation_m, 0.05));
   building.field.kernel_origin_m = {building.field.file.geometry.origin_x_m, building.field.file.geometry.origin_y_m};
   const std::unique_ptr<Backend> cpu = make_cpu_backend({});
   MapTracker tracker(MapperConfig{}, building.field.view(), *cpu);

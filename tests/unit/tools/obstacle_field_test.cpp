@@ -48,7 +48,7 @@ std::uint16_t brute_distance(const OccupancyMap& map, CellIndex from, std::uint3
 }
 
 void expect_brute(const OccupancyMap& map, std::uint32_t radius, std::int32_t band_rows) {
-  const DistanceFieldFile field = obstacle_field(map, radius, best_isa(), band_rows);
+  const DistanceFieldFile field = obstacle_field(map, radius, band_rows);
   const GridGeometry& grid = field.geometry;
   ASSERT_FALSE(field.cells.empty());
   EXPECT_EQ(field.cap, 256 * radius);
@@ -93,7 +93,7 @@ TEST(ObstacleField, SingleCellsAndEdges) {
 
 TEST(ObstacleField, NoCellsWhereNoneIsOccupied) {
   using enum CellState;
-  const DistanceFieldFile field = obstacle_field(map_of(2, 2, {kFree, kUnknown, kFree, kFree}), 5, best_isa());
+  const DistanceFieldFile field = obstacle_field(map_of(2, 2, {kFree, kUnknown, kFree, kFree}), 5);
   EXPECT_TRUE(field.cells.empty());
   EXPECT_EQ(field.cap, 5 * 256);
 }
@@ -117,7 +117,7 @@ TEST(ObstacleField, TooManyCellsAreRefused) {
   map.cells.set(0, CellState::kOccupied);
   map.cells.set(map.geometry.cell_count() - 1, CellState::kOccupied);
   try {
-    static_cast<void>(obstacle_field(map, 255, best_isa()));
+    static_cast<void>(obstacle_field(map, 255));
     FAIL() << "made a field of 564 million cells";
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), ::testing::HasSubstr("513 x 1100512 cells would be too large"));

@@ -11,10 +11,9 @@
 namespace gdtslam {
 namespace {
 
-TargetReport target(bool takes_own_variants, std::uint64_t cases, std::uint64_t different, std::size_t logs) {
+TargetReport target(std::uint64_t cases, std::uint64_t different, std::size_t logs) {
   TargetReport report;
   report.is_vulkan = true;
-  report.takes_own_variants = takes_own_variants;
   KernelVerdict kernel;
   kernel.kernel = "smallest_values";
   kernel.cases = cases;
@@ -36,8 +35,8 @@ std::optional<VerifyRecord> kept(const VerifyReport& report, const std::string& 
   return record_of(report, options, "2026-01-02T03:04:05Z");
 }
 
-TEST(RecordOf, TheWholeOfADevicesOwnShaders) {
-  const std::optional<VerifyRecord> record = kept(report_of({target(true, 10, 0, 2)}));
+TEST(RecordOf, TheWhole) {
+  const std::optional<VerifyRecord> record = kept(report_of({target(10, 0, 2)}));
   ASSERT_TRUE(record);
   EXPECT_TRUE(record->passed());
   EXPECT_EQ(record->date, "2026-01-02T03:04:05Z");
@@ -45,25 +44,16 @@ TEST(RecordOf, TheWholeOfADevicesOwnShaders) {
   EXPECT_EQ(record->logs, 2U);
 }
 
-TEST(RecordOf, ShadersThatTheDeviceWouldNotTakeSayNothingOfIt) {
-  EXPECT_EQ(kept(report_of({target(false, 10, 0, 2)})), std::nullopt) << "--variants narrow that passed";
-  EXPECT_EQ(kept(report_of({target(false, 10, 3, 2)})), std::nullopt) << "--variants narrow that did not";
-  const std::optional<VerifyRecord> all = kept(report_of({target(true, 10, 0, 2), target(false, 7, 5, 0)}));
-  ASSERT_TRUE(all) << "--variants all";
-  EXPECT_TRUE(all->passed()) << "the differences are of the other shaders";
-  EXPECT_EQ(all->cases, 10U);
-}
-
 TEST(RecordOf, APartCountsOnlyWithADifference) {
-  EXPECT_EQ(kept(report_of({target(true, 10, 0, 0)}), "smallest_values"), std::nullopt);
-  const std::optional<VerifyRecord> record = kept(report_of({target(true, 10, 3, 0)}), "smallest_values");
+  EXPECT_EQ(kept(report_of({target(10, 0, 0)}), "smallest_values"), std::nullopt);
+  const std::optional<VerifyRecord> record = kept(report_of({target(10, 3, 0)}), "smallest_values");
   ASSERT_TRUE(record);
   EXPECT_EQ(record->differences, 3U);
 }
 
 TEST(RecordOf, ADeviceThatFailedIsRemembered) {
   TargetReport failed;
-  failed.takes_own_variants = true;
+  failed.is_vulkan = true;
   failed.failure = "vulkan:0: vkQueueSubmit gave ErrorDeviceLost";
   for (const char* filter : {"", "smallest_values"}) {
     const std::optional<VerifyRecord> record = kept(report_of({failed}), filter);
@@ -74,10 +64,9 @@ TEST(RecordOf, ADeviceThatFailedIsRemembered) {
 }
 
 TEST(RecordOf, WhatWasEndedByAnotherErrorIsNoWhole) {
-  TargetReport ended = target(true, 10, 0, 1);
+  TargetReport ended = target(10, 0, 1);
   ended.error = "drive.log: holds no laser scan to map";
   EXPECT_EQ(kept(report_of({ended})), std::nullopt);
-  EXPECT_TRUE(kept(report_of({target(true, 10, 0, 2), ended}))) << "of other shaders";
   ended.kernels.front().different = 3;
   const std::optional<VerifyRecord> record = kept(report_of({ended}));
   ASSERT_TRUE(record);
@@ -125,7 +114,7 @@ TEST(RunVerify, ALogThatIsNotThereIsToldBeforeTheKernels) {
 }
 
 TEST(RecordOf, TheCpuIsNoDevice) {
-  TargetReport cpu = target(false, 10, 3, 2);
+  TargetReport cpu = target(10, 3, 2);
   cpu.is_vulkan = false;
   EXPECT_EQ(kept(report_of({cpu})), std::nullopt);
 }

@@ -205,14 +205,6 @@ void add_case_options(CLI::App& command, VerifyCommand& chosen) {
       ->allow_extra_args(false);
   add_recording_options(command, options.recording);
   command
-      .add_option("--variants", options.variants,
-                  "Which shaders of a kernel: those that suit the device (by-device), those for GPUs (wide), those\n"
-                  "for CPUs as devices (narrow), or all")
-      ->type_name("NAME")
-      ->check(CLI::IsMember({"by-device", "wide", "narrow", "all"}).description(""))
-      ->capture_default_str();
-  offer_words(command.get_option("--variants"), {"by-device", "wide", "narrow", "all"});
-  command
       .add_option("--write-expected", chosen.write_expected,
                   "Only map the sample log on the CPU, or nodding-start where FILE is named after it, and write what\n"
                   "it gives as what it must give; for a change of gdtslam that is meant to change results")
@@ -242,13 +234,12 @@ void add_verify_command(CLI::App& app, CommandContext& context) {
       "The last line is PASS (exit 0) or FAIL (1: differences, or the device failed; that of the error where a log\n"
       "cannot be mapped) with the number of differences; with --json, 'passed'. Exit 69: there is no such device or\n"
       "instruction set. 'gdtslam devices'\n"
-      "shows the last result of the whole, and differences and failures of a part, with the shaders that the device\n"
-      "takes by itself.\n"
+      "shows the last result of the whole, and differences and failures of a part.\n"
       "\n"
       "Examples:\n"
       "  gdtslam verify --device vulkan\n"
       "  gdtslam verify --device vulkan:1 --random 10000 --log intel.clf.gz\n"
-      "  gdtslam verify pose_cost --variants all --json");
+      "  gdtslam verify pose_cost --json");
   command->callback([chosen, &context] { context.run = [chosen] { return verify(*chosen); }; });
 }
 

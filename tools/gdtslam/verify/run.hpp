@@ -20,7 +20,6 @@ namespace gdtslam {
 
 struct VerifyOptions {
   DeviceOptions device;
-  std::string variants = "by-device";  ///< or wide, narrow, all
   std::string filter{};                ///< kernels whose name contains this; "logs": the logs alone; empty: everything
   std::uint64_t seed = 1;
   std::uint32_t random_cases = 0;
@@ -32,10 +31,9 @@ struct VerifyOptions {
 
 /// What one backend was found to do.
 struct TargetReport {
-  std::string name;  ///< "vulkan:0", "vulkan:0 wide", "cpu avx2"
+  std::string name;  ///< "vulkan:0", "cpu avx2"
   DeviceInfo device;
   bool is_vulkan = false;
-  bool takes_own_variants = false;  ///< the shaders that work on this device uses, not others that were forced
   std::vector<KernelVerdict> kernels;
   DeviceWork work;
   std::vector<LogVerdict> logs;

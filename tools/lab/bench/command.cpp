@@ -21,12 +21,10 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::uint32_t kLargestSize = 8192;
 
 struct BenchOptions {
   DeviceOptions device;
   std::string filter;
-  std::uint32_t size = 1024;
   double megabytes = 32.0;
   BenchLog log;  ///< without a file: no rows of a log
   RecordingOptions recording;
@@ -34,16 +32,15 @@ struct BenchOptions {
 };
 
 /// Rows that a device has, too.
-void add_rows(const BenchTarget& target, const BenchOptions& options) {
+void add_rows(const BenchTarget& target) {
   add_limits(target);
   add_kernels(target);
-  add_transforms(target, options.size);
   add_scans(target);
   add_sweeps(target);
 }
 
 void add_cpu_rows(const BenchTarget& cpu, const BenchOptions& options) {
-  add_rows(cpu, options);
+  add_rows(cpu);
   add_clouds(cpu);
 #ifdef GDTSLAM_HAS_VIEWER
   add_frames(cpu);
@@ -95,7 +92,6 @@ int bench(const BenchOptions& options, const std::vector<std::string>& extras) {
   const BenchTarget cpu_target{*cpu, "cpu"};
   const std::unique_ptr<VulkanBackend> device = make_vulkan(options.device, {.time_submissions = true});
   benchmark::AddCustomContext("gdtslam", GDTSLAM_VERSION);
-  benchmark::AddCustomContext("opencv", opencv_version());
   describe(cpu_target);
   add_cpu_rows(cpu_target, options);
   if (!options.log.file.empty()) {
@@ -106,7 +102,7 @@ int bench(const BenchOptions& options, const std::vector<std::string>& extras) {
   if (device) {
     const BenchTarget target{*device, fmt::format("vulkan:{}", device->vulkan_device().index)};
     describe(target);
-    add_rows(target, options);
+    add_rows(target);
     if (!options.log.file.empty()) {
       BenchLog log = bench_log(options);
       log.mapper.match.matcher = MatcherKind::kExhaustive;  // which alone works on a device
@@ -148,13 +144,8 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
       ->add_option(
           "filter", options->filter,
           "Only rows whose name DEVICE/GROUP/NAME/VARIANT this regular expression finds; the groups are limit, "
-          "kernel, transform, scan, sweep, cloud, peer, viewer, log, certified, live and work")
+          "kernel, scan, sweep, cloud, peer, viewer, log, certified, live and work")
       ->type_name("REGEX");
-  command->add_option("--size", options->size, "Side of the square for the whole distance transforms, cells")
-      ->type_name("N")
-      ->transform(without_leading_zeros())
-      ->check(CLI::Range(std::uint32_t{32}, kLargestSize))
-      ->capture_default_str();
   add_log_options(*command, *options);
   command
       ->add_option("--megabytes", options->megabytes,

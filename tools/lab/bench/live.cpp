@@ -42,13 +42,7 @@ double cpu_of_this_thread_s() {
 /// A mapper with loops or without, and the times of its scans.
 class LiveRun {
  public:
-  LiveRun(const BenchLog& log, Backend& backend) : log_(log) {
-    if (log.loops) {
-      loops_.emplace(log.mapper, backend, log.options);
-    } else {
-      alone_.emplace(log.mapper, backend, log.options);
-    }
-  }
+  LiveRun(const BenchLog& log, Backend& backend) : log_(log), mapper_(log.mapper, backend, with_loops(log)) {}
 
   void run() {
     ScanStream scans({log_.file}, log_.read, {});
@@ -66,12 +60,12 @@ class LiveRun {
       state.counters[name] = static_cast<double>(value);
     };
     set("scans", scans_.size());
-    set("keyframes", statistics().keyframes);
+    set("keyframes", mapper_.statistics().keyframes);
     set("late", late_);
     set("above_50_ms",
         std::count_if(scans_.begin(), scans_.end(), [](const LiveScan& scan) { return scan.all_s > kLong_s; }));
-    if (loops_) {
-      const LiveStatistics loops = loops_->live_statistics();
+    if (mapper_.loops() != nullptr) {
+      const LiveStatistics loops = mapper_.loops()->statistics();
       set("places", loops.places);
       set("corrections", loops.corrections);
       set("waits", loops.waits);
@@ -82,8 +76,10 @@ class LiveRun {
   }
 
  private:
-  [[nodiscard]] MapperStatistics statistics() const {
-    return alone_ ? alone_->statistics() : loops_->front_end().statistics();
+  static MapperOptions with_loops(const BenchLog& log) {
+    MapperOptions options = log.options;
+    options.with_loops = log.loops;
+    return options;
   }
 
   // Until the scan comes; one that the mapper was not ready for has come already.
@@ -102,21 +98,15 @@ class LiveRun {
     }
   }
 
-  MatchResult process(const ScanRecord& record) {
-    if (alone_) return alone_->process(record.scan, record.T_odom_base);
-    loops_->start(record.scan, record.T_odom_base);
-    return loops_->finish();
-  }
-
   void take(const ScanRecord& record) {
-    const StageTimes before = statistics().stages;
+    const StageTimes before = mapper_.statistics().stages;
     const double cpu_s = cpu_of_this_thread_s();
     const LiveClock::time_point start = LiveClock::now();
-    LiveScan scan{.is_keyframe = process(record).merged};
+    LiveScan scan{.is_keyframe = mapper_.process(record.scan, record.T_odom_base).merged};
     done_ = LiveClock::now();
     scan.all_s = std::chrono::duration<double>(done_ - start).count();
     scan.cpu_s = cpu_of_this_thread_s() - cpu_s;
-    const StageTimes after = statistics().stages;
+    const StageTimes after = mapper_.statistics().stages;
     scan.merge_s = after.local_field_s - before.local_field_s + after.merge_s - before.merge_s;
     scans_.push_back(scan);
   }
@@ -152,8 +142,7 @@ class LiveRun {
   }
 
   const BenchLog& log_;
-  std::optional<LoopMapper> loops_;
-  std::optional<Mapper> alone_;
+  Mapper mapper_;
   std::vector<LiveScan> scans_;
   std::size_t late_ = 0;  ///< scans that came before the one before them was done
   LiveClock::time_point due_ = LiveClock::now();

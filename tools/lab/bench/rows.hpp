@@ -95,8 +95,6 @@ struct BenchLog {
 void add_limits(const BenchTarget& target);
 /// The kernels on the benchmark cases of the shared list.
 void add_kernels(const BenchTarget& target);
-/// Whole transforms of a square of `size` cells, with the cells that differ from the exact one; on the CPU the peers.
-void add_transforms(const BenchTarget& target, std::uint32_t size);
 /// A scan from its points to its pose and into the map.
 void add_scans(const BenchTarget& target);
 /// The beams of a sweep of a nodding laser on their way to points of a cloud.
@@ -113,8 +111,5 @@ void add_certified(const BenchTarget& cpu, const BenchLog& log);
 void add_live(const BenchTarget& cpu, const BenchLog& log);
 /// What mapping a log by the matcher `exhaustive` asks of a device.
 void add_work(const BenchTarget& device, const BenchLog& log);
-
-/// The version of OpenCV that is measured, or empty.
-std::string opencv_version();
 
 }  // namespace gdtslam

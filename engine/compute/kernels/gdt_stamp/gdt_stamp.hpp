@@ -1,6 +1,6 @@
 // A keyframe merged into the map in one go, paper equations (1) and (9) to (11): the distance field of its obstacles is
 // the minimum of one disc of values around each of them, for the table of distances is monotone, and only the tiles
-// that a disc reaches are touched. The bits are those of EdtColumns, EdtRows, DistanceField and GdtMerge on the window.
+// that a disc reaches are touched. The bits are those of an exact transform, DistanceField and GdtMerge on the window.
 //
 // Per cell of a tile: D = the least stamp_disc() value over the tile's obstacles within the radius, the cap where there
 // is none; then the rule of gdt_merge.hpp. Obstacles may repeat; their order cannot matter.

@@ -1,10 +1,7 @@
 #include "jump_flood.hpp"
 
-#include <algorithm>
-#include <array>
 #include <bit>
 #include <cassert>
-#include <cmath>
 #include <utility>
 
 #include "engine/compute/cpu/launch.hpp"
@@ -16,7 +13,7 @@ namespace {
 /// So that the sum of two squares stays below 2^31.
 constexpr std::uint32_t kMostSide = 32767;
 
-double distance_cells(std::uint32_t sq) { return std::sqrt(static_cast<double>(sq)); }
+constexpr std::uint32_t kMostSideOfList = 65535;  // a coordinate of a listed cell has 16 bits
 
 /// Bindings of `in_bytes` and `out_bytes` a cell.
 template <class Params>
@@ -29,6 +26,18 @@ void check_pass(const Params& params, const LaunchCheck& check, std::size_t in_b
 
 }  // namespace
 
+const KernelInfo& SeedScatter::info() {
+  static const KernelInfo row = kernel_info<SeedScatter>(
+      {"seed_scatter", "cell", "seeds of paper equation (1)"}, kCall<&IsaFunctions::seed_scatter>,
+      [](const Params& params, Extent) -> std::uint64_t { return params.count; },
+      [](const Params& params, const LaunchCheck& check) {
+        check.grid(params.width, params.height, params.stride, kMostSideOfList);
+        check.buffer(0, std::size_t{params.count} * 4);
+        check.buffer(1, grid_bytes(params.width, params.height, params.stride, 1));
+        check.extent({params.count, 1, 1});
+      });
+  return row;
+}
 const KernelInfo& JumpFloodInit::info() {
   static const KernelInfo row = kernel_info<JumpFloodInit>(
       {"jump_flood_init", "cell", "[Rong2006]"}, kCall<&IsaFunctions::jump_flood_init>, kCells,
@@ -54,34 +63,10 @@ const KernelInfo& JumpFloodDistance::info() {
   return row;
 }
 
-std::string_view to_string(JumpFloodVariant variant) {
-  static constexpr std::array<std::string_view, 4> kNames{"jfa", "1+jfa", "jfa+2", "jfa^2"};
-  static_assert(kNames.size() == static_cast<std::size_t>(JumpFloodVariant::kSquared) + 1);
-  return kNames.at(static_cast<std::size_t>(variant));
-}
-
-std::vector<std::uint32_t> jump_flood_steps(JumpFloodVariant variant, std::uint32_t width, std::uint32_t height) {
-  const std::uint32_t first = std::bit_ceil(std::max(width, height)) / 2;
-  std::vector<std::uint32_t> steps;
-  const auto halve_from = [&steps](std::uint32_t step) {
-    for (; step > 0; step /= 2) {
-      steps.push_back(step);
-    }
-  };
-  if (variant == JumpFloodVariant::kOnePlus) {
-    steps.push_back(1);
-  }
-  halve_from(first);
-  if (variant == JumpFloodVariant::kPlusTwo) {
-    halve_from(2);
-  } else if (variant == JumpFloodVariant::kSquared) {
-    halve_from(first);
-  }
-  return steps;
-}
-
 std::vector<std::uint32_t> jump_flood_steps_within(std::uint32_t radius) {
-  return jump_flood_steps(JumpFloodVariant::kOnePlus, radius + 1, 1);
+  std::vector<std::uint32_t> steps{1};
+  for (std::uint32_t step = std::bit_floor(radius); step > 0; step /= 2) steps.push_back(step);
+  return steps;
 }
 
 void jump_flood_host(Isa isa, const JumpFloodDistance::Params& params, std::span<const std::uint32_t> steps,
@@ -97,21 +82,6 @@ void jump_flood_host(Isa isa, const JumpFloodDistance::Params& params, std::span
     std::swap(nearest, scratch);
   }
   functions.jump_flood_distance(params, nearest, sq_distance, all);
-}
-
-JumpFloodError jump_flood_error(std::span<const std::uint16_t> exact, std::span<const std::uint16_t> approximate,
-                                const JumpFloodInit::Params& shape) {
-  JumpFloodError error;
-  error.cells = std::uint64_t{shape.width} * shape.height;
-  for (std::uint32_t y = 0; y < shape.height; ++y) {
-    for (std::uint32_t x = 0; x < shape.width; ++x) {
-      const std::size_t cell = std::size_t{y} * shape.stride + x;
-      error.wrong_cells += exact[cell] != approximate[cell] ? 1U : 0U;
-      error.largest_cells =
-          std::max(error.largest_cells, std::fabs(distance_cells(approximate[cell]) - distance_cells(exact[cell])));
-    }
-  }
-  return error;
 }
 
 }  // namespace gdtslam

@@ -7,7 +7,6 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "gdtslam/compute/kernel.hpp"
@@ -16,8 +15,29 @@ namespace gdtslam {
 
 struct CaseGroup;
 
+/// The engine's grids have rows of a multiple of this many cells.
+inline constexpr std::uint32_t kGridStride = 32;
+constexpr std::uint32_t grid_stride(std::uint32_t width) {
+  return (width + kGridStride - 1) / kGridStride * kGridStride;
+}
+
 /// What stands for a cell that knows no seed yet.
 inline constexpr std::uint32_t kNoSeed = 0xFFFFFFFFU;
+
+/// From the points of a scan to the seeds of its transform: sets the seeds that a list of cells names; cells outside
+/// the grid are left out, all other seeds stay as they are. Bindings: cells (u32, y * 65536 + x, read), seeds (u8, read
+/// and write: 1 where a cell is named, whatever it was). Extent: x = number of cells. Width and height at most 65535.
+struct SeedScatter {
+  struct Params {
+    std::uint32_t count = 0;
+    std::uint32_t width = 0;
+    std::uint32_t height = 0;
+    std::uint32_t stride = 0;
+  };
+  static constexpr std::array kBindings{Access::kRead, Access::kReadWrite};
+  static const KernelInfo& info();
+  static CaseGroup cases();
+};
 
 /// Bindings: seeds (u8, read), nearest (u32, write). A seed is its own nearest. Extent: x = width, y = rows.
 struct JumpFloodInit {
@@ -28,7 +48,6 @@ struct JumpFloodInit {
   };
   static constexpr std::array kBindings{Access::kRead, Access::kWrite};
   static const KernelInfo& info();
-  static CaseGroup cases();
 };
 
 /// One pass: each cell looks at itself and its eight neighbours `step` cells away.
@@ -44,7 +63,7 @@ struct JumpFloodStep {
   static const KernelInfo& info();
 };
 
-/// Squared distance to the nearest seed, u16, truncated at R*R (which also stands for "no seed"), as EdtRows leaves it.
+/// Squared distance to the nearest seed, u16, truncated at R*R (which also stands for "no seed").
 /// Bindings: nearest (u32, read), squared distance (u16, write). Extent: x = width, y = rows.
 struct JumpFloodDistance {
   struct Params {
@@ -57,24 +76,8 @@ struct JumpFloodDistance {
   static const KernelInfo& info();
 };
 
-/// Variants: plain; one pass of step 1 before it; passes of step 2 and 1 after it; twice.
-enum class JumpFloodVariant : std::uint8_t { kPlain, kOnePlus, kPlusTwo, kSquared };
-std::string_view to_string(JumpFloodVariant variant);
-
-/// The steps of a variant on a grid, first to last; the plain ones halve from the power of two below the larger side.
-std::vector<std::uint32_t> jump_flood_steps(JumpFloodVariant variant, std::uint32_t width, std::uint32_t height);
-/// Those of 1+jfa where distances beyond a radius do not matter: steps that halve to 1 reach what is not farther than
-/// their sum, so they begin at the power of two not above the radius.
+/// The steps, first to last, where distances beyond a radius do not matter: 1 first [Rong2007], then steps that halve to
+/// 1. These reach what is not farther than their sum, so they begin at the power of two not above the radius.
 std::vector<std::uint32_t> jump_flood_steps_within(std::uint32_t radius);
-
-/// How far an approximate truncated squared distance transform is from the exact one.
-struct JumpFloodError {
-  std::uint64_t cells = 0;
-  std::uint64_t wrong_cells = 0;
-  double largest_cells = 0.0;  ///< largest difference of the distances, not of their squares
-};
-/// Compares two grids of squared distances, truncated at the same radius, of one shape.
-JumpFloodError jump_flood_error(std::span<const std::uint16_t> exact, std::span<const std::uint16_t> approximate,
-                                const JumpFloodInit::Params& shape);
 
 }  // namespace gdtslam

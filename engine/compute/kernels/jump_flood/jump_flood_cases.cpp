@@ -114,8 +114,69 @@ KernelCase draw_with(const std::string& name, Random& random) {
   return Shape{{size, pattern}, 1 + draw_count(random, kMostNumber - 1)}.make(name);
 }
 
+/// Cells: mostly inside, some named twice, some just outside and some far outside.
+std::vector<std::uint32_t> scatter_cells(CaseSize size, std::uint32_t count, Random& random) {
+  const auto cell = [](std::uint64_t x, std::uint64_t y) { return static_cast<std::uint32_t>(y << 16U | x); };
+  std::vector<std::uint32_t> cells(count);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const std::uint64_t kind = random.below(8);
+    if (kind == 0 && i > 0) {
+      cells[i] = cells[random.below(i)];
+    } else if (kind == 1) {
+      cells[i] = random.below(2) == 0 ? cell(size.width, random.below(size.height + 1))
+                                      : cell(random.below(size.width + 1), size.height);
+    } else if (kind == 2) {
+      cells[i] = static_cast<std::uint32_t>(random.bits());
+    } else {
+      const std::uint64_t y = random.below(size.height + 1);
+      cells[i] = cell(random.below(size.width + 1), y);
+    }
+  }
+  return cells;
+}
+
+struct ScatterCase {
+  using Kernel = SeedScatter;
+  CaseSize size;
+  std::uint32_t count = 361;
+  [[nodiscard]] std::string name() const { return size_name(size) + " " + std::to_string(count) + " points"; }
+  [[nodiscard]] KernelCase make(const std::string& named) const {
+    Random random(seed_from(named));
+    const std::vector<std::uint32_t> cells = scatter_cells(size, count, random);
+    return make_case<SeedScatter>(named, {count, size.width, size.height, size.stride}, {count, 1, 1},
+                                  {list_buffer(cells), grid_buffer(size, noise<std::uint8_t>(size, random.bits()))});
+  }
+};
+
+KernelCase draw_scatter(const std::string& name, Random& random) {
+  const CaseSize size = draw_size(random);
+  return ScatterCase{size, draw_count(random, 5000)}.make(name);
+}
+
+void add_scatters(std::vector<KernelCaseSource>& list) {
+  constexpr std::uint32_t kCounts[] = {0, 1, 2, 17, 361};
+  for_each_size([&](CaseSize size) {
+    for (const std::uint32_t count : kCounts) {
+      add_case(list, ScatterCase{size, count});
+    }
+  });
+  for_each_small_size([&](CaseSize size, std::uint32_t turn) {
+    add_case(list, ScatterCase{size, in_turn(kCounts, turn)});
+    add_case(list, ScatterCase{size, in_turn(kCounts, turn + 2)});
+  });
+  for (const CaseSize& size : kLongSizes) {
+    add_case(list, ScatterCase{size});
+  }
+  add_case(list, ScatterCase{{512, 512, 512}, 40000});
+  for (const CaseSize& size : kLargeSizes) {
+    add_case(list, ScatterCase{size, 65537}, CaseUse::kLarge);
+  }
+  add_case(list, ScatterCase{{1024, 1024, 1024}}, CaseUse::kBenchmark);
+}
+
 void add_all_passes(std::vector<KernelCaseSource>& list) {
   constexpr FloodGrid kBench{{1024, 1024, 1024}, SeedPattern::kWalls};
+  add_scatters(list);
   for_each_grid([&](CaseSize size, SeedPattern pattern, std::uint32_t) { add_case(list, InitCase{{size, pattern}}); });
   add_case(list, InitCase{kBench}, CaseUse::kBenchmark);
   add_grids<StepCase>(list, kSteps);
@@ -133,9 +194,10 @@ void add_all_passes(std::vector<KernelCaseSource>& list) {
 
 }  // namespace
 
-CaseGroup JumpFloodInit::cases() {
+CaseGroup SeedScatter::cases() {
   return {add_all_passes,
-          {{&JumpFloodInit::info(), draw_init},
+          {{&SeedScatter::info(), draw_scatter},
+           {&JumpFloodInit::info(), draw_init},
            {&JumpFloodStep::info(), draw_with<StepCase, 32767>},
            {&JumpFloodDistance::info(), draw_with<DistanceCase, 255>}}};
 }

@@ -4,8 +4,8 @@
 #include <string>
 #include <utility>
 
-#include "engine/compute/kernels/edt/edt.hpp"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
+#include "engine/compute/kernels/jump_flood/jump_flood.hpp"
 #include "gdtslam/core/error.hpp"
 #include "growth.hpp"
 
@@ -46,16 +46,13 @@ Buffer FieldRows::allocate_for(const CellBox& box) const {
   } catch (const DeviceError& error) {
     const DeviceInfo& device = backend_->device();
     if (bytes <= device.max_buffer_bytes) throw;
-    const std::string size = std::to_string(box.width()) + " x " + std::to_string(box.height());
     throw DeviceError(device.name, error.call(),
-                      error.result() + ", for the map of " + size +
-                          " cells; a larger map.resolution makes it smaller, map.max_megacells=" +
-                          std::to_string(device.max_buffer_bytes / sizeof(std::uint16_t) >> 20U) +
-                          " bounds it to that");
+                      error.result() + ", for the map of " + size_of(box) +
+                          "; a larger map.resolution makes it smaller");
   }
 }
 
-void FieldRows::hold(const CellBox& /*wanted*/, const GridBoxes& boxes) {
+void FieldRows::hold(const GridBoxes& boxes) {
   const CellBox& box = boxes.stored;
   if (box == stored_) return;
   Buffer buffer = allocate_for(box);
@@ -91,12 +88,6 @@ void FieldRows::copy_into(const Buffer& target, const CellBox& box) const {
                   .offset_y = static_cast<std::uint32_t>(offset.dy),
                   .cap = cap_},
                  {width, height, 1}, buffer_, target);
-}
-
-Buffer FieldRows::snapshot() const {
-  Buffer copy = allocate_for(stored_);
-  copy_into(copy, stored_);
-  return copy;
 }
 
 std::uint64_t FieldRows::taken_cells() const { return stored_.empty() ? 0 : cells_in_rows(stored_); }

@@ -12,13 +12,12 @@ class FieldRows final : public FieldStore {
 
   [[nodiscard]] bool can_hold(const CellBox& box) const override;
   [[nodiscard]] std::string limit() const override { return limit_of_option(max_cells_); }
-  void hold(const CellBox& wanted, const GridBoxes& boxes) override;
+  void hold(const GridBoxes& boxes) override;
   void touch(const CellBox& /*box*/) override {}
   [[nodiscard]] std::uint64_t untaken_cells(const CellBox& /*box*/) const override { return 0; }
   [[nodiscard]] std::uint64_t taken_cells() const override;
   [[nodiscard]] std::vector<std::uint16_t> read() const override;
   void write(const CellRows& from) override;
-  [[nodiscard]] Buffer snapshot() const override;
 
  private:
   [[nodiscard]] Buffer allocate_for(const CellBox& box) const;

@@ -35,14 +35,9 @@ class FieldStore {
   /// What is more than that, as the end of a sentence: what bounds it and what to do.
   [[nodiscard]] virtual std::string limit() const = 0;
   /// Makes room for the content, which is what is known and about to be, and where growing copies what is stored for
-  /// the box around it. What comes next is in `wanted`, a part of it. Throws DeviceError where a device fails, Error
+  /// the box around it. Throws DeviceError where a device fails, Error
   /// where there is no such memory; all is as before then.
-  virtual void hold(const CellBox& wanted, const GridBoxes& boxes) = 0;
-  /// From now on cells, those that are known already too, may wait in a file of that folder (ScratchFile) while
-  /// come_near() is far from them. Where the store can do that; a second call changes nothing.
-  virtual void keep_near(const std::string& /*folder*/) {}
-  /// Brings what is known of the box, and somewhat around it, to where kernels find it. Throws FileError.
-  virtual void come_near(const CellBox& /*box*/) {}
+  virtual void hold(const GridBoxes& boxes) = 0;
   /// Notes that the cells of the box may be known from now on.
   virtual void touch(const CellBox& box) = 0;
   /// Cells that touch() would take memory for.
@@ -53,13 +48,9 @@ class FieldStore {
   [[nodiscard]] virtual std::vector<std::uint16_t> read() const = 0;
   /// Takes these cells over; those outside of their box become the cap.
   virtual void write(const CellRows& from) = 0;
-  /// A copy in the backend's memory, in rows.
-  [[nodiscard]] virtual Buffer snapshot() const = 0;
 
-  /// Cells of a row from `first` on, the cap where none are stored; where the host sees them. Throws FileError.
-  virtual void read_row(CellIndex first, std::span<std::uint16_t> cells, std::uint16_t cap) const;
-  /// Whether all that is known lies in memory().
-  [[nodiscard]] virtual bool is_whole() const { return true; }
+  /// Cells of a row from `first` on, the cap where none are stored; where the host sees them.
+  void read_row(CellIndex first, std::span<std::uint16_t> cells, std::uint16_t cap) const;
 
   /// What the buffer holds, at least the content; empty before.
   [[nodiscard]] const CellBox& stored() const { return stored_; }

@@ -66,7 +66,7 @@ std::optional<VerifyRecord> record_in(const Json& entry) {
 std::string digest_of(std::span<const ShaderModule> shaders) {
   Sha256 digest;
   for (const ShaderModule& shader : shaders) {
-    digest.update(shader.name).update(std::string_view("\n")).update(std::as_bytes(shader.spirv));
+    digest.update(shader.kernel).update(std::string_view("\n")).update(std::as_bytes(shader.spirv));
   }
   return digest.hex();
 }

@@ -23,7 +23,7 @@ enum class MergeRule : std::uint32_t { kWorking = 0, kLiteral = 1 };
 /// Paper equation (14) in the working form or as printed (sweep_points).
 enum class SweepForm : std::uint32_t { kWorking = 0, kLiteral = 1 };
 
-/// How the squared distances of a field are found: EdtColumns and EdtRows, or jump flooding, which errs now and then.
+/// How the squared distances of a field are found: exactly (GdtStamp), or by jump flooding, which errs now and then.
 enum class DistanceTransform : std::uint8_t { kExact, kJumpFlood };
 
 // Where the cells of a distance field lie, for the kernels that look up a map or merge into it. Cell (x, y) is at

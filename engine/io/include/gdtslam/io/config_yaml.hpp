@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "gdtslam/mapping/option.hpp"
+#include "gdtslam/mapping/config.hpp"
 
 namespace gdtslam {
 

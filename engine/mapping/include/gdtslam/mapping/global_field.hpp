@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "gdtslam/compute/backend.hpp"
@@ -66,25 +65,11 @@ class GlobalField {
   /// or, on a device, pass max_cells; DeviceError where the backend fails (with the size of the map and what bounds it,
   /// where that exceeds the largest buffer), Error where the CPU has no such memory. The map is as before then.
   void grow_to_hold(const CellBox& map_box);
-  /// For maps larger than the memory meant for them, on the CPU: from now on cells that are far from come_near() may
-  /// wait in a file without a name in that folder (where it is empty in that of TMPDIR, or in /var/tmp). What is known
-  /// already may wait there, too; a second call changes nothing. Kernels see the box that was last given to come_near()
-  /// or grow_to_hold(), and 12 m around it; at(), read_row() and download() see all cells. Throws nothing; the file is
-  /// made when it is needed.
-  void keep_near(const std::string& folder);
-  /// Brings the cells of the box (map cells; not empty) to where kernels find them. Nothing without keep_near(). Throws
-  /// InputError for a box that holds more cells than 32 bits count, FileError where the disk is full, Error where there
-  /// is no memory.
-  void come_near(const CellBox& map_box);
   /// Throws InputError where a merge into these boxes, which the map holds, would take more memory than for max_cells.
   void require_room(std::span<const CellBox> map_boxes) const;
   /// Notes that a merge writes cells of the box.
   void touch(const CellBox& map_box);
 
-  /// A copy of the field in a device's memory: rows of snapshot_stride(), from the box's first cell on. Throws what the
-  /// backend throws.
-  [[nodiscard]] Buffer snapshot() const;
-  [[nodiscard]] std::uint32_t snapshot_stride() const;
   /// The cells of the box from any backend, row by row; empty while it is. Throws DeviceError where the device fails.
   [[nodiscard]] std::vector<std::uint16_t> download() const;
   /// Takes over the cells of another field of the same cap; cells of the box outside of theirs become the cap. The map

@@ -1,4 +1,4 @@
-// What matching a scan gives: the estimate with its evidence, never a bare pose.
+// What matching a scan gives: the estimate with its evidence, never a bare pose; and what a mapper counts of all scans.
 #pragma once
 
 #include <cstdint>
@@ -68,6 +68,32 @@ struct MatchResult {
   std::optional<PoseCovariance> covariance{};
   bool accepted = false;  ///< the estimate is the matcher's (or the first scan's), not the prediction
   bool merged = false;    ///< a keyframe: the scan went into the map
+};
+
+/// Seconds spent in each step of figure 5.
+struct StageTimes {
+  double predict_s = 0.0;
+  double match_s = 0.0;  ///< gate, descent and search
+  double local_field_s = 0.0;
+  double merge_s = 0.0;
+};
+
+/// Counts over the run so far.
+struct MapperStatistics {
+  std::uint64_t scans = 0;
+  std::uint64_t matched = 0;           ///< pose from the matcher
+  std::uint64_t doubtful = 0;          ///< fell back to the prediction, or matched with weak evidence
+  std::uint64_t keyframes = 0;         ///< merged into the map
+  std::uint64_t searches = 0;          ///< scans for which a window was searched
+  std::uint64_t attempts = 0;          ///< windows searched, all together
+  std::uint64_t restarts = 0;          ///< keyframes merged where odometry says, after a long stretch without a match
+  std::uint64_t odometry_leaps = 0;    ///< odometry steps too long to be true
+  std::uint64_t without_odometry = 0;  ///< scans predicted from the last motion
+  std::uint64_t evaluations = 0;
+  std::uint64_t dispatches = 0;   ///< kernels run, by the backend at work
+  std::uint64_t submissions = 0;  ///< of a device; a backend that works at once, as the CPU does, counts none
+  double path_m = 0.0;
+  StageTimes stages;
 };
 
 }  // namespace gdtslam

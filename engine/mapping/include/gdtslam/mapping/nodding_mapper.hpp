@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gdtslam/compute/kernel_options.hpp"
@@ -15,7 +16,7 @@
 #include "gdtslam/core/nodding.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/mapping/mapper.hpp"
-#include "gdtslam/mapping/option.hpp"
+#include "gdtslam/mapping/config.hpp"
 
 namespace gdtslam {
 
@@ -102,48 +103,29 @@ struct NoddingPose {
   std::optional<MatchResult> match;
 };
 
-/// Maps the scans of a laser that nods.
+/// Maps the scans of a laser that nods. Where the mapper closes loops, horizontal scans go through it as they come, and
+/// once the log has ended all scans are placed between the corrected fixes: poses and points come at the end, and every
+/// scan is kept until it is placed, 4 bytes a beam and some 300 bytes a scan.
 class NoddingMapper {
  public:
   using PoseSink = std::function<void(const NoddingPose&, const NoddingScan&)>;
-  /// The mapper, its backend and the sinks must outlive this. Poses come in log order.
+  /// The mapper, its backend and the sinks must outlive this. Poses come in log order. The mapper gets the horizontal
+  /// scans from here alone.
   NoddingMapper(const NoddingConfig& config, const NoddingScanner& scanner, Mapper& mapper, Backend& backend,
                 CloudSink& cloud, PoseSink poses, MapperOptions on_failure = {});
   ~NoddingMapper();
-  /// Throws DeviceError where the device failed and on_failure forbids to go on with the CPU; InputError as Mapper
-  /// does.
+  /// The next scan in log order. Throws DeviceError where the device failed and on_failure forbids to continue with the
+  /// CPU; InputError as Mapper does.
   void process(NoddingScan scan);
-  /// The log has ended. Throws InputError when no scan was horizontal, with the range of elevations seen and what to
-  /// do.
-  void finish();
-  [[nodiscard]] const NoddingStatistics& statistics() const;
-  [[nodiscard]] const std::vector<std::string>& warnings() const;
-
- private:
-  struct State;
-  std::unique_ptr<State> state_;
-};
-
-/// The same with loops closed: horizontal scans go through a LoopMapper as they come, and once the log has ended and
-/// its loops are closed, all scans are placed between the corrected fixes. Poses and points come at the end; who needs
-/// them at once takes NoddingMapper. Memory: every scan until it is placed, 4 bytes a beam and some 300 bytes a scan,
-/// beside that of the LoopMapper.
-class NoddingLoopMapper {
- public:
-  using PoseSink = NoddingMapper::PoseSink;
-  /// As NoddingMapper. The mapper gets the horizontal scans from here alone.
-  NoddingLoopMapper(const NoddingConfig& config, const NoddingScanner& scanner, LoopMapper& mapper, Backend& backend,
-                    CloudSink& cloud, PoseSink poses, MapperOptions on_failure = {});
-  ~NoddingLoopMapper();
-  /// The next scan in log order. Throws as LoopMapper does.
-  void process(NoddingScan scan);
-  /// To be called once, when the log has ended: closes the loops as LoopMapper::close() does, then gives poses and
-  /// points of all scans. Scans of the result are those whose poses were given, in that order; the covariance between
-  /// two fixes is linear by their number, before the first and behind the last it is that of the fix. Where stop() is
-  /// true before the loops are closed, the path is that of the front end, and all scans get their points; where it
-  /// becomes true later, the scans that are left get poses and no points. Throws InputError when no scan was
-  /// horizontal, with the range of elevations seen and what to do, and DeviceError as NoddingMapper does.
-  ClosedPath close(const LoopMapper::Progress& progress, const std::function<bool()>& stop);
+  /// To be called once, when the log has ended. Throws InputError when no scan was horizontal, with the range of
+  /// elevations seen and what to do. With loops closes them as LoopClosing::close() does, gives poses and points of all
+  /// scans and returns the path; else nothing. Scans of the path are those whose poses were given, in that order; the
+  /// covariance between two fixes is linear by their number, before the first and behind the last it is that of the
+  /// fix. Where stop() is true before the loops are closed, the path is that of the mapper, and all scans get their
+  /// points; where it becomes true later, the scans that are left get poses and no points.
+  std::optional<ClosedPath> finish(
+      const LoopClosing::Progress& progress = [](std::string_view, double) {},
+      const std::function<bool()>& stop = [] { return false; });
   [[nodiscard]] const NoddingStatistics& statistics() const;
   [[nodiscard]] const std::vector<std::string>& warnings() const;
 

@@ -10,7 +10,6 @@
 #include "gdtslam/mapping/config.hpp"
 #include "gdtslam/mapping/nodding_mapper.hpp"
 #include "gdtslam/mapping/occupancy.hpp"
-#include "gdtslam/mapping/option.hpp"
 
 namespace gdtslam {
 

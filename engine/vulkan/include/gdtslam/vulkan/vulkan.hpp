@@ -32,7 +32,6 @@ struct VulkanDeviceInfo {
   std::size_t memory_bytes = 0;  ///< of its largest device-local heap
   std::size_t max_storage_buffer_bytes = 0;
   std::size_t max_uniform_buffer_bytes = 0;
-  std::size_t max_texel_words = 0;  ///< 32-bit words that can be read as a uniform texel buffer; 0: none
   std::size_t shared_memory_bytes = 0;
   std::uint32_t max_group_invocations = 0;
   std::uint32_t max_push_constant_bytes = 0;
@@ -60,13 +59,6 @@ struct VulkanFault {
   Code code = Code::kDeviceLost;
 };
 
-/// Which of several shaders of a kernel to take.
-enum class ShaderVariants : std::uint8_t {
-  kByDevice,  ///< what suits the device
-  kWide,      ///< those for GPUs: much parallelism, shared memory
-  kNarrow,    ///< those for CPUs as devices: few long invocations
-};
-
 /// Which device, and how it is used.
 struct VulkanOptions {
   std::optional<unsigned> index = std::nullopt;  ///< of the listing; the first hardware GPU when empty
@@ -79,7 +71,6 @@ struct VulkanOptions {
   std::function<void(std::string_view message)> on_message = {};
   /// A wait that takes longer is a lost device. Empty: GDTSLAM_VULKAN_WAIT_S of the environment, else 30 s.
   std::optional<double> wait_limit_s = std::nullopt;
-  ShaderVariants variants = ShaderVariants::kByDevice;
   /// So long the host asks a GPU again and again whether a submission is done before it sleeps until it is told, as the
   /// system takes tens of microseconds to wake it. Empty: GDTSLAM_VULKAN_SPIN_S of the environment, else 5e-5 s on
   /// hardware and 0 on lavapipe, whose threads need the processor themselves.
@@ -90,7 +81,7 @@ struct VulkanOptions {
   /// Called with each shader before it is built, to change it: a test's way to show that a wrong shader is found.
   std::function<void(std::string_view shader, std::vector<std::uint32_t>& spirv)> edit_shader = {};
   /// Called with what is known of the chosen device before it is used, to lower its limits: a test's way to a device
-  /// that offers less. Variants are chosen by max_group_invocations and max_texel_words as they then are.
+  /// that offers less. Variants are chosen by max_group_invocations as it then is.
   std::function<void(VulkanDeviceInfo&)> edit_device = {};
 };
 
@@ -139,12 +130,9 @@ std::unique_ptr<VulkanBackend> make_vulkan_backend(const VulkanOptions& options)
 
 /// A shader of the build as the backend uses it, for the tests that look inside.
 struct ShaderModule {
-  std::string_view kernel;  ///< name of the kernel
-  std::string_view name;    ///< stem of the file in shaders/
+  std::string_view kernel;  ///< whose name is the stem of the file in shaders/
   std::span<const std::uint32_t> spirv;
   std::array<std::uint32_t, 3> local_size{};
-  int uniform_binding = -1;  ///< the binding that is a uniform buffer; -1: none
-  int texel_binding = -1;    ///< the binding that is a uniform texel buffer; -1: none
   std::uint32_t push_constant_bytes = 0;
   bool is_always_suitable = false;  ///< serves every launch and every device
 };

@@ -1,4 +1,7 @@
+#include "gdtslam/mapping/loop_closing.hpp"
+
 #include <cmath>
+#include <exception>
 #include <optional>
 #include <utility>
 
@@ -6,18 +9,13 @@
 #include "engine/core/worker_pool.hpp"
 #include "engine/mapping/back_end/back_end.hpp"
 #include "engine/mapping/map/separate_map.hpp"
+#include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/mapper.hpp"
 
 namespace gdtslam {
 namespace {
 
 constexpr double kStretch_m = 15.0;  // of a local map, where the configuration says nothing of it
-
-MapperConfig front_end_config(MapperConfig config) {
-  if (config.local.stretch_m == 0.0) config.local.stretch_m = kStretch_m;
-  config.odometry.estimate = true;
-  return config;
-}
 
 PoseInformation pose_information(const Matrix3& m) {
   return {.xx = m(0, 0), .xy = m(0, 1), .xt = m(0, 2), .yy = m(1, 1), .yt = m(1, 2), .tt = m(2, 2)};
@@ -85,10 +83,10 @@ struct Stopped {};  // thrown through the back end by its own progress
 
 }  // namespace
 
-struct LoopMapper::State {
-  State(const MapperConfig& config, Backend& backend, const MapperOptions& options)
-      : threads(threads_meant(options.cpu.threads)),
-        mapper(front_end_config(config), backend, options),
+struct LoopClosing::State {
+  State(const MapperConfig& c, const MapperOptions& options)
+      : config(c),
+        threads(threads_meant(options.cpu.threads)),
         back_end({.loops = {},
                   .live = {.is_beside = options.loops_beside,
                            .warn = options.warn,
@@ -98,20 +96,16 @@ struct LoopMapper::State {
                   .scans = {},
                   .threads = threads,
                   .scratch_folder = options.scratch_folder}),
-        points(config.scan),
-        map(config) {
-    map.keep_near(options.scratch_folder);
-  }
+        map(config) {}
 
   BackEndResult closed(const Progress& progress, const std::function<bool()>& stop);
   void rebuild(const std::vector<std::size_t>& keyframes, const std::vector<Pose2>& poses);
 
+  MapperConfig config;
   unsigned threads;
-  Mapper mapper;
   BackEnd back_end;
-  ScanPoints points;
-  std::vector<Point2> points_base_m;  // of the scan in hand
   SeparateMap map;                    // of all keyframes, once they are where they belong
+  std::exception_ptr too_large;       // why it does not hold them
   std::optional<SideThread> mapping;  // that makes it
 };
 
@@ -119,54 +113,53 @@ double PoseCovariance::sigma_m() const {
   return std::sqrt(largest_variance(Matrix3{{xx, xy, xt, xy, yy, yt, xt, yt, tt}}));
 }
 
-LoopMapper::LoopMapper(const MapperConfig& config, Backend& backend, const MapperOptions& options)
-    : state_(std::make_unique<State>(config, backend, options)) {}
-LoopMapper::~LoopMapper() = default;
+LoopClosing::LoopClosing(const MapperConfig& config, const MapperOptions& options)
+    : state_(std::make_unique<State>(config, options)) {}
+LoopClosing::~LoopClosing() = default;
 
-double LoopMapper::finish_field() const {
+MapperConfig LoopClosing::config_of(MapperConfig config) {
+  if (config.local.stretch_m == 0.0) config.local.stretch_m = kStretch_m;
+  config.odometry.estimate = true;
+  return config;
+}
+
+void LoopClosing::take(std::span<const Point2> points_base_m, const MatchResult& result) {
+  state_->back_end.take(points_base_m, result);
+}
+
+double LoopClosing::finish_field() const {
   if (!state_->mapping) return 0.0;
   state_->mapping->finish();
   return state_->mapping->cpu_s();
 }
 
-const GlobalField& LoopMapper::field() const {
+const GlobalField& LoopClosing::field() const {
   finish_field();
+  if (state_->too_large) std::rethrow_exception(state_->too_large);
   return state_->map.field();
 }
 
-const Mapper& LoopMapper::front_end() const { return state_->mapper; }
-const Pose2& LoopMapper::correction() const { return state_->back_end.loops().correction(); }
-LiveStatistics LoopMapper::live_statistics() const { return state_->back_end.loops().statistics(); }
-std::shared_future<FrozenMap> LoopMapper::request_map() {
-  return state_->back_end.loops().request_map(state_->mapper.config());
+const Pose2& LoopClosing::correction() const { return state_->back_end.loops().correction(); }
+LiveStatistics LoopClosing::statistics() const { return state_->back_end.loops().statistics(); }
+std::shared_future<FrozenMap> LoopClosing::request_map() {
+  return state_->back_end.loops().request_map(state_->config);
 }
 
-std::shared_future<ClosedKeyframes> LoopMapper::request_keyframes() {
+std::shared_future<ClosedKeyframes> LoopClosing::request_keyframes() {
   return state_->back_end.loops().request_keyframes();
 }
 
-void LoopMapper::start(const LaserScan& scan, const std::optional<Pose2>& T_odom_base) {
-  start({.stamp_s = scan.stamp_s, .points_base_m = state_->points.of(scan)}, T_odom_base);
-}
-
-void LoopMapper::start(PointScan scan, const std::optional<Pose2>& T_odom_base) {
-  state_->points_base_m = scan.points_base_m;
-  state_->mapper.start(std::move(scan), T_odom_base);
-}
-
-MatchResult LoopMapper::finish() {
-  const MatchResult result = state_->mapper.finish();
-  state_->back_end.take(state_->points_base_m, result);
-  return result;
-}
-
 // Equations (1) and (9) to (11), in the order in which the keyframes were taken.
-void LoopMapper::State::rebuild(const std::vector<std::size_t>& keyframes, const std::vector<Pose2>& poses) {
-  back_end.visit_keyframes(
-      [&](std::size_t i, const KeptScan& scan) { map.merge(points_of(scan), poses[keyframes[i]]); });
+void LoopClosing::State::rebuild(const std::vector<std::size_t>& keyframes, const std::vector<Pose2>& poses) {
+  try {
+    back_end.visit_keyframes(
+        [&](std::size_t i, const KeptScan& scan) { map.merge(points_of(scan), poses[keyframes[i]]); });
+  } catch (const InputError&) {
+    too_large = std::current_exception();
+  }
 }
 
-BackEndResult LoopMapper::State::closed(const Progress& progress, const std::function<bool()>& stop) {
+BackEndResult LoopClosing::State::closed(const Progress& progress, const std::function<bool()>& stop) {
   try {
     return back_end.finish([&](std::string_view step, double share) {
       if (stop()) throw Stopped{};
@@ -177,7 +170,7 @@ BackEndResult LoopMapper::State::closed(const Progress& progress, const std::fun
   }
 }
 
-ClosedPath LoopMapper::close(const Progress& progress, const std::function<bool()>& stop) {
+ClosedPath LoopClosing::close(const Progress& progress, const std::function<bool()>& stop) {
   const BackEndResult result = stop() ? state_->back_end.as_driven() : state_->closed(progress, stop);
   state_->mapping.emplace(state_->threads > 1, 1);
   state_->mapping->give(

@@ -8,9 +8,80 @@ layout(set = 0, binding = 1, std430) readonly buffer Points { vec2 points[]; };
 // Of an invocation, 1 or 16. lavapipe ends loops after 65,535 turns, and does not unroll them itself.
 layout(constant_id = 11) const uint kPointsATurn = 1u;
 
-#include "common/field_words.glsl"
 #include "common/launch.glsl"
-#include "common/pose_simplex.glsl"
+#include "common/field_lookup.glsl"
+#include "common/prior.glsl"
+#include "common/simplex.glsl"
+
+layout(constant_id = 10) const uint kInterpolation = 0u;  // a constant, for devices that run both sides of a branch
+
+struct PolishedPose {
+  float x;
+  float y;
+  float theta;
+  uint cost;
+  uint evaluations;
+  uint stop;
+  uint reserved0;
+  uint reserved1;
+};
+
+layout(set = 0, binding = 2, std430) buffer Poses { PolishedPose poses[]; };
+
+layout(push_constant) uniform Params {
+  uint width;
+  uint height;
+  uint stride;
+  uint strip;
+  uint blank;
+  int anchor_x;
+  int anchor_y;
+  uint point_count;
+  uint cap;
+  uint interpolation;
+  uint form;
+  float mean_x;
+  float mean_y;
+  float mean_theta;
+  float weight_xy;
+  float weight_theta;
+  float limit;
+  float step_cells;
+  float step_rad;
+  float stop_cells;
+  float stop_rad;
+  uint max_evaluations;
+  uint count;  // of the poses, from the launch
+} params;
+
+Prior pose_prior() {
+  return Prior(vec3(params.mean_x, params.mean_y, params.mean_theta), params.weight_xy, params.weight_theta,
+               params.limit);
+}
+
+WalkLimits walk_limits() { return WalkLimits(params.stop_cells, params.stop_rad, params.max_evaluations); }
+
+Costing costing_of(vec3 pose) {
+  return Costing(field_view(params.width, params.height, params.stride, params.strip, params.blank, params.anchor_x,
+                            params.anchor_y),
+                 cell_rotation(pose.z), pose.xy, params.cap, params.form, squared_shift(params.cap));
+}
+
+uint term(Costing costing, vec2 point) { return point_cost(costing, kInterpolation, point); }
+
+Walk begin_walk(uint pose) {
+  vec3 start = vec3(poses[pose].x, poses[pose].y, poses[pose].theta);
+  return first_simplex(start, params.step_cells, params.step_rad);
+}
+
+void store_walk(uint pose, Walk walk) {
+  poses[pose].x = walk.v0.pose.x;
+  poses[pose].y = walk.v0.pose.y;
+  poses[pose].theta = walk.v0.pose.z;
+  poses[pose].cost = walk.v0.cost;
+  poses[pose].evaluations += walk.evaluations;
+  poses[pose].stop = walk.stop;
+}
 
 // Sums of three turns: one is added to, the one before may still be read, the next is made zero. A sum is so written
 // again two barriers after it was read.

@@ -3,10 +3,42 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "common/launch.glsl"
-#include "common/pose_cost.glsl"
+
+layout(constant_id = 10) const uint kInterpolation = 0;  // a constant, for devices that run both sides of a branch
+layout(push_constant) uniform Params {
+  uint width;
+  uint height;
+  uint stride;
+  uint strip;
+  uint blank;
+  int anchor_x;
+  int anchor_y;
+  uint point_count;
+  uint cap;
+  uint interpolation;
+  uint form;
+  uint count;  // of the candidates, from the launch
+};
+layout(set = 0, binding = 1, std430) readonly buffer Points { vec2 points[]; };
+struct Candidate {
+  float x;
+  float y;
+  float theta;
+  uint bias;
+};
+layout(set = 0, binding = 2, std430) readonly buffer Candidates { Candidate candidates[]; };
+layout(set = 0, binding = 3, std430) writeonly buffer Cost { uint cost[]; };
+
+#include "common/field_lookup.glsl"
+
+Costing costing_of(Candidate candidate) {
+  return Costing(field_view(width, height, stride, strip, blank, anchor_x, anchor_y), cell_rotation(candidate.theta),
+                 vec2(candidate.x, candidate.y), cap, form, squared_shift(cap));
+}
+
+uint term(Costing costing, vec2 point) { return point_cost(costing, kInterpolation, point); }
 
 const uint kMostInvocations = 256;
-layout(set = 0, binding = 1, std430) readonly buffer Points { vec2 points[]; };
 shared uint sum_of[kMostInvocations];
 
 void main() {

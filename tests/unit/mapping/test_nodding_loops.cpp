@@ -40,17 +40,18 @@ struct LoopOutcome {
   NoddingStatistics statistics;
 };
 
-LoopOutcome closed(const NoddingDrive& drive, const MapperOptions& options = {},
+LoopOutcome closed(const NoddingDrive& drive, MapperOptions options = {},
                    const std::function<bool(const LoopOutcome&)>& stop = {}) {
   LoopOutcome outcome;
   const std::unique_ptr<Backend> cpu = make_cpu_backend({});
-  LoopMapper mapper(mapper_config_of({}, {}), *cpu, options);
+  options.with_loops = true;
+  Mapper mapper(mapper_config_of({}, {}), *cpu, options);
   CloudKeeper cloud;
-  NoddingLoopMapper nodding({}, test::scanner_of(drive), mapper, *cpu, cloud,
-                            [&](const NoddingPose& pose, const NoddingScan&) { outcome.poses.push_back(pose); });
+  NoddingMapper nodding({}, test::scanner_of(drive), mapper, *cpu, cloud,
+                        [&](const NoddingPose& pose, const NoddingScan&) { outcome.poses.push_back(pose); });
   for (std::size_t k = 0; k < kScansOfDrive; ++k) nodding.process(test::scan_of(drive, k));
   EXPECT_TRUE(outcome.poses.empty()) << "poses come when loops are closed";
-  outcome.path = nodding.close([](std::string_view, double) {}, [&] { return stop && stop(outcome); });
+  outcome.path = nodding.finish([](std::string_view, double) {}, [&] { return stop && stop(outcome); }).value();
   outcome.cloud = std::move(cloud.cloud);
   outcome.statistics = nodding.statistics();
   return outcome;
@@ -79,9 +80,18 @@ std::vector<NoddingPose> without_loops(const NoddingDrive& drive) {
   return poses;
 }
 
-TEST(NoddingLoopMapper, TheSweepsFollowTheClosedPath) {
+class NoddingLoops : public testing::Test {
+ protected:
+  /// The drive with its loops closed by a thread beside, once for all tests.
+  static const LoopOutcome& whole() {
+    static const LoopOutcome outcome = closed(round_the_room());
+    return outcome;
+  }
+};
+
+TEST_F(NoddingLoops, TheSweepsFollowTheClosedPath) {
   const NoddingDrive drive = round_the_room();
-  const LoopOutcome with = closed(drive);
+  const LoopOutcome& with = whole();
   EXPECT_TRUE(with.path.is_closed);
   ASSERT_EQ(with.poses.size(), kScansOfDrive);
   EXPECT_LT(error_m(drive, with.poses), 0.02);
@@ -96,8 +106,8 @@ TEST(NoddingLoopMapper, TheSweepsFollowTheClosedPath) {
   EXPECT_LT(sum_m / static_cast<double>(with.cloud.size()), 0.015);
 }
 
-TEST(NoddingLoopMapper, NumbersOfTheClosedPathAreThoseOfAllScans) {
-  const LoopOutcome with = closed(round_the_room());
+TEST_F(NoddingLoops, NumbersOfTheClosedPathAreThoseOfAllScans) {
+  const LoopOutcome& with = whole();
   ASSERT_EQ(with.path.T_map_base.size(), with.poses.size());
   ASSERT_EQ(with.path.covariances.size(), with.poses.size());
   for (std::size_t k = 0; k < with.poses.size(); ++k) {
@@ -137,27 +147,25 @@ TEST(NoddingLoopMapper, NumbersOfTheClosedPathAreThoseOfAllScans) {
   }
 }
 
-TEST(NoddingLoopMapper, GivesTheSameBytesWithAndWithoutAThreadBeside) {
-  const LoopOutcome beside = closed(round_the_room());
-  const LoopOutcome alone = closed(round_the_room(), {.fall_back = true, .cpu = {}, .warn = {}, .loops_beside = false});
-  EXPECT_EQ(beside.path.T_map_base, alone.path.T_map_base);
-  EXPECT_EQ(beside.cloud, alone.cloud);
+TEST_F(NoddingLoops, GivesTheSameBytesWithAndWithoutAThreadBeside) {
+  const LoopOutcome alone = closed(round_the_room(), {.loops_beside = false});
+  EXPECT_EQ(whole().path.T_map_base, alone.path.T_map_base);
+  EXPECT_EQ(whole().cloud, alone.cloud);
 }
 
 // While scans are placed: the rest of the poses come, the rest of the points do not.
-TEST(NoddingLoopMapper, AStopEndsTheCloudAndNotThePath) {
-  const LoopOutcome whole = closed(round_the_room());
+TEST_F(NoddingLoops, AStopEndsTheCloudAndNotThePath) {
   const LoopOutcome cut =
       closed(round_the_room(), {}, [](const LoopOutcome& so_far) { return so_far.poses.size() > 300; });
   EXPECT_TRUE(cut.path.is_closed);
-  EXPECT_EQ(cut.poses.size(), whole.poses.size());
+  EXPECT_EQ(cut.poses.size(), whole().poses.size());
   ASSERT_FALSE(cut.cloud.empty());
-  EXPECT_LT(cut.cloud.size(), whole.cloud.size() / 2);
-  EXPECT_TRUE(std::equal(cut.cloud.begin(), cut.cloud.end(), whole.cloud.begin()));
+  EXPECT_LT(cut.cloud.size(), whole().cloud.size() / 2);
+  EXPECT_TRUE(std::equal(cut.cloud.begin(), cut.cloud.end(), whole().cloud.begin()));
 }
 
 // Before the loops are closed: the path as it was driven, and the points of all that came.
-TEST(NoddingLoopMapper, AStopBeforeLeavesThePathAsItWasDriven) {
+TEST_F(NoddingLoops, AStopBeforeLeavesThePathAsItWasDriven) {
   const LoopOutcome stopped = closed(round_the_room(), {}, [](const LoopOutcome&) { return true; });
   EXPECT_FALSE(stopped.path.is_closed);
   EXPECT_TRUE(stopped.path.covariances.empty());
@@ -166,7 +174,7 @@ TEST(NoddingLoopMapper, AStopBeforeLeavesThePathAsItWasDriven) {
   for (const std::size_t keyframe : stopped.path.keyframes) EXPECT_TRUE(stopped.poses.at(keyframe).match) << keyframe;
 }
 
-TEST(NoddingLoopMapper, WithoutAHorizontalScanItSaysWhatItSaw) {
+TEST_F(NoddingLoops, WithoutAHorizontalScanItSaysWhatItSaw) {
   NoddingDrive drive = round_the_room();
   drive.elevation_rad = [](double) { return rad_from_deg(20.0); };
   EXPECT_THAT([&] { closed(drive); }, testing::ThrowsMessage<InputError>(testing::HasSubstr("no scan is horizontal")));

@@ -12,16 +12,16 @@
 namespace gdtslam {
 namespace {
 
-class LoopMapperInARoom : public testing::Test {
+class LoopsOfARoom : public testing::Test {
  protected:
   // With odometry that falls short by a tenth.
-  void drive(LoopMapper& mapper) {
+  void drive(Mapper& mapper) {
     const std::vector<test::Segment> walls = test::furnished_room();
     const std::vector<Pose2> truth = test::drive_through_room();
     const std::vector<Pose2> odometry = test::odometry_short_by_a_tenth(truth);
     for (std::size_t i = 0; i < truth.size(); ++i) {
-      mapper.start(test::scan_of(walls, truth[i], 0.1 * static_cast<double>(i)), odometry[i]);
-      front_end_.push_back(mapper.finish().T_map_base);
+      const LaserScan scan = test::scan_of(walls, truth[i], 0.1 * static_cast<double>(i));
+      front_end_.push_back(mapper.process(scan, odometry[i]).T_map_base);
       truth_.push_back(between(truth.front(), truth[i]));
     }
   }
@@ -31,11 +31,11 @@ class LoopMapperInARoom : public testing::Test {
   std::vector<Pose2> truth_;
 };
 
-TEST_F(LoopMapperInARoom, GivesAPoseAndACovarianceAScan) {
-  LoopMapper mapper({}, *backend_);
+TEST_F(LoopsOfARoom, GivesAPoseAndACovarianceAScan) {
+  Mapper mapper({}, *backend_, {.with_loops = true});
   drive(mapper);
   std::vector<std::string> steps;
-  const ClosedPath path = mapper.close(
+  const ClosedPath path = mapper.loops()->close(
       [&](std::string_view step, double share) {
         if (steps.empty() || steps.back() != step) steps.emplace_back(step);
         EXPECT_GT(share, 0.0);
@@ -70,22 +70,21 @@ TEST_F(LoopMapperInARoom, GivesAPoseAndACovarianceAScan) {
   }
   EXPECT_GT(path.wheels.sigma_distance, 0.0);
   EXPECT_LT(path.rms_m, 0.02);
-  EXPECT_GT(mapper.field().geometry().cell_count(), 0U);
+  EXPECT_GT(mapper.loops()->field().geometry().cell_count(), 0U);
 }
 
 // A graph of one place tells nothing; the steps between its keyframes do.
-TEST_F(LoopMapperInARoom, ADriveWithoutASecondPlaceHasCovariances) {
-  LoopMapper mapper({}, *backend_);
+TEST_F(LoopsOfARoom, ADriveWithoutASecondPlaceHasCovariances) {
+  Mapper mapper({}, *backend_, {.with_loops = true});
   const std::vector<test::Segment> walls = test::furnished_room();
   const std::vector<Pose2> truth = test::drive_through_room();
   double driven_m = 0.0;
   for (std::size_t i = 0; i < truth.size(); ++i) {
     if (i > 0) driven_m += length_of(between(truth[i - 1], truth[i]));
     if (driven_m > 3.5) break;
-    mapper.start(test::scan_of(walls, truth[i], 0.1 * static_cast<double>(i)), truth[i]);
-    static_cast<void>(mapper.finish());
+    mapper.process(test::scan_of(walls, truth[i], 0.1 * static_cast<double>(i)), truth[i]);
   }
-  const ClosedPath path = mapper.close([](std::string_view, double) {}, [] { return false; });
+  const ClosedPath path = mapper.loops()->close([](std::string_view, double) {}, [] { return false; });
   ASSERT_EQ(path.places.size(), 1U);
   ASSERT_GT(path.keyframes.size(), 3U);
   for (const PoseCovariance& covariance : {path.covariances.front(), path.covariances.back()}) {
@@ -95,17 +94,18 @@ TEST_F(LoopMapperInARoom, ADriveWithoutASecondPlaceHasCovariances) {
   }
 }
 
-TEST_F(LoopMapperInARoom, GivesTheSameBytesWithAndWithoutAThreadBeside) {
+TEST_F(LoopsOfARoom, GivesTheSameBytesWithAndWithoutAThreadBeside) {
   std::vector<ClosedPath> paths;
   for (const bool is_beside : {true, false}) {
     MapperOptions options;
+    options.with_loops = true;
     options.loops_beside = is_beside;
-    LoopMapper mapper({}, *backend_, options);
+    Mapper mapper({}, *backend_, options);
     drive(mapper);
-    EXPECT_EQ(mapper.correction(), Pose2{}) << "fewer than eight places";
-    const FrozenMap map = mapper.request_map().get();
-    EXPECT_EQ(map.keyframes, mapper.front_end().statistics().keyframes);
-    paths.push_back(mapper.close([](std::string_view, double) {}, [] { return false; }));
+    EXPECT_EQ(mapper.loops()->correction(), Pose2{}) << "fewer than eight places";
+    const FrozenMap map = mapper.loops()->request_map().get();
+    EXPECT_EQ(map.keyframes, mapper.statistics().keyframes);
+    paths.push_back(mapper.loops()->close([](std::string_view, double) {}, [] { return false; }));
   }
   EXPECT_EQ(paths.front().T_map_base, paths.back().T_map_base);
   EXPECT_EQ(paths.front().keyframes, paths.back().keyframes);
@@ -113,14 +113,14 @@ TEST_F(LoopMapperInARoom, GivesTheSameBytesWithAndWithoutAThreadBeside) {
 }
 
 // An interrupt, before it begins or while it goes on: the path is that of the front end, and the map is there.
-TEST_F(LoopMapperInARoom, StoppedItLeavesThePathAsItWasDriven) {
+TEST_F(LoopsOfARoom, StoppedItLeavesThePathAsItWasDriven) {
   for (const int calls : {0, 1, 4}) {
     front_end_.clear();
     truth_.clear();
-    LoopMapper mapper({}, *backend_);
+    Mapper mapper({}, *backend_, {.with_loops = true});
     drive(mapper);
     int asked = 0;
-    const ClosedPath path = mapper.close([](std::string_view, double) {}, [&] { return asked++ >= calls; });
+    const ClosedPath path = mapper.loops()->close([](std::string_view, double) {}, [&] { return asked++ >= calls; });
     EXPECT_FALSE(path.is_closed);
     EXPECT_TRUE(path.loops.empty());
     EXPECT_TRUE(path.places.empty());
@@ -130,7 +130,7 @@ TEST_F(LoopMapperInARoom, StoppedItLeavesThePathAsItWasDriven) {
     for (std::size_t i = 0; i < front_end_.size(); ++i) {
       EXPECT_LT((path.T_map_base[i].translation() - front_end_[i].translation()).norm(), 1.0e-9) << calls << ": " << i;
     }
-    EXPECT_GT(mapper.field().geometry().cell_count(), 0U);
+    EXPECT_GT(mapper.loops()->field().geometry().cell_count(), 0U);
     EXPECT_EQ(asked, calls + 1) << "asked again after it had said so";
   }
 }

@@ -1,8 +1,9 @@
-// What the shaders of pose_bounds share: its bindings but for the points, where a point of a tile begins to read
-// (engine/compute/kernels/pose_bounds/pose_bounds.hpp) and how bytes come out of the field's words.
-#ifndef GDTSLAM_POSE_BOUNDS_GLSL
-#define GDTSLAM_POSE_BOUNDS_GLSL
-
+// Bounds of tiles of boxes, a work group a tile: its invocations say where a block of points begins to read, one each, and
+// then share the reading out, four bytes of a row and a part of the points each. The sums are of integers, so how they
+// are shared out does not matter.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "common/launch.glsl"
 layout(constant_id = 10) const uint kIsWide = 1;  // tiles of 16 x 4, else of 2 x 2
 layout(push_constant) uniform Params {
   uint width;
@@ -23,11 +24,11 @@ struct Tile {
   float theta;
   uint unused;
 };
+layout(set = 0, binding = 0, std430) readonly buffer Field { uint field[]; };
 layout(set = 0, binding = 2, std430) readonly buffer Tiles { Tile tiles[]; };
 layout(set = 0, binding = 3, std430) writeonly buffer Sums { uvec4 sums[]; };  // a tile of 2 x 2, a quarter of a row
 
 #include "common/elementary.glsl"
-#include "common/field_words.glsl"
 
 // What does not change from point to point.
 struct Looking {
@@ -75,14 +76,67 @@ uint funnelled(uint low, uint high, uint shift) { return (low >> shift) | ((high
 
 /// Four bytes that begin at `byte`, of which the first `used` matter: no word is read that holds none of them.
 uint four_bytes(uint byte, uint used) {
-  return funnelled(FIELD_WORD(byte >> 2), FIELD_WORD((byte + used - 1u) >> 2), (byte & 3u) << 3);
+  return funnelled(field[byte >> 2], field[(byte + used - 1u) >> 2], (byte & 3u) << 3);
 }
 
 // Two bytes of a word each in 16 bits: the sums of so many points fit.
 const uint kPairs = 0x00FF00FFu;
-const uint kPairPoints = 256u;
 
 uvec2 pairs_of(uint four) { return uvec2(four, four >> 8) & kPairs; }  // bytes 0 and 2, bytes 1 and 3
 uvec4 bytes_of(uvec2 pairs) { return uvec4(pairs & 0xFFFFu, pairs >> 16); }
 
-#endif
+const uint kMostInvocations = 128;
+struct Point {
+  float x;
+  float y;
+  uint dilation;
+};
+layout(set = 0, binding = 1, std430) readonly buffer Points { Point points[]; };
+shared uint begin_of[kMostInvocations];
+shared uvec4 sum_of[kMostInvocations];
+
+void main() {
+  uint own = gl_LocalInvocationID.x;
+  uint tile = linear_group();
+  bool is_in_launch = tile < count;  // the same for the whole group
+  uint to_do = is_in_launch ? point_count : 0u;
+  Looking looking = looking_from(tiles[is_in_launch ? tile : 0u]);
+  // Of the words of a tile, four bytes each, an invocation reads one under every so many points.
+  uint row_words = kIsWide == 1u ? 4u : 1u;
+  uint used = kIsWide == 1u ? 4u : 2u;
+  uint words = row_words * (kIsWide == 1u ? 4u : 2u);
+  uint word = own % words;
+  uint share = own / words;
+  uint shares = gl_WorkGroupSize.x / words;
+  uint offset = (word / row_words) * width + (word % row_words) * 4u;
+  uvec4 sum = uvec4(0u);
+  for (uint first = 0u; first < to_do; first += gl_WorkGroupSize.x) {
+    uint in_block = min(gl_WorkGroupSize.x, to_do - first);
+    if (own < in_block) {
+      Point point = points[first + own];
+      begin_of[own] = first_byte(looking, vec2(point.x, point.y), point.dilation);
+    }
+    barrier();
+    uvec2 pairs = uvec2(0u);
+    for (uint i = share; i < in_block; i += shares) {
+      pairs += pairs_of(four_bytes(begin_of[i] + offset, used));
+    }
+    sum += bytes_of(pairs);
+    barrier();
+  }
+  sum_of[own] = sum;
+  for (uint half_size = gl_WorkGroupSize.x / 2u; half_size >= words; half_size /= 2u) {
+    barrier();
+    if (own < half_size) {
+      sum_of[own] += sum_of[own + half_size];
+    }
+  }
+  barrier();
+  if (kIsWide == 1u) {
+    if (own < words && is_in_launch) {
+      sums[words * tile + own] = sum_of[own];
+    }
+  } else if (own == 0u && is_in_launch) {
+    sums[tile] = uvec4(sum_of[0].xy, sum_of[1].xy);
+  }
+}

@@ -1,0 +1,161 @@
+// Loops closed while a mapper maps: beside it a thread finds where the robot came back; once the log has ended the back
+// end adjusts all keyframes together, then every scan (docs/loops.md). Two frames: the mapper's, whose poses are right
+// relative to those shortly before and never leap, and the closed one, in which places that were seen again lie where
+// they were.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <future>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "gdtslam/mapping/config.hpp"
+#include "gdtslam/mapping/global_field.hpp"
+#include "gdtslam/mapping/match.hpp"
+
+namespace gdtslam {
+
+struct MapperOptions;
+
+/// How well a relative pose is known: the inverse of the covariance of (x, y, theta), the motion along the axes of the
+/// measured pose that would make it the true one.
+struct PoseInformation {
+  double xx = 0.0;  ///< 1/m^2
+  double xy = 0.0;
+  double xt = 0.0;  ///< 1/(m rad)
+  double yy = 0.0;
+  double yt = 0.0;
+  double tt = 0.0;  ///< 1/rad^2
+};
+
+/// The robot was where it had been before.
+struct ClosedLoop {
+  std::size_t from = 0;  ///< scans, by their number
+  std::size_t to = 0;
+  Pose2 T_from_to;  ///< as it was measured
+  PoseInformation information;
+  double weight = 0.0;  ///< how far it is believed, from 0 to 1: its information counts so much
+  double off_m = 0.0;   ///< of the measured from the pose in the graph
+  double off_rad = 0.0;
+  bool is_on = false;
+};
+
+/// A place of the path: a node of the graph in which loops are closed.
+struct GraphPlace {
+  std::size_t scan = 0;  ///< by its number
+  Pose2 T_map_base;      ///< where the graph put it; the joint adjustment of all keyframes comes after that
+};
+
+/// What was measured between two places that follow each other.
+struct PathRelation {
+  std::size_t from = 0;  ///< scans, by their number
+  std::size_t to = 0;
+  Pose2 T_from_to;
+  PoseInformation information;  ///< as far as its source is believed now that loops are closed
+  bool is_by_wheels = false;    ///< else by the mapper, which had the wheels to begin with
+};
+
+/// What the wheels get wrong always, with one standard deviation each, and how far they were believed.
+struct WheelReport {
+  double distance = 0.0;        ///< share that is missing in distances
+  double turn = 0.0;            ///< share that is missing in turns
+  double turn_rad_per_m = 0.0;  ///< turn that is missing in each metre forward
+  double sigma_distance = 0.0;
+  double sigma_turn = 0.0;
+  double sigma_rad_per_m = 0.0;
+  double variance_factor = 1.0;             ///< of what the mapper stated for the wheels' steps, as loops find it
+  double variance_factor_of_matches = 1.0;  ///< likewise of its own poses
+};
+
+/// What closing the loops came to.
+struct ClosedPath {
+  bool is_closed = false;                   ///< not where it was stopped: then the poses are those of the mapper
+  std::vector<Pose2> T_map_base;            ///< one a scan
+  std::vector<PoseCovariance> covariances;  ///< likewise; empty where it was stopped
+  WheelReport wheels;
+  std::vector<std::size_t> keyframes;  ///< scans, by their number
+  std::vector<ClosedLoop> loops;
+  std::vector<GraphPlace> places;  ///< in the order of the path, the first at the origin; empty where it was stopped
+  std::vector<PathRelation> path;  ///< by the mapper, then by the wheels, each in the order of the path
+  std::uint64_t searches = 0;
+  std::uint64_t pruned = 0;  ///< keyframes that later passes of a place made needless: they are adjusted as other scans
+  std::uint64_t pairs = 0;   ///< of keyframes that were laid on each other
+  double rms_m = 0.0;        ///< of their points from the lines of the other
+};
+
+/// Loops that took effect while mapping went on.
+struct LiveStatistics {
+  std::uint64_t places = 0;       ///< reached
+  std::uint64_t corrections = 0;  ///< changes of LoopClosing::correction()
+  std::uint64_t waits = 0;        ///< scans that waited for loops to be looked for
+  double waited_s = 0.0;          ///< all together
+  double beside_cpu_s = 0.0;      ///< CPU time of the thread beside; 0 where there is none
+};
+
+/// A map as it was known at some keyframe. It stays as it is, for any thread, also when the mapper is gone.
+struct FrozenMap {
+  std::shared_ptr<const GlobalField> field;  ///< distance field; nothing in it before the first keyframe
+  std::size_t keyframes = 0;                 ///< that it holds
+  Pose2 T_closed_front;                      ///< LoopClosing::correction() that belongs to it
+};
+
+/// The keyframes so far with the loops closed that were found by then.
+struct ClosedKeyframes {
+  std::vector<Pose2> T_map_base;  ///< in their order
+  Pose2 T_closed_front;           ///< that carries later poses of the mapper after them
+};
+
+/// The part of a Mapper that closes loops: Mapper::loops().
+class LoopClosing {
+ public:
+  /// The step at work, and the share of it that is done.
+  using Progress = std::function<void(std::string_view, double)>;
+
+  LoopClosing(const MapperConfig& config, const MapperOptions& options);
+  ~LoopClosing();
+  LoopClosing(const LoopClosing&) = delete;
+  LoopClosing& operator=(const LoopClosing&) = delete;
+
+  /// The configuration of a mapper whose loops are closed: it matches with a map of the last stretch of the path, and
+  /// weighs odometry against matches.
+  static MapperConfig config_of(MapperConfig config);
+
+  /// The mapper's next scan. Rethrows what the look for loops threw. It waits for that where it is more than eight
+  /// places, 32 m of path, behind.
+  void take(std::span<const Point2> points_base_m, const MatchResult& result);
+
+  /// For those who steer while mapping goes on: T_closed_front * MatchResult::T_map_base is the pose with the loops
+  /// closed that have been found so far. It leaps where loops do; the mapper's poses do not. What is found at a
+  /// place takes effect eight places later, at a keyframe that the log alone determines: live and offline, with any
+  /// number of threads, it has the same values at the same scans.
+  [[nodiscard]] const Pose2& correction() const;
+  /// The distance field of the keyframes so far, in the closed frame with the loops found by then; which those are
+  /// depends on the log alone, when it is ready on the machine. Made by the thread that looks for loops, some 0.5 ms a
+  /// keyframe, during which loops wait. Holds what was thrown, as InputError where the map would be beyond
+  /// map.max_megacells; std::future_error (broken promise) where the mapper ended before. Not after close().
+  std::shared_future<FrozenMap> request_map();
+  /// Where the keyframes so far are, once the thread that looks for loops has come to them; it takes next to no time.
+  /// As request_map() it is broken where the mapper ends before, and not to be asked for after close().
+  std::shared_future<ClosedKeyframes> request_keyframes();
+  [[nodiscard]] LiveStatistics statistics() const;
+
+  /// To be called once, after the last scan. Where stop() is or becomes true, the path stays as it was driven.
+  /// With more than one thread (MapperOptions::cpu) the path is adjusted by all, and the field is still being made when
+  /// this returns.
+  ClosedPath close(const Progress& progress, const std::function<bool()>& stop);
+  /// Waits until the field is made, and gives the CPU seconds of a thread that made it after close().
+  double finish_field() const;
+  /// The distance field of all keyframes where close() put them. Throws InputError where the map would be beyond
+  /// map.max_megacells.
+  [[nodiscard]] const GlobalField& field() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace gdtslam
