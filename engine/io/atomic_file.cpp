@@ -1,9 +1,7 @@
 #include "atomic_file.hpp"
 
-#include <dirent.h>
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -14,7 +12,6 @@
 #include <utility>
 
 #include "byte_source.hpp"
-#include "engine/core/ascii.hpp"
 #include "engine/core/files/interruption.hpp"
 #include "engine/core/files/retried.hpp"
 #include "gdtslam/core/error.hpp"
@@ -26,33 +23,10 @@ namespace {
 
 constexpr std::size_t kBufferBytes = std::size_t{1} << 16;
 constexpr mode_t kNewFileMode = 0666;  // the umask takes away what the user does not want
-constexpr std::string_view kSuffix = ".tmp";
 
 std::string folder_of(const std::string& file) {
   const std::string folder = fs::path(file).parent_path().string();
   return folder.empty() ? "." : folder;
-}
-
-std::string temporary_prefix(const std::string& file) { return "." + fs::path(file).filename().string() + "."; }
-
-/// A writer holds a lock on its temporary file as long as it lives, so one that can be locked has no writer any more.
-void remove_if_abandoned(const std::string& temporary) {
-  const int descriptor = retried([&] { return ::open(temporary.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW); });
-  if (descriptor < 0) {
-    return;
-  }
-  if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) {
-    ::unlink(temporary.c_str());
-  }
-  ::close(descriptor);
-}
-
-// "4711-0.tmp": a process and its file.
-bool is_ending_of_temporary(std::string_view ending) {
-  const std::size_t dash = ending.find('-');
-  if (dash == std::string_view::npos || !ending.ends_with(kSuffix)) return false;
-  const std::string_view serial = ending.substr(dash + 1);
-  return is_digits(ending.substr(0, dash)) && is_digits(serial.substr(0, serial.size() - kSuffix.size()));
 }
 
 // A pipe waits for its reader, who may never come: a signal ends that.
@@ -64,27 +38,7 @@ int open_pipe_or_device(const std::string& path) {
   }
 }
 
-void remove_abandoned(const std::string& target) {
-  const std::string folder = folder_of(target);
-  DIR* const listing = ::opendir(folder.c_str());
-  if (listing == nullptr) {
-    return;  // creating the file will say what is wrong with the folder
-  }
-  while (const dirent* entry = ::readdir(listing)) {
-    const std::string_view name = static_cast<const char*>(entry->d_name);
-    if (is_temporary_of(target, name)) {
-      remove_if_abandoned(folder + "/" + std::string(name));
-    }
-  }
-  ::closedir(listing);
-}
-
 }  // namespace
-
-bool is_temporary_of(const std::string& file, std::string_view name) {
-  const std::string prefix = temporary_prefix(file);
-  return name.starts_with(prefix) && is_ending_of_temporary(name.substr(prefix.size()));
-}
 
 AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(path) {
   buffer_.reserve(kBufferBytes);
@@ -104,7 +58,6 @@ AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(path) {
     const fs::path resolved = fs::weakly_canonical(path, ignored);
     target_ = resolved.empty() ? path : resolved.string();
   }
-  remove_abandoned(target_);
   open_temporary();
   struct stat old {};
   if (::stat(target_.c_str(), &old) == 0 && ::fchmod(descriptor_, old.st_mode & 07777U) != 0) {
@@ -121,35 +74,18 @@ AtomicFile::~AtomicFile() {
   }
 }
 
-bool AtomicFile::try_temporary(std::string name) {
-  descriptor_ = retried([&] { return ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kNewFileMode); });
-  if (descriptor_ < 0) {
-    if (errno != EEXIST) {
-      fail("cannot be created", errno);
-    }
-    return false;
-  }
-  // Someone who tidies up may have taken the lock between open and flock; then the file is theirs to remove.
-  const bool is_locked = ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
-  struct stat status {};
-  if (is_locked && ::fstat(descriptor_, &status) == 0 && status.st_nlink > 0) {
-    temporary_ = std::move(name);  // nothing that fails lies between the file and its owner
-    return true;
-  }
-  ::close(descriptor_);
-  descriptor_ = -1;
-  return false;
-}
-
 void AtomicFile::open_temporary() {
   static std::atomic<unsigned> counter{0};
   constexpr int kAttempts = 100;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    const unsigned serial = counter.fetch_add(1);
-    if (try_temporary(
-            fmt::format("{}/{}{}-{}{}", folder_of(target_), temporary_prefix(target_), ::getpid(), serial, kSuffix))) {
+    std::string name = fmt::format("{}/.{}.{}-{}.tmp", folder_of(target_), fs::path(target_).filename().string(),
+                                   ::getpid(), counter.fetch_add(1));
+    descriptor_ = retried([&] { return ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kNewFileMode); });
+    if (descriptor_ >= 0) {
+      temporary_ = std::move(name);
       return;
     }
+    if (errno != EEXIST) fail("cannot be created", errno);
   }
   throw FileError(path_, "cannot be created: too many temporary files of this name lie beside it; remove them");
 }
@@ -220,44 +156,18 @@ void AtomicFile::sync() {
   synced_ = true;
 }
 
-void AtomicFile::take_name(bool keeps_old) {
-  if (temporary_.empty()) return;
-  struct stat old {};
-  const bool is_folder = ::lstat(target_.c_str(), &old) == 0 && S_ISDIR(old.st_mode);
-  if (keeps_old && !is_folder) {
-    is_exchanged_ = ::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0;
-    was_absent_ = !is_exchanged_ && errno == ENOENT;
-    const bool is_unknown = errno == EINVAL || errno == ENOSYS || errno == ENOTSUP;
-    if (!is_exchanged_ && !was_absent_ && !is_unknown) fail("cannot take its name", errno);
-  }
-  if (!is_exchanged_ && ::rename(temporary_.c_str(), target_.c_str()) != 0) fail("cannot take its name", errno);
-  has_name_ = true;
-}
-
-void AtomicFile::give_back() {
-  if (!has_name_) return;
-  const std::string& from = is_exchanged_ ? temporary_ : target_;
-  const std::string& to = is_exchanged_ ? target_ : temporary_;
-  if ((is_exchanged_ || was_absent_) && ::rename(from.c_str(), to.c_str()) != 0) fail("cannot be put back", errno);
-  if (!was_absent_) temporary_.clear();
-  has_name_ = false;
-}
-
-void AtomicFile::finish() {
-  const bool was_renamed = has_name_;
-  if (is_exchanged_) ::unlink(temporary_.c_str());
+void AtomicFile::take_name() {
+  const bool is_renamed = !temporary_.empty();
+  if (is_renamed && ::rename(temporary_.c_str(), target_.c_str()) != 0) fail("cannot take its name", errno);
   temporary_.clear();
   const int descriptor = std::exchange(descriptor_, -1);
-  if (::close(descriptor) != 0 && errno != EINTR) {
-    fail("cannot be closed", errno);
-  }
-  if (was_renamed) sync_folder(folder_of(target_));
+  if (::close(descriptor) != 0 && errno != EINTR) fail("cannot be closed", errno);
+  if (is_renamed) sync_folder(folder_of(target_));
 }
 
 void AtomicFile::commit() {
   sync();
-  take_name(false);
-  finish();
+  take_name();
 }
 
 AtomicFile& AtomicFileSet::add(const std::string& path) {
@@ -266,17 +176,8 @@ AtomicFile& AtomicFileSet::add(const std::string& path) {
 }
 
 void AtomicFileSet::commit() {
-  for (const auto& file : files_) {
-    file->sync();
-  }
-  std::size_t named = 0;
-  try {
-    for (; named < files_.size(); ++named) files_[named]->take_name(true);
-  } catch (...) {
-    while (named > 0) files_[--named]->give_back();
-    throw;
-  }
-  for (const auto& file : files_) file->finish();
+  for (const auto& file : files_) file->sync();
+  for (const auto& file : files_) file->take_name();
   files_.clear();
 }
 

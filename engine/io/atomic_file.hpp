@@ -1,8 +1,7 @@
 // Files that appear whole or not at all: written to a temporary name in the same folder, synced, renamed, the folder
 // synced. Whatever fails (disk full, no permission, an exception on the way), the old file stays as it was, byte for
-// byte, and the temporary one is removed. A temporary file left by a process that was killed is removed when the same
-// file is written again. A link is followed and stays a link; a device or a pipe is written directly. One object
-// belongs to one thread.
+// byte, and the temporary one is removed; a process that is killed leaves it. A link is followed and stays a link; a
+// device or a pipe is written directly. One object belongs to one thread.
 #pragma once
 
 #include <cstddef>
@@ -22,9 +21,6 @@ class NoReaderError : public FileError {
  public:
   using FileError::FileError;
 };
-
-/// Whether a name is that of a temporary file, in the same folder, of which `file` was to be made.
-bool is_temporary_of(const std::string& file, std::string_view name);
 
 class AtomicFile {
  public:
@@ -50,12 +46,8 @@ class AtomicFile {
 
  private:
   friend class AtomicFileSet;
-  /// Where the old file is kept, give_back() undoes it.
-  void take_name(bool keeps_old);
-  void give_back();
-  void finish();
+  void take_name();
   void open_temporary();
-  bool try_temporary(std::string name);
   void flush();
   void write_through(const char* data, std::size_t size);
   [[noreturn]] void fail(const char* what, int code) const;
@@ -65,16 +57,11 @@ class AtomicFile {
   std::string temporary_;  ///< empty when the target is written directly
   int descriptor_ = -1;
   bool synced_ = false;
-  bool has_name_ = false;      ///< the target is what was written
-  bool was_absent_ = false;    ///< before
-  bool is_exchanged_ = false;  ///< the temporary name is that of the old file now
   std::vector<char> buffer_;
 };
 
 /// Several files that belong together: all are on the disk before the first takes its name, and they take their names
-/// in the order in which they were added, so that the one that refers to the others comes last. Where one of them
-/// cannot take its name, the old files have theirs again, if the file system can exchange two files (ext4, XFS, Btrfs,
-/// tmpfs).
+/// in the order in which they were added, so that the one that refers to the others comes last.
 class AtomicFileSet {
  public:
   AtomicFile& add(const std::string& path);

@@ -185,6 +185,18 @@ std::unique_ptr<ByteSource> open_memory_source(std::span<const std::byte> data) 
   return std::make_unique<MemorySource>(data);
 }
 
+std::string read_head(ByteSource& source, std::size_t most) {
+  std::string head(most, '\0');
+  std::size_t size = 0;
+  while (size < most) {
+    const std::size_t count = source.read(std::span(head).subspan(size));
+    if (count == 0) break;
+    size += count;
+  }
+  head.resize(size);
+  return head;
+}
+
 std::unique_ptr<ByteSource> with_head(std::string head, std::unique_ptr<ByteSource> rest) {
   return std::make_unique<HeadedSource>(std::move(head), std::move(rest));
 }
@@ -214,7 +226,7 @@ void check_kept_bytes(std::uint64_t kept, std::uint64_t from_disk, const std::st
   const std::uint64_t free = free_kept_bytes();
   if (kept <= free || (kept - free) / kKeptPerFileByte <= from_disk) return;
   throw InputError({name, 0},
-                   fmt::format("would take {} MiB of memory, but has only {} KiB on the disk, as no measured data do; "
+                   fmt::format("would take {} MiB unpacked, but has only {} KiB on the disk, as no measured data do; "
                                "if that is meant, store the file unpacked, or set {} to the MiB that it may take",
                                kept >> 20U, (from_disk >> 10U) + 1, kFreeKeptVariable));
 }

@@ -32,6 +32,8 @@ int open_to_read(const std::string& path);
 /// terminal or another device the end is also where the process or this thread is asked to end, seen within 0.2 s.
 std::unique_ptr<ByteSource> open_file_source(const std::string& path);
 std::unique_ptr<ByteSource> open_memory_source(std::span<const std::byte> data);
+/// The first `most` bytes, fewer only at the end.
+std::string read_head(ByteSource& source, std::size_t most);
 /// The bytes that were read of a source to know what it is, then the rest of it.
 std::unique_ptr<ByteSource> with_head(std::string head, std::unique_ptr<ByteSource> rest);
 /// Unpacks gzip when the first two bytes say so, passes anything else through. `name` stands in messages.

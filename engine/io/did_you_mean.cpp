@@ -1,6 +1,7 @@
 #include "did_you_mean.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 namespace gdtslam {
@@ -8,33 +9,24 @@ namespace {
 
 constexpr std::size_t kMaxLength = 128;  // nobody misspells a longer name into one of ours
 
-/// The distance, or any more than the limit where it is more: as soon as two rows are all above it, or by the lengths.
-std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit) {
-  const std::size_t longer_by = std::max(a.size(), b.size()) - std::min(a.size(), b.size());
-  if (longer_by > limit) return longer_by;
+/// Insertions, deletions, replacements and swaps of neighbours between two names (optimal string alignment).
+std::size_t edit_distance(std::string_view a, std::string_view b) {
   // Rows i - 2, i - 1 and i of the table of distances between beginnings.
   std::vector<std::size_t> before_last(b.size() + 1);
   std::vector<std::size_t> last(b.size() + 1);
   std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) {
-    row[j] = j;
-  }
-  std::size_t least_of_last = 0;
+  std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 1; i <= a.size(); ++i) {
     std::swap(before_last, last);
     std::swap(last, row);
     row[0] = i;
-    std::size_t least = i;
     for (std::size_t j = 1; j <= b.size(); ++j) {
       const std::size_t replaced = last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
       row[j] = std::min({last[j] + 1, row[j - 1] + 1, replaced});
       if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
         row[j] = std::min(row[j], before_last[j - 2] + 1);
       }
-      least = std::min(least, row[j]);
     }
-    if (least > limit && least_of_last > limit) return least;
-    least_of_last = least;
   }
   return row[b.size()];
 }
@@ -45,10 +37,6 @@ std::string_view last_part(std::string_view path) {
 }
 
 }  // namespace
-
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  return edit_distance(a, b, std::max(a.size(), b.size()));
-}
 
 std::optional<std::string_view> nearest_name(std::string_view name, std::span<const std::string_view> names) {
   if (name.empty() || name.size() > kMaxLength) {
@@ -61,7 +49,7 @@ std::optional<std::string_view> nearest_name(std::string_view name, std::span<co
     const bool is_bare = name.find('.') == std::string_view::npos;
     const std::string_view compared = is_bare ? last_part(candidate) : candidate;
     const std::size_t limit = std::max<std::size_t>(1, std::max(name.size(), compared.size()) / 3);
-    std::size_t distance = edit_distance(name, compared, limit);
+    std::size_t distance = edit_distance(name, compared);
     // The right name in the wrong section is near too.
     if (!is_bare && last_part(name) == last_part(candidate)) distance = std::min(distance, limit);
     if (distance <= limit && (!nearest || distance < nearest_distance)) {

@@ -10,9 +10,6 @@
 
 namespace gdtslam {
 
-/// Insertions, deletions, replacements and swaps of neighbours between two names (optimal string alignment).
-std::size_t edit_distance(std::string_view a, std::string_view b);
-
 /// The nearest of the names, the first of equals; nothing when none resembles (more than a third of the letters
 /// differ). The part after the last dot is compared on its own too, so "resolution" finds "map.resolution".
 std::optional<std::string_view> nearest_name(std::string_view name, std::span<const std::string_view> names);

@@ -19,14 +19,15 @@ inline constexpr std::size_t kMaxSceneParts = 200'000;
 /// The largest mesh of a scene.
 inline constexpr std::uint64_t kMaxMeshBytes = std::uint64_t{512} << 20U;
 
-/// Packed data may hold the same byte a thousand times over. What is kept in memory of a file may be this much, and so
-/// many bytes more for each byte that was read from the disk: any file that is not packed, and packed ones of measured
-/// values, stay far below. The variable GDTSLAM_UNPACKED_MIB sets another amount, for whoever knows the file.
+/// Packed data may hold the same byte a thousand times over. What is kept of a file, in memory or in a temporary file,
+/// may be this much, and so many bytes more for each byte that was read from the disk: any file that is not packed, and
+/// packed ones of measured values, stay far below. The variable GDTSLAM_UNPACKED_MIB sets another amount, for whoever
+/// knows the file.
 inline constexpr std::uint64_t kFreeKeptBytes = std::uint64_t{256} << 20U;
 inline constexpr std::uint64_t kKeptPerFileByte = 32;
 inline constexpr const char* kFreeKeptVariable = "GDTSLAM_UNPACKED_MIB";
 
-/// Throws InputError when `kept` bytes in memory are too many for a file of which `from_disk` bytes were read;
+/// Throws InputError when `kept` bytes are too many for a file of which `from_disk` bytes were read;
 /// ConfigError where the variable is no whole number of MiB from 1 to 1,048,576.
 void check_kept_bytes(std::uint64_t kept, std::uint64_t from_disk, const std::string& name);
 

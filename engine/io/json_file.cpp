@@ -1,7 +1,5 @@
 #include "json_file.hpp"
 
-#include <vector>
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -51,35 +49,14 @@ std::string excess_of(std::string_view text) {
   return "";
 }
 
-// Letters that JSON leaves as they are and that a terminal may obey: DEL, C1 (U+0080 to U+009F) and the separators of
-// lines and paragraphs.
-struct Escape {
-  std::string bytes;
-  std::string written;
-};
-
-const Escape* escape_of(std::string_view text) {
-  static const std::vector<Escape> escapes = [] {
-    std::vector<Escape> list{{"\x7f", "\\u007f"}, {"\xe2\x80\xa8", "\\u2028"}, {"\xe2\x80\xa9", "\\u2029"}};
-    for (int code = 0x80; code < 0xa0; ++code) {
-      list.push_back({{'\xc2', static_cast<char>(code)}, fmt::format("\\u{:04x}", code)});
-    }
-    return list;
-  }();
-  const auto byte = text.empty() ? '\0' : text.front();
-  if (byte != '\x7f' && byte != '\xc2' && byte != '\xe2') return nullptr;
-  const auto found =
-      std::find_if(escapes.begin(), escapes.end(), [&](const Escape& e) { return text.starts_with(e.bytes); });
-  return found == escapes.end() ? nullptr : &*found;
-}
-
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kColumns = 120;
 
 // [1, 2] or {"a": 1}, and plain values.
 std::string on_one_line(const Json& value) {
-  if (!value.is_structured()) return value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  // In ASCII: a terminal obeys some letters.
+  if (!value.is_structured()) return value.dump(-1, ' ', true, Json::error_handler_t::replace);
   std::string text = value.is_object() ? "{" : "[";
   for (auto entry = value.begin(); entry != value.end(); ++entry) {
     if (entry != value.begin()) text += ", ";
@@ -129,16 +106,8 @@ void write_value(const Json& value, std::size_t indent, std::size_t column, bool
 }  // namespace
 
 std::string json_text(const nlohmann::ordered_json& value) {
-  std::string dumped;
-  write_value(value, 0, 0, false, dumped);
   std::string text;
-  text.reserve(dumped.size() + 1);
-  for (std::size_t at = 0; at < dumped.size();) {
-    const std::string_view rest = std::string_view(dumped).substr(at);
-    const Escape* const escape = escape_of(rest);
-    text += escape != nullptr ? escape->written : rest.substr(0, 1);
-    at += escape != nullptr ? escape->bytes.size() : 1;
-  }
+  write_value(value, 0, 0, false, text);
   return text + "\n";
 }
 

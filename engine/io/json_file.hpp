@@ -13,8 +13,8 @@ namespace gdtslam {
 /// A member of an object is a line, indented by two, and so is an entry of a list that is a table's row: an object or
 /// list without others in it, of up to 120 columns. A list of numbers is one line however long it is, another list of
 /// plain values where it fits: a report with thousands of keyframes stays short. Numbers in the shortest form that
-/// reads back as the same bits, not-finite ones as null, text that is no UTF-8 with replacement characters; ends in a
-/// newline.
+/// reads back as the same bits, not-finite ones as null, text in ASCII (\u00fc) and with replacement characters where
+/// it is no UTF-8; ends in a newline.
 std::string json_text(const nlohmann::ordered_json& value);
 /// Atomic. Throws FileError.
 void write_json(const std::string& path, const nlohmann::ordered_json& value);

@@ -2,11 +2,18 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 
 #include "gdtslam/core/stream.hpp"
 
 namespace gdtslam {
+
+/// What was mended in the ranges of a scan.
+struct RangeRepairs {
+  std::uint64_t not_a_number = 0;
+  std::uint64_t negative = 0;
+};
 
 class ScanSequence {
  public:

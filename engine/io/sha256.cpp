@@ -1,7 +1,6 @@
 #include "sha256.hpp"
 
 #include <fmt/format.h>
-#include <openssl/crypto.h>
 #include <openssl/evp.h>
 
 #include <algorithm>
@@ -21,13 +20,6 @@ void require(int done) {
   if (done != 1) throw Error(ExitCode::kFailed, "OpenSSL's libcrypto cannot compute a SHA-256");
 }
 
-// OpenSSL 3 uses what it makes of itself at its first call without asking whether there was memory for it.
-void require_library() {
-#if OPENSSL_VERSION_NUMBER >= 0x30000000L
-  if (OSSL_LIB_CTX_get0_global_default() == nullptr) throw std::bad_alloc();
-#endif
-}
-
 template <class Integer>
 std::array<std::byte, sizeof(Integer)> little_endian(Integer value) {
   std::array<std::byte, sizeof(Integer)> bytes{};
@@ -43,7 +35,6 @@ std::array<std::byte, sizeof(Integer)> little_endian(Integer value) {
 void Sha256::Free::operator()(EVP_MD_CTX* context) const { EVP_MD_CTX_free(context); }
 
 Sha256::Sha256() {
-  require_library();
   context_.reset(EVP_MD_CTX_new());
   if (!context_) throw std::bad_alloc();
   require(EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr));

@@ -2,9 +2,10 @@
 
 #include <bzlib.h>
 #include <fmt/format.h>
+#include <lz4frame.h>
 #include <lzma.h>
+#include <zlib.h>
 #include <zstd.h>
-#include <zstd_errors.h>
 
 #include <algorithm>
 #include <array>
@@ -21,21 +22,171 @@ namespace {
 constexpr std::size_t kPackedPieceBytes = std::size_t{1} << 16U;
 constexpr std::uint64_t kMostUnpackerBytes = std::uint64_t{128} << 20U;
 constexpr std::size_t kMostAtOnceBytes = std::size_t{1} << 30U;
+constexpr const char* kDamagedBlock = "a block whose checksum or structure is wrong";
 
-/// What the three have in common: pieces of packed bytes, the end, what is wrong with it.
-class UnpackSource : public ByteSource {
+/// Result of one call of a library.
+struct UnpackStep {
+  std::size_t taken = 0;
+  std::size_t given = 0;
+  bool is_end = false;          ///< of the stream
+  const char* fault = nullptr;  ///< what is wrong with the data
+};
+
+/// A library that unpacks one stream after the other.
+class Unpacker {
  public:
-  UnpackSource(std::unique_ptr<ByteSource> packed, std::string name, std::string_view format, std::string_view program)
-      : packed_(std::move(packed)), name_(std::move(name)), format_(format), program_(program) {}
+  Unpacker() = default;
+  Unpacker(const Unpacker&) = delete;
+  Unpacker& operator=(const Unpacker&) = delete;
+  virtual ~Unpacker() = default;
+  virtual UnpackStep run(std::span<char> packed, std::span<char> target) = 0;
+  /// Begins another stream, behind the end of one.
+  virtual void restart() {}
+};
+
+class GzipUnpacker final : public Unpacker {
+ public:
+  GzipUnpacker() {
+    constexpr int kGzipWindowBits = 15 + 16;  // largest window, gzip header expected
+    if (inflateInit2(&stream_, kGzipWindowBits) != Z_OK) throw std::bad_alloc();
+  }
+  ~GzipUnpacker() override { inflateEnd(&stream_); }
+  UnpackStep run(std::span<char> packed, std::span<char> target) override {
+    stream_.next_in = reinterpret_cast<Bytef*>(packed.data());
+    stream_.avail_in = static_cast<uInt>(packed.size());
+    stream_.next_out = reinterpret_cast<Bytef*>(target.data());
+    stream_.avail_out = static_cast<uInt>(target.size());
+    const int status = inflate(&stream_, Z_NO_FLUSH);
+    UnpackStep step{packed.size() - stream_.avail_in, target.size() - stream_.avail_out, status == Z_STREAM_END};
+    if (status != Z_OK && status != Z_BUF_ERROR && !step.is_end) {
+      step.fault = stream_.msg != nullptr ? stream_.msg : zError(status);
+    }
+    return step;
+  }
+  void restart() override { inflateReset(&stream_); }
+
+ private:
+  z_stream stream_{};
+};
+
+class Bzip2Unpacker final : public Unpacker {
+ public:
+  Bzip2Unpacker() { start(); }
+  ~Bzip2Unpacker() override { BZ2_bzDecompressEnd(&stream_); }
+  UnpackStep run(std::span<char> packed, std::span<char> target) override {
+    stream_.next_in = packed.data();
+    stream_.avail_in = static_cast<unsigned>(packed.size());
+    stream_.next_out = target.data();
+    stream_.avail_out = static_cast<unsigned>(target.size());
+    const int status = BZ2_bzDecompress(&stream_);
+    return {packed.size() - stream_.avail_in, target.size() - stream_.avail_out, status == BZ_STREAM_END,
+            status == BZ_OK || status == BZ_STREAM_END ? nullptr : kDamagedBlock};
+  }
+  void restart() override {
+    BZ2_bzDecompressEnd(&stream_);
+    start();
+  }
+
+ private:
+  void start() {
+    stream_ = {};
+    if (BZ2_bzDecompressInit(&stream_, 0, 0) != BZ_OK) throw std::bad_alloc();
+  }
+  bz_stream stream_{};
+};
+
+class XzUnpacker final : public Unpacker {
+ public:
+  XzUnpacker() { restart(); }
+  ~XzUnpacker() override { lzma_end(&stream_); }
+  UnpackStep run(std::span<char> packed, std::span<char> target) override {
+    stream_.next_in = reinterpret_cast<const std::uint8_t*>(packed.data());
+    stream_.avail_in = packed.size();
+    stream_.next_out = reinterpret_cast<std::uint8_t*>(target.data());
+    stream_.avail_out = target.size();
+    const lzma_ret status = lzma_code(&stream_, LZMA_RUN);
+    UnpackStep step{packed.size() - stream_.avail_in, target.size() - stream_.avail_out, status == LZMA_STREAM_END};
+    if (status == LZMA_MEMLIMIT_ERROR) {
+      step.fault = "its dictionary needs more than 128 MiB";
+    } else if (status != LZMA_OK && status != LZMA_BUF_ERROR && !step.is_end) {
+      step.fault = kDamagedBlock;
+    }
+    return step;
+  }
+  void restart() override {  // liblzma takes over the memory of the stream before
+    if (lzma_stream_decoder(&stream_, kMostUnpackerBytes, 0) != LZMA_OK) throw std::bad_alloc();
+  }
+
+ private:
+  lzma_stream stream_ = LZMA_STREAM_INIT;
+};
+
+class ZstdUnpacker final : public Unpacker {  // its window is at most 128 MiB, unless it is told otherwise
+ public:
+  UnpackStep run(std::span<char> packed, std::span<char> target) override {
+    ZSTD_inBuffer from{packed.data(), packed.size(), 0};
+    ZSTD_outBuffer to{target.data(), target.size(), 0};
+    const std::size_t status = ZSTD_decompressStream(stream_.get(), &to, &from);
+    return {from.pos, to.pos, status == 0, ZSTD_isError(status) != 0U ? ZSTD_getErrorName(status) : nullptr};
+  }
+
+ private:
+  std::unique_ptr<ZSTD_DStream, decltype(&ZSTD_freeDStream)> stream_{ZSTD_createDStream(), &ZSTD_freeDStream};
+};
+
+class Lz4Unpacker final : public Unpacker {
+ public:
+  Lz4Unpacker() {
+    if (LZ4F_isError(LZ4F_createDecompressionContext(&context_, LZ4F_VERSION)) != 0U) throw std::bad_alloc();
+  }
+  ~Lz4Unpacker() override { LZ4F_freeDecompressionContext(context_); }
+  UnpackStep run(std::span<char> packed, std::span<char> target) override {
+    std::size_t given = target.size();
+    std::size_t taken = packed.size();
+    const std::size_t status = LZ4F_decompress(context_, target.data(), &given, packed.data(), &taken, nullptr);
+    return {taken, given, status == 0, LZ4F_isError(status) != 0U ? LZ4F_getErrorName(status) : nullptr};
+  }
+
+ private:
+  LZ4F_dctx* context_ = nullptr;
+};
+
+/// In the order of StreamPacking.
+struct PackingFormat {
+  std::string_view name;          ///< also of the program that unpacks it
+  std::optional<char> beginning;  ///< of every stream; the library finds out where it is not stated
+  std::unique_ptr<Unpacker> (*make)();
+};
+template <class T>
+std::unique_ptr<Unpacker> make_unpacker() {
+  return std::make_unique<T>();
+}
+constexpr std::array<PackingFormat, 5> kPackingFormats{{{"gzip", '\x1f', make_unpacker<GzipUnpacker>},
+                                                        {"bzip2", 'B', make_unpacker<Bzip2Unpacker>},
+                                                        {"xz", '\xfd', make_unpacker<XzUnpacker>},
+                                                        {"zstd", std::nullopt, make_unpacker<ZstdUnpacker>},
+                                                        {"lz4", std::nullopt, make_unpacker<Lz4Unpacker>}}};
+
+/// Pieces of packed bytes, streams one after the other, and what is wrong with the end.
+class UnpackSource final : public ByteSource {
+ public:
+  UnpackSource(StreamPacking packing, std::unique_ptr<ByteSource> packed, std::string name)
+      : packed_(std::move(packed)),
+        name_(std::move(name)),
+        format_(kPackingFormats.at(static_cast<std::size_t>(packing))),
+        unpacker_(format_.make()) {}
 
   std::size_t read(std::span<char> target) override {
     target = target.first(std::min(target.size(), kMostAtOnceBytes));
     while (!is_over_ && !target.empty()) {
-      if (begin_ == end_ && !may_hold_more_) refill();
-      if (is_over_) break;
-      const std::size_t count = unpack(std::span(piece_).subspan(begin_, end_ - begin_), target);
-      may_hold_more_ = count == target.size();
-      if (count > 0) return count;
+      if (begin_ == end_ && !may_hold_more_ && !refill()) break;
+      if (is_between_ && !begin_stream()) break;
+      const UnpackStep step = unpacker_->run(std::span(piece_).subspan(begin_, end_ - begin_), target);
+      if (step.fault != nullptr) fail(step.fault);
+      begin_ += step.taken;
+      is_between_ = step.is_end;
+      may_hold_more_ = step.given == target.size() && !step.is_end;
+      if (step.given > 0) return step.given;
     }
     return 0;
   }
@@ -43,38 +194,36 @@ class UnpackSource : public ByteSource {
   [[nodiscard]] std::uint64_t bytes_from_file() const override { return packed_->bytes_from_file(); }
   [[nodiscard]] std::string defect() const override { return defect_; }
 
- protected:
-  /// Unpacks some bytes, and calls used() and set_between().
-  virtual std::size_t unpack(std::span<char> packed, std::span<char> target) = 0;
-  void used(std::size_t count) { begin_ += count; }
-  /// Whether a stream has ended and no other has begun.
-  void set_between(bool is_between) { is_between_ = is_between; }
-  [[nodiscard]] bool is_between() const { return is_between_; }
-  void ignore_rest() {
-    is_over_ = true;
-    defect_ = fmt::format("bytes after the {} stream are ignored", format_);
-  }
-  [[noreturn]] void fail(std::string_view why) const {
-    throw InputError({name_, 0}, fmt::format("damaged {} data ({}); unpack it with {} -dc to save what can be read",
-                                             format_, why, program_));
-  }
-  [[noreturn]] void fail_to_start() const {
-    throw Error(ExitCode::kFailed, located({name_, 0}, fmt::format("{} cannot be started (out of memory)", format_)));
-  }
-
  private:
-  void refill() {
+  bool refill() {
     begin_ = 0;
     end_ = packed_->read(piece_);
-    if (end_ > 0) return;
+    if (end_ > 0) return true;
     is_over_ = true;
-    if (!is_between_) defect_ = fmt::format("the {} stream stops early", format_);
+    if (!is_between_) defect_ = fmt::format("the {} stream stops early", format_.name);
+    return false;
+  }
+
+  /// Behind a stream: another one, or bytes that are none, which the programs ignore too.
+  bool begin_stream() {
+    if (format_.beginning && piece_[begin_] != *format_.beginning) {
+      is_over_ = true;
+      defect_ = fmt::format("bytes after the {} stream are ignored", format_.name);
+      return false;
+    }
+    unpacker_->restart();
+    return true;
+  }
+
+  [[noreturn]] void fail(std::string_view why) const {
+    throw InputError({name_, 0}, fmt::format("damaged {0} data ({1}); unpack it with {0} -dc to save what can be read",
+                                             format_.name, why));
   }
 
   std::unique_ptr<ByteSource> packed_;
   std::string name_;
-  std::string_view format_;
-  std::string_view program_;
+  const PackingFormat& format_;
+  std::unique_ptr<Unpacker> unpacker_;
   std::array<char, kPackedPieceBytes> piece_;  // no zeros, which would take longer than a short stream
   std::size_t begin_ = 0;
   std::size_t end_ = 0;
@@ -84,131 +233,17 @@ class UnpackSource : public ByteSource {
   std::string defect_;
 };
 
-class Bunzip2Source final : public UnpackSource {
- public:
-  Bunzip2Source(std::unique_ptr<ByteSource> packed, std::string name)
-      : UnpackSource(std::move(packed), std::move(name), "bzip2", "bzip2") {
-    start();
-  }
-  ~Bunzip2Source() override { BZ2_bzDecompressEnd(&stream_); }
-
- private:
-  void start() {
-    stream_ = {};
-    if (BZ2_bzDecompressInit(&stream_, 0, 0) != BZ_OK) fail_to_start();
-  }
-  std::size_t unpack(std::span<char> packed, std::span<char> target) override {
-    if (is_ended_) {
-      if (packed.empty()) return 0;
-      if (packed.front() != 'B') {
-        ignore_rest();
-        return 0;
-      }
-      BZ2_bzDecompressEnd(&stream_);
-      start();
-      is_ended_ = false;
-      set_between(false);
-    }
-    stream_.next_in = packed.data();
-    stream_.avail_in = static_cast<unsigned>(packed.size());
-    stream_.next_out = target.data();
-    stream_.avail_out = static_cast<unsigned>(target.size());
-    const int status = BZ2_bzDecompress(&stream_);
-    if (status == BZ_MEM_ERROR) throw std::bad_alloc();
-    if (status != BZ_OK && status != BZ_STREAM_END) fail("a block whose checksum or structure is wrong");
-    used(packed.size() - stream_.avail_in);
-    if (status == BZ_STREAM_END) {
-      is_ended_ = true;
-      set_between(true);
-    }
-    return target.size() - stream_.avail_out;
-  }
-
-  bz_stream stream_{};
-  bool is_ended_ = false;
-};
-
-class UnxzSource final : public UnpackSource {
- public:
-  UnxzSource(std::unique_ptr<ByteSource> packed, std::string name)
-      : UnpackSource(std::move(packed), std::move(name), "xz", "xz") {
-    start();
-  }
-  ~UnxzSource() override { lzma_end(&stream_); }
-
- private:
-  void start() {
-    if (lzma_stream_decoder(&stream_, kMostUnpackerBytes, 0) != LZMA_OK) fail_to_start();
-  }
-  std::size_t unpack(std::span<char> packed, std::span<char> target) override {
-    if (is_ended_) {
-      if (packed.empty()) return 0;
-      if (packed.front() != '\xfd') {
-        ignore_rest();
-        return 0;
-      }
-      start();  // liblzma takes its memory over
-      is_ended_ = false;
-      set_between(false);
-    }
-    stream_.next_in = reinterpret_cast<const std::uint8_t*>(packed.data());
-    stream_.avail_in = packed.size();
-    stream_.next_out = reinterpret_cast<std::uint8_t*>(target.data());
-    stream_.avail_out = target.size();
-    const lzma_ret status = lzma_code(&stream_, LZMA_RUN);
-    if (status == LZMA_MEM_ERROR) throw std::bad_alloc();
-    if (status == LZMA_MEMLIMIT_ERROR) fail("its dictionary needs more than 128 MiB");
-    if (status != LZMA_OK && status != LZMA_STREAM_END && status != LZMA_BUF_ERROR) {
-      fail("a block whose checksum or structure is wrong");
-    }
-    used(packed.size() - stream_.avail_in);
-    if (status == LZMA_STREAM_END) {
-      is_ended_ = true;
-      set_between(true);
-    }
-    return target.size() - stream_.avail_out;
-  }
-
-  lzma_stream stream_ = LZMA_STREAM_INIT;
-  bool is_ended_ = false;
-};
-
-class UnzstdSource final : public UnpackSource {
- public:
-  UnzstdSource(std::unique_ptr<ByteSource> packed, std::string name)
-      : UnpackSource(std::move(packed), std::move(name), "zstd", "zstd"), stream_(ZSTD_createDStream()) {
-    if (!stream_) fail_to_start();  // its window is at most 128 MiB, unless it is told otherwise
-  }
-
- private:
-  struct FreeStream {
-    void operator()(ZSTD_DStream* stream) const { ZSTD_freeDStream(stream); }
-  };
-  std::size_t unpack(std::span<char> packed, std::span<char> target) override {
-    if (packed.empty() && is_between()) return 0;  // asked once more, zstd would begin another stream
-    ZSTD_inBuffer from{packed.data(), packed.size(), 0};
-    ZSTD_outBuffer to{target.data(), target.size(), 0};
-    const std::size_t status = ZSTD_decompressStream(stream_.get(), &to, &from);
-    check_zstd_memory(status);
-    if (ZSTD_isError(status) != 0U) fail(ZSTD_getErrorName(status));
-    used(from.pos);
-    set_between(status == 0);
-    return to.pos;
-  }
-
-  std::unique_ptr<ZSTD_DStream, FreeStream> stream_;
-};
-
 }  // namespace
 
-void check_zstd_memory(std::size_t result) {
-  if (ZSTD_getErrorCode(result) == ZSTD_error_memory_allocation) throw std::bad_alloc();
+std::unique_ptr<ByteSource> unpack_source(StreamPacking packing, std::unique_ptr<ByteSource> packed, std::string name) {
+  return std::make_unique<UnpackSource>(packing, std::move(packed), std::move(name));
 }
 
-std::unique_ptr<ByteSource> unpack_source(StreamPacking packing, std::unique_ptr<ByteSource> packed, std::string name) {
-  if (packing == StreamPacking::kBzip2) return std::make_unique<Bunzip2Source>(std::move(packed), std::move(name));
-  if (packing == StreamPacking::kXz) return std::make_unique<UnxzSource>(std::move(packed), std::move(name));
-  return std::make_unique<UnzstdSource>(std::move(packed), std::move(name));
+std::unique_ptr<ByteSource> gunzip_if_packed(std::unique_ptr<ByteSource> packed, const std::string& name) {
+  std::string head = read_head(*packed, kGzipMagic.size());
+  const bool is_packed = head == kGzipMagic;
+  packed = with_head(std::move(head), std::move(packed));
+  return is_packed ? unpack_source(StreamPacking::kGzip, std::move(packed), name) : std::move(packed);
 }
 
 }  // namespace gdtslam

@@ -1,6 +1,6 @@
-// Bytes out of bzip2, xz and zstd streams, in order and once, as gunzip_if_packed() does for gzip: several streams one
-// after the other are one; what a cut stream had is given, and told as its defect. Memory is bounded by what the format
-// asks for, at most 128 MiB, whatever the stream unpacks to. One source belongs to one thread.
+// Bytes out of packed streams, in order and once: several streams one after the other are one; what a cut stream had is
+// given, and reported as its defect. Memory is bounded by what the format asks for, at most 128 MiB, whatever the
+// stream unpacks to. One source belongs to one thread.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +13,9 @@
 
 namespace gdtslam {
 
-enum class StreamPacking : std::uint8_t { kBzip2, kXz, kZstd };
+enum class StreamPacking : std::uint8_t { kGzip, kBzip2, kXz, kZstd, kLz4 };
 /// The first bytes of such streams.
+inline constexpr std::string_view kGzipMagic = "\x1f\x8b";
 inline constexpr std::string_view kBzip2Magic = "BZh";
 inline constexpr std::string_view kXzMagic = "\xfd\x37zXZ";
 inline constexpr std::string_view kZstdMagic = "\x28\xb5\x2f\xfd";
@@ -22,9 +23,6 @@ inline constexpr std::string_view kZstdMagic = "\x28\xb5\x2f\xfd";
 /// `packed` begins with the first byte of the stream; `name` stands in messages. Reading throws InputError where the
 /// data are damaged.
 std::unique_ptr<ByteSource> unpack_source(StreamPacking packing, std::unique_ptr<ByteSource> packed, std::string name);
-
-/// A result of zstd: throws std::bad_alloc where memory ended, which says nothing against the data.
-void check_zstd_memory(std::size_t result);
 
 /// What a warning about the end of a packed input is called.
 inline std::string_view defect_kind(std::string_view defect) {

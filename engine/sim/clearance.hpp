@@ -1,5 +1,5 @@
 // How far places are from the nearest obstacle, seen from above: every part of a scene between two heights counts.
-// Map frame, metres. Memory is linear in the places; time is linear in the triangles and in the places near each.
+// Map frame, metres. Memory is linear in the triangles and places; a place takes some microseconds.
 // Thread-safe.
 #pragma once
 

@@ -69,18 +69,14 @@ def hostile_logs():
     scan = cli.room_scan(1.5, 1.5, 0.0, 20.0)
     hostile_log("empty", b"", 65, "is empty")
     hostile_log("binary", bytes(range(256)) * 500, 65, "binary data")
-    hostile_log("text", b"lorem ipsum dolor sit amet\n" * 1000, 65, "holds no complete CARMEN message")
     hostile_log("cut_gzip", b"\x1f\x8b\x08\x00\x00\x00", 65, "gzip")
     hostile_log("long_line", good + b"FLASER 180 " + b"1.0 " * (2 << 20) + b"\n", 65, "drive.log:21: .*longer than")
     hostile_log("long_line_lenient", good + b"FLASER 180 " + b"1.0 " * (2 << 20) + b"\n", 0, "malformed line", "--lenient")
     hostile_log("billion_beams", good + b"FLASER 1000000000 1.0 2.0\n", 65, "drive.log:21: ")
-    hostile_log("negative_beams", good + b"FLASER -5 1.0 2.0\n", 65, "drive.log:21: ")
-    hostile_log("many_digits", good + b"FLASER " + b"9" * 1000 + b" 1.0\n", 65, "drive.log:21: ")
     words = scan.split()
-    for name, word in (("nan", "nan"), ("infinite", "inf"), ("negative", "-3.0"), ("huge", "1e300")):
+    for name, word in (("nan", "nan"), ("huge", "1e300")):
         changed = " ".join([*words[:50], word, *words[51:]]) + "\n"
         hostile_log(f"range_{name}", good + changed.encode(), 0, "21 scans")
-    for name, word in (("nan", "nan"), ("infinite", "inf"), ("huge", "1e300")):
         changed = " ".join([*words[:182], *[word] * 6, *words[188:]]) + "\n"
         hostile_log(f"pose_{name}", good + changed.encode(), *((0, "21 scans|warning") if name == "huge" else (65, "drive.log:21: ")))
         changed = " ".join([*words[:188], word, *words[189:]]) + "\n"
@@ -94,13 +90,6 @@ def hostile_logs():
     hostile_log("far_jump", good + far.encode() * 3, 0, "23 scans")
     silent = "".join(cli.flaser([float("inf"), float("nan"), -1.0] * 60, (k, 0, 0), (k, 0, 0), 1.0 + k) for k in range(5))
     hostile_log("all_no_return", silent.encode(), 65, r"drive.log: none of the 5 scans has 20 returns \(scan.min_points\)")
-    coarse = "".join(cli.flaser(cli.room_ranges(1.5, 1.5, 0.0, beams=16), (1.5, 1.5, 0), (1.5, 1.5, 0), 1.0 + k)
-                     for k in range(5))
-    hostile_log("sixteen_beams", coarse.encode(), 65, r"drive.log: none of the 5 scans has 20 returns \(scan.min_points\)")
-    hostile_log("sixteen_beams_allowed", coarse.encode(), 0, "5 scans", "--set", "scan.min_points=10")
-    doctor = command("doctor", cli.WORK / "hostile/sixteen_beams/drive.log")
-    expect_exit(doctor, 65)
-    expect("It cannot be mapped: none of the 5 scans has 20 returns" in doctor.stdout, doctor.stdout)
     step = len(good) // 16
     for size in range(step, len(good), step):
         scans = good[:size].count(b"\n")

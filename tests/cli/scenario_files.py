@@ -8,7 +8,6 @@ import signal
 import xml.etree.ElementTree as xml
 
 import cli_support as cli
-import scenario_bags as bags
 from cli_support import DATA, LOG, OUTPUTS, RUN, command, digests, expect, expect_exit, mapped, one_error_line, skip
 
 
@@ -68,33 +67,6 @@ def every_write_fails():
     fresh = folder.parent / "fresh"
     expect_exit(command(*arguments, "-o", fresh, env=cli.full_disk()), 74)
     expect(not fresh.exists(), "a folder that was made for a run that failed is still there")
-
-
-def a_failing_disk_is_no_damage():
-    """Whichever reading or opening fails of a bag in SQLite, which reads by itself: exit 74, one line, no message left out."""
-    if cli.IS_SANITIZED:
-        skip("the library that lets calls fail is not preloaded into a sanitized program")
-    folder = cli.fresh_folder("failing_disk")
-    bag, whole, log = folder / "drive.db3", folder / "whole.log", folder / "drive.log"
-    bags.database_of_log(bag)
-    expect_exit(command("convert", bag, "-o", whole), 0)
-    reads, opens = (cli.calls_counted(kind, "convert", bag, "-o", folder / f"counted-{kind}.log") for kind in ("read", "open"))
-    expect(reads > 20 and opens > 2, f"only {reads} readings and {opens} openings were seen")
-    failing = [("read", k, how) for k in [*range(1, 30), *range(30, reads + 1, reads // 16)] for how in ("EIO", "EAGAIN")]
-    codes = []
-    for kind, k, how in failing + [("open", k, "EIO") for k in range(1, opens + 1)]:
-        process = command("convert", bag, "-o", log, env=cli.failing_calls(kind, k, how))
-        codes.append(process.returncode)
-        if process.returncode == 0:
-            expect(log.read_bytes() == whole.read_bytes(), f"{kind} {k}, {how}: not the whole log")
-            log.unlink()
-            continue
-        expect_exit(process, 74)
-        one_error_line(process.stderr)
-        if log.exists():  # opened once more when it has its name, to be synced
-            expect(kind == "open" and log.read_bytes() == whole.read_bytes(), f"{kind} {k}, {how}: a log was written")
-            log.unlink()
-    expect(codes.count(74) > len(codes) / 2, f"{codes}")
 
 
 def file_size_limit():

@@ -29,31 +29,19 @@ def refused(name, code, pattern, most_mb, *arguments, most_s=5.0):
         expect(megabytes < most_mb, f"{name}: took {megabytes} MB")
 
 
-def scene_refused(name, lines, code, pattern, most_mb=FEW_MB, **options):
+def scene_refused(name, lines, code, pattern, most_mb=FEW_MB):
     folder = cli.fresh_folder(f"hostile_scenes/{name}")
     (folder / "scene.yaml").write_text(HEAD + lines + PLACE)
-    refused(name, code, pattern, most_mb, "simulate", folder / "scene.yaml", "-o", folder / "drive.log", **options)
+    refused(name, code, pattern, most_mb, "simulate", folder / "scene.yaml", "-o", folder / "drive.log")
     expect(not list(folder.glob("drive*")), f"{name}: something was written")
 
 
 def hostile_scenes():
     """Small scenes that multiply, and files that are too long."""
-    row = "{from: 0, width: 1 mm, repeat: {count: 200000, step: 0.002}}"
-    wall = f"{{points: [[0, 0], [900, 0]], windows: [{', '.join([row] * 300)}]}}"
-    scene_refused("windows", f"walls: [{wall}]\n", 78, "more than 200000 parts")
-    points = ", ".join(f"[{k % 100}, {k // 100}]" for k in range(5000))
-    aliases = ", ".join(["*w"] * 5000)
-    scene_refused("aliases", f"walls: [&w {{points: [{points}]}}, {aliases}]\n", 78, "more than 200000 parts")
     many = f"{{centre: [0, 0], size: [1, 1], height: 1, repeat: {{count: 60000, step: [0, 0]}}}}"
     spread = "repeat: {count: 60000, step: [0, 0]}"
     scene_refused("places", f"objects: [{{name: a, boxes: [{many}]}}]\nplace: [{{object: a, at: [0, 0], {spread}}}]\n", 78,
                   "more than 200000 parts")
-    empty = "objects: [{name: a}]\nplace: [&p {object: a, at: [0, 0], repeat: {count: 200000, step: [0, 0]}}, "
-    scene_refused("empty_places", empty + ", ".join(["*p"] * 50_000) + "]\n", 78, "more than 200000 parts")
-    names = "objects: [" + ", ".join(f"{{name: o{k}}}" for k in range(60_000)) + "]\n"
-    places = "place: [" + ", ".join(f"{{object: o{k}, at: [0, 0]}}" for k in range(59_999, -1, -1)) + "]\n"
-    scene_refused("sixty_thousand_objects", names + places, 78, "more than 1000000 values|the scene is empty", 1000,
-                  most_s=20.0)
     scene_refused("number", f"floor: {'0' * 1_000_000}\n", 78, "scene.yaml:2: floor: a (number|text) of more than")
     scene_refused("recursion", "walls: &a [*a]\n", 78, "scene.yaml:2: ")
     scene_refused("values", "walls: [" + "[]," * 5_000_000 + "]\n", 78, "more than 1000000 values")
@@ -68,17 +56,14 @@ def hostile_meshes():
     """Meshes of any bytes end at once in one line; a scene opens nothing but what lies beside it."""
     folder = cli.fresh_folder("hostile_meshes")
     ply = b"ply\nformat binary_little_endian 1.0\n"
-    corners = b"element vertex 4000000000\nproperty uchar x\nproperty uchar y\nproperty uchar z\n"
-    meshes = {"endless.ply": ply + b"element face 4294967295\nend_header\n",
-              "vertices.ply": ply + corners + b"end_header\n\0\0\0",
-              "list.ply": ply + corners.replace(b"4000000000", b"1") + b"element face 4000000000\n"
+    corners = b"element vertex 1\nproperty uchar x\nproperty uchar y\nproperty uchar z\n"
+    meshes = {"list.ply": ply + corners + b"element face 4000000000\n"
                           b"property list uint uint vertex_indices\nend_header\n\0\0\0\xff\xff\xff\xff",
               "header.ply": b"ply\nformat ascii 1.0\n" + b"comment\n" * 200_000,
-              "count.stl": b"\0" * 80 + b"\xff\xff\xff\xff" + b"\0" * 50,
               "cut.stl": b"\0" * 80 + struct.pack("<I", 4) + b"\0" * 66,
-              "corner.ply": ply.replace(b"binary_little_endian", b"ascii") + corners.replace(b"4000000000", b"1")
+              "corner.ply": ply.replace(b"binary_little_endian", b"ascii") + corners
                             + b"element face 1\nproperty list uint uint vertex_indices\nend_header\n0 0 0\n3 0 0 4000000000\n",
-              "line.ply": ply + b"comment" + b" 1" * 1_000_000, "binary.ply": bytes(range(256)) * 1000, "empty.ply": b""}
+              "binary.ply": bytes(range(256)) * 1000, "empty.ply": b""}
     for name, content in meshes.items():
         (folder / name).write_bytes(content)
         (folder / "scene.yaml").write_text(f"{HEAD}meshes: [{{file: {name}}}]\n{PLACE}")
@@ -100,20 +85,6 @@ def hostile_meshes():
         (folder / "scene.yaml").write_text(f"{HEAD}boxes: [{BOX}]\nrobot: {{nodding: {{linkage: {name}}}}}\n{PLACE}")
         refused(f"linkage {name}", 78, f"scene.yaml:3: robot.nodding.linkage: .*{pattern}", FEW_MB, "simulate",
                 folder / "scene.yaml", "-o", folder / "drive.log")
-
-    # Half a thousand million elements that mean nothing: no room on the disk, but time.
-    elements = 500_000_000
-    with open(folder / "large.ply", "wb") as large:
-        large.write(ply + f"element dust {elements}\nproperty uchar a\nend_header\n".encode())
-        large.truncate(large.tell() + elements)
-    (folder / "scene.yaml").write_text(f"{HEAD}meshes: [{{file: large.ply}}]\n{PLACE}")
-    with subprocess.Popen([cli.PROGRAM, "simulate", folder / "scene.yaml", "-o", folder / "drive.log"], text=True,
-                          stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
-        time.sleep(1)
-        process.send_signal(signal.SIGINT)
-        process = cli.finish(process)
-    expect_exit(process, 130)
-    expect("interrupted while a mesh was read" in process.stderr, process.stderr)
 
 
 def interrupted_reading_is_no_fault():

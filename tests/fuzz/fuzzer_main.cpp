@@ -9,7 +9,6 @@
 #include <string_view>
 #include <vector>
 
-#include "bzip2_targets.hpp"
 #include "c_targets.hpp"
 #include "log_targets.hpp"
 #include "map_targets.hpp"
@@ -33,9 +32,9 @@ std::vector<FuzzTarget> all_targets() {
   std::vector<FuzzTarget> all;
   for (const std::span<const FuzzTarget> part :
        {std::span<const FuzzTarget>(kLogTargets), std::span<const FuzzTarget>(kRecordingTargets),
-        std::span<const FuzzTarget>(kPackedTargets), std::span<const FuzzTarget>(kBzip2Targets),
-        std::span<const FuzzTarget>(kMapTargets), std::span<const FuzzTarget>(kRunTargets),
-        std::span<const FuzzTarget>(kRunFolderTargets), std::span<const FuzzTarget>(kSceneTargets),
+        std::span<const FuzzTarget>(kPackedTargets), std::span<const FuzzTarget>(kMapTargets),
+        std::span<const FuzzTarget>(kRunTargets), std::span<const FuzzTarget>(kRunFolderTargets),
+        std::span<const FuzzTarget>(kSceneTargets),
 #ifdef GDTSLAM_HAS_LIVE_PAGE
         std::span<const FuzzTarget>(kPageTargets),
 #endif

@@ -9,6 +9,7 @@
 #include <string>
 #include <variant>
 
+#include "engine/io/byte_source.hpp"
 #include "engine/io/log_contents.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/io/log.hpp"
@@ -38,13 +39,12 @@ inline void check_contents(const LogContents& contents) {
 template <class Open>
 void drain(const Open& open, std::span<const std::byte> data, bool lenient, bool survey = false) {
   expect_typed<UsageError, InputError>([&] {
-    const std::unique_ptr<DescribedLog> reader = open(data, "fuzz", {.lenient = lenient, .survey = survey});
+    const std::unique_ptr<DescribedLog> reader =
+        open(gunzip_if_packed(open_memory_source(data), "fuzz"), "fuzz", {.lenient = lenient, .survey = survey});
     while (const std::optional<LogRecord> record = reader->next()) check_record(*record);
     require(reader->warnings().size() <= 65);
     check_contents(reader->contents());
   });
 }
-
-using OpenBytes = std::unique_ptr<DescribedLog> (*)(std::span<const std::byte>, const std::string&, const ReadOptions&);
 
 }  // namespace gdtslam::fuzz

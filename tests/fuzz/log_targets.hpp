@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "engine/io/logs/carmen.hpp"
 #include "engine/io/tables/table_reader.hpp"
@@ -16,22 +18,14 @@
 namespace gdtslam::fuzz {
 
 inline void read_carmen_log(std::span<const std::byte> data) {
-  constexpr OpenBytes kOpen = open_carmen;
-  drain(kOpen, data, false);
-  drain(kOpen, data, true);
+  drain(open_carmen, data, false);
+  drain(open_carmen, data, true);
 }
 
-inline void read_csv(std::span<const std::byte> data) {
-  constexpr auto kOpen = [](std::span<const std::byte> bytes, const std::string& name, const ReadOptions& options) {
-    return open_table(TableKind::kCsv, bytes, name, options);
-  };
-  drain(kOpen, data, false);
-  drain(kOpen, data, true);
-}
-
-inline void read_json_lines(std::span<const std::byte> data) {
-  constexpr auto kOpen = [](std::span<const std::byte> bytes, const std::string& name, const ReadOptions& options) {
-    return open_table(TableKind::kJsonLines, bytes, name, options);
+template <TableKind kind>
+void read_table(std::span<const std::byte> data) {
+  constexpr auto kOpen = [](std::unique_ptr<ByteSource> source, const std::string& name, const ReadOptions& options) {
+    return open_table(kind, std::move(source), name, options);
   };
   drain(kOpen, data, false);
   drain(kOpen, data, true);
@@ -77,8 +71,8 @@ inline void read_senders(std::span<const std::byte> data) {
 
 inline constexpr std::array kLogTargets{
     FuzzTarget{"carmen", read_carmen_log, 12},
-    FuzzTarget{"csv", read_csv, 6},
-    FuzzTarget{"jsonl", read_json_lines, 5},
+    FuzzTarget{"csv", read_table<TableKind::kCsv>, 6},
+    FuzzTarget{"jsonl", read_table<TableKind::kJsonLines>, 5},
     FuzzTarget{"senders", read_senders, 4},
 };
 

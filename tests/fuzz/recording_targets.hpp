@@ -19,7 +19,8 @@
 
 namespace gdtslam::fuzz {
 
-inline void drain_recording(OpenBytes open, std::span<const std::byte> data) {
+template <class Open>
+void drain_recording(const Open& open, std::span<const std::byte> data) {
   drain(open, data, false);
   drain(open, data, true);
   drain(open, data, true, true);
@@ -27,7 +28,13 @@ inline void drain_recording(OpenBytes open, std::span<const std::byte> data) {
 
 inline void read_bag(std::span<const std::byte> data) { drain_recording(open_bag, data); }
 inline void read_mcap(std::span<const std::byte> data) { drain_recording(open_mcap, data); }
-inline void read_sqlite_bag(std::span<const std::byte> data) { drain_recording(open_sqlite_bag, data); }
+inline void read_sqlite_bag(std::span<const std::byte> data) {
+  static const ScratchFolder folder;
+  const std::string file = folder.put("bag.db3", text_of(data));
+  const auto open = [&file](const std::unique_ptr<ByteSource>& /*bytes*/, const std::string& /*name*/,
+                            const ReadOptions& options) { return open_ros2_bag(file, options); };
+  drain_recording(open, data);
+}
 
 /// A message: its first byte says which, its second one how it is encoded.
 inline void read_cdr(std::span<const std::byte> data) {

@@ -21,7 +21,6 @@ TWINS = {
     "MapOfKeyframesTest.APublicLogGivesTheSameMap": "MapOfKeyframesTest.WholeMillimetresGiveTheSameMap",
     "RelationsRealData.HaveTheirKnownCounts": "Relations.ReadsRows",
     "CarmenRealData.IntelHasItsKnownCounts": "CarmenSample.HasItsKnownCounts",
-    "CarmenRealData.IntelIsReadInAFractionOfASecond": "CarmenSample.FortyOfItAreReadInAFractionOfASecond",
     "CarmenRealData.Freiburg079HasItsLaserFourCentimetresBehind": "Carmen.MountIsTheLaserSeenFromTheRobot",
     "CarmenRealData.CsailCarriesItsOdometryInItsScans": "Carmen.ReadsFlaser",
     "BagRealData.TheSameDriveAsItsCarmenLog": "Bag.ScansGetTheOdometryOfTheirOwnStampInEveryPacking",

@@ -15,10 +15,7 @@ int main(int /*count*/, char** arguments) {
                      .stamp_s = 976052857.25 + static_cast<double>(k) / 7,
                      .scan = k});
   }
-  for (const auto& [name, format] : {std::pair{"b.ply", CloudFormat::kPlyBinary},
-                                     {"a.ply", CloudFormat::kPlyAscii},
-                                     {"b.pcd", CloudFormat::kPcdBinary},
-                                     {"a.pcd", CloudFormat::kPcdAscii}}) {
+  for (const auto& [name, format] : {std::pair{"b.ply", CloudFormat::kPlyBinary}, {"b.pcd", CloudFormat::kPcdBinary}}) {
     CloudWriter writer(folder + name, format);
     writer.add(cloud);
     writer.finish();

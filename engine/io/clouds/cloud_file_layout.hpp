@@ -46,6 +46,7 @@ struct CloudElement {
 
 struct CloudFileLayout {
   CloudHeader header;
+  bool is_ascii = false;
   bool is_big_endian = false;
   bool is_compressed = false;
   std::vector<CloudElement> before;  ///< elements that lie before the vertices
@@ -54,7 +55,7 @@ struct CloudFileLayout {
 };
 
 struct PlyHeader {
-  CloudFormat format = CloudFormat::kPlyBinary;
+  bool is_ascii = false;
   bool is_big_endian = false;
   std::vector<CloudElement> elements;  ///< in the order of the file
 };

@@ -21,10 +21,6 @@ constexpr std::size_t kMostExpansion = 88;  // LZF gives at most 264 bytes for t
 constexpr std::size_t kMostReserved = 65536;
 constexpr auto kRoles = static_cast<std::size_t>(CloudRole::kIgnored);
 
-bool is_ascii(const CloudFileLayout& layout) {
-  return layout.header.format == CloudFormat::kPlyAscii || layout.header.format == CloudFormat::kPcdAscii;
-}
-
 bool has(const CloudFileLayout& layout, CloudRole role) {
   return std::any_of(layout.vertex.columns.begin(), layout.vertex.columns.end(),
                      [role](const CloudColumn& column) { return column.role == role; });
@@ -106,18 +102,17 @@ struct CloudReader::State {
     for (const CloudElement& element : layout.before) skip(element);
     point_bytes = least_bytes(layout);
     if (layout.is_compressed && layout.vertex.count > 0) unpack();
-    if (point_bytes <= CloudInput::kMostBytes || layout.is_compressed) placed = placed_columns(layout);
+    if (!layout.is_ascii && (point_bytes <= CloudInput::kMostBytes || layout.is_compressed))
+      placed = placed_columns(layout);
   }
 
   void skip(const CloudElement& element);
   void unpack();
   bool read_point(CloudPoint& point);
   void choose_origin();
-  void read_ascii();
   void read_placed();
-  void read_value_by_value();
-  std::optional<std::string_view> line_with_text();
-  double binary_value(Scalar type);
+  void read_row(const CloudElement& element);
+  double next_value(Scalar type);
   [[nodiscard]] double list_length(double count) const;
   void check_end();
   [[nodiscard]] double value(CloudRole role) const { return values[static_cast<std::size_t>(role)]; }
@@ -129,6 +124,7 @@ struct CloudReader::State {
 
   CloudInput input;
   CloudFileLayout layout;
+  RowValues row{input, layout.is_ascii, layout.is_big_endian};
   std::uint64_t point_bytes = 0;
   std::vector<PlacedColumn> placed;
   std::string unpacked;  // of binary_compressed: column after column
@@ -148,14 +144,15 @@ void CloudReader::State::ends_early() const {
 }
 
 void CloudReader::State::fail(const std::string& message) const {
-  if (is_ascii(layout)) throw InputError({input.name(), input.line_number()}, message);
+  if (layout.is_ascii) throw InputError({input.name(), input.line_number()}, message);
   throw InputError({input.name(), 0}, fmt::format("point {}: {}", done, message));
 }
 
-double CloudReader::State::binary_value(Scalar type) {
-  const char* const data = input.bytes(size_of(type));
-  if (data == nullptr) ends_early();
-  return decode(type, data, layout.is_big_endian);
+double CloudReader::State::next_value(Scalar type) {
+  const std::optional<double> value = row.next(type);
+  if (value) return *value;
+  if (!layout.is_ascii) ends_early();
+  fail("has fewer numbers than columns, or something that is no number");
 }
 
 double CloudReader::State::list_length(double count) const {
@@ -163,15 +160,17 @@ double CloudReader::State::list_length(double count) const {
   return count;
 }
 
-void CloudReader::State::read_value_by_value() {
-  for (const CloudColumn& column : layout.vertex.columns) {
-    if (column.list_count) {
-      const double count = list_length(binary_value(*column.list_count));
-      for (double k = 0.0; k < count; ++k) binary_value(column.type);
-    } else {
-      for (std::uint64_t k = 0; k < column.repeat; ++k) set(column, binary_value(column.type));
+void CloudReader::State::read_row(const CloudElement& element) {
+  if (!row.begin_row()) ends_early();
+  for (const CloudColumn& column : element.columns) {
+    const auto count = static_cast<double>(column.repeat);
+    const double items = column.list_count ? list_length(next_value(*column.list_count)) : count;
+    for (double item = 0.0; item < items; ++item) {
+      const double number = next_value(column.type);
+      if (element.is_vertex && !column.list_count) set(column, number);
     }
   }
+  if (!row.at_end()) fail("has more numbers than columns, or something that is no number");
 }
 
 void CloudReader::State::read_placed() {
@@ -183,43 +182,14 @@ void CloudReader::State::read_placed() {
   }
 }
 
-std::optional<std::string_view> CloudReader::State::line_with_text() {
-  std::optional<std::string_view> line = input.line();
-  while (line && line->find_first_not_of(" \t") == std::string_view::npos) line = input.line();
-  return line;
-}
-
-void CloudReader::State::read_ascii() {
-  const std::optional<std::string_view> line = line_with_text();
-  if (!line) ends_early();
-  CloudNumbers numbers(*line);
-  const auto number = [&](Scalar type) {
-    const std::optional<double> found = numbers.next(type);
-    if (!found) fail("has fewer numbers than columns, or something that is no number");
-    return *found;
-  };
-  for (const CloudColumn& column : layout.vertex.columns) {
-    if (column.list_count) {
-      const double count = list_length(number(*column.list_count));
-      for (double k = 0.0; k < count; ++k) number(column.type);
-    } else {
-      for (std::uint64_t k = 0; k < column.repeat; ++k) set(column, number(column.type));
-    }
-  }
-  if (!numbers.at_end()) fail("has more numbers than columns, or something that is no number");
-}
-
 // Elements in front of the vertices: their bytes or lines are read over.
 void CloudReader::State::skip(const CloudElement& element) {
   if (element.columns.empty()) return;  // takes no byte, however many there are
   for (std::uint64_t k = 0; k < element.count; ++k) {
-    if (is_ascii(layout)) {
-      if (!line_with_text()) ends_early();
-      continue;
-    }
-    for (const CloudColumn& column : element.columns) {
-      const double count = column.list_count ? list_length(binary_value(*column.list_count)) : 1.0;
-      for (double item = 0.0; item < count; ++item) binary_value(column.type);
+    if (!layout.is_ascii) {
+      read_row(element);
+    } else if (!row.begin_row()) {
+      ends_early();
     }
   }
 }
@@ -250,11 +220,11 @@ void CloudReader::State::unpack() {
 // A file that goes on by a point or more has a wrong count, and points would be lost unseen.
 void CloudReader::State::check_end() {
   if (std::exchange(is_end_checked, true) || layout.has_more || layout.is_compressed) return;
-  const bool goes_on = is_ascii(layout)
-                           ? line_with_text().has_value()
+  const bool goes_on = layout.is_ascii
+                           ? row.begin_row()
                            : input.bytes(std::min<std::size_t>(point_bytes, CloudInput::kMostBytes)) != nullptr;
   if (goes_on) {
-    throw InputError({input.name(), is_ascii(layout) ? input.line_number() : 0},
+    throw InputError({input.name(), layout.is_ascii ? input.line_number() : 0},
                      fmt::format("goes on after the {} points that its header names; correct the count there", done));
   }
 }
@@ -276,12 +246,10 @@ void CloudReader::State::choose_origin() {
 
 // False when the point is not finite.
 bool CloudReader::State::read_point(CloudPoint& point) {
-  if (is_ascii(layout)) {
-    read_ascii();
-  } else if (!placed.empty()) {
-    read_placed();
+  if (placed.empty()) {
+    read_row(layout.vertex);
   } else {
-    read_value_by_value();
+    read_placed();
   }
   if (is_relative && !has_origin) choose_origin();
   point = {.x_m = static_cast<float>(value(CloudRole::kX) - origin_m[0]),

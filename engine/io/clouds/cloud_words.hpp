@@ -1,4 +1,5 @@
-// Words and numbers of a line, which blanks separate. Thread-safe.
+// Words and numbers of a line, which blanks separate, and the values of a row of a cloud or a mesh. One object belongs
+// to one thread.
 #pragma once
 
 #include <charconv>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "cloud_file_layout.hpp"
+#include "cloud_input.hpp"
 #include "engine/io/decimal.hpp"
 
 namespace gdtslam {
@@ -69,6 +71,36 @@ class CloudNumbers {
 
   const char* at_;
   const char* end_;
+};
+
+/// The values of one row after the other, be they words of a line or bytes.
+class RowValues {
+ public:
+  RowValues(CloudInput& input, bool is_ascii, bool is_big_endian)
+      : input_(input), is_ascii_(is_ascii), is_big_endian_(is_big_endian) {}
+  /// Goes to the next line of a text that is not blank; false at the end of the input.
+  bool begin_row() {
+    if (!is_ascii_) return true;
+    std::optional<std::string_view> line = input_.line();
+    while (line && line->find_first_not_of(" \t") == std::string_view::npos) line = input_.line();
+    numbers_ = CloudNumbers(line.value_or(""));
+    return line.has_value();
+  }
+  /// Nothing at the end of the line or the input, or where something else than a number stands.
+  std::optional<double> next(Scalar type) {
+    if (is_ascii_) return numbers_.next(type);
+    const char* const data = input_.bytes(size_of(type));
+    return data == nullptr ? std::nullopt : std::optional(decode(type, data, is_big_endian_));
+  }
+  /// Whether nothing is left of the row's line.
+  bool at_end() { return !is_ascii_ || numbers_.at_end(); }
+  [[nodiscard]] bool is_ascii() const { return is_ascii_; }
+
+ private:
+  CloudInput& input_;
+  bool is_ascii_;
+  bool is_big_endian_;
+  CloudNumbers numbers_{{}};
 };
 
 }  // namespace gdtslam

@@ -1,17 +1,12 @@
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <iterator>
 
 #include "engine/io/atomic_file.hpp"
-#include "engine/io/message_text.hpp"
 #include "engine/io/referenced_file.hpp"
 #include "engine/io/sha256.hpp"
 #include "gdtslam/core/error.hpp"
@@ -42,34 +37,26 @@ void put_binary(char* at, const CloudPoint& point) {
   put(at, point.scan);
 }
 
-// The shortest digits that read back as the same bits.
-void append_text(std::string& text, const CloudPoint& p) {
-  fmt::format_to(std::back_inserter(text), "{} {} {} {} {} {}\n", p.x_m, p.y_m, p.z_m, p.elevation_rad, p.stamp_s,
-                 p.scan);
-}
-
-bool is_ply(CloudFormat format) { return format == CloudFormat::kPlyBinary || format == CloudFormat::kPlyAscii; }
-bool is_binary(CloudFormat format) { return format == CloudFormat::kPlyBinary || format == CloudFormat::kPcdBinary; }
-
 // As long for any count: blanks in a comment make up for its missing digits.
 std::string header_of(CloudFormat format, std::uint64_t points) {
   const std::string count = std::to_string(points);
-  const std::string blanks((kCountDigits - count.size()) * (is_ply(format) ? 1 : 2), ' ');
-  if (is_ply(format)) {
+  const bool is_ply = format == CloudFormat::kPlyBinary;
+  const std::string blanks((kCountDigits - count.size()) * (is_ply ? 1 : 2), ' ');
+  if (is_ply) {
     return fmt::format(
-        "ply\nformat {} 1.0\ncomment gdtslam; metres, radians, seconds; frame map{}\nelement vertex {}\n"
-        "property float x\nproperty float y\nproperty float z\nproperty float elevation\nproperty double time\n"
-        "property uint scan\nend_header\n",
-        is_binary(format) ? "binary_little_endian" : "ascii", blanks, count);
+        "ply\nformat binary_little_endian 1.0\ncomment gdtslam; metres, radians, seconds; frame map{}\n"
+        "element vertex {}\nproperty float x\nproperty float y\nproperty float z\nproperty float elevation\n"
+        "property double time\nproperty uint scan\nend_header\n",
+        blanks, count);
   }
   return fmt::format(
       "# .PCD v0.7 - Point Cloud Data file format\n# gdtslam; metres, radians, seconds; frame map{}\nVERSION 0.7\n"
       "FIELDS x y z elevation time scan\nSIZE 4 4 4 4 8 4\nTYPE F F F F F U\nCOUNT 1 1 1 1 1 1\nWIDTH {}\nHEIGHT 1\n"
-      "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA {}\n",
-      blanks, count, count, is_binary(format) ? "binary" : "ascii");
+      "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA binary\n",
+      blanks, count, count);
 }
 
-// Before anything is written: a target whose beginning cannot be written again would end as a cloud of no points.
+// Before anything is written: the beginning of a pipe or a device cannot be written again.
 const std::string& seekable(const std::string& path) {
   std::error_code ignored;
   const std::filesystem::file_status status = std::filesystem::status(path, ignored);
@@ -77,13 +64,8 @@ const std::string& seekable(const std::string& path) {
       std::filesystem::is_directory(status)) {
     return path;
   }
-  const int descriptor = ::open(path.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
-  if (descriptor < 0 && errno != ENXIO) throw FileError(path, "cannot be written: " + errno_text(errno));
-  const bool can_seek = descriptor >= 0 && ::lseek(descriptor, 0, SEEK_CUR) >= 0;
-  if (descriptor >= 0) ::close(descriptor);
-  if (can_seek) return path;
   throw FileError(path,
-                  "is a pipe or a terminal: a cloud begins with its number of points, which is known last; "
+                  "is a pipe or a device: a cloud begins with its number of points, which is known last; "
                   "name a file");
 }
 
@@ -103,7 +85,6 @@ struct CloudWriter::State {
   std::string sha256;
   std::uint64_t points = 0;
   std::string binary;
-  std::string text;
 };
 
 CloudWriter::CloudWriter(const std::string& path, CloudFormat format)
@@ -111,8 +92,7 @@ CloudWriter::CloudWriter(const std::string& path, CloudFormat format)
                        .format = format,
                        .hash = {},
                        .sha256 = {},
-                       .binary = std::string(kPiece * kPointBytes, '\0'),
-                       .text = {}}) {
+                       .binary = std::string(kPiece * kPointBytes, '\0')}) {
   state_->file.write(header_of(format, 0));
 }
 
@@ -126,13 +106,7 @@ void CloudWriter::add(std::span<const CloudPoint> points) {
     for (std::size_t k = 0; k < piece.size(); ++k) put_binary(s.binary.data() + k * kPointBytes, piece[k]);
     const std::string_view binary(s.binary.data(), piece.size() * kPointBytes);
     s.hash.update(binary);
-    if (is_binary(s.format)) {
-      s.file.write(binary);
-    } else {
-      s.text.clear();
-      for (const CloudPoint& point : piece) append_text(s.text, point);
-      s.file.write(s.text);
-    }
+    s.file.write(binary);
     s.points += piece.size();
   }
 }

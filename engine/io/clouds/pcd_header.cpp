@@ -88,9 +88,9 @@ CloudFileLayout layout_of(const PcdHeader& header, const FilePosition& at) {
   layout.vertex.is_vertex = true;
   layout.vertex.count = points_of(header, at);
   for (std::size_t k = 0; k < fields; ++k) layout.vertex.columns.push_back(column_of(header, k, at));
-  layout.header.format = header.data == "ascii" ? CloudFormat::kPcdAscii : CloudFormat::kPcdBinary;
+  layout.is_ascii = header.data == "ascii";
   layout.is_compressed = header.data == "binary_compressed";
-  if (header.data != "ascii" && header.data != "binary" && !layout.is_compressed) {
+  if (!layout.is_ascii && header.data != "binary" && !layout.is_compressed) {
     throw InputError(at,
                      fmt::format("DATA is {}, expected ascii, binary or binary_compressed", in_quotes(header.data)));
   }

@@ -25,9 +25,9 @@ Scalar scalar_of(std::string_view word, const FilePosition& at) {
 
 void set_format(const LineWords& words, PlyHeader& header, const FilePosition& at) {
   if (words.size() < 2) throw InputError(at, "the format is missing: ascii, binary_little_endian, binary_big_endian");
-  header.format = words[1] == "ascii" ? CloudFormat::kPlyAscii : CloudFormat::kPlyBinary;
+  header.is_ascii = words[1] == "ascii";
   header.is_big_endian = words[1] == "binary_big_endian";
-  if (words[1] != "ascii" && words[1] != "binary_little_endian" && !header.is_big_endian) {
+  if (!header.is_ascii && words[1] != "binary_little_endian" && !header.is_big_endian) {
     throw InputError(
         at, fmt::format("{} is no format of PLY: ascii, binary_little_endian, binary_big_endian", in_quotes(words[1])));
   }
@@ -105,7 +105,7 @@ PlyHeader read_ply_elements(CloudInput& input) {
 CloudFileLayout read_ply_header(CloudInput& input) {
   PlyHeader header = read_ply_elements(input);
   CloudFileLayout layout;
-  layout.header.format = header.format;
+  layout.is_ascii = header.is_ascii;
   layout.is_big_endian = header.is_big_endian;
   sort_elements(std::move(header.elements), layout, input.name());
   return layout;

@@ -1,5 +1,5 @@
 // Reader of CARMEN text logs (docs/formats.md gives every line kind, rule and limit): FLASER, ROBOTLASER1, ODOM, PARAM,
-// and our own ENCODER and TILT. Plain or gzip, told apart by their first bytes. Metres, radians, seconds.
+// and our own ENCODER and TILT. Metres, radians, seconds.
 // Memory is bounded by the longest line allowed, whatever the log's length. One reader belongs to one thread.
 //
 // File order is kept. A range that is not a number or negative becomes +infinity, which no sensor limit passes.
@@ -9,7 +9,6 @@
 
 #include <cstddef>
 #include <memory>
-#include <span>
 #include <string>
 
 #include "engine/io/byte_source.hpp"
@@ -18,18 +17,8 @@
 
 namespace gdtslam {
 
-/// The longest line that is read; a longer one is malformed.
-inline constexpr std::size_t kMaxLogLineBytes = std::size_t{4} << 20;
-
-/// A log in a file; "-" is standard input. Throws FileError, or InputError when it is empty or not text.
-std::unique_ptr<DescribedLog> open_carmen(const std::string& path, const ReadOptions& options);
-
-/// A log out of a source that was unpacked already.
+/// A log out of a source that was unpacked already. Throws InputError when it is empty or not text.
 std::unique_ptr<DescribedLog> open_carmen(std::unique_ptr<ByteSource> unpacked, const std::string& name,
-                                          const ReadOptions& options);
-
-/// A log in memory, which must outlive the reader; `name` stands in messages.
-std::unique_ptr<DescribedLog> open_carmen(std::span<const std::byte> data, const std::string& name,
                                           const ReadOptions& options);
 
 /// Bearings of a scan of which only the number of beams is known.

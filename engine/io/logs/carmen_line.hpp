@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "engine/io/scan_sequence.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/io/log.hpp"
 
@@ -17,12 +18,6 @@ namespace gdtslam {
 class MalformedLine : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
-};
-
-/// What was mended in the ranges of a scan.
-struct RangeRepairs {
-  std::uint64_t not_a_number = 0;
-  std::uint64_t negative = 0;
 };
 
 /// What a line holds.

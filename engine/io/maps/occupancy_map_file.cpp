@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/io/atomic_file.hpp"
+#include "engine/io/byte_source.hpp"
 #include "engine/io/yaml/yaml_file.hpp"
 #include "gdtslam/core/error.hpp"
 #include "pgm.hpp"
@@ -54,7 +55,7 @@ void write_image(AtomicFile& file, const OccupancyMap& map, MapImage image) {
   const auto height = static_cast<std::uint32_t>(map.geometry.height);
   const auto write = [&file](std::span<const std::byte> bytes) { file.write(bytes); };
   if (image == MapImage::kPgm) {
-    file.write(pgm_header(width, height, 255));
+    file.write(fmt::format("P5\n{} {}\n255\n", width, height));
     return for_each_row(map, write);
   }
   PngWriter png(width, height, PngWriter::Pixels::kGrey8, write);
@@ -62,8 +63,14 @@ void write_image(AtomicFile& file, const OccupancyMap& map, MapImage image) {
   png.finish();
 }
 
-// By what the file begins with: names may say anything.
-Grey8Image read_image(const std::string& path) { return is_png(path) ? read_png_grey8(path) : read_pgm(path); }
+// A PGM or a PNG, plain or gzip, by what the file begins with: names may say anything.
+Grey8Image read_image(const std::string& path) {
+  constexpr std::size_t kMostBytes = std::size_t{1} << 30U;
+  constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 30U;
+  const std::string text = read_all(*gunzip_if_packed(open_file_source(path), path), kMostBytes, path);
+  const auto bytes = std::as_bytes(std::span(text.data(), text.size()));
+  return text.starts_with(kPngMagic) ? decode_png_grey8(bytes, path, kMostPixels) : decode_pgm(bytes, path);
+}
 
 struct Thresholds {
   double occupied = kOccupiedThreshold;

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string_view>
 
-#include "engine/io/byte_source.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
@@ -56,16 +56,6 @@ class HeaderReader {
 
 }  // namespace
 
-std::string pgm_header(std::uint32_t width, std::uint32_t height, std::uint32_t max_value) {
-  return fmt::format("P5\n{} {}\n{}\n", width, height, max_value);
-}
-
-std::string encode_pgm(const Grey8Image& image) {
-  std::string text = pgm_header(image.width, image.height, image.max_value);
-  text.append(reinterpret_cast<const char*>(image.pixels.data()), image.pixels.size());
-  return text;
-}
-
 Grey8Image decode_pgm(std::span<const std::byte> data, const std::string& name) {
   const std::string_view text(reinterpret_cast<const char*>(data.data()), data.size());
   if (!text.starts_with("P5") || text.size() < 3 || !(is_space(text[2]) || text[2] == '#')) {
@@ -89,13 +79,6 @@ Grey8Image decode_pgm(std::span<const std::byte> data, const std::string& name) 
   }
   image.pixels.assign(pixels.begin(), pixels.end());
   return image;
-}
-
-Grey8Image read_pgm(const std::string& path) {
-  constexpr std::size_t kMaxBytes = std::size_t{1} << 30;
-  const std::unique_ptr<ByteSource> source = gunzip_if_packed(open_file_source(path), path);
-  const std::string text = read_all(*source, kMaxBytes, path);
-  return decode_pgm(std::as_bytes(std::span(text.data(), text.size())), path);
 }
 
 }  // namespace gdtslam

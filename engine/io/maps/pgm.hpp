@@ -18,13 +18,7 @@ struct Grey8Image {
   std::vector<std::uint8_t> pixels;
 };
 
-/// What stands before the pixels, which follow row by row from the top.
-std::string pgm_header(std::uint32_t width, std::uint32_t height, std::uint32_t max_value);
-/// The file's bytes.
-std::string encode_pgm(const Grey8Image& image);
 /// Throws InputError.
 Grey8Image decode_pgm(std::span<const std::byte> data, const std::string& name);
-/// Plain or gzip, at most 2^30 bytes. Throws InputError or FileError.
-Grey8Image read_pgm(const std::string& path);
 
 }  // namespace gdtslam

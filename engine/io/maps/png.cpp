@@ -4,15 +4,9 @@
 #include <png.h>
 #include <zlib.h>
 
-#include <algorithm>
 #include <bit>
-#include <csetjmp>
-#include <cstdlib>
 #include <cstring>
-#include <exception>
-#include <fstream>
 #include <new>
-#include <string_view>
 #include <utility>
 
 #include "engine/io/byte_source.hpp"
@@ -22,170 +16,96 @@
 namespace gdtslam {
 namespace {
 
-// Not libpng's simplified interface, which needs no setjmp: it takes 16-bit grey for linear light, notes so in the file
-// and converts what other programs noted, and these are distances.
+// Not libpng's simplified interface: it takes 16-bit grey for linear light, notes so in the file and converts what
+// other programs noted, and these are distances.
 
-enum class Direction : std::uint8_t { kRead, kWrite };
+// Exceptions pass through libpng, whose functions have unwind tables and own nothing but what its structures hold.
+[[noreturn]] void fail_to_read(png_structp png, png_const_charp text) {
+  throw InputError({*static_cast<const std::string*>(png_get_error_ptr(png)), 0},
+                   fmt::format("is a damaged PNG: {}", text));
+}
+[[noreturn]] void fail_to_write(png_structp /*png*/, png_const_charp text) {
+  throw Error(ExitCode::kFailed, fmt::format("libpng cannot encode an image: {}", text));
+}
+void ignore_warning(png_structp /*png*/, png_const_charp /*text*/) {}  // what is only odd is still readable
 
-/// What libpng keeps of a file that is read or written, and the message of its error.
-struct Codec {
-  explicit Codec(Direction which)
-      : direction(which),
-        png(which == Direction::kRead ? png_create_read_struct_2(PNG_LIBPNG_VER_STRING, message, on_error, on_warning,
-                                                                 this, take_memory, give_back)
-                                      : png_create_write_struct_2(PNG_LIBPNG_VER_STRING, message, on_error, on_warning,
-                                                                  this, take_memory, give_back)),
-        info(png_create_info_struct(png)) {}
-  Codec(const Codec&) = delete;
-  Codec& operator=(const Codec&) = delete;
-  ~Codec() {
-    if (direction == Direction::kRead) {
-      png_destroy_read_struct(&png, &info, nullptr);
-    } else {
-      png_destroy_write_struct(&png, &info);
+/// A PNG in memory: its header, then its rows from the top. Every member throws InputError for what is damaged.
+class PngReader {
+ public:
+  PngReader(std::span<const std::byte> data, const std::string& name) : data_(data), left_(data), name_(name) {
+    if (info_ == nullptr) throw std::bad_alloc();
+  }
+  PngReader(const PngReader&) = delete;
+  PngReader& operator=(const PngReader&) = delete;
+  ~PngReader() { png_destroy_read_struct(&png_, &info_, nullptr); }
+
+  void read_header() {
+    png_set_read_fn(png_, this, take_bytes);
+    png_set_user_limits(png_, 0x7fffffffU, 0x7fffffffU);
+    png_set_chunk_malloc_max(png_, png_alloc_size_t{1} << 20U);
+    png_set_chunk_cache_max(png_, 16);
+    png_read_info(png_, info_);
+  }
+  [[nodiscard]] std::uint32_t width() const { return png_get_image_width(png_, info_); }
+  [[nodiscard]] std::uint32_t height() const { return png_get_image_height(png_, info_); }
+  [[nodiscard]] bool is_interlaced() const { return png_get_interlace_type(png_, info_) != PNG_INTERLACE_NONE; }
+  [[nodiscard]] bool is_grey16() const {
+    return png_get_color_type(png_, info_) == PNG_COLOR_TYPE_GRAY && png_get_bit_depth(png_, info_) == 16;
+  }
+
+  /// `bits` that a pixel takes in the file at least, and `kept` bytes that it takes in memory.
+  void check_size(std::uint64_t bits, std::uint64_t kept, std::uint64_t max_pixels) const {
+    constexpr std::uint64_t kLargestDeflateRatio = 1032;
+    const std::uint64_t pixels = std::uint64_t{width()} * height();
+    if (pixels > max_pixels) {
+      throw InputError(
+          {name_, 0}, fmt::format("has {} x {} pixels, more than the {} that are read", width(), height(), max_pixels));
     }
-  }
-
-  /// Makes calls of libpng; false where one fails. libpng then jumps back here, which must not pass over C++ objects:
-  /// `calls` has none of its own.
-  template <class Calls>
-  bool run(const Calls& calls) {
-    if (setjmp(png_jmpbuf(png)) != 0) {  // NOLINT(cert-err52-cpp): libpng's only way
-      return false;
+    if (pixels / 8 * bits > data_.size() * kLargestDeflateRatio) {
+      throw InputError({name_, 0}, fmt::format("states {} x {} pixels, which {} bytes cannot hold", width(), height(),
+                                               data_.size()));
     }
-    calls();
-    return true;
+    check_kept_bytes(pixels * kept, data_.size(), name_);
   }
 
-  /// What libpng could not do for want of memory is no damage. Throws std::bad_alloc.
-  void check_memory() const {
-    if (is_out_of_memory) throw std::bad_alloc();
+  void set_host_order() {
+    if (std::endian::native == std::endian::little) png_set_swap(png_);
+  }
+  /// All kinds of pixels become one byte.
+  void set_grey8() {
+    constexpr int kThird = 33333;  // of the weights of red and green, of 100,000
+    png_set_expand(png_);
+    png_set_strip_16(png_);
+    png_set_strip_alpha(png_);
+    png_set_rgb_to_gray_fixed(png_, PNG_ERROR_ACTION_NONE, kThird, kThird);
+  }
+  /// Memory grows with the rows that are really there.
+  template <class Pixel>
+  std::vector<Pixel> read_rows() {
+    std::vector<Pixel> pixels;
+    png_read_update_info(png_, info_);
+    for (std::uint32_t y = 0; y < height(); ++y) {
+      pixels.resize(pixels.size() + width());
+      png_read_row(png_, reinterpret_cast<png_bytep>(&pixels[std::size_t{y} * width()]), nullptr);
+    }
+    png_read_end(png_, nullptr);
+    return pixels;
   }
 
-  static png_voidp take_memory(png_structp png, png_alloc_size_t bytes) {
-    void* const memory = std::malloc(bytes);
-    if (memory == nullptr) static_cast<Codec*>(png_get_mem_ptr(png))->is_out_of_memory = true;
-    return memory;
+ private:
+  static void take_bytes(png_structp png, png_bytep target, std::size_t size) {
+    auto& left = static_cast<PngReader*>(png_get_io_ptr(png))->left_;
+    if (size > left.size()) png_error(png, "the file stops early");
+    std::memcpy(target, left.data(), size);
+    left = left.subspan(size);
   }
-  static void give_back(png_structp /*png*/, png_voidp memory) { std::free(memory); }
 
-  static constexpr std::size_t kMessageBytes = 128;
-  static void on_error(png_structp png, png_const_charp text) {
-    std::strncpy(static_cast<char*>(png_get_error_ptr(png)), text, kMessageBytes - 1);
-    png_longjmp(png, 1);
-  }
-  static void on_warning(png_structp /*png*/, png_const_charp /*message*/) {}  // what is only odd is still readable
-
-  char message[kMessageBytes] = {};
-  bool is_out_of_memory = false;
-  Direction direction;
-  png_structp png;
-  png_infop info;
+  std::span<const std::byte> data_;
+  std::span<const std::byte> left_;
+  std::string name_;
+  png_structp png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, &name_, fail_to_read, ignore_warning);
+  png_infop info_ = png_create_info_struct(png_);
 };
-
-struct Input {
-  const std::byte* data = nullptr;
-  std::size_t left = 0;
-};
-
-void take_bytes(png_structp png, png_bytep target, std::size_t size) {
-  auto* const input = static_cast<Input*>(png_get_io_ptr(png));
-  if (size > input->left) {
-    png_error(png, "the file stops early");
-  }
-  std::memcpy(target, input->data, size);
-  input->data += size;
-  input->left -= size;
-}
-
-struct Header {
-  std::uint32_t width = 0;
-  std::uint32_t height = 0;
-  int depth = 0;
-  int colour = 0;
-  int interlace = 0;
-};
-
-bool read_header(Codec& codec, Input& input, Header& header) {
-  return codec.run([&] {
-    png_set_read_fn(codec.png, &input, take_bytes);
-    png_set_user_limits(codec.png, 0x7fffffffU, 0x7fffffffU);
-    png_set_chunk_malloc_max(codec.png, png_alloc_size_t{1} << 20U);
-    png_set_chunk_cache_max(codec.png, 16);
-    png_read_info(codec.png, codec.info);
-    png_get_IHDR(codec.png, codec.info, &header.width, &header.height, &header.depth, &header.colour, &header.interlace,
-                 nullptr, nullptr);
-  });
-}
-
-// All kinds of pixels become one byte.
-bool read_rows_as_grey8(Codec& codec, Grey8Image& image) {
-  constexpr int kThird = 33333;  // of the weights of red and green, of 100,000
-  return codec.run([&] {
-    png_set_expand(codec.png);
-    png_set_strip_16(codec.png);
-    png_set_strip_alpha(codec.png);
-    png_set_rgb_to_gray_fixed(codec.png, PNG_ERROR_ACTION_NONE, kThird, kThird);
-    png_read_update_info(codec.png, codec.info);
-    for (std::uint32_t y = 0; y < image.height; ++y) {
-      image.pixels.resize(image.pixels.size() + image.width);
-      png_read_row(codec.png, &image.pixels[std::size_t{y} * image.width], nullptr);
-    }
-    png_read_end(codec.png, nullptr);
-  });
-}
-
-/// Memory grows with the rows that are really there.
-bool read_rows(Codec& codec, Grey16Image& image) {
-  return codec.run([&] {
-    if (std::endian::native == std::endian::little) png_set_swap(codec.png);
-    png_read_update_info(codec.png, codec.info);
-    for (std::uint32_t y = 0; y < image.height; ++y) {
-      image.pixels.resize(image.pixels.size() + image.width);
-      png_read_row(codec.png, reinterpret_cast<png_bytep>(&image.pixels[std::size_t{y} * image.width]), nullptr);
-    }
-    png_read_end(codec.png, nullptr);
-  });
-}
-
-// `bits` that a pixel takes in the file at least, and `kept` bytes that it takes in memory.
-void check_size(const Header& header, std::uint64_t bits, std::uint64_t kept, std::size_t file_bytes,
-                std::uint64_t max_pixels, const std::string& name) {
-  constexpr std::uint64_t kLargestDeflateRatio = 1032;
-  const std::uint64_t pixels = std::uint64_t{header.width} * header.height;
-  if (pixels > max_pixels) {
-    throw InputError({name, 0}, fmt::format("has {} x {} pixels, more than the {} that are read", header.width,
-                                            header.height, max_pixels));
-  }
-  if (pixels / 8 * bits > file_bytes * kLargestDeflateRatio) {
-    throw InputError({name, 0}, fmt::format("states {} x {} pixels, which {} bytes cannot hold", header.width,
-                                            header.height, file_bytes));
-  }
-  check_kept_bytes(pixels * kept, file_bytes, name);
-}
-
-void check_header(const Header& header, std::size_t file_bytes, std::uint64_t max_pixels, const std::string& name) {
-  if (header.colour != PNG_COLOR_TYPE_GRAY || header.depth != 16 || header.interlace != PNG_INTERLACE_NONE) {
-    throw InputError({name, 0}, "is no 16-bit grey PNG without interlacing");
-  }
-  check_size(header, 16, sizeof(std::uint16_t), file_bytes, max_pixels, name);
-}
-
-// What decode_png() begins with.
-Header header_of(Codec& codec, Input& input, const std::string& name) {
-  if (codec.info == nullptr) throw Error(ExitCode::kFailed, located({name, 0}, "libpng cannot be started"));
-  Header header;
-  if (!read_header(codec, input, header)) {
-    codec.check_memory();
-    throw InputError({name, 0}, fmt::format("is no readable PNG: {}", static_cast<const char*>(codec.message)));
-  }
-  return header;
-}
-
-[[noreturn]] void fail_as_damaged(const Codec& codec, const std::string& name) {
-  codec.check_memory();
-  throw InputError({name, 0}, fmt::format("is a damaged PNG: {}", static_cast<const char*>(codec.message)));
-}
 
 std::size_t bytes_of_pixel(PngWriter::Pixels pixels) {
   switch (pixels) {
@@ -197,12 +117,6 @@ std::size_t bytes_of_pixel(PngWriter::Pixels pixels) {
       break;
   }
   return 1;
-}
-
-std::string bytes_of_file(const std::string& path) {
-  constexpr std::size_t kMaxFileBytes = std::size_t{1} << 31U;
-  const std::unique_ptr<ByteSource> source = open_file_source(path);
-  return read_all(*source, kMaxFileBytes, path);
 }
 
 void flush_nothing(png_structp /*png*/) {}
@@ -235,61 +149,42 @@ std::string encode(std::uint32_t width, std::uint32_t height, PngWriter::Pixels 
 }  // namespace
 
 struct PngWriter::State {
-  State(std::uint32_t columns, std::uint32_t lines, Sink taker)
-      : codec(Direction::kWrite), width(columns), height(lines), sink(std::move(taker)) {}
-
-  /// Exceptions must not pass through libpng: they wait here while it jumps back.
+  explicit State(Sink taker) : sink(std::move(taker)) {
+    if (info == nullptr) throw std::bad_alloc();
+  }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  ~State() { png_destroy_write_struct(&png, &info); }
   static void take(png_structp png, png_bytep data, std::size_t size) {
-    auto* const state = static_cast<State*>(png_get_io_ptr(png));
-    try {
-      state->sink({reinterpret_cast<const std::byte*>(data), size});
-    } catch (...) {
-      state->problem = std::current_exception();
-    }
-    if (state->problem) png_error(png, "the bytes cannot be kept");
-  }
-  template <class Calls>
-  void run(const Calls& calls) {
-    if (codec.info != nullptr && codec.run(calls)) return;
-    if (problem) std::rethrow_exception(problem);
-    codec.check_memory();
-    throw Error(ExitCode::kFailed, fmt::format("libpng cannot encode an image of {} x {} pixels: {}", width, height,
-                                               static_cast<const char*>(codec.message)));
+    static_cast<State*>(png_get_io_ptr(png))->sink({reinterpret_cast<const std::byte*>(data), size});
   }
 
-  Codec codec;
-  std::uint32_t width;
-  std::uint32_t height;
   Sink sink;
-  std::exception_ptr problem;
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, fail_to_write, ignore_warning);
+  png_infop info = png_create_info_struct(png);
 };
 
 PngWriter::PngWriter(std::uint32_t width, std::uint32_t height, Pixels pixels, Sink sink)
-    : state_(std::make_unique<State>(width, height, std::move(sink))) {
-  State& state = *state_;
+    : state_(std::make_unique<State>(std::move(sink))) {
   const bool is_grey16 = pixels == Pixels::kGrey16;
-  state.run([&] {
-    png_structp png = state.codec.png;
-    png_set_write_fn(png, &state, State::take, flush_nothing);
-    png_set_user_limits(png, 0x7fffffffU, 0x7fffffffU);
-    png_set_IHDR(png, state.codec.info, width, height, is_grey16 ? 16 : 8,
-                 pixels == Pixels::kRgba8 ? PNG_COLOR_TYPE_RGBA : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
-                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    set_packing(png, pixels);
-    png_write_info(png, state.codec.info);
-    if (is_grey16 && std::endian::native == std::endian::little) png_set_swap(png);
-  });
+  png_structp png = state_->png;
+  png_set_write_fn(png, state_.get(), State::take, flush_nothing);
+  png_set_user_limits(png, 0x7fffffffU, 0x7fffffffU);
+  png_set_IHDR(png, state_->info, width, height, is_grey16 ? 16 : 8,
+               pixels == Pixels::kRgba8 ? PNG_COLOR_TYPE_RGBA : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  set_packing(png, pixels);
+  png_write_info(png, state_->info);
+  if (is_grey16 && std::endian::native == std::endian::little) png_set_swap(png);
 }
 
 PngWriter::~PngWriter() = default;
 
 void PngWriter::add_row(std::span<const std::byte> row) {
-  state_->run([&] { png_write_row(state_->codec.png, reinterpret_cast<png_const_bytep>(row.data())); });
+  png_write_row(state_->png, reinterpret_cast<png_const_bytep>(row.data()));
 }
 
-void PngWriter::finish() {
-  state_->run([&] { png_write_end(state_->codec.png, state_->codec.info); });
-}
+void PngWriter::finish() { png_write_end(state_->png, state_->info); }
 
 std::string encode_png(const Grey16Image& image) {
   return encode(image.width, image.height, PngWriter::Pixels::kGrey16, std::as_bytes(std::span(image.pixels)));
@@ -300,43 +195,30 @@ std::string encode_png(std::uint32_t width, std::uint32_t height, std::span<cons
 }
 
 Grey16Image decode_png_grey16(std::span<const std::byte> data, const std::string& name, std::uint64_t max_pixels) {
-  Codec codec(Direction::kRead);
-  Input input{data.data(), data.size()};
-  const Header header = header_of(codec, input, name);
-  check_header(header, data.size(), max_pixels, name);
-  Grey16Image image{header.width, header.height, {}};
-  if (!read_rows(codec, image)) fail_as_damaged(codec, name);
-  return image;
+  PngReader png(data, name);
+  png.read_header();
+  if (!png.is_grey16() || png.is_interlaced()) {
+    throw InputError({name, 0}, "is no 16-bit grey PNG without interlacing");
+  }
+  png.check_size(16, sizeof(std::uint16_t), max_pixels);
+  png.set_host_order();
+  return {png.width(), png.height(), png.read_rows<std::uint16_t>()};
 }
 
-Grey16Image read_png_grey16(const std::string& path, std::uint64_t max_pixels) {
-  const std::string text = bytes_of_file(path);
-  return decode_png_grey16(std::as_bytes(std::span(text.data(), text.size())), path, max_pixels);
-}
-
-bool is_png(const std::string& path) {
-  constexpr std::string_view kSignature = "\x89PNG";
-  std::string head(kSignature.size(), '\0');
-  return std::ifstream(path, std::ios::binary).read(head.data(), static_cast<std::streamsize>(head.size())) &&
-         head == kSignature;
+Grey16Image read_png_grey16(const std::string& path) {
+  constexpr std::size_t kMaxFileBytes = std::size_t{1} << 31U;
+  constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 29U;
+  const std::string text = read_all(*open_file_source(path), kMaxFileBytes, path);
+  return decode_png_grey16(std::as_bytes(std::span(text.data(), text.size())), path, kMaxPixels);
 }
 
 Grey8Image decode_png_grey8(std::span<const std::byte> data, const std::string& name, std::uint64_t max_pixels) {
-  Codec codec(Direction::kRead);
-  Input input{data.data(), data.size()};
-  const Header header = header_of(codec, input, name);
-  if (header.interlace != PNG_INTERLACE_NONE) {
-    throw InputError({name, 0}, "is an interlaced PNG; save it without interlacing");
-  }
-  check_size(header, 1, 1, data.size(), max_pixels, name);
-  Grey8Image image{header.width, header.height, 255, {}};
-  if (!read_rows_as_grey8(codec, image)) fail_as_damaged(codec, name);
-  return image;
-}
-
-Grey8Image read_png_grey8(const std::string& path, std::uint64_t max_pixels) {
-  const std::string text = bytes_of_file(path);
-  return decode_png_grey8(std::as_bytes(std::span(text.data(), text.size())), path, max_pixels);
+  PngReader png(data, name);
+  png.read_header();
+  if (png.is_interlaced()) throw InputError({name, 0}, "is an interlaced PNG; save it without interlacing");
+  png.check_size(1, 1, max_pixels);
+  png.set_grey8();
+  return {png.width(), png.height(), 255, png.read_rows<std::uint8_t>()};
 }
 
 }  // namespace gdtslam

@@ -8,6 +8,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pgm.hpp"
@@ -54,13 +55,12 @@ std::string encode_png(std::uint32_t width, std::uint32_t height, std::span<cons
 /// Grey of 16 bits (8-bit and colour images are refused). Throws InputError for what is damaged or has more than
 /// `max_pixels` pixels, which is known before memory is taken.
 Grey16Image decode_png_grey16(std::span<const std::byte> data, const std::string& name, std::uint64_t max_pixels);
-/// Whether a file that can be read begins as a PNG does.
-bool is_png(const std::string& path);
+/// A file of at most 2^29 pixels. Throws FileError, too.
+Grey16Image read_png_grey16(const std::string& path);
+
+inline constexpr std::string_view kPngMagic = "\x89PNG";
 /// Any PNG without interlacing, of more bits by their highest eight, of colours by their mean, without transparency.
 /// Throws as decode_png_grey16().
 Grey8Image decode_png_grey8(std::span<const std::byte> data, const std::string& name, std::uint64_t max_pixels);
-Grey8Image read_png_grey8(const std::string& path, std::uint64_t max_pixels = std::uint64_t{1} << 30U);
-
-Grey16Image read_png_grey16(const std::string& path, std::uint64_t max_pixels = std::uint64_t{1} << 29U);
 
 }  // namespace gdtslam

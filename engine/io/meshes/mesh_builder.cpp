@@ -16,10 +16,6 @@ double doubled_area(const Corner& a, const Corner& b, const Corner& c) {
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-bool is_inside(const Corner& p, const Corner& a, const Corner& b, const Corner& c) {
-  return doubled_area(a, b, p) >= 0.0 && doubled_area(b, c, p) >= 0.0 && doubled_area(c, a, p) >= 0.0;
-}
-
 // The corners seen along the axis that is closest to the polygon's normal (Newell's sum), counter-clockwise.
 std::vector<Corner> flattened(std::span<const std::uint32_t> corners,
                               const std::vector<std::array<float, 3>>& vertices) {
@@ -42,17 +38,6 @@ std::vector<Corner> flattened(std::span<const std::uint32_t> corners,
     flat.push_back({double{vertices[corner][(axis + 1) % 3]}, sign * double{vertices[corner][(axis + 2) % 3]}});
   }
   return flat;
-}
-
-// An ear is a convex corner whose triangle holds no other corner.
-bool is_ear(const std::vector<Corner>& flat, std::size_t tip) {
-  const std::size_t n = flat.size();
-  const Corner& a = flat[(tip + n - 1) % n];
-  const Corner& b = flat[tip];
-  const Corner& c = flat[(tip + 1) % n];
-  if (!(doubled_area(a, b, c) > 0.0)) return false;
-  return std::none_of(flat.begin(), flat.end(),
-                      [&](const Corner& p) { return p != a && p != b && p != c && is_inside(p, a, b, c); });
 }
 
 bool is_convex(const std::vector<Corner>& flat) {
@@ -106,25 +91,9 @@ void MeshBuilder::add_face(std::span<const std::uint32_t> corners) {
   }
   if (corners.size() < 3) return;
   if (corners.size() > 3 && !is_convex(flattened(corners, mesh_.vertices))) {
-    clip_ears({corners.begin(), corners.end()});
-    return;
+    fail("a face is not convex: export the mesh as triangles");
   }
   for (std::size_t i = 1; i + 1 < corners.size(); ++i) add_triangle({corners[0], corners[i], corners[i + 1]});
-}
-
-// A polygon that crosses itself may run out of ears; its first corner is cut then, so that this ends.
-void MeshBuilder::clip_ears(std::vector<std::uint32_t> corners) {
-  std::vector<Corner> flat = flattened(corners, mesh_.vertices);
-  while (corners.size() > 3) {
-    std::size_t tip = 0;
-    while (tip < corners.size() && !is_ear(flat, tip)) ++tip;
-    if (tip == corners.size()) tip = 0;
-    const std::size_t n = corners.size();
-    add_triangle({corners[(tip + n - 1) % n], corners[tip], corners[(tip + 1) % n]});
-    corners.erase(corners.begin() + static_cast<std::ptrdiff_t>(tip));
-    flat.erase(flat.begin() + static_cast<std::ptrdiff_t>(tip));
-  }
-  add_triangle({corners[0], corners[1], corners[2]});
 }
 
 MeshFile MeshBuilder::finish() {

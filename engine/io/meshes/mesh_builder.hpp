@@ -14,7 +14,7 @@ class MeshBuilder {
  public:
   MeshBuilder(const MeshReadOptions& options, const std::string& name) : options_(options), name_(name) {}
 
-  /// A face of more corners than this is refused: cutting it into triangles takes the cube of their number at worst.
+  /// A face of more corners than this is refused.
   static constexpr std::size_t kMostCorners = 256;
 
   /// Where the next faults are: a line of the file, or what a binary file has there ("triangle") and its number from 0.
@@ -22,7 +22,7 @@ class MeshBuilder {
   void begin_row(const char* kind, std::uint64_t number);
   void begin_line(std::uint64_t line) { begin_row(nullptr, line); }
   void add_vertex(const std::array<float, 3>& vertex);
-  /// Adds the triangles of a polygon, none for fewer than three corners.
+  /// Adds the triangles of a convex polygon, none for fewer than three corners. Throws InputError for any other.
   void add_face(std::span<const std::uint32_t> corners);
   [[nodiscard]] std::size_t vertex_count() const { return mesh_.vertices.size(); }
   /// Throws InputError with the place of the row.
@@ -32,7 +32,6 @@ class MeshBuilder {
 
  private:
   void add_triangle(const std::array<std::uint32_t, 3>& triangle);
-  void clip_ears(std::vector<std::uint32_t> corners);
 
   const MeshReadOptions& options_;
   const std::string& name_;

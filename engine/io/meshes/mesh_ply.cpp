@@ -10,19 +10,16 @@ namespace {
 class PlyMeshReader {
  public:
   PlyMeshReader(CloudInput& input, MeshBuilder& mesh, const PlyHeader& header)
-      : input_(input),
-        mesh_(mesh),
-        is_ascii_(header.format == CloudFormat::kPlyAscii),
-        is_big_endian_(header.is_big_endian) {}
+      : input_(input), mesh_(mesh), row_(input, header.is_ascii, header.is_big_endian) {}
 
   void read(const CloudElement& element) {
     if (element.columns.empty()) return;  // takes no byte, however many there are
     if (element.is_face) check_face(element);
     for (std::uint64_t k = 0; k < element.count; ++k) {
       begin_row(element, k);
-      if (is_ascii_ && !element.is_vertex && !element.is_face) continue;
+      if (row_.is_ascii() && !element.is_vertex && !element.is_face) continue;
       read_row(element);
-      if (is_ascii_ && !numbers_.at_end()) mesh_.fail("has more numbers than properties, or something else");
+      if (!row_.at_end()) mesh_.fail("has more numbers than properties, or something else");
       if (element.is_vertex) mesh_.add_vertex(vertex_);
       if (element.is_face) mesh_.add_face(corners_);
     }
@@ -38,15 +35,13 @@ class PlyMeshReader {
 
   void begin_row(const CloudElement& element, std::uint64_t k) {
     corners_.clear();
-    if (!is_ascii_) {
+    const bool is_there = row_.begin_row();
+    if (row_.is_ascii()) {
+      mesh_.begin_line(input_.line_number());
+    } else {
       mesh_.begin_row(element.is_vertex ? "vertex" : element.is_face ? "face" : "element", k);
-      return;
     }
-    std::optional<std::string_view> line = input_.line();
-    while (line && line->find_first_not_of(" \t") == std::string_view::npos) line = input_.line();
-    mesh_.begin_line(input_.line_number());
-    if (!line) ends_early();
-    numbers_ = CloudNumbers(*line);
+    if (!is_there) ends_early();
   }
 
   void read_row(const CloudElement& element) {
@@ -75,23 +70,17 @@ class PlyMeshReader {
   }
 
   double next(Scalar type) {
-    if (is_ascii_) {
-      const std::optional<double> number = numbers_.next(type);
-      if (!number) mesh_.fail("has fewer numbers than properties, or something that is no number");
-      return *number;
-    }
-    const char* const data = input_.bytes(size_of(type));
-    if (data == nullptr) ends_early();
-    return decode(type, data, is_big_endian_);
+    const std::optional<double> number = row_.next(type);
+    if (number) return *number;
+    if (!row_.is_ascii()) ends_early();
+    mesh_.fail("has fewer numbers than properties, or something that is no number");
   }
 
   [[noreturn]] void ends_early() const { mesh_.fail("the file ends before all that its header names; is it whole?"); }
 
   CloudInput& input_;
   MeshBuilder& mesh_;
-  bool is_ascii_;
-  bool is_big_endian_;
-  CloudNumbers numbers_{{}};
+  RowValues row_;
   std::array<float, 3> vertex_{};
   std::vector<std::uint32_t> corners_;
 };

@@ -81,9 +81,4 @@ void MessageCursor::singles(std::vector<float>& values) {
   }
 }
 
-void MessageCursor::skip_singles() {
-  const std::size_t size = count(sizeof(float));
-  (void)take(size * sizeof(float));
-}
-
 }  // namespace gdtslam

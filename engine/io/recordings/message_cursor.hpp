@@ -42,7 +42,6 @@ class MessageCursor {
   /// The count of what follows, each of `least_bytes` at least. Throws RecordingFault where they cannot be there.
   std::size_t count(std::size_t least_bytes);
   void singles(std::vector<float>& values);
-  void skip_singles();
   [[nodiscard]] MessageEncoding encoding() const { return encoding_; }
 
  private:

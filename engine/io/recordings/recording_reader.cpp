@@ -331,20 +331,4 @@ std::unique_ptr<DescribedLog> open_ros2_bag(const std::string& path, const ReadO
                         is_folder ? "ROS 2 bag" : "ROS 2 bag, one file", path, options);
 }
 
-std::unique_ptr<DescribedLog> open_sqlite_bag(std::span<const std::byte> data, const std::string& name,
-                                              const ReadOptions& options) {
-  const std::string_view bytes(reinterpret_cast<const char*>(data.data()), data.size());
-  return read_recording([&] { return std::make_unique<SqliteBag>(bytes); }, "ROS 2 bag, one file", name, options);
-}
-
-std::unique_ptr<DescribedLog> open_bag(std::span<const std::byte> data, const std::string& name,
-                                       const ReadOptions& options) {
-  return open_bag(gunzip_if_packed(open_memory_source(data), name), name, options);
-}
-
-std::unique_ptr<DescribedLog> open_mcap(std::span<const std::byte> data, const std::string& name,
-                                        const ReadOptions& options) {
-  return open_mcap(gunzip_if_packed(open_memory_source(data), name), name, options);
-}
-
 }  // namespace gdtslam

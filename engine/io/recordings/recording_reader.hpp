@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
-#include <span>
 #include <string>
 #include <string_view>
 
@@ -17,10 +16,6 @@
 #include "gdtslam/core/stream.hpp"
 
 namespace gdtslam {
-
-/// A ROS 2 bag's SQLite file in memory, for tests; it is copied.
-std::unique_ptr<DescribedLog> open_sqlite_bag(std::span<const std::byte> data, const std::string& name,
-                                              const ReadOptions& options);
 
 /// Opens the container of a recording. Throws RecordingFault where it is none.
 using RecordingMaker = std::function<std::unique_ptr<Recording>()>;
@@ -40,11 +35,5 @@ std::unique_ptr<DescribedLog> open_mcap(std::unique_ptr<ByteSource> unpacked, co
 
 /// A ROS 2 bag: its folder, or one file of it (SQLite), packed or not.
 std::unique_ptr<DescribedLog> open_ros2_bag(const std::string& path, const ReadOptions& options);
-
-/// Likewise in memory, which must outlive the reader; packed by gzip or not.
-std::unique_ptr<DescribedLog> open_bag(std::span<const std::byte> data, const std::string& name,
-                                       const ReadOptions& options);
-std::unique_ptr<DescribedLog> open_mcap(std::span<const std::byte> data, const std::string& name,
-                                        const ReadOptions& options);
 
 }  // namespace gdtslam

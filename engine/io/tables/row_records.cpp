@@ -42,7 +42,7 @@ void require_finite(const TableRow& row) {
   }
 }
 
-std::vector<float> mended_ranges(const std::vector<double>& ranges_m, RowRepairs& repairs) {
+std::vector<float> mended_ranges(const std::vector<double>& ranges_m, RangeRepairs& repairs) {
   std::vector<float> mended;
   mended.reserve(ranges_m.size());
   for (const double range_m : ranges_m) {
@@ -55,7 +55,7 @@ std::vector<float> mended_ranges(const std::vector<double>& ranges_m, RowRepairs
 
 /// The nearest point of each bearing. What lies in the laser itself is no return.
 std::vector<float> ranges_of_points(const std::vector<double>& points_m, double first_rad, double step_rad,
-                                    RowRepairs& repairs) {
+                                    RangeRepairs& repairs) {
   if (points_m.size() % 2 != 0) throw MalformedRow("has points of an odd number of values: they are x and y in turn");
   std::vector<float> ranges_m(kPointBeams, kNoReturn_m);
   for (std::size_t k = 0; k + 1 < points_m.size(); k += 2) {
@@ -105,7 +105,7 @@ void RowRecords::set_bearings(LaserScan& scan) const {
   if (beams > 1 && scan.bearing_step_rad == 0.0) throw MalformedRow("has an angle_increment of 0 for several ranges");
 }
 
-ScanRecord RowRecords::scan_of(TableRow& row, RowRepairs& repairs) {
+ScanRecord RowRecords::scan_of(TableRow& row, RangeRepairs& repairs) {
   ScanRecord record;
   LaserScan& scan = record.scan;
   scan.stamp_s = *row[TableNumber::kStamp];
@@ -131,7 +131,7 @@ ScanRecord RowRecords::scan_of(TableRow& row, RowRepairs& repairs) {
   return record;
 }
 
-std::vector<LogRecord> RowRecords::records(TableRow& row, RowRepairs& repairs) {
+std::vector<LogRecord> RowRecords::records(TableRow& row, RangeRepairs& repairs) {
   std::vector<LogRecord> records;
   if (row.name) records.emplace_back(Parameter{*row.name, row.value});
   require_finite(row);

@@ -5,17 +5,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "engine/io/scan_sequence.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/io/log.hpp"
 #include "table_row.hpp"
 
 namespace gdtslam {
-
-/// What was mended in the ranges of a row.
-struct RowRepairs {
-  std::uint64_t not_a_number = 0;
-  std::uint64_t negative = 0;
-};
 
 /// The bearings of a scan that was a cloud of points: beams every 0.05 degrees, each with the nearest point within half
 /// a step; a point moves sideways by at most 0.44 mm for each metre of its range, and never along its beam.
@@ -26,10 +21,10 @@ class RowRecords {
   explicit RowRecords(const ReadOptions& options) : options_(options) {}
   /// The records of the row, one for each kind of thing that it says: the crank's before the scan or the odometry.
   /// Throws MalformedRow.
-  std::vector<LogRecord> records(TableRow& row, RowRepairs& repairs);
+  std::vector<LogRecord> records(TableRow& row, RangeRepairs& repairs);
 
  private:
-  ScanRecord scan_of(TableRow& row, RowRepairs& repairs);
+  ScanRecord scan_of(TableRow& row, RangeRepairs& repairs);
   void set_bearings(LaserScan& scan) const;
   [[nodiscard]] Pose2 mount() const;
 

@@ -8,7 +8,6 @@
 
 #include <cstddef>
 #include <memory>
-#include <span>
 #include <string>
 
 #include "engine/io/byte_source.hpp"
@@ -21,10 +20,6 @@ enum class TableKind : std::uint8_t { kCsv, kJsonLines };
 
 /// A log out of a source that was unpacked already. Throws InputError when it is empty.
 std::unique_ptr<DescribedLog> open_table(TableKind kind, std::unique_ptr<ByteSource> unpacked, const std::string& name,
-                                         const ReadOptions& options);
-
-/// A log in memory, which must outlive the reader; `name` stands in messages.
-std::unique_ptr<DescribedLog> open_table(TableKind kind, std::span<const std::byte> data, const std::string& name,
                                          const ReadOptions& options);
 
 }  // namespace gdtslam

@@ -9,7 +9,6 @@
 #include "engine/io/did_you_mean.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
-#include "mcap_writer.hpp"
 #include "ros_log.hpp"
 #include "table_log.hpp"
 
@@ -95,7 +94,7 @@ std::unique_ptr<LogWriter> make_log_writer(LogFormat format, const std::string& 
     case LogFormat::kMcap:
       break;
   }
-  return std::make_unique<RosLog>(std::make_unique<McapWriter>(file, packing));
+  return std::make_unique<RosLog>(file, packing);
 }
 
 }  // namespace gdtslam

@@ -1,5 +1,6 @@
 #include "mcap_writer.hpp"
 
+#include <fmt/format.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -27,6 +28,14 @@ enum class McapWritten : unsigned char {
   kDataEnd = 0x0f
 };
 
+/// Little endian, on every host.
+template <class Whole>
+void append_whole(std::string& bytes, Whole value) {
+  for (std::size_t k = 0; k < sizeof(Whole); ++k) {
+    bytes += static_cast<char>((static_cast<std::uint64_t>(value) >> (8U * k)) & 0xffU);
+  }
+}
+
 void append_mcap_text(std::string& bytes, std::string_view text) {
   append_whole(bytes, static_cast<std::uint32_t>(text.size()));
   bytes += text;
@@ -40,6 +49,15 @@ std::string mcap_record(McapWritten opcode, std::string_view content) {
 
 unsigned long checksum_of(std::string_view bytes, unsigned long before = 0) {
   return crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
+}
+
+/// How ROS 2 names the quality of service of a topic: reliable; latched ones keep their last message.
+std::string ros2_service_quality(bool is_latched) {
+  constexpr std::string_view kForever = "\n    sec: 9223372036\n    nsec: 854775807\n";
+  return fmt::format(
+      "- history: 1\n  depth: {}\n  reliability: 1\n  durability: {}\n  deadline:{}  lifespan:{}  liveliness: 1\n"
+      "  liveliness_lease_duration:{}  avoid_ros_namespace_conventions: false",
+      is_latched ? 1 : 10, is_latched ? 1 : 2, kForever, kForever, kForever);
 }
 
 }  // namespace

@@ -12,18 +12,20 @@
 
 #include "engine/io/logs/gzip_file.hpp"
 #include "log_writer.hpp"
-#include "ros_container.hpp"
+#include "ros_messages.hpp"
 
 namespace gdtslam {
 
-class McapWriter final : public RosContainer {
+class McapWriter {
  public:
   /// `file` must outlive this.
   McapWriter(AtomicFile& file, ChunkPacking packing);
-  std::uint32_t add_channel(const std::string& topic, RosType type, bool is_latched) override;
-  void add(std::uint32_t channel, std::int64_t received_ns, std::string_view message) override;
-  void finish() override;
-  [[nodiscard]] std::uint64_t bytes() const override { return sink_.bytes(); }
+  /// The number by which add() knows it. Who plays a latched topic gives its last message to every late listener.
+  std::uint32_t add_channel(const std::string& topic, RosType type, bool is_latched);
+  /// The message as it is, with the time when it came. Throws FileError, as finish() does.
+  void add(std::uint32_t channel, std::int64_t received_ns, std::string_view message);
+  void finish();
+  [[nodiscard]] std::uint64_t bytes() const { return sink_.bytes(); }
 
  private:
   struct Channel {

@@ -50,7 +50,7 @@ bool RosLog::is_stamp_possible(double stamp_s) {
 std::uint32_t RosLog::channel(const std::string& topic, RosType type, bool is_latched) {
   const auto known = channels_.find(topic);
   if (known != channels_.end()) return known->second;
-  return channels_.emplace(topic, container_->add_channel(topic, type, is_latched)).first->second;
+  return channels_.emplace(topic, container_.add_channel(topic, type, is_latched)).first->second;
 }
 
 std::int64_t RosLog::received_ns(double stamp_s) {
@@ -68,8 +68,8 @@ void RosLog::write_mount(const ScanRecord& record, const std::string& frame) {
   }
   mounts_[record.laser] = mount;
   const RosTransform T{{record.scan.stamp_s, kBaseFrame}, frame, mount};
-  container_->add(channel("/tf_static", RosType::kTransforms, true), received_ns(record.scan.stamp_s),
-                  ros_transforms({&T, 1}));
+  container_.add(channel("/tf_static", RosType::kTransforms, true), received_ns(record.scan.stamp_s),
+                 ros_transforms({&T, 1}));
 }
 
 void RosLog::write_odometry(const Odometry& odometry) {
@@ -81,8 +81,8 @@ void RosLog::write_odometry(const Odometry& odometry) {
   last_ = odometry;
   const RosTransform pose{{odometry.stamp_s, kOdomFrame}, kBaseFrame, odometry.T_odom_base};
   const std::int64_t now_ns = received_ns(odometry.stamp_s);
-  container_->add(channel("/odom", RosType::kOdometry), now_ns, ros_odometry(pose, speed_));
-  container_->add(channel("/tf", RosType::kTransforms), now_ns, ros_transforms({&pose, 1}));
+  container_.add(channel("/odom", RosType::kOdometry), now_ns, ros_odometry(pose, speed_));
+  container_.add(channel("/tf", RosType::kTransforms), now_ns, ros_transforms({&pose, 1}));
 }
 
 void RosLog::write_scan(const ScanRecord& record) {
@@ -93,8 +93,8 @@ void RosLog::write_scan(const ScanRecord& record) {
   const auto before = scan_stamps_s_.find(record.laser);
   const double scan_time_s = before == scan_stamps_s_.end() ? 0.0 : std::max(0.0, scan.stamp_s - before->second);
   scan_stamps_s_[record.laser] = scan.stamp_s;
-  container_->add(channel(numbered("/scan", record.laser), RosType::kLaserScan), received_ns(scan.stamp_s),
-                  ros_laser_scan(scan, frame, scan_time_s));
+  container_.add(channel(numbered("/scan", record.laser), RosType::kLaserScan), received_ns(scan.stamp_s),
+                 ros_laser_scan(scan, frame, scan_time_s));
 }
 
 // Its message has no stamp: only the time when it came says when it was.
@@ -104,22 +104,14 @@ bool RosLog::write_encoder(const Encoder& encoder) {
     leave_out("crank beyond 32 bits", std::to_string(encoder.ticks));
     return false;
   }
-  container_->add(channel("/crank", RosType::kInt32), ros_time_ns(encoder.stamp_s),
-                  ros_int32(static_cast<std::int32_t>(encoder.ticks)));
+  container_.add(channel("/crank", RosType::kInt32), ros_time_ns(encoder.stamp_s),
+                 ros_int32(static_cast<std::int32_t>(encoder.ticks)));
   return true;
 }
 
 void RosLog::write_tilt(const Tilt& tilt) {
-  container_->add(channel("/tilt", RosType::kJointState), received_ns(tilt.stamp_s),
-                  ros_joint_state({tilt.stamp_s, kBaseFrame}, "tilt", tilt.elevation_rad));
-}
-
-std::string ros2_service_quality(bool is_latched) {
-  constexpr std::string_view kForever = "\n    sec: 9223372036\n    nsec: 854775807\n";
-  return fmt::format(
-      "- history: 1\n  depth: {}\n  reliability: 1\n  durability: {}\n  deadline:{}  lifespan:{}  liveliness: 1\n"
-      "  liveliness_lease_duration:{}  avoid_ros_namespace_conventions: false",
-      is_latched ? 1 : 10, is_latched ? 1 : 2, kForever, kForever, kForever);
+  container_.add(channel("/tilt", RosType::kJointState), received_ns(tilt.stamp_s),
+                 ros_joint_state({tilt.stamp_s, kBaseFrame}, "tilt", tilt.elevation_rad));
 }
 
 }  // namespace gdtslam

@@ -6,21 +6,21 @@
 
 #include <cstdint>
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
 
 #include "log_writer.hpp"
-#include "ros_container.hpp"
+#include "mcap_writer.hpp"
 
 namespace gdtslam {
 
 class RosLog final : public LogWriter {
  public:
-  explicit RosLog(std::unique_ptr<RosContainer> container) : container_(std::move(container)) {}
+  /// `file` must outlive this.
+  RosLog(AtomicFile& file, ChunkPacking packing) : container_(file, packing) {}
   bool write(const LogRecord& record) override;
-  void finish() override { container_->finish(); }
-  [[nodiscard]] std::uint64_t bytes() const override { return container_->bytes(); }
+  void finish() override { container_.finish(); }
+  [[nodiscard]] std::uint64_t bytes() const override { return container_.bytes(); }
 
  private:
   void write_scan(const ScanRecord& record);
@@ -34,7 +34,7 @@ class RosLog final : public LogWriter {
   /// The time at which a robot would have got what is stamped so: never before what it got already.
   std::int64_t received_ns(double stamp_s);
 
-  std::unique_ptr<RosContainer> container_;
+  McapWriter container_;
   std::map<std::string, std::uint32_t> channels_;
   std::map<std::size_t, Pose2> mounts_;  ///< told last, by laser
   std::map<std::size_t, double> scan_stamps_s_;

@@ -1,7 +1,7 @@
 #include "checked_yaml.hpp"
 
 #include <algorithm>
-#include <set>
+#include <map>
 #include <utility>
 
 #include "engine/io/did_you_mean.hpp"
@@ -110,71 +110,53 @@ std::vector<YamlValue> YamlValue::entries() const {
   return values;
 }
 
-YamlMapping::YamlMapping(const YamlValue& value) : value_(value) {
-  if (!value.is_mapping()) {
-    value.refuse("keys with values are expected here");
+void YamlValue::refuse_below(const std::string& fault) const {
+  constexpr std::string_view kKeyCharacters = "abcdefghijklmnopqrstuvwxyz_";
+  YAML::Node place = node_;
+  std::string_view rest = fault;
+  while (place.IsMap()) {
+    const std::size_t end = std::min(rest.find_first_not_of(kKeyCharacters), rest.size());
+    const YAML::Node& mapping = place;  // the const operator adds no key
+    const YAML::Node below = mapping[std::string(rest.substr(0, end))];
+    if (!below.IsDefined()) break;
+    place.reset(below);
+    rest.remove_prefix(std::min(rest.find_first_of(kKeyCharacters, end), rest.size()));
   }
-  std::set<std::string> seen;
+  YamlValue(place, file_, "").refuse(fault);
+}
+
+std::set<std::string> read_fields(const YamlValue& value, const std::vector<YamlField>& fields) {
+  if (!value.is_mapping()) value.refuse("keys with values are expected here");
+  std::map<std::string, YamlValue> given;
   for (const auto& entry : value.node()) {
-    const YamlValue key(entry.first, value.file(), value.name());
-    if (!seen.insert(key.text()).second) {
-      key.refuse("the key '" + key.text() + "' stands twice");
+    const YamlValue at_key(entry.first, value.file(), value.name());
+    const std::string key = at_key.text();
+    if (given.contains(key)) at_key.refuse("the key '" + key + "' stands twice");
+    const auto is_key = [&key](const YamlField& field) { return key == field.key; };
+    if (std::none_of(fields.begin(), fields.end(), is_key)) {
+      std::vector<std::string> known;
+      for (const YamlField& field : fields) known.emplace_back(field.key);
+      at_key.refuse("unknown key '" + key + "'" + did_you_mean(key, known));
+    }
+    if (entry.second.IsNull()) at_key.refuse("the key '" + key + "' has no value");  // which has no place of its own
+    given.emplace(key, YamlValue(entry.second, value.file(), value.name().empty() ? key : value.name() + "." + key));
+  }
+  std::set<std::string> keys;
+  for (const YamlField& field : fields) {
+    const auto found = given.find(field.key);
+    if (found != given.end()) {
+      field.read(found->second);
+      keys.insert(field.key);
+    } else if (field.is_required) {
+      value.refuse("the key '" + std::string(field.key) + "' is missing");
     }
   }
+  return keys;
 }
 
-std::optional<YamlValue> YamlMapping::find(const std::string& key) {
-  asked_.push_back(key);
-  for (const auto& entry : value_.node()) {
-    if (entry.first.Scalar() != key) {
-      continue;
-    }
-    if (entry.second.IsNull()) {
-      // An empty value has no place of its own in the file.
-      YamlValue(entry.first, value_.file(), value_.name()).refuse("the key '" + key + "' has no value");
-    }
-    return YamlValue(entry.second, value_.file(), value_.name().empty() ? key : value_.name() + "." + key);
-  }
-  return std::nullopt;
-}
-
-YamlValue YamlMapping::require(const std::string& key) {
-  const std::optional<YamlValue> value = find(key);
-  if (!value) {
-    value_.refuse("the key '" + key + "' is missing");
-  }
-  return *value;
-}
-
-void YamlMapping::read(const std::string& key, const Quantity& quantity, double& value) {
-  if (const std::optional<YamlValue> given = find(key)) {
-    value = given->number(quantity);
-  }
-}
-
-void YamlMapping::read(const std::string& key, bool& value) {
-  if (const std::optional<YamlValue> given = find(key)) {
-    value = given->flag();
-  }
-}
-
-void YamlMapping::read(const std::string& key, std::string& value) {
-  if (const std::optional<YamlValue> given = find(key)) {
-    value = given->text();
-  }
-}
-
-std::vector<YamlValue> YamlMapping::list(const std::string& key) {
-  const std::optional<YamlValue> given = find(key);
-  return given ? given->entries() : std::vector<YamlValue>();
-}
-
-void YamlMapping::finish() const {
-  for (const auto& entry : value_.node()) {
-    const YamlValue key(entry.first, value_.file(), value_.name());
-    if (std::find(asked_.begin(), asked_.end(), key.text()) == asked_.end()) {
-      key.refuse("unknown key '" + key.text() + "'" + did_you_mean(key.text(), asked_));
-    }
+void require_version_1(const YamlValue& version) {
+  if (version.text() != "1") {
+    version.refuse("version '" + version.text() + "' is not known; this program reads version 1");
   }
 }
 

@@ -1,14 +1,16 @@
-// Reading YAML so that nothing in it is ignored: a mapping hands out its keys one by one and, when it is finished with,
-// refuses those that nobody asked for, naming the nearest one that somebody did. Every message has file and line.
+// Reading YAML so that nothing in it is ignored: a mapping is read by a table of its fields, and a key that the table
+// does not have is refused, naming the nearest one that it has. Every message has file and line.
 // Quantities carry their unit ("5 cm", "2 deg/s"); a bare number is in metres, seconds or hertz, but an angle needs its
 // unit, because 90 is rather meant in degrees. Not thread-safe.
 #pragma once
 
+#include <concepts>
 #include <cstddef>
-#include <limits>
-#include <optional>
+#include <functional>
+#include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <yaml-cpp/yaml.h>
@@ -48,6 +50,9 @@ class YamlValue {
   [[nodiscard]] const std::string& name() const { return name_; }
   /// Throws ConfigError at this value.
   [[noreturn]] void refuse(const std::string& fault) const;
+  /// The same at the key below that the fault begins with, "bars.crank = ..." or "recording: scan_rate ...", as far as
+  /// the file has it.
+  [[noreturn]] void refuse_below(const std::string& fault) const;
   /// Throws ConfigError at this value when there is a fault.
   void require_none(const std::vector<std::string>& faults) const;
 
@@ -59,25 +64,35 @@ class YamlValue {
   std::string name_;
 };
 
-/// A mapping whose keys are all accounted for. Call finish() after the last key was asked for.
-class YamlMapping {
- public:
-  explicit YamlMapping(const YamlValue& value);
+/// A key of a mapping, and where its value goes. What is not given stays as it is.
+struct YamlField {
+  using Read = std::function<void(const YamlValue&)>;
 
-  [[nodiscard]] std::optional<YamlValue> find(const std::string& key);
-  [[nodiscard]] YamlValue require(const std::string& key);
-  /// The value of the key where it is given, else what `value` holds stays.
-  void read(const std::string& key, const Quantity& quantity, double& value);
-  void read(const std::string& key, bool& value);
-  void read(const std::string& key, std::string& value);
-  /// The entries of the list of that name; none when it is absent.
-  [[nodiscard]] std::vector<YamlValue> list(const std::string& key);
-  void finish() const;
-  [[nodiscard]] const YamlValue& value() const { return value_; }
+  YamlField(const char* name, const Quantity& quantity, double& target)
+      : YamlField(name, [quantity, &target](const YamlValue& value) { target = value.number(quantity); }) {}
+  YamlField(const char* name, bool& target)
+      : YamlField(name, [&target](const YamlValue& value) { target = value.flag(); }) {}
+  YamlField(const char* name, std::string& target)
+      : YamlField(name, [&target](const YamlValue& value) { target = value.text(); }) {}
+  YamlField(const char* name, Point2& target)
+      : YamlField(name, [&target](const YamlValue& value) { target = value.point(); }) {}
+  template <std::invocable<const YamlValue&> Reader>
+  YamlField(const char* name, Reader reader) : key(name), read(std::move(reader)) {}
 
- private:
-  YamlValue value_;
-  std::vector<std::string> asked_;
+  const char* key;
+  Read read;
+  bool is_required = false;
 };
+inline YamlField required(YamlField field) {
+  field.is_required = true;
+  return field;
+}
+
+/// Reads a mapping by its fields, in their order; returns the keys that are given. Throws ConfigError for a key that is
+/// in no field, given twice or without a value, and for a missing one that is required.
+std::set<std::string> read_fields(const YamlValue& value, const std::vector<YamlField>& fields);
+
+/// The value of the key that names a format. Throws ConfigError for another version than 1.
+void require_version_1(const YamlValue& version);
 
 }  // namespace gdtslam

@@ -96,7 +96,6 @@ std::string read_text(const std::string& path, std::size_t most_bytes) {
 
 template <class Failure>
 YAML::Node parse_yaml(const std::string& text, const std::string& name) {
-  constexpr std::string_view kGzipMagic = "\x1f\x8b";
   for (const std::string_view magic : {kGzipMagic, kBzip2Magic, kXzMagic, kZstdMagic}) {
     if (text.starts_with(magic)) throw Failure({name, 0}, "is a packed file and no YAML; unpack it first");
   }

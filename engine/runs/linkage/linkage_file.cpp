@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <set>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -27,100 +29,66 @@ constexpr Quantity kAngle{Unit::kRadian};
 constexpr Quantity kFrequency{Unit::kNone, "Hz"};
 constexpr Quantity kShare{Unit::kShare};
 
-// Reads a linkage and remembers where each value stood, so that a fault of the whole model is reported at its line.
+/// Reads a linkage; a fault of the whole model is reported at the line of the key that it names.
 class LinkageReader {
  public:
   LinkageReader(const std::string& text, const std::string& file)
-      : root_(YamlValue(parse_yaml<ConfigError>(text, file), file, "")), file_(file) {}
+      : root_(parse_yaml<ConfigError>(text, file), file, ""), file_(file) {}
 
   LinkageFile read() {
-    const YamlValue version = root_.require("gdtslam_linkage");
-    if (version.text() != "1") {
-      version.refuse("version '" + version.text() + "' is not known; this program reads version 1");
-    }
-    read_bars();
+    SweepModel start;
+    start.name = std::filesystem::path(file_).stem().string();
+    std::string description;
+    const auto keep = [this](const YamlValue& section) { sections_.emplace(section.name(), section); };
+    read_fields(root_, {required({"gdtslam_linkage", require_version_1}),
+                        {"preset", [&](const YamlValue& preset) { start = of_preset(preset); }},
+                        {"name", start.name},
+                        {"description", description},
+                        {"assembly", [&](const YamlValue& name) { start.assembly = assembly_named(name); }},
+                        {"bars", keep},
+                        {"encoder", keep},
+                        {"elevation", keep},
+                        {"mount", keep},
+                        {"laser", keep},
+                        {"uncertainty", keep}});
+    read_bars(root_.node()["preset"].IsDefined(), start);
     read_encoder();
     read_elevation();
-    read_mount();
-    read_laser();
+    read_mount_and_laser();
     read_uncertainty();
-    std::string description;
-    root_.read("description", description);
-    root_.finish();
     refuse_first(validate(linkage_.model));
     return std::move(linkage_);
   }
 
  private:
-  struct Place {
-    std::string path;
-    YamlValue value;
-  };
-
-  [[noreturn]] void refuse_at(const YamlValue& value, const std::string& fault) const {
-    YamlValue(value.node(), file_, "").refuse(fault);  // the fault names its path itself
-  }
-
-  // At the value that the fault begins with, else at its section.
   void refuse_first(const std::vector<std::string>& faults) const {
-    if (faults.empty()) return;
-    const Place* nearest = nullptr;
-    for (const Place& place : places_) {
-      const bool is_named = faults.front().starts_with(place.path);
-      if (is_named && (nearest == nullptr || place.path.size() > nearest->path.size())) nearest = &place;
-    }
-    refuse_at(nearest != nullptr ? nearest->value : root_.value(), faults.front());
+    if (!faults.empty()) root_.refuse_below(faults.front());
   }
 
-  std::optional<YamlValue> find(YamlMapping& section, const std::string& key) {
-    std::optional<YamlValue> value = section.find(key);
-    if (value) places_.push_back({value->name(), *value});
-    return value;
+  /// The keys of a section that are given; none where the file has no such section.
+  std::set<std::string> read_section(const char* name, const std::vector<YamlField>& fields) const {
+    const auto section = sections_.find(name);
+    return section == sections_.end() ? std::set<std::string>() : read_fields(section->second, fields);
   }
 
-  bool read_into(YamlMapping& section, const std::string& key, const Quantity& quantity, double& target) {
-    const std::optional<YamlValue> value = find(section, key);
-    if (value) target = value->number(quantity);
-    return value.has_value();
+  static YamlField whole_field(const char* key, std::int64_t& target) {
+    return {key, [&target](const YamlValue& value) {
+              constexpr double kMost = 1e15;
+              const double number = value.number({});
+              if (!(number >= -kMost && number <= kMost) ||
+                  number != static_cast<double>(static_cast<std::int64_t>(number))) {
+                value.refuse("'" + value.text() + "' is not a whole number");
+              }
+              target = static_cast<std::int64_t>(number);
+            }};
   }
 
-  void read_whole(YamlMapping& section, const std::string& key, std::int64_t& target) {
-    constexpr double kMost = 1e15;
-    const std::optional<YamlValue> value = find(section, key);
-    if (!value) return;
-    const double number = value->number({});
-    if (!(number >= -kMost && number <= kMost) || number != static_cast<double>(static_cast<std::int64_t>(number))) {
-      value->refuse("'" + value->text() + "' is not a whole number");
-    }
-    target = static_cast<std::int64_t>(number);
-  }
-
-  void read_sign(YamlMapping& section, const std::string& key, int& sign) {
-    const std::optional<YamlValue> value = find(section, key);
-    if (!value) return;
-    const double number = value->number({});
-    if (number != 1.0 && number != -1.0) value->refuse("'" + value->text() + "' must be 1 or -1");
-    sign = number > 0.0 ? 1 : -1;
-  }
-
-  // The lengths decide what everything else is unless the file says so: tick 0 and elevation 0 at the lowest dead
-  // point, lifting the slow stroke.
-  void read_bars() {
-    const std::optional<YamlValue> preset = find(root_, "preset");
-    SweepModel start;
-    start.name = std::filesystem::path(file_).stem().string();
-    if (preset) start = of_preset(*preset);
-    root_.read("name", start.name);
-    read_assembly(start.assembly);
-    if (const std::optional<YamlValue> value = find(root_, "bars")) {
-      read_lengths(*value, preset.has_value(), start.bars);
-    } else if (!preset) {
-      refuse_at(root_.value(), "bars is missing; give the lengths of crank, coupler, rocker and ground, or a preset");
-    }
-    SweepModel bars_only;
-    bars_only.bars = start.bars;
-    refuse_first(validate(bars_only));
-    linkage_.model = set_up(start);
+  static YamlField sign_field(const char* key, int& sign) {
+    return {key, [&sign](const YamlValue& value) {
+              const double number = value.number({});
+              if (number != 1.0 && number != -1.0) value.refuse("'" + value.text() + "' must be 1 or -1");
+              sign = number > 0.0 ? 1 : -1;
+            }};
   }
 
   static SweepModel of_preset(const YamlValue& preset) {
@@ -131,32 +99,35 @@ class LinkageReader {
     }
   }
 
-  void read_assembly(Assembly& assembly) {
-    const std::optional<YamlValue> value = find(root_, "assembly");
-    if (!value) return;
-    const std::string name = value->text();
+  static Assembly assembly_named(const YamlValue& value) {
+    const std::string name = value.text();
     if (name != "open" && name != "crossed") {
-      value->refuse("unknown assembly '" + name + "'" + did_you_mean(name, {"open", "crossed"}) +
-                    "; it is open or crossed");
+      value.refuse("unknown assembly '" + name + "'" + did_you_mean(name, {"open", "crossed"}) +
+                   "; it is open or crossed");
     }
-    assembly = name == "open" ? Assembly::kOpen : Assembly::kCrossed;
+    return name == "open" ? Assembly::kOpen : Assembly::kCrossed;
   }
 
-  void read_lengths(const YamlValue& value, bool has_preset, calib::FourBar& bars) {
-    YamlMapping section(value);
-    const std::array<std::pair<const char*, double*>, 4> lengths{{{"crank", &bars.crank_m},
-                                                                  {"coupler", &bars.coupler_m},
-                                                                  {"rocker", &bars.rocker_m},
-                                                                  {"ground", &bars.ground_m}}};
-    std::string missing;
-    for (const auto& [name, length] : lengths) {
-      if (!read_into(section, name, kLength, *length) && missing.empty()) missing = name;
+  // The lengths decide what everything else is unless the file says so: tick 0 and elevation 0 at the lowest dead
+  // point, lifting the slow stroke.
+  void read_bars(bool has_preset, SweepModel& start) {
+    calib::FourBar& bars = start.bars;
+    const std::set<std::string> given = read_section("bars", {{"crank", kLength, bars.crank_m},
+                                                              {"coupler", kLength, bars.coupler_m},
+                                                              {"rocker", kLength, bars.rocker_m},
+                                                              {"ground", kLength, bars.ground_m}});
+    if (!has_preset && !sections_.contains("bars")) {
+      root_.refuse("bars is missing; give the lengths of crank, coupler, rocker and ground, or a preset");
     }
-    section.finish();  // a misspelt bar is named as that
-    if (!has_preset && !missing.empty()) {
-      refuse_at(value,
-                "bars." + missing + " is missing; give its length with its unit, as in '" + missing + ": 8.5 cm'");
+    for (const std::string missing : {"crank", "coupler", "rocker", "ground"}) {
+      if (has_preset || given.contains(missing)) continue;
+      root_.refuse_below("bars." + missing + " is missing; give its length with its unit, as in '" + missing +
+                         ": 8.5 cm'");
     }
+    SweepModel bars_only;
+    bars_only.bars = bars;
+    refuse_first(validate(bars_only));
+    linkage_.model = set_up(start);
   }
 
   // Where the bars are no crank-rocker nothing can be supposed, and the file has to say it all.
@@ -174,80 +145,58 @@ class LinkageReader {
 
   void require_without_set_up(bool is_given, const std::string& path) const {
     if (is_given || set_up_fault_.empty()) return;
-    refuse_first({"bars: " + set_up_fault_ + " (or give " + path + " too)"});
+    root_.refuse_below("bars: " + set_up_fault_ + " (or give " + path + " too)");
   }
 
   void read_encoder() {
     calib::CrankEncoder& encoder = linkage_.model.encoder;
-    bool has_zero = false;
-    if (const std::optional<YamlValue> value = find(root_, "encoder")) {
-      YamlMapping section(*value);
-      read_whole(section, "ticks_per_turn", encoder.ticks_per_turn);
-      has_zero = read_into(section, "zero", kAngle, encoder.zero_rad);
-      read_sign(section, "direction", encoder.direction);
-      section.read("wraps", encoder.wraps);
-      section.finish();
-    }
-    require_without_set_up(has_zero, "encoder.zero");
+    const std::set<std::string> given = read_section("encoder", {whole_field("ticks_per_turn", encoder.ticks_per_turn),
+                                                                 {"zero", kAngle, encoder.zero_rad},
+                                                                 sign_field("direction", encoder.direction),
+                                                                 {"wraps", encoder.wraps}});
+    require_without_set_up(given.contains("zero"), "encoder.zero");
   }
 
   void read_elevation() {
     SweepModel& model = linkage_.model;
-    bool has_offset = false;
     const int usual_sign = model.elevation_sign;
-    if (const std::optional<YamlValue> value = find(root_, "elevation")) {
-      YamlMapping section(*value);
-      read_sign(section, "sign", model.elevation_sign);
-      has_offset = read_into(section, "offset", kAngle, model.elevation_offset_rad);
-      section.finish();
-      if (!has_offset && model.elevation_sign != usual_sign) {
-        refuse_at(*value, "elevation.offset is missing; with this sign nothing can be supposed for it");
-      }
+    const std::set<std::string> given = read_section(
+        "elevation", {sign_field("sign", model.elevation_sign), {"offset", kAngle, model.elevation_offset_rad}});
+    const bool has_offset = given.contains("offset");
+    if (!has_offset && model.elevation_sign != usual_sign) {
+      root_.refuse_below("elevation.offset is missing; with this sign nothing can be supposed for it");
     }
     require_without_set_up(has_offset, "elevation.offset");
   }
 
-  void read_mount() {
-    const std::optional<YamlValue> value = find(root_, "mount");
-    if (!value) return;
+  void read_mount_and_laser() {
     NoddingMount& mount = linkage_.model.mount;
-    YamlMapping section(*value);
-    read_into(section, "height", kLength, mount.height_m);
-    read_into(section, "lever_forward", kLength, mount.lever_forward_m);
-    read_into(section, "lever_up", kLength, mount.lever_up_m);
-    read_into(section, "roll", kAngle, mount.sensor_roll_rad);
-    read_into(section, "yaw", kAngle, mount.sensor_yaw_rad);
-    section.finish();
-  }
-
-  void read_laser() {
-    const std::optional<YamlValue> value = find(root_, "laser");
-    if (!value) return;
-    YamlMapping section(*value);
-    read_into(section, "mirror_rate", kFrequency, linkage_.model.mirror_rate_hz);
-    read_into(section, "stamp", kShare, linkage_.model.stamp_share);
-    section.finish();
+    read_section("mount", {{"height", kLength, mount.height_m},
+                           {"lever_forward", kLength, mount.lever_forward_m},
+                           {"lever_up", kLength, mount.lever_up_m},
+                           {"roll", kAngle, mount.sensor_roll_rad},
+                           {"yaw", kAngle, mount.sensor_yaw_rad}});
+    read_section("laser", {{"mirror_rate", kFrequency, linkage_.model.mirror_rate_hz},
+                           {"stamp", kShare, linkage_.model.stamp_share}});
   }
 
   void read_uncertainty() {
-    const std::optional<YamlValue> value = root_.find("uncertainty");
-    if (!value) return;
-    YamlMapping section(*value);
+    std::vector<YamlField> fields;
     for (const LinkageParameter& parameter : kLinkageParameters) {
-      const std::optional<YamlValue> given = section.find(parameter.name);
-      if (!given) continue;
-      const double sigma = given->number({parameter.unit});
-      if (!(sigma >= 0.0)) given->refuse("a standard deviation is not negative");
-      linkage_.uncertainty.push_back({parameter.name, sigma});
+      fields.emplace_back(parameter.name, [this, parameter](const YamlValue& given) {
+        const double sigma = given.number({parameter.unit});
+        if (!(sigma >= 0.0)) given.refuse("a standard deviation is not negative");
+        linkage_.uncertainty.push_back({parameter.name, sigma});
+      });
     }
-    section.finish();
+    read_section("uncertainty", fields);
   }
 
-  YamlMapping root_;
+  YamlValue root_;
+  std::map<std::string, YamlValue> sections_;
   std::string file_;
   std::string set_up_fault_;  ///< why the bars are no crank-rocker; empty when they are
   LinkageFile linkage_;
-  std::vector<Place> places_;
 };
 
 std::string preset_names() {

@@ -123,23 +123,6 @@ def cdr_of_many(count):
     return b"\0\1\0\0" + struct.pack("<I", count)
 
 
-def cdr_joints(names):
-    return b"\0\1\0\0" + struct.pack("<iI", 1, 0) + struct.pack("<I", 1) + bytes(4) + struct.pack("<I", names)
-
-
-def many_bag_connections(count):
-    def connection(k):
-        fields = [(b"topic", b"/scan"), (b"type", b"sensor_msgs/LaserScan"), (b"md5sum", b"*"), (b"message_definition", b"")]
-        content = b"".join(struct.pack("<I", len(key) + 1 + len(value)) + key + b"=" + value for key, value in fields)
-        return bag_record([(b"op", b"\x07"), (b"conn", struct.pack("<I", k)), (b"topic", b"/scan%d" % k)], content)
-
-    return ros1_bag(*[connection(k) for k in range(count)])
-
-
-def bag_header_of_4_gib():
-    return b"#ROSBAG V2.0\n" + struct.pack("<I", 0xFFFFFFFF) + bytes(100)
-
-
 def sqlite_of_many_topics(folder):
     path = folder / "bag_0.db3"
     with sqlite3.connect(path) as database:
@@ -204,10 +187,8 @@ def ros2_folder_of_files(folder):
 
 BOMBS = [
     Bomb("MCAP chunk of zstd that states 4 EiB", log_of("log.mcap", lambda: mcap(mcap_chunk(b"zstd", 1 << 62, packed_by_zstd(bytes(NEWLINES))))), 65, "log.mcap"),
-    Bomb("MCAP chunk of zstd that states 1 byte", log_of("log.mcap", lambda: mcap(mcap_chunk(b"zstd", 1, packed_by_zstd(bytes(NEWLINES))))), 65, "log.mcap"),
     Bomb("MCAP record of 4 EiB in zstd of zeros", log_of("log.mcap", lambda: mcap(mcap_chunk(b"zstd", 4 * NEWLINES, packed_by_zstd(mcap_record(0x05, bytes(22), 1 << 62) + bytes(4 * NEWLINES - 31))))), 65, "log.mcap", 300),
     Bomb("MCAP chunk longer than the file", log_of("log.mcap", lambda: mcap(mcap_chunk(b"", 1 << 62, bytes(100), 1 << 62))), 65, "log.mcap"),
-    Bomb("CDR text of 4 GiB", log_of("log.mcap", lambda: mcap_scan(cdr_scan(name_length=0xFFFFFFFF))), 65, "log.mcap"),
     Bomb("CDR of 4,000,000,000 beams", log_of("log.mcap", lambda: mcap_scan(cdr_scan(beams=0xFFFFFFF0))), 65, "log.mcap"),
     Bomb("bag chunk of bzip2 that states 4 GiB", log_of("log.bag", lambda: ros1_bag(bag_chunk(b"bz2", 0xFFFFFFFF, bz2.compress(bytes(NEWLINES))))), 65, "log.bag"),
     Bomb("bag record of 4 GiB", log_of("log.bag", lambda: ros1_bag(bag_record([(b"op", b"\x02")], b"", 0xFFFFFFFF))), 65, "log.bag"),
@@ -217,14 +198,10 @@ BOMBS = [
     Bomb("MCAP of 60,000 channels", log_of("log.mcap", lambda: many_mcap_channels(60_000)), 65, "log.mcap", 200),
     Bomb("MCAP chunks of zstd, 60,000 of nothing", log_of("log.mcap", lambda: mcap(*[mcap_chunk(b"zstd", 0, packed_by_zstd(b""))] * 60_000)), 65, "log.mcap"),
     Bomb("CDR of 4,000,000,000 transforms", log_of("log.mcap", lambda: mcap_message(b"tf2_msgs/msg/TFMessage", cdr_of_many(0xFFFFFFF0))), 65, "log.mcap"),
-    Bomb("CDR of 4,000,000,000 joints", log_of("log.mcap", lambda: mcap_message(b"sensor_msgs/msg/JointState", cdr_joints(0xFFFFFFF0))), 65, "log.mcap"),
-    Bomb("bag header of 4 GiB", log_of("log.bag", bag_header_of_4_gib), 65, "log.bag"),
-    Bomb("bag of 60,000 connections", log_of("log.bag", lambda: many_bag_connections(60_000)), 65, "log.bag", 200),
-    Bomb("bag chunk of lz4 of zeros", log_of("log.bag", lambda: ros1_bag(bag_chunk(b"lz4", 1 << 28, lz4_frame(64)))), 65, "log.bag"),
     Bomb("SQLite of 300,000 topics", sqlite_of_many_topics, 65, "bag_0.db3", 200),
     Bomb("SQLite message of 512 MB of zeros", sqlite_of_zeros, 65, "bag_0.db3"),
     Bomb("SQLite that computes its rows", sqlite_that_computes, 65, "bag_0.db3: has a computed column"),
-    Bomb("SQLite of 3 GiB of zeros in zstd", log_of("bag_0.db3.zst", lambda: packed_sqlite(24_576)), 65, "unpacks to more than 100 times", 300),
+    Bomb("SQLite of 3 GiB of zeros in zstd", log_of("bag_0.db3.zst", lambda: packed_sqlite(24_576)), 65, "as no measured data do", 300),
     Bomb("ROS 2 folder of aliases", ros2_folder_of_aliases, 65, "metadata.yaml|ros_2_folder"),
     Bomb("ROS 2 folder that names a file 50,000 times", ros2_folder_of_files, 65, "ros_2_folder", 100, 10),
 ]

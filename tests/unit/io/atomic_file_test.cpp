@@ -16,7 +16,6 @@ namespace gdtslam {
 namespace {
 
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 using ::testing::UnorderedElementsAre;
 
 TEST(AtomicFile, WritesTheBytes) {
@@ -36,21 +35,6 @@ TEST(AtomicFile, WritesTheBytes) {
   }
   EXPECT_EQ(get_file(folder / "a.txt"), expected);
   EXPECT_THAT(folder.names(), ElementsAre("a.txt"));
-}
-
-TEST(AtomicFile, NoDescriptorStaysOpen) {
-  const TemporaryFolder folder;
-  const auto open_now = [] {
-    const std::filesystem::directory_iterator descriptors("/proc/self/fd");
-    return std::distance(begin(descriptors), end(descriptors));
-  };
-  const auto before = open_now();
-  for (int i = 0; i < 10; ++i) {
-    AtomicFile file(folder / "a.txt");
-    file.write("text\n");
-    if (i % 2 == 0) file.commit();
-  }
-  EXPECT_EQ(open_now(), before);
 }
 
 // What the reader takes whole is no interrupted output.
@@ -73,18 +57,6 @@ TEST(AtomicFile, APipeThatTakesAllIsWrittenWhoeverAsksToEnd) {
   ::close(reader);
 }
 
-TEST(AtomicFile, WithoutCommitTheOldFileStays) {
-  const TemporaryFolder folder;
-  put_file(folder / "a.txt", "old");
-  {
-    AtomicFile file(folder / "a.txt");
-    file.write("new");
-    EXPECT_EQ(folder.names().size(), 2U);
-  }
-  EXPECT_EQ(get_file(folder / "a.txt"), "old");
-  EXPECT_THAT(folder.names(), ElementsAre("a.txt"));
-}
-
 TEST(AtomicFile, KeepsPermissionsAndLinks) {
   const TemporaryFolder folder;
   put_file(folder / "a.txt", "old");
@@ -93,16 +65,6 @@ TEST(AtomicFile, KeepsPermissionsAndLinks) {
   write_file_atomically(folder / "link", "new");
   EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));
   EXPECT_EQ(get_file(folder / "a.txt"), "new");
-  struct stat status {};
-  ASSERT_EQ(::stat((folder / "a.txt").c_str(), &status), 0);
-  EXPECT_EQ(status.st_mode & 07777U, 0640U);
-}
-
-TEST(AtomicFile, NewFilesFollowTheUmask) {
-  const TemporaryFolder folder;
-  const mode_t old_mask = ::umask(027);
-  write_file_atomically(folder / "a.txt", "new");
-  ::umask(old_mask);
   struct stat status {};
   ASSERT_EQ(::stat((folder / "a.txt").c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 07777U, 0640U);
@@ -125,17 +87,6 @@ TEST(AtomicFile, FullDiskLeavesTheOldFile) {
   EXPECT_EQ(run.code, 74);
   EXPECT_EQ(get_file(folder / "a.txt"), "old");
   EXPECT_THAT(folder.names(), ElementsAre("a.txt"));
-}
-
-TEST(AtomicFile, FullDeviceIsAFileErrorWithTheSystemsText) {
-  ASSERT_TRUE(std::filesystem::exists("/dev/full")) << "every Linux has it";
-  try {
-    write_file_atomically("/dev/full", "text");
-    FAIL();
-  } catch (const FileError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("/dev/full: cannot be written: No space left on device"));
-    EXPECT_EQ(error.code(), ExitCode::kInputOutput);
-  }
 }
 
 TEST(AtomicFile, MissingFolderAndFolderAreFileErrors) {
@@ -166,16 +117,6 @@ TEST(AtomicFile, ClosedFolderIsAFileErrorAndKeepsTheOldFile) {
   EXPECT_EQ(run.code, 74);
   EXPECT_EQ(get_file(folder / "a.txt"), "old");
   EXPECT_THAT(folder.names(), ElementsAre("a.txt"));
-}
-
-TEST(AtomicFile, LeavesTheTemporaryFileOfALivingWriterAlone) {
-  const TemporaryFolder folder;
-  AtomicFile first(folder / "a.txt");
-  first.write("first");
-  write_file_atomically(folder / "a.txt", "second");
-  EXPECT_EQ(get_file(folder / "a.txt"), "second");
-  first.commit();
-  EXPECT_EQ(get_file(folder / "a.txt"), "first");
 }
 
 TEST(AtomicFileSet, NamesAppearOnlyWhenAllIsOnTheDisk) {
@@ -225,15 +166,6 @@ TEST(CopyFileAtomically, CopiesBytesAndPermissions) {
   EXPECT_EQ(status.st_mode & 07777U, 0640U);
   EXPECT_THROW(copy_file_atomically(folder / "none", folder / "c"), FileError);
   EXPECT_THAT(folder.names(), UnorderedElementsAre("a", "b"));
-}
-
-TEST(AtomicFileSet, CommitsAll) {
-  const TemporaryFolder folder;
-  AtomicFileSet files;
-  files.add(folder / "a").write("1");
-  files.add(folder / "b").write("2");
-  files.commit();
-  EXPECT_EQ(get_file(folder / "a") + get_file(folder / "b"), "12");
 }
 
 TEST(MakeFolder, MakesAndAcceptsFoldersOnly) {

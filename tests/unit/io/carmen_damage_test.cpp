@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "engine/io/logs/carmen.hpp"
+#include "engine/io/text_log.hpp"
 #include "gdtslam/core/error.hpp"
 #include "io_test_support.hpp"
 
@@ -56,73 +57,6 @@ std::string scan_line(const std::string& ranges, int beams, const std::string& s
   return "FLASER " + std::to_string(beams) + " " + ranges + " 0 0 0 0 0 0 " + stamp + " h 0\n";
 }
 
-TEST(CarmenDamage, CutAtEveryByteKeepsWholeRecordsOnly) {
-  const WholeLog whole = read_text(kSmallLog);
-  ASSERT_EQ(whole.records.size(), 6U);
-  for (std::size_t size = 0; size < kSmallLog.size(); ++size) {
-    const std::string_view cut = kSmallLog.substr(0, size);
-    const auto whole_lines = static_cast<std::size_t>(std::count(cut.begin(), cut.end(), '\n'));
-    const std::size_t complete = whole_lines > 0 ? whole_lines - 1 : 0;  // the first line is a comment
-    WholeLog log;
-    try {
-      log = read_text(cut);
-    } catch (const InputError&) {
-      EXPECT_EQ(complete, 0U) << size;
-      continue;
-    }
-    // The last line may be whole but for its newline, or but for digits of the logger's stamp that nobody reads.
-    ASSERT_GE(log.records.size(), complete) << size;
-    ASSERT_LE(log.records.size(), complete + 1) << size;
-    for (std::size_t i = 0; i < log.records.size(); ++i) {
-      ASSERT_EQ(as_text(log.records[i]), as_text(whole.records[i])) << size;
-    }
-    const bool ends_inside_a_line = size > 0 && cut.back() != '\n';
-    const std::uint64_t dropped = ends_inside_a_line && log.records.size() == complete ? 1 : 0;
-    EXPECT_EQ(log.warned("cut last line"), dropped) << size << " " << cut;
-    EXPECT_EQ(log.warnings.size(), dropped) << size;
-  }
-}
-
-TEST(CarmenDamage, GzipCutAtEveryByteKeepsWhatWasComplete) {
-  const WholeLog whole = read_text(kSmallLog);
-  const std::string packed = gzip(kSmallLog);
-  std::size_t most = 0;
-  for (std::size_t size = 2; size < packed.size(); ++size) {
-    try {
-      const WholeLog log = read_text(std::string_view(packed).substr(0, size));
-      EXPECT_EQ(log.warned("gzip stream"), 1U) << size;
-      ASSERT_LE(log.records.size(), whole.records.size());
-      for (std::size_t i = 0; i < log.records.size(); ++i) {
-        ASSERT_EQ(as_text(log.records[i]), as_text(whole.records[i])) << size;
-      }
-      EXPECT_GE(log.records.size(), most) << size;
-      most = log.records.size();
-    } catch (const InputError& error) {
-      EXPECT_EQ(most, 0U) << size << " " << error.what();
-    }
-  }
-  EXPECT_EQ(most, whole.records.size());
-}
-
-TEST(CarmenDamage, EmptyInputIsAnError) {
-  EXPECT_THAT(carmen_error(""), HasSubstr("test.log: is empty"));
-  EXPECT_THAT(carmen_error(gzip("")), HasSubstr("test.log: is empty"));
-}
-
-TEST(CarmenDamage, LogWithoutAnyMessageIsAnError) {
-  EXPECT_THAT(carmen_error("# only\n# comments\n"), HasSubstr("no complete CARMEN message in 2 lines"));
-  EXPECT_THAT(carmen_error("SYNC x\n"), HasSubstr("no complete CARMEN message"));
-}
-
-TEST(CarmenDamage, BinaryDataIsAnError) {
-  std::string binary;
-  for (int i = 0; i < 5000; ++i) {
-    binary += static_cast<char>((i * 7919) % 256);
-  }
-  EXPECT_THAT(carmen_error(binary), HasSubstr("binary data"));
-  EXPECT_THAT(carmen_error("\xff\xfe\x01\x02\n"), HasSubstr("test.log:1:"));
-}
-
 TEST(CarmenDamage, NulBytesAtTheEndAreACutLine) {
   std::string text(kSmallLog);
   while (text.size() < 5000) {
@@ -132,18 +66,6 @@ TEST(CarmenDamage, NulBytesAtTheEndAreACutLine) {
   const WholeLog log = read_text(text + std::string(4096, '\0'));
   EXPECT_EQ(log.records.size(), records);
   EXPECT_EQ(log.warned("cut last line"), 1U);
-}
-
-TEST(CarmenDamage, DamagedGzipIsAnError) {
-  std::string packed = gzip(std::string(kSmallLog) + std::string(kSmallLog));
-  packed[packed.size() / 2] = static_cast<char>(packed[packed.size() / 2] ^ 0x55);
-  EXPECT_THAT(carmen_error(packed), HasSubstr("test.log: damaged gzip data"));
-}
-
-TEST(CarmenDamage, BytesAfterGzipAreIgnoredWithAWarning) {
-  const WholeLog log = read_text(gzip(kSmallLog) + "junk");
-  EXPECT_EQ(log.records.size(), 6U);
-  EXPECT_EQ(log.warned("gzip stream"), 1U);
 }
 
 TEST(CarmenDamage, GigabyteLineIsAnErrorWithoutReadingIt) {
@@ -156,13 +78,6 @@ TEST(CarmenDamage, GigabyteLineIsAnErrorWithoutReadingIt) {
       run_alone([&] { return carmen_error(packed).find("test.log:2: the line \"FLASER\" is longer") == 0 ? 0 : 1; });
   EXPECT_EQ(run.code, 0);
   expect_bounded(run);
-}
-
-TEST(CarmenDamage, LongLineIsSkippedWhenLenient) {
-  const std::string long_line = "FLASER 1 " + std::string(std::size_t{9} << 20U, '7') + "\n";
-  const WholeLog log = read_text(long_line + scan_line("1.5", 1), {.lenient = true});
-  EXPECT_EQ(log.records.size(), 1U);
-  EXPECT_EQ(log.warned("malformed line"), 1U);
 }
 
 TEST(CarmenDamage, LongestLineIsRead) {
@@ -186,45 +101,6 @@ TEST(CarmenDamage, NotANumberAndNegativeRangesAreNoReturns) {
   const WholeLog clean = read_text(scan_line("1.5 inf inf inf inf inf 2.5 inf", 8));
   EXPECT_EQ(as_text(log.records[0]), as_text(clean.records[0]));
   EXPECT_TRUE(clean.warnings.empty());
-}
-
-TEST(CarmenDamage, RepeatedAndBackwardStampsAreCountedAndNeverSorted) {
-  const WholeLog log =
-      read_text(scan_line("1", 1, "5") + scan_line("2", 1, "5") + scan_line("3", 1, "4") + scan_line("4", 1, "6"));
-  const auto scans = log.of<ScanRecord>();
-  ASSERT_EQ(scans.size(), 4U);
-  for (std::size_t i = 0; i < scans.size(); ++i) {
-    EXPECT_EQ(scans[i].scan.ranges_m.at(0), static_cast<float>(i + 1));
-  }
-  EXPECT_EQ(log.warned("repeated stamp"), 1U);
-  EXPECT_EQ(log.warned("backward stamp"), 1U);
-  EXPECT_THAT(log.warnings.at(0).first, HasSubstr("test.log:2:"));
-}
-
-TEST(CarmenDamage, ChangingBeamCountIsCounted) {
-  const WholeLog log = read_text(scan_line("1 2", 2) + scan_line("1 2 3", 3, "6") + scan_line("1 2 3", 3, "7"));
-  EXPECT_EQ(log.records.size(), 3U);
-  EXPECT_EQ(log.warned("beam count changed"), 1U);
-}
-
-TEST(CarmenDamage, ScanWithoutBeamsIsKeptAndCounted) {
-  const WholeLog log = read_text(scan_line("", 0));
-  EXPECT_TRUE(log.of<ScanRecord>().at(0).scan.ranges_m.empty());
-  EXPECT_EQ(log.warned("scan without beams"), 1U);
-}
-
-TEST(CarmenDamage, BillionBeamsInAHeaderTakeNoMemory) {
-  const BoundedRun run = run_alone([] {
-    for (const char* count : {"1000000000", "9223372036854775807", "99999999999999999999", "-1"}) {
-      const std::string error = carmen_error("# c\nFLASER " + std::string(count) + " 1 2 0 0 0 0 0 0 5 h 0\n");
-      if (error.find("test.log:2:") != 0) {
-        return 1;
-      }
-    }
-    return carmen_error("FLASER 1000000000 1\n").find("at most") == std::string::npos ? 2 : 0;
-  });
-  EXPECT_EQ(run.code, 0);
-  expect_bounded(run);
 }
 
 TEST(CarmenDamage, MalformedLinesNameFileLineAndFault) {

@@ -1,5 +1,6 @@
 // The CARMEN reader on lines whose meaning is written in the format's description.
 #include "engine/io/logs/carmen.hpp"
+#include "gdtslam/io/log.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -78,18 +79,6 @@ TEST(Carmen, TheMountOfALogIsOneNumberThoughItsPosesAreRounded) {
   }
 }
 
-// What has more decimals than its poses tell lies within one of the last that count, and does not jump.
-TEST(Carmen, AMountBetweenTwoDecimalsIsOneOfThem) {
-  const Pose2 T_base_laser{0.100005, 0.0500049, 0.3000051};
-  const std::vector<Pose2> mounts = mounts_read(T_base_laser, 6);
-  for (const Pose2& mount : mounts) ASSERT_EQ(mount, mounts.front());
-  EXPECT_NEAR(mounts.front().x_m, T_base_laser.x_m, 8e-6);
-  EXPECT_NEAR(mounts.front().y_m, T_base_laser.y_m, 8e-6);
-  EXPECT_NEAR(mounts.front().theta_rad, T_base_laser.theta_rad, 8e-6);
-  const std::vector<Pose2> exact = mounts_read(T_base_laser, 15);
-  for (const Pose2& mount : exact) ASSERT_EQ(mount, T_base_laser);
-}
-
 TEST(Carmen, AMountThatMovesIsFollowed) {
   const WholeLog log = read_text(
       "FLASER 1 1.0 0.100000 0 0 0 0 0 1 h 1\n"
@@ -146,16 +135,6 @@ TEST(Carmen, SkipsOtherMessagesAndCountsThemByKind) {
   EXPECT_THAT(log.warnings.at(0).first, HasSubstr("test.log:1:"));
 }
 
-TEST(Carmen, NumberOfSkippedKindsIsBounded) {
-  std::string text = flaser(1);
-  for (int i = 0; i < 5000; ++i) {
-    text += "KIND" + std::to_string(i) + " 1\n";
-  }
-  const WholeLog log = read_text(text);
-  EXPECT_LE(log.warnings.size(), 65U);
-  EXPECT_GT(log.warned("other kinds"), 4900U);
-}
-
 TEST(Carmen, ReadsWindowsLineEndsTabsAndAByteOrderMark) {
   const WholeLog log =
       read_text("\xef\xbb\xbf# made on Windows\r\nFLASER\t1  2.5 1 2 0 1 2 0 7 h 0\r\nPARAM a b c d\r\n");
@@ -203,67 +182,6 @@ TEST(Carmen, SensorLimitComesFromTheParameter) {
   EXPECT_EQ(scans.at(1).scan.max_range_m, 80.99);
 }
 
-TEST(Carmen, FarLaserIsReported) {
-  const WholeLog log = read_text("FLASER 1 2.5 30 2 0.5 1 2 0.5 100.25 host 0.5\n");
-  EXPECT_EQ(log.warned("laser far from robot"), 1U);
-}
-
-TEST(Carmen, GzipGivesTheSameRecords) {
-  const std::string text = flaser(180) + flaser(180, "3.25");
-  const WholeLog plain = read_text(text);
-  const WholeLog packed = read_text(gzip(text));
-  ASSERT_EQ(packed.records.size(), plain.records.size());
-  EXPECT_EQ(packed.of<ScanRecord>().at(1).scan.ranges_m, plain.of<ScanRecord>().at(1).scan.ranges_m);
-  EXPECT_EQ(packed.warned("gzip stream"), 0U);
-}
-
-TEST(Carmen, ReadsGzipMembersOneAfterTheOther) {
-  const WholeLog log = read_text(gzip(flaser(2)) + gzip(flaser(2)) + gzip(flaser(2)));
-  EXPECT_EQ(log.records.size(), 3U);
-  EXPECT_EQ(log.warned("gzip stream"), 0U);
-}
-
-TEST(Carmen, ReadsFilesAndStatesProgress) {
-  const TemporaryFolder folder;
-  put_file(folder / "a.clf", flaser(180));
-  const auto reader = open_carmen(folder / "a.clf", {});
-  EXPECT_EQ(drain(*reader).records.size(), 1U);
-  EXPECT_EQ(reader->progress(), 1.0);
-}
-
-TEST(Carmen, MissingFileAndFolderAreFileErrors) {
-  const TemporaryFolder folder;
-  for (const std::string& path : {folder / "none.log", folder.path().string()}) {
-    try {
-      open_carmen(path, {});
-      FAIL() << path;
-    } catch (const FileError& error) {
-      EXPECT_THAT(error.what(), HasSubstr(path));
-      EXPECT_EQ(error.code(), ExitCode::kInputOutput);
-    }
-  }
-}
-
-TEST(Carmen, ErrorsNameTheFileThatWasRead) {
-  const TemporaryFolder folder;
-  put_file(folder / "empty.log", "");
-  EXPECT_EQ(told_by<InputError>([&] { open_carmen(folder / "empty.log", {}); }),
-            folder / "empty.log" + ": is empty; give a CARMEN, CSV, JSON lines, ROS bag or MCAP log");
-}
-
-TEST(Carmen, ReadsStandardInput) {
-  const TemporaryFolder folder;
-  put_file(folder / "in.log", flaser(4));
-  const std::string path = folder / "in.log";
-  const BoundedRun run = run_alone([&] {
-    if (std::freopen(path.c_str(), "rb", stdin) == nullptr) {
-      return 100;
-    }
-    return static_cast<int>(drain(*open_carmen("-", {})).records.size());
-  });
-  EXPECT_EQ(run.code, 1);
-}
-
 TEST(Carmen, LivePipeGivesEachLineWhenItCame) {
   std::array<int, 2> ends{};
   ASSERT_EQ(::pipe(ends.data()), 0);
@@ -271,7 +189,7 @@ TEST(Carmen, LivePipeGivesEachLineWhenItCame) {
     EXPECT_EQ(::write(ends[1], text.data(), text.size()), static_cast<ssize_t>(text.size()));
   };
   send("TILT 0.5 1 h 2\n");
-  const auto reader = open_carmen("/dev/fd/" + std::to_string(ends[0]), {});
+  const auto reader = open_log("/dev/fd/" + std::to_string(ends[0]), {});
   EXPECT_TRUE(reader->next().has_value());  // would wait for ever if it wanted more than this line
   send("TILT 0.6 2 h 2\nTILT 0.7 3 h 2\n");
   EXPECT_TRUE(reader->next().has_value());
@@ -286,7 +204,7 @@ TEST(Carmen, LivePipeGivesEachLineWhenItCame) {
 const std::string kSample = GDTSLAM_SOURCE_DIR "/assets/logs/office-start.log.gz";
 
 TEST(CarmenSample, HasItsKnownCounts) {
-  const WholeLog log = drain(*open_carmen(kSample, {}));
+  const WholeLog log = drain(*open_log(kSample, {}));
   const auto scans = log.of<ScanRecord>();
   EXPECT_EQ(scans.size(), 350U);
   EXPECT_EQ(log.of<Odometry>().size(), 584U);
@@ -299,24 +217,9 @@ TEST(CarmenSample, HasItsKnownCounts) {
   EXPECT_EQ(scans.back().scan.max_range_m, 80.0);
 }
 
-// As many scans as Intel has: the sample forty times, so that the stamps go back 39 times.
-TEST(CarmenSample, FortyOfItAreReadInAFractionOfASecond) {
-  const TemporaryFolder folder;
-  const std::string once = get_file(kSample);
-  std::string forty;
-  for (int i = 0; i < 40; ++i) forty += once;
-  put_file(folder / "forty.log.gz", forty);
-  const BoundedRun run = run_alone([&] {
-    const WholeLog log = drain(*open_carmen(folder / "forty.log.gz", {}));
-    return log.of<ScanRecord>().size() == 40 * 350 && log.warned("backward stamp") == 39 ? 0 : 1;
-  });
-  EXPECT_EQ(run.code, 0);
-  expect_bounded(run);
-}
-
 TEST(CarmenRealData, IntelHasItsKnownCounts) {
   GDTSLAM_REAL_DATA(path, "slam2d/intel.clf.gz");
-  const auto reader = open_carmen(path, {});
+  const auto reader = open_log(path, {});
   const WholeLog log = drain(*reader);
   const auto scans = log.of<ScanRecord>();
   EXPECT_EQ(scans.size(), 13631U);
@@ -346,25 +249,9 @@ TEST(Carmen, CountsEmptyLines) {
   EXPECT_EQ(read_text(many + flaser(3) + many + flaser(4) + many).of<ScanRecord>().size(), 2U);
 }
 
-TEST(CarmenRealData, IntelIsReadInAFractionOfASecond) {
-  GDTSLAM_REAL_DATA(path, "slam2d/intel.clf.gz");
-  const BoundedRun run = run_alone([&] {
-    const auto reader = open_carmen(path, {});
-    while (reader->next()) {
-    }
-    return 0;
-  });
-  EXPECT_EQ(run.code, 0);
-  RecordProperty("cpu_s", std::to_string(run.cpu_s));
-  expect_bounded(run);
-  if (!kIsInstrumented) {
-    EXPECT_LT(run.cpu_s, 0.35);
-  }
-}
-
 TEST(CarmenRealData, Freiburg079HasItsLaserFourCentimetresBehind) {
   GDTSLAM_REAL_DATA(path, "slam2d/fr079.clf.gz");
-  const auto scans = drain(*open_carmen(path, {})).of<ScanRecord>();
+  const auto scans = drain(*open_log(path, {})).of<ScanRecord>();
   EXPECT_EQ(scans.size(), 4934U);
   for (const ScanRecord& record : scans) {
     ASSERT_EQ(record.scan.ranges_m.size(), 360U);
@@ -375,7 +262,7 @@ TEST(CarmenRealData, Freiburg079HasItsLaserFourCentimetresBehind) {
 
 TEST(CarmenRealData, CsailCarriesItsOdometryInItsScans) {
   GDTSLAM_REAL_DATA(path, "slam2d/mit-csail.clf.gz");
-  const WholeLog log = drain(*open_carmen(path, {}));
+  const WholeLog log = drain(*open_log(path, {}));
   EXPECT_EQ(log.of<ScanRecord>().size(), 1988U);
   EXPECT_TRUE(log.of<Odometry>().empty());
   EXPECT_TRUE(log.of<ScanRecord>().at(0).T_odom_base.has_value());

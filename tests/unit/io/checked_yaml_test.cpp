@@ -30,17 +30,6 @@ std::string yaml_refusal(const Read& read) {
   return told_by<Failure>(read);
 }
 
-TEST(YamlValue, CountsAreWholeNumbersUpTo1000000000) {
-  for (const char* const text : {"0", "1", "1000000000", "1e9", "12.0"}) {
-    EXPECT_EQ(yaml_value(text).count(), static_cast<std::size_t>(std::stod(text)));
-  }
-  for (const char* const text : {"-1", "1000000001", "0.5", "nan", "inf", "-inf", "1e300"}) {
-    EXPECT_NE(yaml_refusal([&] { (void)yaml_value(text, "beams").count(); }), "") << text;
-  }
-  EXPECT_EQ(yaml_refusal([] { (void)yaml_value("\n\n1.5", "beams").count(); }),
-            "a.yaml:3: beams: '1.5' is not a whole number from 0 to 1000000000");
-}
-
 TEST(YamlValue, AnglesOtherThanZeroNeedTheirUnit) {
   const Quantity angle{Unit::kRadian};
   const Quantity rate{Unit::kRadian, "/s"};
@@ -57,16 +46,6 @@ TEST(YamlValue, AnglesOtherThanZeroNeedTheirUnit) {
   }
   EXPECT_EQ(yaml_value("90").number({Unit::kMetre}), 90.0);
   EXPECT_EQ(yaml_value("10 Hz").number({Unit::kNone, "Hz"}), 10.0);
-}
-
-TEST(YamlValue, NumbersHave200CharactersAndTexts65536Bytes) {
-  const auto digits = [](std::size_t length) { return "1." + std::string(length - 2, '0'); };
-  EXPECT_EQ(yaml_value(digits(200)).number({}), 1.0);
-  EXPECT_THAT(yaml_refusal([&] { (void)yaml_value(digits(201), "x").number({}); }),
-              HasSubstr("x: a number of more than 200 characters is not accepted"));
-  EXPECT_EQ(yaml_value(std::string(65536, 'a')).text().size(), 65536U);
-  EXPECT_THAT(yaml_refusal([] { (void)yaml_value(std::string(65537, 'a'), "x").text(); }),
-              HasSubstr("x: a text of more than 65536 bytes is not accepted"));
 }
 
 TEST(YamlValue, FlagsAreTrueOrFalse) {
@@ -102,38 +81,38 @@ TEST(YamlValue, EntriesAreNumberedAndAtMost100000) {
   EXPECT_THAT(yaml_refusal([] { (void)yaml_value("a", "x").entries(); }), HasSubstr("a list is expected here"));
 }
 
-TEST(YamlMapping, EveryKeyIsAskedForOnceAndHasAValue) {
-  YamlMapping mapping(yaml_value("{width: 2 m, name: room, on: false}", "room"));
+TEST(ReadFields, ReadsWhatIsGivenAndRefusesOtherKeys) {
   double width_m = 9.0;
   double height_m = 9.0;
   std::string name = "none";
   bool is_on = true;
-  mapping.read("width", {Unit::kMetre}, width_m);
-  mapping.read("height", {Unit::kMetre}, height_m);
-  mapping.read("name", name);
-  EXPECT_THAT(yaml_refusal([&] { mapping.finish(); }), HasSubstr("room: unknown key 'on'"));
-  mapping.read("on", is_on);
-  mapping.finish();
+  const std::vector<YamlField> fields{{"width", {Unit::kMetre}, width_m},
+                                      {"height", {Unit::kMetre}, height_m},
+                                      required({"name", name}),
+                                      {"on", is_on}};
+  const auto given = read_fields(yaml_value("{width: 2 m, name: room, on: false}", "room"), fields);
+  EXPECT_THAT(given, ::testing::ElementsAre("name", "on", "width"));
   EXPECT_EQ(width_m, 2.0);
   EXPECT_EQ(height_m, 9.0) << "stays";
   EXPECT_EQ(name, "room");
   EXPECT_FALSE(is_on);
-  EXPECT_TRUE(mapping.list("doors").empty());
-  EXPECT_THAT(yaml_refusal([&] { (void)mapping.require("doors"); }), HasSubstr("room: the key 'doors' is missing"));
-  EXPECT_EQ(mapping.require("width").name(), "room.width");
-  EXPECT_EQ(YamlMapping(yaml_value("{a: 1}")).require("a").name(), "a");
+  const auto refusal = [&](const std::string& text) {
+    return yaml_refusal([&] { read_fields(yaml_value(text, "room"), fields); });
+  };
+  EXPECT_THAT(refusal("{width: 2 m}"), HasSubstr("room: the key 'name' is missing"));
+  EXPECT_EQ(refusal("name: a\nwidht: 2 m\n"), "a.yaml:2: room: unknown key 'widht'; did you mean 'width'?");
+  EXPECT_THAT(refusal("{name: a, width: x}"), HasSubstr("room.width: 'x' is no value for this"));
+  EXPECT_THAT(refusal("[a]"), HasSubstr("room: keys with values are expected here"));
+  EXPECT_EQ(refusal("name: a\non: true\nname: b\n"), "a.yaml:3: room: the key 'name' stands twice");
+  EXPECT_EQ(refusal("name: a\non:\n"), "a.yaml:2: room: the key 'on' has no value");
 }
 
-TEST(YamlMapping, RefusesWhatIsNoneAndKeysWithoutAValueOrGivenTwice) {
-  EXPECT_THAT(yaml_refusal([] { YamlMapping(yaml_value("[a]", "room")); }),
-              HasSubstr("room: keys with values are expected here"));
-  EXPECT_EQ(yaml_refusal([] { YamlMapping(yaml_value("a: 1\nb: 2\na: 3\n", "room")); }),
-            "a.yaml:3: room: the key 'a' stands twice");
-  EXPECT_EQ(yaml_refusal([] { (void)YamlMapping(yaml_value("a: 1\nb:\n", "room")).find("b"); }),
-            "a.yaml:2: room: the key 'b' has no value");
-  YamlMapping misspelt(yaml_value("{widht: 2}"));
-  (void)misspelt.find("width");
-  EXPECT_THAT(yaml_refusal([&] { misspelt.finish(); }), HasSubstr("did you mean 'width'?"));
+TEST(YamlValue, AFaultIsReportedAtTheKeyThatItNames) {
+  const YamlValue root = yaml_value("a: 1\nbars:\n  crank: 2\n  rocker: 3\n");
+  const auto refusal = [&](const std::string& fault) { return yaml_refusal([&] { root.refuse_below(fault); }); };
+  EXPECT_EQ(refusal("bars.rocker = 3 is wrong"), "a.yaml:4: bars.rocker = 3 is wrong");
+  EXPECT_EQ(refusal("bars: crank must be less"), "a.yaml:3: bars: crank must be less");
+  EXPECT_EQ(refusal("wheels: none"), "a.yaml:1: wheels: none");
 }
 
 bool is_read(const std::string& text) {

@@ -50,42 +50,6 @@ std::string ply_with(const std::string& before, const std::string& columns, cons
          numbers + "\n";
 }
 
-TEST(CloudLimits, PlyHas1000PropertiesAnd100Elements) {
-  const std::string column = "property uchar a\n";
-  EXPECT_EQ(outcome_of_cloud(ply_with("", times(997, column), times(997, " 7"))).points.size(), 1U);
-  EXPECT_THAT(outcome_of_cloud(ply_with("", times(998, column), times(998, " 7"))).refusal,
-              HasSubstr("c:1004: more than 1000 properties"));
-  EXPECT_EQ(outcome_of_cloud(ply_with(times(99, "element a 0\n"), "", "")).points.size(), 1U);
-  EXPECT_THAT(outcome_of_cloud(ply_with(times(100, "element a 0\n"), "", "")).refusal,
-              HasSubstr("c:103: more than 100 elements"));
-}
-
-TEST(CloudLimits, APlyHeaderHas100000Lines) {
-  // The first line, the format, the comments, four of the vertex and the end.
-  const int others = 1 + 1 + 4 + 1;
-  EXPECT_EQ(outcome_of_cloud(ply_with(times(100000 - others, "comment\n"), "", "")).refusal, "");
-  EXPECT_THAT(outcome_of_cloud(ply_with(times(100001 - others, "comment\n"), "", "")).refusal,
-              HasSubstr("c:100001: the PLY header has more than 100000 lines"));
-}
-
-std::string pcd_with(const std::string& fields, const std::string& counts, const std::string& more,
-                     const std::string& numbers) {
-  return "# .PCD v0.7\nFIELDS x y z" + fields + "\nCOUNT 1 1 1" + counts + "\n" + more + "WIDTH 1\nDATA ascii\n1 2 3" +
-         numbers + "\n";
-}
-
-TEST(CloudLimits, PcdHas1000ColumnsOf8000NumbersAnd10000Lines) {
-  EXPECT_EQ(outcome_of_cloud(pcd_with(times(997, " a"), times(997, " 1"), "", times(997, " 7"))).refusal, "");
-  EXPECT_THAT(outcome_of_cloud(pcd_with(times(998, " a"), times(998, " 1"), "", times(998, " 7"))).refusal,
-              HasSubstr("FIELDS names no column, or more than 1000"));
-  EXPECT_EQ(outcome_of_cloud(pcd_with(" a", " 8000", "", times(8000, " 7"))).refusal, "");
-  EXPECT_THAT(outcome_of_cloud(pcd_with(" a", " 8001", "", times(8001, " 7"))).refusal,
-              HasSubstr("COUNT has a value that is no number up to 8000"));
-  EXPECT_EQ(outcome_of_cloud(pcd_with("", "", times(9995, "# a\n"), "")).refusal, "") << "DATA is line 10000";
-  EXPECT_THAT(outcome_of_cloud(pcd_with("", "", times(9996, "# a\n"), "")).refusal,
-              HasSubstr("the PCD header has no DATA line"));
-}
-
 TEST(CloudLimits, PcdPointsAreWidthTimesHeight) {
   const auto points_of = [](const std::string& sizes) {
     return outcome_of_cloud("# .PCD v0.7\nFIELDS x y z\n" + sizes + "DATA ascii\n" + times(6, "1 2 3\n"));
@@ -144,18 +108,6 @@ TEST(Lzf, CopiesAndRepeats) {
   std::string far = times(10, "\x1f"s + std::string(32, 'x'));
   far[1] = 'F';
   EXPECT_EQ(unpack_lzf(far + "\x21\x3f"s, 323).value().substr(320), "Fxx") << "from 320 back";
-}
-
-TEST(Lzf, RefusesWhatLeadsOutOfItsData) {
-  EXPECT_EQ(unpack_lzf("\2abc\x20\3"s, 6), std::nullopt) << "four back of three";
-  EXPECT_EQ(unpack_lzf("\2ab", 3), std::nullopt) << "three stated, two there";
-  EXPECT_EQ(unpack_lzf("\2abc", 2), std::nullopt) << "more than the file states";
-  EXPECT_EQ(unpack_lzf("\2abc", 4), std::nullopt) << "less";
-  EXPECT_EQ(unpack_lzf("\2abc\x20\2"s, 5), std::nullopt);
-  EXPECT_EQ(unpack_lzf("\2abc\x20", 6), std::nullopt) << "without its distance";
-  EXPECT_EQ(unpack_lzf("\2abc\xe0", 12), std::nullopt) << "without its length";
-  EXPECT_EQ(unpack_lzf("\2abc\xe0\0"s, 12), std::nullopt);
-  EXPECT_EQ(unpack_lzf("", 0), "");
 }
 
 }  // namespace

@@ -71,13 +71,6 @@ TEST(ConfigYaml, ReadsValuesWithUnits) {
   EXPECT_THAT(paths, ElementsAre("top", "map.length", "map.angle", "map.colour", "gate.count", "gate.on"));
 }
 
-TEST(ConfigYaml, EmptyFilesAndSectionsChangeNothing) {
-  Sample sample;
-  EXPECT_TRUE(read_config_text("", "c", sample.options()).empty());
-  EXPECT_TRUE(read_config_text("# all\n# commented\n", "c", sample.options()).empty());
-  EXPECT_TRUE(read_config_text("version: 1\nmap:\n", "c", sample.options()).empty());
-}
-
 TEST(ConfigYaml, UnknownNamesGetTheirLineAndTheNearestName) {
   EXPECT_EQ(config_error("map:\n  lenght: 5 cm\n"),
             "c.yaml:2: unknown option \"map.lenght\"; did you mean map.length?");
@@ -103,14 +96,6 @@ TEST(ConfigYaml, EveryFaultIsNamedWithPathValueAndBound) {
   EXPECT_THAT(error, HasSubstr("c.yaml:8: unknown option \"gate.cuont\"; did you mean gate.count?"));
   EXPECT_THAT(error, HasSubstr("c.yaml:9: top: \"-0.5\" is below its minimum 0"));
   EXPECT_THAT(error, Not(HasSubstr("\n")));
-}
-
-TEST(ConfigYaml, BoundsThemselvesAreAllowed) {
-  Sample sample;
-  read_config_text("map: {length: 1 m}\n", "c", sample.options());
-  EXPECT_EQ(sample.length_m, 1.0);
-  read_config_text("map: {length: 1 cm}\n", "c", sample.options());
-  EXPECT_EQ(sample.length_m, 0.01);
 }
 
 // 0.2 rad are 11.45915590... deg, and are told as 11.4592 deg.
@@ -228,11 +213,6 @@ TEST(ConfigYaml, TheMappersOwnOptionsReadBack) {
   EXPECT_EQ(config_text(option_table(read)), text);
 }
 
-TEST(ConfigYaml, MissingFileIsAFileError) {
-  Sample sample;
-  EXPECT_THROW(read_config("/nowhere/c.yaml", sample.options()), FileError);
-}
-
 TEST(ConfigYaml, SchemaDescribesEveryOption) {
   Sample sample;
   const nlohmann::json schema = nlohmann::json::parse(config_schema(sample.options()));
@@ -252,13 +232,6 @@ TEST(ConfigYaml, SchemaDescribesEveryOption) {
   EXPECT_TRUE(schema.at("properties").contains("top"));
 }
 
-TEST(NearestName, CountsEdits) {
-  EXPECT_EQ(edit_distance("", "abc"), 3U);
-  EXPECT_EQ(edit_distance("kitten", "sitting"), 3U);  // the textbook's example
-  EXPECT_EQ(edit_distance("ca", "ac"), 1U);
-  EXPECT_EQ(edit_distance("same", "same"), 0U);
-}
-
 TEST(NearestName, FindsOnlyWhatResembles) {
   constexpr std::array<std::string_view, 3> kNames = {"simplex", "exhaustive", "certified"};
   EXPECT_EQ(nearest_name("simplx", kNames), "simplex");
@@ -268,90 +241,12 @@ TEST(NearestName, FindsOnlyWhatResembles) {
   EXPECT_EQ(nearest_name(std::string(100000, 'x'), kNames), std::nullopt);
 }
 
-TEST(NearestName, FindsTheRightNameInASectionOfAnotherLength) {
-  constexpr std::array<std::string_view, 2> kNames = {"map.length", "a_section_of_many_letters.width"};
-  EXPECT_EQ(nearest_name("a.width", kNames), "a_section_of_many_letters.width");
-  EXPECT_EQ(nearest_name("a.widht", kNames), std::nullopt);
-}
-
-/// By the definition, without a table: the distance of optimal string alignment.
-std::size_t aligned_distance(std::string_view a, std::string_view b) {
-  if (a.empty() || b.empty()) return a.size() + b.size();
-  const std::string_view a_rest = a.substr(1);
-  const std::string_view b_rest = b.substr(1);
-  std::size_t least = std::min(aligned_distance(a_rest, b), aligned_distance(a, b_rest)) + 1;
-  least = std::min(least, aligned_distance(a_rest, b_rest) + (a[0] == b[0] ? 0 : 1));
-  if (a.size() > 1 && b.size() > 1 && a[0] == b[1] && a[1] == b[0]) {
-    least = std::min(least, aligned_distance(a.substr(2), b.substr(2)) + 1);
-  }
-  return least;
-}
-
-TEST(NearestName, DistancesAreThoseOfTheDefinition) {
-  std::vector<std::string> words{""};
-  for (std::size_t k = 0; words[k].size() < 4; ++k) {
-    for (const char c : {'a', 'b', 'c'}) words.push_back(words[k] + c);
-  }
-  Random random(1);
-  for (int k = 0; k < 2000; ++k) {
-    const std::string& a = words[random.below(words.size())];
-    const std::string& b = words[random.below(words.size())];
-    const std::size_t distance = aligned_distance(a, b);
-    ASSERT_EQ(edit_distance(a, b), distance) << a << ' ' << b;
-    // Of such short words one letter may be wrong.
-    if (a.empty()) continue;
-    const std::string_view name = b;
-    ASSERT_EQ(nearest_name(a, {&name, 1}).has_value(), distance <= 1) << a << ' ' << b;
-  }
-}
-
-TEST(NearestName, AThirdOfTheLettersMayBeWrong) {
-  const auto is_near = [](std::string_view name, std::string_view known) {
-    return nearest_name(name, {&known, 1}).has_value();
-  };
-  EXPECT_TRUE(is_near("abcdxy", "abcdef"));
-  EXPECT_FALSE(is_near("abcxyz", "abcdef"));
-  EXPECT_FALSE(is_near("abcxy", "abcde")) << "of five one";
-  EXPECT_TRUE(is_near("abcdefxyz", "abcdefghi"));
-  EXPECT_FALSE(is_near("abcdewxyz", "abcdefghi"));
-  EXPECT_TRUE(is_near("abcd", "abcdef")) << "by the longer of both";
-  EXPECT_TRUE(is_near("a", "b"));
-  EXPECT_FALSE(is_near("a", "bc"));
-  const std::string longest(128, 'x');
-  EXPECT_TRUE(is_near(longest, std::string(127, 'x')));
-  EXPECT_FALSE(is_near(longest + "x", longest));
-  EXPECT_FALSE(is_near(longest, longest + "x"));
-}
-
 TEST(NearestName, TheNearestCountsAndOfSeveralTheFirst) {
   EXPECT_EQ(nearest_name("simplex", std::array<std::string_view, 2>{"simplen", "simplex"}), "simplex");
   EXPECT_EQ(nearest_name("aaa", std::array<std::string_view, 2>{"aab", "aac"}), "aab");
   EXPECT_EQ(nearest_name("lenght", std::array<std::string_view, 2>{"map.width", "map.length"}), "map.length");
   EXPECT_EQ(did_you_mean("simplx", {"other", "simplex"}), "; did you mean 'simplex'?");
   EXPECT_EQ(did_you_mean("banana", {"other", "simplex"}), "");
-}
-
-TEST(ConfigYaml, OfTwentyFaultsEachIsToldAndOfMoreTheirNumber) {
-  const auto faults_of = [](int count) {
-    std::string text;
-    for (int k = 0; k < count; ++k) text += "zzzzzz" + std::to_string(k) + ": 1\n";
-    return config_error(text);
-  };
-  EXPECT_THAT(faults_of(20), Not(HasSubstr(" more")));
-  EXPECT_THAT(faults_of(20), HasSubstr("zzzzzz19"));
-  EXPECT_THAT(faults_of(21), HasSubstr("; and 1 more"));
-  EXPECT_THAT(faults_of(21), Not(HasSubstr("zzzzzz20")));
-}
-
-TEST(ConfigYaml, WholeNumbersReachFromBoundToBound) {
-  Sample sample;
-  const std::vector<Option> options = sample.options();
-  read_config_text("gate: {count: 1}", "c", options);
-  EXPECT_EQ(sample.count, 1);
-  read_config_text("gate: {count: 10}", "c", options);
-  EXPECT_EQ(sample.count, 10);
-  EXPECT_THAT(config_error("gate: {count: 0}"), HasSubstr("below its minimum 1"));
-  EXPECT_THAT(config_error("gate: {count: 11}"), HasSubstr("above its maximum 10"));
 }
 
 }  // namespace

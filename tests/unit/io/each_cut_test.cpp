@@ -39,11 +39,11 @@ struct CutKind {
 };
 
 std::vector<CutKind> cut_kinds() {
-  const OpenCut carmen = [](std::span<const std::byte> data) { return open_carmen(data, "cut", {}); };
-  const OpenCut bag = [](std::span<const std::byte> data) { return open_bag(data, "cut", {}); };
-  const OpenCut mcap = [](std::span<const std::byte> data) { return open_mcap(data, "cut", {}); };
+  const OpenCut carmen = [](std::span<const std::byte> data) { return open_carmen(source_of(data), "cut", {}); };
+  const OpenCut bag = [](std::span<const std::byte> data) { return open_bag(source_of(data), "cut", {}); };
+  const OpenCut mcap = [](std::span<const std::byte> data) { return open_mcap(source_of(data), "cut", {}); };
   const auto table = [](TableKind kind) {
-    return [kind](std::span<const std::byte> data) { return open_table(kind, data, "cut", {}); };
+    return [kind](std::span<const std::byte> data) { return open_table(kind, source_of(data), "cut", {}); };
   };
   return {{"a.log", {}, "cut last line", 0, carmen},
           {"a.log.gz", {}, "gzip stream", {}, carmen},

@@ -63,25 +63,6 @@ TEST(FileLimits, WhatIsMadeOfAFileMayBeSixteenTimesWhatIsFree) {
   EXPECT_THROW(takes(4112 * kMib + 1, 0), InputError);
 }
 
-/// What the line says to set is enough, and a MiB less is not.
-TEST(FileLimits, WhatIsMadeOfAFileNamesTheVariableThatIsEnough) {
-  constexpr std::uint64_t kDerived = 8000 * kMib + 5;
-  try {
-    check_derived_bytes(kDerived, 2048, "a.yaml", "looking");
-    FAIL() << "took 8 GB";
-  } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(),
-                 "a.yaml: looking would take 8000 MiB of memory, more than the 4096 MiB that a file of 3 KiB "
-                 "may; if that is meant, set GDTSLAM_UNPACKED_MIB=500");
-  }
-  {
-    const UnpackedMib enough("500");
-    EXPECT_NO_THROW(check_derived_bytes(kDerived, 2048, "a.yaml", "looking"));
-  }
-  const UnpackedMib less("499");
-  EXPECT_THROW(check_derived_bytes(kDerived, 2048, "a.yaml", "looking"), InputError);
-}
-
 /// A picture of nothing but one level packs to a thousandth.
 TEST(FileLimits, PicturesKeepToIt) {
   const Grey16Image image{2000, 1000, std::vector<std::uint16_t>(2'000'000, 0)};

@@ -1,5 +1,4 @@
 // The corpora of the fuzz targets of io, replayed with every compiler.
-#include "fuzz/bzip2_targets.hpp"
 #include "fuzz/log_targets.hpp"
 #include "fuzz/map_targets.hpp"
 #include "fuzz/packed_targets.hpp"
@@ -16,7 +15,6 @@ TEST_P(FuzzCorpus, EndsInRecordsOrATypedError) { replay_corpus(GetParam()); }
 INSTANTIATE_TEST_SUITE_P(Logs, FuzzCorpus, testing::ValuesIn(kLogTargets), name_of_test);
 INSTANTIATE_TEST_SUITE_P(Recordings, FuzzCorpus, testing::ValuesIn(kRecordingTargets), name_of_test);
 INSTANTIATE_TEST_SUITE_P(Packed, FuzzCorpus, testing::ValuesIn(kPackedTargets), name_of_test);
-INSTANTIATE_TEST_SUITE_P(Bzip2, FuzzCorpus, testing::ValuesIn(kBzip2Targets), name_of_test);
 INSTANTIATE_TEST_SUITE_P(Maps, FuzzCorpus, testing::ValuesIn(kMapTargets), name_of_test);
 
 }  // namespace

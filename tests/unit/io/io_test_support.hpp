@@ -123,8 +123,13 @@ inline WholeLog drain(LogReader& reader) {
   return log;
 }
 
+/// Bytes as a log, plain or packed by gzip.
+inline std::unique_ptr<ByteSource> source_of(std::span<const std::byte> data) {
+  return gunzip_if_packed(open_memory_source(data), "test");
+}
+
 inline WholeLog read_text(std::string_view text, const ReadOptions& options = {}) {
-  return drain(*open_carmen(bytes_of(text), "test.log", options));
+  return drain(*open_carmen(source_of(bytes_of(text)), "test.log", options));
 }
 
 /// What a call in a process of its own took.

@@ -107,34 +107,5 @@ TEST(LineReader, BytesAndLinesMayFollowEachOther) {
   }
 }
 
-// The mount is rounded to one decimal less than the poses have that it comes from, of six at least and twelve at most,
-// and stays until it moves by a unit of that.
-TEST(SteadyMount, IsRoundedToOneDecimalLessThanItsPoses) {
-  const Pose2 exact{0.123456789012345, -0.123456789012345, 0.123456789012345};
-  const std::vector<std::pair<int, double>> cases{{0, 0.12346},       {6, 0.12346},        {7, 0.123457},
-                                                  {8, 0.1234568},     {9, 0.12345679},     {10, 0.123456789},
-                                                  {11, 0.1234567890}, {12, 0.12345678901}, {20, 0.12345678901}};
-  for (const auto& [decimals, rounded] : cases) {
-    const Pose2 mount = SteadyMount().of(exact, decimals);
-    EXPECT_DOUBLE_EQ(mount.x_m, rounded) << decimals;
-    EXPECT_DOUBLE_EQ(mount.y_m, -rounded) << decimals;
-    EXPECT_DOUBLE_EQ(mount.theta_rad, rounded) << decimals;
-  }
-  EXPECT_EQ(SteadyMount().of({1000.123456789, 999.123456789, 0.0}, 6).x_m, 1000.123456789) << "as it is";
-  EXPECT_DOUBLE_EQ(SteadyMount().of({1000.123456789, 999.123456789, 0.0}, 6).y_m, 999.12346);
-}
-
-TEST(SteadyMount, StaysUntilItMovesByAUnitOfItsLastDecimal) {
-  SteadyMount steady;
-  const Pose2 first = steady.of({0.25, 0.0, kPi}, 6);
-  EXPECT_EQ(first, (Pose2{0.25, 0.0, 3.14159}));
-  EXPECT_EQ(steady.of({0.2500099, 0.0, kPi}, 6), first);
-  EXPECT_EQ(steady.of({0.25, -0.0000099, kPi}, 6), first);
-  EXPECT_EQ(steady.of({0.25, 0.0, -kPi}, 6), first) << "the same direction";
-  const Pose2 moved = steady.of({0.2500101, 0.0, kPi}, 6);
-  EXPECT_NEAR(moved.x_m, 0.25001, 1e-12);
-  EXPECT_EQ(steady.of({0.2500101, 0.0, kPi - 0.00002}, 6).theta_rad, 3.14157);
-}
-
 }  // namespace
 }  // namespace gdtslam

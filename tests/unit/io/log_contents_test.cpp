@@ -1,19 +1,14 @@
 // What is counted in passing stays bounded, and its quantiles are those of all that was seen.
 #include "engine/io/log_contents.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <string>
 
 #include "engine/io/recordings/even_sample.hpp"
-#include "engine/io/recordings/transform3.hpp"
 
 namespace gdtslam {
 namespace {
-
-using testing::ElementsAre;
-using testing::IsEmpty;
 
 TEST(EvenSample, HasTheQuantilesOfAll) {
   for (const int count : {1, 2, 511, 512, 513, 1025, 100000}) {
@@ -35,17 +30,6 @@ TEST(LineCounter, KeepsTheFirstKindsApart) {
   EXPECT_EQ(counter.list()[7].count, 2U);
   EXPECT_EQ(counter.list().back().name, "other kinds");
   EXPECT_EQ(counter.list().back().count, 936U);
-}
-
-TEST(FrameTree, TellsTheChain) {
-  FrameTree tree;
-  tree.add("plate", "laser", {});
-  tree.add("base_link", "plate", {});
-  EXPECT_THAT(tree.chain("laser", ""), ElementsAre("laser", "plate", "base_link"));
-  EXPECT_THAT(tree.chain("laser", "plate"), ElementsAre("laser", "plate"));
-  EXPECT_THAT(tree.chain("laser", "robot"), IsEmpty());
-  tree.add("laser", "base_link", {});
-  EXPECT_THAT(tree.chain("laser", "robot"), IsEmpty()) << "a ring";
 }
 
 }  // namespace

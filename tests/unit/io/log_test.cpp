@@ -114,17 +114,5 @@ TEST(OpenLog, TextLogsHaveNoTopics) {
   }
 }
 
-TEST(OpenLog, OfAPipeADatabaseCannotBeRead) {
-  std::string left = "SQLite format 3";
-  const auto read = [&left](std::span<char> target) {
-    const std::size_t count = left.copy(target.data(), target.size());
-    left.erase(0, count);
-    return count;
-  };
-  EXPECT_THAT(
-      told_by<InputError>([&] { open_log_of_bytes(read, "pipe", {}); }),
-      AllOf(HasSubstr("pipe: is an SQLite file, which cannot be read from a pipe"), HasSubstr("supported are")));
-}
-
 }  // namespace
 }  // namespace gdtslam

@@ -245,21 +245,6 @@ TEST(MessagesOfRos, PosesAndTransforms) {
   transforms.expect_end();
 }
 
-TEST(MessagesOfRos, NumbersAndJoints) {
-  Decoded number(ros_int32(-5));
-  EXPECT_EQ(number.take<std::int32_t>(), -5);
-  number.expect_end();
-  Decoded joint(ros_joint_state({2.0, "nod"}, "tilt", 0.75));
-  joint.expect_header(2, 0, "nod");
-  EXPECT_EQ(joint.take<std::uint32_t>(), 1U);
-  EXPECT_EQ(joint.text(), "tilt");
-  EXPECT_EQ(joint.take<std::uint32_t>(), 1U);
-  EXPECT_EQ(joint.take<double>(), 0.75);
-  EXPECT_EQ(joint.take<std::uint32_t>(), 0U);
-  EXPECT_EQ(joint.take<std::uint32_t>(), 0U);
-  joint.expect_end();
-}
-
 TEST(MessagesOfRos, GridsHaveTheirCellsRowByRow) {
   const std::vector<std::int8_t> cells{-1, 0, 100, 0, 0, -1};
   Decoded grid(ros_occupancy_grid(
@@ -334,12 +319,6 @@ TEST(LogWriters, OnlyMcapHasPackings) {
       EXPECT_EQ(refusal.empty(), name == "a.mcap") << name << ' ' << static_cast<int>(packing);
     }
   }
-}
-
-TEST(LogWriters, McapIsPackedByZstdUnlessItIsSaidOtherwise) {
-  const TemporaryFolder folder;
-  write_records(folder / "a.mcap", {written_scan(1.0)});
-  EXPECT_THAT(get_file(folder / "a.mcap"), HasSubstr(std::string("\4\0\0\0zstd", 8)));
 }
 
 }  // namespace

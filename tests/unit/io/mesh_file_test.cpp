@@ -50,23 +50,6 @@ double volume_of(const MeshFile& mesh) {
   return volume / 6.0;
 }
 
-// The area of a flat mesh; triangles that overlap or lie outside of the outline make it larger.
-double area_of(const MeshFile& mesh) {
-  double area = 0.0;
-  for (const Triangle& t : mesh.triangles) {
-    const auto& [a, b, c] = std::array{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
-    std::array<double, 3> cross{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::size_t u = (k + 1) % 3;
-      const std::size_t v = (k + 2) % 3;
-      cross[k] = (double{b[u]} - double{a[u]}) * (double{c[v]} - double{a[v]}) -
-                 (double{b[v]} - double{a[v]}) * (double{c[u]} - double{a[u]});
-    }
-    area += 0.5 * std::sqrt(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]);
-  }
-  return area;
-}
-
 template <class T>
 void append(std::string& bytes, T value, bool is_big_endian = false) {
   std::array<char, sizeof(T)> raw{};
@@ -157,42 +140,6 @@ TEST(MeshFile, TrianglesStandInTheOrderOfTheFile) {
   EXPECT_THAT(
       mesh_of(ply_of({"0 0 0", "1 0 0", "1 1 0", "0 1 0", "9 9 9"}, {"4 0 1 2 3", "3 3 2 1"}), "q.ply").triangles,
       ElementsAre(Triangle{0, 1, 2}, Triangle{0, 2, 3}, Triangle{3, 2, 1}));
-}
-
-TEST(MeshFile, LeavesOutVerticesOfNoTriangle) {
-  EXPECT_EQ(mesh_of(ply_of({"9 9 9", "0 0 0", "1 0 0", "0 1 0"}, {"3 1 2 3", "2 0 1"}), "a.ply").vertices.size(), 3U);
-}
-
-TEST(MeshFile, CutsPolygonsThatAreNotConvex) {
-  // An L of area 3 in every plane and direction, beginning at each corner in turn: a fan would leave it.
-  const std::array<std::array<int, 2>, 6> outline{{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (std::size_t start = 0; start < outline.size(); ++start) {
-      for (const bool is_reversed : {false, true}) {
-        std::vector<std::string> vertices;
-        for (const auto& [u, v] : outline) {
-          std::array<int, 3> vertex{};
-          vertex[axis] = 5;
-          vertex[(axis + 1) % 3] = u;
-          vertex[(axis + 2) % 3] = v;
-          vertices.push_back(std::to_string(vertex[0]) + " " + std::to_string(vertex[1]) + " " +
-                             std::to_string(vertex[2]));
-        }
-        std::string face = std::to_string(outline.size());
-        for (std::size_t k = 0; k < outline.size(); ++k) {
-          face += " " + std::to_string((start + (is_reversed ? outline.size() - k : k)) % outline.size());
-        }
-        const MeshFile mesh = mesh_of(ply_of(vertices, {face}), "l.ply");
-        EXPECT_EQ(mesh.triangles.size(), 4U);
-        EXPECT_NEAR(area_of(mesh), 3.0, 1e-12) << face;
-      }
-    }
-  }
-}
-
-TEST(MeshFile, EndsForPolygonsThatCrossThemselvesOrHaveNoArea) {
-  EXPECT_EQ(mesh_of(ply_of({"0 0 0", "1 1 0", "1 0 0", "0 1 0"}, {"4 0 1 2 3"}), "x.ply").triangles.size(), 2U);
-  EXPECT_EQ(mesh_of(ply_of({"1 1 1"}, {"5 0 0 0 0 0"}), "p.ply").triangles.size(), 3U);
 }
 
 TEST(MeshFile, SaysWhatIsWrongAndWhere) {

@@ -47,21 +47,6 @@ TEST(OccupancyMapFile, WritesWhatMapServerReads) {
   EXPECT_EQ(get_file(folder / "map.pgm"), std::string("P5\n3 2\n255\n") + std::string("\x00\x00\xfe\xfe\x00\xcd", 6));
 }
 
-TEST(OccupancyMapFile, FirstRowOfThePictureIsTheHighestOfTheMap) {
-  const std::string image = std::string("P5 2 3 255\n") + '\x00' + '\x00' + '\xcd' + '\xfe' + '\xfe' + '\x00';
-  const OccupancyMap map = read_map(kYaml, image);
-  EXPECT_EQ(map.geometry, (GridGeometry{0.1, 0.0, 0.0, 2, 3}));
-  EXPECT_EQ(map.at({0, 2}), kOccupied);
-  EXPECT_EQ(map.at({0, 1}), kUnknown);
-  EXPECT_EQ(map.at({0, 0}), kFree);
-  EXPECT_EQ(map.at({1, 0}), kOccupied);
-  const TemporaryFolder folder;
-  write_occupancy_map(folder / "again.yaml", map);
-  const OccupancyMap again = read_occupancy_map(folder / "again.yaml");
-  EXPECT_EQ(again.geometry, map.geometry);
-  EXPECT_EQ(again.cells, map.cells);
-}
-
 TEST(OccupancyMapFile, LevelsFollowTheThresholds) {
   const std::string image = std::string("P5 4 1 255\n") + '\x00' + '\x59' + '\xcd' + '\xce';
   EXPECT_THAT(read_map(kYaml, image).cells.all(), ElementsAre(kOccupied, kOccupied, kUnknown, kFree));

@@ -17,7 +17,6 @@ namespace gdtslam {
 namespace {
 
 using ::testing::ElementsAre;
-using ::testing::ElementsAreArray;
 using ::testing::HasSubstr;
 
 /// Decodes 8-bit files with libpng's simplified interface.
@@ -29,17 +28,6 @@ std::vector<std::uint8_t> decode_8_bit(const std::string& file, png_uint_32 form
   std::vector<std::uint8_t> pixels(PNG_IMAGE_SIZE(image));
   EXPECT_NE(png_image_finish_read(&image, nullptr, pixels.data(), 0, nullptr), 0);
   return pixels;
-}
-
-TEST(Png, OtherDecodersReadTheSamePixels) {
-  std::vector<std::uint8_t> pixels;
-  for (std::size_t i = 0; i < 7 * 5 * 4; ++i) {
-    pixels.push_back(static_cast<std::uint8_t>(i * 37));
-  }
-  png_image image;
-  EXPECT_EQ(decode_8_bit(encode_png(7, 5, pixels), PNG_FORMAT_RGBA, image), pixels);
-  EXPECT_EQ(image.width, 7U);
-  EXPECT_EQ(image.height, 5U);
 }
 
 /// A file by libpng's simplified interface.
@@ -99,25 +87,6 @@ TEST(Png, SixteenBitsStandInTheFileWithTheHighByteFirst) {
   ASSERT_EQ(size, 3U);
   EXPECT_EQ(row[1], 0x12);
   EXPECT_EQ(row[2], 0x34);
-}
-
-TEST(Png, SixteenBitsReadBack) {
-  const std::vector<std::uint16_t> pixels = {0x1234, 0xfedc, 0, 65535, 256, 255};
-  const std::string file = encode_png({3, 2, pixels});
-  EXPECT_THAT(decode_png_grey16(bytes_of(file), "t.png", 100).pixels, ElementsAreArray(pixels));
-}
-
-TEST(Png, RowsOneAfterTheOtherMakeTheFileOfTheWholeImage) {
-  Grey16Image image{300, 40, {}};
-  for (std::size_t k = 0; k < 300U * 40U; ++k) image.pixels.push_back(static_cast<std::uint16_t>(k * k * 7919U));
-  std::string file;
-  PngWriter writer(300, 40, PngWriter::Pixels::kGrey16, [&file](std::span<const std::byte> bytes) {
-    file.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  });
-  for (std::size_t y = 0; y < 40; ++y) writer.add_row(std::as_bytes(std::span(image.pixels).subspan(300 * y, 300)));
-  writer.finish();
-  EXPECT_EQ(file, encode_png(image));
-  EXPECT_EQ(decode_png_grey16(bytes_of(file), "t.png", 12000).pixels, image.pixels);
 }
 
 TEST(Png, WhatTheTakerOfTheBytesThrowsComesOutOfTheWriter) {
@@ -194,17 +163,6 @@ TEST(Png, SizeIsBoundedBeforeMemoryIsTaken) {
 
 std::string input_error_of(const std::function<void()>& action) { return told_by<InputError>(action, "no error"); }
 
-TEST(Png, OtherKindsAreRefused) {
-  const std::string of_colours = encode_png(1, 1, std::vector<std::uint8_t>{7, 7, 7, 255});
-  const std::string of_8_bits = get_file(GDTSLAM_SOURCE_DIR "/tests/fuzz/corpus/png/eight_bits.png");
-  ASSERT_EQ(of_8_bits.substr(12, 4), "IHDR");
-  ASSERT_EQ(of_8_bits.substr(24, 2), std::string("\x08\x00", 2)) << "depth 8, colour type grey";
-  for (const std::string& file : {of_colours, of_8_bits}) {
-    EXPECT_THAT(input_error_of([&] { decode_png_grey16(bytes_of(file), "t.png", 100000); }),
-                HasSubstr("no 16-bit grey"));
-  }
-}
-
 TEST(DistanceFieldFile, WritesEveryBitWithItsDescription) {
   const TemporaryFolder folder;
   // Three cells a row, stored with a stride of five; what lies in the padding is no part of the field.
@@ -249,20 +207,6 @@ TEST(DistanceFieldFile, VersionOneIsRead) {
   const DistanceFieldFile field = read_distance_field(folder / "gdt.yaml");
   EXPECT_THAT(field.cells, ElementsAre(0, 1, 7, 5120));
   EXPECT_EQ(field.cap, 5120);
-}
-
-TEST(DistanceFieldFile, WhatCannotBeWrittenIsRefused) {
-  const TemporaryFolder folder;
-  const std::vector<std::uint16_t> cells = {6};
-  const auto error = [&](const DistanceFieldView& field) {
-    return input_error_of([&] { write_distance_field(folder / "gdt.yaml", rows_of(field)); });
-  };
-  EXPECT_THAT(error({{0.05, 0, 0, 0, 0}, 0, {}, 5}), HasSubstr("gdt.yaml: a distance field of 0 x 0 cells"));
-  EXPECT_THAT(error({{0.05, 0, 0, 1, 0}, 1, cells, 5}), HasSubstr("1 x 0 cells"));
-  EXPECT_THAT(error({{0.05, 0, 0, 1, 1}, 1, cells, 0}), HasSubstr("cap is 0"));
-  EXPECT_THAT(error({{0.05, 0, 0, 1, 1}, 1, cells, 5}), HasSubstr("distance 6 in row 0 lies above"));
-  EXPECT_FALSE(std::filesystem::exists(folder / "gdt.png"));
-  EXPECT_FALSE(std::filesystem::exists(folder / "gdt.yaml"));
 }
 
 TEST(DistanceFieldFile, WhatContradictsItselfIsRefused) {

@@ -44,19 +44,6 @@ TEST(CarmenAngles, AreThoseOfTheDegreesThatTheyWereRoundedFrom) {
   EXPECT_EQ(start_angle_of("0.000000000"), 0.0);
 }
 
-TEST(MapImages, SayWhichFileIsTooLarge) {
-  const TemporaryFolder folder;
-  const std::string file = folder / "a.png";
-  std::ofstream(file, std::ios::binary) << encode_png(Grey16Image{3, 2, std::vector<std::uint16_t>(6, 7)});
-  EXPECT_EQ(read_png_grey16(file, 6).pixels, std::vector<std::uint16_t>(6, 7));
-  try {
-    static_cast<void>(read_png_grey16(file, 5));
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_EQ(error.what(), file + ": has 3 x 2 pixels, more than the 5 that are read");
-  }
-}
-
 TEST(RowsOfAField, AreTheCellsOfTheMap) {
   SeparateMap map(MapperConfig{});
   std::vector<Point2> points;

@@ -20,7 +20,6 @@ namespace {
 
 using namespace test;
 using ::testing::ElementsAre;
-using ::testing::EndsWith;
 
 RecordingChannel told_channel(const std::string& topic, const std::string& type) {
   return {.topic = topic, .type = type, .md5 = "", .encoding_name = "ros1", .encoding = MessageEncoding::kRos1};
@@ -66,16 +65,6 @@ TEST(RecordingSurvey, CountsMessagesAndTellsTheirTimesAndDelays) {
   EXPECT_THAT(topic.frames, ElementsAre("laser"));
 }
 
-TEST(RecordingSurvey, KeepsFourFramesAndNoLongNames) {
-  SurveyOf scans("/scan", "sensor_msgs/LaserScan");
-  const std::string long_name(256, 'n');
-  for (const std::string& frame : {std::string(), long_name + "x", std::string("a"), std::string("b"), std::string("a"),
-                                   long_name, std::string("c"), std::string("d")}) {
-    scans.add(ros_scan({.stamp_s = 1.0, .frame = frame}), 1.0);
-  }
-  EXPECT_THAT(scans.topic().frames, ElementsAre("a", "b", long_name, "c"));
-}
-
 TEST(RecordingSurvey, KeepsSixteenJointsAndTheRangeOfTheFirst) {
   SurveyOf joints("/joints", "sensor_msgs/JointState");
   std::vector<std::string> names;
@@ -91,14 +80,6 @@ TEST(RecordingSurvey, KeepsSixteenJointsAndTheRangeOfTheFirst) {
   ASSERT_TRUE(topic.numbers);
   EXPECT_EQ(topic.numbers->least, -0.25);
   EXPECT_EQ(topic.numbers->most, 0.5);
-}
-
-TEST(RecordingSurvey, OfNumbersTheLeastAndTheLargestAreTold) {
-  SurveyOf numbers("/crank", "std_msgs/Int32");
-  for (const std::int32_t value : {5, -7, 3}) numbers.add(raw(value), 1.0);
-  EXPECT_EQ(numbers.topic().numbers->least, -7.0);
-  EXPECT_EQ(numbers.topic().numbers->most, 5.0);
-  EXPECT_FALSE(numbers.topic().delay) << "they have no stamp";
 }
 
 // Of each use 256 topics are kept, the others are counted.
@@ -140,80 +121,6 @@ TEST(RecordingSurvey, AFrameMovesByMoreThanATenthOfAMillimetre) {
   EXPECT_FALSE(link.is_static);
 }
 
-TEST(RecordingSurvey, ALinkIsTheLastTransform) {
-  const FrameLink link = link_after("/tf_static", {{}, {.x_m = 0.5, .y_m = -0.25, .yaw_rad = -0.75}});
-  EXPECT_TRUE(link.is_static);
-  EXPECT_EQ(link.parent, "base");
-  EXPECT_EQ(link.child, "laser");
-  EXPECT_EQ(link.x_m, 0.5);
-  EXPECT_EQ(link.y_m, -0.25);
-  EXPECT_EQ(link.z_m, 0.25);
-  EXPECT_NEAR(link.yaw_rad, -0.75, 1e-12);
-  EXPECT_NEAR(link.pitch_rad, 0.0, 1e-12);
-  EXPECT_NEAR(link.roll_rad, 0.0, 1e-12);
-  const FrameLink turned = link_after("/tf_static", {{.is_upside_down = true}});
-  EXPECT_NEAR(std::fabs(turned.roll_rad), kPi, 1e-12);
-  EXPECT_NEAR(turned.yaw_rad, 0.0, 1e-12);
-}
-
-// The delays of what never changes say nothing of a clock.
-TEST(RecordingSurvey, StaticTransformsHaveNoDelay) {
-  for (const char* const topic : {"/tf", "/tf_static"}) {
-    SurveyOf frames(topic, "tf2_msgs/TFMessage");
-    frames.add(ros_transform(1.0, "base", "laser", {}), 3.0);
-    EXPECT_EQ(frames.topic().delay.has_value(), topic == std::string("/tf"));
-  }
-}
-
-RecordingItem message_at(std::uint32_t channel, double received_s) {
-  return {.channel = channel, .received_s = received_s};
-}
-
-TEST(TopicTable, TellsCountsAndRatesOfTopicsThatHaveSeveralChannels) {
-  TopicTable table;
-  EXPECT_NE(table.add(1, told_channel("/scan", "sensor_msgs/msg/LaserScan")), nullptr);
-  EXPECT_EQ(table.add(1, told_channel("/other", "a/B")), nullptr) << "known already";
-  EXPECT_NE(table.add(2, told_channel("/scan", "sensor_msgs/msg/LaserScan")), nullptr);
-  EXPECT_NE(table.add(3, told_channel("/image", "sensor_msgs/Image")), nullptr);
-  EXPECT_EQ(table.count(message_at(9, 1.0)), nullptr);
-  EXPECT_EQ(table.find(9), nullptr);
-  const auto told = [&] { return table.text([](const TopicChannel&) { return true; }); };
-  EXPECT_EQ(told(), "/image (sensor_msgs/Image, 0), /scan (sensor_msgs/LaserScan, 0)");
-  table.count(message_at(2, 10.0));
-  EXPECT_EQ(told(), "/image (sensor_msgs/Image, 0), /scan (sensor_msgs/LaserScan, 1)");
-  for (int k = 0; k <= 20; ++k) table.count(message_at(2, 10.0 + 0.2 * k));
-  table.count(message_at(1, 8.0));
-  EXPECT_EQ(table.find(2)->count, 22U);
-  EXPECT_EQ(table.find(2)->first_s, 10.0);
-  EXPECT_EQ(table.find(2)->last_s, 14.0);
-  EXPECT_EQ(table.text(has_scans), "/scan (sensor_msgs/LaserScan, 23 at 3.7 Hz)") << "22 / 6 s";
-  EXPECT_EQ(table.text([](const TopicChannel&) { return false; }), "none");
-}
-
-TEST(TopicTable, TellsADozenTopicsAndKnows65536Channels) {
-  TopicTable table;
-  for (std::uint32_t k = 0; k < 12; ++k) table.add(k, told_channel(fmt::format("/t{:02}", k), "a/B"));
-  const auto told = [&] { return table.text([](const TopicChannel&) { return true; }); };
-  EXPECT_THAT(told(), EndsWith("/t11 (a/B, 0)"));
-  table.add(12, told_channel("/t12", "a/B"));
-  EXPECT_THAT(told(), EndsWith("/t11 (a/B, 0) and others"));
-  for (std::uint32_t k = 13; k < 65536; ++k) ASSERT_NE(table.add(k, told_channel("/t12", "a/B")), nullptr);
-  EXPECT_EQ(table.add(65536, told_channel("/t12", "a/B")), nullptr);
-}
-
-TEST(TopicTable, NamesAnEncodingThatIsNotRead) {
-  TopicTable table;
-  RecordingChannel channel = told_channel("/a", "a/B");
-  channel.encoding = MessageEncoding::kOther;
-  channel.encoding_name = "protobuf";
-  table.add(1, channel);
-  channel.topic = "/b";
-  channel.encoding_name = "";
-  table.add(2, channel);
-  EXPECT_EQ(table.text([](const TopicChannel&) { return true; }),
-            "/a (a/B as protobuf, which is not read, 0), /b (a/B as nothing stated, which is not read, 0)");
-}
-
 // A chain of frames is followed over 32 steps, because it may be a ring.
 TEST(FrameTree, FollowsAChainOf31Links) {
   for (const int links : {30, 31, 32}) {
@@ -243,45 +150,6 @@ TEST(FrameTree, KnowsRobotsBasesAndKeeps4096Frames) {
   EXPECT_FALSE(tree.find("one_more", ""));
   tree.add("robot", "f4095", {});
   EXPECT_FALSE(tree.find("f4095", "")) << "who is known may still move";
-}
-
-TEST(FrameTree, TellsADozenFrames) {
-  FrameTree tree;
-  EXPECT_EQ(tree.text(), "none");
-  tree.add("base", "b", {});
-  tree.add("base", "a", {});
-  EXPECT_EQ(tree.text(), "\"a\" in \"base\", \"b\" in \"base\"");
-  for (int k = 2; k < 12; ++k) tree.add("base", fmt::format("c{:02}", k), {});
-  EXPECT_THAT(tree.text(), EndsWith("\"c11\" in \"base\""));
-  tree.add("base", "d", {});
-  EXPECT_THAT(tree.text(), EndsWith("\"c11\" in \"base\" and others"));
-}
-
-// Of a right angle about z and one about x: where each axis of the child points in the parent.
-TEST(Transform3, ProductsTurnAndShiftOneAfterTheOther) {
-  const Transform3 about_z{.rotation = {0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0}, .shift_m = {1.0, 2.0, 3.0}};
-  const Transform3 about_x{.rotation = {1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0}, .shift_m = {10.0, 20.0, 30.0}};
-  const Transform3 product = about_z * about_x;
-  EXPECT_THAT(product.rotation, ElementsAre(0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0));
-  EXPECT_THAT(product.shift_m, ElementsAre(1.0 - 20.0, 2.0 + 10.0, 3.0 + 30.0));
-  EXPECT_NEAR(seen_from_above(product).theta_rad, 0.5 * kPi, 1e-9);
-  EXPECT_EQ(seen_from_above(product).x_m, -19.0);
-  EXPECT_EQ(seen_from_above(product).y_m, 12.0);
-}
-
-// transform3.hpp: what is within 2e-15 rad of an angle of nine decimals is that angle.
-TEST(Transform3, AHeadingOfNineDecimalsIsThatHeading) {
-  const auto heading_of = [](double yaw_rad) {
-    const double c = std::cos(yaw_rad);
-    const double s = std::sin(yaw_rad);
-    return seen_from_above({.rotation = {c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0}}).theta_rad;
-  };
-  for (const double yaw_rad : {0.123456789, -0.123456789, 0.5, -1.000000001}) {
-    EXPECT_EQ(heading_of(yaw_rad), yaw_rad);
-    EXPECT_EQ(heading_of(yaw_rad + 1e-15), yaw_rad);
-    EXPECT_NE(heading_of(yaw_rad + 1e-14), yaw_rad);
-    EXPECT_NE(heading_of(yaw_rad - 1e-14), yaw_rad);
-  }
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ std::string full_recording() {
 LogContents contents_of(const std::string& records, ReadOptions options = {}) {
   options.survey = true;
   const std::string bytes = mcap_file(records);
-  const auto log = open_mcap(bytes_of(bytes), "test.mcap", options);
+  const auto log = open_mcap(source_of(bytes_of(bytes)), "test.mcap", options);
   (void)drain(*log);
   return log->contents();
 }
@@ -105,24 +105,6 @@ TEST(RecordingUses, WhatWasAskedForIsTold) {
   EXPECT_EQ(contents_of(full_recording(), options).lasers.at(0).mount, MountSource::kStated);
 }
 
-TEST(RecordingUses, TransformsAreOdometryWhereNothingElseIsOrTheyAreChosen) {
-  ReadOptions options;
-  options.topics.odometry = "/tf";
-  std::map<std::string, UseAndWhy> uses = uses_of(contents_of(full_recording(), options));
-  EXPECT_EQ(uses["/tf"], UseAndWhy(TopicUse::kOdometry, "--odom says so"));
-  EXPECT_EQ(uses["/odom"], UseAndWhy(TopicUse::kNone, "not chosen by --odom"));
-  const std::string scans =
-      mcap_channel(1, "/scan", "sensor_msgs/msg/LaserScan", "cdr") + mcap_channel(6, "/tf", kTreeType, "cdr");
-  const std::string drive = two_of(1, cdr_scan({.stamp_s = 1.0}));
-  const LogContents moving = contents_of(scans + two_of(6, cdr_transform(1.0, "odom", "base_link", {})) + drive);
-  uses = uses_of(moving);
-  EXPECT_EQ(uses["/scan"], UseAndWhy(TopicUse::kScans, "no other topic has scans"));
-  EXPECT_EQ(uses["/tf"], UseAndWhy(TopicUse::kOdometry, "no topic has nav_msgs/Odometry"));
-  EXPECT_EQ(moving.odometry, "/tf");
-  uses = uses_of(contents_of(scans + two_of(6, cdr_transform(1.0, "base_link", "laser", {})) + drive));
-  EXPECT_EQ(uses["/tf"], UseAndWhy(TopicUse::kFrames, "where lasers sit"));
-}
-
 // A laser does not nod as wheels turn: no line offers their speeds as its tilt.
 TEST(RecordingUses, NumbersOfTheDriveAreNoCrank) {
   const auto number = [](std::uint16_t channel, const std::string& topic) {
@@ -139,15 +121,6 @@ TEST(RecordingUses, NumbersOfTheDriveAreNoCrank) {
   options.topics.crank = "/wheel_left";
   options.crank.step_rad = 1.0;
   EXPECT_EQ(uses_of(contents_of(number(1, "/wheel_left"), options))["/wheel_left"].first, TopicUse::kCrank);
-}
-
-TEST(RecordingUses, ARecordingWithoutScansIsNoErrorOfASurvey) {
-  const LogContents contents =
-      contents_of(mcap_channel(9, "/text", "std_msgs/msg/String", "cdr") + two_of(9, CdrWriter().text("a").bytes()));
-  EXPECT_EQ(contents.topics.size(), 1U);
-  EXPECT_TRUE(contents.lasers.empty());
-  EXPECT_EQ(contents.odometry, "");
-  EXPECT_EQ(contents.odometry_frame, "");
 }
 
 }  // namespace

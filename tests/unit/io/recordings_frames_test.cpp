@@ -21,7 +21,7 @@ using ::testing::HasSubstr;
 // frames as they like. Each frame is moved by its own distance, so that the pose says which one was taken.
 WholeLog log_of_frames(const std::string& records, const ReadOptions& options) {
   const std::string bytes = mcap_file(records);
-  return drain(*open_mcap(bytes_of(bytes), "test.mcap", options));
+  return drain(*open_mcap(source_of(bytes_of(bytes)), "test.mcap", options));
 }
 
 TEST(RecordingFrames, OdometryFramesMayHaveANamespaceOrBeNamed) {

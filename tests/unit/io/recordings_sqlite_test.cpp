@@ -109,12 +109,6 @@ TEST(SqliteBags, FilesOfAFolderFollowEachOther) {
   }
 }
 
-TEST(SqliteBags, OneFileNeedsNoMetadata) {
-  const TemporaryFolder folder;
-  make_database(folder / "bag_7.db3", tables() + drive_rows(1.0, 2));
-  EXPECT_THAT(stamps_of(drain(*open_log(folder.path(), {}))), ElementsAre(1.0, 2.0));
-}
-
 // Four bytes of zstd can stand for 128 KiB on the disk.
 TEST(SqliteBags, WhatUnpacksToFarMoreIsNotWritten) {
   const TemporaryFolder folder;
@@ -122,8 +116,8 @@ TEST(SqliteBags, WhatUnpacksToFarMoreIsNotWritten) {
   const std::string whole = get_file(folder / "a.db3");
   put_file(folder / "a.db3", packed_as("zstd", whole + std::string(std::size_t{10} << 20U, '\0')));
   EXPECT_THAT(stamps_of(drain(*open_log(folder / "a.db3", {}))), ElementsAre(1.0, 2.0)) << "some zeros are no harm";
-  put_file(folder / "b.db3", packed_as("zstd", whole + std::string(std::size_t{100} << 20U, '\0')));
-  EXPECT_THAT(log_refusal<InputError>(folder / "b.db3"), HasSubstr("unpacks to more than 100 times its bytes"));
+  put_file(folder / "b.db3", packed_as("zstd", whole + std::string(std::size_t{300} << 20U, '\0')));
+  EXPECT_THAT(log_refusal<InputError>(folder / "b.db3"), HasSubstr("as no measured data do"));
 }
 
 TEST(SqliteBags, WhatIsPackedIsUnpacked) {
@@ -136,7 +130,7 @@ TEST(SqliteBags, WhatIsPackedIsUnpacked) {
   run_shell(fmt::format("gzip '{}'", folder / "a_1.db3"));
   put_file(folder / "metadata.yaml",
            "rosbag2_bagfile_information:\n  compression_format: zstd\n  compression_mode: FILE\n"
-           "  relative_file_paths:\n    - a_0.db3.zstd\n    - a_1.db3\n    - a_2.db3\n");
+           "  relative_file_paths:\n    - a_0.db3.zstd\n    - a_1.db3.gz\n    - a_2.db3\n");
   const WholeLog log = drain(*open_log(folder.path(), {.T_base_laser = Pose2{}}));
   EXPECT_THAT(stamps_of(log), ElementsAre(1.0, 2.0, 3.0, 4.0, 5.0, 6.0));
   EXPECT_TRUE(log.warnings.empty()) << log.warnings.front().first;
@@ -156,47 +150,8 @@ TEST(SqliteBags, FilesOfMcapInAFolder) {
   const std::string packed = packed_as("zstd", cdr_scan({.stamp_s = 4.0}));  // by message
   put_file(folder / "m_3.mcap", mcap_file(channel + mcap_message(1, 3.0, packed)));
   std::filesystem::rename(folder / "m_1.mcap", folder / "m_1.mcap.zstd");
-  put_metadata(folder, "m_0.mcap, m_1.mcap, m_2.mcap, m_3.mcap");
+  put_metadata(folder, "m_0.mcap, m_1.mcap.zstd, m_2.mcap, m_3.mcap");
   EXPECT_EQ(drain(*open_log(folder.path(), {})).of<ScanRecord>().size(), 4U);
-}
-
-/// A file of MCAP whose scan has the last of its channels; the others have no messages.
-std::string mcap_of_many_channels(const std::string& prefix, double stamp_s) {
-  constexpr std::uint16_t kLast = 40'000;
-  std::string data;
-  for (std::uint16_t k = 0; k < kLast; ++k) data += mcap_channel(k, fmt::format("{}{}", prefix, k), "a/msg/B", "cdr");
-  data += mcap_channel(kLast, "/scan", "sensor_msgs/msg/LaserScan", "cdr");
-  return mcap_file(data + mcap_message(kLast, stamp_s, cdr_scan({.stamp_s = stamp_s})));
-}
-
-std::vector<double> stamps_of_all(const WholeLog& log) {
-  std::vector<double> stamps_s;
-  for (const ScanRecord& record : log.of<ScanRecord>()) stamps_s.push_back(record.scan.stamp_s);
-  return stamps_s;
-}
-
-// A long recording has the same topics in each of its files: 1,440 of them with 46 topics are 66,240 channels.
-TEST(SqliteBags, ChannelsThatAllFilesHaveCountOnce) {
-  const TemporaryFolder folder;
-  for (int k = 0; k < 3; ++k) put_file(folder / fmt::format("m_{}.mcap", k), mcap_of_many_channels("/t", 1.0 + k));
-  put_metadata(folder, "m_0.mcap, m_1.mcap, m_2.mcap");
-  EXPECT_THAT(stamps_of_all(drain(*open_log(folder.path(), {}))), ElementsAre(1.0, 2.0, 3.0));
-  ReadOptions options;
-  options.topics.scans = {"/none"};
-  EXPECT_THAT(log_refusal<UsageError>(folder.path(), options), HasSubstr("/scan (sensor_msgs/LaserScan, 3 at 1.0 Hz)"));
-}
-
-TEST(SqliteBags, MoreThan65536DifferentChannelsAreNotKnown) {
-  const TemporaryFolder folder;
-  put_file(folder / "m_0.mcap", mcap_of_many_channels("/a", 1.0));
-  put_file(folder / "m_1.mcap", mcap_of_many_channels("/b", 2.0));
-  const std::string channel = mcap_channel(1, "/late", "sensor_msgs/msg/LaserScan", "cdr");
-  put_file(folder / "m_2.mcap", mcap_file(channel + mcap_message(1, 3.0, cdr_scan({.stamp_s = 3.0}))));
-  put_metadata(folder, "m_0.mcap, m_1.mcap, m_2.mcap");
-  EXPECT_THAT(log_refusal<InputError>(folder.path()), HasSubstr("no known channel"));
-  const WholeLog log = drain(*open_log(folder.path(), {.lenient = true}));
-  EXPECT_THAT(stamps_of_all(log), ElementsAre(1.0, 2.0)) << "/scan is known from the first file";
-  EXPECT_EQ(log.warned("malformed message"), 1U);
 }
 
 // A recorder that was killed leaves its journal behind, with messages that are nowhere else.

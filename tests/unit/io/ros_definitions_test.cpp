@@ -88,26 +88,5 @@ TEST(RosDefinitions, HaveThePublishedSums) {
   }
 }
 
-// No sequence number of a header, times of builtin_interfaces, and every type that is named is defined.
-TEST(RosDefinitions, NameTheirTimesAndHaveNoSequence) {
-  static const std::set<std::string> simple{"int8",    "int32",   "int64", "uint8",   "uint32", "string",
-                                            "float32", "float64", "bool",  "nanosec", "byte"};
-  for (const auto& [type, sum] : kPublished) {
-    const std::string text = ros_definition(type);
-    EXPECT_EQ(text.find("uint32 seq"), std::string::npos);
-    const auto parts = parts_of(text);
-    for (const auto& [name, fields] : parts) {
-      for (const std::string& field : fields) {
-        std::string bare = field.substr(0, field.find_first_of(" ["));
-        EXPECT_NE(bare, "time") << field;
-        bare = bare.substr(bare.rfind('/') + 1);
-        EXPECT_TRUE(simple.count(bare) > 0 || parts.count(bare) > 0) << field << " of " << name;
-      }
-    }
-    EXPECT_TRUE(ros_type_name(type).find("/msg/") != std::string::npos);
-  }
-  EXPECT_EQ(ros_type_name(RosType::kOdometry), "nav_msgs/msg/Odometry");
-}
-
 }  // namespace
 }  // namespace gdtslam

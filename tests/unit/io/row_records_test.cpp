@@ -35,7 +35,7 @@ TableRow row_of_ranges(std::vector<double> ranges_m, double first_rad = -0.5, do
 
 struct RowOutcome {
   std::vector<LogRecord> records{};
-  RowRepairs repairs{};
+  RangeRepairs repairs{};
   std::string refusal{};
   [[nodiscard]] const LaserScan& scan() const { return std::get<ScanRecord>(records.at(0)).scan; }
 };
@@ -63,17 +63,6 @@ TEST(RowRecords, BearingsLieWithinATurnAndStepsWithinHalfOfOne) {
   }
   EXPECT_EQ(outcome_of(row_of_ranges({1.0, 2.0}, 0.0, 0.0)).refusal, "has an angle_increment of 0 for several ranges");
   EXPECT_EQ(outcome_of(row_of_ranges({1.0}, 0.0, 0.0)).refusal, "") << "one has no step";
-}
-
-TEST(RowRecords, TheLastBearingTellsTheStep) {
-  TableRow row = row_of_ranges({1.0, 2.0, 3.0});
-  row[TableNumber::kAngleIncrement].reset();
-  row[TableNumber::kAngleMax] = 0.5;
-  EXPECT_EQ(outcome_of(row).scan().bearing_step_rad, 0.5);
-  row.ranges_m.assign(1, 1.0);
-  EXPECT_EQ(outcome_of(row).scan().bearing_step_rad, 0.0);
-  row[TableNumber::kAngleIncrement] = 0.125;
-  EXPECT_EQ(outcome_of(row).scan().bearing_step_rad, 0.125) << "where both are given";
 }
 
 TEST(RowRecords, WhatWasSaidOfTheSensorHoldsUntilAnotherRowSaysOtherwise) {
@@ -115,14 +104,6 @@ TEST(RowRecords, LasersAreNumberedFrom0To63) {
   }
 }
 
-TEST(RowRecords, RangesThatAreNoneAreMendedAndCounted) {
-  const RowOutcome outcome = outcome_of(row_of_ranges(
-      {0.0, -0.5, std::nan(""), std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()}));
-  EXPECT_THAT(outcome.scan().ranges_m, ElementsAre(0.0F, kNoEcho, kNoEcho, kNoEcho, kNoEcho));
-  EXPECT_EQ(outcome.repairs.not_a_number, 1U);
-  EXPECT_EQ(outcome.repairs.negative, 2U);
-}
-
 TEST(RowRecords, ALimitIsAboveZeroAndFinite) {
   for (const auto& [stated_m, limit_m] :
        {std::pair(20.0, 20.0), {0.0, 0.0}, {-5.0, 0.0}, {std::numeric_limits<double>::infinity(), 0.0}}) {
@@ -131,18 +112,6 @@ TEST(RowRecords, ALimitIsAboveZeroAndFinite) {
     EXPECT_EQ(outcome_of(row).scan().max_range_m, limit_m);
     EXPECT_EQ(outcome_of(row, {.max_range_m = 7.0}).scan().max_range_m, 7.0);
   }
-}
-
-TEST(RowRecords, AClockwiseRowIsTurned) {
-  TableRow row = row_of_ranges({1.0, 2.0, 3.0}, 0.5, -0.25);
-  row[TableNumber::kFirstBeamAfter] = 0.5;
-  row[TableNumber::kTimeIncrement] = 0.125;
-  const LaserScan scan = outcome_of(row).scan();
-  EXPECT_EQ(scan.first_bearing_rad, 0.0);
-  EXPECT_EQ(scan.bearing_step_rad, 0.25);
-  EXPECT_EQ(scan.first_beam_after_s, 0.75);
-  EXPECT_EQ(scan.beam_period_s, -0.125);
-  EXPECT_THAT(scan.ranges_m, ElementsAre(3.0F, 2.0F, 1.0F));
 }
 
 // Beams each 0.05 degrees from behind the robot on: of a point the beam nearest to its bearing.

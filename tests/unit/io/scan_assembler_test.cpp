@@ -57,15 +57,6 @@ ScanMessage scan_at(double stamp_s, std::vector<float> ranges_m = {1.0F, 2.0F, 3
           .ranges_m = std::move(ranges_m)};
 }
 
-/// The only scan of a recording whose robot stands at the origin.
-ScanRecord single(const ScanMessage& scan, const ReadOptions& options = {}) {
-  Assembly assembly(options);
-  assembly.assembler.add_laser("/scan");
-  assembly.pose(scan.stamp_s, {});
-  assembly.scan(scan);
-  return assembly.next(true).value();
-}
-
 // A quarter of a circle of radius 1 from (0, 0) to (1, 1): by thirds of the time it is thirds of the way around.
 TEST(ScanAssembler, OdometryBetweenTwoPosesLiesOnTheCircleThroughThem) {
   Assembly assembly;
@@ -112,30 +103,6 @@ TEST(ScanAssembler, OdometryThatStepsBackIsLeftOutAndOneThatRepeatsIsNotTold) {
   assembly.scan(scan_at(2.0));
   EXPECT_EQ(assembly.next()->T_odom_base->x_m, 1.5);
   EXPECT_EQ(assembly.next()->T_odom_base->x_m, 2.0);
-}
-
-// The receipt is what there is to tell them apart; the scans of that recording have stamps of the same clock.
-TEST(ScanAssembler, OdometryWithoutAStampHasThatOfItsReceipt) {
-  for (const bool are_transforms : {false, true}) {
-    Assembly assembly;
-    assembly.assembler.add_laser("/scan");
-    for (int k = 0; k <= 10; ++k) {
-      const TransformMessage pose{
-          .stamp_s = 0.0, .parent = "odom", .child = "base_link", .T_parent_child = {.shift_m = {2.0 * k, 0.0, 0.0}}};
-      const double received_s = 100.0 + 0.5 * k;
-      are_transforms ? void(assembly.assembler.add_transform(pose, received_s))
-                     : assembly.assembler.add_odometry(pose, received_s);
-    }
-    EXPECT_EQ(assembly.warned["odometry without stamp"], 11);
-    EXPECT_EQ(assembly.warned.size(), 1U) << "none steps back";
-    for (const double stamp_s : {100.0, 101.25, 104.0}) assembly.scan(scan_at(stamp_s));
-    for (const double x_m : {0.0, 5.0, 16.0}) {
-      const std::optional<ScanRecord> record = assembly.next(true);
-      ASSERT_TRUE(record && record->T_odom_base);
-      EXPECT_NEAR(record->T_odom_base->x_m, x_m, 1e-9) << are_transforms;
-    }
-    EXPECT_EQ(assembly.warned["clocks differ"], 0);
-  }
 }
 
 /// x = t, four poses and a scan in 0.2 s from 100 s on; x less t of each scan that comes out with odometry.
@@ -209,56 +176,6 @@ TEST(ScanAssembler, TheLast4096PosesAreKept) {
     assembly.scan(scan_at(1.0));
     EXPECT_EQ(assembly.next()->T_odom_base.has_value(), poses == 4096) << poses;
   }
-}
-
-// A sweep of more than ten seconds is none: then its beams have no times.
-TEST(ScanAssembler, ASweepTakesTenSecondsAtMost) {
-  ScanMessage scan = scan_at(1.0);
-  for (const auto& [period_s, is_kept] :
-       {std::pair(0.01, true), {-0.01, true}, {5.0, true}, {5.0001, false}, {-5.0001, false}, {0.0, false}}) {
-    scan.beam_period_s = period_s;
-    EXPECT_EQ(single(scan).scan.beam_period_s, is_kept ? period_s : 0.0);
-  }
-  scan.beam_period_s = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(single(scan).scan.beam_period_s, 0.0);
-  scan.beam_period_s = 0.01;
-  scan.ranges_m.clear();
-  EXPECT_EQ(single(scan).scan.beam_period_s, 0.0);
-}
-
-// REP 117: not a number and minus infinity are no ranges; what is nearer than the least range is none either.
-TEST(ScanAssembler, RangesBelowTheLeastAreNone) {
-  constexpr float kInf = std::numeric_limits<float>::infinity();
-  ScanMessage scan = scan_at(1.0, {0.25F, 0.2499F, 0.0F, -1.0F, -kInf, std::nanf(""), kInf, 1e-30F});
-  scan.min_range_m = 0.25;
-  EXPECT_THAT(single(scan).scan.ranges_m, ElementsAre(0.25F, kInf, kInf, kInf, kInf, kInf, kInf, kInf));
-  scan.min_range_m = 0.0;
-  EXPECT_THAT(single(scan).scan.ranges_m, ElementsAre(0.25F, 0.2499F, kInf, kInf, kInf, kInf, kInf, 1e-30F));
-}
-
-TEST(ScanAssembler, ALimitThatIsNoneIsNone) {
-  ScanMessage scan = scan_at(1.0);
-  for (const auto& [stated_m, limit_m] : {std::pair(30.0, 30.0), {0.0, 0.0}, {-1.0, 0.0}}) {
-    scan.max_range_m = stated_m;
-    EXPECT_EQ(single(scan).scan.max_range_m, limit_m);
-  }
-  scan.max_range_m = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(single(scan).scan.max_range_m, 0.0);
-  EXPECT_EQ(single(scan, {.max_range_m = 12.0}).scan.max_range_m, 12.0);
-}
-
-// From left to right: the first beam is the last one, at the bearing where it was, and later than the others.
-TEST(ScanAssembler, AClockwiseScanIsTurned) {
-  ScanMessage scan = scan_at(1.0);
-  scan.first_bearing_rad = 0.5;
-  scan.bearing_step_rad = -0.25;
-  scan.beam_period_s = 0.01;
-  const LaserScan turned = single(scan).scan;
-  EXPECT_EQ(turned.first_bearing_rad, 0.0);
-  EXPECT_EQ(turned.bearing_step_rad, 0.25);
-  EXPECT_EQ(turned.beam_period_s, -0.01);
-  EXPECT_EQ(turned.first_beam_after_s, 0.02);
-  EXPECT_THAT(turned.ranges_m, ElementsAre(3.0F, 2.0F, 1.0F));
 }
 
 void add_mount(Assembly& assembly, const std::string& frame, double roll_rad) {
@@ -341,30 +258,6 @@ TEST(ScanAssembler, ClocksThatAreMoreThanASecondApartAreBroughtTogether) {
     if (!is_other) continue;
     EXPECT_NEAR(record->T_odom_base.value().x_m, 5.0, 1e-6);
   }
-}
-
-TEST(ScanAssembler, TicksAndTiltsAreCountedFromTheirZeroByTheirStep) {
-  const auto record_of = [](const CrankOptions& crank, const NumberMessage& number) {
-    ReadOptions options;
-    options.crank = crank;
-    Assembly assembly(options);
-    assembly.assembler.add_crank(number, 7.0);
-    return assembly.assembler.next(true).value();
-  };
-  CrankOptions tilt;
-  tilt.kind = CrankKind::kTilt;
-  tilt.zero = 10.0;
-  tilt.step_rad = 0.25;
-  EXPECT_EQ(std::get<Tilt>(record_of(tilt, {.stamp_s = 3.0, .value = 14.0})).elevation_rad, 1.0);
-  EXPECT_EQ(std::get<Tilt>(record_of(tilt, {.stamp_s = 3.0, .value = 14.0})).stamp_s, 3.0);
-  tilt.step_rad = 0.0;
-  EXPECT_EQ(std::get<Tilt>(record_of(tilt, {.stamp_s = 3.0, .value = 10.5})).elevation_rad, 0.5) << "radians";
-  CrankOptions ticks;
-  ticks.step_rad = 0.25;
-  EXPECT_EQ(std::get<Encoder>(record_of(ticks, {.value = 0.9})).ticks, 4) << "3.6 of them";
-  EXPECT_EQ(std::get<Encoder>(record_of(ticks, {.value = -0.9})).ticks, -4);
-  EXPECT_EQ(std::get<Encoder>(record_of(ticks, {.value = 9.0, .whole = 9007199254740993})).ticks, 9007199254740993);
-  EXPECT_EQ(std::get<Encoder>(record_of(ticks, {.value = 0.9})).stamp_s, 7.0) << "of a message without a stamp";
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ TEST(SyncOrder, AFileIsOnTheDiskBeforeItTakesItsNameAndThenItsFolderIs) {
   const TemporaryFolder folder;
   const RecordedCalls calls(folder / "");
   write_file_atomically(folder / "a.txt", "new");
-  EXPECT_THAT(calls.all(), ElementsAre("lock ~", "sync ~", "rename ~ to a.txt", "sync ."));
+  EXPECT_THAT(calls.all(), ElementsAre("sync ~", "rename ~ to a.txt", "sync ."));
 }
 
 TEST(SyncOrder, ASyncOfWhatHasNotChangedIsMadeOnce) {
@@ -31,13 +31,13 @@ TEST(SyncOrder, ASyncOfWhatHasNotChangedIsMadeOnce) {
   file.write("one");
   file.sync();
   file.sync();
-  EXPECT_THAT(calls.all(), ElementsAre("lock ~", "sync ~"));
+  EXPECT_THAT(calls.all(), ElementsAre("sync ~"));
   file.write("two");
   file.sync();
-  EXPECT_THAT(calls.all(), ElementsAre("lock ~", "sync ~", "sync ~"));
+  EXPECT_THAT(calls.all(), ElementsAre("sync ~", "sync ~"));
   file.rewrite_begin("ONE");
   file.commit();
-  EXPECT_THAT(calls.all(), ElementsAre("lock ~", "sync ~", "sync ~", "sync ~", "rename ~ to a.txt", "sync ."));
+  EXPECT_THAT(calls.all(), ElementsAre("sync ~", "sync ~", "sync ~", "rename ~ to a.txt", "sync ."));
   EXPECT_EQ(get_file(folder / "a.txt"), "ONEtwo");
 }
 
@@ -69,7 +69,7 @@ TEST(SyncOrder, ACopyOfAFileIsOnTheDiskToo) {
   put_file(folder / "from", "text");
   const RecordedCalls calls(folder / "");
   copy_file_atomically(folder / "from", folder / "to");
-  EXPECT_THAT(calls.all(), ElementsAre("lock ~", "sync ~", "rename ~ to to", "sync ."));
+  EXPECT_THAT(calls.all(), ElementsAre("sync ~", "rename ~ to to", "sync ."));
 }
 
 }  // namespace

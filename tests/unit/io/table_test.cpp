@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
 WholeLog read_rows(TableKind kind, std::string_view text, const ReadOptions& options = {}) {
-  return drain(*open_table(kind, bytes_of(text), "t", options));
+  return drain(*open_table(kind, source_of(bytes_of(text)), "t", options));
 }
 WholeLog read_csv(std::string_view text, const ReadOptions& options = {}) {
   return read_rows(TableKind::kCsv, text, options);
@@ -185,44 +185,6 @@ TEST(Table, StatedOptionsBeatTheFile) {
   EXPECT_EQ(scans[0].scan.bearing_step_rad, 0.25);
   EXPECT_EQ(scans[0].scan.max_range_m, 9.0);
   EXPECT_EQ(scans[0].scan.T_base_laser, (Pose2{1.0, 0.0, 0.0}));
-}
-
-/// The stamps of all records, which tell how far a cut log was read.
-std::vector<double> table_stamps_of(const WholeLog& log) {
-  std::vector<double> stamps;
-  for (const LogRecord& record : log.records) {
-    if (const auto* scan = std::get_if<ScanRecord>(&record)) stamps.push_back(scan->scan.stamp_s);
-    if (const auto* odometry = std::get_if<Odometry>(&record)) stamps.push_back(odometry->stamp_s);
-    if (const auto* encoder = std::get_if<Encoder>(&record)) stamps.push_back(encoder->stamp_s);
-  }
-  return stamps;
-}
-
-void expect_each_cut_told(TableKind kind, std::string_view text, std::string_view end_of_row) {
-  for (std::size_t length = 0; length < text.size(); ++length) {
-    const std::string_view cut = text.substr(0, length);
-    std::size_t whole_rows = 0;
-    for (std::size_t at = cut.find(end_of_row); at != std::string_view::npos; at = cut.find(end_of_row, at + 1)) {
-      ++whole_rows;
-    }
-    if (kind == TableKind::kCsv && whole_rows > 0) --whole_rows;  // the header
-    if (whole_rows == 0) {
-      EXPECT_THAT(table_error(kind, cut), HasSubstr("without a complete row")) << length;
-    } else {
-      EXPECT_EQ(table_stamps_of(read_rows(kind, cut)).size(), whole_rows) << length;
-    }
-  }
-}
-
-TEST(Table, CutAtEveryByteKeepsWholeRowsOnly) {
-  expect_each_cut_told(TableKind::kCsv,
-                       "stamp,x,y,theta,angle_min,angle_increment,ranges\n1,0,0,0,-1,0.5,1.5 2.5\n2,1,1,1,,,\n"
-                       "3,1,1,1,,,\"2.25, 3.5\"\n",
-                       "\n");
-  expect_each_cut_told(TableKind::kJsonLines,
-                       "{\"stamp\":1,\"odom\":[0,0,0],\"angle_min\":-1,\"angle_increment\":0.5,\"ranges\":[1,2]}\n"
-                       "{\"stamp\":2,\"odom\":[0.5,0,0]}\n{\"stamp\":3,\"ranges\":[1,2.5]}\n",
-                       "}");
 }
 
 TEST(OpenLog, TellsTablesByTheirFirstBytes) {

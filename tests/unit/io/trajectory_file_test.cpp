@@ -45,13 +45,6 @@ TEST(Tum, ReadsCommentsBlankLinesAndAnyRotation) {
   EXPECT_NEAR(trajectory[2].T_map_base.theta_rad, -kPi / 2.0, 1e-12);
 }
 
-TEST(Tum, YawOfATiltedPoseIsKept) {
-  // Roll by 0.2 rad, then yaw by 90 deg: q = yaw * roll = (c s', s s', s c', c c').
-  const Trajectory trajectory = read_tum(
-      bytes_of("1 0 0 0 0.07059288589999417 0.07059288589999417 0.7035741925769524 0.7035741925769524\n"), "t");
-  EXPECT_NEAR(trajectory.at(0).T_map_base.theta_rad, kPi / 2.0, 1e-12);
-}
-
 TEST(Tum, ErrorsNameFileLineAndRow) {
   EXPECT_THAT(trajectory_error("1 0 0 0 0 0 0 1\n1 2 3\n"),
               HasSubstr("t.tum:2: the row ends before its numbers; a row is `stamp"));
@@ -69,15 +62,6 @@ TEST(Tum, APlaceThatIsNoneOnEarthIsRefused) {
   const TemporaryFolder folder;
   put_file(folder / "r", "1 2 1e300 0 0 0 0 0\n");
   EXPECT_THROW(read_relations(folder / "r"), InputError);
-}
-
-TEST(Tum, WritesAndReadsFiles) {
-  const TemporaryFolder folder;
-  write_tum(folder / "t.tum", {{1.25, {3.0, 4.0, -1.0}}});
-  const Trajectory trajectory = read_tum(folder / "t.tum");
-  ASSERT_EQ(trajectory.size(), 1U);
-  EXPECT_NEAR(trajectory[0].T_map_base.theta_rad, -1.0, 5e-9);
-  EXPECT_THROW(read_tum(folder / "none.tum"), FileError);
 }
 
 TEST(Relations, ReadsRows) {
@@ -102,12 +86,6 @@ TEST(Relations, AYawBeyondAWholeTurnIsAskedForItsUnit) {
     EXPECT_THAT(error_of(yaw), HasSubstr("r:2: the yaw of " + std::string(yaw) + " rad")) << yaw;
     EXPECT_THAT(error_of(yaw), HasSubstr("is it in degrees?")) << yaw;
   }
-}
-
-TEST(Relations, AFileWithoutRowsSaysSo) {
-  const TemporaryFolder folder;
-  put_file(folder / "r", "# t1 t2\n");
-  EXPECT_THAT(told_by<InputError>([&] { read_relations(folder / "r"); }), HasSubstr("r: holds no relation; a row is"));
 }
 
 TEST(Relations, ATrajectoryIsToldAsOne) {

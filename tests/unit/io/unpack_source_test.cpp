@@ -190,19 +190,5 @@ TEST(ByteSource, ProgressIsTheShareOfWhatHasALength) {
   EXPECT_EQ(drained(*with_head("", open_memory_source(bytes_of("cd"))), 9).text, "cd");
 }
 
-TEST(ReadAll, TakesUpToItsLimit) {
-  const auto read = [](const std::string& text, std::size_t limit) {
-    const auto source = open_memory_source(bytes_of(text));
-    return read_all(*source, limit, "f", "; give less");
-  };
-  EXPECT_EQ(read("0123456789", 10), "0123456789");
-  EXPECT_EQ(told_by<InputError>([&] { (void)read("0123456789", 9); }),
-            "f: is longer than the 9 bytes that are read; give less");
-  std::string text;
-  for (int k = 0; k < 30'000; ++k) text += std::to_string(k);
-  EXPECT_TRUE(read(text, text.size()) == text);
-  EXPECT_NE(told_by<InputError>([&] { (void)read(text, text.size() - 1); }), "");
-}
-
 }  // namespace
 }  // namespace gdtslam

@@ -63,13 +63,6 @@ TEST(LaserModel, TrueRangesAreThoseOfTheRoom) {
   }
 }
 
-TEST(LaserModel, NothingWithinReachIsInfinity) {
-  LaserModel laser = plain_laser();
-  laser.max_range_m = 2.0;
-  const std::vector<double> ranges_m = true_ranges(laser, measured_room(), [](double) { return embed(Pose2{}, 1.0); });
-  EXPECT_TRUE(std::isinf(ranges_m[90]));
-}
-
 struct Statistics {
   double mean = 0.0;
   double deviation = 0.0;

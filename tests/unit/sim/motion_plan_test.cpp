@@ -41,12 +41,6 @@ TEST(MotionPlan, StraightLegIsATrapezoid) {
   EXPECT_EQ(plan.state_at(-1.0).T_map_axle.y_m, 2.0);
 }
 
-TEST(MotionPlan, ShortLegNeverReachesItsSpeed) {
-  const MotionPlan plan({at(0.0, 0.0), at(0.5, 0.0)}, limits());
-  EXPECT_NEAR(plan.duration_s(), 2.0 * std::sqrt(0.5 / 0.5), 1e-12);
-  EXPECT_NEAR(plan.state_at(1.0).speed_m_per_s, 0.5, 1e-12);
-}
-
 TEST(MotionPlan, WaypointsOnALineChangeNothing) {
   // The speeds at the waypoints must be those of the single trapezoid, rising as well as braking.
   const double whole_s = MotionPlan({at(0.0, 0.0), at(5.4, 0.0)}, limits()).duration_s();
@@ -128,15 +122,6 @@ TEST(MotionPlan, PausesAndSpeedsOfWaypointsCount) {
   EXPECT_EQ(stands[0].duration_s, 2.0);
   EXPECT_NEAR(stands[1].from_s, 11.0, 1e-12);
   EXPECT_EQ(stands[1].duration_s, 3.0);
-}
-
-TEST(MotionPlan, OneWaypointWithAPauseStands) {
-  Waypoint only = at(3.0, -1.0);
-  only.pause_s = 5.0;
-  const MotionPlan plan({only}, limits());
-  EXPECT_EQ(plan.duration_s(), 5.0);
-  EXPECT_EQ(plan.path_m(), 0.0);
-  EXPECT_EQ(plan.state_at(4.0).T_map_axle, (Pose2{3.0, -1.0, 0.0}));
 }
 
 TEST(MotionPlan, RefusesWhatCannotBeDriven) {

@@ -197,16 +197,6 @@ TEST(NoddingScan, TheEncoderCoversEveryBeam) {
   }
 }
 
-TEST(NoddingScan, TruthOfScansIsThatOfTheirStamps) {
-  const SimulationConfig config = exact_config();
-  const NoddingLog log = record(config, drive(), hall());
-  for (std::size_t i = 0; i < log.scans.size(); ++i) {
-    EXPECT_NEAR(log.scans[i].crank_turns, 0.15 * log.scans[i].record.scan.stamp_s, 1e-12);
-    EXPECT_EQ(log.scans[i].elevation_rad, log.elevations_rad[i][480]);
-    EXPECT_EQ(log.scans[i].T_map_base, drive().state_at(log.scans[i].record.scan.stamp_s).T_map_axle * Pose2{});
-  }
-}
-
 TEST(NoddingScan, ALaserThatDiffersFromItsMountIsRefused) {
   SimulationConfig config = exact_config();
   EXPECT_TRUE(validate(config).empty());

@@ -146,17 +146,6 @@ TEST(NoddingCourse, StopsOfAPathAreCountedLegByLeg) {
   EXPECT_THROW(with_scan_stops(model, {path[0], path[1], path[0]}), ConfigError);
 }
 
-TEST(NoddingCourse, AStopThatIsTooShortForATurnIsNamed) {
-  NoddingModel model = model_of();
-  model.mode = NodMode::kStopAndScan;
-  try {
-    const NoddingCourse course(model, standing_still(5.0));
-    FAIL();
-  } catch (const ConfigError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("never stands long enough for a turn of the crank (6.666667 s)"));
-  }
-}
-
 std::vector<std::int64_t> ticks_with(const EncoderFault& fault) {
   NoddingModel model = model_of();
   model.crank_rate_hz = 0.1;  // 2000 ticks a second

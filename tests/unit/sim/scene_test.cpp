@@ -51,12 +51,6 @@ TEST(Scene, BoxEnclosesItsVolumeAndStandsWhereItShould) {
   EXPECT_NEAR(largest_x, 3.0 + std::hypot(1.0, 0.25) * std::cos(rad_from_deg(30.0) - std::atan(0.25)), 1e-12);
 }
 
-TEST(Scene, CylinderIsThePrismOverItsPolygon) {
-  Scene scene;
-  scene.cylinders.push_back({{1.0, 1.0}, 0.5, 0.0, 2.0, 7});
-  EXPECT_NEAR(volume_of(scene), 0.5 * 7 * 0.25 * std::sin(kTwoPi / 7) * 2.0, 1e-12);
-}
-
 TEST(Scene, WallWithDoorsLosesTheDoors) {
   Wall wall;
   wall.points_m = {{0.0, 0.0}, {6.0, 0.0}};
@@ -67,24 +61,6 @@ TEST(Scene, WallWithDoorsLosesTheDoors) {
   wall.doors.push_back({.leg = 0, .from_m = 0.0, .width_m = 0.5, .height_m = 3.0});
   EXPECT_TRUE(validate(wall).empty());
   EXPECT_NEAR(volume_of(boxes_of(wall)), (6.0 * 2.5 - 1.0 * 2.0 - 0.5 * 2.5) * 0.2, 1e-12);
-}
-
-TEST(Scene, DoorsOfAllLegsMayStandInAnyOrder) {
-  Wall wall;
-  wall.points_m = {{0.0, 0.0}, {6.0, 0.0}, {6.0, 6.0}};
-  wall.thickness_m = 0.2;
-  wall.height_m = 2.5;
-  wall.doors = {{.leg = 1, .from_m = 4.0, .width_m = 1.0, .height_m = 2.5},
-                {.leg = 0, .from_m = 3.0, .width_m = 0.5, .height_m = 2.5},
-                {.leg = 1, .from_m = 1.0, .width_m = 0.25, .height_m = 2.5},
-                {.leg = 0, .from_m = 1.0, .width_m = 0.75, .height_m = 2.5}};
-  EXPECT_TRUE(validate(wall).empty());
-  // Each leg is drawn out by half of the thickness at the corner.
-  EXPECT_NEAR(volume_of(boxes_of(wall)), (6.1 - 1.25 + 6.1 - 1.25) * 0.2 * 2.5, 1e-12);
-  wall.doors.push_back({.leg = 1, .from_m = 4.5, .width_m = 1.0});
-  EXPECT_EQ(validate(wall).size(), 1U);
-  wall.doors.assign(100'000, {.leg = 0, .from_m = -1.0});
-  EXPECT_LE(validate(wall).size(), 100U);
 }
 
 // A hundred thousand legs with as many doors: each leg looks at its own doors only.

@@ -85,13 +85,6 @@ TEST(Simulation, RecordsComeInTheOrderOfTheirTime) {
   EXPECT_EQ(record(config_of(5.0, 10.0)).kinds.substr(0, 9), "oSooSooSo");
 }
 
-TEST(Simulation, EveryScanHasNoiseOfItsOwn) {
-  const Log log = record(config_of(1000.0, 0.0), 3);
-  // Within the first 2 ms the robot has moved by a micrometre.
-  EXPECT_NE(log.scans[0].record.scan.ranges_m, log.scans[1].record.scan.ranges_m);
-  EXPECT_NE(log.scans[1].record.scan.ranges_m, log.scans[2].record.scan.ranges_m);
-}
-
 TEST(Simulation, TruthIsThePlanAtTheStamp) {
   const Log log = record(config_of(7.0, 0.0));
   const MotionPlan plan = loop();
@@ -112,27 +105,6 @@ TEST(Simulation, WithoutErrorsOdometryAndTruthAgree) {
     // The chord of a 0.05 s arc differs from the smooth turn's by less than 1e-4 m over the loop.
     EXPECT_LT(error.translation().norm(), 1e-3);
     EXPECT_LT(std::fabs(error.theta_rad), 1e-4);
-  }
-}
-
-TEST(Simulation, RangesAreThoseFromTheTruePose) {
-  SimulationConfig config = config_of(2.0, 0.0);
-  config.laser.noise_constant_m = 0.0;
-  config.laser.drop_out_share = 0.0;
-  config.laser.range_resolution_m = 0.0;
-  config.laser.mirror_rate_hz = 0.0;
-  const RayCaster caster = room();
-  const Log log = record(config);
-  for (const SimulatedScan& scan : log.scans) {
-    const Pose2 T_map_laser = scan.T_map_base * config.T_base_laser;
-    for (std::size_t k = 0; k < 180; k += 20) {
-      const double bearing = T_map_laser.theta_rad + rad_from_deg(static_cast<double>(k) - 90.0);
-      const auto hit = caster.cast({Vec3(T_map_laser.x_m, T_map_laser.y_m, config.laser_height_m),
-                                    Vec3(std::cos(bearing), std::sin(bearing), 0.0)},
-                                   80.0);
-      ASSERT_TRUE(hit);
-      EXPECT_NEAR(static_cast<double>(scan.record.scan.ranges_m[k]), hit->range_m, 1e-6);
-    }
   }
 }
 
@@ -172,35 +144,12 @@ TEST(Simulation, OneErrorsDrawsDoNotMoveTheOthers) {
   EXPECT_TRUE(has_equal_odometry(first, record(config)));
 }
 
-TEST(Simulation, TheSinkCanEndIt) {
-  std::size_t scans = 0;
-  SimulationSink sink;
-  sink.scan = [&](const SimulatedScan&) { ++scans; };
-  sink.odometry = [](const Odometry&) {};
-  sink.keep_on = [&](double share) {
-    EXPECT_GE(share, 0.0);
-    EXPECT_LE(share, 1.0);
-    return scans < 5;
-  };
-  const SimulationSummary summary = run_simulation(config_of(5.0, 0.0), loop(), room(), sink);
-  EXPECT_EQ(scans, 5U);
-  EXPECT_FALSE(summary.is_whole);
-}
-
 TEST(Simulation, RefusesAFaultyConfiguration) {
   SimulationConfig config = config_of(0.0, -1.0);
   config.laser.beam_count = 0;
   config.wheels.ticks_per_m = 0.0;
   EXPECT_EQ(validate(config).size(), 4U);
   EXPECT_THROW(record(config), ConfigError);
-}
-
-TEST(Simulation, RefusesALaserFartherThanAScene) {
-  SimulationConfig config = config_of(10.0, 0.0);
-  config.T_base_laser = {-1000.0, 1000.0, 0.0};
-  EXPECT_TRUE(validate(config).empty());
-  config.T_base_laser.y_m = 1e19;
-  EXPECT_EQ(validate(config).size(), 1U);
 }
 
 // 10,000 s at 9,999 and 1 Hz are 100,000,000 records.

@@ -19,7 +19,6 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::StartsWith;
-using testing::ThrowsMessage;
 
 constexpr const char* kBars = "bars: {crank: 3.6 cm, coupler: 85 mm, rocker: 8.8 cm, ground: 0.05}\n";
 
@@ -166,23 +165,6 @@ TEST(LinkageFile, RefusesWhatItDoesNotKnow) {
   EXPECT_THAT(refusal("preset: paper-b\n\"a\\nb\": 1\n"), HasSubstr("unknown key 'a?b'"));
 }
 
-TEST(LinkageFile, RefusesWhatIsNoLinkageFile) {
-  const auto refusal_of = [](const std::string& text) -> std::string {
-    try {
-      static_cast<void>(read_linkage_text(text, "l.yaml"));
-    } catch (const ConfigError& error) {
-      return error.what();
-    }
-    return "accepted";
-  };
-  EXPECT_THAT(refusal_of(""), HasSubstr("keys with values are expected"));
-  EXPECT_THAT(refusal_of("preset: paper-b\n"), HasSubstr("the key 'gdtslam_linkage' is missing"));
-  EXPECT_THAT(refusal_of("gdtslam_linkage: 2\n"), HasSubstr("version '2' is not known; this program reads version 1"));
-  EXPECT_THAT(refusal_of("a: b: c\n"), HasSubstr("l.yaml:1: is not valid YAML"));
-  EXPECT_THAT(refusal_of("---\na: 1\n---\nb: 1\n"), HasSubstr("more than one YAML document"));
-  EXPECT_THAT(refusal_of(std::string(300'000, '[')), HasSubstr("is not valid YAML"));
-}
-
 TEST(LinkageFile, WhatIsWrittenReadsBackWithTheSameBits) {
   calib::SweepModel model = calib::sweep_model_of_preset("paper-a-calibrated");
   model.name = "a \"name\" with \\ and\ttab: #1";
@@ -220,19 +202,6 @@ TEST(LinkageFile, WhatIsWrittenReadsBackWithTheSameBits) {
   EXPECT_EQ(back.model.mirror_rate_hz, model.mirror_rate_hz);
   EXPECT_EQ(back.model.stamp_share, model.stamp_share);
   EXPECT_EQ(back.uncertainty, uncertainty);
-}
-
-TEST(LinkageFile, DeepNestingIsRefusedByItsName) {
-  const std::string deep = "gdtslam_linkage: 1\nbars: " + std::string(100000, '[');
-  EXPECT_THAT([&] { read_linkage_text(deep, "d.yaml"); },
-              ThrowsMessage<ConfigError>("d.yaml: is not valid YAML: nested too deeply for a file of this kind"));
-}
-
-TEST(LinkageFile, LengthsAreWrittenAsPeopleMeasureThem) {
-  const std::string text = linkage_text(model_of(kBars), {{"distance.wall", 0.1}, {"crank", 1e-4}});
-  EXPECT_THAT(text, HasSubstr("  crank: 3.6 cm\n"));
-  EXPECT_THAT(text, HasSubstr("  crank: 0.01 cm\n"));
-  EXPECT_THAT(text, testing::Not(HasSubstr("distance")));
 }
 
 // The shipped files are the presets, bit for bit.

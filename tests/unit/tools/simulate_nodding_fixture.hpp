@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/io/logs/carmen.hpp"
+#include "gdtslam/io/log.hpp"
 #include "tools/gdtslam/scenes/simulate_run.hpp"
 
 namespace gdtslam {
@@ -73,7 +73,7 @@ class SimulateNoddingTest : public testing::Test {
 
   [[nodiscard]] std::vector<Encoder> messages(const std::string& log) const {
     std::vector<Encoder> list;
-    const auto reader = open_carmen(path(log), {});
+    const auto reader = open_log(path(log), {});
     while (const auto record = reader->next()) {
       if (const auto* message = std::get_if<Encoder>(&*record)) list.push_back(*message);
     }
@@ -83,7 +83,7 @@ class SimulateNoddingTest : public testing::Test {
 
   [[nodiscard]] std::vector<LaserScan> scans(const std::string& log) const {
     std::vector<LaserScan> list;
-    const auto reader = open_carmen(path(log), {});
+    const auto reader = open_log(path(log), {});
     while (const auto record = reader->next()) {
       if (const auto* scan = std::get_if<ScanRecord>(&*record)) list.push_back(scan->scan);
     }

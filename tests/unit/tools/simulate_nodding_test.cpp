@@ -155,67 +155,6 @@ TEST_F(SimulateNoddingTest, ALinkageFileIsTakenAsItIs) {
   EXPECT_EQ(read_linkage(path("b.linkage.yaml")).bars.crank_m, model.bars.crank_m);
 }
 
-TEST_F(SimulateNoddingTest, StopAndScanStandsAlongThePath) {
-  SimulateOptions chosen = options("a.log");
-  chosen.nod_mode = "stop-and-scan";
-  const SimulateResult result = simulate(chosen);
-  // 3.5 m and 1 m in pieces of at most 1 m: six stops of a turn of 2 s each.
-  std::size_t turns = 0;
-  const std::vector<Encoder> told = messages("a.log");
-  for (std::size_t i = 1; i < told.size(); ++i) turns += told[i].ticks < told[i - 1].ticks ? 1U : 0U;
-  EXPECT_EQ(turns, 6U);
-  EXPECT_GT(result.duration_s, 6 * 2.0 + 4.5 / 0.7);
-}
-
-TEST_F(SimulateNoddingTest, FaultsOfTheEncoderReachTheLog) {
-  std::string text = kSmallScene;
-  text.replace(text.find("encoder: {rate: 50}"), 19,
-               "encoder: {rate: 50}, encoder_faults: [{kind: missing, from: 1 s, to: 2 s}, {kind: jump, from: 3 s, "
-               "ticks: 77}]");
-  write("faulty.yaml", text);
-  simulate(options("a.log", "faulty.yaml"));
-  for (const Encoder& message : messages("a.log")) {
-    EXPECT_TRUE(message.stamp_s < 1.0 || message.stamp_s >= 2.0);
-    EXPECT_EQ(message.ticks % 200, message.stamp_s < 3.0 ? 0 : 77);
-  }
-}
-
-TEST_F(SimulateNoddingTest, SameBytesOnAnyInstructionSetOfEmbree) {
-  SimulateOptions chosen = options("a.log");
-  chosen.truth_hits = true;
-  simulate(chosen);
-  chosen.output = path("b.log");
-  for (const char* isa : {"", "sse2", "avx2", "avx512"}) {
-    chosen.embree_isa = isa;
-    try {
-      simulate(chosen);
-    } catch (const UnavailableError&) {
-      continue;  // not on this processor
-    }
-    for (const char* ending : {".log", ".truth.tum", ".linkage.yaml", ".elevation.csv", ".truth.ply"}) {
-      EXPECT_TRUE(content_of(path(std::string("a") + ending)) == content_of(path(std::string("b") + ending)))
-          << isa << ending;
-    }
-  }
-}
-
-TEST_F(SimulateNoddingTest, RefusesWhatMakesNoSense) {
-  SimulateOptions chosen = options("a.log");
-  chosen.nod_mode = "stop-and-go";
-  EXPECT_THROW(simulate(chosen), UsageError);
-  chosen = options("a.log");
-  chosen.crank_rate_hz = 0.0;
-  EXPECT_THROW(simulate(chosen), UsageError);
-  chosen = options("a.log");
-  chosen.noise_m = -1.0;
-  EXPECT_THROW(simulate(chosen), UsageError);
-  chosen = options("a.log");
-  chosen.linkage = "paper-d";
-  EXPECT_THROW(simulate(chosen), Error);
-  EXPECT_FALSE(std::filesystem::exists(path("a.log")));
-  EXPECT_FALSE(std::filesystem::exists(path("a.linkage.yaml")));
-}
-
 }  // namespace
 }  // namespace gdtslam
 

@@ -11,14 +11,11 @@
 #include <fstream>
 #include <iterator>
 
-#include "engine/io/logs/carmen.hpp"
-#include "engine/io/logs/carmen_writer.hpp"
 #include "engine/io/sha256.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
-#include "tools/gdtslam/scenes/scene_file.hpp"
 
 namespace gdtslam {
 namespace {
@@ -80,7 +77,7 @@ TEST_F(SimulateTest, WritesALogThatAReaderUnderstands) {
   const Trajectory truth = read_tum(result.truth_file);
   ASSERT_EQ(truth.size(), result.scans);
   EXPECT_NEAR(truth.front().T_map_base.x_m, 1.0, 1e-9);
-  const auto reader = open_carmen(path("a.log"), {});
+  const auto reader = open_log(path("a.log"), {});
   std::size_t scans = 0;
   std::size_t odometry = 0;
   std::size_t returns = 0;
@@ -109,29 +106,6 @@ TEST_F(SimulateTest, WritesALogThatAReaderUnderstands) {
   EXPECT_NEAR(share, 0.01, 5.0 * std::sqrt(0.01 / static_cast<double>(result.beams)));
 }
 
-TEST_F(SimulateTest, OtherLasersGoIntoLinesThatTellTheirBearings) {
-  SimulateOptions chosen = options("h.log");
-  chosen.laser = "hokuyo-961";
-  chosen.scan_rate_hz = 2.0;
-  simulate(chosen);
-  EXPECT_THAT(content_of(path("h.log")), HasSubstr("\nROBOTLASER1 0 -2.094395102393 "));
-  const auto reader = open_carmen(path("h.log"), {});
-  std::size_t scans = 0;
-  while (const auto record = reader->next()) {
-    if (const auto* scan = std::get_if<ScanRecord>(&*record)) {
-      ++scans;
-      EXPECT_EQ(scan->scan.ranges_m.size(), 961U);
-      EXPECT_NEAR(scan->scan.first_bearing_rad, rad_from_deg(-120.0), 1e-11);
-      EXPECT_NEAR(scan->scan.bearing_step_rad, rad_from_deg(0.25), 1e-11);
-      EXPECT_EQ(scan->scan.max_range_m, 20.0);
-    }
-  }
-  EXPECT_GT(scans, 5U);
-  chosen.laser = "sick-361";
-  simulate(chosen);
-  EXPECT_THAT(content_of(path("h.log")), HasSubstr("\nFLASER 361 "));
-}
-
 TEST_F(SimulateTest, TheSameSeedGivesTheSameBytesOnAnyInstructionSetOfEmbree) {
   simulate(options("a.log"));
   SimulateOptions chosen = options("b.log");
@@ -150,17 +124,6 @@ TEST_F(SimulateTest, TheSameSeedGivesTheSameBytesOnAnyInstructionSetOfEmbree) {
   simulate(chosen);
   EXPECT_NE(content_of(path("a.log")), content_of(path("b.log")));
   EXPECT_EQ(content_of(path("a.truth.tum")), content_of(path("b.truth.tum")));
-}
-
-TEST_F(SimulateTest, GzipHoldsTheSameText) {
-  simulate(options("a.log"));
-  const SimulateResult result = simulate(options("a.log.gz"));
-  EXPECT_EQ(result.truth_file, path("a.truth.tum"));
-  const std::string packed = content_of(path("a.log.gz"));
-  EXPECT_EQ(packed.substr(0, 2), "\x1f\x8b");
-  EXPECT_LT(packed.size(), result.log_bytes);
-  ASSERT_EQ(std::system(("gunzip -kc '" + path("a.log.gz") + "' > '" + path("unpacked.log") + "'").c_str()), 0);
-  EXPECT_EQ(content_of(path("unpacked.log")), content_of(path("a.log")));
 }
 
 TEST_F(SimulateTest, StoppedEarlyItWritesWhatItHas) {
@@ -207,53 +170,6 @@ TEST_F(SimulateTest, NamesTheOptionThatIsWrong) {
   EXPECT_THAT(refusal([](SimulateOptions& o) { o.scan_rate_hz = 0.0; }), StartsWith("--rate: recording: scan_rate"));
 }
 
-// The ranges of a line are those that the sensor gives, whatever it rounds to.
-TEST_F(SimulateTest, RangesAreMultiplesOfTheResolution) {
-  for (const double resolution_m : {0.01, 0.0025, 0.003, 0.00125, 0.0005}) {
-    SimulateOptions chosen = options("a.log");
-    chosen.range_resolution_m = resolution_m;
-    simulate(chosen);
-    const auto log = open_log(path("a.log"), {});
-    std::size_t beams = 0;
-    while (const auto record = log->next()) {
-      const auto* const scan = std::get_if<ScanRecord>(&*record);
-      if (scan == nullptr) continue;
-      for (const float range_m : scan->scan.ranges_m) {
-        if (range_m > 10.0F) continue;  // no return
-        const double steps = static_cast<double>(range_m) / resolution_m;
-        ASSERT_NEAR(steps, std::round(steps), 1e-6 / resolution_m) << range_m << " of " << resolution_m;
-        ++beams;
-      }
-    }
-    EXPECT_GT(beams, 1000U);
-  }
-}
-
-TEST_F(SimulateTest, RefusesWhatMakesNoSense) {
-  SimulateOptions chosen = options("a.log");
-  chosen.laser = "sick-lsm";
-  EXPECT_THROW(simulate(chosen), UsageError);
-  chosen = options("a.log");
-  chosen.scan_rate_hz = -1.0;
-  EXPECT_THROW(simulate(chosen), UsageError);
-  chosen = options("no/such/folder/a.log");
-  EXPECT_THROW(simulate(chosen), FileError);
-  std::ofstream(path("nowhere.yaml")) << "gdtslam_scene: 1\nboxes: [{centre: [0, 0], size: [1, 1], height: 1}]\n";
-  chosen = options("a.log");
-  chosen.scene = path("nowhere.yaml");
-  EXPECT_THROW(simulate(chosen), ConfigError);
-}
-
-// Distance from a place to an oriented rectangle, by geometry in its frame.
-double distance_to(const sim::Box& box, const Point2& place) {
-  const double c = std::cos(box.yaw_rad);
-  const double s = std::sin(box.yaw_rad);
-  const Point2 d = place - box.centre_m;
-  const double x = std::max(0.0, std::fabs(c * d.x() + s * d.y()) - 0.5 * box.size_m.x());
-  const double y = std::max(0.0, std::fabs(-s * d.x() + c * d.y()) - 0.5 * box.size_m.y());
-  return std::hypot(x, y);
-}
-
 struct SampleScene {
   const char* name;
   std::size_t scans;
@@ -278,33 +194,6 @@ TEST_P(SampleSceneTest, GivesTheExpectedBytes) {
   EXPECT_EQ(sha256_of_file(path("s.log")), GetParam().log_sha256);
 }
 
-TEST_P(SampleSceneTest, PathKeepsClearOfEverything) {
-  const SceneFile file = read_scene(kSceneFolder + "/" + GetParam().name + ".yaml");
-  std::vector<sim::Box> boxes = file.scene.boxes;
-  for (const sim::Wall& wall : file.scene.walls) {
-    const std::vector<sim::Box> parts = boxes_of(wall);
-    boxes.insert(boxes.end(), parts.begin(), parts.end());
-  }
-  std::erase_if(boxes, [&](const sim::Box& box) { return box.base_m > file.body.height_m; });
-  const sim::MotionPlan plan(file.waypoints, file.limits);
-  double nearest = 1e9;
-  for (double t = 0.0; t < plan.duration_s(); t += 0.05) {
-    const Point2 place = plan.state_at(t).T_map_axle.translation();
-    for (const sim::Box& box : boxes) {
-      nearest = std::min(nearest, distance_to(box, place));
-    }
-    for (const sim::Cylinder& cylinder : file.scene.cylinders) {
-      if (cylinder.base_m <= file.body.height_m) {
-        nearest = std::min(nearest, (place - cylinder.centre_m).norm() - cylinder.radius_m);
-      }
-    }
-  }
-  EXPECT_GE(nearest, 0.25);
-  SimulateOptions chosen = options("s.log");
-  chosen.scene = kSceneFolder + "/" + GetParam().name + ".yaml";
-  EXPECT_NEAR(simulate(chosen).clearance_m, nearest, 0.02);
-}
-
 INSTANTIATE_TEST_SUITE_P(
     Samples, SampleSceneTest,
     testing::Values(SampleScene{"office-loop", 2884, 204.8,
@@ -314,27 +203,6 @@ INSTANTIATE_TEST_SUITE_P(
                                 "65d685f591a1c2773f865d0765d3f9fa4fac60dd75154525728f96a765e6fb18",
                                 "34afc86b999c5e6400c40de7ed6bf6c541824954cfa01f8ce298e1311f821465"}),
     [](const auto& sample) { return std::string(sample.param.name) == "corridor" ? "Corridor" : "OfficeLoop"; });
-
-TEST(CarmenWriter, WritesTheLinesOfTheFormat) {
-  CarmenWriter writer(3);
-  EXPECT_EQ(writer.parameter("a_name", "7"), "PARAM a_name 7 0.000000 simulated 0.000000\n");
-  EXPECT_EQ(writer.odometry({1.0, {0.5, -0.25, 0.125}}),
-            "ODOM 0.500000 -0.250000 0.125000 0.000000 0.000000 0.000000 1.000000 simulated 1.000000\n");
-  EXPECT_EQ(writer.odometry({1.5, {0.5, -0.25, 0.625}}),
-            "ODOM 0.500000 -0.250000 0.625000 0.000000 1.000000 0.000000 1.500000 simulated 1.500000\n");
-  ScanRecord record;
-  record.scan.stamp_s = 2.0;
-  record.scan.first_bearing_rad = -0.5;
-  record.scan.bearing_step_rad = 0.5;
-  record.scan.max_range_m = 20.0;
-  record.scan.ranges_m = {1.5F, 2.0004F, 81.91F};
-  record.scan.T_base_laser = {0.5, 0.0, 0.0};
-  record.T_odom_base = Pose2{1.0, 2.0, 0.0};
-  EXPECT_THAT(
-      writer.scan(record),
-      HasSubstr("ROBOTLASER1 0 -0.500000000000 1.000000000000 0.500000000000 20.000000 0.010000 0 3 1.500 2.000 "
-                "81.910 0 1.500000 2.000000 0.000000 1.000000 2.000000 0.000000 "));
-}
 
 }  // namespace
 }  // namespace gdtslam

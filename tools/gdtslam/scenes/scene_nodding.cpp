@@ -71,47 +71,31 @@ calib::SweepModel read_linkage_name(const YamlValue& value) {
 }
 
 void read_encoder(const YamlValue& value, sim::NoddingModel& nodding) {
-  YamlMapping mapping(value);
   calib::CrankEncoder& encoder = nodding.truth.encoder;
-  mapping.read("rate", kFrequency, nodding.encoder_rate_hz);
-  mapping.read("wraps", encoder.wraps);
-  read_given(mapping, "ticks_per_turn", [&](const YamlValue& ticks) {
-    encoder.ticks_per_turn = whole(ticks, 1.0, static_cast<double>(std::int64_t{1} << 30));
-  });
   bool is_exact = false;
-  mapping.read("exact", is_exact);
+  const auto read_ticks = [&](const YamlValue& ticks) {
+    encoder.ticks_per_turn = whole(ticks, 1.0, static_cast<double>(std::int64_t{1} << 30));
+  };
+  read_fields(value, {{"rate", kFrequency, nodding.encoder_rate_hz},
+                      {"wraps", encoder.wraps},
+                      {"ticks_per_turn", read_ticks},
+                      {"exact", is_exact}});
   if (is_exact) make_exact(encoder);
-  mapping.finish();
 }
 
 sim::EncoderFault read_fault(const YamlValue& value) {
-  YamlMapping mapping(value);
+  constexpr double kMost = 1099511627776.0;  // 2^40
   sim::EncoderFault fault;
-  fault.kind = named(mapping.require("kind"), kFaults, "fault");
-  fault.from_s = mapping.require("from").number(kTime);
-  if (fault.kind == sim::EncoderFaultKind::kJump) {
-    constexpr double kMost = 1099511627776.0;  // 2^40
-    fault.ticks = whole(mapping.require("ticks"), -kMost, kMost);
-  } else {
-    mapping.read("to", kTime, fault.to_s);
+  const std::set<std::string> given = read_fields(
+      value, {required({"kind", [&](const YamlValue& kind) { fault.kind = named(kind, kFaults, "fault"); }}),
+              required({"from", kTime, fault.from_s}),
+              {"to", kTime, fault.to_s},
+              {"ticks", [&](const YamlValue& ticks) { fault.ticks = whole(ticks, -kMost, kMost); }}});
+  const bool is_jump = fault.kind == sim::EncoderFaultKind::kJump;
+  if (is_jump != given.contains("ticks") || (is_jump && given.contains("to"))) {
+    value.refuse("a jump has ticks and no end, other faults have no ticks");
   }
-  mapping.finish();
   return fault;
-}
-
-void read_mount(YamlMapping& mapping, NoddingMount& mount) {
-  read_given(mapping, "lever", [&](const YamlValue& lever) {
-    YamlMapping arm(lever);
-    arm.read("forward", kLength, mount.lever_forward_m);
-    arm.read("up", kLength, mount.lever_up_m);
-    arm.finish();
-  });
-  read_given(mapping, "sensor", [&](const YamlValue& sensor) {
-    YamlMapping angles(sensor);
-    angles.read("roll", kAngle, mount.sensor_roll_rad);
-    angles.read("yaw", kAngle, mount.sensor_yaw_rad);
-    angles.finish();
-  });
 }
 
 }  // namespace
@@ -125,26 +109,33 @@ sim::NodMode nod_mode(const std::string& name) {
 void make_exact(calib::CrankEncoder& encoder) { encoder.ticks_per_turn = std::int64_t{1} << 30; }
 
 sim::NoddingModel read_nodding(const YamlValue& value) {
-  YamlMapping mapping(value);
   sim::NoddingModel nodding;
-  const auto linkage = mapping.find("linkage");
-  nodding.truth = linkage ? read_linkage_name(*linkage) : calib::sweep_model_of_preset(calib::kDefaultLinkage);
-  read_given(mapping, "mode", [&](const YamlValue& mode) { nodding.mode = named(mode, kModes, "mode"); });
-  mapping.read("crank_rate", kFrequency, nodding.crank_rate_hz);
+  nodding.truth = calib::sweep_model_of_preset(calib::kDefaultLinkage);
+  NoddingMount& mount = nodding.truth.mount;
   double start_rad = 0.0;
-  mapping.read("start", kAngle, start_rad);
+  const auto read_lever = [&](const YamlValue& lever) {
+    read_fields(lever, {{"forward", kLength, mount.lever_forward_m}, {"up", kLength, mount.lever_up_m}});
+  };
+  const auto read_sensor = [&](const YamlValue& sensor) {
+    read_fields(sensor, {{"roll", kAngle, mount.sensor_roll_rad}, {"yaw", kAngle, mount.sensor_yaw_rad}});
+  };
+  const auto read_faults = [&](const YamlValue& list) {
+    for (const YamlValue& fault : list.entries()) nodding.faults.push_back(read_fault(fault));
+  };
+  read_fields(value,
+              {{"linkage", [&](const YamlValue& linkage) { nodding.truth = read_linkage_name(linkage); }},
+               {"mode", [&](const YamlValue& mode) { nodding.mode = named(mode, kModes, "mode"); }},
+               {"crank_rate", kFrequency, nodding.crank_rate_hz},
+               {"start", kAngle, start_rad},
+               {"step", kAngle, nodding.step_rad},
+               {"stop", kTime, nodding.stop_s},
+               {"turns", [&](const YamlValue& n) { nodding.turns_a_stop = static_cast<int>(whole(n, 1.0, 1000.0)); }},
+               {"stop_every", kLength, nodding.stop_every_m},
+               {"encoder", [&](const YamlValue& encoder) { read_encoder(encoder, nodding); }},
+               {"lever", read_lever},
+               {"sensor", read_sensor},
+               {"encoder_faults", read_faults}});
   nodding.start_turns = start_rad / kTwoPi;
-  mapping.read("step", kAngle, nodding.step_rad);
-  mapping.read("stop", kTime, nodding.stop_s);
-  read_given(mapping, "turns",
-             [&](const YamlValue& turns) { nodding.turns_a_stop = static_cast<int>(whole(turns, 1.0, 1000.0)); });
-  mapping.read("stop_every", kLength, nodding.stop_every_m);
-  read_given(mapping, "encoder", [&](const YamlValue& encoder) { read_encoder(encoder, nodding); });
-  read_mount(mapping, nodding.truth.mount);
-  for (const YamlValue& fault : mapping.list("encoder_faults")) {
-    nodding.faults.push_back(read_fault(fault));
-  }
-  mapping.finish();
   value.require_none(validate(nodding));
   return nodding;
 }

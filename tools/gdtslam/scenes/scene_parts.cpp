@@ -1,6 +1,8 @@
 #include "scene_parts.hpp"
 
 #include <map>
+#include <memory>
+#include <utility>
 
 #include "engine/io/did_you_mean.hpp"
 #include "engine/io/file_limits.hpp"
@@ -27,8 +29,7 @@ class PartCount {
   std::size_t parts_ = 0;
 };
 
-std::size_t read_repeat_count(YamlMapping& repeat, PartCount& parts) {
-  const YamlValue count = repeat.require("count");
+std::size_t read_repeat_count(const YamlValue& count, PartCount& parts) {
   if (count.count() < 1 || count.count() > kMaxSceneParts) {
     count.refuse("must be 1 to " + std::to_string(kMaxSceneParts));
   }
@@ -37,21 +38,15 @@ std::size_t read_repeat_count(YamlMapping& repeat, PartCount& parts) {
 }
 
 /// `repeat: {count: 5, step: [2, 0]}` sets copies of a part, each a step further.
-std::vector<Point2> read_offsets(YamlMapping& part, PartCount& parts) {
-  parts.add(part.value(), 1);
-  const std::optional<YamlValue> repeat = part.find("repeat");
-  if (!repeat) {
-    return {Point2(0.0, 0.0)};
-  }
-  YamlMapping mapping(*repeat);
-  const std::size_t count = read_repeat_count(mapping, parts);
-  const Point2 step_m = mapping.require("step").point();
-  mapping.finish();
-  std::vector<Point2> offsets_m;
-  for (std::size_t i = 0; i < count; ++i) {
-    offsets_m.emplace_back(static_cast<double>(i) * step_m);
-  }
-  return offsets_m;
+YamlField repeat_field(PartCount& parts, std::vector<Point2>& offsets_m) {
+  return {"repeat", [&](const YamlValue& repeat) {
+            std::size_t count = 1;
+            Point2 step_m(0.0, 0.0);
+            read_fields(repeat,
+                        {required({"count", [&](const YamlValue& value) { count = read_repeat_count(value, parts); }}),
+                         required({"step", step_m})});
+            for (std::size_t i = 1; i < count; ++i) offsets_m.emplace_back(static_cast<double>(i) * step_m);
+          }};
 }
 
 template <class Part>
@@ -66,36 +61,47 @@ void add_copies(const YamlValue& value, const Part& part, const std::vector<Poin
 }
 
 void read_box(const YamlValue& value, PartCount& parts, std::vector<sim::Box>& boxes) {
-  YamlMapping mapping(value);
+  parts.add(value, 1);
   sim::Box box;
-  box.centre_m = mapping.require("centre").point();
-  box.size_m = mapping.require("size").point();
-  box.height_m = mapping.require("height").number(kLength);
-  mapping.read("base", kLength, box.base_m);
-  mapping.read("yaw", kAngle, box.yaw_rad);
-  const std::vector<Point2> offsets_m = read_offsets(mapping, parts);
-  mapping.finish();
+  std::vector<Point2> offsets_m{{0.0, 0.0}};
+  read_fields(value, {required({"centre", box.centre_m}),
+                      required({"size", box.size_m}),
+                      required({"height", kLength, box.height_m}),
+                      {"base", kLength, box.base_m},
+                      {"yaw", kAngle, box.yaw_rad},
+                      repeat_field(parts, offsets_m)});
   add_copies(value, box, offsets_m, boxes);
 }
 
 void read_cylinder(const YamlValue& value, PartCount& parts, std::vector<sim::Cylinder>& cylinders) {
-  YamlMapping mapping(value);
+  parts.add(value, 1);
   sim::Cylinder cylinder;
-  cylinder.centre_m = mapping.require("centre").point();
-  cylinder.radius_m = mapping.require("radius").number(kLength);
-  cylinder.height_m = mapping.require("height").number(kLength);
-  mapping.read("base", kLength, cylinder.base_m);
-  read_given(mapping, "sides", [&](const YamlValue& sides) { cylinder.sides = static_cast<int>(sides.count()); });
-  const std::vector<Point2> offsets_m = read_offsets(mapping, parts);
-  mapping.finish();
+  std::vector<Point2> offsets_m{{0.0, 0.0}};
+  read_fields(value, {required({"centre", cylinder.centre_m}),
+                      required({"radius", kLength, cylinder.radius_m}),
+                      required({"height", kLength, cylinder.height_m}),
+                      {"base", kLength, cylinder.base_m},
+                      {"sides", [&](const YamlValue& sides) { cylinder.sides = static_cast<int>(sides.count()); }},
+                      repeat_field(parts, offsets_m)});
   add_copies(value, cylinder, offsets_m, cylinders);
 }
 
-// Into a scene or an object of it.
+/// A list whose entries a function reads.
+template <class Read>
+YamlField list_field(const char* key, Read read) {
+  return {key, [read](const YamlValue& list) {
+            for (const YamlValue& entry : list.entries()) read(entry);
+          }};
+}
+
+// Of a scene or an object of it.
 template <class Target>
-void read_boxes_and_cylinders(YamlMapping& mapping, PartCount& parts, Target& target) {
-  for (const YamlValue& box : mapping.list("boxes")) read_box(box, parts, target.boxes);
-  for (const YamlValue& cylinder : mapping.list("cylinders")) read_cylinder(cylinder, parts, target.cylinders);
+YamlField boxes_field(PartCount& parts, Target& target) {
+  return list_field("boxes", [&](const YamlValue& box) { read_box(box, parts, target.boxes); });
+}
+template <class Target>
+YamlField cylinders_field(PartCount& parts, Target& target) {
+  return list_field("cylinders", [&](const YamlValue& one) { read_cylinder(one, parts, target.cylinders); });
 }
 
 // Whether the value is the first of two words.
@@ -106,46 +112,40 @@ bool is_first(const YamlValue& value, const std::string& first, const std::strin
 }
 
 sim::DoorLeaf read_leaf(const YamlValue& value) {
-  YamlMapping mapping(value);
   sim::DoorLeaf leaf;
-  leaf.angle_rad = mapping.require("angle").number(kAngle);
-  mapping.read("thickness", kLength, leaf.thickness_m);
-  read_given(mapping, "hinge", [&](const YamlValue& hinge) { leaf.hinge_at_far = !is_first(hinge, "near", "far"); });
-  mapping.finish();
+  read_fields(value, {required({"angle", kAngle, leaf.angle_rad}),
+                      {"thickness", kLength, leaf.thickness_m},
+                      {"hinge", [&](const YamlValue& hinge) { leaf.hinge_at_far = !is_first(hinge, "near", "far"); }}});
   return leaf;
 }
 
-sim::Door read_door(const YamlValue& value) {
-  YamlMapping mapping(value);
+void read_door(const YamlValue& value, PartCount& parts, sim::Wall& wall) {
+  parts.add(value, 1);
   sim::Door door;
-  read_given(mapping, "leg", [&](const YamlValue& leg) { door.leg = leg.count(); });
-  door.from_m = mapping.require("from").number(kLength);
-  mapping.read("width", kLength, door.width_m);
-  mapping.read("height", kLength, door.height_m);
-  read_given(mapping, "leaf", [&](const YamlValue& leaf) { door.leaf = read_leaf(leaf); });
-  mapping.finish();
-  return door;
+  read_fields(value, {{"leg", [&](const YamlValue& leg) { door.leg = leg.count(); }},
+                      required({"from", kLength, door.from_m}),
+                      {"width", kLength, door.width_m},
+                      {"height", kLength, door.height_m},
+                      {"leaf", [&](const YamlValue& leaf) { door.leaf = read_leaf(leaf); }}});
+  wall.doors.push_back(door);
 }
 
 /// A row of windows is written once: `repeat: {count: 4, step: 2.5}` sets each a step further along the leg.
 void read_windows(const YamlValue& value, PartCount& parts, sim::Wall& wall) {
-  YamlMapping mapping(value);
+  parts.add(value, 1);
   sim::Door window{.width_m = 1.2, .sill_m = 0.9};
-  read_given(mapping, "leg", [&](const YamlValue& leg) { window.leg = leg.count(); });
-  window.from_m = mapping.require("from").number(kLength);
-  mapping.read("width", kLength, window.width_m);
-  mapping.read("sill", kLength, window.sill_m);
-  mapping.read("head", kLength, window.height_m);
   std::size_t count = 1;
   double step_m = 0.0;
-  parts.add(value, 1);
-  read_given(mapping, "repeat", [&](const YamlValue& repeat) {
-    YamlMapping row(repeat);
-    count = read_repeat_count(row, parts);
-    step_m = row.require("step").number(kLength);
-    row.finish();
-  });
-  mapping.finish();
+  const auto read_repeat = [&](const YamlValue& repeat) {
+    read_fields(repeat, {required({"count", [&](const YamlValue& given) { count = read_repeat_count(given, parts); }}),
+                         required({"step", kLength, step_m})});
+  };
+  read_fields(value, {{"leg", [&](const YamlValue& leg) { window.leg = leg.count(); }},
+                      required({"from", kLength, window.from_m}),
+                      {"width", kLength, window.width_m},
+                      {"sill", kLength, window.sill_m},
+                      {"head", kLength, window.height_m},
+                      {"repeat", read_repeat}});
   if (!(window.sill_m > 0.0)) {
     value.refuse("sill must be above 0: an opening down to the floor is a door");
   }
@@ -155,29 +155,21 @@ void read_windows(const YamlValue& value, PartCount& parts, sim::Wall& wall) {
   }
 }
 
-void read_wall_sizes(YamlMapping& mapping, sim::Wall& wall) {
-  mapping.read("thickness", kLength, wall.thickness_m);
-  mapping.read("base", kLength, wall.base_m);
-  mapping.read("height", kLength, wall.height_m);
+std::vector<YamlField> wall_size_fields(sim::Wall& wall) {
+  return {{"thickness", kLength, wall.thickness_m}, {"base", kLength, wall.base_m}, {"height", kLength, wall.height_m}};
 }
 
 sim::Wall read_wall(const YamlValue& value, const sim::Wall& defaults, PartCount& parts) {
-  YamlMapping mapping(value);
   sim::Wall wall = defaults;
-  for (const YamlValue& point : mapping.require("points").entries()) {
+  std::vector<YamlField> fields = wall_size_fields(wall);
+  fields.push_back(required(list_field("points", [&](const YamlValue& point) {
     parts.add(point, 1);
     wall.points_m.push_back(point.point());
-  }
-  mapping.read("closed", wall.is_closed);
-  read_wall_sizes(mapping, wall);
-  for (const YamlValue& door : mapping.list("doors")) {
-    parts.add(door, 1);
-    wall.doors.push_back(read_door(door));
-  }
-  for (const YamlValue& window : mapping.list("windows")) {
-    read_windows(window, parts, wall);
-  }
-  mapping.finish();
+  })));
+  fields.emplace_back("closed", wall.is_closed);
+  fields.push_back(list_field("doors", [&](const YamlValue& door) { read_door(door, parts, wall); }));
+  fields.push_back(list_field("windows", [&](const YamlValue& window) { read_windows(window, parts, wall); }));
+  read_fields(value, fields);
   value.require_none(validate(wall));
   return wall;
 }
@@ -191,37 +183,27 @@ double metres_per_unit(const YamlValue& unit) {
 }
 
 sim::TriangleMesh read_placed_mesh(const YamlValue& value, std::size_t max_triangles) {
-  YamlMapping mapping(value);
-  const YamlValue file = mapping.require("file");
+  std::string file;
+  double per_unit_m = 1.0;
   sim::MeshPlacement placement;
-  mapping.read("scale", kNumber, placement.scale);
-  read_given(mapping, "unit", [&](const YamlValue& unit) { placement.scale *= metres_per_unit(unit); });
-  if (const auto position = mapping.find("position")) {
-    const std::vector<YamlValue> coordinates = position->entries();
-    if (coordinates.size() != 3) {
-      position->refuse("a place [x, y, z] is expected here");
-    }
-    placement.position_m = {coordinates[0].number(kLength), coordinates[1].number(kLength),
-                            coordinates[2].number(kLength)};
-  }
-  mapping.read("yaw", kAngle, placement.yaw_rad);
-  read_given(mapping, "up", [&](const YamlValue& up) { placement.y_is_up = is_first(up, "y", "z"); });
-  mapping.finish();
-  if (const std::string fault = fault_of_reference(value.file(), file.text()); !fault.empty()) {
-    file.refuse(fault);
-  }
-  const MeshFile mesh = read_mesh(referenced_path(value.file(), file.text()), {max_triangles, interrupted});
+  const auto read_file = [&](const YamlValue& name) {
+    file = name.text();
+    if (const std::string fault = fault_of_reference(value.file(), file); !fault.empty()) name.refuse(fault);
+  };
+  const auto read_position = [&](const YamlValue& position) {
+    const std::vector<YamlValue> at = position.entries();
+    if (at.size() != 3) position.refuse("a place [x, y, z] is expected here");
+    placement.position_m = {at[0].number(kLength), at[1].number(kLength), at[2].number(kLength)};
+  };
+  read_fields(value, {required({"file", read_file}),
+                      {"scale", kNumber, placement.scale},
+                      {"unit", [&](const YamlValue& unit) { per_unit_m = metres_per_unit(unit); }},
+                      {"position", read_position},
+                      {"yaw", kAngle, placement.yaw_rad},
+                      {"up", [&](const YamlValue& up) { placement.y_is_up = is_first(up, "y", "z"); }}});
+  placement.scale *= per_unit_m;
+  const MeshFile mesh = read_mesh(referenced_path(value.file(), file), {max_triangles, interrupted});
   return sim::placed_mesh(mesh.vertices, mesh.triangles, placement);
-}
-
-sim::Wall read_wall_defaults(YamlMapping& root) {
-  sim::Wall defaults;
-  if (const auto value = root.find("wall_defaults")) {
-    YamlMapping mapping(*value);
-    read_wall_sizes(mapping, defaults);
-    mapping.finish();
-  }
-  return defaults;
 }
 
 /// Boxes and cylinders that belong together, in a frame of their own.
@@ -232,15 +214,11 @@ struct Object {
 using Objects = std::map<std::string, Object>;
 
 void read_object(const YamlValue& value, PartCount& parts, Objects& objects) {
-  YamlMapping mapping(value);
   parts.add(value, 1);
-  const YamlValue name = mapping.require("name");
-  const auto [entry, is_new] = objects.try_emplace(name.text());
-  if (!is_new) {
-    name.refuse("there are two objects '" + name.text() + "'");
-  }
-  read_boxes_and_cylinders(mapping, parts, entry->second);
-  mapping.finish();
+  std::string name;
+  Object object;
+  read_fields(value, {required({"name", name}), boxes_field(parts, object), cylinders_field(parts, object)});
+  if (!objects.emplace(name, std::move(object)).second) value.refuse("there are two objects '" + name + "'");
 }
 
 const Object& object_named(const YamlValue& name, const Objects& objects) {
@@ -253,13 +231,16 @@ const Object& object_named(const YamlValue& name, const Objects& objects) {
 }
 
 void read_place(const YamlValue& value, const Objects& objects, PartCount& parts, sim::Scene& scene) {
-  YamlMapping mapping(value);
-  const Object& object = object_named(mapping.require("object"), objects);
-  const Point2 at_m = mapping.require("at").point();
-  Pose2 T_map_object{at_m.x(), at_m.y(), 0.0};
-  mapping.read("yaw", kAngle, T_map_object.theta_rad);
-  const std::vector<Point2> offsets_m = read_offsets(mapping, parts);
-  mapping.finish();
+  parts.add(value, 1);
+  Object object;
+  Point2 at_m(0.0, 0.0);
+  double yaw_rad = 0.0;
+  std::vector<Point2> offsets_m{{0.0, 0.0}};
+  read_fields(value, {required({"object", [&](const YamlValue& name) { object = object_named(name, objects); }}),
+                      required({"at", at_m}),
+                      {"yaw", kAngle, yaw_rad},
+                      repeat_field(parts, offsets_m)});
+  const Pose2 T_map_object{at_m.x(), at_m.y(), yaw_rad};
   parts.add(value, offsets_m.size() * (object.boxes.size() + object.cylinders.size()));
   for (sim::Box box : object.boxes) {
     box.centre_m = T_map_object * box.centre_m;
@@ -272,36 +253,38 @@ void read_place(const YamlValue& value, const Objects& objects, PartCount& parts
   }
 }
 
-void read_objects(YamlMapping& root, PartCount& parts, sim::Scene& scene) {
+/// What the readers of one scene share.
+struct SceneParts {
+  PartCount count;
+  sim::Wall wall_defaults;
   Objects objects;
-  for (const YamlValue& object : root.list("objects")) read_object(object, parts, objects);
-  for (const YamlValue& place : root.list("place")) read_place(place, objects, parts, scene);
-}
-
-void read_meshes(YamlMapping& root, PartCount& parts, sim::Scene& scene) {
   std::size_t triangles = 0;
-  for (const YamlValue& mesh : root.list("meshes")) {
-    parts.add(mesh, 1);
-    scene.meshes.push_back(read_placed_mesh(mesh, sim::kMaxTriangles - triangles));
-    triangles += scene.meshes.back().triangles.size();
-  }
-}
+};
 
 }  // namespace
 
-sim::Scene read_scene_parts(YamlMapping& root) {
-  sim::Scene scene;
-  PartCount parts;
-  const sim::Wall wall_defaults = read_wall_defaults(root);
-  for (const YamlValue& wall : root.list("walls")) {
-    scene.walls.push_back(read_wall(wall, wall_defaults, parts));
-  }
-  read_boxes_and_cylinders(root, parts, scene);
-  read_objects(root, parts, scene);
-  read_meshes(root, parts, scene);
-  read_given(root, "floor", [&](const YamlValue& floor) { scene.floor_m = floor.number(kLength); });
-  read_given(root, "ceiling", [&](const YamlValue& ceiling) { scene.ceiling_m = ceiling.number(kLength); });
-  return scene;
+std::vector<YamlField> scene_part_fields(sim::Scene& scene) {
+  const auto parts = std::make_shared<SceneParts>();
+  const auto read_mesh_entry = [parts, &scene](const YamlValue& mesh) {
+    parts->count.add(mesh, 1);
+    scene.meshes.push_back(read_placed_mesh(mesh, sim::kMaxTriangles - parts->triangles));
+    parts->triangles += scene.meshes.back().triangles.size();
+  };
+  return {
+      {"wall_defaults",
+       [parts](const YamlValue& sizes) { read_fields(sizes, wall_size_fields(parts->wall_defaults)); }},
+      list_field("walls",
+                 [parts, &scene](const YamlValue& wall) {
+                   scene.walls.push_back(read_wall(wall, parts->wall_defaults, parts->count));
+                 }),
+      boxes_field(parts->count, scene),
+      cylinders_field(parts->count, scene),
+      list_field("objects", [parts](const YamlValue& object) { read_object(object, parts->count, parts->objects); }),
+      list_field("place",
+                 [parts, &scene](const YamlValue& place) { read_place(place, parts->objects, parts->count, scene); }),
+      list_field("meshes", read_mesh_entry),
+      {"floor", [&scene](const YamlValue& floor) { scene.floor_m = floor.number(kLength); }},
+      {"ceiling", [&scene](const YamlValue& ceiling) { scene.ceiling_m = ceiling.number(kLength); }}};
 }
 
 }  // namespace gdtslam

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "engine/io/yaml/checked_yaml.hpp"
 #include "gdtslam/sim/nodding.hpp"
@@ -16,15 +17,9 @@ inline constexpr Quantity kTime{Unit::kSecond};
 inline constexpr Quantity kNumber{Unit::kNone};
 inline constexpr Quantity kFrequency{Unit::kNone, "Hz"};
 
-/// Reads the key where it is given.
-template <class Read>
-void read_given(YamlMapping& mapping, const char* key, const Read& read) {
-  if (const auto value = mapping.find(key)) read(*value);
-}
-
-/// What can be seen: takes the keys wall_defaults, walls, boxes, cylinders, objects, place, meshes, floor and ceiling.
-/// Throws FileError or InputError for a mesh.
-sim::Scene read_scene_parts(YamlMapping& root);
+/// What can be seen: the keys wall_defaults, walls, boxes, cylinders, objects, place, meshes, floor and ceiling. Their
+/// readers throw FileError or InputError for a mesh. `scene` must outlive the fields.
+std::vector<YamlField> scene_part_fields(sim::Scene& scene);
 
 /// The section robot.nodding: a laser on a nodding mount. A linkage file is looked for beside the scene.
 sim::NoddingModel read_nodding(const YamlValue& value);

@@ -75,22 +75,7 @@ std::vector<std::string> names_in_metadata(const std::string& file) {
   return names;
 }
 
-/// A name of metadata.yaml as it is called in the folder: early versions put the bag's name before it, and somebody may
-/// have packed or unpacked the file since.
-std::optional<std::string> find_name(const std::string& stated, const std::vector<std::string>& names) {
-  std::string plain = fs::path(stated).filename().string();
-  for (const std::string_view ending : {".zstd", ".gz"}) {
-    if (plain.ends_with(ending)) plain.resize(plain.size() - ending.size());
-  }
-  for (const std::string_view packed : kPackedEndings) {
-    const std::string name = plain + std::string(packed);
-    if (std::find(names.begin(), names.end(), name) != names.end()) return name;
-  }
-  return std::nullopt;
-}
-
-/// A temporary file of what a source unpacks to. A few bytes of zstd may stand for gigabytes of zeros: what is much
-/// longer than its packed bytes is refused before it fills the disk.
+/// A temporary file of what a source unpacks to, within the bound on kept bytes (io/file_limits.hpp).
 class SpooledFile {
  public:
   SpooledFile() : folder_(fs::temp_directory_path().string()), name_(folder_ + "/gdtslam-bag-XXXXXX") {
@@ -105,18 +90,12 @@ class SpooledFile {
   }
   [[nodiscard]] const std::string& name() const { return name_; }
 
-  void fill(ByteSource& source, std::string_view head) {
-    constexpr std::uint64_t kFreeBytes = std::uint64_t{16} << 20U;
-    constexpr std::uint64_t kMostPerPackedByte = 100;
-    std::uint64_t bytes = head.size();
-    write(head);
+  void fill(ByteSource& source, const std::string& name) {
+    std::uint64_t bytes = 0;
     std::vector<char> piece(std::size_t{1} << 18U);
     while (const std::size_t count = source.read(piece)) {
       bytes += count;
-      if (bytes > kFreeBytes + kMostPerPackedByte * source.bytes_from_file()) {
-        throw RecordingFault(fmt::format("unpacks to more than {} times its bytes; unpack it by hand if that is meant",
-                                         kMostPerPackedByte));
-      }
+      check_kept_bytes(bytes, source.bytes_from_file(), name);
       if (is_asked_to_end()) throw Error(ExitCode::kInterrupted, "interrupted while a bag was unpacked");
       write({piece.data(), count});
     }
@@ -140,18 +119,6 @@ class SpooledFile {
   std::string name_;
   int descriptor_ = -1;
 };
-
-std::string first_bytes(ByteSource& source) {
-  std::string head(kMostHeadBytes, '\0');
-  std::size_t size = 0;
-  while (size < head.size()) {
-    const std::size_t count = source.read({head.data() + size, head.size() - size});
-    if (count == 0) break;
-    size += count;
-  }
-  head.resize(size);
-  return head;
-}
 
 /// Of channels that differ in anything.
 struct ChannelOrder {
@@ -243,10 +210,11 @@ std::vector<std::string> files_of_ros2_folder(const std::string& folder, const R
   const std::vector<std::string> names = names_in(folder);
   std::vector<std::string> files;
   for (const std::string& stated : names_in_metadata((fs::path(folder) / "metadata.yaml").string())) {
-    if (const std::optional<std::string> name = find_name(stated, names)) {
-      if (std::find(files.begin(), files.end(), *name) == files.end()) files.push_back(*name);
-    } else {
+    const std::string name = fs::path(stated).filename().string();  // early versions put the bag's name before it
+    if (std::find(names.begin(), names.end(), name) == names.end()) {
       warn("missing file of the bag", fmt::format("metadata.yaml names {}", in_quotes(stated)));
+    } else if (std::find(files.begin(), files.end(), name) == files.end()) {
+      files.push_back(name);
     }
   }
   if (files.empty() && names.size() == 1) files = names;
@@ -266,7 +234,7 @@ std::vector<std::string> files_of_ros2_folder(const std::string& folder, const R
 }
 
 std::unique_ptr<Recording> open_ros2_file(const std::string& path) {
-  const std::string packed_head = first_bytes(*open_file_source(path));
+  const std::string packed_head = read_head(*open_file_source(path), kMostHeadBytes);
   if (packed_head.starts_with(kSqliteMagic)) return std::make_unique<SqliteBag>(path);
   std::unique_ptr<ByteSource> source = open_file_source(path);
   if (packed_head.starts_with(kZstdMagic)) {
@@ -274,13 +242,13 @@ std::unique_ptr<Recording> open_ros2_file(const std::string& path) {
   } else {
     source = gunzip_if_packed(std::move(source), path);
   }
-  std::string head = first_bytes(*source);
-  if (head.starts_with(kSqliteMagic)) {
-    SpooledFile file;
-    file.fill(*source, head);
-    return std::make_unique<SqliteBag>(file.name());
-  }
-  return std::make_unique<McapFile>(with_head(std::move(head), std::move(source)));
+  std::string head = read_head(*source, kMostHeadBytes);
+  const bool is_sqlite = head.starts_with(kSqliteMagic);
+  source = with_head(std::move(head), std::move(source));
+  if (!is_sqlite) return std::make_unique<McapFile>(std::move(source));
+  SpooledFile file;
+  file.fill(*source, path);
+  return std::make_unique<SqliteBag>(file.name());
 }
 
 std::unique_ptr<Recording> open_ros2_folder(const std::string& folder) {

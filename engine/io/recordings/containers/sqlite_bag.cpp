@@ -5,9 +5,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <filesystem>
-#include <new>
 #include <system_error>
 #include <utility>
 
@@ -73,7 +71,6 @@ int allow_reading_alone(void* /*unused*/, int action, const char* table, const c
 }  // namespace
 
 void SqliteBag::CloseDatabase::operator()(sqlite3* database) const { sqlite3_close(database); }
-void SqliteBag::CloseBlob::operator()(sqlite3_blob* blob) const { sqlite3_blob_close(blob); }
 void SqliteBag::FinishStatement::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
 SqliteBag::~SqliteBag() = default;
 
@@ -86,34 +83,17 @@ SqliteBag::SqliteBag(const std::string& path) : path_(path) {
         "wal_checkpoint(TRUNCATE)\"' moves "
         "them into the file");
   }
-  open(sqlite_uri(path, "?mode=ro&immutable=1"), "unix-none");
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (error) throw FileError(path, fmt::format("cannot be read: {}", error.message()));
-  start(size);
-}
-
-SqliteBag::SqliteBag(std::string_view bytes) {
-  open("file::memory:", nullptr);
-  auto* const copy = static_cast<unsigned char*>(sqlite3_malloc64(std::max<std::size_t>(bytes.size(), 1)));
-  if (copy == nullptr) throw std::bad_alloc();
-  std::memcpy(copy, bytes.data(), bytes.size());
-  const auto size = static_cast<sqlite3_int64>(bytes.size());
-  const unsigned flags = SQLITE_DESERIALIZE_FREEONCLOSE | SQLITE_DESERIALIZE_READONLY;
-  if (const int code = sqlite3_deserialize(database_.get(), "main", copy, size, size, flags); code != SQLITE_OK) {
-    fail(code);
-  }
-  start(bytes.size());
-}
-
-void SqliteBag::open(const std::string& uri, const char* vfs) {
   sqlite3* database = nullptr;
   const int flags = SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX;
-  const int code = sqlite3_open_v2(uri.c_str(), &database, flags, vfs);
+  const int code = sqlite3_open_v2(sqlite_uri(path, "?mode=ro&immutable=1").c_str(), &database, flags, "unix-none");
   database_.reset(database);
   if (code != SQLITE_OK) fail(code);
   sqlite3_limit(database, SQLITE_LIMIT_LENGTH, static_cast<int>(kMostMessageBytes) + 4096);
   sqlite3_db_config(database, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
   sqlite3_progress_handler(database, kStepsBetweenQuestions, ask_to_end, this);
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error) throw FileError(path, fmt::format("cannot be read: {}", error.message()));
+  start(size);
 }
 
 // Rows of a bag are never interrupted: who reads it ends between two of them.
@@ -136,6 +116,7 @@ void SqliteBag::start(std::uint64_t size) {
   } catch (const RecordingFault&) {  // its last page is damaged: the progress is not known
   }
   messages_ = prepare("SELECT id, topic_id, timestamp FROM messages ORDER BY id");
+  bytes_ = prepare("SELECT data FROM messages WHERE id = ?");
 }
 
 // SQLite fills a page that is cut with zeros, and would take them for messages.
@@ -221,22 +202,16 @@ void SqliteBag::read_topics() {
 
 // Only what is wanted leaves the file: the pages of a camera's pictures are passed over.
 std::string_view SqliteBag::message_bytes() {
-  sqlite3_blob* blob = blob_.get();
-  const int code = blob == nullptr ? sqlite3_blob_open(database_.get(), "main", "messages", "data", row_, 0, &blob)
-                                   : sqlite3_blob_reopen(blob, row_);
-  if (blob != blob_.get()) blob_.reset(blob);
-  if (code != SQLITE_OK) {
-    blob_.reset();
-    if (code != SQLITE_ERROR) fail(code);
+  sqlite3_reset(bytes_.get());
+  sqlite3_bind_int64(bytes_.get(), 1, row_);
+  if (!step(bytes_) || sqlite3_column_type(bytes_.get(), 0) != SQLITE_BLOB) {
     throw RecordingFault("has a message without bytes");
   }
-  const auto size = static_cast<std::size_t>(sqlite3_blob_bytes(blob));
+  const auto size = static_cast<std::size_t>(sqlite3_column_bytes(bytes_.get(), 0));
   if (size > kMostMessageBytes) {
     throw RecordingFault(fmt::format("has a message of {} bytes; at most {} are read", size, kMostMessageBytes));
   }
-  data_.resize(size);
-  if (const int read = sqlite3_blob_read(blob, data_.data(), static_cast<int>(size), 0); read != SQLITE_OK) fail(read);
-  return data_;
+  return {static_cast<const char*>(sqlite3_column_blob(bytes_.get(), 0)), size};
 }
 
 std::optional<RecordingItem> SqliteBag::next(const Wanted& wanted, const Warn& /*warn*/) {

@@ -14,7 +14,6 @@
 #include "recording.hpp"
 
 struct sqlite3;       // NOLINT(readability-identifier-naming): SQLite's names
-struct sqlite3_blob;  // NOLINT(readability-identifier-naming)
 struct sqlite3_stmt;  // NOLINT(readability-identifier-naming)
 
 namespace gdtslam {
@@ -25,8 +24,6 @@ class SqliteBag final : public Recording {
  public:
   /// The name is not needed once the bag is open. Throws RecordingFault for what is no bag or cannot be opened.
   explicit SqliteBag(const std::string& path);
-  /// A bag in memory, which is copied.
-  explicit SqliteBag(std::string_view bytes);
   ~SqliteBag() override;
 
   std::optional<RecordingItem> next(const Wanted& wanted, const Warn& warn) override;
@@ -40,12 +37,8 @@ class SqliteBag final : public Recording {
   struct FinishStatement {
     void operator()(sqlite3_stmt* statement) const;
   };
-  struct CloseBlob {
-    void operator()(sqlite3_blob* blob) const;
-  };
   using Statement = std::unique_ptr<sqlite3_stmt, FinishStatement>;
 
-  void open(const std::string& uri, const char* vfs);
   /// `size` is that of the database in bytes.
   void start(std::uint64_t size);
   void require_whole_pages(std::uint64_t size);
@@ -60,15 +53,14 @@ class SqliteBag final : public Recording {
   std::string_view message_bytes();
   static int ask_to_end(void* bag);
 
-  std::string path_;  ///< empty for bytes in memory
+  std::string path_;
   std::unique_ptr<sqlite3, CloseDatabase> database_;
   Statement messages_;
-  std::unique_ptr<sqlite3_blob, CloseBlob> blob_;  ///< of the message that was given last
-  std::vector<RecordingItem> channels_;            ///< not given yet, the last one first
+  Statement bytes_;                      ///< holds those of the message that was given last
+  std::vector<RecordingItem> channels_;  ///< not given yet, the last one first
   std::int64_t row_ = 0;
   double last_row_ = 0.0;
   int asked_ = 0;  ///< times since a call of SQLite began
-  std::string data_;
 };
 
 }  // namespace gdtslam

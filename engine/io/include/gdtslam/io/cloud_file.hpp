@@ -1,8 +1,8 @@
-// Clouds as PLY [Turk1994] and PCD, binary or ASCII, written and read piece by piece: memory does not depend on the
-// number of points, save for PCD's binary_compressed, which lies in memory as a whole while it is read. Every file is
-// written to a temporary name, synced and renamed. Columns: x y z (float, metres), elevation (float, radians), time
-// (double, seconds), scan (uint); a reader takes files that have x y z only, columns in any order, of any numeric type,
-// and skips what it does not know. Cost: one pass. One object belongs to one thread.
+// Clouds as PLY [Turk1994] and PCD, written in binary and read in binary or ASCII, piece by piece: memory does not
+// depend on the number of points, save for PCD's binary_compressed, which lies in memory as a whole while it is read.
+// Every file is written to a temporary name, synced and renamed. Columns: x y z (float, metres), elevation (float,
+// radians), time (double, seconds), scan (uint); a reader takes files that have x y z only, columns in any order, of
+// any numeric type, and skips what it does not know. Cost: one pass. One object belongs to one thread.
 #pragma once
 
 #include <array>
@@ -16,12 +16,12 @@
 
 namespace gdtslam {
 
-enum class CloudFormat : std::uint8_t { kPlyBinary, kPlyAscii, kPcdBinary, kPcdAscii };
+enum class CloudFormat : std::uint8_t { kPlyBinary, kPcdBinary };
 
-/// By the name's extension, .ply or .pcd in small or capital letters, binary. Throws UsageError for any other.
+/// By the name's extension, .ply or .pcd in small or capital letters. Throws UsageError for any other.
 CloudFormat cloud_format_of(const std::string& path);
 
-/// A cloud file that is being written, in one of the four formats.
+/// A cloud file that is being written.
 class CloudWriter : public CloudSink {
  public:
   /// Throws FileError, as add() and finish() do, also for a pipe or terminal: the count in the header is written last.
@@ -42,14 +42,13 @@ class CloudWriter : public CloudSink {
 
 /// What the header of a cloud says. Nothing of it is trusted for an allocation.
 struct CloudHeader {
-  CloudFormat format = CloudFormat::kPlyBinary;
   std::uint64_t points = 0;
   bool has_elevation = false;
   bool has_time = false;
   bool has_scan = false;
 };
 
-/// A cloud file that is read piece by piece, in one of the four formats.
+/// A cloud file that is read piece by piece.
 class CloudReader {
  public:
   /// PLY or PCD by its first line, plain or in gzip. Throws InputError (file, line or point, what is wrong) or
