@@ -143,8 +143,7 @@ live drive.log -o live -q
 map --continue live drive.mcap -q
 evaluate run --reference drive.truth.tum
 merge run live -o sites -q --no-pictures
-edit run --origin 1,1,90 -o edited -q
-tiles run
+edit run --origin 1,1,90 --tiles -o edited -q
 render run --view map -o out.png --size 96x64 -q
 render deep --view orbit --frames 2 -o out.mp4 --size 96x64 -q
 measure deep --planes --boxes

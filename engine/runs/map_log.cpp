@@ -2,21 +2,20 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <new>
 #include <optional>
 #include <utility>
+#include <vector>
 
+#include "engine/core/files/file_state.hpp"
 #include "engine/core/memory/free_memory.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/message_text.hpp"
 #include "engine/mapping/match/matchers.hpp"
 #include "engine/runs/continuing/continue_file.hpp"
 #include "engine/runs/continuing/kept_stream.hpp"
-#include "engine/runs/folder/files_of_runs.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/run_report.hpp"
 #include "engine/runs/folder/run_times.hpp"
@@ -29,100 +28,6 @@
 
 namespace gdtslam {
 namespace {
-
-bool stopped(const MapRequest& request) { return request.stop && request.stop(); }
-
-// The cloud as a picture beside it. Where nothing can draw, the run is as good without.
-void add_cloud_picture(const MapRequest& request, const NoddingJob& nodding, const std::string& cloud_file,
-                       MapOutcome& outcome, RunFolder& folder) {
-  if (request.draw_cloud && request.with_cloud && request.with_pictures && !outcome.interrupted) {
-    try {
-      if (request.finishing) request.finishing("cloud.png");
-      const std::string png = request.draw_cloud(cloud_file, request.logs.front(), outcome.trajectory,
-                                                 nodding.kind == NodKind::kEncoder ? &nodding.model : nullptr);
-      write_file_atomically(folder.staged("cloud.png"), png);
-      return;
-    } catch (const Error& error) {
-      if (error.code() == ExitCode::kInputOutput) throw;
-      outcome.warnings.push_back({"no picture of the cloud", 1, error.what()});
-    }
-  }
-}
-
-/// For each log the file that keeps it; null where it can be read again.
-using StreamFiles = std::vector<std::shared_ptr<StreamFile>>;
-
-bool has_scan(const StreamFiles& streams) {
-  return std::any_of(streams.begin(), streams.end(), [](const auto& stream) { return stream && stream->has_scan(); });
-}
-
-void flush(const StreamFiles& streams) {
-  for (const auto& stream : streams) {
-    if (stream) stream->sync();
-  }
-}
-
-/// What a run has before its first scan.
-struct RunStart {
-  ScanStream scans;
-  const StreamFiles& streams;
-  const KeptRequest& asked;
-};
-
-// continue.json, and the logs that nobody can read again.
-void write_inputs(RunFolder& folder, const MapRequest& request, const KeptRequest& asked, const StreamFiles& streams) {
-  if (!request.with_continue_file) return;
-  std::vector<std::string> names;
-  for (std::size_t log = 0; log < streams.size(); ++log) {
-    const bool is_of_run = !request.continued.empty() && lies_in(request.continued, request.logs[log]);
-    names.push_back(streams[log] || is_of_run ? folder.staged(kept_log_name(log)) : std::string());
-    if (is_of_run) copy_file_atomically(request.logs[log], names.back());
-  }
-  KeptRequest kept = asked;
-  kept.logs = kept_logs(request.logs, names);
-  write_continue_file(folder.staged(kContinueFile), kept);
-}
-
-// `nodding` is null where the laser does not nod.
-MapResult map_into(RunFolder& folder, const MapRequest& request, const MapJob& job, const NoddingJob* nodding,
-                   Backend& backend, RunStart start, RunTimes& times) {
-  std::unique_ptr<CloudOutput> cloud;
-  std::string cloud_file;
-  if (nodding != nullptr && request.with_cloud) {
-    cloud_file = folder.staged("cloud.ply");
-    cloud = std::make_unique<CloudOutput>(request.settings.cloud, cloud_file);
-  }
-  auto run = std::make_unique<MapRun>(job, backend, std::move(start.scans), nodding, std::move(cloud));
-  MapResult result;
-  times.add("prepare");
-  result.outcome = run->run(request.progress, [&request] { return stopped(request); });
-  times.skip();  // its stages are in the outcome
-  flush(start.streams);
-  result.outcome.findings = job.findings;
-  if (nodding == nullptr) {
-    const auto& stream = start.streams.front();
-    look_afterwards(request, job, stream ? stream->path() : request.logs.front(), result.outcome);
-  }
-  // The memory of what mapped is for the pictures, and the tiles of a large map.
-  const auto end_mapping = [&run] {
-    run.reset();
-    return_free_memory();
-  };
-  if (result.outcome.is_in_tiles) end_mapping();
-  const WrittenField field = result.outcome.is_in_tiles
-                                 ? write_run_tiles(folder, job, request.settings, times, result.outcome)
-                                 : write_run_field(folder, job, run->field(), times);
-  end_mapping();
-  if (nodding != nullptr) {
-    result.linkage = nodding->linkage;
-    add_cloud_picture(request, *nodding, cloud_file, result.outcome, folder);
-    times.add("write_cloud_picture");
-    write_linkage(folder.staged("linkage.yaml"), nodding->model);
-  }
-  write_inputs(folder, request, start.asked, start.streams);
-  result.report = write_run(folder, {job, nodding, field, backend.device(), request.settings}, times, result.outcome);
-  return result;
-}
 
 std::string default_linkage_warning(NodKind kind, const NoddingJob& job) {
   if (kind == NodKind::kEncoder) {
@@ -176,102 +81,9 @@ NodKind nod_kind_of_start(const MapRequest& request, ScanStream& scans) {
   return kind;
 }
 
-void warn_of_left_logs(const RunFolder& folder, const MapRequest& request, std::size_t known = 0) {
-  for (std::size_t k = known; request.warn && k < folder.left_logs().size(); ++k) {
-    request.warn(fmt::format("warning: an earlier run left its log, which is kept as {}", folder.left_logs()[k]));
-  }
-}
-
-std::unique_ptr<RunFolder> new_folder(const MapRequest& request) {
-  auto folder = std::make_unique<RunFolder>(
-      request.folder, request.replace_foreign_files ? ForeignFiles::kReplaced : ForeignFiles::kKept);
-  warn_of_left_logs(*folder, request);
-  return folder;
-}
-
-bool is_interruption() {
-  try {
-    throw;
-  } catch (const Error& error) {
-    return error.code() == ExitCode::kInterrupted;
-  } catch (...) {
-    return false;
-  }
-}
-
-// In the handler of what ended a run: streams cannot be had again. Nothing where none was read.
-std::string streams_kept(RunFolder& folder, const StreamFiles& streams) {
-  std::string told;
-  for (std::size_t log = 0; log < streams.size(); ++log) {
-    if (!streams[log]) continue;
-    try {
-      streams[log]->sync();
-    } catch (const FileError&) {  // as where a disk is full: there is what was written before
-    }
-    told +=
-        fmt::format("; what was read is kept: gdtslam map {} makes a map of it", folder.keep_log(kept_log_name(log)));
-  }
-  return told;
-}
-
-// In the handler of what ended a run.
-[[noreturn]] void throw_with(const std::string& told, const std::string& log) {
-  try {
-    throw;
-  } catch (const InputError& error) {
-    if (error.has_position()) throw Error(error.code(), error.what() + told);
-    throw InputError(FilePosition{log_name(log), 0}, error.what() + told);
-  } catch (const Error& error) {
-    throw Error(error.code(), error.what() + told);
-  } catch (const std::bad_alloc&) {
-    throw Error(ExitCode::kFailed, "out of memory" + told);
-  }
-}
-
-MapResult map_opened(MapRequest request, MapJob job, const KeptRequest& asked, const BackendOfRun& backend_of) {
-  RunTimes times;
-  const std::unique_ptr<RunFolder> folder = new_folder(request);
-  StreamFiles streams(request.logs.size());
-  const auto open = [&](std::size_t log) {
-    const std::string& name = request.logs[log];
-    const bool is_kept = request.with_continue_file && (request.live_log || is_stream(name));
-    std::unique_ptr<LogReader> reader = request.live_log ? request.live_log(job.read) : open_log(name, job.read);
-    if (!is_kept) return reader;
-    streams[log] = std::make_shared<StreamFile>(folder->staged_path(kept_log_name(log)));
-    return std::unique_ptr<LogReader>(std::make_unique<KeptStream>(std::move(reader), streams[log]));
-  };
-  std::uint64_t mapped = 0;
-  request.progress = [&mapped, then = request.progress](std::uint64_t scans, double share) {
-    mapped = scans;
-    if (then) then(scans, share);
-  };
-  try {
-    ScanStream scans(job.logs, job.read, job.range, open);
-    const NodKind kind = nod_kind_of_start(request, scans);
-    Backend& backend =
-        backend_of(kind != NodKind::kNone || matcher_info(job.mapper.match.matcher).place == MatcherPlace::kDevice);
-    std::optional<NoddingJob> nodding;
-    RunPreparation prepared{.delay = {}, .findings = job.findings};
-    if (kind == NodKind::kNone) {
-      look_at_motion(request, job, request.logs.front(), prepared);
-    } else {
-      nodding = nodding_job(request, kind);
-    }
-    scans.set_beam_times(job.read);
-    if (prepared.delay) scans.set_odometry_delay(prepared.delay->delay_s);
-    job.odometry_delay = prepared.delay;
-    job.findings = prepared.findings;
-    const std::size_t left = folder->left_logs().size();
-    MapResult result = map_into(*folder, request, job, nodding ? &*nodding : nullptr, backend,
-                                {std::move(scans), streams, asked}, times);
-    warn_of_left_logs(*folder, request, left);
-    return result;
-  } catch (...) {
-    if (mapped == 0 && (is_interruption() || !has_scan(streams))) throw;
-    const std::string told = streams_kept(*folder, streams);
-    if (told.empty()) throw;
-    throw_with(told, request.logs.front());
-  }
+void require_not_stopped(const MapRequest& request) {
+  if (!request.stop || !request.stop()) return;
+  throw Error(ExitCode::kInterrupted, "interrupted before the first scan; nothing is written");
 }
 
 MapJob job_of(const MapRequest& request) {
@@ -290,33 +102,207 @@ MapJob job_of(const MapRequest& request) {
           .on_failure = request.on_failure};
 }
 
-void require_not_stopped(const MapRequest& request) {
-  if (stopped(request)) throw Error(ExitCode::kInterrupted, "interrupted before the first scan; nothing is written");
+// The log of a run that is continued comes along.
+bool is_of_continued_run(const MapRequest& request, const std::string& log) {
+  return !request.continued.empty() && lies_in(request.continued, log);
 }
 
 void require_logs_elsewhere(const MapRequest& request) {
   for (const std::string& log : request.logs) {
     const bool is_folder = place_of_file(log) == place_of_file(request.folder) && std::filesystem::is_directory(log);
-    const bool is_of_run = !request.continued.empty() && lies_in(request.continued, log);  // which comes along
-    if (log == "-" || is_of_run || !(is_folder || lies_in(request.folder, log))) continue;
+    if (log == "-" || is_of_continued_run(request, log) || !(is_folder || lies_in(request.folder, log))) continue;
     throw UsageError(fmt::format("'{}' lies in the folder that would be replaced; give another folder", one_line(log)));
   }
 }
 
-MapResult map_request(MapRequest request, const BackendOfRun& backend) {
-  require_logs_elsewhere(request);
-  const KeptRequest asked{.request = request, .logs = {}};
-  std::vector<LogFinding> findings = look_at_ranges(request);
-  MapJob job = job_of(request);
-  job.findings = std::move(findings);
-  return map_opened(std::move(request), std::move(job), asked, backend);
-}
+/// One run: from the logs of a request to its folder, step by step.
+class LogRun {
+ public:
+  LogRun(MapRequest request, const BackendOfRun& backend_of)
+      : asked_{.request = request, .logs = {}}, request_(std::move(request)), backend_of_(backend_of) {
+    require_logs_elsewhere(request_);
+    for (const std::string& log : request_.logs) states_.push_back(state_of_file(log));
+    std::vector<LogFinding> findings = look_at_ranges(request_);
+    job_ = job_of(request_);
+    job_.findings = std::move(findings);
+    folder_ = std::make_unique<RunFolder>(request_.folder, request_.replace_foreign_files);
+    streams_.resize(request_.logs.size());
+    for (const std::string& log : folder_->left_logs()) {
+      if (request_.warn) {
+        request_.warn(fmt::format("warning: a run that was killed left its log, which is kept as {}", log));
+      }
+    }
+  }
+
+  MapResult run() {
+    try {
+      ScanStream scans(job_.logs, job_.read, job_.range, [this](std::size_t log) { return open(log); });
+      const NodKind kind = nod_kind_of_start(request_, scans);
+      const bool has_work =
+          kind != NodKind::kNone || matcher_info(job_.mapper.match.matcher).place == MatcherPlace::kDevice;
+      Backend& backend = backend_of_(has_work);
+      prepare(kind, scans);
+      return write(map(std::move(scans), backend), backend.device());
+    } catch (const Error& error) {
+      if (error.code() == ExitCode::kInterrupted && scans_ == 0) throw;
+      rethrow_with(keep_streams());
+    } catch (const std::bad_alloc&) {
+      rethrow_with(keep_streams());
+    }
+  }
+
+ private:
+  std::unique_ptr<LogReader> open(std::size_t log) {
+    const std::string& name = request_.logs[log];
+    std::unique_ptr<LogReader> reader = request_.live_log ? request_.live_log(job_.read) : open_log(name, job_.read);
+    if (!request_.with_continue_file || !(request_.live_log || is_stream(name))) return reader;
+    streams_[log] = std::make_shared<StreamFile>(folder_->staged_path(kept_log_name(log)));
+    return std::make_unique<KeptStream>(std::move(reader), streams_[log]);
+  }
+
+  // What has to be known before the first scan: the linkage of a laser that nods, else times of beams and odometry.
+  void prepare(NodKind kind, ScanStream& scans) {
+    if (kind == NodKind::kNone) {
+      RunPreparation prepared{.delay = {}, .findings = job_.findings};
+      look_at_motion(request_, job_, request_.logs.front(), prepared);
+      if (prepared.delay) scans.set_odometry_delay(prepared.delay->delay_s);
+      job_.odometry_delay = prepared.delay;
+      job_.findings = prepared.findings;
+    } else {
+      nodding_ = nodding_job(request_, kind);
+    }
+    scans.set_beam_times(job_.read);
+  }
+
+  MapResult map(ScanStream scans, Backend& backend) {
+    std::unique_ptr<CloudOutput> cloud;
+    if (nodding_ && request_.with_cloud) {
+      cloud = std::make_unique<CloudOutput>(request_.settings.cloud, folder_->staged("cloud.ply"));
+    }
+    run_ = std::make_unique<MapRun>(job_, backend, std::move(scans), nodding_ ? &*nodding_ : nullptr, std::move(cloud));
+    MapResult result;
+    times_.add("prepare");
+    const auto progress = [this](std::uint64_t mapped, double share) {
+      scans_ = mapped;
+      if (request_.progress) request_.progress(mapped, share);
+    };
+    result.outcome = run_->run(progress, [this] { return request_.stop && request_.stop(); });
+    times_.skip();  // its stages are in the outcome
+    for (const auto& stream : streams_) {
+      if (stream) stream->sync();
+    }
+    result.outcome.findings = job_.findings;
+    if (!nodding_) {
+      const auto& stream = streams_.front();
+      look_afterwards(request_, job_, stream ? stream->path() : request_.logs.front(), result.outcome);
+    }
+    return result;
+  }
+
+  MapResult write(MapResult result, const DeviceInfo& device) {
+    const WrittenField field = write_field(result.outcome);
+    if (nodding_) {
+      result.linkage = nodding_->linkage;
+      write_cloud_picture(result.outcome);
+      write_linkage(folder_->staged("linkage.yaml"), nodding_->model);
+    }
+    if (request_.with_continue_file) write_inputs();
+    result.report = write_run(*folder_, {job_, nodding_ ? &*nodding_ : nullptr, field, device, request_.settings},
+                              times_, result.outcome);
+    return result;
+  }
+
+  // The memory of what mapped is for the pictures, and for the tiles of a large map.
+  WrittenField write_field(MapOutcome& outcome) {
+    const auto end_mapping = [this] {
+      run_.reset();
+      return_free_memory();
+    };
+    if (outcome.is_in_tiles) {
+      end_mapping();
+      return write_run_tiles(*folder_, job_, request_.settings, times_, outcome);
+    }
+    WrittenField field = write_run_field(*folder_, job_, run_->field(), times_);
+    end_mapping();
+    return field;
+  }
+
+  // The cloud as a picture beside it. Without one, if nothing can draw, the run is as good.
+  void write_cloud_picture(MapOutcome& outcome) {
+    if (request_.draw_cloud && request_.with_cloud && request_.with_pictures && !outcome.interrupted) {
+      try {
+        if (request_.finishing) request_.finishing("cloud.png");
+        const calib::SweepModel* const linkage = nodding_->kind == NodKind::kEncoder ? &nodding_->model : nullptr;
+        const std::string png =
+            request_.draw_cloud(folder_->staged_path("cloud.ply"), request_.logs.front(), outcome.trajectory, linkage);
+        write_file_atomically(folder_->staged("cloud.png"), png);
+      } catch (const Error& error) {
+        if (error.code() == ExitCode::kInputOutput) throw;
+        outcome.warnings.push_back({"no picture of the cloud", 1, error.what()});
+      }
+    }
+    times_.add("write_cloud_picture");
+  }
+
+  // continue.json, and the logs that nobody can read again.
+  void write_inputs() {
+    for (std::size_t log = 0; log < request_.logs.size(); ++log) {
+      const std::string& name = request_.logs[log];
+      const bool comes_along = is_of_continued_run(request_, name);
+      const std::string kept = streams_[log] || comes_along ? folder_->staged(kept_log_name(log)) : std::string();
+      if (comes_along) copy_file_atomically(name, kept);
+      asked_.logs.push_back(kept_log(name, states_[log], kept));
+    }
+    write_continue_file(folder_->staged(kContinueFile), asked_);
+  }
+
+  // In the handler of what ended the run: the scans of streams cannot be had again.
+  std::string keep_streams() {
+    std::string text;
+    for (std::size_t log = 0; log < streams_.size(); ++log) {
+      if (!streams_[log] || !streams_[log]->has_scan()) continue;
+      try {
+        streams_[log]->sync();
+      } catch (const FileError&) {  // as if the disk is full: there is what was written before
+      }
+      text += "; what was read is kept: gdtslam map " + folder_->keep_log(kept_log_name(log)) + " makes a map of it";
+    }
+    return text;
+  }
+
+  [[noreturn]] void rethrow_with(const std::string& kept) const {
+    if (kept.empty()) throw;
+    try {
+      throw;
+    } catch (const InputError& error) {
+      if (error.has_position()) throw Error(error.code(), error.what() + kept);
+      throw InputError(FilePosition{log_name(request_.logs.front()), 0}, error.what() + kept);
+    } catch (const Error& error) {
+      throw Error(error.code(), error.what() + kept);
+    } catch (const std::bad_alloc&) {
+      throw Error(ExitCode::kFailed, "out of memory" + kept);
+    }
+  }
+
+  KeptRequest asked_;
+  MapRequest request_;
+  const BackendOfRun& backend_of_;
+  RunTimes times_;
+  std::vector<std::optional<FileState>> states_;  ///< of the logs when the run began
+  MapJob job_;
+  std::unique_ptr<RunFolder> folder_;
+  std::vector<std::shared_ptr<StreamFile>>
+      streams_;  ///< for each log the file that keeps it; null: it can be read again
+  std::optional<NoddingJob> nodding_;
+  std::unique_ptr<MapRun> run_;
+  std::uint64_t scans_ = 0;  ///< that were mapped
+};
 
 }  // namespace
 
 MapResult map_logs(const MapRequest& request, const BackendOfRun& backend) {
   try {
-    return map_request(request.continued.empty() ? request : continued_request(request), backend);
+    return LogRun(request.continued.empty() ? request : continued_request(request), backend).run();
   } catch (const InputError& error) {  // an input that a signal ended before anything came is no bad input
     require_not_stopped(request);
     if (error.has_position()) throw;

@@ -2,10 +2,8 @@
 files of two runs lie beside each other."""
 
 import hashlib
-import json
 import os
 import shutil
-import signal
 import subprocess
 import time
 
@@ -34,7 +32,6 @@ READERS = {
     "edit": (lambda run, other, out: ("edit", run, "-o", out / "edited", "--origin", "1,1"),
              KEYFRAMES | PATH | CONTINUED | {"covariance.csv", "graph.g2o"}),
     "edit --crop": (lambda run, other, out: ("edit", run, "-o", out / "edited", "--crop", "-9,-9,99,99"), KEYFRAMES | MAP),
-    "tiles": (lambda run, other, out: ("tiles", run), KEYFRAMES),
     "map --continue": (lambda run, other, out: ("map", "--continue", run, LOG, "-o", out / "more"), set()),
 }
 VIEWS = {
@@ -199,69 +196,3 @@ def removed_folder():
     expect_exit(process, 74)
     one_error_line(process.stderr)
     expect(digests(folder) == before, "the folder changed")
-
-
-def replaced_while_it_is_read():
-    """A reader in a loop while a writer replaces the run 30 times: the old run, the new one, or one of the stated lines; never a
-    mix of both."""
-    place = cli.fresh_folder("replaced_while_read")
-    folder, kinds = place / "run", (("--first", "60"), ("--first", "90", "--set", "map.resolution=10 cm"))
-    readers = {"doctor": ("doctor", "--after", folder, "--json"), "evaluate": ("evaluate", folder, "--reference", TRUTH, "--json"),
-               "edit": ("edit", folder, "-o", place / "edited", "--crop", "-9,-9,99,99", "--no-pictures", "-q")}
-
-    def outcome(reader):
-        shutil.rmtree(place / "edited", ignore_errors=True)
-        process = command(*readers[reader])
-        if process.returncode == 65:
-            one_error_line(process.stderr)
-            stated = ("was changed or replaced while it was read", "it has no report.json", "is a folder without report.json",
-                      "is missing in this run")
-            expect(any(line in process.stderr for line in stated), f"{reader}: {process.stderr}")
-            expect(not (place / "edited").exists(), f"{reader}: a run was written")
-            return "stated line"
-        expect_exit(process, 0)
-        if reader != "edit":
-            return process.stdout
-        report = scans_in(place / "edited")
-        return json.dumps([report[key] for key in ("scans", "map_sha256", "trajectory_sha256", "keyframes_sha256")] + [
-            row for row in report["files"] if row[0] in ("covariance.csv", "graph.g2o", "map.pgm")])
-
-    wanted = {reader: {} for reader in readers}
-    for kind in kinds:
-        mapped(folder, *kind, "--no-pictures")
-        for reader in readers:
-            wanted[reader][outcome(reader)] = kind[1]
-    expect(all(len(known) == 2 for known in wanted.values()), "the two runs look alike")
-    script = f"for i in $(seq 15); do " + "; ".join(
-        f"'{PROGRAM}' map '{LOG}' -o '{folder}' -q --no-pictures --first {kind[1]}" + (f" --set '{kind[3]}'" if len(kind) > 2 else "")
-        + " || exit 1" for kind in kinds) + "; done"
-    writer = subprocess.Popen(["sh", "-c", script], stderr=subprocess.PIPE, text=True)
-    seen = {}
-    while writer.poll() is None:
-        for reader in readers:
-            found = outcome(reader)
-            expect(found == "stated line" or found in wanted[reader], f"{reader}: of neither run: {found[:2000]}")
-            kind = wanted[reader].get(found, found)
-            seen[kind] = seen.get(kind, 0) + 1
-    expect(writer.returncode == 0, f"the writer failed: {writer.stderr.read()}")
-    print(f"seen {seen}")
-    expect(seen.get("60", 0) > 0 and seen.get("90", 0) > 0, f"seen {seen}")
-
-
-def signals_leave_a_whole_run():
-    """SIGHUP and SIGTERM end a run as SIGINT does, with what was done; SIGPIPE and SIGXFSZ end nothing by themselves. The report
-    tells of each file."""
-    for number, code in ((signal.SIGINT, 130), (signal.SIGTERM, 130), (signal.SIGHUP, 130), (signal.SIGPIPE, 0), (signal.SIGXFSZ, 0)):
-        folder = cli.fresh_folder("signals_whole_run") / "run"
-        process = start_writer(folder)
-        time.sleep(0.3)
-        process.send_signal(number)
-        if code == 130:
-            done = cli.finish(process)
-        else:
-            time.sleep(0.2)
-            stdout, stderr = process.communicate(timeout=60 * cli.SLOWNESS)
-            done = subprocess.CompletedProcess(process.args, process.returncode, stdout, stderr)
-        expect_exit(done, code)
-        expect(scans_in(folder)["interrupted"] is (code == 130) and scans_in(folder)["scans"] > 0, f"{number}: {scans_in(folder)['scans']}")
-        expect(told_files(folder) == lying_files(folder), f"{number}: the run is not whole")

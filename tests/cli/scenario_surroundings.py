@@ -1,8 +1,7 @@
-"""The main commands where little is as usual: memory, descriptors, folders, locales, streams, arguments. Each gives the bytes
+"""The main commands where little is as usual: folders, locales, streams, arguments. Each gives the bytes
 that it gives anywhere, or says in one line what is missing."""
 
 import os
-import resource
 import shutil
 import subprocess
 import sys
@@ -10,52 +9,9 @@ import sys
 import cli_support as cli
 from cli_support import LOG, PROGRAM, RUN, environment, expect, expect_exit, one_error_line
 from scenario_live_inputs import wait_until
-from surroundings import cases_of, check, check_all, files_of, run
+from surroundings import cases_of, check_all, files_of, run
 
 NOWHERE = "/nonexistent"
-
-
-def limited(kind, value):
-    return lambda: resource.setrlimit(kind, (value, value))
-
-
-def least_megabytes_to_start():
-    """What the loader needs for the program and its libraries."""
-    def starts_with(megabytes):
-        return subprocess.run([PROGRAM, "--version"], preexec_fn=limited(resource.RLIMIT_AS, megabytes << 20), check=False,
-                              capture_output=True, timeout=100).returncode == 0
-    return next(megabytes for megabytes in range(8, 400, 2) if starts_with(megabytes))
-
-
-def surroundings_little_memory():
-    """Address space from what the loader needs to plenty: the right bytes, or exit 1 (69 where a part of the program cannot be
-    loaded) and one line; with plenty all work."""
-    if cli.IS_SANITIZED:
-        cli.skip("a sanitized program needs all the address space")
-    folder = cli.fresh_folder("surroundings_memory")
-    cases = cases_of(folder)
-    least = least_megabytes_to_start()
-    outcomes = {case.name: [] for case in cases}
-    for more in (1, 4, 16, 32, 64, 128, 4096):
-        limit = limited(resource.RLIMIT_AS, (least + more) << 20)
-        for case in cases:
-            process, out = run(case, folder, preexec_fn=limit)
-            works = check(case, process, out, f"with {least + more} MB", (1, 69), "^gdtslam: warning: no thread to look for loops")
-            outcomes[case.name].append(works)
-    print(f"{least} MB are needed to start; {outcomes}")
-    for name, works in outcomes.items():
-        expect(works[-1], f"{name} fails with {least + 4096} MB")
-    expect(not all(all(works) for works in outcomes.values()), "memory was never short")
-
-
-def surroundings_few_descriptors():
-    """8 to 32 descriptors: the right bytes, or 74 (69 where a part of the program cannot be loaded) and one line."""
-    folder = cli.fresh_folder("surroundings_descriptors")
-    cases = cases_of(folder)
-    failed = {count: check_all(cases, folder, f"with {count} descriptors", (69, 74), must=count >= 32,
-                               preexec_fn=limited(resource.RLIMIT_NOFILE, count)) for count in (4, 6, 8, 10, 16, 32)}
-    print(failed)
-    expect(failed[4] and "config show" not in failed[8], f"{failed}")
 
 
 def surroundings_folders():

@@ -2,10 +2,9 @@
 
 import json
 import re
-import shutil
 
 import cli_support as cli
-from cli_support import LOG, RUN, command, expect, expect_exit, fresh_folder, mapped, one_error_line, skip
+from cli_support import LOG, RUN, command, expect, expect_exit, fresh_folder, mapped, one_error_line
 
 
 def levels_of(yaml):
@@ -38,24 +37,17 @@ def walls_of(origin, rows):
 
 
 def tiles_of_a_run():
-    """Every tile is made, again alone with the same bytes; maps of all of them are read; foreign folders stay."""
+    """edit --tiles writes every tile, of the map as it was edited; each can be located in. The old command says so."""
     folder = fresh_folder("tiles")
     run = folder / "run"
-    shutil.copytree(RUN, run)
-    process = command("tiles", run)
+    process = command("edit", RUN, "--tiles", "-o", run)
     expect_exit(process, 0)
     tiles = run / "tiles"
     index = json.loads((tiles / "index.json").read_text())
     expect(len(index["tiles"]) >= 1 and index["tile_cells"] == 2048, process.stdout)
     expect(f"{len(index['tiles'])} tile" in process.stdout, process.stdout)
-    files = {path.name: path.read_bytes() for path in tiles.iterdir()}
-    expect(len(files) == 4 * len(index["tiles"]) + 1, f"{sorted(files)}")
-    first = index["tiles"][0]
-    (tiles / f"map_{first['x']}_{first['y']}.png").write_bytes(b"damaged")
-    expect_exit(command("tiles", run, "--only", f"{first['x']},{first['y']}", "-q"), 0)
-    expect({path.name: path.read_bytes() for path in tiles.iterdir()} == files, "another tile when made alone")
-    expect_exit(command("tiles", run, "-q"), 0)
-    expect({path.name: path.read_bytes() for path in tiles.iterdir()} == files, "other tiles when made again")
+    expect(index["keyframes_sha256"] == json.loads((run / "report.json").read_text())["keyframes_sha256"], f"{index}")
+    expect(len(list(tiles.iterdir())) == 4 * len(index["tiles"]) + 1, f"{sorted(tiles.iterdir())}")
     # A map of the keyframes has walls where that of all scans has them.
     origin, whole = levels_of(run / "map.yaml")
     walls = walls_of(origin, whole)
@@ -66,101 +58,42 @@ def tiles_of_a_run():
         found |= walls_of(origin, rows)
     near = sum(any((x + dx, y + dy) in walls for dx in (-1, 0, 1) for dy in (-1, 0, 1)) for x, y in found)
     expect(len(found) > 1000 and near > 0.95 * len(found), f"{near} of {len(found)} walls are those of the map")
+    first = index["tiles"][0]
     for what in ("map", "gdt"):
         process = command("localize", tiles / f"{what}_{first['x']}_{first['y']}.yaml", LOG, "--scan", 3)
         expect(process.returncode in (0, 1), process.stderr)
-
-
-def tiles_refuses_what_it_cannot_make():
-    """One line each; nothing is written."""
-    folder = fresh_folder("tiles_refusals")
-    run = folder / "run"
-    shutil.copytree(RUN, run)
-    for words, text in (((run, "--only", "0,0"), "index.json"), ((run, "--only", "a"), "is no tile"), ((folder,), "")):
-        process = command("tiles", *words)
-        expect(process.returncode in (2, 65, 66), f"{process.returncode} {process.stderr}")
-        one_error_line(process.stderr)
-        expect(text in process.stderr, process.stderr)
-    expect(not (run / "tiles").exists(), "tiles were left")
-    (run / "tiles").mkdir()
-    (run / "tiles/mine.txt").write_text("mine")
     process = command("tiles", run)
     expect_exit(process, 2)
     one_error_line(process.stderr)
-    expect("holds what is no tile" in process.stderr, process.stderr)
-    expect((run / "tiles/mine.txt").read_text() == "mine", "a foreign file is gone")
-    shutil.rmtree(run / "tiles")
-    expect_exit(command("tiles", run, "-q"), 0)
-    index = json.loads((run / "tiles/index.json").read_text())
-    process = command("tiles", run, "--only", "99,99")
-    expect_exit(process, 2)
-    one_error_line(process.stderr)
-    expect("no tile 99,99" in process.stderr, process.stderr)
-    index["keyframes_sha256"] = "0" * 64
-    (run / "tiles/index.json").write_text(json.dumps(index))
-    process = command("tiles", run, "--only", f"{index['tiles'][0]['x']},{index['tiles'][0]['y']}")
-    expect_exit(process, 65)
-    one_error_line(process.stderr)
-    expect("other keyframes" in process.stderr, process.stderr)
-    (run / "tiles/index.json").write_text("{")
-    expect_exit(command("tiles", run, "--only", "0,0"), 65)
-
-
-def tiles_take_their_place_whole():
-    """A rename that fails or is not lived through leaves the old tiles, and nothing else stays once tiles are made again."""
-    if cli.IS_SANITIZED:
-        skip("the library that lets calls fail is not preloaded into a sanitized program")
-    folder = fresh_folder("tiles_place")
-    run = folder / "run"
-    mapped(run, "--first", 40)
-    expect_exit(command("tiles", run, "-q"), 0)
-    before = {path.name: path.read_bytes() for path in (run / "tiles").iterdir()}
-    count = cli.calls_counted("rename", "tiles", run, "-q")
-    for failing in (1, count // 2, count):
-        for how, code in (("EIO", 74), ("kill-before", -9)):
-            process = command("tiles", run, "-q", env=cli.failing_calls("rename", failing, how))
-            expect_exit(process, code)
-            expect({path.name: path.read_bytes() for path in (run / "tiles").iterdir()} == before, f"rename {failing}, {how}")
-    expect_exit(command("tiles", run, "-q"), 0)
-    expect({path.name: path.read_bytes() for path in (run / "tiles").iterdir()} == before, "other tiles")
-    expect(not list(run.glob(".*")), f"{list(run.glob('.*'))}")
+    expect("gdtslam edit RUN --tiles" in process.stderr, process.stderr)
 
 
 def files_of_others_among_tiles_are_kept():
-    """What replaces a run takes its tiles away as a whole: with a file of somebody else among them it ends with 2 before it
-    begins."""
+    """What replaces a run takes its tiles away as a whole: with a folder of somebody else among them it ends with 2 before it
+    begins, also with --force."""
     folder = fresh_folder("tiles_foreign")
     run, again = folder / "run", folder / "again"
-    mapped(run, "--first", 40)
-    mapped(again, "--first", 50)
-    expect_exit(command("merge", run, again, "-o", folder / "site", "-q"), 0)
-    for place, replace in ((run, ("map", LOG, "--first", 45, "-o", run)), (run, ("edit", again, "--origin", "1,1", "-o", run)),
-                           (folder / "site/1", ("merge", run, again, "-o", folder / "site"))):
-        expect_exit(command("tiles", place, "-q"), 0)
-        (place / "tiles/keepout_0_0.png").write_text("mine")
-        before = cli.digests(place)
-        process = command(*replace, "-q")
-        expect_exit(process, 2)
-        one_error_line(process.stderr)
-        expect("that no run wrote" in process.stderr and cli.digests(place) == before, process.stderr)
-        expect((place / "tiles/keepout_0_0.png").read_text() == "mine", "it is gone")
-        (place / "tiles/keepout_0_0.png").rename(folder / "mine.png")
-        expect_exit(command(*replace, "-q"), 0)
-        expect(not (place / "tiles").exists(), "tiles of another run stay")
+    mapped(again, "--first", 40)
+    expect_exit(command("edit", again, "--tiles", "-o", run, "-q"), 0)
+    (run / "tiles/keepout_0_0.png").write_text("mine")
+    before = cli.digests(run)
+    process = command("map", LOG, "--first", 45, "-o", run, "-q", "--force")
+    expect_exit(process, 2)
+    one_error_line(process.stderr)
+    expect("that no run wrote" in process.stderr and cli.digests(run) == before, process.stderr)
+    (run / "tiles/keepout_0_0.png").unlink()
+    expect_exit(command("map", LOG, "--first", 45, "-o", run, "-q", "--force"), 0)
+    expect(not (run / "tiles").exists(), "tiles of another run stay")
 
 
 def tiles_without_an_occupancy_map(folder, log):
-    """Those of --no-map have distances alone, also made again; a piece that is cut out can be located in."""
+    """Those of --no-map have distances alone; a piece that is cut out can be located in."""
     run, cut = folder / "run", folder / "cut_without"
     index = json.loads((run / "tiles/index.json").read_text())
     names = sorted(file.name for file in (run / "tiles").iterdir())
     expect(index["occupancy"] is False and not (run / "map.pgm").exists(), f"{index}")
     expect("map" not in json.loads((run / "report.json").read_text()), "the report has a map")
     expect(len(names) == 2 * len(index["tiles"]) + 1 and not any(name.startswith("map_") for name in names), f"{names}")
-    tile = index["tiles"][0]
-    expect_exit(command("tiles", run, "--only", f"{tile['x']},{tile['y']}", "-q"), 0)
-    expect(sorted(file.name for file in (run / "tiles").iterdir()) == names, "one made again has more files")
-    expect(json.loads((run / "tiles/index.json").read_text()) == index, "the index is another")
     process = command("localize", run, log, "--scan", 3)
     expect_exit(process, 65)
     one_error_line(process.stderr)
@@ -185,7 +118,7 @@ def map_writes_tiles_where_one_piece_is_too_large():
     far = folder / "far.log"
     far.write_text("\n".join(" ".join(words) for words in lines) + "\n")
     for arguments in (("--no-map",), ()):
-        expect_exit(command("map", far, "-o", folder / "run", "-q", *small, *fine, *arguments), 0)
+        expect_exit(command("map", far, "-o", folder / "run", "-q", "--force", *small, *fine, *arguments), 0)
         expect((folder / "run/tiles/index.json").exists() and not (folder / "run/gdt.png").exists(), f"{arguments}: one piece")
         if arguments:
             tiles_without_an_occupancy_map(folder, far)
@@ -208,6 +141,6 @@ def map_writes_tiles_where_one_piece_is_too_large():
     expect(cut["map"]["resolution_m"] == 0.005 and "tiles" not in cut, f"the piece is no map in one piece: {cut['map']}")
     origin, rows = levels_of(folder / "cut/map.yaml")
     expect(len(rows) == cut["map"]["height"] and any(0 in row for row in rows), "no wall in the piece")
-    mapped(folder / "run", *small)
+    mapped(folder / "run", *small, "--force")
     expect(not (folder / "run/tiles").exists(), "tiles of an earlier run stay")
     expect((folder / "run/gdt.png").exists(), "no distance field")

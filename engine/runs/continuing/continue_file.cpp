@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -23,10 +23,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kContinueVersion = 2;
 namespace fs = std::filesystem;
 
+constexpr int kContinueVersion = 2;
 constexpr std::size_t kMostContinueBytes = std::size_t{16} << 20U;
+
 Json topics_json(const TopicChoice& topics) {
   Json mounts = Json::array();
   for (const TopicMount& mount : topics.mounts) {
@@ -50,34 +51,19 @@ TopicChoice topics_from(const ReportReader& file) {
   return topics;
 }
 
-Json logs_json(const std::vector<KeptLog>& logs) {
-  Json rows = Json::array();
-  for (const KeptLog& log : logs) rows.push_back({{"name", log.name}, {"path", log.path}, {"sha256", log.sha256}});
-  return rows;
-}
-
-std::vector<KeptLog> logs_from(const ReportReader& file) {
-  std::vector<KeptLog> logs;
-  for (const ReportReader& log : file.entries("logs")) {
-    logs.push_back({log.text("name"), log.text("path"), log.text("sha256")});
-  }
-  return logs;
-}
-
 ScanRange range_from(const ReportReader& file) {
   ScanRange range{.skip = file.whole("skip")};
   if (file.has("first")) range.count = file.whole("first");
   return range;
 }
 
-// The program wrote it: what is no configuration is damage to the file.
-Settings settings_from(const ReportReader& file, const std::string& name, const std::string& advice) {
+Settings settings_from(const ReportReader& file, const std::string& name) {
   Settings settings;
   try {
     read_config_text(file.text("config_yaml"), name + " (its 'config_yaml')", option_table(settings));
     require_valid(settings);
   } catch (const ConfigError& error) {
-    throw InputError(error.what() + advice);
+    file.fail("config_yaml", error.what());
   }
   settings.log.topics = topics_from(file.section("topics"));
   return settings;
@@ -97,15 +83,6 @@ std::string sha256_of_log(const std::string& log) {
   return hash.hex();
 }
 
-// A log that goes away while it is mapped leaves a run that cannot be continued.
-std::string sha256_unless_gone(const std::string& log) {
-  try {
-    return sha256_of_log(log);
-  } catch (const FileError&) {
-    return {};
-  }
-}
-
 std::string absolute_path_of(const std::string& log) {
   std::error_code failed;
   const fs::path path = fs::absolute(log, failed);
@@ -113,12 +90,6 @@ std::string absolute_path_of(const std::string& log) {
 }
 
 bool is_of_run(const KeptLog& log) { return fs::path(log.path).is_relative(); }
-
-// Topics and mounts were applied when the records were kept as lines.
-void forget_topics(const std::vector<KeptLog>& logs, LogConfig& log) {
-  if (!std::all_of(logs.begin(), logs.end(), is_of_run)) return;
-  log.topics = {};
-}
 
 // A file of another content is not read, whoever named it.
 void require_same_linkage(const KeptRequest& kept, const std::string& folder) {
@@ -139,7 +110,7 @@ void add_logs(const std::vector<std::string>& more, const std::vector<KeptLog>& 
   }
   for (const std::string& log : more) {
     const std::string sha256 = is_stream(log) ? std::string() : sha256_of_log(log);
-    const auto is_same = [&sha256](const KeptLog& kept) { return kept.sha256 == sha256; };
+    const auto is_same = [&sha256](const KeptLog& kept) { return !sha256.empty() && kept.sha256 == sha256; };
     if (std::any_of(before.begin(), before.end(), is_same)) {
       throw UsageError(fmt::format("--continue: the run in '{}' has '{}' already", whole.continued, log));
     }
@@ -155,7 +126,10 @@ void write_continue_file(const std::string& file, const KeptRequest& kept) {
   Json json = Json::object();
   json["format"] = kContinueVersion;
   json["version"] = GDTSLAM_VERSION;
-  json["logs"] = logs_json(kept.logs);
+  json["logs"] = Json::array();
+  for (const KeptLog& log : kept.logs) {
+    json["logs"].push_back({{"name", log.name}, {"path", log.path}, {"sha256", log.sha256}});
+  }
   json["lenient"] = request.lenient;
   json["skip"] = request.range.skip;
   if (request.range.count != ScanRange{}.count) json["first"] = request.range.count;
@@ -172,34 +146,39 @@ void write_continue_file(const std::string& file, const KeptRequest& kept) {
 
 KeptRequest read_continue_file(const std::string& file, const std::string& folder) {
   const std::string advice = kMapAgain + folder;
-  const auto json = std::make_shared<const Json>(read_json(file, kMostContinueBytes, advice));
-  const ReportReader reader(file, folder, json);
+  const ReportReader reader(file, advice, read_json(file, kMostContinueBytes, advice));
   if (reader.whole("format") != kContinueVersion) {
-    throw InputError({file, 0}, fmt::format("has format {}, and this program reads {}{}", reader.whole("format"),
-                                            kContinueVersion, advice));
+    reader.fail(fmt::format("has format {}, and this program reads {}", reader.whole("format"), kContinueVersion));
   }
-  // Before the rest: GCC 12 destroys members that were never made where a later one of them cannot be.
-  std::vector<KeptLog> logs = logs_from(reader);
-  KeptRequest kept{.request = {.settings = settings_from(reader, file, advice),
-                               .lenient = reader.truth("lenient"),
-                               .range = range_from(reader),
-                               .linkage = reader.text("linkage"),
-                               .with_cloud = reader.truth("with_cloud"),
-                               .with_map = reader.truth("with_map"),
-                               .with_loops = reader.truth("with_loops"),
-                               .with_pictures = reader.truth("with_pictures")},
-                   .logs = std::move(logs),
-                   .linkage_sha256 = reader.text("linkage_sha256")};
-  if (kept.logs.empty()) throw InputError({file, 0}, "'logs' is empty" + advice);
+  KeptRequest kept;
+  MapRequest& request = kept.request;
+  request.settings = settings_from(reader, file);
+  request.lenient = reader.truth("lenient");
+  request.range = range_from(reader);
+  request.linkage = reader.text("linkage");
+  request.with_cloud = reader.truth("with_cloud");
+  request.with_map = reader.truth("with_map");
+  request.with_loops = reader.truth("with_loops");
+  request.with_pictures = reader.truth("with_pictures");
+  kept.linkage_sha256 = reader.text("linkage_sha256");
+  for (const ReportReader& log : reader.entries("logs")) {
+    kept.logs.push_back({log.text("name"), log.text("path"), log.text("sha256")});
+  }
+  if (kept.logs.empty()) reader.fail("logs", "is empty");
   return kept;
 }
 
-std::vector<KeptLog> kept_logs(const std::vector<std::string>& logs, const std::vector<std::string>& streams) {
-  std::vector<KeptLog> kept;
-  for (std::size_t k = 0; k < logs.size(); ++k) {
-    const bool is_own = !streams[k].empty();
-    const std::string path = is_own ? streams[k] : absolute_path_of(logs[k]);
-    kept.push_back({logs[k], is_own ? fs::path(path).filename().string() : path, sha256_unless_gone(path)});
+// A log that goes away or is written to while it is mapped leaves a run that cannot be continued.
+KeptLog kept_log(const std::string& log, const std::optional<FileState>& before, const std::string& kept_file) {
+  if (!kept_file.empty()) {
+    return {log, fs::path(kept_file).filename().string(), sha256_of_file(kept_file).sha256};
+  }
+  KeptLog kept{log, absolute_path_of(log), {}};
+  if (is_stream(log) || state_of_file(log) != before) return kept;
+  try {
+    kept.sha256 = sha256_of_log(log);
+  } catch (const FileError&) {
+    return kept;
   }
   return kept;
 }
@@ -228,20 +207,20 @@ MapRequest continued_request(const MapRequest& request) {
     throw InputError({request.continued, 0}, "has no continue.json, as 'gdtslam map' leaves one; map its logs again");
   }
   const KeptRequest kept = read_continue_file(file, request.continued);
-  MapRequest whole = request;
-  const MapRequest& was = kept.request;
-  whole.settings = was.settings;
-  whole.lenient = was.lenient;
-  whole.range = was.range;
-  whole.linkage = was.linkage;
-  whole.with_cloud = was.with_cloud;
-  whole.with_map = was.with_map;
-  whole.with_loops = was.with_loops;
-  whole.with_pictures = was.with_pictures;
-  whole.logs.clear();
   require_same_linkage(kept, request.continued);
+  MapRequest whole = request;
+  whole.settings = kept.request.settings;
+  whole.lenient = kept.request.lenient;
+  whole.range = kept.request.range;
+  whole.linkage = kept.request.linkage;
+  whole.with_cloud = kept.request.with_cloud;
+  whole.with_map = kept.request.with_map;
+  whole.with_loops = kept.request.with_loops;
+  whole.with_pictures = kept.request.with_pictures;
+  whole.logs.clear();
   for (const KeptLog& log : kept.logs) whole.logs.push_back(log_of_run(log, request.continued));
-  forget_topics(kept.logs, whole.settings.log);
+  // Topics and mounts were applied when the records were kept as lines.
+  if (std::all_of(kept.logs.begin(), kept.logs.end(), is_of_run)) whole.settings.log.topics = {};
   add_logs(request.logs, kept.logs, whole);
   return whole;
 }

@@ -2,9 +2,11 @@
 // Thread-safe; O(text), and what it takes to read the logs once for their hashes.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "engine/core/files/file_state.hpp"
 #include "gdtslam/runs/map_log.hpp"
 
 namespace gdtslam {
@@ -25,9 +27,9 @@ struct KeptRequest {
   std::string linkage_sha256{};  ///< where the linkage is a file
 };
 
-/// The logs as they are now. `streams` has of each log that the run itself keeps the file where it is, else nothing.
-/// Throws FileError.
-std::vector<KeptLog> kept_logs(const std::vector<std::string>& logs, const std::vector<std::string>& streams);
+/// A log that was mapped, whose state was `before` when that began; `kept_file` is the file in which the run keeps it,
+/// if it does. Without a hash if the log is another by now, or cannot be read again. Throws FileError.
+KeptLog kept_log(const std::string& log, const std::optional<FileState>& before, const std::string& kept_file);
 
 /// Atomic. Throws FileError.
 void write_continue_file(const std::string& file, const KeptRequest& kept);

@@ -11,9 +11,9 @@
 #include <string_view>
 #include <system_error>
 
-#include "engine/io/decimal.hpp"
 #include "engine/io/line_reader.hpp"
 #include "engine/io/message_text.hpp"
+#include "engine/io/number_list.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 
@@ -26,31 +26,6 @@ constexpr std::size_t kMostPlaceLine = 4096;
 constexpr std::size_t kMostPlaces = 10'000;  // corners of a region, points of a file
 constexpr std::string_view kBlanks = " \t";
 constexpr const char* kRegionWanted = "three corners or more, as '1,1 4,1 4,3', nor a file with them";
-
-// Finite numbers up to a limit, with one separator and any blanks between two; nothing where the text is anything else.
-std::optional<std::vector<double>> numbers_in(std::string_view text, std::string_view separators) {
-  std::vector<double> numbers;
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  const auto skip_blanks = [&] {
-    while (at != end && kBlanks.find(*at) != std::string_view::npos) ++at;
-  };
-  for (skip_blanks(); at != end; skip_blanks()) {
-    if (!numbers.empty() && separators.find(*at) != std::string_view::npos) {
-      ++at;
-      skip_blanks();
-    }
-    double value = 0.0;
-    const char* const stop = parse_double(at, end, value);
-    if (stop == nullptr || !std::isfinite(value)) return std::nullopt;
-    const bool is_last_or_parted = stop == end || kBlanks.find(*stop) != std::string_view::npos ||
-                                   separators.find(*stop) != std::string_view::npos;
-    if (!is_last_or_parted) return std::nullopt;
-    numbers.push_back(value);
-    at = stop;
-  }
-  return numbers;
-}
 
 bool are_below(const std::vector<double>& numbers, std::size_t from, std::size_t count, double most) {
   for (std::size_t k = from; k < from + count; ++k) {

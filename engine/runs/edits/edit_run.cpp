@@ -12,18 +12,15 @@
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/mapping/map/scan_beams.hpp"
-#include "engine/runs/edits/edits_file.hpp"
-#include "engine/runs/edits/map_picture_file.hpp"
 #include "engine/runs/edits/resolve_steps.hpp"
-#include "engine/runs/edits/run_scans.hpp"
 #include "engine/runs/edits/source_run.hpp"
-#include "engine/runs/edits/taken_out.hpp"
 #include "engine/runs/folder/run_files.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/run_pictures.hpp"
 #include "engine/runs/folder/run_report.hpp"
 #include "engine/runs/keyframes/changes_of_keyframes.hpp"
 #include "engine/runs/keyframes/map_of_keyframes.hpp"
+#include "engine/runs/tiles/tile_folder.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
@@ -73,22 +70,17 @@ bool may_reach(const std::vector<MapRegion>& kept, const ScanConfig& valid, cons
   });
 }
 
-// The scans of the run cast anew. What lies outside a crop is cast too, as beams that end there tell of free space
-// inside; of a run in tiles, which is too large for one piece, no more than may reach it.
+// The scans of the run cast anew. Scans outside a crop are cast too, as their beams may end in it; of a run in tiles,
+// which is too large for one piece, no more than may reach it.
 OccupancyMap cast_map(const EditRequest& request, const SourceRun& run, EditOutcome& outcome) {
   const EditPlan& plan = outcome.plan;
   const ScanConfig& valid = run.settings.mapper.scan;
   OccupancyBuilder builder(run.settings.occupancy, occupancy_limits(run.settings.mapper));
-  const std::vector<MapRegion> nowhere;
-  const std::optional<RunLogs> logs = logs_of_run(run.reader, run.settings.log);
-  const RunScans scans{run.reader, logs, run.outcome.trajectory, run.kept.keyframes, run.refused};
-  outcome.is_of_keyframes = !logs;
-  const double all =
-      static_cast<double>(outcome.is_of_keyframes ? run.kept.keyframes.size() : run.reader.summary().scans);
-  for_each_cast_scan(scans, [&, count = std::size_t{0}](LaserScan& scan, const Pose2& T) mutable {
-    if (++count % 64 == 0) tell_step(request, "the occupancy map", static_cast<double>(count) / all);
+  std::size_t count = 0;
+  outcome.is_of_keyframes = !for_each_cast_scan(run, [&](LaserScan& scan, const Pose2& T, double share) {
+    if (++count % 64 == 0) tell_step(request, "the occupancy map", share);
     if (run.reader.summary().tiles > 0 && !may_reach(plan.kept, valid, scan, T)) return;
-    take_out_readings({plan.erased, nowhere}, valid, T, scan);
+    take_out_readings({.erased = plan.erased}, valid, T, scan);
     builder.add(scan, T);
     ++outcome.scans;
   });
@@ -183,13 +175,25 @@ void keep_keyframe_scans(SourceRun& run) {
   if (!is_left) throw InputError("--crop and --erase leave nothing that was seen: no map can be made of it");
 }
 
+// The tiles of all keyframes, with what changed between the drives of a site as in its map.
+void write_edited_tiles(const EditRequest& request, const SourceRun& run, const std::string& keyframes_sha256,
+                        RunFolder& folder, EditOutcome& outcome) {
+  const MapperConfig& config = run.settings.mapper;
+  const TileParts parts = run.reader.summary().map ? TileParts::kBoth : TileParts::kDistances;
+  const DrivenKeyframes driven{run.kept.keyframes, run.outcome.trajectory, run.outcome.drives};
+  const TileMaker maker(run.kept, config, run.settings.occupancy, changes_after_all(driven, config), parts);
+  const MadeTiles made =
+      write_tiles(folder.staged_folder(kTileFolder), maker, keyframes_sha256, config.map.resolution_m,
+                  [&request](double share) { tell_step(request, "the tiles", share); });
+  outcome.tiles = made.index.tiles.size();
+}
+
 void write_edited(const EditRequest& request, SourceRun& run, RunFolder& folder, EditOutcome& outcome) {
   RunTimes times;
   const MapJob job = job_of_edit(request, run);
-  const std::vector<MapRegion> nowhere;
-  take_out_of_keyframes({outcome.plan.erased, nowhere}, run, outcome);
+  take_out_of_keyframes({.erased = outcome.plan.erased}, run, outcome);
   if (job.with_occupancy) run.outcome.occupancy = edited_map(request, run, outcome);
-  take_out_of_keyframes({nowhere, outcome.plan.kept}, run, outcome);
+  take_out_of_keyframes({.kept = outcome.plan.kept}, run, outcome);
   keep_keyframe_scans(run);
   tell_step(request, "the distance field", 0.0);
   const std::unique_ptr<SeparateMap> map = map_of_keyframes(run.kept, run.settings.mapper);
@@ -197,6 +201,7 @@ void write_edited(const EditRequest& request, SourceRun& run, RunFolder& folder,
   write_sessions(run, folder);
   if (outcome.plan.with_world_file) write_map_for_gis(outcome.plan, run.outcome.occupancy, folder);
   const WrittenHashes hashes = write_run_files(folder, job, run.settings, times, run.outcome, &run.graph);
+  if (request.with_tiles) write_edited_tiles(request, run, hashes.keyframes, folder, outcome);
   outcome.edits = recorded_edits(request, run, outcome);
   write_file_atomically(folder.staged(kEditsFile), outcome.edits);
   const std::string report = edited_report(request, run, outcome.plan, field, hashes, folder);
@@ -210,7 +215,7 @@ void write_edited(const EditRequest& request, SourceRun& run, RunFolder& folder,
 
 EditOutcome edit_run(const EditRequest& request) {
   check_request(request);
-  RunFolder folder(request.folder, request.replace_foreign_files ? ForeignFiles::kReplaced : ForeignFiles::kKept);
+  RunFolder folder(request.folder, request.replace_foreign_files);
   tell_step(request, "reading the run", 0.0);
   SourceRun run = read_source_run(request.run);
   EditOutcome outcome;

@@ -4,6 +4,7 @@
 // their scans, then some 0.5 ms a keyframe.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -30,6 +31,7 @@ struct EditRequest {
   std::vector<MapRegion> erased{};
   std::optional<RegionBounds> crop{};
   bool with_world_file = false;
+  bool with_tiles = false;  ///< the map in tiles too
 
   bool with_pictures = true;
   bool replace_foreign_files = false;  ///< files in the folder that no run wrote are removed, else it is refused
@@ -41,8 +43,9 @@ struct EditRequest {
 };
 
 struct EditOutcome {
-  std::vector<EditStep> steps;   ///< of this edit, those of `again` among them
-  EditPlan plan;                 ///< what they come to
+  std::vector<EditStep> steps;  ///< of this edit, those of `again` among them
+  EditPlan plan;                ///< what they come to
+  std::size_t tiles = 0;
   std::uint64_t readings = 0;    ///< taken out of keyframes
   std::uint64_t scans = 0;       ///< that the occupancy map was cast from; 0: its cells are those of the run
   bool is_of_keyframes = false;  ///< the run's logs are gone or were changed

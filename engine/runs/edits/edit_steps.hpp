@@ -1,10 +1,12 @@
-// The steps of an edited map, with their numbers as resolved, and what they come to. Frames: each step is in the frame
-// of the map before it, and what a step says of regions and points is in that frame. Plain data; thread-safe.
+// The steps of an edited map, with their numbers as resolved, what they come to, and edits.json, which has them so that
+// they can be done again (docs/formats.md). Frames: each step is in the frame of the map before it, and so are its
+// regions and points. Plain data; thread-safe; O(text).
 #pragma once
 
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -55,5 +57,19 @@ struct EditPlan {
 
 /// Goes on with what earlier steps came to, whose regions have been dealt with.
 EditPlan plan_of(const std::vector<EditStep>& steps, const EditPlan& earlier = {});
+
+struct RecordedEdits {
+  std::string run;              ///< the folder that was edited, as it was named
+  double begins_at_s = 0.0;     ///< stamp of the first pose of the run: who has another has another frame
+  std::vector<EditStep> steps;  ///< from the first edit of a run that `map` or `merge` wrote
+};
+
+/// `readings` were taken out by the last edit.
+std::string edits_text(const RecordedEdits& edits, std::size_t readings);
+
+/// `name` stands in messages. Throws InputError with the step that is wrong and what to do.
+RecordedEdits parse_edits(std::string_view text, const std::string& name);
+/// Throws FileError too.
+RecordedEdits read_edits(const std::string& file);
 
 }  // namespace gdtslam

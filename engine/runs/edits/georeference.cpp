@@ -3,10 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <span>
 
 #include "engine/core/elementary.hpp"
+#include "engine/io/atomic_file.hpp"
+#include "engine/io/maps/png.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
@@ -102,6 +107,27 @@ Georeference fit_georeference(const std::vector<PointPair>& points) {
   fit.rms_m = std::sqrt(sum / static_cast<double>(points.size()));
   check_residuals(points, fit, extent_m);
   return fit;
+}
+
+void write_map_picture(const std::string& path, const OccupancyMap& map) {
+  using Rgba = std::array<std::uint8_t, 4>;
+  constexpr Rgba kClear{205, 205, 205, 0};
+  constexpr Rgba kWhite{254, 254, 254, 255};
+  constexpr Rgba kBlack{0, 0, 0, 255};
+  AtomicFile file(path);
+  PngWriter png(static_cast<std::uint32_t>(map.geometry.width), static_cast<std::uint32_t>(map.geometry.height),
+                PngWriter::Pixels::kRgba8, [&file](std::span<const std::byte> bytes) { file.write(bytes); });
+  std::vector<CellState> states(static_cast<std::size_t>(map.geometry.width));
+  std::vector<Rgba> row(states.size());
+  for (std::int32_t y = map.geometry.height; y-- > 0;) {
+    map.read_row(y, states);
+    for (std::size_t x = 0; x < states.size(); ++x) {
+      row[x] = states[x] == CellState::kUnknown ? kClear : states[x] == CellState::kFree ? kWhite : kBlack;
+    }
+    png.add_row(std::as_bytes(std::span(row)));
+  }
+  png.finish();
+  file.commit();
 }
 
 std::string world_file_text(const GridGeometry& map, const Pose2& T_world_map) {

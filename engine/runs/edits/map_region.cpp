@@ -1,9 +1,50 @@
 #include "map_region.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
+
+#include "engine/mapping/map/scan_beams.hpp"
+#include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
+namespace {
+
+bool is_taken_out(const EndRules& rules, const Point2& end_m) {
+  const auto has_it = [&end_m](const MapRegion& region) { return region.contains(end_m); };
+  return std::any_of(rules.erased.begin(), rules.erased.end(), has_it) ||
+         !std::all_of(rules.kept.begin(), rules.kept.end(), has_it);
+}
+
+// The first cell of a row or a column whose centre is not below the coordinate.
+CellIndex first_cell_from(const GridGeometry& map, const Point2& low_m) {
+  constexpr double kShareBelowCentre = 0.5 - 1.0e-6;  // a centre on the coordinate counts, whatever rounding says
+  const double up_m = kShareBelowCentre * map.resolution_m;
+  return map.cell_of({low_m.x() + up_m, low_m.y() + up_m});
+}
+
+// The cells of the map whose centres may lie in all of the regions.
+CellBox cells_within(const GridGeometry& map, const std::vector<MapRegion>& kept) {
+  CellBox box{{0, 0}, {map.width, map.height}};
+  for (const MapRegion& region : kept) {
+    const RegionBounds bounds = bounds_of(region);
+    const CellIndex low = first_cell_from(map, bounds.low_m);
+    const CellIndex end = first_cell_from(map, bounds.high_m);
+    box.min = {std::max(box.min.x, low.x), std::max(box.min.y, low.y)};
+    box.end = {std::min(box.end.x, end.x), std::min(box.end.y, end.y)};
+  }
+  return box;
+}
+
+// On the lattice of the map, whose cells lie at whole multiples of their size.
+double origin_of_part(double origin_m, double resolution_m, std::int32_t cells) {
+  return (std::floor(origin_m / resolution_m + 0.5) + static_cast<double>(cells)) * resolution_m;
+}
+
+}  // namespace
 
 bool MapRegion::contains(const Point2& point_m) const {
   bool is_inside = false;
@@ -37,19 +78,52 @@ RegionBounds bounds_of(const MapRegion& region) {
   return bounds;
 }
 
-// A line through the point crosses no side below the lowest corner and from the highest on, and an even number of them
-// on the right of a point that lies left of all corners. How far right a side is crossed is rounded, hence the margin.
-BoundedRegion::BoundedRegion(const MapRegion& region) : region_(region), beyond_(bounds_of(region)) {
-  constexpr double kRoundingShare = 1.0e-9;
-  const double margin_m = kRoundingShare * (std::abs(beyond_.low_m.x()) + std::abs(beyond_.high_m.x()));
-  beyond_.low_m.x() -= margin_m;
-  beyond_.high_m.x() += margin_m;
+std::uint64_t take_out_readings(const EndRules& rules, const ScanConfig& valid, const Pose2& T_map_base,
+                                LaserScan& scan) {
+  if (rules.erased.empty() && rules.kept.empty()) return 0;
+  const double limit_m = range_limit_m(scan, valid.max_range_m);
+  const bool moved = is_skewed(scan);
+  std::uint64_t count = 0;
+  for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
+    const auto range_m = static_cast<double>(scan.ranges_m[beam]);
+    if (!(range_m >= valid.min_range_m && range_m < limit_m)) continue;  // false for NaN too
+    const auto direction = beam_direction(scan, beam);
+    const Pose2 T_base_laser = moved ? laser_at_beam(scan, beam) : scan.T_base_laser;
+    const Point2 end_m = T_map_base * (T_base_laser * Point2(range_m * direction.cos, range_m * direction.sin));
+    if (!is_taken_out(rules, end_m)) continue;
+    scan.ranges_m[beam] = std::numeric_limits<float>::infinity();
+    ++count;
+  }
+  return count;
 }
 
-bool BoundedRegion::contains(const Point2& point_m) const {
-  const bool is_beyond = point_m.y() < beyond_.low_m.y() || point_m.y() > beyond_.high_m.y() ||
-                         point_m.x() < beyond_.low_m.x() || point_m.x() > beyond_.high_m.x();
-  return !is_beyond && region_.contains(point_m);
+OccupancyMap cropped(OccupancyMap map, const std::vector<MapRegion>& kept) {
+  if (kept.empty()) return map;
+  const CellBox box = cells_within(map.geometry, kept);
+  if (box.empty()) {
+    const GridGeometry& g = map.geometry;
+    throw InputError(fmt::format("--crop leaves nothing of the map, which reaches from {:.2f},{:.2f} to {:.2f},{:.2f}",
+                                 g.origin_x_m, g.origin_y_m, g.origin_x_m + g.width * g.resolution_m,
+                                 g.origin_y_m + g.height * g.resolution_m));
+  }
+  OccupancyMap part;
+  part.geometry = map.geometry;
+  part.geometry.width = box.width();
+  part.geometry.height = box.height();
+  part.geometry.origin_x_m = origin_of_part(map.geometry.origin_x_m, map.geometry.resolution_m, box.min.x);
+  part.geometry.origin_y_m = origin_of_part(map.geometry.origin_y_m, map.geometry.resolution_m, box.min.y);
+  part.cells = CellStates(part.geometry.cell_count());
+  std::size_t cell = 0;
+  for (std::int32_t y = box.min.y; y < box.end.y; ++y) {
+    for (std::int32_t x = box.min.x; x < box.end.x; ++x, ++cell) {
+      const CellState state = map.at({x, y});
+      if (state == CellState::kUnknown) continue;
+      const Point2 centre_m = map.geometry.centre_of({x, y});
+      const auto has_it = [&centre_m](const MapRegion& region) { return region.contains(centre_m); };
+      if (std::all_of(kept.begin(), kept.end(), has_it)) part.cells.set(cell, state);
+    }
+  }
+  return part;
 }
 
 }  // namespace gdtslam

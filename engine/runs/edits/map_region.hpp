@@ -1,9 +1,15 @@
-// A region of a map, by the corners of its outline. Thread-safe; linear in the corners.
+// A region of a map by the corners of its outline, and what is taken out of scans and of the occupancy map by regions.
+// Frame: the edited map. Thread-safe; linear in the corners.
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "gdtslam/core/pose.hpp"
+#include "gdtslam/core/stream.hpp"
+#include "gdtslam/mapping/config.hpp"
+#include "gdtslam/mapping/occupancy.hpp"
 
 namespace gdtslam {
 
@@ -29,17 +35,19 @@ struct RegionBounds {
 };
 RegionBounds bounds_of(const MapRegion& region);
 
-/// A region that many points are asked about: those beyond its bounds cost no look at its sides.
-class BoundedRegion {
- public:
-  /// The region has corners and outlives the object.
-  explicit BoundedRegion(const MapRegion& region);
-  /// As the region has it, bit for bit.
-  [[nodiscard]] bool contains(const Point2& point_m) const;
-
- private:
-  const MapRegion& region_;
-  RegionBounds beyond_;
+/// Regions in which readings may not end, and regions in which they have to.
+struct EndRules {
+  std::span<const MapRegion> erased{};
+  std::span<const MapRegion> kept{};
 };
+
+/// Makes readings that end where they must not no returns, and tells how many; ranges that are no return stay.
+/// O(beams x corners).
+std::uint64_t take_out_readings(const EndRules& rules, const ScanConfig& valid, const Pose2& T_map_base,
+                                LaserScan& scan);
+
+/// The part of the map that holds all cells whose centres are in every region, the others in it unknown; the map itself
+/// where there are no regions. Throws InputError where nothing is left. O(cells).
+OccupancyMap cropped(OccupancyMap map, const std::vector<MapRegion>& kept);
 
 }  // namespace gdtslam

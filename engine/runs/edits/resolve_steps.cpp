@@ -116,9 +116,10 @@ std::vector<EditStep> resolved_steps(const EditRequest& request, const SourceRun
   for (const MapRegion& region : request.erased) steps.emplace_back(EraseEdit{region});
   if (request.crop) steps.emplace_back(CropEdit{request.crop->low_m, request.crop->high_m});
   if (request.with_world_file) steps.emplace_back(WorldFileEdit{});
-  if (steps.empty()) {
+  if (steps.empty() && !request.with_tiles) {
     throw UsageError(
-        "nothing is to be done: name a step, as --rotate-to-walls, --origin, --crop, --erase or --georeference");
+        "nothing is to be done: name a step, as --rotate-to-walls, --origin, --crop, --erase, --georeference or "
+        "--tiles");
   }
   check_distance(run, plan_of(steps, earlier));
   return steps;

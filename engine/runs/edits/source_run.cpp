@@ -10,7 +10,11 @@
 
 #include "engine/core/elementary.hpp"
 #include "engine/io/json_file.hpp"
+#include "engine/runs/continuing/continue_file.hpp"
 #include "engine/runs/folder/report_reader.hpp"
+#include "engine/runs/folder/run_folder.hpp"
+#include "engine/runs/motion/scan_speed.hpp"
+#include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 
@@ -103,9 +107,53 @@ void turn(const SinCos<double>& by, PoseCovariance& c) {
   c.yt = s * was.xt + k * was.yt;
 }
 
-}  // namespace
+/// The logs of a run, and how it read them.
+struct RunLogs {
+  std::vector<std::string> paths;
+  ReadOptions options;
+  ScanRange range;
+};
 
-std::string session_file_name(std::size_t session) { return "session-" + std::to_string(session + 1) + ".tum"; }
+// Nothing if a log is gone or was changed, or the run is of an older version.
+std::optional<RunLogs> logs_of_run(const SourceRun& run) {
+  const RunFiles& files = run.reader.files();
+  if (!files.has(kContinueFile)) return std::nullopt;
+  const std::string file = files.checked(kContinueFile);
+  try {
+    const KeptRequest kept = read_continue_file(file, files.folder());
+    RunLogs logs{
+        .paths = {}, .options = read_options_of(run.settings.log, kept.request.lenient), .range = kept.request.range};
+    logs.options.topics = kept.request.settings.log.topics;
+    for (const KeptLog& log : kept.logs) logs.paths.push_back(log_of_run(log, files.folder()));
+    return logs;
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
+using TakeScan = std::function<void(LaserScan& scan, const Pose2& T, double share)>;
+
+void take_from_logs(const SourceRun& run, const RunLogs& logs, const TakeScan& take) {
+  const Trajectory& trajectory = run.outcome.trajectory;
+  ScanStream scans(logs.paths, logs.options, logs.range);
+  const ReportReader report = run.reader.files().report();
+  const double delay_s = report.has("odometry_delay") ? report.section("odometry_delay").number("delay_s") : 0.0;
+  if (delay_s != 0.0) scans.set_odometry_delay(delay_s);
+  MapSpeed speed;
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    std::optional<ScanRecord> record = scans.next();
+    if (!record) {
+      throw InputError({run.reader.folder(), 0},
+                       fmt::format("has {} poses, and its logs have {} scans: not of one run", trajectory.size(), i));
+    }
+    speed.complete(*record);
+    speed.take(*record, trajectory[i].T_map_base);
+    if (std::binary_search(run.refused.begin(), run.refused.end(), i)) continue;
+    take(record->scan, trajectory[i].T_map_base, static_cast<double>(i) / static_cast<double>(trajectory.size()));
+  }
+}
+
+}  // namespace
 
 SourceRun read_source_run(const std::string& folder) {
   RunReader reader(folder);
@@ -136,6 +184,22 @@ void move_to_frame(const Pose2& T_edited_run, SourceRun& run) {
     keyframe.T_map_base = run.outcome.trajectory[keyframe.scan].T_map_base;
     if (keyframe.covariance) turn(by, *keyframe.covariance);
   }
+}
+
+bool for_each_cast_scan(const SourceRun& run, const TakeScan& take) {
+  if (const std::optional<RunLogs> logs = logs_of_run(run)) {
+    run.reader.files().unless_changed([&] {
+      take_from_logs(run, *logs, take);
+      return true;
+    });
+    return true;
+  }
+  const std::vector<RunKeyframe>& keyframes = run.kept.keyframes;
+  for (std::size_t k = 0; k < keyframes.size(); ++k) {
+    LaserScan scan = keyframes[k].laser;
+    take(scan, keyframes[k].T_map_base, static_cast<double>(k) / static_cast<double>(keyframes.size()));
+  }
+  return false;
 }
 
 }  // namespace gdtslam

@@ -1,13 +1,15 @@
-// A run as it is edited: everything of its folder that has a frame, read and checked. Frame: the run's map. Plain data.
+// A run as it is edited: everything of its folder that has a frame, read and checked, and the scans that its occupancy
+// map is cast from. Frame: the run's map. One call belongs to one thread; memory for one scan.
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "engine/runs/edits/edits_file.hpp"
+#include "engine/runs/edits/edit_steps.hpp"
 #include "engine/runs/folder/run_reader.hpp"
 #include "engine/runs/loops/graph_file.hpp"
 #include "gdtslam/runs/outcome.hpp"
@@ -34,7 +36,11 @@ SourceRun read_source_run(const std::string& folder);
 /// Everything that has a frame, in the new one. Covariances are turned with their axes.
 void move_to_frame(const Pose2& T_edited_run, SourceRun& run);
 
-/// "session-2.tum" for 1.
-std::string session_file_name(std::size_t session);
+/// Each scan that the occupancy map was cast from, with its pose and the share of all that came before, in log order;
+/// `take` may change the scan. These are all scans that were matched, read from the run's logs, or its keyframes if a
+/// log is gone or was changed. Returns whether they came from the logs. Throws InputError if the logs are not of the
+/// run, FileError.
+bool for_each_cast_scan(const SourceRun& run,
+                        const std::function<void(LaserScan& scan, const Pose2& T, double share)>& take);
 
 }  // namespace gdtslam

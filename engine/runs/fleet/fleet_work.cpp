@@ -8,16 +8,19 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "atlas.hpp"
 #include "engine/core/files/file_state.hpp"
 #include "engine/core/files/folder_calls.hpp"
 #include "engine/io/atomic_file.hpp"
+#include "engine/io/maps/png.hpp"
 #include "engine/io/sha256.hpp"
 #include "engine/runs/folder/report_reader.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "engine/runs/transaction/folder_lock.hpp"
 #include "gdtslam/core/error.hpp"
-#include "thumbnail.hpp"
+#include "gdtslam/drawing/map_picture.hpp"
+#ifdef GDTSLAM_HAS_RASTER
+#include "gdtslam/drawing/raster.hpp"
+#endif
 
 namespace gdtslam {
 namespace {
@@ -29,6 +32,21 @@ constexpr std::array<std::string_view, 9> kHashedFiles{"cloud.ply", "config.yaml
                                                        "gdt.yaml",  "graph.g2o",   "linkage.yaml",
                                                        "map.pgm",   "map.yaml",    "trajectory.tum"};
 constexpr std::array kHashedKeys{"map_sha256", "trajectory_sha256", "keyframes_sha256"};
+
+constexpr PictureSize kThumbnailSize{.width = 320, .height = 180};  // below 200 pixels a picture has no words
+
+#ifdef GDTSLAM_HAS_RASTER
+constexpr const char* kThumbnail = "thumbnail.png";
+std::string thumbnail_bytes(const Canvas& picture) {
+  const RgbaImage image = raster_of(picture, 2.0);
+  return encode_png(image.width, image.height, image.pixels);
+}
+#else
+constexpr const char* kThumbnail = "thumbnail.svg";
+std::string thumbnail_bytes(const Canvas& picture) {
+  return svg_of(picture, [](const RgbaImage& image) { return encode_png(image.width, image.height, image.pixels); });
+}
+#endif
 
 bool is_fault_of_the_log(ExitCode code) {
   return code == ExitCode::kBadInput || code == ExitCode::kUsage || code == ExitCode::kBadConfig;
@@ -149,5 +167,20 @@ MappedFleetLog map_fleet_log(const FleetWork& work, const std::string& log) {
   write_record(work.atlas, record);
   return {.record = record};
 }
+
+void write_thumbnail(const std::string& folder, const MapOutcome& outcome) {
+  if (outcome.occupancy.cells.size() == 0) return;
+  std::string bytes;
+  try {
+    MapLook look;
+    look.with_keyframes = false;
+    bytes = thumbnail_bytes(map_picture(outcome.occupancy, {outcome.trajectory, {}, {}, {}}, look, kThumbnailSize));
+  } catch (const Error&) {  // the page does without
+    return;
+  }
+  write_file_atomically(folder + "/" + kThumbnail, bytes);
+}
+
+const char* thumbnail_name() { return kThumbnail; }
 
 }  // namespace gdtslam

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "fleet_record.hpp"
+#include "atlas.hpp"
 #include "gdtslam/runs/map_log.hpp"
 
 namespace gdtslam {
@@ -27,5 +27,12 @@ struct MappedFleetLog {
 /// log or the machine becomes the record. Throws UsageError if another process works on the log, Error(kInterrupted),
 /// and FileError if the atlas is gone or the record cannot be written.
 MappedFleetLog map_fleet_log(const FleetWork& work, const std::string& log);
+
+/// "thumbnail.png", or .svg in a build without Cairo.
+const char* thumbnail_name();
+
+/// Writes it into the folder of the record: map and path, without words, 320 x 180 at twice as many pixels. Does
+/// nothing if there is no map or nothing can draw. Throws FileError.
+void write_thumbnail(const std::string& folder, const MapOutcome& outcome);
 
 }  // namespace gdtslam

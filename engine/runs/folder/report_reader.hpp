@@ -1,5 +1,5 @@
-// A report as text that somebody may have edited: every key is asked for by name and type, and what is wrong is said in
-// one line with the file, the key and what to do. Thread-safe.
+// A JSON file of a run as text that somebody may have edited: every key is asked for by name and type, and what is
+// wrong is said in one line with the file, the key and what to do. Thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -27,24 +27,29 @@ struct ReportFile {
   std::string sha256;
 };
 
-/// An object of a report: the whole, or one within. All members throw InputError.
+/// An object of a report: the whole, or one within. All members throw InputError that names the file and the key, and
+/// ends with the advice.
 class ReportReader {
  public:
-  ReportReader(std::string file, std::string folder, std::shared_ptr<const nlohmann::ordered_json> report);
+  using Value = nlohmann::ordered_json;
+
+  ReportReader(std::string file, std::string advice, Value report);
 
   [[nodiscard]] std::uint64_t whole(const char* key) const;
   /// A whole number below `end`.
   [[nodiscard]] std::size_t index(const char* key, std::uint64_t end) const;
   [[nodiscard]] double number(const char* key) const;
+  /// A list of so many numbers of that size at most.
+  [[nodiscard]] std::vector<double> numbers(const char* key, std::size_t count, double most) const;
+  /// A list of such lists.
+  [[nodiscard]] std::vector<std::vector<double>> rows(const char* key, std::size_t count, double most) const;
   /// Nothing for null, which stands for what was not measured.
   [[nodiscard]] std::optional<double> number_or_null(const char* key) const;
   [[nodiscard]] bool truth(const char* key) const;
   [[nodiscard]] std::string text(const char* key) const;
   [[nodiscard]] GridGeometry geometry(const char* key) const;
   [[nodiscard]] std::vector<std::string> texts(const char* key) const;
-  [[nodiscard]] bool has(const char* key) const;
-  /// Of an object; false where it has no such member.
-  [[nodiscard]] bool has_member(const char* key, const char* member, const char* text) const;
+  [[nodiscard]] bool has(const char* key) const { return object_->contains(key); }
   /// Whole numbers below `end`: entries of a list, or one member of each.
   [[nodiscard]] std::vector<std::size_t> indices(const char* key, const char* member, std::uint64_t end) const;
   /// Rows of name, bytes and SHA-256.
@@ -52,24 +57,26 @@ class ReportReader {
   /// An object within this one, and a list of objects.
   [[nodiscard]] ReportReader section(const char* key) const;
   [[nodiscard]] std::vector<ReportReader> entries(const char* key) const;
-  /// Of this object, with what to do.
   [[noreturn]] void fail(const std::string& fault) const;
+  [[noreturn]] void fail(const char* key, const std::string& fault) const;
 
  private:
-  [[nodiscard]] const nlohmann::ordered_json& at(const char* key) const;
-  [[nodiscard]] const nlohmann::ordered_json& list_of(const char* key) const;
-  [[nodiscard]] ReportReader within(const nlohmann::ordered_json& object, const std::string& name) const;
-  /// "'loops.found'"
-  [[nodiscard]] std::string named(const char* key) const;
+  using IsOfType = bool (*)(const Value& value);
+  [[nodiscard]] const Value& at(const char* key) const;
+  [[nodiscard]] const Value& at(const char* key, IsOfType is_of_type, const char* type) const;
+  [[nodiscard]] const Value& list(const char* key) const;
+  [[nodiscard]] std::vector<double> numbers_in(const Value& value, const char* key, std::size_t count,
+                                               double most) const;
+  [[nodiscard]] ReportReader within(const Value& object, const std::string& name) const;
 
   std::string file_;
-  std::string folder_;
+  std::string advice_;
   std::string path_;  // of this object within the report, with a dot at its end
-  std::shared_ptr<const nlohmann::ordered_json> report_;
-  const nlohmann::ordered_json* object_;
+  std::shared_ptr<const Value> report_;
+  const Value* object_;
 };
 
-/// The report of the run in `folder`. Throws FileError; InputError where it is none of this version.
+/// The report of the run in `folder`. Throws FileError; InputError if it is none of this version.
 ReportReader read_report(const std::string& file, const std::string& folder);
 
 }  // namespace gdtslam

@@ -47,8 +47,8 @@ void refuse_folder_of_sites(const std::string& folder) {
 
 RunFiles::RunFiles(std::string folder, const std::function<void(const ReportReader&)>& also)
     : folder_(std::move(folder)) {
-  const std::optional<FileState> state = state_of(kReportFile);
-  if (!state) {
+  report_state_ = state_of_file(path(kReportFile));
+  if (!report_state_) {
     std::error_code ignored;
     if (!fs::exists(folder_, ignored)) throw InputError({folder_, 0}, "is no folder of a run: it is not there");
     if (!fs::is_directory(folder_, ignored)) throw InputError({folder_, 0}, "is a file; give the folder of a run");
@@ -56,12 +56,11 @@ RunFiles::RunFiles(std::string folder, const std::function<void(const ReportRead
     throw InputError({folder_, 0},
                      fmt::format("is no folder of a run: it has no {}{}{}", kReportFile, kMapAgain, folder_));
   }
-  note(kReportFile, *state);
   const ReportReader read = report();
   if (also) also(read);
   if (!read.has("files")) return;
   told_.emplace();
-  for (ReportFile& file : read.files("files")) (*told_)[file.name] = {file.bytes, std::move(file.sha256)};
+  for (ReportFile& file : read.files("files")) (*told_)[file.name] = std::move(file);
 }
 
 std::string RunFiles::path(const std::string& name) const { return (fs::path(folder_) / name).string(); }
@@ -71,35 +70,25 @@ bool RunFiles::has(const std::string& name) const {
   return told_ ? told_->contains(name) : fs::exists(path(name), ignored);
 }
 
-std::vector<std::string> RunFiles::names() const {
-  std::vector<std::string> names;
-  if (!told_) return names;
-  for (const auto& [name, told] : *told_) names.push_back(name);
-  return names;
-}
-
 std::string RunFiles::checked(const std::string& name) const {
-  const std::optional<FileState> state = state_of(name);
+  const std::optional<FileState> state = state_of_file(path(name));
   if (!state) refuse(name, "is missing in this run");
   if (!told_) return path(name);
-  if (is_seen(name, *state)) return path(name);
   const auto told = told_->find(name);
   if (told == told_->end())
-    refuse(name, fmt::format("is none of the files that {} tells of: not of one run", kReportFile));
-  check_bytes(name, told->second, *state);
-  note(name, *state);
-  expect_unchanged();
-  return path(name);
-}
-
-void RunFiles::check_bytes(const std::string& name, const Told& told, const FileState& state) const {
-  if (state.bytes != told.bytes) {
-    refuse(name, fmt::format("has {} bytes, but {} tells of {}: not of one run{}", state.bytes, kReportFile, told.bytes,
+    refuse(name, fmt::format("is none of the files that {} names: not of one run", kReportFile));
+  if (is_checked(name, *state)) return path(name);
+  const ReportFile& file = told->second;
+  if (state->bytes != file.bytes) {
+    refuse(name, fmt::format("has {} bytes, but {} names {}: not of one run{}", state->bytes, kReportFile, file.bytes,
                              advice_on(name)));
   }
-  if (unless_changed([&] { return sha256_of_file(path(name)); }).sha256 != told.sha256) {
-    refuse(name, fmt::format("has another SHA-256 than {} tells of: not of one run{}", kReportFile, advice_on(name)));
+  if (unless_changed([&] { return sha256_of_file(path(name)); }).sha256 != file.sha256) {
+    refuse(name, fmt::format("has another SHA-256 than {} names: not of one run{}", kReportFile, advice_on(name)));
   }
+  const std::lock_guard lock(checked_->mutex);
+  checked_->states[name] = *state;
+  return path(name);
 }
 
 std::string RunFiles::sha256(const std::string& name) const {
@@ -107,33 +96,23 @@ std::string RunFiles::sha256(const std::string& name) const {
   return told_ ? told_->at(name).sha256 : sha256_of_file(file).sha256;
 }
 
-bool RunFiles::is_seen(const std::string& name, const FileState& state) const {
-  const std::lock_guard lock(seen_->mutex);
-  const auto seen = seen_->states.find(name);
-  return seen != seen_->states.end() && seen->second == state;
+bool RunFiles::is_checked(const std::string& name, const FileState& state) const {
+  const std::lock_guard lock(checked_->mutex);
+  const auto found = checked_->states.find(name);
+  return found != checked_->states.end() && found->second == state;
 }
 
-void RunFiles::note(const std::string& name, const FileState& state) const {
-  const std::lock_guard lock(seen_->mutex);
-  seen_->states[name] = state;
-}
-
+// A run takes its place as a whole: another one has another report.
 void RunFiles::expect_unchanged() const {
-  const std::lock_guard lock(seen_->mutex);
-  for (const auto& [name, state] : seen_->states) {
-    if (state_of(name) == state) continue;
-    throw InputError({name == kReportFile ? folder_ : path(name), 0},
-                     "was changed or replaced while it was read; run the command again");
-  }
+  if (state_of_file(path(kReportFile)) == report_state_) return;
+  throw InputError({folder_, 0}, "was changed or replaced while it was read; run the command again");
 }
 
 ReportReader RunFiles::report() const {
   return unless_changed([this] { return read_report(path(kReportFile), folder_); });
 }
 
-std::optional<FileState> RunFiles::state_of(const std::string& name) const { return state_of_file(path(name)); }
-
-// Where the whole run was replaced, that is what is wrong with the file.
+// If the whole run was replaced, that is what is wrong with the file.
 void RunFiles::refuse(const std::string& name, const std::string& fault) const {
   expect_unchanged();
   throw InputError({path(name), 0}, fault + kMapAgain + folder_);

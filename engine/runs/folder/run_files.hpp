@@ -1,7 +1,7 @@
-// The files of a run as its report tells of them: name, size and SHA-256 of each. Whoever reads a run reads a file only
-// after its bytes were held against that, and asks afterwards whether it is that file still; so what is read is of one
-// run, whoever changes or replaces files meanwhile. A file is hashed once. Reports of versions before have no such
-// list: their files are taken as they are. Several threads may ask one object at once.
+// The files of a run as its report names them: name, size and SHA-256 of each. A file is read after its bytes were
+// compared with that, and then the run must still be the same one: so all that is read is of one run, also if it is
+// replaced meanwhile. A file is hashed once. Reports of older versions have no such list: their files are taken as they
+// are. Several threads may ask one object at once.
 #pragma once
 
 #include <cstdint>
@@ -37,16 +37,14 @@ class RunFiles {
   [[nodiscard]] bool is_told() const { return told_.has_value(); }
   /// Whether the run has such a file: what the report tells; what lies there, where it tells of none.
   [[nodiscard]] bool has(const std::string& name) const;
-  /// All that the report tells of, sorted.
-  [[nodiscard]] std::vector<std::string> names() const;
   /// Where the file is, which has the bytes that the report tells of. Throws InputError where they are others or there
   /// is none.
   [[nodiscard]] std::string checked(const std::string& name) const;
   /// Of a checked file. Throws what checked() throws.
   [[nodiscard]] std::string sha256(const std::string& name) const;
-  /// Throws InputError where the report or a file that was checked is another by now.
+  /// Throws InputError if the run was replaced.
   void expect_unchanged() const;
-  /// The report once more. Throws InputError where it is another by now.
+  /// The report once more. Throws what expect_unchanged() throws.
   [[nodiscard]] ReportReader report() const;
 
   /// What `read` makes of the checked file.
@@ -69,24 +67,18 @@ class RunFiles {
   }
 
  private:
-  struct Told {
-    std::uint64_t bytes = 0;
-    std::string sha256;
-  };
   /// The files that were checked, as they were then. Copies of a RunFiles share them.
-  struct Seen {
+  struct Checked {
     std::mutex mutex;
     std::map<std::string, FileState> states;
   };
-  [[nodiscard]] bool is_seen(const std::string& name, const FileState& state) const;
-  void note(const std::string& name, const FileState& state) const;
-  [[nodiscard]] std::optional<FileState> state_of(const std::string& name) const;
-  void check_bytes(const std::string& name, const Told& told, const FileState& state) const;
+  [[nodiscard]] bool is_checked(const std::string& name, const FileState& state) const;
   [[noreturn]] void refuse(const std::string& name, const std::string& fault) const;
 
   std::string folder_;
-  std::optional<std::map<std::string, Told>> told_;
-  std::shared_ptr<Seen> seen_ = std::make_shared<Seen>();
+  std::optional<FileState> report_state_;
+  std::optional<std::map<std::string, ReportFile>> told_;
+  std::shared_ptr<Checked> checked_ = std::make_shared<Checked>();
 };
 
 /// Throws InputError where the folder has the sites of a merge, with one of them to give.

@@ -14,7 +14,6 @@
 #include "engine/core/files/folder_calls.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
-#include "engine/io/sha256.hpp"
 #include "engine/runs/tiles/tile_folder.hpp"
 #include "gdtslam/core/error.hpp"
 #include "run_files.hpp"
@@ -46,11 +45,6 @@ bool is_merge_report(const fs::path& file) {
   }
 }
 
-// Names of tiles and snapshots that a killed process left unfinished.
-bool is_staging_of_part(const std::string& name) {
-  return name == staging_name(kTileFolder) || name == staging_name(kSnapshotFolder);
-}
-
 /// Which entries of a folder are of a run or a merge of this program, by what its report says. The report of an old
 /// version names no files; there the names of a run's files count.
 class OwnEntries {
@@ -75,14 +69,13 @@ class OwnEntries {
   std::optional<RunFiles> run_;
 };
 
-// In the order of their names.
+// Sorted by name.
 // NOLINTNEXTLINE(misc-no-recursion): as deep as sites lie in a merge
 std::vector<fs::path> foreign_entries(const fs::path& folder) {
   std::error_code failed;
   std::vector<fs::path> entries = list_folder(folder, failed);
-  if (failed == std::errc::no_such_file_or_directory) return {};
+  if (failed == std::errc::no_such_file_or_directory || entries.empty()) return {};
   if (failed) throw FileError(folder.string(), "cannot be listed: " + failed.message());
-  if (entries.empty()) return {};
   const OwnEntries own(folder);
   std::erase_if(entries, [&own](const fs::path& entry) { return own.has(entry); });
   std::sort(entries.begin(), entries.end());
@@ -91,34 +84,10 @@ std::vector<fs::path> foreign_entries(const fs::path& folder) {
 
 // NOLINTNEXTLINE(misc-no-recursion): as deep as sites lie in a merge
 bool OwnEntries::is_own_folder(const fs::path& entry, const std::string& name) const {
-  if (is_staging_of_part(name)) {
-    const FolderLock lock(entry);  // nobody is at work on it
-    return true;
-  }
+  if (name == staging_name(kSnapshotFolder)) return true;  // of a drive that was killed
   if (name == kSnapshotFolder) return is_snapshot(entry.string());
-  if (name == kTileFolder) return is_tile_folder(entry.string()) && foreign_among_tiles(entry.string()).empty();
+  if (name == kTileFolder) return is_tile_folder(entry.string());
   return is_merge_ && is_digits(name) && is_site(entry.string()) && foreign_entries(entry).empty();
-}
-
-void require_replaceable(const std::string& path, ForeignFiles foreign) {
-  for (const fs::path& entry : foreign_entries(path)) {
-    std::error_code ignored;
-    const std::string name = entry.filename().string();
-    if (fs::is_directory(fs::symlink_status(entry, ignored))) {
-      throw UsageError(
-          fmt::format("--output: '{}' holds a folder {} that no run wrote; give another folder", path, name));
-    }
-    if (foreign == ForeignFiles::kReplaced) continue;
-    throw UsageError(fmt::format(
-        "--output: '{}' holds a {} that no run wrote; give another folder, or --force to remove it", path, name));
-  }
-}
-
-// Without a slash at the end.
-std::string replaceable(const std::string& path, ForeignFiles foreign) {
-  require_replaceable(path, foreign);
-  const fs::path named(path);
-  return named.has_filename() ? path : named.parent_path().string();
 }
 
 // Beside the folder, under a name that is free.
@@ -132,14 +101,6 @@ std::string kept_beside(const fs::path& folder, const fs::path& log) {
   fs::rename(log, kept, failed);
   if (failed) throw FileError(kept, "cannot be written: " + failed.message());
   return kept;
-}
-
-// Whether the folder has the same log, as a run that is continued has.
-bool has_same_log(const fs::path& folder, const fs::path& log) {
-  std::error_code failed;
-  const fs::path other = folder / log.filename();
-  if (!fs::is_regular_file(other, failed)) return false;
-  return sha256_of_file(other.string()).sha256 == sha256_of_file(log.string()).sha256;
 }
 
 // "intel" from "../data/intel.clf.gz".
@@ -158,22 +119,42 @@ std::string utc_time() {
                      utc.tm_min, utc.tm_sec);
 }
 
+// weakly_canonical() leaves a link alone whose file is not there yet, and the file would be made behind it.
+fs::path behind_links(fs::path file) {
+  constexpr int kMostLinks = 40;  // as the system follows
+  std::error_code failed;
+  for (int k = 0; k < kMostLinks && fs::is_symlink(fs::symlink_status(file, failed)); ++k) {
+    const fs::path target = fs::read_symlink(file, failed);
+    if (failed) break;
+    file = file.parent_path() / target;
+  }
+  return file;
+}
+
 }  // namespace
 
-RunFolder::RunFolder(const std::string& path, ForeignFiles foreign)
-    : path_(replaceable(path, foreign)),
-      foreign_(foreign),
-      transaction_(path_, [this](const fs::path& removed, bool is_old) { before_removal(removed, is_old); }) {}
+RunFolder::RunFolder(const std::string& path, bool replaces_files)
+    : path_(fs::path(path).has_filename() ? path : fs::path(path).parent_path().string()),
+      replaces_files_(replaces_files),
+      transaction_((require_replaceable(), path_), [this](const fs::path& left) { keep_logs(left); }) {}
 
-// The logs of streams cannot be had again, and something may have come into the old folder at the last moment.
-void RunFolder::before_removal(const fs::path& removed, bool is_old) {
-  if (is_old) require_replaceable(removed.string(), foreign_);
-  const fs::path folder = target_of(removed);
+void RunFolder::require_replaceable() const {
+  for (const fs::path& entry : foreign_entries(path_)) {
+    std::error_code ignored;
+    const bool is_folder = fs::is_directory(fs::symlink_status(entry, ignored));
+    if (!is_folder && replaces_files_) continue;
+    throw UsageError(fmt::format("--output: '{}' holds a {}{} that no run wrote; give another folder{}", path_,
+                                 is_folder ? "folder " : "", entry.filename().string(),
+                                 is_folder ? "" : ", or --force to remove it"));
+  }
+}
+
+// The log of a stream that a killed process read cannot be had again.
+void RunFolder::keep_logs(const fs::path& left) {
   std::error_code ignored;  // what cannot be listed shows when it cannot be removed
-  for (const fs::path& file : list_folder(removed, ignored)) {
+  for (const fs::path& file : list_folder(left, ignored)) {
     const bool is_log = is_kept_log(file.filename().string()) && fs::is_regular_file(file, ignored);
-    if (!is_log || fs::is_empty(file, ignored) || (is_old && has_same_log(folder, file))) continue;
-    left_logs_.push_back(kept_beside(folder, file));
+    if (is_log && !fs::is_empty(file, ignored)) left_logs_.push_back(kept_beside(path_, file));
   }
 }
 
@@ -191,16 +172,11 @@ std::string RunFolder::staged_folder(std::string_view name) {
 std::string RunFolder::staged_path(std::string_view name) const { return (transaction_.staging() / name).string(); }
 
 std::string RunFolder::keep_log(const std::string& name) {
-  try {
-    return kept_beside(transaction_.target(), staged_path(name));
-  } catch (const FileError&) {  // it stays where it is then, with all else
-    transaction_.leave();
-    return staged_path(name);
-  }
+  return kept_beside(transaction_.target(), staged_path(name));
 }
 
 void RunFolder::commit() {
-  require_replaceable(path_, foreign_);
+  require_replaceable();
   transaction_.commit();
 }
 
@@ -209,6 +185,8 @@ std::string RunFolder::file(std::string_view name) const { return (fs::path(path
 std::string kept_log_name(std::size_t log) { return fmt::format("log-{}{}", log + 1, kLogEnding); }
 
 bool is_kept_log(std::string_view name) { return is_numbered(name, "log-", kLogEnding); }
+
+std::string session_file_name(std::size_t run) { return fmt::format("session-{}.tum", run + 1); }
 
 bool is_file_of_a_run(std::string_view name) {
   return std::find(kRunFiles.begin(), kRunFiles.end(), name) != kRunFiles.end() || is_kept_log(name) ||
@@ -219,15 +197,17 @@ bool is_site(const std::string& folder) {
   std::error_code ignored;
   if (!fs::is_directory(fs::symlink_status(folder, ignored)) || !RunReader::is_gdtslam_run(folder)) return false;
   const std::optional<RunFiles> run = told_files_in(folder);
-  return run && run->has(kFirstSession) && !run->report().has("edited");
+  return run && run->has(session_file_name(0)) && !run->report().has("edited");
 }
 
 std::string default_run_folder(const std::string& log) {
-  const std::string base = fmt::format("runs/{}-{}", stem_of(log), utc_time());
-  std::string path = base;
-  std::error_code ignored;
-  for (int k = 2; fs::exists(path, ignored); ++k) path = fmt::format("{}-{}", base, k);
-  return path;
+  const std::string name = fmt::format("{}-{}", stem_of(log), utc_time());
+  const auto is_taken = [](const std::string& free) {  // by a run, or by one that is being written
+    return lies_there("runs/" + free) || lies_there("runs/" + staging_name(free));
+  };
+  std::string free = name;
+  for (int k = 2; is_taken(free); ++k) free = fmt::format("{}-{}", name, k);
+  return "runs/" + free;
 }
 
 void link_latest(const std::string& run_folder) {
@@ -240,6 +220,28 @@ void link_latest(const std::string& run_folder) {
   fs::create_directory_symlink(folder.filename(), temporary, failed);
   if (!failed) fs::rename(temporary, link, failed);
   if (failed) throw FileError(link.string(), "cannot be linked to the run: " + failed.message());
+}
+
+fs::path place_of_file(const std::string& file) {
+  std::error_code failed;
+  const fs::path named = fs::absolute(file, failed);
+  if (failed) return file;
+  const fs::path place = fs::weakly_canonical(behind_links(named), failed);
+  if (failed) return named.lexically_normal();
+  return place.has_filename() ? place : place.parent_path();  // a slash at the end names the same
+}
+
+bool lies_in(const std::string& folder, const std::string& file) {
+  const fs::path below = place_of_file(file).lexically_relative(place_of_file(folder));
+  return !below.empty() && *below.begin() != ".." && *below.begin() != ".";
+}
+
+bool is_run_file_in(const std::string& folder, const std::string& file) {
+  if (!lies_in(folder, file)) return false;
+  const std::string name = place_of_file(file).lexically_relative(place_of_file(folder)).begin()->string();
+  if (is_file_of_a_run(name)) return true;
+  const std::optional<RunFiles> run = told_files_in(folder);
+  return run && run->has(name);
 }
 
 }  // namespace gdtslam

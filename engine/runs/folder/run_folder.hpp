@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -14,30 +13,23 @@
 
 namespace gdtslam {
 
-/// Every site of a merge has it, and no run of `map`.
-inline constexpr const char* kFirstSession = "session-1.tum";
-
-/// Files in the folder that no run wrote. Folders of others are never removed.
-enum class ForeignFiles : std::uint8_t {
-  kKept,  ///< the folder is refused
-  kReplaced,
-};
-
 class RunFolder {
  public:
-  /// Throws what FolderTransaction throws, and UsageError where the folder holds what may not be replaced.
-  explicit RunFolder(const std::string& path, ForeignFiles foreign = ForeignFiles::kKept);
+  /// `replaces_files`: files in the folder that no run wrote are removed with the old run; folders never are. Throws
+  /// what FolderTransaction throws, and UsageError if the folder holds anything else that no run wrote.
+  explicit RunFolder(const std::string& path, bool replaces_files = false);
 
   /// Where to write the file of that name until commit().
   std::string staged(std::string_view name);
   /// Where to write the files of a folder of that name, which is made.
   std::string staged_folder(std::string_view name);
   [[nodiscard]] std::string staged_path(std::string_view name) const;
-  /// The run fails, and this staged log cannot be had again: it stays beside the folder. Returns its path.
+  /// The run fails, and this staged log cannot be had again: it stays beside the folder. Returns its path. Throws
+  /// FileError.
   [[nodiscard]] std::string keep_log(const std::string& name);
-  /// Logs of streams that a killed process left or the old run had, kept in the same way.
+  /// Logs of streams that a killed process left, kept in the same way.
   [[nodiscard]] const std::vector<std::string>& left_logs() const { return left_logs_; }
-  /// Throws what FolderTransaction::commit() throws, and UsageError where something came into the folder meanwhile that
+  /// Throws what FolderTransaction::commit() throws, and UsageError if something came into the folder meanwhile that
   /// may not be replaced.
   void commit();
 
@@ -48,10 +40,11 @@ class RunFolder {
   [[nodiscard]] std::string file(std::string_view name) const;
 
  private:
-  void before_removal(const std::filesystem::path& removed, bool is_old);
+  void require_replaceable() const;
+  void keep_logs(const std::filesystem::path& left);
 
   std::string path_;
-  ForeignFiles foreign_;
+  bool replaces_files_;
   std::vector<std::string> left_logs_;
   std::vector<std::string> names_;
   FolderTransaction transaction_;
@@ -60,6 +53,9 @@ class RunFolder {
 /// "log-1.jsonl.zst": the log that a run keeps of a pipe, counted from 0.
 std::string kept_log_name(std::size_t log);
 bool is_kept_log(std::string_view name);
+
+/// "session-1.tum": the path of a site's first run, counted from 0. Every site of a merge has it, and no run of `map`.
+std::string session_file_name(std::size_t run);
 
 /// Whether a run, a merge or an edit writes files of that name.
 bool is_file_of_a_run(std::string_view name);
@@ -74,5 +70,14 @@ std::string default_run_folder(const std::string& log);
 /// Points the link `latest` beside the folder to it, atomically. A file or folder of that name is left alone. Throws
 /// FileError.
 void link_latest(const std::string& run_folder);
+
+/// The file's path with every link and `..` resolved; of what is not there yet, where it would be made.
+std::filesystem::path place_of_file(const std::string& file);
+
+/// Whether `file` lies in the folder, or in one inside it.
+bool lies_in(const std::string& folder, const std::string& file);
+
+/// Whether `file` is, or would be, one that a run of this program writes into `folder`.
+bool is_run_file_in(const std::string& folder, const std::string& file);
 
 }  // namespace gdtslam

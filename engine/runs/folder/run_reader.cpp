@@ -50,14 +50,17 @@ RunSummary summary_of(const ReportReader& report) {
   if (report.has("keyframes_sha256")) summary.keyframes_sha256 = report.text("keyframes_sha256");
   summary.nods = report.has("nodding");
   summary.has_loops = report.has("loops");
-  summary.tilts = summary.nods && report.has_member("nodding", "told_by", "TILT");
+  if (summary.nods) {  // reports of older versions do not say by what
+    const ReportReader nodding = report.section("nodding");
+    summary.tilts = nodding.has("told_by") && nodding.text("told_by") == "TILT";
+  }
   summary.doubtful = report.indices("doubtful_scans", "index", summary.scans);
   if (report.has("keyframe_scans")) {
     summary.keyframes = report.indices("keyframe_scans", nullptr, summary.scans);
   }
   if (report.has("drives")) {
     summary.drives = report.indices("drives", nullptr, summary.scans);
-    if (!std::is_sorted(summary.drives.begin(), summary.drives.end())) report.fail("'drives' do not ascend");
+    if (!std::is_sorted(summary.drives.begin(), summary.drives.end())) report.fail("drives", "does not ascend");
   }
   return summary;
 }

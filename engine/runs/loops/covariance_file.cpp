@@ -2,19 +2,17 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <iterator>
 #include <optional>
 #include <string_view>
 
 #include "engine/io/byte_source.hpp"
-#include "engine/io/decimal.hpp"
 #include "engine/io/file_limits.hpp"
 #include "engine/io/line_reader.hpp"
 #include "engine/io/message_text.hpp"
+#include "engine/io/number_list.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
@@ -26,27 +24,8 @@ constexpr std::size_t kMostRowBytes = 4096;
 constexpr double kRounding = 1.0e-9;  // by which correlations may exceed 1
 constexpr double kNothing = 1.0e-12;  // a micrometre squared: what is left of differences of large numbers
 
-using CovarianceRow = std::array<double, kValues>;
-
 [[noreturn]] void refuse_row(const FilePosition& position, const std::string& fault) {
   throw InputError(position, fmt::format("the row {}; a row is `{}`", fault, kColumns));
-}
-
-CovarianceRow row_of(std::string_view text, const FilePosition& position) {
-  CovarianceRow row{};
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  for (std::size_t k = 0; k < kValues; ++k) {
-    if (k > 0 && (at == end || *at++ != ',')) refuse_row(position, fmt::format("ends after {} of 7 numbers", k));
-    const char* const stop = parse_double(at, end, row[k]);
-    if (stop == nullptr || !std::isfinite(row[k])) {
-      refuse_row(position, fmt::format("has {} where a finite number should be",
-                                       in_quotes(std::string_view(at, static_cast<std::size_t>(end - at)))));
-    }
-    at = stop;
-  }
-  if (at != end) refuse_row(position, "goes on after 7 numbers");
-  return row;
 }
 
 bool is_possible(double covariance, double variance, double other) {
@@ -54,13 +33,16 @@ bool is_possible(double covariance, double variance, double other) {
   return std::fabs(covariance) <= (1.0 + kRounding) * most + kNothing;
 }
 
-StampedCovariance stamped_covariance(const CovarianceRow& row, const FilePosition& position) {
-  const auto [stamp_s, xx, xy, xt, yy, yt, tt] = row;
-  if (xx < -kNothing || yy < -kNothing || tt < -kNothing) refuse_row(position, "has a variance below zero");
-  if (!is_possible(xy, xx, yy) || !is_possible(xt, xx, tt) || !is_possible(yt, yy, tt)) {
+StampedCovariance stamped_covariance(std::string_view text, const FilePosition& position) {
+  const std::optional<std::vector<double>> row = numbers_in(text, ",");
+  if (!row || row->size() != kValues) refuse_row(position, fmt::format("has {}, not 7 numbers", in_quotes(text)));
+  const std::vector<double>& n = *row;
+  const PoseCovariance c{.xx = n[1], .xy = n[2], .xt = n[3], .yy = n[4], .yt = n[5], .tt = n[6]};
+  if (c.xx < -kNothing || c.yy < -kNothing || c.tt < -kNothing) refuse_row(position, "has a variance below zero");
+  if (!is_possible(c.xy, c.xx, c.yy) || !is_possible(c.xt, c.xx, c.tt) || !is_possible(c.yt, c.yy, c.tt)) {
     refuse_row(position, "is no covariance: two of its values vary together by more than each of them varies");
   }
-  return {stamp_s, {.xx = xx, .xy = xy, .xt = xt, .yy = yy, .yt = yt, .tt = tt}};
+  return {n[0], c};
 }
 
 }  // namespace
@@ -87,7 +69,7 @@ std::vector<StampedCovariance> read_covariances(const std::string& path) {
       continue;
     }
     if (line->is_too_long) refuse_row(position, "is too long");
-    rows.push_back(stamped_covariance(row_of(line->text, position), position));
+    rows.push_back(stamped_covariance(line->text, position));
     check_kept_bytes(rows.size() * sizeof(StampedCovariance), lines.source().bytes_from_file(), path);
   }
   if (!has_header) throw InputError({path, 0}, fmt::format("is empty; it begins with the header `{}`", kColumns));

@@ -2,19 +2,17 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <iterator>
 #include <optional>
 #include <string_view>
 
 #include "engine/io/byte_source.hpp"
-#include "engine/io/decimal.hpp"
 #include "engine/io/file_limits.hpp"
 #include "engine/io/line_reader.hpp"
 #include "engine/io/message_text.hpp"
+#include "engine/io/number_list.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
@@ -30,79 +28,35 @@ constexpr std::size_t kMostGraphLine = 4096;
 constexpr std::string_view kVertex = "VERTEX_SE2";
 constexpr std::string_view kEdge = "EDGE_SE2";
 
-/// The numbers of a line after its word.
-class GraphNumbers {
- public:
-  GraphNumbers(std::string_view text, const FilePosition& position)
-      : at_(text.data()), end_(at_ + text.size()), position_(position) {}
-
-  std::size_t scan() {
-    skip_blanks();
-    std::int64_t value = 0;
-    const char* const stop = parse_int64(at_, end_, value);
-    if (stop == nullptr || value < 0) refuse("the number of a scan");
-    at_ = stop;
-    return static_cast<std::size_t>(value);
+std::size_t scan_number(double value, const FilePosition& position) {
+  constexpr double kMostScanNumber = 1.0e15;  // whole numbers of a double
+  if (!(value >= 0.0 && value < kMostScanNumber) || value != std::floor(value)) {
+    throw InputError(position, fmt::format("has {} where the number of a scan should be", value));
   }
-  double number() {
-    skip_blanks();
-    double value = 0.0;
-    const char* const stop = parse_double(at_, end_, value);
-    if (stop == nullptr || !std::isfinite(value)) refuse("a finite number");
-    at_ = stop;
-    return value;
-  }
-  Pose2 pose() {
-    Pose2 pose;
-    pose.x_m = number();
-    pose.y_m = number();
-    pose.theta_rad = number();
-    return pose;
-  }
-  PoseInformation information() {
-    PoseInformation i;
-    for (double* const value : {&i.xx, &i.xy, &i.xt, &i.yy, &i.yt, &i.tt}) *value = number();
-    return i;
-  }
-  void expect_end() {
-    skip_blanks();
-    if (at_ != end_) refuse("the end of the line");
-  }
-
- private:
-  void skip_blanks() {
-    while (at_ != end_ && (*at_ == ' ' || *at_ == '\t')) ++at_;
-  }
-  [[noreturn]] void refuse(const char* wanted) const {
-    const std::string_view rest(at_, static_cast<std::size_t>(end_ - at_));
-    throw InputError(position_, fmt::format("has {} where {} should be", in_quotes(rest), wanted));
-  }
-
-  const char* at_;
-  const char* end_;
-  FilePosition position_;
-};
+  return static_cast<std::size_t>(value);
+}
 
 void read_graph_line(std::string_view text, const FilePosition& position, GraphLines& graph) {
   const std::string_view word = text.substr(0, text.find_first_of(" \t"));
-  GraphNumbers numbers(text.substr(word.size()), position);
-  if (word == kVertex) {
-    GraphPlace place;
-    place.scan = numbers.scan();
-    place.T_map_base = numbers.pose();
-    graph.places.push_back(place);
-  } else if (word == kEdge) {
-    PathRelation relation;
-    relation.from = numbers.scan();
-    relation.to = numbers.scan();
-    relation.T_from_to = numbers.pose();
-    relation.information = numbers.information();
-    graph.relations.push_back(relation);
-  } else {
+  if (word != kVertex && word != kEdge) {
     throw InputError(position,
                      fmt::format("begins with {}, which is neither {} nor {}", in_quotes(word), kVertex, kEdge));
   }
-  numbers.expect_end();
+  const std::size_t count = word == kVertex ? 4 : 11;
+  const std::optional<std::vector<double>> numbers = numbers_in(text.substr(word.size()), "");
+  if (!numbers || numbers->size() != count) {
+    throw InputError(position, fmt::format("has {} where {} numbers should be", in_quotes(text), count));
+  }
+  const std::vector<double>& n = *numbers;
+  if (word == kVertex) {
+    graph.places.push_back({scan_number(n[0], position), {n[1], n[2], n[3]}});
+  } else {
+    graph.relations.push_back(
+        {.from = scan_number(n[0], position),
+         .to = scan_number(n[1], position),
+         .T_from_to = {n[2], n[3], n[4]},
+         .information = {.xx = n[5], .xy = n[6], .xt = n[7], .yy = n[8], .yt = n[9], .tt = n[10]}});
+  }
 }
 
 }  // namespace

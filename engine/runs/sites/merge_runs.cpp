@@ -11,7 +11,6 @@
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/mapping/map/separate_map.hpp"
-#include "engine/runs/folder/files_of_runs.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/run_pictures.hpp"
 #include "engine/runs/folder/run_reader.hpp"
@@ -25,9 +24,6 @@
 
 namespace gdtslam {
 namespace {
-
-// "session-1.tum": the path of a site's first run, counted from 0.
-std::string session_file(std::size_t run) { return fmt::format("session-{}.tum", run + 1); }
 
 void require_runs_elsewhere(const MergeRequest& request) {
   for (const std::string& run : request.runs) {
@@ -128,8 +124,8 @@ JoinedSite write_site(const MergeRequest& request, const MergedSite& site, const
   std::vector<Trajectory> paths;
   for (std::size_t k = 0; k < runs.size(); ++k) {
     paths.push_back(trajectory_in_site(*runs[k], site.poses[k]));
-    write_tum(folder.staged(session_file(k)), paths.back());
-    joined.runs.push_back({runs[k]->folder, runs[k]->name, name + "/" + session_file(k), paths.back().size()});
+    write_tum(folder.staged(session_file_name(k)), paths.back());
+    joined.runs.push_back({runs[k]->folder, runs[k]->name, name + "/" + session_file_name(k), paths.back().size()});
   }
   joined.changes = take_out_changes(site, joined_runs);
   MapOutcome outcome = site_outcome(site, runs, paths);
@@ -221,7 +217,7 @@ std::string report_of(const MergeOutcome& outcome, const std::vector<SessionEdge
 
 MergeOutcome merge_runs(const MergeRequest& request) {
   require_runs_elsewhere(request);
-  RunFolder results(request.folder, request.replace_foreign_files ? ForeignFiles::kReplaced : ForeignFiles::kKept);
+  RunFolder results(request.folder, request.replace_foreign_files);
   std::vector<RunSession> runs = read_runs(request);
   std::vector<Session> sessions;
   sessions.reserve(runs.size());

@@ -11,7 +11,6 @@
 
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
-#include "histogram.hpp"
 
 namespace gdtslam {
 namespace {

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "gdtslam/core/error.hpp"
-#include "histogram.hpp"
 #include "scan_ahead.hpp"
 #include "scan_stream.hpp"
 

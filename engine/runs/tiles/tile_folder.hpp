@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <functional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "tile_maker.hpp"
@@ -28,19 +27,8 @@ struct TileIndex {
   std::vector<TileRecord> tiles;  ///< row by row from the lowest
 };
 
-/// "12_-3": of the files of the tile in column 12 and row -3.
-std::string name_of_tile(CellIndex place);
-/// Throws FileError.
-TileRecord write_tile(const std::string& folder, const MapTile& tile);
-void write_tile_index(const std::string& folder, const TileIndex& index);
-/// Throws InputError, also where there is none, or a file that it names is missing; FileError.
-TileIndex read_tile_index(const std::string& folder);
-/// Whether that folder has an index of tiles, which need not be whole.
+/// Whether the folder holds tiles and their index, and nothing else.
 bool is_tile_folder(const std::string& folder);
-/// The name of what somebody else put among the tiles, the first by the alphabet; empty where there is nothing.
-std::string foreign_among_tiles(const std::string& folder);
-/// Whether files of tiles have such names: the index, and what write_tile() writes.
-bool is_tile_file(std::string_view name);
 /// Of all cells of all tiles.
 std::string sha256_of(const TileIndex& index);
 /// Around all tiles.

@@ -64,48 +64,40 @@ bool is_own_folder(const fs::path& folder) {
 
 std::string staging_name(std::string_view name) { return fmt::format(".{}{}", name, kStagingEnding); }
 
-fs::path target_of(const fs::path& staging) {
-  const std::string name = staging.filename().string();
-  return staging.parent_path() / name.substr(1, name.size() - 1 - kStagingEnding.size());
-}
-
-FolderTransaction::FolderTransaction(const std::string& path, BeforeRemoval before_removal)
+FolderTransaction::FolderTransaction(const std::string& path, const BeforeRemoval& before_removal)
     : path_(path),
       target_(without_links(path)),
-      staging_(target_.parent_path() / staging_name(target_.filename().string())),
-      before_removal_(std::move(before_removal)) {
+      staging_(target_.parent_path() / staging_name(target_.filename().string())) {
   require_exchangeable(path, target_);
-  std::error_code ignored;
-  for (fs::path above = target_.parent_path(); !fs::exists(above, ignored); above = above.parent_path()) {
+  std::error_code failed;
+  for (fs::path above = target_.parent_path(); !fs::exists(above, failed); above = above.parent_path()) {
     made_.push_back(above);
   }
   make_folder(target_.parent_path().string());
   lock_staging();
+  const std::vector<fs::path> left = list_folder(staging_, failed);
+  if (!left.empty() && before_removal) before_removal(staging_);
+  for (const fs::path& file : left) {
+    if (!failed) remove_tree(file, failed);
+  }
+  if (failed)
+    throw FileError(path_, fmt::format("cannot be written to: '{}': {}", staging_.string(), failed.message()));
 }
 
 // Another process may exchange or remove the folder between opening and locking it: then it is not the one of that
 // name any more.
 void FolderTransaction::lock_staging() {
-  const auto fail = [this](const std::string& why) {
-    throw FileError(path_, fmt::format("cannot be written to: '{}' cannot be made: {}", staging_.string(), why));
-  };
   do {
     lock_.reset();
-    if (::mkdir(staging_.c_str(), 0777) != 0 && errno != EEXIST) fail(errno_text(errno));
-    if (!is_own_folder(staging_)) fail("something else has that name");
+    const bool is_made = ::mkdir(staging_.c_str(), 0777) == 0 || errno == EEXIST;
+    if (!is_made || !is_own_folder(staging_)) {
+      throw FileError(path_, fmt::format("cannot be written to: '{}' cannot be made: {}", staging_.string(),
+                                         is_made ? "something else has that name" : errno_text(errno)));
+    }
     lock_.emplace(staging_, FolderLock::Taken::kRefuse, path_);
   } while (!lock_->is_of(staging_));
   struct stat old {};
   if (::stat(target_.c_str(), &old) == 0) ::chmod(staging_.c_str(), old.st_mode & kAllModes);
-  std::error_code failed;
-  const std::vector<fs::path> left = list_folder(staging_, failed);
-  if (!left.empty() && before_removal_) before_removal_(staging_, false);
-  for (const fs::path& file : left) {
-    std::error_code kept;
-    remove_tree(file, kept);
-    if (kept) failed = kept;
-  }
-  if (failed) fail(failed.message());
 }
 
 FolderTransaction::~FolderTransaction() {
@@ -137,17 +129,10 @@ void FolderTransaction::commit() {
   std::optional<FolderLock> of_old;  // its name is that of the staging folder until it is gone
   if (lies_there(target_)) of_old.emplace(target_, FolderLock::Taken::kRefuse, path_);
   exchange();
-  std::error_code ignored;
-  try {
-    sync_folder(target_.parent_path().string());
-    if (of_old && of_old->is_of(staging_) && before_removal_) before_removal_(staging_, true);
-  } catch (const Error&) {
-    of_old ? exchange() : fs::rename(target_, staging_, ignored);
-    throw;
-  }
-  // Without an old folder the name is free, and may be another writer's by now.
-  if (of_old && of_old->is_of(staging_)) remove_tree(staging_, ignored);
   made_.clear();
+  sync_folder(target_.parent_path().string());
+  std::error_code ignored;  // without an old folder the name is free, and may be another writer's by now
+  if (of_old && of_old->is_of(staging_)) remove_tree(staging_, ignored);
   lock_.reset();
 }
 

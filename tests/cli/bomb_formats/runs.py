@@ -36,19 +36,10 @@ def run_with(name, content, *command):
     return make
 
 
-def tiles_far_apart():
-    """Two tiles at the ends of what an index may name: all between them would be 2^40."""
-    tile = {"keyframes": 3, "gdt_sha256": "cd" * 32}
-    return json.dumps({"format": 1, "version": "0.1.0", "keyframes_sha256": "ab" * 32, "resolution_m": 0.025, "tile_cells": 2048,
-                       "tiles": [{"x": -524288, "y": -524288, **tile}, {"x": 524287, "y": 524287, **tile}]}).encode()
-
-
 BOMBS = [
     Bomb("keyframes of zeros in gzip", run_with("keyframes.bin.gz", lambda: gzipped(b"", bytes(MB), 1000), "edit", "RUN", "--rotate-to-walls", "-o", "OUT"), 65, "keyframes.bin.gz", 700, 10),
     Bomb("covariances of newlines", run_with("covariance.csv", lambda: b"\n" * (64 * MB), "evaluate", "RUN", "--reference", cli.TRUTH), 65, "covariance.csv", 200),
     Bomb("edits nested 1,000,000 deep", run_with("again.json", lambda: b'{"edits":' + b"[" * 1_000_000, "edit", "RUN", "--again", "RUN/again.json", "-o", "OUT"), 65, "again.json"),
     Bomb("graph of 16 MB in a line", run_with("graph.g2o", lambda: b"VERTEX_SE2 " + b"1" * (16 * MB), "merge", "RUN", "RUN", "-o", "OUT"), 65, "graph.g2o"),
     Bomb("continue.json nested 1,000,000 deep", run_with("continue.json", lambda: b'{"logs":' + b"[" * 1_000_000, "map", "--continue", "RUN"), 65, "continue.json"),
-    Bomb("tiles far apart", run_with("tiles/index.json", tiles_far_apart, "tiles", "RUN", "--only", "0,0"), 65, "index.json|tiles"),
-    Bomb("tiles nested 1,000,000 deep", run_with("tiles/index.json", lambda: b'{"tiles":' + b"[" * 1_000_000, "tiles", "RUN", "--only", "0,0"), 65, "index.json"),
 ]

@@ -220,7 +220,7 @@ TEST_F(CWholeLog, refuses_a_file_that_is_not_the_runs) {
   auto error = made<gdtslam_error>();
   EXPECT_EQ(gdtslam_run_trajectory(opened, &poses, &count, &error), GDTSLAM_BAD_INPUT);
   EXPECT_THAT(error.text, HasSubstr("trajectory.tum: has "));
-  EXPECT_THAT(error.text, HasSubstr("but report.json tells of"));
+  EXPECT_THAT(error.text, HasSubstr("but report.json names"));
   gdtslam_grid* grid = nullptr;
   EXPECT_EQ(gdtslam_run_map(opened, &grid, nullptr), GDTSLAM_OK);
   const Owned<gdtslam_grid> map(grid);

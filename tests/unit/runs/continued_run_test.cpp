@@ -1,4 +1,4 @@
-// A run that is continued, tiles of a run, and a run as a recording: against the run made at once.
+// A run that is continued, and a run as a recording: against the run made at once.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -12,7 +12,6 @@
 
 #include "engine/runs/folder/run_reader.hpp"
 #include "engine/runs/folder/run_recording.hpp"
-#include "engine/runs/retiling/make_tiles.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"
 #include "ring_run.hpp"
@@ -139,73 +138,6 @@ TEST(RunWithout, LoopsOrMapHasNoFilesOfThem) {
   EXPECT_EQ(report.at("odometry_delay").at("delay_s"), 0.25);
   EXPECT_EQ(report.at("odometry_delay").at("sigma_s"), 0.0);
   EXPECT_EQ(report.at("matched"), 40);
-}
-
-TEST(TilesOfARun, AreMadeAllAndSingly) {
-  const test::RunsFolder folder("tiled");
-  fs::copy(ring_run().folder, folder.path("run"), fs::copy_options::recursive);
-  TilesRequest request{.run = folder.path("run"), .only = {}, .progress = {}, .stop = {}};
-  // What a killed process left is in nobody's way.
-  fs::create_directories(folder.path("run/.tiles.gdtslam-new/deeper"));
-  make_tiles(request);
-  const TilesOutcome all = make_tiles(request);
-  for (const fs::directory_entry& entry : fs::directory_iterator(request.run)) {
-    EXPECT_NE(entry.path().filename().string().front(), '.') << entry.path() << ": new ones or old ones";
-  }
-  // The corridor reaches over the origin both ways, and a tile has 51.2 m: four of them.
-  EXPECT_EQ(all.made, 4U);
-  EXPECT_EQ(all.index.tiles.size(), 4U);
-  EXPECT_EQ(all.index.resolution_m, 0.025);
-  EXPECT_EQ(all.index.keyframes_sha256, RunReader(request.run).summary().keyframes_sha256);
-  EXPECT_EQ(all.index.tiles[0].place, (CellIndex{-1, -1}));
-  EXPECT_EQ(all.index.tiles[1].place, (CellIndex{0, -1})) << "by rows";
-  for (const TileRecord& tile : all.index.tiles) EXPECT_GT(tile.keyframes, 0U);
-  request.only = {{0, 0}};
-  TilesOutcome some = make_tiles(request);
-  EXPECT_EQ(some.made, 1U);
-  EXPECT_TRUE(some.changed.empty()) << "they are as before";
-  const std::string index = folder.path("run/tiles/index.json");
-  const std::string text = test::text_of_file(index);
-  const std::string hash = all.index.tiles[3].sha256;
-  ASSERT_EQ(all.index.tiles[3].place, (CellIndex{0, 0}));
-  std::string other = text;
-  other.replace(other.find(hash), 4, "beef");
-  std::ofstream(index) << other;
-  some = make_tiles(request);
-  EXPECT_EQ(some.changed, (std::vector<CellIndex>{{0, 0}}));
-  EXPECT_EQ(test::text_of_file(index), text);
-  request.only = {{7, 7}};
-  EXPECT_THROW(make_tiles(request), UsageError);
-  other = text;
-  other.replace(other.find(all.index.keyframes_sha256), 4, "beef");
-  std::ofstream(index) << other;
-  request.only = {{0, 0}};
-  EXPECT_THROW(make_tiles(request), InputError);
-  request.only = {};
-  request.stop = [] { return true; };
-  EXPECT_THROW(make_tiles(request), Error);
-  EXPECT_EQ(test::text_of_file(index), other) << "interrupted, the tiles are as before";
-  fs::remove_all(folder.path("run/tiles"));
-  fs::create_directories(folder.path("run/tiles"));
-  std::ofstream(folder.path("run/tiles/mine.txt")) << "mine";
-  request.stop = {};
-  EXPECT_THROW(make_tiles(request), UsageError);
-  EXPECT_TRUE(fs::exists(folder.path("run/tiles/mine.txt")));
-}
-
-TEST(TilesOfARun, StayWhereTheRunIsReplacedMeanwhile) {
-  const test::RunsFolder folder("tiled-meanwhile");
-  fs::copy(ring_run().folder, folder.path("run"), fs::copy_options::recursive);
-  TilesRequest request{.run = folder.path("run"), .only = {}, .progress = {}, .stop = {}};
-  make_tiles(request);
-  const fs::file_time_type before = fs::last_write_time(folder.path("run/tiles/index.json"));
-  const std::string report = folder.path("run/report.json");
-  request.progress = [&](double) {
-    fs::copy_file(report, report + ".new", fs::copy_options::overwrite_existing);
-    fs::rename(report + ".new", report);  // as another run does
-  };
-  EXPECT_THROW(make_tiles(request), InputError);
-  EXPECT_EQ(fs::last_write_time(folder.path("run/tiles/index.json")), before);
 }
 
 TEST(RecordingOfARun, HasEachScanAndItsPose) {

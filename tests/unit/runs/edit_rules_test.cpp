@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/runs/edits/edit_arguments.hpp"
-#include "engine/runs/edits/edits_file.hpp"
+#include "engine/runs/edits/edit_steps.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "ring_run.hpp"
@@ -42,16 +42,16 @@ TEST(EditRules, NumbersOfAMapReachAMillionAndThoseOfTheWorldABillion) {
     EXPECT_EQ(frame(origin), "accepted") << origin;
   }
   for (const char* origin : {"[1.001e6, 0, 0]", "[-1.001e6, 0, 0]", "[0, 1.001e6, 0]", "[0, 0, 1.001e6]"}) {
-    EXPECT_THAT(frame(origin), HasSubstr("no number from -1e+06 to 1e+06")) << origin;
+    EXPECT_THAT(frame(origin), HasSubstr("numbers from -1e+06 to 1e+06")) << origin;
   }
   const auto crop = [](const std::string& low, const std::string& high) {
     return fault_of_steps(R"({"step": "crop", "low": )" + low + R"(, "high": )" + high + "}");
   };
   EXPECT_EQ(crop("[-1e6, -1e6]", "[1e6, 1e6]"), "accepted");
-  EXPECT_THAT(crop("[0, 0]", "[1, 1.001e6]"), HasSubstr("no number from"));
-  EXPECT_THAT(crop("[0, 0]", "[0, 1]"), HasSubstr("not above its 'low'"));
-  EXPECT_THAT(crop("[0, 0]", "[1, 0]"), HasSubstr("not above its 'low'"));
-  EXPECT_THAT(crop("[0, 0]", "[-1, 1]"), HasSubstr("not above its 'low'"));
+  EXPECT_THAT(crop("[0, 0]", "[1, 1.001e6]"), HasSubstr("numbers from"));
+  EXPECT_THAT(crop("[0, 0]", "[0, 1]"), HasSubstr("is not above 'low'"));
+  EXPECT_THAT(crop("[0, 0]", "[1, 0]"), HasSubstr("is not above 'low'"));
+  EXPECT_THAT(crop("[0, 0]", "[-1, 1]"), HasSubstr("is not above 'low'"));
 }
 
 TEST(EditRules, AnOriginIsTwoNumbersOrThree) {

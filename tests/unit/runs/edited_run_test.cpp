@@ -11,10 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/runs/edits/edits_file.hpp"
-#include "engine/runs/edits/map_picture_file.hpp"
+#include "engine/runs/edits/edit_steps.hpp"
 #include "engine/runs/edits/resolve_steps.hpp"
-#include "engine/runs/edits/run_scans.hpp"
 #include "engine/runs/edits/source_run.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"

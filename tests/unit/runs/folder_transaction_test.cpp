@@ -150,30 +150,6 @@ TEST_F(FolderTransactionTest, WhatAKilledProcessLeftGoesButForTheLogOfAStream) {
   EXPECT_EQ(text_in(run.keep_log("log-1.jsonl.zst")), "this drive");
 }
 
-TEST_F(FolderTransactionTest, TheLogOfAStreamOutlivesItsRun) {
-  const auto put_drive = [this](const std::string& log) {
-    RunFolder run(run_.string());
-    write_text(run.staged("log-1.jsonl.zst"), log);
-    write_text(run.staged("report.json"), R"({"format": 1, "map_sha256": "", "files": [["log-1.jsonl.zst", 3, ""]]})");
-    run.commit();
-    return run.left_logs();
-  };
-  EXPECT_THAT(put_drive("one"), IsEmpty());
-  EXPECT_THAT(put_drive("one"), IsEmpty()) << "as where it is continued";
-  EXPECT_THAT(put_drive("two"), ElementsAre(run_.string() + "-left-1.jsonl.zst"));
-  EXPECT_EQ(text_in(run_.string() + "-left-1.jsonl.zst"), "one");
-}
-
-TEST_F(FolderTransactionTest, WhatIsWrittenWithinAFolderKeepsIt) {
-  put_run();
-  {
-    const FolderTransaction tiles((run_ / "tiles").string());
-    EXPECT_THAT(fault_of_folder([&] { put_run(); }), HasSubstr("another process is writing"));
-  }
-  fs::create_directories(run_ / ".x.gdtslam-new");
-  EXPECT_THAT(fault_of_folder([&] { put_run(); }), HasSubstr("holds a folder .x.gdtslam-new that no run wrote"));
-}
-
 TEST_F(FolderTransactionTest, ARunReplacesARunAndNothingElse) {
   put_run();
   EXPECT_NO_THROW(put_run()) << "of its own files only";
@@ -181,7 +157,7 @@ TEST_F(FolderTransactionTest, ARunReplacesARunAndNothingElse) {
   EXPECT_THAT(fault_of_folder([&] { put_run(); }), HasSubstr("holds a notes.txt that no run wrote"));
   EXPECT_EQ(text_in(run_ / "notes.txt"), "mine");
   fs::create_directory(run_ / "photos");
-  const auto replace = [&] { RunFolder(run_.string(), ForeignFiles::kReplaced).commit(); };
+  const auto replace = [&] { RunFolder(run_.string(), true).commit(); };
   EXPECT_THAT(fault_of_folder(replace), HasSubstr("holds a folder photos that no run wrote"));
   fs::remove(run_ / "photos");
   replace();

@@ -74,9 +74,6 @@ std::string refusal_of_graph(const std::function<void(GraphText&)>& change) {
 
 std::size_t loops_of_ring() { return read_run_graph(RunReader(ring_run().folder)).graph.loops.size(); }
 
-/// The scan that the line of a vertex names.
-std::size_t scan_of_vertex(const std::string& line) { return std::stoul(line.substr(line.find(' ') + 1)); }
-
 TEST(RunGraphFiles, OfARobotThatStoodStillAreOnePlaceWithoutSteps) {
   const test::RunsFolder folder("one-place");
   test::write_ring_log(folder.path("still.log"), {test::ring_drive().front()}, 3);
@@ -139,28 +136,6 @@ TEST(RunGraphFiles, WithOtherEdgesThanTheReportTellsOfAreRefused) {
               HasSubstr("where the report has a loop from"));
   EXPECT_THAT(refusal_of_graph([](GraphText& text) { text.edges.pop_back(); }),
               HasSubstr("where the report has a loop from"));
-}
-
-TEST(RunGraphFiles, WithAStepThatIsMissingOrLeadsElsewhereAreRefused) {
-  const std::vector<std::string> vertices = graph_text_of(ring_run().folder).vertices;
-  for (const std::size_t place : {std::size_t{0}, std::size_t{3}, vertices.size() - 2}) {
-    const std::string beginning = fmt::format("EDGE_SE2 {} ", scan_of_vertex(vertices[place]));
-    const std::size_t loops = loops_of_ring();
-    const std::string refusal = refusal_of_graph([&](GraphText& text) {
-      const auto steps_end = text.edges.end() - static_cast<std::ptrdiff_t>(loops);
-      text.edges.erase(std::remove_if(text.edges.begin(), steps_end,
-                                      [&](const std::string& line) { return line.starts_with(beginning); }),
-                       steps_end);
-    });
-    EXPECT_THAT(refusal, HasSubstr("has no edge from one of its places to the next")) << place;
-  }
-  const std::string skipped = fmt::format("EDGE_SE2 {} {} ", scan_of_vertex(vertices[3]), scan_of_vertex(vertices[5]));
-  EXPECT_THAT(refusal_of_graph([&](GraphText& text) {
-                std::string& line = text.edges.front();
-                const std::size_t behind_numbers = line.find(' ', line.find(' ', line.find(' ') + 1) + 1) + 1;
-                line = skipped + line.substr(behind_numbers);
-              }),
-              HasSubstr("neither a step of the path nor a loop of the report"));
 }
 
 }  // namespace

@@ -1,11 +1,10 @@
-// A run whose map is in tiles: what can be read and cut out of it, and tiles that are made again all or none.
+// A run whose map is in tiles: what can be read and cut out of it, and the tiles of an edit.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -16,7 +15,6 @@
 #include "engine/runs/edits/edit_run.hpp"
 #include "engine/runs/folder/run_reader.hpp"
 #include "engine/runs/folder/run_report.hpp"
-#include "engine/runs/retiling/make_tiles.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/occupancy_map_file.hpp"
 #include "ring_run.hpp"
@@ -130,72 +128,33 @@ TEST(RunInTiles, SaysSoWhereItsDistanceFieldIsWanted) {
   EXPECT_THAT(fault, HasSubstr("gdtslam edit RUN --crop X0,Y0,X1,Y1 -o PART"));
 }
 
-class MadeTilesTest : public testing::Test {
- protected:
-  void SetUp() override {
-    fs::copy(ring_run().folder, run_, fs::copy_options::recursive);
-    index_ = make_tiles({.run = run_, .only = {}, .progress = {}, .stop = {}}).index;
-    ASSERT_GE(index_.tiles.size(), 2U);
+// Tiles of an edit are those of the keyframes, all or none.
+TEST(RunInTiles, AnEditWritesThem) {
+  const test::RunsFolder folder("edit-tiles");
+  EditRequest request;
+  request.run = ring_run().folder;
+  request.folder = folder.path("tiled");
+  request.with_tiles = true;
+  request.with_pictures = false;
+  // The corridor reaches over the origin both ways, and a tile has 51.2 m: four of them.
+  EXPECT_EQ(edit_run(request).tiles, 4U);
+  const ordered_json index = ordered_json::parse(test::text_of_file(request.folder + "/tiles/index.json"));
+  EXPECT_EQ(index.at("tiles").size(), 4U);
+  EXPECT_EQ(index.at("tiles")[0].at("x"), -1) << "by rows";
+  EXPECT_EQ(index.at("keyframes_sha256"), *RunReader(request.folder).summary().keyframes_sha256);
+  for (const char* name : {"map.pgm", "gdt.png", "trajectory.tum", "keyframes.bin.gz"}) {
+    EXPECT_EQ(test::text_of_file(folder.path("tiled/") + name), test::text_of_file(ring_run().folder + "/" + name))
+        << name;
   }
-  [[nodiscard]] std::map<std::string, std::string> files() const {
-    std::map<std::string, std::string> all;
-    for (const fs::directory_entry& entry : fs::directory_iterator(run_ + "/tiles")) {
-      all[entry.path().filename().string()] = test::text_of_file(entry.path().string());
-    }
-    return all;
-  }
-  void damage(const TileRecord& tile) const {
-    std::ofstream(run_ + "/tiles/map_" + name_of_tile(tile.place) + ".png") << "damaged";
-  }
-  [[nodiscard]] bool has_leftovers() const {
-    return std::any_of(fs::directory_iterator(run_), {}, [](const fs::directory_entry& entry) {
-      return entry.path().filename().string().starts_with(".gdtslam-tiles-");
-    });
-  }
-
-  const test::RunsFolder folder_{"made-tiles"};
-  const std::string run_ = folder_.path("run");
-  TileIndex index_;
-};
-
-TEST_F(MadeTilesTest, AreMadeAgainAllOrNone) {
-  const auto whole = files();
-  damage(index_.tiles[0]);
-  damage(index_.tiles[1]);
-  const auto damaged = files();
-  double done = 0.0;
-  TilesRequest request{.run = run_,
-                       .only = {index_.tiles[0].place, index_.tiles[1].place},
-                       .progress = [&](double share) { done = share; },
-                       .stop = [&] { return done > 0.0; }};  // once one of the two is made
-  EXPECT_THAT(fault_in_tiles([&] { return make_tiles(request); }), HasSubstr("interrupted; the tiles are as before"));
-  EXPECT_GT(done, 0.0);
-  EXPECT_EQ(files(), damaged);
-  EXPECT_FALSE(has_leftovers());
-  request.stop = {};
-  const TilesOutcome outcome = make_tiles(request);
-  EXPECT_EQ(outcome.made, 2U);
-  EXPECT_TRUE(outcome.changed.empty()) << "their distances are as before";
-  EXPECT_EQ(files(), whole);
-  EXPECT_FALSE(has_leftovers());
-}
-
-TEST_F(MadeTilesTest, AStopIsAskedForBetweenKeyframes) {
-  const auto before = files();
-  const std::size_t keyframes = index_.tiles[0].keyframes;
-  ASSERT_GT(keyframes, 128U);
-  std::size_t asked = 0;
-  TilesRequest request{.run = run_, .only = {index_.tiles[0].place}, .progress = {}, .stop = [&] {
-                         ++asked;
-                         return false;
-                       }};
-  static_cast<void>(make_tiles(request));
-  EXPECT_GE(asked, 1 + (keyframes + 63) / 64 + 1) << "at first, as they are cast, and before the tile";
-  const std::size_t last = asked;
-  asked = 0;
-  request.stop = [&] { return ++asked == last; };
-  EXPECT_THAT(fault_in_tiles([&] { return make_tiles(request); }), HasSubstr("interrupted"));
-  EXPECT_EQ(files(), before);
+  request.run = request.folder;
+  request.folder = folder.path("again");
+  double share_of_tiles = 0.0;
+  request.progress = [&](std::string_view step, double share) {
+    if (step == "the tiles") share_of_tiles = share;
+  };
+  request.stop = [&] { return share_of_tiles > 0.0; };  // once a tile is made
+  EXPECT_THAT(fault_in_tiles([&] { return edit_run(request); }), HasSubstr("interrupted; nothing was written"));
+  EXPECT_FALSE(fs::exists(request.folder));
 }
 
 }  // namespace

@@ -79,19 +79,6 @@ TEST_F(SiteOutcomeTest, ScansLieBetweenTheirKeyframes) {
   expect_pose(path[3].T_map_base, middle.x_m, middle.y_m, 0.1);
 }
 
-TEST_F(SiteOutcomeTest, ScansBesideTheKeyframesFollowTheNearestOne) {
-  RunSession session = run("a", 0.0, "");
-  session.kept.keyframes.erase(session.kept.keyframes.begin());
-  session.kept.keyframes.pop_back();  // scan 2 alone
-  const Trajectory path = trajectory_in_site(session, {{2.0, 3.0, 0.5 * kPi}});
-  for (int k = 0; k < 5; ++k) {
-    expect_pose(path[static_cast<std::size_t>(k)].T_map_base, 2.0, 3.0 + (k - 2), 0.5 * kPi);
-  }
-  session = run("a", 0.0, "");
-  session.kept.keyframes.erase(session.kept.keyframes.begin());  // scans 2 and 4
-  expect_pose(trajectory_in_site(session, {{2.0, 1.0, 0.0}, {4.0, 9.0, 0.0}})[1].T_map_base, 1.0, 1.0, 0.0);
-}
-
 MergedSite site_of_two_runs() {
   MergedSite site;
   site.sessions = {0, 1};
@@ -223,37 +210,6 @@ TEST_F(SiteOutcomeTest, DistancesAreThoseOfTheField) {
   ASSERT_EQ(distances.size(), 2U);
   EXPECT_GT(distances[0], 0.02);
   EXPECT_LT(distances[0], 0.1);
-}
-
-// Drives of a run begin where it says; keyframes and stamps are told of each.
-TEST_F(SiteOutcomeTest, DrivesOfARunHaveTheirOwnKeyframesAndTimes) {
-  RunSession two = run("a", 100.0, "");
-  two.drives = {3};
-  two.trajectory[3].stamp_s = 20.0;  // the second drive was on another day
-  two.trajectory[4].stamp_s = 21.5;
-  RunSession one = run("b", 200.0, "");
-  one.trajectory[2].stamp_s = 190.0;  // a stamp that steps back
-  const auto walls = test::furnished_room();
-  for (RunSession* session : {&two, &one}) {
-    for (RunKeyframe& keyframe : session->kept.keyframes) keyframe.laser = test::scan_of(walls, {}, 0.0, 180);
-    session->session.scans.resize(3);
-  }
-  MergedSite site;
-  site.poses = {std::vector<Pose2>(3), std::vector<Pose2>(3)};
-  const SiteChanges changes = take_out_changes(site, {&two, &one});
-  ASSERT_EQ(changes.drives.size(), 3U);
-  const auto told = [&](std::size_t k) {
-    const SiteDrive& drive = changes.drives[k];
-    return std::vector<double>{static_cast<double>(drive.run), static_cast<double>(drive.first_keyframe),
-                               static_cast<double>(drive.end_keyframe), drive.first_s, drive.last_s};
-  };
-  EXPECT_EQ(told(0), (std::vector<double>{0.0, 0.0, 2.0, 100.0, 102.0}));
-  EXPECT_EQ(told(1), (std::vector<double>{0.0, 2.0, 3.0, 20.0, 21.5}));
-  EXPECT_EQ(told(2), (std::vector<double>{1.0, 0.0, 3.0, 190.0, 204.0}));
-  EXPECT_EQ(changes.drives[2].folder, one.folder);
-  EXPECT_EQ(changes.resolution_m, MapConfig{}.resolution_m);
-  EXPECT_EQ(changes.readings, 0U) << "nothing changed";
-  EXPECT_TRUE(changes.last.appeared.empty() && changes.last.gone.empty());
 }
 
 TEST_F(SiteOutcomeTest, ChangedCellsAreMarkedInTheMap) {

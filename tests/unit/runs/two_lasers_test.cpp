@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/runs/edits/run_scans.hpp"
+#include "engine/runs/edits/source_run.hpp"
 #include "engine/runs/folder/run_files.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/random.hpp"
@@ -74,19 +74,17 @@ TEST(TwoLasersWithoutOdometry, KeepThePathAndTheSpeedOfEach) {
   EXPECT_LT(worst_m, 0.03);
 
   // Read once more for edits, the scans have the same speeds.
-  const RunReader run(folder.path("run"));
-  const std::optional<RunLogs> logs = logs_of_run(run, run.settings().log);
-  ASSERT_TRUE(logs);
   std::size_t without = 0;
   double worst_m_per_s = 0.0;
-  for_each_cast_scan({run, logs, poses, {}, {}}, [&](const LaserScan& scan, const Pose2&) {
+  const auto take = [&](const LaserScan& scan, const Pose2& /*T*/, double /*share*/) {
     if (!scan.speed) {
       ++without;
     } else {
       const double before_s = scan.stamp_s - 1.5 * kSweepPeriod_s + 0.5 * kBeams * kBeamPeriod_s;
       worst_m_per_s = std::max(worst_m_per_s, std::fabs((*scan.speed)[0] - true_speed(before_s)));
     }
-  });
+  };
+  EXPECT_TRUE(for_each_cast_scan(read_source_run(folder.path("run")), take)) << "from its log";
   EXPECT_EQ(without, 4U) << "the first two scans of each";
   EXPECT_LT(worst_m_per_s, 0.5);
 }

@@ -68,37 +68,12 @@ class RunFolderTest : public testing::Test {
   fs::path work_;
 };
 
-TEST_F(RunFolderTest, FilesAppearAtTheCommitOnly) {
-  const fs::path folder = work_ / "a" / "run";
-  {
-    RunFolder run(folder);
-    write(run.staged("one"), "1");
-    write(run.staged("two"), "2");
-    EXPECT_FALSE(fs::exists(folder / "one"));
-    run.commit();
-    EXPECT_EQ(read(folder / "one"), "1");
-  }
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 2);
-}
-
-TEST_F(RunFolderTest, WithoutCommitNothingChanges) {
-  write(work_ / "one", "old");
-  {
-    RunFolder run(work_, ForeignFiles::kReplaced);
-    write(run.staged("one"), "new");
-  }
-  EXPECT_EQ(read(work_ / "one"), "old");
-  EXPECT_EQ(std::distance(fs::directory_iterator(work_), {}), 1);
-  { RunFolder run(work_ / "never"); }
-  EXPECT_FALSE(fs::exists(work_ / "never"));
-}
-
 // More than 32,767 pixels are refused by the rasteriser, a picture without pixels by the SVG too.
 TEST_F(RunFolderTest, AnOverviewThatFailsCostsTheRunNoMoreThanThePicture) {
   Canvas overview(40000.0, 10.0, "map");
   std::vector<LogReader::Warning> warnings;
   const auto write_run = [&] {
-    RunFolder run(work_, ForeignFiles::kReplaced);
+    RunFolder run(work_, true);
     write_picture(run, "overview", overview, warnings);
     run.commit();
   };
@@ -121,6 +96,15 @@ TEST_F(RunFolderTest, LatestPointsToTheRunButReplacesNothingElse) {
   write(work_ / "latest", "a file of the user");
   link_latest(work_ / "one");
   EXPECT_EQ(read(work_ / "latest"), "a file of the user");
+}
+
+TEST_F(RunFolderTest, ADefaultFolderIsFreeAlsoWhileOneIsWritten) {
+  const fs::path before = fs::current_path();
+  fs::current_path(work_);
+  const std::string first = default_run_folder("drive.log");
+  const RunFolder written(first);
+  EXPECT_NE(default_run_folder("drive.log"), first);
+  fs::current_path(before);
 }
 
 TEST(DefaultRunFolder, IsNamedAfterTheLog) {
@@ -148,28 +132,6 @@ TEST(Settings, CommandLineBeatsFileBeatsDefault) {
 TEST(Settings, RefusesWhatDoesNotFit) {
   EXPECT_THROW(load_settings({.file = {}, .sets = {"occupancy.min_ends=0"}}), ConfigError);
   EXPECT_THROW(load_settings({.file = {}, .sets = {"map.truncation=50 m"}}), ConfigError);  // more than 255 cells
-}
-
-TEST(Settings, StateTheLaserOfALog) {
-  const ReadOptions unchanged = read_options_of(load_settings({}).log, true);
-  EXPECT_TRUE(unchanged.lenient);
-  EXPECT_FALSE(unchanged.T_base_laser || unchanged.first_bearing_rad || unchanged.bearing_step_rad ||
-               unchanged.max_range_m);
-  const Settings settings = load_settings(
-      {.file = {},
-       .sets = {"log.mount=stated", "log.mount_x=20cm", "log.mount_y=-1cm", "log.mount_angle=0.5 rad",
-                "log.bearings=stated", "log.first_bearing=-2 rad", "log.bearing_step=0.01 rad", "log.max_range=30m"}});
-  const ReadOptions stated = read_options_of(settings.log, false);
-  EXPECT_EQ(stated.T_base_laser, (Pose2{0.2, -0.01, 0.5}));
-  EXPECT_EQ(stated.first_bearing_rad, -2.0);
-  EXPECT_EQ(stated.bearing_step_rad, 0.01);
-  EXPECT_EQ(stated.max_range_m, 30.0);
-}
-
-TEST(Settings, RefuseWhatNothingWouldUseOfALog) {
-  EXPECT_THROW(load_settings({.file = {}, .sets = {"log.mount_y=1cm"}}), ConfigError);
-  EXPECT_THROW(load_settings({.file = {}, .sets = {"log.bearing_step=1deg"}}), ConfigError);
-  EXPECT_THROW(load_settings({.file = {}, .sets = {"log.bearings=stated"}}), ConfigError);  // a step of zero
 }
 
 TEST(AblationVariants, ChangeWhatTheyName) {

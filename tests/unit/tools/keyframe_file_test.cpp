@@ -123,13 +123,6 @@ TEST_F(KeyframeFileTest, GivesBackWhatItWasGiven) {
   for (std::size_t k = 0; k < 2; ++k) expect_same(read.run.keyframes[k], written.keyframes[k]);
 }
 
-TEST_F(KeyframeFileTest, ARunWithoutKeyframesHasAFileToo) {
-  RunKeyframes none = two_keyframes();
-  none.keyframes.clear();
-  write_keyframes(path_, none);
-  EXPECT_TRUE(read_keyframes(path_).run.keyframes.empty());
-}
-
 // Half a millimetre is what a whole one leaves, and what a float of 30 m has itself.
 TEST_F(KeyframeFileTest, RangesAreWithinHalfAMillimetre) {
   Random random(17);

@@ -119,15 +119,6 @@ TEST(ScanMotion, AMirroredLaserIsNamedWithTheBearingsThatMendIt) {
   EXPECT_THAT(faults_in(path, {.first_bearing_rad = kPi, .bearing_step_rad = rad_from_deg(-2.0)}), IsEmpty());
 }
 
-TEST(ScanMotion, SwappedWheelsAreNamedToo) {
-  const DriveLog log;
-  const std::vector<LogFinding> faults = faults_in(log.write(leave, [](const Pose2& pose) {
-    return Pose2{pose.x_m, -pose.y_m, -pose.theta_rad};
-  }));
-  ASSERT_EQ(faults.size(), 1U);
-  EXPECT_THAT(faults[0].what, HasSubstr("opposite"));
-}
-
 TEST(ScanMotion, ATurnedMountIsNamedWithTheAngleThatMendsIt) {
   const DriveLog log;
   const auto say_ahead = [](LaserScan& scan) { scan.T_base_laser = {0.1, 0.05, 0.0}; };

@@ -89,37 +89,6 @@ TEST(SweepCheck, SweepsThatNothingHoldsAreNotDoubted) {
   EXPECT_EQ(check.doubt(), "");
 }
 
-TEST(SweepCheck, ThreeTimesTheNoiseIsTheBound) {
-  SweepCheck check;
-  check.pairs = 5;
-  check.mean_rms_m = 0.01;
-  check.mean_moved_m = 0.03;
-  EXPECT_EQ(check.doubt(), "");
-  check.mean_moved_m = 0.0301;
-  EXPECT_EQ(check.doubt().find("points of one sweep lie 30 mm from those of the sweep before, 3.0 times"), 0U);
-}
-
-TEST(SweepCheck, ThePiecesDoNotMatter) {
-  const Cloud cloud = strokes(2, 0.002);
-  const SweepCheck once = check_of(cloud, cloud.size());
-  const SweepCheck pieces = check_of(cloud, 77);
-  EXPECT_EQ(once.pairs, pieces.pairs);
-  EXPECT_EQ(once.mean_shift_m, pieces.mean_shift_m);
-  EXPECT_EQ(once.mean_turn_rad, pieces.mean_turn_rad);
-}
-
-TEST(SweepCheck, IsSilentWithoutSweepsOrWhenItIsOff) {
-  EXPECT_EQ(check_of({}, 1).pairs, 0U);
-  const Cloud one = strokes(1, 0.0);
-  EXPECT_EQ(check_of(one, 500).pairs, 0U);
-  EXPECT_EQ(check_of(one, 500).not_held, 0U);
-  SweepCheckConfig off;
-  off.is_on = false;
-  SweepSampler sampler(off);
-  sampler.add(strokes(3, 0.0));
-  EXPECT_EQ(sampler.finish().pairs, 0U);
-}
-
 /// How many sweeps were held against the one before, of scans of one point each at these elevations.
 std::uint64_t compared(const std::vector<float>& elevations_rad) {
   SweepCheckConfig config;
@@ -147,23 +116,6 @@ TEST(SweepCheck, ASweepEndsWhereTheElevationHasTurnedBack) {
     EXPECT_EQ(compared({sign * 0.3F, sign * 0.2F, sign * 0.26F}), 1U);
     EXPECT_EQ(compared({0.0F, sign * 0.1F, 0.0F, sign * 0.04F, sign * -0.1F}), 1U) << "not yet turned back again";
     EXPECT_EQ(compared({0.0F, sign * 0.04F, 0.0F, sign * -0.04F, 0.0F}), 0U) << "it has not begun to move";
-  }
-}
-
-TEST(SweepCheck, SweepsOfTooFewPointsAreNotCompared) {
-  for (const std::uint32_t points : {4U, 5U}) {
-    SweepCheckConfig config;
-    config.min_points = 5;
-    SweepSampler sampler(config);
-    for (std::uint32_t scan = 0; scan < 2 * points; ++scan) {
-      CloudPoint point;
-      point.elevation_rad =
-          scan < points ? 0.1F * static_cast<float>(scan) : 0.1F * static_cast<float>(2 * points - scan) - 0.2F;
-      point.scan = scan;
-      sampler.add({&point, 1});
-    }
-    const SweepCheck check = sampler.finish();
-    EXPECT_EQ(check.pairs + check.not_held, points < 5U ? 0U : 1U);
   }
 }
 

@@ -70,6 +70,7 @@ std::string text_of(const EditRequest& request, const EditOutcome& outcome) {
     text +=
         fmt::format("map.pgm cast anew from {} {}\n", outcome.scans, outcome.is_of_keyframes ? "keyframes" : "scans");
   }
+  if (outcome.tiles > 0) text += fmt::format("{} in the folder tiles\n", plural(outcome.tiles, "tile"));
   return text + fmt::format("results in {}\n", printable(request.folder));
 }
 
@@ -145,7 +146,8 @@ constexpr const char* kEditFooter =
     "  gdtslam edit straight --erase '3,1 4,1 4,2' --crop -5,-5,20,15 -o clean\n"
     "  gdtslam edit run --georeference 0.2,1.5=455012.1,5411930.4 --georeference 31,8.1=455040.9,5411941.2 \\\n"
     "    --world-file -o placed\n"
-    "  gdtslam edit run2 --again clean/edits.json -o clean2";
+    "  gdtslam edit run2 --again clean/edits.json -o clean2\n"
+    "  gdtslam edit run --tiles -o tiled";
 
 }  // namespace
 
@@ -163,6 +165,8 @@ void add_edit_command(CLI::App& app, CommandContext& context) {
   add_region_options(*command, *options);
   command->add_flag("--world-file", options->request.with_world_file,
                     "Write map.png and map.pgw too, an ESRI world file, for a GIS");
+  command->add_flag("--tiles", options->request.with_tiles,
+                    "Write the map in tiles of 2048 cells a side too, maps in themselves, in the folder DIR/tiles");
   command->add_flag("--force", options->request.replace_foreign_files,
                     "Replace files of a run's names in DIR that no run wrote");
   command->add_flag("--no-pictures", options->no_pictures, "Do not write overview.png and graph.png (or .svg)");

@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "engine/drawing/markup.hpp"
-#include "engine/runs/fleet/thumbnail.hpp"
+#include "engine/runs/fleet/fleet_work.hpp"
 
 namespace gdtslam::fleet_page {
 std::string_view skeleton();

@@ -21,8 +21,7 @@ constexpr std::array kRunFiles{
     RunFile{"trajectory.tum",
             "The pose of the robot at each scan, a line each: stamp x y z qx qy qz qw, in metres and seconds."},
     RunFile{"keyframes.bin.gz",
-            "The scans that the map consists of, with their poses: what 'gdtslam merge', 'edit' and "
-            "'tiles' work on."},
+            "The scans that the map consists of, with their poses: what 'gdtslam merge' and 'edit' work on."},
     RunFile{"covariance.csv", "How uncertain each pose is, where loops were closed."},
     RunFile{"graph.g2o", "The pose graph with its loops, for g2o and GTSAM."},
     RunFile{"overview.png, graph.png",
@@ -38,8 +37,7 @@ constexpr std::array kRunFiles{
     RunFile{"edits.json", "The steps of 'gdtslam edit', to do them again."},
     RunFile{"session-1.tum", "Of a site of 'gdtslam merge': the path of its first run (session-2.tum and so on)."},
     RunFile{"tiles/",
-            "The map in tiles of 2048 cells a side, where it is too large for one piece or 'gdtslam tiles' made "
-            "them."},
+            "The map in tiles of 2048 cells a side, if it is too large for one piece or of 'gdtslam edit --tiles'."},
 };
 
 }  // namespace

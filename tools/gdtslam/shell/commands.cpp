@@ -1,11 +1,13 @@
 #include "commands.hpp"
 
+#include <fmt/format.h>
 #include <unistd.h>
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>  // what CLI::App::help() is made of: the constructor wants it
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -14,6 +16,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "console.hpp"
@@ -153,12 +156,19 @@ CLI::App* chosen_app(CLI::App* app) {
   return app;
 }
 
+/// Commands that became options of others.
+constexpr std::array<std::pair<std::string_view, const char*>, 1> kMovedCommands{
+    {{"tiles", "is an option now: gdtslam edit RUN --tiles -o DIR"}}};
+
 std::string usage_message(CLI::App* root, const CLI::ParseError& error) {
   CLI::App* const app = chosen_app(root);
   std::string message = error.what();
   const std::vector<std::string> unknown = root->remaining(true);
   if (!unknown.empty() && !unknown.front().empty()) {
     const std::string word = unknown.front().substr(0, unknown.front().find('='));
+    for (const auto& [name, what] : kMovedCommands) {
+      if (word == name && app == root) return fmt::format("'{}' {}", name, what);
+    }
     const bool is_command = app->get_require_subcommand_min() > 0 && word.front() != '-';
     message = (is_command ? "there is no command '" : "unexpected argument '") + word + "'" +
               did_you_mean(word, names_of(app));

@@ -8,7 +8,7 @@
 
 #include "engine/io/logs/log_signs.hpp"
 #include "engine/io/referenced_file.hpp"
-#include "engine/runs/folder/files_of_runs.hpp"
+#include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/run_reader.hpp"
 #include "gdtslam/core/error.hpp"
 

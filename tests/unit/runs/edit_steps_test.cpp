@@ -9,9 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/runs/edits/edit_arguments.hpp"
-#include "engine/runs/edits/edits_file.hpp"
-#include "engine/runs/edits/taken_out.hpp"
+#include "engine/runs/edits/map_region.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/random.hpp"
@@ -79,27 +77,6 @@ TEST(MapRegion, ContainsWhatItsOutlineGoesAround) {
   EXPECT_NEAR(inside / 5000.0, 6.0 / 30.0, 0.03);
 }
 
-// Points on the grid of the corners meet the bounds themselves.
-TEST(MapRegion, WithinBoundsIsTheSame) {
-  Random random(5);
-  for (int trial = 0; trial < 200; ++trial) {
-    MapRegion region;
-    const double scale_m = trial % 2 == 0 ? 1.0 : 1.0e7;
-    for (int k = 0; k < 3 + trial % 6; ++k) {
-      region.corners_m.emplace_back(scale_m * std::floor(random.uniform(-3.0, 4.0)) / 3.0,
-                                    scale_m * std::floor(random.uniform(-3.0, 4.0)) / 3.0);
-    }
-    const BoundedRegion bounded(region);
-    for (int k = 0; k < 400; ++k) {
-      Point2 p{scale_m * std::floor(random.uniform(-5.0, 6.0)) / 3.0,
-               scale_m * std::floor(random.uniform(-5.0, 6.0)) / 3.0};
-      if (k % 3 == 0) p.x() = std::nextafter(p.x(), k % 2 == 0 ? 1.0e9 : -1.0e9);
-      if (k % 5 == 0) p += Point2(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
-      ASSERT_EQ(bounded.contains(p), region.contains(p)) << p.transpose() << ", trial " << trial;
-    }
-  }
-}
-
 TEST(MapRegion, SidesOfNeighboursBelongToOneOfThem) {
   const MapRegion left = rectangle_between({0, 0}, {1, 1});
   const MapRegion right = rectangle_between({1, 0}, {2, 1});
@@ -115,14 +92,13 @@ TEST(TakenOut, ReadingsGoByWhereTheyEnd) {
   scan.ranges_m = {2.0F, 3.0F, 4.0F, 10.0F};  // ends at (3, 1), (1, 4), (-3, 1); no return
   const std::vector<MapRegion> erased{rectangle_between({0, 3.5}, {2, 4.5})};
   const std::vector<MapRegion> kept{rectangle_between({0, 0}, {5, 5})};
-  const std::vector<MapRegion> none;
   const Pose2 T{1, 1, kQuarter};
   LaserScan less = scan;
-  EXPECT_EQ(take_out_readings({erased, none}, {}, T, less), 1U);
+  EXPECT_EQ(take_out_readings({.erased = erased}, {}, T, less), 1U);
   EXPECT_TRUE(std::isinf(less.ranges_m[1]));
   EXPECT_EQ(less.ranges_m[0], 2.0F);
   less = scan;
-  EXPECT_EQ(take_out_readings({none, kept}, {}, T, less), 1U);
+  EXPECT_EQ(take_out_readings({.kept = kept}, {}, T, less), 1U);
   EXPECT_TRUE(std::isinf(less.ranges_m[2]));
   EXPECT_EQ(less.ranges_m[3], 10.0F);
   less = scan;
@@ -165,26 +141,6 @@ TEST(TakenOut, OutsideOfASlantedCropIsUnknown) {
   }
 }
 
-TEST(EditArguments, AreReadOrRefusedByName) {
-  EXPECT_EQ(parse_origin("1.5, -2").pose, (Pose2{1.5, -2, 0}));
-  EXPECT_FALSE(parse_origin("1.5,-2").has_angle);
-  EXPECT_NEAR(parse_origin("0,0,-90").pose.theta_rad, -kQuarter, 1e-12);
-  for (const char* text : {"", "1", "1,2,3,4", "1,,2", "1,2,", "x,2", "1;2", "1,2e999", "inf,0", "1,2 apples"}) {
-    EXPECT_THROW((void)parse_origin(text), UsageError) << text;
-  }
-  const RegionBounds box = parse_rectangle("4,1,-2,3");
-  EXPECT_EQ(box.low_m, Point2(-2, 1));
-  EXPECT_EQ(box.high_m, Point2(4, 3));
-  EXPECT_EQ(parse_region(" 0,0  1,0\t1,1 ").corners_m, (std::vector<Point2>{{0, 0}, {1, 0}, {1, 1}}));
-  for (const char* text : {"0,0 1,0", "0,0 1,0 1", "0,0 1,0 1,2,3", "here"}) {
-    EXPECT_THROW((void)parse_region(text), UsageError) << text;
-  }
-  EXPECT_EQ(parse_point_pairs("1,-2=300000,5e6"), (std::vector<PointPair>{{{1, -2}, {300000, 5e6}}}));
-  for (const char* text : {"1,2", "1,2=3", "1,2=3,4,5", "1,2=3,4e10"}) {
-    EXPECT_THROW((void)parse_point_pairs(text), UsageError) << text;
-  }
-}
-
 TEST(EditsFile, ReadsBackWhatItWrote) {
   GeoreferenceEdit world{{{{0.1, 0.2}, {455012.25, 5411930.5}}, {{30, 7}, {455042, 5411931}}}, {}};
   world.fit = {
@@ -212,16 +168,17 @@ TEST(EditsFile, RefusesWhatItDoesNotKnow) {
     return "";
   };
   EXPECT_EQ(refusal(R"({"step": "world-file"})"), "");
-  EXPECT_THAT(refusal(""), HasSubstr("edits.json: has a 'steps' that is no list of 1 or more"));
-  EXPECT_THAT(refusal("7"), HasSubstr("step 1 is no object"));
-  EXPECT_THAT(refusal(R"({"step": "world-file"}, {"step": "paint"})"), HasSubstr("step 2 is \"paint\""));
+  EXPECT_THAT(refusal("7"), HasSubstr("'steps[0]' is not an object"));
+  EXPECT_THAT(refusal(R"({"step": "world-file"}, {"step": "paint"})"), HasSubstr("'steps[1].step' is \"paint\""));
   EXPECT_THAT(refusal(R"({"step": "frame", "direction_by": "taste", "origin": [0, 0, 0]})"), HasSubstr("direction_by"));
-  EXPECT_THAT(refusal(R"({"step": "frame", "direction_by": "stated", "origin": [0, 0]})"), HasSubstr("not 3 numbers"));
+  EXPECT_THAT(refusal(R"({"step": "frame", "direction_by": "stated", "origin": [0, 0]})"),
+              HasSubstr("is not 3 numbers"));
   EXPECT_THAT(refusal(R"({"step": "frame", "direction_by": "stated", "origin": [0, 0, 1e7]})"),
-              HasSubstr("no number from"));
-  EXPECT_THAT(refusal(R"({"step": "erase", "polygon": [[0, 0], [1, 1]]})"), HasSubstr("no list of 3"));
-  EXPECT_THAT(refusal(R"({"step": "crop", "low": [0, 0], "high": [1, 0]})"), HasSubstr("not above its 'low'"));
-  EXPECT_THAT(refusal(R"({"step": "georeference", "points": [{"map": [0, 0]}, {}]})"), HasSubstr("has no 'world'"));
+              HasSubstr("is not 3 numbers from"));
+  EXPECT_THAT(refusal(R"({"step": "erase", "polygon": [[0, 0], [1, 1]]})"), HasSubstr("fewer than 3 corners"));
+  EXPECT_THAT(refusal(R"({"step": "crop", "low": [0, 0], "high": [1, 0]})"), HasSubstr("is not above 'low'"));
+  EXPECT_THAT(refusal(R"({"step": "georeference", "points": [{"map": [0, 0]}, {}]})"),
+              HasSubstr("has no 'steps[0].points[0].world'"));
   EXPECT_THROW((void)parse_edits(R"({"format": 2, "run": "r", "begins_at_s": 0, "steps": []})", "e"), InputError);
   EXPECT_THROW((void)parse_edits("[", "e"), InputError);
 }

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "gdtslam/core/error.hpp"
@@ -120,18 +121,46 @@ TEST_F(ContinueFileTest, AFileThatIsNoneIsRefused) {
 TEST_F(ContinueFileTest, ALogIsFoundByItsBytes) {
   const std::string log = (folder_ / "log-1.jsonl.zst").string();
   std::ofstream(log) << "one\n";
-  const std::vector<KeptLog> kept = kept_logs({log, "-"}, {"", log});
-  ASSERT_EQ(kept.size(), 2U);
+  const KeptLog kept = kept_log(log, state_of_file(log), "");
+  const KeptLog own = kept_log("-", std::nullopt, log);
   // printf 'one\n' | sha256sum
-  EXPECT_EQ(kept[0].sha256, "2c8b08da5ce60398e1f19af0e5dccc744df274b826abe585eaba68c525434806");
-  EXPECT_EQ(kept[1].path, "log-1.jsonl.zst") << "of the run";
-  EXPECT_EQ(log_of_run(kept[0], "elsewhere"), log);
-  EXPECT_EQ(log_of_run(kept[1], folder_.string()), log);
+  EXPECT_EQ(kept.sha256, "2c8b08da5ce60398e1f19af0e5dccc744df274b826abe585eaba68c525434806");
+  EXPECT_EQ(own.path, "log-1.jsonl.zst") << "of the run";
+  EXPECT_EQ(log_of_run(kept, "elsewhere"), log);
+  EXPECT_EQ(log_of_run(own, folder_.string()), log);
   for (const char* path : {"../log-1.jsonl.zst", "..", "", "continue.json"}) {
-    EXPECT_THROW((void)log_of_run({"-", path, kept[1].sha256}, folder_.string()), InputError) << path;
+    EXPECT_THROW((void)log_of_run({"-", path, own.sha256}, folder_.string()), InputError) << path;
   }
+  const std::optional<FileState> before = state_of_file(log);
   std::ofstream(log) << "two\n";
-  EXPECT_THROW((void)log_of_run(kept[0], "elsewhere"), InputError);
+  EXPECT_THROW((void)log_of_run(kept, "elsewhere"), InputError);
+  EXPECT_EQ(kept_log(log, before, "").sha256, "") << "written to while it was mapped";
+}
+
+// A stranger's file is not read, whatever it is and whoever named it.
+TEST_F(ContinueFileTest, FilesOfAnotherHashAreRefusedBeforeTheyAreRead) {
+  const std::string secret = (folder_ / "secret").string();
+  std::ofstream(secret) << "FLASER 1 2.0 0 0 0 0 0 0 1 robot 1\n";
+  KeptRequest kept;
+  kept.logs = {{"a.log", secret, std::string(64, 'a')}};
+  write_continue_file(file(), kept);
+  const MapRequest request{.continued = folder_.string()};
+  const auto fault = [&request] {
+    try {
+      (void)continued_request(request);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("nothing was thrown");
+  };
+  EXPECT_THAT(fault(), HasSubstr(secret + ": has another SHA-256 than the log"));
+  nlohmann::ordered_json json = nlohmann::ordered_json::parse(std::ifstream(file()));
+  json["linkage"] = secret;
+  std::ofstream(file()) << json.dump();
+  EXPECT_THAT(fault(), HasSubstr(secret + ": has another SHA-256 than the linkage"));
+  json["linkage"] = "/dev/zero";
+  std::ofstream(file()) << json.dump();
+  EXPECT_THAT(fault(), HasSubstr("/dev/zero: has another SHA-256"));
 }
 
 }  // namespace

@@ -59,13 +59,13 @@ TEST_F(CovarianceFileTest, ReadsFilesOfOtherHosts) {
 TEST_F(CovarianceFileTest, RefusesWhatIsNoCovariance) {
   expect_refused("", "is empty");
   expect_refused("1,1,0,0,1,0,1\n", ":1: has no header");
-  expect_refused(header_ + "1,1,0,0,1,0\n", ":2: the row ends after 6 of 7 numbers");
-  expect_refused(header_ + "1,1,0,0,1,0,1\n2,1,0,0,1,0,1,5\n", ":3: the row goes on after 7 numbers");
-  expect_refused(header_ + "1,1,zero,0,1,0,1\n", "has \"zero,0,1,0,1\" where a finite number should be");
-  expect_refused(header_ + "1,inf,0,0,1,0,1\n", "where a finite number should be");
+  expect_refused(header_ + "1,1,0,0,1,0\n", ":2: the row has \"1,1,0,0,1,0\", not 7 numbers");
+  expect_refused(header_ + "1,1,0,0,1,0,1\n2,1,0,0,1,0,1,5\n", ":3: the row has");
+  expect_refused(header_ + "1,1,zero,0,1,0,1\n", "has \"1,1,zero,0,1,0,1\", not 7 numbers");
+  expect_refused(header_ + "1,inf,0,0,1,0,1\n", "not 7 numbers");
   expect_refused(header_ + "1,1,0,0,1,0,-1\n", "has a variance below zero");
   expect_refused(header_ + "1,1,2,0,1,0,1\n", "vary together by more than each of them varies");
-  expect_refused(header_ + "\n", "where a finite number should be");
+  expect_refused(header_ + "\n", "not 7 numbers");
 }
 
 }  // namespace

@@ -12,7 +12,6 @@
 
 #include "engine/runs/keyframes/map_of_keyframes.hpp"
 #include "engine/runs/mapping/map_run.hpp"
-#include "engine/runs/tiles/tile_overview.hpp"
 #include "gdtslam/core/random.hpp"
 
 namespace gdtslam {
@@ -131,29 +130,5 @@ TEST(TileMaker, WithoutOccupancyDistancesAreTheSame) {
 }
 
 // 300 tiles along a line take cells of 64 in the small map; one of them has a wall and a free cell.
-TEST(TileOverview, ShowsWhatAnyCellOfItsSquareIs) {
-  std::vector<CellIndex> places;
-  for (std::int32_t x = -150; x < 150; ++x) places.push_back({x, 3});
-  TileOverview overview(places, 0.025);
-  MapTile tile;
-  tile.place = {-150, 3};
-  tile.occupancy.geometry = {
-      .resolution_m = 0.025, .origin_x_m = 0.0, .origin_y_m = 0.0, .width = 2048, .height = 2048};
-  tile.occupancy.cells = CellStates(std::size_t{2048} * 2048);
-  tile.occupancy.cells.set(0, CellState::kFree);
-  tile.occupancy.cells.set(63, CellState::kOccupied);
-  tile.occupancy.cells.set(std::size_t{2048} * 2047 + 2047, CellState::kFree);
-  overview.add(tile);
-  const OccupancyMap map = overview.take();
-  const std::int32_t scale = 2048 * 300 / map.geometry.width;
-  EXPECT_LE(map.geometry.width, 8192);
-  EXPECT_DOUBLE_EQ(map.geometry.resolution_m, 0.025 * scale);
-  EXPECT_DOUBLE_EQ(map.geometry.origin_x_m, -150 * 51.2);
-  EXPECT_DOUBLE_EQ(map.geometry.origin_y_m, 3 * 51.2);
-  EXPECT_EQ(map.at({0, 0}), CellState::kOccupied);
-  EXPECT_EQ(map.at({2047 / scale, 2047 / scale}), CellState::kFree);
-  EXPECT_EQ(map.at({1, 1}), CellState::kUnknown);
-}
-
 }  // namespace
 }  // namespace gdtslam

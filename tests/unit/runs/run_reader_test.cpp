@@ -110,7 +110,7 @@ TEST_F(RunReaderTest, TellsALaserThatTiltsFromALinkage) {
   edit("\"linkage\": \"paper-a\"", "\"told_by\": \"TILT\"");
   EXPECT_TRUE(reader().summary().tilts);
   edit("{\"linkage\": \"paper-a\"}", "[]");
-  expect_refused([this] { reader(); }, path("report.json"), "'nodding' is no object");
+  expect_refused([this] { reader(); }, path("report.json"), "'nodding' is not an object");
 }
 
 TEST_F(RunReaderTest, ARunWithoutACloudHasNone) {
@@ -149,15 +149,15 @@ TEST_F(RunReaderTest, ReportsThatCannotBeUsed) {
     refused("has no " + std::string(name));
   }
   edit("\"scans\": 3", "\"scans\": -3");
-  refused("'scans' is no whole number");
+  refused("'scans' is not a whole number");
   edit("\"scans\": 3", "\"scans\": \"three\"");
-  refused("'scans' is no whole number");
+  refused("'scans' is not a whole number");
   edit("\"path_m\": 1.5", "\"path_m\": null");
-  refused("'path_m' is no number");
+  refused("'path_m' is not a number");
   edit("[\"../data/drive.log.gz\"]", "[]");
   refused("'log' is empty");
   edit("[\"../data/drive.log.gz\"]", "[7]");
-  refused("'log' is no list of texts");
+  refused("'log' is not a list of texts");
   edit("\"index\": 2", "\"index\": 3");
   refused("'doubtful_scans' names a scan that is none of its 3");
   edit("\"keyframe_scans\": [0]", "\"keyframe_scans\": [99999999999999999999]");

@@ -21,15 +21,15 @@ struct G2oLine {
 };
 
 /// A file of this text that no other process writes, for as long as the object lives.
-class GraphText {
+class GraphFileText {
  public:
-  explicit GraphText(const std::string& text)
+  explicit GraphFileText(const std::string& text)
       : path_(testing::TempDir() + "graph_file_test." + std::to_string(::getpid()) + ".g2o") {
     std::ofstream(path_) << text;
   }
-  GraphText(const GraphText&) = delete;
-  GraphText& operator=(const GraphText&) = delete;
-  ~GraphText() { std::remove(path_.c_str()); }
+  GraphFileText(const GraphFileText&) = delete;
+  GraphFileText& operator=(const GraphFileText&) = delete;
+  ~GraphFileText() { std::remove(path_.c_str()); }
   [[nodiscard]] const std::string& path() const { return path_; }
 
  private:
@@ -72,7 +72,7 @@ TEST(GraphFile, ReadsBackWhatItWroteBitForBit) {
   ClosedPath closed;
   closed.places = {{0, {}}, {40, {1.0 / 7.0, -2.5, 3.0}}};
   closed.path = {{.from = 0, .to = 40, .T_from_to = {0.1, -0.2, 0.3}, .information = information}};
-  const GraphText file(graph_text(closed));
+  const GraphFileText file(graph_text(closed));
   const GraphLines read = read_graph(file.path());
   ASSERT_EQ(read.places.size(), 2U);
   EXPECT_EQ(read.places[1].scan, 40U);
@@ -89,7 +89,7 @@ TEST(GraphFile, RefusesWhatIsNoGraphWithItsLine) {
        {"VERTEX_SE2 1 0 0", "VERTEX_SE2 -1 0 0 0", "VERTEX_SE2 1 0 0 nan", "VERTEX_SE2 1 0 0 0 0", "VERTEX_SE2",
         "EDGE_SE2 0 1 0 0 0 1 0 0 1 0", "EDGE_SE2 0 1 0 0 0 1 0 0 1 0 inf", "EDGE_SE2 0 1.5 0 0 0 1 0 0 1 0 1",
         "EDGE_SE3 0 1", "# a comment", " VERTEX_SE2 1 0 0 0", "VERTEX_SE2 99999999999999999999 0 0 0"}) {
-    const GraphText file("VERTEX_SE2 0 0 0 0\n\n" + std::string(line) + "\n");
+    const GraphFileText file("VERTEX_SE2 0 0 0 0\n\n" + std::string(line) + "\n");
     try {
       (void)read_graph(file.path());
       ADD_FAILURE() << "taken: " << line;

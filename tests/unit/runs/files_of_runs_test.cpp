@@ -1,5 +1,5 @@
 // Which files are those of a run, whatever path leads to them.
-#include "engine/runs/folder/files_of_runs.hpp"
+#include "engine/runs/folder/run_folder.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
