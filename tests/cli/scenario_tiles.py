@@ -139,13 +139,13 @@ def files_of_others_among_tiles_are_kept():
         expect_exit(command("tiles", place, "-q"), 0)
         (place / "tiles/keepout_0_0.png").write_text("mine")
         before = cli.digests(place)
-        process = command(*replace, "-q")
+        process = command(*replace, "--force", "-q")
         expect_exit(process, 2)
         one_error_line(process.stderr)
         expect("that no run wrote" in process.stderr and cli.digests(place) == before, process.stderr)
         expect((place / "tiles/keepout_0_0.png").read_text() == "mine", "it is gone")
         (place / "tiles/keepout_0_0.png").rename(folder / "mine.png")
-        expect_exit(command(*replace, "-q"), 0)
+        expect_exit(command(*replace, "--force", "-q"), 0)
         expect(not (place / "tiles").exists(), "tiles of another run stay")
 
 
@@ -185,7 +185,7 @@ def map_writes_tiles_where_one_piece_is_too_large():
     far = folder / "far.log"
     far.write_text("\n".join(" ".join(words) for words in lines) + "\n")
     for arguments in (("--no-map",), ()):
-        expect_exit(command("map", far, "-o", folder / "run", "-q", *small, *fine, *arguments), 0)
+        expect_exit(command("map", far, "-o", folder / "run", "--force", "-q", *small, *fine, *arguments), 0)
         expect((folder / "run/tiles/index.json").exists() and not (folder / "run/gdt.png").exists(), f"{arguments}: one piece")
         if arguments:
             tiles_without_an_occupancy_map(folder, far)

@@ -63,7 +63,7 @@ run() { QEMU_LD_PREFIX=$target qemu-aarch64-static "$build/tree/bin/gdtslam" "$@
 run --version
 for sample in office-start nodding-start; do
   rm -f "$build/$sample.json"
-  run verify --write-expected "$build/$sample.json"
+  run verify --force --write-expected "$build/$sample.json"
   cmp "$build/$sample.json" "$root/assets/expected/$sample.json"
   echo "$sample: maps, trajectories and clouds have the hashes that ship"
 done
