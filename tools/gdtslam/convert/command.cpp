@@ -90,11 +90,9 @@ ConvertCounts copy_records(LogReader& reader, const ReadOptions& read, LogWriter
     }
     if (writer.write(*record)) count_record(*record, counts);
     progress.update(counts.scans_read, reader.progress());
-    if (interrupted()) {
-      counts.is_whole = false;
-      break;
-    }
+    if (interrupted()) break;
   }
+  counts.is_whole = !interrupted();  // a signal ends standard input as its writer does
   return counts;
 }
 
