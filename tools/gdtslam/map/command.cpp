@@ -25,9 +25,7 @@
 #include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
 #include "tools/gdtslam/shell/written_files.hpp"
-#ifdef GDTSLAM_HAS_MODULES
-#include "tools/gdtslam/shell/modules.hpp"
-#elif defined(GDTSLAM_HAS_VIEWER)
+#ifdef GDTSLAM_HAS_VIEWER
 #include "tools/gdtslam/pictures/cloud_picture.hpp"
 #endif
 
@@ -119,12 +117,7 @@ std::string as_text(const NoddingOutcome& nodding, const std::string& linkage) {
 
 // Draws cloud.png; empty where this build cannot.
 CloudPicture cloud_painter() {
-#if defined(GDTSLAM_HAS_VIEWER) && defined(GDTSLAM_HAS_MODULES)
-  return [](const std::string& cloud_file, const std::string& log, const Trajectory& trajectory,
-            const calib::SweepModel* linkage) {
-    return open_module("render").draw_run_cloud(cloud_file, log, trajectory, linkage);
-  };
-#elif defined(GDTSLAM_HAS_VIEWER)
+#ifdef GDTSLAM_HAS_VIEWER
   return draw_run_cloud;
 #else
   return {};
