@@ -16,7 +16,6 @@ endif()
 if(GDTSLAM_SANITIZE)
   message(FATAL_ERROR "gdtslam: GDTSLAM_STATIC and GDTSLAM_SANITIZE exclude each other")
 endif()
-set(GDTSLAM_MODULES OFF) # one program, all in it
 set(GDTSLAM_BUILD_LAB OFF) # Debian has no static google-benchmark
 set(GDTSLAM_BUILD_C OFF) # not all static libraries of Debian may go into a shared one
 set(GDTSLAM_BUILD_CALIBRATION OFF) # Ceres brings BLAS, LAPACK and SuiteSparse along

@@ -12,6 +12,7 @@ build_packages=(
   libembree-dev libceres-dev libnanoflann-dev libwebsockets-dev
   libvulkan-dev libglm-dev glslang-tools spirv-tools
   libvtk9-dev libegl-dev libglew-dev libcairo2-dev libturbojpeg0-dev ffmpeg
+  help2man
 )
 # To compute with Vulkan where the GPU's vendor brought no driver: the loader and Mesa's drivers, lavapipe (which computes
 # on the processor) among them.
@@ -24,8 +25,9 @@ test_packages=(
   libbenchmark-dev libbenchmark-tools python3-scipy python3-matplotlib python3-jinja2
   clang libclang-rt-14-dev clang-tidy clang-format shellcheck
   sqlite3 zstd python3 python3-jsonschema python3-yaml chromium
-  python3-numpy python3-pip rustc abigail-tools patchelf
-  zsh fish bash-completion man-db mandoc
+  python3-numpy python3-pip python3-setuptools python3-wheel rustc patchelf
+  munge slurmctld slurmd slurm-client parallel
+  zsh bash-completion man-db mandoc
   dpkg-dev debhelper dh-python lintian
   locales openssh-client gnupg gpgv
   "${vulkan_packages[@]}" vulkan-validationlayers "${docs_packages[@]}"

@@ -48,23 +48,23 @@ configure "$build" -DCMAKE_BUILD_TYPE=Release -DGDTSLAM_BUILD_TESTS=OFF -DGDTSLA
 cmake --build "$build" --parallel "$(build_jobs)"
 
 step "Simulate the sample office"
-"$gdtslam" simulate office-loop -o "$log"
+"$gdtslam" simulate office-loop -o "$log" --force
 
 step "Map it"
-"$gdtslam" map "$log" -o "$result"
+"$gdtslam" map "$log" -o "$result" --force
 
 step "Compare with the truth"
 "$gdtslam" evaluate "$result/trajectory.tum" --reference "$truth"
 
 step "Map in 3D: a floor with the nodding laser"
-"$gdtslam" simulate office-7f -o "$floor.log"
-"$gdtslam" map "$floor.log" -o "$floor"
+"$gdtslam" simulate office-7f -o "$floor.log" --force
+"$gdtslam" map "$floor.log" -o "$floor" --force
 
 step "Pictures"
-"$gdtslam" render "$result" -o "$pictures/map.png"
-"$gdtslam" render "$floor" -o "$pictures/cloud.png"
-"$gdtslam" render "$floor" -o "$pictures/cloud.html"
-"$gdtslam" render paper-b -o "$pictures/linkage.gif"
+"$gdtslam" render "$result" -o "$pictures/map.png" --force
+"$gdtslam" render "$floor" -o "$pictures/cloud.png" --force
+"$gdtslam" render "$floor" -o "$pictures/cloud.html" --force
+"$gdtslam" render paper-b -o "$pictures/linkage.gif" --force
 finish_step
 
 cat <<END

@@ -69,8 +69,7 @@ test_build() {
     ctest -j "$(nproc)" --output-on-failure --no-tests=error -L '^(unit|property)$' "${left_out[@]}")
 }
 
-# test_command PRESET: the tests of the command of such a build. A module has the engine once more, as the program
-# has, and is gone when leaks are looked for, so that none in a library of its can be named: memcheck looks for them.
+# test_command PRESET: the tests of the command of such a build. memcheck looks for leaks, also those of libraries.
 test_command() {
   local build=$root/build/$1
   (cd "$root" && cmake --preset "$1" --log-level=WARNING)

@@ -76,8 +76,8 @@ def grid_of(handle: Handle) -> Grid:
     else:
         cells = np.asarray(_Memory(handle, view.cells, shape, (view.row_bytes, view.cell_bytes), kind))
     grid = cells.view(Grid)
-    grid.resolution = view.resolution
-    grid.origin = (view.origin_x, view.origin_y)
+    grid.resolution = view.resolution_m
+    grid.origin = (view.origin_x_m, view.origin_y_m)
     grid.cap = view.cap
     grid._handle = handle
     return grid

@@ -6,225 +6,25 @@ import ctypes
 import os
 import pathlib
 import weakref
-from ctypes import POINTER, c_char_p, c_double, c_int32, c_size_t, c_uint32, c_uint64, c_void_p
+from ctypes import c_char_p, c_void_p
 from typing import Any, Callable
 
 from ._errors import BY_STATUS, Error, UsageError
+from ._header import read_header
 
-LENIENT, NO_LOOPS, NO_MAP, NO_PICTURES, NO_CLOUD, REPLACE_FOREIGN, NO_RUNNER_UP = 1, 2, 4, 8, 16, 64, 128
+HEADER = read_header()
+LENIENT, NO_LOOPS, NO_MAP, NO_PICTURES, NO_CLOUD, REPLACE_FOREIGN, NO_RUNNER_UP = (
+    HEADER.constants["GDTSLAM_" + name]
+    for name in ("LENIENT", "NO_LOOPS", "NO_MAP", "NO_PICTURES", "NO_CLOUD", "REPLACE_FOREIGN", "NO_RUNNER_UP")
+)
 ALL_PROCESSORS, MOST_THREADS = 0xFFFFFFFF, 1024
 
-Progress = ctypes.CFUNCTYPE(c_int32, c_void_p, c_char_p, c_uint64, c_double)
-Warn = ctypes.CFUNCTYPE(None, c_void_p, c_char_p)
-
-
-class Struct(ctypes.Structure):
-    """A struct that begins with its size, which is set; the rest is 0."""
-
-    def __init__(self, **members: Any) -> None:
-        super().__init__(size=ctypes.sizeof(type(self)), **members)
-
-
-class CPose(ctypes.Structure):
-    _fields_ = [("x", c_double), ("y", c_double), ("theta", c_double)]
-
-
-class CError(Struct):
-    _fields_ = [("size", c_size_t), ("status", c_int32), ("text", ctypes.c_char * 4084)]
-
-
-class COption(Struct):
-    _fields_ = [("size", c_size_t), ("path", c_char_p), ("doc", c_char_p), ("value", c_char_p)]
-
-
-class CScan(Struct):
-    _fields_ = [
-        ("size", c_size_t),
-        ("stamp", c_double),
-        ("first", c_double),
-        ("step", c_double),
-        ("ranges", c_void_p),
-        ("range_count", c_size_t),
-        ("max_range", c_double),
-        ("mount", CPose),
-        ("first_beam_after", c_double),
-        ("beam_period", c_double),
-        ("has_odometry", c_int32),
-        ("has_speed", c_int32),
-        ("odometry", CPose),
-        ("speed", CPose),
-        ("laser", c_uint64),
-    ]
-
-
-class CLogWarning(Struct):
-    _fields_ = [("size", c_size_t), ("kind", c_char_p), ("first", c_char_p), ("count", c_uint64)]
-
-
-class CReaderRequest(Struct):
-    _fields_ = [
-        ("size", c_size_t),
-        ("logs", POINTER(c_char_p)),
-        ("log_count", c_size_t),
-        ("options", c_void_p),
-        ("flags", c_uint32),
-        ("reserved", c_uint32),
-        ("progress", Progress),
-        ("user_data", c_void_p),
-    ]
-
-
-class CGridView(Struct):
-    _fields_ = [
-        ("size", c_size_t),
-        ("cells", c_void_p),
-        ("row_bytes", c_size_t),
-        ("cell_bytes", c_size_t),
-        ("width", c_int32),
-        ("height", c_int32),
-        ("resolution", c_double),
-        ("origin_x", c_double),
-        ("origin_y", c_double),
-        ("cap", c_uint32),
-    ]
-
-
-class CMapRequest(Struct):
-    _fields_ = [
-        ("size", c_size_t),
-        ("logs", POINTER(c_char_p)),
-        ("log_count", c_size_t),
-        ("folder", c_char_p),
-        ("options", c_void_p),
-        ("linkage", c_char_p),
-        ("flags", c_uint32),
-        ("threads", c_uint32),
-        ("skip", c_uint64),
-        ("scan_count", c_uint64),
-        ("progress", Progress),
-        ("warn", Warn),
-        ("user_data", c_void_p),
-    ]
-
-
-class CPictureRequest(Struct):
-    _fields_ = [
-        ("size", c_size_t),
-        ("view", c_char_p),
-        ("format", c_char_p),
-        ("width", c_uint32),
-        ("height", c_uint32),
-        ("title", c_char_p),
-        ("colour_map", c_char_p),
-    ]
-
-
-class CMapperRequest(Struct):
-    _fields_ = [("size", c_size_t), ("options", c_void_p), ("flags", c_uint32), ("threads", c_uint32)]
-
-
-class CMatch(Struct):
-    _fields_ = [
-        ("size", c_size_t),
-        ("stamp", c_double),
-        ("pose", CPose),
-        ("predicted", CPose),
-        ("correction", CPose),
-        ("mean_distance", c_double),
-        ("overlap", c_double),
-        ("contradiction", c_double),
-        ("points", c_uint32),
-        ("doubt", c_int32),
-        ("is_accepted", c_int32),
-        ("is_keyframe", c_int32),
-    ]
-
-
-class CLocalizerRequest(Struct):
-    _fields_ = [
-        ("size", c_size_t),
-        ("map", c_char_p),
-        ("options", c_void_p),
-        ("flags", c_uint32),
-        ("reserved", c_uint32),
-        ("gap", c_double),
-        ("max_seconds", c_double),
-        ("good_fit", c_double),
-    ]
-
-
-class CLocation(Struct):
-    _fields_ = [
-        ("size", c_size_t),
-        ("verdict", c_int32),
-        ("has_runner_up", c_int32),
-        ("pose", CPose),
-        ("mean_distance", c_double),
-        ("proven_gap", c_double),
-        ("runner_up", CPose),
-        ("runner_up_mean_distance", c_double),
-        ("points", c_uint32),
-    ]
-
-
-class CTracked(Struct):
-    _fields_ = [
-        ("size", c_size_t),
-        ("whereabouts", c_int32),
-        ("is_ambiguous", c_int32),
-        ("pose", CPose),
-        ("explained", c_double),
-        ("mean_distance", c_double),
-        ("covariance", c_double * 6),
-    ]
-
-
-HANDLE = c_void_p
-# Of each function that can fail its arguments, without the error at their end.
-CALLS: dict[str, list[Any]] = {
-    "options_new": [POINTER(HANDLE)],
-    "options_set": [HANDLE, c_char_p, c_char_p],
-    "options_read": [HANDLE, c_char_p],
-    "options_at": [HANDLE, c_size_t, POINTER(COption)],
-    "options_add_topic": [HANDLE, c_char_p],
-    "options_set_odometry": [HANDLE, c_char_p],
-    "options_set_crank": [HANDLE, c_char_p],
-    "options_add_mount": [HANDLE, c_char_p, POINTER(CPose)],
-    "reader_new": [POINTER(CReaderRequest), POINTER(HANDLE)],
-    "reader_next": [HANDLE, POINTER(CScan), POINTER(c_int32)],
-    "reader_warning": [HANDLE, c_size_t, POINTER(CLogWarning), POINTER(c_int32)],
-    "grid_look": [HANDLE, POINTER(CGridView)],
-    "map_logs": [POINTER(CMapRequest), POINTER(HANDLE)],
-    "run_open": [c_char_p, POINTER(HANDLE)],
-    "run_trajectory": [HANDLE, POINTER(c_void_p), POINTER(c_size_t)],
-    "run_map": [HANDLE, POINTER(HANDLE)],
-    "run_field": [HANDLE, POINTER(HANDLE)],
-    "run_render": [HANDLE, POINTER(CPictureRequest), POINTER(HANDLE)],
-    "mapper_new": [POINTER(CMapperRequest), POINTER(HANDLE)],
-    "mapper_process": [HANDLE, POINTER(CScan), POINTER(CMatch)],
-    "mapper_close": [HANDLE, Progress, c_void_p],
-    "mapper_trajectory": [HANDLE, POINTER(c_void_p), POINTER(c_size_t)],
-    "mapper_field": [HANDLE, POINTER(HANDLE)],
-    "localizer_new": [POINTER(CLocalizerRequest), POINTER(HANDLE)],
-    "localizer_find": [HANDLE, POINTER(CScan), POINTER(CLocation)],
-    "tracker_new": [HANDLE, POINTER(HANDLE)],
-    "tracker_follow": [HANDLE, POINTER(CScan), POINTER(CTracked)],
-}
-# Of the others arguments and result.
-PLAIN: dict[str, tuple[list[Any], Any]] = {
-    "version": ([], c_char_p),
-    "doubt_name": ([c_int32], c_char_p),
-    "options_count": ([HANDLE], c_size_t),
-    "reader_progress": ([HANDLE], c_double),
-    "grid_sha256": ([HANDLE], c_char_p),
-    "run_folder": ([HANDLE], c_char_p),
-    "run_map_sha256": ([HANDLE], c_char_p),
-    "run_trajectory_sha256": ([HANDLE], c_char_p),
-    "run_report": ([HANDLE], c_char_p),
-    "bytes_data": ([HANDLE], c_void_p),
-    "bytes_count": ([HANDLE], c_size_t),
-}
-KINDS = ("options", "reader", "grid", "run", "bytes", "mapper", "localizer", "tracker")
+Progress, Warn = HEADER["progress"], HEADER["warn"]
+CError, COption, CPose, CScan = HEADER["error"], HEADER["option"], HEADER["pose"], HEADER["scan"]
+CLogWarning, CReaderRequest, CGridView = HEADER["log_warning"], HEADER["reader_request"], HEADER["grid_view"]
+CMapRequest, CPictureRequest = HEADER["map_request"], HEADER["picture_request"]
+CMapperRequest, CMatch = HEADER["mapper_request"], HEADER["match"]
+CLocalizerRequest, CLocation, CTracked = HEADER["localizer_request"], HEADER["location"], HEADER["tracked"]
 
 
 def _load() -> ctypes.CDLL:
@@ -237,15 +37,9 @@ def _load() -> ctypes.CDLL:
         raise ImportError(
             f"gdtslam: {file} cannot be loaded ({problem}); install the library, or name its file in GDTSLAM_LIBRARY"
         ) from None
-    for name, arguments in CALLS.items():
-        function = getattr(library, "gdtslam_" + name)
-        function.argtypes, function.restype = [*arguments, POINTER(CError)], c_int32
-    for name, (arguments, result) in PLAIN.items():
-        function = getattr(library, "gdtslam_" + name)
+    for name, (result, arguments) in HEADER.functions.items():
+        function = getattr(library, name)
         function.argtypes, function.restype = arguments, result
-    for kind in KINDS:
-        function = getattr(library, f"gdtslam_{kind}_free")
-        function.argtypes, function.restype = [HANDLE], None
     return library
 
 

@@ -104,17 +104,17 @@ class Mapper:
         with self._turn():
             call("mapper_process", self._handle, ctypes.byref(given), ctypes.byref(match))
         return Match(
-            pose=_pose_of(match.pose),
-            predicted=_pose_of(match.predicted),
+            pose=_pose_of(match.T_map_base),
+            predicted=_pose_of(match.T_map_predicted),
             correction=_pose_of(match.correction),
             accepted=bool(match.is_accepted),
             keyframe=bool(match.is_keyframe),
             doubt=plain("doubt_name", match.doubt).decode(),
             overlap=match.overlap,
             contradiction=match.contradiction,
-            mean_distance=match.mean_distance,
+            mean_distance=match.mean_distance_m,
             points=match.points,
-            stamp=match.stamp,
+            stamp=match.stamp_s,
         )
 
     def close(self, progress: "ProgressFunction | None" = None) -> None:
@@ -210,9 +210,9 @@ class Localizer:
             map=encoded(map.folder if isinstance(map, Run) else map),
             options=handle.pointer,
             flags=0 if runner_up else _library.NO_RUNNER_UP,
-            gap=_limit("gap", gap),
+            gap_m=_limit("gap", gap),
             max_seconds=_limit("max_seconds", max_seconds),
-            good_fit=_limit("good_fit", good_fit),
+            good_fit_m=_limit("good_fit", good_fit),
         )
         self._handle = make("localizer", "localizer_new", ctypes.byref(request))
 
@@ -232,11 +232,11 @@ class Localizer:
         verdict = VERDICTS[found.verdict]
         return Location(
             verdict=verdict,
-            pose=None if verdict == "no pose" else _pose_of(found.pose),
-            mean_distance=found.mean_distance,
-            gap=found.proven_gap,
+            pose=None if verdict == "no pose" else _pose_of(found.T_map_base),
+            mean_distance=found.mean_distance_m,
+            gap=found.proven_gap_m,
             runner_up=_pose_of(found.runner_up) if found.has_runner_up else None,
-            runner_up_mean_distance=found.runner_up_mean_distance,
+            runner_up_mean_distance=found.runner_up_mean_distance_m,
             points=found.points,
         )
 
@@ -288,10 +288,10 @@ class Tracker:
         xx, xy, xt, yy, yt, tt = tracked.covariance
         return Tracked(
             whereabouts=whereabouts,
-            pose=None if whereabouts == "unknown" else _pose_of(tracked.pose),
+            pose=None if whereabouts == "unknown" else _pose_of(tracked.T_map_base),
             ambiguous=bool(tracked.is_ambiguous),
             explained=tracked.explained,
-            mean_distance=tracked.mean_distance,
+            mean_distance=tracked.mean_distance_m,
             covariance=np.array([[xx, xy, xt], [xy, yy, yt], [xt, yt, tt]]),
         )
 

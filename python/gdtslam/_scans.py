@@ -39,7 +39,7 @@ class Option(NamedTuple):
 
 
 def _pose_of(pose: CPose) -> Pose:
-    return Pose(pose.x, pose.y, pose.theta)
+    return Pose(pose.x_m, pose.y_m, pose.theta_rad)
 
 
 def whole(name: str, value: Any, least: int, most: int) -> int:
@@ -158,19 +158,19 @@ def c_scan(scan: Scan) -> "tuple[CScan, np.ndarray]":
     if ranges.ndim != 1:
         raise InputError(f"ranges have the shape {ranges.shape}, and not (beams,)")
     given = CScan(
-        stamp=float(scan.stamp),
-        first=float(scan.first),
-        step=float(scan.step),
-        ranges=ranges.ctypes.data,
+        stamp_s=float(scan.stamp),
+        first_bearing_rad=float(scan.first),
+        bearing_step_rad=float(scan.step),
+        ranges_m=ranges.ctypes.data,
         range_count=ranges.size,
-        max_range=float(scan.max_range),
-        mount=c_pose(scan.mount),
-        first_beam_after=float(scan.first_beam_after),
-        beam_period=float(scan.beam_period),
+        max_range_m=float(scan.max_range),
+        T_base_laser=c_pose(scan.mount),
+        first_beam_after_s=float(scan.first_beam_after),
+        beam_period_s=float(scan.beam_period),
         laser=whole("laser", scan.laser, 0, MOST_WHOLE),
     )
     if scan.odometry is not None:
-        given.has_odometry, given.odometry = 1, c_pose(scan.odometry)
+        given.has_odometry, given.T_odom_base = 1, c_pose(scan.odometry)
     if scan.speed is not None:
         given.has_speed, given.speed = 1, c_pose(scan.speed)
     return given, ranges
@@ -266,17 +266,17 @@ class Scans:
     def _scan_read(self) -> Scan:
         read = self._read
         ranges = np.empty(read.range_count, dtype=np.float32)
-        ctypes.memmove(ranges.ctypes.data, read.ranges, ranges.nbytes)  # the library's change with the next scan
+        ctypes.memmove(ranges.ctypes.data, read.ranges_m, ranges.nbytes)  # the library's change with the next scan
         return Scan(
             ranges=ranges,
-            first=read.first,
-            step=read.step,
-            stamp=read.stamp,
-            odometry=_pose_of(read.odometry) if read.has_odometry else None,
-            max_range=read.max_range,
-            mount=_pose_of(read.mount),
-            first_beam_after=read.first_beam_after,
-            beam_period=read.beam_period,
+            first=read.first_bearing_rad,
+            step=read.bearing_step_rad,
+            stamp=read.stamp_s,
+            odometry=_pose_of(read.T_odom_base) if read.has_odometry else None,
+            max_range=read.max_range_m,
+            mount=_pose_of(read.T_base_laser),
+            first_beam_after=read.first_beam_after_s,
+            beam_period=read.beam_period_s,
             speed=_pose_of(read.speed) if read.has_speed else None,
             laser=read.laser,
         )

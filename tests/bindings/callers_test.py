@@ -2,7 +2,6 @@
 import gzip
 import os
 import random
-import shutil
 import signal
 import subprocess
 import sys
@@ -10,7 +9,7 @@ import threading
 import time
 import unittest
 import warnings
-from unittest import mock
+
 
 from bindings_support import SAMPLE, SKIPPED, SOURCE, folder, sample_hashes
 
@@ -70,21 +69,6 @@ class Signals(unittest.TestCase):
         report = gdtslam.Run(WORK / "part").report
         self.assertEqual((report["scans"], report["interrupted"]), (20, True))
 
-    def test_ctrl_c_ends_closing(self):
-        mapper = gdtslam.Mapper()
-        for scan in gdtslam.scans(SAMPLE):
-            mapper.process(scan)
-        sent = []
-
-        def note(number, frame):
-            sent.append(number)
-            raise KeyboardInterrupt
-
-        self.handle(signal.SIGINT, note)
-        with self.assertRaises(KeyboardInterrupt):
-            mapper.close(lambda step, share, scans: send(signal.SIGINT))
-        self.assertEqual(sent, [signal.SIGINT])
-
     def test_handlers_of_the_caller_are_called_at_once_and_what_they_raise_comes_out(self):
         steps, seen = [], []
         self.handle(signal.SIGUSR1, lambda number, frame: seen.append(len(steps)))
@@ -107,36 +91,6 @@ class Signals(unittest.TestCase):
             for _ in range(1000):
                 gdtslam.map(SAMPLE, WORK / "stopped", **SHORT)
         self.assertIs(signal.getsignal(signal.SIGALRM), stop)
-
-    def test_a_handler_that_the_caller_sets_meanwhile_stays(self):
-        self.handle(signal.SIGUSR1, lambda number, frame: None)
-
-        def later(number, frame):
-            pass
-
-        gdtslam.map(SAMPLE, WORK / "later", **SHORT, count=5, progress=lambda *_: signal.signal(signal.SIGUSR1, later) and None)
-        self.assertIs(signal.getsignal(signal.SIGUSR1), later)
-
-    def test_a_signal_that_comes_as_they_go_back_is_not_lost(self):
-        def stop(number, frame):
-            raise Stopped
-
-        self.handle(signal.SIGUSR1, stop)  # goes back behind that of SIGINT
-        set_handler = signal.signal
-
-        def set_and_send(number, handler):
-            before = set_handler(number, handler)
-            if handler is signal.default_int_handler:
-                send(number)
-            return before
-
-        with mock.patch.object(signal, "signal", set_and_send):
-            with self.assertRaises(KeyboardInterrupt):
-                gdtslam.map(SAMPLE, WORK / "back", **SHORT, count=5)
-        self.assertIs(signal.getsignal(signal.SIGUSR1), stop)
-        with self.assertRaises(Stopped):
-            send(signal.SIGUSR1)
-            time.sleep(0.01)
 
     def test_a_thread_maps_without_them(self):
         made = []
@@ -175,38 +129,6 @@ class Closing(unittest.TestCase):
             self.assertIn("is being closed", problems[0])
             self.assertEqual(mapper.field().sha256, sample_hashes()[0])
 
-    def test_other_threads_wait_for_it(self):
-        mapper, seen = self.mapper(), []
-        thread = threading.Thread(target=lambda: seen.append(mapper.trajectory))
-
-        def progress(step, scans, share):
-            if not thread.ident:
-                thread.start()
-
-        mapper.close(progress)
-        thread.join()
-        self.assertTrue(np.array_equal(seen[0], mapper.trajectory))
-
-
-class Threads(unittest.TestCase):
-    # From 3.12 on cached_property has no lock.
-    def test_threads_that_ask_first_get_the_same_poses(self):
-        gdtslam.map(SAMPLE, WORK / "shared", **SHORT, count=100)
-        for _ in range(20):
-            run, start, given = gdtslam.Run(WORK / "shared"), threading.Barrier(8), []
-
-            def ask():
-                start.wait()
-                given.append(gdtslam.Run.trajectory.func(run))
-
-            threads = [threading.Thread(target=ask) for _ in range(8)]
-            for thread in threads:
-                thread.start()
-            for thread in threads:
-                thread.join()
-            self.assertEqual({poses.ctypes.data for poses in given}, {run.trajectory.ctypes.data})
-            self.assertEqual(len(given), 8)
-
 
 class Warnings(unittest.TestCase):
     def setUp(self):
@@ -227,13 +149,6 @@ class Warnings(unittest.TestCase):
             )
             self.assertIn(f"gdtslam: {self.warning}\n", done.stderr)
 
-    def test_they_are_pythons_at_the_callers_line(self):
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always")
-            gdtslam.map(self.log, WORK / "bad", **SHORT, lenient=True)
-        self.assertEqual([str(warning.message) for warning in caught], [self.warning])
-        self.assertEqual(caught[0].filename, __file__)
-
     def test_what_warn_raises_comes_out(self):
         def warn(text):
             raise Stopped(text)
@@ -244,19 +159,6 @@ class Warnings(unittest.TestCase):
             warnings.simplefilter("error")
             with self.assertRaisesRegex(UserWarning, "malformed line"):
                 gdtslam.map(self.log, WORK / "bad", **SHORT, lenient=True)
-
-    def test_a_warning_that_raises_ends_the_map(self):
-        log = WORK / "tilted.log.gz"  # away from its linkage
-        shutil.copyfile(SOURCE / "assets/logs/nodding-start.log.gz", log)
-        steps = []
-
-        def warn(text):
-            raise Stopped(text)
-
-        with self.assertRaisesRegex(Stopped, "--linkage"):
-            gdtslam.map(log, WORK / "tilted", **SHORT, warn=warn, progress=lambda *told: steps.append(told))
-        self.assertEqual(steps, [])
-        self.assertFalse((WORK / "tilted").exists(), "it came before the first scan")
 
 
 ENDS = """

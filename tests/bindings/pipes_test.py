@@ -6,7 +6,6 @@ import sys
 import threading
 import time
 import unittest
-from unittest import mock
 
 from bindings_support import SAMPLE, SKIPPED, SOURCE, folder
 
@@ -17,7 +16,6 @@ except ImportError:
     print("SKIPPED: no numpy for Python (package python3-numpy)")
     sys.exit(1 if os.environ.get("GDTSLAM_REQUIRE_PROGRAMS") == "1" else SKIPPED)
 import gdtslam
-from gdtslam import _scans
 
 WORK = folder("pipes")
 SHORT = {"loops": False, "pictures": False}
@@ -95,16 +93,6 @@ class Scans(Pipe):
             gdtslam.scans(self.pipe)
         self.assertIs(signal.getsignal(signal.SIGINT), signal.default_int_handler)
 
-    def test_ctrl_c_ends_the_wait_for_the_first_bytes(self):
-        def send():
-            with open(self.pipe, "wb"):
-                self.interrupt()
-                self.done.wait()
-
-        self.in_thread(send)
-        with self.assertRaises(KeyboardInterrupt):
-            gdtslam.scans(self.pipe)
-
     def test_ctrl_c_ends_the_wait_for_the_next_scan(self):
         self.send_half(self.interrupt)
         scans, given = gdtslam.scans(self.pipe), []
@@ -131,27 +119,6 @@ class Scans(Pipe):
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         self.assertIs(signal.getsignal(signal.SIGALRM), stop)
 
-    def test_a_scan_in_hand_as_a_handler_raises_is_the_next_one(self):
-        def stop(number, frame):
-            raise Stopped
-
-        call = _scans.call
-
-        def call_and_send(*arguments):
-            call(*arguments)
-            os.kill(os.getpid(), signal.SIGUSR1)
-
-        self.handle(signal.SIGUSR1, stop)
-        self.send_half(lambda: True)
-        whole = list(gdtslam.scans(self.log))
-        for log in (self.log, self.pipe):
-            scans, given = gdtslam.scans(log), []
-            for _ in range(10):
-                with mock.patch.object(_scans, "call", call_and_send), self.assertRaises(Stopped):
-                    next(scans)
-                given.append(next(scans))
-            self.assertEqual(given + list(scans), whole)
-
     def test_reading_goes_on_behind_handlers_that_return(self):
         made, shares, problems = [], [], []
 
@@ -171,14 +138,6 @@ class Scans(Pipe):
         self.assertEqual(len(problems), len(shares))
         self.assertIn("a scan is being read", problems[0])
 
-    def test_another_thread_reads_whatever_signals_come(self):
-        read = []
-        self.send_half(self.count_signals(3))
-        thread = threading.Thread(target=lambda: read.extend(gdtslam.scans(self.pipe)))
-        thread.start()
-        thread.join()
-        self.assertEqual(read, list(gdtslam.scans(self.log)))
-
 
 class Map(Pipe):
     def test_ctrl_c_ends_it_with_what_there_is(self):
@@ -194,16 +153,6 @@ class Map(Pipe):
         with self.assertRaises(KeyboardInterrupt):
             gdtslam.map(self.pipe, WORK / "none", **SHORT)
         self.assertFalse((WORK / "none" / "report.json").exists())
-
-    def test_goes_on_behind_handlers_that_return(self):
-        told = []
-        self.send_half(self.count_signals(3))
-        run = gdtslam.map(self.pipe, WORK / "whole", **SHORT, progress=lambda step, scans, share: told.append((step, scans)) and None)
-        whole = gdtslam.map(self.log, WORK / "log-map", **SHORT)
-        self.assertEqual((run.map_sha256, run.trajectory_sha256), (whole.map_sha256, whole.trajectory_sha256))
-        scans = [count for step, count in told if step == "scans"]
-        self.assertEqual(scans, sorted(scans))
-        self.assertGreaterEqual(len(scans), run.report["scans"] + 3)
 
 
 if __name__ == "__main__":

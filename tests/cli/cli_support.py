@@ -26,8 +26,6 @@ LOG = pathlib.Path(os.environ["GDTSLAM_CLI_LOG"])
 TRUTH = LOG.with_suffix(".truth.tum")
 RUN = WORK / "run"
 DATA = WORK / "data"
-# The folder of the commands that are modules; None where all of them are in the program.
-MODULES = pathlib.Path(os.environ["GDTSLAM_MODULES"]) if os.environ.get("GDTSLAM_MODULES") else None
 SKIP = 77
 # Of CallState in failing_calls.h: its size, and the place of `chosen`.
 STATE_BYTES, CHOSEN = 14 * 8 + 1024, 12
@@ -148,13 +146,11 @@ def fresh_folder(name):
     return folder
 
 
-def installed_copy(folder, with_modules=True):
-    """A copy of the program in folder/bin, with its modules beside it as they are installed; where the program is then."""
+def installed_copy(folder):
+    """A copy of the program in folder/bin; where the program is then."""
     program = pathlib.Path(folder) / "bin/gdtslam"
     program.parent.mkdir(parents=True)
     shutil.copy2(PROGRAM, program)
-    if with_modules and MODULES:
-        shutil.copytree(MODULES, os.path.normpath(program.parent / os.path.relpath(MODULES, pathlib.Path(PROGRAM).parent)))
     return program
 
 
@@ -294,8 +290,8 @@ def digests(folder):
 
 
 def mapped(folder, *arguments, log=LOG, **options):
-    """Maps; returns report.json."""
-    process = command("map", log, "-o", folder, "--json", *arguments, **options)
+    """Maps, in place of what is in the folder; returns report.json."""
+    process = command("map", log, "-o", folder, "--force", "--json", *arguments, **options)
     expect_exit(process, 0)
     return json.loads(process.stdout)
 

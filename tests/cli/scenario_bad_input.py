@@ -25,7 +25,7 @@ def out_of_memory():
         megabytes += 2
         expect(megabytes < 1024, "the command does not even start")
     failures = set()
-    while (process := limited(megabytes, "map", LOG, "-o", folder, "-q", "--first", 50)).returncode != 0:
+    while (process := limited(megabytes, "map", LOG, "-o", folder, "--force", "-q", "--first", 50)).returncode != 0:
         expect_exit(process, 1)
         error = cli.without_thread_remark(process.stderr)
         one_error_line(error)

@@ -143,17 +143,17 @@ def calibrate_tells_faults_of_the_encoder():
         faulty += [line, line] if is_encoder and abs(stamp_of(line) - 300.0) < 0.001 else [line]
     broken = folder / "broken.log"
     broken.write_text("\n".join(faulty) + "\n")
-    process = command("calibrate", broken, "-o", linkage, "--start", "paper-b", "--json")
+    process = command("calibrate", broken, "-o", linkage, "--start", "paper-b", "--force", "--json")
     expect_exit(process, 0)
     warnings = {entry["kind"]: entry["count"] for entry in json.loads(process.stdout)["warnings"]}
     lost = warnings.pop("scans without the crank's position", 0)
     expect(warnings == {"nodding messages missing": 1, "nodding stamp in the past": 1}, f"the warnings are {warnings}")
     scans = sum(kind_of(line) == "ROBOTLASER1" and 100.0 < stamp_of(line) < 101.025 for line in lines)
     expect(0 < lost <= scans + 2, f"{lost} scans without the crank, {scans} in the gap")
-    text = command("calibrate", broken, "-o", linkage, "--start", "paper-b")
+    text = command("calibrate", broken, "-o", linkage, "--start", "paper-b", "--force")
     for kind in warnings:
         expect(f"gdtslam: warning: {kind} (1 times; first: " in text.stderr, text.stderr)
-    expect(command("calibrate", broken, "-o", linkage, "--start", "paper-b", "-q").stderr == "", "--quiet is not quiet")
+    expect(command("calibrate", broken, "-o", linkage, "--start", "paper-b", "--force", "-q").stderr == "", "--quiet is not quiet")
 
     linkage.unlink()
     (folder / "counting.yaml").write_text(TRUE.replace("wraps: true", "wraps: false"))
@@ -178,7 +178,7 @@ def calibrate_searches_the_zero():
     for off in (75, 180, 290):
         start = folder / f"off-{off}.yaml"
         start.write_text(TRUE.replace("zero: 40 deg", f"zero: {40 + off} deg"))
-        process = command("calibrate", log, "-o", linkage, "--start", start, "--search-zero", "--json")
+        process = command("calibrate", log, "-o", linkage, "--start", start, "--search-zero", "--force", "--json")
         expect_exit(process, 0)
         result = json.loads(process.stdout)
         zero = next(entry for entry in result["parameters"] if entry["name"] == "zero")

@@ -32,7 +32,7 @@ def expect_same_run(folder, expected, what):
 
 
 def map_quietly(*arguments, code=0, **options):
-    process = command("map", "-q", *arguments, **options)
+    process = command("map", "-q", "--force", *arguments, **options)
     expect_exit(process, code)
     return process
 
@@ -120,7 +120,7 @@ def killed_runs_leave_the_old_one():
         run = folder / "run"
         shutil.rmtree(run, ignore_errors=True)
         shutil.copytree(folder / "old", run)
-        process = subprocess.Popen([PROGRAM, "map", "-q", str(first), str(second), "-o", str(run)], stdin=subprocess.DEVNULL)
+        process = subprocess.Popen([PROGRAM, "map", "-q", "--force", str(first), str(second), "-o", str(run)], stdin=subprocess.DEVNULL)
         try:
             process.wait(timeout=chance.uniform(0.0, whole_s))
         except subprocess.TimeoutExpired:

@@ -285,7 +285,7 @@ def device_that_fails():
     for call, at, code in (("vkCreateDevice", 1, "DeviceLost"), ("vkAllocateMemory", 1, "OutOfDeviceMemory"),
                            ("vkQueueSubmit", 1, "DeviceLost"), ("vkQueueSubmit", 25, "DeviceLost")):
         env = {**failing(call, at), "XDG_CACHE_HOME": str(folder / "cache")}  # what fails here is not remembered elsewhere
-        process = command("map", LOG, "-o", folder / "out", "--json", *arguments, env=env)
+        process = command("map", LOG, "-o", folder / "out", "--force", "--json", *arguments, env=env)
         expect_exit(process, 0)
         warnings = process.stderr.splitlines()
         expect(len(warnings) == 1 and warnings[0].startswith("gdtslam: warning: ") and call in warnings[0], process.stderr)
@@ -321,7 +321,7 @@ def gpu_is_looked_for_when_needed():
     folder = fresh_folder("gpu_when_needed")
     nodding = SOURCE / "assets/logs/nodding-start.log.gz"
     for log, arguments, is_needed in ((SAMPLE, (), False), (SAMPLE, ("--matcher", "exhaustive"), True), (nodding, (), True)):
-        process = command("map", log, "-o", folder / "run", "--first", 20, "--no-pictures", "-q", *arguments,
+        process = command("map", log, "-o", folder / "run", "--force", "--first", 20, "--no-pictures", "-q", *arguments,
                           env=environment(VK_LOADER_DEBUG="all", **NO_DRIVER))
         expect_exit(process, 0)
         has_looked = "vkCreateInstance" in process.stderr or "ICD" in process.stderr or "DRIVER" in process.stderr

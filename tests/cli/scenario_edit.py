@@ -152,7 +152,7 @@ def edit_again_after_the_next_session():
     process = command("edit", folder / "a", "-o", folder / "d", "--again", folder / "b/edits.json")
     expect_exit(process, 65)
     expect("was edited already" in process.stderr, process.stderr)
-    expect_exit(command("map", LOG, "-o", folder / "c", "--first", 100, "-q"), 0)
+    expect_exit(command("map", LOG, "-o", folder / "c", "--force", "--first", 100, "-q"), 0)
     expect(not (folder / "c/edits.json").exists(), "edits of another map stay")
 
 
@@ -221,7 +221,7 @@ def edit_mistakes():
         one_error_line(process.stderr)
         expect(text in process.stderr, process.stderr)
         expect(not (folder / "out").exists(), f"{text}: something was written")
-    process = command("edit", folder / "few", "-o", folder / "few", "--origin", "1,1")
+    process = command("edit", folder / "few", "-o", folder / "few", "--force", "--origin", "1,1")
     expect_exit(process, 2)
     expect("is the run itself" in process.stderr, process.stderr)
     edited(folder / "bare", folder / "out", "--origin", "1,1")

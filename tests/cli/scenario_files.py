@@ -55,7 +55,7 @@ def every_write_fails():
     if cli.IS_SANITIZED:
         skip("the library that fills the disk is not preloaded into a sanitized program")
     folder, before = old_run("every_write_fails")
-    arguments = ("map", LOG, "--first", 15, "-q")
+    arguments = ("map", LOG, "--force", "--first", 15, "-q")
     count = cli.calls_counted("write,sync", *arguments, "-o", folder.parent / "counted")
     expect(count >= 2 * len(OUTPUTS), f"only {count} writes were seen")
     for failing in range(1, count + 1):
@@ -77,7 +77,7 @@ def file_size_limit():
         resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
         signal.signal(signal.SIGXFSZ, signal.SIG_DFL)
 
-    process = command("map", LOG, "-o", folder, "--first", 50, "-q", preexec_fn=limit)
+    process = command("map", LOG, "-o", folder, "--force", "--first", 50, "-q", preexec_fn=limit)
     expect_exit(process, 74)
     one_error_line(process.stderr)
     expect("File too large" in process.stderr, process.stderr)
@@ -85,8 +85,7 @@ def file_size_limit():
 
 
 def killed_at_a_rename():
-    """Killed before whichever rename: the folder holds the old run or the new one, and nothing else. Nobody has to say --force to
-    map into it again."""
+    """Killed before whichever rename: the folder holds the old run or the new one, and nothing else."""
     if cli.IS_SANITIZED:
         skip("the library that kills the process is not preloaded into a sanitized program")
     coarse = ("--first", 15, "--set", "map.resolution=10 cm")
@@ -96,7 +95,7 @@ def killed_at_a_rename():
     new_files = without_report(digests(new))
     folder, old = old_run("killed_at_a_rename")
     for number in range(1, 1000):
-        process = command("map", LOG, "-o", folder, "-q", *coarse, env=cli.failing_calls("rename", number, "kill-before"))
+        process = command("map", LOG, "-o", folder, "--force", "-q", *coarse, env=cli.failing_calls("rename", number, "kill-before"))
         if process.returncode == 0:
             break
         expect(process.returncode == -signal.SIGKILL, f"exit {process.returncode}: {process.stderr}")
@@ -117,18 +116,17 @@ def foreign_files_are_kept():
         process = command("map", LOG, "-o", folder, "--first", 10)
         expect_exit(process, 2)
         one_error_line(process.stderr)
-        expect(name in process.stderr and "--force" in process.stderr, process.stderr)
+        expect("exists" in process.stderr and "--force" in process.stderr, process.stderr)
         expect(digests(folder) == before, f"{name}: the folder changed")
-        mapped(folder, "--first", 10, "--force")
+        mapped(folder, "--first", 10)
         expect(sorted(digests(folder)) == OUTPUTS, f"{name}: {sorted(digests(folder))}")
         mapped(folder, "--first", 12)
     (folder / "photos").mkdir()
     (folder / "photos/a.jpg").write_text("mine")
-    for force in ((), ("--force",)):
-        process = command("map", LOG, "-o", folder, "--first", 10, *force)
-        expect_exit(process, 2)
-        one_error_line(process.stderr)
-        expect("photos that no run wrote" in process.stderr and (folder / "photos/a.jpg").exists(), process.stderr)
+    process = command("map", LOG, "-o", folder, "--first", 10, "--force")
+    expect_exit(process, 2)
+    one_error_line(process.stderr)
+    expect("photos that no run wrote" in process.stderr and (folder / "photos/a.jpg").exists(), process.stderr)
 
 
 def unwritable_output():

@@ -49,7 +49,7 @@ def live_keeps_snapshots_of_others():
         for name in also:
             (snapshot / name).write_text("mine\n")
         before = contents(folder)
-        for option in ((), ("--force",), ("--snapshot", 1)):
+        for option in (("--force",), ("--force", "--snapshot", 1)):
             process = cli.command("live", LOG, "-o", folder / "run", "-q", *option)
             expect_exit(process, 2)
             one_error_line(process.stderr)
@@ -59,7 +59,7 @@ def live_keeps_snapshots_of_others():
     snapshot.rename(elsewhere)
     (elsewhere / "notes").unlink()
     snapshot.symlink_to(elsewhere)
-    expect_exit(cli.command("live", LOG, "-o", folder / "run", "-q"), 2)
+    expect_exit(cli.command("live", LOG, "-o", folder / "run", "--force", "-q"), 2)
     expect(len(contents(elsewhere)) == 3, "a link was followed")
     snapshot.unlink()
 
@@ -72,14 +72,14 @@ def live_that_fails_keeps_the_snapshot():
     killed(with_snapshot(run, lines))
     before = contents(run)
     expect(len(before) == 4, f"{sorted(before)}")
-    expect_exit(cli.command("live", "/nonexistent", "-o", run, "-q"), 74)
+    expect_exit(cli.command("live", "/nonexistent", "-o", run, "--force", "-q"), 74)
     expect(contents(run) == before, "a drive that never began has changed the folder")
-    waiting = started("--listen", f"unix:{folder / 'laser.socket'}", "-o", run, "-q")
+    waiting = started("--listen", f"unix:{folder / 'laser.socket'}", "-o", run, "--force", "-q")
     wait_until((folder / ".run.gdtslam-new").exists, "a drive that waits")
     waiting.send_signal(signal.SIGTERM)
     ended(waiting, 130)
     expect(contents(run) == before, "a drive that never began has changed the folder")
-    expect_exit(cli.command("live", "-", "-o", run, "-q", input="".join(lines)), 0)
+    expect_exit(cli.command("live", "-", "-o", run, "--force", "-q", input="".join(lines)), 0)
     expect(not (run / "snapshot").exists(), "the snapshot of an earlier drive lies beside the run")
     for missing in ("runs/here", "there"):
         expect_exit(cli.command("live", "/nonexistent", "-o", folder / missing, "-q"), 74)
@@ -96,7 +96,7 @@ def live_of_a_folder_that_cannot_be_had():
     snapshot = contents(run / "snapshot")
     for code, output in ((2, run), (74, folder / "file"), (74, "/proc/self/nothing")):
         for source in (("--listen", f"unix:{path}"), ("--follow", LOG), ("--queue", 9, LOG), (LOG,)):
-            process = cli.command("live", *source, "-o", output, "-q", timeout=30 * cli.SLOWNESS)
+            process = cli.command("live", *source, "-o", output, "--force", "-q", timeout=30 * cli.SLOWNESS)
             expect_exit(process, code)
             one_error_line(process.stderr)
             expect(contents(run / "snapshot") == snapshot, "the snapshot of a drive that goes on has changed")

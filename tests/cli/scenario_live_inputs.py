@@ -281,7 +281,7 @@ def live_snapshots():
     process.kill()
     process.communicate()
     expect(rows() == 80, "the snapshot is gone with the process")
-    expect_exit(cli.command("map", LOG, "-o", run, "-q", "--first", 20), 0)
+    expect_exit(cli.command("map", LOG, "-o", run, "--force", "-q", "--first", 20), 0)
     expect(not (run / "snapshot").exists(), "the snapshot is left beside the run that took its place")
     shutil.rmtree(run)
     process = started("-o", run, "-q", "--snapshot", 0.1, stdin=subprocess.PIPE, bufsize=1)

@@ -164,7 +164,7 @@ def merge_of_cropped_runs():
     for run, outside in ((early, "-2,-9,99,99"), (late, "-99,-99,9,99")):
         expect_exit(command("edit", run, "-o", folder / f"{run.name}_cropped", "--crop", outside, "-q"), 0)
     for runs in ((folder / "early_cropped", folder / "late_cropped"), (folder / "early_cropped", late)):
-        process = command("merge", *runs, "-o", folder / "site")
+        process = command("merge", *runs, "-o", folder / "site", "--force")
         expect_exit(process, 0)
         sites = json.loads((folder / "site/merge.json").read_text())["sites"]
         expect(sum(run["scans"] for site in sites for run in site["runs"]) == 2 * part, f"{sites} of {scans}")
@@ -187,7 +187,7 @@ def all_files(folder):
 def refused_merge(code, words, runs, sites, *arguments, **options):
     """It ends so, with one line, and every file is as it was."""
     before = all_files(sites)
-    process = command("merge", *runs, "-o", sites, "-q", *arguments, **options)
+    process = command("merge", *runs, "-o", sites, "--force", "-q", *arguments, **options)
     expect_exit(process, code)
     one_error_line(process.stderr)
     expect(words in process.stderr, process.stderr)

@@ -42,7 +42,7 @@ def nodding_wrong_linkage():
     log = simulated(folder, "three-boxes", "--linkage", "paper-b-calibrated", "--rate", 8)
     doubt = "sweeps that do not agree"
     for linkage, expected in ((log.with_suffix(".linkage.yaml"), {}), ("paper-b", {doubt: 1}), ("paper-a", {doubt: 1})):
-        process = command("map", log, "-o", folder / "run", "--json", "--no-pictures", "--linkage", linkage)
+        process = command("map", log, "-o", folder / "run", "--force", "--json", "--no-pictures", "--linkage", linkage)
         expect_exit(process, 0)
         expect(json.loads(process.stdout)["warnings"] == expected, f"{linkage}: {process.stderr}")
         expect((f"warning: {doubt} (" in process.stderr) == bool(expected), f"{linkage}: {process.stderr}")

@@ -190,7 +190,7 @@ def nodding_full_disk():
     if cli.IS_SANITIZED:
         skip("the library that fills the disk is not preloaded into a sanitized program")
     drive = Drive("nodding_full_disk")
-    arguments = ["map", drive.log, "--first", 120, "-q", "--set", "cloud.voxel=10 cm"]
+    arguments = ["map", drive.log, "--force", "--first", 120, "-q", "--set", "cloud.voxel=10 cm"]
     run = drive.folder / "run"
     expect_exit(command(*arguments, "-o", run), 0)
     before = digests(run)

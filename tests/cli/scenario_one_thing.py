@@ -138,7 +138,7 @@ def files_that_no_reader_minds():
 
 def start_writer(folder):
     """A run that has begun to write to the folder and waits for more of its log."""
-    process = subprocess.Popen([PROGRAM, "map", "-", "-o", str(folder), "-q"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+    process = subprocess.Popen([PROGRAM, "map", "-", "-o", str(folder), "--force", "-q"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                stderr=subprocess.PIPE, text=True)
     process.stdin.write("".join(LOG.read_text().splitlines(keepends=True)[:400]))
     process.stdin.flush()
@@ -163,7 +163,7 @@ def two_writers():
     for arguments in (("map", LOG, "-o", folder, "--first", 50), ("map", LOG, "-o", place / "link", "--first", 50),
                       ("edit", place / "other", "-o", folder, "--origin", "1,1"),
                       ("map", "--continue", place / "other", "-o", folder)):
-        process = command(*arguments)
+        process = command(*arguments, "--force")
         expect_exit(process, 2)
         one_error_line(process.stderr)
         expect("is writing to" in process.stderr, process.stderr)
@@ -192,7 +192,7 @@ def removed_folder():
         skip("the library that lets calls fail is not preloaded into a sanitized program")
     mapped(folder, "--first", 40)
     before = digests(folder)
-    process = command("map", LOG, "-o", folder, "--first", 50, "-q", env=cli.failing_calls("write,sync,rename", 1, "EIO", on=True))
+    process = command("map", LOG, "-o", folder, "--force", "--first", 50, "-q", env=cli.failing_calls("write,sync,rename", 1, "EIO", on=True))
     expect_exit(process, 74)
     one_error_line(process.stderr)
     expect(digests(folder) == before, "the folder changed")

@@ -1,14 +1,12 @@
-"""What a command writes replaces nothing that it reads."""
+"""What a command writes replaces nothing that it reads, and nothing that exists unless --force is given."""
 
-import bz2
-import gzip
 import json
-import lzma
+import re
 import shutil
 
 import cli_support as cli
 import scenario_bags as bags
-from cli_support import LOG, RUN, TRUTH, command, digests, expect, expect_exit, one_error_line
+from cli_support import LOG, RUN, TRUTH, command, digests, expect, expect_exit, mapped, one_error_line
 
 
 def refused(folder, words, *arguments, code=2):
@@ -66,11 +64,11 @@ def outputs_are_no_files_of_a_run():
     refused(folder, OF_RUN, "render", run, "-o", run / "gdt.png")
     refused(folder, OF_RUN, "doctor", "--after", run, "--picture", run / "graph.png")
     for name in ("report.json", "gdt.png"):
-        refused(folder, "which is written; give another file", "map", LOG, "-o", run, "--mcap", to_run / name)
+        refused(folder, "which is written; give another file", "map", LOG, "-o", run, "--force", "--mcap", to_run / name)
     for name in ("trajectory.tum", "report.json", "overview.png"):  # of a run that is not read
         refused(folder, "which would be damaged; give another file", "linkage", "paper-b", "--csv", to_run / name)
-    for _ in range(2):
-        expect_exit(command("localize", run, LOG, "-q", "-o", to_run / "found.tum"), 0)
+    for force in ((), ("--force",)):
+        expect_exit(command("localize", run, LOG, "-q", "-o", to_run / "found.tum", *force), 0)
     other = folder / "other"  # a map of another program, whose picture is called as it likes
     other.mkdir()
     shutil.copy(RUN / "map.pgm", other / "floor.png")
@@ -87,31 +85,66 @@ def outputs_are_no_files_of_a_run():
     expect(READ in process.stderr and digests(other) == before, process.stderr)
 
 
-def recordings_are_not_replaced():
-    """A recording of any kind, by whatever name, is replaced by no result: exit 2; by a log it is, and results by results."""
-    folder = cli.fresh_folder("recordings_are_not_replaced")
-    for name in ("a.csv", "a.jsonl", "a.mcap"):
-        expect_exit(command("convert", LOG, "-o", folder / name), 0)
-    bags.database_of_log(folder / "a.db3")
-    text, table = LOG.read_bytes(), (folder / "a.csv").read_bytes()
-    for name, data in (("a.log", text), ("picture.png", text), ("a.log.gz", gzip.compress(text)), ("a.log.bz2", bz2.compress(text)),
-                       ("a.csv.xz", lzma.compress(table)), ("b.csv", table.upper()), ("b.log", text.replace(b"FLASER", b" FLASER")), ("b.yaml", table)):
-        (folder / name).write_bytes(data)
-    recordings = sorted(path for path in folder.iterdir() if path.is_file())
-    expect(len(recordings) >= 11, f"{recordings}")
-    words = "is a recording, which only a log replaces; give another file"
-    for recording in recordings:
-        refused(folder, words, "linkage", "paper-b", "-o", recording)
-        refused(folder, words, "linkage", "paper-b", "--csv", recording)
-    (folder / "link.svg").symlink_to(folder / "a.mcap")
-    refused(folder, words, "doctor", LOG, "--picture", folder / "link.svg")
-    refused(folder, words, "calibrate", LOG, "-o", folder / "a.log")
-    expect_exit(command("convert", LOG, "-o", folder / "a.csv", "--force"), 0)
-    expect_exit(command("map", LOG, "-o", folder / "run", "-q", "--first", 20, "--mcap", folder / "a.mcap"), 0)
-    for _ in range(2):
-        expect_exit(command("linkage", "paper-b", "-o", folder / "mine.yaml", "--csv", folder / "turn.csv", "--picture", folder / "b.svg"), 0)
-        expect_exit(command("localize", RUN, LOG, "--track", "-q", "-o", folder / "t.tum", "--table", folder / "t.csv"), 0)
-    expect_exit(command("linkage", "paper-b", "-o", "/dev/null"), 0)
+def outputs_that_exist_stay():
+    """The one rule: every output of every command that exists is refused with 2, before the work, and replaced with --force."""
+    folder = cli.fresh_folder("outputs_that_exist")
+    log, relations, places = folder / "short.log", cli.DATA / "drive.relations", cli.DATA / "places.ply"
+    log.write_text("".join(LOG.read_text().splitlines(keepends=True)[:200]))
+    mapped(folder / "first", "--first", 60)
+    mapped(folder / "second", "--first", 70)
+    run = folder / "first"
+    evaluated = ("evaluate", places, "--scene", "three-boxes", "--trajectory", RUN / "trajectory.tum", "--reference", TRUTH)
+    files = [  # a command with its output last, and the file that is there
+        (("linkage", "paper-b", "-o", "a.yaml"), "a.yaml"), (("linkage", "paper-b", "--csv", "a.csv"), "a.csv"),
+        (("linkage", "paper-b", "--picture", "a.svg"), "a.svg"), (("convert", log, "-o", "a.jsonl"), "a.jsonl"),
+        (("map", log, "-o", folder / "new", "--mcap", "a.mcap"), "a.mcap"), (("doctor", log, "--picture", "a.svg"), "a.svg"),
+        (("doctor", "--after", run, "--picture", "a.svg"), "a.svg"), (("localize", RUN, log, "-o", "a.tum"), "a.tum"),
+        (("localize", RUN, log, "--picture", "a.svg"), "a.svg"), (("localize", RUN, log, "--track", "--table", "a.csv"), "a.csv"),
+        (("localize", RUN, log, "--track", "--changes", "a.svg"), "a.csv"), (("measure", places, "--planes", "--csv", "a.csv"), "a.csv"),
+        (("measure", places, "--planes", "--picture", "a.svg"), "a.svg"), ((*evaluated, "--csv", "a.csv"), "a.csv"),
+        (("calibrate", log, "-o", "a.yaml"), "a.yaml"), (("calibrate", log, "-o", "b.yaml", "--picture", "a.svg"), "a.svg"),
+        (("simulate", "wall", "--rate", 1, "-q", "-o", "a.log"), "a.log"), (("simulate", "wall", "--rate", 1, "-q", "-o", "a.log"), "a.truth.tum"),
+        (("verify", "--write-expected", "a.json"), "a.json"), (("render", RUN, "--view", "map", "--size", "64x64", "-o", "a.png"), "a.png"),
+        (("render", RUN, "--view", "map", "--size", "64x64"), "office-map.png"), (("render", "paper-b", "-o", "a.mp4"), "a.mp4"),
+        (("render", "paper-b", "--size", "64x64", "--frames", 2, "-o", "./"), "frame-0001.png"),
+        (("compare", log, "--csv", "a.csv"), "a.csv"), (("compare", log, "--picture", "a.svg"), "a.svg"),
+        (("ablation", log, "--relations", relations, "-o", "a.md"), "a.md")]
+    folders = [(("map", log), "notes"), (("live", log), "report.json"), (("edit", run, "--origin", "1,1"), "notes"),
+               (("merge", run, folder / "second"), "1"), (("render", log, "--view", "map", "-o", "a.png", "--size", "64x64", "--run"), "notes")]
+    folders = [((*words, *(() if words[-1] == "--run" else ("-o",)), "out"), f"out/{name}") for words, name in folders]
+    seldom = ("calibrate", "compare", "ablation", "verify", "measure")  # refused only: the work is long or needs other inputs
+    seen = set()
+    for arguments, name in files + folders:
+        text = command(arguments[0], "--help").stdout
+        if "--force" not in text:  # not in this build
+            expect("Not in this build" in text, f"{arguments[0]} has no --force")
+            continue
+        seen.add(arguments[0])
+        place = cli.fresh_folder("outputs_that_exist_here")
+        (place / name).parent.mkdir(exist_ok=True)
+        (place / name).write_text("mine")
+        process = command(*arguments, cwd=place)
+        expect_exit(process, 2)
+        one_error_line(process.stderr)
+        expect("exists; give another name, or --force to replace it" in process.stderr, f"{arguments}: {process.stderr}")
+        expect(digests(place) == digests_of_mine(place, name), f"{arguments}: something was written")
+        if arguments[0] not in seldom and "a.mp4" not in arguments:
+            expect_exit(command(*arguments, "--force", cwd=place), 0)
+            expect(not (place / name).is_file() or (place / name).read_text(errors="replace") != "mine", f"{arguments}: not replaced")
+            shutil.rmtree(folder / "new", ignore_errors=True)
+    writers = {name for name in re.findall(r"^  (\w+) ", command("--help").stdout, re.MULTILINE)
+               if re.search(r"--output|--csv|--picture", command(name, "--help").stdout)}
+    expect({"map", "convert"} < writers and writers <= seen, f"not tried: {writers - seen}")
+    (folder / "pipe").symlink_to("/dev/null")
+    expect_exit(command("linkage", "paper-b", "-o", "/dev/null", "--csv", folder / "pipe"), 0)
+
+
+def digests_of_mine(place, name):
+    """The folder with that file alone in it."""
+    alone = cli.fresh_folder("outputs_that_exist_mine")
+    (alone / name).parent.mkdir(exist_ok=True)
+    (alone / name).write_text("mine")
+    return digests(alone)
 
 
 def outputs_are_not_each_other():

@@ -16,9 +16,9 @@ def quiet_and_silent_in_a_pipe():
     process = command("map", LOG, "-o", folder, "--first", 300)
     expect_exit(process, 0)
     expect("\r" not in process.stdout + process.stderr and process.stderr == "", f"stderr: {process.stderr!r}")
-    process = command("map", LOG, "-o", folder, "--first", 100, "-q")
+    process = command("map", LOG, "-o", folder, "--force", "--first", 100, "-q")
     expect(process.stdout == "" and process.stderr == "", "-q is not quiet")
-    process = command("map", LOG, "-o", folder, "--first", 100, "-q", "--json")
+    process = command("map", LOG, "-o", folder, "--force", "--first", 100, "-q", "--json")
     expect(json.loads(process.stdout) == json.loads((folder / "report.json").read_text()), "--json is not report.json")
 
 

@@ -34,7 +34,7 @@ def require_ffmpeg():
 
 def rendered(*arguments, **options):
     """Renders; returns what it says it wrote."""
-    process = command("render", *arguments, "--json", **options)
+    process = command("render", *arguments, "--force", "--json", **options)
     expect_exit(process, 0)
     expect(process.stderr == "", f"stderr is not empty: {process.stderr}")
     cli.validate(process.stdout, "render")
@@ -231,7 +231,7 @@ def render_figures():
         count = f"{said['points']:,} of {whole:,} points" if said["points"] < whole else f"{whole:,} points"
         words = words_of(svg, run, "--view", view, *more)
         expect(f"{count}, {path} of path" in words, f"{view} {more}: {count!r}, {path!r} is not in {words}")
-        text = command("render", run, "--view", view, *more, "-o", svg).stdout
+        text = command("render", run, "--view", view, *more, "-o", svg, "--force").stdout
         expect(f" {count}," in text, f"{count!r} is not in {text}")
     said = rendered(run, "--view", "scan", "--from", "2s", "--to", "6s", "-o", svg)
     expect(said["points"] <= said["points_of"] < 0.5 * report["cloud_points"], f"{said}")

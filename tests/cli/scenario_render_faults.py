@@ -101,9 +101,9 @@ def render_without_opengl():
     expect(report["warnings"] == {"no picture of the cloud": 1}, f"{report['warnings']}")
     expect("warning: no picture of the cloud" in process.stderr and len(process.stderr.splitlines()) == 1, process.stderr)
     expect(sorted(digests(drive.folder / "again")) == sorted([*cli.NODDING_OUTPUTS, "cloud.ply"]), f"{sorted(digests(drive.folder / 'again'))}")
-    process = command("map", drive.log, "-o", drive.folder / "again", "--json")
+    process = command("map", drive.log, "-o", drive.folder / "again", "--force", "--json")
     expect(json.loads(process.stdout)["warnings"] == {} and sorted(digests(drive.folder / "again")) == cli.CLOUD_OUTPUTS, process.stderr)
-    process = command("map", drive.log, "-o", drive.folder / "again", "-q", "--no-pictures")
+    process = command("map", drive.log, "-o", drive.folder / "again", "--force", "-q", "--no-pictures")
     files = sorted(digests(drive.folder / "again"))
     expect(cli.OVERVIEW not in files and "cloud.png" not in files and "cloud.ply" in files, f"pictures of the run before: {files}")
 

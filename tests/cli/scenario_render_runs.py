@@ -130,7 +130,7 @@ def render_of_a_million_points():
             struct.pack("<3f", 0.01 * (k % side), 3.0 * wall, 0.0025 * (k // side)) for wall in range(1, millions) for k in range(side * side))
         header = f"ply\nformat binary_little_endian 1.0\nelement vertex {millions * side * side}\n"
         (folder / "walls.ply").write_bytes((header + "".join(f"property float {a}\n" for a in "xyz")).encode() + b"end_header\n" + walls)
-        code, text, megabytes, _ = cli.measured("render", folder / "walls.ply", "--with-ceiling", "--json", "-o", folder / "a.png")
+        code, text, megabytes, _ = cli.measured("render", folder / "walls.ply", "--with-ceiling", "--json", "--force", "-o", folder / "a.png")
         expect(code == 0, text)
         result = json.loads(text)
         expect(megabytes <= 250, f"a still of {millions} million points takes {megabytes} MB")

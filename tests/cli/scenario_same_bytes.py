@@ -114,7 +114,7 @@ def logs_in_sequence():
     expect_exit(process, 0)
     report = json.loads(process.stdout)
     expect(report["scans"] == 150 and len(report["log"]) == 2, "scans of both logs")
-    process = command("map", folder / "b.log", folder / "a.log", "-o", folder / "run", "--skip", 5, "--first", 10, "-q")
+    process = command("map", folder / "b.log", folder / "a.log", "-o", folder / "run", "--force", "--skip", 5, "--first", 10, "-q")
     expect_exit(process, 0)
 
 

@@ -4,6 +4,7 @@ import fcntl
 import json
 import os
 import pty
+import re
 import signal
 import subprocess
 import termios
@@ -84,6 +85,23 @@ def interrupt_of_standard_input():
     scans = sum(line.startswith("FLASER") for line in lines)
     expect(0 < scans_in(folder)["scans"] <= scans, "no scan was mapped")
     expect(scans_in(folder)["scans"] >= scans - 1, f"{scans_in(folder)['scans']} of {scans} scans")
+
+
+def interrupt_of_convert():
+    """A signal while convert waits for standard input: what came is written, exit 130, one line that says so."""
+    folder = cli.fresh_folder("interrupt_convert")
+    for output in ("a.csv", "-"):
+        process = subprocess.Popen([PROGRAM, "convert", "-", "-o", output, "--format", "csv"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True, cwd=folder)
+        process.stdin.write("".join(LOG.read_text().splitlines(keepends=True)[:200]))
+        process.stdin.flush()
+        time.sleep(1.0 * cli.SLOWNESS)
+        process.send_signal(signal.SIGINT)
+        done = finish(process)
+        expect_exit(done, 130)
+        lines = done.stderr.splitlines()
+        expect(len(lines) == 1 and re.fullmatch(r"gdtslam: interrupted after \d+ scans, which were written", lines[0]), done.stderr)
+        expect(len((done.stdout if output == "-" else (folder / output).read_text()).splitlines()) > 50, "what came is not written")
 
 
 def interrupt_of_a_pipe_without_a_writer():

@@ -47,7 +47,7 @@ def live_tells_of_a_laser_that_nods():
     (folder / "nods.log").write_text("ENCODER 5 0.0 robot 0.0\nENCODER 9 0.1 robot 0.1\n" + "".join(lines))
     for line in (("-o", folder / "run", "--no-loops"), ("--map", RUN)):
         for log, nods in ((folder / "nods.log", True), (LOG, False)):
-            process = command("live", log, *line)
+            process = command("live", log, *line, *(() if "--map" in line else ("--force",)))
             expect_exit(process, 0)
             expect(("the laser of this log nods" in process.stderr) == nods, process.stderr)
 

@@ -30,7 +30,6 @@ import scenario_localize_occupancy
 import scenario_loops
 import scenario_measure
 import scenario_merge
-import scenario_modules
 import scenario_nodding
 import scenario_nodding_faults
 import scenario_nodding_runs
@@ -53,7 +52,7 @@ import scenario_wrong_inputs
 
 MODULES = (scenario_bad_input, scenario_bags, scenario_bench, scenario_bombs, scenario_calibrate, scenario_changes, scenario_compare, scenario_continue, scenario_convert, scenario_devices,
            scenario_doctor, scenario_edit, scenario_files, scenario_fleet, scenario_hostile_files, scenario_keyframes, scenario_linkage, scenario_live, scenario_live_failures, scenario_live_folder, scenario_live_inputs, scenario_live_page, scenario_localize, scenario_localize_occupancy, scenario_loops,
-            scenario_measure, scenario_merge, scenario_modules,
+            scenario_measure, scenario_merge,
            scenario_nodding,
            scenario_nodding_faults, scenario_nodding_runs, scenario_one_thing, scenario_outputs, scenario_printing, scenario_render,
            scenario_render_faults, scenario_render_formats, scenario_render_runs, scenario_results, scenario_same_bytes,

@@ -1,5 +1,5 @@
 """What examples/fleet and the pages about it hold, as far as it can be checked without a cluster: it parses, has the keys that
-its engine asks for, and it is short."""
+its engine asks for, and it is short. tests/cli/scenario_slurm.py runs what can run."""
 
 import pathlib
 import re

@@ -9,9 +9,9 @@ void add_bench_command(CLI::App& app, CommandContext& context);
 
 namespace {
 
-constexpr CommandRow kLabCommands[] = {{"compare", "Commands", add_compare_command, ""},
-                                       {"ablation", "Commands", add_ablation_command, ""},
-                                       {"bench", "Commands", add_bench_command, ""}};
+constexpr CommandRow kLabCommands[] = {{"compare", "Commands", add_compare_command},
+                                       {"ablation", "Commands", add_ablation_command},
+                                       {"bench", "Commands", add_bench_command}};
 constexpr const char* kLabExamples =
     "Examples:\n"
     "  gdtslam-lab compare intel.clf.gz\n"

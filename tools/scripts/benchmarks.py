@@ -123,7 +123,7 @@ class Benchmarks:
         key = (name, *words)
         if key not in self.maps:
             log, folder = self.log(LOGS[name]), self.folder / "run"
-            text, cpu_s, megabytes = self.run("map", log, "-o", folder, "--threads", 1, "--json", *words)
+            text, cpu_s, megabytes = self.run("map", log, "-o", folder, "--force", "--threads", 1, "--json", *words)
             errors = self.json("evaluate", folder / "trajectory.tum", "--relations", self.data / "slam2d" / f"{LOGS[name]}.relations.gz")
             self.maps[key] = json.loads(text), cpu_s, megabytes, errors
         return self.maps[key]
@@ -176,7 +176,7 @@ class Benchmarks:
         log = self.folder / "office-7f.log"
         self.run("simulate", "office-7f", "-o", log, "--seed", 1, "-q")
         for words in (("--no-loops",), ()):
-            text, cpu_s, megabytes = self.run("map", log, "-o", self.folder / "run", "--threads", 1, "--json", *words)
+            text, cpu_s, megabytes = self.run("map", log, "-o", self.folder / "run", "--force", "--threads", 1, "--json", *words)
             runs["office-7f, 3D", words] = json.loads(text), cpu_s, megabytes
         for (name, words), (report, cpu_s, megabytes) in runs.items():
             stages = report["stages"]

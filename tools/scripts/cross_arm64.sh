@@ -52,7 +52,7 @@ export PKG_CONFIG_LIBDIR=$target/usr/lib/$triplet/pkgconfig PKG_CONFIG_SYSROOT_D
 configure "$build/tree" "-DCMAKE_TOOLCHAIN_FILE=$build/toolchain.cmake" -DCMAKE_BUILD_TYPE=Release \
   -DCMAKE_UNITY_BUILD=ON -DGDTSLAM_WERROR=OFF -DGDTSLAM_BUILD_TESTS=OFF -DGDTSLAM_BUILD_EXAMPLES=OFF \
   -DGDTSLAM_BUILD_SIM=OFF -DGDTSLAM_BUILD_CALIBRATION=OFF -DGDTSLAM_BUILD_VULKAN=OFF -DGDTSLAM_BUILD_VIEWER=OFF \
-  -DGDTSLAM_BUILD_LAB=OFF -DGDTSLAM_BUILD_LIVE_PAGE=OFF -DGDTSLAM_MODULES=OFF
+  -DGDTSLAM_BUILD_LAB=OFF -DGDTSLAM_BUILD_LIVE_PAGE=OFF
 
 step "Build"
 cmake --build "$build/tree" --parallel "$(build_jobs)" --target gdtslam
@@ -63,7 +63,7 @@ run() { QEMU_LD_PREFIX=$target qemu-aarch64-static "$build/tree/bin/gdtslam" "$@
 run --version
 for sample in office-start nodding-start; do
   rm -f "$build/$sample.json"
-  run verify --write-expected "$build/$sample.json"
+  run verify --force --write-expected "$build/$sample.json"
   cmp "$build/$sample.json" "$root/assets/expected/$sample.json"
   echo "$sample: maps, trajectories and clouds have the hashes that ship"
 done

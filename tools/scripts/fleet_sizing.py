@@ -54,9 +54,9 @@ def measured(program, folder, laser, rate_hz, laps):
         return json.loads(kept.read_text())
     path, log, plain, out = (folder / f"{laps}.yaml", folder / "drive.mcap", folder / "plain.mcap", folder / "run")
     path.write_text(trajectory(laps))
-    run(program, "simulate", "office-loop", "-o", log, "--laser", laser, "--rate", rate_hz, "--trajectory", path, "--quiet")
+    run(program, "simulate", "office-loop", "-o", log, "--laser", laser, "--rate", rate_hz, "--trajectory", path, "--force", "--quiet")
     run(program, "convert", log, "-o", plain, "--compression", "none", "--force", "--quiet")
-    mapping = subprocess.Popen([program, "map", log, "-o", out, "--device", "cpu", "--threads", "1", "--quiet"])
+    mapping = subprocess.Popen([program, "map", log, "-o", out, "--force", "--device", "cpu", "--threads", "1", "--quiet"])
     _, status, usage = os.wait4(mapping.pid, 0)
     if os.waitstatus_to_exitcode(status) != 0:
         sys.exit(f"fleet_sizing.py: mapping {log} ended with {os.waitstatus_to_exitcode(status)}")

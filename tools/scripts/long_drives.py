@@ -358,7 +358,7 @@ def drive(program, folder, name, seed, length_m, options):
     world = WORLDS[name](rng)
     scene, log, out = folder / f"{name}.yaml", folder / f"{name}.log", folder / f"{name}-{seed}"
     scene.write_text(world.scene(name, world.drive(rng, length_m)))
-    run(program, "simulate", scene, "-o", log, "--seed", seed, "--quiet")
+    run(program, "simulate", scene, "-o", log, "--seed", seed, "--force", "--quiet")
     if world.delay_s != 0.0:
         delay_odometry(log, world.delay_s)
     run(program, "map", log, "-o", out, "--no-pictures", "--quiet", "--force", *options)

@@ -13,7 +13,7 @@ images=$(mkdir -p "${2:-$root/docs/images}" && readlink -f "${2:-$root/docs/imag
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
-gdtslam() { "$program" "$@" >/dev/null; }
+gdtslam() { "$program" "$@" --force >/dev/null; }
 
 for scene in office-loop office-7f three-boxes; do
   echo "$scene"
@@ -62,7 +62,7 @@ gdtslam localize niches niches.log --scan 150 --picture "$images/repeated-corrid
 gdtslam calibrate wall.log -o "$work/wall.yaml" --picture "$images/calibration.png"
 # Of a real log, where there is one: GDTSLAM_DATA names the folder of slam2d/intel.clf.gz.
 if [[ -n ${GDTSLAM_DATA:-} ]]; then
-  "$program-lab" compare "$GDTSLAM_DATA/slam2d/intel.clf.gz" --picture "$images/matchers-intel.svg" -q
+  "$program-lab" compare "$GDTSLAM_DATA/slam2d/intel.clf.gz" --picture "$images/matchers-intel.svg" -q --force
   gdtslam map "$GDTSLAM_DATA/slam2d/intel.clf.gz" -o intel
   gdtslam render intel --view loops -o "$images/loops-intel.png" --size 740x410
   gdtslam edit intel --rotate-to-walls --crop -21,-23.3,8.4,6.3 --erase '0.5,-2 1.4,-2 1.4,-1.1 0.5,-1.1' \

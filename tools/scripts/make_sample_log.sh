@@ -12,12 +12,12 @@ if [[ ! -x $gdtslam ]]; then
   exit 69
 fi
 logs=$root/assets/logs
-"$gdtslam" simulate office-loop --trajectory "$logs/office-start.path.yaml" --rate 6 --seed 1 -o "$logs/office-start.log.gz"
+"$gdtslam" simulate office-loop --trajectory "$logs/office-start.path.yaml" --rate 6 --seed 1 -o "$logs/office-start.log.gz" --force
 "$gdtslam" simulate office-3f --trajectory "$logs/nodding-start.path.yaml" --laser sick-lms --rate 5 --crank-rate 0.31 \
-  --seed 1 -o "$logs/nodding-start.log.gz"
+  --seed 1 -o "$logs/nodding-start.log.gz" --force
 rm "$logs"/*.elevation.csv
 mkdir -p "$root/assets/expected"
 for log in office-start nodding-start; do
-  "$gdtslam" verify --write-expected "$root/assets/expected/$log.json"
+  "$gdtslam" verify --force --write-expected "$root/assets/expected/$log.json"
 done
 sha256sum "$logs"/*.log.gz

@@ -6,20 +6,17 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
-#include <initializer_list>
 #include <span>
 #include <string_view>
 #include <utility>
 
 #include "carmen.hpp"
-#include "engine/core/ascii.hpp"
 #include "engine/io/byte_source.hpp"
 #include "engine/io/log_contents.hpp"
 #include "engine/io/recordings/recording_reader.hpp"
 #include "engine/io/tables/table_reader.hpp"
 #include "engine/io/unpack_source.hpp"
 #include "gdtslam/core/error.hpp"
-#include "log_signs.hpp"
 
 namespace gdtslam {
 namespace {
@@ -96,68 +93,6 @@ std::unique_ptr<ByteSource> unpacked(std::unique_ptr<ByteSource> source, const s
   return source;
 }
 
-/// As much as there is, up to what tells a recording.
-std::string beginning_of(ByteSource& source) {
-  constexpr std::size_t kSignBytes = std::size_t{1} << 16U;
-  std::string text(kSignBytes, '\0');
-  std::size_t count = 0;
-  while (count < text.size()) {
-    const std::size_t more = source.read(std::span<char>(text).subspan(count));
-    if (more == 0) break;
-    count += more;
-  }
-  text.resize(count);
-  return text;
-}
-
-std::string_view without_blanks_before(std::string_view line) {
-  return line.substr(std::min(line.find_first_not_of(" \t\r"), line.size()));
-}
-
-/// By the word at its begin.
-bool is_carmen_line(std::string_view line) {
-  constexpr std::array<std::string_view, 8> kWords{"FLASER", "RLASER", "ROBOTLASER1", "ROBOTLASER2",
-                                                   "ODOM",   "PARAM",  "ENCODER",     "TILT"};
-  const std::string_view word = line.substr(0, line.find_first_of(" \t"));
-  return word.size() < line.size() && std::find(kWords.begin(), kWords.end(), word) != kWords.end();
-}
-
-/// Whether the text has one of the names, in quotation marks or between separators.
-bool names_any(std::string_view text, std::initializer_list<std::string_view> names) {
-  constexpr std::string_view kAround = "\"',; \t\r";
-  return std::any_of(names.begin(), names.end(), [text, kAround](std::string_view name) {
-    for (std::size_t at = text.find(name); at != std::string_view::npos; at = text.find(name, at + 1)) {
-      const std::size_t end = at + name.size();
-      const bool begins = at == 0 || kAround.find(text[at - 1]) != std::string_view::npos;
-      if (begins && (end == text.size() || kAround.find(text[end]) != std::string_view::npos)) return true;
-    }
-    return false;
-  });
-}
-
-/// A line of CARMEN, or a table by the names of its columns.
-bool has_log_text(std::string_view text) {
-  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
-  bool is_first = true;
-  for (std::size_t begin = 0, end = 0; begin < text.size(); begin = end + 1) {
-    end = std::min(text.find('\n', begin), text.size());
-    const std::string_view line = without_blanks_before(text.substr(begin, end - begin));
-    if (is_carmen_line(line)) return true;
-    if (!is_first || line.empty() || line.starts_with('#')) continue;
-    is_first = false;
-    const bool is_object = line.starts_with('{');
-    const std::string named = in_small_letters(is_object ? text.substr(begin) : line);
-    // The ranges of an object may come first, and be more than is looked at.
-    if (is_object && names_any(named, {"ranges"})) return true;
-    if (names_any(named, {"stamp", "timestamp", "time"}) &&
-        names_any(named, {"ranges", "r0", "points", "x0", "odom"})) {
-      return true;
-    }
-  }
-  return false;
-}
-
 /// Text logs have one laser's scans and one odometry, and nothing to choose from.
 void refuse_topics(const TopicChoice& chosen, const std::string& name, std::string_view kind) {
   const auto refuse = [&](std::string_view what) {
@@ -208,19 +143,6 @@ std::unique_ptr<DescribedLog> open_source(std::unique_ptr<ByteSource> packed, co
 }
 
 }  // namespace
-
-bool is_recording(const std::string& file) {
-  try {
-    std::string head;
-    std::unique_ptr<ByteSource> source = unpacked(open_file_source(file), file, head);
-    const auto is_head = [&head](const Magic& magic) { return !magic.packing && head.starts_with(magic.bytes); };
-    if (std::any_of(kMagics.begin(), kMagics.end(), is_head)) return true;
-    source = with_head(head, std::move(source));
-    return has_log_text(beginning_of(*source));
-  } catch (const Error&) {  // damaged, or not to be opened
-    return false;
-  }
-}
 
 std::unique_ptr<LogReader> open_log(const std::string& path, const ReadOptions& options) {
   return open_described_log(path, options);

@@ -46,6 +46,10 @@ TEST(Printable, NothingThatATerminalObeysGetsThrough) {
   EXPECT_EQ(printable("a\nb\r\tc\x1b[2J\x7f"), "a\\nb\\x0d\\x09c\\x1b[2J\\x7f");
   EXPECT_EQ(printable(std::string_view("\0", 1)), "\\x00");
   EXPECT_EQ(printable("\u009b2J\u2028"), "\\xc2\\x9b2J\\xe2\\x80\\xa8") << "C1 and the line separator";
+  EXPECT_EQ(printable("a\u202egnp.exe"), "a\\xe2\\x80\\xaegnp.exe") << "from right to left";
+  for (const char* const mark : {"\u200e", "\u200f", "\u202a", "\u202d", "\u2066", "\u2069", "\u061c"}) {
+    EXPECT_THAT(printable(mark), testing::StartsWith("\\x")) << mark;
+  }
   EXPECT_EQ(printable("\xff\xc3(\xe2\x82"), "\\xff\\xc3(\\xe2\\x82") << "no UTF-8";
   EXPECT_EQ(printable("a\n\tb\r", "\n\t"), "a\n\tb\\x0d");
   EXPECT_EQ(printable(""), "");

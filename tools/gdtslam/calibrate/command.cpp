@@ -127,7 +127,7 @@ void check_files(const CalibrateCommand& command) {
   if (!command.picture.empty()) check_drawing_file("--picture", command.picture);
   std::vector<std::string> inputs = command.job.logs;
   inputs.push_back(linkage_file_of(command.start));
-  WrittenFiles written(inputs);
+  WrittenFiles written(inputs, command.force);
   written.add("--output", command.output);
   written.add("--picture", command.picture);
 }
@@ -212,7 +212,8 @@ void add_calibrate_command(CLI::App& app, CommandContext& context) {
                            "--search-zero", "--no-prior", "--picture"}) {
     self->excludes(command->get_option(name));
   }
-  command->add_flag("--force", chosen->force, "Write the linkage file though it is not to be trusted, without sigmas");
+  command->add_flag("--force", chosen->force,
+                    "Replace outputs that exist, and write the linkage if it is not to be trusted, without sigmas");
   command->add_flag("--json", chosen->json, "Print JSON");
   command->add_flag("-q,--quiet", chosen->quiet, "Print errors only");
   command->footer(

@@ -3,12 +3,10 @@
 #include <CLI/App.hpp>
 
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <variant>
 
@@ -75,22 +73,6 @@ void require_useful(const Settings& settings) {
   }
 }
 
-// A converted log is as dear as its original: nothing is replaced unless that was said. With --force, too, the log that
-// is read stays: what the target cannot carry would be gone.
-void check_output(const ConvertOptions& options) {
-  namespace fs = std::filesystem;
-  if (options.output == "-") return;
-  std::error_code error;
-  if (fs::is_directory(options.output, error)) {
-    throw UsageError(fmt::format("--output: {} is a folder; give the name of a file", one_line(options.output)));
-  }
-  WrittenFiles({options.log, options.settings.file}).add("--output", options.output, WrittenFiles::Kind::kLog);
-  if (fs::is_regular_file(options.output, error) && !options.force) {
-    throw UsageError(
-        fmt::format("--output: {} exists; give another name, or --force to replace it", one_line(options.output)));
-  }
-}
-
 void count_record(const LogRecord& record, ConvertCounts& counts) {
   if (std::holds_alternative<ScanRecord>(record)) ++counts.scans;
   if (std::holds_alternative<Odometry>(record)) ++counts.odometry;
@@ -108,11 +90,9 @@ ConvertCounts copy_records(LogReader& reader, const ReadOptions& read, LogWriter
     }
     if (writer.write(*record)) count_record(*record, counts);
     progress.update(counts.scans_read, reader.progress());
-    if (interrupted()) {
-      counts.is_whole = false;
-      break;
-    }
+    if (interrupted()) break;
   }
+  counts.is_whole = !interrupted();  // a signal ends standard input as its writer does
   return counts;
 }
 
@@ -151,7 +131,7 @@ void require_scans(const ConvertOptions& options, const ConvertCounts& counts, c
 int convert(const ConvertOptions& options) {
   const LogFormat format = log_format_of(options.output, options.format);
   const LogWriteOptions write{.packing = packing_named(options.compression)};
-  check_output(options);
+  WrittenFiles({options.log, options.settings.file}, options.force).add("--output", options.output);
   Settings settings = load_settings(options.settings);
   require_useful(settings);
   state_recording(options.recording, settings.log);
@@ -225,7 +205,7 @@ void add_convert_command(CLI::App& app, CommandContext& context) {
   command->add_flag("--lenient", options->lenient, "Count and skip malformed lines instead of failing");
   add_recording_options(*command, options->recording);
   add_settings_options(*command, options->settings);
-  command->add_flag("--force", options->force, "Replace what OUT is now");
+  add_force_option(*command, options->force);
   command->add_flag("--json", options->json, "Print what was written as JSON");
   command->add_flag("-q,--quiet", options->quiet, "Print errors only");
   command->footer(

@@ -166,7 +166,7 @@ void draw_review(const RunReader& run, const RunReview& review, const Trajectory
 int doctor_after(const DoctorOptions& options) {
   if (!options.picture.empty()) {
     check_drawing_file("--picture", options.picture);
-    WrittenFiles({options.after}).add("--picture", options.picture);
+    WrittenFiles({options.after}, options.force).add("--picture", options.picture);
   }
   const RunReader run(options.after);
   const Trajectory trajectory = run.trajectory();

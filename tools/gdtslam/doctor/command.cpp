@@ -99,7 +99,7 @@ Findings findings_of(const DoctorOptions& options) {
 int doctor(const DoctorOptions& options) {
   if (!options.picture.empty()) {
     check_drawing_file("--picture", options.picture);
-    WrittenFiles({options.log, options.settings.file}).add("--picture", options.picture);
+    WrittenFiles({options.log, options.settings.file}, options.force).add("--picture", options.picture);
   }
   const Findings found = findings_of(options);
   print_result(options.json ? json_text(findings_json(found, options.log)) : findings_text(found, options.log));
@@ -140,6 +140,7 @@ void add_doctor_command(CLI::App& app, CommandContext& context) {
                    "Draw scan rate, motion and ranges of the log over time; with --after loops, uncertainty and what\n"
                    "is doubtful, numbered: .svg, .png, .jpg or .pdf")
       ->type_name("FILE");
+  add_force_option(*command, options->force);
   command->add_flag("--json", options->json, "Print JSON");
   command->footer(
       "What it holds (topics, frames, clocks, or kinds of lines), what of it 'map' uses and why, and the line to "

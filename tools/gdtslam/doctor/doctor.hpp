@@ -14,6 +14,7 @@ struct DoctorOptions {
   SettingsOptions settings;
   std::string after;    ///< the folder of a run, in place of a log
   std::string picture;  ///< of the log, or of the run
+  bool force = false;
   bool json = false;
 };
 

@@ -13,6 +13,7 @@
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
+#include "tools/gdtslam/shell/written_files.hpp"
 
 namespace gdtslam {
 namespace {
@@ -89,6 +90,7 @@ EditRequest request_of(const EditCommand& command) {
 
 int edit(const EditCommand& command) {
   EditRequest request = request_of(command);
+  WrittenFiles({request.run}, request.replace_foreign_files).add_folder("--output", request.folder);
   TerminalLine line(command.quiet);
   request.progress = [&line](std::string_view step, double share) {
     line.draw([&](double) { return fmt::format("{:4.0f} %  {}", 100.0 * share, step); });
@@ -167,8 +169,7 @@ void add_edit_command(CLI::App& app, CommandContext& context) {
                     "Write map.png and map.pgw too, an ESRI world file, for a GIS");
   command->add_flag("--tiles", options->request.with_tiles,
                     "Write the map in tiles of 2048 cells a side too, maps in themselves, in the folder DIR/tiles");
-  command->add_flag("--force", options->request.replace_foreign_files,
-                    "Replace files of a run's names in DIR that no run wrote");
+  add_force_option(*command, options->request.replace_foreign_files);
   command->add_flag("--no-pictures", options->no_pictures, "Do not write overview.png and graph.png (or .svg)");
   command->add_flag("--json", options->json, "Print edits.json on standard output");
   command->add_flag("-q,--quiet", options->quiet, "Print errors only");

@@ -159,7 +159,8 @@ int against_hits(const EvaluateOptions& options) {
 int evaluate_cloud(const EvaluateOptions& options) {
   check_cloud_usage(options);
   WrittenFiles({options.file, options.reference, options.hits, options.trajectory, linkage_file_of(options.linkage),
-                options.scene})
+                options.scene},
+               options.force)
       .add("--csv", options.csv);
   return options.scene.empty() ? against_hits(options) : against_scene(options);
 }

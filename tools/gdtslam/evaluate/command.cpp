@@ -9,6 +9,7 @@
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/help/offers.hpp"
 #include "tools/gdtslam/shell/options.hpp"
+#include "tools/gdtslam/shell/written_files.hpp"
 
 namespace gdtslam {
 namespace {
@@ -93,6 +94,7 @@ void add_evaluate_command(CLI::App& app, CommandContext& context) {
           "[0/0]")
       ->type_name("D/A");
   add_cloud_options(*command, *options);
+  add_force_option(*command, options->force);
   command->add_flag("--json", options->json, "Print JSON");
   command->footer(
       "Relations: the error is the norm of the translation difference and the wrapped yaw difference, for all\n"

@@ -15,6 +15,7 @@ struct EvaluateOptions {
   double distance_m = ReferenceOptions{}.rpe_distance_m;
   bool no_align = false;
   std::string noise;  ///< of the truth, "2cm/0.5deg"; empty: none
+  bool force = false;
   bool json = false;
   // Of a cloud.
   std::string scene;       ///< one of these two

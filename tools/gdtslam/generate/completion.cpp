@@ -3,65 +3,153 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace gdtslam {
 namespace {
 
-void add_missing(std::vector<std::string>& all, const std::vector<std::string>& more) {
-  for (const std::string& word : more) {
-    if (std::find(all.begin(), all.end(), word) == all.end()) all.push_back(word);
+// Bash breaks the word under the cursor at '=' and ':' and replaces what is behind them only, so this part is cut off
+// the answers. The program of PATH is asked, never one that lies in the working folder.
+constexpr std::string_view kBash = R"bash(# bash completion for gdtslam, made by 'gdtslam generate completion bash'.
+_gdtslam() {
+  local line=${COMP_LINE:0:COMP_POINT} breaks="" cut="" cur offer file endings
+  local -a words
+  COMPREPLY=()
+  read -ra words <<<"$line"
+  [[ $line == *[[:blank:]] ]] && words+=("")
+  cur=${words[-1]}
+  [[ $COMP_WORDBREAKS == *=* ]] && breaks+="="
+  [[ $COMP_WORDBREAKS == *:* ]] && breaks+=":"
+  [[ -n $breaks && $cur == *[$breaks]* ]] && cut=${cur%"${cur##*[$breaks]}"}
+  while IFS= read -r offer; do
+    case $offer in
+      :files*)
+        cur=${cur#"$cut"} endings=${offer#:files} endings=${endings// ./|}
+        compopt -o filenames 2>/dev/null
+        while IFS= read -r file; do
+          if [[ -d $file || -z $endings || $file =~ \.(${endings#|})$ ]]; then COMPREPLY+=("$file"); fi
+        done < <(compgen -f -- "$cur")
+        ;;
+      :folders)
+        compopt -o filenames 2>/dev/null
+        while IFS= read -r file; do COMPREPLY+=("$file"); done < <(compgen -d -- "${cur#"$cut"}")
+        ;;
+      *)
+        [[ $offer == *= ]] && compopt -o nospace 2>/dev/null
+        COMPREPLY+=("${offer#"$cut"}")
+        ;;
+    esac
+  done < <(command gdtslam generate offers -- "${words[@]:1}" 2>/dev/null)
+}
+complete -F _gdtslam gdtslam
+)bash";
+
+constexpr std::string_view kZsh = R"zsh(#compdef gdtslam
+# zsh completion for gdtslam, made by 'gdtslam generate completion zsh'.
+_gdtslam() {
+  local offer
+  local -a endings
+  for offer in "${(@f)$(command gdtslam generate offers -- "${(@)words[2,CURRENT]}" 2>/dev/null)}"; do
+    case $offer in
+      '') ;;
+      :files) compset -P '--*='; _files ;;
+      :files*) compset -P '--*='; endings=(${=offer#:files}); _files -g "*(${(j:|:)endings})" ;;
+      :folders) compset -P '--*='; _files -/ ;;
+      *=) compadd -S '' -- "$offer" ;;
+      *) compadd -- "$offer" ;;
+    esac
+  done
+}
+if [ "$funcstack[1]" = _gdtslam ]; then
+  _gdtslam "$@"
+else
+  compdef _gdtslam gdtslam
+fi
+)zsh";
+
+/// Words that begin with what is typed.
+class Answers {
+ public:
+  explicit Answers(std::string typed) : typed_(std::move(typed)) {}
+
+  void add(const std::string& word) {
+    if (word.starts_with(typed_)) lines_ += word + "\n";
   }
+  /// Values, each behind `before`, which is "--option=" or nothing.
+  void add(const Offers& offers, const std::string& before, const std::vector<OptionRow>& settings) {
+    for (const std::string& word : offers.words) add(before + word);
+    if (offers.has_settings) add_settings(before, settings);
+    if (offers.has_files)
+      lines_ += fmt::format(":files{}{}\n", offers.endings.empty() ? "" : " ", fmt::join(offers.endings, " "));
+    if (offers.has_folders && !offers.has_files) lines_ += ":folders\n";
+  }
+  [[nodiscard]] const std::string& lines() const { return lines_; }
+
+ private:
+  void add_settings(const std::string& before, const std::vector<OptionRow>& settings) {
+    for (const OptionRow& row : settings) {
+      const std::string path = before + row.path + "=";
+      if (!typed_.starts_with(path)) add(path);
+      for (const std::string& choice : row.choices) {
+        if (typed_.starts_with(path)) add(path + choice);
+      }
+    }
+  }
+
+  std::string typed_;
+  std::string lines_;
+};
+
+const CommandText* command_below(const CommandText& command, const std::string& name) {
+  const auto found = std::find_if(command.commands.begin(), command.commands.end(), [&name](const CommandText& below) {
+    return below.name == name && below.group != kMissingCommands;
+  });
+  return found == command.commands.end() ? nullptr : &*found;
 }
 
-void add_commands_from(std::vector<const CommandText*>& all, const CommandText& command) {
-  if (command.group == kMissingCommands) return;
-  all.push_back(&command);
-  for (const CommandText& below : command.commands) add_commands_from(all, below);
+const OptionText* option_named(const CommandText& command, const std::string& name) {
+  for (const OptionGroup& group : command.groups) {
+    for (const OptionText& option : group.options) {
+      if (std::find(option.names.begin(), option.names.end(), name) != option.names.end()) return &option;
+    }
+  }
+  return nullptr;
 }
 
 }  // namespace
 
-std::vector<const CommandText*> commands_from(const CommandText& root) {
-  std::vector<const CommandText*> all;
-  add_commands_from(all, root);
-  return all;
+std::string_view completion_script(std::string_view shell) {
+  return shell == "bash" ? kBash : shell == "zsh" ? kZsh : std::string_view();
 }
 
-std::vector<const OptionText*> options_in(const CommandText& command) {
-  std::vector<const OptionText*> all;
-  for (const OptionGroup& group : command.groups) {
-    for (const OptionText& option : group.options) all.push_back(&option);
+std::string offers_behind(const CommandText& root, const std::vector<std::string>& words,
+                          const std::vector<OptionRow>& settings) {
+  if (words.empty()) return {};
+  const CommandText* command = &root;
+  for (std::size_t k = 0; k + 1 < words.size(); ++k) {
+    if (const CommandText* const below = command_below(*command, words[k])) command = below;
   }
-  return all;
-}
-
-Offers offers_of_arguments(const CommandText& command) {
-  Offers all;
-  bool is_any_file = false;
-  for (const OptionText& argument : command.arguments) {
-    const Offers& offers = argument.offers;
-    add_missing(all.words, offers.words);
-    add_missing(all.endings, offers.endings);
-    is_any_file = is_any_file || (offers.has_files && offers.endings.empty());
-    all.has_files = all.has_files || offers.has_files;
-    all.has_folders = all.has_folders || offers.has_folders;
-  }
-  if (is_any_file) all.endings.clear();
-  return all;
-}
-
-std::string quoted_for_shell(std::string_view text) {
-  std::string quoted = "'";
-  for (const char c : text) {
-    if (c == '\'') {
-      quoted += "'\\''";
-    } else {
-      quoted += c;
+  const std::string& typed = words.back();
+  const std::size_t equals = typed.starts_with("--") ? typed.find('=') : std::string::npos;
+  const std::string before = equals == std::string::npos ? "" : typed.substr(0, equals + 1);
+  const std::string name = !before.empty() ? typed.substr(0, equals) : words.size() > 1 ? words[words.size() - 2] : "";
+  Answers answers(typed);
+  const OptionText* const option = name.starts_with('-') ? option_named(*command, name) : nullptr;
+  if (option != nullptr && !option->value.empty()) {
+    answers.add(option->offers, before, settings);
+  } else if (typed.starts_with('-')) {
+    for (const OptionGroup& group : command->groups) {
+      for (const OptionText& one : group.options) {
+        for (const std::string& word : one.names) answers.add(word);
+      }
     }
+  } else {
+    for (const CommandText& below : command->commands) {
+      if (below.group != kMissingCommands) answers.add(below.name);
+    }
+    for (const OptionText& argument : command->arguments) answers.add(argument.offers, "", settings);
   }
-  return quoted + "'";
+  return answers.lines();
 }
-
-std::string spaced(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, " ")); }
 
 }  // namespace gdtslam

@@ -1,6 +1,5 @@
-// Completions of the command line for three shells, from the tree that the help is made of and the table of the
-// options: commands, options and values. Each is one text that the shell reads; nothing of gdtslam runs when a key is
-// pressed.
+// Completions of the command line for bash and zsh. Their scripts ask the program, which answers from the tree that the
+// help is made of and the table of the options.
 #pragma once
 
 #include <string>
@@ -12,28 +11,13 @@
 
 namespace gdtslam {
 
-/// What --set PATH=VALUE offers.
-using SettingRows = std::vector<OptionRow>;
+/// The script of a shell; empty if the shell is neither bash nor zsh.
+std::string_view completion_script(std::string_view shell);
 
-std::string bash_completion(const CommandText& root, const SettingRows& settings);
-std::string zsh_completion(const CommandText& root, const SettingRows& settings);
-std::string fish_completion(const CommandText& root, const SettingRows& settings);
-
-// What the three have in common.
-
-/// The command and all below it that this build has, in the order of the help.
-std::vector<const CommandText*> commands_from(const CommandText& root);
-
-/// All options of a command, of every group.
-std::vector<const OptionText*> options_in(const CommandText& command);
-
-/// What may stand where no option asks for a value: all that its arguments are.
-Offers offers_of_arguments(const CommandText& command);
-
-/// In single quotes of a POSIX shell.
-std::string quoted_for_shell(std::string_view text);
-
-/// The words, each behind a blank but the first.
-std::string spaced(const std::vector<std::string>& words);
+/// What fits behind the words of a command line after the program's name, the last of which is being typed: whole
+/// words, a line each. Lines ":files .ply .pcd" (":files" for any) and ":folders" stand for names that the shell finds
+/// itself.
+std::string offers_behind(const CommandText& root, const std::vector<std::string>& words,
+                          const std::vector<OptionRow>& settings);
 
 }  // namespace gdtslam

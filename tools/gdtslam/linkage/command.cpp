@@ -49,6 +49,7 @@ struct LinkageCommand {
   bool is_calibrated = false;
   bool lists = false;
   bool designs = false;
+  bool force = false;
   bool json = false;
 };
 
@@ -199,7 +200,7 @@ int run_design(const LinkageCommand& command) {
 
 void check_files(const LinkageCommand& command) {
   if (!command.picture.empty()) check_drawing_file("--picture", command.picture);
-  WrittenFiles written({linkage_file_of(command.linkage)});
+  WrittenFiles written({linkage_file_of(command.linkage)}, command.force);
   written.add("--csv", command.csv);
   written.add("--picture", command.picture);
   written.add("--output", command.output);
@@ -268,6 +269,7 @@ void add_linkage_command(CLI::App& app, CommandContext& context) {
   for (const char* name : {"--csv", "--picture", "--output"}) {
     list->excludes(command->get_option(name));
   }
+  add_force_option(*command, chosen->force);
   command->add_flag("--json", chosen->json, "Print JSON");
   command->footer(
       "docs/linkage.md explains every figure.\n"

@@ -16,6 +16,7 @@
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/help/offers.hpp"
 #include "tools/gdtslam/shell/options.hpp"
+#include "tools/gdtslam/shell/written_files.hpp"
 
 namespace gdtslam {
 namespace {
@@ -67,7 +68,7 @@ void add_output_options(CLI::App& command, DriveOptions& options) {
                   "Folder of the results, written when the scans have ended\n"
                   "(default: runs/<log>-<UTC time>, with a link runs/latest)")
       ->type_name("DIR");
-  command.add_flag("--force", options.force, "Remove files in DIR that no run wrote; else it is refused");
+  add_force_option(command, options.force);
   command
       .add_option("--snapshot", options.snapshot_s,
                   "Every so many seconds map and path so far, in DIR/snapshot (default: when SIGUSR1 comes)")

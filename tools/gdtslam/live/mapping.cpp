@@ -18,6 +18,7 @@
 #include "snapshot/snapshots.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
+#include "tools/gdtslam/shell/written_files.hpp"
 
 namespace gdtslam {
 namespace {
@@ -83,6 +84,7 @@ int map_live(const DriveOptions& options) {
   return_large_blocks_at_once();
   let_signal_save();
   MapRequest request = request_of(options);
+  WrittenFiles({}, options.force).add_folder("--output", request.folder);
   require_no_foreign_snapshot(request.folder);
   if (auto input = input_of(options)) request.live_log = live_log_of(std::move(input), options.queue);
   LineOutput output(output_rule_of(options));

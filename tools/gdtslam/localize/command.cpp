@@ -92,7 +92,7 @@ void check(const LocalizeOptions& options) {
     throw UsageError("--leave-out chooses among scans: give --random or --every too");
   }
   if (!options.picture.empty()) check_drawing_file("--picture", options.picture);
-  WrittenFiles written({options.log, options.reference, options.map, options.settings.file});
+  WrittenFiles written({options.log, options.reference, options.map, options.settings.file}, options.force);
   written.add("--output", options.trajectory);
   written.add("--picture", options.picture);
   written.add("--table", options.table);
@@ -273,6 +273,7 @@ void add_output_options(CLI::App& command, LocalizeOptions& chosen) {
       ->type_name("FILE");
   command.add_flag("--lenient", chosen.lenient, "Count and skip malformed lines of the log");
   add_recording_options(command, chosen.recording);
+  add_force_option(command, chosen.force);
   command.add_flag("--json", chosen.json, "Print JSON; what depends on the machine is under \"times\"");
   command.add_flag("-q,--quiet", chosen.quiet, "Print errors only");
 }

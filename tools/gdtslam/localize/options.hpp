@@ -32,6 +32,7 @@ struct LocalizeOptions {
   DeviceOptions device{.device = "cpu"};
   bool lenient = false;
   RecordingOptions recording;
+  bool force = false;
   bool json = false;
   bool quiet = false;
   bool track = false;

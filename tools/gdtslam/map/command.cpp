@@ -25,9 +25,7 @@
 #include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
 #include "tools/gdtslam/shell/written_files.hpp"
-#ifdef GDTSLAM_HAS_MODULES
-#include "tools/gdtslam/shell/modules.hpp"
-#elif defined(GDTSLAM_HAS_VIEWER)
+#ifdef GDTSLAM_HAS_VIEWER
 #include "tools/gdtslam/pictures/cloud_picture.hpp"
 #endif
 
@@ -46,7 +44,7 @@ struct MapOptions {
   RecordingOptions recording;
   std::string mcap;       ///< empty: none
   std::string continued;  ///< folder of a run to go on with; empty: a new run
-  bool force = false;     ///< replace files of other origin in the folder
+  bool force = false;
   bool no_cloud = false;
   bool no_map = false;
   bool no_pictures = false;
@@ -119,12 +117,7 @@ std::string as_text(const NoddingOutcome& nodding, const std::string& linkage) {
 
 // Draws cloud.png; empty where this build cannot.
 CloudPicture cloud_painter() {
-#if defined(GDTSLAM_HAS_VIEWER) && defined(GDTSLAM_HAS_MODULES)
-  return [](const std::string& cloud_file, const std::string& log, const Trajectory& trajectory,
-            const calib::SweepModel* linkage) {
-    return open_module("render").draw_run_cloud(cloud_file, log, trajectory, linkage);
-  };
-#elif defined(GDTSLAM_HAS_VIEWER)
+#ifdef GDTSLAM_HAS_VIEWER
   return draw_run_cloud;
 #else
   return {};
@@ -156,19 +149,23 @@ MapRequest request_of(const MapOptions& options) {
   return request;
 }
 
-// The scans are read again: a run keeps none of them.
-void check_mcap(const MapOptions& options, const std::string& folder) {
+void check_mcap(const MapOptions& options) {
   if (options.mcap.empty()) return;
   if (options.no_map) throw UsageError("--mcap writes the occupancy map, which --no-map leaves out: give one of them");
   if (std::find(options.logs.begin(), options.logs.end(), "-") != options.logs.end()) {
     throw UsageError("--mcap reads the logs twice: give files, not standard input");
   }
+}
+
+// A run that is continued in its own folder replaces itself.
+void check_files(const MapOptions& options, const std::string& folder) {
+  check_mcap(options);
   std::vector<std::string> inputs = options.logs;
   inputs.insert(inputs.end(), {options.settings.file, linkage_file_of(options.linkage)});
   for (const std::string& log : options.logs) inputs.push_back(linkage_sidecar(log));
-  WrittenFiles written(inputs);
-  written.add_run(folder);
-  written.add("--mcap", options.mcap, WrittenFiles::Kind::kLog);
+  WrittenFiles written(inputs, options.force);
+  if (folder != options.continued) written.add_folder("--output", folder);
+  written.add("--mcap", options.mcap);
 }
 
 void write_mcap(const MapOptions& options, const MapRequest& request, const MapOutcome& outcome,
@@ -201,7 +198,7 @@ void check_continued(const CLI::App& command, const MapOptions& options) {
 int map(const MapOptions& options) {
   MapProgress progress(options.quiet);
   MapRequest request = request_of(options);
-  check_mcap(options, request.folder);
+  check_files(options, request.folder);
   BackendWhenNeeded backend(options.device);
   progress.follow(request);
   const MapResult result = map_logs(request, [&backend](bool has_work) -> Backend& { return backend.of(has_work); });
@@ -253,10 +250,10 @@ void add_map_command(CLI::App& app, CommandContext& context) {
   add_input_options(*command, *options);
   command
       ->add_option("-o,--output", options->folder,
-                   "Folder of the results; a run that lies there is replaced as a whole when all is done\n"
+                   "Folder of the results; --force replaces what lies there as a whole when all is done\n"
                    "(default: runs/<log>-<UTC time>, with a link runs/latest)")
       ->type_name("DIR");
-  command->add_flag("--force", options->force, "Remove files in DIR that no run wrote; else it is refused");
+  add_force_option(*command, options->force);
   add_settings_options(*command, options->settings);
   CLI::Option* const matcher =
       command->add_option("--matcher", options->matcher,

@@ -33,6 +33,7 @@ struct MeasureCommand {
   PlaneSearch search;            ///< of planes and of the faces of boxes: thickness, trials, seed and number of planes
   double gap_m = 0.0;            ///< 0: as each search has it
   std::uint32_t min_points = 0;  ///< likewise
+  bool force = false;
   bool json = false;
   std::string viewpoint;
   std::string csv;
@@ -99,7 +100,7 @@ int run_measure(const MeasureCommand& command) {
     throw UsageError("--csv writes one table: ask for --boxes or for --planes");
   }
   if (!command.picture.empty()) check_drawing_file("--picture", command.picture);
-  WrittenFiles written({command.job.cloud});
+  WrittenFiles written({command.job.cloud}, command.force);
   written.add("--csv", command.csv);
   written.add("--picture", command.picture);
   MeasureJob job = job_of(command);
@@ -177,6 +178,7 @@ void add_measure_command(CLI::App& app, CommandContext& context) {
                    "Write a top view of the boxes with their dimensions: .svg, .png, .jpg or .pdf")
       ->type_name("FILE")
       ->needs(boxes);
+  add_force_option(*command, chosen->force);
   command->add_flag("--json", chosen->json, "Print JSON");
   command->footer(
       "A value stands with its standard deviation, and whether both of its ends were seen. Map with cloud.voxel=0:\n"

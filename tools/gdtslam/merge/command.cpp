@@ -12,6 +12,7 @@
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/options.hpp"
+#include "tools/gdtslam/shell/written_files.hpp"
 
 namespace gdtslam {
 namespace {
@@ -71,6 +72,7 @@ std::string text_of(const SharedRuns& pair) {
 int merge(const MergeCommand& command) {
   MergeRequest request = command.request;
   if (request.runs.size() < 2) throw UsageError("one run has nothing to be joined with: name two or more");
+  WrittenFiles(request.runs, request.replace_foreign_files).add_folder("--output", request.folder);
   request.with_map = !command.no_map;
   request.with_pictures = !command.no_pictures;
   request.stop = [] { return interrupted(); };
@@ -106,8 +108,7 @@ void add_merge_command(CLI::App& app, CommandContext& context) {
                    "Folder of the results: a run folder for each site, 1, 2 and so on, and merge.json")
       ->required()
       ->type_name("DIR");
-  command->add_flag("--force", options->request.replace_foreign_files,
-                    "Replace files of a run's names in the folders of sites that no run wrote");
+  add_force_option(*command, options->request.replace_foreign_files);
   command
       ->add_option("--threads", options->request.threads,
                    "Threads of the CPU, 0 for one per processor. Results do not depend on it")

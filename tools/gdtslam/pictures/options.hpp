@@ -52,6 +52,7 @@ struct RenderOptions {
   bool no_path = false;
   bool no_caption = false;
   bool lists_views = false;
+  bool force = false;
   bool json = false;
   bool quiet = false;
 };

@@ -26,6 +26,7 @@
 #include "tools/gdtslam/shell/options.hpp"
 #include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
+#include "tools/gdtslam/shell/written_files.hpp"
 
 namespace gdtslam {
 namespace {
@@ -130,6 +131,7 @@ MapOutcome map_into(const RenderOptions& options, const std::string& folder) {
                      .settings = settings,
                      .linkage = options.linkage,
                      .with_continue_file = !options.run_folder.empty(),
+                     .replace_foreign_files = options.force,
                      .with_pictures = !options.run_folder.empty(),
                      .draw_cloud = draw_run_cloud};
   MapProgress progress(options.quiet);
@@ -187,6 +189,7 @@ int render_inputs(const RenderOptions& options) {
   for (const std::string& input : options.inputs) kinds.push_back(kind_of_input(input));
   require_inputs_fit(options, kinds);
   if (!options.output.empty()) require_writable(options, options.output);
+  WrittenFiles({}, options.force).add_folder("--run", options.run_folder);
   std::vector<RenderSource> sources;
   std::optional<MappedLog> mapped;
   if (kinds.front() == RenderKind::kLog) {
@@ -332,6 +335,7 @@ void add_render_command(CLI::App& app, CommandContext& context) {
   add_look_options(*command, *chosen);
   add_film_options(*command, *chosen);
   add_data_options(*command, *chosen);
+  add_force_option(*command, chosen->force);
   command->add_flag("--json", chosen->json, "Print what was written as JSON");
   command->add_flag("-q,--quiet", chosen->quiet, "Print errors only");
   command->footer(

@@ -134,15 +134,16 @@ std::string_view to_string(OutputKind kind) {
   return kNames[static_cast<std::size_t>(kind)];
 }
 
-// Frames of a film have names of their own, and their folder is made.
 void require_writable(const RenderOptions& options, const std::string& file) {
-  if (output_kind_of(file) == OutputKind::kFrames) return;
   std::vector<std::string> inputs = options.inputs;
   inputs.insert(inputs.end(), {options.reference, options.relations, linkage_file_of(options.linkage)});
   for (const std::string& input : options.inputs) inputs.push_back(linkage_sidecar(input));
-  WrittenFiles written(inputs);
+  WrittenFiles written(inputs, options.force);
   if (!options.run_folder.empty()) written.add_run(options.run_folder);
-  written.add("--output", file);
+  const bool are_frames = output_kind_of(file) == OutputKind::kFrames;
+  const std::string first = are_frames ? frame_path(file, 0) : file;
+  std::error_code ignored;
+  if (!are_frames || fs::exists(first, ignored)) written.add("--output", first);  // the folder of frames is made
 }
 
 void refuse_idle_options(const RenderOptions& options, const RenderView* view, OutputKind output, bool is_linkage) {

@@ -23,7 +23,6 @@
 #include "engine/core/memory/out_of_memory.hpp"
 #include "engine/io/did_you_mean.hpp"
 #include "gdtslam/core/error.hpp"
-#include "modules.hpp"
 #include "tools/gdtslam/shell/help/command_tree.hpp"
 #include "tools/gdtslam/shell/help/help_page.hpp"
 #include "version_text.hpp"
@@ -33,59 +32,21 @@ namespace {
 
 constexpr const char* kHelpGroup = "This machine and this program";
 
-// A sub-command that is not here: whoever asks for it learns why.
-void add_missing_command(CLI::App& app, CommandContext& context, const std::string& name,
-                         const std::string& description, const std::string& reason) {
-  CLI::App* command = add_command(app, name, description);
+// A sub-command that this build leaves out says which option it needs.
+void add_missing_command(CLI::App& app, CommandContext& context, const CommandRow& row) {
+  const std::string option = row.missing_option;
+  CLI::App* command = add_command(app, row.name, "Not in this build (" + option + "=OFF)");
   command->group(kMissingCommands);
   command->allow_extras();
+  const std::string reason = std::string("this build has no '") + row.name + "'; configure it with -D" + option + "=ON";
   command->callback([&context, reason] { context.run = [reason]() -> int { throw UnavailableError(reason); }; });
 }
 
-void add_module_command(CLI::App& app, CommandContext& context, const std::string& name) {
-  try {
-    open_module(name).add(app, context);
-  } catch (const UnavailableError& error) {
-    add_missing_command(app, context, name, std::string("Not available: ") + error.what(), error.what());
-  }
-}
-
 void add_row(CLI::App& app, CommandContext& context, const CommandRow& row) {
-  const std::string name = row.name;
-  if (row.add != nullptr) {
-    row.add(app, context);
-  } else if (row.missing_option != nullptr) {
-    const std::string option = row.missing_option;
-    add_missing_command(app, context, name, "Not in this build (" + option + "=OFF)",
-                        "this build has no '" + name + "'; configure it with -D" + option + "=ON");
-  } else {
-    add_module_command(app, context, name);
-  }
-  CLI::App* const command = app.get_subcommand(name);
-  if (command->get_group() != kMissingCommands) command->group(row.group);
+  if (row.add == nullptr) return add_missing_command(app, context, row);
+  row.add(app, context);
+  app.get_subcommand(row.name)->group(row.group);
 }
-
-/// Which sub-commands a command line needs with their options: the one that it names, all for the help and for what is
-/// made of it (`generate`). The others get a name only, so that nothing is loaded for them.
-class WantedCommands {
- public:
-  explicit WantedCommands(std::span<char* const> arguments) {
-    for (const std::string_view argument : arguments) {
-      if (argument.starts_with('-')) {
-        all_ = all_ || argument == "-h" || argument == "--help";
-        continue;
-      }
-      name_ = argument;
-      break;
-    }
-    all_ = all_ || arguments.empty() || name_ == "help" || name_ == "generate";
-  }
-  [[nodiscard]] bool has(std::string_view name) const { return all_ || name == name_; }
-
- private:
-  std::string_view name_;
-  bool all_ = false;
-};
 
 std::vector<std::string> names_of(CLI::App* app) {
   std::vector<std::string> names;
@@ -132,20 +93,14 @@ void add_help_command(CLI::App& app, CommandContext& context, const Program& pro
   command->callback([&app, &context, words] { context.run = [&app, words] { return print_help_on(&app, *words); }; });
 }
 
-std::unique_ptr<CLI::App> make_app(const Program& program, const WantedCommands& wanted, CommandContext& context) {
+std::unique_ptr<CLI::App> make_app(const Program& program, CommandContext& context) {
   auto app = std::make_unique<CLI::App>(program.description, program.name);
   const auto version = [build = context.build] { return version_text(build); };
   app->set_version_flag("--version", version, "Print the version, its commit and what this build can do, and exit");
   app->set_help_flag("-h,--help", "Print this help and exit");
   app->require_subcommand(1);
   app->footer(program.examples);
-  for (const CommandRow& command : program.commands) {
-    if (wanted.has(command.name)) {
-      add_row(*app, context, command);
-    } else {
-      add_command(*app, command.name, "");
-    }
-  }
+  for (const CommandRow& command : program.commands) add_row(*app, context, command);
   add_help_command(*app, context, program);
   return app;
 }
@@ -185,9 +140,7 @@ int report(std::string_view message, ExitCode code) {
 int parse_and_run(int argc, char** argv, const Program& program, const BuildStamp& build) {
   CommandContext context;
   context.build = build;
-  const std::span<char* const> arguments(argv, static_cast<std::size_t>(std::max(argc, 0)));
-  const WantedCommands wanted(arguments.subspan(std::min<std::size_t>(1, arguments.size())));
-  const std::unique_ptr<CLI::App> app = make_app(program, wanted, context);
+  const std::unique_ptr<CLI::App> app = make_app(program, context);
   if (argc <= 1) return print_help_on(app.get(), {});
   try {
     app->parse(argc, argv);

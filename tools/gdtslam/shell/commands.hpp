@@ -28,12 +28,12 @@ struct CommandContext {
 inline constexpr const char* kSmallerMap =
     "a smaller map.max_megacells or cloud.max_megavoxels, or a larger map.resolution needs less";
 
-/// A sub-command of this build, or of another: tools/CMakeLists.txt lists them.
+/// A sub-command of this build, or of another.
 struct CommandRow {
   const char* name;
   const char* group;                                    ///< its heading in the help
   void (*add)(CLI::App& app, CommandContext& context);  ///< null: not in this program
-  const char* missing_option;  ///< the CMake option that is off then; null: the command is a module (modules.hpp)
+  const char* missing_option = nullptr;                 ///< the CMake option that is off then
 };
 /// A program of these commands.
 struct Program {
@@ -42,9 +42,6 @@ struct Program {
   const char* examples;                  ///< below its help
   std::span<const CommandRow> commands;  ///< in the order of the help
 };
-
-/// The command `gdtslam`.
-Program command_program();
 
 /// Of the program, which alone is made anew when the commit changes (cmake/GdtslamStamp.cmake).
 BuildStamp build_stamp();

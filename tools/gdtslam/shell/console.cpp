@@ -26,9 +26,12 @@
 namespace gdtslam {
 namespace {
 
-// C0, DEL, C1 and the two separators, at which some programs begin a new line.
+// C0, DEL, C1, the two separators, at which some programs begin a new line, and the marks of Unicode that change the
+// direction of a text: a name with one of them would reorder the line around it.
 bool is_control(char32_t code) {
-  return code < 0x20U || (code >= 0x7FU && code < 0xA0U) || code == 0x2028U || code == 0x2029U;
+  const auto is_within = [code](char32_t first, char32_t last) { return code >= first && code <= last; };
+  return is_within(0, 0x1FU) || is_within(0x7FU, 0x9FU) || is_within(0x2028U, 0x202EU) || is_within(0x2066U, 0x2069U) ||
+         is_within(0x200EU, 0x200FU) || code == 0x061CU;
 }
 
 std::mutex g_lines_mutex;

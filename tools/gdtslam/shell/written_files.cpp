@@ -1,12 +1,12 @@
 #include "written_files.hpp"
 
 #include <fmt/format.h>
+#include <CLI/App.hpp>
 
 #include <fstream>
 #include <iterator>
 #include <system_error>
 
-#include "engine/io/logs/log_signs.hpp"
 #include "engine/io/referenced_file.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/run_reader.hpp"
@@ -69,11 +69,8 @@ bool is_replaced(const std::string& file) {
   return !fs::exists(status) || fs::is_regular_file(status) || fs::is_directory(status);
 }
 
-// A drive cannot be made again; pictures and tables can.
-void require_no_recording(std::string_view option, const std::string& file) {
-  std::error_code ignored;
-  if (!fs::is_regular_file(file, ignored) || !is_recording(file)) return;
-  throw UsageError(fmt::format("{}: '{}' is a recording, which only a log replaces; give another file", option, file));
+[[noreturn]] void refuse_existing(std::string_view option, const std::string& path) {
+  throw UsageError(fmt::format("{}: '{}' exists; give another name, or --force to replace it", option, path));
 }
 
 void require_folder_of(const std::string& file) {
@@ -87,7 +84,11 @@ void require_folder_of(const std::string& file) {
 
 }  // namespace
 
-WrittenFiles::WrittenFiles(const std::vector<std::string>& inputs) {
+void add_force_option(CLI::App& command, bool& force) {
+  command.add_flag("--force", force, "Replace outputs that exist; without it they are refused");
+}
+
+WrittenFiles::WrittenFiles(const std::vector<std::string>& inputs, bool force) : force_(force) {
   std::error_code ignored;  // what cannot be asked about is no input: reading it fails by itself
   for (const std::string& input : inputs) {
     if (input.empty() || input == "-") continue;
@@ -103,17 +104,29 @@ WrittenFiles::WrittenFiles(const std::vector<std::string>& inputs) {
   }
 }
 
-void WrittenFiles::add(std::string_view option, const std::string& file, Kind kind) {
-  if (file.empty()) return;
-  if (is_replaced(file)) require_replaceable(option, file, kind);
+void WrittenFiles::add_folder(std::string_view option, const std::string& folder) {
+  if (folder.empty()) return;
+  add_run(folder);
+  std::error_code ignored;  // an unreadable or misplaced folder fails by itself
+  if (!force_ && fs::is_directory(folder, ignored) && !fs::is_empty(folder, ignored)) refuse_existing(option, folder);
+}
+
+void WrittenFiles::add(std::string_view option, const std::string& file) {
+  if (file.empty() || file == "-") return;
+  std::error_code ignored;
+  if (fs::is_directory(file, ignored)) {
+    throw UsageError(fmt::format("{}: '{}' is a folder; give the name of a file", option, file));
+  }
+  if (is_replaced(file)) require_replaceable(option, file);
   require_folder_of(file);
 }
 
-void WrittenFiles::require_replaceable(std::string_view option, const std::string& file, Kind kind) {
+void WrittenFiles::require_replaceable(std::string_view option, const std::string& file) {
   require_not_read(option, file);
   require_not_of_a_run(option, file);
   require_once(option, file);
-  if (kind == Kind::kResult) require_no_recording(option, file);
+  std::error_code ignored;
+  if (!force_ && fs::exists(file, ignored)) refuse_existing(option, file);
 }
 
 void WrittenFiles::require_not_read(std::string_view option, const std::string& file) const {

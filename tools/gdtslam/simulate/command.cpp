@@ -38,6 +38,7 @@ struct SimulateCommand {
   std::string speed;
   std::string turn_rate;
   double pace = 0.0;
+  bool force = false;
   bool json = false;
   bool quiet = false;
 };
@@ -141,11 +142,12 @@ void check_standard_output(const SimulateCommand& command) {
 }
 
 // The log, and what may lie beside it.
-void check_files(const SimulateOptions& options) {
+void check_files(const SimulateOptions& options, bool force) {
   (void)log_format_by_ending(options.output);  // refuses the name of a bag
   WrittenFiles written({find_scene(options.scene, options.scene_folders), options.trajectory.value_or(""),
-                        linkage_file_of(options.linkage.value_or(""))});
-  written.add("--output", options.output, WrittenFiles::Kind::kLog);
+                        linkage_file_of(options.linkage.value_or(""))},
+                       force);
+  written.add("--output", options.output);
   for (const char* ending : {".truth.tum", ".linkage.yaml", ".elevation.csv", ".truth.ply"}) {
     written.add("--output", sidecar_path(options.output, ending));
   }
@@ -165,7 +167,7 @@ int run_simulate(const SimulateCommand& command) {
   options.range_resolution_m = length_of("--resolution", command.resolution);
   ProgressLine progress("scans", command.quiet);
   options.scene_folders = asset_folders("scenes");
-  if (!is_sent) check_files(options);
+  if (!is_sent) check_files(options, command.force);
   options.progress = [&progress](std::uint64_t scans, double share) { progress.update(scans, share); };
   options.stop = [&lines] { return interrupted() || !lines.has_reader(); };
   const SimulateResult result = simulate(options);
@@ -282,6 +284,7 @@ void add_simulate_command(CLI::App& app, CommandContext& context) {
                    "(default: all at once)")
       ->type_name("FACTOR")
       ->check(CLI::Range(1.0e-3, 1.0e6).description(""));
+  add_force_option(*command, chosen->force);
   command->add_flag("--json", chosen->json, "Print what was done as JSON");
   command->add_flag("-q,--quiet", chosen->quiet, "Print errors only");
   command->footer(

@@ -17,6 +17,7 @@
 #include "tools/gdtslam/shell/device/verify_record.hpp"
 #include "tools/gdtslam/shell/help/offers.hpp"
 #include "tools/gdtslam/shell/options.hpp"
+#include "tools/gdtslam/shell/written_files.hpp"
 
 namespace gdtslam {
 namespace {
@@ -29,6 +30,7 @@ constexpr std::size_t kDigestShown = 12;
 struct VerifyCommand {
   VerifyOptions options;
   std::string write_expected;
+  bool force = false;
   bool json = false;
 };
 
@@ -174,6 +176,7 @@ void keep_result(const VerifyReport& report, const VerifyOptions& options) {
 
 int verify(const VerifyCommand& command) {
   if (!command.write_expected.empty()) {
+    WrittenFiles({}, command.force).add("--write-expected", command.write_expected);
     write_expected_results(command.options, command.write_expected);
     return static_cast<int>(ExitCode::kDone);
   }
@@ -209,6 +212,7 @@ void add_case_options(CLI::App& command, VerifyCommand& chosen) {
                   "Only map the sample log on the CPU, or nodding-start where FILE is named after it, and write what\n"
                   "it gives as what it must give; for a change of gdtslam that is meant to change results")
       ->type_name("FILE");
+  add_force_option(command, chosen.force);
 }
 
 }  // namespace

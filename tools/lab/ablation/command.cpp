@@ -36,6 +36,7 @@ struct AblationOptions {
   SettingsOptions settings;
   DeviceOptions device;
   ScanRange range;
+  bool force = false;
   bool quiet = false;
 };
 
@@ -102,7 +103,7 @@ std::string variant_row(const AblationVariant& variant, const AblationOptions& o
 int ablation(const AblationOptions& options) {
   if (options.log == "-")
     throw UsageError("ablation reads the log once for each variant: give a file, not standard input");
-  WrittenFiles({options.log, options.relations, options.settings.file}).add("--output", options.output);
+  WrittenFiles({options.log, options.relations, options.settings.file}, options.force).add("--output", options.output);
   const std::vector<Relation> relations = read_relations(options.relations);
   const std::vector<AblationVariant> variants = variants_of(options);
   for (const AblationVariant& variant : variants) settings_of(options, variant);  // no misspelt option after an hour
@@ -159,6 +160,7 @@ void add_ablation_command(CLI::App& app, CommandContext& context) {
   add_device_options(*command, options->device);
   add_count_option(*command, "--skip", options->range.skip, 0, "Leave out the first N scans");
   add_count_option(*command, "--first", options->range.count, 1, "Map N scans only");
+  add_force_option(*command, options->force);
   command->add_flag("-q,--quiet", options->quiet, "Print errors only");
   command->footer(
       "Every variant maps the whole log with the configuration of -c and --set and its own assignments on top.\n"

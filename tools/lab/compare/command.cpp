@@ -44,6 +44,7 @@ struct CompareOptions {
   SettingsOptions settings;
   DeviceOptions device{.device = "cpu"};
   bool lenient = false;
+  bool force = false;
   bool json = false;
   bool quiet = false;
 };
@@ -129,7 +130,7 @@ std::vector<WholeRun> map_wholly(const CompareOptions& options, const CompareJob
 void check_files(const CompareOptions& options) {
   std::vector<std::string> inputs = options.job.logs;
   inputs.insert(inputs.end(), {options.reference, options.relations, options.settings.file});
-  WrittenFiles written(inputs);
+  WrittenFiles written(inputs, options.force);
   written.add("--csv", options.csv);
   written.add("--picture", options.picture);
 }
@@ -195,6 +196,7 @@ void add_protocol_options(CLI::App& command, CompareOptions& options) {
 }
 
 void add_output_options(CLI::App& command, CompareOptions& options) {
+  add_force_option(command, options.force);
   command.add_flag("--json", options.json, "Print JSON; what depends on the machine is under \"times\"");
   command.add_option("--csv", options.csv, "Write every trial")->type_name("FILE");
   command.add_option("--picture", options.picture, "Draw the basins and the errors: .svg, .png, .jpg or .pdf")

@@ -149,7 +149,7 @@ def city_log(program, folder, side_m, blocks, scans, seed):
         log.unlink(missing_ok=True)
         file.write_text(scene)
         print(f"{len(city.walls)} blocks and their rim, {len(city.cars)} cars, {len(city.trees)} trees; {length_m / 1000:.1f} km")
-        run(program, "simulate", file, "-o", log, "--seed", seed, "--quiet")
+        run(program, "simulate", file, "-o", log, "--force", "--seed", seed, "--quiet")
     return log
 
 
@@ -179,7 +179,7 @@ def campus_row(chosen, label, log, scans, folder):
         out = chosen.folder / f"{folder}{mode[:2]}"
         kept = out.with_suffix(".json")
         if not kept.exists():
-            _, memory_bytes = peak_of(chosen.program, "map", log, "--first", scans, "-o", out, "--quiet",
+            _, memory_bytes = peak_of(chosen.program, "map", log, "--first", scans, "-o", out, "--force", "--quiet",
                                       *(["--no-loops"] if mode == "--no-loops" else []))
             kept.write_text(json.dumps([memory_bytes, json.loads((out / "report.json").read_text())]))
         memory_bytes, report = json.loads(kept.read_text())

@@ -75,7 +75,7 @@ def latency(chosen):
     parts = scan_messages(chosen.log)
     beside = [subprocess.Popen([sys.executable, "-S", "-c", "while True: pass"]) for _ in range(chosen.busy)]
     try:
-        process = subprocess.Popen([chosen.program, "live", "-", "-q", "-o", chosen.folder / "run", *chosen.mapping],
+        process = subprocess.Popen([chosen.program, "live", "-", "-q", "-o", chosen.folder / "run", "--force", *chosen.mapping],
                                    stdin=subprocess.PIPE, stdout=subprocess.PIPE)
         taken, alone, lines, lasted_s = answered(process, parts, chosen.speed)
         process.stdin.close()
@@ -139,7 +139,7 @@ class Lap:
     def __init__(self, program, folder):
         scene, log = folder / "hall.yaml", folder / "hall.log"
         scene.write_text(HALL % (SCAN_HZ, SCAN_HZ))
-        run(program, "simulate", scene, "-o", log, "--seed", 1, "--quiet")
+        run(program, "simulate", scene, "-o", log, "--force", "--seed", 1, "--quiet")
         self.scans = []
         for line in log.read_text().splitlines():
             word = line.split()
@@ -253,13 +253,13 @@ def maps_line(program, lap, folder, count, scans):
 def endurance_line(kind, program, lap, folder, scans):
     """A row of the table, and (what, measured, most)."""
     out = folder / f"run-{kind}"
-    options = {"live": ["live", "-", "-q", "-o", out], "no-loops": ["live", "-", "-q", "--no-loops", "-o", out],
+    options = {"live": ["live", "-", "-q", "-o", out, "--force"], "no-loops": ["live", "-", "-q", "--no-loops", "-o", out, "--force"],
                "follow": ["live", "-", "-q", "--map", folder / "known"],
-               "drive": ["map", "-", "-q", "--no-pictures", "-o", out]}[kind]
+               "drive": ["map", "-", "-q", "--no-pictures", "-o", out, "--force"]}[kind]
     if kind == "follow":
         known = folder / "known.log"
         known.write_bytes(b"".join(lap.lines(len(lap.scans))))
-        run(program, "map", known, "-o", folder / "known", "-q")
+        run(program, "map", known, "-o", folder / "known", "--force", "-q")
     watched, closing_s, peak = fed([program, *options], lap, scans)
     hours = scans / SCAN_HZ / 3600
     first, last = watched.cpu_s(0.0, 0.25), watched.cpu_s(0.75, 1.0)

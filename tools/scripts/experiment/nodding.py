@@ -26,13 +26,13 @@ class Nodding:
 
     def simulate(self, scene, seed, *arguments):
         log = self.folder / f"{scene}.log"
-        run(self.program, "simulate", scene, "-o", log, "--seed", seed, *arguments)
+        run(self.program, "simulate", scene, "-o", log, "--force", "--seed", seed, *arguments)
         return log
 
     def errors(self, log, options, *arguments):
         """Maps the log, and compares its cloud and path with the truth."""
         out = self.folder / "run"
-        run(self.program, "map", log, "-o", out, "-q", *options)
+        run(self.program, "map", log, "-o", out, "--force", "-q", *options)
         return json.loads(printed(self.program, "evaluate", out / "cloud.ply", "--trajectory", out / "trajectory.tum",
                                   "--reference", log.with_suffix(".truth.tum"), *arguments, "--json"))
 

@@ -39,8 +39,8 @@ def make_session(program, folder, name, seed, number, metres):
     world = WORLDS[name](random.Random(f"{name} {seed}"))
     scene, log, out = folder / f"{number}.yaml", folder / f"{number}.log", folder / f"run-{number}"
     scene.write_text(world.scene(f"{name}-{number}", walk(world, rng, metres)))
-    run(program, "simulate", scene, "-o", log, "--seed", 1000 * seed + number, "--quiet")
-    run(program, "map", log, "-o", out, "--no-pictures", "--no-map", "--quiet")
+    run(program, "simulate", scene, "-o", log, "--force", "--seed", 1000 * seed + number, "--quiet")
+    run(program, "map", log, "-o", out, "--force", "--no-pictures", "--no-map", "--quiet")
     return Session(out, log)
 
 
@@ -106,7 +106,7 @@ def sessions(chosen):
             folder.mkdir(parents=True, exist_ok=True)
             drives = [make_session(chosen.program, folder, name, seed, number, chosen.metres) for number in range(1, chosen.sessions + 1)]
             began_s = time.monotonic()
-            run(chosen.program, "merge", *(drive.folder for drive in drives), "-o", folder / "site", "--no-map", "--quiet")
+            run(chosen.program, "merge", *(drive.folder for drive in drives), "-o", folder / "site", "--force", "--no-map", "--quiet")
             f = merge_figures(drives, folder / "site")
             wrong += f["wrong"]
             print_row(name, seed, f"{f['edges']}, {f['wrong']}", f"{f['overlap']}, {f['joined']}", f["sites"], f"{f['ate']:.3f} m",

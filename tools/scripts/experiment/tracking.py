@@ -45,7 +45,7 @@ class Passed:
 
 def mapped(program, log, folder, *arguments):
     if not (folder / "trajectory.tum").exists():
-        run(program, "map", log, "-o", folder, "-q", *arguments)
+        run(program, "map", log, "-o", folder, "--force", "-q", *arguments)
     return stamped_poses(folder / "trajectory.tum")
 
 

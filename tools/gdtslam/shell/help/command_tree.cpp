@@ -135,7 +135,7 @@ CommandText command_text(CLI::App& app) {
   }
   text.groups = groups_of(app);
   for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {
-    text.commands.push_back(command_text(*command));
+    if (!command->get_group().empty()) text.commands.push_back(command_text(*command));
   }
   for (Paragraph& paragraph : paragraphs_of(app.get_footer())) {
     if (paragraph.text == kExampleHeading) {

@@ -1,5 +1,5 @@
-// The commands, arguments and options of the command line as plain texts: what the help, the manual pages and the
-// completions of shells are made of, so that none of them says anything else than the others.
+// The commands, arguments and options of the command line as plain texts: what the help and the completions of
+// shells are made of, so that none of them says anything else than the others.
 #pragma once
 
 #include <string>
@@ -53,8 +53,8 @@ struct CommandText {
   std::vector<Paragraph> end_notes;   ///< what stands behind the examples
 };
 
-/// A command and all below it. Hidden options are left out. A text of an option may end with what counts when it is not
-/// given, "(default: the log's)" or "[the log's]", where that is no value that the parser could show.
+/// A command and all below it. Hidden options and commands are left out. A text of an option may end with what counts
+/// when it is not given, "(default: the log's)" or "[the log's]", where that is no value that the parser could show.
 CommandText command_text(CLI::App& app);
 
 /// "default: 1; 1 to 100; required; with --design": all that is behind an option's sentence; empty where nothing is.
