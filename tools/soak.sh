@@ -147,11 +147,11 @@ edit run --origin 1,1,90 -o edited -q
 tiles run
 render run --view map -o out.png --size 96x64 -q
 render deep --view orbit --frames 2 -o out.mp4 --size 96x64 -q
-measure deep --planes --boxes
+evaluate deep --planes --boxes
 doctor drive.log
 linkage paper-b
 config show
-devices
+doctor --devices
 COMMANDS
   rm -rf "$folder"
   return "$status"

@@ -32,7 +32,7 @@ def commands_load_what_they_need():
     if cli.IS_SANITIZED:
         cli.skip("a sanitized program is linked with more than it needs")
     folder = cli.fresh_folder("commands_load")
-    for arguments in (("--version",), ("config", "show"), ("devices",), ("map", LOG, "--first", 50, "-o", folder / "run", "-q"),
+    for arguments in (("--version",), ("config", "show"), ("doctor", "--devices"), ("map", LOG, "--first", 50, "-o", folder / "run", "-q"),
                       ("map", "--help"), ("evaluate", RUN / "trajectory.tum", "--reference", RUN / "trajectory.tum")):
         libraries = loaded_by(folder, *arguments)
         expect(any("libstdc++" in path for path in libraries), f"the loader's account is not understood: {libraries}")

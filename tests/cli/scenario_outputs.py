@@ -39,13 +39,13 @@ def outputs_are_no_inputs():
     for arguments in (
             ("calibrate", log, "-o", log), ("calibrate", log, "-o", folder / "n.yaml", "--picture", link),
             ("calibrate", log, "-o", folder / "b.yaml", "--start", folder / "b.yaml", "--self"),
-            ("measure", folder / "p.ply", "--planes", "--csv", folder / "p.ply"),
+            ("evaluate", folder / "p.ply", "--planes", "--csv", folder / "p.ply"),
             ("linkage", folder / "b.yaml", "--csv", folder / "b.yaml"), ("linkage", folder / "b.yaml", "-o", folder / "b.yaml"),
             ("render", folder / "p.ply", "-o", folder / "p.ply", "--points", 2),
             ("evaluate", folder / "p.ply", "--scene", "three-boxes", "--trajectory", run / "trajectory.tum", "--reference", TRUTH,
              "--csv", folder / "p.ply"),
             ("ablation", log, "--relations", folder / "r", "-o", twisted), ("ablation", log, "--relations", folder / "r", "-o", folder / "r"),
-            ("doctor", log, "--picture", link), ("map", log, "-o", folder / "new", "--mcap", twisted),
+            ("map", log, "-o", folder / "new", "--mcap", twisted),
             ("map", log, "-c", config, "-o", folder / "new", "--mcap", config),
             ("localize", run, log, "-c", config, "-o", config), ("compare", log, "-c", config, "--csv", config)):
         refused(folder, READ, *arguments)
@@ -62,7 +62,7 @@ def outputs_are_no_files_of_a_run():
     refused(folder, OF_RUN, "localize", run, LOG, "--track", "--table", run / "report.json")
     refused(folder, READ, "localize", run / "gdt.yaml", LOG, "--picture", run / "gdt.png")
     refused(folder, OF_RUN, "compare", LOG, "--reference", run, "--csv", run / "keyframes.bin.gz")
-    refused(folder, OF_RUN, "measure", run, "--planes", "--csv", run / "cloud.ply")
+    refused(folder, OF_RUN, "evaluate", run, "--planes", "--csv", run / "cloud.ply")
     refused(folder, OF_RUN, "render", run, "-o", run / "gdt.png")
     refused(folder, OF_RUN, "doctor", "--after", run, "--picture", run / "graph.png")
     for name in ("report.json", "gdt.png"):
@@ -104,7 +104,7 @@ def recordings_are_not_replaced():
         refused(folder, words, "linkage", "paper-b", "-o", recording)
         refused(folder, words, "linkage", "paper-b", "--csv", recording)
     (folder / "link.svg").symlink_to(folder / "a.mcap")
-    refused(folder, words, "doctor", LOG, "--picture", folder / "link.svg")
+    refused(folder, words, "doctor", "--after", RUN, "--picture", folder / "link.svg")
     refused(folder, words, "calibrate", LOG, "-o", folder / "a.log")
     expect_exit(command("convert", LOG, "-o", folder / "a.csv", "--force"), 0)
     expect_exit(command("map", LOG, "-o", folder / "run", "-q", "--first", 20, "--mcap", folder / "a.mcap"), 0)

@@ -44,7 +44,7 @@ RunDoubts doubts_with(std::vector<ClosedLoop> loops, const WheelReport& wheels =
   return doubts;
 }
 
-std::vector<ReviewNote> notes_of(const RunDoubts& doubts) { return review_of(doubts, metre_by_metre(10), {}).notes; }
+std::vector<ReviewNote> notes_of(const RunDoubts& doubts) { return review_notes(doubts, metre_by_metre(10), {}); }
 std::vector<ReviewNote> notes_of(const WheelReport& wheels) { return notes_of(doubts_with({}, wheels)); }
 
 TEST(RunRules, ALoopIsOffByLittleBelowFortyCentimetres) {
@@ -106,24 +106,24 @@ TEST(RunRules, AStretchIsAdvisedByWhereItLies) {
 TEST(RunRules, TheWorstPoseOfAStretchIsTheFirstOfEquals) {
   std::vector<PoseCovariance> covariances(10, PoseCovariance{.xx = 0.09, .yy = 0.04});
   const RunDoubts doubts = doubts_with({}, {}, {{3, 6, 0.5}});
-  EXPECT_EQ(review_of(doubts, metre_by_metre(10), covariances).uncertain.at(0).at_m, Point2(3.0, 0.0));
+  EXPECT_EQ(review_notes(doubts, metre_by_metre(10), covariances).at(0).at_m, Point2(3.0, 0.0));
   covariances[6].yy = 0.16;
-  EXPECT_EQ(review_of(doubts, metre_by_metre(10), covariances).uncertain.at(0).at_m, Point2(6.0, 0.0));
+  EXPECT_EQ(review_notes(doubts, metre_by_metre(10), covariances).at(0).at_m, Point2(6.0, 0.0));
   covariances[7].xx = 0.25;
-  EXPECT_EQ(review_of(doubts, metre_by_metre(10), covariances).uncertain.at(0).at_m, Point2(6.0, 0.0)) << "beyond it";
+  EXPECT_EQ(review_notes(doubts, metre_by_metre(10), covariances).at(0).at_m, Point2(6.0, 0.0)) << "beyond it";
 }
 
 TEST(RunRules, OneIsSaidAsOne) {
   RunDoubts doubts = doubts_with({});
   doubts.refused = 1;
   doubts.restarts = 1;
-  const std::vector<ReviewNote> notes = review_of(doubts, metre_by_metre(10), {}).notes;
+  const std::vector<ReviewNote> notes = review_notes(doubts, metre_by_metre(10), {});
   EXPECT_THAT(notes.at(0).finding, HasSubstr("1 of 10 scans was refused, 10.0 %"));
   EXPECT_THAT(notes.at(1).finding, HasSubstr("went on once"));
   doubts = doubts_with({});
   doubts.loops->loops.clear();
   doubts.loops->searches = 1;
-  EXPECT_THAT(review_of(doubts, metre_by_metre(10), {}).notes.at(0).finding, HasSubstr("in 1 search:"));
+  EXPECT_THAT(review_notes(doubts, metre_by_metre(10), {}).at(0).finding, HasSubstr("in 1 search:"));
   EXPECT_EQ(percent_text(1, 100), "1.0 %");
   EXPECT_EQ(percent_text(1, 101), "0.99 %");
 }

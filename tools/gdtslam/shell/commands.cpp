@@ -153,6 +153,23 @@ CLI::App* chosen_app(CLI::App* app) {
   return app;
 }
 
+/// A command of an older version, and what does the same today.
+struct MovedCommand {
+  std::string_view name;
+  std::string_view now;
+};
+constexpr MovedCommand kMovedCommands[] = {
+    {"devices", "doctor --devices"},
+    {"measure", "evaluate RUN|CLOUD with --boxes or --planes"},
+};
+
+std::string moved_command(const std::string& word) {
+  for (const MovedCommand& moved : kMovedCommands) {
+    if (word == moved.name) return "; it is now: gdtslam " + std::string(moved.now);
+  }
+  return {};
+}
+
 std::string usage_message(CLI::App* root, const CLI::ParseError& error) {
   CLI::App* const app = chosen_app(root);
   std::string message = error.what();
@@ -160,8 +177,9 @@ std::string usage_message(CLI::App* root, const CLI::ParseError& error) {
   if (!unknown.empty() && !unknown.front().empty()) {
     const std::string word = unknown.front().substr(0, unknown.front().find('='));
     const bool is_command = app->get_require_subcommand_min() > 0 && word.front() != '-';
+    const std::string moved = is_command && app == root ? moved_command(word) : std::string();
     message = (is_command ? "there is no command '" : "unexpected argument '") + word + "'" +
-              did_you_mean(word, names_of(app));
+              (moved.empty() ? did_you_mean(word, names_of(app)) : moved);
   }
   std::replace(message.begin(), message.end(), '\n', ' ');
   return message + " (see '" + path_of(app) + " --help')";

@@ -26,7 +26,6 @@ constexpr unsigned kOtherThreads = 3;  // slices of a launch that end where no s
 struct Target {
   std::string name;
   Proof proof = Proof::kNone;
-  bool takes_own_variants = false;
   bool with_logs = true;
   std::function<std::unique_ptr<Backend>()> open;
 };
@@ -39,11 +38,12 @@ std::vector<Target> cpu_targets(const DeviceOptions& options) {
   std::vector<Target> targets;
   for (const Isa isa : {Isa::kAvx2, Isa::kAvx512}) {
     if (!isa_available(isa) || isa != named.isa.value_or(isa)) continue;
-    targets.push_back({"cpu " + std::string(to_string(isa)), Proof::kNone, false, true,
+    targets.push_back({"cpu " + std::string(to_string(isa)), Proof::kNone, true,
                        [isa] { return make_cpu_backend({.threads = 1, .isa = isa}); }});
   }
-  targets.push_back({"cpu, " + std::to_string(threads) + (threads == 1 ? " thread" : " threads"), Proof::kNone, false,
+  targets.push_back({"cpu, " + std::to_string(threads) + (threads == 1 ? " thread" : " threads"), Proof::kNone,
                      targets.empty(),
+
                      [threads, isa = named.isa] { return make_cpu_backend({.threads = threads, .isa = isa}); }});
   return targets;
 }
@@ -62,8 +62,7 @@ std::vector<Target> vulkan_targets(const VerifyOptions& options, unsigned index)
   device.device = "vulkan:" + std::to_string(index);
   std::vector<Target> targets;
   for (const auto& [suffix, variants] : variants_from(options.variants)) {
-    const bool is_own = variants == ShaderVariants::kByDevice;
-    targets.push_back({device.device + suffix, Proof::kDeviceDidIt, is_own, targets.empty(),
+    targets.push_back({device.device + suffix, Proof::kDeviceDidIt, targets.empty(),
                        [device, chosen = variants] { return make_vulkan(device, {.variants = chosen}); }});
   }
   return targets;
@@ -113,7 +112,6 @@ class Verification {
   void verify(const Target& target, Backend& reference, TargetReport& report) {
     report.name = target.name;
     report.is_vulkan = target.proof == Proof::kDeviceDidIt;
-    report.takes_own_variants = target.takes_own_variants;
     const std::unique_ptr<Backend> device = target.open();
     report.device = device->device();
     verify_kernels(target, reference, *device, report);
@@ -187,8 +185,7 @@ VerifyReport run_verify(const VerifyOptions& options) {
   std::vector<Target> targets;
   std::unique_ptr<Backend> reference;
   if (const std::unique_ptr<VulkanBackend> device = make_vulkan(options.device)) {
-    report.vulkan = device->vulkan_device();
-    targets = vulkan_targets(options, report.vulkan.index);
+    targets = vulkan_targets(options, device->vulkan_device().index);
     reference = make_cpu(options.device);
   } else {
     targets = cpu_targets(options.device);
@@ -213,17 +210,6 @@ VerifyReport run_verify(const VerifyOptions& options) {
   }
   report.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return report;
-}
-
-std::optional<VerifyRecord> record_of(const VerifyReport& report, const VerifyOptions& options,
-                                      const std::string& date) {
-  for (const TargetReport& target : report.targets) {
-    if (!target.takes_own_variants) continue;
-    const VerifyRecord record{date, target.cases(), target.logs.size(), target.differences(), target.failure};
-    if (record.passed() && !(options.filter.empty() && target.error.empty())) break;
-    return record;
-  }
-  return std::nullopt;
 }
 
 void write_expected_results(const VerifyOptions& options, const std::string& path) {
