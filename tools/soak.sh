@@ -145,11 +145,11 @@ merge run live -o sites -q --no-pictures
 edit run --origin 1,1,90 --tiles -o edited -q
 render run --view map -o out.png --size 96x64 -q
 render deep --view orbit --frames 2 -o out.mp4 --size 96x64 -q
-measure deep --planes --boxes
+evaluate deep --planes --boxes
 doctor drive.log
 linkage paper-b
 config show
-devices
+doctor --devices
 COMMANDS
   rm -rf "$folder"
   return "$status"

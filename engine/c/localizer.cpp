@@ -109,7 +109,7 @@ gdtslam_status gdtslam_localizer_find(const gdtslam_localizer* localizer, const 
     require(localizer, "gdtslam_localizer_find: localizer");
     const ScanRecord record = scan_of(scan, "gdtslam_localizer_find: scan");
     write_struct(gdtslam_location{}, location, "gdtslam_localizer_find: location");  // before the work
-    write_struct(location_to_c(localizer->shared->localizer.localize(record.scan, 0, std::nullopt)), location,
+    write_struct(location_to_c(localizer->shared->localizer.localize(record.scan, 0)), location,
                  "gdtslam_localizer_find: location");
   });
 }

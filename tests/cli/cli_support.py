@@ -36,8 +36,8 @@ IS_SANITIZED = "FAILING_CALLS" not in os.environ
 
 
 def vulkan_devices(**options):
-    """The Vulkan devices that can be used here, as `gdtslam devices --json` has them."""
-    process = command("devices", "--json", **options)
+    """The Vulkan devices that can be used here, as `gdtslam doctor --devices --json` has them."""
+    process = command("doctor", "--devices", "--json", **options)
     expect_exit(process, 0)
     return [device for device in json.loads(process.stdout)["vulkan"]["devices"] if device["problem"] is None]
 

@@ -20,17 +20,17 @@ EXPECTED = SOURCE / "assets/expected/office-start.json"
 
 
 def has_vulkan_part():
-    return json.loads(command("devices", "--json").stdout)["vulkan"]["built"]
+    return json.loads(command("doctor", "--devices", "--json").stdout)["vulkan"]["built"]
 
 
 def everything_works_without(changes, words, scenario):
     """Commands without a Vulkan device: each says so in one line, and the CPU does its work."""
     env = environment(**changes)
-    process = command("devices", env=env)
+    process = command("doctor", "--devices", env=env)
     expect_exit(process, 0)
     lines = [line for line in process.stdout.splitlines() if line.startswith("vulkan")]
-    expect(len(lines) == 1 and words in lines[0], f"devices: {process.stdout}")
-    expect(process.stderr == "", f"devices: {process.stderr}")
+    expect(len(lines) == 1 and words in lines[0], f"doctor: {process.stdout}")
+    expect(process.stderr == "", f"doctor: {process.stderr}")
     folder = fresh_folder(f"without_vulkan_{scenario}")
     for arguments in (["map", LOG, "-o", folder / "no"], ["verify"]):
         for device in ("vulkan", "vulkan:0"):
@@ -66,11 +66,11 @@ def vulkan_driver_that_does_not_load():
     (folder / "driver.json").write_text(json.dumps(driver))
     file = str(folder / "driver.json")
     env = environment(VK_DRIVER_FILES=file, VK_ICD_FILENAMES=file, VK_ADD_DRIVER_FILES=None, VK_LOADER_DEBUG=None)
-    process = command("devices", env=env)
+    process = command("doctor", "--devices", env=env)
     expect_exit(process, 0)
     line = next(line for line in process.stdout.splitlines() if line.startswith("vulkan"))
     expect("no driver" in line and "VK_LOADER_DEBUG=error" in line, line)
-    expect("libdriver.so" in command("devices", env={**env, "VK_LOADER_DEBUG": "error"}).stderr, "the loader names no library")
+    expect("libdriver.so" in command("doctor", "--devices", env={**env, "VK_LOADER_DEBUG": "error"}).stderr, "the loader names no library")
 
 
 def no_vulkan_loader():
@@ -121,13 +121,10 @@ def vulkan_gives_the_same_bytes():
             expect((submissions > 0) == (matcher == "exhaustive"), f"{matcher}: {submissions} submissions")
 
 
-def verify_passes_and_is_remembered():
-    """The whole verification of the first device: no difference, as `devices` knows afterwards."""
+def verify_passes():
+    """The whole verification of the first device: no difference."""
     device = require_vulkan()[0]
-    env = environment(XDG_CACHE_HOME=str(fresh_folder("remembered")))
-    text = command("devices", env=env).stdout
-    expect(f"not verified yet: gdtslam verify --device {device['device']}" in text, text)
-    process = command("verify", "--device", device["device"], "--json", env=env, timeout=280)
+    process = command("verify", "--device", device["device"], "--json", timeout=280)
     expect_exit(process, 0)
     cli.validate(process.stdout, "verify")
     report = json.loads(process.stdout)
@@ -151,31 +148,21 @@ def verify_passes_and_is_remembered():
         else:
             expect(log["device"]["dispatches"] == 0 and log["device"]["submissions"] == 0, f"{log['device']}")
         expect(log["device"]["copy_equal"], "copy")
-    verified = vulkan_devices(env=env)[0]["verified"]
-    expect(verified is not None and verified["passed"] and verified["logs"] == 4, f"{verified}")
-    expect("equal to the CPU" in command("devices", env=env).stdout, "devices does not say so")
 
 
-def verify_remembers_a_device_that_fails():
-    """A device that fails on the way is not as if it had never been verified: `devices` says what failed."""
+def verify_of_a_device_that_fails():
+    """A device that fails on the way: exit 1, and what failed."""
     device = require_vulkan()[0]["device"]
-    env = environment(XDG_CACHE_HOME=str(fresh_folder("failed")))
-    process = command("verify", "--device", device, env={**env, "GDTSLAM_VULKAN_FAULT": "200:device-lost"})
+    env = environment(GDTSLAM_VULKAN_FAULT="200:device-lost")
+    process = command("verify", "--device", device, env=env)
     expect_exit(process, 1)
     one_error_line(process.stderr)
     expect(process.stdout.splitlines()[-1] == f"FAIL: {device} failed; 0 differences until then", process.stdout)
-    failed = command("verify", "--device", device, "--json", env={**env, "GDTSLAM_VULKAN_FAULT": "200:device-lost"})
+    failed = command("verify", "--device", device, "--json", env=env)
     expect_exit(failed, 1)
     cli.validate(failed.stdout, "verify")
     report = json.loads(failed.stdout)
     expect(report["passed"] is False and "ErrorDeviceLost" in report["targets"][-1]["failure"], failed.stdout)
-    text = command("devices", "--json", env=env).stdout
-    cli.validate(text, "devices")
-    verified = json.loads(text)["vulkan"]["devices"][0]["verified"]
-    expect(verified is not None and not verified["passed"] and "ErrorDeviceLost" in verified["failure"], f"{verified}")
-    expect(verified["failure"] in process.stderr, f"{verified} but {process.stderr}")
-    text = command("devices", env=env).stdout
-    expect("FAILED while it was verified on" in text and "ErrorDeviceLost" in text, text)
 
 
 def copy_of_the_program(name):
@@ -235,7 +222,7 @@ def verify_needs_its_files():
 
 
 def interrupt_of_verify():
-    """A signal ends it with 130, and nothing is remembered."""
+    """A signal ends it with 130."""
     for arguments in (["--device", "cpu", "--random", "1000000"], ["logs", "--device", "cpu", *["--log", str(LOG)] * 20]):
         process = subprocess.Popen([PROGRAM, "verify", *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         time.sleep(1.0)
@@ -284,7 +271,7 @@ def device_that_fails():
     wanted = results(mapped(folder / "cpu", *arguments[:-1], "cpu"))
     for call, at, code in (("vkCreateDevice", 1, "DeviceLost"), ("vkAllocateMemory", 1, "OutOfDeviceMemory"),
                            ("vkQueueSubmit", 1, "DeviceLost"), ("vkQueueSubmit", 25, "DeviceLost")):
-        env = {**failing(call, at), "XDG_CACHE_HOME": str(folder / "cache")}  # what fails here is not remembered elsewhere
+        env = failing(call, at)
         process = command("map", LOG, "-o", folder / "out", "--force", "--json", *arguments, env=env)
         expect_exit(process, 0)
         warnings = process.stderr.splitlines()

@@ -113,7 +113,7 @@ def linkage_pictures():
     written = "".join(pdf_words((folder / "b.PDF").read_bytes()))
     expect(len(drawn) > 40 and written == "".join(drawn), f"other words in the PDF than {drawn}")
     for arguments in (["linkage", "paper-b"], ["calibrate", folder / "missing.log", "-o", folder / "l.yaml"],
-                      ["measure", folder / "missing.ply", "--boxes"]):
+                      ["evaluate", folder / "missing.ply", "--boxes"]):
         process = command(*arguments, "--picture", folder / "b.bmp")
         expect_exit(process, 2)  # before anything is read
         cli.one_error_line(process.stderr)

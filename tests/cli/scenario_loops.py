@@ -176,9 +176,9 @@ def doctor_of_a_map():
     expect([note["number"] for note in said["notes"]] == [1, 2, 3, 4, 5], f"{said['notes']}")
     expect([note["at_m"] is not None for note in said["notes"]] == [False, True, True, True, False], f"{said['notes']}")
     poses = [list(map(float, line.split())) for line in (RUN / "trajectory.tum").read_text().splitlines() if line[0] != "#"]
-    end = said["uncertain"]["stretches"][1]
-    expect([end["x_m"], end["y_m"], end["from_s"]] == [poses[-1][1], poses[-1][2], poses[-1][0]], f"{end}")
-    expect(said["uncertain"]["scans"] == 42 and said["switched_off"][0]["off_m"] == 1.5, f"{said}")
+    end = said["notes"][2]
+    expect(end["at_m"] == [poses[-1][1], poses[-1][2]], f"{end}")
+    expect(said["uncertain"]["scans"] == 42 and said["loops"]["on"] == said["loops"]["found"] - 1, f"{said}")
     text = command(*arguments).stdout
     for words in ("5 of", "scans 100 to 140", "end the drive at a place", "switched off: 1.50 m and 4.0 deg off",
                   "10.0 % too short", "by 1.100"):
@@ -197,8 +197,7 @@ def doctor_of_a_map():
     expect_exit(process, 65)
     one_error_line(process.stderr)
     expect("'wheels.turn' is no number" in process.stderr, process.stderr)
-    for wrong, says in ((["doctor"], "give a LOG, or --after RUN"), (["doctor", LOG, "--after", RUN], "excludes"),
-                        (["doctor", LOG, "--picture", "a.txt"], "a.txt"),
+    for wrong, says in ((["doctor"], "give a LOG, --after RUN, or --devices"), (["doctor", LOG, "--after", RUN], "excludes"),
                         (["doctor", "--after", RUN, "--topic", "/scan"], "--after"),
                         (["doctor", "--after", RUN, "--picture", "a.txt"], "a.txt")):
         process = command(*wrong)

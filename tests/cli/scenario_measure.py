@@ -27,7 +27,7 @@ def _cloud_of_three_boxes(folder, seed):
 
 
 def _boxes_in(cloud, *arguments):
-    process = command("measure", cloud, "--boxes", "--json", *arguments, timeout=250)
+    process = command("evaluate", cloud, "--boxes", "--json", *arguments, timeout=250)
     expect_exit(process, 0)
     expect(process.stderr == "", f"stderr {process.stderr!r}")
     validate(process.stdout, "measure")
@@ -75,7 +75,7 @@ def _planes_of_the_room(cloud, planes):
     heights_m = {kind: [plane["centre_m"][2] for plane in planes if plane["kind"] == kind] for kind in ("floor", "ceiling")}
     for kind, height_m in (("floor", 0.0), ("ceiling", 2.8)):
         expect(heights_m[kind] and all(abs(z - height_m) < 0.01 for z in heights_m[kind]), f"{kind} at {heights_m[kind]}")
-    process = command("measure", cloud, "--planes", timeout=250)
+    process = command("evaluate", cloud, "--planes", timeout=250)
     expect_exit(process, 0)
     rows = [line.split() for line in process.stdout.splitlines()[3:]]
     told = [(row[1], f"{float(row[2]):.2f}") for row in rows]
@@ -85,14 +85,14 @@ def _planes_of_the_room(cloud, planes):
 
 def _other_outputs(folder, cloud):
     """The same cloud gives the same bytes again; tables and drawing hold what was printed."""
-    printed = [command("measure", cloud, "--boxes", "--planes", "--json", timeout=250).stdout for _ in range(2)]
+    printed = [command("evaluate", cloud, "--boxes", "--planes", "--json", timeout=250).stdout for _ in range(2)]
     expect(printed[0] == printed[1], "another result the second time")
     boxes = json.loads(printed[0])["boxes"]
     planes = json.loads(printed[0])["planes"]
-    of_run = command("measure", cloud.parent, "--boxes", "--planes", "--json", timeout=250)
+    of_run = command("evaluate", cloud.parent, "--boxes", "--planes", "--json", timeout=250)
     expect((of_run.returncode, of_run.stdout) == (0, printed[0]), f"the run's folder in place of its cloud: {of_run}")
     _planes_of_the_room(cloud, planes)
-    process = command("measure", cloud, "--boxes", "--csv", folder / "boxes.csv", "--svg", folder / "boxes.svg", timeout=250)
+    process = command("evaluate", cloud, "--boxes", "--csv", folder / "boxes.csv", "--svg", folder / "boxes.svg", timeout=250)
     expect_exit(process, 0)
     rows = [line.split(",") for line in (folder / "boxes.csv").read_text().splitlines()]
     expect(len(rows) == 4 and all(len(row) == len(rows[0]) for row in rows), f"table {rows}")
@@ -103,7 +103,7 @@ def _other_outputs(folder, cloud):
     words = ["".join(node.itertext()) for node in drawing.iter() if node.tag.endswith("text")]
     for box in boxes:
         expect(f"{100 * box['width']['value_m']:.2f} cm" in words, f"no width {box['width']} in the drawing: {words}")
-    moved = command("measure", cloud, "--boxes", "--viewpoint", "none", timeout=250)
+    moved = command("evaluate", cloud, "--boxes", "--viewpoint", "none", timeout=250)
     expect(moved.returncode == 0 and "no viewpoint" in moved.stdout, f"without a viewpoint: {moved}")
 
 
@@ -129,7 +129,7 @@ def measure_viewpoint_in_a_grid():
     for at_m in ((0, 0), (20300, 0), (500100, 5400200)):
         cloud = folder / f"box-{at_m[0]}.ply"
         _seen_box(cloud, at_m)
-        process = command("measure", cloud, "--boxes", "--json", "--viewpoint", f"{at_m[0]}m,{at_m[1]}m,30cm")
+        process = command("evaluate", cloud, "--boxes", "--json", "--viewpoint", f"{at_m[0]}m,{at_m[1]}m,30cm")
         expect_exit(process, 0)
         validate(process.stdout, "measure")
         found[at_m] = json.loads(process.stdout)
@@ -147,8 +147,8 @@ def measure_viewpoint_in_a_grid():
                 expect(abs(one[value] - other[value]) < 2e-4, f"{at_m}: {name} {one} and {other}")
     exact = folder / "exact.ply"  # rows of points on one line, too, which are no plane
     _seen_box(exact, (0, 0), 0.0)
-    process = command("measure", exact, "--boxes", "--json", "--viewpoint", "0,0,30cm")
+    process = command("evaluate", exact, "--boxes", "--json", "--viewpoint", "0,0,30cm")
     expect_exit(process, 0)
     expect(len(json.loads(process.stdout)["boxes"]) == 1, process.stdout)
-    process = command("measure", folder / "box-0.ply", "--boxes", "--viewpoint", "1e10m,0,0")
+    process = command("evaluate", folder / "box-0.ply", "--boxes", "--viewpoint", "1e10m,0,0")
     expect(process.returncode == 2 and "1e10m is not between" in process.stderr, f"{process}")

@@ -138,7 +138,7 @@ def cloud_same_bytes():
     """Two runs, any number of threads and every instruction set give the same files."""
     folder = cli.fresh_folder("same_cloud")
     log = moving_log(folder)
-    devices = json.loads(command("devices", "--json").stdout)
+    devices = json.loads(command("doctor", "--devices", "--json").stdout)
     variants = [v["name"] for v in devices["devices"][0]["isa"] if v["available"]]
     runs = {"first": (), "again": (), "threads": ("--threads", 3), **{isa: ("--isa", isa) for isa in variants}}
     results = {name: cloud_results(mapped(folder / name, *arguments, log=log)) for name, arguments in runs.items()}

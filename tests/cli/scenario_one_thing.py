@@ -20,8 +20,6 @@ MAP, FIELD, PATH = {"map.pgm", "map.yaml"}, {"gdt.png", "gdt.yaml"}, {"trajector
 KEYFRAMES, CONTINUED = {"keyframes.bin.gz", "config.yaml"}, {"continue.json"}
 READERS = {
     "localize": (lambda run, other, out: ("localize", run, LOG, "--scan", 3, "-o", out / "a.tum"), FIELD),
-    "localize --leave-out": (lambda run, other, out: ("localize", run, LOG, "--random", 1, "--leave-out", "1s", "-o", out / "a.tum"),
-                             FIELD | PATH),
     "localize --changes": (lambda run, other, out: ("localize", run, LOG, "--track", "--changes", out / "a.svg"),
                            FIELD | MAP | {"keyframes.bin.gz"}),
     "live --map": (lambda run, other, out: ("live", "--map", run, "-"), FIELD),
@@ -42,7 +40,7 @@ VIEWS = {
     "render loops": (lambda run, other, out: ("render", run, "--view", "loops", "-o", out / "a.png", *SMALL), {"graph.g2o"}),
 }
 NODDING_READERS = {
-    "measure": (lambda run, other, out: ("measure", run, "--planes"), {"cloud.ply"}),
+    "evaluate --planes": (lambda run, other, out: ("evaluate", run, "--planes"), {"cloud.ply"}),
 }
 NODDING_VIEWS = {
     "render iso": (lambda run, other, out: ("render", run, "--view", "iso", "-o", out / "a.png", *SMALL), {"cloud.ply", "linkage.yaml"}),

@@ -37,13 +37,13 @@ def outputs_are_no_inputs():
     for arguments in (
             ("calibrate", log, "-o", log), ("calibrate", log, "-o", folder / "n.yaml", "--picture", link),
             ("calibrate", log, "-o", folder / "b.yaml", "--start", folder / "b.yaml", "--self"),
-            ("measure", folder / "p.ply", "--planes", "--csv", folder / "p.ply"),
+            ("evaluate", folder / "p.ply", "--planes", "--csv", folder / "p.ply"),
             ("linkage", folder / "b.yaml", "--csv", folder / "b.yaml"), ("linkage", folder / "b.yaml", "-o", folder / "b.yaml"),
             ("render", folder / "p.ply", "-o", folder / "p.ply", "--points", 2),
             ("evaluate", folder / "p.ply", "--scene", "three-boxes", "--trajectory", run / "trajectory.tum", "--reference", TRUTH,
              "--csv", folder / "p.ply"),
             ("ablation", log, "--relations", folder / "r", "-o", twisted), ("ablation", log, "--relations", folder / "r", "-o", folder / "r"),
-            ("doctor", log, "--picture", link), ("map", log, "-o", folder / "new", "--mcap", twisted),
+            ("map", log, "-o", folder / "new", "--mcap", twisted),
             ("map", log, "-c", config, "-o", folder / "new", "--mcap", config),
             ("localize", run, log, "-c", config, "-o", config), ("compare", log, "-c", config, "--csv", config)):
         refused(folder, READ, *arguments)
@@ -60,7 +60,7 @@ def outputs_are_no_files_of_a_run():
     refused(folder, OF_RUN, "localize", run, LOG, "--track", "--table", run / "report.json")
     refused(folder, READ, "localize", run / "gdt.yaml", LOG, "--picture", run / "gdt.png")
     refused(folder, OF_RUN, "compare", LOG, "--reference", run, "--csv", run / "keyframes.bin.gz")
-    refused(folder, OF_RUN, "measure", run, "--planes", "--csv", run / "cloud.ply")
+    refused(folder, OF_RUN, "evaluate", run, "--planes", "--csv", run / "cloud.ply")
     refused(folder, OF_RUN, "render", run, "-o", run / "gdt.png")
     refused(folder, OF_RUN, "doctor", "--after", run, "--picture", run / "graph.png")
     for name in ("report.json", "gdt.png"):
@@ -97,11 +97,11 @@ def outputs_that_exist_stay():
     files = [  # a command with its output last, and the file that is there
         (("linkage", "paper-b", "-o", "a.yaml"), "a.yaml"), (("linkage", "paper-b", "--csv", "a.csv"), "a.csv"),
         (("linkage", "paper-b", "--picture", "a.svg"), "a.svg"), (("convert", log, "-o", "a.jsonl"), "a.jsonl"),
-        (("map", log, "-o", folder / "new", "--mcap", "a.mcap"), "a.mcap"), (("doctor", log, "--picture", "a.svg"), "a.svg"),
+        (("map", log, "-o", folder / "new", "--mcap", "a.mcap"), "a.mcap"),
         (("doctor", "--after", run, "--picture", "a.svg"), "a.svg"), (("localize", RUN, log, "-o", "a.tum"), "a.tum"),
         (("localize", RUN, log, "--picture", "a.svg"), "a.svg"), (("localize", RUN, log, "--track", "--table", "a.csv"), "a.csv"),
-        (("localize", RUN, log, "--track", "--changes", "a.svg"), "a.csv"), (("measure", places, "--planes", "--csv", "a.csv"), "a.csv"),
-        (("measure", places, "--planes", "--picture", "a.svg"), "a.svg"), ((*evaluated, "--csv", "a.csv"), "a.csv"),
+        (("localize", RUN, log, "--track", "--changes", "a.svg"), "a.csv"), (("evaluate", places, "--planes", "--csv", "a.csv"), "a.csv"),
+        (("evaluate", places, "--boxes", "--picture", "a.svg"), "a.svg"), ((*evaluated, "--csv", "a.csv"), "a.csv"),
         (("calibrate", log, "-o", "a.yaml"), "a.yaml"), (("calibrate", log, "-o", "b.yaml", "--picture", "a.svg"), "a.svg"),
         (("simulate", "wall", "--rate", 1, "-q", "-o", "a.log"), "a.log"), (("simulate", "wall", "--rate", 1, "-q", "-o", "a.log"), "a.truth.tum"),
         (("verify", "--write-expected", "a.json"), "a.json"), (("render", RUN, "--view", "map", "--size", "64x64", "-o", "a.png"), "a.png"),
@@ -112,7 +112,7 @@ def outputs_that_exist_stay():
     folders = [(("map", log), "notes"), (("live", log), "report.json"), (("edit", run, "--origin", "1,1"), "notes"),
                (("merge", run, folder / "second"), "1"), (("render", log, "--view", "map", "-o", "a.png", "--size", "64x64", "--run"), "notes")]
     folders = [((*words, *(() if words[-1] == "--run" else ("-o",)), "out"), f"out/{name}") for words, name in folders]
-    seldom = ("calibrate", "compare", "ablation", "verify", "measure")  # refused only: the work is long or needs other inputs
+    seldom = ("calibrate", "compare", "ablation", "verify", "evaluate")  # refused only: the work is long or needs other inputs
     seen = set()
     for arguments, name in files + folders:
         text = command(arguments[0], "--help").stdout

@@ -55,7 +55,7 @@ def home_is_not_made():
     folder = cli.fresh_folder("home_is_not_made")
     env = environment(HOME=str(folder / "home"), XDG_CACHE_HOME=None)
     rendered("paper-b", "-o", folder / "a.png", "--view", "scene", *SMALL, env=env)
-    expect_exit(command("devices", env=env), 0)
+    expect_exit(command("doctor", "--devices", env=env), 0)
     expect_exit(command("map", LOG, "--first", 5, "-o", folder / "run", "-q", env=env), 0)
     if cli.vulkan_devices():
         expect_exit(command("verify", "--device", "vulkan:0", "smallest_values", "-q", env=env), 0)

@@ -28,7 +28,7 @@ def same_bytes_by_threads():
 
 
 def same_bytes_by_isa():
-    devices = json.loads(command("devices", "--json").stdout)
+    devices = json.loads(command("doctor", "--devices", "--json").stdout)
     variants = [v["name"] for v in devices["devices"][0]["isa"] if v["available"]]
     expect("baseline" in variants, f"variants: {variants}")
     for matcher in ("simplex-newton", "exhaustive"):
@@ -39,7 +39,7 @@ def same_bytes_by_isa():
 
 def same_bytes_with_loops():
     """Loops closed: threads, instruction sets and a device give the same bytes; the report lists each loop."""
-    devices = json.loads(command("devices", "--json").stdout)
+    devices = json.loads(command("doctor", "--devices", "--json").stdout)
     variants = [v["name"] for v in devices["devices"][0]["isa"] if v["available"]]
     runs = [(), ("--threads", 1), ("--threads", 2), *(("--isa", isa) for isa in variants)]
     reports = [mapped(cli.fresh_folder("loops") / "run", *run) for run in runs]

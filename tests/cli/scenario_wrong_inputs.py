@@ -55,7 +55,6 @@ def live_tells_of_a_laser_that_nods():
 def options_that_would_be_idle():
     """A word that would change nothing is refused and told what it needs."""
     folder = fresh_folder("options_that_would_be_idle")
-    refused(2, "--within is the distance to a reference: give --reference too", "localize", RUN, LOG, "--within", "10cm/1deg")
     (folder / "two.bag").write_bytes(two_lasers())
     tilting = ("--topic", "/scan", "--set", "log.crank=tilt", "--set", "log.crank_step=1deg", "--set", "log.crank_zero=90")
     refused(2, '"/servo" has numbers and no joint "tilt"; give "/servo" alone', "convert", folder / "two.bag", "--crank",

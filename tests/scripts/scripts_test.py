@@ -242,8 +242,8 @@ class GpuServer(ScriptTest):
     def gdtslam(self, verify="echo PASS: 0 differences", map_of_gpu="123456789abcdef0"):
         """A gdtslam whose second and later runs of a log are slower than the first."""
         self.stand_in("gdtslam", f'''case "$1 $*" in
-          devices*--json) cat {self.work}/devices ;;
-          devices*) echo "vulkan:0   A GPU (fast, new)" ;;
+          doctor*--json) cat {self.work}/devices ;;
+          doctor*) echo "vulkan:0   A GPU (fast, new)" ;;
           verify*) {verify} ;;
           map*)
             while [[ $1 != -o ]]; do shift; done

@@ -12,12 +12,10 @@ void add_render_command(CLI::App& app, CommandContext& context);
 void add_localize_command(CLI::App& app, CommandContext& context);
 void add_doctor_command(CLI::App& app, CommandContext& context);
 void add_convert_command(CLI::App& app, CommandContext& context);
-void add_measure_command(CLI::App& app, CommandContext& context);
 void add_evaluate_command(CLI::App& app, CommandContext& context);
 void add_calibrate_command(CLI::App& app, CommandContext& context);
 void add_linkage_command(CLI::App& app, CommandContext& context);
 void add_simulate_command(CLI::App& app, CommandContext& context);
-void add_devices_command(CLI::App& app, CommandContext& context);
 void add_verify_command(CLI::App& app, CommandContext& context);
 void add_config_command(CLI::App& app, CommandContext& context);
 void add_generate_command(CLI::App& app, CommandContext& context);
@@ -44,7 +42,6 @@ constexpr CommandRow kCommands[] = {
     {"localize", kLook, add_localize_command},
     {"doctor", kLook, add_doctor_command},
     {"convert", kLook, add_convert_command},
-    {"measure", kMeasure, add_measure_command},
     {"evaluate", kMeasure, add_evaluate_command},
 #ifdef GDTSLAM_HAS_CALIBRATION
     {"calibrate", kMeasure, add_calibrate_command},
@@ -57,7 +54,6 @@ constexpr CommandRow kCommands[] = {
 #else
     {"simulate", kResearch, nullptr, "GDTSLAM_BUILD_SIM"},
 #endif
-    {"devices", kHere, add_devices_command},
     {"verify", kHere, add_verify_command},
     {"config", kHere, add_config_command},
     {"generate", kHere, add_generate_command},

@@ -11,7 +11,7 @@ Usage: gpu_server.sh [--device NAME] [--output DIR] [--repeat N] [LOG ...]
 
 Proves and measures gdtslam on a GPU; the results are in DIR/report.md and beside it.
 
-  --device NAME   vulkan (default: the first hardware GPU) or vulkan:N, also one that is no hardware ('gdtslam devices')
+  --device NAME   vulkan (default: the first hardware GPU) or vulkan:N, also one that is no hardware ('gdtslam doctor --devices')
   --output DIR    a new folder (default: gdtslam-report-<UTC time> in the current folder)
   --repeat N      runs of each log on each device, the fastest counts (default 3)
   LOG             CARMEN logs to verify and map beside the sample log
@@ -46,7 +46,7 @@ case "$repeat" in '' | 0* | *[!0-9]*) wrong_usage "--repeat is a number from 1, 
 for log in "$@"; do [ -r "$log" ] || wrong_usage "cannot read the log '$log'"; done
 [ -x "$gdtslam" ] || unavailable "no program at $gdtslam"
 
-listing=$("$gdtslam" devices --json)
+listing=$("$gdtslam" doctor --devices --json)
 # kinds_of NAME: the kind of the Vulkan device NAME ("vulkan": of each) that can be used, a line each.
 kinds_of() {
   printf '%s\n' "$listing" | awk -v name="$1" '
@@ -62,7 +62,7 @@ for kind in $(kinds_of "$device"); do
   if [ "$device" != vulkan ] || is_hardware "$kind"; then device_kind=$kind && break; fi
 done
 if [ -z "$device_kind" ]; then
-  "$gdtslam" devices
+  "$gdtslam" doctor --devices
   if [ "$device" = vulkan ]; then
     unavailable "there is no hardware GPU here that can be used; its driver may be missing or not load (README.md, 'When no device is found'). --device vulkan:N proves another device"
   fi
@@ -153,7 +153,7 @@ compare() {
 }
 
 announce "Devices"
-"$gdtslam" devices | tee "$output/devices.txt"
+"$gdtslam" doctor --devices | tee "$output/devices.txt"
 printf '%s\n' "$listing" >"$output/devices.json"
 
 announce "Verify: the same bits as the processor gives ($device)"

@@ -1,4 +1,4 @@
-// What errors are made of: the single ones behind the figures of `gdtslam evaluate`, for plots, shares of trials, and
+// What errors are made of: the single ones behind the figures of `gdtslam evaluate`, for plots, and
 // the frame that clouds are compared in. Thread-safe; O(n log n).
 #pragma once
 
@@ -36,15 +36,6 @@ AlignedPath aligned_path(const Trajectory& estimate, const Trajectory& reference
 std::vector<TrajectoryError> errors_against(const Trajectory& estimate, const Trajectory& reference);
 /// In the order of the relations, those without their stamps in the trajectory left out.
 std::vector<TrajectoryError> errors_against(const Trajectory& estimate, const std::vector<Relation>& relations);
-
-/// A share of trials: k of n with the 95 % interval of [Wilson1927].
-struct Share {
-  std::uint64_t count = 0;
-  std::uint64_t of = 0;
-  [[nodiscard]] double value() const;
-  [[nodiscard]] double low() const;
-  [[nodiscard]] double high() const;
-};
 
 /// From a map's frame to that of the truth: the rigid alignment of the estimated to the true trajectory, which moves a
 /// cloud as a whole. Heights need none: both frames have the floor's.

@@ -21,23 +21,14 @@ constexpr double kWorthFactor = 4.0;              // of a variance: twice the no
 // wheels is larger in the same ratio and says nothing by itself.
 constexpr double kKnownFactor = 0.1 * (1.0 + 1.0e-9);
 
-PlacedStretch placed(const UncertainStretch& stretch, const Trajectory& trajectory,
-                     std::span<const PoseCovariance> covariances) {
-  std::size_t worst = stretch.from + (stretch.to - stretch.from) / 2;
-  if (!covariances.empty()) {
-    worst = stretch.from;
-    for (std::size_t i = stretch.from; i <= stretch.to; ++i) {
-      if (covariances[i].sigma_m() > covariances[worst].sigma_m()) worst = i;
-    }
+// The least sure pose of a stretch.
+std::size_t worst_of(const UncertainStretch& stretch, std::span<const PoseCovariance> covariances) {
+  if (covariances.empty()) return stretch.from + (stretch.to - stretch.from) / 2;
+  std::size_t worst = stretch.from;
+  for (std::size_t i = stretch.from; i <= stretch.to; ++i) {
+    if (covariances[i].sigma_m() > covariances[worst].sigma_m()) worst = i;
   }
-  return {stretch, trajectory[stretch.from].stamp_s, trajectory[stretch.to].stamp_s,
-          trajectory[worst].T_map_base.translation()};
-}
-
-PlacedLoop placed(const ClosedLoop& loop, const Trajectory& trajectory) {
-  const StampedPose& from = trajectory[loop.from];
-  const StampedPose& to = trajectory[loop.to];
-  return {loop, from.stamp_s, to.stamp_s, from.T_map_base.translation(), to.T_map_base.translation()};
+  return worst;
 }
 
 std::string place_text(const Point2& at_m) { return fmt::format("({:.1f}, {:.1f}) m", at_m.x(), at_m.y()); }
@@ -91,30 +82,32 @@ void add_run_notes(const RunDoubts& doubts, std::vector<ReviewNote>& notes) {
   }
 }
 
-ReviewNote note_of(const PlacedStretch& stretch, std::size_t scans) {
-  const UncertainStretch& range = stretch.scans;
-  const bool is_first = range.from == 0;
-  const bool is_last = range.to + 1 == scans;
+ReviewNote note_of(const UncertainStretch& stretch, const Trajectory& trajectory,
+                   std::span<const PoseCovariance> covariances) {
+  const bool is_first = stretch.from == 0;
+  const bool is_last = stretch.to + 1 == trajectory.size();
   std::string advice = "drive there again, from a place that is sure and back to one";
   if (is_first) advice = "come back to where the drive began, before it ends";
   if (is_last) advice = "end the drive at a place that it has seen before";
   if (is_first && is_last) advice = "drive the way again in loops: places that are seen twice hold it";
+  const Point2 at_m = trajectory[worst_of(stretch, covariances)].T_map_base.translation();
   return {"stretch",
           fmt::format("scans {} to {} ({:.1f} s to {:.1f} s), worst at {}: standard deviation up to {:.2g} m",
-                      range.from, range.to, stretch.from_s, stretch.to_s, place_text(stretch.at_m), range.sigma_m),
-          std::move(advice), stretch.at_m};
+                      stretch.from, stretch.to, trajectory[stretch.from].stamp_s, trajectory[stretch.to].stamp_s,
+                      place_text(at_m), stretch.sigma_m),
+          std::move(advice), at_m};
 }
 
-ReviewNote note_of(const PlacedLoop& placed_loop) {
-  const ClosedLoop& loop = placed_loop.loop;
+ReviewNote note_of(const ClosedLoop& loop, const Trajectory& trajectory) {
+  const Point2 from_m = trajectory[loop.from].T_map_base.translation();
+  const Point2 to_m = trajectory[loop.to].T_map_base.translation();
   const char* const advice = loop.off_m < kFarOff_m
                                  ? "it is off by little: nothing to do where walls are single there"
                                  : "where walls are double there it was right; else two places look alike";
   return {"loop",
           fmt::format("loop from scan {} at {} to scan {} at {} is switched off: {:.2f} m and {:.1f} deg off",
-                      loop.from, place_text(placed_loop.from_m), loop.to, place_text(placed_loop.to_m), loop.off_m,
-                      deg_from_rad(loop.off_rad)),
-          advice, placed_loop.to_m};
+                      loop.from, place_text(from_m), loop.to, place_text(to_m), loop.off_m, deg_from_rad(loop.off_rad)),
+          advice, to_m};
 }
 
 void add_wheel_note(std::vector<ReviewNote>& notes, std::string finding, std::string advice) {
@@ -161,23 +154,20 @@ std::string percent_text(std::uint64_t part, std::uint64_t whole) {
   return part > 0 && percent < 1.0 ? fmt::format("{:.2g} %", percent) : fmt::format("{:.1f} %", percent);
 }
 
-RunReview review_of(const RunDoubts& doubts, const Trajectory& trajectory,
-                    std::span<const PoseCovariance> covariances) {
-  RunReview review{.doubts = doubts, .uncertain = {}, .switched_off = {}, .notes = {}};
-  add_findings(doubts.findings, review.notes);
-  add_run_notes(doubts, review.notes);
-  if (!doubts.loops) return review;
+std::vector<ReviewNote> review_notes(const RunDoubts& doubts, const Trajectory& trajectory,
+                                     std::span<const PoseCovariance> covariances) {
+  std::vector<ReviewNote> notes;
+  add_findings(doubts.findings, notes);
+  add_run_notes(doubts, notes);
+  if (!doubts.loops) return notes;
   for (const UncertainStretch& stretch : doubts.loops->uncertain) {
-    review.uncertain.push_back(placed(stretch, trajectory, covariances));
-    review.uncertain_scans += stretch.to - stretch.from + 1;
+    notes.push_back(note_of(stretch, trajectory, covariances));
   }
   for (const ClosedLoop& loop : doubts.loops->loops) {
-    if (!loop.is_on) review.switched_off.push_back(placed(loop, trajectory));
+    if (!loop.is_on) notes.push_back(note_of(loop, trajectory));
   }
-  for (const PlacedStretch& stretch : review.uncertain) review.notes.push_back(note_of(stretch, trajectory.size()));
-  for (const PlacedLoop& loop : review.switched_off) review.notes.push_back(note_of(loop));
-  add_wheel_notes(doubts.loops->wheels, review.notes);
-  return review;
+  add_wheel_notes(doubts.loops->wheels, notes);
+  return notes;
 }
 
 }  // namespace gdtslam

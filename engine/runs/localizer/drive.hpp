@@ -1,11 +1,10 @@
-// A drive of a log followed in a map that stays as it is: RobotTracker over every scan, with the reference's word on
-// each. Frames: robot in the map, metres and radians. One drive belongs to one thread. Cost: that of the tracker, below
-// a millisecond a scan while the robot is known, some tenths of a second for a search of the whole map.
+// A drive of a log followed in a map that stays as it is: RobotTracker over every scan. Frames: robot in the map,
+// metres and radians. One drive belongs to one thread. Cost: that of the tracker, below a millisecond a scan while the
+// robot is known, some tenths of a second for a search of the whole map.
 #pragma once
 
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,29 +17,16 @@
 
 namespace gdtslam {
 
-/// What the reference says of a scan that was followed.
-struct TrackReference {
-  Pose2 T_map_base;
-  double known_share = 0.0;  ///< of the scan's points: those that it puts near an obstacle of the map
-  double distance_m = 0.0;   ///< of the pose from it; 0 where none is known, as the angle
-  double angle_rad = 0.0;    ///< absolute
-  bool is_within = false;    ///< there is a pose, and it is within the limits
-  /// Whether the map has the place: what it does not have of the scan would not by itself be a poor fit.
-  bool is_mapped = false;
-};
-
 struct TrackedScan {
   std::uint64_t index = 0;  ///< in the log
   double stamp_s = 0.0;
   TrackedPose pose;
-  bool is_searched = false;  ///< the whole map was searched for it
-  double wall_s = 0.0;       ///< what it took
-  std::optional<TrackReference> reference;
 };
 
 struct TrackedDrive {
   std::vector<TrackedScan> scans;  ///< in the log's order; of a live log none: it may go on for days
   std::uint64_t followed = 0;      ///< scans
+  std::uint64_t searches = 0;      ///< of the whole map
   bool nods = false;               ///< the log tells how a mount tilts the laser
   std::vector<LogReader::Warning> warnings;
   bool interrupted = false;

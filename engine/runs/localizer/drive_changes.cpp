@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "engine/runs/folder/run_reader.hpp"
+#include "fit_limit.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/occupancy_map_file.hpp"
-#include "reference.hpp"
 
 namespace gdtslam {
 namespace {

@@ -216,7 +216,25 @@ void require_one_piece(const std::string& path) {
                                tile.empty() ? "" : fmt::format("name one of them, as tiles/{}, or ", tile)));
 }
 
+// Distances alone tell of walls, which reach half a cell from an obstacle; what is farther away may be floor or not.
+OccupancyMap walls_of_field(const DistanceFieldView& view) {
+  OccupancyMap map{.geometry = view.geometry, .cells = CellStates(view.geometry.cell_count())};
+  std::size_t cell = 0;
+  for (std::int32_t y = 0; y < view.geometry.height; ++y) {
+    for (std::int32_t x = 0; x < view.geometry.width; ++x, ++cell) {
+      if (view.at({x, y}) <= kWallOfField) map.cells.set(cell, CellState::kOccupied);
+    }
+  }
+  return map;
+}
+
 }  // namespace
+
+OccupancyMap shown_map(const MapField& field) {
+  if (field.source == MapField::Source::kOccupiedCells) return read_occupancy_map(field.path);
+  if (field.run && field.run->summary().map) return field.run->map();
+  return walls_of_field(field.file.view());
+}
 
 MapField read_map_field(const std::string& map, const MapConfig& config) {
   const std::string path = description_file_of(map);

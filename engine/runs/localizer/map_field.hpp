@@ -12,6 +12,7 @@
 #include "gdtslam/io/distance_field_file.hpp"
 #include "gdtslam/mapping/certified.hpp"
 #include "gdtslam/mapping/config.hpp"
+#include "gdtslam/mapping/occupancy.hpp"
 
 namespace gdtslam {
 
@@ -48,5 +49,8 @@ bool is_occupancy_map(const std::string& path);
 /// `map` is a run folder, its gdt.yaml, or the map.yaml of an occupancy map, whose distances are kept up to
 /// `config.truncation_m`. Throws InputError, also where no cell of it is occupied; FileError.
 MapField read_map_field(const std::string& map, const MapConfig& config);
+
+/// The map to draw: the occupancy map of the run or of its own, else walls made of the distances.
+OccupancyMap shown_map(const MapField& field);
 
 }  // namespace gdtslam

@@ -228,8 +228,7 @@ LocalizedScan Localizer::find(const LaserScan& scan, std::uint64_t index, bool w
   return found;
 }
 
-LocalizedScan Localizer::localize(const LaserScan& scan, std::uint64_t index,
-                                  const std::optional<Pose2>& T_map_base_reference) const {
+LocalizedScan Localizer::localize(const LaserScan& scan, std::uint64_t index) const {
   const double begin_s = thread_cpu_s();
   const std::vector<PointCells> points = points_to_match(scan, config_, resolution_m());
   LocalizedScan found = begun(scan, index, points);
@@ -239,7 +238,6 @@ LocalizedScan Localizer::localize(const LaserScan& scan, std::uint64_t index,
     look_elsewhere(points, LocalizeLimits::kElsewhereBoxes, std::move(apart), found);
   }
   found.verdict = verdict_of(found, good_fit_.distance_m);
-  if (T_map_base_reference) found.reference = beside(points, *T_map_base_reference, found.best);
   found.cpu_s = thread_cpu_s() - begin_s;
   return found;
 }
@@ -274,37 +272,6 @@ void Localizer::look_elsewhere(std::span<const PointCells> points, std::uint64_t
   const CertifiedResult second = search(points, window_, options);
   found.runner_up = if_any(second);
   found.is_elsewhere_open = !found.runner_up && second.bound <= as_good_as;
-}
-
-ReferencePose Localizer::beside(std::span<const PointCells> points, const Pose2& T_map_base,
-                                const std::optional<CertifiedResult>& best) const {
-  ReferencePose reference;
-  reference.T_map_base = T_map_base;
-  reference.known_share = known_share(points, T_map_base);
-  reference.is_within = false;
-  if (!best) return reference;
-  reference.distance_m = (best->T_map_base.translation() - T_map_base.translation()).norm();
-  reference.angle_rad = std::fabs(wrap_angle(best->T_map_base.theta_rad - T_map_base.theta_rad));
-  reference.is_within = reference.distance_m <= limits_.within_m && reference.angle_rad <= limits_.within_rad;
-  if (reference.is_within) return reference;
-  const PoseWindow around{.centre = T_map_base,
-                          .half_x_m = limits_.within_m,
-                          .half_y_m = limits_.within_m,
-                          .half_theta_rad = limits_.within_rad};
-  CertifiedOptions options = options_with(LocalizeLimits::kNearbyGaps * limits_.gap_m);
-  options.max_boxes = LocalizeLimits::kNearbyBoxes;
-  options.starts = {T_map_base};
-  reference.nearby = if_any(search(points, around, options));
-  return reference;
-}
-
-double Localizer::known_share(const LaserScan& scan, const Pose2& T_map_base) const {
-  return known_share(points_to_match(scan, config_, resolution_m()), T_map_base);
-}
-
-double Localizer::least_known_share() const {
-  const double truncation_m = resolution_m() * static_cast<double>(field_.file.cap) / kFieldOne;
-  return std::max(0.0, 1.0 - good_fit_.distance_m / truncation_m);
 }
 
 double Localizer::known_share(std::span<const PointCells> points, const Pose2& T_map_base) const {

@@ -11,13 +11,13 @@
 #include <string_view>
 #include <vector>
 
+#include "fit_limit.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/mapping/certified.hpp"
 #include "gdtslam/mapping/config.hpp"
 #include "map_field.hpp"
-#include "reference.hpp"
 
 namespace gdtslam {
 
@@ -27,8 +27,6 @@ struct LocalizeLimits {
   std::optional<double> max_seconds{};  ///< for a pose; none: until it is proven
   bool with_runner_up = true;           ///< the best pose elsewhere
   std::optional<double> good_fit_m{};   ///< the largest mean distance that is one; none: what the map tells
-  double within_m = 0.10;               ///< a pose so near to the reference is right
-  double within_rad = rad_from_deg(1.0);
   /// Elsewhere less is asked at first: whether anything there is as good. Where that leaves it open, more. Boxes are
   /// those beyond the ones that cover the map, which are as many as it is large.
   static constexpr double kElsewhereGaps = 8.0;
@@ -41,20 +39,6 @@ struct LocalizeLimits {
   static constexpr double kLeastKnown = 0.5;                   ///< share of a scan in the map, for it to be one of it
   static constexpr double kElsewhereM = 1.0;                   ///< elsewhere is this far away
   static constexpr double kElsewhereRad = rad_from_deg(20.0);  ///< or turned this far
-  static constexpr double kNearbyGaps = 0.1;                   ///< of the search around the reference
-  static constexpr std::uint64_t kNearbyBoxes = 200000;
-};
-
-/// What the reference says of a scan.
-struct ReferencePose {
-  Pose2 T_map_base;
-  double distance_m = 0.0;   ///< of the pose found from it; 0 where none was found, as the angle
-  double angle_rad = 0.0;    ///< absolute
-  double known_share = 0.0;  ///< of the scan's points: those that it puts near an obstacle of the map
-  bool is_within = false;    ///< the pose found, of the limits
-  /// The least cost within the limits around the reference, where the pose found is not within them; nothing where the
-  /// search for it was cut short.
-  std::optional<CertifiedResult> nearby;
 };
 
 /// What the search for a scan came to, the proof aside.
@@ -78,7 +62,6 @@ struct LocalizedScan {
   std::optional<CertifiedResult> best;  ///< nothing without them, or where the search was cut before it had a pose
   std::optional<CertifiedResult> runner_up;
   bool is_elsewhere_open = false;  ///< the search elsewhere ended before it had tried a pose, and tells nothing
-  std::optional<ReferencePose> reference;
   std::uint32_t as_good = 0;  ///< cost units: a pose elsewhere counts as one that may be as good up to this difference
   Verdict verdict = Verdict::kNoPose;
   /// It was found though it is no good fit: the map explains enough of it, and the rest has changed.
@@ -101,21 +84,15 @@ class Localizer {
   Localizer(const std::string& map, const MapperConfig& config, const LocalizeLimits& limits, Backend& backend);
 
   /// Throws DeviceError.
-  [[nodiscard]] LocalizedScan localize(const LaserScan& scan, std::uint64_t index,
-                                       const std::optional<Pose2>& T_map_base_reference) const;
+  [[nodiscard]] LocalizedScan localize(const LaserScan& scan, std::uint64_t index) const;
   /// The same for a robot that is waiting, which will find out: no pose is proven where none is a good fit or it takes
-  /// too long, and one elsewhere counts as being as good where it takes too long to tell. No reference. With changes a
+  /// too long, and one elsewhere counts as being as good where it takes too long to tell. With changes a
   /// pose is found, too, at which the map explains enough of the scan, and that well, and that fits nowhere else.
   [[nodiscard]] LocalizedScan find(const LaserScan& scan, std::uint64_t index, bool with_changes = false) const;
   /// Whether a scan of which the map explains that share, with that mean distance, may be one of a place that changed.
   [[nodiscard]] bool may_be_changed(double explained, double mean_distance_m) const {
     return explained >= LocalizeLimits::kLeastExplained && mean_distance_m <= good_fit_.distance_m;
   }
-  /// Share of the scan's points that a pose puts near an obstacle of the map.
-  [[nodiscard]] double known_share(const LaserScan& scan, const Pose2& T_map_base) const;
-  /// The least of it with which a scan can be a good fit: points that the map does not have lie at least as far from
-  /// its obstacles as distances are kept.
-  [[nodiscard]] double least_known_share() const;
   /// The poses that are searched: those over what the map knows, all headings.
   [[nodiscard]] const PoseWindow& window() const { return window_; }
   [[nodiscard]] const std::string& file() const { return field_.path; }
@@ -140,8 +117,6 @@ class Localizer {
                       LocalizedScan& found) const;
   [[nodiscard]] LocalizedScan begun(const LaserScan& scan, std::uint64_t index,
                                     std::span<const PointCells> points) const;
-  [[nodiscard]] ReferencePose beside(std::span<const PointCells> points, const Pose2& T_map_base,
-                                     const std::optional<CertifiedResult>& best) const;
   [[nodiscard]] double known_share(std::span<const PointCells> points, const Pose2& T_map_base) const;
   [[nodiscard]] bool may_be_changed(std::span<const PointCells> points, const Pose2& T_map_base) const;
   [[nodiscard]] double worst_of_changed_m() const;

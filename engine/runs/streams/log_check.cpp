@@ -25,9 +25,6 @@ constexpr double kMostStep_s = 1e30;
 constexpr double kMountShift_m = 1e-3;
 constexpr double kMountTurn_rad = 0.1 * kPi / 180.0;
 
-// Of steps beyond the histogram, each a hundredth longer than the one before.
-int long_bin_of(double step_s) { return static_cast<int>(std::log(std::min(step_s, kMostStep_s)) / std::log(1.01)); }
-
 void add_laser_suggestions(const LogCheck& check, std::vector<std::string>& list) {
   const bool is_alone = check.lasers.size() == 1;
   for (const LaserMount& mount : check.lasers) {
@@ -98,7 +95,6 @@ void LogChecker::add(const LogRecord& record) {
   }
   if (const auto* encoder = std::get_if<Encoder>(&record)) nod_.add(*encoder);
   if (const auto* tilt = std::get_if<Tilt>(&record)) nod_.add(*tilt);
-  if (std::holds_alternative<Parameter>(record)) ++check_.parameters;
 }
 
 void LogChecker::add_scan(const ScanRecord& record) {
@@ -152,11 +148,7 @@ void LogChecker::add_step(LogEvent event, double step_s) {
     steps_ms_.resize(kStepBins);
     const std::size_t bin = bin_of(step_s * 1e3, kStepBins);
     ++steps_ms_[bin];
-    if (bin + 1 == kStepBins) {
-      LongSteps& alike = long_steps_[long_bin_of(step_s)];
-      ++alike.count;
-      alike.sum_s += std::min(step_s, kMostStep_s);
-    }
+    if (bin + 1 == kStepBins) long_steps_s_ += std::min(step_s, kMostStep_s);
   }
 }
 
@@ -230,22 +222,11 @@ void LogChecker::add_mount(const Pose2& T_base_laser, LaserMount& mount) {
   if (change.translation().norm() > kMountShift_m || std::fabs(change.theta_rad) > kMountTurn_rad) ++mount.changes;
 }
 
-double LogChecker::usual_step_s() const {
-  const std::size_t bin = quantile_bin(steps_ms_, 0.5);
-  if (bin + 1 < kStepBins) return static_cast<double>(bin) * 1e-3;
-  const auto total = std::accumulate(steps_ms_.begin(), steps_ms_.end(), std::uint64_t{0});
-  std::uint64_t shorter = total - steps_ms_.back();
-  for (const auto& [number, alike] : long_steps_) {
-    shorter += alike.count;
-    if (shorter > total / 2) return alike.sum_s / static_cast<double>(alike.count);
-  }
-  return static_cast<double>(bin) * 1e-3;
-}
-
 void LogChecker::finish_times(LogCheck& check) const {
   if (pauses_ms_.empty()) return;
   check.median_step_s = static_cast<double>(quantile_bin(steps_ms_, 0.5)) * 1e-3;
-  check.usual_step_s = usual_step_s();
+  const bool is_long = quantile_bin(steps_ms_, 0.5) + 1 == kStepBins;
+  check.usual_step_s = is_long ? long_steps_s_ / static_cast<double>(steps_ms_.back()) : check.median_step_s;
   const double longest_s = static_cast<double>(kStepBins - 1) * 1e-3;
   check.gap_bound_s = std::min(std::max(kShortestGap_s, kGapSteps * check.median_step_s), longest_s);
   for (std::size_t bin = bin_of(check.gap_bound_s * 1e3, kStepBins); bin < pauses_ms_.size(); ++bin) {

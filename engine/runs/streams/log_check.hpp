@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,11 +24,8 @@ struct NodCheck {
   double longest_gap_s = 0.0;     ///< between two messages
   double longest_gap_at_s = 0.0;  ///< stamp of the message before it
   std::uint64_t backward_stamps = 0;
-  std::uint64_t still_steps = 0;  ///< messages that repeat the value of the one before
-  std::uint64_t reversals = 0;    ///< of the direction in which the ticks count, falls at the index mark left out
   std::int64_t lowest_ticks = 0;
   std::int64_t highest_ticks = 0;
-  std::uint64_t falls = 0;  ///< steps down by more than half of the ticks' range: a counter that starts again
   double lowest_tilt_rad = 0.0;
   double highest_tilt_rad = 0.0;
 
@@ -46,14 +42,10 @@ class NodChecker {
 
  private:
   void add_time(double stamp_s);
-  void add_step(double step);
 
   NodCheck check_;
-  std::optional<Encoder> last_encoder_;
-  std::optional<double> last_tilt_rad_;
   std::optional<double> first_s_;
   double last_s_ = 0.0;
-  int direction_ = 0;
 };
 
 /// Bounds beyond which a step of the odometry is impossible: this much at once, and this much more per second.
@@ -80,7 +72,7 @@ struct LogEvent {
 
 /// Events of one kind: how many, the first few, the largest.
 struct EventList {
-  static constexpr std::size_t kMostListed = 20;
+  static constexpr std::size_t kMostListed = 5;
   std::uint64_t count = 0;
   std::vector<LogEvent> first;
   double largest = 0.0;
@@ -133,11 +125,10 @@ struct LogCheck {
   std::uint64_t scans_with_odometry = 0;
   std::uint64_t odometry_records = 0;
   NodCheck nod;
-  std::uint64_t parameters = 0;
   double first_stamp_s = 0.0;  ///< earliest
   double last_stamp_s = 0.0;   ///< latest
   double median_step_s = 0.0;  ///< between scans of a laser, forward steps only; 10 s where it is longer
-  double usual_step_s = 0.0;   ///< the same, however long
+  double usual_step_s = 0.0;   ///< the same, however long: then the mean of those of 10 s and more
   EventList gaps;              ///< time without a scan of any laser
   EventList backward_stamps;   ///< from scan to scan of a laser, or from any scan by a second and more
   EventList repeated_stamps;   ///< from scan to scan of a laser
@@ -188,7 +179,6 @@ class LogChecker {
   void add_ranges(const ScanRecord& record);
   void add_layout(const LaserScan& scan, std::size_t laser);
   static void add_mount(const Pose2& T_base_laser, LaserMount& mount);
-  [[nodiscard]] double usual_step_s() const;
   void finish_times(LogCheck& check) const;
   void finish_ranges(LogCheck& check) const;
 
@@ -202,12 +192,8 @@ class LogChecker {
   std::optional<double> last_scan_s_;         ///< of any laser
   std::vector<std::uint64_t> steps_ms_;       ///< histogram of the forward steps of each laser, the last bin open
   std::vector<std::uint64_t> pauses_ms_;      ///< likewise, from scan to scan of any laser
-  struct LongSteps {
-    std::uint64_t count = 0;
-    double sum_s = 0.0;
-  };
-  std::map<int, LongSteps> long_steps_;   ///< those of the open bin, by their length to a hundredth of it
-  std::vector<LogEvent> longest_pauses_;  ///< the longest first
+  double long_steps_s_ = 0.0;                 ///< sum of those in the open bin
+  std::vector<LogEvent> longest_pauses_;      ///< the longest first
   NoReturnFinder no_return_;
 };
 

@@ -34,36 +34,14 @@ void NodChecker::add_time(double stamp_s) {
   last_s_ = stamp_s;
 }
 
-void NodChecker::add_step(double step) {
-  if (step == 0.0) {
-    ++check_.still_steps;
-    return;
-  }
-  const int direction = step > 0.0 ? 1 : -1;
-  if (direction_ != 0 && direction != direction_) ++check_.reversals;
-  direction_ = direction;
-}
-
 void NodChecker::add(const Encoder& message) {
   add_time(message.stamp_s);
   widen(check_.lowest_ticks, check_.highest_ticks, message.ticks, check_.encoder_records++ == 0);
-  if (last_encoder_) {
-    const double step = static_cast<double>(message.ticks) - static_cast<double>(last_encoder_->ticks);
-    const double range = static_cast<double>(check_.highest_ticks) - static_cast<double>(check_.lowest_ticks);
-    if (step * direction_ < -0.5 * range) {
-      ++check_.falls;
-    } else {
-      add_step(step);
-    }
-  }
-  last_encoder_ = message;
 }
 
 void NodChecker::add(const Tilt& message) {
   add_time(message.stamp_s);
   widen(check_.lowest_tilt_rad, check_.highest_tilt_rad, message.elevation_rad, check_.tilt_records++ == 0);
-  if (last_tilt_rad_) add_step(message.elevation_rad - *last_tilt_rad_);
-  last_tilt_rad_ = message.elevation_rad;
 }
 
 NodCheck NodChecker::finish() const {
@@ -88,9 +66,6 @@ std::vector<std::string> NodCheck::suggestions() const {
   }
   if (backward_stamps > 0) {
     list.emplace_back("stamps of the mount's messages go backward: those messages are dropped");
-  }
-  if (encoder_records > 0 && reversals > 0) {
-    list.emplace_back(fmt::format("the crank changes its direction {} times: a crank-rocker need not", reversals));
   }
   if (encoder_records > 1 && highest_ticks == lowest_ticks) {
     list.emplace_back("the crank never turns, or its encoder is dead");

@@ -111,9 +111,9 @@ def png_text(unpacked):
 
 
 BOMBS = [
-    Bomb("PLY of zeros in gzip", of("measure", "bomb.ply.gz", lambda: ply_zeros(28 * MB), "--planes"), 65, "store the file unpacked", 1000, 10),
-    Bomb("PLY of 4,000,000,000 points", of("measure", "bomb.ply", lambda: PLY + CORNERS + b"end_header\n\0\0\0", "--planes"), 65, "bomb.ply"),
-    Bomb("PCD of zeros by LZF", of("measure", "bomb.pcd", lambda: pcd_bomb(2_600_000), "--planes"), 65, "store the file unpacked", 1000, 10),
+    Bomb("PLY of zeros in gzip", of("evaluate", "bomb.ply.gz", lambda: ply_zeros(28 * MB), "--planes"), 65, "store the file unpacked", 1000, 10),
+    Bomb("PLY of 4,000,000,000 points", of("evaluate", "bomb.ply", lambda: PLY + CORNERS + b"end_header\n\0\0\0", "--planes"), 65, "bomb.ply"),
+    Bomb("PCD of zeros by LZF", of("evaluate", "bomb.pcd", lambda: pcd_bomb(2_600_000), "--planes"), 65, "store the file unpacked", 1000, 10),
     Bomb("PGM of zeros in gzip", map_with("map.pgm.gz", lambda: gzipped(b"P5\n20480 20480\n255\n", bytes(MB), 400)), 65, "would take", 600, 10),
     Bomb("PNG map of zeros", map_with("map.png", lambda: png(30_000, 30_000, 8, zlib_zeros(30_001 * 30_000))), 65, "would take"),
     Bomb("PNG field of zeros", field_with(lambda: png(20_000, 20_000, 16, zlib_zeros(40_001 * 20_000))), 65, "would take"),
@@ -123,8 +123,8 @@ BOMBS = [
     Bomb("PNG with a text of 1 GB", map_with("map.png", lambda: png_of_chunks(png_text(1000 * MB))), 0, "scan 1 at", 100, 6),
     Bomb("PNG of 1,000,000 chunks", map_with("map.png", lambda: png_of_chunks(png_chunk(b"tEXt", b"a\0") * 1_000_000)), 0, "scan 1 at", 100, 6),
     Bomb("PGM with comments of 16 MB", map_with("map.pgm", lambda: b"P5\n" + b"#\n" * (8 * MB)), 65, "map.pgm"),
-    Bomb("PLY header of 1,000,000 properties", of("measure", "bomb.ply", lambda: PLY + CORNERS + b"property uchar a\n" * 1_000_000 + b"end_header\n", "--planes"), 65, "bomb.ply"),
-    Bomb("PCD of 4,000,000,000 points", of("measure", "bomb.pcd", lambda: b"VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 4000000000\nHEIGHT 1\nPOINTS 4000000000\nDATA binary\n", "--planes"), 65, "bomb.pcd"),
+    Bomb("PLY header of 1,000,000 properties", of("evaluate", "bomb.ply", lambda: PLY + CORNERS + b"property uchar a\n" * 1_000_000 + b"end_header\n", "--planes"), 65, "bomb.ply"),
+    Bomb("PCD of 4,000,000,000 points", of("evaluate", "bomb.pcd", lambda: b"VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 4000000000\nHEIGHT 1\nPOINTS 4000000000\nDATA binary\n", "--planes"), 65, "bomb.pcd"),
     Bomb("STL of 4,000,000,000 triangles", mesh("bomb.stl", lambda: stl_of(0xFFFFFFFF)), 65, "bomb.stl"),
     Bomb("PLY of 9,800,000 triangles", mesh("bomb.ply", lambda: ply_of_fans(50_000)), 65, "bomb.ply", 1000, 10),
 ]

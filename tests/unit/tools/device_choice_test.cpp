@@ -1,4 +1,4 @@
-// Which device a name stands for, the folder of the caches and the results of earlier verifications.
+// Which device a name stands for, and the folder of the caches.
 #include "tools/gdtslam/shell/device/device_option.hpp"
 
 #include <gmock/gmock.h>
@@ -9,10 +9,8 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
-#include <thread>
 
 #include "gdtslam/core/error.hpp"
-#include "tools/gdtslam/shell/device/verify_record.hpp"
 #include "tools/gdtslam/shell/folders.hpp"
 
 namespace gdtslam {
@@ -38,10 +36,8 @@ const VulkanListing kMixed{{device(0, "llvmpipe", "lavapipe"), device(1, "Old GP
 const VulkanListing kSoftware{{device(0, "llvmpipe", "lavapipe")}, ""};
 const VulkanListing kNone{{}, "there is no driver"};
 
-bool trust_all(const VulkanDeviceInfo& /*device*/) { return false; }
-
 std::optional<unsigned> chosen(const std::string& name, const VulkanListing& listing) {
-  return choose_device(parse_device_name(name), listing, trust_all).index;
+  return choose_device(parse_device_name(name), listing);
 }
 
 std::string refusal(const std::string& name, const VulkanListing& listing) {
@@ -85,18 +81,6 @@ TEST(DeviceChoice, AutoTakesTheFirstHardwareGpuThatWorks) {
   EXPECT_EQ(chosen("auto", kMixed), 2U);
   EXPECT_EQ(chosen("auto", kSoftware), std::nullopt) << "lavapipe only when it is named";
   EXPECT_EQ(chosen("auto", kNone), std::nullopt);
-}
-
-TEST(DeviceChoice, AutoLeavesOutADeviceThatFailedVerification) {
-  const DeviceChoice other =
-      choose_device({}, kMixed, [](const VulkanDeviceInfo& candidate) { return candidate.name == "GPU"; });
-  EXPECT_EQ(other.index, 3U);
-  EXPECT_THAT(other.remark, HasSubstr("vulkan:2 (GPU) is left out"));
-  const DeviceChoice cpu = choose_device({}, kMixed, [](const VulkanDeviceInfo&) { return true; });
-  EXPECT_EQ(cpu.index, std::nullopt);
-  EXPECT_EQ(choose_device(parse_device_name("vulkan:2"), kMixed, [](const VulkanDeviceInfo&) { return true; }).index,
-            2U)
-      << "a device that is named is taken";
 }
 
 TEST(DeviceChoice, VulkanTakesHardwareFirstAndElseWhatThereIs) {
@@ -176,115 +160,6 @@ TEST_F(CacheTest, IsMissingWhereItCannotBe) {
   set("XDG_CACHE_HOME", (work_ / "file").string());
   EXPECT_EQ(cache_folder().path, "");
   EXPECT_THAT(cache_folder().problem, HasSubstr("cannot be made: Not a directory"));
-}
-
-TEST_F(CacheTest, RecordsAreFoundForTheSameDeviceDriverAndShadersOnly) {
-  const VerifyRecords records(work_.string(), "shaders");
-  VulkanDeviceInfo gpu = device(0, "GPU", "discrete");
-  EXPECT_EQ(records.find(gpu), std::nullopt);
-  records.keep(gpu, {"2026-01-02T03:04:05Z", 10, 2, 0});
-  records.keep(device(1, "Other GPU", "discrete"), {"2026-01-02T03:04:06Z", 10, 2, 3});
-  ASSERT_TRUE(records.find(gpu));
-  EXPECT_EQ(records.find(gpu)->date, "2026-01-02T03:04:05Z");
-  EXPECT_EQ(records.find(gpu)->cases, 10U);
-  EXPECT_EQ(records.find(gpu)->logs, 2U);
-  EXPECT_TRUE(records.find(gpu)->passed());
-  EXPECT_FALSE(records.find(device(1, "Other GPU", "discrete"))->passed());
-  EXPECT_EQ(VerifyRecords(work_.string(), "other shaders").find(gpu), std::nullopt);
-  gpu.driver = "driver 2";
-  EXPECT_EQ(records.find(gpu), std::nullopt);
-}
-
-TEST_F(CacheTest, EqualDevicesHaveEachTheirOwnRecord) {
-  const VerifyRecords records(work_.string(), "shaders");
-  VulkanDeviceInfo one = device(0, "GPU", "discrete");
-  VulkanDeviceInfo other = device(1, "GPU", "discrete");
-  one.uuid = "00112233445566778899aabbccddeeff";
-  other.uuid = "ffeeddccbbaa99887766554433221100";
-  records.keep(other, {"2026-01-02T03:04:05Z", 10, 2, 7});
-  EXPECT_EQ(records.find(one), std::nullopt) << "a fault of another";
-  records.keep(one, {"2026-01-03T03:04:05Z", 11, 2, 0});
-  ASSERT_TRUE(records.find(other)) << "wiped by another";
-  EXPECT_EQ(records.find(other)->differences, 7U);
-  one.index = 5;
-  EXPECT_TRUE(records.find(one)) << "another number, as when a device before it is taken out";
-}
-
-TEST_F(CacheTest, RecordsThatAreKeptAtOnceAreAllKept) {
-  const VerifyRecords records(work_.string(), "shaders");
-  constexpr unsigned kEach = 40;
-  const auto keep = [&](const std::string& name) {
-    for (unsigned k = 0; k < kEach; ++k) {
-      records.keep(device(k, name + std::to_string(k), "discrete"), {"2026-01-02T03:04:05Z", 10, 2, 0});
-    }
-  };
-  std::thread other(keep, "other ");
-  keep("one ");
-  other.join();
-  for (unsigned k = 0; k < kEach; ++k) {
-    for (const char* name : {"one ", "other "}) {
-      EXPECT_TRUE(records.find(device(k, name + std::to_string(k), "discrete"))) << name << k;
-    }
-  }
-}
-
-TEST_F(CacheTest, TheLastRecordOfADeviceCounts) {
-  const VerifyRecords records(work_.string(), "shaders");
-  const VulkanDeviceInfo gpu = device(0, "GPU", "discrete");
-  records.keep(gpu, {"2026-01-02T03:04:05Z", 10, 2, 7});
-  records.keep(gpu, {"2026-01-03T03:04:05Z", 11, 2, 0});
-  EXPECT_EQ(records.find(gpu)->cases, 11U);
-}
-
-TEST_F(CacheTest, ADeviceThatFailedHasNotPassed) {
-  const VerifyRecords records(work_.string(), "shaders");
-  const VulkanDeviceInfo gpu = device(0, "GPU", "discrete");
-  records.keep(gpu, {"2026-01-02T03:04:05Z", 10, 2, 0});
-  records.keep(gpu, {"2026-01-03T03:04:05Z", 0, 0, 0, "GPU: vkQueueSubmit gave ErrorDeviceLost"});
-  ASSERT_TRUE(records.find(gpu));
-  EXPECT_FALSE(records.find(gpu)->passed());
-  EXPECT_EQ(records.find(gpu)->failure, "GPU: vkQueueSubmit gave ErrorDeviceLost");
-}
-
-TEST_F(CacheTest, ADamagedFileOfRecordsIsAsGoodAsNone) {
-  const VerifyRecords records(work_.string(), "shaders");
-  const VulkanDeviceInfo gpu = device(0, "GPU", "discrete");
-  records.keep(gpu, {"2026-01-02T03:04:05Z", 10, 2, 0});
-  const std::string file = (work_ / "verify.json").string();
-  std::string whole;
-  {
-    std::ifstream input(file);
-    whole.assign(std::istreambuf_iterator<char>(input), {});
-  }
-  for (const std::string& text :
-       {std::string(), std::string("{"), std::string("[]"), std::string("{\"format\": 1, \"results\": []}"),
-        std::string("{\"format\": 2, \"results\": 5}"), std::string("{\"format\": 2, \"results\": [5, {}]}"),
-        whole.substr(0, whole.size() / 2)}) {
-    std::ofstream(file, std::ios::trunc) << text;
-    EXPECT_EQ(records.find(gpu), std::nullopt) << text;
-    records.keep(gpu, {"2026-01-02T03:04:05Z", 10, 2, 0});
-    EXPECT_TRUE(records.find(gpu)) << "after " << text;
-  }
-}
-
-TEST_F(CacheTest, WithoutAFolderNothingIsKept) {
-  const VerifyRecords records("", "shaders");
-  const VulkanDeviceInfo gpu = device(0, "GPU", "discrete");
-  records.keep(gpu, {"2026-01-02T03:04:05Z", 10, 2, 0});
-  EXPECT_EQ(records.find(gpu), std::nullopt);
-}
-
-TEST(ShaderDigest, ChangesWithNamesAndWords) {
-  const std::vector<std::uint32_t> one{1, 2, 3};
-  const std::vector<std::uint32_t> two{1, 2, 4};
-  const auto digest = [](std::string_view name, const std::vector<std::uint32_t>& words) {
-    const ShaderModule shader{"kernel", name, words};
-    return digest_of(std::span(&shader, 1));
-  };
-  EXPECT_EQ(digest("a", one), digest("a", one));
-  EXPECT_NE(digest("a", one), digest("b", one));
-  EXPECT_NE(digest("a", one), digest("a", two));
-  EXPECT_NE(digest_of({}), digest("a", one));
 }
 
 }  // namespace

@@ -56,7 +56,7 @@ Tally localize_some(const std::string& yaml, int count, std::uint64_t seed) {
   Tally tally;
   for (int k = 0; k < count; ++k) {
     const Pose2 truth = free_pose(map, random);
-    const LocalizedScan scan = localizer.localize(scan_at(map, truth, random), static_cast<std::uint64_t>(k), truth);
+    const LocalizedScan scan = localizer.localize(scan_at(map, truth, random), static_cast<std::uint64_t>(k));
     EXPECT_TRUE(scan.best.has_value());
     if (!scan.best) continue;
     const double off_m = (scan.best->T_map_base.translation() - truth.translation()).norm();
@@ -64,7 +64,6 @@ Tally localize_some(const std::string& yaml, int count, std::uint64_t seed) {
     SCOPED_TRACE(std::string(to_string(scan.verdict)) + ", " + std::to_string(off_m) + " m off, scan " +
                  std::to_string(k));
     EXPECT_TRUE(scan.verdict == Verdict::kFound || scan.verdict == Verdict::kAmbiguous);
-    EXPECT_NEAR(scan.reference->distance_m, off_m, 1e-6);
     if (scan.verdict == Verdict::kAmbiguous) ++tally.ambiguous;
     if (scan.verdict != Verdict::kFound) continue;
     ++tally.found;

@@ -32,14 +32,12 @@ TEST(LogCheck, CountsWhatIsThere) {
   records.emplace_back(Odometry{20.0, {}});
   records.emplace_back(Encoder{20.0, 7});
   records.emplace_back(Tilt{20.0, 0.1});
-  records.emplace_back(Parameter{"a", "b"});
   const LogCheck check = checked_log(records);
   EXPECT_EQ(check.scans, 51u);
   EXPECT_EQ(check.scans_with_odometry, 51u);
   EXPECT_EQ(check.odometry_records, 1u);
   EXPECT_EQ(check.nod.encoder_records, 1u);
   EXPECT_EQ(check.nod.tilt_records, 1u);
-  EXPECT_EQ(check.parameters, 1u);
   EXPECT_NEAR(check.duration_s(), 10.0, 1e-9);
   EXPECT_NEAR(check.median_step_s, 0.2, 1e-9);
   EXPECT_NEAR(check.path_m, 5.0, 1e-9);
@@ -157,15 +155,6 @@ TEST(LogCheck, RangesAndHeadingsOfAnotherUnitAreAskedAbout) {
     EXPECT_THAT(check.ranges.no_return_m, IsEmpty());
   }
   EXPECT_THAT(asked(1.0F, 180.0 / kPi, 0.0F).questions_of_units, ElementsAre(HasSubstr("are they degrees?")));
-}
-
-// A map is made of such a log, though a constant range may stand for none.
-TEST(LogCheck, OneRangeOnlyIsNoObstacle) {
-  std::vector<LogRecord> records;
-  for (int k = 0; k < 20; ++k) records.emplace_back(driven_scan(0.1 * k, {}, std::vector<float>(180, 3.0F)));
-  const LogCheck check = checked_log(records);
-  EXPECT_EQ(check.mappable_scans, 20U);
-  EXPECT_EQ(check.obstacle(), "");
 }
 
 TEST(LogCheck, FindsImpossibleStepsAndLeavesThemOutOfThePath) {

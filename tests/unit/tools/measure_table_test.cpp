@@ -1,5 +1,5 @@
 // What `measure` prints: metres throughout, no sign before a zero, the same values as text, JSON and CSV.
-#include "engine/runs/measuring/measure_table.hpp"
+#include "engine/runs/evaluation/measure_table.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

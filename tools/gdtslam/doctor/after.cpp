@@ -34,22 +34,34 @@ std::string rounded(double value, int decimals) {
   return text;
 }
 
+/// A run with what is to be said of it.
+struct Review {
+  RunDoubts doubts;
+  std::vector<ReviewNote> notes;
+};
+
+std::uint64_t uncertain_scans(const LoopFindings& found) {
+  std::uint64_t scans = 0;
+  for (const UncertainStretch& stretch : found.uncertain) scans += stretch.to - stretch.from + 1;
+  return scans;
+}
+
 std::size_t loops_on(const LoopFindings& found) {
   std::size_t on = 0;
   for (const ClosedLoop& loop : found.loops) on += loop.is_on ? 1U : 0U;
   return on;
 }
 
-std::string loops_text(const RunReview& review) {
+std::string loops_text(const Review& review) {
   if (!review.doubts.loops) return "loops            not closed\n";
   const LoopFindings& found = *review.doubts.loops;
   std::string text = fmt::format("loops            {} found in {} searches, {} of them hold\n", found.loops.size(),
                                  found.searches, loops_on(found));
   text += fmt::format("uncertainty      standard deviation {:.2g} m in the middle, up to {:.2g} m\n",
                       found.sigma_median_m, found.sigma_max_m);
-  text += fmt::format("not trusted      {}, {}, in {}: above {:g} m\n", plural(review.uncertain_scans, "scan"),
-                      percent_text(review.uncertain_scans, review.doubts.scans),
-                      review.uncertain.size() == 1 ? "1 stretch" : fmt::format("{} stretches", review.uncertain.size()),
+  text += fmt::format("not trusted      {}, {}, in {}: above {:g} m\n", plural(uncertain_scans(found), "scan"),
+                      percent_text(uncertain_scans(found), review.doubts.scans),
+                      found.uncertain.size() == 1 ? "1 stretch" : fmt::format("{} stretches", found.uncertain.size()),
                       found.above_m);
   const WheelReport& wheels = found.wheels;
   text += fmt::format("wheels           miss {} % of distances, {} % of turns, {} deg in each metre\n",
@@ -60,7 +72,7 @@ std::string loops_text(const RunReview& review) {
                             deg_from_rad(wheels.sigma_rad_per_m));
 }
 
-std::string review_text(const RunReader& run, const RunReview& review) {
+std::string review_text(const RunReader& run, const Review& review) {
   const RunDoubts& doubts = review.doubts;
   std::string text = fmt::format("run              {}: {}, {}, {:.1f} m of path\n", printable(run.folder()), run.name(),
                                  counted(doubts.scans, "scan"), run.summary().path_m);
@@ -78,37 +90,7 @@ std::string review_text(const RunReader& run, const RunReview& review) {
   return text;
 }
 
-Json stretches_json(const RunReview& review) {
-  Json list = Json::array();
-  for (const PlacedStretch& stretch : review.uncertain) {
-    list.push_back({{"from", stretch.scans.from},
-                    {"to", stretch.scans.to},
-                    {"from_s", stretch.from_s},
-                    {"to_s", stretch.to_s},
-                    {"x_m", stretch.at_m.x()},
-                    {"y_m", stretch.at_m.y()},
-                    {"sigma_m", stretch.scans.sigma_m}});
-  }
-  return list;
-}
-
-Json switched_off_json(const RunReview& review) {
-  Json list = Json::array();
-  for (const PlacedLoop& placed : review.switched_off) {
-    list.push_back({{"from", placed.loop.from},
-                    {"to", placed.loop.to},
-                    {"from_s", placed.from_s},
-                    {"to_s", placed.to_s},
-                    {"from_m", {placed.from_m.x(), placed.from_m.y()}},
-                    {"to_m", {placed.to_m.x(), placed.to_m.y()}},
-                    {"off_m", placed.loop.off_m},
-                    {"off_deg", deg_from_rad(placed.loop.off_rad)},
-                    {"weight", placed.loop.weight}});
-  }
-  return list;
-}
-
-Json notes_json(const RunReview& review) {
+Json notes_json(const Review& review) {
   Json list = Json::array();
   for (const ReviewNote& note : review.notes) {
     list.push_back({{"number", list.size() + 1},
@@ -120,7 +102,7 @@ Json notes_json(const RunReview& review) {
   return list;
 }
 
-Json review_json(const RunReader& run, const RunReview& review) {
+Json review_json(const RunReader& run, const Review& review) {
   const RunDoubts& doubts = review.doubts;
   Json json{{"run", run.folder()},
             {"scans", doubts.scans},
@@ -128,7 +110,6 @@ Json review_json(const RunReader& run, const RunReview& review) {
             {"matches", {{"accepted", doubts.accepted}, {"weak", doubts.weak}, {"refused", doubts.refused}}},
             {"loops", nullptr},
             {"uncertain", nullptr},
-            {"switched_off", switched_off_json(review)},
             {"wheels", nullptr},
             {"notes", notes_json(review)}};
   if (!doubts.loops) return json;
@@ -137,14 +118,13 @@ Json review_json(const RunReader& run, const RunReview& review) {
   json["uncertain"] = {{"above_m", found.above_m},
                        {"sigma_median_m", found.sigma_median_m},
                        {"sigma_max_m", found.sigma_max_m},
-                       {"scans", review.uncertain_scans},
-                       {"stretches", stretches_json(review)}};
+                       {"scans", uncertain_scans(found)}};
   json["wheels"] = wheels_json(found.wheels);
   return json;
 }
 
 // The graph with the places of the list numbered as there.
-void draw_review(const RunReader& run, const RunReview& review, const Trajectory& trajectory,
+void draw_review(const RunReader& run, const Review& review, const Trajectory& trajectory,
                  const std::vector<PoseCovariance>& covariances, const std::string& file) {
   const LoopFindings found = review.doubts.loops.value_or(LoopFindings{});
   const OccupancyMap map = run.map();
@@ -171,7 +151,8 @@ int doctor_after(const DoctorOptions& options) {
   const RunReader run(options.after);
   const Trajectory trajectory = run.trajectory();
   const std::vector<PoseCovariance> covariances = run.covariances().value_or(std::vector<PoseCovariance>());
-  const RunReview review = review_of(run.doubts(), trajectory, covariances);
+  const RunDoubts doubts = run.doubts();
+  const Review review{doubts, review_notes(doubts, trajectory, covariances)};
   if (!options.picture.empty()) draw_review(run, review, trajectory, covariances, options.picture);
   print_result(options.json ? json_text(review_json(run, review)) : review_text(run, review));
   return static_cast<int>(ExitCode::kDone);

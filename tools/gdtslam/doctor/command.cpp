@@ -2,61 +2,27 @@
 #include <fmt/format.h>
 #include <CLI/App.hpp>
 
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "contents.hpp"
 #include "doctor.hpp"
-#include "engine/drawing/plots/log_picture.hpp"
-#include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/io/log_contents.hpp"
 #include "engine/runs/streams/log_check.hpp"
-#include "engine/runs/streams/log_timeline.hpp"
 #include "engine/runs/streams/odometry_delay.hpp"
 #include "engine/runs/streams/scan_motion.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "findings.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/runs/settings.hpp"
-#include "tools/gdtslam/drawings/drawing_file.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/options.hpp"
-#include "tools/gdtslam/shell/written_files.hpp"
 
 namespace gdtslam {
 namespace {
-
-/// The last part of a path, without a slash behind it.
-std::string title_of(const std::string& log) {
-  const std::filesystem::path path(log_name(log));
-  return (path.has_filename() ? path : path.parent_path()).filename().string();
-}
-
-/// Along the stamps or, where they are all the same, along the scans.
-struct Timelines {
-  explicit Timelines(const StepBounds& bounds) : by_time(bounds), by_scans(bounds, LogTimeline::Along::kScans) {}
-  void add(const LogRecord& record) {
-    by_time.add(record);
-    has_time = has_time || by_time.has_length();
-    if (!has_time) by_scans.add(record);
-  }
-  LogTimeline by_time;
-  LogTimeline by_scans;
-  bool has_time = false;
-};
-
-void draw(const Timelines& timelines, const LogCheck& check, const DoctorOptions& options) {
-  if (check.scans == 0) return;
-  const bool has_time = timelines.has_time || check.scans == 1;
-  const LogTimeline& timeline = has_time ? timelines.by_time : timelines.by_scans;
-  const LogPicture picture = timeline.picture(check, title_of(options.log));
-  const Canvas drawing = log_picture(picture, size_of_log_picture(picture));
-  write_file_atomically(options.picture, drawing_bytes(drawing, options.picture));
-}
 
 Findings findings_of(const DoctorOptions& options) {
   Settings settings = load_settings(options.settings);
@@ -65,13 +31,11 @@ Findings findings_of(const DoctorOptions& options) {
   read.survey = true;
   Findings found;
   LogChecker checker(found.bounds, settings.mapper.scan);
-  Timelines timelines(found.bounds);
   const std::unique_ptr<DescribedLog> reader = open_described_log(options.log, read);
   ProgressLine progress("records", false);
   std::uint64_t records = 0;
   while (const std::optional<LogRecord> record = reader->next()) {
     checker.add(*record);
-    if (!options.picture.empty()) timelines.add(*record);
     progress.update(++records, reader->progress());
     if (interrupted()) break;
   }
@@ -92,15 +56,10 @@ Findings findings_of(const DoctorOptions& options) {
     found.faults.insert(found.faults.end(), look.faults.begin(), look.faults.end());
   }
   found.commands = map_commands(options, found.contents, found.check, found.faults);
-  if (!options.picture.empty()) draw(timelines, found.check, options);
   return found;
 }
 
 int doctor(const DoctorOptions& options) {
-  if (!options.picture.empty()) {
-    check_drawing_file("--picture", options.picture);
-    WrittenFiles({options.log, options.settings.file}, options.force).add("--picture", options.picture);
-  }
   const Findings found = findings_of(options);
   print_result(options.json ? json_text(findings_json(found, options.log)) : findings_text(found, options.log));
   if (interrupted())
@@ -118,7 +77,8 @@ int run_doctor(const DoctorOptions& options) {
       throw UsageError("--config and --set are for a LOG, not --after");
     return doctor_after(options);
   }
-  if (options.log.empty()) throw UsageError("nothing to look at: give a LOG, or --after RUN");
+  if (options.devices) return doctor_of_devices(options.json);
+  if (options.log.empty()) throw UsageError("nothing to look at: give a LOG, --after RUN, or --devices");
   return doctor(options);
 }
 
@@ -126,7 +86,8 @@ int run_doctor(const DoctorOptions& options) {
 
 void add_doctor_command(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<DoctorOptions>();
-  CLI::App* command = add_command(app, "doctor", "What is wrong with a log, or doubtful in a map");
+  CLI::App* command =
+      add_command(app, "doctor", "What is wrong with a log, or doubtful in a map; what can compute here");
   CLI::Option* const log =
       command->add_option("log", options->log, fmt::format("{} log, plain or gzip; - is standard input", kLogFormats));
   log->type_name("LOG");
@@ -136,10 +97,15 @@ void add_doctor_command(CLI::App& app, CommandContext& context) {
       "--after", options->after, "Folder of a run, in place of a log: what is doubtful in its map, and where");
   after->type_name("RUN")->excludes(log);
   command
+      ->add_flag("--devices", options->devices,
+                 "In place of a log: what can compute here, processor, instruction sets and GPUs")
+      ->excludes(log)
+      ->excludes(after);
+  command
       ->add_option("--picture", options->picture,
-                   "Draw scan rate, motion and ranges of the log over time; with --after loops, uncertainty and what\n"
-                   "is doubtful, numbered: .svg, .png, .jpg or .pdf")
-      ->type_name("FILE");
+                   "With --after: draw loops, uncertainty and what is doubtful, numbered: .svg, .png, .jpg or .pdf")
+      ->type_name("FILE")
+      ->needs(after);
   add_force_option(*command, options->force);
   command->add_flag("--json", options->json, "Print JSON");
   command->footer(
@@ -152,9 +118,9 @@ void add_doctor_command(CLI::App& app, CommandContext& context) {
       "\n"
       "Examples:\n"
       "  gdtslam doctor intel.clf.gz\n"
-      "  gdtslam doctor drive.mcap --picture drive.png\n"
       "  gdtslam doctor drive.log --json | jq .impossible_steps.count\n"
-      "  gdtslam doctor --after out --picture doubtful.png");
+      "  gdtslam doctor --after out --picture doubtful.png\n"
+      "  gdtslam doctor --devices");
   command->callback([options, &context] { context.run = [options] { return run_doctor(*options); }; });
 }
 

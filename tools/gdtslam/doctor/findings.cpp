@@ -21,7 +21,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kSlow_s = 10.0;
-constexpr std::size_t kMostShown = 5;
 constexpr std::size_t kMostLayoutsShown = 4;
 
 double share(std::uint64_t part, std::uint64_t whole) {
@@ -31,16 +30,15 @@ double share(std::uint64_t part, std::uint64_t whole) {
 std::string nod_text(const NodCheck& nod) {
   std::string text;
   if (nod.encoder_records > 0) {
-    text += fmt::format("nodding          {} encoder records, ticks {} to {}, {} falls at an index mark\n",
-                        nod.encoder_records, nod.lowest_ticks, nod.highest_ticks, nod.falls);
+    text += fmt::format("nodding          {} encoder records, ticks {} to {}\n", nod.encoder_records, nod.lowest_ticks,
+                        nod.highest_ticks);
   }
   if (nod.tilt_records > 0) {
     text += fmt::format("tilting          {} tilt records, {:.2f} to {:.2f} deg\n", nod.tilt_records,
                         deg_from_rad(nod.lowest_tilt_rad), deg_from_rad(nod.highest_tilt_rad));
   }
   if (nod.has_records()) {
-    text += fmt::format("                 {:.1f} Hz, longest gap {:.3f} s, {} without motion\n", nod.mean_rate_hz,
-                        nod.longest_gap_s, nod.still_steps);
+    text += fmt::format("                 {:.1f} Hz, longest gap {:.3f} s\n", nod.mean_rate_hz, nod.longest_gap_s);
   }
   return text;
 }
@@ -115,11 +113,12 @@ std::string events_text(const std::string& name, const EventList& events, const 
                         const std::function<std::string(const LogEvent&)>& describe) {
   if (events.count == 0) return fmt::format("{:<16} none{}\n", name, bound);
   std::string text = fmt::format("{:<16} {}{}\n", name, events.count, bound);
-  for (std::size_t k = 0; k < events.first.size() && k < kMostShown; ++k) {
+  for (std::size_t k = 0; k < events.first.size(); ++k) {
     const LogEvent& event = events.first[k];
     text += fmt::format("                 scan {} at {:.6f} s: {}\n", event.scan, event.stamp_s, describe(event));
   }
-  if (events.count > kMostShown) text += fmt::format("                 and {} more\n", events.count - kMostShown);
+  if (events.count > EventList::kMostListed)
+    text += fmt::format("                 and {} more\n", events.count - EventList::kMostListed);
   return text;
 }
 
@@ -180,17 +179,7 @@ std::string advice_text(const Findings& found) {
   return text;
 }
 
-Json as_json(const EventList& events) {
-  Json list = Json::array();
-  for (const LogEvent& e : events.first) {
-    list.push_back({{"scan", e.scan},
-                    {"stamp_s", e.stamp_s},
-                    {"time_step_s", e.time_step_s},
-                    {"distance_m", e.distance_m},
-                    {"angle_rad", e.angle_rad}});
-  }
-  return {{"count", events.count}, {"largest", events.largest}, {"first", list}};
-}
+Json as_json(const EventList& events) { return {{"count", events.count}, {"largest", events.largest}}; }
 
 Json ranges_json(const RangeStatistics& r) {
   return {{"beams", r.beams},
@@ -203,46 +192,18 @@ Json ranges_json(const RangeStatistics& r) {
           {"longest_m", r.longest_m}};
 }
 
-Json layouts_json(const LogCheck& c) {
-  Json list = Json::array();
-  for (const BeamLayout& b : c.layouts) {
-    list.push_back({{"beams", b.beams},
-                    {"first_bearing_rad", b.first_bearing_rad},
-                    {"step_rad", b.step_rad},
-                    {"max_range_m", b.max_range_m},
-                    {"scans", b.scans}});
-    if (c.lasers.size() > 1) list.back()["laser"] = b.laser;
-  }
-  return list;
-}
-
-Json mount_json(const LaserMount& mount) {
-  const Pose2& T = mount.T_base_laser;
-  return {{"x_m", T.x_m}, {"y_m", T.y_m}, {"theta_rad", T.theta_rad}, {"changes", mount.changes}};
-}
-
 Json mounts_json(const std::vector<LaserMount>& lasers) {
   Json list = Json::array();
   for (const LaserMount& mount : lasers) {
-    Json entry{{"laser", mount.laser}, {"scans", mount.scans}};
-    entry.update(mount_json(mount));
-    list.push_back(std::move(entry));
+    const Pose2& T = mount.T_base_laser;
+    list.push_back({{"laser", mount.laser},
+                    {"scans", mount.scans},
+                    {"x_m", T.x_m},
+                    {"y_m", T.y_m},
+                    {"theta_rad", T.theta_rad},
+                    {"changes", mount.changes}});
   }
   return list;
-}
-
-Json nod_json(const NodCheck& nod) {
-  return {{"mean_rate_hz", nod.mean_rate_hz},
-          {"longest_gap_s", nod.longest_gap_s},
-          {"longest_gap_at_s", nod.longest_gap_at_s},
-          {"backward_stamps", nod.backward_stamps},
-          {"still_steps", nod.still_steps},
-          {"reversals", nod.reversals},
-          {"lowest_ticks", nod.lowest_ticks},
-          {"highest_ticks", nod.highest_ticks},
-          {"falls", nod.falls},
-          {"lowest_tilt_rad", nod.lowest_tilt_rad},
-          {"highest_tilt_rad", nod.highest_tilt_rad}};
 }
 
 }  // namespace
@@ -255,7 +216,6 @@ std::string findings_text(const Findings& found, const std::string& log) {
 
 Json findings_json(const Findings& found, const std::string& log) {
   const LogCheck& c = found.check;
-  const StepBounds& bounds = found.bounds;
   const std::optional<OdometryDelay>& delay = found.delay;
   Json report{{"log", log}, {"mappable", c.obstacle().empty()}, {"obstacle", c.obstacle()}};
   add_contents(found.contents, report);
@@ -267,12 +227,9 @@ Json findings_json(const Findings& found, const std::string& log) {
   report["odometry_records"] = c.odometry_records;
   report["encoder_records"] = c.nod.encoder_records;
   report["tilt_records"] = c.nod.tilt_records;
-  if (c.nod.has_records()) report["nodding"] = nod_json(c.nod);
-  report["parameters"] = c.parameters;
   report["path_m"] = c.path_m;
   report["turned_rad"] = c.turned_rad;
   report["still_steps"] = c.still_scans;
-  report["gap_bound_s"] = c.gap_bound_s;
   report["gaps"] = as_json(c.gaps);
   report["backward_stamps"] = as_json(c.backward_stamps);
   report["repeated_stamps"] = as_json(c.repeated_stamps);
@@ -281,13 +238,7 @@ Json findings_json(const Findings& found, const std::string& log) {
     report["odometry_delay"] = {
         {"delay_s", delay->delay_s}, {"sigma_s", delay->sigma_s}, {"stands_out", delay->stands_out()}};
   }
-  report["step_bounds"] = {{"distance_m", bounds.distance_m},
-                           {"speed_m_s", bounds.speed_m_s},
-                           {"angle_rad", bounds.angle_rad},
-                           {"turn_rate_rad_s", bounds.turn_rate_rad_s}};
-  report["layouts"] = layouts_json(c);
-  report["laser_on_robot"] = mount_json(c.lasers.empty() ? LaserMount{} : c.lasers.front());
-  if (c.lasers.size() > 1) report["lasers_on_robot"] = mounts_json(c.lasers);
+  report["lasers_on_robot"] = mounts_json(c.lasers);
   report["ranges"] = ranges_json(c.ranges);
   report["scans_without_returns"] = c.scans_without_returns;
   Json warnings = Json::object();

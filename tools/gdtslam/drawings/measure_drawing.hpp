@@ -3,7 +3,7 @@
 #pragma once
 
 #include <span>
-#include "engine/runs/measuring/measure_table.hpp"
+#include "engine/runs/evaluation/measure_table.hpp"
 #include "gdtslam/core/cloud.hpp"
 #include "gdtslam/drawing/canvas.hpp"
 

@@ -49,34 +49,6 @@ auto unless_changed(const std::optional<RunReader>& run, const Compute& compute)
   return run ? run->files().unless_changed(compute) : compute();
 }
 
-CloudFrame frame_of(const EvaluateOptions& options) {
-  CloudFrame frame;
-  if (options.reference.empty()) return frame;
-  const std::string& path = options.trajectory.empty() ? options.file : options.trajectory;
-  frame.trajectory =
-      evaluate_reference(given_trajectory(path), given_trajectory(options.reference), reference_options(options));
-  frame.T_truth_map = frame.trajectory->T_reference_estimate;
-  return frame;
-}
-
-Json frame_json(const CloudFrame& frame) {
-  if (!frame.trajectory) return nullptr;
-  const Pose2& T = frame.T_truth_map;
-  return {{"x_m", T.x_m},
-          {"y_m", T.y_m},
-          {"theta_rad", T.theta_rad},
-          {"ate_mean_m", frame.trajectory->ate_m.mean},
-          {"ate_max_m", frame.trajectory->ate_m.max}};
-}
-
-std::string frame_text(const CloudFrame& frame, bool no_align) {
-  if (!frame.trajectory) return "the frames of cloud and truth taken as the same\n";
-  const Pose2& T = frame.T_truth_map;
-  return fmt::format("{}: {:.4f} m, {:.4f} m, {:.4f} deg; ATE of the trajectory {:.4f} m\n",
-                     no_align ? "first poses made to agree" : "rigid alignment of the trajectory", T.x_m, T.y_m,
-                     deg_from_rad(T.theta_rad), frame.trajectory->ate_m.mean);
-}
-
 double resolution_of(const std::string& text) {
   const double length_m = quantity_of("--resolution", text, Unit::kMetre);
   if (length_m < 0.0) throw UsageError("--resolution: '" + text + "' is below zero");
@@ -106,7 +78,7 @@ int against_scene(const EvaluateOptions& options) {
   if (errors.distances.count() == 0 && !errors.interrupted) {
     throw InputError({job.cloud, 0}, "holds no point with finite coordinates");
   }
-  std::string text = errors.distances.text() + frame_text(job.frame, options.no_align);
+  std::string text = errors.distances.text() + frame_text(job.frame, "cloud and truth", options.no_align);
   if (errors.skipped > 0) text += plural(errors.skipped, "point") + " with values that are not finite left out\n";
   const Json json{{"metric", "scene"},
                   {"scene", errors.scene_file},
@@ -145,7 +117,7 @@ int against_hits(const EvaluateOptions& options) {
     text += fmt::format("quantisation bound, at most {:.6f} m: {} points beyond it, the worst at {:.1f} % of its own\n",
                         errors.bound->largest_bound_m, errors.bound->beyond, 100.0 * errors.bound->largest_share);
   }
-  text += frame_text(job.frame, options.no_align);
+  text += frame_text(job.frame, "cloud and truth", options.no_align);
   const Json json{{"metric", "hits"},
                   {"distance_m", errors.distances.json()},
                   {"hits", errors.hits},
@@ -155,6 +127,34 @@ int against_hits(const EvaluateOptions& options) {
   return finish(options, errors.distances, text, json, errors.interrupted);
 }
 }  // namespace
+
+CloudFrame frame_of(const EvaluateOptions& options) {
+  CloudFrame frame;
+  if (options.reference.empty()) return frame;
+  const std::string& path = options.trajectory.empty() ? options.file : options.trajectory;
+  frame.trajectory =
+      evaluate_reference(given_trajectory(path), given_trajectory(options.reference), reference_options(options));
+  frame.T_truth_map = frame.trajectory->T_reference_estimate;
+  return frame;
+}
+
+Json frame_json(const CloudFrame& frame) {
+  if (!frame.trajectory) return nullptr;
+  const Pose2& T = frame.T_truth_map;
+  return {{"x_m", T.x_m},
+          {"y_m", T.y_m},
+          {"theta_rad", T.theta_rad},
+          {"ate_mean_m", frame.trajectory->ate_m.mean},
+          {"ate_max_m", frame.trajectory->ate_m.max}};
+}
+
+std::string frame_text(const CloudFrame& frame, const std::string& what, bool no_align) {
+  if (!frame.trajectory) return "the frames of " + what + " taken as the same\n";
+  const Pose2& T = frame.T_truth_map;
+  return fmt::format("{}: {:.4f} m, {:.4f} m, {:.4f} deg; ATE of the trajectory {:.4f} m\n",
+                     no_align ? "first poses made to agree" : "rigid alignment of the trajectory", T.x_m, T.y_m,
+                     deg_from_rad(T.theta_rad), frame.trajectory->ate_m.mean);
+}
 
 int evaluate_cloud(const EvaluateOptions& options) {
   check_cloud_usage(options);

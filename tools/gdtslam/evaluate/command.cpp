@@ -1,9 +1,11 @@
-// gdtslam evaluate: how far a trajectory is from what somebody verified, or a cloud from the truth.
+// gdtslam evaluate: errors of a trajectory, of poses found in a map or of a cloud; dimensions of what a cloud shows.
 #include <CLI/App.hpp>
 
+#include <filesystem>
 #include <memory>
 #include <string>
 
+#include "engine/runs/evaluation/pose_table.hpp"
 #include "evaluate.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
@@ -18,10 +20,23 @@ constexpr double kMost_s = 1e9;
 constexpr double kLeastDistance_m = 1e-3;
 constexpr double kMostDistance_m = 1e9;
 
+int evaluate_table(const EvaluateOptions& options) {
+  if (options.reference.empty()) throw UsageError("nothing to compare with: give --reference");
+  if (!options.noise.empty()) throw UsageError("--noise is for what a run states, not for a table");
+  return evaluate_poses(options);
+}
+
 int evaluate(const EvaluateOptions& options) {
+  if (options.measure.job.boxes || options.measure.job.planes) return measure_boxes_and_planes(options);
   if (!options.scene.empty() || !options.hits.empty()) {
     if (!options.noise.empty()) throw UsageError("--noise is for what a run states, not for a cloud");
     return evaluate_cloud(options);
+  }
+  std::error_code ignored;
+  const bool is_file = std::filesystem::is_regular_file(options.file, ignored);
+  if (is_file && is_pose_table(options.file)) return evaluate_table(options);
+  if (!options.within.empty() || options.leave_out_s >= 0.0) {
+    throw UsageError("--within and --leave-out are for a table of 'gdtslam localize'");
   }
   if (!options.trajectory.empty() || !options.linkage.empty() || !options.resolution.empty() || !options.csv.empty()) {
     throw UsageError("--trajectory, --linkage, --resolution and --csv belong to a cloud: give --scene or --hits too");
@@ -29,7 +44,7 @@ int evaluate(const EvaluateOptions& options) {
   if (options.relations.empty() && options.reference.empty()) {
     throw UsageError(
         "nothing to compare with: give --relations or --reference for a trajectory, --scene or --hits for "
-        "a cloud");
+        "a cloud, or --boxes or --planes to measure one");
   }
   return evaluate_trajectory(options);
 }
@@ -52,28 +67,42 @@ void add_truths(CLI::App& command, EvaluateOptions& chosen) {
   hits->type_name("FILE");
 }
 
+void add_table_options(CLI::App& command, EvaluateOptions& chosen) {
+  command
+      .add_option(
+          "--within", chosen.within,
+          "Of a table of localize: distance and angle to the reference within which a pose is right [10cm/1deg]")
+      ->type_name("D/A");
+  add_quantity_option(
+      command, "--leave-out", chosen.leave_out_s, Unit::kSecond, {0.0, kMost_s},
+      "Of a table of localize: leave out scans that were taken this near in time to one that went into\n"
+      "the map; 0: those themselves. The run of the map is --trajectory, else --reference");
+}
+
 void add_cloud_options(CLI::App& command, EvaluateOptions& chosen) {
   command
       .add_option(
           "--trajectory", chosen.trajectory,
-          "Trajectory of the run that a cloud is of; with --reference it tells where the cloud is in the scene\n"
-          "[that of the run, where FILE is a run]")
+          "Trajectory of the run that a cloud is of, or in whose map poses were found; with --reference it tells how\n"
+          "that map lies in the frame of the truth [that of the run, where FILE is a run]")
       ->type_name("FILE");
   command.add_option("--linkage", chosen.linkage, "With --hits: also tell the quantisation bound of this linkage")
       ->type_name("PRESET|FILE");
   command.add_option("--resolution", chosen.resolution, "With --linkage: the step of the ranges, as \"1 mm\"")
       ->type_name("LENGTH");
-  command.add_option("--csv", chosen.csv, "Write the histogram of the distances of a cloud")->type_name("FILE");
+  command.add_option("--csv", chosen.csv, "Write the histogram of the distances of a cloud, or what was measured")
+      ->type_name("FILE");
 }
 
 }  // namespace
 
 void add_evaluate_command(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<EvaluateOptions>();
-  CLI::App* command = add_command(app, "evaluate", "Errors of a trajectory or a cloud against the truth");
+  CLI::App* command = add_command(
+      app, "evaluate", "Errors of a trajectory, poses or a cloud against the truth; boxes and planes of a cloud");
   command
       ->add_option("file", options->file,
-                   "Folder of a run; trajectory, TUM: stamp x y z qx qy qz qw; or cloud, PLY or PCD")
+                   "Folder of a run; trajectory, TUM: stamp x y z qx qy qz qw; table of localize; or cloud, PLY or PCD")
       ->required()
       ->type_name("RUN|FILE");
   add_truths(*command, *options);
@@ -93,8 +122,10 @@ void add_evaluate_command(CLI::App& app, CommandContext& context) {
           "Standard deviation of the truth itself, as 2cm/0.5deg, where what a run states is compared with the errors\n"
           "[0/0]")
       ->type_name("D/A");
+  add_table_options(*command, *options);
   add_cloud_options(*command, *options);
   add_force_option(*command, options->force);
+  add_measure_options(*command, options->measure);
   command->add_flag("--json", options->json, "Print JSON");
   command->footer(
       "Relations: the error is the norm of the translation difference and the wrapped yaw difference, for all\n"
@@ -102,6 +133,9 @@ void add_evaluate_command(CLI::App& app, CommandContext& context) {
       "(ATE) and relative pose error (RPE). Scene and hits: distances of the points, in metres.\n"
       "Of a run with closed loops also the share of errors within one, two and three of the standard deviations that\n"
       "it states (covariance.csv), and what that share is if they are right.\n"
+      "Table of localize: the share of poses within the limits, with its 95 % interval (Wilson 1927), by verdict.\n"
+      "Boxes and planes: a value stands with its standard deviation, and whether both of its ends were seen. Map with\n"
+      "cloud.voxel=0: all beams that met or passed an edge of a box tell where it is.\n"
       "\n"
       "Examples:\n"
       "  gdtslam evaluate out --relations intel.relations.gz\n"
@@ -109,7 +143,11 @@ void add_evaluate_command(CLI::App& app, CommandContext& context) {
       "  gdtslam evaluate out/trajectory.tum --reference office.truth.tum --json\n"
       "  gdtslam evaluate out --scene office-7f --reference office.truth.tum\n"
       "  gdtslam evaluate out --hits boxes.truth.ply --reference boxes.truth.tum\n"
-      "  gdtslam evaluate other.pcd --scene office-7f --trajectory other.tum --reference office.truth.tum");
+      "  gdtslam evaluate other.pcd --scene office-7f --trajectory other.tum --reference office.truth.tum\n"
+      "  gdtslam evaluate poses.csv --reference office --leave-out 0.5s\n"
+      "  gdtslam evaluate poses.csv --trajectory office --reference office.truth.tum --within 10cm/1deg\n"
+      "  gdtslam evaluate run --boxes --picture boxes.svg --csv boxes.csv\n"
+      "  gdtslam evaluate room.pcd --planes --thickness 5cm --min-points 1000");
   command->callback([options, &context] { context.run = [options] { return evaluate(*options); }; });
 }
 

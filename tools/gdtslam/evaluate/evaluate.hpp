@@ -1,36 +1,78 @@
-// What `gdtslam evaluate` is asked for, and the two things that it can evaluate. Thread-safe apart from the files.
+// What `gdtslam evaluate` is asked for, and the things that it can evaluate. Thread-safe apart from the files.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "engine/runs/evaluation/errors.hpp"
+#include "engine/runs/evaluation/stated_errors.hpp"
+#include "engine/runs/evaluation/measure_table.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
+#include "tools/gdtslam/shell/cli.hpp"
 
 namespace gdtslam {
 
+struct MeasureOptions {
+  MeasureJob job;
+  PlaneSearch search;            ///< of planes and of the faces of boxes: their thickness
+  double gap_m = 0.0;            ///< 0: as each search has it
+  std::uint32_t min_points = 0;  ///< likewise
+  std::string viewpoint;
+  std::string picture;
+};
+
 struct EvaluateOptions {
-  std::string file;  ///< a run or a trajectory, or with scene or hits a cloud
+  std::string file;  ///< a run, a trajectory, a table of `localize`, or a cloud
   std::string relations;
-  std::string reference;      ///< of a cloud: with `trajectory`, else both frames are the same
+  std::string reference;      ///< of a cloud or a table: with `trajectory`, else both frames are the same
   double tolerance_s = -1.0;  ///< negative: the default
   double distance_m = ReferenceOptions{}.rpe_distance_m;
   bool no_align = false;
-  std::string noise;  ///< of the truth, "2cm/0.5deg"; empty: none
+  std::string noise;       ///< of the truth, "2cm/0.5deg"; empty: none
+  std::string trajectory;  ///< of the run that made the cloud, or the map that poses were found in
+  std::string csv;
   bool force = false;
   bool json = false;
-  // Of a cloud.
+  // For a table of `localize`.
+  std::string within;         ///< "10cm/1deg"; empty: that
+  double leave_out_s = -1.0;  ///< negative: no scan is left out
+  // For a cloud.
   std::string scene;       ///< one of these two
   std::string hits;        ///< likewise
-  std::string trajectory;  ///< of the run that made the cloud
   std::string linkage;     ///< with hits: for the quantisation bound
   std::string resolution;  ///< of the ranges, a length; with linkage
-  std::string csv;
+  MeasureOptions measure;
 };
 
 /// How stamps match and trajectories are aligned.
 ReferenceOptions reference_options(const EvaluateOptions& options);
 
+/// The alignment of --trajectory, or of the run that is evaluated, to the reference.
+CloudFrame frame_of(const EvaluateOptions& options);
+std::string frame_text(const CloudFrame& frame, const std::string& what, bool no_align);
+nlohmann::ordered_json frame_json(const CloudFrame& frame);
+
+/// "2cm/0.5deg" as length and angle; `option` and an example stand in messages. Throws UsageError.
+struct LengthAndAngle {
+  double length_m = 0.0;
+  double angle_rad = 0.0;
+};
+LengthAndAngle length_and_angle(const std::string& option, const std::string& text, const std::string& example);
+
+/// The heading of the columns of errors, and a row of them.
+std::string errors_heading();
+std::string errors_row(const std::string& name, const ErrorSummary& errors, const std::string& unit);
+nlohmann::ordered_json errors_json(const ErrorSummary& errors);
+std::string stated_text(const StatedReport& report, const TruthNoise& noise);
+nlohmann::ordered_json stated_json(const StatedReport& report, const TruthNoise& noise);
+
+/// Options of --boxes and --planes.
+void add_measure_options(CLI::App& command, MeasureOptions& chosen);
+
 // Each prints its result and returns the exit code. Throws UsageError, InputError, FileError and what the truth needs.
 int evaluate_trajectory(const EvaluateOptions& options);
 int evaluate_cloud(const EvaluateOptions& options);
+int evaluate_poses(const EvaluateOptions& options);
+int measure_boxes_and_planes(const EvaluateOptions& options);
 
 }  // namespace gdtslam

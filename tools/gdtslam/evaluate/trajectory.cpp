@@ -27,33 +27,19 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kRelationTolerance_s = 1e-4;
-constexpr const char* kHeading = "                    count      mean       std    median      rmse       max\n";
-
-// Without a sample there is no error to state; a zero would look like a perfect one.
-std::string row(const std::string& name, const ErrorSummary& e, const std::string& unit) {
-  if (e.count == 0) {
-    return fmt::format("{:<16} {:>8} {:>9} {:>9} {:>9} {:>9} {:>9}  {}\n", name, 0, "-", "-", "-", "-", "-", unit);
-  }
-  return fmt::format("{:<16} {:>8} {:>9.4f} {:>9.4f} {:>9.4f} {:>9.4f} {:>9.4f}  {}\n", name, e.count, e.mean,
-                     e.deviation, e.median, e.rmse, e.max, unit);
-}
-
-Json as_json(const ErrorSummary& e) {
-  const auto value = [&e](double number) { return e.count > 0 ? Json(number) : Json(); };
-  return {{"count", e.count},          {"mean", value(e.mean)}, {"std", value(e.deviation)},
-          {"median", value(e.median)}, {"rmse", value(e.rmse)}, {"max", value(e.max)}};
-}
 
 Json as_json(const RelationErrors& e) {
-  return {{"translation_m", as_json(e.translation_m)}, {"rotation_deg", as_json(e.rotation_deg)}};
+  return {{"translation_m", errors_json(e.translation_m)}, {"rotation_deg", errors_json(e.rotation_deg)}};
 }
 
 // Of the relations, as many as have stamps that do not tell which pose is meant.
 std::string relation_text(const RelationReport& report, std::size_t repeated) {
-  std::string text = kHeading;
-  text += row("all", report.all.translation_m, "m") + row("", report.all.rotation_deg, "deg");
-  text += row("short (<= 20 s)", report.short_term.translation_m, "m") + row("", report.short_term.rotation_deg, "deg");
-  text += row("loops (> 20 s)", report.loops.translation_m, "m") + row("", report.loops.rotation_deg, "deg");
+  std::string text = errors_heading();
+  text += errors_row("all", report.all.translation_m, "m") + errors_row("", report.all.rotation_deg, "deg");
+  text += errors_row("short (<= 20 s)", report.short_term.translation_m, "m") +
+          errors_row("", report.short_term.rotation_deg, "deg");
+  text +=
+      errors_row("loops (> 20 s)", report.loops.translation_m, "m") + errors_row("", report.loops.rotation_deg, "deg");
   text += fmt::format("worst relation: {:.6f} to {:.6f}\n", report.worst_t1_s, report.worst_t2_s);
   if (report.unmatched > 0) {
     text += fmt::format("{} relations have stamps that the trajectory does not have\n", report.unmatched);
@@ -93,21 +79,6 @@ Evaluated evaluated_of(const EvaluateOptions& options) {
   return {run.trajectory(), run.covariances(), true};
 }
 
-// "2cm/0.5deg"
-TruthNoise noise_of(const std::string& text) {
-  if (text.empty()) return {};
-  const std::size_t mark = text.find('/');
-  if (mark == std::string::npos)
-    throw UsageError("--noise: '" + text + "' is not LENGTH/ANGLE, for example 2cm/0.5deg");
-  const TruthNoise noise{quantity_of("--noise", text.substr(0, mark), Unit::kMetre),
-                         quantity_of("--noise", text.substr(mark + 1), Unit::kRadian)};
-  constexpr double kMost_m = 100.0;
-  if (!(noise.sigma_m >= 0.0 && noise.sigma_m <= kMost_m && noise.sigma_rad >= 0.0 && noise.sigma_rad <= kPi)) {
-    throw UsageError("--noise: '" + text + "' is out of range: from 0/0 to 100m/180deg");
-  }
-  return noise;
-}
-
 std::string shares_row(const std::string& name, const std::array<double, kStatedSigmas>& shares) {
   return fmt::format("{:<16} {:>7.1f} % {:>7.1f} % {:>7.1f} %", name, 100.0 * shares[0], 100.0 * shares[1],
                      100.0 * shares[2]);
@@ -120,17 +91,6 @@ std::string shares_text(const std::string& name, const StatedShares& shares, con
          "\n";
 }
 
-std::string stated_text(const StatedReport& report, const TruthNoise& noise) {
-  std::string text = "stated           1 sigma   2 sigma   3 sigma  median error\n";
-  text += shares_text("pose", report.pose, kPoseTheory) + shares_text("position", report.position, kPositionTheory);
-  if (noise.sigma_m > 0.0 || noise.sigma_rad > 0.0) {
-    text += fmt::format("the truth's own standard deviation taken as {:g} m and {:g} deg\n", noise.sigma_m,
-                        deg_from_rad(noise.sigma_rad));
-  }
-  if (report.unstated > 0) text += fmt::format("{} errors have no stated deviation\n", report.unstated);
-  return text;
-}
-
 Json shares_json(const StatedShares& shares, const StatedTheory& theory) {
   return {{"count", shares.count},
           {"within", {shares.share(1), shares.share(2), shares.share(3)}},
@@ -138,12 +98,10 @@ Json shares_json(const StatedShares& shares, const StatedTheory& theory) {
           {"factor", shares.count > 0 ? Json(shares.factor) : Json()}};
 }
 
-Json stated_json(const StatedReport& report, const TruthNoise& noise) {
-  return {{"pose", shares_json(report.pose, kPoseTheory)},
-          {"position", shares_json(report.position, kPositionTheory)},
-          {"unstated", report.unstated},
-          {"noise_m", noise.sigma_m},
-          {"noise_deg", deg_from_rad(noise.sigma_rad)}};
+TruthNoise noise_of(const std::string& text) {
+  if (text.empty()) return {};
+  const auto [length_m, angle_rad] = length_and_angle("--noise", text, "2cm/0.5deg");
+  return {length_m, angle_rad};
 }
 
 // The report with what the run states added, where it states something.
@@ -176,10 +134,10 @@ int evaluate_against_relations(const EvaluateOptions& options) {
 }
 
 std::string reference_text(const ReferenceReport& report, const ReferenceOptions& options) {
-  std::string text = kHeading;
-  text += row("ATE", report.ate_m, "m") + row("", report.ate_rotation_deg, "deg");
-  text += row(fmt::format("RPE per {:g} m", options.rpe_distance_m), report.rpe_m, "m");
-  text += row("", report.rpe_rotation_deg, "deg");
+  std::string text = errors_heading();
+  text += errors_row("ATE", report.ate_m, "m") + errors_row("", report.ate_rotation_deg, "deg");
+  text += errors_row(fmt::format("RPE per {:g} m", options.rpe_distance_m), report.rpe_m, "m");
+  text += errors_row("", report.rpe_rotation_deg, "deg");
   text += fmt::format("{}: {:.4f} m, {:.4f} m, {:.4f} deg\n",
                       options.align ? "rigid alignment (least squares)" : "first poses made to agree",
                       report.T_reference_estimate.x_m, report.T_reference_estimate.y_m,
@@ -196,16 +154,17 @@ std::string reference_text(const ReferenceReport& report, const ReferenceOptions
 
 Json reference_json(const ReferenceReport& report, const ReferenceOptions& options) {
   const Pose2& T = report.T_reference_estimate;
-  return {{"metric", "reference"},
-          {"ate", {{"translation_m", as_json(report.ate_m)}, {"rotation_deg", as_json(report.ate_rotation_deg)}}},
-          {"rpe",
-           {{"distance_m", options.rpe_distance_m},
-            {"translation_m", as_json(report.rpe_m)},
-            {"rotation_deg", as_json(report.rpe_rotation_deg)}}},
-          {"aligned", options.align},
-          {"T_reference_estimate", {{"x_m", T.x_m}, {"y_m", T.y_m}, {"theta_rad", T.theta_rad}}},
-          {"matched", report.matched},
-          {"unmatched", report.unmatched}};
+  return {
+      {"metric", "reference"},
+      {"ate", {{"translation_m", errors_json(report.ate_m)}, {"rotation_deg", errors_json(report.ate_rotation_deg)}}},
+      {"rpe",
+       {{"distance_m", options.rpe_distance_m},
+        {"translation_m", errors_json(report.rpe_m)},
+        {"rotation_deg", errors_json(report.rpe_rotation_deg)}}},
+      {"aligned", options.align},
+      {"T_reference_estimate", {{"x_m", T.x_m}, {"y_m", T.y_m}, {"theta_rad", T.theta_rad}}},
+      {"matched", report.matched},
+      {"unmatched", report.unmatched}};
 }
 
 // Where stamps do not meet, one of the files may have them in another unit.
@@ -238,6 +197,56 @@ int evaluate_against_reference(const EvaluateOptions& options) {
   return static_cast<int>(ExitCode::kDone);
 }
 }  // namespace
+
+std::string errors_heading() { return "                    count      mean       std    median      rmse       max\n"; }
+
+// Without a sample there is no error to state; a zero would look like a perfect one.
+std::string errors_row(const std::string& name, const ErrorSummary& e, const std::string& unit) {
+  if (e.count == 0) {
+    return fmt::format("{:<16} {:>8} {:>9} {:>9} {:>9} {:>9} {:>9}  {}\n", name, 0, "-", "-", "-", "-", "-", unit);
+  }
+  return fmt::format("{:<16} {:>8} {:>9.4f} {:>9.4f} {:>9.4f} {:>9.4f} {:>9.4f}  {}\n", name, e.count, e.mean,
+                     e.deviation, e.median, e.rmse, e.max, unit);
+}
+
+Json errors_json(const ErrorSummary& e) {
+  const auto value = [&e](double number) { return e.count > 0 ? Json(number) : Json(); };
+  return {{"count", e.count},          {"mean", value(e.mean)}, {"std", value(e.deviation)},
+          {"median", value(e.median)}, {"rmse", value(e.rmse)}, {"max", value(e.max)}};
+}
+
+std::string stated_text(const StatedReport& report, const TruthNoise& noise) {
+  std::string text = "stated           1 sigma   2 sigma   3 sigma  median error\n";
+  text += shares_text("pose", report.pose, kPoseTheory) + shares_text("position", report.position, kPositionTheory);
+  if (noise.sigma_m > 0.0 || noise.sigma_rad > 0.0) {
+    text += fmt::format("the truth's own standard deviation taken as {:g} m and {:g} deg\n", noise.sigma_m,
+                        deg_from_rad(noise.sigma_rad));
+  }
+  if (report.unstated > 0) text += fmt::format("{} errors have no stated deviation\n", report.unstated);
+  return text;
+}
+
+Json stated_json(const StatedReport& report, const TruthNoise& noise) {
+  return {{"pose", shares_json(report.pose, kPoseTheory)},
+          {"position", shares_json(report.position, kPositionTheory)},
+          {"unstated", report.unstated},
+          {"noise_m", noise.sigma_m},
+          {"noise_deg", deg_from_rad(noise.sigma_rad)}};
+}
+
+LengthAndAngle length_and_angle(const std::string& option, const std::string& text, const std::string& example) {
+  const std::size_t mark = text.find('/');
+  if (mark == std::string::npos) {
+    throw UsageError(option + ": '" + text + "' is not LENGTH/ANGLE, for example " + example);
+  }
+  const LengthAndAngle found{quantity_of(option, text.substr(0, mark), Unit::kMetre),
+                             quantity_of(option, text.substr(mark + 1), Unit::kRadian)};
+  constexpr double kMost_m = 100.0;
+  if (!(found.length_m >= 0.0 && found.length_m <= kMost_m && found.angle_rad >= 0.0 && found.angle_rad <= kPi)) {
+    throw UsageError(option + ": '" + text + "' is out of range: from 0/0 to 100m/180deg");
+  }
+  return found;
+}
 
 ReferenceOptions reference_options(const EvaluateOptions& options) {
   ReferenceOptions reference{.rpe_distance_m = options.distance_m, .align = !options.no_align};

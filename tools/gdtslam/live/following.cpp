@@ -9,7 +9,6 @@
 
 #include "engine/runs/localizer/drive.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/io/occupancy_map_file.hpp"
 #include "input/live_log.hpp"
 #include "options.hpp"
 #include "page/page_figures.hpp"
@@ -31,26 +30,6 @@ LocalizeJob job_of(const DriveOptions& options, const Settings& settings) {
   if (!input) input = open_stream(options.log);
   job.live_log = live_log_of(std::move(input), options.queue);
   return job;
-}
-
-// Where there are distances alone they tell of walls, which reach half a cell from an obstacle; what is farther away
-// may be floor or not.
-OccupancyMap walls_of(const DistanceFieldView& view) {
-  OccupancyMap map{.geometry = view.geometry, .cells = CellStates(view.geometry.cell_count())};
-  std::size_t cell = 0;
-  for (std::int32_t y = 0; y < view.geometry.height; ++y) {
-    for (std::int32_t x = 0; x < view.geometry.width; ++x, ++cell) {
-      if (view.at({x, y}) <= kWallOfField) map.cells.set(cell, CellState::kOccupied);
-    }
-  }
-  return map;
-}
-
-// The occupancy map of the run or of its own, where there is one.
-OccupancyMap shown_map(const MapField& field) {
-  if (field.source == MapField::Source::kOccupiedCells) return read_occupancy_map(field.path);
-  if (field.run && field.run->summary().map) return field.run->map();
-  return walls_of(field.file.view());
 }
 
 using WhereaboutsCounts = std::array<std::uint64_t, kWhereabouts.size()>;

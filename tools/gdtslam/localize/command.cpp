@@ -11,6 +11,7 @@
 #include "changes_output.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
+#include "engine/runs/localizer/tables.hpp"
 #include "engine/runs/mapping/stopwatch.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
@@ -30,23 +31,8 @@ namespace gdtslam {
 namespace {
 
 constexpr double kMostSeconds = 1.0e5;  // 28 hours
-constexpr const char* kUsualWithin = "10cm/1deg";
 constexpr double kMostGap_m = 1.0;
 constexpr double kMostFit_m = 10.0;
-
-// "10cm/1deg"
-void read_within(const std::string& text, LocalizeLimits& limits) {
-  const std::size_t mark = text.find('/');
-  if (mark == std::string::npos) {
-    throw UsageError("--within: '" + text + "' is not DISTANCE/ANGLE, for example 10cm/1deg");
-  }
-  limits.within_m = quantity_of("--within", text.substr(0, mark), Unit::kMetre);
-  limits.within_rad = quantity_of("--within", text.substr(mark + 1), Unit::kRadian);
-  constexpr double kMost_m = 100.0;
-  if (!(limits.within_m > 0.0 && limits.within_m <= kMost_m && limits.within_rad > 0.0 && limits.within_rad <= kPi)) {
-    throw UsageError("--within: '" + text + "' is out of range: up to 100m/180deg, neither of them 0");
-  }
-}
 
 LocalizeJob job_of(const LocalizeOptions& options, const Settings& settings) {
   LocalizeJob job;
@@ -56,43 +42,16 @@ LocalizeJob job_of(const LocalizeOptions& options, const Settings& settings) {
   job.read = read_options_of(log, options.lenient);
   job.choice = options.choice;
   job.threads = options.device.threads > 0 ? options.device.threads : std::max(1U, std::thread::hardware_concurrency());
-  if (options.leave_out_s >= 0.0) {
-    job.run = run_of_map(options.map, "--leave-out");
-    job.merged.emplace(*job.run, options.leave_out_s);
-  }
-  if (!options.reference.empty()) {
-    job.reference.emplace(options.reference);
-    if (options.align) {
-      if (!job.run) job.run = run_of_map(options.map, "--align");
-      job.reference->align(*job.run);
-    }
-    if (const std::size_t repeated = job.reference->count_repeated(); repeated > 0) {
-      print_remark(
-          fmt::format("warning: {}: {} have stamps that occur twice, a clock stepped back: scans at these are "
-                      "compared with none",
-                      options.reference, plural(repeated, "pose")));
-    }
-  }
   return job;
 }
 
-// One scan alone has nothing to be chosen from.
 void check(const LocalizeOptions& options) {
   if (looks_like_map(options.log) && !looks_like_map(options.map)) {
     throw UsageError(fmt::format("'{0}' is a map and '{1}' is none; the map comes first: gdtslam localize {0} {1}",
                                  options.log, options.map));
   }
-  check_tracking(options);
-  static_cast<void>(limits_of(options));  // what is no quantity is told before what is missing
-  if (options.within && options.reference.empty()) {
-    throw UsageError("--within is the distance to a reference: give --reference too");
-  }
-  const ScanChoice& choice = options.choice;
-  if (options.leave_out_s >= 0.0 && choice.random == 0 && choice.every == 0) {
-    throw UsageError("--leave-out chooses among scans: give --random or --every too");
-  }
   if (!options.picture.empty()) check_drawing_file("--picture", options.picture);
-  WrittenFiles written({options.log, options.reference, options.map, options.settings.file}, options.force);
+  WrittenFiles written({options.log, options.map, options.settings.file}, options.force);
   written.add("--output", options.trajectory);
   written.add("--picture", options.picture);
   written.add("--table", options.table);
@@ -102,8 +61,7 @@ void check(const LocalizeOptions& options) {
   written.add("--changes", changes_table_file(options.changes));
 }
 
-void write_files(const LocalizeOptions& options, const LocalizeJob& job, const Localizer& localizer,
-                 const Localized& all) {
+void write_files(const LocalizeOptions& options, const Localizer& localizer, const Localized& all) {
   if (!options.trajectory.empty()) {
     Trajectory trajectory;
     for (const LocalizedScan& scan : all.scans) {
@@ -111,43 +69,26 @@ void write_files(const LocalizeOptions& options, const LocalizeJob& job, const L
     }
     write_tum(options.trajectory, trajectory);
   }
+  if (!options.table.empty()) write_file_atomically(options.table, table_text(all.scans));
   if (!options.picture.empty()) {
     write_file_atomically(options.picture,
-                          drawing_bytes(localize_picture(job, localizer, all), options.picture, kDensePng));
+                          drawing_bytes(localize_picture(options.log, localizer, all), options.picture));
   }
 }
 
-void print_remarks(const LocalizeJob& job, const Localized& all) {
+void print_remarks(const Localized& all) {
   print_warnings(all.warnings);
   if (all.nods) {
     print_remark("warning: the laser of this log nods; a scan is found where it was taken nearly level only");
   }
-  if (job.choice.random > all.scans.size() && !all.interrupted) {
-    print_remark(
-        fmt::format("warning: only {} could be drawn, not {}", plural(all.scans.size(), "scan"), job.choice.random));
-  }
-  if (job.merged && all.left_out == 0 && !all.interrupted) {
-    print_remark("warning: no scan of the log lies near one that went into the map; was the map made from it?");
-  }
   if (all.interrupted) print_remark("interrupted after " + plural(all.scans.size(), "scan"));
 }
 
-void require_reference(const LocalizeJob& job, const Localized& all) {
-  if (!job.reference || all.interrupted) return;
-  for (const LocalizedScan& scan : all.scans) {
-    if (scan.reference) return;
-  }
-  throw InputError({job.reference->file(), 0},
-                   fmt::format("none of its {} poses has the stamp of a scan that was localised; do both belong to the "
-                               "same log?",
-                               job.reference->count()));
-}
-
-void require_found(const Localized& all, const LocalizeLimits& limits) {
-  const LocalizeFigures figures = figures_of(all.scans, limits);
-  const std::uint64_t found = figures.verdicts[static_cast<std::size_t>(Verdict::kFound)];
-  if (found == all.scans.size()) return;
-  throw Error(ExitCode::kFailed, "--strict: not every scan was found: " + as_text(figures.verdicts));
+void require_found(const Localized& all) {
+  const bool are_found = std::all_of(all.scans.begin(), all.scans.end(),
+                                     [](const LocalizedScan& scan) { return scan.verdict == Verdict::kFound; });
+  if (are_found) return;
+  throw Error(ExitCode::kFailed, "--strict: not every scan was found: " + verdicts_text(all.scans));
 }
 
 // Threads take scans, so none are left for the kernels of one.
@@ -167,7 +108,6 @@ Work work_with(const LocalizeOptions& options, const Settings& settings, const L
   Work work;
   work.backend = backend_of(device);
   work.localizer = std::make_unique<Localizer>(options.map, settings.mapper, limits_of(options), *work.backend);
-  if (job.run) job.run->files().expect_unchanged();
   ProgressLine progress("scans", options.quiet);
   work.all = localize_scans(
       job, *work.localizer, [&progress](std::uint64_t scans, double share) { progress.update(scans, share); },
@@ -185,15 +125,14 @@ int localize(const LocalizeOptions& options) {
   const Work work = with_device(options.device,
                                 [&](const DeviceOptions& device) { return work_with(options, settings, job, device); });
   const Localized& all = work.all;
-  require_reference(job, all);
   watch.add_to(times.wall_s, times.cpu_s);
-  write_files(options, job, *work.localizer, all);
-  print_remarks(job, all);
+  write_files(options, *work.localizer, all);
+  print_remarks(all);
   if (options.json) {
     times.device = work.backend->device().name;
     print_result(json_text(as_json(job, *work.localizer, all, times)));
   } else if (!options.quiet) {
-    print_result(as_text(job, *work.localizer, all));
+    print_result(as_text(*work.localizer, all));
   }
   if (all.interrupted) return static_cast<int>(ExitCode::kInterrupted);
   const bool is_any =
@@ -201,34 +140,22 @@ int localize(const LocalizeOptions& options) {
   if (!is_any)
     throw InputError({options.log, 0}, std::string("none of the scans could be localised: too few returns") +
                                            (options.max_seconds > 0.0 ? ", or --max-time too short" : ""));
-  if (options.strict) require_found(all, work.localizer->limits());
+  if (options.strict) require_found(all);
   return static_cast<int>(ExitCode::kDone);
 }
 
 void add_choices(CLI::App& command, LocalizeOptions& chosen) {
   ScanChoice& choice = chosen.choice;
-  CLI::Option* scan =
-      add_count_option(command, "--scan", choice.first, 0, "Index of the scan, from 0; with --every the first one");
-  scan->capture_default_str();
-  CLI::Option* every =
-      add_count_option(command, "--every", choice.every, 1, "Go on to the end of the log with every N-th scan");
-  CLI::Option* random =
-      add_count_option(command, "--random", choice.random, 1, "N scans of the whole log, drawn at random");
-  random->excludes(scan)->excludes(every);
-  add_count_option(command, "--seed", choice.seed, 0, "Seed of the random draw")->capture_default_str()->needs(random);
-  add_quantity_option(command, "--leave-out", chosen.leave_out_s, Unit::kSecond, {0.0, kMostSeconds},
-                      "Do not choose scans that were taken this near in time to one that went into the map;\n"
-                      "needs the run folder; 0: leave out those that went into it themselves");
+  add_count_option(command, "--scan", choice.first, 0, "Index of the scan, from 0; with --every the first one")
+      ->capture_default_str();
+  add_count_option(command, "--every", choice.every, 1, "Go on to the end of the log with every N-th scan");
 }
 
 void add_tracking_options(CLI::App& command, LocalizeOptions& chosen) {
   CLI::Option* track =
       command.add_flag("--track", chosen.track,
                        "Follow the robot from scan to scan with odometry, from a start that is found by itself");
-  track->excludes("--every")->excludes("--random")->excludes("--no-runner-up");
-  command.add_option("--table", chosen.table, "Write a line for every scan followed, CSV")
-      ->type_name("FILE")
-      ->needs(track);
+  track->excludes("--every")->excludes("--no-runner-up");
   command
       .add_option(
           "--changes", chosen.changes,
@@ -236,21 +163,6 @@ void add_tracking_options(CLI::App& command, LocalizeOptions& chosen) {
           "beside it")
       ->type_name("FILE")
       ->needs(track);
-}
-
-void add_reference_options(CLI::App& command, LocalizeOptions& chosen) {
-  CLI::Option* reference =
-      command.add_option("--reference", chosen.reference,
-                         "True poses in the map's frame, TUM, plain or gzip, or a run: report the errors.\n"
-                         "The run itself will do for the log that was mapped");
-  reference->type_name("FILE");
-  command
-      .add_flag("--align", chosen.align,
-                "Move the reference as a whole onto the run's own trajectory first, where its frame is another")
-      ->needs(reference);
-  command.add_option("--within", chosen.within, "Distance and angle to the reference within which a pose is right")
-      ->type_name("D/A")
-      ->default_str(kUsualWithin);
 }
 
 void add_search_options(CLI::App& command, LocalizeOptions& chosen) {
@@ -269,6 +181,10 @@ void add_search_options(CLI::App& command, LocalizeOptions& chosen) {
 
 void add_output_options(CLI::App& command, LocalizeOptions& chosen) {
   command.add_option("-o,--output", chosen.trajectory, "Write the poses as a trajectory, TUM")->type_name("FILE");
+  command
+      .add_option("--table", chosen.table,
+                  "Write a line for every scan, CSV: the pose and how well it is known, for 'gdtslam evaluate'")
+      ->type_name("FILE");
   command.add_option("--picture", chosen.picture, "Draw the poses on the map: .svg, .png, .jpg or .pdf")
       ->type_name("FILE");
   command.add_flag("--lenient", chosen.lenient, "Count and skip malformed lines of the log");
@@ -284,7 +200,6 @@ LocalizeLimits limits_of(const LocalizeOptions& options) {
   LocalizeLimits limits{.gap_m = options.gap_m, .max_seconds = {}, .with_runner_up = !options.no_runner_up};
   if (options.poor_fit_m >= 0.0) limits.good_fit_m = options.poor_fit_m;
   if (options.max_seconds > 0.0) limits.max_seconds = options.max_seconds;
-  read_within(options.within.value_or(kUsualWithin), limits);
   return limits;
 }
 
@@ -299,7 +214,6 @@ void add_localize_command(CLI::App& app, CommandContext& context) {
       ->type_name("MAP");
   command->add_option("log", options->log, "Log with the scans, plain or gzip")->required()->type_name("LOG");
   add_choices(*command, *options);
-  add_reference_options(*command, *options);
   add_search_options(*command, *options);
   add_tracking_options(*command, *options);
   add_device_options(*command, options->device);
@@ -315,22 +229,15 @@ void add_localize_command(CLI::App& app, CommandContext& context) {
       "Of an occupancy map the occupied cells are the obstacles, at the map's own resolution; distances to them are\n"
       "kept up to map.truncation.\n"
       "\n"
-      "JSON: map, log, field, gap_m, window, choice (of the scans), interrupted, good_fit, verdicts, certified "
-      "(counts),\n"
-      "errors (against the reference: within, distance_m, angle_deg, faults), scans (scan, stamp_s, points, verdict,\n"
-      "best, runner_up, ambiguous, reference), warnings, times. docs/howto/localize.md explains them.\n"
-      "\n"
-      "--track: JSON has whereabouts (counts), ambiguous, searches, unknown (stretches), errors, warnings, times, and\n"
-      "with --changes changes (views, new, gone).\n"
+      "'gdtslam evaluate TABLE --reference TRUTH' compares the poses of a table with known ones.\n"
       "\n"
       "Examples:\n"
       "  gdtslam localize intel intel.clf.gz --scan 5000\n"
       "  gdtslam localize intel/gdt.yaml today.clf.gz --every 50 -o poses.tum --json\n"
       "  gdtslam localize warehouse/map.yaml today.bag --every 50 --picture poses.png\n"
-      "  gdtslam localize intel intel.clf.gz --random 200 --leave-out 0.5s --reference intel\n"
+      "  gdtslam localize intel intel.clf.gz --every 20 --table poses.csv\n"
       "  gdtslam localize intel today.clf.gz --track -o track.tum --table track.csv --picture track.png\n"
-      "  gdtslam localize intel today.clf.gz --track --changes changes.png\n"
-      "  gdtslam localize office office.log --every 20 --reference office.truth.tum --align --picture poses.svg");
+      "  gdtslam localize intel today.clf.gz --track --changes changes.png");
   command->callback([&context, options] { context.run = [options] { return localize(*options); }; });
 }
 

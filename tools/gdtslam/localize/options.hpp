@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <optional>
 #include <string>
 
 #include "engine/runs/localizer/run.hpp"
@@ -20,10 +19,6 @@ struct LocalizeOptions {
   std::string map;
   std::string log;
   ScanChoice choice;
-  double leave_out_s = -1.0;  ///< negative: not asked for
-  std::string reference;
-  bool align = false;
-  std::optional<std::string> within;  ///< of a pose that is right; none: kUsualWithin
   double gap_m = 0.005;
   double max_seconds = 0.0;  ///< 0: no limit
   bool no_runner_up = false;
@@ -36,14 +31,14 @@ struct LocalizeOptions {
   bool json = false;
   bool quiet = false;
   bool track = false;
-  std::string table;       ///< of --track, to be written; empty: none
-  std::string changes;     ///< likewise, the picture
+  std::string table;       ///< to be written; empty: none
+  std::string changes;     ///< of --track, the picture
   std::string trajectory;  ///< to be written; empty: none
   std::string picture;
   SettingsOptions settings;
 };
 
-/// What is wanted of each scan, the fit limit and the runner-up as the options say. Throws UsageError.
+/// Limits of each search, as the options say.
 LocalizeLimits limits_of(const LocalizeOptions& options);
 
 /// Does work(device options), and again with the CPU where the device fails: the CPU gives the same, so a device that

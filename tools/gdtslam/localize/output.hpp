@@ -1,11 +1,11 @@
-// What `gdtslam localize` tells: text and a picture for people, JSON for programs. Everything but the JSON's "times"
-// depends on the input alone. Thread-safe; the picture takes O(cells).
+// What `gdtslam localize` prints and draws: text and a picture for people, JSON for programs. Everything but the JSON's
+// "times" depends on the input alone. Thread-safe; O(scans), a picture O(cells).
 #pragma once
 
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "engine/runs/localizer/figures.hpp"
+#include "engine/runs/localizer/drive.hpp"
 #include "engine/runs/localizer/run.hpp"
 #include "engine/runs/localizer/scans.hpp"
 #include "gdtslam/drawing/canvas.hpp"
@@ -18,13 +18,18 @@ struct LocalizeTimes {
   std::string device{};
 };
 
-/// With a reference only scans that are not where it has them are listed, else all.
-std::string as_text(const LocalizeJob& job, const Localizer& localizer, const Localized& all);
+std::string as_text(const Localizer& localizer, const Localized& all);
+std::string as_text(const Localizer& localizer, const TrackedDrive& drive);
 nlohmann::ordered_json as_json(const LocalizeJob& job, const Localizer& localizer, const Localized& all,
                                const LocalizeTimes& times);
+nlohmann::ordered_json as_json(const LocalizeJob& job, const Localizer& localizer, const TrackedDrive& drive,
+                               const LocalizeTimes& times);
 
-/// Localised scans on their map: the obstacles in grey, each pose found as an arrow, those that are not where the
-/// reference has them in red with a line to it. Pixels, x of the map right, y up.
-Canvas localize_picture(const LocalizeJob& job, const Localizer& localizer, const Localized& all);
+/// "196 found, 4 ambiguous, 0 poor fit"; scans without a pose where there are any.
+std::string verdicts_text(const std::vector<LocalizedScan>& scans);
+
+/// Scans on their map, each as an arrow; the way of a robot that was followed.
+Canvas localize_picture(const std::string& log, const Localizer& localizer, const Localized& all);
+Canvas localize_picture(const std::string& log, const Localizer& localizer, const TrackedDrive& drive);
 
 }  // namespace gdtslam

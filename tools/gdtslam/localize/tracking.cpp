@@ -10,12 +10,12 @@
 #include "engine/io/json_file.hpp"
 #include "engine/runs/localizer/drive.hpp"
 #include "engine/runs/localizer/drive_changes.hpp"
-#include "engine/runs/localizer/drive_figures.hpp"
+#include "engine/runs/localizer/tables.hpp"
 #include "engine/runs/mapping/stopwatch.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
+#include "output.hpp"
 #include "tools/gdtslam/drawings/drawing_file.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
-#include "track_output.hpp"
 
 namespace gdtslam {
 namespace {
@@ -38,7 +38,6 @@ TrackWork track_with(const LocalizeOptions& options, const Settings& settings, c
   device.device = "cpu";
   work.cpu = make_backend(device);
   work.localizer = std::make_unique<Localizer>(options.map, settings.mapper, limits_of(options), *work.backend);
-  if (job.run) job.run->files().expect_unchanged();
   if (!options.changes.empty()) {
     work.changes = std::make_unique<DriveChanges>(work.localizer->field(), settings.mapper, ChangeLimits{});
   }
@@ -53,8 +52,7 @@ TrackWork track_with(const LocalizeOptions& options, const Settings& settings, c
   return work;
 }
 
-void write_track_files(const LocalizeOptions& options, const LocalizeJob& job, const Localizer& localizer,
-                       const TrackedDrive& drive) {
+void write_track_files(const LocalizeOptions& options, const Localizer& localizer, const TrackedDrive& drive) {
   if (!options.trajectory.empty()) {
     Trajectory trajectory;
     trajectory.reserve(drive.scans.size());
@@ -66,7 +64,7 @@ void write_track_files(const LocalizeOptions& options, const LocalizeJob& job, c
   if (!options.table.empty()) write_file_atomically(options.table, table_text(drive));
   if (!options.picture.empty()) {
     write_file_atomically(options.picture,
-                          drawing_bytes(track_picture(job, localizer, drive), options.picture, kDensePng));
+                          drawing_bytes(localize_picture(options.log, localizer, drive), options.picture));
   }
 }
 
@@ -78,31 +76,15 @@ void print_track_remarks(const TrackedDrive& drive) {
   if (drive.interrupted) print_remark("interrupted after " + plural(drive.scans.size(), "scan"));
 }
 
-void require_compared(const LocalizeJob& job, const TrackedDrive& drive) {
-  if (!job.reference || drive.interrupted) return;
-  const bool is_any =
-      std::any_of(drive.scans.begin(), drive.scans.end(), [](const auto& scan) { return scan.reference.has_value(); });
-  if (is_any) return;
-  throw InputError({job.reference->file(), 0},
-                   fmt::format("none of its {} poses has the stamp of a scan that was followed; do both belong to the "
-                               "same log?",
-                               job.reference->count()));
-}
-
-void require_known(const DriveFigures& figures) {
-  const std::uint64_t unknown = figures.whereabouts[static_cast<std::size_t>(Whereabouts::kUnknown)];
-  if (unknown == 0 && figures.ambiguous == 0) return;
-  throw Error(ExitCode::kFailed, fmt::format("--strict: the place of {} scans is not known, that of {} is ambiguous",
-                                             unknown, figures.ambiguous));
+void require_known(const TrackedDrive& drive, std::uint64_t unknown) {
+  const auto ambiguous = std::count_if(drive.scans.begin(), drive.scans.end(),
+                                       [](const TrackedScan& scan) { return scan.pose.is_ambiguous; });
+  if (unknown == 0 && ambiguous == 0) return;
+  throw Error(ExitCode::kFailed,
+              fmt::format("--strict: the place of {} scans is not known, that of {} is ambiguous", unknown, ambiguous));
 }
 
 }  // namespace
-
-void check_tracking(const LocalizeOptions& options) {
-  if (options.track && options.leave_out_s >= 0.0) {
-    throw UsageError("--leave-out chooses among scans, and --track follows all of them");
-  }
-}
 
 int track(const LocalizeOptions& options, const Settings& settings, const LocalizeJob& job) {
   Stopwatch watch;
@@ -110,9 +92,8 @@ int track(const LocalizeOptions& options, const Settings& settings, const Locali
   const TrackWork work = with_device(
       options.device, [&](const DeviceOptions& device) { return track_with(options, settings, job, device); });
   const TrackedDrive& drive = work.drive;
-  require_compared(job, drive);
   watch.add_to(times.wall_s, times.cpu_s);
-  write_track_files(options, job, *work.localizer, drive);
+  write_track_files(options, *work.localizer, drive);
   if (work.changes) write_changes(options.changes, job, *work.changes, work.found);
   print_track_remarks(drive);
   if (options.json) {
@@ -122,16 +103,16 @@ int track(const LocalizeOptions& options, const Settings& settings, const Locali
     print_result(json_text(report));
   } else if (!options.quiet) {
     const std::string changes = work.changes ? as_text(*work.changes, work.found) : std::string();
-    print_result(as_text(job, *work.localizer, drive) + changes);
+    print_result(as_text(*work.localizer, drive) + changes);
   }
   if (drive.interrupted) return static_cast<int>(ExitCode::kInterrupted);
-  const DriveFigures figures = figures_of(drive);
-  if (figures.whereabouts[static_cast<std::size_t>(Whereabouts::kUnknown)] == drive.scans.size()) {
+  const std::uint64_t unknown = count_whereabouts(drive).front();
+  if (unknown == drive.scans.size()) {
     throw InputError({job.log, 0},
                      std::string("the robot was found at none of its scans; was it driven in the place of this map?") +
                          (options.max_seconds > 0.0 ? " Or --max-time is too short" : ""));
   }
-  if (options.strict) require_known(figures);
+  if (options.strict) require_known(drive, unknown);
   return static_cast<int>(ExitCode::kDone);
 }
 

@@ -7,9 +7,6 @@
 
 namespace gdtslam {
 
-/// Throws UsageError where options do not go together.
-void check_tracking(const LocalizeOptions& options);
-
 /// Follows, writes the files, prints; returns the exit code.
 int track(const LocalizeOptions& options, const Settings& settings, const LocalizeJob& job);
 

@@ -111,9 +111,12 @@ CLI::App* chosen_app(CLI::App* app) {
   return app;
 }
 
-/// Commands that became options of others.
-constexpr std::array<std::pair<std::string_view, const char*>, 1> kMovedCommands{
-    {{"tiles", "is an option now: gdtslam edit RUN --tiles -o DIR"}}};
+/// Commands of older versions, and what does the same today.
+constexpr std::array<std::pair<std::string_view, const char*>, 3> kMovedCommands{{
+    {"tiles", "is an option now: gdtslam edit RUN --tiles -o DIR"},
+    {"devices", "is an option now: gdtslam doctor --devices"},
+    {"measure", "is a part of evaluate now: gdtslam evaluate RUN --boxes, or --planes"},
+}};
 
 std::string usage_message(CLI::App* root, const CLI::ParseError& error) {
   CLI::App* const app = chosen_app(root);

@@ -1,9 +1,7 @@
 // gdtslam verify: the same bits on the CPU and on a device, every kernel and whole logs.
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <CLI/App.hpp>
 
-#include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -14,7 +12,6 @@
 #include "run.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
-#include "tools/gdtslam/shell/device/verify_record.hpp"
 #include "tools/gdtslam/shell/help/offers.hpp"
 #include "tools/gdtslam/shell/options.hpp"
 #include "tools/gdtslam/shell/written_files.hpp"
@@ -158,22 +155,6 @@ Json as_json(const VerifyReport& report) {
           {"wall_s", report.wall_s},    {"differences", report.differences()},        {"passed", report.passed()}};
 }
 
-std::string utc_now() {
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
-                     fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
-}
-
-// For `devices` and --device auto. A result that cannot be kept does not change what was found.
-void keep_result(const VerifyReport& report, const VerifyOptions& options) {
-  const std::optional<VerifyRecord> record = record_of(report, options, utc_now());
-  if (!record) return;
-  try {
-    user_records().keep(report.vulkan, *record);
-  } catch (const FileError& error) {
-    print_remark(std::string("warning: the result is not kept for 'gdtslam devices': ") + error.what());
-  }
-}
-
 int verify(const VerifyCommand& command) {
   if (!command.write_expected.empty()) {
     WrittenFiles({}, command.force).add("--write-expected", command.write_expected);
@@ -181,7 +162,6 @@ int verify(const VerifyCommand& command) {
     return static_cast<int>(ExitCode::kDone);
   }
   const VerifyReport report = run_verify(command.options);
-  keep_result(report, command.options);
   print_result(command.json ? json_text(as_json(report)) : as_text(report));
   if (report.failure) throw DeviceError(*report.failure);
   if (report.error) std::rethrow_exception(report.error);
@@ -237,8 +217,7 @@ void add_verify_command(CLI::App& app, CommandContext& context) {
       "--isa and --threads name.\n"
       "The last line is PASS (exit 0) or FAIL (1: differences, or the device failed; that of the error where a log\n"
       "cannot be mapped) with the number of differences; with --json, 'passed'. Exit 69: there is no such device or\n"
-      "instruction set. 'gdtslam devices'\n"
-      "shows the last result of the whole, and differences and failures of a part.\n"
+      "instruction set.\n"
       "\n"
       "Examples:\n"
       "  gdtslam verify --device vulkan\n"

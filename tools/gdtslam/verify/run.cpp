@@ -43,6 +43,7 @@ std::vector<Target> cpu_targets(const DeviceOptions& options) {
   }
   targets.push_back({"cpu, " + std::to_string(threads) + (threads == 1 ? " thread" : " threads"), Proof::kNone,
                      targets.empty(),
+
                      [threads, isa = named.isa] { return make_cpu_backend({.threads = threads, .isa = isa}); }});
   return targets;
 }
@@ -164,9 +165,8 @@ VerifyReport run_verify(const VerifyOptions& options) {
   std::vector<Target> targets;
   std::unique_ptr<Backend> reference;
   if (const std::unique_ptr<VulkanBackend> device = make_vulkan(options.device)) {
-    report.vulkan = device->vulkan_device();
     DeviceOptions named = options.device;
-    named.device = "vulkan:" + std::to_string(report.vulkan.index);
+    named.device = "vulkan:" + std::to_string(device->vulkan_device().index);
     targets.push_back({named.device, Proof::kDeviceDidIt, true, [named] { return make_vulkan(named, {}); }});
     reference = make_cpu(options.device);
   } else {
@@ -192,17 +192,6 @@ VerifyReport run_verify(const VerifyOptions& options) {
   }
   report.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return report;
-}
-
-std::optional<VerifyRecord> record_of(const VerifyReport& report, const VerifyOptions& options,
-                                      const std::string& date) {
-  for (const TargetReport& target : report.targets) {
-    if (!target.is_vulkan) continue;
-    const VerifyRecord record{date, target.cases(), target.logs.size(), target.differences(), target.failure};
-    if (record.passed() && !(options.filter.empty() && target.error.empty())) break;
-    return record;
-  }
-  return std::nullopt;
 }
 
 void write_expected_results(const VerifyOptions& options, const std::string& path) {

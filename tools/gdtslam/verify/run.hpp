@@ -13,7 +13,6 @@
 #include "kernels.hpp"
 #include "logs.hpp"
 #include "tools/gdtslam/shell/device/device_option.hpp"
-#include "tools/gdtslam/shell/device/verify_record.hpp"
 #include "tools/gdtslam/shell/recording_options.hpp"
 
 namespace gdtslam {
@@ -46,7 +45,6 @@ struct TargetReport {
 struct VerifyReport {
   DeviceInfo reference;
   std::vector<TargetReport> targets;
-  VulkanDeviceInfo vulkan;               ///< the device, where one was verified
   std::optional<DeviceError> failure{};  ///< of the last target's driver; those after it were not verified
   std::exception_ptr error{};            ///< another one that ended the last target's verification
   double wall_s = 0.0;
@@ -62,11 +60,6 @@ std::vector<std::string> verified_matchers();
 /// anything to verify, UsageError for a filter that leaves nothing, FileError for a log that cannot be opened, and
 /// Error(kInterrupted). What fails later is in the report.
 VerifyReport run_verify(const VerifyOptions& options);
-
-/// What `gdtslam devices` and --device auto should know of it; nothing where it says nothing of the device: of the CPU,
-/// of shaders that the device would not take, and of a part that passed.
-std::optional<VerifyRecord> record_of(const VerifyReport& report, const VerifyOptions& options,
-                                      const std::string& date);
 
 /// Maps the sample log, or the one that nods, on the CPU and writes what it gave as what it must give. Which one the
 /// name of the file says. Throws FileError.

@@ -90,7 +90,7 @@ def make_boxes(shop):
     shop.render(part, "three-boxes/cloud.ply", "iso", "cloud.png",
                 "(b) The 3D map of the three boxes before the far wall, from beside the scanner.", "--size", "1600x1000", "--no-path", "--title",
                 "Three boxes", "--camera=-0.5,-0.6,1.35,1.9,0,0.62,48")
-    measure = ("gdtslam", "measure", "three-boxes/cloud.ply", "--boxes", "--picture")
+    measure = ("gdtslam", "evaluate", "three-boxes/cloud.ply", "--boxes", "--picture")
     solid = shop.json(*measure, "solid.svg")
     shop.picture(part, "solid.svg", "Measured in the 3D map, seen from above: faces and where they end.")
     projected = shop.json(*measure, "projection.svg", "--projection")

@@ -173,7 +173,7 @@ class Report:
             shutil.rmtree(self.work)
 
     def facts(self):
-        devices = {device["device"]: device["name"] for device in self.shop.json("gdtslam", "devices")["devices"]}
+        devices = {device["device"]: device["name"] for device in self.shop.json("gdtslam", "doctor", "--devices")["devices"]}
         version = self.shop.run("gdtslam", "--version").splitlines()[0]
         kept = [info.kept for info in PARTS if info.kept]
         verdicts = [row["verdict"] for each in kept for row in each["part"]["rows"]]

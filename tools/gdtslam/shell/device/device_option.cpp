@@ -14,17 +14,11 @@
 #include "tools/gdtslam/shell/folders.hpp"
 #include "tools/gdtslam/shell/help/offers.hpp"
 #include "tools/gdtslam/shell/options.hpp"
-#include "verify_record.hpp"
 
 namespace gdtslam {
 namespace {
 
 constexpr unsigned kMostThreads = 1024;
-
-bool found_wrong(const VulkanDeviceInfo& device) {
-  const std::optional<VerifyRecord> record = user_records().find(device);
-  return record && !record->passed();
-}
 
 constexpr std::size_t kMostDigits = 4;
 
@@ -99,7 +93,7 @@ void add_device_options(CLI::App& command, DeviceOptions& options, bool with_fal
   command
       .add_option("--device", options.device,
                   "Where to compute: auto (a GPU where there is one, else the CPU), cpu, vulkan or vulkan:N;\n"
-                  "'gdtslam devices' lists them. Results do not depend on it")
+                  "'gdtslam doctor --devices' lists them. Results do not depend on it")
       ->type_name("NAME")
       ->capture_default_str();
   offer_words(command.get_option("--device"), {"auto", "cpu", "vulkan"});
@@ -141,10 +135,8 @@ std::unique_ptr<Backend> make_cpu(const DeviceOptions& options) { return make_cp
 std::unique_ptr<VulkanBackend> make_vulkan(const DeviceOptions& options, VulkanOptions wanted) {
   const DeviceName name = parse_device_name(options.device);
   if (name.kind == DeviceName::Kind::kCpu) return nullptr;
-  const DeviceChoice choice = choose_device(name, list_vulkan_devices(), found_wrong);
-  if (!choice.remark.empty()) print_remark(choice.remark);
-  if (!choice.index) return nullptr;
-  wanted.index = choice.index;
+  wanted.index = choose_device(name, list_vulkan_devices());
+  if (!wanted.index) return nullptr;
   wanted.cache_folder = cache_folder().path;
   return make_vulkan_backend(wanted);
 }
@@ -180,17 +172,11 @@ DeviceName parse_device_name(const std::string& name) {
   return {DeviceName::Kind::kVulkan, index_from(std::string_view(name).substr(kNumbered.size()), name)};
 }
 
-DeviceChoice choose_device(const DeviceName& name, const VulkanListing& listing, const IsDistrusted& is_distrusted) {
-  if (name.kind == DeviceName::Kind::kCpu) return {};
-  if (name.kind == DeviceName::Kind::kVulkan) return {named_device(name, listing), ""};
-  DeviceChoice choice;
-  for (const VulkanDeviceInfo& device : listing.devices) {
-    if (!device.problem.empty() || !device.is_hardware()) continue;
-    if (!is_distrusted(device)) return {device.index, choice.remark};
-    choice.remark = fmt::format("vulkan:{} ({}) is left out: its last 'gdtslam verify' found differences, or it failed",
-                                device.index, device.name);
-  }
-  return choice;
+std::optional<unsigned> choose_device(const DeviceName& name, const VulkanListing& listing) {
+  if (name.kind == DeviceName::Kind::kCpu) return std::nullopt;
+  if (name.kind == DeviceName::Kind::kVulkan) return named_device(name, listing);
+  const VulkanDeviceInfo* const device = first_usable(listing, true);
+  return device == nullptr ? std::nullopt : std::optional(device->index);
 }
 
 MapperOptions on_failure_of(const DeviceOptions& options) {

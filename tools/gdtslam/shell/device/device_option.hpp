@@ -2,7 +2,6 @@
 // does when it fails.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -69,18 +68,10 @@ struct DeviceName {
 /// Throws UsageError.
 DeviceName parse_device_name(const std::string& name);
 
-struct DeviceChoice {
-  std::optional<unsigned> index;  ///< of the listing; the CPU when empty
-  std::string remark;             ///< what the user should know of it; empty as a rule
-};
-
-/// Whether the last `gdtslam verify` of a device found differences, or the device failed in it.
-using IsDistrusted = std::function<bool(const VulkanDeviceInfo&)>;
-
-/// auto: the first hardware GPU that can be used and is not distrusted, else the CPU. vulkan: the first hardware GPU
-/// that can be used, else the first device of any kind, because Vulkan was named. vulkan:N: that one. Throws
-/// UnavailableError where a device was named that is not there or cannot be used.
-DeviceChoice choose_device(const DeviceName& name, const VulkanListing& listing, const IsDistrusted& is_distrusted);
+/// The index in the listing, empty for the CPU. auto: the first hardware GPU that can be used, else the CPU. vulkan:
+/// the first hardware GPU that can be used, else the first device of any kind, because Vulkan was named. vulkan:N: that
+/// one. Throws UnavailableError where a device was named that is not there or cannot be used.
+std::optional<unsigned> choose_device(const DeviceName& name, const VulkanListing& listing);
 
 /// What a mapper does when its device fails: goes on with the CPU that the options describe and prints one warning; or,
 /// without fallback, fails.

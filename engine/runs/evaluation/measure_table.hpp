@@ -1,5 +1,5 @@
-// What `gdtslam measure` found in a cloud, and how it is printed: boxes as text in centimetres, all else in metres and
-// degrees; and the measuring itself. Thread-safe; O(boxes and planes), measure_cloud() that of the searches.
+// What `gdtslam evaluate --boxes` found in a cloud, and how it is printed: boxes as text in centimetres, all else in
+// metres and degrees; and the measuring itself. Thread-safe; O(boxes and planes), measure_cloud() that of the searches.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -51,7 +51,8 @@ struct MeasureJob {
   std::array<double, 3> origin_m{};
 };
 
-/// Measures as `gdtslam measure` does: finds where the scanner stood unless that is given, then boxes and planes.
+/// Measures as `gdtslam evaluate --boxes` does: finds where the scanner stood unless that is given, then boxes and
+/// planes.
 Measurement measure_cloud(const MeasureJob& job, std::span<const CloudPoint> cloud);
 
 }  // namespace gdtslam

@@ -1,18 +1,15 @@
-// gdtslam devices: what can compute here, with its limits, and whether `gdtslam verify` passed on it.
+// gdtslam doctor --devices: what can compute here, with its limits.
 #include <fmt/format.h>
-#include <CLI/App.hpp>
 
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "doctor.hpp"
 #include "engine/io/json_file.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/error.hpp"
-#include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/device/device_option.hpp"
-#include "tools/gdtslam/shell/device/verify_record.hpp"
 
 namespace gdtslam {
 namespace {
@@ -23,19 +20,14 @@ using Json = nlohmann::ordered_json;
 struct Inventory {
   DeviceInfo cpu;
   VulkanListing vulkan;
-  VerifyRecords records = user_records();
-  DeviceChoice auto_choice;
+  std::optional<unsigned> automatic;  ///< the device that --device auto takes; the CPU when empty
 };
 
 Inventory take_inventory() {
   Inventory all;
   all.cpu = make_cpu_backend({.threads = 0, .isa = {}})->device();
   all.vulkan = list_vulkan_devices();
-  const auto failed = [&all](const VulkanDeviceInfo& device) {
-    const std::optional<VerifyRecord> record = all.records.find(device);
-    return record && !record->passed();
-  };
-  all.auto_choice = choose_device({}, all.vulkan, failed);
+  all.automatic = choose_device({}, all.vulkan);
   return all;
 }
 
@@ -63,7 +55,7 @@ std::string cpu_text(const Inventory& all) {
                                                    : "not on this machine";
     text += line("", fmt::format("--isa {:<9} {}", to_string(isa), state));
   }
-  if (!all.auto_choice.index) text += line("", "taken by --device auto");
+  if (!all.automatic) text += line("", "taken by --device auto");
   return text;
 }
 
@@ -80,27 +72,14 @@ std::string limits_text(const VulkanDeviceInfo& device) {
   return text;
 }
 
-std::string verified_text(const VerifyRecord& record) {
-  if (record.passed()) {
-    return fmt::format("verified {}: {} cases and {} logs equal to the CPU", record.date, record.cases, record.logs);
-  }
-  if (!record.failure.empty()) {
-    return fmt::format("FAILED while it was verified on {}: {}", record.date, record.failure);
-  }
-  return fmt::format("NOT equal to the CPU: {} difference{} on {}", record.differences,
-                     record.differences == 1 ? "" : "s", record.date);
-}
-
 std::string vulkan_text(const Inventory& all, const VulkanDeviceInfo& device) {
   const std::string name = fmt::format("vulkan:{}", device.index);
   std::string text = line(name, device.name);
   text += line("", fmt::format("{}, driver {}, Vulkan {}", device.kind, device.driver, device.api_version));
   text += limits_text(device);
   if (!device.problem.empty()) return text + line("", "cannot be used: " + device.problem);
-  if (all.auto_choice.index == device.index) text += line("", "taken by --device auto");
+  if (all.automatic == device.index) text += line("", "taken by --device auto");
   if (!device.is_hardware()) text += line("", "a CPU that plays a GPU: taken only when it is named");
-  const std::optional<VerifyRecord> record = all.records.find(device);
-  text += line("", record ? verified_text(*record) : "not verified yet: gdtslam verify --device " + name);
   return text;
 }
 
@@ -121,7 +100,7 @@ Json cpu_json(const Inventory& all) {
           {"name", all.cpu.name},
           {"driver", all.cpu.driver},
           {"threads", all.cpu.threads},
-          {"auto", !all.auto_choice.index.has_value()},
+          {"auto", !all.automatic.has_value()},
           {"isa", variants}};
 }
 
@@ -136,16 +115,6 @@ Json limits_json(const VulkanDeviceInfo& device) {
           {"timestamp_ns", device.timestamp_ns}};
 }
 
-Json verified_json(const std::optional<VerifyRecord>& record) {
-  if (!record) return {};
-  return {{"passed", record->passed()},
-          {"date", record->date},
-          {"cases", record->cases},
-          {"logs", record->logs},
-          {"differences", record->differences},
-          {"failure", record->failure.empty() ? Json() : Json(record->failure)}};
-}
-
 Json vulkan_json(const Inventory& all, const VulkanDeviceInfo& device) {
   return {{"device", fmt::format("vulkan:{}", device.index)},
           {"name", device.name},
@@ -156,9 +125,8 @@ Json vulkan_json(const Inventory& all, const VulkanDeviceInfo& device) {
           {"vendor_id", device.vendor_id},
           {"device_id", device.device_id},
           {"problem", device.problem.empty() ? Json() : Json(device.problem)},
-          {"auto", all.auto_choice.index == device.index},
-          {"limits", limits_json(device)},
-          {"verified", verified_json(all.records.find(device))}};
+          {"auto", all.automatic == device.index},
+          {"limits", limits_json(device)}};
 }
 
 Json as_json(const Inventory& all) {
@@ -172,24 +140,12 @@ Json as_json(const Inventory& all) {
             {"devices", devices}}}};
 }
 
-int devices(bool json) {
-  const Inventory all = take_inventory();
-  print_result(json ? json_text(as_json(all)) : as_text(all));
-  if (!json && !all.auto_choice.remark.empty()) print_remark(all.auto_choice.remark);
-  return static_cast<int>(ExitCode::kDone);
-}
-
 }  // namespace
 
-void add_devices_command(CLI::App& app, CommandContext& context) {
-  auto json = std::make_shared<bool>(false);
-  CLI::App* command = add_command(app, "devices", "What can compute here: processor, instruction sets, GPUs");
-  command->add_flag("--json", *json, "Print JSON");
-  command->footer(
-      "A Vulkan device is verified when 'gdtslam verify' passed on it with this version of gdtslam and this driver.\n"
-      "\n"
-      "Examples:\n  gdtslam devices\n  gdtslam devices --json");
-  command->callback([json, &context] { context.run = [json] { return devices(*json); }; });
+int doctor_of_devices(bool json) {
+  const Inventory all = take_inventory();
+  print_result(json ? json_text(as_json(all)) : as_text(all));
+  return static_cast<int>(ExitCode::kDone);
 }
 
 }  // namespace gdtslam
