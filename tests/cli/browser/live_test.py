@@ -163,8 +163,12 @@ class LiveTest(unittest.TestCase):
           return [drive.trail.map((pose) => pose && pose[0]), [...gdtslam.cloudView.trail.begins], gdtslam.cloudView.trail.vertices];
         })()""")
         self.assertEqual(drives, [[0, 1, None, 7, 8], [2], 12])
-        longest = browser.value("""[...Array(30000).keys()].map((k) => gdtslam.drive.followTrail([k, 0, 0, k]), gdtslam.drive.trail.length).at(-1),
-                                   [gdtslam.drive.trail.length, gdtslam.drive.trail.at(-1)[0]]""")
+        longest = browser.value("""(() => {
+          const {drive} = gdtslam;
+          drive.showTrail = () => {};
+          for (let k = 0; k < 30000; ++k) drive.followTrail([k, 0, 0, k]);
+          return [drive.trail.length, drive.trail.at(-1)[0]];
+        })()""")
         self.assertLessEqual(longest[0], 4000)
         self.assertEqual(longest[1], 29999)
 
