@@ -43,19 +43,19 @@ def source_of(pieces):
     return "'sha256-" + base64.b64encode(hashlib.sha256("".join(pieces).encode()).digest()).decode() + "'"
 
 
-def faults_of(page, policy=None, strict_style=True):
+def faults_of(page, policy=None):
     """What is wrong with the policy of a page: that of a header, else that of the page itself."""
     inline = Inline(page)
     policy = policy or inline.policy
     if not policy:
         return ["no policy"]
     rules = {rule.split()[0]: rule.split()[1:] for rule in policy.split(";") if rule.strip()}
-    faults = list(inline.faults) if strict_style else [fault for fault in inline.faults if " style>" not in fault]
+    faults = list(inline.faults)
     if rules.get("default-src") != ["'none'"]:
         faults.append(f"default-src {rules.get('default-src')}")
-    for rule, elements, strict in (("script-src", inline.scripts, True), ("style-src", inline.styles, strict_style)):
+    for rule, elements in (("script-src", inline.scripts), ("style-src", inline.styles)):
         sources = rules.get(rule, [])
-        if strict and sorted(sources) != sorted({source_of(element) for element in elements}):
+        if sorted(sources) != sorted({source_of(element) for element in elements}):
             faults.append(f"{rule} {sources}, and the page has {[source_of(element) for element in elements]}")
     for rule, sources in rules.items():
         faults += [f"{rule} {source}" for source in sources if source == "*" or re.match("https?:|wss?:", source)]

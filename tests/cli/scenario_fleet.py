@@ -11,7 +11,7 @@ import subprocess
 import time
 
 import cli_support as cli
-from cli_support import LOG, PROGRAM, command, environment, expect, expect_exit, fresh_folder, one_error_line
+from cli_support import LOG, PROGRAM, command, expect, expect_exit, fresh_folder, one_error_line
 from content_policy import faults_of
 
 # Finding out how late odometry is stamped takes most of the time that a short log takes.
@@ -213,16 +213,3 @@ def fleet_bad_input():
     process = fleet_run(atlas, logs, "--lenient", code=2)
     expect("names other options" in process.stderr, process.stderr)
     expect(sorted(atlas.rglob("*")) == before, "something was written")
-
-
-def fleet_merge():
-    """The runs of an atlas are joined by `merge`, as any others."""
-    folder = fresh_folder("fleet_merge")
-    lines = LOG.read_text().splitlines(keepends=True)
-    part = 6 * len(lines) // 10
-    (folder / "early.log").write_text("".join(lines[:part]))
-    (folder / "late.log").write_text("".join(lines[-part:]))
-    fleet_run(folder / "atlas", folder / "early.log", folder / "late.log", env=environment())
-    process = command("merge", *sorted((folder / "atlas/runs").iterdir()), "-o", folder / "site")
-    expect_exit(process, 0)
-    expect(len(json.loads((folder / "site/merge.json").read_text())["sites"]) == 1, process.stdout)

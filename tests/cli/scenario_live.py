@@ -89,19 +89,3 @@ def live_sender_that_breaks_off():
         expect(len(process.stdout.splitlines()) == 60, f"{len(process.stdout.splitlines())} lines")
         for name in ("map.pgm", "trajectory.tum", "keyframes.bin.gz", "graph.g2o"):
             expect((folder / "live" / name).read_bytes() == (folder / "map" / name).read_bytes(), f"{name} is another")
-
-
-def live_reader_that_is_gone():
-    """Nobody reads the poses any more: the map is made all the same."""
-    folder = cli.fresh_folder("live_reader")
-    lines = lines_of_drive(60)
-    process = started("-o", folder / "live")
-    process.stdin.write("".join(lines[:20]))
-    process.stdin.flush()
-    next_line(process)
-    process.stdout.close()
-    process.stdin.write("".join(lines[20:]))
-    process.stdin.close()
-    expect(process.wait(60 * cli.SLOWNESS) == 0, process.stderr.read())
-    mapped_by_pipe(folder / "map", lines)
-    expect_same_run(folder / "live", folder / "map", "without a reader")

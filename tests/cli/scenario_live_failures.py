@@ -9,7 +9,6 @@ import signal
 import socket
 import struct
 import subprocess
-import time
 import tty
 
 import cli_support as cli
@@ -17,7 +16,6 @@ from cli_support import LOG, PROGRAM, RUN, expect, expect_exit, one_error_line
 from scenario_continue import expect_same_run, lines_of_drive
 from scenario_live import mapped_by_pipe
 from scenario_live_inputs import ended, started
-from scenario_live_page import UPGRADE
 
 MAP_FILES = ("map.pgm", "trajectory.tum", "keyframes.bin.gz", "graph.g2o")
 
@@ -110,46 +108,11 @@ def live_input_that_fails_is_mapped():
         expect(len(rows) == 60, f"{name}: {len(rows)} poses")
 
 
-def live_outlives_watchers_without_number():
-    """More websockets than the process may have descriptors: a drive with a page ends as one without."""
-    folder = cli.fresh_folder("live_watchers")
-    lines = lines_of_drive(60)
-    mapped_by_pipe(folder / "map", lines)
-    most = 256
-    process = subprocess.Popen([PROGRAM, "live", "-", "-o", folder / "live", "--page", "0"], stdin=subprocess.PIPE,
-                               stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
-                               preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (most, most)))
-    port = int(re.search(r":(\d+)/", process.stderr.readline()).group(1))
-    process.stdin.write("".join(lines[:40]))
-    process.stdin.flush()
-    request = "GET / HTTP/1.1\r\n" + "".join(f"{name}: {value}\r\n" for name, value in
-                                            {"Host": f"127.0.0.1:{port}", "Origin": f"http://127.0.0.1:{port}", **UPGRADE}.items()) + "\r\n"
-    held, upgraded = [], 0
-    for _ in range(most + 50):
-        held.append(socket.create_connection(("127.0.0.1", port), timeout=20 * cli.SLOWNESS))
-        held[-1].sendall(request.encode())
-    time.sleep(0.5)
-    for connection in held:
-        connection.setblocking(False)
-        try:
-            upgraded += b" 101 " in connection.recv(100)
-        except (BlockingIOError, ConnectionError):
-            pass
-    expect(16 <= upgraded <= 64, f"{upgraded} watchers")
-    open_files = len(os.listdir(f"/proc/{process.pid}/fd"))
-    expect(open_files < most - 50, f"{open_files} descriptors")
-    _, stderr = process.communicate("".join(lines[40:]), timeout=60 * cli.SLOWNESS)
-    expect(process.returncode == 0, stderr)
-    expect_same_run(folder / "live", folder / "map", "with watchers")
-    for connection in held:
-        connection.close()
-
-
 def live_asked_twice_at_once():
     """timeout(1) sends its signal to the process and to the group of it at once, which is one wish to end; two are two."""
     folder = cli.fresh_folder("live_timeout")
     lines = lines_of_drive(20)
-    for k in range(5):
+    for k in range(2):
         process = subprocess.Popen([PROGRAM, "live", "-", "-o", folder / f"run-{k}", "-q"], stdin=subprocess.PIPE,
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         process.stdin.write("".join(lines))
@@ -190,29 +153,7 @@ def live_of_a_recording_without_what_was_named():
     expect("not in the log: " in process.stderr and "no odometry in topic \"/odmo\"" in process.stderr, process.stderr)
     report = json.loads((folder / "drive/report.json").read_text())
     expect(report["scans"] == len(process.stdout.splitlines()) > 100, f"{report['scans']} {process.stderr}")
-    process = subprocess.run([PROGRAM, "live", "-", "-o", folder / "mount", "--mount", "/scna=10cm,0m,0deg"],
-                             stdin=(folder / "log.mcap").open("rb"), capture_output=True, text=True, check=False)
-    expect_exit(process, 0)
-    expect("mount of a topic without scans" in process.stderr and '"/scna"' in process.stderr, process.stderr)
     process = subprocess.run(f"{PROGRAM} live - --map {RUN} -q --odom /odmo < {folder}/log.mcap | (sleep 2; cat)", shell=True,
                              capture_output=True, text=True, check=False)
     expect(len(process.stdout.splitlines()) == report["scans"], f"{len(process.stdout.splitlines())} poses: {process.stderr}")
     expect("no odometry in topic \"/odmo\"" in process.stderr, process.stderr)
-
-
-def live_interrupted_before_its_topics():
-    """Nobody knows yet whether the topic that was named is in the recording, nor in an input that ends before it begins."""
-    folder = cli.fresh_folder("live_interrupted_before_its_topics")
-    expect_exit(cli.command("convert", LOG, "-o", folder / "log.mcap", "-q"), 0)
-    for map_of, code in (((), 130), (("--map", RUN), 0)):
-        process = started(*map_of, "--odom", "/odom", *(() if map_of else ("-o", folder / "cut")), stdin=subprocess.PIPE)
-        process.stdin.buffer.write((folder / "log.mcap").read_bytes()[:200])
-        process.stdin.flush()
-        time.sleep((2.0 if cli.IS_SANITIZED else 0.5) * cli.SLOWNESS)  # until it reads
-        process.send_signal(signal.SIGINT)
-        _, stderr = process.communicate(timeout=20 * cli.SLOWNESS)
-        expect(process.returncode == code and "/odom" not in stderr, f"exit {process.returncode}: {stderr}")
-    for words in (("live", "-", "-o", folder / "none"), ("map", "-", "-o", folder / "none")):
-        process = cli.command(*words, "--odom", "/odom")  # of nothing
-        expect_exit(process, 65)
-        expect("is empty" in process.stderr and "topics" not in process.stderr, process.stderr)

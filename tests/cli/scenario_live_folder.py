@@ -32,11 +32,6 @@ def with_snapshot(run, lines, *options):
     return process
 
 
-def killed(process):
-    process.kill()
-    return process.communicate(timeout=30 * cli.SLOWNESS)[1]
-
-
 def live_keeps_snapshots_of_others():
     """A folder of that name is a snapshot only where it holds the files of one and nothing else; all else stays as it is,
     whatever options are given, and the drive is refused."""
@@ -62,28 +57,6 @@ def live_keeps_snapshots_of_others():
     expect_exit(cli.command("live", LOG, "-o", folder / "run", "--force", "-q"), 2)
     expect(len(contents(elsewhere)) == 3, "a link was followed")
     snapshot.unlink()
-
-
-def live_that_fails_keeps_the_snapshot():
-    """What a killed drive saved stays while no scan of another one has come, and goes with the end of one; its log is kept."""
-    folder = cli.fresh_folder("live_kept_snapshot")
-    run = folder / "run"
-    lines = lines_of_drive(40)
-    killed(with_snapshot(run, lines))
-    before = contents(run)
-    expect(len(before) == 4, f"{sorted(before)}")
-    expect_exit(cli.command("live", "/nonexistent", "-o", run, "--force", "-q"), 74)
-    expect(contents(run) == before, "a drive that never began has changed the folder")
-    waiting = started("--listen", f"unix:{folder / 'laser.socket'}", "-o", run, "--force", "-q")
-    wait_until((folder / ".run.gdtslam-new").exists, "a drive that waits")
-    waiting.send_signal(signal.SIGTERM)
-    ended(waiting, 130)
-    expect(contents(run) == before, "a drive that never began has changed the folder")
-    expect_exit(cli.command("live", "-", "-o", run, "--force", "-q", input="".join(lines)), 0)
-    expect(not (run / "snapshot").exists(), "the snapshot of an earlier drive lies beside the run")
-    for missing in ("runs/here", "there"):
-        expect_exit(cli.command("live", "/nonexistent", "-o", folder / missing, "-q"), 74)
-    expect(not (folder / "runs").exists() and not (folder / "there").exists(), "a folder is left")
 
 
 def live_of_a_folder_that_cannot_be_had():

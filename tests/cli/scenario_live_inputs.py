@@ -124,53 +124,58 @@ def live_listen_mistakes():
     expect((folder / "file").read_text() == "somebody's\n", "the file is gone")
 
 
+def live_lets_the_next_sender_in():
+    """A connection that is silent keeps no robot out: after some seconds the one that waits has its turn, and a line says so."""
+    folder = cli.fresh_folder("live_silent")
+    lines = lines_of_drive(40)
+    mapped_by_pipe(folder / "map", lines)
+    path = folder / "laser.socket"
+    process = started("--listen", f"unix:{path}", "-o", folder / "live")
+    wait_until(path.exists, "a socket to listen at")
+    with socket.socket(socket.AF_UNIX) as silent, socket.socket(socket.AF_UNIX) as robot:
+        wait_until(lambda: silent.connect_ex(str(path)) == 0, "a connection")
+        silent.sendall(lines[0][:10].encode())
+        robot.connect(str(path))
+        robot.sendall("".join(lines).encode())
+        expect(all(read_lines(process, 40)), "the robot was not heard")
+        process.send_signal(signal.SIGTERM)
+        _, stderr = ended(process)
+    expect("makes way for the next one" in stderr and "half line of a sender" in stderr, stderr)
+    expect_same_files(folder / "live", folder / "map", "after a silent sender")
+
+
 def live_follows_a_file_that_grows():
-    """A file is read as it grows, in pieces of any size; one that becomes shorter is another, and what was read is mapped."""
+    """A file is read as it grows, in pieces of any size. One that is replaced or cut, as logs are rotated, is read on from its
+    new beginning, with a remark."""
     folder = cli.fresh_folder("live_follow")
     lines = lines_of_drive(60)
-    text = "".join(lines)
+    half = [k for k, line in enumerate(lines) if line.startswith("FLASER")][40] + 1  # the new file is the shorter one
     mapped_by_pipe(folder / "map", lines)
-    for name, end, code in (("grown", "signal", 0), ("cut", "cut", 65)):
-        log = folder / f"{name}.log"
+    for how in ("grown", "replaced", "cut"):
+        log = folder / f"{how}.log"
         log.write_text("")
-        process = started("--follow", log, "-o", folder / name)
+        process = started("--follow", log, "-o", folder / how)
+        text = "".join(lines if how == "grown" else lines[:half])
         with open(log, "a", encoding="ascii") as file:
             for begin in range(0, len(text), 1777):
                 file.write(text[begin:begin + 1777])
                 file.flush()
-        read_lines(process, 60)
-        if end == "signal":
-            process.send_signal(signal.SIGTERM)
-        else:
-            log.write_text("another log\n")
-        _, stderr = ended(process, code)
-        expect(end == "signal" or "has become shorter" in stderr, stderr)
-        expect_same_files(folder / name, folder / "map", name)
+        read_lines(process, 60 if how == "grown" else 41)
+        if how == "replaced":
+            log.rename(folder / "replaced.log.1")
+            time.sleep(0.2)  # for a moment no file has the name
+        if how != "grown":
+            log.write_text("".join(lines[half:]))
+            read_lines(process, 19)
+        process.send_signal(signal.SIGTERM)
+        _, stderr = ended(process)
+        expect(("was replaced or cut" in stderr) == (how != "grown"), stderr)
+        expect_same_files(folder / how, folder / "map", how)
 
 
 def write_at_once(process, text):
     process.stdin.write(text)
     process.stdin.close()
-
-
-def repeated(lines, times):
-    """The drive again and again, as one log: 1,000 scans and more."""
-    header = [line for line in lines if not line.startswith(("FLASER", "ODOM"))]
-    return header + [line for line in lines if line.startswith(("FLASER", "ODOM"))] * times
-
-
-def live_thousand_scans_at_once():
-    """1,000 scans in one write: a line for each, in order, and the bytes of `map`."""
-    folder = cli.fresh_folder("live_thousand")
-    drive = lines_of_drive(1000)
-    scans = sum(line.startswith("FLASER") for line in drive)
-    lines = repeated(drive, -(-1000 // scans))
-    count = sum(line.startswith("FLASER") for line in lines)
-    mapped_by_pipe(folder / "map", lines)
-    process = cli.command("live", "-o", folder / "live", "-q", input="".join(lines), timeout=200)
-    expect_exit(process, 0)
-    expect([json.loads(line)["scan"] for line in process.stdout.splitlines()] == list(range(count)), "lines are missing")
-    expect_same_files(folder / "live", folder / "map", "at once")
 
 
 def dropped_of(report):

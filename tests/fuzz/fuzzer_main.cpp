@@ -13,9 +13,6 @@
 #include "log_targets.hpp"
 #include "map_targets.hpp"
 #include "packed_targets.hpp"
-#ifdef GDTSLAM_HAS_LIVE_PAGE
-#include "page_targets.hpp"
-#endif
 #include "recording_targets.hpp"
 #include "run_folder_targets.hpp"
 #include "run_targets.hpp"
@@ -35,9 +32,6 @@ std::vector<FuzzTarget> all_targets() {
         std::span<const FuzzTarget>(kPackedTargets), std::span<const FuzzTarget>(kMapTargets),
         std::span<const FuzzTarget>(kRunTargets), std::span<const FuzzTarget>(kRunFolderTargets),
         std::span<const FuzzTarget>(kSceneTargets),
-#ifdef GDTSLAM_HAS_LIVE_PAGE
-        std::span<const FuzzTarget>(kPageTargets),
-#endif
         std::span<const FuzzTarget>(kCTargets)}) {
     all.insert(all.end(), part.begin(), part.end());
   }

@@ -1,108 +1,78 @@
 #include "gdtslam/viewer/page.hpp"
 
-#include <array>
-#include <string_view>
 #include <utility>
 
+#include "engine/core/base64.hpp"
 #include "engine/drawing/markup.hpp"
+#include "engine/drawing/page/page_layers.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/colour.hpp"
 #include "page_cloud.hpp"
-#include "page_layers.hpp"
-
-/// The files of viewer/page as they were when the program was built.
-namespace gdtslam::page_text {
-std::string_view skeleton();  ///< page.html with {{name}} where page_of fills in
-std::string_view style();
-std::string_view program();       ///< all scripts, one after the other
-std::string_view program_hash();  ///< of that, for the content security policy
-}  // namespace gdtslam::page_text
+#include "viewer/scene/cloud/cloud_colours.hpp"
 
 namespace gdtslam {
 namespace {
 
-/// The palette of all our pictures as properties of the page's style.
-std::string palette() {
-  const std::array<std::pair<std::string_view, Colour>, 14> colours{{{"page", ink::kPage},
-                                                                     {"card", ink::kCard},
-                                                                     {"edge", ink::kEdge},
-                                                                     {"text", ink::kText},
-                                                                     {"quiet", ink::kQuiet},
-                                                                     {"grid", ink::kGrid},
-                                                                     {"crank", ink::kCrank},
-                                                                     {"coupler", ink::kCoupler},
-                                                                     {"rocker", ink::kRocker},
-                                                                     {"ground", ink::kGround},
-                                                                     {"curve", ink::kCurve},
-                                                                     {"laser", ink::kLaser},
-                                                                     {"laser-text", ink::kLaserText},
-                                                                     {"night", ink::kNight}}};
-  std::string out = ":root {";
-  for (const auto& [name, colour] : colours) {
-    out.append(" --").append(name).append(": ").append(hex_text(colour)).append(";");
+using page::Json;
+
+/// Name and 256 colours of each map.
+Json colour_maps_description() {
+  Json maps = Json::array();
+  for (const ColourMap& map : colour_maps()) {
+    std::vector<std::uint8_t> bytes;
+    for (const Colour& colour : map.table()) bytes.insert(bytes.end(), {colour.red, colour.green, colour.blue});
+    std::string colours;
+    append_base64(std::as_bytes(std::span(bytes)), colours);
+    maps.push_back({{"name", map.name()}, {"doc", map.doc()}, {"colours", colours}});
   }
-  return out + " }\n";
+  return maps;
 }
 
-/// What a page holds beside the program: one JSON text, and elements with bytes.
-struct PageData {
-  std::string description;
-  std::string elements;
-};
+/// The colour map that suits each quantity on a dark and on a light ground, as in pictures of a cloud.
+Json default_maps() {
+  const std::pair<const char*, CloudColour> quantities[] = {{"height", CloudColour::kHeight},
+                                                            {"elevation", CloudColour::kElevation},
+                                                            {"time", CloudColour::kTime},
+                                                            {"scan", CloudColour::kScan},
+                                                            {"distance", CloudColour::kDistance}};
+  Json maps;
+  for (const bool is_dark : {true, false}) {
+    for (const auto& [key, colour] : quantities) {
+      CloudLook look;
+      look.colour = colour;
+      look.is_dark = is_dark;
+      maps[is_dark ? "dark" : "light"][key] = colour_scale(look, CloudValues(colour, {}, {}), {}).colour_map;
+    }
+  }
+  return maps;
+}
 
-PageData data_of(const PageInput& input) {
-  PageData data;
-  page::JsonWriter json;
-  json.open("", '{').number("version", 1).text("title", input.title).text("subtitle", input.subtitle);
-  json.open("facts", '[');
-  for (const auto& [name, value] : input.facts) json.open("", '[').text("", name).text("", value).close();
-  json.close();
+page::PageData data_of(const PageInput& input) {
+  page::PageData data;
+  Json& about = data.description;
+  about["title"] = clean_utf8(input.title);
+  about["subtitle"] = clean_utf8(input.subtitle);
+  about["facts"] = Json::array();
+  for (const auto& [name, value] : input.facts) about["facts"].push_back({clean_utf8(name), clean_utf8(value)});
   Point3 origin(0.0, 0.0, 0.0);
   if (input.cloud != nullptr && !input.cloud->empty()) {
     const page::PagedCloud cloud(*input.cloud, input.distances_m);
-    data.elements.reserve(16 * cloud.count() + (std::size_t{1} << 21U));
     origin = cloud.least();
-    cloud.describe(json);
-    cloud.append_points(data.elements);
+    about["cloud"] = cloud.description();
+    cloud.add_points(data);
+    about["colour_maps"] = colour_maps_description();
+    about["default_maps"] = default_maps();
   } else if (input.map != nullptr) {
     origin = {input.map->geometry.origin_x_m, input.map->geometry.origin_y_m, 0.0};
   } else if (input.trajectory != nullptr && !input.trajectory->empty() &&
              input.trajectory->front().T_map_base.is_finite()) {
     origin.head<2>() = input.trajectory->front().T_map_base.translation();
   }
-  json.point("origin", origin);
-  if (input.trajectory != nullptr) page::write_path(*input.trajectory, input.drives, origin, json, data.elements);
-  if (input.map != nullptr) page::write_map(*input.map, json, data.elements);
-  if (input.linkage != nullptr) page::write_linkage(*input.linkage, json, data.elements);
-  page::write_colour_maps(json);
-  data.description = json.close().str();
+  about["origin"] = {origin.x(), origin.y(), origin.z()};
+  if (input.trajectory != nullptr) page::write_path(*input.trajectory, input.drives, origin.head<2>(), data);
+  if (input.map != nullptr) page::write_map(*input.map, data);
+  if (input.linkage != nullptr) page::write_linkage(*input.linkage, data);
   return data;
-}
-
-/// Titles and facts are anybody's: only the page's own script runs, and it can fetch nothing and send nothing.
-std::string policy() {
-  return "default-src 'none'; script-src " + std::string(page_text::program_hash()) +
-         "; style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'";
-}
-
-/// The skeleton with each {{name}} replaced; what is put in is never looked at again.
-std::string filled(std::string_view skeleton, const PageInput& input, const PageData& data) {
-  std::string out;
-  out.reserve(data.elements.size() + data.description.size() + (std::size_t{1} << 18U));
-  while (true) {
-    const std::size_t open = skeleton.find("{{");
-    out += skeleton.substr(0, open);
-    if (open == std::string_view::npos) return out;
-    const std::size_t close = skeleton.find("}}", open);
-    const std::string_view name = skeleton.substr(open + 2, close - open - 2);
-    if (name == "title") out += markup_text(input.title);
-    if (name == "style") out.append(palette()).append(page_text::style());
-    if (name == "data") out += data.description;
-    if (name == "elements") out += data.elements;
-    if (name == "policy") out += policy();
-    if (name == "program") out += page_text::program();
-    skeleton.remove_prefix(close + 2);
-  }
 }
 
 }  // namespace
@@ -114,7 +84,7 @@ std::string page_of(const PageInput& input) {
   if (!has_cloud && !has_path && !has_map && input.linkage == nullptr) {
     throw InputError("there is nothing to show: a page needs a cloud, a path, a map or a linkage");
   }
-  return filled(page_text::skeleton(), input, data_of(input));
+  return page::page_text(data_of(input), "img-src data: blob:");
 }
 
 }  // namespace gdtslam

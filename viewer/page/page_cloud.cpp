@@ -31,10 +31,11 @@ std::uint8_t quantised_byte(double value, const Range& range) {
   return static_cast<std::uint8_t>(quantised(value, range.least, range.extent(), 255.0));
 }
 
-void describe_range(JsonWriter& json, std::string_view key, const Range& range) {
-  json.open(key, '{').number("least", range.least).number("most", range.most);
-  json.number("low", range.low).number("high", range.high).close();
+Json describe(const Range& range) {
+  return {{"least", range.least}, {"most", range.most}, {"low", range.low}, {"high", range.high}};
 }
+
+Json describe(const Point3& place) { return Json::array({place.x(), place.y(), place.z()}); }
 
 }  // namespace
 
@@ -136,26 +137,27 @@ LevelCode PagedCloud::level_of(const CloudPoint& point) const {
   return LevelCode::kNone;
 }
 
-void PagedCloud::describe(JsonWriter& json) const {
-  json.open("cloud", '{').number("count", static_cast<double>(kept_.size()));
-  json.number("of", static_cast<double>(cloud_.size())).number("step", static_cast<double>(step_));
-  json.number("elements", static_cast<double>(elements()));
-  json.point("least", least_).point("most", most_);
-  json.point("middle_least", middle_least_).point("middle_most", middle_most_);
-  describe_range(json, "height", height_);
-  describe_range(json, "time", time_);
-  describe_range(json, "elevation", elevation_);
-  describe_range(json, "scan", scan_);
-  if (distances_m_ != nullptr && distance_.most >= distance_.least) describe_range(json, "distance", distance_);
-  const auto describe_level = [&](std::string_view key, const std::optional<Plane>& plane, std::uint64_t points) {
-    if (!plane) return;
+Json PagedCloud::description() const {
+  Json about{{"count", kept_.size()},
+             {"of", cloud_.size()},
+             {"step", step_},
+             {"elements", elements()},
+             {"least", describe(least_)},
+             {"most", describe(most_)},
+             {"middle_least", describe(middle_least_)},
+             {"middle_most", describe(middle_most_)},
+             {"height", describe(height_)},
+             {"time", describe(time_)},
+             {"elevation", describe(elevation_)},
+             {"scan", describe(scan_)}};
+  if (distances_m_ != nullptr && distance_.most >= distance_.least) about["distance"] = describe(distance_);
+  const auto describe_level = [&](const char* key, const std::optional<Plane>& plane, std::uint64_t points) {
     const Point3 middle = 0.5 * (least_ + most_);
-    json.open(key, '{').number("height", height_m(*plane, middle.head<2>()));
-    json.number("points", static_cast<double>(points)).close();
+    if (plane) about[key] = {{"height", height_m(*plane, middle.head<2>())}, {"points", points}};
   };
   describe_level("floor", floor_, floor_points_);
   describe_level("ceiling", ceiling_, ceiling_points_);
-  json.close();
+  return about;
 }
 
 void PagedCloud::append_point(std::size_t index, ByteWriter& bytes) const {
@@ -176,17 +178,17 @@ void PagedCloud::append_point(std::size_t index, ByteWriter& bytes) const {
   bytes.u8(static_cast<std::uint8_t>(level_of(point)));
 }
 
-void PagedCloud::append_points(std::string& out) const {
-  ByteWriter bytes(kBytesPerPoint * std::min(kPointsPerElement, kept_.size()));
+void PagedCloud::add_points(PageData& page) const {
   std::uint64_t at = 0;
   for (std::size_t element = 0; element < elements(); ++element) {
-    bytes.clear();
     const std::size_t begin = element * kPointsPerElement;
-    for (std::size_t k = begin; k < std::min(begin + kPointsPerElement, kept_.size()); ++k) {
+    const std::size_t end = std::min(begin + kPointsPerElement, kept_.size());
+    ByteWriter bytes(kBytesPerPoint * (end - begin));
+    for (std::size_t k = begin; k < end; ++k) {
       append_point(kept_[at], bytes);
       at = (at + step_) % kept_.size();
     }
-    append_bytes_element("points-" + std::to_string(element), bytes.bytes(), out);
+    add_element(page, "points-" + std::to_string(element), bytes.bytes());
   }
 }
 

@@ -13,10 +13,10 @@
 #include <string>
 #include <vector>
 
+#include "engine/drawing/page/page_writer.hpp"
 #include "gdtslam/cloud/plane.hpp"
 #include "gdtslam/core/cloud.hpp"
 #include "gdtslam/core/pose3.hpp"
-#include "page_writers.hpp"
 
 namespace gdtslam::page {
 
@@ -42,11 +42,10 @@ class PagedCloud {
   /// Throws InputError for a cloud of which no point is finite, has more than kMostPoints or other distances than
   /// points.
   PagedCloud(const Cloud& cloud, const std::vector<float>* distances_m);
-  void describe(JsonWriter& json) const;
-  void append_points(std::string& out) const;
+  [[nodiscard]] Json description() const;
+  void add_points(PageData& page) const;
   [[nodiscard]] std::size_t elements() const { return (kept_.size() + kPointsPerElement - 1) / kPointsPerElement; }
   [[nodiscard]] const Point3& least() const { return least_; }
-  [[nodiscard]] std::size_t count() const { return kept_.size(); }
 
  private:
   void keep_points();

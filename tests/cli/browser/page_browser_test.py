@@ -118,18 +118,6 @@ class SceneTest(BrowserCase):
             self.assertGreater(pixels_changed(browser), 20000, quantity)
             keep_picture(browser)
 
-    def test_each_ground_has_its_map_until_one_is_chosen(self):
-        browser = self.open_room()
-        chosen = "document.getElementById('colour-map').selectedOptions[0].textContent"
-        for is_dark, name in (("true", "lagoon"), ("false", "tide"), ("true", "lagoon")):
-            browser.value(f"gdtslam.theme.set({is_dark})")
-            self.assertEqual(browser.value(chosen), name)
-        browser.value("document.getElementById('colour-map').value = '3';"
-                      "document.getElementById('colour-map').dispatchEvent(new Event('change'))")
-        name = browser.value(chosen)
-        browser.value("gdtslam.theme.set(false)")
-        self.assertEqual(browser.value(chosen), name)
-
     def test_colours_are_those_of_the_map(self):
         corners = [(x, y, z) for x in (0.0, 4.0) for y in (0.0, 3.0) for z in (0.0, 2.0)]
         points = [(*corner, 0.3 * k, 7.0 * (k * 3 % 8), k * 5 % 8) for k, corner in enumerate(corners)]
@@ -206,21 +194,6 @@ class ControlsTest(FlatAndNarrow, BrowserCase):
         self.assertAlmostEqual(seen[0], 500 - left, delta=14)
         self.assertAlmostEqual(seen[1], 500 - top, delta=14)
 
-    def test_pinch_zooms(self):
-        browser = self.open_room()
-        before = state_of(browser)
-
-        def touch(kind, *points):
-            browser.call("Input.dispatchTouchEvent", type=kind, touchPoints=[{"x": x, "y": 400, "id": k}
-                                                                            for k, x in enumerate(points)])
-        touch("touchStart", 350)
-        touch("touchStart", 350, 450)
-        for k in range(1, 6):
-            touch("touchMove", 350 - 10 * k, 450 + 10 * k)
-        touch("touchEnd")
-        after = state_of(browser)
-        self.assertAlmostEqual(after["distance"] / before["distance"], 0.5, delta=0.02)
-
     def test_picked_points_and_their_distance(self):
         browser = self.open_room()
         left, top, _, _ = browser.box("#scene")
@@ -241,13 +214,6 @@ class ControlsTest(FlatAndNarrow, BrowserCase):
         click_on(other)
         self.assertIn("Distance 2.236 m", browser.value("document.getElementById('readout').innerText"))
         self.assert_quiet(browser)
-
-    def test_double_click_makes_the_centre(self):
-        browser = self.open_room()
-        browser.click(420, 430, clicks=2)
-        browser.wait_for("!gdtslam.cloudView.flight")
-        picked = browser.value("gdtslam.picks.points.at(-1).position")
-        self.assertLess(math.dist(state_of(browser)["target"], picked), 1e-6)
 
     def test_keys_and_presets(self):
         browser = self.open_room()

@@ -51,7 +51,7 @@ const std::vector<Library>& libraries() {
   static const std::vector<Library> table{
       {"Eigen/", everybody, true},
       {"yaml-cpp/", {"io", "runs"}},
-      {"nlohmann/", {"io", "runs"}},
+      {"nlohmann/", {"io", "runs", "drawing"}},
       {"fmt/", {"io", "runs", "drawing", "viewer"}},
       {"png.h", {"io"}},
       {"zlib.h", {"io"}},

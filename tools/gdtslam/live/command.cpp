@@ -2,6 +2,7 @@
 #include <CLI/App.hpp>
 #include <CLI/Validators.hpp>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -11,7 +12,6 @@
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/error.hpp"
 #include "options.hpp"
-#include "remarks.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/help/offers.hpp"
@@ -110,8 +110,9 @@ std::shared_ptr<LiveInput> input_of(const DriveOptions& options) {
 
 // With a queue nobody waits for anybody; else a reader may be slow, but not hang.
 LineOutput::Rule output_rule_of(const DriveOptions& options) {
-  if (options.queue > 0) return {.most_waiting = options.queue, .patience = {}};
-  return {.most_waiting = LineOutput::Rule{}.most_waiting, .patience = kReaderPatience};
+  constexpr std::chrono::seconds kPatienceWithReader{5};
+  if (options.queue > 0) return {.most_waiting = options.queue};
+  return {.patience = kPatienceWithReader};
 }
 
 std::unique_ptr<LivePage> page_of(const DriveOptions& options) {
@@ -119,6 +120,12 @@ std::unique_ptr<LivePage> page_of(const DriveOptions& options) {
   std::unique_ptr<LivePage> page = open_page(options.page, "gdtslam live: " + log_name(name_of_input(options)));
   print_remark("the drive is shown at " + page->url());
   return page;
+}
+
+void print_remark_on_nods(const std::vector<LogReader::Warning>& warnings) {
+  const bool nods = std::any_of(warnings.begin(), warnings.end(),
+                                [](const auto& warning) { return warning.kind == ScanStream::kUnusedNods; });
+  if (nods) print_remark("warning: the laser of this log nods, and live takes it for level; gdtslam map does not");
 }
 
 void add_live_command(CLI::App& app, CommandContext& context) {
@@ -152,7 +159,6 @@ void add_live_command(CLI::App& app, CommandContext& context) {
       "  robot_logger | gdtslam live -o drive --format tum > poses.tum");
   command->callback([options, log, &context] {
     context.run = [options, has_log = log->count() > 0] {
-      static const Remarks remarks;  // until the process ends, whose last words may be an error
       check(*options, has_log);
       answer_promptly();
       return options->map.empty() ? map_live(*options) : follow_live(*options);

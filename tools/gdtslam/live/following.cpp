@@ -12,7 +12,6 @@
 #include "input/live_log.hpp"
 #include "options.hpp"
 #include "page/page_figures.hpp"
-#include "remarks.hpp"
 #include "snapshot/snapshots.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"

@@ -11,10 +11,8 @@
 #include "engine/runs/mapping/map_run.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/runs/map_log.hpp"
-#include "input/live_log.hpp"
 #include "options.hpp"
 #include "page/page_figures.hpp"
-#include "remarks.hpp"
 #include "snapshot/snapshots.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
@@ -42,7 +40,7 @@ MapRequest request_of(const DriveOptions& options) {
   return request;
 }
 
-/// What the page counts.
+/// Counts for the page.
 struct Drive {
   DriveCounts counts;
   RateMeter meter;
@@ -58,7 +56,7 @@ struct Drive {
   }
 };
 
-// What there was by then is mapped and written.
+// The scans before the problem are mapped and written.
 int exit_code_of(const MapOutcome& outcome) {
   const std::string_view kind = warning_of_end(outcome.broken_off);
   const auto why = std::find_if(outcome.warnings.begin(), outcome.warnings.end(),

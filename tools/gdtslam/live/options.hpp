@@ -1,9 +1,10 @@
-// What `gdtslam live` is asked for, and its two ways to go: with a map that grows, and in one that stays.
+// Options of `gdtslam live`, and its two ways to go: with a map that grows, and in one that stays.
 #pragma once
 
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "input/live_input.hpp"
 #include "output/line_output.hpp"
@@ -36,13 +37,16 @@ struct DriveOptions {
   bool quiet = false;
 };
 
-/// What the drive comes from: null where the log is read by its name, with nothing ahead.
+/// Input of the drive: null if the log is read by its name, with nothing ahead.
 std::shared_ptr<LiveInput> input_of(const DriveOptions& options);
 /// Its name in messages and in the folder's.
 std::string name_of_input(const DriveOptions& options);
 LineOutput::Rule output_rule_of(const DriveOptions& options);
 /// Null where none is asked for; where it is is said on standard error.
 std::unique_ptr<LivePage> page_of(const DriveOptions& options);
+
+/// Tells the user of a laser that nods what to do, if these warnings name one.
+void print_remark_on_nods(const std::vector<LogReader::Warning>& warnings);
 
 /// Both return the exit code.
 int map_live(const DriveOptions& options);

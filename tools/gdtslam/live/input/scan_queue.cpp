@@ -14,7 +14,6 @@ namespace {
 constexpr std::chrono::milliseconds kQueueSlice{100};  // after which a signal is looked for
 
 bool is_scan(const LogRecord& record) { return std::holds_alternative<ScanRecord>(record); }
-bool is_odometry(const LogRecord& record) { return std::holds_alternative<Odometry>(record); }
 
 }  // namespace
 
@@ -49,15 +48,10 @@ void ScanQueue::work() {
   }
 }
 
-// Between two scans the odometry behind the one and before the other is enough, where there is no time for more.
 void ScanQueue::take(LogRecord record) {
-  const bool is_full = scans_ >= most_scans_;
   if (is_scan(record)) {
-    if (is_full) drop_oldest_scan();
+    if (scans_ >= most_scans_) drop_oldest_scan();
     ++scans_;
-  } else if (is_full && is_odometry(record) && records_.size() > 1 && is_odometry(records_.back()) &&
-             is_odometry(*std::prev(records_.end(), 2))) {
-    records_.pop_back();
   }
   records_.push_back(std::move(record));
 }
@@ -72,13 +66,6 @@ void ScanQueue::drop_oldest_scan() {
   } else {
     records_.erase(oldest);
   }
-  const auto next_scan = std::find_if(records_.begin(), records_.end(), is_scan);
-  const auto first = std::find_if(records_.begin(), next_scan, is_odometry);
-  if (first == next_scan) return;
-  const auto last = std::prev(
-      std::find_if(std::make_reverse_iterator(next_scan), std::make_reverse_iterator(first), is_odometry).base());
-  if (first == last) return;
-  records_.erase(std::remove_if(std::next(first), last, is_odometry), last);
 }
 
 std::optional<LogRecord> ScanQueue::next() {

@@ -30,7 +30,7 @@ class WholeLines {
     }
     return count;
   }
-  /// What there is of a line without its end is gone; false where there was nothing of one.
+  /// Drops a line without its end; false if there was none.
   bool drop_rest() {
     const bool is_there = buffer_.size() > whole_;
     buffer_.resize(whole_);

@@ -1,25 +1,26 @@
-// What the page's websocket carries: of a scan JSON, of the map a header in JSON, its length before it, and a picture.
-// Each message names its drive, as another one may follow at the same address.
+// Answers of the page's server: the page, the newest scan and the map, as engine/drawing/page/program/live.js reads
+// them.
 #pragma once
 
+#include <cstdint>
 #include <string>
-#include <string_view>
 
 #include "tools/gdtslam/live/page/live_page.hpp"
 
 namespace gdtslam {
 
-/// Places in the map's frame, centimetres.
-std::string scan_message(const ShownScan& scan, std::string_view drive);
-/// Four bytes of the header's length (little-endian), the header, a PNG of at most some megapixels: black where
-/// something stands, white where nothing does, grey elsewhere, the top row that of the largest y.
-std::string map_message(const OccupancyMap& map, const Trajectory& path, std::string_view drive);
-/// JSON without a scan, with the title of the drive's page: first of all, and where there is nothing new for long.
-std::string sign_of_life_message(std::string_view drive, std::string_view title);
-/// The page itself.
-std::string live_page_text(const std::string& title);
-/// What the page may do, as the value of its header Content-Security-Policy: its own style and script, its own
-/// websocket.
-std::string live_page_policy();
+/// Head of each answer: the drive, as another one may follow at the same address; where the page's frame lies in the
+/// map's; the version of the map.
+struct PageDrive {
+  std::string name;
+  Point2 origin_m{0.0, 0.0};
+  std::uint64_t map = 0;
+};
+
+std::string live_page_text(const PageDrive& drive, const std::string& title);
+/// JSON, places in the map's frame, centimetres; without a scan (null) the drive alone.
+std::string scan_message(const PageDrive& drive, const ShownScan* scan);
+/// JSON with path and map as pages of runs have them, compressed (RFC 1950).
+std::string map_message(const PageDrive& drive, const OccupancyMap& map, const Trajectory& path);
 
 }  // namespace gdtslam

@@ -1,10 +1,12 @@
-// The page by libwebsockets: one thread serves HTTP and websockets.
+// The page by libwebsockets: one thread answers requests of HTTP.
 #include <fmt/format.h>
 #include <libwebsockets.h>
 
 #include <array>
 #include <atomic>
-#include <cstring>
+#include <charconv>
+#include <chrono>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -15,98 +17,26 @@
 
 #include "engine/core/signals_blocked.hpp"
 #include "gdtslam/core/error.hpp"
-#include "page_address.hpp"
 #include "page_messages.hpp"
+#include "tools/gdtslam/live/network/address.hpp"
 #include "tools/gdtslam/live/page/live_page.hpp"
 
 namespace gdtslam {
 namespace {
 
-constexpr lws_usec_t kBetweenScans_us = 50000;
-constexpr lws_usec_t kLongestSilence_us = 2000000;
-constexpr const char* kProtocol = "gdtslam-live";
-// The drive needs descriptors, too, of which a process has 1,024 as a rule: visitors beyond wait, or are sent away.
+using PageClock = std::chrono::steady_clock;
+
+constexpr std::chrono::seconds kWatched{3};  // since somebody asked for a scan
+// The drive needs descriptors too, and a process usually has 1,024: further visitors wait, or are sent away.
 constexpr unsigned kMostConnections = 128;
-constexpr int kMostWatching = 64;
-
-/// A message with the room before it that the library asks for; none yet with version 0.
-struct Message {
-  std::uint64_t version = 0;
-  std::string padded;
-
-  void set(const std::string& text) {
-    padded.assign(LWS_PRE, '\0');
-    padded += text;
-    ++version;
-  }
-  int write(lws* connection, lws_write_protocol kind) {
-    auto* const begin = reinterpret_cast<unsigned char*>(padded.data()) + LWS_PRE;
-    return lws_write(connection, begin, padded.size() - LWS_PRE, kind);
-  }
-};
-
-/// What a connection has got; made by the library, of zeros.
-struct Session {
-  std::uint64_t scan;
-  std::uint64_t map;
-  std::uint64_t sign_of_life;
-  bool is_after_map;
-  bool is_counted;  // one that was sent away is closed, too
-};
 
 std::string random_name() {
   std::random_device random;
   return fmt::format("{:08x}{:08x}", random(), random());
 }
 
-class PageServer final : public LivePage {
- public:
-  PageServer(const std::string& address, const std::string& title);
-  ~PageServer() override;
-
-  [[nodiscard]] std::string url() const override { return url_; }
-  [[nodiscard]] bool is_watched() const override { return sessions_ > 0; }
-  void show(ShownScan scan) override;
-  void show(const OccupancyMap& map, const Trajectory& path) override;
-
- private:
-  /// The library's timer, and whose it is.
-  struct Timer {
-    lws_sorted_usec_list_t list{};
-    PageServer* server = nullptr;
-  };
-
-  static int on_event(lws* connection, lws_callback_reasons reason, void* session, void* data, std::size_t size);
-  static void on_time(lws_sorted_usec_list_t* list);
-  int handle(lws* connection, lws_callback_reasons reason, Session* session, const char* path);
-  int answer_request(lws* connection, std::string_view path);
-  int write_next(lws* connection, Session& session);
-  [[nodiscard]] bool may_ask_here(lws* connection) const;
-  void take_news();
-
-  PageAddress address_;
-  std::string drive_ = random_name();
-  std::string title_;
-  std::string url_;
-  std::array<lws_protocols, 2> protocols_{};
-  lws_context* context_ = nullptr;
-  Timer timer_;
-  Message page_;  // the thread's, as the next five
-  Message scan_;
-  Message map_;
-  Message sign_of_life_;
-  lws_usec_t last_message_us_ = 0;
-  std::atomic<int> sessions_ = 0;
-  std::atomic<bool> is_ending_ = false;
-  // Of both, under the lock:
-  std::mutex mutex_;
-  std::optional<ShownScan> new_scan_;
-  std::string new_map_;
-  std::thread thread_;
-};
-
-// Whole, however long: a header that passed for none because it fits nowhere would pass every check.
-std::string header_of(lws* connection, lws_token_indexes name) {
+/// Whole, however long: a header that fits nowhere must not pass for none.
+std::string header_text(lws* connection, lws_token_indexes name) {
   const int size = lws_hdr_total_length(connection, name);
   if (size <= 0) return {};
   std::string text(static_cast<std::size_t>(size) + 1, '\0');
@@ -116,12 +46,53 @@ std::string header_of(lws* connection, lws_token_indexes name) {
   return text;
 }
 
+NetworkAddress page_address(const std::string& text) {
+  const std::optional<NetworkAddress> address = network_address(text);
+  if (address) return *address;
+  throw UsageError("--page: '" + text + "' is no port from 0 to 65535, nor ADDRESS:PORT with an address in numbers");
+}
+
+struct Answer {
+  std::string body;
+  const char* type = "application/json";
+  bool is_compressed = false;
+};
+
+class PageServer final : public LivePage {
+ public:
+  PageServer(const std::string& address, const std::string& title);
+  ~PageServer() override;
+
+  [[nodiscard]] std::string url() const override { return "http://" + address_.text() + "/"; }
+  [[nodiscard]] bool is_watched() const override { return PageClock::now() - asked_.load() < kWatched; }
+  void show(ShownScan scan) override;
+  void show(const OccupancyMap& map, const Trajectory& path) override;
+
+ private:
+  static int on_event(lws* connection, lws_callback_reasons reason, void* session, void* data, std::size_t size);
+  int begin_answer(lws* connection, std::string_view path);
+  int finish_answer(lws* connection);
+  [[nodiscard]] std::optional<Answer> answer_for(std::string_view path);
+
+  NetworkAddress address_;
+  std::string title_;
+  std::array<lws_protocols, 2> protocols_{};
+  lws_context* context_ = nullptr;
+  std::map<lws*, std::string> bodies_;  // that wait to be written; the thread's
+  std::atomic<PageClock::time_point> asked_{PageClock::time_point{}};
+  std::atomic<bool> is_ending_ = false;
+  // Shared by all threads, under the lock:
+  std::mutex mutex_;
+  PageDrive drive_{.name = random_name()};
+  std::optional<ShownScan> scan_;
+  std::string map_;
+  std::thread thread_;
+};
+
 PageServer::PageServer(const std::string& address, const std::string& title)
-    : address_(page_address_of(address)), title_(title) {
+    : address_(page_address(address)), title_(title) {
   lws_set_log_level(0, nullptr);
-  page_.set(live_page_text(title));
-  sign_of_life_.set(sign_of_life_message(drive_, title_));
-  protocols_[0] = {kProtocol, &PageServer::on_event, sizeof(Session), 0, 0, nullptr, 0};
+  protocols_[0] = {"http", &PageServer::on_event, 0, 0, 0, nullptr, 0};
   lws_context_creation_info info{};
   info.port = address_.port;
   info.iface = address_.host.c_str();
@@ -131,8 +102,7 @@ PageServer::PageServer(const std::string& address, const std::string& title)
   info.uid = -1;
   info.fd_limit_per_thread = kMostConnections;
   info.options = LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND;
-  const bool has_colons = address_.host.find(':') != std::string::npos;
-  if (!has_colons) info.options |= LWS_SERVER_OPTION_DISABLE_IPV6;
+  if (address_.host.find(':') == std::string::npos) info.options |= LWS_SERVER_OPTION_DISABLE_IPV6;
   const SignalsBlocked blocked;
   context_ = lws_create_context(&info);
   lws_vhost* const host = context_ != nullptr ? lws_get_vhost_by_name(context_, "default") : nullptr;
@@ -141,10 +111,7 @@ PageServer::PageServer(const std::string& address, const std::string& title)
     throw FileError("--page " + address,
                     "cannot be served: another program may have this port, or it is no address here");
   }
-  url_ = fmt::format("http://{}:{}/", has_colons ? "[" + address_.host + "]" : address_.host,
-                     lws_get_vhost_listen_port(host));
-  timer_.server = this;
-  lws_sul_schedule(context_, 0, &timer_.list, &PageServer::on_time, kBetweenScans_us);
+  address_.port = lws_get_vhost_listen_port(host);
   thread_ = std::thread([this] {
     while (!is_ending_ && lws_service(context_, 0) >= 0) {
     }
@@ -160,50 +127,44 @@ PageServer::~PageServer() {
 
 void PageServer::show(ShownScan scan) {
   const std::lock_guard lock(mutex_);
-  new_scan_ = std::move(scan);
+  scan_ = std::move(scan);
 }
 
+// A map that is there before the first scan says where the page's frame lies: its numbers have 24 bits.
 void PageServer::show(const OccupancyMap& map, const Trajectory& path) {
-  std::string message = map_message(map, path, drive_);
-  const std::lock_guard lock(mutex_);
-  new_map_ = std::move(message);
-}
-
-void PageServer::on_time(lws_sorted_usec_list_t* list) {
-  auto* const timer = reinterpret_cast<Timer*>(list);  // whose first member it is
-  if (timer->server->is_watched()) timer->server->take_news();
-  lws_sul_schedule(timer->server->context_, 0, list, &PageServer::on_time, kBetweenScans_us);
-}
-
-void PageServer::take_news() {
-  std::optional<ShownScan> scan;
-  std::string map;
+  PageDrive drive;
   {
     const std::lock_guard lock(mutex_);
-    scan = std::exchange(new_scan_, std::nullopt);
-    map.swap(new_map_);
+    if (!scan_) drive_.origin_m = {map.geometry.origin_x_m, map.geometry.origin_y_m};
+    drive = drive_;
   }
-  const lws_usec_t now_us = lws_now_usecs();
-  const bool is_silent = !scan && map.empty();
-  if (is_silent && now_us - last_message_us_ < kLongestSilence_us) return;
-  last_message_us_ = now_us;
-  if (is_silent) sign_of_life_.set(sign_of_life_message(drive_, title_));
-  if (scan) scan_.set(scan_message(*scan, drive_));
-  if (!map.empty()) map_.set(map);
-  lws_callback_on_writable_all_protocol(context_, protocols_.data());
+  std::string message = map_message(drive, map, path);
+  const std::lock_guard lock(mutex_);
+  map_ = std::move(message);
+  ++drive_.map;
 }
 
-bool PageServer::may_ask_here(lws* connection) const {
-  return may_ask(address_, header_of(connection, WSI_TOKEN_HOST), header_of(connection, WSI_TOKEN_ORIGIN));
+std::optional<Answer> PageServer::answer_for(std::string_view path) {
+  constexpr std::string_view kScan = "/scan/";  // and the number of the scan that is known
+  const std::lock_guard lock(mutex_);
+  if (path == "/") return Answer{.body = live_page_text(drive_, title_), .type = "text/html; charset=utf-8"};
+  if (path == "/map" && drive_.map > 0) return Answer{.body = map_, .is_compressed = true};
+  if (!path.starts_with(kScan)) return std::nullopt;
+  asked_ = PageClock::now();
+  std::uint64_t known = 0;
+  std::from_chars(path.data() + kScan.size(), path.data() + path.size(), known);
+  return Answer{.body = scan_message(drive_, scan_ && scan_->scan != known ? &*scan_ : nullptr)};
 }
 
-int PageServer::answer_request(lws* connection, std::string_view path) {
+int PageServer::begin_answer(lws* connection, std::string_view path) {
   const auto refuse = [connection](unsigned int status) {
     const bool is_over = lws_return_http_status(connection, status, nullptr) != 0;
     return is_over || lws_http_transaction_completed(connection) != 0 ? -1 : 0;
   };
-  if (!may_ask_here(connection)) return refuse(HTTP_STATUS_FORBIDDEN);
-  if (path != "/") return refuse(HTTP_STATUS_NOT_FOUND);
+  const std::string origin = header_text(connection, WSI_TOKEN_ORIGIN);
+  if (!may_ask(address_, header_text(connection, WSI_TOKEN_HOST), origin)) return refuse(HTTP_STATUS_FORBIDDEN);
+  std::optional<Answer> answer = answer_for(path);
+  if (!answer) return refuse(HTTP_STATUS_NOT_FOUND);
   std::array<unsigned char, LWS_PRE + 2048> room{};
   unsigned char* const begin = room.data() + LWS_PRE;
   unsigned char* at = begin;
@@ -213,77 +174,38 @@ int PageServer::answer_request(lws* connection, std::string_view path) {
                                        reinterpret_cast<const unsigned char*>(value.data()),
                                        static_cast<int>(value.size()), &at, end) != 0;
   };
-  if (lws_add_http_common_headers(connection, HTTP_STATUS_OK, "text/html; charset=utf-8", page_.padded.size() - LWS_PRE,
-                                  &at, end) != 0 ||
-      add("content-security-policy:", live_page_policy()) || add("x-content-type-options:", "nosniff") ||
+  if (lws_add_http_common_headers(connection, HTTP_STATUS_OK, answer->type, answer->body.size(), &at, end) != 0 ||
+      (answer->is_compressed && add("content-encoding:", "deflate")) ||
+      add("content-security-policy:", "frame-ancestors 'none'") || add("x-content-type-options:", "nosniff") ||
       add("cross-origin-resource-policy:", "same-origin") || add("referrer-policy:", "no-referrer") ||
       add("cache-control:", "no-store") || lws_finalize_write_http_header(connection, begin, &at, end) != 0) {
     return 1;
   }
+  bodies_[connection] = std::string(LWS_PRE, '\0') + answer->body;
   lws_callback_on_writable(connection);
   return 0;
 }
 
-// Which drive it is; the map, which the scan lies on; then a scan, however soon the next map comes.
-int PageServer::write_next(lws* connection, Session& session) {
-  struct Part {
-    Message& message;
-    std::uint64_t& written;
-    lws_write_protocol kind;
-  };
-  Part map{map_, session.map, LWS_WRITE_BINARY};
-  Part scan{scan_, session.scan, LWS_WRITE_TEXT};
-  Part sign{sign_of_life_, session.sign_of_life, LWS_WRITE_TEXT};
-  const bool has_turn = session.is_after_map;
-  std::array<const Part*, 3> order{has_turn ? &scan : &map, has_turn ? &map : &scan, &sign};
-  if (session.sign_of_life == 0) std::swap(order.front(), order.back());
-  for (const Part* part : order) {
-    if (part->written == part->message.version) continue;
-    part->written = part->message.version;
-    session.is_after_map = part == &map;
-    if (part->message.write(connection, part->kind) < 0) return -1;
-    lws_callback_on_writable(connection);
-    return 0;
-  }
-  return 0;
-}
-
-int PageServer::handle(lws* connection, lws_callback_reasons reason, Session* session, const char* path) {
-  switch (reason) {
-    case LWS_CALLBACK_HTTP:
-      return answer_request(connection, path);
-    case LWS_CALLBACK_HTTP_WRITEABLE:
-      if (page_.write(connection, LWS_WRITE_HTTP_FINAL) < 0) return 1;
-      return lws_http_transaction_completed(connection) != 0 ? -1 : 0;
-    case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:
-      return may_ask_here(connection) && sessions_ < kMostWatching ? 0 : 1;
-    case LWS_CALLBACK_ESTABLISHED:
-      session->is_counted = true;
-      ++sessions_;
-      take_news();
-      lws_callback_on_writable(connection);
-      return 0;
-    case LWS_CALLBACK_CLOSED:
-      if (session != nullptr && session->is_counted) --sessions_;
-      return 0;
-    case LWS_CALLBACK_SERVER_WRITEABLE:
-      return write_next(connection, *session);
-    default:
-      return 0;
-  }
+int PageServer::finish_answer(lws* connection) {
+  auto body = bodies_.extract(connection);
+  if (body.empty()) return 0;
+  auto* const begin = reinterpret_cast<unsigned char*>(body.mapped().data()) + LWS_PRE;
+  if (lws_write(connection, begin, body.mapped().size() - LWS_PRE, LWS_WRITE_HTTP_FINAL) < 0) return 1;
+  return lws_http_transaction_completed(connection) != 0 ? -1 : 0;
 }
 
 int PageServer::on_event(lws* connection, lws_callback_reasons reason, void* session, void* data, std::size_t size) {
+  auto* const server = static_cast<PageServer*>(lws_context_user(lws_get_context(connection)));
   switch (reason) {
     case LWS_CALLBACK_HTTP:
+      return server->begin_answer(connection, static_cast<const char*>(data));
     case LWS_CALLBACK_HTTP_WRITEABLE:
+      return server->finish_answer(connection);
+    case LWS_CALLBACK_CLOSED_HTTP:
+      server->bodies_.erase(connection);
+      return 0;
     case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:
-    case LWS_CALLBACK_ESTABLISHED:
-    case LWS_CALLBACK_CLOSED:
-    case LWS_CALLBACK_SERVER_WRITEABLE: {
-      auto* const server = static_cast<PageServer*>(lws_context_user(lws_get_context(connection)));
-      return server->handle(connection, reason, static_cast<Session*>(session), static_cast<const char*>(data));
-    }
+      return 1;  // no websockets
     default:
       return lws_callback_http_dummy(connection, reason, session, data, size);
   }
