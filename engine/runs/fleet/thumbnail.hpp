@@ -7,8 +7,7 @@
 
 namespace gdtslam {
 
-/// "thumbnail.png", or .svg in a build without Cairo.
-const char* thumbnail_name();
+inline constexpr const char* kThumbnailName = "thumbnail.png";
 
 /// Writes it: map and path, without words, 320 x 180 at twice as many pixels. Does nothing if there is no map or
 /// nothing can draw. Throws FileError.

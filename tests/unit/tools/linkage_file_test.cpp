@@ -228,13 +228,6 @@ TEST(LinkageFile, DeepNestingIsRefusedByItsName) {
               ThrowsMessage<ConfigError>("d.yaml: is not valid YAML: nested too deeply for a file of this kind"));
 }
 
-TEST(LinkageFile, LengthsAreWrittenAsPeopleMeasureThem) {
-  const std::string text = linkage_text(model_of(kBars), {{"distance.wall", 0.1}, {"crank", 1e-4}});
-  EXPECT_THAT(text, HasSubstr("  crank: 3.6 cm\n"));
-  EXPECT_THAT(text, HasSubstr("  crank: 0.01 cm\n"));
-  EXPECT_THAT(text, testing::Not(HasSubstr("distance")));
-}
-
 // The shipped files are the presets, bit for bit.
 TEST(LinkageFile, AssetsAreThePresets) {
   const std::filesystem::path folder = std::filesystem::path(GDTSLAM_SOURCE_DIR) / "assets" / "linkages";

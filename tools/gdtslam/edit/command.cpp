@@ -165,7 +165,7 @@ void add_edit_command(CLI::App& app, CommandContext& context) {
                     "Write map.png and map.pgw too, an ESRI world file, for a GIS");
   command->add_flag("--force", options->request.replace_foreign_files,
                     "Replace files of a run's names in DIR that no run wrote");
-  command->add_flag("--no-pictures", options->no_pictures, "Do not write overview.png and graph.png (or .svg)");
+  command->add_flag("--no-pictures", options->no_pictures, "Do not write overview.png and graph.png");
   command->add_flag("--json", options->json, "Print edits.json on standard output");
   command->add_flag("-q,--quiet", options->quiet, "Print errors only");
   command->footer(kEditFooter);

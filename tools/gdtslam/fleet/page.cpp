@@ -91,7 +91,7 @@ std::string data_of(const std::string& atlas, const std::vector<FleetRecord>& re
     if (!r.is_mapped()) continue;
     const std::string log = r.log.substr(common_folder(records));
     const std::size_t name = log.find_last_of('/') + 1;
-    const std::string picture = fmt::format("logs/{}/{}", name_in_atlas(r.log), thumbnail_name());
+    const std::string picture = fmt::format("logs/{}/{}", name_in_atlas(r.log), kThumbnailName);
     rows.push_back({log.substr(name), log.substr(0, name), r.run, if_there(picture), if_there(r.run + "/overview.png"),
                     r.scans, r.doubtful, r.path_m, r.log_duration_s, r.width_m, r.height_m, r.cpu_s});
   }
