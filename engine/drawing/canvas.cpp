@@ -1,7 +1,7 @@
 #include "gdtslam/drawing/canvas.hpp"
 
 #include <cassert>
-#include <type_traits>
+#include <optional>
 #include <utility>
 
 #include "letters.hpp"
@@ -9,24 +9,47 @@
 namespace gdtslam {
 namespace {
 
-Point2 moved(const Point2& point, const Point2& by) { return {point.x() + by.x(), point.y() + by.y()}; }
+/// Scales a shape, then moves it.
+struct Placing {
+  Point2 corner;
+  double scale = 1.0;
 
-void move(Shape& shape, const Point2& by) {
-  std::visit(
-      [&by](auto& what) {
-        using What = std::decay_t<decltype(what)>;
-        if constexpr (std::is_same_v<What, shape::Line> || std::is_same_v<What, shape::Polygon>) {
-          for (Point2& point : what.points) point = moved(point, by);
-        } else if constexpr (std::is_same_v<What, shape::Circle>) {
-          what.centre = moved(what.centre, by);
-        } else if constexpr (std::is_same_v<What, shape::Words>) {
-          what.at = moved(what.at, by);
-        } else if constexpr (!std::is_same_v<What, shape::ClipEnd>) {
-          what.corner = moved(what.corner, by);
-        }
-      },
-      shape);
-}
+  void place(Point2& point) const { point = corner + scale * point; }
+  void place(Pen& pen) const { pen.width *= scale; }
+  void place(std::optional<Pen>& pen) const {
+    if (pen) place(*pen);
+  }
+  void operator()(shape::Line& line) const {
+    for (Point2& point : line.points) place(point);
+    place(line.pen);
+  }
+  void operator()(shape::Polygon& polygon) const {
+    for (Point2& point : polygon.points) place(point);
+  }
+  void operator()(shape::Circle& circle) const {
+    place(circle.centre);
+    circle.radius *= scale;
+    place(circle.edge);
+  }
+  void operator()(shape::Words& words) const {
+    place(words.at);
+    words.lettering.size *= scale;
+  }
+  void operator()(shape::Rectangle& box) const {
+    place_box(box);
+    box.radius *= scale;
+    place(box.edge);
+  }
+  void operator()(shape::Picture& picture) const { place_box(picture); }
+  void operator()(shape::ClipBegin& clip) const { place_box(clip); }
+  void operator()(shape::ClipEnd& /*clip*/) const {}
+  template <class Box>
+  void place_box(Box& box) const {
+    place(box.corner);
+    box.width *= scale;
+    box.height *= scale;
+  }
+};
 
 }  // namespace
 
@@ -75,9 +98,9 @@ void Canvas::begin_clip(const Point2& corner, double width, double height) {
 
 void Canvas::end_clip() { shapes_.emplace_back(shape::ClipEnd{}); }
 
-void Canvas::place(const Canvas& drawing, const Point2& corner) {
+void Canvas::place(const Canvas& drawing, const Point2& corner, double scale) {
   for (Shape shape : drawing.shapes_) {
-    move(shape, corner);
+    std::visit(Placing{corner, scale}, shape);
     shapes_.push_back(std::move(shape));
   }
 }

@@ -1,188 +1,134 @@
-// The colour maps, ways through CIELAB along which equal steps look equally large; the same bits on every host.
+// The colour maps: every fifteenth colour of a table, curves between them. Ours are paths through CIELAB along which
+// equal steps look equally large; those of others are viridis, magma, inferno and plasma [Smith2015] and turbo
+// [Mikhailov2019], no channel more than 5 of 255 off. The same bits on every host.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
 #include <utility>
 
-#include "engine/core/elementary.hpp"
 #include "gdtslam/drawing/colour.hpp"
-#include "published_maps.hpp"
 
 namespace gdtslam {
 namespace {
 
-/// CIELAB (CIE 1976, white D65).
-struct Lab {
-  double lightness = 0.0;  ///< 0 black to 100 white
-  double green_red = 0.0;
-  double blue_yellow = 0.0;
-};
-
-constexpr double kWhiteX = 0.95047;
-constexpr double kWhiteZ = 1.08883;
-/// Of the straight line that the cube root of CIELAB is near black.
-constexpr double kSlope = 841.0 / 108.0;
-
-double cube(double value) { return value > 6.0 / 29.0 ? value * value * value : (value - 4.0 / 29.0) / kSlope; }
-
-std::uint8_t byte_of(double linear) {
-  const double clamped = std::clamp(linear, 0.0, 1.0);
-  const double encoded = clamped <= 0.0031308 ? 12.92 * clamped : 1.055 * exp(1.0 / 2.4 * log(clamped)) - 0.055;
-  return static_cast<std::uint8_t>(std::floor(encoded * 255.0 + 0.5));
-}
-
-/// Rounded to 8 bits; what sRGB (IEC 61966-2-1) cannot show is clamped.
-Colour nearest_colour(const Lab& lab) {
-  const double middle = (lab.lightness + 16.0) / 116.0;
-  const double x = kWhiteX * cube(middle + lab.green_red / 500.0);
-  const double y = cube(middle);
-  const double z = kWhiteZ * cube(middle - lab.blue_yellow / 200.0);
-  return {byte_of(3.2404542 * x - 1.5371385 * y - 0.4985314 * z),
-          byte_of(-0.9692660 * x + 1.8760108 * y + 0.0415560 * z),
-          byte_of(0.0556434 * x - 0.2040259 * y + 1.0572252 * z)};
-}
-
-/// A place in CIELAB's plane of hues.
-struct Hue {
-  double green_red = 0.0;
-  double blue_yellow = 0.0;
-};
-
-constexpr int kStepsPerLeg = 64;
-
-Hue operator*(double factor, const Hue& hue) { return {factor * hue.green_red, factor * hue.blue_yellow}; }
-Hue operator+(const Hue& one, const Hue& other) {
-  return {one.green_red + other.green_red, one.blue_yellow + other.blue_yellow};
-}
-
-double distance(const Hue& one, const Hue& other) {
-  const double across = one.green_red - other.green_red;
-  const double along = one.blue_yellow - other.blue_yellow;
-  return std::sqrt(across * across + along * along);
-}
-
-/// Between the second and the third of four places, a curve without a kink (Catmull and Rom's).
-Hue curve(const Hue* four, double share) {
-  const double squared = share * share;
-  const double cubed = squared * share;
-  return 0.5 * (-cubed + 2.0 * squared - share) * four[0] + 0.5 * (3.0 * cubed - 5.0 * squared + 2.0) * four[1] +
-         0.5 * (-3.0 * cubed + 4.0 * squared + share) * four[2] + 0.5 * (cubed - squared) * four[3];
-}
-
-/// Where a curve leads through places, in small steps.
-std::vector<Hue> way_through(const std::vector<Hue>& places) {
-  std::vector<Hue> ends{2.0 * places.front() + -1.0 * places[1]};
-  ends.insert(ends.end(), places.begin(), places.end());
-  ends.push_back(2.0 * places.back() + -1.0 * places[places.size() - 2]);
-  std::vector<Hue> way;
-  for (std::size_t leg = 0; leg + 1 < places.size(); ++leg) {
-    for (int step = 0; step < kStepsPerLeg; ++step) {
-      way.push_back(curve(&ends[leg], static_cast<double>(step) / kStepsPerLeg));
-    }
-  }
-  way.push_back(places.back());
-  return way;
-}
-
-/// `count` places along the way, the same distance between each two.
-std::vector<Hue> even_places(const std::vector<Hue>& way, std::size_t count) {
-  std::vector<double> walked{0.0};
-  for (std::size_t i = 1; i < way.size(); ++i) walked.push_back(walked.back() + distance(way[i - 1], way[i]));
-  std::vector<Hue> places;
-  std::size_t at = 1;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double goal = walked.back() * static_cast<double>(i) / static_cast<double>(count - 1);
-    while (at + 1 < way.size() && walked[at] < goal) ++at;
-    const double step = walked[at] - walked[at - 1];
-    const double share = step > 0.0 ? std::clamp((goal - walked[at - 1]) / step, 0.0, 1.0) : 0.0;
-    places.push_back((1.0 - share) * way[at - 1] + share * way[at]);
-  }
-  return places;
-}
-
-/// From one lightness to another through at least two hues: lightness changes evenly and so does the place among the
-/// hues, so that every step is equally far in CIELAB.
-std::vector<Colour> even_path(double from_lightness, double to_lightness, const std::vector<Hue>& places,
-                              std::size_t count) {
-  const std::vector<Hue> hues = even_places(way_through(places), count);
-  std::vector<Colour> table;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double share = static_cast<double>(i) / static_cast<double>(count - 1);
-    table.push_back(nearest_colour(
-        Lab{from_lightness + share * (to_lightness - from_lightness), hues[i].green_red, hues[i].blue_yellow}));
-  }
-  return table;
-}
-
-/// A tilted circle around grey: yellow lightest, blue darkest, green and red half way. The last colour is one step
-/// before the first.
-std::vector<Colour> even_circle(double middle_lightness, double lightness_swing, double radius, std::size_t count) {
-  constexpr int kFine = 4096;
-  constexpr double kTurn_rad = 6.283185307179586;
-  const auto place = [&](int step) {
-    const auto [sine, cosine] = sin_cos(kTurn_rad * step / kFine);
-    return Lab{middle_lightness + lightness_swing * sine, radius * cosine, radius * sine};
-  };
-  std::vector<double> walked{0.0};
-  for (int step = 1; step <= kFine; ++step) {
-    const Lab before = place(step - 1);
-    const Lab now = place(step);
-    const double up = now.lightness - before.lightness;
-    const double flat = distance({before.green_red, before.blue_yellow}, {now.green_red, now.blue_yellow});
-    walked.push_back(walked.back() + std::sqrt(up * up + flat * flat));
-  }
-  std::vector<Colour> table;
-  int at = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    while (walked[static_cast<std::size_t>(at)] < walked.back() * static_cast<double>(i) / static_cast<double>(count))
-      ++at;
-    table.push_back(nearest_colour(place(at)));
-  }
-  return table;
-}
-
-constexpr std::size_t kColours = 256;
+constexpr std::size_t kKnots = 18;
+constexpr std::size_t kEntries = 256;
 /// Of what has no value: neither in the way of a map's colours nor of a dark or light page.
 constexpr Colour kUnknown = colour_for(0x8a8f98);
 /// The same where the map itself is grey.
 constexpr Colour kUnknownInGrey = colour_for(0x4d6fa8);
 
-/// From both ends to the same light middle.
-std::vector<Colour> diverging(double end_lightness, double middle_lightness, const std::vector<Hue>& low,
-                              const std::vector<Hue>& high) {
-  std::vector<Colour> table = even_path(end_lightness, middle_lightness, low, kColours / 2);
-  const std::vector<Colour> other = even_path(end_lightness, middle_lightness, high, kColours / 2);
-  table.insert(table.end(), other.rbegin(), other.rend());
-  return table;
+struct KnottedMap {
+  std::string_view name;
+  std::string_view doc;
+  std::array<std::uint32_t, kKnots> knots;
+};
+constexpr std::array<KnottedMap, 13> kMaps{
+    {{"lagoon",
+      "sequential: night blue, teal, green, yellow",
+      {0x362d7c, 0x343b82, 0x314988, 0x2e578c, 0x2b6490, 0x2b7192, 0x327e92, 0x3b8a92, 0x469790, 0x53a38d, 0x63af88,
+       0x73bb84, 0x84c67e, 0x98d178, 0xb1db74, 0xcce373, 0xe8eb74, 0xfff375}},
+     {"ember",
+      "sequential, warm: black, purple, red, orange, pale yellow",
+      {0x121028, 0x23173b, 0x351d4f, 0x4d205d, 0x682261, 0x822763, 0x992d62, 0xaf3661, 0xc2435f, 0xd4515c, 0xe36158,
+       0xf17355, 0xf98756, 0xfd9c5d, 0xffb169, 0xffc67d, 0xffd996, 0xffecb0}},
+     {"tide",
+      "sequential, for light pages: pale sand, green, blue, night blue",
+      {0xf7ebc5, 0xe0e1bc, 0xc9d8b3, 0xb1cfab, 0x9ac5a4, 0x86bba2, 0x75afa0, 0x67a39d, 0x5a979a, 0x4d8b97, 0x407f94,
+       0x35738f, 0x2a688b, 0x1f5c86, 0x145080, 0x0f4479, 0x1b386d, 0x232c60}},
+     {"grey",
+      "sequential: black to white",
+      {0x000000, 0x131313, 0x1f1f1f, 0x2b2b2b, 0x383838, 0x454545, 0x535353, 0x616161, 0x707070, 0x7e7e7e, 0x8d8d8d,
+       0x9d9d9d, 0xadadad, 0xbdbdbd, 0xcdcdcd, 0xdddddd, 0xeeeeee, 0xffffff}},
+     {"glow",
+      "sequential: black, blue, warm white; a distance field's intensity, bright at obstacles",
+      {0x0b0d1a, 0x131a2a, 0x19263c, 0x20324e, 0x263f62, 0x2b4c72, 0x3a5a7b, 0x4a6883, 0x5b768b, 0x6e8393, 0x81919b,
+       0x949fa3, 0xa8adab, 0xbcbcb3, 0xcfcabb, 0xe3d9c3, 0xf2e9d7, 0xfef9ee}},
+     {"blue-red",
+      "diverging: blue below, light at the middle, red above",
+      {0x0058a3, 0x326aad, 0x507db8, 0x6a90c2, 0x85a3cb, 0xa0b6d5, 0xbbc9de, 0xd6dde7, 0xf1f1f1, 0xf1f1f1, 0xe9d9d6,
+       0xe0c1bc, 0xd7a9a2, 0xcc9289, 0xc17b72, 0xb5645b, 0xa84d45, 0x9a3430}},
+     {"green-purple",
+      "diverging: green below, light at the middle, purple above",
+      {0x1a642b, 0x387542, 0x52865a, 0x6b9872, 0x85a98a, 0xa0bba3, 0xbacdbc, 0xd5ded6, 0xf1f1f1, 0xf1f1f1, 0xe1dae3,
+       0xd1c3d6, 0xc2adc8, 0xb297bb, 0xa382ae, 0x936da1, 0x835895, 0x734488}},
+     {"compass",
+      "cyclic, for directions: yellow, green, blue, red and yellow again",
+      {0xc58397, 0xd89395, 0xe4a493, 0xe6b491, 0xdbc090, 0xc6c590, 0xa8c191, 0x87b892, 0x65ab94, 0x459c96, 0x298d97,
+       0x1d7f98, 0x2f7399, 0x4e6c99, 0x6f6a99, 0x8e6d99, 0xab7698, 0xc48297}},
+     {"viridis",
+      "sequential, matplotlib's: purple, blue, green, yellow",
+      {0x440154, 0x481769, 0x472a7a, 0x433d84, 0x3d4e8a, 0x355e8d, 0x2e6d8e, 0x297b8e, 0x23898e, 0x1f978b, 0x21a585,
+       0x2eb37c, 0x46c06f, 0x65cb5e, 0x89d548, 0xb0dd2f, 0xd8e219, 0xfde725}},
+     {"magma",
+      "sequential, matplotlib's: black, purple, pink, pale yellow",
+      {0x000004, 0x090720, 0x1a1042, 0x311165, 0x4a1079, 0x621980, 0x792282, 0x912b81, 0xaa337d, 0xc23b75, 0xd9466b,
+       0xec5860, 0xf7725c, 0xfc8e64, 0xfeaa74, 0xfec68a, 0xfde2a3, 0xfcfdbf}},
+     {"inferno",
+      "sequential, matplotlib's: black, violet, red, orange, pale yellow",
+      {0x000004, 0x0a0722, 0x1e0c45, 0x380962, 0x510e6c, 0x69166e, 0x801f6c, 0x982766, 0xb0315b, 0xc63d4d, 0xd94d3d,
+       0xe9612b, 0xf47918, 0xfa9407, 0xfcb014, 0xf8cd37, 0xf2ea69, 0xfcffa4}},
+     {"plasma",
+      "sequential, matplotlib's: blue, purple, orange, yellow",
+      {0x0d0887, 0x2f0596, 0x4903a0, 0x6100a7, 0x7801a8, 0x8e0ca4, 0xa21d9a, 0xb42e8d, 0xc43e7f, 0xd24f71, 0xde6164,
+       0xe97257, 0xf3854b, 0xf99a3e, 0xfdaf31, 0xfdc627, 0xf8df25, 0xf0f921}},
+     {"turbo",
+      "rainbow, brightest at the middle: blue, green, yellow, red; differences stand out, order does not",
+      {0x30123b, 0x3f3e9c, 0x4666dd, 0x458cfd, 0x2fb2f4, 0x1ad4d0, 0x22ebaa, 0x52fa7a, 0x8bff4b, 0xb7f735, 0xdbe236,
+       0xf5c53a, 0xfea130, 0xf9751d, 0xe84b0c, 0xce2d04, 0xa91601, 0x7a0403}}}};
+
+/// Between the second and the third of four values, a curve without a kink (Catmull and Rom's).
+double curve(const std::array<double, 4>& four, double share) {
+  const double squared = share * share;
+  const double cubed = squared * share;
+  return 0.5 * ((-cubed + 2.0 * squared - share) * four[0] + (3.0 * cubed - 5.0 * squared + 2.0) * four[1] +
+                (-3.0 * cubed + 4.0 * squared + share) * four[2] + (cubed - squared) * four[3]);
 }
 
-std::vector<ColourMap> made_maps() {
-  std::vector<ColourMap> maps;
-  maps.emplace_back("lagoon", "sequential: night blue, teal, green, yellow",
-                    even_path(24.0, 95.0, {{28, -44}, {10, -37}, {-12, -23}, {-30, 4}, {-34, 40}, {-10, 62}}, kColours),
-                    kUnknown);
-  maps.emplace_back("ember", "sequential, warm: black, purple, red, orange, pale yellow",
-                    even_path(6.0, 94.0, {{8, -16}, {32, -28}, {52, 2}, {46, 40}, {20, 48}, {-1, 32}}, kColours),
-                    kUnknown);
-  maps.emplace_back("tide", "sequential, for light pages: pale sand, green, blue, night blue",
-                    even_path(93.0, 20.0, {{-2, 20}, {-22, 10}, {-16, -14}, {2, -34}, {14, -32}}, kColours), kUnknown);
-  maps.emplace_back("grey", "sequential: black to white", even_path(0.0, 100.0, {{0, 0}, {0, 0}}, kColours),
-                    kUnknownInGrey);
-  maps.emplace_back("glow", "sequential: black, blue, warm white; a distance field's intensity, bright at obstacles",
-                    even_path(4.0, 98.0, {{2, -8}, {2, -26}, {-4, -14}, {0, 12}, {0, 6}}, kColours), kUnknownInGrey);
-  maps.emplace_back("blue-red", "diverging: blue below, light at the middle, red above",
-                    diverging(37.0, 95.0, {{7, -47}, {0, -27}, {0, 0}}, {{42, 26}, {25, 16}, {0, 0}}), kUnknown);
-  maps.emplace_back("green-purple", "diverging: green below, light at the middle, purple above",
-                    diverging(37.0, 95.0, {{-36, 26}, {-24, 16}, {0, 0}}, {{33, -30}, {20, -18}, {0, 0}}), kUnknown);
-  maps.emplace_back("compass", "cyclic, for directions: yellow, green, blue, red and yellow again",
-                    even_circle(62.0, 17.0, 28.0, kColours), kUnknown);
-  for (ColourMap& map : published_colour_maps(kUnknown)) maps.push_back(std::move(map));
-  return maps;
+/// One of the three channels, `shift` bits up, at a place between the knots.
+std::uint8_t channel_at(std::span<const std::uint32_t> knots, double place, unsigned shift) {
+  const auto channel = [&](std::size_t k) { return static_cast<double>(knots[k] >> shift & 0xFFU); };
+  const std::size_t leg = std::min(static_cast<std::size_t>(place), knots.size() - 2);
+  const double from = channel(leg);
+  const double to = channel(leg + 1);
+  const double before = leg > 0 ? channel(leg - 1) : 2.0 * from - to;
+  const double after = leg + 2 < knots.size() ? channel(leg + 2) : 2.0 * to - from;
+  const double value = curve({before, from, to, after}, place - static_cast<double>(leg));
+  return static_cast<std::uint8_t>(std::floor(std::clamp(value, 0.0, 255.0) + 0.5));
+}
+
+void add_entries(std::vector<Colour>& table, std::span<const std::uint32_t> knots, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const double place = static_cast<double>(i * (knots.size() - 1)) / static_cast<double>(count - 1);
+    table.push_back({channel_at(knots, place, 16), channel_at(knots, place, 8), channel_at(knots, place, 0)});
+  }
+}
+
+ColourMap made_map(const KnottedMap& map) {
+  const std::span<const std::uint32_t> knots(map.knots);
+  std::vector<Colour> table;
+  if (map.doc.starts_with("diverging")) {  // two halves, and a kink at the light middle
+    add_entries(table, knots.first(kKnots / 2), kEntries / 2);
+    add_entries(table, knots.last(kKnots / 2), kEntries / 2);
+  } else {
+    add_entries(table, knots, kEntries);
+  }
+  const bool is_grey = map.name == "grey" || map.name == "glow";
+  return {map.name, map.doc, std::move(table), is_grey ? kUnknownInGrey : kUnknown};
 }
 
 }  // namespace
 
 const std::vector<ColourMap>& colour_maps() {
-  static const std::vector<ColourMap> maps = made_maps();
+  static const std::vector<ColourMap> maps = [] {
+    std::vector<ColourMap> made;
+    for (const KnottedMap& map : kMaps) made.push_back(made_map(map));
+    return made;
+  }();
   return maps;
 }
 

@@ -68,11 +68,7 @@ class WholeLog(unittest.TestCase):
     def test_pictures_are_drawn_and_written_by_their_ending(self):
         self.assertTrue(self.made.render("graph", format="svg").startswith(b"<svg "))
         self.assertTrue(self.made._repr_svg_().startswith("<svg "))
-        try:
-            picture = gdtslam.render(WORK / "run", WORK / "map.png", size=(640, 480), title="Office")
-        except gdtslam.UnavailableError as problem:
-            self.assertIn("Cairo", str(problem))
-            return
+        picture = gdtslam.render(WORK / "run", WORK / "map.png", size=(640, 480), title="Office")
         self.assertEqual(picture[:8], b"\x89PNG\r\n\x1a\n")
         self.assertEqual((WORK / "map.png").read_bytes(), picture)
         self.assertEqual([int.from_bytes(picture[k : k + 4], "big") for k in (16, 20)], [640, 480])

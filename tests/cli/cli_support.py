@@ -265,7 +265,7 @@ def write_data():
     (DATA / "drive.relations.gz").write_bytes(gzip.compress(relations.encode(), mtime=0))
 
 
-OVERVIEW = "overview.png" if os.environ.get("GDTSLAM_VIEWER") == "1" else "overview.svg"
+OVERVIEW = "overview.png"
 LEVEL_OUTPUTS = ["config.yaml", "gdt.png", "gdt.yaml", "map.pgm", "map.yaml", OVERVIEW, "report.json", "trajectory.tum", "continue.json"]
 # Of a run that closed no loops: --no-loops, an interrupt.
 PLAIN_OUTPUTS = sorted([*LEVEL_OUTPUTS, "keyframes.bin.gz"])

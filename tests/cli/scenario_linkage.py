@@ -55,10 +55,9 @@ def linkage_drawing():
         expect_exit(command("linkage", "paper-a-calibrated", "--svg", folder / f"{name}.svg"), 0)
     first = (folder / "one.svg").read_bytes()
     expect(first == (folder / "two.svg").read_bytes(), "two drawings differ")
-    root = xml.fromstring(first)
-    words = " | ".join(element.text for element in root.iter("{http://www.w3.org/2000/svg}text"))
-    for word in ("paper-a-calibrated", "crank 3.4822 cm", "coupler 8.7625 cm", "rocker 8.71 cm", "ground 12.178 cm", "47.2°",
-                 "lift 183.1°", "least 52.7°", "Transmission angle"):
+    words = xml.fromstring(first).find("{http://www.w3.org/2000/svg}desc").text
+    for word in ("paper-a-calibrated", "crank", "3.4822 cm", "8.7625 cm", "8.71 cm", "12.178 cm", "47.2°", "lift 183.1°",
+                 "least 52.7°", "Transmission angle"):
         expect(word in words, f"no {word!r} in {words}")
     expect(b"nan" not in first and b"inf" not in first, "a place that is no number")
 
@@ -78,40 +77,17 @@ def png_size(data):
     return size
 
 
-def pdf_words(data):
-    """The words of a PDF by Cairo: literal strings of its page. Texts of one font that follow each other are one block."""
-    words = []
-    for stream in re.finditer(rb"stream\r?\n", data):
-        try:
-            page = zlib.decompressobj().decompress(data[stream.end() :])
-        except zlib.error:
-            continue
-        for block in re.findall(rb"BT\n(.*?)ET\n", page, re.DOTALL):
-            literals = re.findall(rb"\(((?:\\.|[^\\)])*)\)", block)
-            text = b"".join(literals)
-            text = re.sub(rb"\\([0-7]{3})", lambda code: bytes([int(code[1], 8)]), text)
-            words.append(re.sub(rb"\\(.)", rb"\1", text).decode("cp1252"))
-    return words
-
-
 def linkage_pictures():
-    """The same drawing by extension: PNG of twice its size, PDF whose words are those of the SVG, and --svg as before."""
+    """The same drawing by extension: PNG of twice its size, a PDF, and --svg as before."""
     folder = cli.fresh_folder("linkage_pictures")
-    process = command("linkage", "paper-b", "--picture", folder / "b.png")
-    if process.returncode == 69:
-        cli.one_error_line(process.stderr)
-        cli.skip("built without the viewer")
-    expect_exit(process, 0)
+    expect_exit(command("linkage", "paper-b", "--picture", folder / "b.png"), 0)
     expect(png_size((folder / "b.png").read_bytes()) == (2560, 1600), "not twice the drawing's 1280 by 800")
     for name in ("b.svg", "b.PDF", "again.pdf"):
         expect_exit(command("linkage", "paper-b", "--picture", folder / name), 0)
     expect_exit(command("linkage", "paper-b", "--svg", folder / "old.svg"), 0)
     expect((folder / "old.svg").read_bytes() == (folder / "b.svg").read_bytes(), "--svg draws something else")
     expect((folder / "b.PDF").read_bytes() == (folder / "again.pdf").read_bytes(), "two PDFs differ")
-    root = xml.fromstring((folder / "b.svg").read_bytes())
-    drawn = [element.text for element in root.iter("{http://www.w3.org/2000/svg}text")]
-    written = "".join(pdf_words((folder / "b.PDF").read_bytes()))
-    expect(len(drawn) > 40 and written == "".join(drawn), f"other words in the PDF than {drawn}")
+    expect((folder / "b.PDF").read_bytes().startswith(b"%PDF-1."), "no PDF")
     for arguments in (["linkage", "paper-b"], ["calibrate", folder / "missing.log", "-o", folder / "l.yaml"],
                       ["evaluate", folder / "missing.ply", "--boxes"]):
         process = command(*arguments, "--picture", folder / "b.bmp")
@@ -122,16 +98,14 @@ def linkage_pictures():
 
 
 def linkage_pictures_without_a_font():
-    """No font at all: one line that names a package, not a picture without words; SVG needs none."""
+    """No font at all: one line that names a package, not a picture without words."""
     folder = cli.fresh_folder("linkage_pictures_without_a_font")
     bare = cli.environment_without_fonts(folder)
-    process = command("linkage", "paper-b", "--picture", folder / "b.png", env=bare)
-    expect_exit(process, 69)
-    cli.one_error_line(process.stderr)
-    if "viewer" in process.stderr:
-        cli.skip("built without the viewer")
-    expect("fonts-dejavu-core" in process.stderr and not (folder / "b.png").exists(), process.stderr)
-    expect_exit(command("linkage", "paper-b", "--picture", folder / "b.svg", env=bare), 0)
+    for name in ("b.png", "b.svg"):
+        process = command("linkage", "paper-b", "--picture", folder / name, env=bare)
+        expect_exit(process, 69)
+        cli.one_error_line(process.stderr)
+        expect("fonts-dejavu-core" in process.stderr and not (folder / name).exists(), process.stderr)
 
 
 def linkage_design_is_a_linkage():

@@ -7,7 +7,7 @@ import os
 import xml.etree.ElementTree as ElementTree
 from random import Random
 
-from cli_support import command, expect, expect_exit, fresh_folder, skip, validate
+from cli_support import command, expect, expect_exit, fresh_folder, measured, skip, validate
 
 WIDTHS_M = (0.5829, 0.3435, 0.252)  # figure 12 of the paper
 HEIGHTS_M = (0.8, 0.7, 0.6)
@@ -100,7 +100,7 @@ def _other_outputs(folder, cloud):
         expect(float(row[1]) == box["width"]["value_m"], f"width {row[1]} and {box['width']}")
         expect(f"{100 * box['width']['value_m']:.2f} +- " in process.stdout, f"no width {box['width']} in {process.stdout}")
     drawing = ElementTree.parse(folder / "boxes.svg").getroot()
-    words = ["".join(node.itertext()) for node in drawing.iter() if node.tag.endswith("text")]
+    words = drawing.find("{http://www.w3.org/2000/svg}desc").text.splitlines()
     for box in boxes:
         expect(f"{100 * box['width']['value_m']:.2f} cm" in words, f"no width {box['width']} in the drawing: {words}")
     moved = command("evaluate", cloud, "--boxes", "--viewpoint", "none", timeout=250)
@@ -152,3 +152,16 @@ def measure_viewpoint_in_a_grid():
     expect(len(json.loads(process.stdout)["boxes"]) == 1, process.stdout)
     process = command("evaluate", folder / "box-0.ply", "--boxes", "--viewpoint", "1e10m,0,0")
     expect(process.returncode == 2 and "1e10m is not between" in process.stderr, f"{process}")
+
+
+def measure_a_far_point():
+    """One point far away costs no memory: the picture has its size, and its grid that of the page."""
+    folder = fresh_folder("measure_far_point")
+    for number, far in enumerate(("1e6", "1e30")):
+        cloud, picture = folder / f"{number}.ply", folder / f"{number}.png"
+        rows = [f"{0.01 * k:.2f} 0 0" for k in range(50)] + [f"{far} {far} 1"]
+        header = "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+        cloud.write_text(header % len(rows) + "\n".join(rows) + "\n")
+        code, said, megabytes, _ = measured("measure", cloud, "--boxes", "--picture", picture, timeout=60)
+        expect(code == 0 and megabytes < 1024, f"{far}: exit {code}, {megabytes} MB: {said}")
+        expect(picture.stat().st_size < 1 << 20, f"{far}: {picture.stat().st_size} bytes")

@@ -334,7 +334,7 @@ def render_drawings_of_a_size():
     said = rendered(RUN, "--view", "cells", "--size", "700x400", "-o", folder / "a.png")
     expect(said["size_px"] == [700, 400], f"{said}")
     root = xml.fromstring(pathlib.Path(folder / "a.svg").read_text()) if words_of(folder / "a.svg", RUN, "--view", "cells") else None
-    texts = ["".join(text.itertext()) for text in root.iter("{http://www.w3.org/2000/svg}text")]
+    texts = root.find("{http://www.w3.org/2000/svg}desc").text.splitlines()
     tenths = [text for text in texts if re.fullmatch(r"\d+\.\d", text)]
     expect(len(tenths) > 100 and "0.0" in tenths, f"numbers of the cells: {texts}")
 

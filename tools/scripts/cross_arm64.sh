@@ -14,7 +14,9 @@ target=$build/root
 packages=(
   libc6 libstdc++6 libgcc-s1 libfmt-dev libfmt9 libyaml-cpp-dev libyaml-cpp0.7 libpng-dev libpng16-16 libssl-dev libssl3
   zlib1g-dev zlib1g libbz2-dev libbz2-1.0 liblz4-dev liblz4-1 libzstd-dev libzstd1 liblzma-dev liblzma5
-  libsqlite3-dev libsqlite3-0
+  libsqlite3-dev libsqlite3-0 libturbojpeg0-dev libturbojpeg0 libcairo2-dev libcairo2
+  libpixman-1-0 libfontconfig1 libfreetype6 libexpat1 libbrotli1 libuuid1 libx11-6 libxext6 libxrender1 libxcb1 libxcb-render0
+  libxcb-shm0 libxau6 libxdmcp6 libbsd0 libmd0
 )
 for program in "$triplet-g++" qemu-aarch64-static pkg-config; do
   command -v "$program" >/dev/null || {
@@ -29,6 +31,7 @@ if [[ ! -f $target/complete ]]; then
   mkdir -p "$target" "$build/packages"
   (cd "$build/packages" && apt-get download -qq "${packages[@]/%/:arm64}" 2>&1 | sed '/unsandboxed/d')
   for package in "$build"/packages/*.deb; do dpkg -x "$package" "$target"; done
+  sed -i '/^Requires.private/d' "$target/usr/lib/$triplet/pkgconfig/cairo.pc"  # headers of X and GLib, which we do not use
   touch "$target/complete"
 fi
 

@@ -82,24 +82,6 @@ double centring_shift_m(const Point3& axis, const Point3& forward, double distan
   return 0.5 * (below + above);
 }
 
-// The nearest perspective camera with this line of sight that has all points in its picture.
-Camera nearest_camera(const Point3& forward, double view_angle_rad, const Point3& centre,
-                      const std::vector<Point3>& points, const PictureSize& size, double margin_share) {
-  Camera camera;
-  camera.view_angle_rad = view_angle_rad;
-  camera.target = centre;
-  camera.eye = centre - forward;
-  const CameraBasis basis = basis_of(camera);
-  const double slope = half_height_slope(camera) * (1.0 - 2.0 * margin_share);
-  const double distance_m =
-      std::max(least_distance_m(basis.right, basis.forward, slope * size.aspect(), centre, points),
-               least_distance_m(basis.up, basis.forward, slope, centre, points));
-  camera.target = centre + centring_shift_m(basis.right, basis.forward, distance_m, centre, points) * basis.right +
-                  centring_shift_m(basis.up, basis.forward, distance_m, centre, points) * basis.up;
-  camera.eye = camera.target - distance_m * basis.forward;
-  return camera;
-}
-
 // Line of sight of the iso camera; the eye is that much west of south.
 Point3 iso_sight(double west_of_south_rad) {
   const SinCos<double> slope = sin_cos(kIsoSlopeRad);
@@ -139,6 +121,23 @@ Camera top_camera(const Bounds& box, const PictureSize& size) {
 }
 
 }  // namespace
+
+Camera nearest_camera(const Point3& forward, double view_angle_rad, const Point3& centre,
+                      const std::vector<Point3>& points, const PictureSize& size, double margin_share) {
+  Camera camera;
+  camera.view_angle_rad = view_angle_rad;
+  camera.target = centre;
+  camera.eye = centre - forward;
+  const CameraBasis basis = basis_of(camera);
+  const double slope = half_height_slope(camera) * (1.0 - 2.0 * margin_share);
+  const double distance_m =
+      std::max(least_distance_m(basis.right, basis.forward, slope * size.aspect(), centre, points),
+               least_distance_m(basis.up, basis.forward, slope, centre, points));
+  camera.target = centre + centring_shift_m(basis.right, basis.forward, distance_m, centre, points) * basis.right +
+                  centring_shift_m(basis.up, basis.forward, distance_m, centre, points) * basis.up;
+  camera.eye = camera.target - distance_m * basis.forward;
+  return camera;
+}
 
 Camera fitting_camera(CameraPreset preset, const Bounds& bounds, const PictureSize& size) {
   const Bounds box = shown(bounds);

@@ -293,7 +293,7 @@ GDTSLAM_API void gdtslam_bytes_free(gdtslam_bytes* bytes);
 typedef struct gdtslam_picture_request {
   size_t size;
   const char* view;   /* "map" (NULL), "graph", "field", "distance": as `gdtslam render --view` draws them */
-  const char* format; /* "png" (NULL), "svg", "pdf"; a build without Cairo makes svg alone */
+  const char* format; /* "png" (NULL), "svg", "pdf" */
   uint32_t width;     /* pixels; 0 and 0: what suits the map */
   uint32_t height;
   const char* title;      /* NULL: the log's name */

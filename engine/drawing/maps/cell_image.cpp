@@ -127,9 +127,6 @@ CellColour mean_colour(double free, double occupied, double all, const MapColour
   const double open = std::max(1e-12, all - occupied);
   const double free_share = std::clamp(free / open, 0.0, 1.0);
   const double darkness = darkness_of(occupied, all);
-  if (!colours.is_unknown_clear) {
-    return {mixed(mixed(colours.unknown, colours.free, free_share), colours.wall, darkness), 255};
-  }
   // The wall over what is free over nothing.
   const double alpha = darkness + (1.0 - darkness) * free_share;
   const double wall_share = alpha > 0.0 ? darkness / alpha : 0.0;
@@ -189,11 +186,9 @@ PlacedImage least_of_cells(const FieldPicture& field, const MapFrame& frame, con
 
 }  // namespace
 
-void draw(Canvas& canvas, const Panel& panel, const PlacedImage& placed) {
+void draw(Canvas& canvas, const PlacedImage& placed) {
   if (placed.image == nullptr) return;  // nothing of the grid lies in the panel
-  canvas.begin_clip({panel.left_px, panel.top_px}, panel.width_px, panel.height_px);
   canvas.picture({placed.at.left_px, placed.at.top_px}, placed.at.width_px, placed.at.height_px, placed.image, false);
-  canvas.end_clip();
 }
 
 PlacedImage occupancy_image(const OccupancyMap& map, const MapFrame& frame, const MapColours& colours) {
@@ -207,8 +202,17 @@ PlacedImage occupancy_image(const OccupancyMap& map, const MapFrame& frame, cons
       case CellState::kUnknown:
         break;
     }
-    return {colours.unknown, static_cast<std::uint8_t>(colours.is_unknown_clear ? 0 : 255)};
+    return {colours.unknown, 0};
   });
+}
+
+MapLayer wall_layer(const OccupancyMap& map, const MapColours& colours) {
+  return {[&map, colours](Canvas& canvas, const MapFrame& frame, const Proportions& /*sizes*/) {
+            draw(canvas, occupancy_image(map, frame, colours));
+          },
+          [colours](const LegendLook& look, double /*px_per_m*/) {
+            return LegendItems{swatch_item("wall", colours.wall, look)};
+          }};
 }
 
 void check(const FieldPicture& field) {

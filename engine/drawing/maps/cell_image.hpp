@@ -13,6 +13,7 @@
 #include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/mapping/occupancy.hpp"
 #include "map_frame.hpp"
+#include "map_sheet.hpp"
 
 namespace gdtslam::picture {
 
@@ -21,16 +22,17 @@ struct PlacedImage {
   Panel at;
   std::shared_ptr<const RgbaImage> image;
 };
-/// What of it lies within the panel.
-void draw(Canvas& canvas, const Panel& panel, const PlacedImage& placed);
+void draw(Canvas& canvas, const PlacedImage& placed);
 
 struct MapColours {
   Colour wall;
   Colour free;
   Colour unknown;
-  bool is_unknown_clear = false;  ///< unknown cells let the background through
 };
+/// Unknown cells are clear.
 PlacedImage occupancy_image(const OccupancyMap& map, const MapFrame& frame, const MapColours& colours);
+/// The cells of a map, on a page of the unknown's colour; walls are explained. The map must outlive the layer.
+MapLayer wall_layer(const OccupancyMap& map, const MapColours& colours);
 
 /// Colour and opacity of a value of the field.
 struct CellColour {

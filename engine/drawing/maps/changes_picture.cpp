@@ -5,6 +5,7 @@
 
 #include "cell_image.hpp"
 #include "map_sheet.hpp"
+#include "path_layer.hpp"
 
 namespace gdtslam {
 namespace {
@@ -54,61 +55,39 @@ void draw_frames(Canvas& canvas, const MapFrame& frame, const GridGeometry& grid
   }
 }
 
-void draw_drives(Canvas& canvas, const MapFrame& frame, const ChangesOverlay& overlay, const Proportions& sizes) {
-  for (const Trajectory& drive : overlay.drives) {
-    std::vector<Point2> line;
-    line.reserve(drive.size());
-    for (const StampedPose& pose : drive) line.push_back(frame.pixel_of(pose.T_map_base.translation()));
-    if (line.size() > 1) canvas.polyline(std::move(line), {.colour = kDrive, .width = 0.6 * sizes.line_px});
-  }
-}
-
-LegendItem drive_item(const LegendLook& look) {
-  const double length = 1.6 * look.sizes.body_px;
-  const double indent = length + 0.5 * look.sizes.body_px;
-  const std::string words = "seen from here";
-  return {indent + text_width(words, look.sizes.body_px), look.sizes.body_px, [=](Canvas& canvas, const Point2& left) {
-            canvas.line(left, left + Point2(length, 0.0), {.colour = kDrive, .width = 1.2 * look.sizes.line_px});
-            canvas.text(left + Point2(indent, 0.36 * look.sizes.body_px), words,
-                        {.size = look.sizes.body_px, .colour = look.theme.text});
-          }};
-}
-
 std::string counted(const char* what, std::uint32_t places) {
   if (places == 0) return std::string("nothing ") + what;
   return std::string(what) + ": " + std::to_string(places) + (places == 1 ? " place" : " places");
+}
+
+MapLayer changes_layer(const GridGeometry& grid, const ChangesLayer& layer, const char* what, Colour colour) {
+  return {[&grid, &layer, colour](Canvas& canvas, const MapFrame& frame, const Proportions& sizes) {
+            draw_frames(canvas, frame, grid, layer, colour, sizes);
+            draw_cells(canvas, frame, grid, layer, colour, sizes);
+          },
+          [&layer, what, colour](const LegendLook& look, double /*px_per_m*/) {
+            return LegendItems{swatch_item(counted(what, layer.patches), colour, look)};
+          }};
 }
 
 }  // namespace
 
 Canvas changes_picture(const OccupancyMap& map, const ChangesOverlay& overlay, const MapLook& look,
                        const PictureSize& size) {
+  const std::vector<std::size_t> one_drive;
+  const double width = 0.6 * proportions_of(size).line_px;
   Theme theme = kLightTheme;
   theme.page = kChangesMap.unknown;
-  const LegendLook legend{theme, proportions_of(size)};
   Trajectory extent;
   for (const Trajectory& drive : overlay.drives) extent.insert(extent.end(), drive.begin(), drive.end());
-  const Sheet sheet = sheet_of(shown_area(map, extent), look, size, theme, [&](double px_per_m) {
-    std::vector<LegendItem> items{scale_bar_item(px_per_m, legend), axes_item(legend)};
-    items.push_back(swatch_item(counted("new", overlay.appeared.patches), kAppeared, legend));
-    items.push_back(swatch_item(counted("gone", overlay.gone.patches), kGone, legend));
-    items.push_back(swatch_item("wall", kChangesMap.wall, legend));
-    if (!overlay.drives.empty()) items.push_back(drive_item(legend));
-    return items;
-  });
-  Canvas canvas(size.width, size.height, look.title.empty() ? "Changes" : look.title);
-  if (!look.is_transparent) canvas.rectangle({0.0, 0.0}, size.width, size.height, Fill{kChangesMap.unknown});
-  MapColours cells = kChangesMap;
-  cells.is_unknown_clear = true;
-  const MapFrame frame = whole_sheet(sheet);
-  draw(canvas, frame.panel, occupancy_image(map, frame, cells));
-  draw_drives(canvas, frame, overlay, sheet.sizes);
-  draw_frames(canvas, frame, map.geometry, overlay.gone, kGone, sheet.sizes);
-  draw_frames(canvas, frame, map.geometry, overlay.appeared, kAppeared, sheet.sizes);
-  draw_cells(canvas, frame, map.geometry, overlay.gone, kGone, sheet.sizes);
-  draw_cells(canvas, frame, map.geometry, overlay.appeared, kAppeared, sheet.sizes);
-  draw_words(canvas, sheet, look);
-  return canvas;
+  MapSheet sheet{"Changes", shown_area(map, extent), theme, {wall_layer(map, kChangesMap)}};
+  for (const Trajectory& drive : overlay.drives) {
+    sheet.layers.push_back(line_layer(drive, one_drive, "seen from here", kDrive, {std::nullopt, width}));
+    if (sheet.layers.size() > 2) sheet.layers.back().explain = {};
+  }
+  sheet.layers.push_back(changes_layer(map.geometry, overlay.gone, "gone", kGone));
+  sheet.layers.push_back(changes_layer(map.geometry, overlay.appeared, "new", kAppeared));
+  return drawn(sheet, look, size);
 }
 
 }  // namespace gdtslam

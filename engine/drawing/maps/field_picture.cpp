@@ -62,18 +62,20 @@ FieldColours colours_of(const FieldLook& look, std::uint16_t cap, bool is_transp
   };
 }
 
-std::vector<LegendItem> legend_of(const FieldPicture& field, const FieldLook& colours, const LegendLook& look) {
-  const double reach_m = field.geometry.resolution_m * field.cap / kCell;
-  std::vector<LegendItem> items;
-  if (colours.is_intensity) {
-    const auto bright = [=](double share) { return colours.at(1.0 - share); };
-    items.push_back(colour_bar_item("intensity 0 at " + length_text(reach_m), "1 at obstacles", bright, look));
-  } else {
-    const auto far = [=](double share) { return colours.at(share); };
-    items.push_back(colour_bar_item("nearest obstacle at 0 m", length_text(reach_m), far, look));
-  }
-  items.push_back(swatch_item("farther or unknown", colours.unknown, look));
-  return items;
+MapLayer field_layer(const FieldPicture& field, const FieldLook& colours, bool is_transparent) {
+  return {[&field, &colours, is_transparent](Canvas& canvas, const MapFrame& frame, const Proportions& /*sizes*/) {
+            draw(canvas, field_image(field, frame, colours_of(colours, field.cap, is_transparent)));
+          },
+          [&field, &colours](const LegendLook& look, double /*px_per_m*/) {
+            const std::string reach = length_text(field.geometry.resolution_m * field.cap / kCell);
+            const bool is_bright = colours.is_intensity;
+            const auto colour_at = [&colours, is_bright](double share) {
+              return colours.at(is_bright ? 1.0 - share : share);
+            };
+            return LegendItems{colour_bar_item(is_bright ? "intensity 0 at " + reach : "nearest obstacle at 0 m",
+                                               is_bright ? "1 at obstacles" : reach, colour_at, look),
+                               swatch_item("farther or unknown", colours.unknown, look)};
+          }};
 }
 
 }  // namespace
@@ -82,25 +84,16 @@ Canvas field_picture(const FieldPicture& field, const PathOverlay& overlay, cons
                      const PictureSize& size) {
   check(field);
   check(overlay);
-  const FieldLook field_colours = field_look(look);
-  const PathColours& path = path_colours(look.is_intensity);
+  const FieldLook colours = field_look(look);
+  const PathColours path = path_colours(look.is_intensity);
   // A transparent picture lies on pages that are light more often than not.
   Theme theme = look.is_intensity && !look.is_transparent ? kDarkTheme : kLightTheme;
-  theme.page = field_colours.unknown;
-  const LegendLook legend{theme, proportions_of(size)};
-  const Sheet sheet = sheet_of(shown_area(field, overlay.trajectory), look, size, theme, [&](double px_per_m) {
-    std::vector<LegendItem> items{scale_bar_item(px_per_m, legend), axes_item(legend)};
-    for (LegendItem& item : legend_of(field, field_colours, legend)) items.push_back(std::move(item));
-    add_path_items(items, overlay, look, path, legend);
-    return items;
-  });
-  Canvas canvas(size.width, size.height, look.title.empty() ? "Distance field" : look.title);
-  if (!look.is_transparent) canvas.rectangle({0.0, 0.0}, size.width, size.height, Fill{theme.page});
-  const MapFrame frame = whole_sheet(sheet);
-  draw(canvas, frame.panel, field_image(field, frame, colours_of(field_colours, field.cap, look.is_transparent)));
-  draw_path(canvas, frame, overlay, look, path, sheet.sizes);
-  draw_words(canvas, sheet, look);
-  return canvas;
+  theme.page = colours.unknown;
+  return drawn({"Distance field",
+                shown_area(field, overlay.trajectory),
+                theme,
+                {field_layer(field, colours, look.is_transparent), path_layer(overlay, look, path)}},
+               look, size);
 }
 
 }  // namespace gdtslam

@@ -1,7 +1,5 @@
 #include "loops_picture.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -69,9 +67,7 @@ void draw_walls(Canvas& canvas, const MapFrame& frame, const LoopsScene& scene, 
                 double unit) {
   const double share = std::clamp(moment.map_share, 0.0, 1.0);
   if (share > 0.0) {
-    MapColours cells = kLoopsMap;
-    cells.is_unknown_clear = true;
-    PlacedImage placed = occupancy_image(*scene.map, frame, cells);
+    PlacedImage placed = occupancy_image(*scene.map, frame, kLoopsMap);
     if (placed.image != nullptr && share < 1.0) {
       auto faded = std::make_shared<RgbaImage>(*placed.image);
       for (std::size_t k = 3; k < faded->pixels.size(); k += 4) {
@@ -79,13 +75,13 @@ void draw_walls(Canvas& canvas, const MapFrame& frame, const LoopsScene& scene, 
       }
       placed.image = std::move(faded);
     }
-    draw(canvas, frame.panel, placed);
+    draw(canvas, placed);
   }
   if (share >= 1.0 || moment.walls_m.empty()) return;
   WallImage image(frame.panel);
   const double side = std::max(kWallPx * unit, scene.map->geometry.resolution_m * frame.px_per_m);
   for (const Point2& wall : moment.walls_m) image.add(frame.pixel_of(wall), side, (1.0 - share) * kWallShade);
-  draw(canvas, frame.panel, {frame.panel, image.image()});
+  draw(canvas, {frame.panel, image.image()});
 }
 
 void draw_moved_loops(Canvas& canvas, const MapFrame& frame, const LoopsMoment& moment, const Proportions& sizes) {
@@ -98,10 +94,7 @@ void draw_moved_loops(Canvas& canvas, const MapFrame& frame, const LoopsMoment& 
     for (const Point2& end : {from, to}) canvas.circle(end, width, Fill{kGlow, 0.45 * loop.glow});
   }
   for (const MovedLoop& loop : moment.loops) {
-    const Point2 from = frame.pixel_of(loop.from_m);
-    const Point2 to = frame.pixel_of(loop.to_m);
-    if (!is_on_sheet(from) || !is_on_sheet(to)) continue;
-    draw_loop(canvas, from, to, {.from = 0, .to = 0, .weight = loop.weight, .is_on = loop.is_on}, sizes);
+    draw_loop(canvas, frame.pixel_of(loop.from_m), frame.pixel_of(loop.to_m), loop.weight, loop.is_on, sizes);
   }
 }
 
@@ -121,20 +114,17 @@ void draw_robot(Canvas& canvas, const MapFrame& frame, const LoopsScene& scene, 
   if (!is_on_sheet(at)) return;
   if (scene.largest_sigma_m > 0.0) {
     const double factor = ellipse_factor(scene.largest_sigma_m, frame.px_per_m, sizes);
-    draw_ellipse(canvas, at, moment.robot_covariance, kSigmas * factor * frame.px_per_m, sizes);
+    draw_ellipse(canvas, at, moment.robot_covariance, factor * frame.px_per_m, sizes);
   }
   canvas.circle(at, kRobotPx * sizes.unit, Fill{kRobot}, Pen{.colour = ink::kCard, .width = 2.0 * sizes.unit});
 }
 
-std::vector<LegendItem> loops_legend(const LoopsScene& scene, double px_per_m, const LegendLook& legend) {
-  std::vector<LegendItem> items{scale_bar_item(px_per_m, legend), swatch_item("wall", kLoopsMap.wall, legend)};
+LegendItems loops_legend(const LoopsScene& scene, double px_per_m, const LegendLook& legend) {
+  LegendItems items{swatch_item("wall", kLoopsMap.wall, legend)};
   if (scene.has_loops_on) items.push_back(loops_on_item("loop", legend));
   if (scene.has_loops_off) items.push_back(loops_off_item("loop switched off", legend));
   if (scene.largest_sigma_m > 0.0) {
-    const double factor = ellipse_factor(scene.largest_sigma_m, px_per_m, legend.sizes);
-    std::string words = "3 sigma of the position";
-    if (factor > 1.0) words += fmt::format(", drawn {:g} times as large", factor);
-    items.push_back(ellipse_item(words, legend));
+    items.push_back(ellipse_item("", ellipse_factor(scene.largest_sigma_m, px_per_m, legend.sizes), legend));
   }
   return items;
 }
@@ -144,20 +134,14 @@ std::vector<LegendItem> loops_legend(const LoopsScene& scene, double px_per_m, c
 Canvas loops_picture(const LoopsScene& scene, const LoopsMoment& moment, const MapLook& look, const PictureSize& size) {
   Theme theme = kLightTheme;
   theme.page = kLoopsMap.unknown;
-  const LegendLook legend{theme, proportions_of(size)};
-  const Sheet sheet = sheet_of(shown_area(*scene.map, scene.extent), look, size, theme,
-                               [&](double px_per_m) { return loops_legend(scene, px_per_m, legend); });
-  Canvas canvas(size.width, size.height, look.title.empty() ? "Loops" : look.title);
-  if (!look.is_transparent) canvas.rectangle({0.0, 0.0}, size.width, size.height, Fill{kLoopsMap.unknown});
-  const MapFrame frame = whole_sheet(sheet);
-  draw_walls(canvas, frame, scene, moment, sheet.sizes.unit);
-  canvas.begin_clip({0.0, 0.0}, size.width, size.height);
-  draw_driven_path(canvas, frame, moment, sheet.sizes.unit);
-  draw_moved_loops(canvas, frame, moment, sheet.sizes);
-  draw_robot(canvas, frame, scene, moment, sheet.sizes);
-  canvas.end_clip();
-  draw_words(canvas, sheet, look);
-  return canvas;
+  const auto draw_moment = [&](Canvas& canvas, const MapFrame& frame, const Proportions& sizes) {
+    draw_walls(canvas, frame, scene, moment, sizes.unit);
+    draw_driven_path(canvas, frame, moment, sizes.unit);
+    draw_moved_loops(canvas, frame, moment, sizes);
+    draw_robot(canvas, frame, scene, moment, sizes);
+  };
+  const auto explain = [&](const LegendLook& legend, double px_per_m) { return loops_legend(scene, px_per_m, legend); };
+  return drawn({"Loops", shown_area(*scene.map, scene.extent), theme, {{draw_moment, explain}}}, look, size);
 }
 
 }  // namespace gdtslam

@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "gdtslam/drawing/canvas.hpp"
+
 namespace gdtslam::picture {
 namespace {
 
@@ -37,6 +39,8 @@ Proportions proportions_of(const PictureSize& size) {
   sizes.gap_px *= unit;
   return sizes;
 }
+
+bool is_on_sheet(const Point2& at) { return std::fabs(at.x()) <= kFarthest_px && std::fabs(at.y()) <= kFarthest_px; }
 
 MapFrame fitted(const MapArea& area, const Panel& panel) {
   MapFrame frame;

@@ -54,6 +54,8 @@ struct MapFrame {
     return {panel.left_px + (point_m.x() - x_m) * px_per_m, panel.top_px + (y_m - point_m.y()) * px_per_m};
   }
 };
+/// False for what is not finite, and beyond Cairo's coordinates.
+bool is_on_sheet(const Point2& at);
 /// The area in the middle of the panel, as large as fits; the panel shows what lies around it too.
 MapFrame fitted(const MapArea& area, const Panel& panel);
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "cell_image.hpp"
+#include "graph_layer.hpp"
 #include "map_sheet.hpp"
 #include "path_layer.hpp"
 
@@ -12,7 +13,16 @@ namespace {
 
 using namespace picture;
 
-constexpr MapColours kMapColours{ink::kText, ink::kCard, colour_for(0xe4e2db)};
+constexpr Colour kUnknownPage = colour_for(0xe4e2db);
+constexpr MapColours kMapColours{ink::kText, ink::kCard, kUnknownPage};
+/// Pale, so that lines over walls are seen.
+constexpr MapColours kGraphMap{colour_for(0x868c95), ink::kCard, colour_for(0xebe9e3)};
+
+Theme light_theme(Colour page) {
+  Theme theme = kLightTheme;
+  theme.page = page;
+  return theme;
+}
 
 }  // namespace
 
@@ -27,28 +37,22 @@ PictureSize size_for_content(double width, double height) {
 
 Canvas map_picture(const OccupancyMap& map, const PathOverlay& overlay, const MapLook& look, const PictureSize& size) {
   check(overlay);
-  const PathColours colours =
-      look.colour_map.empty() ? path_colours(false) : path_colours(colour_map(look.colour_map), false);
-  Theme theme = kLightTheme;
-  theme.page = kMapColours.unknown;
-  const LegendLook legend{theme, proportions_of(size)};
-  const Sheet sheet = sheet_of(shown_area(map, overlay.trajectory), look, size, theme, [&](double px_per_m) {
-    std::vector<LegendItem> items{scale_bar_item(px_per_m, legend), axes_item(legend)};
-    items.push_back(swatch_item("wall", kMapColours.wall, legend));
-    items.push_back(swatch_item("free", kMapColours.free, legend));
-    if (!look.is_transparent) items.push_back(swatch_item("unknown", kMapColours.unknown, legend));
-    add_path_items(items, overlay, look, colours, legend);
-    return items;
-  });
-  Canvas canvas(size.width, size.height, look.title.empty() ? "Map" : look.title);
-  if (!look.is_transparent) canvas.rectangle({0.0, 0.0}, size.width, size.height, Fill{kMapColours.unknown});
-  MapColours cells = kMapColours;
-  cells.is_unknown_clear = true;
-  const MapFrame frame = whole_sheet(sheet);
-  draw(canvas, frame.panel, occupancy_image(map, frame, cells));
-  draw_path(canvas, frame, overlay, look, colours, sheet.sizes);
-  draw_words(canvas, sheet, look);
-  return canvas;
+  const PathColours colours = path_colours(false, look.colour_map);
+  MapSheet sheet{"Map", shown_area(map, overlay.trajectory), light_theme(kUnknownPage), {}};
+  sheet.layers = {wall_layer(map, kMapColours), swatch_layer("free", kMapColours.free)};
+  if (!look.is_transparent) sheet.layers.push_back(swatch_layer("unknown", kUnknownPage));
+  sheet.layers.push_back(path_layer(overlay, look, colours));
+  return drawn(sheet, look, size);
+}
+
+Canvas graph_picture(const OccupancyMap& map, const GraphOverlay& overlay, const MapLook& look,
+                     const PictureSize& size) {
+  check(overlay);
+  return drawn({"Graph",
+                shown_area(map, overlay.trajectory),
+                light_theme(kGraphMap.unknown),
+                {wall_layer(map, kGraphMap), graph_layer(overlay)}},
+               look, size);
 }
 
 }  // namespace gdtslam

@@ -5,14 +5,16 @@
 #include <utility>
 
 #include "engine/drawing/letters.hpp"
+#include "gdtslam/drawing/ticks.hpp"
 
 namespace gdtslam::picture {
 namespace {
 
 constexpr double kTitleLine = 1.35;  // of the size of the letters
 constexpr double kSubtitleLine = 1.5;
-constexpr double kRowGap = 0.75;  // of body_px, between rows of the legend
-constexpr int kRounds = 3;        // until the scale bar, which depends on the map's size, should stand still
+constexpr double kRowGap = 0.75;           // of body_px, between rows of the legend
+constexpr double kLongestScalePx = 190.0;  // as the scale bar
+constexpr int kRounds = 3;                 // until the scale bar, which depends on the map's size, should stand still
 
 double title_height(const MapLook& look, const Proportions& sizes) {
   double height = 0.0;
@@ -29,7 +31,7 @@ struct Arrangement {
 };
 
 /// Row after row, as words on a page.
-Arrangement rows_of(const std::vector<LegendItem>& items, double room_px, double gap_px, const Proportions& sizes,
+Arrangement rows_of(const LegendItems& items, double room_px, double gap_px, const Proportions& sizes,
                     bool keeps_groups = false) {
   Arrangement all;
   double top = 0.0;
@@ -55,7 +57,7 @@ Arrangement rows_of(const std::vector<LegendItem>& items, double room_px, double
 }
 
 /// In as few rows as smaller gaps allow.
-Arrangement fewest_rows_of(const std::vector<LegendItem>& items, double room_px, const Proportions& sizes) {
+Arrangement fewest_rows_of(const LegendItems& items, double room_px, const Proportions& sizes) {
   Arrangement best = rows_of(items, room_px, sizes.gap_px, sizes);
   for (const double share : {0.8, 0.6}) {
     Arrangement closer = rows_of(items, room_px, share * sizes.gap_px, sizes);
@@ -67,7 +69,7 @@ Arrangement fewest_rows_of(const std::vector<LegendItem>& items, double room_px,
   return best;
 }
 
-Arrangement column_of(const std::vector<LegendItem>& items, const Proportions& sizes) {
+Arrangement column_of(const LegendItems& items, const Proportions& sizes) {
   return rows_of(items, 0.0, sizes.gap_px, sizes);
 }
 
@@ -84,7 +86,7 @@ Panel panel_between(double left, double top, double right, double bottom) {
 }
 
 Layout with_legend_below(const MapArea& area, const PictureSize& size, const Proportions& sizes, double top,
-                         const std::vector<LegendItem>& items) {
+                         const LegendItems& items) {
   const double margin = sizes.margin_px;
   Layout layout;
   layout.legend = fewest_rows_of(items, size.width - 2.0 * margin, sizes);
@@ -95,7 +97,7 @@ Layout with_legend_below(const MapArea& area, const PictureSize& size, const Pro
 }
 
 Layout with_legend_beside(const MapArea& area, const PictureSize& size, const Proportions& sizes, double top,
-                          const std::vector<LegendItem>& items) {
+                          const LegendItems& items) {
   const double margin = sizes.margin_px;
   Layout layout;
   layout.legend = column_of(items, sizes);
@@ -131,6 +133,7 @@ void draw_line(Canvas& canvas, const Sheet& sheet, const FittedWords& words, dou
   canvas.text({left, y + 0.8 * words.size_px}, words.text, fitted);
 }
 
+/// Made smaller or cut with an ellipsis if too long; what of the map lies under it is dimmed.
 void draw_title(Canvas& canvas, const Sheet& sheet, const MapLook& look) {
   const Proportions& sizes = sheet.sizes;
   const double room = sheet.size.width - 2.0 * sizes.margin_px;
@@ -156,6 +159,15 @@ void draw_legend(Canvas& canvas, const Sheet& sheet, bool is_dimmed) {
     }
     item.draw(canvas, place);
   }
+}
+
+/// The same map on the whole sheet: what was seen beyond the walls ends where it ends, not at the border of a panel.
+MapFrame whole_sheet(const Sheet& sheet) {
+  MapFrame whole = sheet.frame;
+  whole.panel = {0.0, 0.0, static_cast<double>(sheet.size.width), static_cast<double>(sheet.size.height)};
+  whole.x_m -= sheet.frame.panel.left_px / whole.px_per_m;
+  whole.y_m += sheet.frame.panel.top_px / whole.px_per_m;
+  return whole;
 }
 
 }  // namespace
@@ -193,19 +205,49 @@ FittedWords fitted_words(const std::string& words, double size_px, double least_
   return {shortened(words, smaller_px, room_px, is_bold), smaller_px};
 }
 
-MapFrame whole_sheet(const Sheet& sheet) {
-  const MapFrame& frame = sheet.frame;
-  MapFrame whole = frame;
-  whole.panel = {0.0, 0.0, static_cast<double>(sheet.size.width), static_cast<double>(sheet.size.height)};
-  whole.x_m = frame.x_m - frame.panel.left_px / frame.px_per_m;
-  whole.y_m = frame.y_m + frame.panel.top_px / frame.px_per_m;
-  return whole;
-}
-
-void draw_words(Canvas& canvas, const Sheet& sheet, const MapLook& look) {
-  if (sheet.places.empty()) return;
+Canvas drawn(const MapSheet& content, const MapLook& look, const PictureSize& size) {
+  const LegendLook legend{content.theme, proportions_of(size)};
+  const Sheet sheet = sheet_of(content.area, look, size, content.theme, [&](double px_per_m) {
+    LegendItems items{scale_bar_item(px_per_m, legend), axes_item(legend)};
+    for (const MapLayer& layer : content.layers) {
+      if (!layer.explain) continue;
+      for (LegendItem& item : layer.explain(legend, px_per_m)) items.push_back(std::move(item));
+    }
+    return items;
+  });
+  Canvas canvas(size.width, size.height, look.title.empty() ? content.name : look.title);
+  if (!look.is_transparent) canvas.rectangle({0.0, 0.0}, size.width, size.height, Fill{content.theme.page});
+  const MapFrame frame = whole_sheet(sheet);
+  canvas.begin_clip({0.0, 0.0}, size.width, size.height);
+  for (const MapLayer& layer : content.layers) {
+    if (layer.draw) layer.draw(canvas, frame, sheet.sizes);
+  }
+  canvas.end_clip();
+  if (sheet.places.empty()) return canvas;
   draw_title(canvas, sheet, look);
   draw_legend(canvas, sheet, !look.is_transparent);
+  return canvas;
+}
+
+MapLayer grid_layer(Colour colour) {
+  return {[colour](Canvas& canvas, const MapFrame& frame, const Proportions& sizes) {
+            constexpr double kMostLines = 400.0;
+            const double step_m = round_length_m(kLongestScalePx * sizes.unit / frame.px_per_m);
+            const double width_m = frame.panel.width_px / frame.px_per_m;
+            const double height_m = frame.panel.height_px / frame.px_per_m;
+            if (!(step_m > 0.0) || (width_m + height_m) / step_m > kMostLines) return;
+            const Pen pen{.colour = colour, .width = sizes.unit};
+            const double step_px = step_m * frame.px_per_m;
+            const Point2 first =
+                frame.pixel_of({std::ceil(frame.x_m / step_m) * step_m, std::floor(frame.y_m / step_m) * step_m});
+            for (double x = first.x(); x < frame.panel.width_px; x += step_px) {
+              canvas.line({x, 0.0}, {x, frame.panel.height_px}, pen);
+            }
+            for (double y = first.y(); y < frame.panel.height_px; y += step_px) {
+              canvas.line({0.0, y}, {frame.panel.width_px, y}, pen);
+            }
+          },
+          {}};
 }
 
 }  // namespace gdtslam::picture

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <functional>
 #include <limits>
 #include <set>
-#include <string_view>
 #include <utility>
 
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/drawing/ticks.hpp"
 
 namespace gdtslam::picture {
 namespace {
@@ -18,30 +17,12 @@ constexpr int kPathBands = 64;      ///< of colours along a path
 constexpr double kEndRadius = 8.0;  // all of one unit
 constexpr double kRingRadius = 9.0;
 constexpr double kKeyframeRadius = 2.1;
+constexpr double kKeyframeInk = 0.4;
 
-/// Whether it can be drawn. False for what is not finite.
-bool is_drawable(const MapFrame& frame, const Pose2& pose) {
-  const Point2 at = frame.pixel_of(pose.translation());
-  return pose.is_finite() && std::fabs(at.x()) <= kFarthest_px && std::fabs(at.y()) <= kFarthest_px;
-}
-
-/// What is drawn of the path: no two points nearer than can be seen, so that a robot that stands costs nothing.
 struct PathPoint {
   Point2 at;
   double share = 0.0;
 };
-std::vector<PathPoint> seen_points(const MapFrame& frame, const Trajectory& trajectory,
-                                   const std::vector<double>& shares, std::size_t begin, std::size_t end,
-                                   double least_px) {
-  std::vector<PathPoint> points;
-  for (std::size_t i = begin; i < end; ++i) {
-    if (!is_drawable(frame, trajectory[i].T_map_base)) continue;
-    const Point2 at = frame.pixel_of(trajectory[i].T_map_base.translation());
-    const bool is_last = i + 1 == end;
-    if (points.empty() || is_last || (at - points.back().at).norm() >= least_px) points.push_back({at, shares[i]});
-  }
-  return points;
-}
 
 constexpr int kNoBand = -1;  ///< of what has no value
 int band_of(double share) {
@@ -63,28 +44,14 @@ void draw_line(Canvas& canvas, const std::vector<PathPoint>& points, const std::
   }
 }
 
-std::vector<std::vector<PathPoint>> seen_pieces(const MapFrame& frame, const Trajectory& trajectory,
-                                                const std::vector<std::size_t>& drives,
-                                                const std::vector<double>& shares, double least_px) {
-  std::vector<std::vector<PathPoint>> pieces;
-  const std::vector<std::size_t> ends = ends_of_drives(drives, trajectory.size());
-  for (std::size_t k = 1; k < ends.size(); ++k) {
-    pieces.push_back(seen_points(frame, trajectory, shares, ends[k - 1], ends[k], least_px));
-    if (pieces.back().empty()) pieces.pop_back();
+/// The index at which each drive begins, and behind the last one the count.
+std::vector<std::size_t> ends_of_drives(const std::vector<std::size_t>& drives, std::size_t count) {
+  std::vector<std::size_t> ends{0};
+  for (const std::size_t drive : drives) {
+    if (drive > ends.back() && drive < count) ends.push_back(drive);
   }
-  return pieces;
-}
-
-void draw_pieces(Canvas& canvas, const std::vector<std::vector<PathPoint>>& pieces,
-                 const std::function<Colour(double)>& colour_at, const ValueLine& line) {
-  for (const std::vector<PathPoint>& points : pieces) {
-    if (points.size() < 2) continue;
-    std::vector<Point2> whole;
-    whole.reserve(points.size());
-    for (const PathPoint& point : points) whole.push_back(point.at);
-    canvas.polyline(std::move(whole), {.colour = line.halo, .width = 2.3 * line.width_px, .opacity = 0.8});
-    draw_line(canvas, points, colour_at, line.width_px);
-  }
+  ends.push_back(count);
+  return ends;
 }
 
 /// Scans that would be drawn over each other, as one.
@@ -96,9 +63,8 @@ struct Cluster {
 std::vector<Cluster> clusters_of(const MapFrame& frame, const PathOverlay& overlay, double reach_px) {
   std::vector<Cluster> clusters;
   for (const std::size_t index : overlay.doubtful) {
-    const Pose2& pose = overlay.trajectory[index].T_map_base;
-    if (!is_drawable(frame, pose)) continue;
-    const Point2 at = frame.pixel_of(pose.translation());
+    const Point2 at = frame.pixel_of(overlay.trajectory[index].T_map_base.translation());
+    if (!is_on_sheet(at)) continue;
     auto near = std::find_if(clusters.begin(), clusters.end(),
                              [&](const Cluster& cluster) { return (cluster.centre() - at).norm() < reach_px; });
     if (near == clusters.end()) near = clusters.insert(clusters.end(), Cluster{});
@@ -108,66 +74,150 @@ std::vector<Cluster> clusters_of(const MapFrame& frame, const PathOverlay& overl
   return clusters;
 }
 
+Colour keyframe_colour(const PathColours& colours, double share) {
+  return mixed(time_colour(colours, share), colours.ink, kKeyframeInk);
+}
+
+void draw_start(Canvas& canvas, const Point2& centre, const PathColours& colours, const Proportions& sizes) {
+  canvas.circle(centre, kEndRadius * sizes.unit, Fill{time_colour(colours, 0.0)},
+                Pen{.colour = colours.halo, .width = 2.0 * sizes.unit});
+}
+
+void draw_end(Canvas& canvas, const Point2& centre, const PathColours& colours, const Proportions& sizes) {
+  const double radius = kEndRadius * sizes.unit;
+  canvas.circle(centre, radius + sizes.unit, Fill{colours.halo});
+  canvas.circle(centre, 0.75 * radius, Fill{colours.halo},
+                Pen{.colour = time_colour(colours, 1.0), .width = 0.5 * radius});
+}
+
+void draw_doubtful(Canvas& canvas, const Point2& centre, const PathColours& colours, const Proportions& sizes) {
+  const double radius = kRingRadius * sizes.unit;
+  canvas.circle(centre, radius, std::nullopt, Pen{.colour = colours.halo, .width = 5.5 * sizes.unit, .opacity = 0.9});
+  canvas.circle(centre, radius, std::nullopt, Pen{.colour = colours.doubtful, .width = 2.6 * sizes.unit});
+}
+
 void draw_doubtful_scans(Canvas& canvas, const MapFrame& frame, const PathOverlay& overlay, const PathColours& colours,
                          const Proportions& sizes) {
   const double radius = kRingRadius * sizes.unit;
+  const Lettering letters{.size = 0.9 * sizes.small_px,
+                          .colour = colours.doubtful,
+                          .is_bold = true,
+                          .has_halo = true,
+                          .halo = colours.halo};
   for (const Cluster& cluster : clusters_of(frame, overlay, 1.6 * radius)) {
     draw_doubtful(canvas, cluster.centre(), colours, sizes);
-    if (cluster.count < 2) continue;
-    const Point2 at = cluster.centre() + Point2(radius + 0.3 * sizes.small_px, -0.5 * radius);
-    canvas.text(at, std::to_string(cluster.count),
-                {.size = 0.9 * sizes.small_px,
-                 .colour = colours.doubtful,
-                 .is_bold = true,
-                 .has_halo = true,
-                 .halo = colours.halo});
+    const Point2 beside = cluster.centre() + Point2(radius + 0.3 * sizes.small_px, -0.5 * radius);
+    if (cluster.count > 1) canvas.text(beside, std::to_string(cluster.count), letters);
   }
 }
 
-void draw_keyframes(Canvas& canvas, const MapFrame& frame, const PathOverlay& overlay, const PathColours& colours,
-                    const Proportions& sizes) {
-  const double apart = 2.0 * kKeyframeRadius * sizes.unit;  // those of a robot that turns on the spot are one dot
-  const std::vector<double> shares = time_shares(overlay.trajectory);
-  std::set<std::pair<std::int64_t, std::int64_t>> taken;
-  for (const std::size_t index : overlay.keyframes) {
-    const Pose2& pose = overlay.trajectory[index].T_map_base;
-    if (!is_drawable(frame, pose)) continue;
-    const Point2 at = frame.pixel_of(pose.translation());
-    const std::pair key{static_cast<std::int64_t>(std::floor(at.x() / apart)),
-                        static_cast<std::int64_t>(std::floor(at.y() / apart))};
-    if (taken.insert(key).second) draw_keyframe(canvas, at, keyframe_colour(colours, shares[index]), sizes);
+void draw_path(Canvas& canvas, const MapFrame& frame, const PathOverlay& overlay, const MapLook& look,
+               const PathColours& colours, const Proportions& sizes) {
+  const Trajectory& trajectory = overlay.trajectory;
+  const std::vector<double> shares = time_shares(trajectory);
+  if (look.with_path) {
+    const auto colour_at = [&colours](double share) { return time_colour(colours, share); };
+    draw_line_of_values(canvas, frame, {trajectory, overlay.drives, shares}, colour_at, {colours.halo, sizes.line_px});
   }
+  if (look.with_keyframes) {
+    draw_dots(canvas, frame, trajectory, overlay.keyframes, kKeyframeRadius * sizes.unit,
+              [&](std::size_t index) { return keyframe_colour(colours, shares[index]); });
+  }
+  const std::vector<SeenPose> ends = seen_poses(frame, trajectory, 0, trajectory.size(), kFarthest_px);
+  if (look.with_path && !ends.empty()) {
+    draw_start(canvas, ends.front().at, colours, sizes);
+    draw_end(canvas, ends.back().at, colours, sizes);
+  }
+  draw_doubtful_scans(canvas, frame, overlay, colours, sizes);
 }
 
-void check_indices(const std::vector<std::size_t>& indices, std::size_t count, std::string_view what) {
-  for (const std::size_t index : indices) {
-    if (index < count) continue;
-    throw InputError("a " + std::string(what) + " has index " + std::to_string(index) + ", but the trajectory has " +
-                     std::to_string(count) + " poses: both must come from one run");
+double duration_s(const Trajectory& trajectory) {
+  double latest_s = 0.0;
+  for (const StampedPose& pose : trajectory) {
+    if (!std::isfinite(pose.stamp_s)) return 0.0;
+    latest_s = std::max(latest_s, pose.stamp_s - trajectory.front().stamp_s);
   }
+  return latest_s;
+}
+
+LegendItem time_item(double seconds, const PathColours& colours, const LegendLook& look) {
+  const Proportions sizes = look.sizes;
+  const double pad = kEndRadius * sizes.unit;
+  const double bar = 150.0 * sizes.unit;
+  return legend_item(
+      "start", bar + 2.0 * pad,
+      [=, &colours](Canvas& canvas, const Point2& left) {
+        const Point2 from = left + Point2(pad, 0.0);
+        std::vector<PathPoint> points;
+        for (int i = 0; i <= kPathBands; ++i) {
+          const double share = static_cast<double>(i) / kPathBands;
+          points.push_back({from + Point2(bar * share, 0.0), share});
+        }
+        draw_line(
+            canvas, points, [&](double share) { return time_colour(colours, share); }, 2.0 * sizes.line_px);
+        draw_start(canvas, from, colours, sizes);
+        draw_end(canvas, from + Point2(bar, 0.0), colours, sizes);
+      },
+      seconds > 0.0 ? "end, after " + duration_text(seconds) : "end", look);
+}
+
+/// A piece of the path with keyframes on it: dots alone would be too small to be known again.
+LegendItem keyframe_item(const std::string& words, const PathColours& colours, const LegendLook& look) {
+  const Proportions sizes = look.sizes;
+  const double piece = 42.0 * sizes.unit;
+  return legend_item(
+      "", piece,
+      [=, &colours](Canvas& canvas, const Point2& left) {
+        canvas.line(left, left + Point2(piece, 0.0), {.colour = time_colour(colours, 0.5), .width = sizes.line_px});
+        for (const double at : {0.2, 0.5, 0.8}) {
+          canvas.circle(left + Point2(at * piece, 0.0), kKeyframeRadius * sizes.unit,
+                        Fill{keyframe_colour(colours, 0.5)});
+        }
+      },
+      words, look);
+}
+
+LegendItems path_items(const PathOverlay& overlay, const MapLook& look, const PathColours& colours,
+                       const LegendLook& legend) {
+  LegendItems items;
+  if (look.with_path && !overlay.trajectory.empty()) {
+    items.push_back(time_item(duration_s(overlay.trajectory), colours, legend));
+  }
+  if (look.with_keyframes && !overlay.keyframes.empty()) {
+    items.push_back(keyframe_item(counted(overlay.keyframes.size(), "keyframe"), colours, legend));
+  }
+  if (!overlay.doubtful.empty()) {
+    const double mark = 1.1 * legend.sizes.body_px;
+    items.push_back(legend_item(
+        "", mark,
+        [mark, sizes = legend.sizes, &colours](Canvas& canvas, const Point2& left) {
+          draw_doubtful(canvas, left + Point2(0.5 * mark, 0.0), colours, sizes);
+        },
+        counted(overlay.doubtful.size(), "doubtful scan"), legend));
+  }
+  if (!items.empty()) items.front().begins_row = true;
+  return items;
 }
 
 }  // namespace
 
-const PathColours& path_colours(bool is_dark) {
-  static const PathColours light{
-      {colour_for(0x0a42d4), colour_for(0x8440be), colour_for(0xcb3596), colour_for(0xe65c3a), colour_for(0xf5970f)},
-      ink::kCard,
-      colour_for(0x1c2340),
-      colour_for(0x000000)};
-  static const PathColours dark{
-      {colour_for(0x3f9bff), colour_for(0x9a86ff), colour_for(0xef6cc0), colour_for(0xff8a6a), colour_for(0xffc04a)},
-      ink::kNight,
-      colour_for(0xffffff),
-      colour_for(0xffffff)};
-  return is_dark ? dark : light;
-}
-
-PathColours path_colours(const ColourMap& map, bool is_dark) {
+PathColours path_colours(bool is_dark, const std::string& map) {
   constexpr int kPathColours = 33;
-  PathColours colours = path_colours(is_dark);
+  PathColours colours = is_dark ? PathColours{{colour_for(0x3f9bff), colour_for(0x9a86ff), colour_for(0xef6cc0),
+                                               colour_for(0xff8a6a), colour_for(0xffc04a)},
+                                              ink::kNight,
+                                              colour_for(0xffffff),
+                                              colour_for(0xffffff)}
+                                : PathColours{{colour_for(0x0a42d4), colour_for(0x8440be), colour_for(0xcb3596),
+                                               colour_for(0xe65c3a), colour_for(0xf5970f)},
+                                              ink::kCard,
+                                              colour_for(0x1c2340),
+                                              colour_for(0x000000)};
+  if (map.empty()) return colours;
   colours.time.clear();
-  for (int k = 0; k < kPathColours; ++k) colours.time.push_back(map.at(static_cast<double>(k) / (kPathColours - 1)));
+  for (int k = 0; k < kPathColours; ++k) {
+    colours.time.push_back(colour_map(map).at(static_cast<double>(k) / (kPathColours - 1)));
+  }
   return colours;
 }
 
@@ -186,24 +236,17 @@ Colour time_colour(const PathColours& colours, double share) {
   return mixed(colours.time[i], colours.time[i + 1], part);
 }
 
-Colour keyframe_colour(const PathColours& colours, double share) {
-  constexpr double kInkShare = 0.4;
-  return mixed(time_colour(colours, share), colours.ink, kInkShare);
+void check_index(std::size_t index, std::size_t count, const char* what) {
+  if (index < count) return;
+  throw InputError(std::string("a ") + what + " has index " + std::to_string(index) + ", but the trajectory has " +
+                   std::to_string(count) + " poses: both must come from one run");
 }
 
 void check(const PathOverlay& overlay) {
-  check_indices(overlay.keyframes, overlay.trajectory.size(), "keyframe");
-  check_indices(overlay.doubtful, overlay.trajectory.size(), "doubtful scan");
-  check_indices(overlay.drives, overlay.trajectory.size(), "drive");
-}
-
-std::vector<std::size_t> ends_of_drives(const std::vector<std::size_t>& drives, std::size_t count) {
-  std::vector<std::size_t> ends{0};
-  for (const std::size_t drive : drives) {
-    if (drive > ends.back() && drive < count) ends.push_back(drive);
-  }
-  ends.push_back(count);
-  return ends;
+  const std::size_t count = overlay.trajectory.size();
+  for (const std::size_t index : overlay.keyframes) check_index(index, count, "keyframe");
+  for (const std::size_t index : overlay.doubtful) check_index(index, count, "doubtful scan");
+  for (const std::size_t index : overlay.drives) check_index(index, count, "drive");
 }
 
 std::vector<double> time_shares(const Trajectory& trajectory) {
@@ -220,64 +263,64 @@ std::vector<double> time_shares(const Trajectory& trajectory) {
   return shares;
 }
 
-double duration_s(const Trajectory& trajectory) {
-  double latest_s = 0.0;
-  for (const StampedPose& pose : trajectory) {
-    if (!std::isfinite(pose.stamp_s)) return 0.0;
-    latest_s = std::max(latest_s, pose.stamp_s - trajectory.front().stamp_s);
+std::vector<SeenPose> seen_poses(const MapFrame& frame, const Trajectory& trajectory, std::size_t begin,
+                                 std::size_t end, double least_px) {
+  std::vector<SeenPose> seen;
+  for (std::size_t i = begin; i < end; ++i) {
+    const Point2 at = frame.pixel_of(trajectory[i].T_map_base.translation());
+    if (!is_on_sheet(at)) continue;
+    if (seen.empty() || i + 1 == end || (at - seen.back().at).norm() >= least_px) seen.push_back({at, i});
   }
-  return latest_s;
+  return seen;
 }
 
-void draw_path(Canvas& canvas, const MapFrame& frame, const PathOverlay& overlay, const MapLook& look,
-               const PathColours& colours, const Proportions& sizes) {
-  const Panel& panel = frame.panel;
-  const std::vector<std::vector<PathPoint>> pieces =
-      seen_pieces(frame, overlay.trajectory, overlay.drives, time_shares(overlay.trajectory), 0.8 * sizes.unit);
-  canvas.begin_clip({panel.left_px, panel.top_px}, panel.width_px, panel.height_px);
-  if (look.with_path) {
-    const auto colour_at = [&colours](double share) { return time_colour(colours, share); };
-    draw_pieces(canvas, pieces, colour_at, {colours.halo, sizes.line_px});
+void draw_dots(Canvas& canvas, const MapFrame& frame, const Trajectory& trajectory,
+               const std::vector<std::size_t>& indices, double radius,
+               const std::function<Colour(std::size_t)>& colour_of) {
+  std::set<std::pair<long, long>> taken;
+  for (const std::size_t index : indices) {
+    const Point2 at = frame.pixel_of(trajectory[index].T_map_base.translation());
+    if (!is_on_sheet(at)) continue;
+    const std::pair key{std::lround(0.5 * at.x() / radius), std::lround(0.5 * at.y() / radius)};
+    if (taken.insert(key).second) canvas.circle(at, radius, Fill{colour_of(index)});
   }
-  if (look.with_keyframes) draw_keyframes(canvas, frame, overlay, colours, sizes);
-  if (look.with_path && !pieces.empty()) {
-    draw_start(canvas, pieces.front().front().at, colours, sizes);
-    draw_end(canvas, pieces.back().back().at, colours, sizes);
-  }
-  draw_doubtful_scans(canvas, frame, overlay, colours, sizes);
-  canvas.end_clip();
 }
 
 void draw_line_of_values(Canvas& canvas, const MapFrame& frame, const PathOfValues& path,
                          const std::function<Colour(double)>& colour_at, const ValueLine& line) {
   constexpr double kLeastStep = 0.35;  // of the line's width
-  const Panel& panel = frame.panel;
-  canvas.begin_clip({panel.left_px, panel.top_px}, panel.width_px, panel.height_px);
-  draw_pieces(canvas, seen_pieces(frame, path.trajectory, path.drives, path.shares, kLeastStep * line.width_px),
-              colour_at, line);
-  canvas.end_clip();
+  const std::vector<std::size_t> ends = ends_of_drives(path.drives, path.trajectory.size());
+  for (std::size_t k = 1; k < ends.size(); ++k) {
+    std::vector<Point2> whole;
+    std::vector<PathPoint> points;
+    for (const SeenPose& pose : seen_poses(frame, path.trajectory, ends[k - 1], ends[k], kLeastStep * line.width_px)) {
+      whole.push_back(pose.at);
+      points.push_back({pose.at, path.shares.empty() ? 0.0 : path.shares[pose.index]});
+    }
+    if (whole.size() < 2) continue;
+    if (line.halo) {
+      canvas.polyline(std::move(whole), {.colour = *line.halo, .width = 2.3 * line.width_px, .opacity = 0.8});
+    }
+    draw_line(canvas, points, colour_at, line.width_px);
+  }
 }
 
-void draw_start(Canvas& canvas, const Point2& centre, const PathColours& colours, const Proportions& sizes) {
-  canvas.circle(centre, kEndRadius * sizes.unit, Fill{time_colour(colours, 0.0)},
-                Pen{.colour = colours.halo, .width = 2.0 * sizes.unit});
+MapLayer path_layer(const PathOverlay& overlay, const MapLook& look, const PathColours& colours) {
+  return {[&](Canvas& canvas, const MapFrame& frame, const Proportions& sizes) {
+            draw_path(canvas, frame, overlay, look, colours, sizes);
+          },
+          [&](const LegendLook& legend, double /*px_per_m*/) { return path_items(overlay, look, colours, legend); }};
 }
 
-void draw_end(Canvas& canvas, const Point2& centre, const PathColours& colours, const Proportions& sizes) {
-  const double radius = kEndRadius * sizes.unit;
-  canvas.circle(centre, radius + sizes.unit, Fill{colours.halo});
-  canvas.circle(centre, 0.75 * radius, Fill{colours.halo},
-                Pen{.colour = time_colour(colours, 1.0), .width = 0.5 * radius});
-}
-
-void draw_keyframe(Canvas& canvas, const Point2& centre, Colour colour, const Proportions& sizes) {
-  canvas.circle(centre, kKeyframeRadius * sizes.unit, Fill{colour});
-}
-
-void draw_doubtful(Canvas& canvas, const Point2& centre, const PathColours& colours, const Proportions& sizes) {
-  const double radius = kRingRadius * sizes.unit;
-  canvas.circle(centre, radius, std::nullopt, Pen{.colour = colours.halo, .width = 5.5 * sizes.unit, .opacity = 0.9});
-  canvas.circle(centre, radius, std::nullopt, Pen{.colour = colours.doubtful, .width = 2.6 * sizes.unit});
+MapLayer line_layer(const Trajectory& path, const std::vector<std::size_t>& drives, const std::string& words,
+                    Colour colour, const ValueLine& line) {
+  return {[&path, &drives, colour, line](Canvas& canvas, const MapFrame& frame, const Proportions& /*sizes*/) {
+            draw_line_of_values(
+                canvas, frame, {path, drives, {}}, [colour](double /*share*/) { return colour; }, line);
+          },
+          [words, colour, line](const LegendLook& legend, double /*px_per_m*/) {
+            return LegendItems{line_item(words, {.colour = colour, .width = line.width_px}, legend)};
+          }};
 }
 
 }  // namespace gdtslam::picture

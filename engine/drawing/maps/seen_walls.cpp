@@ -1,7 +1,6 @@
 #include "seen_walls.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <optional>
 
@@ -11,50 +10,18 @@
 namespace gdtslam::picture {
 namespace {
 
-/// A beam through cells, border by border [AmanatidesWoo1987].
-class CellWalk {
- public:
-  CellWalk(const GridGeometry& grid, const Point2& from_m, const Point2& direction)
-      : cell_(grid.cell_of(from_m)),
-        x_(from_m.x() - grid.origin_x_m, cell_.x, direction.x(), grid.resolution_m),
-        y_(from_m.y() - grid.origin_y_m, cell_.y, direction.y(), grid.resolution_m) {}
-
-  [[nodiscard]] CellIndex cell() const { return cell_; }
-  /// Into the next cell; returns how far along the beam its border is, metres.
-  double step() {
-    Axis& axis = x_.next_m <= y_.next_m ? x_ : y_;
-    (x_.next_m <= y_.next_m ? cell_.x : cell_.y) += axis.sign;
-    const double at_m = axis.next_m;
-    axis.next_m += axis.every_m;
-    return at_m;
-  }
-
- private:
-  struct Axis {
-    Axis(double at_m, std::int32_t cell, double direction, double cell_m)
-        : sign(direction < 0.0 ? -1 : 1),
-          every_m(direction == 0.0 ? HUGE_VAL : cell_m / std::fabs(direction)),
-          next_m(direction == 0.0 ? HUGE_VAL : ((cell + (sign > 0 ? 1 : 0)) * cell_m - at_m) / direction) {}
-    std::int32_t sign;
-    double every_m;
-    double next_m;
-  };
-  CellIndex cell_;
-  Axis x_;
-  Axis y_;
-};
-
 /// The robot itself stands in no wall, whatever the map says of the cells around it.
 constexpr double kOwnPlace_m = 0.25;
+constexpr double kStepsPerCell = 8.0;  ///< along a beam: a corner that is cut by less hides nothing
 
 std::optional<CellIndex> wall_along(const OccupancyMap& map, const Point2& from_m, const Point2& direction,
                                     double reach_m) {
-  CellWalk walk(map.geometry, from_m, direction);
-  for (double at_m = 0.0; at_m <= reach_m; at_m = walk.step()) {
-    if (!map.geometry.contains(walk.cell())) return std::nullopt;
-    const CellState state = map.at(walk.cell());
-    if (at_m < kOwnPlace_m || state == CellState::kFree) continue;
-    return state == CellState::kOccupied ? std::optional(walk.cell()) : std::nullopt;
+  const double step_m = map.geometry.resolution_m / kStepsPerCell;
+  for (double at_m = kOwnPlace_m; at_m <= reach_m; at_m += step_m) {
+    const CellIndex cell = map.geometry.cell_of(from_m + at_m * direction);
+    if (!map.geometry.contains(cell)) return std::nullopt;
+    const CellState state = map.at(cell);
+    if (state != CellState::kFree) return state == CellState::kOccupied ? std::optional(cell) : std::nullopt;
   }
   return std::nullopt;
 }

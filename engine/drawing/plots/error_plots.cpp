@@ -59,49 +59,16 @@ double axis_end(const Plot& plot) {
 
 constexpr double kBoxWidth = 0.44;  // of the distance of two boxes
 
-/// How the medians are written: beside the boxes where all find room there, else above them.
-struct MedianWords {
-  bool is_beside = true;
-  double size = 0.0;
-  std::string unit = {};
-};
-
-MedianWords median_words(const Plot& plot, const std::vector<SortedGroup>& groups, const std::string& unit,
-                         double text_size) {
-  constexpr double kShare = 0.9;
-  const double distance = plot.at(1.0, 0.0).x() - plot.at(0.0, 0.0).x();
-  const double gap = 0.4 * text_size;
-  const auto widest = [&](const std::string& of) {
-    double width = 0.0;
-    for (const SortedGroup& group : groups) {
-      if (group.values.empty()) continue;
-      width = std::max(width, text_width(value_text(quantile_of_sorted(group.values, 0.5), of), 1.0, true));
-    }
-    return width;
-  };
-  // The last one has the way to the frame.
-  const double room = (0.5 - 0.5 * kBoxWidth) * distance - gap;
-  if (kShare * text_size * widest(unit) <= room) return {true, kShare * text_size, unit};
-  const double least = 0.6 * text_size;
-  const double with_unit = 0.94 * distance / std::max(widest(unit), 1e-9);
-  if (with_unit >= least) return {false, std::min(kShare * text_size, with_unit), unit};
-  return {false, std::min(kShare * text_size, 0.94 * distance / std::max(widest(""), 1e-9)), ""};
-}
-
-void draw_median(Plot& plot, double x, const BoxFigures& figures, const MedianWords& words, double text_size) {
+/// Above the box, as large as the distance of two boxes allows.
+void draw_median(Plot& plot, double x, const BoxFigures& figures, const std::string& unit, double text_size) {
   constexpr double kSmallest_px = 7.0;
-  if (words.size < kSmallest_px) return;
-  const Lettering letters{.size = words.size,
-                          .colour = kLightTheme.text,
-                          .anchor = words.is_beside ? Anchor::kStart : Anchor::kMiddle,
-                          .is_bold = true,
-                          .has_halo = true};
-  const std::string text = value_text(figures.median, words.unit);
-  if (words.is_beside) {
-    plot.words(x + 0.5 * kBoxWidth, figures.median, text, letters, {0.4 * text_size, 0.34 * text_size});
-  } else {
-    plot.words(x, figures.upper_quartile, text, letters, {0.0, -0.4 * words.size});
-  }
+  const double room = 0.94 * (plot.at(1.0, 0.0).x() - plot.at(0.0, 0.0).x());
+  const std::string text = value_text(figures.median, unit);
+  const double size = std::min(0.9 * text_size, room / text_width(text, 1.0, true));
+  if (size < kSmallest_px) return;
+  plot.words(x, figures.upper_quartile, text,
+             {.size = size, .colour = kLightTheme.text, .anchor = Anchor::kMiddle, .is_bold = true, .has_halo = true},
+             {0.0, -0.4 * size});
 }
 
 /// "31 beyond, up to 0.0260 m" at the upper edge; in fewer words where the boxes are close.
@@ -115,15 +82,6 @@ void draw_beyond(Plot& plot, double x, const SortedGroup& group, const std::stri
   const double size = std::min(0.8 * text_size, room / text_width(words, 1.0));
   plot.words(x, to, words, {.size = size, .colour = kLightTheme.quiet, .anchor = Anchor::kMiddle, .has_halo = true},
              {0.0, 1.3 * text_size + plot.inside().corner.y() - plot.at(x, to).y()});
-}
-
-void draw_box(Plot& plot, double x, const SortedGroup& group, std::size_t number, const std::string& unit,
-              const MedianWords& words, double text_size) {
-  if (group.values.empty()) return;  // its name says so
-  const BoxFigures figures = box_figures(group.values);
-  plot.box(x, kBoxWidth, figures, kLightTheme.curve(number));
-  draw_beyond(plot, x, group, unit, text_size);
-  draw_median(plot, x, figures, words, text_size);
 }
 
 /// Value and share of the values up to it.
@@ -183,9 +141,13 @@ Canvas box_plot(const ErrorPlot& plot, const PictureSize& size) {
     }
     const PlotLook look = plot_look(plot.title);
     Plot drawn(canvas, area, x, axis_of(axis_title(plot.quantity, plot.unit), range.from, range.to, true), look);
-    const MedianWords words = median_words(drawn, groups, plot.unit, look.text_size);
     for (std::size_t i = 0; i < groups.size(); ++i) {
-      draw_box(drawn, static_cast<double>(i + 1), groups[i], i, plot.unit, words, look.text_size);
+      if (groups[i].values.empty()) continue;  // its name says so
+      const double at = static_cast<double>(i + 1);
+      const BoxFigures figures = box_figures(groups[i].values);
+      drawn.box(at, kBoxWidth, figures, kLightTheme.curve(i));
+      draw_beyond(drawn, at, groups[i], plot.unit, look.text_size);
+      draw_median(drawn, at, figures, plot.unit, look.text_size);
     }
   });
 }

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
-#include <variant>
 
 #include "engine/drawing/maps/map_frame.hpp"
 
@@ -14,50 +12,6 @@ namespace {
 
 constexpr double kTextPx = 20.0;
 constexpr double kMarginPx = 24.0;
-
-/// Draws shapes larger or smaller; dashes keep their length.
-struct Scaling {
-  Canvas& canvas;
-  double unit;
-
-  [[nodiscard]] Pen of(Pen pen) const {
-    pen.width *= unit;
-    return pen;
-  }
-  [[nodiscard]] std::optional<Pen> of(const std::optional<Pen>& pen) const {
-    return pen ? std::optional<Pen>(of(*pen)) : std::nullopt;
-  }
-  [[nodiscard]] std::vector<Point2> of(std::vector<Point2> points) const {
-    for (Point2& point : points) point *= unit;
-    return points;
-  }
-
-  void operator()(const shape::Rectangle& what) const {
-    canvas.rectangle(what.corner * unit, what.width * unit, what.height * unit, what.fill, of(what.edge),
-                     what.radius * unit);
-  }
-  void operator()(const shape::Line& what) const { canvas.polyline(of(what.points), of(what.pen)); }
-  void operator()(const shape::Polygon& what) const { canvas.polygon(of(what.points), what.fill); }
-  void operator()(const shape::Circle& what) const {
-    canvas.circle(what.centre * unit, what.radius * unit, what.fill, of(what.edge));
-  }
-  void operator()(const shape::Words& what) const {
-    Lettering lettering = what.lettering;
-    lettering.size *= unit;
-    if (what.is_upright) {
-      canvas.upright_text(what.at * unit, what.text, lettering);
-    } else {
-      canvas.text(what.at * unit, what.text, lettering);
-    }
-  }
-  void operator()(const shape::Picture& what) const {
-    canvas.picture(what.corner * unit, what.width * unit, what.height * unit, what.image, what.is_smooth);
-  }
-  void operator()(const shape::ClipBegin& what) const {
-    canvas.begin_clip(what.corner * unit, what.width * unit, what.height * unit);
-  }
-  void operator()(const shape::ClipEnd& /*what*/) const { canvas.end_clip(); }
-};
 
 }  // namespace
 
@@ -69,7 +23,7 @@ Canvas plot_sheet(const std::string& title, const PictureSize& size, const DrawP
   canvas.rectangle({0.0, 0.0}, width, height, Fill{kLightTheme.card});
   draw(canvas, {{kMarginPx, kMarginPx}, width - 2.0 * kMarginPx, height - 2.0 * kMarginPx});
   Canvas page(size.width, size.height, canvas.title());
-  for (const Shape& shape : canvas.shapes()) std::visit(Scaling{page, unit}, shape);
+  page.place(canvas, Point2::Zero(), unit);
   return page;
 }
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <mutex>
+#include <memory>
 
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
@@ -18,7 +18,7 @@ extern "C" const char* __lsan_default_options() { return "print_suppressions=0";
 namespace gdtslam {
 namespace {
 
-/// The face that text_width() knows; fontconfig gives its nearest one where it is not installed.
+/// Debian's "sans"; fontconfig gives its nearest one if it is not installed.
 constexpr const char* kFace = "DejaVu Sans";
 constexpr double kHalo_px = 4.0;
 constexpr std::size_t kMostDashes = 8;
@@ -67,19 +67,19 @@ void trace(cairo_t* context, const shape::Rectangle& box) {
   cairo_close_path(context);
 }
 
-/// Cairo has letters of its own, A to z only, for where there is no font at all: words would be wrong without a word.
-/// One thread at a time: it takes the locks of these letters now in the one order, now in the other.
-void check_font(cairo_t* context) {
-  static std::mutex mutex;
-  const std::lock_guard lock(mutex);
-  cairo_scaled_font_t* const font = cairo_get_scaled_font(context);
-  cairo_text_extents_t extents;
-  cairo_text_extents(context, "0", &extents);
-  if (cairo_scaled_font_get_type(font) == CAIRO_FONT_TYPE_USER || !(extents.x_advance > 0.0) ||
-      !(extents.height > 0.0)) {
-    throw UnavailableError(
-        "there is no font to write the words of a picture with: install one (Debian: fonts-dejavu-core), or write SVG");
-  }
+/// Stated, so that a desktop's settings of its letters change no picture.
+std::unique_ptr<cairo_font_options_t, CairoDeleter> font_options() {
+  std::unique_ptr<cairo_font_options_t, CairoDeleter> options(cairo_font_options_create());
+  cairo_font_options_set_antialias(options.get(), CAIRO_ANTIALIAS_GRAY);
+  cairo_font_options_set_hint_style(options.get(), CAIRO_HINT_STYLE_SLIGHT);
+  cairo_font_options_set_hint_metrics(options.get(), CAIRO_HINT_METRICS_OFF);
+  return options;
+}
+
+using CairoFace = std::unique_ptr<cairo_font_face_t, CairoDeleter>;
+CairoFace font_face(bool is_bold) {
+  return CairoFace(cairo_toy_font_face_create(kFace, CAIRO_FONT_SLANT_NORMAL,
+                                              is_bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL));
 }
 
 double start_of(Anchor anchor, double advance) {
@@ -104,12 +104,22 @@ void check_cairo(cairo_status_t status, const std::string& what) {
 CairoPainter::CairoPainter(cairo_t* context) : context_(context) {
   cairo_set_line_cap(context_, CAIRO_LINE_CAP_ROUND);
   cairo_set_line_join(context_, CAIRO_LINE_JOIN_ROUND);
-  const std::unique_ptr<cairo_font_options_t, CairoDeleter> options(cairo_font_options_create());
-  // Stated, so that a desktop's settings of its letters change no picture.
-  cairo_font_options_set_antialias(options.get(), CAIRO_ANTIALIAS_GRAY);
-  cairo_font_options_set_hint_style(options.get(), CAIRO_HINT_STYLE_SLIGHT);
-  cairo_font_options_set_hint_metrics(options.get(), CAIRO_HINT_METRICS_OFF);
-  cairo_set_font_options(context_, options.get());
+  cairo_set_font_options(context_, font_options().get());
+}
+
+// Cairo has letters of its own, A to z only, for a system without any font: words would be wrong without a notice.
+CairoFont scaled_font(bool is_bold, double size) {
+  cairo_matrix_t scale;
+  cairo_matrix_init_scale(&scale, size, size);
+  cairo_matrix_t identity;
+  cairo_matrix_init_identity(&identity);
+  CairoFont font(cairo_scaled_font_create(font_face(is_bold).get(), &scale, &identity, font_options().get()));
+  if (cairo_scaled_font_status(font.get()) != CAIRO_STATUS_SUCCESS ||
+      cairo_scaled_font_get_type(font.get()) == CAIRO_FONT_TYPE_USER) {
+    throw UnavailableError(
+        "there is no font to write the words of a picture with: install one (Debian: fonts-dejavu-core)");
+  }
+  return font;
 }
 
 void CairoPainter::fill(const std::optional<Fill>& fill) {
@@ -151,24 +161,15 @@ void CairoPainter::operator()(const shape::Circle& circle) {
   stroke(circle.edge);
 }
 
-void CairoPainter::use_font(const Lettering& lettering) {
-  cairo_select_font_face(context_, kFace, CAIRO_FONT_SLANT_NORMAL,
-                         lettering.is_bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
-  cairo_set_font_size(context_, lettering.size);
-  if (!has_font_) check_font(context_);
-  has_font_ = true;
-}
-
 void CairoPainter::operator()(const shape::Words& words) {
   const Lettering& lettering = words.lettering;
-  use_font(lettering);
+  cairo_set_font_face(context_, font_face(lettering.is_bold).get());
+  cairo_set_font_size(context_, lettering.size);
   const char* const text = words.text.c_str();
   cairo_save(context_);
   cairo_translate(context_, words.at.x(), words.at.y());
   if (words.is_upright) cairo_rotate(context_, -0.5 * kPi);
-  cairo_text_extents_t extents;
-  cairo_text_extents(context_, text, &extents);
-  const double start = start_of(lettering.anchor, extents.x_advance);
+  const double start = start_of(lettering.anchor, text_width(words.text, lettering.size, lettering.is_bold));
   if (lettering.has_halo) {
     cairo_new_path(context_);
     cairo_move_to(context_, start, 0.0);
@@ -194,7 +195,9 @@ void CairoPainter::operator()(const shape::Picture& picture) {
   cairo_set_source_surface(context_, surface.get(), 0.0, 0.0);
   cairo_pattern_t* const pattern = cairo_get_source(context_);
   cairo_pattern_set_filter(pattern, picture.is_smooth ? CAIRO_FILTER_GOOD : CAIRO_FILTER_NEAREST);
-  cairo_pattern_set_extend(pattern, CAIRO_EXTEND_PAD);  // no half-transparent rim where it is enlarged
+  if (cairo_surface_get_type(cairo_get_target(context_)) == CAIRO_SURFACE_TYPE_IMAGE) {
+    cairo_pattern_set_extend(pattern, CAIRO_EXTEND_PAD);  // no half-transparent rim if it is enlarged
+  }
   cairo_paint(context_);
   cairo_restore(context_);
 }

@@ -1,4 +1,4 @@
-// A drawing's shapes, drawn by Cairo on whatever surface is given; as SVG has them, so that all forms look alike.
+// A drawing's shapes, drawn by Cairo on pixels, SVG and PDF alike.
 // One object belongs to one thread; different threads may paint at once. O(shapes + pixels).
 #pragma once
 
@@ -16,17 +16,20 @@ struct CairoDeleter {
   void operator()(cairo_surface_t* surface) const { cairo_surface_destroy(surface); }
   void operator()(cairo_t* context) const { cairo_destroy(context); }
   void operator()(cairo_font_options_t* options) const { cairo_font_options_destroy(options); }
+  void operator()(cairo_font_face_t* face) const { cairo_font_face_destroy(face); }
+  void operator()(cairo_scaled_font_t* font) const { cairo_scaled_font_destroy(font); }
 };
 using CairoSurface = std::unique_ptr<cairo_surface_t, CairoDeleter>;
 using CairoContext = std::unique_ptr<cairo_t, CairoDeleter>;
+using CairoFont = std::unique_ptr<cairo_scaled_font_t, CairoDeleter>;
 
 /// Throws Error unless all went well; `what` was done, in a few words.
 void check_cairo(cairo_status_t status, const std::string& what);
 
-/// Of an image, its colours multiplied by their alpha as Cairo wants them.
+/// An image with its colours multiplied by their alpha as Cairo wants them.
 CairoSurface surface_of(const RgbaImage& image);
-/// The same, into rows of a surface that has the image's size.
-void copy_premultiplied(const RgbaImage& image, std::uint8_t* rows, std::size_t row_bytes);
+/// The face of all drawings. Throws UnavailableError if there is no font.
+CairoFont scaled_font(bool is_bold, double size);
 
 /// std::visit with it draws a shape.
 class CairoPainter {
@@ -45,11 +48,9 @@ class CairoPainter {
  private:
   void fill(const std::optional<Fill>& fill);
   void stroke(const std::optional<Pen>& pen);
-  void use_font(const Lettering& lettering);
 
   cairo_t* context_;
   int open_clips_ = 0;
-  bool has_font_ = false;
 };
 
 }  // namespace gdtslam

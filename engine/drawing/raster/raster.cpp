@@ -1,12 +1,17 @@
 #include "gdtslam/drawing/raster.hpp"
 
 #include <cairo-pdf.h>
+#include <cairo-svg.h>
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <cstring>
+#include <map>
+#include <string_view>
 
 #include "cairo_painter.hpp"
+#include "engine/drawing/markup.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
@@ -20,15 +25,6 @@ std::uint32_t pixels_of(double length, double scale) {
     throw Error(ExitCode::kFailed, "a picture has 1 to 32767 pixels a side, not " + std::to_string(length * scale));
   }
   return static_cast<std::uint32_t>(pixels);
-}
-
-/// A film's frame: the drawing begins with a picture of its own size, which need not be composed with anything.
-bool begins_with_background(const Canvas& drawing, double scale, const RgbaImage& image) {
-  if (scale != 1.0 || drawing.shapes().empty()) return false;
-  const auto* const picture = std::get_if<shape::Picture>(&drawing.shapes().front());
-  return picture != nullptr && picture->corner == Point2::Zero() && picture->image->width == image.width &&
-         picture->image->height == image.height && picture->width == static_cast<double>(image.width) &&
-         picture->height == static_cast<double>(image.height);
 }
 
 // Between our pixels (bytes red, green, blue, alpha) and Cairo's (words of alpha, red, green, blue, the colours
@@ -74,10 +70,65 @@ cairo_status_t append(void* text, const unsigned char* bytes, unsigned int count
   return CAIRO_STATUS_SUCCESS;
 }
 
+void paint(const Canvas& drawing, const CairoSurface& surface, double scale) {
+  const CairoContext context(cairo_create(surface.get()));
+  cairo_scale(context.get(), scale, scale);
+  CairoPainter painter(context.get());
+  for (const Shape& shape : drawing.shapes()) std::visit(painter, shape);
+  check_cairo(cairo_status(context.get()), "drawing a picture");
+}
+
+void finish_page(const CairoSurface& surface) {
+  cairo_surface_show_page(surface.get());
+  cairo_surface_finish(surface.get());
+  check_cairo(cairo_surface_status(surface.get()), "writing a picture");
+}
+
+/// Cairo names an image by its number in the process. Numbers by their order make the text depend on the drawing alone.
+std::string numbered_by_order(const std::string& svg) {
+  std::string text;
+  std::map<std::string, std::size_t> numbers;
+  std::size_t copied = 0;
+  for (std::size_t at = svg.find_first_of("\"#"); at != std::string::npos; at = svg.find_first_of("\"#", at + 1)) {
+    for (const std::string_view name : {"image", "surface"}) {
+      const std::size_t begin = at + 1 + name.size();
+      if (svg.compare(at + 1, name.size(), name) != 0) continue;
+      const std::size_t end = svg.find_first_not_of("0123456789", begin);
+      if (end == begin || end == std::string::npos) continue;
+      const auto [number, is_new] = numbers.try_emplace(svg.substr(begin, end - begin), numbers.size() + 1);
+      text += svg.substr(copied, begin - copied) + std::to_string(number->second);
+      copied = end;
+    }
+  }
+  return text + svg.substr(copied);
+}
+
+/// Title and words, for screen readers and searches: the letters of the drawing are outlines.
+std::string described(const Canvas& drawing) {
+  std::string words;
+  for (const Shape& shape : drawing.shapes()) {
+    if (const auto* const line = std::get_if<shape::Words>(&shape)) words += markup_text(line->text) + "\n";
+  }
+  return "<title>" + markup_text(drawing.title()) + "</title>\n<desc>" + words + "</desc>\n";
+}
+
+bool has_square_pixels(const Canvas& drawing) {
+  return std::any_of(drawing.shapes().begin(), drawing.shapes().end(), [](const Shape& shape) {
+    const auto* const picture = std::get_if<shape::Picture>(&shape);
+    return picture != nullptr && !picture->is_smooth;
+  });
+}
+
 }  // namespace
 
-void copy_premultiplied(const RgbaImage& image, std::uint8_t* rows, std::size_t row_bytes) {
+CairoSurface surface_of(const RgbaImage& image) {
   assert(image.pixels.size() == std::size_t{4} * image.width * image.height);
+  CairoSurface surface(
+      cairo_image_surface_create(CAIRO_FORMAT_ARGB32, static_cast<int>(image.width), static_cast<int>(image.height)));
+  check_cairo(cairo_surface_status(surface.get()), "taking an image into a drawing");
+  cairo_surface_flush(surface.get());
+  std::uint8_t* const rows = cairo_image_surface_get_data(surface.get());
+  const auto row_bytes = static_cast<std::size_t>(cairo_image_surface_get_stride(surface.get()));
   for (std::uint32_t y = 0; y < image.height; ++y) {
     const std::uint8_t* from = image.at(0, y);
     std::uint8_t* to = rows + row_bytes * y;
@@ -86,15 +137,6 @@ void copy_premultiplied(const RgbaImage& image, std::uint8_t* rows, std::size_t 
       std::memcpy(to, &word, sizeof(word));
     }
   }
-}
-
-CairoSurface surface_of(const RgbaImage& image) {
-  CairoSurface surface(
-      cairo_image_surface_create(CAIRO_FORMAT_ARGB32, static_cast<int>(image.width), static_cast<int>(image.height)));
-  check_cairo(cairo_surface_status(surface.get()), "taking an image into a drawing");
-  cairo_surface_flush(surface.get());
-  copy_premultiplied(image, cairo_image_surface_get_data(surface.get()),
-                     static_cast<std::size_t>(cairo_image_surface_get_stride(surface.get())));
   cairo_surface_mark_dirty(surface.get());
   return surface;
 }
@@ -106,21 +148,23 @@ RgbaImage raster_of(const Canvas& drawing, double scale) {
       cairo_image_surface_create_for_data(image.pixels.data(), CAIRO_FORMAT_ARGB32, static_cast<int>(image.width),
                                           static_cast<int>(image.height), static_cast<int>(row_bytes)));
   check_cairo(cairo_surface_status(surface.get()), "making a picture");
-  std::size_t next = 0;
-  if (begins_with_background(drawing, scale, image)) {
-    cairo_surface_flush(surface.get());
-    copy_premultiplied(*std::get<shape::Picture>(drawing.shapes().front()).image, image.pixels.data(), row_bytes);
-    cairo_surface_mark_dirty(surface.get());
-    next = 1;
-  }
-  const CairoContext context(cairo_create(surface.get()));
-  cairo_scale(context.get(), scale, scale);
-  CairoPainter painter(context.get());
-  for (; next < drawing.shapes().size(); ++next) std::visit(painter, drawing.shapes()[next]);
-  check_cairo(cairo_status(context.get()), "drawing a picture");
+  paint(drawing, surface, scale);
   cairo_surface_finish(surface.get());
   become_pixels(image);
   return image;
+}
+
+std::string svg_of(const Canvas& drawing) {
+  std::string bytes;
+  const CairoSurface surface(cairo_svg_surface_create_for_stream(&append, &bytes, drawing.width(), drawing.height()));
+  check_cairo(cairo_surface_status(surface.get()), "making an SVG");
+  cairo_svg_surface_set_document_unit(surface.get(), CAIRO_SVG_UNIT_USER);
+  paint(drawing, surface, 1.0);
+  finish_page(surface);
+  std::string svg = numbered_by_order(bytes.substr(bytes.find("<svg ")));
+  const std::string style = has_square_pixels(drawing) ? " style=\"image-rendering:pixelated\"" : "";
+  svg.insert(svg.find(">\n") + 2, described(drawing));
+  return svg.insert(svg.find(' '), " role=\"img\"" + style);  // inherited by every image
 }
 
 std::string pdf_of(const Canvas& drawing) {
@@ -131,16 +175,8 @@ std::string pdf_of(const Canvas& drawing) {
   // The same drawing gives the same bytes: without the time of day that Cairo would write.
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE, "");
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_TITLE, drawing.title().c_str());
-  {
-    const CairoContext context(cairo_create(surface.get()));
-    cairo_scale(context.get(), kPointsPerPixel, kPointsPerPixel);
-    CairoPainter painter(context.get());
-    for (const Shape& shape : drawing.shapes()) std::visit(painter, shape);
-    cairo_show_page(context.get());
-    check_cairo(cairo_status(context.get()), "drawing a PDF");
-  }
-  cairo_surface_finish(surface.get());
-  check_cairo(cairo_surface_status(surface.get()), "writing a PDF");
+  paint(drawing, surface, kPointsPerPixel);
+  finish_page(surface);
   return bytes;
 }
 

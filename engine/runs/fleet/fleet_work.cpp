@@ -18,9 +18,7 @@
 #include "engine/runs/transaction/folder_lock.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
-#ifdef GDTSLAM_HAS_RASTER
 #include "gdtslam/drawing/raster.hpp"
-#endif
 
 namespace gdtslam {
 namespace {
@@ -34,19 +32,6 @@ constexpr std::array<std::string_view, 9> kHashedFiles{"cloud.ply", "config.yaml
 constexpr std::array kHashedKeys{"map_sha256", "trajectory_sha256", "keyframes_sha256"};
 
 constexpr PictureSize kThumbnailSize{.width = 320, .height = 180};  // below 200 pixels a picture has no words
-
-#ifdef GDTSLAM_HAS_RASTER
-constexpr const char* kThumbnail = "thumbnail.png";
-std::string thumbnail_bytes(const Canvas& picture) {
-  const RgbaImage image = raster_of(picture, 2.0);
-  return encode_png(image.width, image.height, image.pixels);
-}
-#else
-constexpr const char* kThumbnail = "thumbnail.svg";
-std::string thumbnail_bytes(const Canvas& picture) {
-  return svg_of(picture, [](const RgbaImage& image) { return encode_png(image.width, image.height, image.pixels); });
-}
-#endif
 
 bool is_fault_of_the_log(ExitCode code) {
   return code == ExitCode::kBadInput || code == ExitCode::kUsage || code == ExitCode::kBadConfig;
@@ -174,13 +159,13 @@ void write_thumbnail(const std::string& folder, const MapOutcome& outcome) {
   try {
     MapLook look;
     look.with_keyframes = false;
-    bytes = thumbnail_bytes(map_picture(outcome.occupancy, {outcome.trajectory, {}, {}, {}}, look, kThumbnailSize));
+    const RgbaImage image =
+        raster_of(map_picture(outcome.occupancy, {outcome.trajectory, {}, {}, {}}, look, kThumbnailSize), 2.0);
+    bytes = encode_png(image.width, image.height, image.pixels);
   } catch (const Error&) {  // the page does without
     return;
   }
-  write_file_atomically(folder + "/" + kThumbnail, bytes);
+  write_file_atomically(folder + "/" + kThumbnailName, bytes);
 }
-
-const char* thumbnail_name() { return kThumbnail; }
 
 }  // namespace gdtslam

@@ -28,8 +28,7 @@ struct MappedFleetLog {
 /// and FileError if the atlas is gone or the record cannot be written.
 MappedFleetLog map_fleet_log(const FleetWork& work, const std::string& log);
 
-/// "thumbnail.png", or .svg in a build without Cairo.
-const char* thumbnail_name();
+inline constexpr const char* kThumbnailName = "thumbnail.png";
 
 /// Writes it into the folder of the record: map and path, without words, 320 x 180 at twice as many pixels. Does
 /// nothing if there is no map or nothing can draw. Throws FileError.

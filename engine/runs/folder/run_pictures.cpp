@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <exception>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -16,11 +17,9 @@
 #include "engine/io/message_text.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
+#include "gdtslam/drawing/raster.hpp"
 #include "gdtslam/drawing/ticks.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
-#ifdef GDTSLAM_HAS_RASTER
-#include "gdtslam/drawing/raster.hpp"
-#endif
 
 namespace gdtslam {
 namespace {
@@ -50,46 +49,28 @@ Canvas graph_of(const MapJob& job, const MapOutcome& outcome) {
       look, size_for_content(geometry.width, geometry.height));
 }
 
-std::string png_of(const RgbaImage& image) { return encode_png(image.width, image.height, image.pixels); }
-
-const std::string kNoPixels = "no pixels for ";
 const std::string kNoPicture = "no picture ";
 
-// The bytes of a picture; nothing and a warning where they cannot be made.
-template <class Encode>
-std::optional<std::string> encoded(const Encode& encode, const std::string& failure,
-                                   std::vector<LogReader::Warning>& warnings) {
-  try {
-    return encode();
-  } catch (const std::exception& error) {
-    warnings.push_back({failure, 1, error.what()});
-    return std::nullopt;
-  }
-}
-
-/// A picture as a file's bytes, one of the two or none, and why not otherwise.
+/// The bytes of a PNG file, or the reason why there are none.
 struct EncodedPicture {
   std::optional<std::string> png;
-  std::optional<std::string> svg;
   std::vector<LogReader::Warning> warnings;
 };
 
-EncodedPicture encoded_picture(const std::string& name, const Canvas& picture) {
+EncodedPicture encoded_picture(const std::string& name, const std::function<Canvas()>& draw) {
   EncodedPicture file;
-#ifdef GDTSLAM_HAS_RASTER
-  file.png = encoded([&] { return png_of(raster_of(picture)); }, kNoPixels + name, file.warnings);
-#endif
-  if (!file.png) file.svg = encoded([&] { return svg_of(picture, png_of); }, kNoPicture + name, file.warnings);
+  try {
+    const RgbaImage image = raster_of(draw());
+    file.png = encode_png(image.width, image.height, image.pixels);
+  } catch (const std::exception& error) {
+    file.warnings.push_back({kNoPicture + name, 1, error.what()});
+  }
   return file;
 }
 
 void write_encoded(RunFolder& folder, const std::string& name, const EncodedPicture& picture,
                    std::vector<LogReader::Warning>& warnings) {
-  const auto write = [&folder](const std::string& file, const std::optional<std::string>& bytes) {
-    if (bytes) write_file_atomically(folder.staged(file), *bytes);
-  };
-  write(name + ".png", picture.png);
-  write(name + ".svg", picture.svg);
+  if (picture.png) write_file_atomically(folder.staged(name + ".png"), *picture.png);
   warnings.insert(warnings.end(), picture.warnings.begin(), picture.warnings.end());
 }
 
@@ -162,11 +143,11 @@ std::string graph_subtitle(std::span<const ClosedLoop> loops, std::span<const Un
   return text;
 }
 
-bool is_picture_warning(const std::string& kind) { return kind.starts_with(kNoPixels) || kind.starts_with(kNoPicture); }
+bool is_picture_warning(const std::string& kind) { return kind.starts_with(kNoPicture); }
 
 void write_picture(RunFolder& folder, const std::string& name, const Canvas& picture,
                    std::vector<LogReader::Warning>& warnings) {
-  write_encoded(folder, name, encoded_picture(name, picture), warnings);
+  write_encoded(folder, name, encoded_picture(name, [&] { return picture; }), warnings);
 }
 
 void write_run_pictures(RunFolder& folder, const MapJob& job, MapOutcome& outcome) {
@@ -182,8 +163,8 @@ void write_run_pictures(RunFolder& folder, const MapJob& job, MapOutcome& outcom
   const unsigned most = has_graph ? 2 : 1;
   WorkerPool workers(std::min(threads_meant(job.on_failure.cpu.threads), most));
   workers.run(has_overview ? most : 0, 1, [&](std::uint64_t begin, std::uint64_t end) {
-    if (begin == 0) overview = encoded_picture("overview", overview_of(job, outcome));
-    if (end == 2) graph = encoded_picture("graph", graph_of(job, outcome));
+    if (begin == 0) overview = encoded_picture("overview", [&] { return overview_of(job, outcome); });
+    if (end == 2) graph = encoded_picture("graph", [&] { return graph_of(job, outcome); });
   });
   if (has_overview) write_encoded(folder, "overview", overview, outcome.warnings);
   if (has_graph) write_encoded(folder, "graph", graph, outcome.warnings);

@@ -43,8 +43,8 @@ std::string loops_text(std::size_t found, std::size_t on);
 std::string graph_subtitle(std::span<const ClosedLoop> loops, std::span<const UncertainStretch> uncertain,
                            std::uint64_t scans);
 
-/// NAME.png; NAME.svg where this build makes no pixels or they fail, for want of a font or of memory; neither where
-/// that fails too. The run is as good without: each failure is one of the warnings. Throws FileError.
+/// NAME.png. The run is as good without it: a failure, for want of a font or of memory, is one of the warnings. Throws
+/// FileError.
 void write_picture(RunFolder& folder, const std::string& name, const Canvas& picture,
                    std::vector<LogReader::Warning>& warnings);
 /// Whether a warning of that kind is one of these.

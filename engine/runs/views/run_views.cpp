@@ -14,10 +14,8 @@
 #include "engine/runs/folder/run_pictures.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
-#include "gdtslam/drawing/ticks.hpp"
-#ifdef GDTSLAM_HAS_RASTER
 #include "gdtslam/drawing/raster.hpp"
-#endif
+#include "gdtslam/drawing/ticks.hpp"
 
 namespace gdtslam {
 namespace {
@@ -79,8 +77,6 @@ using DrawView = Canvas (*)(const RunReader&, const RunViewRequest&);
 constexpr std::array<std::pair<std::string_view, DrawView>, 4> kRunViews{
     {{"map", map_of_run}, {"graph", graph_view}, {"field", intensity_view}, {"distance", distance_view}}};
 
-std::string png_of_view(const RgbaImage& image) { return encode_png(image.width, image.height, image.pixels); }
-
 }  // namespace
 
 Canvas run_view(const RunReader& run, const RunViewRequest& request) {
@@ -99,16 +95,13 @@ Canvas run_view(const RunReader& run, const RunViewRequest& request) {
 }
 
 std::string picture_bytes(const Canvas& drawing, const std::string& format) {
-  if (format == "svg") return svg_of(drawing, png_of_view);
-  if (format != "png" && format != "pdf") {
+  if (format == "svg") return svg_of(drawing);
+  if (format == "pdf") return pdf_of(drawing);
+  if (format != "png") {
     throw UsageError(fmt::format("there is no format '{}' of pictures (png, svg, pdf)", format));
   }
-#ifdef GDTSLAM_HAS_RASTER
-  return format == "png" ? png_of_view(raster_of(drawing)) : pdf_of(drawing);
-#else
-  throw UnavailableError(
-      fmt::format("{}: pictures of pixels and PDF need Cairo, which is not in this build; take svg", format));
-#endif
+  const RgbaImage image = raster_of(drawing);
+  return encode_png(image.width, image.height, image.pixels);
 }
 
 }  // namespace gdtslam

@@ -83,25 +83,6 @@ TEST(CellsPicture, distances_have_one_decimal_where_they_are_not_whole) {
   }
 }
 
-TEST(CellsPicture, a_part_shows_the_cells_it_names) {
-  const Table table = table_of(cells_picture(sample(), {{3, 2}, {13, 10}}, true, {}), 10, 8);
-  for (const auto& [at, shown] : table) {
-    EXPECT_EQ(shown.text, std::to_string(squared_distance(at.first + 3, at.second + 2)));
-  }
-}
-
-TEST(CellsPicture, obstacles_are_filled_and_farther_cells_lighter) {
-  const Table table = table_of(cells_picture(sample(), {{0, 0}, {kWidth, kHeight}}, true, {}), kWidth, kHeight);
-  const auto brightness_of = [](Colour c) { return 0.2126 * c.red + 0.7152 * c.green + 0.0722 * c.blue; };
-  for (const auto& [at, shown] : table) {
-    for (const auto& [other, farther] : table) {
-      if (squared_distance(at.first, at.second) < squared_distance(other.first, other.second)) {
-        EXPECT_LT(brightness_of(shown.ground), brightness_of(farther.ground)) << shown.text << " and " << farther.text;
-      }
-    }
-  }
-}
-
 /// Contrast of WCAG 2 by its text: (L1 + 0.05) / (L2 + 0.05).
 double contrast(Colour a, Colour b) {
   const auto luminance = [](Colour colour) {

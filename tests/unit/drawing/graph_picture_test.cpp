@@ -32,7 +32,7 @@ TEST(GraphPicture, LegendCountsWhatThereIs) {
   EXPECT_TRUE(says(canvas, "1 loop holds"));
   EXPECT_TRUE(says(canvas, "1 loop switched off"));
   EXPECT_TRUE(says(canvas, "10 keyframes"));
-  EXPECT_TRUE(says(canvas, "3 sigma of the position every"));
+  EXPECT_TRUE(says(canvas, "3 sigma every"));
   EXPECT_TRUE(says(canvas, "not to be trusted"));
   EXPECT_TRUE(says(canvas, "7"));
   GraphOverlay path;
@@ -92,8 +92,8 @@ TEST(GraphPicture, EllipsesAreAsLargeAsTheLegendSays) {
     ASSERT_GT(px_per_m, 0.0);
     double factor = 1.0;
     for (const shape::Words& one : shapes_of<shape::Words>(canvas)) {
-      const std::size_t at = one.text.find("drawn ");
-      if (at != std::string::npos) factor = std::atof(one.text.c_str() + at + 6);
+      const std::size_t at = one.text.find(", ");
+      if (one.text.ends_with("times as large")) factor = std::atof(one.text.c_str() + at + 2);
     }
     EXPECT_NEAR(half_widths.front(), 3.0 * factor * deviation_m * px_per_m, 0.01 * half_widths.front()) << deviation_m;
   }

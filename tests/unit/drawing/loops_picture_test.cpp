@@ -114,7 +114,7 @@ TEST_F(LoopsMoments, LegendIsTheSameWhateverTheMoment) {
   moment_.map_share = 1.0;
   EXPECT_EQ(legend(), all);
   EXPECT_TRUE(says(drawn(), "loop switched off"));
-  EXPECT_TRUE(says(drawn(), "3 sigma of the position"));
+  EXPECT_TRUE(says(drawn(), "3 sigma"));
   scene_.has_loops_off = false;
   scene_.largest_sigma_m = 0.0;
   EXPECT_FALSE(says(drawn(), "switched off"));

@@ -112,25 +112,6 @@ TEST(MapPicture, legends_are_made_for_the_scale_that_is_drawn) {
   }
 }
 
-/// Where one row of the legend asks for a longer bar than two rows do; cells are as large as pixels of the map's image.
-TEST(MapPicture, scale_bar_of_a_narrow_map_is_as_long_as_it_says) {
-  constexpr double kCell_m = 0.2713;
-  MapLook look;
-  look.title = "narrow";
-  const Canvas canvas = map_picture(free_map(7, 22, kCell_m, 0.0, 0.0), {}, look, {240, 300});
-  const auto images = shapes_of<shape::Picture>(canvas);
-  ASSERT_EQ(images.size(), 1U);
-  ASSERT_EQ(images[0].image->width, 7U);
-  const double px_per_m = images[0].width / (7.0 * kCell_m);
-  const auto lines = shapes_of<shape::Line>(canvas);
-  const auto bar =
-      std::find_if(lines.begin(), lines.end(), [](const shape::Line& line) { return line.points.size() == 4; });
-  ASSERT_NE(bar, lines.end());
-  const double length_m = (bar->points[2] - bar->points[1]).norm() / px_per_m;
-  EXPECT_NEAR(length_m, std::round(length_m), 1e-6);
-  EXPECT_TRUE(says(canvas, std::to_string(std::lround(length_m)) + " m")) << length_m;
-}
-
 /// A standing robot must not fill the drawing.
 TEST(MapPicture, a_robot_that_stands_costs_nothing) {
   PathOverlay overlay = round_trip();

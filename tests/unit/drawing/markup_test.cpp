@@ -7,7 +7,6 @@
 #include <string_view>
 
 #include "engine/drawing/letters.hpp"
-#include "gdtslam/drawing/canvas.hpp"
 
 namespace gdtslam {
 namespace {
@@ -59,15 +58,6 @@ TEST(Markup, LosesItsMeaning) {
   EXPECT_EQ(markup_text("<b a=\"1\" c='2'>&"), "&lt;b a=&quot;1&quot; c=&#39;2&#39;&gt;&amp;");
   EXPECT_EQ(markup_text("&amp;\x01"), "&amp;amp;" + std::string(kUnknown));
   EXPECT_EQ(markup_text("\xC3\xBC\tm\n"), "\xC3\xBC\tm\n");
-}
-
-// One character that XML does not allow, and no browser shows the drawing.
-TEST(Markup, DrawingsStayWellFormedWhateverTheyAreNamed) {
-  Canvas canvas(10, 10, "a\x1B'b");
-  canvas.text({1, 2}, "<c\x80>");
-  const std::string svg = svg_of(canvas);
-  EXPECT_NE(svg.find("<title>a &#39;b</title>"), std::string::npos) << svg;
-  EXPECT_NE(svg.find("&lt;c" + std::string(kUnknown) + "&gt;</text>"), std::string::npos) << svg;
 }
 
 }  // namespace

@@ -91,15 +91,6 @@ TEST(Plot, NamesOfGroupsTakeTwoRowsBeforeTheyAreCut) {
   EXPECT_EQ(whole, 4);
 }
 
-TEST(Plot, PutsValuesWhereALinearScaleHasThem) {
-  Canvas canvas(500, 400, "");
-  const Plot plot(canvas, {{0, 0}, 500, 400}, {.from = -1, .to = 3}, {.from = 10, .to = 20});
-  const DrawingArea& frame = plot.inside();
-  EXPECT_TRUE(plot.at(-1, 20).isApprox(frame.corner));
-  EXPECT_TRUE(plot.at(3, 10).isApprox(frame.corner + Point2(frame.width, frame.height)));
-  EXPECT_TRUE(plot.at(1, 15).isApprox(frame.corner + 0.5 * Point2(frame.width, frame.height)));
-}
-
 TEST(Plot, WhatIsNotFiniteLeavesAGap) {
   Canvas canvas(500, 400, "");
   Plot plot(canvas, {{0, 0}, 500, 400}, {.to = 4}, {});
@@ -127,17 +118,6 @@ TEST(Plot, AMillionValuesKeepTheirExtremes) {
   for (std::size_t i = 1; i < drawn.size(); ++i) EXPECT_LE(drawn[i - 1].x(), drawn[i].x());
 }
 
-TEST(Plot, StepsAreFlatUntilTheNextValue) {
-  Canvas canvas(500, 400, "");
-  Plot plot(canvas, {{0, 0}, 500, 400}, {.to = 2}, {});
-  plot.steps(std::vector<Point2>{{0, 0.2}, {1, 0.7}, {2, 1.0}}, {});
-  const std::vector<Point2> drawn = shapes_of<shape::Line>(canvas).back().points;
-  const std::vector<Point2> expected{plot.at(0, 0.2), plot.at(1, 0.2), plot.at(1, 0.7), plot.at(2, 0.7),
-                                     plot.at(2, 1.0)};
-  ASSERT_EQ(drawn.size(), expected.size());
-  for (std::size_t i = 0; i < drawn.size(); ++i) EXPECT_TRUE(drawn[i].isApprox(expected[i])) << i;
-}
-
 TEST(Plot, TheLegendKeepsOffTheCurve) {
   for (const bool is_high_at_left : {true, false}) {
     Canvas canvas(600, 400, "");
@@ -158,19 +138,6 @@ TEST(Plot, TheLegendKeepsOffTheCurve) {
   const std::size_t shapes = canvas.shapes().size();
   plot.legend();  // nothing has a name
   EXPECT_EQ(canvas.shapes().size(), shapes);
-}
-
-TEST(Plot, TheLegendFindsTheOneFreeCorner) {
-  Canvas canvas(600, 400, "");
-  Plot plot(canvas, {{0, 0}, 600, 400}, {}, {});
-  plot.line(std::vector<Point2>{{0.0, 0.9}, {1.0, 0.9}}, {}, "a curve");
-  plot.line(std::vector<Point2>{{0.1, 1.0}, {0.1, 0.0}}, {}, "another");
-  plot.line(std::vector<Point2>{{0.0, 0.1}, {0.6, 0.1}}, {});
-  plot.line(std::vector<Point2>{{0.75, 0.5}, {1.0, 0.5}}, {});
-  plot.legend();
-  const shape::Rectangle card = shapes_of<shape::Rectangle>(canvas).back();
-  EXPECT_GT(card.corner.x(), plot.at(0.6, 0.0).x());
-  EXPECT_GT(card.corner.y(), plot.at(0.0, 0.5).y());
 }
 
 TEST(BoxFigures, AreTukeysWithQuartilesBetweenValues) {  // R: quantile(c(1:9, 14.6)); 7.75 + 1.5 * 4.5 = 14.5
@@ -215,38 +182,6 @@ TEST(ColourBar, HasItsColoursItsTicksAndItsRoom) {
   }
 }
 
-TEST(ColourBar, NamesBothEndsHoweverShortItIs) {
-  struct Case {
-    double from, to;
-    const char* low;
-    const char* high;
-  };
-  for (const Case& one : {Case{-0.0312, 2.4731, "\u22120.03", "2.47"}, Case{0.0, 0.5, "0", "0.5"},
-                          Case{3.0, 188.4, "3", "188"}, Case{-40.0, 31.52, "\u221240", "32"}}) {
-    for (const double length : {40.0, 90.0, 240.0, 500.0}) {
-      for (const bool is_upright : {true, false}) {
-        Canvas canvas(800, 800, "");
-        draw_colour_bar(
-            canvas,
-            {.map = &colour_map("lagoon"), .from = one.from, .to = one.to, .is_upright = is_upright, .length = length},
-            {100, 100});
-        const std::vector<shape::Words> words = shapes_of<shape::Words>(canvas);
-        ASSERT_GE(words.size(), 2U);
-        EXPECT_EQ(words.front().text, one.low);
-        EXPECT_EQ(words.back().text, one.high);
-        for (std::size_t k = 1; k < words.size(); ++k) {
-          const Point2 away = words[k].at - words[k - 1].at;
-          const double apart = is_upright ? -away.y() : away.x();
-          const double size = words[k].lettering.size;
-          const double letters =
-              is_upright ? size : 0.5 * (text_width(words[k].text, size) + text_width(words[k - 1].text, size));
-          EXPECT_GE(apart, letters) << words[k - 1].text << " and " << words[k].text;
-        }
-      }
-    }
-  }
-}
-
 TEST(ScaleBar, IsAsLongAsItSays) {
   Canvas canvas(600, 100, "");
   draw_scale_bar(canvas, {.pixels_per_m = 37.0, .most = 160.0, .has_halo = false}, {20, 50});
@@ -282,11 +217,6 @@ TEST(ErrorPlots, BoxesOfManyRunsHaveWordsOfTheirOwn) {
     EXPECT_EQ(names.size(), runs);
     EXPECT_EQ(medians, runs);
   }
-}
-
-TEST(ErrorPlots, LegendsStayWithinSmallPictures) {
-  const ErrorPlot plot = errors_of_runs(2, "office-loop-");
-  expect_tidy(distribution_plot(plot, {300, 200}), DrawingArea{{0.0, 0.0}, 300.0, 200.0});
 }
 
 TEST(ErrorPlots, ErrorsThatAreAllZeroHaveNoAxisBelowZero) {

@@ -1,5 +1,5 @@
 // Paths without a map: their colours, what lies over what, and scales that fit what is shown.
-#include "engine/drawing/plots/trajectory_picture.hpp"
+#include "engine/drawing/maps/path_pictures.hpp"
 
 #include <gtest/gtest.h>
 
@@ -41,17 +41,6 @@ bool has(const std::vector<Colour>& colours, Colour wanted) {
     if (off <= 24) return true;  // the middle of a band of 64 is two of a map's 256 colours from its end
   }
   return false;
-}
-
-TEST(TrajectoryPicture, APathAloneHasTheColoursOfTheMapThatIsAskedFor) {
-  const PathOverlay path{straight(0.0, 10), {}, {}};
-  MapLook look;
-  look.colour_map = "viridis";
-  const std::vector<Colour> colours = colours_along(trajectory_picture(path, look, kSheet));
-  EXPECT_TRUE(has(colours, colour_for(0x440154)));
-  EXPECT_TRUE(has(colours, colour_for(0x21918c)));
-  EXPECT_TRUE(has(colours, colour_for(0xfde725)));
-  EXPECT_FALSE(has(colours_along(trajectory_picture(path, {}, kSheet)), colour_for(0x21918c)));
 }
 
 TEST(TrajectoryPicture, ErrorsRunFromTheMapsFirstColourToItsLast) {

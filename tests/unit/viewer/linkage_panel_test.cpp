@@ -82,13 +82,5 @@ TEST(LinkagePanel, warns_of_a_poor_transmission_angle) {
   EXPECT_EQ(warning_words(0.0), warning_words(kPi) + 1);
 }
 
-TEST(LinkagePanel, small_pictures_are_the_scene_alone) {
-  const GraphicsContext graphics;
-  LinkageScene scene(graphics, calib::sweep_model_of_preset("paper-b"), {.samples = 1});
-  const Canvas canvas = scene.picture(1.0, {200, 160});
-  EXPECT_TRUE(word_boxes(canvas).empty());
-  EXPECT_EQ(canvas.shapes().size(), 1U);
-}
-
 }  // namespace
 }  // namespace gdtslam

@@ -108,33 +108,6 @@ TEST(LinkageParts, joints_are_where_the_law_of_cosines_puts_them) {
   expect_joints(crossed_model());
 }
 
-TEST(LinkageParts, bars_lie_between_their_joints) {
-  Drawn drawn(calib::sweep_model_of_preset("paper-a"));
-  drawn.parts.add_to(drawn.view.renderer());
-  drawn.parts.show_fan(false);
-  int crank_seen = 0;
-  int rocker_seen = 0;
-  for (int i = 0; i < 8; ++i) {
-    const double crank_rad = 0.3 + 0.785 * i;
-    const auto joints = expected_joints(drawn.model, crank_rad).value();
-    const RgbaImage image = drawn.at(crank_rad);
-    const auto colour = [&](const Point2& from, const Point2& to, double share) {
-      const Point2 at = pixel(from + share * (to - from), drawn.height_m);
-      return image.at(static_cast<std::uint32_t>(at.x()), static_cast<std::uint32_t>(at.y()));
-    };
-    for (const double share : {0.25, 0.5, 0.75}) {
-      const std::uint8_t* coupler = colour(joints[1], joints[2], share);
-      EXPECT_GT(coupler[2], coupler[0] + 80) << "no blue at " << share << " of the coupler, crank " << crank_rad;
-    }
-    const std::uint8_t* crank = colour(joints[0], joints[1], 0.5);
-    const std::uint8_t* rocker = colour(joints[3], joints[2], 0.5);
-    crank_seen += crank[0] > crank[2] + 80 ? 1 : 0;
-    rocker_seen += rocker[1] > rocker[0] + 60 ? 1 : 0;
-  }
-  EXPECT_GE(crank_seen, 6) << "the coupler hides it at times";
-  EXPECT_GE(rocker_seen, 6);
-}
-
 /// Share of a ray from the axis, beyond the bars, that has the beams' colour.
 double beam_share(const RgbaImage& image, double angle_rad, double from_px, double to_px) {
   int hits = 0;
@@ -203,17 +176,6 @@ TEST(LinkageParts, dead_points_are_marked_where_the_rocker_turns_back) {
       }
     }
   }
-}
-
-TEST(LinkageParts, nothing_moves_where_the_loop_does_not_close) {
-  calib::SweepModel model;
-  model.bars = {.crank_m = 0.08, .coupler_m = 0.04, .rocker_m = 0.07, .ground_m = 0.09};
-  Drawn drawn(model);
-  drawn.parts.add_to(drawn.view.renderer());
-  const RgbaImage before = drawn.at(0.9);
-  ASSERT_FALSE(expected_joints(model, 3.0));
-  EXPECT_FALSE(drawn.parts.pose(Pose3{}, 3.0));
-  EXPECT_EQ(drawn.view.render(side_camera(drawn.height_m), kPartsSize).pixels, before.pixels);
 }
 
 }  // namespace

@@ -54,26 +54,6 @@ TEST(LinkageScene, goldens) {
   EXPECT_FALSE(passes(other.render(crank_rad, kSize))) << "another linkage";
 }
 
-TEST(LinkageScene, background_can_be_left_out) {
-  const GraphicsContext graphics;
-  LinkageScene scene(graphics, calib::sweep_model_of_preset("paper-b"), {.is_transparent = true, .with_panel = false});
-  const RgbaImage image = scene.render(1.0, {200, 150});
-  EXPECT_EQ(image.at(1, 1)[3], 0);
-  std::size_t solid = 0;
-  for (std::size_t i = 3; i < image.pixels.size(); i += 4) solid += image.pixels[i] == 255 ? 1U : 0U;
-  EXPECT_GT(solid, std::size_t{1000});
-}
-
-TEST(LinkageScene, shows_the_lift_at_its_best_transmission) {
-  const GraphicsContext graphics;
-  const calib::SweepModel model = calib::sweep_model_of_preset("paper-b");
-  LinkageScene scene(graphics, model, {});
-  const double shown_rad = scene.shown_crank_rad();
-  EXPECT_GT(*calib::elevation_rate(model, shown_rad), 0.0);
-  // Of paper-b the transmission angle is largest with crank and ground in one line, the crank outward.
-  EXPECT_NEAR(wrap_angle(shown_rad - kPi), 0.0, rad_from_deg(1.0));
-}
-
 TEST(LinkageFilm, ends_where_it_began_without_a_jump) {
   const GraphicsContext graphics;
   constexpr PictureSize kSize{480, 270};

@@ -69,16 +69,6 @@ TEST(FieldPicture, every_distance_has_a_colour_of_its_own_and_unknown_is_none_of
   }
 }
 
-TEST(FieldPicture, named_colour_map_is_used) {
-  MapLook look;
-  look.colour_map = "grey";
-  const std::vector<Colour> colours = colours_along(raster_of(field_picture(ramp(), {}, look, kBare)));
-  ASSERT_EQ(colours.size(), 22U);
-  for (std::size_t i = 1; i < 21; ++i) EXPECT_LE(std::abs(colours[i].red - colours[i].blue), 2) << i;
-  look.colour_map = "no such map";
-  EXPECT_THROW(field_picture(ramp(), {}, look, kBare), ConfigError);
-}
-
 TEST(FieldPicture, an_obstacle_survives_ten_to_one) {
   // All at 10 cells but one obstacle between walls far apart: no distance transform, so that nothing helps it.
   FieldPicture field{{0.02, 0.0, 0.0, 1500, 1200}, {}, kCap};
@@ -105,16 +95,6 @@ TEST(FieldPicture, an_obstacle_survives_ten_to_one) {
     }
   }
   EXPECT_EQ(pixels, 1);
-}
-
-TEST(FieldPicture, says_what_colours_mean) {
-  const FieldPicture field = ramp();
-  MapLook look;
-  EXPECT_TRUE(says(field_picture(field, {}, look, {1600, 1200}), "intensity"));
-  EXPECT_TRUE(says(field_picture(field, {}, look, {1600, 1200}), "2 m")) << "20 cells of 0.1 m";
-  look.is_intensity = false;
-  EXPECT_TRUE(says(field_picture(field, {}, look, {1600, 1200}), "2 m"));
-  EXPECT_TRUE(says(field_picture(field, {}, look, {1600, 1200}), "farther or unknown"));
 }
 
 TEST(FieldPicture, transparent_where_nothing_is_known) {

@@ -186,38 +186,6 @@ TEST(MapPicture, shows_where_the_robot_has_been_beyond_the_walls) {
   EXPECT_NEAR(dark_columns(image).first, pixel_of(10.0, 30.0).x(), 1.0);
 }
 
-/// The columns between which pixels are brighter than unknown ones.
-Columns bright_columns(const RgbaImage& image) {
-  const double unknown = brightness(image.at(0, 0));
-  return columns_where(image, [&](const std::uint8_t* pixel) { return brightness(pixel) > unknown + 10.0; });
-}
-
-/// 40 m of free cells, of which one column at each end is stray, with a margin of 2 %: from 3.2 pixels on.
-TEST(MapPicture, without_walls_shows_the_known_cells) {
-  OccupancyMap map = building();
-  for (std::size_t cell = 0; cell < map.cells.size(); ++cell) {
-    if (map.cells[cell] == CellState::kOccupied) map.cells.set(cell, CellState::kFree);
-  }
-  const auto expect_all_known = [&] {
-    const Columns columns = bright_columns(raster_of(map_picture(map, {}, {}, kBareMap)));
-    EXPECT_NEAR(columns.first, 3.2, 1.0);
-    EXPECT_NEAR(columns.last + 1.0, 190.0 - 3.2, 1.0);
-  };
-  expect_all_known();
-  set(map, 300, 300, CellState::kOccupied);  // a post in an open hall
-  expect_all_known();
-}
-
-TEST(MapPicture, the_longest_legend_fits_a_narrow_picture) {
-  PathOverlay overlay = straight_path({-1.0, 0.0}, {1.0, 0.0});
-  overlay.keyframes.assign(88888, 1);
-  overlay.doubtful = overlay.keyframes;
-  const RgbaImage image = raster_of(map_picture(free_map(40, 400), overlay, {}, {400, 1600}));
-  for (std::uint32_t y = 0; y < image.height; ++y) {
-    for (std::uint32_t x = image.width - 6; x < image.width; ++x) ASSERT_GT(brightness(image.at(x, y)), 200.0) << y;
-  }
-}
-
 TEST(MapPicture, transparent_where_nothing_is_known) {
   OccupancyMap map = two_rooms();
   MapLook look;

@@ -80,15 +80,6 @@ TEST(BoxPlot, quartiles_whiskers_and_what_lies_beyond) {
   EXPECT_TRUE(says(canvas, "ten (10 values)"));
 }
 
-TEST(BoxPlot, tells_what_has_no_value) {
-  const ErrorPlot plot{"t", "error", "", {{"a", {1.0, kNoValue, 2.0, kNoValue}}, {"b", {}}, {"c", {kNoValue}}}};
-  const Canvas canvas = box_plot(plot, kPlotSize);
-  EXPECT_TRUE(says(canvas, "a (2 values, 2 not finite)"));
-  EXPECT_TRUE(says(canvas, "b (0 values)"));
-  EXPECT_TRUE(says(canvas, "c (0 values, 1 not finite)"));
-  EXPECT_NO_THROW(raster_of(box_plot({}, kPlotSize)));
-}
-
 /// Of 1, 2, 2, 5: a quarter up to 1, three quarters up to 2, all up to 5; the median 2, 95 % at 2 + 0.85 * 3 = 4.55.
 TEST(DistributionPlot, steps_are_the_shares_of_values) {
   const Canvas canvas = distribution_plot({"", "error", "m", {{"four", {5, 2, 1, 2}}}}, kPlotSize);

@@ -116,18 +116,6 @@ TEST(Raster, DashesLeaveGaps) {
   EXPECT_EQ(at(image, 25, 4), kRedPixel);
 }
 
-TEST(Raster, AScaleGivesMorePixels) {
-  Canvas canvas(20, 10, "");
-  canvas.rectangle({2, 3}, 5, 4, kRedFill);
-  const RgbaImage image = raster_of(canvas, 3.0);
-  ASSERT_EQ(image.width, 60U);
-  ASSERT_EQ(image.height, 30U);
-  EXPECT_EQ(at(image, 6, 9), kRedPixel);
-  EXPECT_EQ(at(image, 20, 20), kRedPixel);
-  EXPECT_EQ(at(image, 21, 20), kNothing);
-  EXPECT_EQ(at(image, 5, 9), kNothing);
-}
-
 TEST(Raster, APictureOfItsOwnSizeKeepsEveryPixel) {
   const auto picture = chequered(64, 48);
   for (const bool is_first : {true, false}) {  // the short way and the long one
@@ -136,19 +124,6 @@ TEST(Raster, APictureOfItsOwnSizeKeepsEveryPixel) {
     canvas.picture({0, 0}, 64, 48, picture);
     EXPECT_EQ(raster_of(canvas).pixels, picture->pixels) << is_first;
   }
-}
-
-TEST(Raster, AHalfTransparentPictureSurvivesTheShortWay) {
-  auto picture = std::make_shared<RgbaImage>(2, 1);
-  picture->pixels = {200, 100, 50, 128, 255, 255, 255, 0};
-  Canvas canvas(2, 1, "");
-  canvas.picture({0, 0}, 2, 1, picture);
-  const RgbaImage image = raster_of(canvas);
-  EXPECT_NEAR(at(image, 0, 0)[0], 200, 1);
-  EXPECT_NEAR(at(image, 0, 0)[1], 100, 1);
-  EXPECT_NEAR(at(image, 0, 0)[2], 50, 1);
-  EXPECT_EQ(at(image, 0, 0)[3], 128);
-  EXPECT_EQ(at(image, 1, 0), kNothing);
 }
 
 TEST(Raster, CellsOfAMapStaySquares) {
@@ -197,15 +172,6 @@ TEST(Raster, WordsStandOnTheirAnchor) {
     EXPECT_EQ(ink.bottom, 39U);                    // capitals end at the base line
     EXPECT_NEAR(40.0 - ink.top, 0.729 * 20, 1.0);  // DejaVu Sans' height of capitals
   }
-}
-
-TEST(Raster, UprightWordsReadFromBelow) {
-  Canvas canvas(60, 200, "");
-  canvas.upright_text({40, 150}, "HHHH", {.size = 20});
-  const Extent ink = ink_of(raster_of(canvas));
-  EXPECT_EQ(ink.right, 39U);
-  EXPECT_NEAR(ink.bottom, 149.0, 3.0);
-  EXPECT_NEAR(150.0 - ink.top, text_width("HHHH", 20), 4.0);
 }
 
 TEST(Raster, AHaloSurroundsTheLetters) {

@@ -4,8 +4,8 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "tools/gdtslam/calibrations/run.hpp"
-#include "tools/gdtslam/calibrations/self_run.hpp"
+#include "run.hpp"
+#include "self_run.hpp"
 
 namespace gdtslam {
 

@@ -1,5 +1,4 @@
-// A drawing as the bytes of a file, by the file's extension: .svg always, .png and .pdf where the viewer is built in.
-// Thread-safe; O(shapes + pixels).
+// A drawing as the bytes of a file, by the file's extension. Thread-safe; O(shapes + pixels).
 #pragma once
 
 #include <string>
@@ -12,8 +11,7 @@ namespace gdtslam {
 /// Pixels of a PNG for each of a page-sized drawing: its small letters are crisp on dense displays.
 inline constexpr double kDensePng = 2.0;
 
-/// Before the work begins: throws UsageError that names the option for another extension, UnavailableError where this
-/// build cannot make such a file.
+/// Before the work begins: throws UsageError that names the option for another extension.
 void check_drawing_file(std::string_view option, const std::string& file);
 
 /// By the extension, in small or capital letters. A PNG has `scale` pixels for each of the drawing. Throws as above.

@@ -11,6 +11,7 @@
 
 #include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/theme.hpp"
+#include "gdtslam/drawing/ticks.hpp"
 
 namespace gdtslam {
 namespace {
@@ -88,27 +89,22 @@ TopView view_of(const Measurement& measured, std::span<const CloudPoint> cloud, 
   return view;
 }
 
-double grid_step_of(const TopView& view) {
-  constexpr std::array kSteps{0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0};
-  const auto* const step = std::find_if(kSteps.begin(), kSteps.end(),
-                                        [&view](double candidate) { return candidate * view.pixels_per_m >= 60.0; });
-  return step == kSteps.end() ? kSteps.back() : *step;
-}
+double grid_step_of(const TopView& view) { return round_length_m(120.0 / view.pixels_per_m); }
 
+// By pixels, however far the view reaches.
 void draw_grid(Canvas& canvas, const TopView& view, double step_m) {
   const DrawingArea& card = view.card;
-  const double half_tall_m = 0.5 * card.height / view.pixels_per_m;
-  const double half_wide_m = 0.5 * card.width / view.pixels_per_m;
   const Pen pen{.colour = ink::kGrid};
-  for (double x = std::ceil((view.centre_m.x() - half_tall_m) / step_m); x * step_m < view.centre_m.x() + half_tall_m;
-       x += 1.0) {
-    const double y_px = view.at(x * step_m, 0.0).y();
-    canvas.line({card.corner.x(), y_px}, {card.corner.x() + card.width, y_px}, pen);
+  const double step_px = step_m * view.pixels_per_m;
+  if (!(step_px > 1.0)) return;
+  const Point2 origin = view.at(0.0, 0.0) - card.corner;
+  for (double y = std::fmod(origin.y(), step_px); y < card.height; y += step_px) {
+    const double y_px = card.corner.y() + y;
+    if (y > 0.0) canvas.line({card.corner.x(), y_px}, {card.corner.x() + card.width, y_px}, pen);
   }
-  for (double y = std::ceil((view.centre_m.y() - half_wide_m) / step_m); y * step_m < view.centre_m.y() + half_wide_m;
-       y += 1.0) {
-    const double x_px = view.at(0.0, y * step_m).x();
-    canvas.line({x_px, card.corner.y()}, {x_px, card.corner.y() + card.height}, pen);
+  for (double x = std::fmod(origin.x(), step_px); x < card.width; x += step_px) {
+    const double x_px = card.corner.x() + x;
+    if (x > 0.0) canvas.line({x_px, card.corner.y()}, {x_px, card.corner.y() + card.height}, pen);
   }
 }
 
@@ -197,7 +193,7 @@ void draw_scale(Canvas& canvas, const TopView& view, double step_m) {
   canvas.line(left, right, pen);
   canvas.line(left - Point2(0.0, 5.0), left + Point2(0.0, 5.0), pen);
   canvas.line(right - Point2(0.0, 5.0), right + Point2(0.0, 5.0), pen);
-  canvas.text(0.5 * (left + right) - Point2(0.0, 10.0), fmt::format("{:g} m", step_m),
+  canvas.text(0.5 * (left + right) - Point2(0.0, 10.0), length_text(step_m),
               {.size = 12.0, .colour = ink::kQuiet, .anchor = Anchor::kMiddle, .has_halo = true});
 }
 

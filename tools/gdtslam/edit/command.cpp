@@ -170,7 +170,7 @@ void add_edit_command(CLI::App& app, CommandContext& context) {
   command->add_flag("--tiles", options->request.with_tiles,
                     "Write the map in tiles of 2048 cells a side too, maps in themselves, in the folder DIR/tiles");
   add_force_option(*command, options->request.replace_foreign_files);
-  command->add_flag("--no-pictures", options->no_pictures, "Do not write overview.png and graph.png (or .svg)");
+  command->add_flag("--no-pictures", options->no_pictures, "Do not write overview.png and graph.png");
   command->add_flag("--json", options->json, "Print edits.json on standard output");
   command->add_flag("-q,--quiet", options->quiet, "Print errors only");
   command->footer(kEditFooter);

@@ -34,7 +34,7 @@ Json row_of(const std::string& atlas, const FleetRecord& record, const std::stri
   return {{"name", clean_utf8(log.substr(name))},
           {"folder", clean_utf8(log.substr(0, name))},
           {"run", record.run},
-          {"picture", if_there(fmt::format("logs/{}/{}", name_in_atlas(record.log), thumbnail_name()))},
+          {"picture", if_there(fmt::format("logs/{}/{}", name_in_atlas(record.log), kThumbnailName))},
           {"overview", if_there(record.run + "/overview.png")},
           {"scans", record.scans},
           {"doubtful", record.doubtful},

@@ -275,8 +275,7 @@ void add_map_command(CLI::App& app, CommandContext& context) {
       "--no-loops", options->no_loops,
       "Match each scan with one map of all that was seen; without it loops are closed and the whole path\n"
       "is adjusted once the log has ended");
-  command->add_flag("--no-pictures", options->no_pictures,
-                    "Do not write overview.png, graph.png (or .svg) and cloud.png");
+  command->add_flag("--no-pictures", options->no_pictures, "Do not write overview.png, graph.png and cloud.png");
   command
       ->add_option(
           "--mcap", options->mcap,
@@ -286,8 +285,8 @@ void add_map_command(CLI::App& app, CommandContext& context) {
   command->add_flag("-q,--quiet", options->quiet, "Print errors only");
   command->footer(
       "Writes map.pgm and map.yaml (for ROS map_server and Nav2), gdt.png and gdt.yaml (the distance field),\n"
-      "trajectory.tum, keyframes.bin.gz (the scans in the map), overview.png (or .svg), config.yaml and report.json;\n"
-      "where loops are closed also covariance.csv, graph.g2o and graph.png (or .svg), and where the log tells how the\n"
+      "trajectory.tum, keyframes.bin.gz (the scans in the map), overview.png, config.yaml and report.json;\n"
+      "where loops are closed also covariance.csv, graph.g2o and graph.png, and where the log tells how the\n"
       "laser nods cloud.ply, cloud.png and linkage.yaml, but no keyframes.bin.gz. For --continue, continue.json; a "
       "log\n"
       "that came through a pipe is kept as log-N.jsonl.zst. 'gdtslam render DIR' makes more pictures, films and "

@@ -118,7 +118,7 @@ void add_merge_command(CLI::App& app, CommandContext& context) {
       ->capture_default_str();
   command->add_flag("--no-map", options->no_map,
                     "Do not cast the occupancy map, nor write map.pgm, map.yaml and the pictures of it");
-  command->add_flag("--no-pictures", options->no_pictures, "Do not write overview.png and graph.png (or .svg)");
+  command->add_flag("--no-pictures", options->no_pictures, "Do not write overview.png and graph.png");
   command->add_flag("--json", options->json, "Print merge.json on standard output");
   command->add_flag("-q,--quiet", options->quiet, "Print errors only");
   command->footer(

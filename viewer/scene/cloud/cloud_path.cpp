@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "viewer/scene/linkage/mount_model_mesh.hpp"
+#include "viewer/scene/linkage/shapes.hpp"
 
 namespace gdtslam {
 namespace {
@@ -31,7 +31,7 @@ void paint(vtkActor& actor, Colour colour, double own_light) {
 
 void give(vtkActor& actor, const Mesh& mesh) {
   vtkNew<vtkPolyDataMapper> mapper;
-  mapper->SetInputData(mesh.poly_data());
+  mapper->SetInputData(mesh);
   actor.SetMapper(mapper);
 }
 
@@ -86,19 +86,13 @@ void CloudPath::build(double width_m, std::size_t count) {
     path.push_back(at);
     last = at;
   }
-  Mesh tube;
-  tube.tube(path, 0.5 * width_m, false);
-  give(*tube_, tube);
+  give(*tube_, tubes({path}, 0.5 * width_m));
   double reach_m = 0.0;
   for (const Point3& at : path) reach_m = std::max(reach_m, (at - path.front()).norm());
   for (vtkActor* mark : {start_.Get(), end_.Get()}) mark->SetVisibility(reach_m >= kLeastPath_m);
   const double radius_m = std::max(std::min(kMarkWidths * width_m, kLargestMark_m), kLeastMarkWidths * width_m);
-  Mesh start;
-  start.ball(path.front(), radius_m);
-  give(*start_, start);
-  Mesh end;
-  end.ball(last, radius_m);
-  give(*end_, end);
+  give(*start_, ball(path.front(), radius_m));
+  give(*end_, ball(last, radius_m));
 }
 
 }  // namespace gdtslam

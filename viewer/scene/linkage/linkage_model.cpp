@@ -32,10 +32,7 @@ Solid solid_of(vtkActor& actor) {
   vtkDataArray& normals = *data.GetPointData()->GetNormals();
   for (vtkIdType k = 0; k < data.GetNumberOfPoints(); ++k) {
     solid.places.push_back(floats_of(data.GetPoint(k)));
-    const double* const normal = normals.GetTuple3(k);
-    const double length = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
-    const std::array<double, 3> unit{normal[0] / length, normal[1] / length, normal[2] / length};
-    solid.normals.push_back(floats_of(unit.data()));
+    solid.normals.push_back(floats_of(normals.GetTuple3(k)));
   }
   for (vtkIdType k = 0; k < data.GetNumberOfCells(); ++k) {
     vtkCell& cell = *data.GetCell(k);

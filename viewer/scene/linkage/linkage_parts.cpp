@@ -2,7 +2,6 @@
 
 #include <vtkActor.h>
 #include <vtkMatrix4x4.h>
-#include <vtkPolyData.h>
 #include <vtkPolyDataMapper.h>
 #include <vtkProperty.h>
 #include <vtkRenderer.h>
@@ -20,6 +19,7 @@ constexpr Colour kSteel = colour_for(0x31363d);
 constexpr double kFanHalfWidth_rad = 1.05;
 constexpr Colour kHousing = colour_for(0xc3c8cf);
 constexpr Colour kCapWhite = colour_for(0xfdfdfb);
+constexpr Colour kCradle = colour_for(0x8b929b);
 
 /// At a place of the plane of x and z, the part's x lifted by the angle.
 Pose3 planar(const Point2& place, double y, double angle_rad) {
@@ -30,7 +30,7 @@ Pose3 planar(const Point2& place, double y, double angle_rad) {
 
 vtkSmartPointer<vtkActor> actor_of(const Mesh& mesh, Colour colour, Finish finish, double opacity) {
   const auto mapper = vtkSmartPointer<vtkPolyDataMapper>::New();
-  mapper->SetInputData(mesh.poly_data());
+  mapper->SetInputData(mesh);
   mapper->ScalarVisibilityOff();
   auto actor = vtkSmartPointer<vtkActor>::New();
   actor->SetMapper(mapper);
@@ -90,23 +90,18 @@ double LinkageParts::layer_y(int layer) const {
   return ground_y - 1.2 * thickness_m() * layer;
 }
 
-double LinkageParts::cap_y(int front_layer) const { return layer_y(front_layer) - 0.5 * thickness_m(); }
-
 void LinkageParts::add_pin(Part& part, const Point2& at, double back_y, int front_layer) const {
   const double radius = 0.74 * sizes_.bar_m;
-  const double front_y = cap_y(front_layer) - 0.12 * sizes_.bar_m;
-  part.add(extruded(circle_outline(at, radius), front_y, back_y, 0.08 * radius), kSteel, Finish::kSteel);
-  part.add(
-      extruded(circle_outline(at, 0.68 * radius), front_y - 0.03 * sizes_.bar_m, front_y + 0.1 * sizes_.bar_m, 0.0),
-      kCapWhite, Finish::kFlat);
+  const double front_y = layer_y(front_layer) - 0.5 * thickness_m() - 0.12 * sizes_.bar_m;
+  part.add(extruded({at}, radius, front_y, back_y), kSteel, Finish::kSteel);
+  part.add(extruded({at}, 0.68 * radius, front_y - 0.03 * sizes_.bar_m, front_y), kCapWhite, Finish::kFlat);
 }
 
 void LinkageParts::build_bars() {
   const calib::FourBar& bars = model_.bars;
   const auto add_bar = [&](Part& part, double length_m, int layer, Colour colour) {
     const double y = layer_y(layer);
-    part.add(extruded(bar_outline({0.0, 0.0}, {length_m, 0.0}, sizes_.bar_m), y - 0.5 * thickness_m(),
-                      y + 0.5 * thickness_m(), 0.16 * sizes_.bar_m),
+    part.add(extruded({{0.0, 0.0}, {length_m, 0.0}}, sizes_.bar_m, y - 0.5 * thickness_m(), y + 0.5 * thickness_m()),
              colour);
   };
   add_bar(rocker_, bars.rocker_m, 1, ink::kRocker);
@@ -122,34 +117,26 @@ void LinkageParts::build_ground() {
   const Point2 crank_pivot = calib::place_in_mount(model_, Point2::Zero());
   const double front_y = layer_y(0) - 0.5 * thickness_m();
   const double back_y = layer_y(0) + 0.5 * thickness_m();
-  ground_.add(
-      extruded(bar_outline(crank_pivot, Point2::Zero(), 0.85 * sizes_.bar_m), front_y, back_y, 0.12 * sizes_.bar_m),
-      ink::kGround);
+  ground_.add(extruded({crank_pivot, Point2::Zero()}, 0.85 * sizes_.bar_m, front_y, back_y), ink::kGround);
   if (!sizes_.with_feet) {
     // A motor behind the crank's pivot, where the laser swings clear of it.
-    ground_.add(extruded(circle_outline(crank_pivot, 1.7 * sizes_.bar_m), back_y, back_y + 0.3 * sizes_.laser_m,
-                         0.2 * sizes_.bar_m),
-                kSteel, Finish::kSteel);
+    ground_.add(extruded({crank_pivot}, 1.7 * sizes_.bar_m, back_y, back_y + 0.3 * sizes_.laser_m), kSteel,
+                Finish::kSteel);
     return;
   }
   const double foot_m = 3.4 * sizes_.bar_m;
+  std::vector<std::vector<Point3>> hatch;
   for (const Point2& pivot : {crank_pivot, Point2(Point2::Zero())}) {
     const Point2 left = pivot + Point2(-0.62 * foot_m, -foot_m);
     const Point2 right = pivot + Point2(0.62 * foot_m, -foot_m);
-    ground_.add(
-        extruded(polygon_outline({left, right, pivot + Point2(0.34 * foot_m, 0.0), pivot - Point2(0.34 * foot_m, 0.0)}),
-                 front_y, back_y, 0.0),
-        ink::kGround);
-    Mesh hatch;
-    const double y = layer_y(0);
-    const double thin_m = 0.09 * sizes_.bar_m;
-    hatch.tube({{left.x() - 0.3 * foot_m, y, left.y()}, {right.x() + 0.3 * foot_m, y, right.y()}}, 1.6 * thin_m, false);
+    const Point2 top(0.34 * foot_m, 0.0);
+    ground_.add(extruded({left, right, pivot + top, pivot - top}, 0.0, front_y, back_y), ink::kGround);
     for (int i = 0; i < 6; ++i) {
-      const Point3 from(left.x() - 0.12 * foot_m + 0.31 * foot_m * i, y, left.y());
-      hatch.tube({from, from + Point3(-0.26 * foot_m, 0.0, -0.34 * foot_m)}, thin_m, false);
+      const Point3 from(left.x() - 0.12 * foot_m + 0.31 * foot_m * i, layer_y(0), left.y());
+      hatch.push_back({from, from + Point3(-0.26 * foot_m, 0.0, -0.34 * foot_m)});
     }
-    ground_.add(hatch, ink::kGround);
   }
+  ground_.add(tubes(hatch, 0.09 * sizes_.bar_m), ink::kGround);
 }
 
 Pose3 T_axis_laser(const NoddingMount& mount, double elevation_rad) {
@@ -160,14 +147,10 @@ Pose3 T_axis_laser(const NoddingMount& mount, double elevation_rad) {
 Part laser_part(double side) {
   Part laser;
   const auto add_disc = [&](double radius, double from_z, double to_z, Colour colour, Finish finish) {
-    Mesh disc = extruded(circle_outline(Point2::Zero(), radius * side, 56), -to_z * side, -from_z * side, 0.02 * side);
-    // The outline's z becomes y, its -y becomes up.
-    disc.move({Point3::Zero(), exp_so3(Point3(-0.5 * kPi, 0.0, 0.0))});
-    laser.add(disc, colour, finish);
+    laser.add(upright({Point2::Zero()}, radius * side, from_z * side, to_z * side), colour, finish);
   };
-  laser.add(extruded(rectangle_outline({-0.5 * side, -0.62 * side}, {0.5 * side, -0.14 * side}, 0.07 * side),
-                     -0.5 * side, 0.5 * side, 0.05 * side),
-            kHousing);
+  const RoundedBox housing{{-0.5 * side, -0.62 * side}, {0.5 * side, -0.14 * side}, 0.07 * side};
+  laser.add(extruded(housing.corners(), housing.radius, -0.5 * side, 0.5 * side), kHousing);
   add_disc(0.42, -0.16, -0.10, ink::kLaser, Finish::kPaint);
   add_disc(0.38, -0.12, 0.12, colour_for(0x17191d), Finish::kGlass);
   add_disc(0.42, 0.11, 0.27, kHousing, Finish::kPaint);
@@ -178,40 +161,30 @@ void LinkageParts::build_laser() {
   const double side = sizes_.laser_m;
   laser_ = laser_part(side);
   const Point2 lever(model_.mount.lever_forward_m, model_.mount.lever_up_m);
-  for (const double sign : {-1.0, 1.0}) {
-    const double middle_y = sign * 0.555 * side;
-    cradle_.add(extruded(bar_outline({0.0, 0.0}, lever + Point2(0.0, -0.5 * side), 0.1 * side), middle_y - 0.03 * side,
-                         middle_y + 0.03 * side, 0.01 * side),
-                colour_for(0x8b929b), Finish::kSteel);
+  for (const double middle_y : {-0.555 * side, 0.555 * side}) {
+    cradle_.add(extruded({Point2::Zero(), lever + Point2(0.0, -0.5 * side)}, 0.1 * side, middle_y - 0.03 * side,
+                         middle_y + 0.03 * side),
+                kCradle, Finish::kSteel);
   }
-  cradle_.add(extruded(rectangle_outline(lever + Point2(-0.42 * side, -0.68 * side),
-                                         lever + Point2(0.42 * side, -0.62 * side), 0.02 * side),
-                       -0.57 * side, 0.57 * side, 0.01 * side),
-              colour_for(0x8b929b), Finish::kSteel);
+  const RoundedBox plate{lever + Point2(-0.42 * side, -0.68 * side), lever + Point2(0.42 * side, -0.62 * side),
+                         0.02 * side};
+  cradle_.add(extruded(plate.corners(), plate.radius, -0.57 * side, 0.57 * side), kCradle, Finish::kSteel);
 }
 
 void LinkageParts::build_fan() {
   if (sizes_.fan_m <= 0.0) return;
   constexpr int kBeams = 17;
-  constexpr int kRings = 6;
   const double inner_m = std::min(0.42 * sizes_.laser_m, 0.5 * sizes_.fan_m);
-  for (int ring = 0; ring < kRings; ++ring) {
-    const auto radius = [&](int i) { return inner_m + (sizes_.fan_m - inner_m) * i / kRings; };
-    Mesh mesh;
-    mesh.band(fan_arc(radius(ring)), fan_arc(radius(ring + 1)));
-    fan_.add(mesh, ink::kLaser, Finish::kFlat, 0.34 - 0.04 * ring);
-  }
-  Mesh beams;
+  fan_.add(band(fan_arc(inner_m), fan_arc(sizes_.fan_m)), ink::kLaser, Finish::kFlat, 0.24);
+  std::vector<std::vector<Point3>> beams;
   for (int i = 0; i < kBeams; ++i) {
-    const double bearing_rad = kFanHalfWidth_rad * (2.0 * i / (kBeams - 1) - 1.0);
-    const Point2 unit = calib::unit_at(bearing_rad);
+    const Point2 unit = calib::unit_at(kFanHalfWidth_rad * (2.0 * i / (kBeams - 1) - 1.0));
     const double length_m = beam_length_m(unit, sizes_.fan_m);
-    if (length_m <= inner_m) continue;
-    beams.tube({inner_m * Point3(unit.x(), unit.y(), 0.0), length_m * Point3(unit.x(), unit.y(), 0.0)},
-               0.0024 * sizes_.fan_m, false);
+    const Point3 along(unit.x(), unit.y(), 0.0);
+    if (length_m > inner_m) beams.push_back({inner_m * along, length_m * along});
   }
   // Opaque: VTK blends translucent props without an order, which turns such thin ones nearly white.
-  fan_.add(beams, colour_for(0xe8b04a), Finish::kFlat);
+  fan_.add(tubes(beams, 0.0024 * sizes_.fan_m), colour_for(0xe8b04a), Finish::kFlat);
 }
 
 double LinkageParts::beam_length_m(const Point2& unit, double most_m) const {
@@ -240,7 +213,7 @@ std::optional<LinkageParts::Poses> LinkageParts::poses_at(const Pose3& T_world_a
   if (!position) return std::nullopt;
   const auto& [crank_pivot, crank_end, coupler_end, axis] = position->joints;
   const auto angle = [this](double rad) { return model_.elevation_sign * rad + model_.elevation_offset_rad; };
-  const Pose3 T_world_laser = T_world_axis * T_axis_laser(position->elevation_rad);
+  const Pose3 T_world_laser = T_world_axis * T_axis_laser(model_.mount, position->elevation_rad);
   return Poses{T_world_axis,
                T_world_axis * planar(crank_pivot, 0.0, angle(crank_rad)),
                T_world_axis * planar(crank_end, 0.0, angle(position->pose.coupler_rad)),

@@ -15,7 +15,7 @@
 #include "calib/linkage/linkage_cycle.hpp"
 #include "gdtslam/core/pose3.hpp"
 #include "gdtslam/drawing/colour.hpp"
-#include "mount_model_mesh.hpp"
+#include "shapes.hpp"
 
 class vtkActor;
 class vtkRenderer;
@@ -72,9 +72,6 @@ class LinkageParts {
   [[nodiscard]] const Part& part(std::size_t number) const { return parts_.at(number); }
   void show(bool is_visible);
   void show_fan(bool is_visible);
-  [[nodiscard]] Pose3 T_axis_laser(double elevation_rad) const {
-    return gdtslam::T_axis_laser(model_.mount, elevation_rad);
-  }
   /// Middle of a layer: 0 ground, 1 rocker, 2 crank, 3 coupler.
   [[nodiscard]] double layer_y(int layer) const;
   [[nodiscard]] const PartSizes& sizes() const { return sizes_; }
@@ -89,7 +86,6 @@ class LinkageParts {
   [[nodiscard]] double beam_length_m(const Point2& unit, double most_m) const;
   /// A pin between two layers with its cap in front.
   void add_pin(Part& part, const Point2& at, double back_y, int front_layer) const;
-  [[nodiscard]] double cap_y(int front_layer) const;
   [[nodiscard]] double thickness_m() const;
 
   calib::SweepModel model_;
@@ -113,24 +109,18 @@ class LinkageSurroundings {
  public:
   /// `marks` is the colour of the dead points.
   LinkageSurroundings(const calib::LinkageCycle& cycle, const LinkageParts& parts, Colour marks);
-  void add_to(vtkRenderer& renderer) const;
-  /// Places that a picture of the whole motion has to show.
-  [[nodiscard]] const std::vector<Point3>& reach() const { return reach_; }
-  [[nodiscard]] double reach_m() const { return reach_m_; }
+  void add_to(vtkRenderer& renderer) const { still_.add_to(renderer); }
   /// On the rim of the laser's sweep, for a label.
   [[nodiscard]] Point3 sweep_rim(double elevation_rad, double share) const;
 
  private:
   void add_paths(const calib::LinkageCycle& cycle, const LinkageParts& parts);
   void add_sweep(const calib::LinkageCycle& cycle);
-  void find_reach(const calib::LinkageCycle& cycle, const LinkageParts& parts);
 
   double thin_m_;
   double sweep_m_;
   double sweep_y_;
   Part still_;
-  std::vector<Point3> reach_;
-  double reach_m_ = 1.0;
 };
 
 }  // namespace gdtslam

@@ -2,7 +2,6 @@
 
 #include <vtkRenderer.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -11,6 +10,7 @@
 #include "gdtslam/core/error.hpp"
 #include "linkage_parts.hpp"
 #include "viewer/graphics/offscreen_view.hpp"
+#include "viewer/scene/camera_basis.hpp"
 
 namespace gdtslam {
 namespace {
@@ -20,45 +20,26 @@ namespace {
 constexpr double kAzimuth_rad = -0.30;
 constexpr double kHeight_rad = 0.21;
 constexpr double kViewAngle_rad = 0.34;
-constexpr double kMargin = 0.05;  ///< of the picture's smaller side
+constexpr double kMargin = 0.05;  ///< share of the picture's sides
 
-Point3 towards_eye() {
+Point3 line_of_sight() {
   const SinCos<double> azimuth = sin_cos(kAzimuth_rad);
   const SinCos<double> height = sin_cos(kHeight_rad);
-  return {azimuth.sin * height.cos, -azimuth.cos * height.cos, height.sin};
+  return {-azimuth.sin * height.cos, azimuth.cos * height.cos, -height.sin};
 }
 
-Eigen::AlignedBox2d seen_extent(const Camera& camera, const PictureSize& size, const std::vector<Point3>& places) {
-  Eigen::AlignedBox2d extent;
-  for (const Point3& place : places) {
-    if (const std::optional<Seen> seen = pixel_of(camera, size, place)) extent.extend(Point2(seen->x_px, seen->y_px));
+/// Corners of the boxes around all that is seen, at many positions of the cycle.
+std::vector<Point3> places_reached(const calib::LinkageCycle& cycle, LinkageParts& parts, vtkRenderer& renderer) {
+  std::vector<Point3> places;
+  for (std::size_t i = 0; i < cycle.positions().size(); i += 8) {
+    parts.pose(Pose3{}, cycle.positions()[i].crank_rad);
+    double box[6];  // least and most x, then y, then z
+    renderer.ComputeVisiblePropBounds(box);
+    for (const int corner : {0, 1, 2, 3, 4, 5, 6, 7}) {
+      places.emplace_back(box[corner & 1], box[2 + (corner >> 1 & 1)], box[4 + (corner >> 2 & 1)]);
+    }
   }
-  return extent;
-}
-
-/// Moved and drawn back until all places just fit.
-Camera camera_on(const std::vector<Point3>& places, double reach_m, const PictureSize& size) {
-  constexpr int kRounds = 8;
-  const Point3 back = towards_eye();
-  const Point3 right = (-back).cross(Point3(0.0, 0.0, 1.0)).normalized();
-  const Point3 up = right.cross(-back);
-  double distance_m = 8.0 * reach_m;
-  Camera camera;
-  camera.view_angle_rad = kViewAngle_rad;
-  for (int round = 0; round < kRounds; ++round) {
-    camera.eye = camera.target + distance_m * back;
-    const Eigen::AlignedBox2d extent = seen_extent(camera, size, places);
-    const double px_per_m = pixels_per_metre(camera, size, camera.target);
-    const double margin_px = kMargin * std::min(size.width, size.height);
-    const Point2 middle = 0.5 * (extent.min() + extent.max());
-    camera.target +=
-        (middle.x() - 0.5 * size.width) / px_per_m * right - (middle.y() - 0.5 * size.height) / px_per_m * up;
-    const Point2 room(size.width - 2.0 * margin_px, size.height - 2.0 * margin_px);
-    const Point2 need = extent.max() - extent.min();
-    distance_m *= std::max(need.x() / room.x(), need.y() / room.y());
-  }
-  camera.eye = camera.target + distance_m * back;
-  return camera;
+  return places;
 }
 
 class LinkageFilm : public Film {
@@ -86,7 +67,7 @@ struct LinkageScene::State {
       : look(scene_look),
         cycle(model),
         parts(model, suitable_sizes(model.bars)),
-        panel(cycle, {.is_dark = scene_look.is_dark, .is_transparent = scene_look.is_transparent}),
+        panel(cycle, scene_look.is_dark, scene_look.is_transparent),
         surroundings(cycle, parts, panel.theme().text),
         view(graphics) {
     vtkRenderer& renderer = view.renderer();
@@ -94,11 +75,14 @@ struct LinkageScene::State {
     surroundings.add_to(renderer);
     add_lights(renderer);
     view.set_samples(look.samples);
+    reach = places_reached(cycle, parts, renderer);
     crank_rad = cycle.shown_crank_rad();
     parts.pose(Pose3{}, crank_rad);
   }
 
-  Camera camera(const PictureSize& size) const { return camera_on(surroundings.reach(), surroundings.reach_m(), size); }
+  Camera camera(const PictureSize& size) const {
+    return nearest_camera(line_of_sight(), kViewAngle_rad, reach.front(), reach, size, kMargin);
+  }
 
   void draw_sweep_labels(Canvas& canvas, const LinkageSheet& sheet, const PictureSize& size) const {
     const Camera seen_from = camera(size);
@@ -119,6 +103,7 @@ struct LinkageScene::State {
   LinkagePanel panel;
   LinkageSurroundings surroundings;
   OffscreenView view;
+  std::vector<Point3> reach;  ///< of the whole motion
   double crank_rad = 0.0;
 };
 
@@ -146,8 +131,7 @@ Canvas LinkageScene::picture(double crank_rad, const PictureSize& size) {
   if (!has_panel) return canvas;
   state_->draw_sweep_labels(canvas, sheet, scene_size);
   const calib::LinkagePosition position = state_->cycle.at(state_->crank_rad).value_or(state_->cycle.begin());
-  state_->panel.draw_figures(canvas, sheet, position);
-  state_->panel.draw_plots(canvas, sheet, position);
+  state_->panel.draw_readings(canvas, sheet, position);
   return canvas;
 }
 

@@ -16,17 +16,17 @@ Point3 at_layer(const Point2& place, double y) { return {place.x(), y, place.y()
 
 /// A path as dashes of about `dash_m` with gaps of the same length.
 Mesh dashed(const std::vector<Point3>& path, double radius, double dash_m) {
-  Mesh mesh;
-  std::vector<Point3> dash;
+  std::vector<std::vector<Point3>> dashes(1);
   double length_m = 0.0;
   for (std::size_t i = 0; i < path.size(); ++i) {
     if (i > 0) length_m += (path[i] - path[i - 1]).norm();
-    const bool is_dash = std::fmod(length_m, 2.0 * dash_m) < dash_m;
-    if (is_dash) dash.push_back(path[i]);
-    if ((!is_dash || i + 1 == path.size()) && dash.size() > 1) mesh.tube(dash, radius, false);
-    if (!is_dash) dash.clear();
+    if (std::fmod(length_m, 2.0 * dash_m) < dash_m) {
+      dashes.back().push_back(path[i]);
+    } else if (!dashes.back().empty()) {
+      dashes.emplace_back();
+    }
   }
-  return mesh;
+  return tubes(dashes, radius);
 }
 
 }  // namespace
@@ -53,14 +53,9 @@ LinkageSurroundings::LinkageSurroundings(const calib::LinkageCycle& cycle, const
   add_sweep(cycle);
   add_paths(cycle, parts);
   for (const calib::LinkagePosition* dead_point : {&cycle.begin(), &cycle.end()}) {
-    Mesh mark;
-    mark.ball(at_layer(dead_point->joints[2], parts.layer_y(1)), 0.55 * parts.sizes().bar_m);
-    still_.add(mark, marks, Finish::kPaint);
+    still_.add(ball(at_layer(dead_point->joints[2], parts.layer_y(1)), 0.55 * parts.sizes().bar_m), marks);
   }
-  find_reach(cycle, parts);
 }
-
-void LinkageSurroundings::add_to(vtkRenderer& renderer) const { still_.add_to(renderer); }
 
 Point3 LinkageSurroundings::sweep_rim(double elevation_rad, double share) const {
   return at_layer(share * sweep_m_ * calib::unit_at(elevation_rad), sweep_y_);
@@ -75,17 +70,14 @@ void LinkageSurroundings::add_paths(const calib::LinkageCycle& cycle, const Link
     arc.push_back(at_layer(position.joints[2], parts.layer_y(1)));
     circle.push_back(at_layer(position.joints[1], parts.layer_y(2)));
   }
-  Mesh curve_mesh;
-  if (cycle.turns_fully() && curve.size() > 2) curve.pop_back();
-  curve_mesh.tube(curve, 1.5 * thin_m_, cycle.turns_fully());
-  still_.add(curve_mesh, ink::kCurve, Finish::kPaint);
+  still_.add(tubes({curve}, 1.5 * thin_m_), ink::kCurve);
   const double dash_m = 0.5 * parts.sizes().bar_m;
   // The lift's part alone: the return runs over it again.
   const auto lift = static_cast<std::size_t>(static_cast<double>(arc.size() - 1) *
                                              std::fabs(cycle.lift_span_rad() / cycle.span_rad()));
   arc.resize(std::min(arc.size(), lift + 1));
-  still_.add(dashed(arc, thin_m_, dash_m), ink::kRocker, Finish::kPaint);
-  still_.add(dashed(circle, thin_m_, dash_m), ink::kCrank, Finish::kPaint);
+  still_.add(dashed(arc, thin_m_, dash_m), ink::kRocker);
+  still_.add(dashed(circle, thin_m_, dash_m), ink::kCrank);
 }
 
 void LinkageSurroundings::add_sweep(const calib::LinkageCycle& cycle) {
@@ -100,9 +92,7 @@ void LinkageSurroundings::add_sweep(const calib::LinkageCycle& cycle) {
     hub.push_back(sweep_rim(elevation_rad, kClearOfLaser));
     rim.push_back(sweep_rim(elevation_rad, 1.0));
   }
-  Mesh sweep;
-  sweep.band(hub, rim);
-  still_.add(sweep, ink::kLaser, Finish::kFlat, 0.10);
+  still_.add(band(hub, rim), ink::kLaser, Finish::kFlat, 0.10);
   if (cycle.sweeps_all_around()) return;
   for (const double elevation_rad : {from_rad, to_rad}) {
     std::vector<Point3> edge;
@@ -111,38 +101,6 @@ void LinkageSurroundings::add_sweep(const calib::LinkageCycle& cycle) {
     }
     still_.add(dashed(edge, 0.8 * thin_m_, 0.035 * sweep_m_), ink::kLaser, Finish::kFlat);
   }
-}
-
-void LinkageSurroundings::find_reach(const calib::LinkageCycle& cycle, const LinkageParts& parts) {
-  const double wide_m = 1.6 * parts.sizes().bar_m;
-  const auto include = [&](const Point2& place, double y, double margin_m) {
-    for (const double x : {-margin_m, margin_m}) {
-      for (const double z : {-margin_m, margin_m}) reach_.push_back(at_layer(place + Point2(x, z), y));
-    }
-  };
-  const double laser_m = parts.sizes().laser_m;
-  for (std::size_t i = 0; i < cycle.positions().size(); i += 8) {
-    const calib::LinkagePosition& position = cycle.positions()[i];
-    for (const Point2& joint : position.joints) {
-      include(joint, parts.layer_y(3), wide_m);
-    }
-    const Pose3 T_axis_laser = parts.T_axis_laser(position.elevation_rad);
-    for (const double y : {-0.87, -0.4, 0.0, 0.4, 0.87}) {
-      const double x = std::sqrt(1.0 - y * y);
-      reach_.push_back(T_axis_laser * Point3(sweep_m_ * x, sweep_m_ * y, 0.0));
-    }
-    for (const double x : {-0.5, 0.5}) {
-      for (const double z : {-0.7, 0.3}) {
-        for (const double y : {-0.5, 0.5})
-          reach_.push_back(T_axis_laser * Point3(x * laser_m, y * laser_m, z * laser_m));
-      }
-    }
-    reach_.push_back(sweep_rim(position.elevation_rad, 1.06));
-  }
-  include(cycle.positions().front().joints[0] - Point2(0.0, 3.4 * parts.sizes().bar_m), parts.layer_y(0), 2.0 * wide_m);
-  include(Point2(0.0, -3.4 * parts.sizes().bar_m), parts.layer_y(0), 2.0 * wide_m);
-  reach_m_ = 0.0;
-  for (const Point3& place : reach_) reach_m_ = std::max(reach_m_, place.norm());
 }
 
 }  // namespace gdtslam

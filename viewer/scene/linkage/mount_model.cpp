@@ -37,49 +37,37 @@ Body body_under(double axis_m) {
           .top_m = 0.19 * share};
 }
 
-/// An outline of x and y, from one height to another.
-Mesh upright(const Outline& outline, double low_z, double high_z, double chamfer) {
-  Mesh mesh = extruded(outline, -high_z, -low_z, chamfer);
-  mesh.move({Point3::Zero(), exp_so3(Point3(-0.5 * kPi, 0.0, 0.0))});
-  return mesh;
+void add_box(Part& part, const RoundedBox& box, double low_z, double high_z, Colour colour) {
+  part.add(upright(box.corners(), box.radius, low_z, high_z), colour);
 }
 
 void add_wheels(Part& part, const Body& body) {
-  const double thick_m = 0.3 * body.wheel_m;
+  const double half_m = 0.15 * body.wheel_m;
   for (const double side : {-1.0, 1.0}) {
-    const double middle_y = side * (0.5 * body.width_m + 0.6 * thick_m);
-    const auto wheel = [&](double radius, double half, Colour colour, Finish finish) {
-      part.add(extruded(circle_outline({0.0, body.wheel_m}, radius, 48), middle_y - half, middle_y + half, 0.25 * half),
-               colour, finish);
-    };
-    wheel(body.wheel_m, 0.5 * thick_m, kTyre, Finish::kPaint);
-    wheel(0.62 * body.wheel_m, 0.54 * thick_m, kHub, Finish::kSteel);
-    wheel(0.16 * body.wheel_m, 0.62 * thick_m, kTyre, Finish::kPaint);
+    const double middle_y = side * (0.5 * body.width_m + 1.2 * half_m);
+    const Point2 axle(0.0, body.wheel_m);
+    part.add(extruded({axle}, body.wheel_m, middle_y - half_m, middle_y + half_m), kTyre);
+    part.add(extruded({axle}, 0.62 * body.wheel_m, middle_y - 1.08 * half_m, middle_y + 1.08 * half_m), kHub,
+             Finish::kSteel);
   }
-  Mesh caster;
-  caster.ball({-0.38 * body.length_m, 0.0, 0.35 * body.wheel_m}, 0.35 * body.wheel_m);
-  part.add(caster, kTyre);
-  part.add(upright(circle_outline({-0.38 * body.length_m, 0.0}, 0.22 * body.wheel_m), 0.4 * body.wheel_m,
-                   body.bottom_m + 0.2 * body.wheel_m, 0.0),
+  const double caster_m = 0.35 * body.wheel_m;
+  part.add(ball({-0.38 * body.length_m, 0.0, caster_m}, caster_m), kTyre);
+  part.add(upright({{-0.38 * body.length_m, 0.0}}, 0.22 * body.wheel_m, 0.4 * body.wheel_m,
+                   body.bottom_m + 0.2 * body.wheel_m),
            kHub, Finish::kSteel);
 }
 
 void add_body(Part& part, const Body& body) {
   const Point2 half(0.5 * body.length_m, 0.5 * body.width_m);
   const double round_m = 0.32 * body.width_m;
-  part.add(upright(rectangle_outline(-half, half, round_m), body.bottom_m, body.top_m, 0.06 * body.width_m), kShell);
-  // A belt in the colour of the laser shows which way the robot is turned by its gap at the back.
-  part.add(upright(rectangle_outline(-1.006 * half, 1.006 * half, round_m), 0.62 * body.top_m, 0.7 * body.top_m, 0.0),
-           kDeck);
-  part.add(upright(rectangle_outline(-0.86 * half, 0.86 * half, 0.8 * round_m), body.top_m - 0.004, body.top_m + 0.004,
-                   0.002),
-           kDeck);
-  // An arrow on the deck: forward.
   const double deck_m = body.top_m + 0.004;
+  add_box(part, {-half, half, round_m}, body.bottom_m, body.top_m, kShell);
+  add_box(part, {-1.006 * half, 1.006 * half, round_m}, 0.62 * body.top_m, 0.7 * body.top_m, kDeck);
+  add_box(part, {-0.86 * half, 0.86 * half, 0.8 * round_m}, body.top_m - 0.004, deck_m, kDeck);
+  // An arrow on the deck: forward.
   const double tip = 0.40 * body.length_m;
   const double arrow = 0.09 * body.length_m;
-  part.add(upright(polygon_outline({{tip - arrow, -0.8 * arrow}, {tip, 0.0}, {tip - arrow, 0.8 * arrow}}), deck_m,
-                   deck_m + 0.002, 0.0),
+  part.add(upright({{tip - arrow, -0.8 * arrow}, {tip, 0.0}, {tip - arrow, 0.8 * arrow}}, 0.0, deck_m, deck_m + 0.002),
            ink::kLaser, Finish::kFlat);
 }
 
@@ -117,25 +105,22 @@ void MountModel::add_mast(double body_top_m) {
   const double laser_m = linkage_ ? linkage_->sizes().laser_m : kLaser_m;
   const double axis_z = axis_m();
   const double x = -mount_.lever_forward_m;
+  const auto post = [&](const Point2& half, double radius) {
+    return RoundedBox{Point2(x, 0.0) - half, Point2(x, 0.0) + half, radius};
+  };
   if (!linkage_) {
     const double top_z = axis_z - 0.6 * laser_m;
-    if (top_z <= body_top_m) return;
-    mast_.add(
-        upright(rectangle_outline({-0.3 * laser_m, -0.3 * laser_m}, {0.3 * laser_m, 0.3 * laser_m}, 0.05 * laser_m),
-                body_top_m, top_z, 0.0),
-        kFrame);
+    const double half_m = 0.3 * laser_m;
+    if (top_z > body_top_m) add_box(mast_, post({half_m, half_m}, 0.05 * laser_m), body_top_m, top_z, kFrame);
     return;
   }
   const double neck_z = std::max(axis_z - 1.05 * laser_m, body_top_m);
-  const Point2 half(0.55 * laser_m, 0.634 * laser_m);
-  mast_.add(upright(rectangle_outline(Point2(x, 0.0) - half, Point2(x, 0.0) + half, 0.2 * laser_m), body_top_m - 0.01,
-                    neck_z, 0.0),
-            kFrame);
+  add_box(mast_, post({0.55 * laser_m, 0.634 * laser_m}, 0.2 * laser_m), body_top_m - 0.01, neck_z, kFrame);
   // Between the cradle's plates and the linkage's ground.
   for (const double middle_y : {-0.612 * laser_m, 0.612 * laser_m}) {
-    mast_.add(extruded(bar_outline({x, axis_z}, {x, neck_z}, 0.26 * laser_m), middle_y - 0.022 * laser_m,
-                       middle_y + 0.022 * laser_m, 0.004 * laser_m),
-              kFrame, Finish::kPaint);
+    mast_.add(
+        extruded({{x, axis_z}, {x, neck_z}}, 0.26 * laser_m, middle_y - 0.022 * laser_m, middle_y + 0.022 * laser_m),
+        kFrame);
   }
 }
 

@@ -140,24 +140,20 @@ void ScanningBeams::set_fresh(const Point3& sensor_m, std::span<const CloudPoint
 
 /// Lines a metre apart on the floor, under all that is shown.
 Mesh floor_grid(const Bounds& bounds) {
-  Mesh grid;
+  std::vector<std::vector<Point3>> lines;
   const auto round_down = [](double value) { return kGridStep_m * (std::floor(value / kGridStep_m) - 1.0); };
   const Point2 low(round_down(bounds.lowest.x()), round_down(bounds.lowest.y()));
   const Point2 high(-round_down(-bounds.highest.x()), -round_down(-bounds.highest.y()));
   const Point2 count = (high - low) / kGridStep_m;
-  if (count.x() + count.y() > kMostGridLines) return grid;
   constexpr double kHalf_m = 0.006;
-  for (int i = 0; i <= static_cast<int>(std::lround(count.x())); ++i) {
-    const double x = low.x() + kGridStep_m * i;
-    grid.band({{x - kHalf_m, low.y(), 0.0}, {x - kHalf_m, high.y(), 0.0}},
-              {{x + kHalf_m, low.y(), 0.0}, {x + kHalf_m, high.y(), 0.0}});
+  if (count.x() + count.y() > kMostGridLines) return tubes({}, kHalf_m);
+  for (double x = low.x(); x < high.x() + 0.5 * kGridStep_m; x += kGridStep_m) {
+    lines.push_back({{x, low.y(), 0.0}, {x, high.y(), 0.0}});
   }
-  for (int i = 0; i <= static_cast<int>(std::lround(count.y())); ++i) {
-    const double y = low.y() + kGridStep_m * i;
-    grid.band({{low.x(), y - kHalf_m, 0.0}, {high.x(), y - kHalf_m, 0.0}},
-              {{low.x(), y + kHalf_m, 0.0}, {high.x(), y + kHalf_m, 0.0}});
+  for (double y = low.y(); y < high.y() + 0.5 * kGridStep_m; y += kGridStep_m) {
+    lines.push_back({{low.x(), y, 0.0}, {high.x(), y, 0.0}});
   }
-  return grid;
+  return tubes(lines, kHalf_m);
 }
 
 }  // namespace

@@ -1,8 +1,7 @@
-// Vector drawings: shapes, words and pictures in the order in which they are drawn, to be written as SVG here, as PDF
-// or pixels by raster.hpp. Pixels, x right, y down, all of them finite. One object belongs to one thread; O(shapes).
+// Vector drawings: shapes, words and pictures in the order in which they are drawn. Cairo makes PNG pixels, SVG and PDF
+// of them (raster.hpp). Pixels, x right, y down, all of them finite. One object belongs to one thread; O(shapes).
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -45,7 +44,7 @@ struct Fill {
   double opacity = 1.0;
 };
 
-/// What a canvas keeps of each call; whoever writes it in a form of his own visits these.
+/// The records of a canvas, one for each call.
 namespace shape {
 /// A rectangle, its corners rounded where there is a radius.
 struct Rectangle {
@@ -119,8 +118,8 @@ class Canvas {
                bool is_smooth = true);
   void begin_clip(const Point2& corner, double width, double height);
   void end_clip();
-  /// All shapes of another drawing, moved.
-  void place(const Canvas& drawing, const Point2& corner);
+  /// All shapes of another drawing, scaled and then moved; dashes keep their length.
+  void place(const Canvas& drawing, const Point2& corner, double scale = 1.0);
 
   [[nodiscard]] double width() const { return width_; }
   [[nodiscard]] double height() const { return height_; }
@@ -134,13 +133,7 @@ class Canvas {
   std::vector<Shape> shapes_;
 };
 
-/// Width of a line of words in the sans serif face of SVG and raster, estimated from the letters; within 10 %.
+/// Width of a line of words in the face that Cairo draws with.
 double text_width(std::string_view words, double size, bool is_bold = false);
-
-/// Makes the bytes of a PNG file of an image.
-using PngEncoder = std::function<std::string(const RgbaImage&)>;
-/// The drawing as SVG text, the same bytes on every host. Throws Error where it holds a picture and no encoder is
-/// given.
-std::string svg_of(const Canvas& drawing, const PngEncoder& png = {});
 
 }  // namespace gdtslam
