@@ -146,7 +146,7 @@ merge run live -o sites -q --no-pictures
 edit run --origin 1,1,90 -o edited -q
 tiles run
 render run --view map -o out.png --size 96x64 -q
-render deep --view orbit --frames 2 -o out.mp4 --size 96x64 -q
+render deep --seconds 0.08s -o out.mp4 --size 96x64 -q
 measure deep --planes --boxes
 doctor drive.log
 linkage paper-b

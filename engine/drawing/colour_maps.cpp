@@ -5,7 +5,6 @@
 
 #include "engine/core/elementary.hpp"
 #include "gdtslam/drawing/colour.hpp"
-#include "published_maps.hpp"
 
 namespace gdtslam {
 namespace {
@@ -113,47 +112,11 @@ std::vector<Colour> even_path(double from_lightness, double to_lightness, const 
   return table;
 }
 
-/// A tilted circle around grey: yellow lightest, blue darkest, green and red half way. The last colour is one step
-/// before the first.
-std::vector<Colour> even_circle(double middle_lightness, double lightness_swing, double radius, std::size_t count) {
-  constexpr int kFine = 4096;
-  constexpr double kTurn_rad = 6.283185307179586;
-  const auto place = [&](int step) {
-    const auto [sine, cosine] = sin_cos(kTurn_rad * step / kFine);
-    return Lab{middle_lightness + lightness_swing * sine, radius * cosine, radius * sine};
-  };
-  std::vector<double> walked{0.0};
-  for (int step = 1; step <= kFine; ++step) {
-    const Lab before = place(step - 1);
-    const Lab now = place(step);
-    const double up = now.lightness - before.lightness;
-    const double flat = distance({before.green_red, before.blue_yellow}, {now.green_red, now.blue_yellow});
-    walked.push_back(walked.back() + std::sqrt(up * up + flat * flat));
-  }
-  std::vector<Colour> table;
-  int at = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    while (walked[static_cast<std::size_t>(at)] < walked.back() * static_cast<double>(i) / static_cast<double>(count))
-      ++at;
-    table.push_back(nearest_colour(place(at)));
-  }
-  return table;
-}
-
 constexpr std::size_t kColours = 256;
 /// Of what has no value: neither in the way of a map's colours nor of a dark or light page.
 constexpr Colour kUnknown = colour_for(0x8a8f98);
 /// The same where the map itself is grey.
 constexpr Colour kUnknownInGrey = colour_for(0x4d6fa8);
-
-/// From both ends to the same light middle.
-std::vector<Colour> diverging(double end_lightness, double middle_lightness, const std::vector<Hue>& low,
-                              const std::vector<Hue>& high) {
-  std::vector<Colour> table = even_path(end_lightness, middle_lightness, low, kColours / 2);
-  const std::vector<Colour> other = even_path(end_lightness, middle_lightness, high, kColours / 2);
-  table.insert(table.end(), other.rbegin(), other.rend());
-  return table;
-}
 
 std::vector<ColourMap> made_maps() {
   std::vector<ColourMap> maps;
@@ -165,17 +128,8 @@ std::vector<ColourMap> made_maps() {
                     kUnknown);
   maps.emplace_back("tide", "sequential, for light pages: pale sand, green, blue, night blue",
                     even_path(93.0, 20.0, {{-2, 20}, {-22, 10}, {-16, -14}, {2, -34}, {14, -32}}, kColours), kUnknown);
-  maps.emplace_back("grey", "sequential: black to white", even_path(0.0, 100.0, {{0, 0}, {0, 0}}, kColours),
-                    kUnknownInGrey);
   maps.emplace_back("glow", "sequential: black, blue, warm white; a distance field's intensity, bright at obstacles",
                     even_path(4.0, 98.0, {{2, -8}, {2, -26}, {-4, -14}, {0, 12}, {0, 6}}, kColours), kUnknownInGrey);
-  maps.emplace_back("blue-red", "diverging: blue below, light at the middle, red above",
-                    diverging(37.0, 95.0, {{7, -47}, {0, -27}, {0, 0}}, {{42, 26}, {25, 16}, {0, 0}}), kUnknown);
-  maps.emplace_back("green-purple", "diverging: green below, light at the middle, purple above",
-                    diverging(37.0, 95.0, {{-36, 26}, {-24, 16}, {0, 0}}, {{33, -30}, {20, -18}, {0, 0}}), kUnknown);
-  maps.emplace_back("compass", "cyclic, for directions: yellow, green, blue, red and yellow again",
-                    even_circle(62.0, 17.0, 28.0, kColours), kUnknown);
-  for (ColourMap& map : published_colour_maps(kUnknown)) maps.push_back(std::move(map));
   return maps;
 }
 

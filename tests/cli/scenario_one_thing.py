@@ -48,7 +48,7 @@ NODDING_READERS = {
     "measure": (lambda run, other, out: ("measure", run, "--planes"), {"cloud.ply"}),
 }
 NODDING_VIEWS = {
-    "render iso": (lambda run, other, out: ("render", run, "--view", "iso", "-o", out / "a.png", *SMALL), {"cloud.ply", "linkage.yaml"}),
+    "render cloud": (lambda run, other, out: ("render", run, "--view", "cloud", "-o", out / "a.png", *SMALL), {"cloud.ply", "linkage.yaml"}),
 }
 
 

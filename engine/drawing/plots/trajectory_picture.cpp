@@ -179,7 +179,7 @@ Canvas path_errors_picture(const PathErrors& path, const Trajectory& truth, cons
                            const PictureSize& size) {
   constexpr double kWidths = 2.2;  // of a path's line: its colour is what is read
   const ErrorScale scale = scale_of(path);
-  const ColourMap& map = colour_map(look.colour_map.empty() ? "plasma" : look.colour_map);
+  const ColourMap& map = colour_map(look.colour_map.empty() ? "lagoon" : look.colour_map);
   const LegendLook legend{page_theme(), proportions_of(size)};
   const double width = legend.sizes.line_px;
   const Sheet sheet =

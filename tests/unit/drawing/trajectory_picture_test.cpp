@@ -46,12 +46,10 @@ bool has(const std::vector<Colour>& colours, Colour wanted) {
 TEST(TrajectoryPicture, APathAloneHasTheColoursOfTheMapThatIsAskedFor) {
   const PathOverlay path{straight(0.0, 10), {}, {}};
   MapLook look;
-  look.colour_map = "viridis";
+  look.colour_map = "ember";
   const std::vector<Colour> colours = colours_along(trajectory_picture(path, look, kSheet));
-  EXPECT_TRUE(has(colours, colour_for(0x440154)));
-  EXPECT_TRUE(has(colours, colour_for(0x21918c)));
-  EXPECT_TRUE(has(colours, colour_for(0xfde725)));
-  EXPECT_FALSE(has(colours_along(trajectory_picture(path, {}, kSheet)), colour_for(0x21918c)));
+  for (const double share : {0.0, 0.5, 1.0}) EXPECT_TRUE(has(colours, colour_map("ember").at(share))) << share;
+  EXPECT_FALSE(has(colours_along(trajectory_picture(path, {}, kSheet)), colour_map("ember").at(1.0)));
 }
 
 TEST(TrajectoryPicture, ErrorsRunFromTheMapsFirstColourToItsLast) {
@@ -62,15 +60,15 @@ TEST(TrajectoryPicture, ErrorsRunFromTheMapsFirstColourToItsLast) {
   const std::vector<std::size_t> drives;
   const PathErrors input{path, drives, errors, "Position error (m)", {}, {}};
   MapLook look;
-  look.colour_map = "turbo";
+  look.colour_map = "tide";
   const Canvas canvas = path_errors_picture(input, truth, look, kSheet);
   const std::vector<Colour> colours = colours_along(canvas);
-  EXPECT_TRUE(has(colours, colour_for(0x30123b)));
-  EXPECT_TRUE(has(colours, colour_for(0xa4fc3c)));
+  EXPECT_TRUE(has(colours, colour_map("tide").at(0.0)));
+  EXPECT_TRUE(has(colours, colour_map("tide").at(0.5)));
   EXPECT_TRUE(says(canvas, "Position error (m)  0"));
   EXPECT_TRUE(says(canvas, "2"));
   const PathErrors farther{path, drives, errors, "Position error (m)", 0.0, 20.0};
-  EXPECT_FALSE(has(colours_along(path_errors_picture(farther, truth, look, kSheet)), colour_for(0xa4fc3c)))
+  EXPECT_FALSE(has(colours_along(path_errors_picture(farther, truth, look, kSheet)), colour_map("tide").at(0.5)))
       << "of a scale ten times as long the path has but the first tenth";
 }
 

@@ -71,7 +71,7 @@ TEST(FieldPicture, every_distance_has_a_colour_of_its_own_and_unknown_is_none_of
 
 TEST(FieldPicture, named_colour_map_is_used) {
   MapLook look;
-  look.colour_map = "grey";
+  look.colour_map = "ember";
   const std::vector<Colour> colours = colours_along(raster_of(field_picture(ramp(), {}, look, kBare)));
   ASSERT_EQ(colours.size(), 22U);
   for (std::size_t i = 1; i < 21; ++i) EXPECT_LE(std::abs(colours[i].red - colours[i].blue), 2) << i;

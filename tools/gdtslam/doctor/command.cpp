@@ -138,7 +138,7 @@ void add_doctor_command(CLI::App& app, CommandContext& context) {
   command
       ->add_option("--picture", options->picture,
                    "Draw scan rate, motion and ranges of the log over time; with --after loops, uncertainty and what\n"
-                   "is doubtful, numbered: .svg, .png, .jpg or .pdf")
+                   "is doubtful, numbered: .svg, .png or .pdf")
       ->type_name("FILE");
   command->add_flag("--json", options->json, "Print JSON");
   command->footer(

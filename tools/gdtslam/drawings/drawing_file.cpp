@@ -6,7 +6,6 @@
 #include "engine/io/referenced_file.hpp"
 #include "gdtslam/core/error.hpp"
 #ifdef GDTSLAM_HAS_VIEWER
-#include "engine/drawing/raster/jpeg.hpp"
 #include "gdtslam/drawing/raster.hpp"
 #endif
 
@@ -20,24 +19,19 @@ constexpr bool kHasViewer = false;
 // Never reached: check_drawing_file() refuses before.
 RgbaImage raster_of(const Canvas& /*drawing*/, double /*scale*/) { return {}; }
 std::string pdf_of(const Canvas& /*drawing*/) { return {}; }
-std::string jpeg_of(const RgbaImage& /*image*/) { return {}; }
 #endif
-
-// ".jpg" and ".jpeg" are one format.
-bool ends_as_jpeg(std::string_view extension) { return extension == ".jpg" || extension == ".jpeg"; }
 
 }  // namespace
 
 void check_drawing_file(std::string_view option, const std::string& file) {
   const std::string extension = extension_of(file);
   const std::string lead = option.empty() ? "" : std::string(option) + ": ";
-  if (extension != ".svg" && extension != ".png" && extension != ".pdf" && !ends_as_jpeg(extension)) {
-    throw UsageError(
-        fmt::format("{}'{}' does not say what to write: let it end in .svg, .png, .jpg or .pdf", lead, file));
+  if (extension != ".svg" && extension != ".png" && extension != ".pdf") {
+    throw UsageError(fmt::format("{}'{}' does not say what to write: let it end in .svg, .png or .pdf", lead, file));
   }
   if (extension != ".svg" && !kHasViewer) {
-    throw UnavailableError(fmt::format(
-        "{}'{}': PNG, JPEG and PDF are drawn by the viewer, which is not built in: write .svg", lead, file));
+    throw UnavailableError(
+        fmt::format("{}'{}': PNG and PDF are drawn by the viewer, which is not built in: write .svg", lead, file));
   }
 }
 
@@ -45,7 +39,6 @@ std::string drawing_bytes(const Canvas& drawing, const std::string& file, double
   check_drawing_file("", file);
   const std::string extension = extension_of(file);
   if (extension == ".png") return png_bytes(raster_of(drawing, scale));
-  if (ends_as_jpeg(extension)) return jpeg_of(raster_of(drawing, scale));
   if (extension == ".pdf") return pdf_of(drawing);
   return svg_of(drawing, png_bytes);
 }

@@ -230,10 +230,9 @@ void add_tracking_options(CLI::App& command, LocalizeOptions& chosen) {
       ->type_name("FILE")
       ->needs(track);
   command
-      .add_option(
-          "--changes", chosen.changes,
-          "Draw what is new and what is gone in the map: .svg, .png, .jpg or .pdf, with a table of its cells, .csv,\n"
-          "beside it")
+      .add_option("--changes", chosen.changes,
+                  "Draw what is new and what is gone in the map: .svg, .png or .pdf, with a table of its cells, .csv,\n"
+                  "beside it")
       ->type_name("FILE")
       ->needs(track);
 }
@@ -269,8 +268,7 @@ void add_search_options(CLI::App& command, LocalizeOptions& chosen) {
 
 void add_output_options(CLI::App& command, LocalizeOptions& chosen) {
   command.add_option("-o,--output", chosen.trajectory, "Write the poses as a trajectory, TUM")->type_name("FILE");
-  command.add_option("--picture", chosen.picture, "Draw the poses on the map: .svg, .png, .jpg or .pdf")
-      ->type_name("FILE");
+  command.add_option("--picture", chosen.picture, "Draw the poses on the map: .svg, .png or .pdf")->type_name("FILE");
   command.add_flag("--lenient", chosen.lenient, "Count and skip malformed lines of the log");
   add_recording_options(command, chosen.recording);
   command.add_flag("--json", chosen.json, "Print JSON; what depends on the machine is under \"times\"");

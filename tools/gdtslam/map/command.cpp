@@ -28,7 +28,7 @@
 #ifdef GDTSLAM_HAS_MODULES
 #include "tools/gdtslam/shell/modules.hpp"
 #elif defined(GDTSLAM_HAS_VIEWER)
-#include "tools/gdtslam/pictures/cloud_picture.hpp"
+#include "tools/gdtslam/render/cloud_picture.hpp"
 #endif
 
 namespace gdtslam {

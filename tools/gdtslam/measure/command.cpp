@@ -174,7 +174,7 @@ void add_measure_command(CLI::App& app, CommandContext& context) {
   command->add_option("--csv", chosen->csv, "Write a table of the boxes or of the planes")->type_name("FILE");
   command
       ->add_option("--picture,--svg", chosen->picture,
-                   "Write a top view of the boxes with their dimensions: .svg, .png, .jpg or .pdf")
+                   "Write a top view of the boxes with their dimensions: .svg, .png or .pdf")
       ->type_name("FILE")
       ->needs(boxes);
   command->add_flag("--json", chosen->json, "Print JSON");

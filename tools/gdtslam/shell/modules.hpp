@@ -16,7 +16,7 @@ namespace gdtslam {
 struct Module {
   const char* version;  ///< of gdtslam; only the program's own fits
   void (*add)(CLI::App& app, CommandContext& context);
-  /// Of `render`, for `map` (pictures/cloud_picture.hpp); null in the others.
+  /// Of `render`, for `map` (render/cloud_picture.hpp); null in the others.
   std::string (*draw_run_cloud)(const std::string& cloud_file, const std::string& log, const Trajectory& trajectory,
                                 const calib::SweepModel* linkage);
 };
