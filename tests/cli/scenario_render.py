@@ -123,8 +123,8 @@ def render_views_of_each_input():
     nodding = flat | cloud | scene | {"scan", "graph", "loops"}
     cases = [
         ([RUN], flat | {"graph", "loops"}, {"still": "map", "film": "loops"}),
-        ([run], nodding, {"still": "cloud", "film": "cloud"}),
-        ([run / "cloud.ply"], cloud, {"still": "cloud", "film": "cloud"}),
+        ([run], nodding, {"both": "cloud"}),
+        ([run / "cloud.ply"], cloud, {"both": "cloud"}),
         (["paper-a"], scene, {"still": "scene"}),
         ([drive.linkage], scene, {"still": "scene"}),
         ([run / "map.yaml"], {"map"}, {"still": "map"}),
@@ -137,7 +137,7 @@ def render_views_of_each_input():
     for number, (inputs, _, defaults) in enumerate(cases):
         folder = cli.fresh_folder(f"render_views/default{number}")
         said = rendered(*map(str, inputs), cwd=folder)
-        expect((files := sorted(digests(folder))) == [said["file"]] and f"-{defaults['still']}" in said["file"], f"{inputs}: {said}, {files}")
+        expect((files := sorted(digests(folder))) == [said["file"]] and f"-{defaults.get('still', defaults.get('both'))}" in said["file"], f"{inputs}: {said}, {files}")
         png = (folder / said["file"]).read_bytes()
         expect(list(struct.unpack(">II", png[16:24])) == said["size_px"] and len(png) == said["bytes"], f"{inputs}: {said}")
 
@@ -260,7 +260,7 @@ def render_clouds_of_others():
     process = command("render", run, "-o", drive.folder / "b.png", "--size", "64x48")
     expect_exit(process, 0)
     expect("has no trajectory.tum" in process.stderr, process.stderr)
-    refused(2, run, "--from", "robot", "-o", drive.folder / "f.png", says="no trajectory")
+    refused(2, run, "-q", "--from", "robot", "-o", drive.folder / "f.png", says="no trajectory")
     head = "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
     strays = "nan 0 0\n1e30 0 0\n"
     good = "".join(f"{x} {y} 0.5\n" for x in range(4) for y in range(3))

@@ -84,12 +84,13 @@ int list_views(const RenderOptions& options, const std::vector<RenderSource>& so
                    {"available", missing.empty()},
                    {"missing", missing.empty() ? Json() : Json(missing)},
                    {"can_be_film", view.moves()},
-                   {"default", &view == still  ? Json("still")
-                               : &view == film ? Json("film")
-                                               : Json()}});
+                   {"default", &view == still && &view == film ? Json("both")
+                               : &view == still                ? Json("still")
+                               : &view == film                 ? Json("film")
+                                                               : Json()}});
     if (!missing.empty()) continue;
     const std::string marks = fmt::format("{}{}", view.moves() ? "film" : "", is_default ? " *" : "");
-    text += fmt::format("{:<19} {:<7} {}\n", view.words(), marks, view.doc);
+    text += fmt::format("{:<21} {:<7} {}\n", view.words(), marks, view.doc);
   }
   if (text.empty()) {
     text = fmt::format("{} has no view without more\n", to_string(sources.front().kind()));

@@ -24,6 +24,7 @@ constexpr double kNoteLetters = 0.85;  // size of remarks
 constexpr double kTitleShare = 0.4;    // of the picture's height, for title and subtitle
 constexpr double kBarShare = 0.26;     // of the picture's width, of the colour bar
 constexpr double kShortestBarLetters = 5.0;
+constexpr double kGroundOpacity = 0.75;  // of the ground of the bar: the scene shows through
 constexpr double kScaleBarShare = 0.16;  // of the picture's width, at most
 constexpr double kTriadLetters = 2.4;    // length of an axis
 constexpr double kTriadShare = 0.35;     // of the picture's height, at most
@@ -73,6 +74,7 @@ class CloudLayout {
   Theme theme_;
   double letter_;
   double margin_;
+  bool has_ground_;
   std::vector<DrawingArea> taken_;
 };
 
@@ -80,7 +82,8 @@ CloudLayout::CloudLayout(Canvas& canvas, const CloudLook& look)
     : canvas_(canvas),
       theme_(theme_of(look)),
       letter_(std::max(kLeastLetter_px, kLetterShare * std::min(canvas.height(), 0.75 * canvas.width()))),
-      margin_(kMarginLetters * letter_) {}
+      margin_(kMarginLetters * letter_),
+      has_ground_(!look.is_transparent) {}
 
 Lettering CloudLayout::lettering(double size, Colour colour, bool is_bold, Anchor anchor) const {
   return {.size = size, .colour = colour, .anchor = anchor, .is_bold = is_bold, .has_halo = true, .halo = theme_.page};
@@ -153,6 +156,7 @@ void CloudLayout::draw_colour_bar(const ColourScale& scale) {
     room.corner = {canvas_.width() - margin_ - room.width, canvas_.height() - margin_ - room.height};
     if (!is_free(room)) continue;
     take(room);
+    if (has_ground_) canvas_.rectangle(room.corner, room.width, room.height, Fill{theme_.page, kGroundOpacity});
     gdtslam::draw_colour_bar(canvas_, bar, room.corner, theme_);
     return;
   }

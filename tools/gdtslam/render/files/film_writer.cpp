@@ -162,9 +162,9 @@ std::string rgb_of(const RgbaImage& frame) {
 long kilobits_per_s(const FilmTarget& target) {
   constexpr double kRate = 2800.0;
   constexpr double kPixels = 1280.0 * 720.0;
-  constexpr double kFramesPerSecond = 25.0;
+  constexpr double kUsualFramesPerSecond = 25.0;
   const double pixels = static_cast<double>(target.width) * static_cast<double>(target.height) / kPixels;
-  const double frames = std::max(target.frames_per_s / kFramesPerSecond, 1.0);
+  const double frames = std::max(target.frames_per_s / kUsualFramesPerSecond, 1.0);
   return std::max(200L, std::lround(kRate * std::sqrt(pixels * frames) * std::sqrt(std::sqrt(pixels * frames))));
 }
 
