@@ -11,7 +11,7 @@ build_packages=(
   libpng-dev libssl-dev zlib1g-dev libbz2-dev liblz4-dev libzstd-dev liblzma-dev libsqlite3-dev
   libembree-dev libceres-dev libnanoflann-dev libwebsockets-dev
   libvulkan-dev libglm-dev glslang-tools spirv-tools
-  libvtk9-dev libegl-dev libglew-dev libcairo2-dev libturbojpeg0-dev ffmpeg
+  libvtk9-dev libegl-dev libglew-dev libcairo2-dev ffmpeg
   help2man
 )
 # To compute with Vulkan where the GPU's vendor brought no driver: the loader and Mesa's drivers, lavapipe (which computes

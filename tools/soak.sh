@@ -144,7 +144,7 @@ evaluate run --reference drive.truth.tum
 merge run live -o sites -q --no-pictures
 edit run --origin 1,1,90 --tiles -o edited -q
 render run --view map -o out.png --size 96x64 -q
-render deep --view orbit --frames 2 -o out.mp4 --size 96x64 -q
+render deep --seconds 0.08s -o out.mp4 --size 96x64 -q
 evaluate deep --planes --boxes
 doctor drive.log
 linkage paper-b

@@ -43,7 +43,7 @@ NODDING_READERS = {
     "evaluate --planes": (lambda run, other, out: ("evaluate", run, "--planes"), {"cloud.ply"}),
 }
 NODDING_VIEWS = {
-    "render iso": (lambda run, other, out: ("render", run, "--view", "iso", "-o", out / "a.png", *SMALL), {"cloud.ply", "linkage.yaml"}),
+    "render cloud": (lambda run, other, out: ("render", run, "--view", "cloud", "-o", out / "a.png", *SMALL), {"cloud.ply", "linkage.yaml"}),
 }
 
 

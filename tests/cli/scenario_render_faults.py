@@ -5,7 +5,6 @@ import json
 import os
 import pathlib
 import re
-import resource
 import shutil
 import signal
 import stat
@@ -60,29 +59,6 @@ def home_is_not_made():
     if cli.vulkan_devices():
         expect_exit(command("verify", "--device", "vulkan:0", "smallest_values", "-q", env=env), 0)
     expect(not (folder / "home").exists(), f"a home: {sorted(digests(folder))}")
-
-
-def render_with_few_descriptors():
-    """However few descriptors there are: 74 where a file cannot be opened, 69 where a helper or a driver cannot start, one line."""
-    require_viewer()
-    require_ffmpeg()
-    if cli.IS_SANITIZED:
-        cli.skip("a sanitized program needs descriptors to look at its objects")
-    folder = cli.fresh_folder("render_with_few_descriptors")
-    codes = set()
-    for count in range(4, 200):
-        limit = lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (count, count))  # noqa: B023, run at once
-        process = command("render", "paper-b", "-o", folder / "a.gif", *SMALL, "--frames", 2, preexec_fn=limit)
-        if process.returncode == 0:
-            break
-        if "error while loading shared libraries" in process.stderr and process.returncode == 127:
-            continue
-        expect(process.returncode in (69, 74), f"{count} descriptors: exit {process.returncode}: {process.stderr}")
-        one_error_line(process.stderr)
-        expect(not (folder / "a.gif").exists(), f"{count} descriptors: a film")
-        codes.add(process.returncode)
-    print(f"{count} descriptors are enough; before: {codes}")
-    expect(process.returncode == 0 and 69 in codes, f"{codes}")
 
 
 def render_without_opengl():
@@ -148,9 +124,10 @@ def render_interrupted_film():
     require_ffmpeg()
     folder = cli.fresh_folder("render_interrupted")
     stuck = fake_ffmpeg(folder, "exec sleep 1000")
-    for arguments in (("-o", folder / "a.mp4"), ("-o", folder / "a.gif"), ("-o", folder / "a.mp4", "--ffmpeg", stuck)):
-        process = subprocess.Popen([PROGRAM, "render", "paper-b", "--frames", "5000", *map(str, arguments)], stdout=subprocess.PIPE,
-                                   stderr=subprocess.PIPE, text=True)
+    for arguments in (("-o", folder / "a.mp4"), ("-o", folder / "stuck.mp4")):
+        path = f"{stuck.parent}:{os.environ['PATH']}" if "stuck" in str(arguments) else os.environ["PATH"]
+        process = subprocess.Popen([PROGRAM, "render", "paper-b", "--seconds", "200s", *map(str, arguments)], stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True, env=environment(PATH=path))
         for _ in range(200):
             time.sleep(0.05)
             children = children_of(process.pid)
@@ -165,7 +142,7 @@ def render_interrupted_film():
         expect("nothing is written" in done.stderr, done.stderr)
         expect(not any(pathlib.Path(f"/proc/{pid}").exists() for pid in children), "ffmpeg still runs")
         expect(sorted(digests(folder)) == ["ffmpeg"], f"{sorted(digests(folder))}")
-    process = subprocess.Popen([PROGRAM, "render", "paper-b", "--frames", "5000", *SMALL, "-o", f"{folder}/frames/"], stdout=subprocess.PIPE,
+    process = subprocess.Popen([PROGRAM, "render", "paper-b", "--seconds", "200s", *SMALL, "-o", f"{folder}/frames/"], stdout=subprocess.PIPE,
                                stderr=subprocess.PIPE, text=True)
     while not (folder / "frames/frame-0003.png").exists():
         expect(process.poll() is None, "it ended early")
@@ -185,16 +162,16 @@ def render_unwritable():
     drive = nodding_run("render_unwritable")
     folder, run = drive.folder / "out", drive.folder / "run"
     folder.mkdir()
-    for name in ("a.png", "a.svg", "a.pdf", "a.gltf", "a.ply", "a.html"):
+    for name in ("a.png", "a.svg", "a.pdf", "a.glb", "a.ply", "a.html"):
         size = SMALL if name[-3:] in ("png", "svg", "pdf") else ()
-        view = ("--view", "iso") if size else ()
+        view = ("--view", "cloud") if size else ()
         refused(74, run, *view, *size, "-o", folder / "none" / name, says=name)
         (folder / name).write_text("old")
         if not cli.IS_SANITIZED:
             refused(74, run, *view, *size, "-o", folder / name, says="No space left on device", env=cli.full_disk())
         expect((folder / name).read_text() == "old" and len(digests(folder)) == 1, f"{name}: {sorted(digests(folder))}")
         (folder / name).unlink()
-    refused(74, "paper-b", *SMALL, "--frames", 2, "-o", "/proc/a.mp4", says="a.mp4")
+    refused(74, "paper-b", *SMALL, "--seconds", "0.1s", "-o", "/proc/a.mp4", says="a.mp4")
     refused(74, run, *SMALL, "-o", "/proc/a.png", says="a.png")
 
 
@@ -204,60 +181,41 @@ def render_mistakes():
     folder = cli.fresh_folder("render_mistakes")
     out = ("-o", folder / "a.png")
     cases = [
-        ((RUN, "-o", folder / "a.tif"), ".png .jpg .jpeg .svg .pdf .mp4"),
-        ((RUN, "-o", folder / "a.glft"), "did you mean '.gltf'"),
-        ((RUN, "-o", folder / "a"), "has none of the endings"),
-        ((RUN, "-o", folder / "f%d-%d.png"), "no pattern for frames"),
+        ((RUN, "-o", folder / "a.tif"), ".png .svg .pdf .mp4"),
+        ((RUN, "-o", folder / "a.gbl"), "did you mean '.glb'"),
         ((RUN / "map.yaml", "-o", folder / "a.mp4"), "no view that moves"),
-        ((RUN / "map.yaml", "-o", f"{folder}/"), "no view that moves"),
         ((RUN, "-o", folder / "a.mp4", "--view", "map"), "does not move"),
-        ((RUN, "--view", "iso", *out), "has no 3D cloud; its views are map, graph, loops, field, distance, cells"),
-        ((RUN / "map.yaml", "--view", "graph", *out), "has no closed loops; its views are map"),
-        ((RUN, "--view", "graph", "--no-path", *out), "--no-path: has no effect on view graph"),
+        ((RUN, "--view", "cloud", *out), "has no 3D cloud; its views are map, graph, loops, field, trajectory"),
         ((RUN, "--view", "scan", *out), "has no 3D cloud and no linkage"),
         ((RUN, "--view", "fild", *out), "did you mean 'field'"),
-        ((RUN, "--view", "errors-box", *out), "--reference or --relations"),
-        ((RUN, "-o", folder / "a.gltf"), "has no 3D cloud"),
+        ((RUN, "--view", "errors", "--as", "cdf", *out), "--view errors --as cdf"),
+        ((RUN, "--view", "map", "--as", "box", *out), "one kind only"),
+        ((RUN, "--as", "box", *out), "no view is named"),
+        ((RUN, "--no-floor", *out), "--hide floor"),
+        ((RUN, "--camera", "1,2,3,4,5,6", *out), "--from X,Y,Z"),
+        ((RUN, "--view", "errors", *out), "--reference or --relations"),
+        ((RUN, "-o", folder / "a.glb"), "has no 3D cloud"),
         (("paper-b", "-o", folder / "a.html", "--view", "scene"), "a page in .html"),
-        ((RUN, "--size", "0x0", *out), "--size: 0x0"),
         ((RUN, "--size", "100000x100000", *out), "1 to 16384 pixels"),
         ((RUN, "--size", "100", *out), "WIDTHxHEIGHT"),
-        ((RUN, "--size", "99999999999x1", *out), "--size"),
         (("paper-b", "-o", folder / "a.mp4", "--size", "641x361"), "642x362"),
-        (("paper-b", "-o", folder / "a.mp4", "--transparent"), "--transparent"),
+        (("paper-b", "-o", folder / "a.mp4", "--background", "none"), "--background none"),
         (("paper-b", "-o", folder / "a.mp4", "--seconds", "2h", "--fps", 240), "at most 100000 frames"),
         (("paper-b", "-o", folder / "a.mp4", "--seconds", "-2s"), "--seconds"),
-        (("paper-b", "-o", folder / "a.mp4", "--frames", "0"), "--frames"),
         ((RUN, "--colour", "hight", *out), "did you mean 'height'"),
-        ((RUN, "--colour-map", "virids", *out), "--colour-map"),
-        ((RUN, "--range", "2m", *out), "MIN:MAX"),
+        ((RUN, "--colour-map", "lagon", *out), "did you mean 'lagoon'"),
         ((RUN, "--range", "1:2", *out), "needs a unit"),
-        ((RUN, "--range", "3m:2m", *out), "not below"),
-        ((RUN, "--camera", "1,2,3", *out), "camera"),
-        ((RUN, "--light", "--dark", *out), "exclude each other"),
-        ((RUN, "--view", "cells", "--cells", 61, *out), "--cells"),
-        ((RUN, "--view", "cells", "--at", "900m,0m", *out), "outside the field"),
-        ((RUN, "--view", "cells", "--at", "1m", *out), "X,Y"),
+        ((RUN, "--from", "1,2,3", *out), "camera"),
         ((RUN, "paper-b", *out), "several inputs"),
-        ((RUN, RUN, "--view", "map", *out), "several inputs"),
         ((RUN, RUN, *out), "draws one input, and 2 are given"),
-        ((RUN, RUN, "-o", folder / "a.html"), "draws one input, and 2 are given"),
-        ((RUN, "--frames", 3, *out), "--frames: has no effect"),
         ((RUN, "--fps", 30, *out), "--fps: has no effect"),
-        ((RUN, "--view", "graph", "--colour-map", "lagoon", *out), "--colour-map: has no effect on view graph"),
-        ((RUN, "--colour-map", "grey", "--no-path", *out), "--colour-map: has no effect on a map without its path"),
-        ((RUN / "map.yaml", "--colour-map", "grey", *out), "--colour-map: has no effect on a map without its path"),
-        ((RUN, "--dark", *out), "--dark: has no effect on view map"),
-        ((RUN, "--at", "0m,0m", *out), "--at: has no effect"),
+        ((RUN / "map.yaml", "--colour-map", "ember", *out), "--colour-map: has no effect on a map without its path"),
+        ((RUN, "--background", "dark", *out), "--background: has no effect on view map"),
         ((RUN, "--points", 5, *out), "--points: has no effect"),
-        ((RUN, "--topic", "/nothing", *out), "--topic, --odom, --crank and --mount are for logs"),
+        ((RUN, "--view", "graph", "--hide", "path", *out), "--hide path: has no effect on view graph"),
         ((RUN, "--view", "map", "--linkage", "paper-b", *out), "--linkage: has no effect on view map"),
-        ((RUN / "map.yaml", "--linkage", "paper-b", *out), "--linkage: has no effect on view map"),
         (("paper-b", "-o", folder / "a.gif", "--fps", 60), "--fps 60: a .gif shows at most 50"),
         ((RUN, "--view", "map", "--reference", TRUTH, *out), "--reference: has no effect"),
-        (("paper-b", "--view", "drawing", "--dark", *out), "--dark: has no effect on view drawing"),
-        (("paper-b", "--view", "drawing", "--size", "100x100", "-o", folder / "a.svg"), "--size: has no effect"),
-        (("paper-b", "-o", folder / "a.html", "--range", "0m:1m"), "--range: has no effect on a page"),
         ((*out,), "INPUT|input"),
     ]
     for arguments, says in cases:
@@ -269,16 +227,16 @@ def render_mistakes():
     refused(2, "paper-b", "-o", folder / "dir.png", says="dir.png' is a folder; end it in / for the frames")
     (folder / "dir.png").rmdir()
     said = command("render", RUN / "trajectory.tum", "--list-views").stdout
-    expect(said.startswith("trajectory ") and "--reference or --relations FILE" in said and "errors-path" in said, said)
+    expect(said.startswith("trajectory ") and "--reference or --relations FILE" in said and "errors --as path" in said, said)
     for arguments, code, says in [
         (("paper-z", *out), 74, "did you mean 'paper-"),
         ((folder / "none.ply", *out), 74, "no such file"),
         ((RUN / "map.pgm", *out), 65, "give the .yaml"),
         ((DATA / "empty.ply", *out), 65, "has no points"),
-        ((DATA / "empty.log", *out), 65, "empty.log"),
+        ((LOG, *out), 65, "map it first: gdtslam map"),
         ((DATA / "bad.tum", "--reference", TRUTH, *out), 65, "bad.tum:2"),
-        ((RUN, "--relations", DATA / "far.relations", "--view", "errors-cdf", *out), 65, "far.relations"),
-        ((RUN, "--reference", DATA / "far.tum", "--view", "errors-cdf", *out), 65, "stamps"),
+        ((RUN, "--relations", DATA / "far.relations", "--view", "errors", "--as", "cdf", *out), 65, "far.relations"),
+        ((RUN, "--reference", DATA / "far.tum", "--view", "errors", "--as", "cdf", *out), 65, "stamps"),
     ]:
         refused(code, *arguments, says=says)
     expect(not list(folder.iterdir()), f"{list(folder.iterdir())}")

@@ -1,9 +1,7 @@
-"""gdtslam render on runs that are alike but for one thing: a mount without a linkage, two runs of one log, an open cloud; and on
-a log, which is mapped first."""
+"""gdtslam render on runs that are alike but for one thing: a mount without a linkage, two runs of one log, an open cloud."""
 
 import json
 import math
-import os
 import re
 import shutil
 import struct
@@ -24,30 +22,13 @@ def render_tilting_laser():
     angle = elevation_of(drive.linkage.read_text())
     drive.map("tilt", drive.edited(lambda line: f"TILT {angle(ticks_of(line)):.9f} {stamp_of(line):.6f} robot 0"))
     crank, tilt = drive.folder / "crank", drive.folder / "tilt"
-    linkage = {"scene", "drawing"}
-    expect(views_of(tilt)[0] == views_of(crank)[0] - linkage, f"views of a tilting laser: {views_of(tilt)}")
-    expect(views_of(drive.folder / "tilt.log") == views_of(tilt), f"before it is mapped: {views_of(drive.folder / 'tilt.log')}")
-    refused(2, tilt, "--view", "drawing", "-o", drive.folder / "a.svg", says="--linkage NAME|FILE")
-    svg, page, scan = drive.folder / "a.svg", drive.folder / "a.html", ("--view", "scan", "--from", "2s", "--to", "6s")
+    expect(views_of(tilt)[0] == views_of(crank)[0] - {"scene"}, f"views of a tilting laser: {views_of(tilt)}")
+    refused(2, tilt, "--view", "scene", "-o", drive.folder / "a.svg", says="--linkage NAME|FILE")
+    svg, page, scan = drive.folder / "a.svg", drive.folder / "a.html", ("--view", "scan", "--time", "2s:6s")
     for run, has_linkage in ((crank, True), (tilt, False)):
         expect(("The mount" in words_of(svg, run, *scan)) == has_linkage, f"{run}: the mount's close view")
         rendered(run, "-o", page)
         expect(('"linkage":{' in page.read_text()) == has_linkage, f"{run}: the linkage in the page")
-
-
-def render_scan_counts_points_once():
-    """The picture of a scan has one number of points, those measured until then."""
-    require_viewer()
-    drive = Drive("render_scan_counts_points_once")
-    drive.map("run", drive.lines)
-    svg, scan = drive.folder / "a.svg", ("--view", "scan", "--from", "2s", "--to", "6s")
-    for more in ((), ("--points", 5000)):
-        said = rendered(drive.folder / "run", *scan, *more, "-o", svg)
-        words = words_of(svg, drive.folder / "run", *scan, *more)
-        counts = [int(text.replace(",", "")) for text in re.findall(r"\b\d{1,3}(?:,\d{3})+\b", words)]
-        expect(len(counts) == 1 and 0 < counts[0] < said["points"], f"{counts} points in {words}")
-        share = f"{100 * said['points'] / said['points_of']:.0f} % of the points drawn"
-        expect((share in words) == (said["points"] < said["points_of"]), f"{share!r}, {said}: {words}")
 
 
 def render_site():
@@ -58,7 +39,7 @@ def render_site():
     early, late, _, part = parts_of_the_log(folder)
     cli.expect_exit(cli.command("merge", early, late, "-o", folder / "sites", "-q"), 0)
     site = folder / "sites/1"
-    views = ["map", "graph", "field", "distance", "cells", "trajectory"]
+    views = ["map", "graph", "field", "trajectory"]
     expect(views_of(site) == (set(views), {"still": "map"}), f"{views_of(site)}")
     for name, *arguments in (("a.png", "--view", "loops"), ("a.mp4", "--view", "loops"), ("a.mp4",)):
         refused(2, site, *arguments, "-o", folder / name, says=f"its views {'are ' if arguments else ''}{', '.join(views)}")
@@ -78,25 +59,11 @@ def render_errors_of_runs_of_one_log():
     folder = cli.fresh_folder("render_errors_of_runs_of_one_log")
     for name in ("coarse", "fine", "other/fine"):
         shutil.copytree(RUN, folder / name)
-    for view in ("errors-cdf", "errors-box", "errors-time"):
-        words = words_of(folder / "e.svg", folder / "coarse", folder / "fine", "--reference", TRUTH, "--view", view)
-        expect("coarse" in words and "fine" in words, f"{view}: {words}")
-        words = words_of(folder / "e.svg", "fine", "other/fine", "--reference", TRUTH, "--view", view, cwd=folder)
-        expect("other/fine" in words, f"{view}: {words}")
-
-
-def render_errors_over_time_are_sorted():
-    """Relations may stand in any order; the curve over time is the same."""
-    require_viewer()
-    folder = cli.fresh_folder("render_errors_over_time_are_sorted")
-    rows = [line.split()[0] for line in (RUN / "trajectory.tum").read_text().splitlines() if line[0] != "#"]
-    lines = [f"{rows[k]} {rows[k + 10]} 0.1 0 0 0 0 0\n" for k in range(0, 100, 10)]
-    pictures = []
-    for name, order in (("sorted", lines), ("mixed", lines[5:] + lines[4::-1])):
-        (folder / f"{name}.relations").write_text("".join(order))
-        rendered(RUN, "--relations", folder / f"{name}.relations", "--view", "errors-time", "-o", folder / f"{name}.svg")
-        pictures.append((folder / f"{name}.svg").read_text())
-    expect(pictures[0] == pictures[1], "the order of the relations shows")
+    for kind in ("cdf", "box", "time"):
+        words = words_of(folder / "e.svg", folder / "coarse", folder / "fine", "--reference", TRUTH, "--view", "errors", "--as", kind)
+        expect("coarse" in words and "fine" in words, f"{kind}: {words}")
+        words = words_of(folder / "e.svg", "fine", "other/fine", "--reference", TRUTH, "--view", "errors", "--as", kind, cwd=folder)
+        expect("other/fine" in words, f"{kind}: {words}")
 
 
 def render_open_clouds_whole():
@@ -107,13 +74,13 @@ def render_open_clouds_whole():
     far = [(0.6 + 12 * math.cos(0.015 * k), 0.6 + 9 * math.sin(0.015 * k), 0.03 * (k % 90)) for k in range(420)]
     head = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(near + far)}\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
     (folder / "open.ply").write_bytes(head.encode() + b"".join(struct.pack("<fff", *place) for place in near + far))
-    for view in ("iso", "top", "front", "side"):
-        rendered(folder / "open.ply", "--view", view, "--no-caption", "--size", "320x200", "--point-size", 3, "-o", folder / "a.png")
+    for place in ("iso", "top", "front", "side"):
+        rendered(folder / "open.ply", "--from", place, "--hide", "caption", "--size", "320x200", "-o", folder / "a.png")
         picture = Png(folder / "a.png")
         ground = picture.pixel(0, 0)
         edge = [picture.pixel(x, y) for x in range(320) for y in (0, 1, 198, 199)]
         edge += [picture.pixel(x, y) for y in range(200) for x in (0, 1, 318, 319)]
-        expect(set(edge) == {ground}, f"{view}: points at the picture's edge")
+        expect(set(edge) == {ground}, f"{place}: points at the picture's edge")
 
 
 def render_of_a_million_points():
@@ -130,7 +97,7 @@ def render_of_a_million_points():
             struct.pack("<3f", 0.01 * (k % side), 3.0 * wall, 0.0025 * (k // side)) for wall in range(1, millions) for k in range(side * side))
         header = f"ply\nformat binary_little_endian 1.0\nelement vertex {millions * side * side}\n"
         (folder / "walls.ply").write_bytes((header + "".join(f"property float {a}\n" for a in "xyz")).encode() + b"end_header\n" + walls)
-        code, text, megabytes, _ = cli.measured("render", folder / "walls.ply", "--with-ceiling", "--json", "--force", "-o", folder / "a.png")
+        code, text, megabytes, _ = cli.measured("render", folder / "walls.ply", "--hide", "none", "--json", "--force", "-o", folder / "a.png")
         expect(code == 0, text)
         result = json.loads(text)
         expect(megabytes <= 250, f"a still of {millions} million points takes {megabytes} MB")
@@ -138,19 +105,3 @@ def render_of_a_million_points():
         expect(result["points_of"] == millions * side * side, f"{result}")
         expect(result["points"] == side * side if millions == 1 else pixels / 2 <= result["points"] <= pixels, f"{result}")
     shutil.rmtree(folder)
-
-
-def render_log():
-    """A log is mapped first: into a folder that goes, or into --run, whose files are those of map."""
-    require_viewer()
-    folder = cli.fresh_folder("render_log")
-    (folder / "tmp").mkdir()
-    environment = {**os.environ, "TMPDIR": str(folder / "tmp")}
-    rendered(cli.LOG, "-o", folder / "a.png", "--size", "200x100", env=environment)
-    expect(Png(folder / "a.png").width == 200 and not list((folder / "tmp").iterdir()), "the temporary run is still there")
-    rendered(cli.LOG, "-o", folder / "b.png", "--size", "200x100", "--run", folder / "kept")
-    expect((folder / "a.png").read_bytes() == (folder / "b.png").read_bytes(), "another picture")
-    expect(sorted(cli.digests(folder / "kept")) == cli.OUTPUTS, f"{sorted(cli.digests(folder / 'kept'))}")
-    refused(65, cli.DATA / "malformed.log", "-o", folder / "c.png", says="malformed.log:3", env=environment)
-    refused(2, RUN, "--run", folder / "x", says="--run is for logs")
-    expect(not (folder / "c.png").exists() and not list((folder / "tmp").iterdir()), "something is left")

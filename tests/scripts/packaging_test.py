@@ -14,7 +14,7 @@ DEBIAN = {"Eigen3": "libeigen3-dev", "yaml-cpp": "libyaml-cpp-dev", "nlohmann_js
           "BZip2": "libbz2-dev", "PkgConfig": "pkg-config", "liblz4": "liblz4-dev", "libzstd": "libzstd-dev",
           "SQLite3": "libsqlite3-dev", "LibLZMA": "liblzma-dev", "PNG": "libpng-dev", "OpenSSL": "libssl-dev", "fmt": "libfmt-dev",
           "Ceres": "libceres-dev", "VTK": "libvtk9-dev", "OpenGL": "libegl-dev", "GLEW": "libglew-dev", "cairo": "libcairo2-dev",
-          "libturbojpeg": "libturbojpeg0-dev", "embree": "libembree-dev"}
+          "embree": "libembree-dev"}
 SUGGESTED = {"VTK", "OpenGL", "GLEW", "embree"}  # of viewer and sim, which find_package(COMPONENTS runs) does not ask for
 # In every build of a Debian package, and a program that is called.
 NOT_NAMED = {"g++", "ffmpeg"}

@@ -14,7 +14,7 @@ target=$build/root
 packages=(
   libc6 libstdc++6 libgcc-s1 libfmt-dev libfmt9 libyaml-cpp-dev libyaml-cpp0.7 libpng-dev libpng16-16 libssl-dev libssl3
   zlib1g-dev zlib1g libbz2-dev libbz2-1.0 liblz4-dev liblz4-1 libzstd-dev libzstd1 liblzma-dev liblzma5
-  libsqlite3-dev libsqlite3-0 libturbojpeg0-dev libturbojpeg0 libcairo2-dev libcairo2
+  libsqlite3-dev libsqlite3-0 libcairo2-dev libcairo2
   libpixman-1-0 libfontconfig1 libfreetype6 libexpat1 libbrotli1 libuuid1 libx11-6 libxext6 libxrender1 libxcb1 libxcb-render0
   libxcb-shm0 libxau6 libxdmcp6 libbsd0 libmd0
 )

@@ -16,8 +16,7 @@
 #include "engine/core/elementary.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gl_platform.hpp"
-#include "memory_reserve.hpp"
+#include "gl_context.hpp"
 #include "shading.hpp"
 #include "viewer/scene/camera_basis.hpp"
 #include "vtk_messages.hpp"
@@ -89,7 +88,7 @@ bool RenderWindow::IsCurrent() { return context_ != nullptr && context_->is_curr
 }  // namespace
 
 struct OffscreenView::State {
-  std::unique_ptr<GlContext> context;
+  GlContext context;
   vtkNew<RenderWindow> window;
   vtkNew<vtkRenderer> renderer;
   Colour background = ink::kNight;
@@ -99,10 +98,10 @@ struct OffscreenView::State {
   std::uint32_t largest_side = 0;
   PictureLayer* layer = nullptr;
 
-  explicit State(const GraphicsContext& graphics) : context(graphics.state().platform.make_context()) {}
+  explicit State(const GraphicsContext& graphics) : context(graphics.state().display) {}
   ~State() {
     // VTK frees its buffers in the context they belong to.
-    context->make_current();
+    context.make_current();
     window->Finalize();
   }
   State(const State&) = delete;
@@ -245,9 +244,7 @@ RawPicture read_back(RenderWindow& window, bool with_depth) {
 RawPicture drawn_over(Colour background, double alpha, RenderWindow& window, vtkRenderer& renderer, bool with_depth) {
   renderer.SetBackground(background.red / 255.0, background.green / 255.0, background.blue / 255.0);
   renderer.SetBackgroundAlpha(alpha);
-  const MemoryReserve reserve;
   window.Render();
-  reserve.throw_where_memory_ended();
   if (!window.loading_failure().empty()) throw DeviceError("OpenGL", "glewInit", window.loading_failure());
   throw_errors_of_vtk();
   return read_back(window, with_depth);
@@ -277,9 +274,9 @@ RawPicture drawn_over_nothing(RenderWindow& window, vtkRenderer& renderer, bool 
 
 OffscreenView::OffscreenView(const GraphicsContext& graphics) : state_(std::make_unique<State>(graphics)) {
   State& s = *state_;
-  s.context->make_current();
+  s.context.make_current();
   s.largest_side = largest_side_of_context();
-  s.window->set_context(s.context.get());
+  s.window->set_context(&s.context);
   s.window->AddRenderer(s.renderer);
 }
 
@@ -308,7 +305,7 @@ void OffscreenView::set_layer(PictureLayer* layer) { state_->layer = layer; }
 RgbaImage OffscreenView::render(const Camera& camera, const PictureSize& size) {
   State& s = *state_;
   check_size(size, s.samples, s.largest_side);
-  s.context->make_current();
+  s.context.make_current();
   // A pixel of pictures up to 720 rows high, and more of larger ones.
   const std::uint32_t radius = s.samples * std::max(1U, (size.height + 360U) / 720U);
   const std::uint32_t margin = std::max(s.has_eye_dome ? shading_reach(radius) : 0, kBandMargin * s.samples);

@@ -1,5 +1,5 @@
-// What VTK would print. From the first GraphicsContext on nothing of VTK reaches the terminal: errors and warnings are
-// kept for the thread in which they came up, until a view asks for them.
+// What VTK would print. From the first GraphicsContext on nothing of VTK reaches the terminal: errors are kept for the
+// thread in which they came up until a view asks for them; warnings are dropped.
 #pragma once
 
 #include <string>
@@ -12,7 +12,5 @@ void collect_vtk_messages();
 
 /// One line for each error that came up in this thread since the last call.
 std::vector<std::string> take_vtk_errors();
-/// The same for warnings, each text once.
-std::vector<std::string> take_vtk_warnings();
 
 }  // namespace gdtslam

@@ -76,11 +76,4 @@ Camera parse_camera(const std::string& text) {
   return camera;
 }
 
-std::string camera_text(const Camera& camera) {
-  const std::string opening = camera.is_parallel ? fmt::format("{}m", camera.parallel_height_m)
-                                                 : fmt::format("{:.12g}", deg_from_rad(camera.view_angle_rad));
-  return fmt::format("{},{},{},{},{},{},{}", camera.eye.x(), camera.eye.y(), camera.eye.z(), camera.target.x(),
-                     camera.target.y(), camera.target.z(), opening);
-}
-
 }  // namespace gdtslam

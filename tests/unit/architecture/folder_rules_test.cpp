@@ -19,9 +19,9 @@ TEST(Rooms, know_only_those_below_them) {
   };
   EXPECT_THAT(violations("engine/mapping/match/scan_matcher.cpp", "engine/mapping/cost/objective.hpp"), IsEmpty());
   EXPECT_THAT(violations("engine/mapping/map/growth.cpp", "engine/mapping/match/matchers.hpp"), SizeIs(1));
-  EXPECT_THAT(violations("tools/gdtslam/render/run.cpp", "tools/gdtslam/pictures/studio.hpp"), IsEmpty());
+  EXPECT_THAT(violations("tools/gdtslam/render/run.cpp", "tools/gdtslam/render/files/glb.hpp"), IsEmpty());
   EXPECT_THAT(violations("tools/gdtslam/render/run.cpp", "tools/gdtslam/map/command.hpp"), SizeIs(1));
-  EXPECT_THAT(violations("tools/gdtslam/doctor/command.cpp", "tools/gdtslam/pictures/studio.hpp"), SizeIs(1));
+  EXPECT_THAT(violations("tools/gdtslam/doctor/command.cpp", "tools/gdtslam/render/studio.hpp"), SizeIs(1));
   EXPECT_THAT(violations("tools/gdtslam/shell/console.cpp", "tools/lab/bench/rows.hpp"), SizeIs(1));
   EXPECT_THAT(violations("engine/mapping/unknown/a.cpp", "engine/mapping/map/store/growth.hpp"), SizeIs(1)) << "no row";
 }

@@ -59,74 +59,7 @@ double unevenness(const ColourMap& map, std::size_t from, std::size_t to, std::s
   return most / least;
 }
 
-const std::vector<std::string> kSequential{"lagoon", "ember", "tide", "grey", "glow"};
-const std::vector<std::string> kDiverging{"blue-red", "green-purple"};
-
-/// Entries of the tables that matplotlib 3.6 publishes, none of them one that the maps are made from but the ends.
-struct PublishedEntries {
-  std::string name;
-  std::vector<std::pair<std::size_t, std::uint32_t>> entries;
-};
-const std::vector<PublishedEntries> kPublished{{"viridis",
-                                                {{0, 0x440154},
-                                                 {7, 0x460b5e},
-                                                 {37, 0x46337f},
-                                                 {67, 0x39558c},
-                                                 {97, 0x2c738e},
-                                                 {128, 0x21918c},
-                                                 {157, 0x25ac82},
-                                                 {187, 0x54c568},
-                                                 {217, 0x9bd93c},
-                                                 {247, 0xeae51a},
-                                                 {255, 0xfde725}}},
-                                               {"magma",
-                                                {{0, 0x000004},
-                                                 {7, 0x03030f},
-                                                 {37, 0x241253},
-                                                 {67, 0x56147d},
-                                                 {97, 0x842681},
-                                                 {128, 0xb73779},
-                                                 {157, 0xe34e65},
-                                                 {187, 0xfa7f5e},
-                                                 {217, 0xfeb77e},
-                                                 {247, 0xfceeb0},
-                                                 {255, 0xfcfdbf}}},
-                                               {"inferno",
-                                                {{0, 0x000004},
-                                                 {7, 0x030210},
-                                                 {37, 0x290b55},
-                                                 {67, 0x5c126e},
-                                                 {97, 0x8c2369},
-                                                 {128, 0xbc3754},
-                                                 {157, 0xe15635},
-                                                 {187, 0xf8850f},
-                                                 {217, 0xfbbe23},
-                                                 {247, 0xf3f586},
-                                                 {255, 0xfcffa4}}},
-                                               {"plasma",
-                                                {{0, 0x0d0887},
-                                                 {7, 0x20068f},
-                                                 {37, 0x5502a4},
-                                                 {67, 0x8305a7},
-                                                 {97, 0xab2494},
-                                                 {128, 0xcc4778},
-                                                 {157, 0xe4695e},
-                                                 {187, 0xf68f44},
-                                                 {217, 0xfeba2c},
-                                                 {247, 0xf5eb27},
-                                                 {255, 0xf0f921}}},
-                                               {"turbo",
-                                                {{0, 0x30123b},
-                                                 {7, 0x38276d},
-                                                 {37, 0x4778f0},
-                                                 {67, 0x23c3e4},
-                                                 {97, 0x35f394},
-                                                 {128, 0xa4fc3c},
-                                                 {157, 0xe9d539},
-                                                 {187, 0xfd8d27},
-                                                 {217, 0xdd3d08},
-                                                 {247, 0x950d01},
-                                                 {255, 0x7a0403}}}};
+const std::vector<std::string> kSequential{"lagoon", "ember", "tide", "glow"};
 
 TEST(ColourMaps, EachHasANameOfItsOwnADocAnd256Colours) {
   std::set<std::string_view> names;
@@ -137,7 +70,7 @@ TEST(ColourMaps, EachHasANameOfItsOwnADocAnd256Colours) {
     EXPECT_EQ(&colour_map(map.name()), &map);
   }
   EXPECT_EQ(colour_maps().front().name(), "lagoon");
-  EXPECT_EQ(names.size(), kSequential.size() + kDiverging.size() + 1U + kPublished.size());
+  EXPECT_EQ(names.size(), kSequential.size());
 }
 
 TEST(ColourMaps, AnUnknownNameIsAnsweredWithTheNames) {
@@ -194,47 +127,6 @@ TEST(ColourMaps, EverySequentialMapIsReadableByEveryEye) {
         last = lightness;
       }
     }
-  }
-}
-
-TEST(ColourMaps, ADivergingMapFallsEvenlyFromItsLightMiddle) {
-  for (const std::string& name : kDiverging) {
-    const ColourMap& map = colour_map(name);
-    EXPECT_EQ(map.table()[127], map.table()[128]) << name;
-    EXPECT_LT(unevenness(map, 0, 127, 12), 1.3) << name;
-    EXPECT_LT(unevenness(map, 128, 255, 12), 1.3) << name;
-    const Triple low = lab(linear(map.table().front()));
-    const Triple high = lab(linear(map.table().back()));
-    EXPECT_NEAR(low[0], high[0], 1.0) << name;
-    EXPECT_GT(lab(linear(map.table()[127]))[0] - low[0], 50.0) << name;
-    EXPECT_GT(distance(low, high), 70.0) << name;
-    for (std::size_t i = 12; i <= 127; i += 12) {
-      EXPECT_GT(lab(linear(map.table()[i]))[0], lab(linear(map.table()[i - 12]))[0]) << name;
-      EXPECT_GT(lab(linear(map.table()[255 - i]))[0], lab(linear(map.table()[255 - i + 12]))[0]) << name;
-    }
-  }
-}
-
-TEST(ColourMaps, TheCyclicMapClosesWithAStepLikeAllOthers) {
-  const ColourMap& map = colour_map("compass");
-  EXPECT_LT(unevenness(map, 0, 255, 15), 1.3);
-  const double closing = distance(lab(linear(map.table()[248])), lab(linear(map.table()[7])));  // 15 steps
-  const double other = distance(lab(linear(map.table()[100])), lab(linear(map.table()[115])));
-  EXPECT_NEAR(closing / other, 1.0, 0.15);
-}
-
-TEST(ColourMaps, ThoseOfOthersAreAsPublished) {
-  for (const PublishedEntries& published : kPublished) {
-    const ColourMap& map = colour_map(published.name);
-    for (const auto& [entry, rgb] : published.entries) {
-      const Colour wanted = colour_for(rgb);
-      const Colour made = map.table()[entry];
-      EXPECT_NEAR(made.red, wanted.red, 5) << published.name << " at " << entry;
-      EXPECT_NEAR(made.green, wanted.green, 5) << published.name << " at " << entry;
-      EXPECT_NEAR(made.blue, wanted.blue, 5) << published.name << " at " << entry;
-    }
-    EXPECT_EQ(map.table().front(), colour_for(published.entries.front().second)) << published.name;
-    EXPECT_EQ(map.table().back(), colour_for(published.entries.back().second)) << published.name;
   }
 }
 

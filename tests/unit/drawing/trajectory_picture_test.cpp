@@ -51,15 +51,15 @@ TEST(TrajectoryPicture, ErrorsRunFromTheMapsFirstColourToItsLast) {
   const std::vector<std::size_t> drives;
   const PathErrors input{path, drives, errors, "Position error (m)", {}, {}};
   MapLook look;
-  look.colour_map = "turbo";
+  look.colour_map = "tide";
   const Canvas canvas = path_errors_picture(input, truth, look, kSheet);
   const std::vector<Colour> colours = colours_along(canvas);
-  EXPECT_TRUE(has(colours, colour_for(0x30123b)));
-  EXPECT_TRUE(has(colours, colour_for(0xa4fc3c)));
+  EXPECT_TRUE(has(colours, colour_map("tide").at(0.0)));
+  EXPECT_TRUE(has(colours, colour_map("tide").at(0.5)));
   EXPECT_TRUE(says(canvas, "Position error (m)  0"));
   EXPECT_TRUE(says(canvas, "2"));
   const PathErrors farther{path, drives, errors, "Position error (m)", 0.0, 20.0};
-  EXPECT_FALSE(has(colours_along(path_errors_picture(farther, truth, look, kSheet)), colour_for(0xa4fc3c)))
+  EXPECT_FALSE(has(colours_along(path_errors_picture(farther, truth, look, kSheet)), colour_map("tide").at(0.5)))
       << "of a scale ten times as long the path has but the first tenth";
 }
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "gdtslam/core/angle.hpp"
-#include "tools/gdtslam/pictures/loops_path.hpp"
-#include "tools/gdtslam/pictures/loops_timeline.hpp"
+#include "tools/gdtslam/render/loops_path.hpp"
+#include "tools/gdtslam/render/loops_timeline.hpp"
 
 namespace gdtslam {
 namespace {

@@ -1,5 +1,5 @@
-// The options of `gdtslam render` as numbers: the ends of a scale.
-#include "tools/gdtslam/pictures/options.hpp"
+// The options of `gdtslam render` and what they mean.
+#include "tools/gdtslam/render/options.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,43 +8,53 @@
 
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
+#include "tools/gdtslam/render/views.hpp"
 
 namespace gdtslam {
 namespace {
 
-TEST(ScaleRange, HasTheEndsThatAreStated) {
+TEST(RenderOptionWords, ScaleHasTheEndsThatAreStated) {
   const ScaleRange both = scale_range_of("-50cm:2.5m", CloudColour::kHeight);
   EXPECT_EQ(both.least, -0.5);
   EXPECT_EQ(both.most, 2.5);
   const ScaleRange below = scale_range_of(":90deg", CloudColour::kElevation);
   EXPECT_FALSE(below.least);
   EXPECT_DOUBLE_EQ(below.most.value(), rad_from_deg(90.0));
-  EXPECT_EQ(scale_range_of("-1e12m:1e12m", CloudColour::kDistance).most, 1e12);
-  EXPECT_FALSE(scale_range_of("", CloudColour::kScan).least);
+  // Ticks of a scale whose ends are farther apart than numbers reach have no end.
+  for (const char* text : {"-1e308m:1e308m", "0m:1.1e12m", "3m:2m", "2m", "1:2"}) {
+    EXPECT_THROW(scale_range_of(text, CloudColour::kHeight), UsageError) << text;
+  }
 }
 
-// Ticks of a scale whose ends are farther apart than numbers reach, in the unit that it is drawn in, have no end.
-TEST(ScaleRange, EndsFartherThanAnyScaleAreRefused) {
-  struct FarRange {
-    const char* text;
-    CloudColour colour;
-    const char* named;
-  };
-  for (const FarRange& range : {FarRange{"-1e308m:1e308m", CloudColour::kHeight, "-1e308m is not"},
-                                FarRange{"0m:1.1e12m", CloudColour::kDistance, "1.1e12m is not"},
-                                FarRange{"1e17m:", CloudColour::kHeight, "1e17m is not"},
-                                FarRange{":-1e308m", CloudColour::kHeight, "-1e308m is not"},
-                                FarRange{"-1e308deg:1e308deg", CloudColour::kElevation, "-1e308deg is not"},
-                                FarRange{"-1e307rad:", CloudColour::kElevation, "-1e307rad is not"},
-                                FarRange{"0s:1e300s", CloudColour::kTime, "1e300s is not"},
-                                FarRange{"0:1e300", CloudColour::kScan, "1e300 is not"}}) {
+TEST(RenderOptionWords, PartsPlacesAndTimes) {
+  const Hidden hidden = hidden_of("floor,path");
+  EXPECT_TRUE(hidden.floor && hidden.path && !hidden.ceiling && !hidden.caption && !hidden.nothing);
+  EXPECT_TRUE(hidden_of("none").nothing);
+  EXPECT_THROW(hidden_of("none,floor"), UsageError);
+  EXPECT_THROW(hidden_of("flor"), UsageError);
+  EXPECT_EQ(viewpoint_of("robot").preset, CameraPreset::kFollow);
+  EXPECT_EQ(viewpoint_of("1,2,3,4,5,6").camera->eye, Point3(1, 2, 3));
+  EXPECT_THROW(viewpoint_of("roof"), UsageError);
+  const TimeRange time = time_range_of("20s:");
+  EXPECT_EQ(time.from_s, 20.0);
+  EXPECT_FALSE(time.to_s);
+}
+
+TEST(RenderViews, OldNamesTellTheNewSpelling) {
+  const auto error_of = [](const char* name, const char* as) -> std::string {
     try {
-      static_cast<void>(scale_range_of(range.text, range.colour));
-      ADD_FAILURE() << range.text << " was taken";
+      static_cast<void>(render_view(name, as));
     } catch (const UsageError& error) {
-      EXPECT_THAT(error.what(), testing::HasSubstr(std::string("--range: ") + range.named));
+      return error.what();
     }
-  }
+    return "";
+  };
+  EXPECT_THAT(error_of("errors-cdf", ""), testing::HasSubstr("--view errors --as cdf"));
+  EXPECT_THAT(error_of("top", ""), testing::HasSubstr("--view cloud --from top"));
+  EXPECT_THAT(error_of("fild", ""), testing::HasSubstr("did you mean 'field'"));
+  EXPECT_THAT(error_of("field", "distanse"), testing::HasSubstr("did you mean 'distance'"));
+  EXPECT_THAT(error_of("map", "box"), testing::HasSubstr("one kind only"));
+  EXPECT_EQ(render_view("errors", "").as, "box");
 }
 
 }  // namespace

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "gdtslam/core/error.hpp"
-#include "tools/gdtslam/pictures/source.hpp"
-#include "tools/gdtslam/pictures/studio.hpp"
-#include "tools/gdtslam/pictures/views.hpp"
+#include "tools/gdtslam/render/source.hpp"
+#include "tools/gdtslam/render/studio.hpp"
+#include "tools/gdtslam/render/views.hpp"
 
 namespace gdtslam {
 namespace {
@@ -45,8 +45,8 @@ TEST_F(RenderSourceTest, ASiteHasItsGraphButNoReplayOfOneDrive) {
   EXPECT_EQ(of_a_site & (part::kGraph | part::kReplay), part::kGraph);
   EXPECT_EQ(views_there_are(of_a_drive, true), "loops");
   EXPECT_EQ(views_there_are(of_a_site, true), "");
-  EXPECT_EQ(views_there_are(of_a_site, false), "map, graph, field, distance, cells, trajectory");
-  EXPECT_EQ(missing_parts(render_view("loops"), of_a_site), "closed loops of one drive");
+  EXPECT_EQ(views_there_are(of_a_site, false), "map, graph, field, trajectory");
+  EXPECT_EQ(missing_parts(render_view("loops", ""), of_a_site), "closed loops of one drive");
 }
 
 TEST_F(RenderSourceTest, APathBesideACloudInACountrysGridIsWhereTheCloudIs) {
@@ -55,7 +55,7 @@ TEST_F(RenderSourceTest, APathBesideACloudInACountrysGridIsWhereTheCloudIs) {
         "500010.25 5400020.5 0.5\n500011.25 5400020.5 0.5\n");
   write("trajectory.tum", "1 500010.126 5400020.503 0 0 0 0 1\n2 500011.127 5399999.504 0 0 0 0 1\n");
   RenderSource source(folder_.string());
-  const Cloud cloud = source.cloud();
+  const Cloud cloud = source.cloud({}).cloud;
   const Trajectory& poses = source.trajectory();
   ASSERT_EQ(cloud.size(), 2U);
   ASSERT_EQ(poses.size(), 2U);
@@ -65,15 +65,6 @@ TEST_F(RenderSourceTest, APathBesideACloudInACountrysGridIsWhereTheCloudIs) {
   EXPECT_NEAR(poses[0].T_map_base.y_m, 20.503, 1e-8);
   EXPECT_NEAR(poses[1].T_map_base.x_m, 11.127, 1e-9);
   EXPECT_NEAR(poses[1].T_map_base.y_m, -0.496, 1e-8);
-}
-
-TEST_F(RenderSourceTest, APathBesideACloudNearItsOriginStays) {
-  write("cloud.ply",
-        "ply\nformat ascii 1.0\nelement vertex 1\nproperty double x\nproperty double y\nproperty double z\nend_header\n"
-        "1 2 3\n");
-  write("trajectory.tum", "1 50000 2 0 0 0 0 1\n");
-  RenderSource source(folder_.string());
-  EXPECT_EQ(source.trajectory().front().T_map_base, (Pose2{50000.0, 2.0, 0.0}));
 }
 
 constexpr const char* kBareCloud =
@@ -95,7 +86,8 @@ TEST_F(RenderSourceTest, ErrorsOfRunsOverTimeHaveOneClock) {
   RenderOptions options;
   options.inputs = {path("whole.tum"), path("late.tum")};
   options.reference = path("truth.tum");
-  options.view = "errors-time";
+  options.view = "errors";
+  options.as = "time";
   std::vector<RenderSource> sources;
   for (const std::string& input : options.inputs) sources.emplace_back(input);
   const Canvas canvas = RenderStudio(options, sources).errors_time(PictureSize{800, 500});
@@ -109,29 +101,6 @@ TEST_F(RenderSourceTest, ErrorsOfRunsOverTimeHaveOneClock) {
   EXPECT_NEAR(curves[1].front().x(), 0.5 * (curves[0].front().x() + curves[0].back().x()), 0.5);
 }
 
-// The first pose is 5 s before the first point; after 115 s the laser stands still, of which there is no plot.
-TEST_F(RenderSourceTest, ElevationsCountFromTheFirstPose) {
-  std::string cloud =
-      "ply\nformat ascii 1.0\nelement vertex 20\nproperty float x\nproperty float y\nproperty float z\n"
-      "property float elevation\nproperty double time\nproperty uint scan\nend_header\n";
-  for (int k = 0; k < 20; ++k) {
-    cloud += "1 2 3 " + std::to_string(k <= 10 ? 0.1 * k : 1.0) + " " + std::to_string(105 + k) + " " +
-             std::to_string(k) + "\n";
-  }
-  write("cloud.ply", cloud);
-  write("trajectory.tum", "100 0 0 0 0 0 0 1\n125 1 0 0 0 0 0 1\n");
-  RenderOptions options;
-  options.inputs = {folder_.string()};
-  std::vector<RenderSource> sources;
-  sources.emplace_back(options.inputs.front());
-  options.from = "10s";
-  options.to = "15s";
-  EXPECT_NO_THROW(RenderStudio(options, sources).elevation(std::nullopt));
-  options.from = "0s";
-  options.to = "4s";
-  EXPECT_THROW(RenderStudio(options, sources).elevation(std::nullopt), UsageError);
-}
-
 TEST_F(RenderSourceTest, DistancesReachAsFarAsTheirColours) {
   write("cloud.ply", kBareCloud);
   write("reference.ply", std::string(kBareCloud).replace(std::string(kBareCloud).find("0 7 0"), 5, "0 0 0"));
@@ -143,7 +112,7 @@ TEST_F(RenderSourceTest, DistancesReachAsFarAsTheirColours) {
   const auto farthest_m = [&](const char* range) {
     options.range = range;
     RenderStudio studio(options, sources);
-    return studio.distances(studio.cloud(0)).back();
+    return studio.distances(studio.read_cloud(0)).back();
   };
   EXPECT_EQ(farthest_m(""), 1.0F);
   EXPECT_EQ(farthest_m("0m:20cm"), 1.0F);

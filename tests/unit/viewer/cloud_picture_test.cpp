@@ -159,29 +159,6 @@ TEST(CloudPicture, ScaleBarIsAsLongAsItsLengthAtTheTarget) {
   }
 }
 
-TEST(CloudPicture, ColourBarGivesWayToTheScene) {
-  const PictureSize size{1280, 720};
-  auto scene = page(size, ink::kNight);
-  const Camera camera = fitting_camera(CameraPreset::kTop, {{-2.0, -8.0, 0.0}, {34.0, 8.0, 2.6}}, size);
-  const CloudLook look{.colour_map = {}, .least = {}, .most = {}};
-  const auto title_at = [&] {
-    const Canvas canvas = cloud_picture(scene, kScale, camera, look, kCaption);
-    for (const Box& box : words_of(canvas)) {
-      if (box.what == "Height (m)") return Point2(box.left, box.top);
-    }
-    return Point2(-1.0, -1.0);
-  };
-  const Point2 usual = title_at();
-  EXPECT_GT(usual.x(), 1100.0);
-  EXPECT_LT(usual.y(), 500.0) << "upright";
-  for (std::uint32_t y = 100; y < 600; ++y) {
-    for (std::uint32_t x = 900; x < 1280; ++x) scene->at(x, y)[0] = 255;
-  }
-  const Point2 moved = title_at();
-  EXPECT_GT(moved.x(), 0.0);
-  EXPECT_GT(moved.y(), 600.0) << "lying below what is shown";
-}
-
 TEST(CloudPicture, AxesPointWhereTheyAreSeen) {
   const PictureSize size{1280, 720};
   const Camera camera = parse_camera("10,-20,15,0,0,0");
@@ -206,52 +183,6 @@ TEST(CloudPicture, AxesPointWhereTheyAreSeen) {
   const Point2 y = seen(Point3::UnitY()) - origin;
   EXPECT_GT((letters[0] - letters[1]).normalized().dot((x - y).normalized()), 0.97);
   EXPECT_GT((letters[2] - letters[0]).normalized().dot((seen(Point3::UnitZ()) - origin - x).normalized()), 0.97);
-}
-
-TEST(CloudPicture, WordsOfATransparentPictureAreDarkWithALightHalo) {
-  const auto brightness = [](Colour colour) { return (colour.red + colour.green + colour.blue) / 3; };
-  for (const bool is_dark : {false, true}) {
-    CloudLook look{.colour_map = {}, .least = {}, .most = {}, .is_dark = is_dark};
-    look.is_transparent = true;
-    const Canvas canvas = picture({1280, 720}, look, kCaption);
-    std::size_t count = 0;
-    for (const Shape& shape : canvas.shapes()) {
-      const auto* words = std::get_if<shape::Words>(&shape);
-      if (words == nullptr) continue;
-      ++count;
-      EXPECT_TRUE(words->lettering.has_halo) << words->text;
-      EXPECT_LT(brightness(words->lettering.colour), 150) << words->text;
-      EXPECT_GT(brightness(words->lettering.halo), 230) << words->text;
-    }
-    EXPECT_GT(count, 6U);
-  }
-}
-
-TEST(CloudPicture, LettersOfTheAxesStayApartFromEverySide) {
-  const PictureSize size{640, 360};
-  const auto scene = page(size, ink::kNight);
-  for (int turn_deg = 0; turn_deg < 360; turn_deg += 6) {
-    for (const double height : {0.0, 0.15, 0.3, 0.6, 1.0, 3.0, 9.0}) {
-      Camera camera;
-      camera.eye = {5.0 * std::cos(turn_deg * M_PI / 180.0), 5.0 * std::sin(turn_deg * M_PI / 180.0), 5.0 * height};
-      camera.target = Point3::Zero();
-      const Canvas canvas = cloud_picture(scene, kScale, camera, {.colour_map = {}, .least = {}, .most = {}}, kCaption);
-      std::vector<const shape::Words*> letters;
-      for (const Shape& shape : canvas.shapes()) {
-        const auto* words = std::get_if<shape::Words>(&shape);
-        if (words != nullptr && (words->text == "x" || words->text == "y" || words->text == "z")) {
-          letters.push_back(words);
-        }
-      }
-      EXPECT_GE(letters.size(), 2U) << turn_deg << " " << height;
-      for (std::size_t a = 0; a < letters.size(); ++a) {
-        for (std::size_t b = 0; b < a; ++b) {
-          EXPECT_GT((letters[a]->at - letters[b]->at).norm(), letters[a]->lettering.size)
-              << letters[a]->text << " " << letters[b]->text << " " << turn_deg << " " << height;
-        }
-      }
-    }
-  }
 }
 
 }  // namespace

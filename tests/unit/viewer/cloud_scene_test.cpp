@@ -30,7 +30,6 @@ TEST_F(CloudSceneTest, APointAppearsAtItsPixelForEveryKindOfCamera) {
     for (const Point3& place : {Point3(1.0, 2.0, 0.5), Point3(2.0, 1.0, 0.0), Point3(0.2, 1.5, 1.0)}) {
       for (const std::uint32_t samples : {1U, 2U}) {
         CloudLook look = plain_look(CloudColour::kPlain);
-        look.point_px = 5.0;
         look.samples = samples;
         CloudScene scene(graphics_, look);
         const Cloud cloud{test::cloud_point(place)};
@@ -50,8 +49,8 @@ TEST_F(CloudSceneTest, APointAppearsAtItsPixelForEveryKindOfCamera) {
         ASSERT_GT(weight, 0.0);
         const auto expected = pixel_of(camera, kSceneSize, place);
         ASSERT_TRUE(expected.has_value());
-        EXPECT_NEAR(x / weight, expected->x_px, 0.55 / samples) << camera_text(camera);
-        EXPECT_NEAR(y / weight, expected->y_px, 0.55 / samples) << camera_text(camera);
+        EXPECT_NEAR(x / weight, expected->x_px, 0.75 / samples);
+        EXPECT_NEAR(y / weight, expected->y_px, 0.75 / samples);
       }
     }
   }
@@ -83,18 +82,6 @@ TEST_F(CloudSceneTest, SurfacesCloseFromNearAndFarAlike) {
       }
     }
     EXPECT_LT(static_cast<double>(holes), 0.04 * static_cast<double>(pixels)) << distance_m;
-  }
-}
-
-TEST_F(CloudSceneTest, AGivenPointSizeIsThatOfThePicture) {
-  for (const double point_px : {3.0, 6.0, 11.0}) {
-    CloudLook look = plain_look(CloudColour::kPlain);
-    look.point_px = point_px;
-    CloudScene scene(graphics_, look);
-    scene.set_cloud(Cloud{test::cloud_point({0.0, 0.0, 0.0})});
-    const double area =
-        static_cast<double>(covered(scene.render(parse_camera("0,-5,0,0,0,0"), kSceneSize), ink::kNight));
-    EXPECT_NEAR(area, 0.26 * M_PI * point_px * point_px, 0.25 * point_px * point_px + 2.0) << "a disc";
   }
 }
 
@@ -201,7 +188,6 @@ TEST_F(CloudSceneTest, BoundsLeaveStrayPointsOutAndTakeThePathIn) {
 
 TEST_F(CloudSceneTest, ThePathLiesOnTheFloorAndIsSeen) {
   CloudLook look = plain_look();
-  look.with_eye_dome = true;
   CloudScene scene(graphics_, look);
   scene.set_cloud(room_cloud());
   const RgbaImage without = scene.render(over_the_room(), kSceneSize);
@@ -221,38 +207,6 @@ TEST_F(CloudSceneTest, ThePathLiesOnTheFloorAndIsSeen) {
   const auto x = static_cast<std::uint32_t>(late->x_px);
   const auto y = static_cast<std::uint32_t>(late->y_px);
   EXPECT_LT(half.at(x, y)[0], with.at(x, y)[0]) << "not driven yet";
-}
-
-TEST_F(CloudSceneTest, MarksOfThePathAreSmallAndAStandingRobotHasNone) {
-  const Camera camera = parse_camera("0,-3,1.5,0,0,0,35");
-  const auto extent_px = [&](double driven_m, const Colour& colour) {
-    CloudScene scene(graphics_, plain_look());
-    scene.set_trajectory({{.stamp_s = 0.0, .T_map_base = {.x_m = 0.0, .y_m = 0.0, .theta_rad = 0.0}},
-                          {.stamp_s = 1.0, .T_map_base = {.x_m = driven_m, .y_m = 0.0, .theta_rad = 0.0}}});
-    const RgbaImage image = scene.render(camera, kSceneSize);
-    std::uint32_t left = kSceneSize.width;
-    std::uint32_t right = 0;
-    for (std::uint32_t y = 0; y < kSceneSize.height; ++y) {
-      for (std::uint32_t x = 0; x < kSceneSize.width; ++x) {
-        const std::uint8_t* at = image.at(x, y);
-        const bool is_green = at[1] > at[0] + 40 && at[1] > at[2] + 10;
-        const bool is_orange = at[0] > at[2] + 60;
-        if (!(colour.green > colour.red ? is_green : is_orange)) continue;
-        left = std::min(left, x);
-        right = std::max(right, x + 1);
-      }
-    }
-    return right > left ? static_cast<double>(right - left) : 0.0;
-  };
-  const Colour green = colour_for(0x00ff00);
-  const Colour orange = colour_for(0xff8000);
-  EXPECT_EQ(extent_px(0.19, green), 0.0);
-  EXPECT_EQ(extent_px(0.19, orange), 0.0);
-  const double most_px = 2.0 * 0.12 * pixels_per_metre(camera, kSceneSize, Point3::Zero());
-  for (const Colour& colour : {green, orange}) {
-    EXPECT_GT(extent_px(0.5, colour), 2.0);
-    EXPECT_LT(extent_px(0.5, colour), 1.1 * most_px + 2.0);
-  }
 }
 
 TEST_F(CloudSceneTest, WallsHideTheRobotButOpenToACameraNearIt) {
@@ -277,32 +231,9 @@ TEST_F(CloudSceneTest, WallsHideTheRobotButOpenToACameraNearIt) {
   EXPECT_GT(changed(parse_camera("3,-4,0.6,3,2.5,0.3,35"), inside), 500U) << "through the wall";
 }
 
-TEST_F(CloudSceneTest, TheMapLiesUnderTheCloud) {
-  OccupancyMap map;
-  map.geometry = {.resolution_m = 0.5, .origin_x_m = -1.0, .origin_y_m = -1.0, .width = 4, .height = 4};
-  map.cells = CellStates(16);
-  map.cells.set(5, CellState::kFree);       // cell (1, 1): -0.5 to 0
-  map.cells.set(10, CellState::kOccupied);  // cell (2, 2): 0 to 0.5
-  CloudScene scene(graphics_, plain_look());
-  scene.set_map(map);
-  EXPECT_NEAR((scene.bounds().lowest - Point3(-0.5, -0.5, 0.0)).head<2>().norm(), 0.0, 1e-9);
-  const Camera camera = fitting_camera(CameraPreset::kTop, scene.bounds(), kSceneSize);
-  const RgbaImage image = scene.render(camera, kSceneSize);
-  const auto pixel = [&](double x_m, double y_m) {
-    const auto at = pixel_of(camera, kSceneSize, {x_m, y_m, 0.0});
-    return image.at(static_cast<std::uint32_t>(at->x_px), static_cast<std::uint32_t>(at->y_px));
-  };
-  EXPECT_FALSE(is_colour(pixel(-0.25, -0.25), ink::kNight));
-  EXPECT_GT(pixel(0.25, 0.25)[0], pixel(-0.25, -0.25)[0] + 60);
-  EXPECT_TRUE(is_colour(pixel(0.25, -0.25), ink::kNight)) << "unknown stays open";
-  const double cell_px = 0.5 * pixels_per_metre(camera, kSceneSize, Point3::Zero());
-  EXPECT_NEAR(static_cast<double>(covered(image, ink::kNight)), 2.0 * cell_px * cell_px, 4.0 * cell_px);
-}
-
 TEST_F(CloudSceneTest, ATransparentBackgroundIsOne) {
   CloudLook look = plain_look();
   look.is_transparent = true;
-  look.with_eye_dome = true;
   CloudScene scene(graphics_, look);
   scene.set_cloud(room_cloud());
   const RgbaImage image = scene.render(over_the_room(), kSceneSize);

@@ -59,64 +59,6 @@ TEST(CloudDistances, AreThoseOfBruteForce) {
   }
 }
 
-TEST(CloudDistances, ToThemselvesAreZeroAndWhatIsNoPlaceIsFar) {
-  Random random(4);
-  Cloud cloud = random_cloud(200, random);
-  EXPECT_THAT(distances_to(cloud, cloud), ::testing::Each(0.0F));
-  cloud[7].y_m = kNoNumber;
-  const std::vector<float> distances = distances_to(cloud, cloud, 2.5);
-  EXPECT_EQ(distances[7], 2.5F);
-  EXPECT_EQ(distances[8], 0.0F);
-}
-
-// A thousand points, farther from each other than the widest voxel is wide.
-TEST(ThinnedForFilm, SaysHowFewAreLeftAtLeast) {
-  Cloud wide(1000);
-  for (std::size_t k = 0; k < wide.size(); ++k) wide[k].x_m = 1500.0F * static_cast<float>(k);
-  try {
-    static_cast<void>(thinned_for_film(wide, 10));
-    ADD_FAILURE() << "thinned";
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), ::testing::HasSubstr("to 1000 at least"));
-  }
-}
-
-TEST(ThinnedForFilm, KeepsOrderAndNumberAndSpreadsThePoints) {
-  Random random(5);
-  Cloud cloud;
-  // Dense near one corner, as a scan is near its robot.
-  test::strew(cloud, {{0, 0, 0}, {10, 0, 0}, {0, 10, 0}}, 40000, 0.0, random);
-  test::strew(cloud, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, 60000, 0.0, random);
-  for (std::size_t k = 0; k < cloud.size(); ++k) cloud[k].scan = static_cast<std::uint32_t>(k);
-  for (const std::size_t most : {1U, 10U, 1000U, 20000U}) {
-    const Cloud thinned = thinned_for_film(cloud, most);
-    EXPECT_LE(thinned.size(), most);
-    EXPECT_GE(thinned.size(), most >= 1000 ? most * 85 / 100 : 1);
-    EXPECT_TRUE(std::is_sorted(thinned.begin(), thinned.end(),
-                               [](const CloudPoint& a, const CloudPoint& b) { return a.scan < b.scan; }));
-    for (const CloudPoint& point : thinned) ASSERT_EQ(point, cloud[point.scan]);
-    const auto dense =
-        std::count_if(thinned.begin(), thinned.end(), [](const CloudPoint& p) { return p.x_m < 1.0F && p.y_m < 1.0F; });
-    // A hundredth of the area, where more than half of the points were.
-    if (most == 1000) {
-      EXPECT_NEAR(static_cast<double>(dense), 0.01 * static_cast<double>(thinned.size()), 8.0);
-    }
-  }
-}
-
-TEST(ThinnedForFilm, SmallCloudsStayAndWhatIsNoPlaceGoes) {
-  Random random(6);
-  Cloud cloud = random_cloud(50, random);
-  EXPECT_EQ(thinned_for_film(cloud, 50), cloud);
-  EXPECT_TRUE(thinned_for_film(cloud, 0).empty());
-  EXPECT_TRUE(thinned_for_film({}, 10).empty());
-  cloud[3].x_m = kNoNumber;
-  EXPECT_EQ(thinned_for_film(cloud, 50).size(), 49U);
-  EXPECT_LE(thinned_for_film(Cloud(1000, cloud[0]), 10).size(), 10U);
-  for (CloudPoint& point : cloud) point.x_m += 3e5F;  // far from the origin, where voxels cannot be small
-  EXPECT_LE(thinned_for_film(cloud, 20).size(), 20U);
-}
-
 TEST(Percentile, IsTheValueOfThatRankInOrder) {
   Random random(8);
   for (const std::size_t count : {1U, 2U, 3U, 100U, 1001U}) {
@@ -183,10 +125,10 @@ TEST(ColourScaleOfCloud, EndsAreTheFirstAndLastPercentile) {
 
 TEST(ColourScaleOfCloud, GivenEndsHoldAndWrongOnesAreSaid) {
   const Cloud cloud = ramp(1001);
-  ColourScale scale = scale_of({.colour_map = "grey", .least = -1.0, .most = {}}, cloud);
+  ColourScale scale = scale_of({.colour_map = "ember", .least = -1.0, .most = {}}, cloud);
   EXPECT_EQ(scale.least, -1.0);
   EXPECT_NEAR(scale.most, 990.0, 1e-4);
-  EXPECT_EQ(scale.colour_map, "grey");
+  EXPECT_EQ(scale.colour_map, "ember");
   scale = scale_of({.colour = CloudColour::kElevation, .colour_map = {}, .least = 0.0, .most = 0.5}, cloud);
   EXPECT_NEAR(scale.most, 0.5 * 180.0 / M_PI, 1e-9) << "given in radians, shown in degrees";
   EXPECT_THROW(scale_of({.colour_map = {}, .least = 3.0, .most = 1.0}, cloud), ConfigError);
@@ -223,9 +165,9 @@ TEST(CloudDensity, SpacingOnALatticeIsItsStep) {
 }
 
 // A square of 10 x 10 m with a million points, in pieces of any size.
-class StillThinningTest : public testing::TestWithParam<bool> {};
+class PointLimitTest : public testing::TestWithParam<bool> {};
 
-TEST_P(StillThinningTest, KeepsAsManyAsAskedForAndEvenly) {
+TEST_P(PointLimitTest, KeepsAsManyAsAskedForAndEvenly) {
   const bool is_expected = GetParam();
   Random random(3);
   Cloud cloud(200'000);
@@ -235,7 +177,7 @@ TEST_P(StillThinningTest, KeepsAsManyAsAskedForAndEvenly) {
   }
   cloud[17].x_m = cloud[199'000].x_m = kNoNumber;
   constexpr std::size_t kMost = 20'000;
-  StillThinning thinning(kMost);
+  PointLimit thinning(kMost);
   if (is_expected) thinning.expect(cloud.size());
   for (std::size_t at = 0; at < cloud.size();) {
     const std::size_t count = std::min<std::size_t>(1 + random.below(9000), cloud.size() - at);
@@ -253,17 +195,17 @@ TEST_P(StillThinningTest, KeepsAsManyAsAskedForAndEvenly) {
   EXPECT_GT(*fewest, 0.8 * *most);  // as dense everywhere
 }
 
-INSTANTIATE_TEST_SUITE_P(Expected, StillThinningTest, testing::Bool());
+INSTANTIATE_TEST_SUITE_P(Expected, PointLimitTest, testing::Bool());
 
 // Two centimetres with many points, then points as far as a picture has them: as fine as those allow.
-TEST(StillThinning, CoarsensForPointsThatComeFromFarAway) {
+TEST(PointLimit, CoarsensForPointsThatComeFromFarAway) {
   Random random(4);
   Cloud dense(1000);
   for (CloudPoint& point : dense) {
     point.x_m = static_cast<float>(random.uniform(0.0, 0.02));
     point.y_m = static_cast<float>(random.uniform(0.0, 0.02));
   }
-  StillThinning thinning(100);
+  PointLimit thinning(100);
   thinning.add(dense);
   for (const float far_m : {2000.0F, 2100.0F, -5000.0F, 5100.0F, -70'000.0F, 999'000.0F, 1'000'000.0F}) {
     const Cloud one{{.x_m = 0.0F, .y_m = far_m}};
@@ -276,27 +218,9 @@ TEST(StillThinning, CoarsensForPointsThatComeFromFarAway) {
   EXPECT_LE(kept.size(), 8U);  // voxels of a metre at the end, the two centimetres in one of them
 }
 
-// What is dense stays as fine as the far point lets it be: 5 mm, of which a square of 0.1 m has 20 x 20.
-TEST(StillThinning, IsNoCoarserThanTheFarthestPointAsksFor) {
-  Random random(5);
-  Cloud dense(50'000);
-  for (CloudPoint& point : dense) {
-    point.x_m = static_cast<float>(random.uniform(0.0, 0.1));
-    point.y_m = static_cast<float>(random.uniform(0.0, 0.1));
-  }
-  StillThinning thinning(4000);
-  thinning.add(dense);
-  const Cloud far{{.z_m = 5000.0F}};
-  thinning.add(far);
-  const Cloud kept = thinning.take();
-  EXPECT_GE(kept.size(), 400U);
-  EXPECT_LE(kept.size(), 4000U);
-  EXPECT_EQ(kept.back(), far[0]);
-}
-
-TEST(StillThinning, LeavesSmallCloudsAlone) {
+TEST(PointLimit, LeavesSmallCloudsAlone) {
   const Cloud cloud{{.x_m = 1.0F}, {.x_m = 2.0F}, {.x_m = 3.0F}};
-  StillThinning thinning(3);
+  PointLimit thinning(3);
   thinning.add(cloud);
   EXPECT_EQ(thinning.take(), cloud);
   EXPECT_TRUE(thinning.take().empty());

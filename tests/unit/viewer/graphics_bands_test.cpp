@@ -1,21 +1,16 @@
 // Pictures that are drawn band by band: nothing is lost or drawn twice where bands meet. Expected: the rows of a
-// picture, counted; the pinhole camera, written out (graphics_scene.hpp).
+// picture, counted; the discs of the whole picture.
 #include <gtest/gtest.h>
 
 #include <cstdint>
 #include <vector>
 
 #include "gdtslam/core/random.hpp"
-#include "graphics_scene.hpp"
 #include "viewer/graphics/dot_painter.hpp"
 #include "viewer/graphics/picture_view.hpp"
 
 namespace gdtslam {
 namespace {
-
-using test::expected_pixel;
-using test::kGreen;
-using test::spot_of;
 
 TEST(Bands, KeepEveryRowOnce) {
   for (const std::uint32_t width : {1U, 640U, 3200U, 16384U}) {
@@ -42,42 +37,6 @@ TEST(Bands, KeepEveryRowOnce) {
 }
 
 TEST(Bands, SmallPicturesHaveOne) { EXPECT_EQ(bands_of(1280, 720, {.samples = 1, .margin = 8}).size(), 1U); }
-
-/// Draws nothing, so that the picture is cut as one of a cloud.
-class NoLayer final : public PictureLayer {
- public:
-  [[nodiscard]] const Bounds& bounds() const override { return bounds_; }
-  void begin(const PictureView& view) override { bands = view.bands.size(); }
-  void draw(std::size_t /*band*/, RawPicture& /*picture*/) override {}
-  std::size_t bands = 0;
-
- private:
-  Bounds bounds_;
-};
-
-// 1600 x 1500 samples: three bands. VTK's shapes, of a perspective and of a parallel camera.
-TEST(Bands, ShapesAreWhereTheCameraSeesThem) {
-  const GraphicsContext graphics;
-  constexpr PictureSize kSize{800, 750};
-  for (const bool is_parallel : {false, true}) {
-    const Camera camera{
-        .eye = {1.0, -9.0, 4.0}, .target = {0.5, 0.0, 0.5}, .is_parallel = is_parallel, .parallel_height_m = 6.0};
-    for (double height_m = -1.5; height_m <= 2.5; height_m += 0.25) {
-      OffscreenView view(graphics);
-      view.set_samples(2);
-      NoLayer layer;
-      view.set_layer(&layer);
-      const Point3 at(0.3, 0.2, height_m);
-      test::add_shape(view, {at}, kGreen);
-      const test::Spot spot = spot_of(view.render(camera, kSize), kGreen);
-      const Point2 expected = expected_pixel(camera, kSize, at);
-      ASSERT_EQ(layer.bands, 3U);
-      ASSERT_GT(spot.count, 8.0) << height_m;
-      EXPECT_NEAR(spot.x, expected.x(), 0.6) << height_m;
-      EXPECT_NEAR(spot.y, expected.y(), 0.6) << height_m;
-    }
-  }
-}
 
 /// A view of 200 x 160 pixels in the bands that are given.
 PictureView small_view(std::vector<PictureBand> bands) {

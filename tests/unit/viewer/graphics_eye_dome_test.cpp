@@ -94,17 +94,6 @@ TEST_P(EyeDome, LeavesWhatStandsBeforeNothing) {
   EXPECT_EQ(pictures.lit.pixels, pictures.plain.pixels);
 }
 
-// Lines and points are outlined on what is behind them too.
-TEST_P(EyeDome, OutlinesPoints) {
-  add_shape(view_, {{0.0, 10.0, 0.0}}, kRed);
-  add_shape(view_, upright_square({0.0, 14.0, 0.0}, 2.5), kGrey);
-  const Pictures pictures = both(view_, camera(), kDomeSize);
-  EXPECT_TRUE(is_near(pictures.lit.at(120, 120), kRed));
-  EXPECT_TRUE(is_darker(pictures.lit, pictures.plain, 124, 120));
-  EXPECT_TRUE(is_darker(pictures.lit, pictures.plain, 120, 115));
-  EXPECT_FALSE(is_darker(pictures.lit, pictures.plain, 132, 120));
-}
-
 // A parallel camera's steps of depth count against what its picture shows: those of a perspective camera that shows as
 // much. Beside a straight edge three of four pairs of neighbours see the step, in each of three rings, and the light is
 // the product's fourth power: 1.1 m behind 100 m leave (1.011)^-36 = 0.67, 0.11 m leave 0.96.

@@ -70,7 +70,7 @@ TEST(PictureGolden, faults_of_the_map_do_not_pass) {
 
 TEST(PictureGolden, faults_of_the_field_do_not_pass) {
   const RgbaImage intensity = golden("map_intensity");
-  EXPECT_FALSE(is_alike(field_image(round_trip(), true, "grey"), intensity, kMapTolerance)) << "wrong colours";
+  EXPECT_FALSE(is_alike(field_image(round_trip(), true, "ember"), intensity, kMapTolerance)) << "wrong colours";
   EXPECT_FALSE(is_alike(field_image(round_trip(0.1), true), intensity, kMapTolerance)) << "path shifted by one cell";
   EXPECT_FALSE(is_alike(field_image({}, true), intensity, kMapTolerance)) << "no path";
   const RgbaImage distance = golden("map_distance");

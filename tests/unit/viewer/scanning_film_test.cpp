@@ -133,36 +133,12 @@ TEST(ScanningFilm, runs_through_the_stretch) {
   EXPECT_EQ(raster_of(film->frame(0)).pixels, start.pixels) << "any order of frames gives the same";
 }
 
-TEST(ScanningFilm, counts_its_times_from_the_logs_begin) {
-  const WholeDrive drive;
-  const ScanningFilmInput input{.cloud = &drive.cloud,
-                                .trajectory = &drive.trajectory,
-                                .model = &drive.room.model,
-                                .from_s = 4.0,
-                                .to_s = 6.0,
-                                .zero_s = -100.0};
-  const auto film = scanning_film(drive.graphics, input, quick_look(), {}, {1280, 720}, 2);
-  EXPECT_TRUE(shows_words(film->frame(0), "104.0 s"));
-  EXPECT_TRUE(shows_words(film->frame(1), "106.0 s"));
-}
-
 TEST(ScanningFilm, words_are_legible_and_apart) {
   const WholeDrive drive;
   for (const PictureSize& size : {PictureSize{1280, 720}, PictureSize{640, 360}, PictureSize{480, 640}}) {
     const auto film = drive.film("57,920 points", size, 3);
     for (const std::size_t k : {0U, 1U, 2U}) expect_legible(film->frame(k), std::to_string(size.width));
   }
-}
-
-TEST(ScanningFilm, needs_all_its_parts) {
-  const GraphicsContext graphics;
-  const ScanningRoom room;
-  const Cloud cloud = room.cloud();
-  const Trajectory trajectory = room.trajectory();
-  ScanningFilmInput input{.cloud = &cloud, .trajectory = &trajectory, .model = nullptr, .from_s = 0.0, .to_s = 1.0};
-  EXPECT_THROW(static_cast<void>(scanning_film(graphics, input, quick_look(), {}, {64, 48}, 2)), UsageError);
-  input.model = &room.model;
-  EXPECT_THROW(static_cast<void>(scanning_film(graphics, input, quick_look(), {}, {64, 48}, 0)), UsageError);
 }
 
 }  // namespace

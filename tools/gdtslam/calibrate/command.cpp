@@ -203,7 +203,7 @@ void add_calibrate_command(CLI::App& app, CommandContext& context) {
                     "Let the data alone decide; what they do not tell stays at the start");
   command
       ->add_option("--picture,--svg", chosen->picture,
-                   "Draw the ranges before and after (figure A): .svg, .png, .jpg or .pdf")
+                   "Draw the ranges before and after (figure A): .svg, .png or .pdf")
       ->type_name("FILE");
   CLI::Option* const self =
       command->add_flag("--self", chosen->is_self,

@@ -103,7 +103,7 @@ void add_doctor_command(CLI::App& app, CommandContext& context) {
       ->excludes(after);
   command
       ->add_option("--picture", options->picture,
-                   "With --after: draw loops, uncertainty and what is doubtful, numbered: .svg, .png, .jpg or .pdf")
+                   "With --after: draw loops, uncertainty and what is doubtful, numbered: .svg, .png or .pdf")
       ->type_name("FILE")
       ->needs(after);
   add_force_option(*command, options->force);

@@ -2,26 +2,19 @@
 
 #include <fmt/format.h>
 
-#include "engine/drawing/raster/jpeg.hpp"
 #include "engine/io/maps/png.hpp"
 #include "engine/io/referenced_file.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/raster.hpp"
 
 namespace gdtslam {
-namespace {
-
-// ".jpg" and ".jpeg" are one format.
-bool ends_as_jpeg(std::string_view extension) { return extension == ".jpg" || extension == ".jpeg"; }
-
-}  // namespace
 
 void check_drawing_file(std::string_view option, const std::string& file) {
   const std::string extension = extension_of(file);
-  if (extension == ".svg" || extension == ".png" || extension == ".pdf" || ends_as_jpeg(extension)) return;
+  if (extension == ".svg" || extension == ".png" || extension == ".pdf") return;
   const std::string lead = option.empty() ? "" : std::string(option) + ": ";
   throw UsageError(
-      fmt::format("{}'{}' does not say what to write: let it end in .svg, .png, .jpg or .pdf", lead, file));
+      fmt::format("{}'{}' does not say what to write: let it end in .svg, .png or .pdf", lead, file));
 }
 
 std::string drawing_bytes(const Canvas& drawing, const std::string& file, double scale) {
@@ -29,8 +22,7 @@ std::string drawing_bytes(const Canvas& drawing, const std::string& file, double
   const std::string extension = extension_of(file);
   if (extension == ".svg") return svg_of(drawing);
   if (extension == ".pdf") return pdf_of(drawing);
-  const RgbaImage image = raster_of(drawing, scale);
-  return extension == ".png" ? png_bytes(image) : jpeg_of(image);
+  return png_bytes(raster_of(drawing, scale));
 }
 
 std::string png_bytes(const RgbaImage& image) { return encode_png(image.width, image.height, image.pixels); }

@@ -121,7 +121,7 @@ void add_measure_options(CLI::App& command, MeasureOptions& chosen) {
                    "Fewest points of a plane or a box's face [50 for boxes, 200 for planes]");
   command
       .add_option("--picture,--svg", chosen.picture,
-                  "Write a top view of the boxes with their dimensions: .svg, .png, .jpg or .pdf")
+                  "Write a top view of the boxes with their dimensions: .svg, .png or .pdf")
       ->type_name("FILE")
       ->needs(boxes);
   const std::vector<CLI::Option*> options = command.get_options();

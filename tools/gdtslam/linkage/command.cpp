@@ -262,8 +262,7 @@ void add_linkage_command(CLI::App& app, CommandContext& context) {
   command->add_option("--step", chosen->step, "Step of the table's crank angle")
       ->type_name("ANGLE")
       ->capture_default_str();
-  command->add_option("--picture,--svg", chosen->picture, "Write a drawing: .svg, .png, .jpg or .pdf")
-      ->type_name("FILE");
+  command->add_option("--picture,--svg", chosen->picture, "Write a drawing: .svg, .png or .pdf")->type_name("FILE");
   command->add_option("-o,--output", chosen->output, "Write the linkage as a file for map, simulate and calibrate")
       ->type_name("FILE");
   for (const char* name : {"--csv", "--picture", "--output"}) {

@@ -157,10 +157,9 @@ void add_tracking_options(CLI::App& command, LocalizeOptions& chosen) {
                        "Follow the robot from scan to scan with odometry, from a start that is found by itself");
   track->excludes("--every")->excludes("--no-runner-up");
   command
-      .add_option(
-          "--changes", chosen.changes,
-          "Draw what is new and what is gone in the map: .svg, .png, .jpg or .pdf, with a table of its cells, .csv,\n"
-          "beside it")
+      .add_option("--changes", chosen.changes,
+                  "Draw what is new and what is gone in the map: .svg, .png or .pdf, with a table of its cells, .csv,\n"
+                  "beside it")
       ->type_name("FILE")
       ->needs(track);
 }
@@ -185,8 +184,7 @@ void add_output_options(CLI::App& command, LocalizeOptions& chosen) {
       .add_option("--table", chosen.table,
                   "Write a line for every scan, CSV: the pose and how well it is known, for 'gdtslam evaluate'")
       ->type_name("FILE");
-  command.add_option("--picture", chosen.picture, "Draw the poses on the map: .svg, .png, .jpg or .pdf")
-      ->type_name("FILE");
+  command.add_option("--picture", chosen.picture, "Draw the poses on the map: .svg, .png or .pdf")->type_name("FILE");
   command.add_flag("--lenient", chosen.lenient, "Count and skip malformed lines of the log");
   add_recording_options(command, chosen.recording);
   add_force_option(command, chosen.force);

@@ -10,46 +10,38 @@
 #include "engine/io/did_you_mean.hpp"
 #include "engine/io/referenced_file.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
-#include "film_writer.hpp"
 #include "gdtslam/core/error.hpp"
-#include "tools/gdtslam/pictures/source.hpp"
+#include "source.hpp"
 #include "tools/gdtslam/shell/written_files.hpp"
 
 namespace gdtslam {
 namespace {
 
-namespace fs = std::filesystem;
-
 struct Ending {
   std::string_view extension;
   OutputKind kind;
 };
-constexpr std::array<Ending, 13> kEndings{{{".png", OutputKind::kPng},
-                                           {".jpg", OutputKind::kJpeg},
-                                           {".jpeg", OutputKind::kJpeg},
-                                           {".svg", OutputKind::kSvg},
-                                           {".pdf", OutputKind::kPdf},
-                                           {".mp4", OutputKind::kMp4},
-                                           {".gif", OutputKind::kGif},
-                                           {".html", OutputKind::kPage},
-                                           {".htm", OutputKind::kPage},
-                                           {".gltf", OutputKind::kGltf},
-                                           {".glb", OutputKind::kGlb},
-                                           {".ply", OutputKind::kCloud},
-                                           {".pcd", OutputKind::kCloud}}};
+constexpr std::array<Ending, 9> kEndings{{{".png", OutputKind::kPng},
+                                          {".svg", OutputKind::kSvg},
+                                          {".pdf", OutputKind::kPdf},
+                                          {".mp4", OutputKind::kMp4},
+                                          {".gif", OutputKind::kGif},
+                                          {".html", OutputKind::kPage},
+                                          {".glb", OutputKind::kGlb},
+                                          {".ply", OutputKind::kCloud},
+                                          {".pcd", OutputKind::kCloud}}};
 
 using namespace effect;
 
-/// What options change of a view in this form; of what no view belongs to, by its form alone.
+/// What options change of a view in this form; of a file that no view belongs to, by its form alone.
 unsigned effects_of(const RenderView* view, OutputKind output, bool is_linkage) {
   if (is_linkage) return kTitle | kLinkage;
   if (output == OutputKind::kPage) return kTitle | kDistances | kPoints | kLinkage;
   if (output == OutputKind::kCloud) return kLevels | kPoints;
-  if (is_gltf(output)) return kColour | kColourMap | kLevels | kPath | kTitle | kDistances | kPoints;
-  unsigned effects = view->effects;
-  if ((effects & kPngSize) != 0 && is_pixels(output)) effects |= kSize;
-  if (!is_film(output)) return effects;
-  return (effects & ~kCamera) | kFilm | (output == OutputKind::kFrames ? 0U : kFfmpeg);
+  if (output == OutputKind::kGlb) {
+    return kColour | kScale | kColourMap | kLevels | kPath | kTitle | kDistances | kPoints;
+  }
+  return view->effects | (is_film(output) ? kFilm : 0U);
 }
 
 struct GivenOption {
@@ -59,44 +51,30 @@ struct GivenOption {
   std::string_view fits;  ///< what the option is for
 };
 
-std::vector<GivenOption> options_of(const RenderOptions& o, OutputKind output) {
+std::vector<GivenOption> given_options(const RenderOptions& o, OutputKind output) {
   const bool colours_by_distance = o.colour.empty() || o.colour == "distance" || output == OutputKind::kPage;
-  // A log has used it when it was mapped.
-  const bool draws_linkage = !o.linkage.empty() && kind_of_input(o.inputs.front()) != RenderKind::kLog;
-  const unsigned of_reference = has_true_path(o) ? kErrors | kReference : colours_by_distance ? kDistances : 0U;
+  const unsigned reference = has_true_path(o) ? kReference : colours_by_distance ? kDistances : 0U;
+  const Background background = background_of(o.background);
+  const Hidden hidden = hidden_of(o.hide);
   return {
-      {"--size", !o.size.empty(), kSize, "pictures in pixels; cells and drawing have a size of their own"},
+      {"--from", !o.from.empty(), kFrom, "the view cloud"},
       {"--colour", !o.colour.empty(), kColour, "clouds"},
       {"--colour-map", !o.colour_map.empty(), kColourMap, "clouds, distance fields and paths"},
-      {"--range", !o.range.empty(), kColour | kScale, "clouds and the view errors-path"},
-      {"--camera", !o.camera.empty(), kCamera, "stills of clouds"},
-      {"--point-size", o.point_px > 0.0, kPoint, "pictures of clouds"},
-      {"--dark", o.is_dark, kDark, "scenes in 3D"},
-      {"--light", o.is_light, kLight, "pictures"},
-      {"--transparent", o.is_transparent, kPage, "scenes, maps and fields"},
-      {"--no-floor", o.no_floor, kLevels, "clouds"},
-      {"--no-ceiling", o.no_ceiling, kLevels, "clouds"},
-      {"--with-ceiling", o.with_ceiling, kPoint, "pictures of clouds"},
-      {"--no-path", o.no_path, kPath, "clouds, maps and fields"},
-      {"--no-caption", o.no_caption, kPage, "scenes, maps and fields"},
-      {"--title", !o.title.empty(), kTitle, "pictures of runs and clouds, pages, .gltf and .glb"},
+      {"--range", !o.range.empty(), kScale, "clouds and errors --as path"},
+      {"--background", background == Background::kDark, kDark, "scenes in 3D"},
+      {"--background", background != Background::kDefault, kGround, "scenes, maps and fields"},
+      {"--hide", hidden.floor || hidden.ceiling || hidden.nothing, kLevels, "clouds, which have floor and ceiling"},
+      {"--hide path", hidden.path, kPath, "clouds, maps and fields"},
+      {"--hide caption", hidden.caption, kCaption, "scenes, maps and fields"},
+      {"--title", !o.title.empty(), kTitle, "pictures of runs and clouds, pages and .glb"},
       {"--fps", o.frames_per_s > 0.0, kFilm, "films"},
-      {"--frames", o.frames > 0, kFilm, "films"},
       {"--seconds", !o.seconds.empty(), kFilm, "films"},
-      {"--ffmpeg", !o.ffmpeg.empty(), kFfmpeg, ".mp4 and .gif"},
-      {"--from", !o.from.empty(), kStretch, "the views scan and elevation"},
-      {"--to", !o.to.empty(), kStretch, "the views scan and elevation"},
-      {"--reference", !o.reference.empty(), of_reference,
-       "the views trajectory and errors-* where it is a trajectory, and for clouds coloured by distance where it is a "
-       "cloud"},
-      {"--relations", !o.relations.empty(), kErrors, "the views errors-*"},
-      {"--angle", o.is_angle, kErrors, "the views errors-*"},
-      {"--at", !o.at.empty(), kCells, "the view cells"},
-      {"--cells", o.cells > 0, kCells, "the view cells"},
-      {"--squared", o.is_squared, kCells, "the view cells"},
+      {"--time", !o.time.empty(), kTime, "the view scan"},
+      {"--reference", !o.reference.empty(), reference,
+       "a trajectory: the views trajectory and errors; a cloud: clouds coloured by distance"},
+      {"--relations", !o.relations.empty(), kRelations, "the view errors as box, cdf or time"},
       {"--points", o.points > 0, kPoints, "clouds"},
-      {"--linkage", draws_linkage, kLinkage,
-       "logs, pictures of clouds, the views scene and drawing, pages, and .gltf and .glb of a linkage"},
+      {"--linkage", !o.linkage.empty(), kLinkage, "pictures of clouds, the view scene, pages, and .glb of a linkage"},
   };
 }
 
@@ -105,11 +83,7 @@ std::vector<GivenOption> options_of(const RenderOptions& o, OutputKind output) {
 OutputKind output_kind_of(const std::string& path) {
   std::error_code ignored;
   if (path.ends_with('/')) return OutputKind::kFrames;
-  const bool is_folder = fs::is_directory(path, ignored);
-  if (!is_folder && is_frame_pattern(path)) {
-    frame_path(path, 0);  // refuses what is no pattern
-    return OutputKind::kFrames;
-  }
+  const bool is_folder = std::filesystem::is_directory(path, ignored);
   const std::string extension = extension_of(path);
   std::vector<std::string> names;
   std::string list;
@@ -127,19 +101,16 @@ OutputKind output_kind_of(const std::string& path) {
 }
 
 std::string_view to_string(OutputKind kind) {
-  constexpr std::array<std::string_view, 11> kNames{"a still in .png",    "a still in .jpg", "a drawing in .svg",
-                                                    "a page in .pdf",     "a film in .mp4",  "a film in .gif",
-                                                    "frames in a folder", "a page in .html", "a model in .gltf",
-                                                    "a model in .glb",    "a cloud"};
+  constexpr std::array<std::string_view, 9> kNames{"a still in .png", "a drawing in .svg", "a page in .pdf",
+                                                   "a film in .mp4",  "a film in .gif",    "frames in a folder",
+                                                   "a page in .html", "a model in .glb",   "a cloud"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 
 void require_writable(const RenderOptions& options, const std::string& file) {
   std::vector<std::string> inputs = options.inputs;
   inputs.insert(inputs.end(), {options.reference, options.relations, linkage_file_of(options.linkage)});
-  for (const std::string& input : options.inputs) inputs.push_back(linkage_sidecar(input));
   WrittenFiles written(inputs, options.force);
-  if (!options.run_folder.empty()) written.add_run(options.run_folder);
   const bool are_frames = output_kind_of(file) == OutputKind::kFrames;
   const std::string first = are_frames ? frame_path(file, 0) : file;
   std::error_code ignored;
@@ -148,10 +119,10 @@ void require_writable(const RenderOptions& options, const std::string& file) {
 
 void refuse_idle_options(const RenderOptions& options, const RenderView* view, OutputKind output, bool is_linkage) {
   const unsigned effects = effects_of(view, output, is_linkage);
-  for (const GivenOption& option : options_of(options, output)) {
+  for (const GivenOption& option : given_options(options, output)) {
     if (!option.is_given || (option.effects & effects) != 0) continue;
-    const std::string made =
-        view == nullptr ? std::string(to_string(output)) : fmt::format("view {} as {}", view->name, to_string(output));
+    const std::string made = view == nullptr ? std::string(to_string(output))
+                                             : fmt::format("view {} as {}", view->words(), to_string(output));
     throw UsageError(fmt::format("{}: has no effect on {}; it is for {}", option.name, made, option.fits));
   }
 }

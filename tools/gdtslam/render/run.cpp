@@ -12,12 +12,13 @@
 #include <variant>
 
 #include "engine/io/atomic_file.hpp"
-#include "film_writer.hpp"
+#include "files/film_writer.hpp"
+#include "files/glb.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/raster.hpp"
 #include "gdtslam/io/cloud_file.hpp"
 #include "gdtslam/viewer/page.hpp"
-#include "model_export.hpp"
+#include "studio.hpp"
 #include "tools/gdtslam/drawings/drawing_file.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "viewer/scene/cloud/cloud_colours.hpp"
@@ -32,13 +33,8 @@ namespace fs = std::filesystem;
 constexpr PictureSize kFilmSize{1280, 720};
 constexpr PictureSize kGifSize{640, 360};
 constexpr std::uint64_t kPagePoints = 500'000;
-constexpr std::uint64_t kMostGltfPoints = 1'000'000;
+constexpr std::uint64_t kMostGlbPoints = 1'000'000;
 constexpr double kTurn_s = 4.0;  // of a linkage in glTF, as its film takes
-
-unsigned parts_of(const RenderOptions& options, const std::vector<RenderSource>& sources) {
-  return sources.front().parts() | (has_truth(options) ? part::kTruth : 0U) |
-         (has_true_path(options) ? part::kTruePath : 0U);
-}
 
 // "map, graph"; of a film where none of them moves, those of stills.
 std::string views_instead(unsigned parts, bool moves) {
@@ -51,24 +47,25 @@ std::string views_instead(unsigned parts, bool moves) {
 // The view that was asked for or suits, checked against input and output.
 const RenderView& view_of(const RenderOptions& options, const std::vector<RenderSource>& sources, OutputKind kind) {
   const RenderSource& source = sources.front();
-  const unsigned parts = parts_of(options, sources);
+  const unsigned parts = render_parts(options, sources);
   const bool moves = is_film(kind);
   const std::string there_are = views_there_are(parts, moves);
   if (options.view.empty()) {
+    if (!options.as.empty()) throw UsageError("--as: says which kind of a --view is drawn, and no view is named");
     if (const RenderView* const view = default_view(parts, moves)) return *view;
     throw UsageError(fmt::format("{}: {} has no view {}{}", source.input(), to_string(source.kind()),
                                  moves ? "that moves, as " + std::string(to_string(kind)) + " needs" : "without more",
-                                 moves ? "; .png .jpg .svg and .pdf fit its views " + views_there_are(parts, false)
+                                 moves ? "; .png .svg and .pdf fit its views " + views_there_are(parts, false)
                                        : ": give --reference or --relations"));
   }
-  const RenderView& view = render_view(options.view);
+  const RenderView& view = render_view(options.view, options.as);
   if (const std::string missing = missing_parts(view, parts, " and no "); !missing.empty()) {
-    throw UsageError(fmt::format("--view {}: {} has no {}; its views are {}", view.name, source.input(), missing,
+    throw UsageError(fmt::format("--view {}: {} has no {}; its views are {}", view.words(), source.input(), missing,
                                  views_instead(parts, moves)));
   }
   if (moves && !view.moves()) {
-    throw UsageError(fmt::format("--view {} does not move, so it is not for {}; .png .jpg .svg and .pdf fit{}",
-                                 view.name, to_string(kind),
+    throw UsageError(fmt::format("--view {} does not move, so it is not for {}; .png .svg and .pdf fit{}", view.name,
+                                 to_string(kind),
                                  there_are.empty() ? "" : ", and the views that move are " + there_are));
   }
   return view;
@@ -81,15 +78,15 @@ std::uint64_t size_of_file(const std::string& path) {
 }
 
 std::string default_file(const RenderSource& source, const RenderView& view) {
-  return fmt::format("{}-{}.png", source.name(), view.name);
+  return fmt::format("{}-{}{}{}.png", source.name(), view.name, view.as.empty() ? "" : "-", view.as);
 }
 
-// Without floor and ceiling, where that is asked for, as in pictures.
-Cloud filtered(Cloud cloud, const RenderOptions& options) {
-  if (!options.no_floor && !options.no_ceiling) return cloud;
+// Without floor and ceiling if that is asked for, as in pictures.
+Cloud filtered(Cloud cloud, const Hidden& hidden) {
+  if (!hidden.floor && !hidden.ceiling) return cloud;
   CloudLook look;
-  look.with_floor = !options.no_floor;
-  look.with_ceiling = !options.no_ceiling;
+  look.with_floor = !hidden.floor;
+  look.with_ceiling = !hidden.ceiling;
   Cloud kept;
   for (const std::uint32_t k : drawn_points(cloud, level_surfaces_of(cloud), look)) kept.push_back(cloud[k]);
   return kept;
@@ -122,7 +119,7 @@ class Render {
         run != nullptr && !run->has_trajectory() && !options_.quiet) {
       print_remark(run->folder() + ": has no trajectory.tum, so that no path is drawn");
     }
-    if (is_model(result_.kind) || result_.kind == OutputKind::kPage) {
+    if (has_no_view(result_.kind)) {
       require_one_input(nullptr);
       refuse_view();
       refuse_idle_options(options_, nullptr, result_.kind, is_linkage_model());
@@ -132,6 +129,7 @@ class Render {
       require_one_input(&view);
       refuse_idle_options(options_, &view, result_.kind);
       result_.view = view.name;
+      result_.as = view.as;
       if (result_.file.empty()) {
         result_.file = default_file(sources_.front(), view);
         require_writable(options_, result_.file);
@@ -147,21 +145,19 @@ class Render {
  private:
   void require_one_input(const RenderView* view) const {
     if (sources_.size() == 1 || (view != nullptr && view->compares())) return;
-    throw UsageError(
-        fmt::format("{} draws one input, and {} are given; several are compared by the view trajectory and "
-                    "by errors-*, which need --reference or --relations FILE",
-                    view == nullptr ? std::string(to_string(result_.kind)) : fmt::format("--view {}", view->name),
-                    sources_.size()));
+    throw UsageError(fmt::format(
+        "{} draws one input, and {} are given; several are compared by the views trajectory and errors, "
+        "which needs --reference or --relations FILE",
+        view == nullptr ? std::string(to_string(result_.kind)) : "--view " + view->words(), sources_.size()));
   }
   void refuse_view() const {
-    if (options_.view.empty() && options_.size.empty() && !options_.is_transparent) return;
-    throw UsageError(
-        fmt::format("--view, --size and --transparent are for pictures, not for {}", to_string(result_.kind)));
+    if (options_.view.empty() && options_.as.empty() && options_.size.empty()) return;
+    throw UsageError(fmt::format("--view, --as and --size are for pictures, not for {}", to_string(result_.kind)));
   }
-  /// glTF of what has a linkage and no cloud.
+  /// A .glb of an input that has a linkage and no cloud.
   [[nodiscard]] bool is_linkage_model() const {
     const unsigned parts = sources_.front().parts() & (part::kCloud | part::kLinkage);
-    return is_gltf(result_.kind) && parts == part::kLinkage;
+    return result_.kind == OutputKind::kGlb && parts == part::kLinkage;
   }
   [[nodiscard]] PictureSize film_size() const {
     if (!options_.size.empty()) return size_of(options_.size);
@@ -180,17 +176,15 @@ class Render {
 };
 
 void Render::write_still(const RenderView& view) {
-  if (options_.is_transparent && result_.kind == OutputKind::kJpeg) {
-    throw UsageError("--transparent: not for .jpg, which has no transparency; .png can be");
-  }
   std::optional<PictureSize> wanted;
   if (!options_.size.empty()) wanted = size_of(options_.size);
   Canvas drawing = (studio_.*view.draw)(wanted);
-  // Drawings of a size of their own are scaled to fit what was asked for; only pixels can be.
+  // Plots are drawn small and scaled up to the pixels that were asked for.
+  const bool is_pixels = result_.kind == OutputKind::kPng;
   const PictureSize target = wanted.value_or(kStillSize);
   const double fit = std::min(target.width / drawing.width(), target.height / drawing.height());
-  const double scale = (view.effects & effect::kVector) != 0 && is_pixels(result_.kind) ? fit : 1.0;
-  if (wanted && is_pixels(result_.kind)) drawing = on_page(drawing, target.width / scale, target.height / scale);
+  const double scale = (view.effects & effect::kPlot) != 0 && is_pixels ? fit : 1.0;
+  if (wanted && is_pixels) drawing = on_page(drawing, target.width / scale, target.height / scale);
   write_file_atomically(result_.file, drawing_bytes(drawing, result_.file, scale));
   result_.width = static_cast<std::uint32_t>(std::lround(drawing.width() * scale));
   result_.height = static_cast<std::uint32_t>(std::lround(drawing.height() * scale));
@@ -198,13 +192,16 @@ void Render::write_still(const RenderView& view) {
 }
 
 void Render::write_film(const RenderView& view) {
-  if (options_.is_transparent && result_.kind != OutputKind::kFrames) {
-    throw UsageError(fmt::format("--transparent: not for {}; .png and frames can be", to_string(result_.kind)));
+  if (background_of(options_.background) == Background::kNone && result_.kind != OutputKind::kFrames) {
+    throw UsageError(fmt::format("--background none: not for {}; .png and frames can be", to_string(result_.kind)));
   }
   const PictureSize wanted = film_size();
   const FilmLength length = studio_.length_of(view);
+  const FilmKind film_kind = result_.kind == OutputKind::kFrames ? FilmKind::kFrames
+                             : result_.kind == OutputKind::kGif  ? FilmKind::kGif
+                                                                 : FilmKind::kMp4;
   const std::unique_ptr<FilmWriter> writer =
-      open_film({result_.kind, result_.file, wanted.width, wanted.height, length.frames_per_s, options_.ffmpeg});
+      open_film({film_kind, result_.file, wanted.width, wanted.height, length.frames_per_s});
   const std::unique_ptr<Film> film = (studio_.*view.film)(wanted, length.frames);
   ProgressLine progress("frames", options_.quiet);
   for (std::size_t k = 0; k < film->frames(); ++k) {
@@ -249,7 +246,7 @@ void Render::write_page() {
   Cloud cloud;
   std::vector<float> distances_m;
   if ((source.parts() & part::kCloud) != 0) {
-    cloud = studio_.cloud(kPagePoints);
+    cloud = studio_.read_cloud(kPagePoints);
     page.cloud = &cloud;
     if (!options_.reference.empty()) {
       distances_m = studio_.distances(cloud);
@@ -270,16 +267,17 @@ void Render::write_model() {
   RenderSource& source = sources_.front();
   if (is_linkage_model()) {
     constexpr int kSteps = 120;  // of 3 degrees, between which a straight line is 0.04 % of the crank off
-    write_linkage_gltf(result_.file, studio_.title(), linkage_solids(source.linkage(), kSteps), kTurn_s);
+    write_linkage_glb(result_.file, studio_.title(), linkage_solids(source.linkage(), kSteps), kTurn_s);
     return;
   }
   if ((source.parts() & part::kCloud) == 0) {
     throw UsageError(fmt::format("{}: has no 3D cloud{}, so {} cannot be made of it", source.input(),
-                                 is_gltf(result_.kind) ? " and no linkage" : "", to_string(result_.kind)));
+                                 result_.kind == OutputKind::kGlb ? " and no linkage" : "", to_string(result_.kind)));
   }
   const CloudLook look = cloud_look_of(options_);
   source.require_values(look.colour);
-  const Cloud cloud = filtered(studio_.cloud(is_gltf(result_.kind) ? kMostGltfPoints : 0), options_);
+  const Hidden hidden = hidden_of(options_.hide);
+  const Cloud cloud = filtered(studio_.read_cloud(result_.kind == OutputKind::kGlb ? kMostGlbPoints : 0), hidden);
   result_.points = cloud.size();
   if (result_.kind == OutputKind::kCloud) {
     CloudWriter writer(result_.file, cloud_format_of(result_.file));
@@ -287,17 +285,22 @@ void Render::write_model() {
     writer.finish();
     return;
   }
-  const bool has_path = (source.parts() & part::kTrajectory) != 0 && !options_.no_path;
+  const bool has_path = (source.parts() & part::kTrajectory) != 0 && !hidden.path;
   const std::vector<Colour> colours = point_colours(
       cloud, look, look.colour == CloudColour::kDistance ? studio_.distances(cloud) : std::vector<float>());
-  const ModelInput model{.name = studio_.title(),
+  const CloudModel model{.name = studio_.title(),
                          .cloud = cloud,
                          .colours = colours,
                          .trajectory = has_path ? &source.trajectory() : nullptr};
-  write_gltf(result_.file, model);
+  write_cloud_glb(result_.file, model);
 }
 
 }  // namespace
+
+unsigned render_parts(const RenderOptions& options, const std::vector<RenderSource>& sources) {
+  return sources.front().parts() | (has_truth(options) ? part::kTruth : 0U) |
+         (has_true_path(options) ? part::kTruePath : 0U);
+}
 
 RenderResult render(const RenderOptions& options, std::vector<RenderSource>& sources) {
   return Render(options, sources).run();

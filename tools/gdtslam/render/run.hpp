@@ -5,10 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "options.hpp"
 #include "output.hpp"
-#include "tools/gdtslam/pictures/options.hpp"
-#include "tools/gdtslam/pictures/source.hpp"
-#include "tools/gdtslam/pictures/studio.hpp"
+#include "source.hpp"
 
 namespace gdtslam {
 
@@ -17,15 +16,19 @@ struct RenderResult {
   std::string file;
   OutputKind kind = OutputKind::kPng;
   std::string view;  ///< empty for pages and models
+  std::string as;
   std::uint32_t width = 0;
   std::uint32_t height = 0;
   std::uint64_t frames = 0;     ///< of a film
   double film_s = 0.0;          ///< how long it plays
   std::uint64_t points = 0;     ///< drawn, or in the page or model
-  std::uint64_t points_of = 0;  ///< that there are: before thinning, with floor and ceiling
+  std::uint64_t points_of = 0;  ///< before thinning, with floor and ceiling
   std::uint64_t bytes = 0;      ///< of the file, or of all frames
   std::string renderer;
 };
+
+/// The parts that views may use: those of the first source and of the options.
+unsigned render_parts(const RenderOptions& options, const std::vector<RenderSource>& sources);
 
 /// Draws and writes. Throws every typed error; nothing is left behind then but the frames of a folder.
 RenderResult render(const RenderOptions& options, std::vector<RenderSource>& sources);

@@ -87,7 +87,7 @@ def add_box_rows(part, measured):
 def make_boxes(shop):
     shop.drive("three-boxes")
     part = Part("The scene three-boxes, seed 1: boxes of the paper’s true widths before the standing scanner.")
-    shop.render(part, "three-boxes/cloud.ply", "iso", "cloud.png",
+    shop.render(part, "three-boxes/cloud.ply", "cloud", "cloud.png",
                 "(b) The 3D map of the three boxes before the far wall, from beside the scanner.", "--size", "1600x1000", "--no-path", "--title",
                 "Three boxes", "--camera=-0.5,-0.6,1.35,1.9,0,0.62,48")
     measure = ("gdtslam", "evaluate", "three-boxes/cloud.ply", "--boxes", "--picture")
@@ -118,7 +118,7 @@ def make_standing(shop):
             ("at-elevator", "an open elevator", "the open elevator is the recess in the wall on the left", "-4.2,-2.2,3.6,3.2,0.9,0.7,46"),
             ("at-plant", "a plant", "the plant stands before the wall ahead", "-3.6,-0.2,2.6,3,-0.4,0.8,46")):
         shop.drive(drive)
-        shop.render(part, drive, "iso", f"{drive}.png",
+        shop.render(part, drive, "cloud", f"{drive}.png",
                     f"The scanner stands in the corridor; {where}. Without the ceiling; what hides behind walls stays empty.", "--size",
                     "1600x860", "--title", f"From one place: {what}", f"--camera={camera}")
         errors = surface_errors(shop, drive, "office-3f", "--no-align")
@@ -197,10 +197,10 @@ def make_floor(shop, drive, floor):
                 "robot drives.")
     shop.render(part, drive, "map", "map.png", "(a) 2D map of the horizontal scans, with the path.", "--size", "1190x640", "--title",
                 f"{floor}: 2D map")
-    shop.render(part, drive, "top", "top.png", "From above, floor and ceiling taken away.", "--size", "1190x640", "--no-floor", "--title",
-                f"{floor} from above")
-    shop.render(part, drive, "iso", "iso.png", "(b) The 3D map, floor and ceiling taken away as planes that were found in it; colours by height.",
-                "--size", "1800x1000", "--no-floor", "--title", f"{floor} in 3D")
+    shop.render(part, drive, "cloud", "top.png", "From above, floor and ceiling taken away.", "--from", "top", "--size", "1190x640", "--hide",
+                "floor", "--title", f"{floor} from above")
+    shop.render(part, drive, "cloud", "iso.png", "(b) The 3D map, floor and ceiling taken away as planes that were found in it; colours by height.",
+                "--size", "1800x1000", "--hide", "floor", "--title", f"{floor} in 3D")
     errors = surface_errors(shop, drive, drive)
     cloud = read_ply(shop.path(f"{drive}/cloud.ply"), CLOUD)
     report = (shop.path(drive) / "report.json").read_text()

@@ -1,7 +1,6 @@
 #include "cloud_density.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "cloud_colours.hpp"
@@ -10,7 +9,6 @@ namespace gdtslam {
 namespace {
 
 constexpr std::size_t kFirstSlots = 1U << 14U;
-constexpr std::size_t kAhead = 64;             // points whose slots are fetched from memory together
 constexpr std::size_t kDensitySample = 20000;  // of points, for what is common
 constexpr double kCubesAlong = 400.0;          // the finest measure: cubes along the cloud's longest side
 constexpr double kLeastCube_m = 0.02;
@@ -56,16 +54,7 @@ void CloudDensity::grow() {
 
 CloudDensity::CloudDensity(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> drawn, double cube_m)
     : cube_m_(cube_m), slots_(kFirstSlots) {
-  // Slots lie all over the memory, so each is asked for before the first of them is needed.
-  std::array<std::uint64_t, kAhead> keys{};
-  for (; !drawn.empty(); drawn = drawn.subspan(std::min(kAhead, drawn.size()))) {
-    const std::span<const std::uint32_t> piece = drawn.first(std::min(kAhead, drawn.size()));
-    for (std::size_t k = 0; k < piece.size(); ++k) {
-      keys[k] = key_of(cloud[piece[k]]);
-      __builtin_prefetch(&slots_[mixed(keys[k]) & (slots_.size() - 1)], 1);
-    }
-    for (std::size_t k = 0; k < piece.size(); ++k) count(keys[k]);
-  }
+  for (const std::uint32_t k : drawn) count(key_of(cloud[k]));
 }
 
 void CloudDensity::count(std::uint64_t key) {

@@ -136,11 +136,9 @@ const Bounds& CloudPoints::bounds() const { return state_->bounds; }
 
 void CloudPoints::begin(const PictureView& view) {
   State& s = *state_;
-  const bool is_fixed = s.sizes.fixed_px > 0.0;
   const double samples = s.sizes.samples;
   s.painter.emplace(view, s.origin,
-                    DotSizes{.least_px = samples * (is_fixed ? s.sizes.fixed_px : s.sizes.least_px),
-                             .largest_px = samples * (is_fixed ? s.sizes.fixed_px : s.sizes.largest_px)},
+                    DotSizes{.least_px = samples * s.sizes.least_px, .largest_px = samples * s.sizes.largest_px},
                     s.kept_in_view);
   s.bands = view.bands;
   s.of_band.clear();

@@ -22,7 +22,6 @@ namespace gdtslam {
 
 /// How large a point is drawn.
 struct PointSizes {
-  double fixed_px = 0.0;  ///< of every point; 0: by their size in space
   double least_px = 1.0;  ///< in the picture
   double largest_px = 1.0;
   std::uint32_t samples = 1;  ///< per pixel side, as the view renders

@@ -1,19 +1,6 @@
 #include "gdtslam/viewer/cloud_scene.hpp"
 
-#include <vtkActor.h>
-#include <vtkCellArray.h>
-#include <vtkCellData.h>
-#include <vtkNew.h>
-#include <vtkPoints.h>
-#include <vtkPolyData.h>
-#include <vtkPolyDataMapper.h>
-#include <vtkProperty.h>
-#include <vtkRenderer.h>
-#include <vtkSmartPointer.h>
-#include <vtkUnsignedCharArray.h>
-
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -36,8 +23,7 @@ constexpr double kLargestPathWidth_m = 2.0;
 // A camera that is so near to the robot looks at it: walls between them are opened. Farther off they hide it.
 constexpr double kNearRobot_m = 10.0;
 constexpr double kRobotMiddle_m = 0.2;
-constexpr double kKept_m = 0.45;      // around its middle
-constexpr double kMapBelow_m = 0.03;  // under the floor's points
+constexpr double kKept_m = 0.45;  // around its middle
 
 // A point is as large as the gaps around it, but no blot.
 constexpr double kCoverage = 1.7;  // diameters per mean distance of neighbours, so that discs overlap
@@ -62,67 +48,6 @@ Bounds bounds_of_surfaces(std::span<const CloudPoint> cloud, std::span<const std
     return box.holds({cloud[k].x_m, cloud[k].y_m, cloud[k].z_m});
   });
   return static_cast<double>(held) >= kLeastShareFramed * static_cast<double>(drawn.size()) ? box : of_all;
-}
-
-// Calls with row, first and end column, and state of each stretch of known cells.
-template <class Visit>
-void for_each_stretch(const OccupancyMap& map, const Visit& visit) {
-  for (std::int32_t y = 0; y < map.geometry.height; ++y) {
-    for (std::int32_t x = 0; x < map.geometry.width;) {
-      const CellState state = map.at({x, y});
-      const std::int32_t begin = x;
-      while (x < map.geometry.width && map.at({x, y}) == state) ++x;
-      if (state != CellState::kUnknown) visit(y, begin, x, state);
-    }
-  }
-}
-
-Point3 corner_of(const GridGeometry& grid, std::int32_t x, std::int32_t y, double height_m) {
-  return {grid.origin_x_m + x * grid.resolution_m, grid.origin_y_m + y * grid.resolution_m, height_m};
-}
-
-// The 2D map lying under a cloud, in flat colours without light: each stretch of equal cells in a row is one rectangle,
-// so that a map of any size stays sharp and what is unknown stays open. O(cells).
-vtkSmartPointer<vtkActor> map_actor(const OccupancyMap& map, double height_m, bool is_dark) {
-  const Colour free = is_dark ? colour_for(0x262b33) : colour_for(0xebe9e3);
-  const Colour occupied = is_dark ? colour_for(0x98a2b0) : colour_for(0x3a3f46);
-  vtkNew<vtkPoints> points;
-  points->SetDataTypeToDouble();
-  vtkNew<vtkCellArray> cells;
-  vtkNew<vtkUnsignedCharArray> colours;
-  colours->SetNumberOfComponents(3);
-  for_each_stretch(map, [&](std::int32_t y, std::int32_t begin, std::int32_t end, CellState state) {
-    std::array<vtkIdType, 4> ids{};
-    const std::array<std::array<std::int32_t, 2>, 4> corners{{{begin, y}, {end, y}, {end, y + 1}, {begin, y + 1}}};
-    for (std::size_t k = 0; k < 4; ++k) {
-      ids[k] = points->InsertNextPoint(corner_of(map.geometry, corners[k][0], corners[k][1], height_m).data());
-    }
-    cells->InsertNextCell(4, ids.data());
-    const Colour colour = state == CellState::kFree ? free : occupied;
-    const std::array<unsigned char, 3> rgb{colour.red, colour.green, colour.blue};
-    colours->InsertNextTypedTuple(rgb.data());
-  });
-  vtkNew<vtkPolyData> data;
-  data->SetPoints(points);
-  data->SetPolys(cells);
-  data->GetCellData()->SetScalars(colours);
-  vtkNew<vtkPolyDataMapper> mapper;
-  mapper->SetInputData(data);
-  mapper->SetColorModeToDirectScalars();
-  auto actor = vtkSmartPointer<vtkActor>::New();
-  actor->SetMapper(mapper);
-  actor->GetProperty()->LightingOff();
-  return actor;
-}
-
-// The box of the known cells.
-Bounds map_bounds(const OccupancyMap& map, double height_m) {
-  Bounds bounds;
-  for_each_stretch(map, [&](std::int32_t y, std::int32_t begin, std::int32_t end, CellState /*state*/) {
-    bounds.add(corner_of(map.geometry, begin, y, height_m));
-    bounds.add(corner_of(map.geometry, end, y + 1, height_m));
-  });
-  return bounds;
 }
 
 }  // namespace
@@ -164,13 +89,11 @@ struct CloudScene::State {
   std::optional<Point3> robot_at;
   LevelSurfaces surfaces;
   Bounds cloud_bounds;
-  Bounds plane_bounds;  // of the map
   Bounds bounds;
   ColourScale scale;
 
   void update_bounds() {
     bounds = cloud_bounds;
-    if (bounds.is_empty()) bounds = plane_bounds;
     if (path.bounds().is_empty()) return;
     bounds.add(path.bounds().lowest);
     bounds.add(path.bounds().highest);
@@ -216,14 +139,6 @@ void CloudScene::set_trajectory(const Trajectory& trajectory) {
   s.update_bounds();
 }
 
-void CloudScene::set_map(const OccupancyMap& map) {
-  State& s = *state_;
-  const double height_m = std::min(0.0, s.floor_m(Point2::Zero())) - kMapBelow_m;
-  s.view.renderer().AddActor(map_actor(map, height_m, s.look.is_dark));
-  s.plane_bounds = map_bounds(map, height_m);
-  s.update_bounds();
-}
-
 void CloudScene::set_robot(const std::optional<Pose2>& T_map_base, const calib::SweepModel* model,
                            double elevation_rad) {
   State& s = *state_;
@@ -246,8 +161,7 @@ std::uint64_t CloudScene::points_drawn() const { return state_->points.shown(); 
 RgbaImage CloudScene::render(const Camera& camera, const PictureSize& size) {
   State& s = *state_;
   const bool is_near = s.robot_at && !camera.is_parallel && (camera.eye - *s.robot_at).norm() < kNearRobot_m;
-  s.points.set_sizes({.fixed_px = s.look.point_px,
-                      .least_px = kLeastPoint_px,
+  s.points.set_sizes({.least_px = kLeastPoint_px,
                       .largest_px = std::max(2.0, (is_near ? kNearPointShare : kLargestPointShare) * size.height),
                       .samples = s.look.samples});
   s.points.keep_in_view(is_near ? std::optional(KeptInView{*s.robot_at, kKept_m}) : std::nullopt);

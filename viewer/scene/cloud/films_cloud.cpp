@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "cloud_layout.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/viewer/film.hpp"
@@ -21,7 +20,6 @@ constexpr double kSmoothedFrames = 6.0;    // or over so many frames, where that
 constexpr int kSmoothingSteps = 8;         // to each side
 constexpr double kJitter_s = 1.0;          // back, beyond which a clock was set
 
-// What both films share: pictures whose colour bar stays where the first frame has it.
 class CloudFilm : public Film {
  public:
   CloudFilm(CloudScene& scene, const CloudLook& look, CloudCaption caption, const PictureSize& size, std::size_t frames)
@@ -36,9 +34,8 @@ class CloudFilm : public Film {
     return frames_ > 1 ? static_cast<double>(k) / static_cast<double>(frames_ - 1) : 1.0;
   }
   Canvas picture(const Camera& camera) {
-    auto image = std::make_shared<const RgbaImage>(scene_.render(camera, size_));
-    if (!bar_place_) bar_place_ = bar_place_of(*image, scene_.scale(), camera, look_, caption_);
-    return cloud_picture_at(bar_place_, std::move(image), scene_.scale(), camera, look_, caption_);
+    return cloud_picture(std::make_shared<const RgbaImage>(scene_.render(camera, size_)), scene_.scale(), camera, look_,
+                         caption_);
   }
 
   CloudScene& scene_;
@@ -46,7 +43,6 @@ class CloudFilm : public Film {
   CloudCaption caption_;
   PictureSize size_;
   std::size_t frames_;
-  std::optional<BarPlace> bar_place_;
 };
 
 class OrbitFilm : public CloudFilm {
@@ -116,8 +112,6 @@ class FollowFilm : public CloudFilm {
                   [](const StampedPose& pose) { return !pose.T_map_base.is_finite() || !std::isfinite(pose.stamp_s); });
     if (trajectory_.empty()) throw InputError("a film that follows the robot needs its path; the trajectory is empty");
     require_times_that_go_on(trajectory_);
-    // The first frames show little: where the bar stands well in them says nothing of the others.
-    bar_place_ = BarPlace::kLowRight;
     const double length_s = trajectory_.back().stamp_s - trajectory_.front().stamp_s;
     smoothed_s_ = std::max(kSmoothed_s, kSmoothedFrames * length_s / static_cast<double>(frames));
   }

@@ -241,10 +241,7 @@ Pose3 ScanningScene::T_map_laser() const { return state_->robot.T_map_laser(); }
 
 RgbaImage ScanningScene::render(const Camera& camera, const PictureSize& size) {
   State& s = *state_;
-  s.points.set_sizes({.fixed_px = s.look.point_px,
-                      .least_px = 1.0,
-                      .largest_px = std::max(2.0, size.height / 60.0),
-                      .samples = s.look.samples});
+  s.points.set_sizes({.least_px = 1.0, .largest_px = std::max(2.0, size.height / 60.0), .samples = s.look.samples});
   s.path.prepare(kPathWidth_m);
   return s.view.render(camera, size);
 }

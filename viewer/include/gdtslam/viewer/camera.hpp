@@ -53,8 +53,6 @@ Camera turned(const Camera& camera, double angle_rad);
 /// an m behind it the height in metres of what a parallel camera shows. z is up; y where the camera looks straight up
 /// or down. Throws UsageError.
 Camera parse_camera(const std::string& text);
-/// The same text back, the angle always given. A camera whose up is another direction loses it.
-std::string camera_text(const Camera& camera);
 
 /// Where a point is seen: pixels from the upper left corner, and how far before the camera; nothing behind it.
 struct Seen {

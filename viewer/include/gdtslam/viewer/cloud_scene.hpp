@@ -18,7 +18,6 @@
 #include "gdtslam/core/cloud.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/drawing/canvas.hpp"
-#include "gdtslam/mapping/occupancy.hpp"
 #include "gdtslam/viewer/camera.hpp"
 #include "gdtslam/viewer/graphics.hpp"
 
@@ -36,7 +35,6 @@ struct CloudLook {
   bool with_floor = true;
   bool with_ceiling = true;  ///< false by default in tools for views from above: a ceiling hides the rooms
   bool with_eye_dome = true;
-  double point_px = 0.0;        ///< 0: as large as the gaps between the points, so that surfaces close
   bool is_dark = true;          ///< background
   bool is_transparent = false;  ///< background
   std::uint32_t samples = 2;    ///< per pixel side, for smooth edges; 1 in films of clouds
@@ -65,8 +63,6 @@ class CloudScene {
   /// `distances_m` belongs to kDistance: one for each point, for example to a reference cloud or to true surfaces.
   void set_cloud(std::span<const CloudPoint> cloud, std::span<const float> distances_m = {});
   void set_trajectory(const Trajectory& trajectory);
-  /// The 2D map as a picture under the floor; what is unknown stays open.
-  void set_map(const OccupancyMap& map);
   /// The robot, with the mount at this elevation where a model is given; nothing hides it. The model must live while it
   /// is shown.
   void set_robot(const std::optional<Pose2>& T_map_base, const calib::SweepModel* model = nullptr,
@@ -96,32 +92,29 @@ struct CloudCaption {
   bool with_axes = true;
   bool with_colour_bar = true;
 };
-/// The scene's picture with title, scale bar (of a perspective camera at its target, and said so), colour bar where it
-/// covers least, and axes drawn over it, in the order of need: what finds no room is left out.
+/// The scene's picture with title, scale bar (of a perspective camera at its target, and said so), colour bar and axes
+/// drawn over it, in the order of need: a part that finds no room is left out.
 Canvas cloud_picture(std::shared_ptr<const RgbaImage> scene, const ColourScale& scale, const Camera& camera,
                      const CloudLook& look, const CloudCaption& caption);
 /// Nearest-neighbour distance of each point to the reference, metres, beyond `most_m` that value. O(n log m).
 std::vector<float> distances_to(std::span<const CloudPoint> cloud, std::span<const CloudPoint> reference,
                                 double most_m = 1.0);
 /// Keeps at most `most` of the points that come, those that are finite: all while there is room, then the first of each
-/// voxel, the voxels as large as that asks for. For stills, which show no more points than pixels. Memory: some 40
-/// bytes for each point that is kept. Throws InputError for a cloud too wide for it.
-class StillThinning : public CloudSink {
+/// voxel, the voxels as large as that asks for. Memory: some 40 bytes for each point that is kept. Throws InputError
+/// for a cloud too wide for it.
+class PointLimit : public CloudSink {
  public:
-  explicit StillThinning(std::size_t most);
-  ~StillThinning() override;
-  /// How many points will come, where that is known: the voxels are chosen for them.
+  explicit PointLimit(std::size_t most);
+  ~PointLimit() override;
+  /// How many points will come, if that is known: the voxels are chosen for them.
   void expect(std::uint64_t points);
   void add(std::span<const CloudPoint> points) override;
-  /// What was kept, in its order; the thinning is empty then.
+  /// The points that were kept, in their order; the limit has none then.
   Cloud take();
 
  private:
   struct State;
   std::unique_ptr<State> state_;
 };
-/// At most `most` points, one for each of voxels as large as that asks for; the order is kept, what is no finite place
-/// goes. For films: with 400,000 a frame of 1280 x 720 takes 0.1 s. O(n) eight times.
-Cloud thinned_for_film(std::span<const CloudPoint> cloud, std::size_t most);
 
 }  // namespace gdtslam

@@ -5,7 +5,6 @@
 
 #include <memory>
 #include <string>
-#include <vector>
 
 namespace gdtslam {
 
@@ -21,8 +20,6 @@ class GraphicsContext {
 
   /// "EGL, llvmpipe (LLVM 15.0.6, 256 bits), OpenGL 4.5": how, on what.
   [[nodiscard]] std::string description() const;
-  /// What VTK warned of in this thread since the last call, one line each; its errors are thrown where they come up.
-  [[nodiscard]] std::vector<std::string> take_warnings() const;
 
   struct State;
   [[nodiscard]] State& state() const { return *state_; }  ///< for the viewer's own sources

@@ -58,10 +58,6 @@ Canvas map_picture(const OccupancyMap& map, const PathOverlay& overlay, const Ma
 /// field without cells; ConfigError for a colour map that there is not.
 Canvas field_picture(const FieldPicture& field, const PathOverlay& overlay, const MapLook& look,
                      const PictureSize& size);
-/// Figure 3: the distances of a small part of a field as numbers in its cells, obstacles filled. At most 60 cells a
-/// side. Distances in cells, squared where asked, with one decimal where one is not whole. Throws InputError for a
-/// part that is too large or not within the field.
-Canvas cells_picture(const FieldPicture& field, const CellBox& part, bool is_squared, const MapLook& look);
 
 /// Errors by group: one box (quartiles, whiskers at 1.5 times their distance, points beyond) for each. Quantiles lie
 /// between the two nearest values (definition 7 of [Hyndman1996]); values that are not finite are counted and told.

@@ -13,6 +13,7 @@
 #include <system_error>
 #include <utility>
 
+#include "engine/core/side_thread.hpp"
 #include "engine/io/did_you_mean.hpp"
 #include "engine/io/message_text.hpp"
 #include "engine/runs/inputs/given_files.hpp"
@@ -33,8 +34,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t kMostPoints = 200'000'000;
 constexpr std::size_t kPointsAtOnce = 1U << 16U;
-constexpr std::size_t kFewestStillPoints = 1'000'000;  // which take 200 MB
-constexpr std::uint64_t kFewestPointBytes = 6;         // "1 2 3" and the end of the line
+constexpr std::uint64_t kFewestPointBytes = 6;  // "1 2 3" and the end of the line
 constexpr double kFarthest_m = 1e6;
 constexpr const char* kCloudName = "cloud.ply";
 constexpr const char* kTrajectoryName = "trajectory.tum";
@@ -111,7 +111,10 @@ RenderKind kind_of_file(const std::string& path) {
   if (has_line(head, "gdtslam_scene:")) {
     throw InputError({path, 0}, "is a scene; 'gdtslam simulate' makes a log of it, which can be rendered");
   }
-  return is_tum(head) ? RenderKind::kTrajectory : RenderKind::kLog;
+  if (is_tum(head)) return RenderKind::kTrajectory;
+  throw InputError({path, 0},
+                   "is not a run, a cloud, a linkage, a map's .yaml or a trajectory; if it is a log, map it first: "
+                   "gdtslam map LOG -o DIR, then gdtslam render DIR");
 }
 
 // False for what is not finite, too.
@@ -127,53 +130,38 @@ std::string stem_of(const std::string& path) {
   return name.stem().string();
 }
 
-// Hands on the points of a file, relative to its origin, those that can be drawn; how many they are.
-std::uint64_t read_near_points(const std::string& path, CloudSink& sink, const CloudProgress& progress,
-                               const CloudRemark& remark, const std::function<void(std::uint64_t)>& begin) {
-  CloudReader reader(path);
-  reader.make_relative();
-  const std::uint64_t told = reader.header().points;
-  if (told > kMostPoints) {
-    throw InputError({path, 0}, fmt::format("has {} points, and at most {} can be drawn; thin it when it is mapped "
-                                            "(--set cloud.voxel=\"5 cm\")",
-                                            told, kMostPoints));
-  }
-  begin(told);
+struct PointsRead {
   std::uint64_t read = 0;
-  std::uint64_t handed_on = 0;
-  for (Cloud piece = reader.next(kPointsAtOnce); !piece.empty(); piece = reader.next(kPointsAtOnce)) {
-    read += piece.size();
-    reader.check_kept(read);
-    std::erase_if(piece, [](const CloudPoint& point) { return !is_near(point); });
-    handed_on += piece.size();
-    sink.add(piece);
-    if (progress) progress(read, told > 0 ? static_cast<double>(read) / static_cast<double>(told) : -1.0);
-    if (interrupted()) throw Error(ExitCode::kInterrupted, "interrupted; nothing is written");
-  }
+  std::uint64_t near = 0;  ///< of them, that can be drawn
+};
+// Throws InputError if no point can be drawn.
+void report_strays(const std::string& path, const CloudReader& reader, const PointsRead& points,
+                   const std::function<void(const std::string&)>& remark) {
+  const auto& [read, near] = points;
   if (read == 0 && reader.skipped() == 0) throw InputError({path, 0}, "has no points to draw");
-  const std::uint64_t strays = reader.skipped() + read - handed_on;
+  const std::uint64_t strays = reader.skipped() + read - near;
   const std::string which = "not finite or more than 1000 km from the origin";
-  if (handed_on == 0) {
+  if (near == 0) {
     throw InputError({path, 0}, fmt::format("all of its points are {}; move the origin to the cloud", which));
   }
-  if (remark && reader.origin_m() != std::array<double, 3>{}) remark(origin_text(path, reader.origin_m()));
+  if (remark && reader.origin_m() != std::array<double, 3>{}) {
+    remark(origin_text(path, reader.origin_m()));
+  }
   if (strays > 0 && remark) {
     remark(fmt::format("{}: {} left out, {}", path, strays == 1 ? "1 point is" : fmt::format("{} points are", strays),
                        which));
   }
-  return handed_on;
 }
 
 }  // namespace
 
 std::string_view to_string(RenderKind kind) {
-  constexpr std::array<std::string_view, 7> kNames{"a run",        "a cloud", "a linkage", "a map", "a distance field",
-                                                   "a trajectory", "a log"};
+  constexpr std::array<std::string_view, 6> kNames{"a run", "a cloud",          "a linkage",
+                                                   "a map", "a distance field", "a trajectory"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 
 RenderKind kind_of_input(const std::string& input) {
-  if (input == "-") return RenderKind::kLog;
   std::error_code failed;
   const fs::file_status status = fs::status(input, failed);
   if (fs::is_directory(status)) {
@@ -181,10 +169,10 @@ RenderKind kind_of_input(const std::string& input) {
     if (has_file(input, kCloudName)) return RenderKind::kCloud;
     throw InputError({input, 0},
                      "is a folder without report.json, so no run of 'gdtslam map', and has no cloud.ply; give a run, a "
-                     "cloud, a linkage, a "
-                     "map's .yaml, a trajectory or a log");
+                     "cloud, a linkage, a map's .yaml or a trajectory");
   }
-  if (fs::exists(status)) return fs::is_regular_file(status) ? kind_of_file(input) : RenderKind::kLog;
+  if (fs::is_regular_file(status)) return kind_of_file(input);
+  if (fs::exists(status)) throw InputError({input, 0}, "is neither a file nor a folder");
   if (is_preset(input)) return RenderKind::kLinkage;
   throw FileError(input, "there is no such file, folder or linkage preset" + did_you_mean(input, preset_names()));
 }
@@ -220,8 +208,6 @@ RenderSource::RenderSource(std::string input)
       trajectory_file_ = input_;
       parts_ = part::kTrajectory;
       break;
-    case RenderKind::kLog:
-      throw Error(ExitCode::kFailed, input_ + ": a log has to be mapped before it is drawn");
   }
 }
 
@@ -277,8 +263,22 @@ const Trajectory& RenderSource::trajectory() {
 
 const calib::SweepModel& RenderSource::linkage() { return linkage_.value(); }
 
-Cloud RenderSource::cloud(const CloudProgress& progress, const CloudRemark& remark) const {
-  return read_cloud_file([&](const std::string& file) { return read_whole_cloud(file, progress, remark); });
+// A run's file is checked against its report by another thread meanwhile.
+PointsOfCloud RenderSource::cloud(const CloudReading& reading) const {
+  SideThread check(run_.has_value(), 1);
+  const auto finish = [&] {
+    check.finish();
+    if (run_) run_->files().expect_unchanged();
+  };
+  if (run_) check.give([this] { (void)run_->cloud_file(); });
+  try {
+    PointsOfCloud points = read_cloud(run_ ? run_->files().path(kCloudName) : cloud_file_, reading);
+    finish();
+    return points;
+  } catch (const Error&) {  // of a file that is not the run's that is the fault
+    finish();
+    throw;
+  }
 }
 
 std::string RenderSource::cloud_file() const { return run_ ? run_->cloud_file().value() : cloud_file_; }
@@ -313,23 +313,37 @@ RenderSource::Graph RenderSource::graph() {
           graph_subtitle(found.loops, found.uncertain, summary.scans)};
 }
 
-Cloud read_whole_cloud(const std::string& path, const CloudProgress& progress, const CloudRemark& remark) {
-  CloudKeeper keeper;
+PointsOfCloud read_cloud(const std::string& path, const CloudReading& reading) {
+  CloudReader reader(path);
+  reader.make_relative();
+  const std::uint64_t stated = reader.header().points;
+  if (stated > kMostPoints) {
+    throw InputError({path, 0}, fmt::format("has {} points, and at most {} can be drawn; thin it when it is mapped "
+                                            "(--set cloud.voxel=\"5 cm\")",
+                                            stated, kMostPoints));
+  }
   std::error_code failed;
   const std::uintmax_t bytes = fs::file_size(path, failed);
-  read_near_points(path, keeper, progress, remark,
-                   [&keeper, most = failed ? 0 : bytes / kFewestPointBytes](std::uint64_t told) {
-                     keeper.cloud.reserve(static_cast<std::size_t>(std::min<std::uint64_t>(told, most)));
-                   });
-  return std::move(keeper.cloud);
-}
-
-StillCloud read_cloud_for_still(const std::string& path, const PictureSize& size, const CloudProgress& progress,
-                                const CloudRemark& remark) {
-  StillThinning thinning(std::max(kFewestStillPoints, std::size_t{size.width} * size.height));
-  const std::uint64_t points =
-      read_near_points(path, thinning, progress, remark, [&thinning](std::uint64_t told) { thinning.expect(told); });
-  return {thinning.take(), points};
+  PointLimit limit(reading.most > 0 ? reading.most : kMostPoints);
+  limit.expect(std::min<std::uint64_t>(stated, failed ? 0 : bytes / kFewestPointBytes));
+  std::uint64_t read = 0;
+  std::uint64_t near = 0;
+  std::uint64_t wanted = 0;
+  for (Cloud piece = reader.next(kPointsAtOnce); !piece.empty(); piece = reader.next(kPointsAtOnce)) {
+    read += piece.size();
+    reader.check_kept(read);
+    std::erase_if(piece, [](const CloudPoint& point) { return !is_near(point); });
+    near += piece.size();
+    if (reading.is_wanted) std::erase_if(piece, [&](const CloudPoint& point) { return !reading.is_wanted(point); });
+    wanted += piece.size();
+    limit.add(piece);
+    if (reading.progress) {
+      reading.progress(read, stated > 0 ? static_cast<double>(read) / static_cast<double>(stated) : -1.0);
+    }
+    if (interrupted()) throw Error(ExitCode::kInterrupted, "interrupted; nothing is written");
+  }
+  report_strays(path, reader, {read, near}, reading.remark);
+  return {limit.take(), wanted};
 }
 
 std::array<double, 3> origin_of_cloud(const std::string& path) {

@@ -9,7 +9,6 @@
 #include <string>
 #include <string_view>
 
-#include "engine/core/side_thread.hpp"
 #include "engine/runs/folder/run_pictures.hpp"
 #include "engine/runs/folder/run_reader.hpp"
 #include "gdtslam/calib/sweep_model.hpp"
@@ -23,11 +22,11 @@
 
 namespace gdtslam {
 
-enum class RenderKind : std::uint8_t { kRun, kCloud, kLinkage, kMap, kField, kTrajectory, kLog };
+enum class RenderKind : std::uint8_t { kRun, kCloud, kLinkage, kMap, kField, kTrajectory };
 /// "a run", "a cloud", ...
 std::string_view to_string(RenderKind kind);
 /// By the path's kind and the first bytes, unpacked; a preset's name is a linkage. Throws FileError for what is not
-/// there (with the nearest preset), InputError for what is no input.
+/// there (with the nearest preset), InputError for what is no input, a log among it.
 RenderKind kind_of_input(const std::string& input);
 
 /// What a view needs; a set of them as bits.
@@ -44,14 +43,21 @@ inline constexpr unsigned kTruePath = 256U;  ///< --reference of a trajectory, i
 inline constexpr unsigned kReplay = 512U;    ///< of a run that closed loops in one drive, so of no merged site
 }  // namespace part
 
-/// Hears of the points that are read and their share; below 0 where that is not known.
-using CloudProgress = std::function<void(std::uint64_t, double)>;
-/// Hears of what is left out.
-using CloudRemark = std::function<void(const std::string&)>;
+/// How a cloud is read.
+struct CloudReading {
+  std::uint64_t most = 0;                                 ///< points; more are thinned (PointLimit); 0: all are kept
+  std::function<bool(const CloudPoint&)> is_wanted{};     ///< empty: all are
+  std::function<void(std::uint64_t, double)> progress{};  ///< points that are read and their share; below 0: unknown
+  std::function<void(const std::string&)> remark{};       ///< what is left out
+};
+struct PointsOfCloud {
+  Cloud cloud;
+  std::uint64_t points = 0;  ///< before they were thinned
+};
 
 class RenderSource {
  public:
-  /// Any kind but kLog, which has to be mapped first. Throws as RunReader does.
+  /// Throws as kind_of_input() and RunReader do.
   explicit RenderSource(std::string input);
 
   [[nodiscard]] RenderKind kind() const { return kind_; }
@@ -71,28 +77,10 @@ class RenderSource {
   const Trajectory& trajectory();
   /// Of what has kMount alone only the mount counts.
   const calib::SweepModel& linkage();
-  /// Read anew at each call, because whoever draws it keeps it; both as of read_whole_cloud().
-  [[nodiscard]] Cloud cloud(const CloudProgress& progress = {}, const CloudRemark& remark = {}) const;
+  /// Read anew at each call, because a scene keeps what it draws.
+  [[nodiscard]] PointsOfCloud cloud(const CloudReading& reading) const;
   /// A run's is checked against its report.
   [[nodiscard]] std::string cloud_file() const;
-  /// What `read` makes of that file, which another thread checks meanwhile.
-  template <class Read>
-  auto read_cloud_file(const Read& read) const {
-    SideThread check(run_.has_value(), 1);
-    const auto finish = [&] {
-      check.finish();
-      if (run_) run_->files().expect_unchanged();
-    };
-    if (run_) check.give([this] { (void)run_->cloud_file(); });
-    try {
-      auto result = read(run_ ? run_->files().path("cloud.ply") : cloud_file_);
-      finish();
-      return result;
-    } catch (const Error&) {  // of a file that is not the run's that is the fault
-      finish();
-      throw;
-    }
-  }
   /// Throws UsageError where the points of a cloud that is no run's have no values to colour them by.
   void require_values(CloudColour colour) const;
   /// Path, keyframes and doubtful scans; empty where there is no trajectory.
@@ -124,15 +112,7 @@ class RenderSource {
 /// A cloud from a file. Points that are not finite or farther than 1000 km from the origin, where single precision is
 /// coarser than 6 cm, are left out, and `remark` hears how many. Throws InputError or FileError, also when no points
 /// are left.
-Cloud read_whole_cloud(const std::string& path, const CloudProgress& progress, const CloudRemark& remark = {});
-/// The same for a still of so many pixels: at most as many points, or a million, thinned as they are read
-/// (StillThinning).
-struct StillCloud {
-  Cloud cloud;
-  std::uint64_t points = 0;  ///< that the file has
-};
-StillCloud read_cloud_for_still(const std::string& path, const PictureSize& size, const CloudProgress& progress,
-                                const CloudRemark& remark = {});
+PointsOfCloud read_cloud(const std::string& path, const CloudReading& reading);
 /// What was taken off the points of that cloud when it was read (CloudReader::make_relative).
 std::array<double, 3> origin_of_cloud(const std::string& path);
 /// The own name of a file or folder, whatever the path to it looks like.

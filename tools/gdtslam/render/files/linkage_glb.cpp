@@ -1,15 +1,14 @@
-// A linkage as glTF: its parts, and the turn of the crank as an animation.
+// A linkage as .glb: its parts, and the turn of the crank as an animation.
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
-#include <span>
 #include <tuple>
 #include <utility>
 
-#include "gltf_file.hpp"
-#include "model_export.hpp"
+#include "glb.hpp"
+#include "glb_document.hpp"
 
 namespace gdtslam {
 namespace {
@@ -28,13 +27,10 @@ Vector4f rotation_of_pose(const Pose3& pose) {
           static_cast<float>(xyzw[3])};
 }
 
-/// Collects the buffer of a document with its views and accessors.
 class LinkageDocument {
  public:
-  LinkageDocument(const std::string& name, double turn_s) : json_(gltf_document(name)), turn_s_(turn_s) {
+  LinkageDocument(const std::string& name, double turn_s) : document_(name), json_(document_.json()), turn_s_(turn_s) {
     constexpr double kHalf = 0.7071067811865476;
-    // All of them now: a new key moves the others, and with them what a reference to one of them refers to.
-    for (const char* key : {"nodes", "meshes", "materials", "accessors", "bufferViews"}) json_[key] = GltfJson::array();
     // The document's y is up, the linkage's z.
     json_["nodes"].push_back(
         {{"name", "linkage"}, {"rotation", {-kHalf, 0.0, 0.0, kHalf}}, {"children", GltfJson::array()}});
@@ -60,43 +56,16 @@ class LinkageDocument {
     if (!channels_.empty()) {
       json_["animations"].push_back({{"name", "one turn"}, {"channels", channels_}, {"samplers", samplers_}});
     }
-    write_gltf_file(path, json_, bytes_.size(), [this](const GltfSink& sink) { sink(bytes_); });
+    document_.write(path);
   }
 
  private:
-  template <class T>
-  std::size_t accessor_of(const std::vector<T>& values, int component, const char* type, int target) {
-    constexpr std::size_t kAlignment = 4;
-    static_assert(sizeof(T) % kAlignment == 0);
-    const std::size_t offset = bytes_.size();
-    const auto bytes = std::as_bytes(std::span(values));
-    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
-    GltfJson view{{"buffer", 0}, {"byteOffset", offset}, {"byteLength", bytes.size()}};
-    if (target != 0) view["target"] = target;
-    json_["accessors"].push_back({{"bufferView", json_["bufferViews"].size()},
-                                  {"componentType", component},
-                                  {"count", values.size()},
-                                  {"type", type}});
-    json_["bufferViews"].push_back(std::move(view));
-    return json_["accessors"].size() - 1;
-  }
-
   GltfJson primitive_of(const Solid& solid) {
-    const std::size_t places = accessor_of(solid.places, kGltfFloat, "VEC3", kGltfVertices);
-    Vector3f least = solid.places.front();
-    Vector3f most = least;
-    for (const Vector3f& place : solid.places) {
-      for (std::size_t axis = 0; axis < place.size(); ++axis) {
-        least[axis] = std::min(least[axis], place[axis]);
-        most[axis] = std::max(most[axis], place[axis]);
-      }
-    }
-    json_["accessors"][places]["min"] = least;
-    json_["accessors"][places]["max"] = most;
-    const std::size_t normals = accessor_of(solid.normals, kGltfFloat, "VEC3", kGltfVertices);
+    const std::size_t places = document_.add_places(solid.places);
+    const std::size_t normals = document_.add_accessor(solid.normals, kGltfFloat, "VEC3");
     std::vector<std::uint32_t> corners;
     for (const auto& triangle : solid.triangles) corners.insert(corners.end(), triangle.begin(), triangle.end());
-    const std::size_t indices = accessor_of(corners, kGltfUnsignedInt, "SCALAR", kGltfIndices);
+    const std::size_t indices = document_.add_accessor(corners, kGltfUnsignedInt, "SCALAR");
     return {{"attributes", {{"POSITION", places}, {"NORMAL", normals}}},
             {"indices", indices},
             {"material", material_of(solid)}};
@@ -141,8 +110,8 @@ class LinkageDocument {
       for (std::size_t k = 0; k < now.size(); ++k) along += before[k] * now[k];
       if (along < 0.0F) std::transform(now.begin(), now.end(), now.begin(), [](float value) { return -value; });
     }
-    add_channel(node, "translation", accessor_of(places, kGltfFloat, "VEC3", 0));
-    add_channel(node, "rotation", accessor_of(rotations, kGltfFloat, "VEC4", 0));
+    add_channel(node, "translation", document_.add_accessor(places, kGltfFloat, "VEC3"));
+    add_channel(node, "rotation", document_.add_accessor(rotations, kGltfFloat, "VEC4"));
   }
 
   std::size_t times_of(std::size_t count) {
@@ -150,7 +119,7 @@ class LinkageDocument {
     for (std::size_t k = 0; k < count; ++k) {
       times_s.push_back(static_cast<float>(turn_s_ * static_cast<double>(k) / static_cast<double>(count - 1)));
     }
-    const std::size_t accessor = accessor_of(times_s, kGltfFloat, "SCALAR", 0);
+    const std::size_t accessor = document_.add_accessor(times_s, kGltfFloat, "SCALAR");
     json_["accessors"][accessor]["min"] = {times_s.front()};
     json_["accessors"][accessor]["max"] = {times_s.back()};
     return accessor;
@@ -162,9 +131,9 @@ class LinkageDocument {
     samplers_.push_back({{"input", *times_}, {"output", values}, {"interpolation", "LINEAR"}});
   }
 
-  GltfJson json_;
+  GlbDocument document_;
+  GltfJson& json_;
   double turn_s_;
-  std::vector<std::byte> bytes_;
   std::map<std::tuple<std::string, double, bool>, std::size_t> materials_;
   std::optional<std::size_t> times_;
   GltfJson channels_ = GltfJson::array();
@@ -173,8 +142,8 @@ class LinkageDocument {
 
 }  // namespace
 
-void write_linkage_gltf(const std::string& path, const std::string& name, const std::vector<SolidPart>& parts,
-                        double turn_s) {
+void write_linkage_glb(const std::string& path, const std::string& name, const std::vector<SolidPart>& parts,
+                       double turn_s) {
   LinkageDocument document(name, turn_s);
   for (const SolidPart& part : parts) document.add(part);
   document.write(path);

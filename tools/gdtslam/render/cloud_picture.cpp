@@ -20,7 +20,7 @@ std::string draw_run_cloud(const std::string& cloud_file, const std::string& log
   CloudScene scene(graphics, look);
   std::uint64_t points = 0;
   {
-    const StillCloud still = read_cloud_for_still(cloud_file, kSize, {});
+    const PointsOfCloud still = read_cloud(cloud_file, {.most = points_of_still(kSize)});
     points = still.points;
     scene.set_cloud(still.cloud);
   }

@@ -27,25 +27,20 @@ struct FilmLength {
   double frames_per_s = 25.0;
 };
 
-/// Points of a cloud that one picture of a film draws, where --points does not say otherwise.
-inline constexpr std::uint64_t kFilmPoints = 500'000;
-inline constexpr std::uint64_t kFollowPoints = 1'000'000;  ///< seen from near
-/// Of a still where --size does not say otherwise and the content has no shape of its own.
+/// Size of a still without --size whose content has no shape of its own.
 inline constexpr PictureSize kStillSize{1600, 1000};
+/// Points of a still that shows a cloud as a whole: as many as it has pixels, or a million.
+std::uint64_t points_of_still(const PictureSize& size);
 
 class RenderStudio {
  public:
-  /// Both must outlive this. Throws UsageError for options that contradict each other.
+  /// Both must outlive this.
   RenderStudio(const RenderOptions& options, std::vector<RenderSource>& sources);
 
-  // What the views draw (RenderView). Each throws UsageError, InputError, UnavailableError where nothing can draw.
-  // Without a size one that suits the content. Drawings have a size of their own, to be scaled to what is wanted.
+  // What the views draw (RenderView). Each throws UsageError, InputError, UnavailableError if nothing can draw.
+  // Without a size one that suits the content.
   using Wanted = std::optional<PictureSize>;
-  template <CameraPreset kFrom>
-  Canvas cloud_from(const Wanted& wanted) {
-    return cloud_still(kFrom, wanted);
-  }
-  Canvas middle_of_follow(const Wanted& wanted);
+  Canvas cloud(const Wanted& wanted);
   /// At the end of a stroke the plane of the beams is seen edge-on; the first frame past the middle that has it
   /// half-way.
   Canvas poster_of_scan(const Wanted& wanted);
@@ -53,70 +48,66 @@ class RenderStudio {
   Canvas map(const Wanted& wanted);
   Canvas graph(const Wanted& wanted);
   Canvas before_and_after_loops(const Wanted& wanted);
-  template <bool kIsIntensity>
-  Canvas field(const Wanted& wanted) {
-    return field_still(kIsIntensity, wanted);
-  }
-  Canvas cells(const Wanted& wanted);
-  Canvas linkage_sheet(const Wanted& wanted);
-  Canvas elevation(const Wanted& wanted);
+  Canvas intensity(const Wanted& wanted);
+  Canvas distance(const Wanted& wanted);
   Canvas errors_box(const Wanted& wanted);
   Canvas errors_cdf(const Wanted& wanted);
   Canvas errors_time(const Wanted& wanted);
+  Canvas errors_path(const Wanted& wanted);
   /// One path alone in the colours of time; over the truth or several, each in a colour of its own.
   Canvas trajectory(const Wanted& wanted);
-  Canvas errors_path(const Wanted& wanted);
-  std::unique_ptr<Film> orbit(const PictureSize& size, std::size_t frames);
-  std::unique_ptr<Film> follow(const PictureSize& size, std::size_t frames);
-  std::unique_ptr<Film> scan(const PictureSize& size, std::size_t frames);
+  /// Once around the cloud, or behind the robot along its path.
+  std::unique_ptr<Film> cloud_film(const PictureSize& size, std::size_t frames);
+  std::unique_ptr<Film> scan_film(const PictureSize& size, std::size_t frames);
   std::unique_ptr<Film> linkage_turn(const PictureSize& size, std::size_t frames);
   /// Held for a second at its end.
   std::unique_ptr<Film> loops(const PictureSize& size, std::size_t frames);
+  static constexpr double kOrbit_s = 8.0;
+  static constexpr double kFollow_s = 20.0;
   static constexpr double kLongestScan_s = 20.0;
 
-  /// By --frames, --seconds, --fps, else what suits the view.
+  /// By --seconds and --fps, else what suits the view.
   [[nodiscard]] FilmLength length_of(const RenderView& view);
 
   /// What drew: "EGL, llvmpipe ..." or, without OpenGL, "Cairo".
   [[nodiscard]] std::string renderer() const;
-  [[nodiscard]] std::uint64_t points_drawn() const;
+  [[nodiscard]] std::uint64_t points_drawn() const { return points_drawn_; }
   /// Of the cloud before it was thinned and without floor or ceiling; of a scan those of its stretch of time.
   [[nodiscard]] std::uint64_t whole_points() const { return whole_points_; }
-  /// The cloud of the first source, thinned where --points or `most` says so (0: all).
-  Cloud cloud(std::uint64_t most);
+  /// The cloud of the first source, thinned to --points or else `most` (0: all).
+  Cloud read_cloud(std::uint64_t most);
   /// The distance of each point to --reference.
   std::vector<float> distances(const Cloud& cloud);
   /// "office-7f" or --title; "1,771,492 of 2,612,366 points, 62.8 m of path", or of what has none, its scans.
   [[nodiscard]] std::string title() const;
   [[nodiscard]] std::string subtitle(std::uint64_t points = 0) const;
-  /// "62.8 m" of the trajectory that is drawn; empty where there is none or the robot stands.
+  /// "62.8 m" of the trajectory that is drawn; empty without one or if the robot stands.
   [[nodiscard]] std::string path_text() const;
 
  private:
   RenderSource& first() { return sources_.front(); }
-  /// Of the first source; empty where it has none.
+  /// Of the first source; empty if it has none.
   [[nodiscard]] Trajectory path() const;
-  Cloud whole_cloud();
-  Cloud cloud_of_still(const PictureSize& size);
-  /// To what --points says, else to at most `most`; 0: all.
-  [[nodiscard]] Cloud thinned(Cloud cloud, std::uint64_t most) const;
+  /// The stretch of --time in the log's clock; by default the first 20 s of it.
+  struct Stretch {
+    double from_s = 0.0;
+    double to_s = 0.0;
+    double first_s = 0.0;  ///< of the log, from which --time counts
+  };
+  Stretch stretch();
+  Cloud read_stretch(std::uint64_t most, const std::optional<Stretch>& stretch);
   GraphicsContext& graphics();
-  /// `points`: at most so many; 0 for a still, which has all, or no more than pixels where the whole cloud is seen in a
-  /// picture of `whole_in`.
-  CloudScene& cloud_scene(CameraPreset from, std::uint64_t points, const std::optional<PictureSize>& whole_in = {});
-  std::unique_ptr<Film> follow_film(const PictureSize& size, std::size_t frames, std::uint64_t points);
-  std::unique_ptr<Film> scan_film(const PictureSize& size, std::size_t frames, std::uint64_t points);
+  CloudScene& cloud_scene(CameraPreset from, std::uint64_t most, bool is_film);
+  std::unique_ptr<Film> follow(const PictureSize& size, std::size_t frames, std::uint64_t most);
+  std::unique_ptr<Film> scan(const PictureSize& size, std::size_t frames, std::uint64_t most);
   LinkageScene& linkage_scene(const PictureSize& size);
   [[nodiscard]] CloudLook look_of(CameraPreset from, bool is_film) const;
   [[nodiscard]] bool is_huge() const;
   [[nodiscard]] CloudCaption caption() const;
   /// "62.8 m of path, 48 % of the points drawn".
   [[nodiscard]] std::string scan_subtitle() const;
-  void tell(const std::string& remark) const;
-  /// How many points a film of the scan ends with.
-  std::uint64_t points_of_scan();
-  Canvas cloud_still(CameraPreset from, const Wanted& wanted);
-  Canvas field_still(bool is_intensity, const Wanted& wanted);
+  void print_note(const std::string& remark) const;
+  Canvas field(const Wanted& wanted, bool is_intensity);
   /// The errors of every source, as groups and over time.
   struct Errors {
     ErrorPlot plot;
@@ -124,31 +115,26 @@ class RenderStudio {
   };
   Errors errors();
   [[nodiscard]] MapLook map_look() const;
-  /// For legends: each source's own name, where those differ; else the names of their files or folders, else the paths.
+  /// For legends: each source's own name if those differ; else the names of their files or folders, else the paths.
   [[nodiscard]] std::vector<std::string> distinct_names() const;
   [[nodiscard]] double frames_per_s() const;
-  /// The stretch of --from and --to in the log's clock; by default the first `longest_s` of it.
-  struct Stretch {
-    double from_s = 0.0;
-    double to_s = 0.0;
-    double first_s = 0.0;  ///< of the log, from which both options count
-  };
-  Stretch stretch(double longest_s);
 
   const RenderOptions& options_;
   std::vector<RenderSource>& sources_;
+  Hidden hidden_;
+  Viewpoint viewpoint_;
   std::unique_ptr<GraphicsContext> graphics_;
   Cloud drawn_;
   CloudLook look_;
   std::unique_ptr<CloudScene> cloud_scene_;
   std::unique_ptr<LinkageScene> linkage_scene_;
-  std::uint64_t whole_points_ = 0;  ///< of the cloud before it was thinned
+  std::uint64_t whole_points_ = 0;
   std::uint64_t points_drawn_ = 0;
 };
 
-/// "1,771,492 of 2,612,366 points", or the points where those are all.
+/// "1,771,492 of 2,612,366 points", or the points if those are all.
 std::string points_text(std::uint64_t drawn, std::uint64_t whole);
-/// The same with ", 62.8 m of path" for that length; what there is none of is left out.
+/// The same with ", 62.8 m of path" for that length; a part that there is none of is left out.
 std::string cloud_subtitle(std::uint64_t drawn, std::uint64_t whole, const std::string& length);
 
 }  // namespace gdtslam

@@ -1,5 +1,5 @@
 // Models for other programs, taken apart by a JSON parser: counts, bounds, places, colours.
-#include "tools/gdtslam/render/model_export.hpp"
+#include "tools/gdtslam/render/files/glb.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-class ModelExportTest : public testing::Test {
+class GlbTest : public testing::Test {
  protected:
   void SetUp() override {
     folder_ = fs::temp_directory_path() / ("gdtslam-model-" + std::to_string(::getpid()));
@@ -36,9 +36,7 @@ class ModelExportTest : public testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
   [[nodiscard]] std::string file(const char* name) const { return (folder_ / name).string(); }
-  [[nodiscard]] ModelInput model(bool with_path = true) const {
-    return {"a \"cloud\" <&>", cloud_, colours_, with_path ? &path_ : nullptr, ink::kCrank};
-  }
+  [[nodiscard]] CloudModel model() const { return {"a \"cloud\" <&>", cloud_, colours_, &path_}; }
 
   fs::path folder_;
   Cloud cloud_;
@@ -46,28 +44,19 @@ class ModelExportTest : public testing::Test {
   Trajectory path_;
 };
 
-std::string content(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
-// Letter by letter, as the table of RFC 4648 has them.
-std::string from_base64(const std::string& text) {
-  const std::string letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  EXPECT_EQ(text.size() % 4, 0U);
-  std::string bytes;
-  unsigned bits = 0;
-  int count = 0;
-  for (const char letter : text) {
-    if (letter == '=') break;
-    const std::size_t value = letters.find(letter);
-    EXPECT_NE(value, std::string::npos);
-    bits = bits << 6U | static_cast<unsigned>(value);
-    count += 6;
-    if (count >= 8) bytes += static_cast<char>(bits >> static_cast<unsigned>(count -= 8) & 255U);
+/// The two chunks of a .glb, section 4.4 of glTF 2.0.
+struct Glb {
+  explicit Glb(const std::string& path) {
+    std::ifstream in(path, std::ios::binary);
+    const std::string all{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+    std::uint32_t text_bytes = 0;
+    std::memcpy(&text_bytes, all.data() + 12, sizeof text_bytes);
+    json = Json::parse(all.substr(20, text_bytes));
+    bytes = all.substr(28 + text_bytes);
   }
-  return bytes;
-}
+  Json json;
+  std::string bytes;
+};
 
 template <class T>
 T value_at(const std::string& bytes, std::size_t offset) {
@@ -77,15 +66,11 @@ T value_at(const std::string& bytes, std::size_t offset) {
   return value;
 }
 
-TEST_F(ModelExportTest, GltfHoldsEveryPointWithYUp) {
-  write_gltf(file("a.gltf"), model());
-  const Json gltf = Json::parse(content(file("a.gltf")));
+TEST_F(GlbTest, HoldsEveryPointWithYUp) {
+  write_cloud_glb(file("a.glb"), model());
+  const auto [gltf, bytes] = Glb(file("a.glb"));
   EXPECT_EQ(gltf["asset"]["version"], "2.0");
   EXPECT_EQ(gltf["scenes"][0]["name"], "a \"cloud\" <&>");
-  const std::string uri = gltf["buffers"][0]["uri"];
-  const std::string lead = "data:application/octet-stream;base64,";
-  ASSERT_EQ(uri.substr(0, lead.size()), lead);
-  const std::string bytes = from_base64(uri.substr(lead.size()));
   ASSERT_EQ(bytes.size(), gltf["buffers"][0]["byteLength"].get<std::size_t>());
   ASSERT_EQ(bytes.size(), 10U * (12 + 8) + 3U * 12);
   for (std::size_t k = 0; k < 10; ++k) {
@@ -103,11 +88,9 @@ TEST_F(ModelExportTest, GltfHoldsEveryPointWithYUp) {
   EXPECT_EQ(gltf["accessors"][2]["min"], Json::parse("[0.5, 0, -4]"));
 }
 
-TEST_F(ModelExportTest, GltfColoursAreLinear) {
-  write_gltf(file("a.gltf"), model(false));
-  const Json gltf = Json::parse(content(file("a.gltf")));
-  const std::string uri = gltf["buffers"][0]["uri"];
-  const std::string bytes = from_base64(uri.substr(uri.find(',') + 1));
+TEST_F(GlbTest, ColoursAreLinear) {
+  write_cloud_glb(file("a.glb"), model());
+  const std::string bytes = Glb(file("a.glb")).bytes;
   for (std::size_t k = 0; k < 10; ++k) {
     const std::size_t at = 120 + 8 * k;
     const double share = 20.0 * static_cast<double>(k) / 255.0;
@@ -119,14 +102,14 @@ TEST_F(ModelExportTest, GltfColoursAreLinear) {
   }
 }
 
-TEST_F(ModelExportTest, NothingIsWrittenWithoutPointsOrPlace) {
+TEST_F(GlbTest, NothingIsWrittenWithoutPointsOrPlace) {
   cloud_.clear();
   colours_.clear();
-  EXPECT_THROW(write_gltf(file("a.gltf"), model()), InputError);
+  EXPECT_THROW(write_cloud_glb(file("a.glb"), model()), InputError);
   EXPECT_TRUE(fs::is_empty(folder_));
   cloud_.push_back({});
   colours_.emplace_back();
-  EXPECT_THROW(write_gltf(file("no/a.gltf"), model()), FileError);
+  EXPECT_THROW(write_cloud_glb(file("no/a.glb"), model()), FileError);
 }
 
 }  // namespace

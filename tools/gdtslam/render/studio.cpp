@@ -11,14 +11,17 @@
 #include "engine/runs/inputs/given_files.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/console.hpp"
+#include "viewer/scene/cloud/cloud_level.hpp"
 
 namespace gdtslam {
 namespace {
 
 constexpr double kFramesPerSecond = 25.0;
-constexpr std::size_t kMostFrames = 100'000;
+constexpr double kMostFrames = 100'000.0;
 constexpr double kFarDistance_m = 1.0;     // to a reference: what is farther counts as that, or as what is shown
 constexpr std::size_t kStillFrames = 101;  // of the film that a still is taken from
+constexpr std::uint64_t kFilmPoints = 500'000;
+constexpr std::uint64_t kFollowPoints = 1'000'000;  // seen from near
 
 // A cloud from the side is long and low: it fills the picture between its title and its bars.
 PictureSize size_of_elevation(double width_m, double height_m) {
@@ -51,12 +54,13 @@ std::string cloud_subtitle(std::uint64_t drawn, std::uint64_t whole, const std::
   return text;
 }
 
-RenderStudio::RenderStudio(const RenderOptions& options, std::vector<RenderSource>& sources)
-    : options_(options), sources_(sources) {
-  if (options.with_ceiling && options.no_ceiling)
-    throw UsageError("--with-ceiling and --no-ceiling exclude each other");
-  if (options.is_light && options.is_dark) throw UsageError("--light and --dark exclude each other");
+std::uint64_t points_of_still(const PictureSize& size) {
+  constexpr std::uint64_t kFewestPoints = 1'000'000;  // which take 200 MB
+  return std::max(kFewestPoints, std::uint64_t{size.width} * size.height);
 }
+
+RenderStudio::RenderStudio(const RenderOptions& options, std::vector<RenderSource>& sources)
+    : options_(options), sources_(sources), hidden_(hidden_of(options.hide)), viewpoint_(viewpoint_of(options.from)) {}
 
 GraphicsContext& RenderStudio::graphics() {
   if (!graphics_) graphics_ = std::make_unique<GraphicsContext>();
@@ -65,9 +69,7 @@ GraphicsContext& RenderStudio::graphics() {
 
 std::string RenderStudio::renderer() const { return graphics_ ? graphics_->description() : "Cairo"; }
 
-std::uint64_t RenderStudio::points_drawn() const { return points_drawn_; }
-
-void RenderStudio::tell(const std::string& remark) const {
+void RenderStudio::print_note(const std::string& remark) const {
   if (!options_.quiet) print_remark(remark);
 }
 
@@ -92,37 +94,22 @@ std::string RenderStudio::path_text() const {
   return run != nullptr ? path_length_text(path(), run->summary().drives) : path_length_text(path());
 }
 
-Cloud RenderStudio::whole_cloud() {
+Cloud RenderStudio::read_stretch(std::uint64_t most, const std::optional<Stretch>& stretch) {
   ProgressLine progress("points", options_.quiet);
-  Cloud whole = first().cloud([&progress](std::uint64_t done, double share) { progress.update(done, share); },
-                              [this](const std::string& remark) { tell(remark); });
-  whole_points_ = whole.size();
-  return whole;
-}
-
-Cloud RenderStudio::cloud_of_still(const PictureSize& size) {
-  ProgressLine progress("points", options_.quiet);
-  StillCloud still = first().read_cloud_file([&](const std::string& file) {
-    return read_cloud_for_still(
-        file, size, [&progress](std::uint64_t done, double share) { progress.update(done, share); },
-        [this](const std::string& remark) { tell(remark); });
-  });
-  whole_points_ = still.points;
-  return std::move(still.cloud);
-}
-
-Cloud RenderStudio::thinned(Cloud cloud, std::uint64_t most) const {
-  const std::uint64_t limit = options_.points > 0 ? options_.points : most;
-  if (limit == 0 || limit >= cloud.size()) return cloud;
-  try {
-    return thinned_for_film(cloud, limit);
-  } catch (const InputError& error) {
-    if (options_.points == 0) throw InputError({sources_.front().input(), 0}, error.what());
-    throw UsageError(fmt::format("--points: {}: {}", sources_.front().input(), error.what()));
+  CloudReading reading{.most = options_.points > 0 ? options_.points : most,
+                       .progress = [&progress](std::uint64_t done, double share) { progress.update(done, share); },
+                       .remark = [this](const std::string& remark) { print_note(remark); }};
+  if (stretch) {
+    reading.is_wanted = [&stretch](const CloudPoint& point) {
+      return point.stamp_s >= stretch->from_s && point.stamp_s <= stretch->to_s;
+    };
   }
+  PointsOfCloud points = first().cloud(reading);
+  whole_points_ = points.points;
+  return std::move(points.cloud);
 }
 
-Cloud RenderStudio::cloud(std::uint64_t most) { return thinned(whole_cloud(), most); }
+Cloud RenderStudio::read_cloud(std::uint64_t most) { return read_stretch(most, std::nullopt); }
 
 std::vector<float> RenderStudio::distances(const Cloud& cloud) {
   if (options_.reference.empty()) {
@@ -131,9 +118,11 @@ std::vector<float> RenderStudio::distances(const Cloud& cloud) {
   ProgressLine progress("points", options_.quiet);
   std::optional<RunReader> run;
   const std::string file = given_cloud(options_.reference, run);
-  Cloud reference = read_whole_cloud(
-      file, [&progress](std::uint64_t done, double share) { progress.update(done, share); },
-      [this](const std::string& remark) { tell(remark); });
+  Cloud reference =
+      gdtslam::read_cloud(file,
+                          {.progress = [&progress](std::uint64_t done, double share) { progress.update(done, share); },
+                           .remark = [this](const std::string& remark) { print_note(remark); }})
+          .cloud;
   // Both were read relative to origins of their own.
   const std::array<double, 3> to = origin_of_cloud(sources_.front().cloud_file());
   const std::array<double, 3> from = origin_of_cloud(file);
@@ -152,8 +141,8 @@ std::vector<float> RenderStudio::distances(const Cloud& cloud) {
 CloudLook RenderStudio::look_of(CameraPreset from, bool is_film) const {
   CloudLook look = cloud_look_of(options_);
   const bool is_from_side = from == CameraPreset::kFront || from == CameraPreset::kSide;
-  look.with_ceiling = options_.with_ceiling || (is_from_side && !options_.no_ceiling);
-  look.with_floor = !options_.no_floor;
+  look.with_ceiling = hidden_.nothing || (is_from_side && !hidden_.ceiling);
+  look.with_floor = !hidden_.floor;
   if (is_film || is_huge()) look.samples = 1;
   return look;
 }
@@ -167,7 +156,7 @@ bool RenderStudio::is_huge() const {
 }
 
 CloudCaption RenderStudio::caption() const {
-  if (options_.no_caption) return {"", "", false, false, false};
+  if (hidden_.caption) return {"", "", false, false, false};
   return {title(), subtitle(points_drawn_), true, true, true};
 }
 
@@ -179,17 +168,16 @@ std::string RenderStudio::scan_subtitle() const {
   return fmt::format("{}{}{:.0f} % of the points drawn", text, text.empty() ? "" : ", ", share);
 }
 
-CloudScene& RenderStudio::cloud_scene(CameraPreset from, std::uint64_t points,
-                                      const std::optional<PictureSize>& whole_in) {
-  look_ = look_of(from, points > 0);
+CloudScene& RenderStudio::cloud_scene(CameraPreset from, std::uint64_t most, bool is_film) {
+  look_ = look_of(from, is_film);
   first().require_values(look_.colour);
-  drawn_ = whole_in && options_.points == 0 ? cloud_of_still(*whole_in) : cloud(points);
+  drawn_ = read_cloud(most);
   const bool by_distance = look_.colour == CloudColour::kDistance;
   const std::vector<float> distances_m = by_distance ? distances(drawn_) : std::vector<float>();
   cloud_scene_ = std::make_unique<CloudScene>(graphics(), look_);
   cloud_scene_->set_cloud(drawn_, distances_m);
   points_drawn_ = cloud_scene_->points_drawn();
-  if ((first().parts() & part::kTrajectory) != 0 && !options_.no_path) {
+  if ((first().parts() & part::kTrajectory) != 0 && !hidden_.path) {
     cloud_scene_->set_trajectory(first().trajectory());
     const bool has_linkage = (first().parts() & part::kLinkage) != 0;
     cloud_scene_->set_robot(first().trajectory().back().T_map_base, has_linkage ? &first().linkage() : nullptr);
@@ -197,23 +185,25 @@ CloudScene& RenderStudio::cloud_scene(CameraPreset from, std::uint64_t points,
   return *cloud_scene_;
 }
 
-Canvas RenderStudio::cloud_still(CameraPreset from, const Wanted& wanted) {
-  std::optional<PictureSize> whole_in;
-  if (options_.camera.empty()) whole_in = wanted.value_or(kStillSize);
-  CloudScene& scene = cloud_scene(from, 0, whole_in);
+Canvas RenderStudio::cloud(const Wanted& wanted) {
+  const CameraPreset from = viewpoint_.preset;
+  if (from == CameraPreset::kFollow) {
+    return follow(wanted.value_or(kStillSize), kStillFrames, 0)->frame(kStillFrames / 2);
+  }
+  const bool shows_all = !viewpoint_.camera;
+  CloudScene& scene = cloud_scene(from, shows_all ? points_of_still(wanted.value_or(kStillSize)) : 0, false);
   drawn_ = {};  // the scene has what it draws
   const PictureSize size = wanted ? *wanted : size_for(from, scene.bounds());
-  const Camera camera =
-      options_.camera.empty() ? fitting_camera(from, scene.bounds(), size) : parse_camera(options_.camera);
+  const Camera camera = viewpoint_.camera ? *viewpoint_.camera : fitting_camera(from, scene.bounds(), size);
   const auto image = std::make_shared<const RgbaImage>(scene.render(camera, size));
   return cloud_picture(image, scene.scale(), camera, look_, caption());
 }
 
 LinkageScene& RenderStudio::linkage_scene(const PictureSize& size) {
   constexpr std::uint32_t kNarrowest = 640;  // beside the scene a panel needs room
-  const LinkageLook look{.is_dark = options_.is_dark,
-                         .is_transparent = options_.is_transparent,
-                         .with_panel = !options_.no_caption && size.width >= kNarrowest,
+  const LinkageLook look{.is_dark = background_of(options_.background) == Background::kDark,
+                         .is_transparent = background_of(options_.background) == Background::kNone,
+                         .with_panel = !hidden_.caption && size.width >= kNarrowest,
                          .samples = is_huge() ? 1U : 2U};
   linkage_scene_ = std::make_unique<LinkageScene>(graphics(), first().linkage(), look);
   return *linkage_scene_;
@@ -229,35 +219,35 @@ std::unique_ptr<Film> RenderStudio::linkage_turn(const PictureSize& size, std::s
   return linkage_film(linkage_scene(size), first().linkage(), size, frames);
 }
 
-std::unique_ptr<Film> RenderStudio::orbit(const PictureSize& size, std::size_t frames) {
-  CloudScene& scene = cloud_scene(CameraPreset::kIso, kFilmPoints);
+std::unique_ptr<Film> RenderStudio::cloud_film(const PictureSize& size, std::size_t frames) {
+  if (viewpoint_.preset == CameraPreset::kFollow) return follow(size, frames, kFollowPoints);
+  if (viewpoint_.camera || viewpoint_.preset != CameraPreset::kIso) {
+    throw UsageError("--from " + options_.from +
+                     ": a film goes once around (--from iso) or along the path (--from robot)");
+  }
+  CloudScene& scene = cloud_scene(CameraPreset::kIso, kFilmPoints, true);
   return orbit_film(scene, look_, caption(), size, frames);
 }
 
-std::unique_ptr<Film> RenderStudio::follow_film(const PictureSize& size, std::size_t frames, std::uint64_t points) {
-  CloudScene& scene = cloud_scene(CameraPreset::kFollow, points);
+std::unique_ptr<Film> RenderStudio::follow(const PictureSize& size, std::size_t frames, std::uint64_t most) {
+  if ((first().parts() & part::kTrajectory) == 0) {
+    throw UsageError("--from robot: " + first().input() + " has no trajectory to follow");
+  }
+  CloudScene& scene = cloud_scene(CameraPreset::kFollow, most, most > 0);
   try {
-    return gdtslam::follow_film(scene, first().trajectory(), look_, caption(), size, frames);
+    return follow_film(scene, first().trajectory(), look_, caption(), size, frames);
   } catch (const InputError& error) {
     throw InputError({first().input(), 0}, error.what());
   }
 }
 
-std::unique_ptr<Film> RenderStudio::follow(const PictureSize& size, std::size_t frames) {
-  return follow_film(size, frames, kFollowPoints);
-}
-
-Canvas RenderStudio::middle_of_follow(const Wanted& wanted) {
-  return follow_film(wanted.value_or(kStillSize), kStillFrames, 0)->frame(kStillFrames / 2);
-}
-
-std::unique_ptr<Film> RenderStudio::scan(const PictureSize& size, std::size_t frames) {
-  return scan_film(size, frames, kFilmPoints);
+std::unique_ptr<Film> RenderStudio::scan_film(const PictureSize& size, std::size_t frames) {
+  return scan(size, frames, kFilmPoints);
 }
 
 Canvas RenderStudio::poster_of_scan(const Wanted& wanted) {
-  const std::unique_ptr<Film> film = scan_film(wanted.value_or(kStillSize), kStillFrames, 0);
-  const Stretch time = stretch(kLongestScan_s);
+  const std::unique_ptr<Film> film = scan(wanted.value_or(kStillSize), kStillFrames, 0);
+  const Stretch time = stretch();
   const double middle_s = 0.5 * (time.from_s + time.to_s);
   const auto by_elevation = [](const CloudPoint& a, const CloudPoint& b) { return a.elevation_rad < b.elevation_rad; };
   const auto [lowest, highest] = std::minmax_element(drawn_.begin(), drawn_.end(), by_elevation);
@@ -272,25 +262,14 @@ Canvas RenderStudio::poster_of_scan(const Wanted& wanted) {
   return film->frame(static_cast<std::size_t>(share * static_cast<double>(kStillFrames - 1)));
 }
 
-std::uint64_t RenderStudio::points_of_scan() {
-  CloudScene scene(graphics(), look_);  // it leaves out floor and ceiling as the film does
-  scene.set_cloud(drawn_);
-  return scene.points_drawn();
-}
-
-// Only what is measured in the stretch is thinned, so that it has all the points.
-std::unique_ptr<Film> RenderStudio::scan_film(const PictureSize& size, std::size_t frames, std::uint64_t points) {
-  look_ = look_of(CameraPreset::kFollow, points > 0);
+// Only points of the stretch are read and thinned, so that it has as many as are drawn.
+std::unique_ptr<Film> RenderStudio::scan(const PictureSize& size, std::size_t frames, std::uint64_t most) {
+  look_ = look_of(CameraPreset::kFollow, most > 0);
   first().require_values(look_.colour);
-  const Stretch time = stretch(kLongestScan_s);
-  drawn_ = whole_cloud();
-  std::erase_if(drawn_, [&time](const CloudPoint& point) {
-    return !(point.stamp_s >= time.from_s && point.stamp_s <= time.to_s);
-  });
+  const Stretch time = stretch();
+  drawn_ = read_stretch(most, time);
   if (drawn_.empty()) throw InputError({first().input(), 0}, "has no points of that time");
-  whole_points_ = drawn_.size();
-  drawn_ = thinned(std::move(drawn_), points);
-  points_drawn_ = points_of_scan();
+  points_drawn_ = drawn_points(drawn_, level_surfaces_of(drawn_), look_).size();
   const ScanningFilmInput input{.cloud = &drawn_,
                                 .trajectory = &first().trajectory(),
                                 .model = &first().linkage(),
@@ -300,7 +279,7 @@ std::unique_ptr<Film> RenderStudio::scan_film(const PictureSize& size, std::size
                                 .zero_s = time.first_s};
   // The picture counts its points as they appear; their end would be a second number.
   CloudCaption words = caption();
-  if (!options_.no_caption) words.subtitle = scan_subtitle();
+  if (!hidden_.caption) words.subtitle = scan_subtitle();
   return scanning_film(graphics(), input, look_, words, size, frames);
 }
 
@@ -309,37 +288,34 @@ double RenderStudio::frames_per_s() const {
 }
 
 FilmLength RenderStudio::length_of(const RenderView& view) {
-  FilmLength length{options_.frames, frames_per_s()};
-  if (length.frames == 0) {
-    double seconds = view.film_s;
-    if ((view.effects & effect::kStretch) != 0) {
-      const Stretch time = stretch(view.film_s);
-      seconds = std::min(time.to_s - time.from_s, view.film_s);
-    }
-    if (!options_.seconds.empty()) seconds = time_of("--seconds", options_.seconds);
-    if (!(seconds > 0.0)) throw UsageError("--seconds: " + options_.seconds + " is no time");
-    const double frames = std::max(1.0, std::floor(seconds * length.frames_per_s + 0.5));
-    length.frames = frames > static_cast<double>(kMostFrames) ? kMostFrames + 1 : static_cast<std::size_t>(frames);
+  FilmLength length{0, frames_per_s()};
+  double seconds = view.film_s;
+  if (viewpoint_.preset == CameraPreset::kFollow) seconds = kFollow_s;
+  if ((view.effects & effect::kTime) != 0) {
+    const Stretch time = stretch();
+    seconds = std::min(time.to_s - time.from_s, view.film_s);
   }
-  if (length.frames > kMostFrames) throw UsageError(fmt::format("a film has at most {} frames", kMostFrames));
+  if (!options_.seconds.empty()) seconds = seconds_of(options_.seconds);
+  if (!(seconds > 0.0)) throw UsageError("--seconds: " + options_.seconds + " is not above 0");
+  const double frames = std::max(1.0, std::floor(seconds * length.frames_per_s + 0.5));
+  if (!(frames <= kMostFrames)) throw UsageError(fmt::format("a film has at most {:.0f} frames", kMostFrames));
+  length.frames = static_cast<std::size_t>(frames);
   return length;
 }
 
-RenderStudio::Stretch RenderStudio::stretch(double longest_s) {
+RenderStudio::Stretch RenderStudio::stretch() {
   double first_s = std::numeric_limits<double>::infinity();
   double last_s = -first_s;
   for (const StampedPose& pose : first().trajectory()) {
     first_s = std::min(first_s, pose.stamp_s);
     last_s = std::max(last_s, pose.stamp_s);
   }
-  const double from_s = first_s + (options_.from.empty() ? 0.0 : time_of("--from", options_.from));
-  const double to_s = options_.to.empty() ? std::min(from_s + longest_s, last_s)
-                                          : std::min(first_s + time_of("--to", options_.to), last_s);
+  const TimeRange time = time_range_of(options_.time);
+  const double from_s = first_s + time.from_s.value_or(0.0);
+  const double to_s = std::min(time.to_s ? first_s + *time.to_s : from_s + kLongestScan_s, last_s);
   if (from_s < first_s || from_s >= to_s) {
-    throw UsageError(
-        fmt::format("--from and --to: of a log of {:.1f} s they leave nothing; both count from its first "
-                    "pose",
-                    last_s - first_s));
+    throw UsageError(fmt::format("--time {}: leaves nothing of a log of {:.1f} s; it counts from the first pose",
+                                 options_.time, last_s - first_s));
   }
   return {from_s, to_s, first_s};
 }

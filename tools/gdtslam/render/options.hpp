@@ -1,0 +1,100 @@
+// The options of `gdtslam render`: as they were typed, and what they mean. Thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gdtslam/viewer/camera.hpp"
+#include "gdtslam/viewer/cloud_scene.hpp"
+
+namespace gdtslam {
+
+/// What the command line says; empty or 0: not said.
+struct RenderOptions {
+  std::vector<std::string> inputs;
+  std::string output;
+  std::string view;
+  std::string as;
+  std::string from;
+  std::string size;
+  std::string title;
+  std::string colour;
+  std::string colour_map;
+  std::string range;
+  std::string background;
+  std::string hide;
+  std::string seconds;
+  std::string time;
+  std::string reference;
+  std::string relations;
+  std::string linkage;
+  std::uint64_t points = 0;
+  double frames_per_s = 0.0;
+  bool lists_views = false;
+  bool json = false;
+  bool quiet = false;
+};
+
+/// Whether errors of a trajectory can be drawn: relations are given, or a reference that is a trajectory.
+bool has_truth(const RenderOptions& options);
+/// Whether the reference is a trajectory.
+bool has_true_path(const RenderOptions& options);
+
+// Each of these throws UsageError for a text that it cannot read.
+
+/// "1280x720".
+PictureSize size_of(const std::string& text);
+
+/// Place of the camera: one of the presets, or a camera of the user.
+struct Viewpoint {
+  CameraPreset preset = CameraPreset::kIso;
+  std::optional<Camera> camera;
+};
+/// "iso", "top", "front", "side", "robot", or a camera (parse_camera). Empty is iso.
+Viewpoint viewpoint_of(const std::string& text);
+
+enum class Background : std::uint8_t { kDefault, kDark, kLight, kNone };
+Background background_of(const std::string& text);
+
+/// Parts that are left out of a picture, "floor,path".
+struct Hidden {
+  bool floor = false;
+  bool ceiling = false;
+  bool path = false;
+  bool caption = false;
+  bool nothing = false;  ///< "none": the ceiling is drawn from above, too
+};
+Hidden hidden_of(const std::string& text);
+
+/// "MIN:MAX" with the units of the colour's quantity; either side may be empty.
+struct ScaleRange {
+  std::optional<double> least;
+  std::optional<double> most;
+};
+ScaleRange scale_range_of(const std::string& text, CloudColour colour);
+
+/// "FROM:TO", seconds from the first pose of a log; either side may be empty.
+struct TimeRange {
+  std::optional<double> from_s;
+  std::optional<double> to_s;
+};
+TimeRange time_range_of(const std::string& text);
+
+/// A time, in seconds.
+double seconds_of(const std::string& text);
+
+/// Everything about a cloud's look but floor and ceiling, which depend on the view.
+CloudLook cloud_look_of(const RenderOptions& options);
+
+// The words that options can have.
+std::vector<std::string> viewpoint_names();
+std::vector<std::string> background_names();
+std::vector<std::string> hidden_names();
+std::vector<std::string> colour_names();
+std::vector<std::string> colour_map_names();
+/// "height, elevation, time".
+std::string listed(const std::vector<std::string>& names);
+
+}  // namespace gdtslam

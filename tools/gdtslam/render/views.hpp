@@ -1,0 +1,72 @@
+// The views of `gdtslam render`: one table that the command, its help and --list-views read. Thread-safe.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gdtslam/drawing/canvas.hpp"
+#include "gdtslam/viewer/film.hpp"
+#include "source.hpp"
+
+namespace gdtslam {
+
+class RenderStudio;
+
+/// What an option changes; a set of them as bits.
+namespace effect {
+inline constexpr unsigned kFrom = 1U << 0U;        ///< --from
+inline constexpr unsigned kColour = 1U << 1U;      ///< --colour
+inline constexpr unsigned kScale = 1U << 2U;       ///< --range
+inline constexpr unsigned kColourMap = 1U << 3U;   ///< --colour-map
+inline constexpr unsigned kDark = 1U << 4U;        ///< --background dark
+inline constexpr unsigned kGround = 1U << 5U;      ///< --background light and none
+inline constexpr unsigned kLevels = 1U << 6U;      ///< --hide floor and ceiling
+inline constexpr unsigned kPath = 1U << 7U;        ///< --hide path
+inline constexpr unsigned kCaption = 1U << 8U;     ///< --hide caption
+inline constexpr unsigned kTitle = 1U << 9U;       ///< --title
+inline constexpr unsigned kTime = 1U << 10U;       ///< --time
+inline constexpr unsigned kPoints = 1U << 11U;     ///< --points
+inline constexpr unsigned kLinkage = 1U << 12U;    ///< --linkage
+inline constexpr unsigned kDistances = 1U << 13U;  ///< --reference, a cloud
+inline constexpr unsigned kReference = 1U << 14U;  ///< --reference, a trajectory
+inline constexpr unsigned kRelations = 1U << 15U;  ///< --relations
+inline constexpr unsigned kSeveral = 1U << 16U;    ///< more than one input
+inline constexpr unsigned kPlot = 1U << 17U;       ///< lines and words, which are scaled up to many pixels
+inline constexpr unsigned kFilm = 1U << 18U;       ///< --fps, --seconds
+}  // namespace effect
+
+struct RenderView {
+  using Draw = Canvas (RenderStudio::*)(const std::optional<PictureSize>&);
+  using MakeFilm = std::unique_ptr<Film> (RenderStudio::*)(const PictureSize&, std::size_t);
+
+  std::string_view name;
+  std::string_view as;  ///< which of the view's kinds: --as; the first of a name is its default
+  std::string_view doc;
+  unsigned needs = 0;    ///< bits of `part`
+  unsigned effects = 0;  ///< bits of `effect`
+  Draw draw = nullptr;
+  int rank = 0;             ///< an input is drawn as the view of the highest rank if no view is named; 0: never
+  MakeFilm film = nullptr;  ///< null: does not move
+  double film_s = 0.0;      ///< how long it plays; with --time, at most
+  [[nodiscard]] bool moves() const { return film != nullptr; }
+  /// Shows several inputs side by side.
+  [[nodiscard]] bool compares() const { return (effects & effect::kSeveral) != 0; }
+  /// "errors --as cdf".
+  [[nodiscard]] std::string words() const;
+};
+const std::vector<RenderView>& render_views();
+
+/// Throws UsageError with the nearest name, for a view of earlier versions with how it is spelt now.
+const RenderView& render_view(const std::string& name, const std::string& as);
+/// The view that an input is drawn as when none is named; the one that moves best for a film. Null if no view can be a
+/// film.
+const RenderView* default_view(unsigned parts, bool is_film);
+/// What the view lacks of these parts, "map and 3D cloud", with these words between them; empty when nothing.
+std::string missing_parts(const RenderView& view, unsigned parts, std::string_view joint = " and ");
+/// Names of the views that these parts allow, "map, field".
+std::string views_there_are(unsigned parts, bool is_film);
+
+}  // namespace gdtslam

@@ -1,0 +1,46 @@
+// Contexts of desktop OpenGL 3.2 (core) or newer without a window on a screen, through EGL [Khronos, EGL 1.5]. A
+// context belongs to the thread that makes it current.
+#pragma once
+
+#include <string>
+
+#include "gdtslam/viewer/graphics.hpp"
+
+namespace gdtslam {
+
+/// An opened display and what its contexts are like; EGL's handles are pointers, whose headers stay out of here.
+/// Displays stay open until the process ends.
+struct GlDisplay {
+  std::string name;  ///< "EGL (surfaceless)"
+  void* display = nullptr;
+  void* config = nullptr;
+  bool has_surface = false;  ///< contexts have a pixel of their own
+  std::string renderer{};    ///< "llvmpipe (LLVM 15.0.6, 256 bits)"
+  std::string version{};     ///< "4.5"
+};
+
+struct GraphicsContext::State {
+  GlDisplay display;
+};
+
+class GlContext {
+ public:
+  /// Throws DeviceError, as make_current() does.
+  explicit GlContext(const GlDisplay& display);
+  ~GlContext();
+  GlContext(const GlContext&) = delete;
+  GlContext& operator=(const GlContext&) = delete;
+  void make_current();
+  [[nodiscard]] bool is_current() const;
+
+ private:
+  std::string name_;
+  void* display_;
+  void* context_ = nullptr;
+  void* surface_ = nullptr;
+};
+
+/// Loads OpenGL's functions for the current context; what failed, or an empty text.
+std::string load_gl_functions();
+
+}  // namespace gdtslam
