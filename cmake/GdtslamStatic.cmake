@@ -68,9 +68,7 @@ if(GDTSLAM_BUILD_TOOLS)
   gdtslam_static_archive(GDTSLAM_YAML_CPP_ARCHIVE libyaml-cpp.a)
   # Cairo draws on memory: what it needs of X and GLib is in objects that nothing asks for.
   gdtslam_static_header(GDTSLAM_CAIRO_FOLDER cairo.h cairo)
-  gdtslam_static_header(GDTSLAM_TURBOJPEG_FOLDER turbojpeg.h)
   gdtslam_static_archive(GDTSLAM_CAIRO_ARCHIVE libcairo.a)
-  gdtslam_static_archive(GDTSLAM_TURBOJPEG_ARCHIVE libturbojpeg.a)
   set(cairo_needs "")
   foreach(name pixman-1 fontconfig freetype expat brotlidec brotlicommon uuid)
     string(MAKE_C_IDENTIFIER "GDTSLAM_${name}_ARCHIVE" variable)
@@ -80,9 +78,6 @@ if(GDTSLAM_BUILD_TOOLS)
   add_library(PkgConfig::CAIRO STATIC IMPORTED)
   set_target_properties(PkgConfig::CAIRO PROPERTIES IMPORTED_LOCATION ${GDTSLAM_CAIRO_ARCHIVE}
     INTERFACE_INCLUDE_DIRECTORIES ${GDTSLAM_CAIRO_FOLDER} INTERFACE_LINK_LIBRARIES "${cairo_needs};${GDTSLAM_PNG_ARCHIVE};${GDTSLAM_ZLIB_ARCHIVE};m")
-  add_library(PkgConfig::TURBOJPEG STATIC IMPORTED)
-  set_target_properties(PkgConfig::TURBOJPEG PROPERTIES IMPORTED_LOCATION ${GDTSLAM_TURBOJPEG_ARCHIVE}
-    INTERFACE_INCLUDE_DIRECTORIES ${GDTSLAM_TURBOJPEG_FOLDER})
 
   find_path(GDTSLAM_YAML_CPP_FOLDER yaml-cpp/yaml.h REQUIRED)
   mark_as_advanced(GDTSLAM_YAML_CPP_FOLDER)

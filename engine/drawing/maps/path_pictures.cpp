@@ -115,7 +115,7 @@ Canvas path_errors_picture(const PathErrors& path, const Trajectory& truth, cons
                            const PictureSize& size) {
   const std::vector<std::size_t> one_drive;
   const ErrorScale scale = scale_of(path);
-  const ColourMap& map = colour_map(look.colour_map.empty() ? "plasma" : look.colour_map);
+  const ColourMap& map = colour_map(look.colour_map.empty() ? "lagoon" : look.colour_map);
   const double width = proportions_of(size).line_px;
   std::vector<double> shares;
   for (const double error : path.errors) shares.push_back((error - scale.least) / (scale.most - scale.least));
