@@ -239,32 +239,6 @@ def doctor_of_a_nodding_recording():
     expect(lines == [f"gdtslam map {log} -o out", f"gdtslam map {log} --crank /crank -o out"], lines)
 
 
-def doctor_pictures():
-    """One picture of a log in each format; of which panels, its words tell. Names that cannot be written are refused first."""
-    folder = cli.fresh_folder("doctor_pictures")
-    (folder / "two.bag").write_bytes(two_lasers())
-    tilting = ("--crank", "/servo", "--set", "log.crank=tilt", "--set", "log.crank_step=1deg", "--set", "log.crank_zero=90")
-    for name, arguments, titles in (("plain.svg", (), {"Speed (m/s)", "Turning (°/s)"}),
-                                    ("tilting.svg", tilting, {"Speed (m/s)", "Turning (°/s)", "Elevation (°)"})):
-        expect_exit(command("doctor", folder / "two.bag", "--picture", folder / name, *arguments), 0)
-        drawing = (folder / name).read_text()
-        all_titles = {"Scans (1/s)", "Speed (m/s)", "Turning (°/s)", "Elevation (°)", "Ranges (m)", "No return (%)"}
-        found = {title for title in all_titles if title in drawing}
-        expect(found == titles | {"Scans (1/s)", "Ranges (m)", "No return (%)"}, found)
-        expect("two.bag" in drawing and "40 scans in 9.8 s" in drawing, "title")
-        expect_exit(command("doctor", folder / "two.bag", "--picture", folder / ("again-" + name), *arguments), 0)
-        expect((folder / ("again-" + name)).read_text() == drawing, "the same log, another picture")
-    for name, start in (("a.png", b"\x89PNG"), ("a.pdf", b"%PDF")):
-        expect_exit(command("doctor", folder / "two.bag", "--picture", folder / name), 0)
-        expect((folder / name).read_bytes().startswith(start), name)
-    before = (folder / "two.bag").read_bytes()
-    for name, code in (("a.txt", 2), ("two.bag", 2), ("nowhere/a.svg", 74)):
-        process = command("doctor", folder / "two.bag", "--picture", folder / name)
-        expect_exit(process, code)
-        cli.one_error_line(process.stderr)
-    expect((folder / "two.bag").read_bytes() == before, "the log was written")
-
-
 def counts_of_bag(data):
     """Messages by topic of a ROS 1 bag, by the page of its format; its index is not looked at, one states wrong lengths."""
     cursor, topics, counts = Bytes(data, 13), {}, collections.Counter()
