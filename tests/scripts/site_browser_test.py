@@ -17,7 +17,7 @@ SKIPPED = 77
 SHOWN = ("index", "gallery", "howto/map-your-own-log", "howto/coming-from", "reference/options", "reference/api/mapping")
 # Words with a page that has to be among the results, and one that no page has.
 SEARCHES = {"truncation": "reference/options.html", "loop_search_maximum_distance": "howto/coming-from.html",
-            "LoopMapper": "reference/api/mapping.html", "qqzzxx": None}
+            "LoopClosing": "reference/api/mapping.html", "qqzzxx": None}
 
 
 def pages_of(site):

@@ -14,9 +14,9 @@
 #include "brute_polish.hpp"
 #include "brute_sweep.hpp"
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
-#include "engine/compute/kernels/jump_flood/jump_flood.hpp"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/gdt_stamp/gdt_stamp.hpp"
+#include "engine/compute/kernels/jump_flood/jump_flood.hpp"
 
 namespace gdtslam::test {
 namespace {
@@ -57,6 +57,12 @@ void fill(const KernelCase& kernel_case, CaseOutcome& outcome, std::size_t bindi
     }
   }
   outcome.contents[binding] = bytes_of(values);
+}
+
+std::int64_t sq_to(std::uint32_t packed, std::int64_t x, std::int64_t y) {
+  const std::int64_t dx = packed % 65536 - x;
+  const std::int64_t dy = packed / 65536 - y;
+  return dx * dx + dy * dy;
 }
 
 void flood_init_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {

@@ -27,7 +27,8 @@ template <class... K>
 struct KernelList {};
 /// Every kernel that is dispatched, in the order of the registry, which walks this list as the cases do.
 using AllKernels = KernelList<SeedScatter, JumpFloodInit, JumpFloodStep, JumpFloodDistance, DistanceField, PoseCost,
-                              GdtMerge, PoseLattice, LatticeMinima, SmallestValues, FieldGrow, PoseStarts, PoseSimplex, ChoosePose, SweepPoints, PoseBounds, GdtStamp>;
+                              GdtMerge, PoseLattice, LatticeMinima, SmallestValues, FieldGrow, PoseStarts, PoseSimplex,
+                              ChoosePose, SweepPoints, PoseBounds, GdtStamp>;
 
 /// The cells of a launch: columns [x_begin, x_end) of rows [y_begin, y_end).
 struct CellRange {

@@ -30,8 +30,7 @@ ScanMatcher::ScanMatcher(const MapperConfig& config, const GlobalField& map)
 
 ScanMatcher::~ScanMatcher() = default;
 
-MatchResult ScanMatcher::match(std::span<const PointCells> points, const Prediction& prediction,
-                               bool must_search) {
+MatchResult ScanMatcher::match(std::span<const PointCells> points, const Prediction& prediction, bool must_search) {
   assert(map_->box().empty() || !map_->memory().empty());  // it lives where the host sees it
   points_ = points;
   by_odometry_ = prediction.by_odometry;
@@ -44,7 +43,7 @@ MatchResult ScanMatcher::match(std::span<const PointCells> points, const Predict
   proof_evaluations_ = 0;
   Estimate best = descend(rules_.predicted());
   if (must_search || (search_.when != SearchWhen::kNever && rules_.may_search() &&
-                       (rules_.is_suspect(best.evidence) || rules_.is_far(best.pose)))) {
+                      (rules_.is_suspect(best.evidence) || rules_.is_far(best.pose)))) {
     best = search(best);
   }
   MatchResult result = rules_.judged(best.pose, best.evidence);

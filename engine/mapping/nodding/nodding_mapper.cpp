@@ -69,7 +69,8 @@ struct NoddingMapper::State {
         odometry(config.max_step_m),
         horizontal(config, scanner, two_d.config().scan),
         placer(config, scanner, two_d.config().scan, [this]() -> const GlobalField& { return field(); },
-               {placed.backend, placed.cloud, [this](const NoddingPose& pose, const NoddingScan& scan) { give(pose, scan); },
+               {placed.backend, placed.cloud,
+                [this](const NoddingPose& pose, const NoddingScan& scan) { give(pose, scan); },
                 std::move(placed.on_failure)}) {}
 
   [[nodiscard]] const GlobalField& field() const {

@@ -22,10 +22,9 @@ void MapRun::read_next(ScanAhead& ahead, NextObservation& next) {
 MatchResult MapRun::match(const Observation& observation, std::vector<ObservedScan>& places, ScanAhead& ahead,
                           NextObservation& next) {
   const ScanRecord& last = observation.back();
-  const MatchResult result =
-      observation.size() == 1
-          ? mapper_->process(last.scan, last.T_odom_base)
-          : mapper_->process(observation_points_.points(observation, places), last.T_odom_base);
+  const MatchResult result = observation.size() == 1
+                                 ? mapper_->process(last.scan, last.T_odom_base)
+                                 : mapper_->process(observation_points_.points(observation, places), last.T_odom_base);
   observation_points_.take(observation, result, places);
   if (job_.scan_mapped) report_scans(observation, places, result);
   watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);

@@ -50,7 +50,7 @@ struct MapJob {
   bool with_loops = false;                                 ///< closed once the log has ended
   ScanMapped scan_mapped{};                                ///< as soon as a scan is, before the next one is read
   bool stop_ends_log = false;                              ///< what comes after the stop goes on as after a log's end
-  LoopClosing::Progress closing{};                          ///< as that goes on; empty: nobody is told
+  LoopClosing::Progress closing{};                         ///< as that goes on; empty: nobody is told
   std::function<void(std::string_view what)> finishing{};  ///< before each of what is made after that, likewise
   MapperOptions on_failure;                                ///< of the device
 };

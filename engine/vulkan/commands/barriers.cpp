@@ -32,8 +32,8 @@ void BarrierTracker::begin(const vk::raii::CommandBuffer& commands) {
   }
   if (before) {
     // All that comes later waits, so that one barrier serves every buffer.
-    memory.dstAccessMask = AccessBit::eShaderRead | AccessBit::eShaderWrite |
-                           AccessBit::eTransferRead | AccessBit::eTransferWrite;
+    memory.dstAccessMask =
+        AccessBit::eShaderRead | AccessBit::eShaderWrite | AccessBit::eTransferRead | AccessBit::eTransferWrite;
     commands.pipelineBarrier(before, StageBit::eComputeShader | StageBit::eTransfer, {}, memory, {}, {});
     ++barrier_count_;
     for (std::size_t stage = 0; stage < kStageCount; ++stage) {

@@ -159,9 +159,7 @@ struct Specialization {
 }  // namespace
 
 Pipelines::Pipelines(const Device& device, const VulkanOptions& options)
-    : device_(device),
-      edit_shader_(options.edit_shader),
-      cache_(device, options.cache_folder) {}
+    : device_(device), edit_shader_(options.edit_shader), cache_(device, options.cache_folder) {}
 
 const ShaderVariant& Pipelines::variant_for(const KernelInfo& kernel, const LaunchShape& shape) {
   auto found = variants_.find(&kernel);

@@ -83,8 +83,8 @@ GroupCount grown_words(const LaunchShape& shape) {
   return groups_for(divided_up(params.width, 2) * params.height, kGroup);
 }
 
-/// Samples of a window's row, four an invocation: a column of nine is loaded once a sample, and two more columns once an
-/// invocation.
+/// Samples of a window's row, four an invocation: a column of nine is loaded once a sample, and two more columns once
+/// an invocation.
 GroupCount row_pieces(const LaunchShape& shape) {
   constexpr std::uint32_t kPiece = 4;  // that of the shader
   const auto params = launch_params<LatticeMinima>(shape);
@@ -209,11 +209,12 @@ std::span<const ShaderModule> shader_modules() {
   static const std::vector<ShaderModule> all = [] {
     std::vector<ShaderModule> modules;
     for (const ShaderVariant& variant : shader_variants()) {
-      modules.push_back({.kernel = variant.shader.name,
-                         .spirv = variant.shader.spirv,
-                         .local_size = variant.local_size,
-                         .push_constant_bytes = push_constant_bytes(variant, find_kernel(variant.shader.name)->params_bytes),
-                         .is_always_suitable = variant.suits == nullptr});
+      modules.push_back(
+          {.kernel = variant.shader.name,
+           .spirv = variant.shader.spirv,
+           .local_size = variant.local_size,
+           .push_constant_bytes = push_constant_bytes(variant, find_kernel(variant.shader.name)->params_bytes),
+           .is_always_suitable = variant.suits == nullptr});
     }
     return modules;
   }();

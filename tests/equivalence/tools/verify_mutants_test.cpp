@@ -140,7 +140,8 @@ class VerifyMutants : public testing::TestWithParam<std::string> {};
 TEST_P(VerifyMutants, AreFound) {
   GDTSLAM_NEEDS_VULKAN();
   const auto all = shader_modules();
-  const auto shader = std::find_if(all.begin(), all.end(), [](const ShaderModule& m) { return m.kernel == GetParam(); });
+  const auto shader =
+      std::find_if(all.begin(), all.end(), [](const ShaderModule& m) { return m.kernel == GetParam(); });
   ASSERT_NE(shader, all.end());
   const std::vector<ConstantUse> uses = tried(*shader);
   ASSERT_FALSE(uses.empty()) << "no literal to change";
@@ -160,7 +161,8 @@ TEST_P(VerifyMutants, AreFound) {
 TEST_P(VerifyMutants, NoneMeansNoDifference) {
   GDTSLAM_NEEDS_VULKAN();
   const auto all = shader_modules();
-  const auto shader = std::find_if(all.begin(), all.end(), [](const ShaderModule& m) { return m.kernel == GetParam(); });
+  const auto shader =
+      std::find_if(all.begin(), all.end(), [](const ShaderModule& m) { return m.kernel == GetParam(); });
   ASSERT_NE(shader, all.end());
   EXPECT_EQ(verify_with(*shader, {shader->spirv.begin(), shader->spirv.end()}), Outcome::kNotFound);
 }

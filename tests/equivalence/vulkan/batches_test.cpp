@@ -165,12 +165,12 @@ TEST_F(Batches, BarriersFollowFromTheBindings) {
     run<JumpFloodDistance>(*backend, {kJobWidth, kJobHeight, stride, kJobRadius}, all, from, squares);
   };
   const auto merge_once = [&] { run<GdtMerge>(*backend, merge, all, field, squares); };
-  EXPECT_EQ(backend->barrier_count(), 0U);             // five buffers that do not touch each other
-  EXPECT_EQ(barriers_of([&] { begin_flood(a); }), 1U);  // fill, then read
-  EXPECT_EQ(barriers_of([&] { begin_flood(b); }), 0U);  // two readers
-  EXPECT_EQ(barriers_of([&] { begin_flood(b); }), 1U);  // write, then write
-  EXPECT_EQ(barriers_of([&] { squares_of(a); }), 0U);  // covered by it
-  EXPECT_EQ(barriers_of([&] { begin_flood(a); }), 1U);                                                // read, then write
+  EXPECT_EQ(backend->barrier_count(), 0U);                       // five buffers that do not touch each other
+  EXPECT_EQ(barriers_of([&] { begin_flood(a); }), 1U);           // fill, then read
+  EXPECT_EQ(barriers_of([&] { begin_flood(b); }), 0U);           // two readers
+  EXPECT_EQ(barriers_of([&] { begin_flood(b); }), 1U);           // write, then write
+  EXPECT_EQ(barriers_of([&] { squares_of(a); }), 0U);            // covered by it
+  EXPECT_EQ(barriers_of([&] { begin_flood(a); }), 1U);           // read, then write
   EXPECT_EQ(barriers_of(merge_once), 0U);                        // the squares were written before that barrier
   EXPECT_EQ(barriers_of(merge_once), 1U);                        // read and written, again
   EXPECT_EQ(barriers_of([&] { backend->fill(field, 0); }), 1U);  // read and written, then copied to

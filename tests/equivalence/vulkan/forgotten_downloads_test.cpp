@@ -1,13 +1,13 @@
-// A download that nobody can ask for any more is forgotten: the handle is dropped, or the map that it belongs to is.
+// A download that nobody can ask for any more is forgotten: the handle is dropped.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <utility>
 
-#include "engine/mapping/map/keyframe_map.hpp"
 #include "gdtslam/core/error.hpp"
 #include "support/queued_backend.hpp"
 #include "support/vulkan_device.hpp"
@@ -117,42 +117,6 @@ TEST(ForgottenDownloadsOfVulkan, AreForgottenAlsoWhenTheDeviceIsLost) {
     EXPECT_EQ(backend->pending_downloads(), 1U);
   }
   EXPECT_EQ(backend->pending_downloads(), 0U);
-}
-
-/// A map whose journal is long, so that a checkpoint is under way.
-class DroppedCheckpoints : public testing::Test {
- protected:
-  std::unique_ptr<DeviceMap> map_with_checkpoint(Backend& backend) {
-    auto map = std::make_unique<DeviceMap>(MapperConfig{}, backend, host_);
-    const KeyframeCells keyframe{.window = {{0, 0}, {40, 40}}, .cells = {20U * 65536U + 20U}};
-    for (int i = 0; i < 200; ++i) {
-      map->note(keyframe);
-    }
-    StageTimes stages;
-    map->merge(stages);
-    return map;
-  }
-  void expect_no_growth(Backend& backend) {
-    for (int round = 0; round < 10; ++round) {
-      auto map = map_with_checkpoint(backend);
-      ASSERT_EQ(backend.pending_downloads(), 1U) << "no checkpoint is under way";
-      map.reset();
-      EXPECT_EQ(backend.pending_downloads(), 0U) << "round " << round;
-    }
-  }
-
-  std::unique_ptr<Backend> cpu_ = make_cpu_backend({});
-  KeyframeMap host_{{}, *cpu_};
-};
-
-TEST_F(DroppedCheckpoints, LeaveNothingOnADeviceOfTheCpu) {
-  QueuedBackend backend;
-  expect_no_growth(backend);
-}
-
-TEST_F(DroppedCheckpoints, LeaveNothingOnVulkan) {
-  GDTSLAM_NEEDS_VULKAN();
-  expect_no_growth(*test_backend());
 }
 
 }  // namespace

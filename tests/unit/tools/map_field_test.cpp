@@ -158,14 +158,14 @@ TEST_F(MapFieldFiles, TheOriginOfAFieldIsWithinAMillionCells) {
 // The corner of an occupancy map need not lie on a cell: its field counts from its own.
 TEST_F(MapFieldFiles, AFieldOfOccupiedCellsCountsFromItsCorner) {
   ASSERT_EQ(fault_of_occupied({0.5, 0.3, -0.2, 3, 2}), "");
-  const MapField field = read_map_field(file("map.yaml"), MapConfig{}, Isa::kBaseline);
+  const MapField field = read_map_field(file("map.yaml"), MapConfig{});
   EXPECT_EQ(field.source, MapField::Source::kOccupiedCells);
   EXPECT_EQ(field.view().first_cell, (CellIndex{0, 0}));
   ASSERT_EQ(fault_of_distances({0.5, 1.0, -1.0, 3, 2}), "");
-  const MapField distances = read_map_field(file("gdt.yaml"), MapConfig{}, Isa::kBaseline);
+  const MapField distances = read_map_field(file("gdt.yaml"), MapConfig{});
   EXPECT_EQ(distances.source, MapField::Source::kDistances);
   EXPECT_EQ(distances.view().first_cell, (CellIndex{2, -2}));
-  EXPECT_EQ(read_map_field(folder_.string(), MapConfig{}, Isa::kBaseline).path, file("gdt.yaml")) << "of the folder";
+  EXPECT_EQ(read_map_field(folder_.string(), MapConfig{}).path, file("gdt.yaml")) << "of the folder";
 }
 
 TEST_F(MapFieldFiles, ARunWithoutItsReportIsNoMap) {
@@ -185,7 +185,7 @@ TEST_F(MapFieldFiles, AMapWithoutThresholdsIsAMap) {
   }
   whole.close();
   std::ofstream(file("map.yaml")) << kept;
-  const MapField field = read_map_field(file("map.yaml"), MapConfig{}, Isa::kBaseline);
+  const MapField field = read_map_field(file("map.yaml"), MapConfig{});
   EXPECT_EQ(field.source, MapField::Source::kOccupiedCells);
 }
 

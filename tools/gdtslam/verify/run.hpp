@@ -19,7 +19,7 @@ namespace gdtslam {
 
 struct VerifyOptions {
   DeviceOptions device;
-  std::string filter{};                ///< kernels whose name contains this; "logs": the logs alone; empty: everything
+  std::string filter{};  ///< kernels whose name contains this; "logs": the logs alone; empty: everything
   std::uint64_t seed = 1;
   std::uint32_t random_cases = 0;
   bool large = false;

@@ -21,7 +21,6 @@
 namespace gdtslam {
 namespace {
 
-
 struct BenchOptions {
   DeviceOptions device;
   std::string filter;

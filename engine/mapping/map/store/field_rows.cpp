@@ -46,9 +46,9 @@ Buffer FieldRows::allocate_for(const CellBox& box) const {
   } catch (const DeviceError& error) {
     const DeviceInfo& device = backend_->device();
     if (bytes <= device.max_buffer_bytes) throw;
-    throw DeviceError(device.name, error.call(),
-                      error.result() + ", for the map of " + size_of(box) +
-                          "; a larger map.resolution makes it smaller");
+    throw DeviceError(
+        device.name, error.call(),
+        error.result() + ", for the map of " + size_of(box) + "; a larger map.resolution makes it smaller");
   }
 }
 

@@ -93,8 +93,8 @@ void FieldStrips::move_to(const CellBox& tiles, Buffer buffer) {
   const auto rows = static_cast<std::size_t>(from.height());
   for (std::size_t tile = 0; tile < known_.size(); ++tile) {
     if (known_[tile]) {
-      const std::size_t to =
-          tile_of(from.min + CellOffset{static_cast<std::int32_t>(tile / rows), static_cast<std::int32_t>(tile % rows)});
+      const std::size_t to = tile_of(
+          from.min + CellOffset{static_cast<std::int32_t>(tile / rows), static_cast<std::int32_t>(tile % rows)});
       known[to] = true;
       const auto cells = before.subspan(tile * kTileOfStripCells, kTileOfStripCells);
       std::copy(cells.begin(), cells.end(), memory.begin() + static_cast<std::ptrdiff_t>(to * kTileOfStripCells));

@@ -1,4 +1,4 @@
-// Configurations as YAML and from the command line, by a table of options (mapping/option.hpp): sections and names are
+// Configurations as YAML and from the command line, by a table of options (mapping/config.hpp): sections and names are
 // the paths of the table, values carry units ("5 cm", "2 deg"), `version: 1` is the format's version. Nothing is
 // changed unless everything is right; otherwise one ConfigError names every fault with file, line, path, value and
 // bound, and a misspelt name gets the nearest one. Thread-safe for tables that no two threads share; O(text).

@@ -1,7 +1,7 @@
 // Every option of the mapper. The defaults map every log that we have; docs/reference/options.md is generated from the
 // table. Lengths in metres, angles in radians; derived values are functions, never stored copies. Options are declared
-// once: a table of rows feeds the reader of configuration files, the defaults, `gdtslam config show`, the reference page
-// and the hints for misspelt names.
+// once: a table of rows feeds the reader of configuration files, the defaults, `gdtslam config show`, the reference
+// page and the hints for misspelt names.
 #pragma once
 
 #include <cstdint>

@@ -46,8 +46,8 @@ class Mapper {
   ///
   /// Where the backend throws DeviceError, at any time from here on, the mapper goes over to a CPU backend of its own:
   /// the scan in hand is matched again there, and the device is asked for nothing more. Map and poses are the same, bit
-  /// for bit, as if all had been done on the CPU. From the CPU there is no way back: its DeviceError goes to the caller,
-  /// as does every one where fall_back is off, and again at each later call.
+  /// for bit, as if all had been done on the CPU. From the CPU there is no way back: its DeviceError goes to the
+  /// caller, as does every one where fall_back is off, and again at each later call.
   Mapper(const MapperConfig& config, Backend& backend, MapperOptions options = {});
   ~Mapper();
   Mapper(const Mapper&) = delete;

@@ -15,8 +15,8 @@
 #include "gdtslam/core/cloud.hpp"
 #include "gdtslam/core/nodding.hpp"
 #include "gdtslam/core/stream.hpp"
-#include "gdtslam/mapping/mapper.hpp"
 #include "gdtslam/mapping/config.hpp"
+#include "gdtslam/mapping/mapper.hpp"
 
 namespace gdtslam {
 
