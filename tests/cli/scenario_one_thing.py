@@ -5,12 +5,11 @@ import hashlib
 import json
 import os
 import shutil
-import signal
 import subprocess
 import time
 
 import cli_support as cli
-from cli_support import LOG, PROGRAM, SOURCE, TRUTH, command, digests, expect, expect_exit, mapped, one_error_line, scans_in, skip, without_told_files
+from cli_support import LOG, PROGRAM, SOURCE, TRUTH, command, digests, expect, expect_exit, mapped, one_error_line, scans_in, without_told_files
 
 HAS_VIEWER = os.environ.get("GDTSLAM_VIEWER") == "1"
 NODDING_LOG = SOURCE / "assets/logs/nodding-start.log.gz"
@@ -181,26 +180,6 @@ def two_writers():
     expect(told_files(folder) == lying_files(folder), "the run after a killed one is not whole")
 
 
-def removed_folder():
-    """The folder that is written is taken away, or its disk fails: 74 and one line. An old run that is taken away meanwhile is
-    not missed."""
-    folder = cli.fresh_folder("removed_folder") / "run"
-    process = start_writer(folder)
-    shutil.rmtree(folder.parent / ".run.gdtslam-new")
-    stdout, stderr = process.communicate(timeout=60 * cli.SLOWNESS)
-    expect(process.returncode == 74, f"exit {process.returncode}: {stderr}")
-    one_error_line(stderr)
-    expect(not folder.exists(), f"{list(folder.rglob('*')) if folder.exists() else ''}")
-    if cli.IS_SANITIZED:
-        skip("the library that lets calls fail is not preloaded into a sanitized program")
-    mapped(folder, "--first", 40)
-    before = digests(folder)
-    process = command("map", LOG, "-o", folder, "--force", "--first", 50, "-q", env=cli.failing_calls("write,sync,rename", 1, "EIO", on=True))
-    expect_exit(process, 74)
-    one_error_line(process.stderr)
-    expect(digests(folder) == before, "the folder changed")
-
-
 def replaced_while_it_is_read():
     """A reader in a loop while a writer replaces the run 30 times: the old run, the new one, or one of the stated lines; never a
     mix of both."""
@@ -246,22 +225,3 @@ def replaced_while_it_is_read():
     expect(writer.returncode == 0, f"the writer failed: {writer.stderr.read()}")
     print(f"seen {seen}")
     expect(seen.get("60", 0) > 0 and seen.get("90", 0) > 0, f"seen {seen}")
-
-
-def signals_leave_a_whole_run():
-    """SIGHUP and SIGTERM end a run as SIGINT does, with what was done; SIGPIPE and SIGXFSZ end nothing by themselves. The report
-    tells of each file."""
-    for number, code in ((signal.SIGINT, 130), (signal.SIGTERM, 130), (signal.SIGHUP, 130), (signal.SIGPIPE, 0), (signal.SIGXFSZ, 0)):
-        folder = cli.fresh_folder("signals_whole_run") / "run"
-        process = start_writer(folder)
-        time.sleep(0.3)
-        process.send_signal(number)
-        if code == 130:
-            done = cli.finish(process)
-        else:
-            time.sleep(0.2)
-            stdout, stderr = process.communicate(timeout=60 * cli.SLOWNESS)
-            done = subprocess.CompletedProcess(process.args, process.returncode, stdout, stderr)
-        expect_exit(done, code)
-        expect(scans_in(folder)["interrupted"] is (code == 130) and scans_in(folder)["scans"] > 0, f"{number}: {scans_in(folder)['scans']}")
-        expect(told_files(folder) == lying_files(folder), f"{number}: the run is not whole")
