@@ -11,10 +11,10 @@ namespace {
 std::vector<Option> option_table(calib::NodTrackLimits& limits) {
   return {{"nod.max_gap",
            "Longest time between two messages of the crank; where they are further apart its position is not known",
-           Unit::kSecond, 0.001, 3600.0, &limits.max_gap_s},
+           Unit::kSecond, 0.001, 3600.0, &limits.max_gap_s, kAdvanced},
           {"nod.max_turns_per_second",
            "Fastest turning of the crank; where it seems faster it has jumped, and its position is not known there",
-           Unit::kNone, 0.01, 1000.0, &limits.max_turns_per_s}};
+           Unit::kNone, 0.01, 1000.0, &limits.max_turns_per_s, kAdvanced}};
 }
 
 // The options that are no concern of the 2D system.
@@ -84,18 +84,18 @@ std::vector<Option> recording_options(LogConfig& config) {
   return {{"log.clock",
            "How far the clocks of odometry and crank of a recording are off the laser's: by when their messages were "
            "received, or stated by log.clock_offset",
-           Unit::kNone, 0.0, 0.0, Choice(config.clock, kSourceNames)},
+           Unit::kNone, 0.0, 0.0, Choice(config.clock, kSourceNames), kAdvanced},
           {"log.clock_offset", "What is added to the stamps of odometry and crank of a recording", Unit::kSecond,
-           -kMostOffset_s, kMostOffset_s, &config.clock_offset_s},
+           -kMostOffset_s, kMostOffset_s, &config.clock_offset_s, kAdvanced},
           {"log.crank",
            "What the messages of --crank of a recording are: the crank's ticks, or the tilt of the scan plane itself",
-           Unit::kNone, 0.0, 0.0, Choice(config.crank.kind, kCrankNames)},
+           Unit::kNone, 0.0, 0.0, Choice(config.crank.kind, kCrankNames), kAdvanced},
           {"log.crank_step",
            "Angle of one unit of a tilt, or of one tick where the messages are angles; 0 takes a tilt in radians and "
            "whole ticks",
-           Unit::kRadian, -kMostAngle_rad, kMostAngle_rad, &config.crank.step_rad},
+           Unit::kRadian, -kMostAngle_rad, kMostAngle_rad, &config.crank.step_rad, kAdvanced},
           {"log.crank_zero", "What the message of a tilt says when the scan plane is level, in the message's own units",
-           Unit::kNone, -kMostZero, kMostZero, &config.crank.zero}};
+           Unit::kNone, -kMostZero, kMostZero, &config.crank.zero, kAdvanced}};
 }
 
 }  // namespace
@@ -114,11 +114,11 @@ std::vector<Option> option_table(LogConfig& config) {
       {"log.mount_angle", "Heading of the laser on the robot, counter-clockwise from straight ahead", Unit::kRadian,
        -kMostAngle_rad, kMostAngle_rad, &mount.theta_rad},
       {"log.bearings", "Bearings of the beams: as the log says, or stated by log.first_bearing and log.bearing_step",
-       Unit::kNone, 0.0, 0.0, Choice(config.bearings, kSourceNames)},
+       Unit::kNone, 0.0, 0.0, Choice(config.bearings, kSourceNames), kAdvanced},
       {"log.first_bearing", "Bearing of the first beam, counter-clockwise from straight ahead", Unit::kRadian,
-       -kMostAngle_rad, kMostAngle_rad, &config.first_bearing_rad},
+       -kMostAngle_rad, kMostAngle_rad, &config.first_bearing_rad, kAdvanced},
       {"log.bearing_step", "Angle from one beam to the next; negative where the laser hangs upside down", Unit::kRadian,
-       -kMostAngle_rad, kMostAngle_rad, &config.bearing_step_rad},
+       -kMostAngle_rad, kMostAngle_rad, &config.bearing_step_rad, kAdvanced},
       {"log.max_range",
        "Limit of the sensor, at or above which a range is no return; 0 takes what the log says, or a constant below "
        "that which stands for no return",

@@ -309,7 +309,7 @@ class Errors(unittest.TestCase):
     def test_options_are_those_of_the_command(self):
         self.assertEqual(gdtslam.options({"map.resolution": "5 cm"})["map.resolution"].value, "0.05 m")
         if "GDTSLAM" in os.environ:
-            words = subprocess.run([os.environ["GDTSLAM"], "config", "show"], capture_output=True, text=True, check=True).stdout
+            words = subprocess.run([os.environ["GDTSLAM"], "config", "show", "--all"], capture_output=True, text=True, check=True).stdout
             shown = re.findall(r"^([a-z_.]+) += ", words, re.MULTILINE)
             self.assertEqual(list(gdtslam.options()), shown)
 

@@ -8,7 +8,7 @@ import subprocess
 import time
 
 import cli_support as cli
-from cli_support import LOG, PROGRAM, SOURCE, TRUTH, command, digests, expect, expect_exit, mapped, one_error_line, scans_in, skip, without_told_files
+from cli_support import LOG, PROGRAM, SOURCE, TRUTH, command, digests, expect, expect_exit, mapped, one_error_line, scans_in, without_told_files
 
 HAS_VIEWER = os.environ.get("GDTSLAM_VIEWER") == "1"
 NODDING_LOG = SOURCE / "assets/logs/nodding-start.log.gz"

@@ -107,7 +107,7 @@ def without_the_occupancy_map():
 
 
 def config_round_trip():
-    """The configuration that a run wrote, and that `config show --yaml` prints, give the same run again."""
+    """The configuration that a run wrote, and that `config show --all --yaml` prints, give the same run again."""
     folder = cli.fresh_folder("config")
     sets = ["--set", "map.resolution=8 cm", "--set", "merge.kappa=0.75", "--set", "occupancy.min_ends=3"]
     first = mapped(folder / "a", "--first", 100, *sets)
@@ -115,8 +115,8 @@ def config_round_trip():
     expect(results(first) == results(again), "another result with the configuration of the run")
     for name in ("config.yaml", "map.pgm", "map.yaml"):
         expect((folder / "a" / name).read_bytes() == (folder / "b" / name).read_bytes(), f"another {name}")
-    shown = command("config", "show", "--yaml", *sets).stdout
-    expect(shown == (folder / "a" / "config.yaml").read_text(), "config show --yaml differs from the run's")
+    shown = command("config", "show", "--all", "--yaml", *sets).stdout
+    expect(shown == (folder / "a" / "config.yaml").read_text(), "config show --all --yaml differs from the run's")
     try:
         import jsonschema
         import yaml

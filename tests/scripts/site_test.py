@@ -93,9 +93,12 @@ class Navigation(unittest.TestCase):
 
 
 class ComingFrom(unittest.TestCase):
+    @staticmethod
+    def pages_of_options():
+        return "".join((ROOT / f"docs/reference/{name}.md").read_text(encoding="utf-8") for name in ("options", "advanced"))
+
     def test_our_options_exist(self):
-        options = set(re.findall(r"^\| `([\w.]+)` \|", (ROOT / "docs/reference/options.md").read_text(encoding="utf-8"),
-                                 re.MULTILINE))
+        options = set(re.findall(r"^\| `([\w.]+)` \|", self.pages_of_options(), re.MULTILINE))
         flags = set(re.findall(r"--[a-z][a-z-]+", (ROOT / "docs/reference/commands.md").read_text(encoding="utf-8")))
         rows = [line.split("|")[4] for line in (ROOT / "docs/howto/coming-from.md").read_text(encoding="utf-8").split("\n")
                 if line.startswith("| ") and line.count("|") == 5]
@@ -107,7 +110,7 @@ class ComingFrom(unittest.TestCase):
 
     def test_our_defaults_are_those_of_the_reference(self):
         defaults = dict(re.findall(r"^\| `([\w.]+)` \| ([\d.]+)[^|]*\|",
-                                   (ROOT / "docs/reference/options.md").read_text(encoding="utf-8"), re.MULTILINE))
+                                   self.pages_of_options(), re.MULTILINE))
         text = (ROOT / "docs/howto/coming-from.md").read_text(encoding="utf-8")
         said = re.findall(r"`(\w+\.\w+)`, ([\d.]*\d)", text)
         self.assertGreater(len(said), 15)

@@ -1,5 +1,5 @@
-// The options as docs/reference/options.md states them: default and what is allowed, for tests that hold the tables of
-// the code against the page that users read.
+// The options as docs/reference/options.md and advanced.md state them: default and what is allowed, for tests that hold
+// the tables of the code against the page that users read.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -8,6 +8,7 @@
 #include <fstream>
 #include <map>
 #include <span>
+#include <sstream>
 #include <string>
 #include <variant>
 #include <vector>
@@ -24,8 +25,11 @@ struct StatedOption {
 
 inline std::map<std::string, StatedOption> option_page() {
   std::map<std::string, StatedOption> rows;
-  std::ifstream page(GDTSLAM_SOURCE_DIR "/docs/reference/options.md");
-  for (std::string line; std::getline(page, line);) {
+  std::stringstream pages;
+  for (const char* const name : {"options.md", "advanced.md"}) {
+    pages << std::ifstream(std::string(GDTSLAM_SOURCE_DIR "/docs/reference/") + name).rdbuf();
+  }
+  for (std::string line; std::getline(pages, line);) {
     if (!line.starts_with("| `")) continue;
     std::vector<std::string> cells;
     for (std::size_t at = 2; cells.size() < 3;) {

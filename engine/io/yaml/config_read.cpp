@@ -27,7 +27,7 @@ std::string unknown_name(const std::string& path, std::span<const Option> option
   }
   const std::optional<std::string_view> nearest = nearest_name(path, names);
   return nearest ? fmt::format("unknown option {}; did you mean {}?", in_quotes(path), *nearest)
-                 : fmt::format("unknown option {}; `gdtslam config show` lists all", in_quotes(path));
+                 : fmt::format("unknown option {}; `gdtslam config show --all` lists all", in_quotes(path));
 }
 
 // Of a section that there is not: the name of one that resembles it.

@@ -47,7 +47,7 @@ std::vector<OptionRow> option_rows(Settings& settings, const std::string& file) 
                                                                           : "default";
     rows.push_back({std::string(table[k].path), shown_value(table[k]), shown_value(default_table[k]),
                     allowed_text(table[k]), origin, std::string(table[k].doc), choices_of(table[k]),
-                    value_text(table[k]), value_text(default_table[k])});
+                    value_text(table[k]), value_text(default_table[k]), table[k].audience == kAdvanced});
   }
   return rows;
 }

@@ -19,6 +19,7 @@ struct OptionRow {
   std::vector<std::string> choices;  ///< names that the value may be; empty for a number
   std::string exact_value;           ///< reads back as the same bits
   std::string exact_default;
+  bool is_advanced = false;
 };
 
 /// In the order of the table. `file` is the configuration file that was read, if any.

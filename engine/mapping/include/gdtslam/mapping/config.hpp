@@ -38,6 +38,10 @@ class Choice {
   void (*set_)(void*, std::size_t);
 };
 
+/// Whether an option is shown to everyone, or by `config show --all` and on a page of its own.
+enum class Audience : std::uint8_t { kEveryone, kAdvanced };
+inline constexpr Audience kAdvanced = Audience::kAdvanced;
+
 /// One option: where it lives, what it means, in which unit and between which bounds (both allowed).
 struct Option {
   std::string_view path;  ///< "merge.threshold"
@@ -46,6 +50,7 @@ struct Option {
   double min = 0.0;
   double max = 0.0;
   std::variant<double*, std::int32_t*, bool*, Choice> value;
+  Audience audience = Audience::kEveryone;
 };
 
 /// What is wrong with the values of a table: one text per violation, with path, value and bound; empty when all is
