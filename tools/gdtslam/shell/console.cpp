@@ -35,12 +35,10 @@ bool is_control(char32_t code) {
 }
 
 std::mutex g_lines_mutex;
-std::function<void(std::string line)> g_take_line;
 
 void print_line(const char* begin, std::string_view text) {
-  std::string line = fmt::format("{}{}\n", begin, printable(text));
+  const std::string line = fmt::format("{}{}\n", begin, printable(text));
   const std::lock_guard lock(g_lines_mutex);
-  if (g_take_line) return g_take_line(std::move(line));
   std::fputs(line.c_str(), stderr);  // a terminal that is gone takes no more
   std::fflush(stderr);
 }
@@ -129,11 +127,6 @@ std::string plural(std::uint64_t count, std::string_view noun) {
 void print_remark(std::string_view text) { print_line("gdtslam: ", text); }
 
 void print_error(std::string_view text) { print_line("gdtslam: error: ", text); }
-
-void send_lines_to(std::function<void(std::string line)> take) {
-  const std::lock_guard lock(g_lines_mutex);
-  g_take_line = std::move(take);
-}
 
 void hold_standard_streams() {
   // The lowest free number is taken, so each closed one gets its place. A path alone (O_PATH) can be neither read nor

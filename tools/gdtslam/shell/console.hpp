@@ -24,10 +24,6 @@ void print_remark(std::string_view text);
 /// Writes "gdtslam: error: <text>" and a line end to standard error.
 void print_error(std::string_view text);
 
-/// Where whole lines of remarks and errors go from now on, one at a time, whichever thread prints them: for a program
-/// that must not wait for whoever reads standard error. Empty: to standard error.
-void send_lines_to(std::function<void(std::string line)> take);
-
 /// The text without control characters, save those of `kept`, and in valid UTF-8.
 std::string printable(std::string_view text, std::string_view kept = "");
 
