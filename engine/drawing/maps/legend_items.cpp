@@ -9,8 +9,8 @@
 namespace gdtslam::picture {
 namespace {
 
-constexpr double kGap = 0.5;       // of body_px, between a mark and its words
-constexpr double kBarPx = 150.0;   // all of one unit
+constexpr double kGap = 0.5;           // of body_px, between a mark and its words
+constexpr double kBarPx = 150.0;       // all of one unit
 constexpr double kLinePiecePx = 42.0;  // of what is shown of a line
 constexpr double kLongestScaleItemPx = 190.0;
 constexpr int kBarSteps = 64;
