@@ -74,7 +74,7 @@ TEST(FieldPicture, named_colour_map_is_used) {
   look.colour_map = "ember";
   const std::vector<Colour> colours = colours_along(raster_of(field_picture(ramp(), {}, look, kBare)));
   ASSERT_EQ(colours.size(), 22U);
-  for (std::size_t i = 1; i < 21; ++i) EXPECT_LE(std::abs(colours[i].red - colours[i].blue), 2) << i;
+  EXPECT_FALSE(colours == colours_along(raster_of(field_picture(ramp(), {}, {}, kBare))));
   look.colour_map = "no such map";
   EXPECT_THROW(field_picture(ramp(), {}, look, kBare), ConfigError);
 }
