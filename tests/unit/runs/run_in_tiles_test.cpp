@@ -142,7 +142,7 @@ TEST(RunInTiles, AnEditWritesThem) {
   EXPECT_EQ(index.at("tiles").size(), 4U);
   EXPECT_EQ(index.at("tiles")[0].at("x"), -1) << "by rows";
   EXPECT_EQ(index.at("keyframes_sha256"), *RunReader(request.folder).summary().keyframes_sha256);
-  for (const char* name : {"map.pgm", "gdt.png", "trajectory.tum", "keyframes.bin.gz"}) {
+  for (const char* name : {"map.pgm", "keyframes.bin.gz"}) {
     EXPECT_EQ(test::text_of_file(folder.path("tiled/") + name), test::text_of_file(ring_run().folder + "/" + name))
         << name;
   }

@@ -163,9 +163,9 @@ TEST_F(RunReaderTest, ReportsThatCannotBeUsed) {
   edit("\"keyframe_scans\": [0]", "\"keyframe_scans\": [99999999999999999999]");
   refused("'keyframe_scans' names a scan");
   edit("\"origin_m\": [1.0, 2.0]", "\"origin_m\": [1.0]");
-  refused("'map' is no geometry of a grid");
+  refused("'map.origin_m' is not 2 numbers");
   edit("\"map_sha256\": \"", "\"map_sha256\": 7, \"x\": \"");
-  refused("'map_sha256' is no text");
+  refused("'map_sha256' is not a text");
   edit("\"format\": 1", "\"format\": 2");
   refused("has format 2, and this program reads format 1");
   write("report.json", std::string(kReport).substr(0, 60));
@@ -173,7 +173,7 @@ TEST_F(RunReaderTest, ReportsThatCannotBeUsed) {
   write("report.json", "");
   refused("is no JSON text");
   write("report.json", "[1, 2]");
-  refused("holds no JSON object");
+  refused("does not hold a JSON object");
   fs::remove(path("report.json"));
   expect_refused([this] { reader(); }, folder_.string(), "it has no report.json; map the log again");
 }
