@@ -162,6 +162,6 @@ def measure_a_far_point():
         rows = [f"{0.01 * k:.2f} 0 0" for k in range(50)] + [f"{far} {far} 1"]
         header = "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
         cloud.write_text(header % len(rows) + "\n".join(rows) + "\n")
-        code, said, megabytes, _ = measured("measure", cloud, "--boxes", "--picture", picture, timeout=60)
+        code, said, megabytes, _ = measured("evaluate", cloud, "--boxes", "--picture", picture, timeout=60)
         expect(code == 0 and megabytes < 1024, f"{far}: exit {code}, {megabytes} MB: {said}")
         expect(picture.stat().st_size < 1 << 20, f"{far}: {picture.stat().st_size} bytes")

@@ -106,12 +106,12 @@ def outputs_that_exist_stay():
         (("simulate", "wall", "--rate", 1, "-q", "-o", "a.log"), "a.log"), (("simulate", "wall", "--rate", 1, "-q", "-o", "a.log"), "a.truth.tum"),
         (("verify", "--write-expected", "a.json"), "a.json"), (("render", RUN, "--view", "map", "--size", "64x64", "-o", "a.png"), "a.png"),
         (("render", RUN, "--view", "map", "--size", "64x64"), "office-map.png"), (("render", "paper-b", "-o", "a.mp4"), "a.mp4"),
-        (("render", "paper-b", "--size", "64x64", "--frames", 2, "-o", "./"), "frame-0001.png"),
+        (("render", "paper-b", "--size", "64x64", "--seconds", "0.08s", "-o", "./"), "frame-0001.png"),
         (("compare", log, "--csv", "a.csv"), "a.csv"), (("compare", log, "--picture", "a.svg"), "a.svg"),
         (("ablation", log, "--relations", relations, "-o", "a.md"), "a.md")]
     folders = [(("map", log), "notes"), (("live", log), "report.json"), (("edit", run, "--origin", "1,1"), "notes"),
-               (("merge", run, folder / "second"), "1"), (("render", log, "--view", "map", "-o", "a.png", "--size", "64x64", "--run"), "notes")]
-    folders = [((*words, *(() if words[-1] == "--run" else ("-o",)), "out"), f"out/{name}") for words, name in folders]
+               (("merge", run, folder / "second"), "1")]
+    folders = [((*words, "-o", "out"), f"out/{name}") for words, name in folders]
     seldom = ("calibrate", "compare", "ablation", "verify", "evaluate")  # refused only: the work is long or needs other inputs
     seen = set()
     for arguments, name in files + folders:

@@ -9,7 +9,7 @@
 
 #include "engine/runs/localizer/drive.hpp"
 #include "gdtslam/core/error.hpp"
-#include "input/live_log.hpp"
+#include "input/live_input.hpp"
 #include "options.hpp"
 #include "page/page_figures.hpp"
 #include "snapshot/snapshots.hpp"

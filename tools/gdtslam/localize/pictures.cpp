@@ -91,40 +91,33 @@ void draw_steps(Canvas& canvas, const MapFrame& frame, const PosesOverlay& overl
   close();
 }
 
-std::vector<LegendItem> items_of(const PosesOverlay& overlay, double px_per_m, const LegendLook& legend) {
-  std::vector<LegendItem> items{scale_bar_item(px_per_m, legend)};
-  for (const PoseKind kind : kPoseKinds) {
+MapLayer poses_layer(const PosesOverlay& overlay, PoseKind kind) {
+  MapLayer layer;
+  layer.draw = [&overlay, kind](Canvas& canvas, const MapFrame& frame, const Proportions& sizes) {
+    (overlay.are_path ? draw_steps : draw_arrows)(canvas, frame, overlay, kind, sizes.line_px);
+  };
+  layer.explain = [&overlay, kind](const LegendLook& legend, double) -> LegendItems {
     const auto count = std::count_if(overlay.poses.begin(), overlay.poses.end(),
                                      [kind](const ShownPose& pose) { return pose.kind == kind; });
+    if (count == 0) return {};
     const std::string& words = overlay.words.at(static_cast<std::size_t>(kind));
-    if (count > 0) items.push_back(swatch_item(words + ": " + std::to_string(count), colour_of_kind(kind), legend));
-  }
-  return items;
+    return {swatch_item(words + ": " + std::to_string(count), colour_of_kind(kind), legend)};
+  };
+  return layer;
 }
 
 Canvas poses_picture(const OccupancyMap& map, const PosesOverlay& overlay, const MapLook& look,
                      const PictureSize& size) {
   Theme theme = kLightTheme;
   theme.page = kPosesMap.unknown;
-  const LegendLook legend{theme, proportions_of(size)};
   Trajectory extent;
   for (const ShownPose& pose : overlay.poses) {
     extent.push_back({0.0, pose.T_map_base});
     if (pose.other) extent.push_back({0.0, *pose.other});
   }
-  const Sheet sheet = sheet_of(shown_area(map, extent), look, size, theme,
-                               [&](double px_per_m) { return items_of(overlay, px_per_m, legend); });
-  Canvas canvas(size.width, size.height, look.title);
-  canvas.rectangle({0.0, 0.0}, size.width, size.height, Fill{kPosesMap.unknown});
-  MapColours cells = kPosesMap;
-  cells.is_unknown_clear = true;
-  const MapFrame frame = whole_sheet(sheet);
-  draw(canvas, frame.panel, occupancy_image(map, frame, cells));
-  for (const PoseKind kind : kPoseKinds) {
-    (overlay.are_path ? draw_steps : draw_arrows)(canvas, frame, overlay, kind, sheet.sizes.line_px);
-  }
-  draw_words(canvas, sheet, look);
-  return canvas;
+  MapSheet sheet{"Poses", shown_area(map, extent), theme, {wall_layer(map, kPosesMap)}};
+  for (const PoseKind kind : kPoseKinds) sheet.layers.push_back(poses_layer(overlay, kind));
+  return drawn(sheet, look, size);
 }
 
 PoseKind kind_of(const LocalizedScan& scan) {

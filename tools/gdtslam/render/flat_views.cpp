@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "engine/drawing/plots/plot_sheet.hpp"
-#include "engine/drawing/plots/trajectory_picture.hpp"
+#include "engine/drawing/maps/path_pictures.hpp"
 #include "engine/runs/evaluation/errors.hpp"
 #include "engine/runs/inputs/given_files.hpp"
 #include "gdtslam/core/error.hpp"

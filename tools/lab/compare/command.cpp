@@ -199,7 +199,7 @@ void add_output_options(CLI::App& command, CompareOptions& options) {
   add_force_option(command, options.force);
   command.add_flag("--json", options.json, "Print JSON; what depends on the machine is under \"times\"");
   command.add_option("--csv", options.csv, "Write every trial")->type_name("FILE");
-  command.add_option("--picture", options.picture, "Draw the basins and the errors: .svg, .png, .jpg or .pdf")
+  command.add_option("--picture", options.picture, "Draw the basins and the errors: .svg, .png or .pdf")
       ->type_name("FILE");
   command.add_flag("-q,--quiet", options.quiet, "Print errors only");
 }

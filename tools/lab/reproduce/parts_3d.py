@@ -89,7 +89,7 @@ def make_boxes(shop):
     part = Part("The scene three-boxes, seed 1: boxes of the paper’s true widths before the standing scanner.")
     shop.render(part, "three-boxes/cloud.ply", "cloud", "cloud.png",
                 "(b) The 3D map of the three boxes before the far wall, from beside the scanner.", "--size", "1600x1000", "--no-path", "--title",
-                "Three boxes", "--camera=-0.5,-0.6,1.35,1.9,0,0.62,48")
+                "Three boxes", "--from=-0.5,-0.6,1.35,1.9,0,0.62,48")
     measure = ("gdtslam", "evaluate", "three-boxes/cloud.ply", "--boxes", "--picture")
     solid = shop.json(*measure, "solid.svg")
     shop.picture(part, "solid.svg", "Measured in the 3D map, seen from above: faces and where they end.")
@@ -120,7 +120,7 @@ def make_standing(shop):
         shop.drive(drive)
         shop.render(part, drive, "cloud", f"{drive}.png",
                     f"The scanner stands in the corridor; {where}. Without the ceiling; what hides behind walls stays empty.", "--size",
-                    "1600x860", "--title", f"From one place: {what}", f"--camera={camera}")
+                    "1600x860", "--title", f"From one place: {what}", f"--from={camera}")
         errors = surface_errors(shop, drive, "office-3f", "--no-align")
         part.state(f"points, {what} ahead", "", f"{errors['distance_m']['count']:,}", "every beam that returned, in 40 s")
         add_surface_row(part, f"distance to surfaces, {what} ahead", errors)

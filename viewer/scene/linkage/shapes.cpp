@@ -80,7 +80,7 @@ Mesh extruded(std::vector<Point2> corners, double radius, double front_y, double
   for (const Point2& place : outline_around(corners, radius)) places.emplace_back(place.x(), front_y, place.y());
   vtkNew<vtkPolyData> outline;
   vtkNew<vtkCellArray> polygon;
-  polygon->InsertNextCell(static_cast<vtkIdType>(places.size()));
+  polygon->InsertNextCell(static_cast<int>(places.size()));
   for (std::size_t i = 0; i < places.size(); ++i) polygon->InsertCellPoint(static_cast<vtkIdType>(i));
   outline->SetPoints(points_of(places));
   outline->SetPolys(polygon);
@@ -109,7 +109,7 @@ Mesh tubes(const std::vector<std::vector<Point3>>& paths, double radius) {
       if (places.size() == first || (place - places.back()).norm() > 1e-3 * radius) places.push_back(place);
     }
     if (places.size() < first + 2) continue;
-    lines->InsertNextCell(static_cast<vtkIdType>(places.size() - first));
+    lines->InsertNextCell(static_cast<int>(places.size() - first));
     for (std::size_t i = first; i < places.size(); ++i) lines->InsertCellPoint(static_cast<vtkIdType>(i));
   }
   vtkNew<vtkPolyData> data;
