@@ -18,6 +18,7 @@
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/help/offers.hpp"
 #include "tools/gdtslam/shell/options.hpp"
+#include "tools/gdtslam/shell/written_files.hpp"
 
 namespace gdtslam {
 namespace {

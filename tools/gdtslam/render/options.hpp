@@ -33,6 +33,7 @@ struct RenderOptions {
   std::uint64_t points = 0;
   double frames_per_s = 0.0;
   bool lists_views = false;
+  bool force = false;
   bool json = false;
   bool quiet = false;
 };

@@ -10,6 +10,7 @@
 #include "engine/io/did_you_mean.hpp"
 #include "engine/io/referenced_file.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
+#include "files/film_writer.hpp"
 #include "gdtslam/core/error.hpp"
 #include "source.hpp"
 #include "tools/gdtslam/shell/written_files.hpp"
@@ -114,7 +115,7 @@ void require_writable(const RenderOptions& options, const std::string& file) {
   const bool are_frames = output_kind_of(file) == OutputKind::kFrames;
   const std::string first = are_frames ? frame_path(file, 0) : file;
   std::error_code ignored;
-  if (!are_frames || fs::exists(first, ignored)) written.add("--output", first);  // the folder of frames is made
+  if (!are_frames || std::filesystem::exists(first, ignored)) written.add("--output", first);  // the folder of frames is made
 }
 
 void refuse_idle_options(const RenderOptions& options, const RenderView* view, OutputKind output, bool is_linkage) {
