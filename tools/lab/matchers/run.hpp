@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/runs/evaluation/errors.hpp"
+#include "engine/runs/evaluation/pose_table.hpp"
 #include "engine/runs/mapping/map_run.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/compute/backend.hpp"
