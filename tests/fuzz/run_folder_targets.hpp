@@ -124,7 +124,7 @@ inline void read_localizer_map(std::span<const std::byte> data) {
   }();
   require(is_ready);
   expect_typed<InputError, FileError>([&] {
-    const MapField field = read_map_field(folder.put("map.yaml", text_of(data)), MapConfig(), Isa::kBaseline);
+    const MapField field = read_map_field(folder.put("map.yaml", text_of(data)), MapConfig());
     const FieldView view = field.view();
     require(view.width > 0 && view.height > 0 && view.stride >= view.width && field.kernel_origin_m.allFinite());
     const PoseWindow window = field.known_window();
