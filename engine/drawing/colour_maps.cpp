@@ -1,6 +1,5 @@
-// The colour maps: every fifteenth colour of a table, curves between them. Ours are paths through CIELAB along which
-// equal steps look equally large; those of others are viridis, magma, inferno and plasma [Smith2015] and turbo
-// [Mikhailov2019], no channel more than 5 of 255 off. The same bits on every host.
+// The colour maps: every fifteenth colour of a table, curves between them. They are paths through CIELAB along which
+// equal steps look equally large. The same bits on every host.
 #include <algorithm>
 #include <array>
 #include <cmath>

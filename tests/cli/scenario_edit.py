@@ -230,4 +230,4 @@ def edit_mistakes():
     (folder / "foreign/map.png").write_text("mine")
     process = command("edit", folder / "few", "-o", folder / "foreign", "--world-file")
     expect_exit(process, 2)
-    expect("map.png that no run wrote" in process.stderr and (folder / "foreign/map.png").read_text() == "mine", process.stderr)
+    expect("exists; give another name" in process.stderr and (folder / "foreign/map.png").read_text() == "mine", process.stderr)

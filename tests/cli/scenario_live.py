@@ -83,7 +83,7 @@ def live_sender_that_breaks_off():
     lines = lines_of_drive(60)
     mapped_by_pipe(folder / "map", lines)
     for rest, code, said in ((lines[-1][: len(lines[-1]) // 2], 0, "cut last line"), ("FLASER many 1 2\n" + lines[-1], 65, "gdtslam: error: the log broke off")):
-        process = cli.command("live", "-o", folder / "live", input="".join(lines) + rest)
+        process = cli.command("live", "-o", folder / "live", "--force", input="".join(lines) + rest)
         expect_exit(process, code)
         expect(said in process.stderr, process.stderr)
         expect(len(process.stdout.splitlines()) == 60, f"{len(process.stdout.splitlines())} lines")

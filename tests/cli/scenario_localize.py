@@ -339,7 +339,7 @@ def localize_interrupt():
             # Into a file: more than a pipe holds may be printed before anyone reads.
             with open(folder / "found.json", "w", encoding="utf-8") as file:
                 process = subprocess.Popen([PROGRAM, "localize", str(RUN), str(LOG), "--every", "1", "--json", "--threads", str(threads),
-                                            "-o", str(folder / "found.tum")], stdout=file, stderr=subprocess.PIPE, text=True)
+                                            "-o", str(folder / "found.tum"), "--force"], stdout=file, stderr=subprocess.PIPE, text=True)
                 time.sleep(patience_s)
                 expect(process.poll() is None, "the command had ended before the signal")
                 process.send_signal(number)

@@ -18,7 +18,7 @@ def localize_in_an_occupancy_map():
     x, y, _ = json.loads(origin[len("origin:"):])
     dx, dy = 0.0101, -5400000.0037
     (folder / "moved.yaml").write_text(stated.replace(origin, f"origin: [{x + dx!r}, {y + dy!r}, 0.0]"))
-    chosen = ("--every", 60, "--picture", folder / "found.svg")
+    chosen = ("--every", 60, "--picture", folder / "found.svg", "--force")
     plain = localized(*chosen, run=RUN / "map.yaml")
     expect(plain["field"] == {"from": "occupied-cells", "resolution_m": 0.025, "truncation_m": 0.5}, f"{plain['field']}")
     expect(plain["good_fit"] == {"distance_m": 0.05, "usual_m": 0.025, "from": "resolution"}, f"{plain['good_fit']}")

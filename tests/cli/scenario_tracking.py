@@ -14,7 +14,7 @@ COLUMNS = ("scan,stamp_s,whereabouts,ambiguous,x_m,y_m,theta_rad,xx_m2,xy_m2,xt_
 
 def tracked(folder, *arguments, run=RUN, log=LOG):
     """The JSON report, checked against its table, and the rows of the table."""
-    process = command("localize", run, log, "--track", "--table", folder / "track.csv", "--json", *arguments)
+    process = command("localize", run, log, "--track", "--table", folder / "track.csv", "--force", "--json", *arguments)
     expect_exit(process, 0)
     cli.validate(process.stdout, "localize_track")
     with open(folder / "track.csv", newline="", encoding="ascii") as file:

@@ -13,7 +13,7 @@
 
 #include "engine/io/line_reader.hpp"
 #include "engine/io/message_text.hpp"
-#include "engine/io/number_list.hpp"
+#include "engine/runs/loops/number_list.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 

@@ -12,7 +12,7 @@
 #include "engine/io/file_limits.hpp"
 #include "engine/io/line_reader.hpp"
 #include "engine/io/message_text.hpp"
-#include "engine/io/number_list.hpp"
+#include "engine/runs/loops/number_list.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {

@@ -71,12 +71,12 @@ void add_table_options(CLI::App& command, EvaluateOptions& chosen) {
   command
       .add_option(
           "--within", chosen.within,
-          "Of a table of localize: distance and angle to the reference within which a pose is right [10cm/1deg]")
+          "Distance and angle to the reference within which a pose of a table of localize is right [10cm/1deg]")
       ->type_name("D/A");
   add_quantity_option(
       command, "--leave-out", chosen.leave_out_s, Unit::kSecond, {0.0, kMost_s},
-      "Of a table of localize: leave out scans that were taken this near in time to one that went into\n"
-      "the map; 0: those themselves. The run of the map is --trajectory, else --reference");
+      "Leave out scans of a table of localize that were taken this near in time to one that went into the map;\n"
+      "0: those themselves. The run of the map is --trajectory, else --reference");
 }
 
 void add_cloud_options(CLI::App& command, EvaluateOptions& chosen) {
