@@ -173,7 +173,6 @@ CASES = (
     ("gdtslam map --device v", {"vulkan"}, {"cpu"}),
     ("gdtslam map --set merge.", {"merge.kappa=", "merge.rule=", "merge.threshold="}, {"map.resolution="}),
     ("gdtslam map ", {"drive.log", "drive.clf.gz"}, {"cloud.ply", "notes.txt"}),
-    ("gdtslam calibrate ", {"drive.log", "drive.clf.gz"}, {"cloud.ply", "notes.txt"}),
     ("gdtslam doctor --after ", {"runs"}, {"drive.log"}),
     ("gdtslam map --linkage pap", {"paper-a", "paper-b"}, {"drive.log"}),
     ("gdtslam generate completion ", {"bash", "zsh"}, {"drive.log"}),

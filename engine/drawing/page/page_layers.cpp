@@ -24,13 +24,15 @@ double step_at(double crank_rad) {
 
 /// Begin and end of the lift, if the linkage is a crank-rocker, and where the motion starts.
 void describe_ends(const calib::LinkageCycle& cycle, Json& about) {
-  Json& dead_points = about["dead_points"] = Json::array();
   const double first = step_at(cycle.begin().crank_rad);
   about["first"] = cycle.report() ? first : std::fmod(std::ceil(first), kCrankSteps);
-  if (!cycle.report()) return;
-  for (const calib::LinkagePosition* dead : {&cycle.begin(), &cycle.end()}) {
-    dead_points.push_back({{"step", step_at(dead->crank_rad)}, {"elevation", wrap_angle(dead->elevation_rad)}});
+  Json dead_points = Json::array();
+  if (cycle.report()) {
+    for (const calib::LinkagePosition* dead : {&cycle.begin(), &cycle.end()}) {
+      dead_points.push_back({{"step", step_at(dead->crank_rad)}, {"elevation", wrap_angle(dead->elevation_rad)}});
+    }
   }
+  about["dead_points"] = std::move(dead_points);
 }
 
 Json place_of(const Point2& place) { return Json::array({place.x(), place.y()}); }
