@@ -168,7 +168,7 @@ def render_unwritable():
         refused(74, run, *view, *size, "-o", folder / "none" / name, says=name)
         (folder / name).write_text("old")
         if not cli.IS_SANITIZED:
-            refused(74, run, *view, *size, "-o", folder / name, says="No space left on device", env=cli.full_disk())
+            refused(74, run, *view, *size, "-o", folder / name, "--force", says="No space left on device", env=cli.full_disk())
         expect((folder / name).read_text() == "old" and len(digests(folder)) == 1, f"{name}: {sorted(digests(folder))}")
         (folder / name).unlink()
     refused(74, "paper-b", *SMALL, "--seconds", "0.1s", "-o", "/proc/a.mp4", says="a.mp4")

@@ -44,6 +44,7 @@ import scenario_results
 import scenario_same_bytes
 import scenario_shell
 import scenario_signals
+import scenario_slurm
 import scenario_surroundings
 import scenario_tilt3d
 import scenario_tiles
@@ -56,7 +57,7 @@ MODULES = (scenario_bad_input, scenario_bags, scenario_bench, scenario_bombs, sc
            scenario_nodding,
            scenario_nodding_faults, scenario_nodding_runs, scenario_one_thing, scenario_outputs, scenario_printing, scenario_render,
            scenario_render_faults, scenario_render_formats, scenario_render_runs, scenario_results, scenario_same_bytes,
-           scenario_shell, scenario_signals, scenario_surroundings,
+           scenario_shell, scenario_signals, scenario_slurm, scenario_surroundings,
            scenario_tilt3d, scenario_tiles, scenario_tracking, scenario_wrong_inputs)
 
 

@@ -31,8 +31,7 @@ std::vector<FuzzTarget> all_targets() {
        {std::span<const FuzzTarget>(kLogTargets), std::span<const FuzzTarget>(kRecordingTargets),
         std::span<const FuzzTarget>(kPackedTargets), std::span<const FuzzTarget>(kMapTargets),
         std::span<const FuzzTarget>(kRunTargets), std::span<const FuzzTarget>(kRunFolderTargets),
-        std::span<const FuzzTarget>(kSceneTargets),
-        std::span<const FuzzTarget>(kCTargets)}) {
+        std::span<const FuzzTarget>(kSceneTargets), std::span<const FuzzTarget>(kCTargets)}) {
     all.insert(all.end(), part.begin(), part.end());
   }
   return all;

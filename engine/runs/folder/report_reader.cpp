@@ -80,6 +80,8 @@ std::optional<double> ReportReader::number_or_null(const char* key) const {
   return at(key).is_null() ? std::nullopt : std::optional(number(key));
 }
 
+bool ReportReader::has(const char* key) const { return object_->contains(key); }
+
 bool ReportReader::truth(const char* key) const { return at(key, is_truth_value, "true or false").get<bool>(); }
 
 std::string ReportReader::text(const char* key) const { return at(key, is_text_value, "a text").get<std::string>(); }

@@ -49,7 +49,7 @@ class ReportReader {
   [[nodiscard]] std::string text(const char* key) const;
   [[nodiscard]] GridGeometry geometry(const char* key) const;
   [[nodiscard]] std::vector<std::string> texts(const char* key) const;
-  [[nodiscard]] bool has(const char* key) const { return object_->contains(key); }
+  [[nodiscard]] bool has(const char* key) const;
   /// Whole numbers below `end`: entries of a list, or one member of each.
   [[nodiscard]] std::vector<std::size_t> indices(const char* key, const char* member, std::uint64_t end) const;
   /// Rows of name, bytes and SHA-256.

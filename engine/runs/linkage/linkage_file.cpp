@@ -1,5 +1,7 @@
 #include "linkage_file.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -119,10 +121,10 @@ class LinkageReader {
     if (!has_preset && !sections_.contains("bars")) {
       root_.refuse("bars is missing; give the lengths of crank, coupler, rocker and ground, or a preset");
     }
-    for (const std::string missing : {"crank", "coupler", "rocker", "ground"}) {
+    for (const char* const missing : {"crank", "coupler", "rocker", "ground"}) {
       if (has_preset || given.contains(missing)) continue;
-      root_.refuse_below("bars." + missing + " is missing; give its length with its unit, as in '" + missing +
-                         ": 8.5 cm'");
+      root_.refuse_below(
+          fmt::format("bars.{0} is missing; give its length with its unit, as in '{0}: 8.5 cm'", missing));
     }
     SweepModel bars_only;
     bars_only.bars = bars;
@@ -182,6 +184,7 @@ class LinkageReader {
 
   void read_uncertainty() {
     std::vector<YamlField> fields;
+    fields.reserve(kLinkageParameters.size());
     for (const LinkageParameter& parameter : kLinkageParameters) {
       fields.emplace_back(parameter.name, [this, parameter](const YamlValue& given) {
         const double sigma = given.number({parameter.unit});

@@ -51,11 +51,6 @@ def empty_members():
     return (b"\x1f\x8b\x08\0\0\0\0\0\0\xff\x03\0" + bytes(8)) * 1_000_000
 
 
-def far_laser():
-    """A drive whose laser is 900 m from the robot: its scans turn about a place that they do not see."""
-    return "".join(cli.flaser([3.0] * 180, (900 + 0.1 * k, 0, 0), (0.1 * k, 0, 0), 10 + 0.2 * k) for k in range(30)).encode()
-
-
 BOMBS = [
     Bomb("newlines through a pipe", piped_newlines, 65, "pipe.log", 100, 2 + 4 * PIPED / (1024 * MB)),
     Bomb("gzip of zeros as a log", log_of("log.gz", lambda: gzipped(b"", bytes(MB), NEWLINES // MB)), 65, "log.gz"),
@@ -74,5 +69,4 @@ BOMBS = [
     Bomb("CSV of newlines", log_of("log.csv", lambda: b"stamp,ranges\n" + b"\n" * NEWLINES), 65, "log.csv"),
     Bomb("JSON lines of newlines", log_of("log.jsonl", lambda: b"{}\n" + b"\n" * NEWLINES), 65, "log.jsonl"),
     Bomb("trajectory in gzip", of("evaluate", "bomb.tum.gz", lambda: gzipped(b"", b"0 0 0 0 0 0 0 1\n" * 65_536, 120), "--reference", cli.TRUTH), 65, "would take", 1000, 10),
-    Bomb("a laser 900 m from the robot", log_of("log.log", far_laser), 65, "log.log: a scan reaches over 7[0-9]+ x 7[0-9]+ cells", 100),
 ]

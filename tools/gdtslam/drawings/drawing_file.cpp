@@ -13,8 +13,7 @@ void check_drawing_file(std::string_view option, const std::string& file) {
   const std::string extension = extension_of(file);
   if (extension == ".svg" || extension == ".png" || extension == ".pdf") return;
   const std::string lead = option.empty() ? "" : std::string(option) + ": ";
-  throw UsageError(
-      fmt::format("{}'{}' does not say what to write: let it end in .svg, .png or .pdf", lead, file));
+  throw UsageError(fmt::format("{}'{}' does not say what to write: let it end in .svg, .png or .pdf", lead, file));
 }
 
 std::string drawing_bytes(const Canvas& drawing, const std::string& file, double scale) {

@@ -69,9 +69,8 @@ void add_truths(CLI::App& command, EvaluateOptions& chosen) {
 
 void add_table_options(CLI::App& command, EvaluateOptions& chosen) {
   command
-      .add_option(
-          "--within", chosen.within,
-          "Distance and angle to the reference within which a pose of a table of localize is right [10cm/1deg]")
+      .add_option("--within", chosen.within,
+                  "Distance and angle to the reference within which a pose of a table of localize is right [10cm/1deg]")
       ->type_name("D/A");
   add_quantity_option(
       command, "--leave-out", chosen.leave_out_s, Unit::kSecond, {0.0, kMost_s},

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "engine/runs/evaluation/errors.hpp"
-#include "engine/runs/evaluation/stated_errors.hpp"
 #include "engine/runs/evaluation/measure_table.hpp"
+#include "engine/runs/evaluation/stated_errors.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
 #include "tools/gdtslam/shell/cli.hpp"
 

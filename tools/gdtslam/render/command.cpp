@@ -225,7 +225,7 @@ void add_old_options(CLI::App& command) {
   }};
   for (const auto& [old, now] : kOld) {
     const auto refuse = [old = std::string(old), now = std::string(now)] {
-      throw UsageError(old + " has gone; instead: " + now);
+      throw UsageError(fmt::format("{} has gone; instead: {}", old, now));
     };
     command.add_flag_callback(old, refuse)->group("");
   }

@@ -8,8 +8,8 @@
 #include <set>
 #include <utility>
 
-#include "engine/drawing/plots/plot_sheet.hpp"
 #include "engine/drawing/maps/path_pictures.hpp"
+#include "engine/drawing/plots/plot_sheet.hpp"
 #include "engine/runs/evaluation/errors.hpp"
 #include "engine/runs/inputs/given_files.hpp"
 #include "gdtslam/core/error.hpp"

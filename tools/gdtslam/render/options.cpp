@@ -43,6 +43,7 @@ constexpr std::array<std::pair<std::string_view, bool Hidden::*>, 5> kHidden{{{"
 template <class Table>
 std::vector<std::string> names_in(const Table& table) {
   std::vector<std::string> names;
+  names.reserve(table.size());
   for (const auto& [name, value] : table) names.emplace_back(name);
   return names;
 }

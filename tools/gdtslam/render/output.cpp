@@ -115,7 +115,8 @@ void require_writable(const RenderOptions& options, const std::string& file) {
   const bool are_frames = output_kind_of(file) == OutputKind::kFrames;
   const std::string first = are_frames ? frame_path(file, 0) : file;
   std::error_code ignored;
-  if (!are_frames || std::filesystem::exists(first, ignored)) written.add("--output", first);  // the folder of frames is made
+  if (!are_frames || std::filesystem::exists(first, ignored))
+    written.add("--output", first);  // the folder of frames is made
 }
 
 void refuse_idle_options(const RenderOptions& options, const RenderView* view, OutputKind output, bool is_linkage) {

@@ -10,7 +10,8 @@
 namespace gdtslam {
 
 void add_settings_options(CLI::App& command, SettingsOptions& options) {
-  command.add_option("-c,--config", options.file, "File of options, YAML; 'gdtslam config show --all' lists every option")
+  command
+      .add_option("-c,--config", options.file, "File of options, YAML; 'gdtslam config show --all' lists every option")
       ->type_name("FILE");
   command
       .add_option("--set", options.sets, "One option, for example --set map.resolution=\"10 cm\"; counts over the file")

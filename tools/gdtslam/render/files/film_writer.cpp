@@ -80,6 +80,7 @@ Ffmpeg::Ffmpeg(std::vector<std::string> command) : errors_(::memfd_create("ffmpe
   ::posix_spawnattr_setpgroup(&attributes, 0);
   ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
   std::vector<char*> words;
+  words.reserve(command.size() + 1);
   for (std::string& word : command) words.push_back(word.data());
   words.push_back(nullptr);
   if (code == 0) code = ::posix_spawn(&child_, words[0], &files, &attributes, words.data(), ::environ);

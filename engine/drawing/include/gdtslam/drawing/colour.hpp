@@ -1,6 +1,6 @@
 // Colours: the palette of every picture that gdtslam draws, and the colour maps that turn numbers into colours.
-// The maps are ours: paths through CIELAB whose lightness changes evenly, so that equal steps of the number look equally
-// large. Thread-safe.
+// The maps are ours: paths through CIELAB whose lightness changes evenly, so that equal steps of the number look
+// equally large. Thread-safe.
 #pragma once
 
 #include <cstdint>
