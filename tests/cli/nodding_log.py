@@ -101,7 +101,7 @@ class Drive:
     def map(self, name, lines, *arguments, first_scan=0, **options):
         """Maps these lines with every point kept; returns the Outcome."""
         path = self.write(name, lines, **options)
-        process = command("map", path, "-o", self.folder / name, "--json", "--set", "cloud.voxel=0", *arguments)
+        process = command("map", path, "-o", self.folder / name, "--force", "--json", "--set", "cloud.voxel=0", *arguments)
         expect_exit(process, 0)
         cli.validate(process.stdout, "report")
         return Outcome(self, self.folder / name, process, first_scan)

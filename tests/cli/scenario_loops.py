@@ -188,9 +188,10 @@ def doctor_of_a_map():
     expect(digests(folder / "made") == before, "the run changed")
     vector = folder / "doubtful.svg"
     expect_exit(command(*arguments[:3], "--picture", vector), 0)
-    words = vector.read_text()
-    for word in ("\n2\n", "\n3\n", "\n4\n", "not to be trusted", "1 loop switched off", "3 sigma of the position"):
-        expect(word in words, f"no {word!r} in the picture")
+    words = vector.read_text().partition("<desc>")[2].partition("</desc>")[0].splitlines()
+    for word in ("2", "3", "4", "not to be trusted", "1 loop switched off"):
+        expect(word in words, f"no {word!r} in the picture: {words}")
+    expect(any("3 sigma" in line for line in words), f"{words}")
     report["wheels"]["turn"] = "none"
     (folder / "made/report.json").write_text(json.dumps(report))
     process = command(*arguments[:3])
