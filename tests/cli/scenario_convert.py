@@ -141,7 +141,7 @@ def converted_logs_give_the_same_map():
 def simulated_formats():
     """simulate writes every format with the numbers of its CARMEN log."""
     folder = cli.fresh_folder("simulated_formats")
-    drive = ("simulate", "office-loop", "--seed", 3, "--rate", 1, "-q")
+    drive = ("simulate", "office-loop", "--seed", 3, "--rate", 1, "-q", "--force")
     expect_exit(command(*drive, "-o", folder / "a.log"), 0)
     for name in ("a.csv", "a.jsonl", "a.mcap"):
         expect_exit(command(*drive, "-o", folder / name), 0)
@@ -172,7 +172,7 @@ def slow_lasers_are_deskewed():
     """Beams of a simulated laser are measured one after the other, the log says when, and the map makes up for it; in every
     format but CARMEN, where it can be stated."""
     folder = cli.fresh_folder("slow_lasers_are_deskewed")
-    drive = ("simulate", "office-loop", *SLOW)
+    drive = ("simulate", "office-loop", "--force", *SLOW)
     for name in ("a.csv", "a.jsonl", "a.mcap"):
         expect_exit(command(*drive, "-o", folder / name), 0)
     period = 1 / (360 * 5)

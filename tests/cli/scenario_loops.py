@@ -197,7 +197,7 @@ def doctor_of_a_map():
     process = command(*arguments[:3])
     expect_exit(process, 65)
     one_error_line(process.stderr)
-    expect("'wheels.turn' is no number" in process.stderr, process.stderr)
+    expect("'wheels.turn' is not a number" in process.stderr, process.stderr)
     for wrong, says in ((["doctor"], "give a LOG, --after RUN, or --devices"), (["doctor", LOG, "--after", RUN], "excludes"),
                         (["doctor", "--after", RUN, "--topic", "/scan"], "--after"),
                         (["doctor", "--after", RUN, "--picture", "a.txt"], "a.txt")):

@@ -123,9 +123,11 @@ class NoddingMapper {
   /// covariance between two fixes is linear by their number, before the first and behind the last it is that of the
   /// fix. Where stop() is true before the loops are closed, the path is that of the mapper, and all scans get their
   /// points; where it becomes true later, the scans that are left get poses and no points.
-  std::optional<ClosedPath> finish(
-      const LoopClosing::Progress& progress = [](std::string_view, double) {},
-      const std::function<bool()>& stop = [] { return false; });
+  std::optional<ClosedPath> finish(const LoopClosing::Progress& progress, const std::function<bool()>& stop);
+  /// The same without progress and to the end.
+  std::optional<ClosedPath> finish() {
+    return finish([](std::string_view, double) {}, [] { return false; });
+  }
   [[nodiscard]] const NoddingStatistics& statistics() const;
   [[nodiscard]] const std::vector<std::string>& warnings() const;
 
