@@ -136,7 +136,7 @@ def surroundings_streams():
             expect(process.returncode == 0, f"{case.name}, errors to a full device: {process.returncode}")
             files_are_there(case, out, "with errors to a full device")
     for numbers in ((1, 2), (2,)):  # with the input in a pipe the first file that is opened is one of the run's
-        process = subprocess.Popen([PROGRAM, "map", "-", "-o", folder / "slow"], preexec_fn=without(*numbers), stdin=subprocess.PIPE,
+        process = subprocess.Popen([PROGRAM, "map", "-", "-o", folder / "slow", "--force"], preexec_fn=without(*numbers), stdin=subprocess.PIPE,
                                    **{name: subprocess.DEVNULL for name, number in (("stdout", 1), ("stderr", 2)) if number not in numbers})
         process.stdin.write(LOG.read_bytes()[:200000])
         process.stdin.flush()

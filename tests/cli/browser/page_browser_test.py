@@ -130,7 +130,7 @@ class SceneTest(BrowserCase):
         browser.value("gdtslam.view.shading = 0")
         seen = [browser.value(f"gdtslam.camera.pixelOf({list(corner)})") for corner in corners]
         for quantity, column, low, high, index in (("height", 2, -1.0, 2.5, 0), ("elevation", 3, 0.2, 1.5, 1),
-                                                   ("time", 4, 0.0, 60.0, 2), ("scan", 5, 1.0, 9.0, 5)):
+                                                   ("time", 4, 0.0, 60.0, 2), ("scan", 5, 1.0, 9.0, 3)):
             browser.value(f"gdtslam.view.quantity = '{quantity}', gdtslam.view.colourMap.{quantity} = {index},"
                           f"gdtslam.view.scale.{quantity} = [{low}, {high}]")
             browser.value("void (window.kept = gdtslam.picture())")
