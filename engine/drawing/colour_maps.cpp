@@ -16,9 +16,9 @@ namespace {
 
 constexpr std::size_t kKnots = 18;
 constexpr std::size_t kEntries = 256;
-/// Of what has no value: neither in the way of a map's colours nor of a dark or light page.
+/// Colour of cells and points without a value, apart from a map's colours and from a dark or light page.
 constexpr Colour kUnknown = colour_for(0x8a8f98);
-/// The same where the map itself is grey.
+/// The same for a map that is grey itself.
 constexpr Colour kUnknownInGrey = colour_for(0x4d6fa8);
 
 struct KnottedMap {

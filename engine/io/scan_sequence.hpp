@@ -9,7 +9,7 @@
 
 namespace gdtslam {
 
-/// What was mended in the ranges of a scan.
+/// Ranges of a scan that were replaced, by kind.
 struct RangeRepairs {
   std::uint64_t not_a_number = 0;
   std::uint64_t negative = 0;

@@ -160,7 +160,7 @@ class LogRun {
     return std::make_unique<KeptStream>(std::move(reader), streams_[log]);
   }
 
-  // What has to be known before the first scan: the linkage of a laser that nods, else times of beams and odometry.
+  // Reads what mapping needs before the first scan: the linkage of a laser that nods, else times of beams and odometry.
   void prepare(NodKind kind, ScanStream& scans) {
     if (kind == NodKind::kNone) {
       RunPreparation prepared{.delay = {}, .findings = job_.findings};

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import shutil
 
 import cli_support as cli
@@ -191,7 +192,7 @@ def doctor_of_a_map():
     words = vector.read_text().partition("<desc>")[2].partition("</desc>")[0].splitlines()
     for word in ("2", "3", "4", "not to be trusted", "1 loop switched off"):
         expect(word in words, f"no {word!r} in the picture: {words}")
-    expect(any("3 sigma" in line for line in words), f"{words}")
+    expect(any(re.fullmatch(r"3 sigma every \d+ m, \d+ times as large", line) for line in words), f"{words}")
     report["wheels"]["turn"] = "none"
     (folder / "made/report.json").write_text(json.dumps(report))
     process = command(*arguments[:3])

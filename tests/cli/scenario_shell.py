@@ -102,7 +102,7 @@ def option_texts_stand_alone():
         for option, doc in re.findall(r"^  (-\S.*?)(?:  +|\n +)(\S.*\n(?: {6,}.*\n)*)", text, re.MULTILINE):
             expect_sentence(f"{words} {option}", re.sub(r" \((?:default|required|with|\d)[^()]*(?:\([^()]*\)[^()]*)*\)$", "", " ".join(doc.split())))
             count += 1
-    expect(count > 250, f"only {count} options were found in the help")
+    expect(count > 280, f"only {count} options were found in the help")
 
 
 def config_show_of_a_part():

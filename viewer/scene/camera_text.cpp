@@ -36,7 +36,7 @@ double number_of(std::string_view part, const std::string& text) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
   if (error != std::errc{} || end != part.data() + part.size())
-    fail_camera(text, fmt::format("'{}' is no number", part));
+    fail_camera(text, fmt::format("'{}' is not a number", part));
   if (!(std::fabs(value) <= kFarthest_m))
     fail_camera(text, fmt::format("'{}' is beyond {} km", part, kFarthest_m / 1000.0));
   return value;

@@ -56,7 +56,7 @@ class LinkagePanel {
   [[nodiscard]] Plot plot_on(Canvas& canvas, const LinkageSheet& sheet, const DrawingArea& card,
                              std::string_view heading, double from, double to) const;
   void shade_strokes(Plot& plot) const;
-  /// What the shades mean, at the right of a heading, if there is room.
+  /// The key of the shades, at the right of a heading, if there is room.
   void draw_strokes_key(Canvas& canvas, const LinkageSheet& sheet, double from_x) const;
   /// The place of a crank angle on the plots' axis, degrees.
   [[nodiscard]] double axis_deg(double crank_rad) const;

@@ -28,7 +28,7 @@ struct LegendLook {
   Proportions sizes;
 };
 
-/// What one layer draws, and how the legend explains it; either may be empty.
+/// One layer of a sheet: its drawing and its entries in the legend. Either may be empty.
 struct MapLayer {
   std::function<void(Canvas&, const MapFrame&, const Proportions&)> draw;
   std::function<LegendItems(const LegendLook&, double px_per_m)> explain;

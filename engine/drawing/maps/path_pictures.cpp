@@ -23,7 +23,7 @@ constexpr Colour kNoError = colour_for(0xc3c7cc);  ///< of a pose that the truth
 constexpr double kTruthWidths = 2.6;               ///< of a path's line, of the truth under others
 constexpr double kErrorWidths = 2.2;               ///< likewise of a path whose colour is what is read
 
-/// Where the poses lie, with a margin.
+/// The area of the poses, with a margin.
 MapArea area_of_paths(const std::vector<const Trajectory*>& paths) {
   constexpr double kLeastSide_m = 1.0;
   constexpr double kMarginShare = 0.04;

@@ -117,7 +117,7 @@ CairoFont scaled_font(bool is_bold, double size) {
   if (cairo_scaled_font_status(font.get()) != CAIRO_STATUS_SUCCESS ||
       cairo_scaled_font_get_type(font.get()) == CAIRO_FONT_TYPE_USER) {
     throw UnavailableError(
-        "there is no font to write the words of a picture with: install one (Debian: fonts-dejavu-core)");
+        "a picture has words, and no font is installed; install one (Debian: fonts-dejavu-core)");
   }
   return font;
 }

@@ -152,11 +152,11 @@ double CloudReader::State::next_value(Scalar type) {
   const std::optional<double> value = row.next(type);
   if (value) return *value;
   if (!layout.is_ascii) ends_early();
-  fail("has fewer numbers than columns, or something that is no number");
+  fail("has fewer numbers than columns, or a word among them");
 }
 
 double CloudReader::State::list_length(double count) const {
-  if (!(count >= 0.0)) fail("the length of a list is no number from 0");
+  if (!(count >= 0.0)) fail("the length of a list is not a number from 0");
   return count;
 }
 
@@ -170,7 +170,7 @@ void CloudReader::State::read_row(const CloudElement& element) {
       if (element.is_vertex && !column.list_count) set(column, number);
     }
   }
-  if (!row.at_end()) fail("has more numbers than columns, or something that is no number");
+  if (!row.at_end()) fail("has more numbers than columns, or a word among them");
 }
 
 void CloudReader::State::read_placed() {

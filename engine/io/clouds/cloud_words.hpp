@@ -86,7 +86,7 @@ class RowValues {
     numbers_ = CloudNumbers(line.value_or(""));
     return line.has_value();
   }
-  /// Nothing at the end of the line or the input, or where something else than a number stands.
+  /// The next number; none at the end of the line or the input, or before another word.
   std::optional<double> next(Scalar type) {
     if (is_ascii_) return numbers_.next(type);
     const char* const data = input_.bytes(size_of(type));

@@ -72,7 +72,7 @@ CloudColumn column_of(const PcdHeader& header, std::size_t k, const FilePosition
   const std::string_view type = header.types.empty() ? std::string_view("F") : header.types[k];
   const std::string_view size = header.sizes.empty() ? std::string_view("4") : header.sizes[k];
   const std::optional<std::uint64_t> repeat = header.counts.empty() ? 1 : count_of(header.counts[k]);
-  if (!repeat || *repeat > kMostColumnValues) throw InputError(at, "COUNT has a value that is no number up to 8000");
+  if (!repeat || *repeat > kMostColumnValues) throw InputError(at, "COUNT has a value that is not a number up to 8000");
   return {.type = scalar_of(type, size, at), .role = role_of(header.fields[k]), .repeat = *repeat};
 }
 

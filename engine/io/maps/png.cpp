@@ -198,7 +198,7 @@ Grey16Image decode_png_grey16(std::span<const std::byte> data, const std::string
   PngReader png(data, name);
   png.read_header();
   if (!png.is_grey16() || png.is_interlaced()) {
-    throw InputError({name, 0}, "is no 16-bit grey PNG without interlacing");
+    throw InputError({name, 0}, "is a PNG of another kind than 16-bit grey without interlacing");
   }
   png.check_size(16, sizeof(std::uint16_t), max_pixels);
   png.set_host_order();

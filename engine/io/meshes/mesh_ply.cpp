@@ -53,7 +53,7 @@ class PlyMeshReader {
         continue;
       }
       const double count = next(*column.list_count);
-      if (!(count >= 0.0)) mesh_.fail("the length of a list is no number from 0");
+      if (!(count >= 0.0)) mesh_.fail("the length of a list is not a number from 0");
       for (double item = 0.0; item < count; ++item) {
         const double number = next(column.type);
         if (column.is_corner_list) add_corner(number);
@@ -73,7 +73,7 @@ class PlyMeshReader {
     const std::optional<double> number = row_.next(type);
     if (number) return *number;
     if (!row_.is_ascii()) ends_early();
-    mesh_.fail("has fewer numbers than properties, or something that is no number");
+    mesh_.fail("has fewer numbers than properties, or a word among them");
   }
 
   [[noreturn]] void ends_early() const { mesh_.fail("the file ends before all that its header names; is it whole?"); }

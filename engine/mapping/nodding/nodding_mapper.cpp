@@ -46,7 +46,7 @@ std::vector<PoseCovariance> covariances_of_all(const std::vector<PoseCovariance>
   return all;
 }
 
-// What speaks of fixes speaks of scans from here on.
+// Replaces the numbers of fixes in a path by those of their scans.
 void number_by_scans(ClosedPath& path, const std::vector<std::size_t>& fixes) {
   for (std::size_t& keyframe : path.keyframes) keyframe = fixes[keyframe];
   for (GraphPlace& place : path.places) place.scan = fixes[place.scan];

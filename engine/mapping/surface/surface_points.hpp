@@ -94,7 +94,7 @@ struct ShapeOfOne {
 /// be seen, `noise`; and `least` in any direction.
 ShapeOfOne shape_of_one(const Matrix3& shape, std::size_t points, double least, double noise);
 
-/// As a record of a shelf: 8 bytes and those of its points.
+/// Writes a scan as a record of a shelf, 8 bytes and those of its points, and reads it back.
 void put_on(ByteShelf& shelf, const KeptScan& scan);
 void take_from(std::span<const std::byte> record, KeptScan& scan);
 

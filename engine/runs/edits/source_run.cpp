@@ -114,7 +114,7 @@ struct RunLogs {
   ScanRange range;
 };
 
-// Nothing if a log is gone or was changed, or the run is of an older version.
+// The logs of a run; none if one is gone or was changed, or if the run is of an older version.
 std::optional<RunLogs> logs_of_run(const SourceRun& run) {
   const RunFiles& files = run.reader.files();
   if (!files.has(kContinueFile)) return std::nullopt;

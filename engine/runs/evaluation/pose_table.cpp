@@ -59,7 +59,7 @@ FoundPose found_pose(TableCells cells, bool has_covariance) {
   constexpr double kMostScanNumber = 9.0e15;
   FoundPose pose;
   const double scan = cells.number();
-  if (!(scan >= 0.0 && scan <= kMostScanNumber)) cells.refuse("has no number of a scan");
+  if (!(scan >= 0.0 && scan <= kMostScanNumber)) cells.refuse("does not begin with the number of a scan");
   pose.scan = static_cast<std::uint64_t>(scan);
   pose.stamp_s = cells.number();
   pose.state = cells.next();

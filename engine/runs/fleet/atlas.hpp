@@ -72,7 +72,7 @@ std::string record_folder(const std::string& atlas, const std::string& log);
 
 /// Atomic. Throws FileError.
 void write_record(const std::string& atlas, const FleetRecord& record);
-/// Nothing if there is none, or if it is damaged: the log is mapped again then.
+/// The record of a log; none if it is missing or damaged, so that the log is mapped again.
 std::optional<FleetRecord> read_record(const std::string& atlas, const std::string& log);
 
 inline constexpr const char* kOptionsFile = "options.txt";

@@ -126,7 +126,7 @@ class BandTransform {
   std::vector<std::uint16_t> table_;
   std::vector<CellState> states_;
   std::vector<std::uint16_t> columns_;  // distances along the columns, at most the radius
-  // Of a row: squared distances along the columns, and the least sums.
+  // One row: squared distances along the columns, and the least sums.
   std::vector<std::uint16_t> squares_;
   std::vector<std::uint16_t> best_;
 };

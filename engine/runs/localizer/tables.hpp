@@ -1,5 +1,5 @@
-// What was found of each scan, as a table for `gdtslam evaluate` and other programs: the names of the columns, then one
-// line a scan, docs/formats.md. Thread-safe; O(scans).
+// Found poses as a table for `gdtslam evaluate` and other programs: the names of the columns, then one line a scan
+// (docs/formats.md). Thread-safe; O(scans).
 #pragma once
 
 #include <array>

@@ -58,7 +58,7 @@ GroupCount linear(const LaunchShape& shape) {
 
 constexpr std::uint32_t kGroup = 128;  // invocations: what every device has
 
-/// Of a kernel that goes through its grid, `kCellsEach` neighbours of a row an invocation.
+/// Groups for a kernel over its grid, in which an invocation takes `kCellsEach` neighbours of a row.
 template <class K, std::uint32_t kCellsEach>
 GroupCount grid(const LaunchShape& shape) {
   const auto params = launch_params<K>(shape);

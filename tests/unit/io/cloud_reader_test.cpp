@@ -131,7 +131,7 @@ TEST(CloudReader, EachFaultHasItsLine) {
   at(ply("2", "1 2 3\n"), "c: ends after 1 of the 2 points");
   at(ply("1", "1 2\n"), "c:8: has fewer numbers");
   at(ply("1", "1 2 3 4\n"), "c:8: has more numbers");
-  at(ply("1", "1 2 3x\n"), "c:8: has fewer numbers than columns, or something that is no number");
+  at(ply("1", "1 2 3x\n"), "c:8: has fewer numbers than columns, or a word among them");
   at(ply("1", "1 2 3\n4 5 6\n"), "c:9: goes on after the 1 points");
   at(ply("1", "1 2 3 -1\n", std::string(kXyz) + "property int scan\n"), "scan number");
   at(ply("1", "1 2 3 -1 4\n", std::string(kXyz) + "property list int int n\n"), "the length of a list");

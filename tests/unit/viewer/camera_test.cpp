@@ -178,7 +178,7 @@ TEST(CameraText, WhatIsWrongIsSaid) {
   const std::vector<std::pair<std::string, std::string>> cases{
       {"", "1 number where 6 or 7"},
       {"1,2,3", "3 numbers where 6 or 7"},
-      {"1,2,three,4,5,6", "'three' is no number"},
+      {"1,2,three,4,5,6", "'three' is not a number"},
       {"1,2,inf,4,5,6", "'inf'"},
       {"1,2,3e7,4,5,6", "beyond 1000 km"},
       {"1,2,3,1,2,3", "at one place"},

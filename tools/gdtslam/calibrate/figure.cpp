@@ -32,7 +32,7 @@ constexpr double kWellInside = 0.98;     // share of the residuals that the scal
 constexpr Colour kBefore = ink::kLaser;
 constexpr Colour kAfter = ink::kCoupler;
 
-/// What is believed of the scanner, before or after.
+/// The model of the scanner, before or after the calibration, for the figure.
 struct Belief {
   const SweepModel& model;
   const std::vector<CalibrationSurface>& surfaces;

@@ -1,4 +1,4 @@
-// What `gdtslam evaluate` is asked for, and the things that it can evaluate. Thread-safe apart from the files.
+// Options of `gdtslam evaluate`, and a function for each kind of input. Thread-safe apart from the files.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -1,4 +1,4 @@
-// What `gdtslam localize` prints and draws: text and a picture for people, JSON for programs. Everything but the JSON's
+// Output of `gdtslam localize`: text and a picture for people, JSON for programs. Everything but the JSON's
 // "times" depends on the input alone. Thread-safe; O(scans), a picture O(cells).
 #pragma once
 

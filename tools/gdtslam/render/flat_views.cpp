@@ -45,7 +45,7 @@ std::vector<TrajectoryError> errors_of(RenderSource& source, const RenderOptions
   return errors_against(source.trajectory(), given_trajectory(options.reference));
 }
 
-// What evaluate says of these errors: "RMSE 0.0124 m, largest 0.0312 m, 2,884 of 2,884 poses".
+// Summary of errors in the words of `gdtslam evaluate`: "RMSE 0.0124 m, largest 0.0312 m, 2,884 of 2,884 poses".
 std::string error_words(const std::vector<double>& errors) {
   std::vector<double> known;
   for (const double error : errors) {

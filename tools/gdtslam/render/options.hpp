@@ -11,7 +11,7 @@
 
 namespace gdtslam {
 
-/// What the command line says; empty or 0: not said.
+/// Options of the command line; an empty text or 0 means that an option was not given.
 struct RenderOptions {
   std::vector<std::string> inputs;
   std::string output;

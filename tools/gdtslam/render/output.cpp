@@ -34,7 +34,7 @@ constexpr std::array<Ending, 9> kEndings{{{".png", OutputKind::kPng},
 
 using namespace effect;
 
-/// What options change of a view in this form; of a file that no view belongs to, by its form alone.
+/// Effects that options have on a view in this form; for a file without a view the form alone decides.
 unsigned effects_of(const RenderView* view, OutputKind output, bool is_linkage) {
   if (is_linkage) return kTitle | kLinkage;
   if (output == OutputKind::kPage) return kTitle | kDistances | kPoints | kLinkage;

@@ -37,7 +37,7 @@ class RenderStudio {
   /// Both must outlive this.
   RenderStudio(const RenderOptions& options, std::vector<RenderSource>& sources);
 
-  // What the views draw (RenderView). Each throws UsageError, InputError, UnavailableError if nothing can draw.
+  // Drawings of the views (RenderView). Each throws UsageError, InputError, or UnavailableError if nothing can draw.
   // Without a size one that suits the content.
   using Wanted = std::optional<PictureSize>;
   Canvas cloud(const Wanted& wanted);
@@ -86,7 +86,7 @@ class RenderStudio {
 
  private:
   RenderSource& first() { return sources_.front(); }
-  /// Of the first source; empty if it has none.
+  /// The path of the first source; empty if it has none.
   [[nodiscard]] Trajectory path() const;
   /// The stretch of --time in the log's clock; by default the first 20 s of it.
   struct Stretch {

@@ -15,7 +15,7 @@ namespace gdtslam {
 
 class RenderStudio;
 
-/// What an option changes; a set of them as bits.
+/// Effects of options, a bit each.
 namespace effect {
 inline constexpr unsigned kFrom = 1U << 0U;        ///< --from
 inline constexpr unsigned kColour = 1U << 1U;      ///< --colour
@@ -64,7 +64,7 @@ const RenderView& render_view(const std::string& name, const std::string& as);
 /// The view that an input is drawn as when none is named; the one that moves best for a film. Null if no view can be a
 /// film.
 const RenderView* default_view(unsigned parts, bool is_film);
-/// What the view lacks of these parts, "map and 3D cloud", with these words between them; empty when nothing.
+/// Those of these parts that the view lacks, "map and 3D cloud", with the joint between them; else empty.
 std::string missing_parts(const RenderView& view, unsigned parts, std::string_view joint = " and ");
 /// Names of the views that these parts allow, "map, field".
 std::string views_there_are(unsigned parts, bool is_film);

@@ -94,7 +94,7 @@ YamlField list_field(const char* key, Read read) {
           }};
 }
 
-// Of a scene or an object of it.
+// The field `boxes` of a scene or of an object in it.
 template <class Target>
 YamlField boxes_field(PartCount& parts, Target& target) {
   return list_field("boxes", [&](const YamlValue& box) { read_box(box, parts, target.boxes); });
@@ -253,7 +253,7 @@ void read_place(const YamlValue& value, const Objects& objects, PartCount& parts
   }
 }
 
-/// What the readers of one scene share.
+/// State shared by the readers of one scene.
 struct SceneParts {
   PartCount count;
   sim::Wall wall_defaults;

@@ -17,7 +17,7 @@ inline constexpr Quantity kTime{Unit::kSecond};
 inline constexpr Quantity kNumber{Unit::kNone};
 inline constexpr Quantity kFrequency{Unit::kNone, "Hz"};
 
-/// What can be seen: the keys wall_defaults, walls, boxes, cylinders, objects, place, meshes, floor and ceiling. Their
+/// Fields of the visible parts: wall_defaults, walls, boxes, cylinders, objects, place, meshes, floor and ceiling. Their
 /// readers throw FileError or InputError for a mesh. `scene` must outlive the fields.
 std::vector<YamlField> scene_part_fields(sim::Scene& scene);
 

@@ -66,7 +66,7 @@ class FollowedFile final : public LineInput {
     if (descriptor_ < 0) throw FileError(path, "cannot be opened: " + errno_text(errno));
     if (!S_ISREG(status_.st_mode)) {
       ::close(descriptor_);
-      throw FileError(path, "is no file that could grow; give a pipe without --follow");
+      throw FileError(path, "cannot grow like a file; give a pipe without --follow");
     }
   }
   ~FollowedFile() override { ::close(descriptor_); }

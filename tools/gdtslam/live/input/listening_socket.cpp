@@ -93,7 +93,7 @@ void ListeningSocket::listen_at_port(const std::string& host_and_port) {
   std::optional<NetworkAddress> address = network_address(host_and_port);
   if (!address) {
     throw UsageError(
-        fmt::format("--listen: '{}' has no port from 0 to 65535, or an address that is no number", address_));
+        fmt::format("--listen: '{}' has no port from 0 to 65535, or an address that is not a number", address_));
   }
   addrinfo wanted{};
   wanted.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV | AI_PASSIVE;

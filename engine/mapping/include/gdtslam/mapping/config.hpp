@@ -53,8 +53,7 @@ struct Option {
   Audience audience = Audience::kEveryone;
 };
 
-/// What is wrong with the values of a table: one text per violation, with path, value and bound; empty when all is
-/// well.
+/// Violations in the values of a table: a text for each, with path, value and bound. Empty if all values are allowed.
 std::vector<std::string> violations(std::span<const Option> options);
 
 /// matchers.hpp has their table.

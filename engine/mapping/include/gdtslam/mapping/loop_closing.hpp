@@ -50,7 +50,7 @@ struct GraphPlace {
   Pose2 T_map_base;      ///< where the graph put it; the joint adjustment of all keyframes comes after that
 };
 
-/// What was measured between two places that follow each other.
+/// The relation measured between two consecutive places.
 struct PathRelation {
   std::size_t from = 0;  ///< scans, by their number
   std::size_t to = 0;
@@ -59,7 +59,7 @@ struct PathRelation {
   bool is_by_wheels = false;    ///< else by the mapper, which had the wheels to begin with
 };
 
-/// What the wheels get wrong always, with one standard deviation each, and how far they were believed.
+/// Systematic errors of the wheels, with a standard deviation each, and the weight that the wheels got.
 struct WheelReport {
   double distance = 0.0;        ///< share that is missing in distances
   double turn = 0.0;            ///< share that is missing in turns
@@ -71,7 +71,7 @@ struct WheelReport {
   double variance_factor_of_matches = 1.0;  ///< likewise of its own poses
 };
 
-/// What closing the loops came to.
+/// Result of closing the loops.
 struct ClosedPath {
   bool is_closed = false;                   ///< not where it was stopped: then the poses are those of the mapper
   std::vector<Pose2> T_map_base;            ///< one a scan
@@ -138,8 +138,9 @@ class LoopClosing {
   /// keyframe, during which loops wait. Holds what was thrown, as InputError where the map would be beyond
   /// map.max_megacells; std::future_error (broken promise) where the mapper ended before. Not after close().
   std::shared_future<FrozenMap> request_map();
-  /// Where the keyframes so far are, once the thread that looks for loops has come to them; it takes next to no time.
-  /// As request_map() it is broken where the mapper ends before, and not to be asked for after close().
+  /// The poses of the keyframes so far, as soon as the thread that looks for loops has reached them. The call itself
+  /// takes next to no time. Like that of request_map(), the future is broken if the mapper ends first, and close() must
+  /// not have been called.
   std::shared_future<ClosedKeyframes> request_keyframes();
   [[nodiscard]] LiveStatistics statistics() const;
 

@@ -1,4 +1,4 @@
-// What matching a scan gives: the estimate with its evidence, never a bare pose; and what a mapper counts of all scans.
+// Result of matching a scan: the estimate with its evidence, never a bare pose. And the counts of a mapper over all scans.
 #pragma once
 
 #include <cstdint>

@@ -30,9 +30,9 @@ using ClosedKeyframesSoon = std::shared_future<ClosedKeyframes>;
 struct MappedScan {
   const LaserScan& scan;
   const MatchResult& match;  ///< in the front end's frame, at the scan's stamp
-  /// Where that frame lies in the one with the loops closed that were found by then (LoopClosing::correction()).
+  /// The pose of that frame in the one with the loops found by then closed (LoopClosing::correction()).
   Pose2 T_closed_front;
-  /// Where that has changed with this scan (LoopClosing::request_keyframes()); else no future at all.
+  /// Keyframes anew if that pose has changed with this scan (LoopClosing::request_keyframes()); else no future at all.
   ClosedKeyframesSoon closed_keyframes;
   /// False of scans that were matched together with the next one, as one observation of several lasers.
   bool ends_observation = true;
