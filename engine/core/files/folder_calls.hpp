@@ -92,14 +92,4 @@ inline void remove_tree(const std::filesystem::path& path, std::error_code& fail
   remove_entry(AT_FDCWD, path.c_str(), failed);
 }
 
-/// What lies in a folder but for one file, which is left; whether nothing else is.
-inline bool remove_all_beside(const std::filesystem::path& file, std::error_code& failed) {
-  for (const std::filesystem::path& path : list_folder(file.parent_path(), failed)) {
-    std::error_code kept;
-    if (path != file) remove_tree(path, kept);
-    if (kept) failed = kept;
-  }
-  return !failed;
-}
-
 }  // namespace gdtslam

@@ -137,19 +137,5 @@ TEST_F(FolderCalls, WhatCannotBeRemovedIsToldOfAndTheRestIsGone) {
   EXPECT_EQ(names(0, 0), kBoth);
 }
 
-TEST_F(FolderCalls, RemoveAllBesideOneFile) {
-  EXPECT_TRUE(remove_all_beside(folder_ / "a file", failed_));
-  EXPECT_EQ(names(0, 0), std::multiset<std::string>{"a file"});
-  fs::create_directory(folder_ / "more");
-  failures_left = 2;
-  failure_code = EINTR;
-  EXPECT_TRUE(remove_all_beside(folder_ / "a file", failed_));
-  failures_left = 1;
-  failure_code = EIO;
-  EXPECT_FALSE(remove_all_beside(folder_ / "a file", failed_));
-  EXPECT_EQ(failed_, std::errc::io_error);
-  EXPECT_EQ(names(0, 0), std::multiset<std::string>{"a file"});
-}
-
 }  // namespace
 }  // namespace gdtslam::test
