@@ -11,7 +11,7 @@ QUICK = ("--first", 200, "--scans", 12, "--matchers", ",".join(METHODS), "--star
 
 
 def _compared(folder, *arguments):
-    process = command("compare", LOG, *QUICK, "--json", "--csv", folder / "trials.csv", *arguments, timeout=250)
+    process = command("compare", LOG, *QUICK, "--json", "--csv", folder / "trials.csv", "--force", *arguments, timeout=250)
     expect_exit(process, 0)
     expect(process.stderr == "", f"stderr {process.stderr!r}")
     validate(process.stdout, "compare")

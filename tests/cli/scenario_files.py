@@ -124,7 +124,7 @@ def foreign_files_are_kept():
 
 
 def unwritable_output():
-    """An output below a regular file, and a table whose name a folder has: exit 74, nothing lost."""
+    """An output below a regular file: exit 74. A table whose name a folder has: exit 2 before the work. Nothing is lost."""
     folder, before = old_run("unwritable_output")
     process = command("map", LOG, "-o", folder / "map.pgm" / "below", "-q")
     expect_exit(process, 74)
@@ -132,7 +132,10 @@ def unwritable_output():
     expect(digests(folder) == before, "the folder changed")
     process = command("ablation", LOG, "--relations", DATA / "drive.relations", "-o", folder, "--first", 12, "--variant",
                       "merge.kappa=1", "-q")
-    expect_exit(process, 74)
+    expect_exit(process, 2)
+    one_error_line(process.stderr)
+    expect("is a folder" in process.stderr, process.stderr)
+    expect(digests(folder) == before, "the folder changed")
 
 
 def default_folder_and_latest():

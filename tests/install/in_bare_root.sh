@@ -45,7 +45,7 @@ for matcher in simplex-newton exhaustive; do map --device cpu --matcher "$matche
 map --device auto --matcher exhaustive # without a hardware GPU: the processor
 gdtslam 0 map "$sample" -o loops --quiet --device cpu
 contains loops/report.json '"loops": {'
-gdtslam 0 devices
+gdtslam 0 doctor --devices
 cat out
 
 if [ "$1" = cpu ]; then

@@ -50,11 +50,11 @@ if has pages; then
   offered=$(bash -c '
     source /usr/share/bash-completion/bash_completion
     source /usr/share/bash-completion/completions/gdtslam
-    COMP_WORDS=(gdtslam meas) COMP_CWORD=1 COMP_LINE="gdtslam meas" COMP_POINT=12
+    COMP_WORDS=(gdtslam eval) COMP_CWORD=1 COMP_LINE="gdtslam eval" COMP_POINT=12
     function=$(complete -p gdtslam | sed -n "s/.* -F \([^ ]*\) .*/\1/p")
-    "$function" gdtslam meas gdtslam
+    "$function" gdtslam eval gdtslam
     echo "${COMPREPLY[*]}"')
-  [[ $offered == *measure* ]] || fail "completion of 'gdtslam meas' offers '$offered'"
+  [[ $offered == *evaluate* ]] || fail "completion of 'gdtslam eval' offers '$offered'"
 fi
 
 if has library; then

@@ -81,6 +81,7 @@ in_root() {
     shift
     touch "$root/dev/null"
     mount --bind /dev/null "$root/dev/null"
+    ln -sfn /proc/self/fd "$root/dev/fd"
     mount -t proc proc "$root/proc" || mount --rbind /proc "$root/proc"
     exec env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root TERM=dumb LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
       "$(command -v chroot)" "$root" "$@"' sh "$root" "$@" </dev/null

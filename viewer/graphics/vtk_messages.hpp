@@ -1,5 +1,5 @@
-// Messages of VTK. From the first GraphicsContext on none of them reaches the terminal: errors are kept for the thread that
-// caused them until a view asks for them; warnings are dropped.
+// Messages of VTK. From the first GraphicsContext on none of them reaches the terminal: errors are kept for the thread
+// that caused them until a view asks for them; warnings are dropped.
 #pragma once
 
 #include <string>

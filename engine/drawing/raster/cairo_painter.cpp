@@ -116,8 +116,7 @@ CairoFont scaled_font(bool is_bold, double size) {
   CairoFont font(cairo_scaled_font_create(font_face(is_bold).get(), &scale, &identity, font_options().get()));
   if (cairo_scaled_font_status(font.get()) != CAIRO_STATUS_SUCCESS ||
       cairo_scaled_font_get_type(font.get()) == CAIRO_FONT_TYPE_USER) {
-    throw UnavailableError(
-        "a picture has words, and no font is installed; install one (Debian: fonts-dejavu-core)");
+    throw UnavailableError("a picture has words, and no font is installed; install one (Debian: fonts-dejavu-core)");
   }
   return font;
 }

@@ -1,5 +1,5 @@
-// Single errors, which the figures of `gdtslam evaluate` summarise and plots draw, and the frame that clouds are compared in.
-// Thread-safe; O(n log n).
+// Single errors, which the figures of `gdtslam evaluate` summarise and plots draw, and the frame that clouds are
+// compared in. Thread-safe; O(n log n).
 #pragma once
 
 #include <Eigen/Core>

@@ -1,5 +1,6 @@
 // Boxes and planes in a cloud, for `gdtslam evaluate --boxes` and `--planes`: the search, and its results as text and
-// tables, boxes in centimetres, all else in metres and degrees. Thread-safe; O(boxes and planes), measure_cloud() that of the searches.
+// tables, boxes in centimetres, all else in metres and degrees. Thread-safe; O(boxes and planes), measure_cloud() that
+// of the searches.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -26,8 +26,8 @@ struct ReviewNote {
 /// A share of scans: "5.4 %", "0.04 %".
 std::string percent_text(std::uint64_t part, std::uint64_t whole);
 
-/// Notes on a run, those on the whole map first; empty if there is no doubt. `covariances` has one for each pose, or none
-/// if the run has no covariance.csv; the place of a stretch is then its middle.
+/// Notes on a run, those on the whole map first; empty if there is no doubt. `covariances` has one for each pose, or
+/// none if the run has no covariance.csv; the place of a stretch is then its middle.
 std::vector<ReviewNote> review_notes(const RunDoubts& doubts, const Trajectory& trajectory,
                                      std::span<const PoseCovariance> covariances);
 

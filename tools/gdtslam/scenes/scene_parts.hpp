@@ -17,8 +17,8 @@ inline constexpr Quantity kTime{Unit::kSecond};
 inline constexpr Quantity kNumber{Unit::kNone};
 inline constexpr Quantity kFrequency{Unit::kNone, "Hz"};
 
-/// Fields of the visible parts: wall_defaults, walls, boxes, cylinders, objects, place, meshes, floor and ceiling. Their
-/// readers throw FileError or InputError for a mesh. `scene` must outlive the fields.
+/// Fields of the visible parts: wall_defaults, walls, boxes, cylinders, objects, place, meshes, floor and ceiling.
+/// Their readers throw FileError or InputError for a mesh. `scene` must outlive the fields.
 std::vector<YamlField> scene_part_fields(sim::Scene& scene);
 
 /// The section robot.nodding: a laser on a nodding mount. A linkage file is looked for beside the scene.

@@ -1,5 +1,5 @@
-// Writers of a film's frames: an .mp4 or .gif through the program ffmpeg, which compresses beside this process, or a folder
-// of PNG files. A film appears whole or not at all. One writer belongs to one thread; memory: one frame.
+// Writers of a film's frames: an .mp4 or .gif through the program ffmpeg, which compresses beside this process, or a
+// folder of PNG files. A film appears whole or not at all. One writer belongs to one thread; memory: one frame.
 #pragma once
 
 #include <cstddef>

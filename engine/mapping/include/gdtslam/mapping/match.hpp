@@ -1,4 +1,5 @@
-// Result of matching a scan: the estimate with its evidence, never a bare pose. And the counts of a mapper over all scans.
+// Result of matching a scan: the estimate with its evidence, never a bare pose. And the counts of a mapper over all
+// scans.
 #pragma once
 
 #include <cstdint>

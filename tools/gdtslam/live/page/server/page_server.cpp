@@ -49,7 +49,8 @@ std::string header_text(lws* connection, lws_token_indexes name) {
 NetworkAddress page_address(const std::string& text) {
   const std::optional<NetworkAddress> address = network_address(text);
   if (address) return *address;
-  throw UsageError("--page: '" + text + "' is neither a port from 0 to 65535 nor ADDRESS:PORT with an address in numbers");
+  throw UsageError("--page: '" + text +
+                   "' is neither a port from 0 to 65535 nor ADDRESS:PORT with an address in numbers");
 }
 
 struct Answer {
