@@ -1,11 +1,13 @@
 // Poses of the plane, and what turns them: angles, and the drive of a robot.
 #include "gdtslam/core/pose.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "elementary.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/differential_drive.hpp"
+#include "gdtslam/core/stream.hpp"
 
 namespace gdtslam {
 namespace {
@@ -105,6 +107,21 @@ Pose2 wheel_displacement_literal(const DifferentialDrive& drive, double left_m, 
   const double theta_rad = left_m / radius_m;
   const SinCos<double> angle = sin_cos(theta_rad);
   return {radius_m * angle.cos, radius_m * angle.sin, wrap_angle(theta_rad)};
+}
+
+double position_sigma(double xx, double xy, double yy) {
+  const double mean = 0.5 * (xx + yy);
+  const double half = 0.5 * (xx - yy);
+  return std::sqrt(std::fmax(0.0, mean + std::sqrt(half * half + xy * xy)));
+}
+
+double path_length_m(const Trajectory& trajectory, std::span<const std::size_t> drives) {
+  double length_m = 0.0;
+  for (std::size_t i = 1; i < trajectory.size(); ++i) {
+    if (std::binary_search(drives.begin(), drives.end(), i)) continue;
+    length_m += between(trajectory[i - 1].T_map_base, trajectory[i].T_map_base).translation().norm();
+  }
+  return length_m;
 }
 
 }  // namespace gdtslam

@@ -202,12 +202,6 @@ std::int64_t most_samples(const MapperConfig& config) {
   return side > 100000 ? kMostSamples + 1 : side * side * angles;
 }
 
-std::optional<double> number_of(const Option& option) {
-  if (const auto* real = std::get_if<double*>(&option.value)) return **real;
-  if (const auto* integer = std::get_if<std::int32_t*>(&option.value)) return static_cast<double>(**integer);
-  return std::nullopt;
-}
-
 constexpr std::array kPoseInterpolations{"linear"sv, "geodesic"sv, "odometry"sv};
 constexpr std::array kForms{"working"sv, "literal"sv};
 
@@ -249,24 +243,6 @@ std::vector<std::string> validate(const MapperConfig& config) {
   if (const MatcherInfo& matcher = matcher_info(config.match.matcher); matcher.proves_windows && !has_bounds) {
     found.push_back("match.matcher " + std::string(matcher.name) +
                     " needs match.cost distance and match.interpolation bilinear");
-  }
-  return found;
-}
-
-bool Choice::set(std::string_view name) const {
-  const auto found = std::find(names_.begin(), names_.end(), name);
-  if (found == names_.end()) return false;
-  set_(value_, static_cast<std::size_t>(std::distance(names_.begin(), found)));
-  return true;
-}
-
-std::vector<std::string> violations(std::span<const Option> options) {
-  std::vector<std::string> found;
-  for (const Option& option : options) {
-    const std::optional<double> value = number_of(option);
-    if (!value || (*value >= option.min && *value <= option.max)) continue;
-    found.push_back(std::string(option.path) + ": " + show_quantity(*value, option.unit) + " is not in " +
-                    show_quantity(option.min, option.unit) + " to " + show_quantity(option.max, option.unit));
   }
   return found;
 }

@@ -336,13 +336,4 @@ std::optional<std::size_t> PosesByStamp::index_of(double stamp_s, double toleran
   return entry == nullptr ? std::nullopt : std::optional(entry->index);
 }
 
-double length_m_of(const Trajectory& trajectory, std::span<const std::size_t> drives) {
-  double length_m = 0.0;
-  for (std::size_t i = 1; i < trajectory.size(); ++i) {
-    if (std::binary_search(drives.begin(), drives.end(), i)) continue;
-    length_m += between(trajectory[i - 1].T_map_base, trajectory[i].T_map_base).translation().norm();
-  }
-  return length_m;
-}
-
 }  // namespace gdtslam

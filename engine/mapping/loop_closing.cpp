@@ -109,10 +109,6 @@ struct LoopClosing::State {
   std::optional<SideThread> mapping;  // that makes it
 };
 
-double PoseCovariance::sigma_m() const {
-  return std::sqrt(largest_variance(Matrix3{{xx, xy, xt, xy, yy, yt, xt, yt, tt}}));
-}
-
 LoopClosing::LoopClosing(const MapperConfig& config, const MapperOptions& options)
     : state_(std::make_unique<State>(config, options)) {}
 LoopClosing::~LoopClosing() = default;

@@ -8,10 +8,10 @@
 #include <functional>
 #include <memory>
 
+#include "gdtslam/core/grids.hpp"
 #include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/colour.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
-#include "gdtslam/mapping/occupancy.hpp"
 #include "map_frame.hpp"
 #include "map_sheet.hpp"
 

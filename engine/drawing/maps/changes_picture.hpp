@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "gdtslam/core/grid_geometry.hpp"
+#include "gdtslam/core/grids.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
-#include "gdtslam/mapping/occupancy.hpp"
 
 namespace gdtslam {
 

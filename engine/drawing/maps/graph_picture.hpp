@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "gdtslam/core/pose.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
-#include "gdtslam/mapping/mapper.hpp"
 
 namespace gdtslam {
 

@@ -8,7 +8,6 @@
 
 #include "engine/drawing/maps/graph_picture.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
-#include "gdtslam/mapping/mapper.hpp"
 
 namespace gdtslam {
 

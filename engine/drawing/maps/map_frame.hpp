@@ -7,10 +7,10 @@
 #include <functional>
 
 #include "gdtslam/core/grid_geometry.hpp"
+#include "gdtslam/core/grids.hpp"
 #include "gdtslam/core/pose.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/drawing/image.hpp"
-#include "gdtslam/mapping/occupancy.hpp"
 
 namespace gdtslam::picture {
 

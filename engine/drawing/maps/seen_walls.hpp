@@ -4,8 +4,8 @@
 
 #include <vector>
 
+#include "gdtslam/core/grids.hpp"
 #include "gdtslam/core/pose.hpp"
-#include "gdtslam/mapping/occupancy.hpp"
 
 namespace gdtslam::picture {
 

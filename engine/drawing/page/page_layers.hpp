@@ -6,9 +6,9 @@
 #include <span>
 
 #include "gdtslam/calib/sweep_model.hpp"
+#include "gdtslam/core/grids.hpp"
 #include "gdtslam/core/pose.hpp"
 #include "gdtslam/core/stream.hpp"
-#include "gdtslam/mapping/occupancy.hpp"
 #include "page_writer.hpp"
 
 namespace gdtslam::page {

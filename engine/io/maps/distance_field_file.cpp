@@ -112,19 +112,6 @@ std::uint16_t value_of(std::uint16_t level, const Levels& levels, const std::str
 
 }  // namespace
 
-DistanceFieldRows rows_of(const DistanceFieldView& field) {
-  return {field.geometry, field.cap, [field](std::int32_t y, std::span<std::uint16_t> row) {
-            const auto cells = field.cells.subspan(static_cast<std::size_t>(y) * field.stride, row.size());
-            std::copy(cells.begin(), cells.end(), row.begin());
-          }};
-}
-
-DistanceFieldRows rows_of(const GlobalField& field) {
-  return {field.geometry(), field.cap(), [&field](std::int32_t y, std::span<std::uint16_t> row) {
-            field.read_row(field.box().min + CellOffset{0, y}, row);
-          }};
-}
-
 void write_distance_field(const std::string& yaml_path, const DistanceFieldRows& field) {
   check_writable(yaml_path, field);
   const std::filesystem::path image_path = std::filesystem::path(yaml_path).replace_extension(".png");

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <variant>
 
-#include "gdtslam/mapping/config.hpp"
+#include "gdtslam/core/option.hpp"
 
 namespace gdtslam {
 

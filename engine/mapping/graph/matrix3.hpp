@@ -167,11 +167,9 @@ Matrix3 with_eigenvalues(const Eigen3& eigen, const Function& f) {
   return times_transposed(scaled, eigen.vectors);
 }
 
-/// Of the position in any direction, from a covariance of (x, y, theta).
-inline double largest_variance(const Matrix3& covariance) {
-  const double mean = 0.5 * (covariance(0, 0) + covariance(1, 1));
-  const double half = 0.5 * (covariance(0, 0) - covariance(1, 1));
-  return std::fmax(0.0, mean + std::sqrt(half * half + covariance(0, 1) * covariance(0, 1)));
+/// Standard deviation of the position in its least sure direction, from a covariance of (x, y, theta).
+inline double position_sigma(const Matrix3& covariance) {
+  return position_sigma(covariance(0, 0), covariance(0, 1), covariance(1, 1));
 }
 
 /// adjoint(T) of pose.hpp.

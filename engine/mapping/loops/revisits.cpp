@@ -45,7 +45,7 @@ std::vector<Revisit> revisits_of(const PoseGraph& graph, const GraphCovariance& 
   std::vector<Revisit> revisits = near_places(graph, path_m, here, rules, left_out);
   for (Revisit& revisit : revisits) {
     const Matrix3 relative = covariance.relative(revisit.place, here);
-    revisit.sigma_m = std::sqrt(largest_variance(relative));
+    revisit.sigma_m = position_sigma(relative);
     revisit.sigma_rad = std::sqrt(std::max(0.0, relative(2, 2)));
   }
   std::erase_if(revisits, [&](const Revisit& revisit) {

@@ -85,4 +85,10 @@ void GlobalField::touch(const CellBox& map_box) { store_->touch(map_box); }
 std::vector<std::uint16_t> GlobalField::download() const { return store_->read(); }
 void GlobalField::adopt(const CellRows& from) { store_->write(from); }
 
+DistanceFieldRows rows_of(const GlobalField& field) {
+  return {field.geometry(), field.cap(), [&field](std::int32_t y, std::span<std::uint16_t> row) {
+            field.read_row(field.box().min + CellOffset{0, y}, row);
+          }};
+}
+
 }  // namespace gdtslam

@@ -38,9 +38,7 @@ void PoseFilter::predict(const Pose2& T_map_predicted, const MotionNoise& noise)
   T_map_base_ = T_map_predicted;
 }
 
-MotionNoise PoseFilter::sigma() const {
-  return {std::sqrt(largest_variance(covariance_)), std::sqrt(covariance_(2, 2))};
-}
+MotionNoise PoseFilter::sigma() const { return {position_sigma(covariance_), std::sqrt(covariance_(2, 2))}; }
 
 // Along a corridor a match slides, always to where the map is known. Its walls are seen under angles that are a little
 // off, so that what it slid would count as a measurement across them: it is left out.

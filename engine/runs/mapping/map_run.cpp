@@ -257,7 +257,7 @@ void MapRun::finish() {
   outcome_.statistics.matched += beside_.matched;
   outcome_.statistics.doubtful += beside_.doubtful;
   outcome_.statistics.keyframes += beside_.keyframes;
-  if (outcome_.closed || nodding_) outcome_.statistics.path_m = length_m_of(outcome_.trajectory);
+  if (outcome_.closed || nodding_) outcome_.statistics.path_m = path_length_m(outcome_.trajectory);
   if (nodding_) outcome_.statistics.odometry_leaps += nodding_->mapper->statistics().odometry_leaps;
   outcome_.device_loss = mapper_->device_loss();
   require_a_map();

@@ -37,4 +37,20 @@ Eigen::Vector3d log_se2(const Pose2& T);
 /// Adjoint: T * exp(v) = exp(Ad_T v) * T.
 Eigen::Matrix3d adjoint(const Pose2& T);
 
+/// Standard deviation in the direction in which it is largest, from the variances and the covariance of x and y.
+double position_sigma(double xx, double xy, double yy);
+
+/// How sure a pose is within a map: covariance of (x, y, theta) along the map's axes. Within a map as a whole, once the
+/// rigid motion of all of it is taken out.
+struct PoseCovariance {
+  double xx = 0.0;  ///< m^2
+  double xy = 0.0;
+  double xt = 0.0;  ///< m rad
+  double yy = 0.0;
+  double yt = 0.0;
+  double tt = 0.0;  ///< rad^2
+  /// Standard deviation in the direction in which the position is least sure.
+  [[nodiscard]] double sigma_m() const { return position_sigma(xx, xy, yy); }
+};
+
 }  // namespace gdtslam

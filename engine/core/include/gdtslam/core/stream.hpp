@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -90,6 +91,17 @@ struct StampedPose {
 
 /// Poses in log order.
 using Trajectory = std::vector<StampedPose>;
+
+/// Length of the path from pose to pose, metres, without the gaps between drives: `drives` has the indices of the poses
+/// at which a further drive begins, ascending.
+double path_length_m(const Trajectory& trajectory, std::span<const std::size_t> drives = {});
+
+/// The pose of the robot at time t2 in its frame at time t1, as somebody verified it.
+struct Relation {
+  double t1_s = 0.0;
+  double t2_s = 0.0;
+  Pose2 T_1_2;
+};
 
 /// The source of a log: one record after the other, memory independent of the log's length.
 class LogReader {

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "gdtslam/mapping/config.hpp"
+#include "gdtslam/core/option.hpp"
 
 namespace gdtslam {
 

@@ -10,33 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "gdtslam/core/grid_geometry.hpp"
-#include "gdtslam/mapping/global_field.hpp"
+#include "gdtslam/core/grids.hpp"
 
 namespace gdtslam {
-
-/// A distance field in memory: row-major, lower left cell first, `stride` cells from row to row.
-struct DistanceFieldView {
-  GridGeometry geometry;
-  std::size_t stride = 0;
-  std::span<const std::uint16_t> cells;
-  std::uint16_t cap = 0;
-  [[nodiscard]] std::uint16_t at(CellIndex cell) const {
-    return cells[static_cast<std::size_t>(cell.y) * stride + static_cast<std::size_t>(cell.x)];
-  }
-};
-/// So near to an obstacle, in 1/256 cell, what is drawn of a field is its wall.
-inline constexpr std::uint16_t kWallOfField = 128;
-
-/// A distance field that is read row by row, so that one that is not stored in rows need not be copied.
-struct DistanceFieldRows {
-  GridGeometry geometry;
-  std::uint16_t cap = 0;
-  std::function<void(std::int32_t y, std::span<std::uint16_t> row)> read;  ///< row y, of the geometry's width
-};
-DistanceFieldRows rows_of(const DistanceFieldView& field);
-/// Of a field on the CPU, which must outlive it.
-DistanceFieldRows rows_of(const GlobalField& field);
 
 /// Writes the YAML at `yaml_path` and the PNG beside it (the same stem), the YAML last. Throws FileError;
 /// InputError when the field has no cells, its cap is 0 or a value lies above the cap.

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "gdtslam/mapping/occupancy.hpp"
+#include "gdtslam/core/grids.hpp"
 
 namespace gdtslam {
 

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "gdtslam/core/stream.hpp"
-#include "gdtslam/mapping/evaluation.hpp"
 
 namespace gdtslam {
 

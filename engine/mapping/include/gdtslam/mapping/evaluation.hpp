@@ -51,13 +51,6 @@ class RepeatedStamps {
   std::vector<std::size_t> next_other_;  // of each the next one that is of another stretch
 };
 
-/// The pose of the robot at time t2 in its frame at time t1, as somebody verified it.
-struct Relation {
-  double t1_s = 0.0;
-  double t2_s = 0.0;
-  Pose2 T_1_2;
-};
-
 /// Mean, sample standard deviation, largest value and root mean square of some errors.
 struct ErrorSummary {
   std::size_t count = 0;
@@ -116,9 +109,5 @@ std::vector<std::optional<std::size_t>> matches_by_stamp(const Trajectory& estim
 /// reference.
 ReferenceReport evaluate_reference(const Trajectory& estimate, const Trajectory& reference,
                                    const ReferenceOptions& options);
-
-/// Of the path, from pose to pose, metres. What lies between two drives was not driven: `drives` has the poses at which
-/// another one begins, ascending.
-double length_m_of(const Trajectory& trajectory, std::span<const std::size_t> drives = {});
 
 }  // namespace gdtslam

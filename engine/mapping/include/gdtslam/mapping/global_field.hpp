@@ -11,7 +11,7 @@
 
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/compute/kernel_options.hpp"
-#include "gdtslam/core/grid_geometry.hpp"
+#include "gdtslam/core/grids.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 
 namespace gdtslam {
@@ -85,5 +85,8 @@ class GlobalField {
   CellBox box_{};
   std::unique_ptr<FieldStore> store_;
 };
+
+/// The rows of a field on the CPU, which must outlive them.
+DistanceFieldRows rows_of(const GlobalField& field);
 
 }  // namespace gdtslam

@@ -25,19 +25,6 @@ std::string_view to_string(Doubt doubt);
 enum class StopReason : std::uint8_t { kNotRun, kConverged, kEvaluationLimit };
 std::string_view to_string(StopReason reason);
 
-/// How sure a pose is within a map: covariance of (x, y, theta) along the map's axes. Within a map as a whole, once the
-/// rigid motion of all of it is taken out.
-struct PoseCovariance {
-  double xx = 0.0;  ///< m^2
-  double xy = 0.0;
-  double xt = 0.0;  ///< m rad
-  double yy = 0.0;
-  double yt = 0.0;
-  double tt = 0.0;  ///< rad^2
-  /// In the direction in which the position is least sure.
-  [[nodiscard]] double sigma_m() const;
-};
-
 /// The pose of one scan and what speaks for it.
 struct MatchResult {
   double stamp_s = 0.0;

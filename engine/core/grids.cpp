@@ -1,4 +1,4 @@
-#include "gdtslam/mapping/occupancy.hpp"
+#include "gdtslam/core/grids.hpp"
 
 #include <algorithm>
 
@@ -26,6 +26,13 @@ std::vector<CellState> CellStates::all() const {
   std::vector<CellState> states(size_);
   read(0, states);
   return states;
+}
+
+DistanceFieldRows rows_of(const DistanceFieldView& field) {
+  return {field.geometry, field.cap, [field](std::int32_t y, std::span<std::uint16_t> row) {
+            const auto cells = field.cells.subspan(static_cast<std::size_t>(y) * field.stride, row.size());
+            std::copy(cells.begin(), cells.end(), row.begin());
+          }};
 }
 
 }  // namespace gdtslam

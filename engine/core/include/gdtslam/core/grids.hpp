@@ -1,0 +1,97 @@
+// The maps as grids: which cells are occupied, and how far each cell is from an obstacle. Frame: map; row-major, the
+// lower left cell first. Thread-safe where constant.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "gdtslam/core/grid_geometry.hpp"
+
+namespace gdtslam {
+
+enum class CellState : std::uint8_t { kUnknown, kFree, kOccupied };
+
+/// What is known of the cells of a map, one after the other: two bits each, and none for stretches of 512 of which
+/// nothing is known. One object belongs to one thread, constant ones to all.
+class CellStates {
+ public:
+  CellStates() = default;
+  /// So many unknown cells.
+  explicit CellStates(std::size_t size) : size_(size), blocks_((size + kBlock - 1) / kBlock) {}
+  explicit CellStates(std::span<const CellState> states);
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] CellState operator[](std::size_t cell) const {
+    const std::uint32_t block = blocks_[cell / kBlock];
+    return block == 0 ? CellState::kUnknown : state_in(pool_[block - 1], cell % kBlock);
+  }
+  void set(std::size_t cell, CellState state) {
+    std::uint32_t& block = blocks_[cell / kBlock];
+    if (block == 0) {
+      if (state == CellState::kUnknown) return;
+      pool_.push_back({});
+      block = static_cast<std::uint32_t>(pool_.size());
+    }
+    std::uint64_t& word = pool_[block - 1][cell % kBlock / kInWord];
+    const std::size_t shift = 2 * (cell % kInWord);
+    word = (word & ~(std::uint64_t{3} << shift)) | static_cast<std::uint64_t>(state) << shift;
+  }
+  /// The states from a cell on.
+  void read(std::size_t first, std::span<CellState> states) const;
+  [[nodiscard]] std::vector<CellState> all() const;
+  friend bool operator==(const CellStates& a, const CellStates& b) { return a.all() == b.all(); }
+
+ private:
+  static constexpr std::size_t kBlock = 512;
+  static constexpr std::size_t kInWord = 32;
+  using Block = std::array<std::uint64_t, kBlock / kInWord>;
+  static CellState state_in(const Block& block, std::size_t cell) {
+    return static_cast<CellState>(block[cell / kInWord] >> (2 * (cell % kInWord)) & 3U);
+  }
+
+  std::size_t size_ = 0;
+  std::vector<std::uint32_t> blocks_;  // 0, or one more than its place in the pool
+  std::deque<Block> pool_;
+};
+
+/// Row-major, the lower left cell first; as small as what was seen allows.
+struct OccupancyMap {
+  GridGeometry geometry;
+  CellStates cells;
+  [[nodiscard]] CellState at(CellIndex cell) const {
+    return cells[static_cast<std::size_t>(cell.y) * static_cast<std::size_t>(geometry.width) +
+                 static_cast<std::size_t>(cell.x)];
+  }
+  /// The states of a row, of the geometry's width.
+  void read_row(std::int32_t y, std::span<CellState> states) const {
+    cells.read(static_cast<std::size_t>(y) * static_cast<std::size_t>(geometry.width), states);
+  }
+};
+
+/// A distance field in memory: row-major, lower left cell first, `stride` cells from row to row.
+struct DistanceFieldView {
+  GridGeometry geometry;
+  std::size_t stride = 0;
+  std::span<const std::uint16_t> cells;
+  std::uint16_t cap = 0;
+  [[nodiscard]] std::uint16_t at(CellIndex cell) const {
+    return cells[static_cast<std::size_t>(cell.y) * stride + static_cast<std::size_t>(cell.x)];
+  }
+};
+/// So near to an obstacle, in 1/256 cell, what is drawn of a field is its wall.
+inline constexpr std::uint16_t kWallOfField = 128;
+
+/// A distance field that is read row by row, so that one that is not stored in rows need not be copied.
+struct DistanceFieldRows {
+  GridGeometry geometry;
+  std::uint16_t cap = 0;
+  std::function<void(std::int32_t y, std::span<std::uint16_t> row)> read;  ///< row y, of the geometry's width
+};
+DistanceFieldRows rows_of(const DistanceFieldView& field);
+
+}  // namespace gdtslam
