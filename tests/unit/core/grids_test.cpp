@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "gdtslam/core/grids.hpp"
 #include "gdtslam/core/random.hpp"
-#include "gdtslam/mapping/occupancy.hpp"
 
 namespace gdtslam {
 namespace {
