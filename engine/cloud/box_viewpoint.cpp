@@ -11,16 +11,16 @@ namespace gdtslam {
 namespace {
 
 constexpr std::size_t kMostPoints = 200'000;
-constexpr double kMostPlaneRms_m = 0.03;  // of the points from the planes of their elevations
-constexpr double kMostStretch = 0.03;     // of the heading's length from 1
+constexpr double kMostPlaneRms_m = 0.03;  // RMS of the points from the planes of their elevations
+constexpr double kMostStretch = 0.03;     // deviation of the heading's length from 1
 constexpr double kSteepest_rad = 1.4;     // beyond, the tangent says more about the elevation's error than the place
-constexpr double kLeastSpread = 0.02;     // of the elevations' tangents, standard deviation
+constexpr double kLeastSpread = 0.02;     // standard deviation of the elevations' tangents
 constexpr double kLeastBoxPoints = 100;
 
 struct Fit {
   Eigen::Vector4d answer = Eigen::Vector4d::Zero();
   double rms_m = 0.0;
-  double spread = 0.0;  ///< of the tangents
+  double spread = 0.0;  ///< standard deviation of the tangents
 };
 
 // z = height + tan(elevation) (x cos(heading) + y sin(heading) - forward), linear in height, the heading's two

@@ -14,7 +14,7 @@ namespace gdtslam {
 namespace {
 
 constexpr std::uint32_t kMostHoughCells = 60'000;
-constexpr double kGrowth = 1.3;           // of the cells, until they are few enough
+constexpr double kGrowth = 1.3;           // growth of the cells, until they are few enough
 constexpr std::uint32_t kNearCells = 24;  // whose points give a normal
 constexpr double kFlatPlane = 0.5;        // thickness over extent of a neighbourhood that has a normal
 constexpr double kAlike = 0.9;            // cosine of a point's normal to that of its plane
@@ -72,7 +72,7 @@ std::vector<std::uint32_t> supporters_of(const ThinnedCloud& thin, const Plane& 
   return found;
 }
 
-// Those of the cells that hang together and are most, ascending.
+// Largest connected group of the cells, ascending.
 std::vector<std::uint32_t> connected(const ThinnedCloud& thin, const std::vector<std::uint32_t>& cells) {
   const std::vector<std::uint32_t>& group_of = thin.groups.cell_of();
   std::vector<bool> is_marked(thin.groups.size(), false);

@@ -18,8 +18,8 @@ constexpr double kColumn_m = 0.25;    // side of the columns over the ground tha
 constexpr int kColumnRounds = 6;
 constexpr int kPointRounds = 3;
 constexpr int kCandidates = 3;
-constexpr double kMostBeyond = 0.05;  // of the points: stairs down, a mirror, what a window shows
-constexpr double kLeastInner = 0.1;   // of a surface's columns; a row along the walls has none
+constexpr double kMostBeyond = 0.05;  // share of points beyond it: stairs down, a mirror, the view through a window
+constexpr double kLeastInner = 0.1;   // least share of a surface's columns; a row along the walls has none
 
 using PointSpan = std::span<const CloudPoint>;
 using Indices = std::vector<std::uint32_t>;
@@ -33,7 +33,7 @@ std::int32_t column_of(float coordinate_m) {
 
 ColumnKey column_of(const CloudPoint& point) { return {column_of(point.x_m), column_of(point.y_m)}; }
 
-/// Of each column of the ground the lowest and the highest point.
+/// Lowest and highest point of each column of the ground.
 struct ColumnEnds {
   Indices lowest;
   Indices highest;

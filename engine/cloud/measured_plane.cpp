@@ -12,8 +12,8 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kCosineOfLevel = 0.984807753012208;  // of 10 deg
-constexpr double kSineOfUpright = 0.17364817766693;   // likewise
+constexpr double kCosineOfLevel = 0.984807753012208;  // cosine of 10 deg
+constexpr double kSineOfUpright = 0.17364817766693;   // sine of 10 deg
 constexpr double kSameLevel_m = 0.1;
 constexpr std::size_t kSample = 1U << 18U;
 

@@ -1,5 +1,5 @@
-// What the planes of a cloud are to a reader: walls, floors, ceilings, with their area and extent. Metres, frame of the
-// cloud, z up. Thread-safe; O(points) a plane and O(cloud log cloud) once.
+// Planes of a cloud with the names that a reader uses: walls, floors, ceilings, with their area and extent. Metres,
+// frame of the cloud, z up. Thread-safe; O(points) a plane and O(cloud log cloud) once.
 #pragma once
 
 #include <array>
@@ -22,10 +22,10 @@ struct MeasuredPlane {
   /// Its normal points up, or away from the origin where it is a wall's.
   PlanePatch patch;
   PlaneKind kind = PlaneKind::kWall;
-  /// Of the surface that was seen: holes and inlets narrower than the gap count as surface.
+  /// Area of the surface that was seen: holes and inlets narrower than the gap count as surface.
   double area_m2 = 0.0;
-  /// Of a wall or slope: along the level, and up it. Of a level plane: the sides of the smallest rectangle around it,
-  /// the longer one first.
+  /// Extent of a wall or slope: along the level, and up it; of a level plane: the sides of the smallest rectangle
+  /// around it, the longer one first.
   std::array<double, 2> extent_m{};
 };
 

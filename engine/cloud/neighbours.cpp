@@ -32,8 +32,8 @@ using Index =
 
 constexpr std::size_t kLeafPoints = 16;
 
-/// What nanoflann hands a search's points to, with its names: the first of the nearest within a distance. Branches of
-/// the tree that lie farther off are not entered.
+/// Result set with nanoflann's names that takes a search's points: the first of the nearest within a distance. Branches
+/// of the tree that lie farther off are not entered.
 class NearestWithin {
  public:
   // nanoflann hands on what is closer than the worst, not what is as close.

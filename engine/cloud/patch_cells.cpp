@@ -12,7 +12,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr unsigned kBits = 21;  // of a cell's number along an axis, one more than are used: a step never wraps
+constexpr unsigned kBits = 21;  // bits of a cell's number along an axis, one more than are used: a step never wraps
 constexpr double kMostAlong = 1 << 20;
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 

@@ -122,7 +122,7 @@ double area_of_points_m2(std::span<const PlanePoint> points, double gap_m) {
   const PlaneBox box = box_around(points);
   const double step_m = std::max(gap_m / kStepsOfGap, std::sqrt(box.length_m(0) * box.length_m(1) / kMostNodes));
   const auto reach = static_cast<std::size_t>(std::lround(0.5 * gap_m / step_m));
-  const std::size_t border = reach + 1;  // where nothing is seen when the points have spread
+  const std::size_t border = reach + 1;  // border that stays empty when the points have spread
   const auto node = [&](const PlanePoint& point, std::size_t axis) {
     return border + static_cast<std::size_t>(std::lround((point[axis] - box.low[axis]) / step_m));
   };

@@ -15,8 +15,8 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kShrink = 0.7;          // of the largest distance of a pair, from one iteration to the next
-constexpr double kLeastDistance = 0.34;  // of the first one
+constexpr double kShrink = 0.7;          // factor of the largest distance of a pair, from one iteration to the next
+constexpr double kLeastDistance = 0.34;  // least distance as a share of the first one
 constexpr double kFlat = 0.3;            // thickness over extent of a neighbourhood that has a normal
 constexpr double kStill_m = 1.0e-4;
 constexpr double kStill_rad = 2.0e-5;
@@ -31,7 +31,7 @@ class Target {
     return neighbours_.nearest(point, within_m);
   }
   [[nodiscard]] Point3 point(std::uint32_t k) const { return neighbours_.point(k); }
-  /// Nothing where the neighbourhood is not flat.
+  /// Normal of a point; empty if the neighbourhood is not flat.
   const std::optional<Point3>& normal(std::uint32_t k) {
     if (!is_known_[k]) normals_[k] = neighbours_.normal(k, count_, kFlat);
     is_known_[k] = true;

@@ -38,8 +38,8 @@ class CubeGrid {
  public:
   explicit CubeGrid(double voxel_m) : voxel_m_(voxel_m), per_m_(1.0 / voxel_m) {}
 
-  /// Of a coordinate, counted from the lower end of the range: floor(coordinate / edge). The product with the inverse
-  /// is off by less than kNear and decides but for what lies so near to the edge of a cube.
+  /// Cell of a coordinate, counted from the lower end of the range: floor(coordinate / edge). The product with the
+  /// inverse is off by less than kNear and decides unless the coordinate lies so near to the edge of a cube.
   [[nodiscard]] std::uint64_t cell_of(float coordinate_m) const {
     double cell = static_cast<double>(coordinate_m) * per_m_;
     if (!(cell >= -kMostCells && cell < kMostCells)) {  // so does what is no number
@@ -95,7 +95,7 @@ struct VoxelThinning::State {
   std::uint64_t max_voxels = 0;
   CloudSink& next;
   std::vector<Block> slots = std::vector<Block>(kFirstSlots);  // open addressing
-  std::size_t taken = 0;                                       // of the slots
+  std::size_t taken = 0;                                       // slots taken
   std::uint64_t count = 0;
   std::vector<CloudPoint> kept;
 };

@@ -43,12 +43,12 @@ std::string processor_name() {
         return line.substr(colon + 2);
       }
     }
-  } catch (const std::ios_base::failure&) {  // what cannot be read has no name
+  } catch (const std::ios_base::failure&) {  // an unreadable file gives no name
   }
   return "unnamed processor";
 }
 
-/// Of a block from calloc, or of so many bytes that were mapped.
+/// Frees a block from calloc, or so many bytes that were mapped.
 struct FreeDeleter {
   std::size_t mapped_bytes = 0;
   void operator()(std::byte* memory) const {

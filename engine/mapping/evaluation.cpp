@@ -75,8 +75,8 @@ Pose2 rigid_alignment(const std::vector<MatchedPose>& matched) {
   return {shift.x(), shift.y(), rotation.theta_rad};
 }
 
-/// Where the clock steps back another stretch of the trajectory begins, unless it is by less than a second, as the
-/// stamps of recorders do that stamp what they receive: of each pose the stretch, from 0.
+/// Returns the stretch of each pose, from 0. A new stretch begins where the clock steps back, unless it is by less than
+/// a second, as the stamps of recorders do that stamp what they receive.
 std::vector<std::size_t> stretches_of(const Trajectory& trajectory, double tolerance_s) {
   std::vector<std::size_t> stretches;
   stretches.reserve(trajectory.size());

@@ -15,7 +15,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kStretch_m = 15.0;  // of a local map, where the configuration says nothing of it
+constexpr double kStretch_m = 15.0;  // path length of a local map if the configuration sets none
 
 PoseInformation pose_information(const Matrix3& m) {
   return {.xx = m(0, 0), .xy = m(0, 1), .xt = m(0, 2), .yy = m(1, 1), .yt = m(1, 2), .tt = m(2, 2)};
@@ -104,7 +104,7 @@ struct LoopClosing::State {
   MapperConfig config;
   unsigned threads;
   BackEnd back_end;
-  SeparateMap map;                    // of all keyframes, once they are where they belong
+  SeparateMap map;                    // map of all keyframes at their final poses
   std::exception_ptr too_large;       // why it does not hold them
   std::optional<SideThread> mapping;  // that makes it
 };

@@ -70,11 +70,11 @@ struct Mapper::State {
 
   MapperConfig config;
   MapperOptions options;
-  std::unique_ptr<Backend> own_cpu;  // where the backend that was given is a device
+  std::unique_ptr<Backend> own_cpu;  // host mapper's backend if the given one is a device
   Backend* cpu;
-  Backend* device = nullptr;         // where the matcher works, while it does
-  std::unique_ptr<MatchedMap> map;   // what scans are matched with
-  std::unique_ptr<MatchedMap> next;  // of local maps the one that takes its place, half a stretch younger
+  Backend* device = nullptr;         // device on which the matcher works, while it does
+  std::unique_ptr<MatchedMap> map;   // map that scans are matched with
+  std::unique_ptr<MatchedMap> next;  // next local map, half a stretch younger
   double stretch_m = 0.0;            // path since `next` was begun
   std::unique_ptr<Matcher> matcher;
   std::optional<DeviceError> loss;
@@ -83,8 +83,8 @@ struct Mapper::State {
 
   MotionModel motion;
   Patience patience;
-  std::optional<MotionEstimate> estimate;  // where odometry and matches are weighed
-  PoseCertainty certainty;                 // where it is asked for
+  std::optional<MotionEstimate> estimate;  // weighs odometry and matches, if both are used
+  PoseCertainty certainty;                 // covariance of the pose, if asked for
   MapperStatistics statistics;
   bool started = false;
   Pose2 last_keyframe;

@@ -14,7 +14,7 @@
 namespace gdtslam::optimize {
 namespace {
 
-/// What tells the plain method from the annealed one.
+/// Differences between the plain method and the annealed one.
 struct SimplexRule {
   std::function<void(Valued&)> evaluate;  ///< values a point that is tried, which may lie beyond the box
   std::function<double()> heat;           ///< added to what is there, taken off what is tried
@@ -142,7 +142,7 @@ class Annealing {
   }
 
  private:
-  // Where the mean rise between two random points of the box is accepted with the asked probability.
+  // Temperature at which the mean rise between two random points of the box is accepted with the asked probability.
   double first_temperature() {
     std::vector<Valued> sample(10 * function_.dimensions());
     for (Valued& one : sample) one.point = function_.random_point(random_);

@@ -75,7 +75,7 @@ class VulkanBackendImpl final : public VulkanBackend {
   bool save_cache() noexcept override;
 
  private:
-  /// What a dispatch binds.
+  /// Resources that a dispatch binds.
   struct Bound {
     std::array<DeviceBuffer*, kMostBindings> buffers{};
     std::array<std::uint64_t, kMostBindings> ids{};

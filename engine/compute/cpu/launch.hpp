@@ -1,4 +1,4 @@
-// What the rows of the kernels share: typed views of a launch, the checks of its sizes, the call of a kernel's function
+// Common code of the kernels' rows: typed views of a launch, the checks of its sizes, the call of a kernel's function
 // with them, and the making of the row.
 #pragma once
 
@@ -74,7 +74,7 @@ inline CellRange cell_range(const CpuLaunch& launch) {
   return {launch.begin, launch.end, 0, 1};
 }
 
-/// What a kernel's function takes at a place behind its parameters: a buffer, or what the launch is about.
+/// Argument of a kernel's function at a place behind its parameters: a buffer, or a size of the launch.
 template <class T>
 T launch_argument(const CpuLaunch& launch, std::size_t place) {
   if constexpr (std::is_pointer_v<T>) {
@@ -129,7 +129,7 @@ class LaunchCheck {
   void buffer(std::size_t binding, std::size_t bytes) const;
   void extent(Extent wanted) const;
   [[nodiscard]] Extent threads() const { return shape_.threads; }
-  /// What PriorParams promises, finite means besides.
+  /// Checks the promises of PriorParams, and that means are finite.
   void prior(const PriorParams& prior) const;
   /// The limits of PoseCost, whose field is buffer 0 and whose points are buffer 1.
   void cost(const PoseCost::Params& params) const;
@@ -170,7 +170,7 @@ inline constexpr auto kCells = [](const auto& params, Extent /*threads*/) {
 };
 inline constexpr auto kThings = [](const auto& /*params*/, Extent threads) { return std::uint64_t{threads.x}; };
 
-/// What the registry says of a kernel.
+/// Texts about a kernel in the registry.
 struct KernelText {
   std::string_view name;
   std::string_view work_unit;

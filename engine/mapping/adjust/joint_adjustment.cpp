@@ -14,14 +14,13 @@ namespace {
 constexpr double kFewestLaid = 15.0;       // that lay a scan on another
 constexpr std::size_t kPairsAtOnce = 512;  // by the workers, before they are added up
 
-// Of the pairs of a keyframe, those that are in the core: the next ones back in time, and the nearest of earlier
-// passes.
+// The core has these pairs of each keyframe: the next ones back in time, and the nearest ones of earlier passes.
 constexpr std::size_t kCoreBack = 3;
 constexpr std::size_t kCoreNear = 2;
 
-/// What scans tell of each other, less what tilted normals feign. Where a surface ends behind another, normals are off
-/// by some degrees, always to the same side: along a corridor without much else that pulls scans onto each other, half
-/// a per cent of the way.
+/// Information that two scans give about each other, without what tilted normals pretend to show. Where a surface ends
+/// behind another, normals are off by some degrees, always to the same side: along a corridor without much else that
+/// pulls scans onto each other, by half a per cent of the way.
 struct Belief {
   Matrix3 information;
   Tangent2 gradient{};
@@ -83,7 +82,7 @@ class JointAdjustment::Systems {
   Systems& operator=(const Systems&) = delete;
 
   [[nodiscard]] const std::vector<KeyframePair>& pairs() const { return pairs_; }
-  /// Those that a pair belongs to.
+  /// Systems that a pair belongs to.
   [[nodiscard]] std::span<BlockSystem* const> of_pair(std::size_t pair) const {
     return std::span(both_).first(is_of_core_[pair] ? 2 : 1);
   }
@@ -114,11 +113,11 @@ class JointAdjustment::Systems {
   std::vector<bool> is_of_core_;
   BlockSystem whole_;
   std::optional<BlockSystem> core_;
-  std::optional<BlockCholesky> factor_;  // of the core
+  std::optional<BlockCholesky> factor_;  // factor of the core's equations
   std::array<BlockSystem*, 2> both_{};
 };
 
-/// What one scan laid on another adds to the equations.
+/// Contribution to the equations of one scan laid on another.
 struct JointAdjustment::OneWay {
   bool is_laid = false;
   Matrix3 of_moving;

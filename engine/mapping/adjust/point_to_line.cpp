@@ -16,7 +16,7 @@ constexpr double kLeastRange_m = 0.1;
 // it.
 constexpr double kRayShare = 0.9;
 constexpr double kSameFace = 0.8;     // least cosine between normals
-constexpr double kKernelShare = 0.3;  // of the gate: the scale of the kernel
+constexpr double kKernelShare = 0.3;  // scale of the kernel, as a share of the gate
 
 /// A surface point in the frame of the scan that stands still.
 struct Placed {

@@ -23,8 +23,8 @@ constexpr double kStepPointNoise_m = 0.02;
 constexpr double kStepIndependent = 20.0 / (0.15 * 0.15);
 constexpr double kEnoughPoints = 60.0;
 constexpr double kStepLeastShape = 1.0e-9;
-constexpr double kOverlap_m = 1.0;        // of path, whose keyframes a scan is laid on as on one another
-constexpr double kFrontStretch_m = 15.0;  // of a local map of the front end
+constexpr double kOverlap_m = 1.0;        // length of path; scans are laid on its keyframes as on one another
+constexpr double kFrontStretch_m = 15.0;  // path length of a local map of the front end
 constexpr double kStepFloor_m = 0.0015;
 constexpr double kStepFloor_rad = 0.0003;
 constexpr double kStepLeastShare = 0.01;
@@ -33,7 +33,7 @@ constexpr double kLeastWheels_m = 0.002;
 constexpr double kLeastWheels_rad = 0.0005;
 constexpr double kUnmeasured_m = 5.0;  // a step that is less sure is one that no odometry measured, or no match
 constexpr double kUnmeasured_rad = 1.0;
-constexpr double kLeastForDoubt = 0.3;  // of the wheels' variance: halfway between what was stated and what loops found
+constexpr double kLeastForDoubt = 0.3;  // share of the wheels' variance: between the stated one and that found by loops
 // In a turn in which the two come apart, wheels are believed a little more: their own heading counts then, and its
 // error moves what lies behind it as that of the matches does.
 constexpr double kTurnOfWheels = 0.9;
@@ -228,7 +228,7 @@ void BackEnd::finish_keeping() {
     options_.live.warn("the points of all scans stayed in memory: " + trouble);
 }
 
-// Of a place that was passed often, the keyframes that are not kept go with the nearest that is.
+// Keyframes of a place that was passed often, which are not kept, move with the nearest one that is.
 JointResult BackEnd::adjust_keyframes(const LoopCloser& closer, std::vector<Pose2>& keyframes, WorkerPool& workers,
                                       const Progress& progress) const {
   std::vector<PoseRelation> held = held_path(closer.measured(), kept_);

@@ -61,7 +61,7 @@ const CertifiedMap& CertifiedCrop::of(const GlobalField& map, const ReachedCells
 ReachedCells reached_from(const PoseWindow& window, std::span<const PointCells> points, double resolution_m) {
   const auto [sine, cosine] = sin_cos(window.centre.theta_rad);
   const double half_turn = std::min(0.5 * window.half_theta_rad, 1.5707963267948966);
-  const double chord = 2.0 * sin_cos(half_turn).sin;  // of a point at range 1
+  const double chord = 2.0 * sin_cos(half_turn).sin;  // chord that a point at range 1 covers
   double low_x = 1.0e9;
   double low_y = 1.0e9;
   double high_x = -1.0e9;

@@ -12,7 +12,7 @@
 
 namespace gdtslam {
 
-/// What a search needs of a map.
+/// Part of a map that a search needs.
 struct ReachedCells {
   CellBox box;  ///< holds every cell that a point may fall into, in map cells
   CertifiedMap::Windows windows = CertifiedMap::kSmallWindows;

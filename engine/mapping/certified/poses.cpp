@@ -46,7 +46,7 @@ CellPose CertifiedSearch::in_narrow_window(CellPose pose) const {
   return pose;
 }
 
-// What float32 lacks to be in a narrow window is made up for.
+// A narrow window may need more digits than float32 has; the rest is added here.
 Pose2 CertifiedSearch::to_metres(const CellPose& pose) const {
   const Pose2& centre = window_.centre;
   const auto within = [](double off, double middle, double half) {

@@ -12,7 +12,7 @@ namespace gdtslam {
 namespace {
 
 constexpr std::uint64_t kMostTopBoxes = 150000;
-constexpr std::int32_t kTopSpacingBits = 3;  // where searches begin that are small enough
+constexpr std::int32_t kTopSpacingBits = 3;  // spacing at which small searches begin
 constexpr std::uint32_t kWideTile = 16;
 constexpr std::uint32_t kWideTileRows = 4;
 constexpr std::size_t kHostTiles = 256;  // at once: their sums stay in the cache
@@ -23,7 +23,7 @@ constexpr std::int32_t kParts = 6;
 constexpr std::int32_t kWideLevels = 2;
 constexpr std::int32_t kWideAbove = 1;    // and how many of those with dilated fields do
 constexpr float kLeastReference = 40.0F;  // cells
-// Of the mean range, by measurement on Intel's map: finer angles cost more boxes, coarser ones blunter bounds.
+// Share of the mean range, measured on Intel's map: finer angles cost more boxes, coarser ones give blunter bounds.
 constexpr float kReferenceShare = 1.4F;
 // Float32 in the poses of boxes and their angles.
 constexpr float kAngleSlack = 1.0e-6F;

@@ -93,15 +93,15 @@ class CertifiedSearch {
   PriorParams prior_;
   PoseCost::Params cost_params_;
 
-  std::size_t first_level_ = 0;     // of the map's levels
+  std::size_t first_level_ = 0;     // first of the map's levels that is searched
   std::int32_t field_levels_ = 0;   // how many of them are used
-  std::vector<float> half_widths_;  // of the boxes of each level
+  std::vector<float> half_widths_;  // half widths of the boxes of each level
   std::vector<float> half_angles_;
   float top_angle_ = 0.0F;
   std::uint32_t top_angles_ = 1;
-  std::vector<std::vector<BoundPoint>> bound_points_;  // of each of those levels
+  std::vector<std::vector<BoundPoint>> bound_points_;  // bound points of each of those levels
 
-  std::vector<std::vector<BoundPoint>> wide_points_;  // of the first levels without dilated fields
+  std::vector<std::vector<BoundPoint>> wide_points_;  // points of the first levels, which have no dilated fields
 
   std::uint32_t gap_ = 0;      // cost units
   std::vector<OpenBox> open_;  // a heap once the window is open
@@ -112,7 +112,7 @@ class CertifiedSearch {
   std::uint32_t closed_bound_ = kNoCost;  // least bound of the boxes that were closed
   bool at_resolution_ = false;
   std::uint64_t boxes_ = 0;
-  std::uint64_t uncounted_ = 0;  ///< of these, which the limit does not hold for
+  std::uint64_t uncounted_ = 0;  ///< boxes that the limit does not count
   std::uint64_t evaluations_ = 0;
   CertifiedStop stop_ = CertifiedStop::kGapReached;
   std::chrono::steady_clock::time_point began_;

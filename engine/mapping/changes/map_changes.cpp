@@ -93,7 +93,7 @@ class Patches {
   std::vector<bool> seen_;
 };
 
-// Where views end on free cells away from walls: cells with enough of them, and what belongs to these.
+// Cells away from walls, free in the map, in which enough views end, and the cells that belong to these.
 std::vector<ChangedCell> appeared_cells(const OccupancyMap& map, const ViewCounts& views, const ChangeLimits& limits,
                                         const ViewJudge& judge) {
   const std::vector<CellOffset>& disc = judge.surroundings();

@@ -1,8 +1,8 @@
-// What is new and what is gone in a map, by views that were counted since it was made. New is where views end again and
-// again though the map has the cell as free, away from its walls; gone is what the map has as a wall and views pass
-// through, again and again, and through everything around. The evidence is that of an occupancy grid, hits against
-// misses [Moravec1985], with a least number of views on top: a lone return, glass that now and then reflects and
-// whoever walks by make no change. Frame: the cells of the map's grid. Thread-safe; O(cells seen x cells within the
+// Changes of a map, found by views that were counted since it was made. A cell is new if views end in it again and
+// again though the map has it as free, away from its walls. A cell is gone if the map has it as a wall and views pass
+// through it and everything around, again and again. The evidence is that of an occupancy grid, hits against misses
+// [Moravec1985], with a least number of views on top: a lone return, glass that reflects now and then, and people
+// walking by make no change. Frame: the cells of the map's grid. Thread-safe; O(cells seen x cells within the
 // tolerance).
 #pragma once
 
@@ -23,7 +23,7 @@ struct ChangeLimits {
   double spacing_m = 0.2;           ///< between two views, which count as independent
   std::uint32_t least_views = 5;    ///< that ended in a new cell, or passed through one that is gone
   std::uint32_t beside_views = 2;   ///< that ended in a cell within the tolerance of a new one: it belongs to it
-  double least_share = 0.6;         ///< of the views that saw a new cell: those that ended in it
+  double least_share = 0.6;         ///< share of the views of a new cell that must end in it
   double most_contradicted = 0.15;  ///< ends within the tolerance for each view that passed through what is gone
   double patch_gap_m = 0.3;         ///< cells that lie nearer to each other are one patch
 };
@@ -51,7 +51,7 @@ std::size_t patches_of(std::span<const ChangedCell> cells);
 MapChanges find_changes(const OccupancyMap& map, const ViewCounts& views, const ViewCounts* before,
                         const ChangeLimits& limits);
 
-/// What views say of a cell by itself.
+/// Judges single cells by their views.
 class ViewJudge {
  public:
   ViewJudge(double resolution_m, const ChangeLimits& limits);

@@ -21,14 +21,14 @@
 
 namespace gdtslam {
 
-/// Of one cell; no view counts twice.
+/// Views of one cell; no view counts twice.
 using CellViews = TileCounts::Cell;
 
 class ViewCounts {
  public:
   struct Limits {
     RayLimits rays;          ///< `short_of_end_m` is the tolerance
-    double spacing_m = 0.2;  ///< of two views
+    double spacing_m = 0.2;  ///< distance between two views
     std::uint64_t max_cells = std::uint64_t{2048} << 20U;
   };
   explicit ViewCounts(const Limits& limits) : limits_(limits) {}

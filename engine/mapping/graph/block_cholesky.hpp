@@ -35,7 +35,7 @@ class BlockSystem {
   [[nodiscard]] const Matrix3& block(std::size_t row, std::size_t nth) const { return blocks_[begin_[row] + nth]; }
 
  private:
-  std::vector<std::size_t> begin_;  // of each row's entries
+  std::vector<std::size_t> begin_;  // begin of each row's entries
   std::vector<std::size_t> columns_;
   std::vector<Matrix3> blocks_;
 };
@@ -70,11 +70,11 @@ class BlockCholesky {
 
   std::vector<std::size_t> old_of_;  // elimination order
   std::vector<std::size_t> new_of_;
-  std::vector<std::vector<Source>> sources_;  // of each row, in elimination order from here on
-  std::vector<std::size_t> parent_;           // of the elimination tree
-  // Of the factor, below its diagonal: column after column, the blocks of a column in the order of their rows.
-  std::vector<std::size_t> begin_;  // of each column, and the end of the last
-  std::vector<std::size_t> end_;    // of each column as far as it is eliminated
+  std::vector<std::vector<Source>> sources_;  // sources of each row, in elimination order from here on
+  std::vector<std::size_t> parent_;           // parent of each row in the elimination tree
+  // The factor below its diagonal: column after column, the blocks of a column in the order of their rows.
+  std::vector<std::size_t> begin_;  // begin of each column, and the end of the last
+  std::vector<std::size_t> end_;    // end of each column as far as it is eliminated
   std::vector<std::size_t> rows_;
   std::vector<Matrix3> blocks_;
   std::vector<Matrix3> diagonal_;     // lower triangular

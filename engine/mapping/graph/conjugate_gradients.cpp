@@ -8,7 +8,7 @@ namespace gdtslam {
 namespace {
 
 constexpr int kMostDirections = 400;
-constexpr double kSolvedShare = 1.0e-8;  // of the squared error to begin with, in the factor's norm
+constexpr double kSolvedShare = 1.0e-8;  // share of the squared error to begin with, in the factor's norm
 
 double dot_of(const std::vector<Tangent2>& a, const std::vector<Tangent2>& b) {
   double sum = 0.0;

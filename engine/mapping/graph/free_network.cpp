@@ -20,12 +20,12 @@ class BestMotion {
     for (const std::size_t node : nodes) centre_ += share_ * graph.poses[node].translation();
     for (const std::size_t node : nodes) spread_m2_ += (graph.poses[node].translation() - centre_).squaredNorm();
   }
-  /// What a motion (tx, ty, turn) does to a node.
+  /// Motion of a node under a rigid motion (tx, ty, turn).
   [[nodiscard]] Matrix3 onto(std::size_t node) const {
     const Point2 arm = graph_.poses[node].translation() - centre_;
     return {{1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x(), 0.0, 0.0, 1.0}};
   }
-  /// What a node's own motion adds to the best one: least squares over positions.
+  /// Contribution of a node's own motion to the best rigid one: least squares over positions.
   [[nodiscard]] Matrix3 from(std::size_t node) const {
     const Point2 arm = graph_.poses[node].translation() - centre_;
     const double per_m2 = spread_m2_ > kLeastSpread ? 1.0 / spread_m2_ : 0.0;
@@ -46,7 +46,7 @@ std::vector<Matrix3> covariances_in_map(const PoseGraph& graph, std::span<const 
   const GraphCovariance covariance(graph);
   const BestMotion best(graph, nodes);
   std::vector<Matrix3> own;
-  std::vector<Matrix3> with_best;  // of the best motion and each node's
+  std::vector<Matrix3> with_best;  // covariances of the best motion and each node's
   Matrix3 of_best;
   for (const std::size_t node : nodes) {
     const std::vector<Matrix3> column = covariance.column(node);

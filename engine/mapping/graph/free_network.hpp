@@ -13,7 +13,8 @@
 
 namespace gdtslam {
 
-/// Of (x, y, theta) along the map's axes, one a node asked for; the rigid motion is that of these nodes' positions.
+/// Returns the covariances of (x, y, theta) along the map's axes, one a node asked for; the rigid motion is that of
+/// these nodes' positions.
 std::vector<Matrix3> covariances_in_map(const PoseGraph& graph, std::span<const std::size_t> nodes);
 
 /// For `count` indices, the covariances that are known at some of them, ascending, and between two of these linearly;

@@ -7,7 +7,7 @@
 namespace gdtslam {
 namespace {
 
-/// What each step from place to place was measured as, and how sure it is by all who measured it.
+/// Measured steps from place to place, and their information from all measurements.
 struct ReplaySteps {
   std::vector<Pose2> T_place_next;
   std::vector<Matrix3> information;

@@ -14,7 +14,7 @@ namespace gdtslam {
 using Tangent2 = std::array<double, 3>;
 
 inline double square(double value) { return value * value; }
-/// Of the translation.
+/// Length of the translation.
 inline double length_of(const Pose2& T) { return std::sqrt(T.x_m * T.x_m + T.y_m * T.y_m); }
 
 /// Row-major.
@@ -115,7 +115,7 @@ inline Matrix3 over_transposed(const Matrix3& a, const Matrix3& l) {
   }
   return result;
 }
-/// Of a symmetric and positive definite matrix.
+/// Inverse of a symmetric and positive definite matrix.
 inline Matrix3 inverse(const Matrix3& a) {
   const Matrix3 l = cholesky(a);
   Matrix3 result;
@@ -167,7 +167,7 @@ Matrix3 with_eigenvalues(const Eigen3& eigen, const Function& f) {
   return times_transposed(scaled, eigen.vectors);
 }
 
-/// Of the position in any direction, from a covariance of (x, y, theta).
+/// Largest variance of the position in any direction, from a covariance of (x, y, theta).
 inline double largest_variance(const Matrix3& covariance) {
   const double mean = 0.5 * (covariance(0, 0) + covariance(1, 1));
   const double half = 0.5 * (covariance(0, 0) - covariance(1, 1));

@@ -11,12 +11,12 @@ namespace {
 
 constexpr double kHeld = 1.0e12;       // information of the first pose: so much that nothing moves it
 constexpr double kStill_m = 1.0e-5;    // a step that moves nothing farther is the last
-constexpr double kNarrowing = 1.6;     // of the kernel, from step to step
+constexpr double kNarrowing = 1.6;     // factor of the kernel's scale from step to step
 constexpr double kWidest = 1.0e6;      // in units of its final scale
-constexpr double kSlightlyWide = 4.0;  // where a graph changed by little
+constexpr double kSlightlyWide = 4.0;  // kernel scale for a graph that changed by little
 constexpr int kMostSteps = 100;
 constexpr double kFarWorse = 100.0;  // times the cost: somewhat more may have other loops, and be right
-constexpr int kMostHalvings = 12;    // of a step that makes things worse
+constexpr int kMostHalvings = 12;    // limit for a step that makes things worse
 constexpr double kUnsolved = 1.0e6;  // variance of what a graph without a solution tells
 
 BlockSystem system_for(const PoseGraph& graph) {
@@ -161,7 +161,7 @@ void PoseGraph::weigh_loops(double scale) {
   }
 }
 
-// Of the path by least squares, of loops by the kernel of its final scale, whatever their weights.
+// The path counts by least squares, loops by the kernel of its final scale, whatever their weights.
 double PoseGraph::cost() const {
   double sum = 0.0;
   for (const PoseRelation& relation : path) sum += chi2_of(relation, poses[relation.from], poses[relation.to]);
@@ -175,7 +175,7 @@ double PoseGraph::cost() const {
   return sum;
 }
 
-// As optimise() without a wide kernel, each step as far only as it makes things better.
+// Works like optimise() without a wide kernel; each step goes only as far as it makes things better.
 void PoseGraph::descend() {
   BlockSystem system = system_for(*this);
   BlockCholesky factor(system);
@@ -202,8 +202,8 @@ void PoseGraph::descend() {
   }
 }
 
-// Where turns contradict the path, whole steps may lead ever farther away. Where they do not come to rest, or at a
-// far worse place, they are held against shorter ones.
+// If turns contradict the path, whole steps may lead ever farther away. If they do not come to rest, or end at a far
+// worse place, they are compared with shorter ones.
 void PoseGraph::optimise(bool is_graduated) {
   if (loops.empty() && wheels.empty()) return;
   std::vector<Pose2> before = poses;

@@ -18,7 +18,7 @@ struct PoseRelation {
   std::size_t from = 0;
   std::size_t to = 0;
   Pose2 T_from_to;
-  Matrix3 information{};  ///< of the tangent at T_from_to; perturbations act on the right
+  Matrix3 information{};  ///< information of the tangent at T_from_to; perturbations act on the right
 };
 
 /// A step of the path by the wheels. All such steps share the bias of the wheels (share of the distance, share of the
@@ -60,8 +60,8 @@ class PoseGraph {
   std::vector<PoseRelation> path;
   std::vector<Loop> loops;
   std::vector<WheelRelation> wheels{};
-  Tangent2 bias{};             ///< of all wheel relations, beyond that which their T_from_to are corrected by
-  Matrix3 bias_information{};  ///< of what is known of it before any log
+  Tangent2 bias{};             ///< bias of all wheel relations, beyond the one that their T_from_to are corrected for
+  Matrix3 bias_information{};  ///< prior information about it, before any log
 
   /// Least squares over path and loops. `is_graduated` starts from a kernel so wide that every loop counts and narrows
   /// it; otherwise from the poses as they are, for a graph that changed by little. Loops that are right where the path
@@ -84,7 +84,7 @@ class PoseGraph {
 class GraphCovariance {
  public:
   explicit GraphCovariance(const PoseGraph& graph);
-  /// Of the tangent of between(poses[from], poses[to]); kilometres where the graph has no solution.
+  /// Covariance of the tangent of between(poses[from], poses[to]); kilometres if the graph has no solution.
   [[nodiscard]] Matrix3 relative(std::size_t from, std::size_t to) const;
   /// Covariance of the bias of the wheels. The graph must have wheel relations.
   [[nodiscard]] Matrix3 of_bias() const;

@@ -13,10 +13,10 @@ constexpr std::size_t kFewestClosures = 4;
 constexpr double kUsualLog = 2.3;  // standard deviation of the factor's logarithm: what is said is right within ten
 constexpr std::size_t kMostClosures = 400;
 constexpr double kFactorStep = 1.7782794;  // fourth root of ten
-constexpr double kClosureFreedom = 4.0;    // of Student's t: a few loops may be far off
+constexpr double kClosureFreedom = 4.0;    // degrees of freedom of Student's t: a few loops may be far off
 constexpr double kDimensions = 3.0;
 
-/// What a loop says against the chain, and how sure either is.
+/// Difference between a loop and the chain, and the information of both.
 struct Closure {
   Tangent2 off;
   Matrix3 of_chain;  // covariances

@@ -10,7 +10,7 @@ namespace {
 constexpr std::uint16_t kMostCounted = std::numeric_limits<std::uint16_t>::max();
 constexpr std::uint16_t kFewestCrossings = 3;
 constexpr std::int64_t kBesideReturn = 2;  // cells around one that are not said to be free
-constexpr int kCellsBeforeReturn = 2;      // of a beam that say nothing: a wall is as thick as its noise
+constexpr int kCellsBeforeReturn = 2;      // cells before a return say nothing: a wall is as thick as its noise
 
 void count(std::uint16_t& counter) {
   if (counter < kMostCounted) ++counter;

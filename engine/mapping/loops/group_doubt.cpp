@@ -3,7 +3,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kLeastPull = 1.0e-9;  // of all points, in a direction in which none of them tells anything
+constexpr double kLeastPull = 1.0e-9;  // share of all points' pull below which a direction counts as unseen
 
 Matrix3 carried(const Matrix3& covariance, const Pose2& T) {
   const Matrix3 adjoint = adjoint_matrix(T);

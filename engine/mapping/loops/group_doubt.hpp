@@ -13,8 +13,8 @@ namespace gdtslam {
 
 /// Covariances of where a keyframe lies, as the front end states them: tangents at the keyframe.
 struct StepDoubt {
-  Matrix3 step;    ///< of the step to it from the one before, which add up
-  Matrix3 unseen;  ///< of the keyframe itself along what no known surface shows, which do not
+  Matrix3 step;    ///< covariance of the step from the one before; these add up
+  Matrix3 unseen;  ///< covariance of the keyframe itself along unseen directions; these do not add up
 };
 
 class GroupDoubt {

@@ -10,7 +10,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kHeldShare = 0.8;  // of the loops that were on, to stay on with other weights of the path
+constexpr double kHeldShare = 0.8;  // share of the loops that has to stay on with other weights of the path
 constexpr double kLess = 4.0;       // times the variance
 constexpr int kMostTimesLess = 4;
 // One standard deviation of the bias of wheels that nothing is known of.
@@ -51,7 +51,7 @@ bool LoopCloser::take_loops(const std::vector<Loop>& loops) {
   return !loops.empty();
 }
 
-// What comes after it is hidden from the search, so that the path may be taken in one piece or in many.
+// Keyframes after this one are hidden from the search, so that the path may be taken in one piece or in many.
 void LoopCloser::take_keyframe() {
   const std::size_t here = known_++;
   finder_.extend({path_.scans, std::span(path_.poses).first(known_), std::span(path_.path_m).first(known_),

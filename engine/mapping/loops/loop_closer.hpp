@@ -59,14 +59,14 @@ class LoopCloser {
   /// To be called once, when the path is whole: follows it to its end, then goes round, where the workers look ahead.
   void run(const Progress& progress, WorkerPool& workers);
 
-  /// Of the keyframes with their loops closed; after run().
+  /// Poses of the keyframes with their loops closed; after run().
   [[nodiscard]] const std::vector<Pose2>& poses() const { return poses_; }
   /// Its nodes are the places, as far as they were looked at.
   [[nodiscard]] const PoseGraph& graph() const { return graph_; }
-  /// Of the keyframes, by the graph as it is.
+  /// Poses of the keyframes by the graph as it is.
   [[nodiscard]] std::vector<Pose2> carried_keyframes() const;
-  /// What poses of the front end near the last place that was looked at have to be multiplied by, from the left, to be
-  /// those of the graph; changes with loops only.
+  /// Correction that turns poses of the front end near the last place into those of the graph, multiplied from the
+  /// left; changes with loops only.
   [[nodiscard]] const Pose2& correction() const { return T_closed_front_; }
   [[nodiscard]] const std::vector<std::size_t>& places() const { return measured_.places(); }
   /// The path as far as each of its sources is believed now that loops are closed.
@@ -88,7 +88,7 @@ class LoopCloser {
   LoopOptions options_;
   PlaceCounter counter_;
   std::size_t known_ = 0;     // keyframes that were taken
-  std::vector<Pose2> poses_;  // of all, from the end on
+  std::vector<Pose2> poses_;  // poses of all keyframes, from the end on
   MeasuredPath measured_;
   std::deque<std::pair<PoseRelation, WheelRelation>> coming_;  // to the places that were not looked at yet
   PoseGraph graph_;

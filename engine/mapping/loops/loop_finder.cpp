@@ -15,7 +15,7 @@ namespace {
 constexpr double kReferenceSpacing_m = 0.03;
 constexpr double kQuerySpacing_m = 0.1;
 constexpr double kSearchIndependent = 60.0;  // points of a scan that tell something new, in the cost of a search
-constexpr double kLeastPrior_m = 0.05;       // of the prior: less would be believed only of a graph without mistakes
+constexpr double kLeastPrior_m = 0.05;  // least sigma of the prior: less would be true only of a graph without mistakes
 constexpr double kLeastPrior_rad = 0.005;
 constexpr std::size_t kAheadAThread = 4;  // places that are looked at before it is known whether the graph stays
 constexpr double kNearWindow_m = 0.8;     // half windows that are cheap to prepare for
@@ -70,14 +70,14 @@ struct LoopFinder::Reference {
   /// Made when it is searched in.
   struct Prepared {
     std::optional<CertifiedMap> map;
-    std::size_t bytes = 0;    ///< of the map, whether it is there or was
+    std::size_t bytes = 0;    ///< memory of the map, present or forgotten
     bool is_counted = false;  ///< a search in it was taken
   };
   Prepared& prepared_for(bool is_near) { return is_near ? for_near : for_any; }
 
   ScanGroup group;
   FieldCopy field;
-  std::mutex mutex;  // of what is prepared
+  std::mutex mutex;  // guards the prepared fields
   Prepared for_near;
   Prepared for_any;
   std::uint64_t number = 0;  // tells it from others of its place, before and after
@@ -90,10 +90,10 @@ struct LoopFinder::Fresh {
   std::unique_ptr<Reference> reference;
 };
 
-/// What a search for a revisit came to.
+/// Result of a search for a revisit.
 struct LoopFinder::Found {
   Revisit revisit;
-  std::uint64_t number = 0;  ///< of the reference; 0: a fresh one
+  std::uint64_t number = 0;  ///< number of the reference; 0: a fresh one
   bool is_near = false;      ///< the window
   Pose2 T_place_here;
   LoopEvidence evidence;
@@ -144,7 +144,7 @@ LoopFinder::Reference& LoopFinder::reference_at(std::size_t place) {
   return *fresh->reference;
 }
 
-// Of those that were asked for longest ago first; what is prepared for the one at `place` stays.
+// Forgets first the fields whose last use is longest ago; the prepared one at `place` stays.
 void LoopFinder::forget_prepared(std::size_t place) {
   std::size_t bytes = 0;
   std::vector<Reference*> older;
@@ -164,7 +164,7 @@ void LoopFinder::forget_prepared(std::size_t place) {
   return_free_memory();
 }
 
-// Those that were asked for longest ago go first; the one at `place` stays.
+// Drops first the references whose last use is longest ago; the one at `place` stays.
 void LoopFinder::make_room(std::size_t place) {
   forget_prepared(place);
   std::size_t bytes = 0;
@@ -224,7 +224,7 @@ ScanGroup LoopFinder::query_at(std::size_t here) const {
   return {keyframes_, places_[here], options_.query_half_m, kQuerySpacing_m};
 }
 
-// Those around which nothing was seen are not searched in either, and take nobody's turn.
+// Places without any surface around them are not searched in either, and take no turn.
 std::vector<bool> LoopFinder::left_out_before(std::size_t here) const {
   std::vector<bool> left_out = is_left_out_;
   left_out.resize(std::max(left_out.size(), here));
@@ -259,7 +259,7 @@ std::vector<LoopFinder::Found> LoopFinder::look_ahead(const PoseGraph& graph, st
   return all;
 }
 
-// What is kept, and until when, goes by the searches that are taken alone.
+// References are kept, and dropped, by the searches that are taken alone.
 void LoopFinder::take_reference(const Found& found) {
   const std::size_t place = found.revisit.place;
   std::unique_ptr<Reference>& kept = references_[place];

@@ -10,12 +10,12 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kBiasStep = 1.0e-4;  // of a difference quotient
+constexpr double kBiasStep = 1.0e-4;  // step of a difference quotient
 
 // Matches are believed no better than they state: loops tie what lies near by, where the map is the same and matches
 // are at their best.
 constexpr double kLeastOfMatches = 1.0;
-constexpr double kFarBetter = 0.25;    // of the variance
+constexpr double kFarBetter = 0.25;    // share of the variance
 constexpr double kVeryGood = 0.2;      // factor of the variance of wheels
 constexpr std::size_t kFewAPlace = 8;  // keyframes, from one to the next
 constexpr std::size_t kFewestOff = 12;
@@ -140,7 +140,7 @@ WheelRelation MeasuredPath::wheels_between(std::size_t from, std::size_t to) con
   double turned_rad = 0.0;
   Matrix3 covariance;
   Matrix3 by_bias;
-  Matrix3 of_turns;  // of steps whose heading a match tells: they move nothing behind them
+  Matrix3 of_turns;  // information of steps whose heading comes from a match: they move nothing behind them
   Matrix3 turns_by_bias;
   for (std::size_t i = from + 1; i <= to; ++i) {
     const MeasuredSteps& steps = path_.steps_to(i);

@@ -37,7 +37,7 @@ class PlacePruning {
   [[nodiscard]] std::size_t kept_beside(const PoseGraph& graph, std::size_t place) const;
 
   PruningRules rules_;
-  std::vector<std::size_t> kept_;  // of the places that were decided about
+  std::vector<std::size_t> kept_;  // kept ones among the places that were decided about
 };
 
 }  // namespace gdtslam

@@ -17,12 +17,12 @@
 
 namespace gdtslam {
 
-/// What a group is made from: the keyframes of a run and where they are.
+/// Input of a group: the keyframes of a run and their poses.
 struct KeyframePath {
   ScansOfPath scans;
   std::span<const Pose2> poses;
   std::span<const double> path_m;       ///< travelled until each
-  std::span<const StepDoubt> doubts{};  ///< of each; empty: they lie where `poses` says
+  std::span<const StepDoubt> doubts{};  ///< doubt of each keyframe; empty: they lie exactly at `poses`
 };
 
 /// Whether a group of them would have a point: keyframes of an edited run may have lost all their returns. What has

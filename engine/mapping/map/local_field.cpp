@@ -65,7 +65,7 @@ void LocalField::flood(const KeyframeCells& keyframe) {
   }
   run<JumpFloodDistance>(*backend_, {.width = width, .height = height, .stride = stride_, .radius = radius_}, all,
                          nearest_[0], squared_distance_);
-  const std::uint32_t table_size = radius_ * radius_ + 1;  // of distance_table()
+  const std::uint32_t table_size = radius_ * radius_ + 1;  // entries of distance_table()
   run<DistanceField>(*backend_, {.width = width, .height = height, .stride = stride_, .table_size = table_size}, all,
                      squared_distance_, values_, field_);
 }

@@ -30,10 +30,10 @@ class LocalField {
   Backend* backend_;
   std::uint32_t radius_;
   DistanceTransform transform_;
-  Buffer values_;  // of distances: the disc that is stamped, or by squared distance
-  Buffer cells_;   // of obstacles
+  Buffer values_;  // distances: the disc that is stamped, or by squared distance
+  Buffer cells_;   // obstacle cells
   StampLists lists_;
-  // Of jump flooding.
+  // State of jump flooding.
   CellBox window_{};
   std::uint32_t stride_ = 0;
   Buffer seeds_;

@@ -37,7 +37,7 @@ CellIndex place_of(std::uint64_t key) {
 
 CellIndex first_cell(CellIndex tile) { return {tile.x * kTileSide, tile.y * kTileSide}; }
 
-/// What is known of the cells of a row of a tile.
+/// States of the cells of a tile's row.
 struct RowStates {
   std::uint64_t occupied = 0;
   std::uint64_t free = 0;
@@ -101,7 +101,7 @@ std::vector<Option> option_table(OccupancyConfig& config) {
 struct OccupancyBuilder::Ray : ScanRay {};
 
 struct OccupancyBuilder::Tiles {
-  ScanMarks marks;  ///< of the scan in hand
+  ScanMarks marks;  ///< marks of the scan in hand
   std::unordered_map<std::uint64_t, TileCounts> counts;
 };
 

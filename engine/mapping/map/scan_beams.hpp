@@ -1,6 +1,6 @@
-// Where the beams of a scan point, which of its ranges count, and the segments through the cells of a grid that the
-// beams are, each from where the laser was when it measured it. Frame: the grid's, whose cell (0, 0) has its lower left
-// corner at the origin; metres in, cells out. Thread-safe. Cost: O(beams).
+// Directions of a scan's beams, its valid ranges, and the beams as segments through the cells of a grid, each from the
+// laser's position when it measured. Frame: the grid's, whose cell (0, 0) has its lower left corner at the origin;
+// metres in, cells out. Thread-safe. Cost: O(beams).
 #pragma once
 
 #include <algorithm>

@@ -7,7 +7,7 @@ namespace gdtslam {
 namespace {
 
 constexpr std::int64_t kSubCells = 512;  // half steps of 1/256 cell
-constexpr unsigned kTileBits = 6;        // of a cell's place in its tile
+constexpr unsigned kTileBits = 6;        // bits of a cell's place in its tile
 constexpr std::int64_t kWithin = kTileSide - 1;
 
 // Cells first to last of a line of a tile.
@@ -25,15 +25,15 @@ struct Along {
         step(end < start ? -1 : 1) {}
   std::int64_t run;
   std::int64_t border;  ///< from the start to the first border of a cell
-  std::int64_t cell;    ///< of the start
+  std::int64_t cell;    ///< cell of the start
   std::int64_t cells;   ///< borders crossed
   std::int64_t step;
 };
 
-/// Where a segment leaves one row of cells after the other, or one column. The border k between rows is crossed after n
-/// borders between columns, those that come before it:
+/// Finds where a segment leaves one row of cells after the other, or one column. The border k between rows is crossed
+/// after n borders between columns, those that come before it:
 ///   n = ceil(((border_across + 512 k) run_along - border_along run_across) / (512 run_across)).
-/// At a corner the border between rows comes first. Without a branch, as nobody could foresee it.
+/// At a corner the border between rows comes first. There is no branch, as no processor could predict it.
 template <bool kForward>
 class Crossings {
  public:

@@ -86,7 +86,7 @@ void TileCounts::halve_full(const Planes& planes) {
   }
 }
 
-// What waits goes into the planes.
+// Adds the waiting counts to the planes.
 void TileCounts::settle() {
   if (has_ones_) increment(passes_, 0, ones_);
   if (has_twos_) increment(passes_, 1, twos_);
@@ -95,7 +95,7 @@ void TileCounts::settle() {
   has_ones_ = has_twos_ = false;
 }
 
-// Where a count may become full, nothing waits.
+// Before a count can become full, all waiting ones are added.
 void TileCounts::add_passes(const TileBits& cells) {
   if (passes_.size() + 1 >= kCounterBits) {
     settle();

@@ -110,7 +110,7 @@ CellPose moved(const CellPose& pose, const GaussStep& step) {
 LocalMinimum minimise_in_box(Objective& objective, const CellPose& start, const PoseBox& box, MatcherKind kind,
                              const OptimizerConfig& options) {
   PoseFunction function(objective, start, box);
-  // Of the whole width, which is twice the half width.
+  // relative to the whole width, twice the half width
   const float tolerance = 0.5F * std::min(box.stop_cells / box.half_cells, box.stop_rad / box.half_rad);
   const optimize::Minimum found = run(function, kind, static_cast<double>(tolerance), options);
   return {function.pose_of(found.point), static_cast<std::uint32_t>(found.value),

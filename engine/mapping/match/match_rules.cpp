@@ -17,7 +17,7 @@ constexpr float kLooseCells = 0.1F;
 constexpr float kLooseRad = 0.001F;
 constexpr double kMatchSigma_m = 0.01;  // a match itself is off by so much
 constexpr double kMatchSigma_rad = 0.005;
-constexpr double kWindowSigmas = 4.0;  // of a window's half, besides what the configuration gives
+constexpr double kWindowSigmas = 4.0;  // half of a window in standard deviations, besides the configured one
 
 /// A coordinate of a pose for the kernels. So little that a device could meet a subnormal number on its way is 0 here,
 /// since a device may take such numbers for 0 (docs/numerics.md).
@@ -75,7 +75,7 @@ Pose2 MatchRules::to_metres(const CellPose& pose) const {
   return pose_in_metres(pose, anchor_, config_.map.resolution_m);
 }
 
-// Where the wheels' noise was estimated it is as well known as they are, else it is guessed from how far they went.
+// An estimated noise of the wheels is used as it is; without one it is guessed from the distance they went.
 MotionNoise MatchRules::noise() const {
   const PriorConfig& p = config_.prior;
   if (!prediction_.noise) {
@@ -163,7 +163,7 @@ Doubt MatchRules::refusal_of(const Evidence& evidence) const {
   return Doubt::kNone;
 }
 
-// What is to be said of a match that stands: the map supports it badly, or the odometry says something quite different.
+// Doubt about a match that stands: the map supports it badly, or the odometry says something quite different.
 Doubt MatchRules::reservation_about(const CellPose& pose, const Evidence& evidence) const {
   if (is_suspect(evidence)) return Doubt::kWeakEvidence;
   const bool far = prediction_.by_odometry && is_beyond(pose, config_.doubt.report_m, config_.doubt.report_rad);

@@ -1,7 +1,7 @@
-// What every matcher derives from the configuration and the prediction of a scan: where it counts from, the prior, the
-// window, the stages of a descent; and the rules of suspicion and doubt, one set for all matchers. Poses of a scan are
-// in cells and radians relative to the lower left corner of the anchor cell. Not thread-safe; constant time, but for
-// thin() and put_thinned_first(), which are linear in the points.
+// Values that every matcher derives from the configuration and the prediction of a scan: the anchor cell, the prior,
+// the window, the stages of a descent; and the rules of suspicion and doubt, one set for all matchers. Poses of a scan
+// are in cells and radians relative to the lower left corner of the anchor cell. Not thread-safe; constant time, but
+// for thin() and put_thinned_first(), which are linear in the points.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@
 
 namespace gdtslam {
 
-/// What speaks for a pose.
+/// Evidence for a pose.
 struct Evidence {
   double mean_cost_m = 0.0;
   double overlap = 0.0;
@@ -29,7 +29,7 @@ struct Evidence {
 
 /// The counts behind it, over all points at the nearest cell; 1/256 cell.
 struct EvidenceCounts {
-  std::uint64_t sum = 0;     ///< of the values, none more than the wide gate
+  std::uint64_t sum = 0;     ///< sum of the values, none more than the wide gate
   std::uint64_t near = 0;    ///< points within the final gate
   std::uint64_t beside = 0;  ///< points farther than two final gates, near something known
   std::uint64_t known = 0;   ///< points near something known

@@ -8,7 +8,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr MotionNoise kNothingSaid{10.0, 3.0};  // of what odometry said of a motion that it did not measure
+constexpr MotionNoise kNothingSaid{10.0, 3.0};  // noise of a motion that the odometry did not measure
 
 MotionNoise larger(const MotionNoise& a, const MotionNoise& b) {
   return {std::max(a.sigma_m, b.sigma_m), std::max(a.sigma_rad, b.sigma_rad)};
@@ -25,7 +25,7 @@ std::vector<Point2> MotionEstimate::points_to_match(const PointScan& scan, int f
   return {seen_m.begin(), seen_m.end()};
 }
 
-// Where nothing measures the motion, it goes on, as surely as it did so far.
+// Without any measurement the motion continues, as reliably as it did so far.
 Prediction MotionEstimate::predict(MotionModel& model, const std::optional<Pose2>& T_odom_base, double stamp_s) {
   const std::optional<Pose2> before = T_odom_last_;
   Prediction prediction = model.predict(corrected(T_odom_base), stamp_s - std::exchange(stamp_last_s_, stamp_s));

@@ -31,8 +31,8 @@ class MotionEstimate {
 
   /// Asks the model for the next scan's pose by corrected odometry, and says how sure it is.
   Prediction predict(MotionModel& model, const std::optional<Pose2>& T_odom_base, double stamp_s);
-  /// What the match says, of a scan of these points that was matched or not. The result gets the pose of both, or is
-  /// refused where it is weak and cannot be right; where both cannot be right the scan decides.
+  /// Takes the match of a scan of these points, matched or not. The result gets the pose from both sources, or is
+  /// refused if it is weak and cannot be right; if both cannot be right the scan decides.
   void take(MatchResult& result, bool is_matched, std::span<const Point2> points_base_m,
             const FitsAsWell& fits_as_well);
   /// The returns of a predicted scan that are to be matched: where at least `fewest` are left, without the ends of
@@ -51,11 +51,11 @@ class MotionEstimate {
   ContinuedMotion continued_;
   PoseFilter filter_;
   std::optional<KnownSurfaces> known_;
-  std::optional<Pose2> odometry_;  // of the scan in hand
+  std::optional<Pose2> odometry_;  // odometry of the scan in hand
   std::optional<Pose2> T_odom_last_;
   bool has_moved_ = false;  // the odometry, ever
   bool stands_;             // since the map began, as far as scans tell; what odometry measures is believed instead
-  Pose2 T_map_last_;        // of the scan before
+  Pose2 T_map_last_;        // pose of the scan before
   double stamp_last_s_ = 0.0;
   Pose2 T_odom_corrected_;
   Pose2 step_;                // by odometry, as it was logged

@@ -1,6 +1,6 @@
-// Where the robot should be at the next scan, paper equations (5) and (6): the last estimate moved by what the odometry
-// says. Where there is no odometry, or it stands still while the scans show motion, or it leaps, the last motion is
-// taken to go on; odometry that tells late what it missed is laid on where it stopped. Frame: map. Not thread-safe;
+// Prediction of the robot's pose at the next scan, paper equations (5) and (6): the last estimate moved by the
+// odometry's step. If there is no odometry, or it stands still while the scans show motion, or it leaps, the last
+// motion continues; odometry that reports late is joined to the pose at which it stopped. Frame: map. Not thread-safe;
 // constant time.
 #pragma once
 
@@ -31,9 +31,8 @@ struct Prediction {
   double travelled_m = 0.0;
   double turned_rad = 0.0;
   bool by_odometry = false;
-  std::optional<MotionNoise> noise =
-      std::nullopt;  ///< as it was estimated; without it the configuration's constants count
-  std::optional<UncertainPose> otherwise = std::nullopt;  ///< where it is if the prediction is wrong
+  std::optional<MotionNoise> noise = std::nullopt;  ///< estimated noise; without it the configuration's constants count
+  std::optional<UncertainPose> otherwise = std::nullopt;  ///< pose if the prediction is wrong
   bool is_hopeless = false;  ///< so many scans before this one matched nothing that it is looked for near by alone
 };
 
@@ -46,7 +45,7 @@ class MotionModel {
   /// Prediction for the next scan. A pose that is not finite counts as none. Where `elapsed_s` since the scan before is
   /// more than a second, the longest step that the odometry may take counts for each second.
   Prediction predict(const std::optional<Pose2>& T_odom_base, double elapsed_s = 0.0);
-  /// What the scan then showed; `matched` is false when the prediction itself was kept.
+  /// Takes the pose that the scan showed; `matched` is false when the prediction itself was kept.
   void correct(const Pose2& T_map_base, bool matched);
 
   /// The last estimate.
@@ -72,8 +71,8 @@ class MotionModel {
   OdometryConfig config_;
   Pose2 T_map_base_;
   std::optional<Pose2> last_odometry_;
-  Pose2 last_motion_;                // of the estimate, in the robot's frame
-  std::optional<Pose2> T_map_stop_;  // where the odometry stopped; nothing while it moves
+  Pose2 last_motion_;                // last motion of the estimate, in the robot's frame
+  std::optional<Pose2> T_map_stop_;  // pose at which the odometry stopped; empty while it moves
   std::optional<Resumed> resumed_;
   bool has_caught_up_ = false;
   bool frozen_ = false;  // the scans moved on from there

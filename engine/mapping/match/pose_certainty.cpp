@@ -15,7 +15,7 @@ constexpr std::size_t kMostWeighed = 1024;        // points
 constexpr std::int32_t kAside = 2;                // cells from a wall, where its field's gradient is plain
 constexpr double kLeastGradient = 0.3;            // squared, of four: less is the inside of something thick
 constexpr double kLeastInformation = 0.01;        // a scan says at least within ten metres where the robot is
-constexpr double kRoundingVariance = 1.0 / 12.0;  // of a place that is known to a cell, cells squared
+constexpr double kRoundingVariance = 1.0 / 12.0;  // variance of a position that is known to a cell, cells squared
 
 /// n n^T of a wall's normal, mixed where walls meet; trace 1.
 struct NormalTensor {
@@ -42,7 +42,7 @@ std::optional<NormalTensor> normal_at(const GlobalField& map, CellIndex cell) {
   return NormalTensor{sum.xx / trace, sum.xy / trace, sum.yy / trace};
 }
 
-/// What points add up to; the information is for a variance of one.
+/// Sums over points; the information is for a variance of one.
 struct PointSums {
   Matrix3 information;
   double sq_distance = 0.0;  // cells

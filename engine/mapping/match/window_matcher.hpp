@@ -49,7 +49,7 @@ class WindowMatcher final : public Matcher {
   MatchRules rules_;
   bool by_odometry_ = false;
   std::uint32_t points_ = 0;
-  std::uint32_t thinned_ = 0;               ///< of them, the share that the window is costed with
+  std::uint32_t thinned_ = 0;               ///< share of them that the window is costed with
   std::vector<PointCells> ordered_points_;  ///< that share first
   SearchWindow window_;
   std::uint32_t samples_ = 0;

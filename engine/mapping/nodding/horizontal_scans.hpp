@@ -34,12 +34,12 @@ class HorizontalScans {
   double horizontal_rad_;
   NoddingScanner scanner_;
   ScanConfig valid_;
-  std::optional<Odometry> last_odometry_;  ///< of the scan before the one in hand
+  std::optional<Odometry> last_odometry_;  ///< odometry of the scan before the one in hand
   ElevationRange seen_;
   std::optional<double> last_elevation_rad_;
   int stroke_ = 0;  ///< +1 up, -1 down
   std::uint64_t strokes_ = 0;
-  bool is_elevation_known_ = false;  ///< of any scan
+  bool is_elevation_known_ = false;  ///< true once any scan had one
 };
 
 }  // namespace gdtslam

@@ -7,7 +7,7 @@ namespace gdtslam {
 namespace {
 
 constexpr double kGuessCounts = 4.0;     // measurements that the configuration counts as
-constexpr double kFixGuess_m = 0.004;    // of one fix
+constexpr double kFixGuess_m = 0.004;    // standard deviation of one fix, first guess
 constexpr double kFixRadPerMetre = 0.3;  // its heading, as for the keyframes of the back end
 constexpr double kLeastSquare = 1.0e-10;
 
@@ -22,7 +22,7 @@ struct PathResidual {
   Tangent2 off;
   Matrix3 weight;  ///< inverse of the covariance
   Tangent2 weighted;
-  double trust = 1.0;  ///< of Student's t
+  double trust = 1.0;  ///< weight by Student's t
 };
 
 PathResidual path_residual(const Tangent2& off, const Matrix3& covariance) {

@@ -28,7 +28,7 @@ class FieldGradient {
     double distance_m = 0.0;
     Point2 gradient{0.0, 0.0};
   };
-  /// Nothing where the map knows nothing nearby.
+  /// Value of the field at a point; empty if the map knows nothing nearby.
   [[nodiscard]] std::optional<Value> at(const Point2& point) const {
     const double x = (point.x() - geometry_.origin_x_m) / geometry_.resolution_m - 0.5;
     const double y = (point.y() - geometry_.origin_y_m) / geometry_.resolution_m - 0.5;
@@ -64,7 +64,7 @@ constexpr std::size_t kMostStations = 400;
 /// A pose that is estimated: a node of the path with what its scan saw.
 struct Station {
   std::size_t node = 0;
-  PoseFix placed;  ///< as it was before
+  PoseFix placed;  ///< pose before the smoothing
   Pose2 T_map_base;
   std::vector<Point2> points;
 };
@@ -85,7 +85,7 @@ Link link_of(const SmootherConfig& config, const PoseFix& from, const PoseFix& t
   return {T_placed, Matrix3::diagonal(1.0 / along, 1.0 / along, 1.0 / about)};
 }
 
-// What the odometry says about two neighbours; nothing of a fix moves.
+// Adds what the odometry says about two neighbours; a fix does not move.
 void add_link(const Link& link, const Pose2& from, const Pose2& to, std::optional<std::size_t> row_from,
               std::optional<std::size_t> row_to, BlockSystem& chain) {
   const Pose2 actual = between(from, to);

@@ -19,7 +19,7 @@ namespace gdtslam {
 /// Points of scan k of the nodes, robot frame; empty where it has none.
 using PointsOfNode = std::function<std::vector<Point2>(std::size_t k)>;
 
-/// What points, robot frame, say of a pose.
+/// Information of points, robot frame, about a pose.
 PointsView view_from(const SmootherConfig& config, const GlobalField& field, const Pose2& T_map_base,
                      const std::vector<Point2>& points);
 

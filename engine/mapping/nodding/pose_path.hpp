@@ -1,5 +1,5 @@
-// Where the robot was between the poses that are known, equation (13): by time, never by index. Frame: map. One path
-// belongs to one thread; the functions are thread-safe.
+// Poses of the robot between the known ones, equation (13): by time, never by index. Frame: map. One path belongs to
+// one thread; the functions are thread-safe.
 #pragma once
 
 #include <cstddef>

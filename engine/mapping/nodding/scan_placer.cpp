@@ -31,7 +31,7 @@ struct Held {
   std::uint32_t index = 0;
   std::optional<MatchResult> match;
   Pose2 T_odom_base;                        ///< the last known where the log has none
-  std::optional<Odometry> odometry_before;  ///< of the scan before
+  std::optional<Odometry> odometry_before;  ///< odometry of the scan before
   double step_s = 0.0;                      ///< since the scan before; 0 where the clock was set
   [[nodiscard]] double stamp_s() const { return scan.record.scan.stamp_s; }
 };
@@ -82,7 +82,7 @@ struct ScanPlacer::State {
   std::deque<Held> held;                  // the last fix's scan, where there is one, and all after it
   std::optional<PoseFix> last_fix;        // belongs to held.front()
   std::optional<PoseFix> before_held;     // pose of the scan before held.front()
-  std::optional<Odometry> last_odometry;  // of the scan before the one in hand
+  std::optional<Odometry> last_odometry;  // odometry of the scan before the one in hand
   std::uint32_t scans = 0;
   double blind_s = 0.0;  // from held.front() to held.back()
   std::optional<double> last_stamp_s;
@@ -118,7 +118,7 @@ Pose2 ScanPlacer::State::rested(const Pose2& T_map_fixed, const std::optional<Po
   return T_map_fixed;
 }
 
-// Where its frame lies nobody could know before: until then the robot stood, as far as it tells.
+// The origin of the odometry frame could not be known before: until then the robot stood, as far as it reports.
 void ScanPlacer::State::begin_odometry(const Pose2& T_odom_base) {
   for (Held& scan : held) scan.T_odom_base = T_odom_base;
   if (last_fix) last_fix->T_odom_base = T_odom_base;

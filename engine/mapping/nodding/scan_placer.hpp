@@ -14,7 +14,7 @@
 
 namespace gdtslam {
 
-/// Where the points go, and the poses, in log order.
+/// Destination of the points, and the poses, in log order.
 struct PlacedScans {
   Backend& backend;  ///< makes points of beams
   CloudSink& cloud;

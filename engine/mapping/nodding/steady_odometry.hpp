@@ -19,7 +19,7 @@ class SteadyOdometry {
 
  private:
   double max_step_m_;
-  std::optional<Pose2> T_odom_last_;  // as it was given
+  std::optional<Pose2> T_odom_last_;  // odometry that was given last
   std::optional<Pose2> T_steady_odom_;
   std::uint64_t leaps_ = 0;
 };

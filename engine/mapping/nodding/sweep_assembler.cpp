@@ -140,8 +140,8 @@ struct SweepAssembler::State {
   std::unique_ptr<SweepDevice> device;
   std::deque<Waiting> waiting;
   SweepBatch filling;
-  std::vector<float> ranges;       // of the strip in hand
-  std::vector<CloudPoint> points;  // of the batch in hand
+  std::vector<float> ranges;       // ranges of the strip in hand
+  std::vector<CloudPoint> points;  // points of the batch in hand
   std::uint64_t delivered = 0;
 };
 

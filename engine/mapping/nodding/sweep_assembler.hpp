@@ -33,7 +33,7 @@ struct AssemblyLimits {
   double min_range_m = ScanConfig{}.min_range_m;
   double max_range_m = ScanConfig{}.max_range_m;
   SweepForm form = SweepForm::kWorking;
-  std::uint32_t batch_beams = 65536;  ///< of one upload, dispatch and download; at least 1024
+  std::uint32_t batch_beams = 65536;  ///< beams of one upload, dispatch and download; at least 1024
 };
 
 class SweepAssembler {

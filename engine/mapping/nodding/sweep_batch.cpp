@@ -33,7 +33,7 @@ void go_to(double time_s, std::span<const Knot> knots, std::size_t& segment) {
   while (segment + 2 < knots.size() && time_s >= knots[segment + 1].offset_s) ++segment;
 }
 
-/// Where a time lies between a knot and the next, 0 to 1.
+/// Position of a time between a knot and the next, 0 to 1.
 template <class Knot>
 double share_of(double time_s, std::span<const Knot> knots, std::size_t segment) {
   if (segment + 1 >= knots.size()) return 0.0;

@@ -34,7 +34,7 @@ class GrowingSite {
   const Session& whole();
   const SiteRepeats& repeats(WorkerPool& workers);
   Pose2 T_site_keyframe(std::size_t session, std::size_t keyframe);
-  /// As seen from the place of a single session that it lies at.
+  /// Edge from the place of a single session at which the query lies.
   SessionEdge edge_of(std::size_t query, SessionFix fix);
 
  private:

@@ -20,21 +20,21 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kSessionSpacing_m = 0.05;  // of the points of a session that others are searched in
+constexpr double kSessionSpacing_m = 0.05;  // spacing of the points of a session that others are searched in
 constexpr double kPlaceSpacing_m = 0.1;     // and of a place
 constexpr double kPlaceHeld_m = 0.03;       // and of what it is held against
-constexpr double kSamePlace_m = 1.0;        // of path
+constexpr double kSamePlace_m = 1.0;        // length of path
 constexpr double kWallSpacing_m = 0.5;
 constexpr double kStep_m = 0.025;          // along a path that is held against walls
 constexpr std::uint16_t kWallUnits = 128;  // half a cell
-constexpr double kDroveThere_m = 1.5;      // of a robot from where another was, to see the same
-constexpr double kFitsAtAll = 1.25;        // of the mean distance at which a place is found: much may have changed
-constexpr double kBesideHalf_m = 0.5;      // of the window around a pose that is asked about: drift of both
+constexpr double kDroveThere_m = 1.5;      // distance between two robots that see the same
+constexpr double kFitsAtAll = 1.25;    // factor of the mean distance at which a place is found: much may have changed
+constexpr double kBesideHalf_m = 0.5;  // half of the window around a pose that is asked about: drift of both
 constexpr double kBesideHalf_rad = 0.05;
-constexpr double kBeside_m[] = {-3.0, -1.5, 1.5, 3.0};  // of path
-constexpr double kOtherPlace_m = 4.0;                   // as places are apart
+constexpr double kBeside_m[] = {-3.0, -1.5, 1.5, 3.0};  // offsets along the path
+constexpr double kOtherPlace_m = 4.0;                   // distance between places
 constexpr std::size_t kMostOthers = 4;
-constexpr std::size_t kQueriesApart = 4;  // of which one is looked for before the others between
+constexpr std::size_t kQueriesApart = 4;  // number of queries of which one is looked for before the others between
 
 KeyframePath path_of(const Session& session) { return {session.scans, session.poses, session.path_m, session.doubts}; }
 
@@ -67,7 +67,7 @@ std::vector<Point2> bounded(std::vector<Point2> points, double resolution_m) {
                    "--crop' cuts out");
 }
 
-// Where the robot may have been: around all of the path, in every heading.
+// Window around all of the path, in every heading: the robot may have been anywhere in it.
 PoseWindow window_around(const std::vector<Pose2>& poses, double beyond_m) {
   double left = poses.front().x_m;
   double right = left;

@@ -12,8 +12,8 @@
 namespace gdtslam {
 namespace {
 
-// What a session says of its own path after its own adjustment: as good as a match over each step, and over stretches
-// as what the front end says of them in the adjustment of one drive.
+// Weights of a session's own path after its own adjustment: each step counts as much as a match, and stretches count as
+// the front end's do in the adjustment of one drive.
 constexpr std::size_t kHeldSpans[] = {1, 4, 12, 30};  // keyframes
 constexpr std::size_t kHeldOver = 4;                  // each of them over every step, which is to count once
 constexpr double kHeldNoise_m = 0.01;

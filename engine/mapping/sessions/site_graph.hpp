@@ -30,7 +30,7 @@ class SiteGraph {
 
   [[nodiscard]] const std::vector<KeptScan>& scans() const { return scans_; }
   [[nodiscard]] std::vector<Pose2>& poses() { return poses_; }
-  /// What the sessions say of the path from keyframe to keyframe and over some more, for the joint adjustment.
+  /// Relations of the sessions along the path, from keyframe to keyframe and over some more, for the joint adjustment.
   [[nodiscard]] std::vector<PoseRelation> held_relations() const;
   /// Loops from one session to another that are on, or off.
   [[nodiscard]] std::size_t loops_between(bool is_on) const;

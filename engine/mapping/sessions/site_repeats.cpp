@@ -11,7 +11,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kApart_m = 1.5;  // of places of a site that are looked for
+constexpr double kApart_m = 1.5;  // distance between places of a site that are looked for
 constexpr double kApart_rad = 0.8;
 constexpr double kSpot_m = 2.0;                 // around where one fits as well
 constexpr std::size_t kLeastFitting = 2;        // places of a session at the other spot,
@@ -62,7 +62,8 @@ void SiteRepeats::tell_shared_ones() {
   repeats_.insert(repeats_.end(), turned_round.begin(), turned_round.end());
 }
 
-// Those that a spot of it speaks for which is there twice, and those by which the building repeats itself.
+// Other ways to lay the query: those of spots that are in the site twice, and those by which the building repeats
+// itself.
 std::vector<SiteRepeats::Way> SiteRepeats::other_ways(const Session& query, const Pose2& T_site_query) const {
   std::vector<Way> ways;
   for (const Repeat& repeat : repeats_) {

@@ -24,7 +24,7 @@ class SiteRepeats {
  private:
   struct Repeat {
     Pose2 T_site_spot;
-    Pose2 T_site_twin;       ///< where the site looks the same
+    Pose2 T_site_twin;       ///< pose at which the site looks the same
     bool is_shared = false;  ///< by places enough to tell that the building repeats itself
   };
   struct Way {

@@ -10,13 +10,13 @@ namespace {
 constexpr double kWidestGap_m = 2.0;
 constexpr double kNeighbours = 1.5;  // usual angles between beams: more and a beam in between returned nothing
 constexpr double kLineNoise_m = 0.02;
-constexpr double kLineShare = 0.05;  // of the distance to the next point, how far one may lie beside the line
+constexpr double kLineShare = 0.05;  // distance from the line as a share of the distance to the next point
 
 constexpr double kLone_m = 0.5;
 
 double length(double x, double y) { return std::sqrt(x * x + y * y); }
 
-// Of the angle between the beams of two returns.
+// Sine of the angle between the beams of two returns.
 double sine_between(const Point2& a, const Point2& b) {
   const double product = length(a.x(), a.y()) * length(b.x(), b.y());
   return product > 0.0 ? std::fabs(a.x() * b.y() - a.y() * b.x()) / product : 1.0;
@@ -72,7 +72,7 @@ std::optional<Point2> lone_on_wall(std::span<const Point2> points_base_m, std::s
   const std::size_t count = points_base_m.size();
   const auto is_near = [&](std::size_t other) { return (points_base_m[at] - points_base_m[other]).norm() < kLone_m; };
   if ((at > 0 && is_near(at - 1)) || (at + 1 < count && is_near(at + 1))) return std::nullopt;
-  for (const std::size_t before : {1U, 2U, 0U}) {  // of three next to each other, those before this one
+  for (const std::size_t before : {1U, 2U, 0U}) {  // offsets of a triple: the three neighbours before this point
     if (at < before || at - before + 2 >= count) continue;
     const Point2& first = points_base_m[at - before];
     const Point2 chord = points_base_m[at - before + 2] - first;

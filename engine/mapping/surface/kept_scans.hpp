@@ -31,7 +31,7 @@ class KeptScans {
   /// The first ones.
   void keep(std::size_t count) { scans_.resize(count); }
   [[nodiscard]] bool has(std::size_t keyframe) const { return scans_[keyframe] != nullptr; }
-  /// Of one that was not forgotten.
+  /// Scan of a keyframe that was not forgotten.
   [[nodiscard]] const KeptScan& operator[](std::size_t keyframe) const { return *scans_[keyframe]; }
   [[nodiscard]] KeptScan& operator[](std::size_t keyframe) { return *scans_[keyframe]; }
   /// All that were not, in their order; nothing is left.

@@ -13,25 +13,25 @@ namespace {
 
 constexpr std::size_t kMostNeighbours = 8;  // on each side
 constexpr std::size_t kFewestPoints = 4;
-constexpr double kReachShare = 0.05;  // of the range: neighbours at a grazing angle lie far apart
+constexpr double kReachShare = 0.05;  // share of the range: neighbours at a grazing angle lie far apart
 constexpr double kReachNexts = 3.5;   // and of the next point's distance: beams may be few
 constexpr double kLeastReach_m = 0.12;
 constexpr double kMostReach_m = 0.5;
 constexpr double kFlatness = 0.05;          // most of the variance across, as a share of that along
 constexpr double kRoughness_m = 0.01;       // and beyond that share: a laser's noise
 constexpr double kReachNoises = 10.0;       // neighbours within this many times the noise make a normal of six degrees
-constexpr double kRoughnessNoises = 1.3;    // of the noise, which a small sample exceeds
+constexpr double kRoughnessNoises = 1.3;    // multiple of the noise, which a small sample exceeds
 constexpr std::size_t kFewestOfNoise = 10;  // returns with neighbours
-constexpr double kMedianOfNormal = 0.6745;  // of the absolute value of a normal variable
-constexpr double kTiniest = 1.0e-12;        // of an eigenvalue that is divided by
+constexpr double kMedianOfNormal = 0.6745;  // median of the absolute value of a normal variable
+constexpr double kTiniest = 1.0e-12;        // least eigenvalue that is divided by
 constexpr double kLonePlace_m = 0.5;        // beams that have no neighbours are about so far apart
-constexpr double kCornerPlace_m = 0.1;      // as a corner lies between two beams
+constexpr double kCornerPlace_m = 0.1;      // distance of a corner from the beams at its sides
 constexpr double kMostLone = 20.0;          // that tell something new
 constexpr double kSurfaceEnough = 20.0;     // points on surfaces, beside which of lone ones only corners count
 constexpr double kOffLine_m = 0.05;
 constexpr double kOffLineNoises = 3.0;
 constexpr double kAcross = 0.5;        // least squared cosine between a normal and the way: 45 degrees
-constexpr double kEnoughAcross = 0.1;  // of the surface
+constexpr double kEnoughAcross = 0.1;  // share of the surface
 
 // Sums over the neighbours of a point, relative to it.
 struct Neighbourhood {
@@ -120,7 +120,7 @@ bool is_off_line(const Point2& a, const Point2& p, const Point2& b, double noise
   const double chord_m = (before + after).norm();
   if (chord_m <= 0.0) return true;
   const double share = before.dot(before + after) / square(chord_m);
-  const double gain = std::sqrt(1.0 + square(share) + square(1.0 - share));  // of the noise of the three
+  const double gain = std::sqrt(1.0 + square(share) + square(1.0 - share));  // gain of the three points' noise
   const double off_m = std::fabs(before.x() * after.y() - before.y() * after.x()) / chord_m;
   return off_m > std::max(kOffLine_m, kOffLineNoises * noise_m) * gain;
 }

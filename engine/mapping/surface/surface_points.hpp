@@ -1,4 +1,4 @@
-// What is kept of a scan for everything that looks back: its returns, and for those that lie on a surface the surface's
+// Points kept of a scan for everything that looks back: its returns, and for those that lie on a surface the surface's
 // normal, from the neighbours in beam order. Frame: the robot when it was scanned; 20 bytes a point on a surface, 8
 // another. Thread-safe; linear in the points.
 #pragma once
@@ -38,7 +38,7 @@ struct KeptScan {
   std::vector<SurfacePoint> surface;  ///< by direction, ascending
   std::vector<LonePoint> lone;        ///< in beam order
   double normal_variance = 0.0;       ///< mean over the surface points, rad^2
-  std::vector<LonePoint> corners{};   ///< those lone ones that are on no line with their neighbours
+  std::vector<LonePoint> corners{};   ///< lone points that are on no line with their neighbours
   [[nodiscard]] std::size_t points() const { return surface.size() + lone.size(); }
   [[nodiscard]] std::size_t bytes() const {
     return surface.size() * sizeof(SurfacePoint) + lone.size() * sizeof(LonePoint);
@@ -66,14 +66,14 @@ KeptScan keep_scan(std::span<const Point2> points_base_m);
 /// points is a motion that the scan cannot see, as along a corridor.
 Matrix3 shape_of(const KeptScan& scan);
 
-/// What the returns tell of the pose of which no surface is known: where each of them lies, within a metre's fraction,
-/// in both directions. Information of the tangent (x, y, theta), 1/m^2 and so on. Far away in the open, where beams are
-/// a foot apart, there is nothing else. Where surfaces tell enough only corners count, as posts along a corridor do, of
-/// which a beam or two tell.
+/// Information about the pose from returns without a known surface: each fixes the pose within a metre's fraction in
+/// both directions. Information of the tangent (x, y, theta), 1/m^2 and so on. Far away in the open, where beams are a
+/// foot apart, there is nothing else. If surfaces suffice only corners count, such as posts along a corridor that a
+/// beam or two hit.
 Matrix3 lone_information(const KeptScan& scan);
 
-/// Of the shape for one point, what normals that are off by six degrees could feign in a direction in which nothing is
-/// to be seen.
+/// Information, per point, that normals off by six degrees could pretend to give in a direction in which nothing is to
+/// be seen.
 inline constexpr double kShapeOfTiltedNormals = 0.01;
 
 /// The noise of a scan's normals feigns a translation, for one point: their variance is its expected value, and

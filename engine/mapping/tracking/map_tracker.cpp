@@ -21,11 +21,11 @@
 namespace gdtslam {
 namespace {
 
-// Whoever says where the robot is knows it by a search, whose poses lie so near to those of matches.
+// Start poses come from a search, which ends as near to the truth as matches do.
 constexpr double kStartSigma_m = 0.1;
 constexpr double kStartSigma_rad = 0.03;
-constexpr double kLeastKnown = 0.5;      // of a scan, with less of which in the map it says nothing
-constexpr double kLeastExplained = 0.5;  // of that: what is not has come or gone since the map was made
+constexpr double kLeastKnown = 0.5;  // least share of a scan that the map must know; with less the scan says nothing
+constexpr double kLeastExplained = 0.5;  // least share of that which must fit: the rest changed since the map was made
 
 Matrix3 covariance_at_start() {
   return Matrix3::diagonal(square(kStartSigma_m), square(kStartSigma_m), square(kStartSigma_rad));

@@ -18,7 +18,7 @@ inline constexpr MotionNoise kOfAnyRobot{0.2, 0.2};
 
 class ContinuedMotion {
  public:
-  /// Where the next scan was, and whether a match says so.
+  /// Takes the pose of the next scan, and whether a match confirms it.
   void take(const Pose2& T_map_base, bool is_known);
 
   /// From the last scan to the next, as from scan to scan between the last two poses that are known.
@@ -38,10 +38,10 @@ class ContinuedMotion {
   std::optional<Pose2> T_map_known_;
   std::size_t unknown_ = 0;        // scans since
   bool is_single_ = false;         // the velocity is from one scan to the next
-  std::deque<Change> changes_;     // of the last scans,
+  std::deque<Change> changes_;     // motions of the last scans
   std::vector<double> changes_m_;  // and each part of them ascending
   std::vector<double> changes_rad_;
-  MotionNoise learnt_;  // of those
+  MotionNoise learnt_;  // noise of those motions
 };
 
 }  // namespace gdtslam

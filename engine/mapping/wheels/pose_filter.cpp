@@ -10,7 +10,7 @@ constexpr double kMatchPointNoise_m = 0.02;
 constexpr double kMatchIndependent = 400.0;  // points of a scan and of its map that tell something new
 constexpr double kMatchEnough = 100.0;       // points, with fewer of which a scan tells less
 constexpr double kMatchLeastShare = 0.01;
-constexpr double kMatchLeastShape = 4.0e-9;  // of a direction in which the scan tells nothing
+constexpr double kMatchLeastShape = 4.0e-9;  // information of a direction in which the scan shows nothing
 constexpr double kMostMatchChi2 = 30.0;      // farther apart one of the two is wrong
 
 }  // namespace

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kStraight_s = 1.5;  // longer than odometry is told early or late
 constexpr double kStraight_rad = 0.035;
-constexpr double kTurnNoise_rad = 0.01;  // of the matches at both ends
+constexpr double kTurnNoise_rad = 0.01;  // noise of the matches at both ends
 constexpr double kTurnChi2 = 25.0;
 constexpr double kUnmeasuredTurn_rad = 1.0;  // a step that is less sure is one that no odometry measured
 

@@ -10,16 +10,16 @@
 namespace gdtslam {
 namespace {
 
-constexpr int kRounds = 5;        // of weighing by residuals
-constexpr double kFreedom = 4.0;  // of Student's t
+constexpr int kRounds = 5;        // rounds of weighing by residuals
+constexpr double kFreedom = 4.0;  // degrees of freedom of Student's t
 constexpr double kOneSigma = 0.683;
-constexpr double kLeastNoise = 1.0e-4;  // of a residual over the root of its length
+constexpr double kLeastNoise = 1.0e-4;  // least noise of a residual over the root of its length
 constexpr double kStandingOut = 3.0;    // standard deviations
 constexpr WheelBias kNothingKnown;
 
 /// A residual grows as the root of the length of its stretch.
 struct Equation {
-  double a = 0.0;  // what the two unknowns are multiplied by
+  double a = 0.0;  // factor of the first unknown; b: of the second
   double b = 0.0;
   double missing = 0.0;
   double length = 0.0;
@@ -71,7 +71,7 @@ Solution solve(const std::vector<Equation>& equations, double prior_a, double pr
   return solution;
 }
 
-// What stands out of its noise.
+// Part of a value that exceeds its noise.
 double standing_out(double value, double noise) {
   return std::fabs(value) <= noise ? 0.0 : value * (1.0 - square(noise / value));
 }

@@ -46,7 +46,7 @@ class Batches {
     vk::raii::CommandPool pool{nullptr};
     vk::raii::CommandBuffer commands{nullptr};
     vk::raii::QueryPool stamps{nullptr};
-    std::uint64_t value = 0;  ///< of its last submission
+    std::uint64_t value = 0;  ///< timeline value of its last submission
     bool has_stamps = false;  ///< written, not yet read
   };
   static Slot make_slot(const Device& device);

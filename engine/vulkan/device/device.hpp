@@ -1,5 +1,5 @@
-// What is asked of a physical device before it is used, and the logical device with its queue and the timeline that
-// says how far it is.
+// Requirements of a physical device before it is used, and the logical device with its queue and its timeline, which
+// shows the queue's progress.
 #pragma once
 
 #include <cstdint>

@@ -35,7 +35,7 @@ class DriverCalls {
     DriverCalls* outer_;
   };
 
-  /// What vk::raii::Context is given.
+  /// Entry point that vk::raii::Context is given.
   static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL instance_function(VkInstance instance, const char* name);
 
   [[nodiscard]] std::uint64_t count() const { return count_; }

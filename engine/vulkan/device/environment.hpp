@@ -1,4 +1,4 @@
-// What the environment may change about a backend: rehearsals and checks that should need no change of a program.
+// Environment variables that change a backend: rehearsals and checks that should need no change of a program.
 #pragma once
 
 #include "gdtslam/vulkan/vulkan.hpp"

@@ -13,8 +13,8 @@
 
 namespace gdtslam {
 
-/// What the driver compiled, kept from run to run: a file per device and driver, which is checked before it is used and
-/// ignored when it is damaged or foreign. Every call within a DriverCalls::Scope.
+/// Compiled pipelines of the driver, kept from run to run: a file per device and driver, which is checked before it is
+/// used and ignored when it is damaged or foreign. Every call within a DriverCalls::Scope.
 class PipelineCache {
  public:
   /// An empty folder name: nothing is read or written.

@@ -18,7 +18,7 @@ struct GroupCount {
   std::uint32_t z = 1;
 };
 
-/// What the choice of a variant may look at.
+/// Values that the choice of a variant depends on.
 struct VariantContext {
   const VulkanDeviceInfo& device;
   const LaunchShape& shape;

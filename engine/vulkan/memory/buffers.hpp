@@ -12,8 +12,8 @@ namespace gdtslam {
 struct DeviceBuffer {
   vk::raii::Buffer handle{nullptr};
   MemoryRange range;
-  std::size_t bytes = 0;         ///< as asked for
-  std::size_t padded_bytes = 0;  ///< as it is, at least 16 and a multiple of 16
+  std::size_t bytes = 0;         ///< requested size
+  std::size_t padded_bytes = 0;  ///< allocated size, at least 16 and a multiple of 16
   bool is_fresh = true;          ///< not yet zeroed
   BufferHistory history;
   std::uint64_t last_batch = 0;  ///< the last batch that uses it

@@ -9,7 +9,7 @@ namespace gdtslam {
 namespace {
 
 constexpr std::size_t kBlockBytes = std::size_t{32} << 20U;
-/// Of the heap, so that a small device is not taken by the first buffer.
+/// Share of the heap, so that a small device is not taken by the first buffer.
 constexpr std::size_t kBlocksOfHeap = 16;
 
 std::optional<std::uint32_t> find_type(const vk::PhysicalDeviceMemoryProperties& memory, std::uint32_t bits,

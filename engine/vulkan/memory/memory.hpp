@@ -25,7 +25,7 @@ class BlockMemory {
   /// Throws DeviceError with the sizes when the device has no more.
   MemoryRange take(const vk::MemoryRequirements& requirements);
   void give_back(const MemoryRange& range) noexcept;
-  /// Of all blocks together.
+  /// Size of all blocks together.
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
 
  private:

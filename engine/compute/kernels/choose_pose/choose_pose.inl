@@ -1,6 +1,6 @@
 // The choice between polished poses, and the evidence for it.
 
-/// What the map says of all points at a pose; engine/compute/kernels/pose_simplex/pose_simplex.hpp has the meaning.
+/// Values of the map under all points at a pose; engine/compute/kernels/pose_simplex/pose_simplex.hpp has the meaning.
 struct PoseEvidence {
   std::uint32_t sum;
   std::uint32_t near;

@@ -21,7 +21,7 @@ constexpr std::uint32_t grid_stride(std::uint32_t width) {
   return (width + kGridStride - 1) / kGridStride * kGridStride;
 }
 
-/// What stands for a cell that knows no seed yet.
+/// Value of a cell that knows no seed yet.
 inline constexpr std::uint32_t kNoSeed = 0xFFFFFFFFU;
 
 /// From the points of a scan to the seeds of its transform: sets the seeds that a list of cells names; cells outside

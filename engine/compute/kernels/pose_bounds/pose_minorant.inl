@@ -5,7 +5,7 @@
 constexpr std::uint32_t kMinorantBlock = 256;
 constexpr std::uint32_t kMinorantLanes = 16;
 constexpr std::uint32_t kPatch = 4;  ///< cells read along x and along y
-/// What rounding down of a cost's term, and float32, may take away from a point, 1/256 cell.
+/// Loss of a point by rounding a cost's term down, and by float32, 1/256 cell.
 constexpr float kTermSlack = 1.25F;
 
 struct MinorantBlock {
@@ -35,7 +35,7 @@ inline float about_inverse(float value) {
   return guess * (2.0F - value * guess);
 }
 
-/// Of a value within +-2^30.
+/// Floor of a value within +-2^30.
 inline std::int32_t floor_of(float value) {
 #if GDTSLAM_ISA_LEVEL > 0
   return static_cast<std::int32_t>(__builtin_floorf(value));  // an instruction

@@ -10,7 +10,7 @@ std::uint32_t shift_for(std::uint32_t cap) {
   return 2 * bits > 16 ? 2 * bits - 16 : 0;
 }
 
-/// What does not change from point to point. Positions are in 1/256 cell.
+/// Values that do not change from point to point. Positions are in 1/256 cell.
 struct CostContext {
   const std::uint16_t* field;
   const PointCells* points;
@@ -39,7 +39,7 @@ inline std::uint32_t place_of(std::uint32_t x, std::uint32_t y, std::uint32_t st
   return y * stride + x + x / kStripWidth * strip_step;
 }
 
-/// Where coordinates are clamped, 1/256 cell: far off any map, and an integer of float32 and int32 alike.
+/// Limit to which coordinates are clamped, 1/256 cell: far off any map, and an integer of float32 and int32 alike.
 constexpr float kFarthestPosition = 1073741824.0F;  // 2^30
 
 /// floor of a clamped position; NaN counts as -2^30.

@@ -30,7 +30,7 @@ const KernelInfo& PoseStarts::info() {
 const KernelInfo& PoseSimplex::info() {
   static const KernelInfo row = kernel_info<PoseSimplex>(
       {"pose_simplex", "look-up", "linear simplex of the paper, [Nelder1965]"}, kCall<&IsaFunctions::pose_simplex>,
-      // As if every descent went to its limit: how far they go stands in the buffers.
+      // Assumes that every descent goes to its limit: only the buffers know how far they go.
       [](const Params& params, Extent threads) -> std::uint64_t {
         return std::uint64_t{params.cost.point_count} * threads.x * params.max_evaluations;
       },

@@ -35,7 +35,7 @@ inline std::uint32_t prior_cost(const PriorParams& prior, float x, float y, floa
   return static_cast<std::uint32_t>(static_cast<std::int32_t>(shift_cost + turn_cost));
 }
 
-/// What is minimised: the points' sum plus the prior.
+/// Function that is minimised: the points' sum plus the prior.
 struct PoseObjective {
   CostContext context;
   PointSum sum;

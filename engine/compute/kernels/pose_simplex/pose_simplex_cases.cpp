@@ -38,7 +38,7 @@ KernelCase StartsCase::make(const std::string& named) const {
 /// Priors: none, one that weighs about as much as the points, one at its limit everywhere but near the mean.
 enum class DescentPriorKind : std::uint8_t { kNone, kWeak, kSteep };
 
-/// What a case of pose_simplex varies.
+/// Parameters that the cases of pose_simplex vary.
 struct DescentCase {
   using Kernel = PoseSimplex;
   CaseSize field{256, 200, 256};
@@ -55,8 +55,8 @@ struct DescentCase {
   float stop_cells = 0.01F;
   float stop_rad = 0.0002F;
   bool odd_poses = true;  ///< some of them far off
-  float turned = 0.0F;    ///< of all poses, out of the truth
-  bool strips = false;    ///< of the field
+  float turned = 0.0F;    ///< turn of all poses, out of the truth
+  bool strips = false;    ///< the field lies in strips
 
   [[nodiscard]] std::string name() const {
     std::string text = size_name(field) + (room ? " room " : " slow ") + std::to_string(poses) + " poses " +

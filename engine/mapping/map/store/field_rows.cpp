@@ -38,7 +38,7 @@ bool FieldRows::can_hold(const CellBox& box) const {
          cells_in_rows(box) <= max_cells_;
 }
 
-// Where the map has outgrown the device, the error says so, and what to change.
+// If the map has outgrown the device, the error says so, and what to change.
 Buffer FieldRows::allocate_for(const CellBox& box) const {
   const std::size_t bytes = cells_in_rows(box) * sizeof(std::uint16_t);
   try {

@@ -10,9 +10,9 @@
 namespace gdtslam {
 namespace {
 
-constexpr auto kSide = static_cast<std::int32_t>(kStripWidth);  // of a tile, cells
+constexpr auto kSide = static_cast<std::int32_t>(kStripWidth);  // side of a tile, cells
 constexpr std::size_t kTileOfStripCells = std::size_t{kStripStride} * kStripWidth;
-// As many as 32 bits count the cells of, and as the kernels take along a side.
+// Limit of tiles: their cells are counted by 32 bits, and a side fits the kernels.
 constexpr std::int64_t kMostTiles = (std::int64_t{1} << 32U) / static_cast<std::int64_t>(kTileOfStripCells);
 constexpr std::int32_t kMostTilesOfASide = (1 << 21) / kSide - 1;
 // A piece of address space is a square of so many tiles a side, where the process may have 8 GB of it.

@@ -35,9 +35,9 @@ class FieldStrips final : public FieldStore {
 
   Backend* backend_;
   CellBox box_{};
-  CellBox tiles_{};          // of 64 x 64 cells that the piece of address space holds
+  CellBox tiles_{};          // tiles of 64 x 64 cells that the piece of address space holds
   std::vector<bool> known_;  // a tile each, strip by strip
-  std::uint64_t taken_ = 0;  // of them
+  std::uint64_t taken_ = 0;  // bytes taken of them
 };
 
 }  // namespace gdtslam

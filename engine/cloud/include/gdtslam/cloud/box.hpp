@@ -27,28 +27,28 @@ struct Dimension {
 /// An upright box that stands on the floor (or on whatever its lower side is).
 struct MeasuredBox {
   Point3 centre{0.0, 0.0, 0.0};
-  double yaw_rad = 0.0;  ///< of the width's direction, in (-pi/2, pi/2]
+  double yaw_rad = 0.0;  ///< heading of the width's direction, in (-pi/2, pi/2]
   Dimension width;       ///< along the face that is seen best
   Dimension depth;       ///< 0 and infinitely uncertain where no other face is seen
   Dimension height;
-  std::uint32_t points = 0;           ///< of the face
-  double face_rms_m = 0.0;            ///< of their distances from its plane
+  std::uint32_t points = 0;           ///< number of points of the face
+  double face_rms_m = 0.0;            ///< RMS of their distances from its plane
   Point3 face_normal{1.0, 0.0, 0.0};  ///< outwards
 };
 
-/// What counts as a box, and how its faces are found.
+/// Limits for boxes, and how their faces are found.
 struct BoxSearch {
   PlaneSearch planes{.min_points = 50, .gap_m = 0.1};
   double max_size_m = 1.5;  ///< larger things are walls or furniture
   double min_size_m = 0.1;
   std::uint32_t min_face_points = 50;
-  double max_tilt_rad = 0.1;        ///< of a face from upright
-  std::optional<Point3> viewpoint;  ///< of the scanner, when it stood still
+  double max_tilt_rad = 0.1;        ///< tilt of a face from upright
+  std::optional<Point3> viewpoint;  ///< position of the scanner, when it stood still
   bool is_projection = false;       ///< faces as lines of the projection to the floor, as figure 12(c) has them
 };
-/// Where the scanner stood, from the elevation of every point: all points of one elevation lie in one plane through it.
-/// Nothing when the scanner moved, when the elevations tell too little or are not there. Its place along the axis of
-/// the nodding cannot be told from the points: it is taken to be that of the map's origin.
+/// Position of the scanner, from the elevation of every point: all points of one elevation lie in one plane through it.
+/// Empty when the scanner moved, when the elevations say too little or are not there. The points do not show its
+/// position along the axis of the nodding: it is taken to be that of the map's origin.
 std::optional<Point3> standing_viewpoint(std::span<const CloudPoint> cloud);
 
 /// The widest first.

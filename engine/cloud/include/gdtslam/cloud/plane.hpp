@@ -24,14 +24,14 @@ struct Plane {
 struct PlanePatch {
   Plane plane;
   std::vector<std::uint32_t> points;  ///< indices into the cloud, ascending
-  double rms_m = 0.0;                 ///< of the points' distances
+  double rms_m = 0.0;                 ///< RMS of the points' distances
   double sigma_centre_m = 0.0;        ///< standard deviation of the plane where the points' centre is
-  double sigma_offset_m = 0.0;        ///< of the offset, which its direction moves with the way from there
-  double sigma_normal_rad = 0.0;      ///< of the direction, the worse of the two
+  double sigma_offset_m = 0.0;        ///< standard deviation of the offset, the direction's part included
+  double sigma_normal_rad = 0.0;      ///< standard deviation of the direction, the worse of the two
   Point3 centre{0.0, 0.0, 0.0};
 };
 
-/// What counts as a plane, and how long one is looked for.
+/// Limits for planes, and how long one is looked for.
 struct PlaneSearch {
   double thickness_m = 0.03;  ///< a point farther away is not on the plane
   std::uint32_t min_points = 200;

@@ -27,8 +27,8 @@ enum class Isa : std::uint8_t { kBaseline, kAvx2, kAvx512 };
 inline constexpr std::size_t kIsaCount = 3;
 std::string_view to_string(Isa isa);
 
-/// What a CPU function gets: the buffers in the order of the bindings, the parameters, and its slice of the outermost
-/// non-trivial dimension of the extent (y when y > 1, else x). Slices never write the same byte.
+/// Arguments of a CPU function: the buffers in the order of the bindings, the parameters, and its slice of the
+/// outermost non-trivial dimension of the extent (y when y > 1, else x). Slices never write the same byte.
 struct CpuLaunch {
   std::span<const std::span<std::byte>> buffers;
   std::span<const std::byte> params;
@@ -57,7 +57,7 @@ struct KernelInfo {
   std::array<CpuFunction, kIsaCount> cpu{};  ///< null where the build has no such instruction set
   CheckFunction check = nullptr;
   WorkFunction work = nullptr;
-  std::string_view work_unit;  ///< what a step is: "cell", "look-up", "value", "beam"
+  std::string_view work_unit;  ///< name of a step: "cell", "look-up", "value", "beam"
   std::string_view source;     ///< citation key and equation
 };
 

@@ -1,5 +1,5 @@
-// What those who configure a matcher, a merge or a cloud choose between, and what they hand over; the kernels say what
-// each does. Thread-safe.
+// Choices of the kernels that the configuration of a matcher, a merge or a cloud passes on; the kernels say what each
+// does. Thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -26,12 +26,12 @@ enum class SweepForm : std::uint32_t { kWorking = 0, kLiteral = 1 };
 /// How the squared distances of a field are found: exactly (GdtStamp), or by jump flooding, which errs now and then.
 enum class DistanceTransform : std::uint8_t { kExact, kJumpFlood };
 
-// Where the cells of a distance field lie, for the kernels that look up a map or merge into it. Cell (x, y) is at
-// (x / 64) * strip + x % 64 + y * stride. A strip of 64 apart is no more than rows, one behind the other. Else the
-// field lies in strips of 64 columns, all rows of a strip before the next strip, and a strip's row has a 65th cell,
-// which repeats what the next strip's begins with, so that the four neighbours of a look-up lie in one strip: few pages
-// of memory hold what a scan sees, and memory that a system gives when it is touched is taken where a map knows
-// something. A cell holds its value XOR `blank`; with the cap for that, memory that begins as zeros is an unknown map.
+// Layout of the cells of a distance field, for the kernels that look up a map or merge into it. Cell (x, y) is at
+// (x / 64) * strip + x % 64 + y * stride. With strips 64 cells apart the layout is plain rows, one behind the other.
+// Else the field lies in strips of 64 columns, all rows of a strip before the next strip, and a strip's row has a 65th
+// cell, which repeats the first cell of the next strip, so that the four neighbours of a look-up lie in one strip: few
+// pages of memory hold what a scan sees, and memory that a system gives when it is touched is taken only for known
+// parts. A cell holds its value XOR `blank`; with the cap for that, memory that begins as zeros is an unknown map.
 
 /// Columns of a strip; a distance of as many cells from strip to strip means rows.
 inline constexpr std::uint32_t kStripWidth = 64;
@@ -42,7 +42,7 @@ inline constexpr std::uint32_t kStripStride = 68;
 struct FieldLayout {
   std::uint32_t stride = 0;           ///< from row to row, a multiple of 4
   std::uint32_t strip = kStripWidth;  ///< from strip to strip, a multiple of 4
-  std::uint32_t blank = 0;            ///< what unknown cells are XORed to 0 with, or 0
+  std::uint32_t blank = 0;            ///< value that turns unknown cells into 0 by XOR, or 0
 
   [[nodiscard]] constexpr bool has_strips() const { return strip != kStripWidth; }
   [[nodiscard]] constexpr std::size_t place(std::size_t x, std::size_t y) const {

@@ -19,11 +19,11 @@
 
 namespace gdtslam {
 
-/// What a mapper does when its device fails, and the CPU beside a device.
+/// Behaviour of a mapper when its device fails, and the CPU that works next to a device.
 struct MapperOptions {
   bool fall_back = true;  ///< continue with a CPU backend of its own; else the DeviceError goes to the caller
-  /// Of that backend. Where the backend given is a device, matchers that walk on the host map on it from the start. It
-  /// has one thread unless more are asked for.
+  /// Options of that backend. If the backend given is a device, matchers that walk on the host map on it from the
+  /// start. It has one thread unless more are asked for.
   CpuOptions cpu{};
   /// Called once for each failure, with one line that says what failed and what happens now.
   std::function<void(const std::string&)> warn{};

@@ -30,12 +30,12 @@ struct SmootherConfig {
   bool is_on = true;
   double band_up_m = 1.5;       ///< points up to this much above the map's height count as walls
   double above_floor_m = 0.15;  ///< and down to this much above the floor
-  double spacing_m = 0.1;       ///< of the poses that are estimated; those between lie on circles
+  double spacing_m = 0.1;       ///< spacing of the poses that are estimated; those between lie on circles
   double spacing_rad = 0.05;
   /// Standard deviations of the odometry, a random walk, until the log tells them; a metre counts as 0.36 rad of turn.
   double odometry_m_per_sqrt_m = 0.02;
   double odometry_rad_per_sqrt_rad = 0.05;
-  double point_sigma_m = 0.03;  ///< of a point's distance to the map, likewise
+  double point_sigma_m = 0.03;  ///< standard deviation of a point's distance to the map
   double same_view_m = 0.5;     ///< poses so close see the same things, and their points err together
   double gate_m = 0.2;          ///< points farther from the map do not count
   std::int32_t max_points = 240;
@@ -70,7 +70,7 @@ struct NoddingScanner {
   double mirror_rate_hz = 0.0;  ///< for scans that do not say when their beams were measured, with the share
   double stamp_share = 0.5;
   [[nodiscard]] BeamTiming timing(std::size_t beams, double bearing_step_rad) const;
-  /// Of a scan that may say it itself, its beams in the order of time.
+  /// Timing of a scan, which may state it itself; its beams are in the order of time.
   [[nodiscard]] BeamTiming timing(const LaserScan& scan) const;
 };
 
@@ -81,7 +81,7 @@ struct NoddingStatistics {
   std::uint64_t odometry_leaps = 0;    ///< odometry steps from scan to scan too long to be true
   std::uint64_t smoothed = 0;          ///< scans between fixes whose points helped to place them
   std::uint64_t by_odometry = 0;       ///< scans posed by odometry from the last fix: at the end, or blind for long
-  std::uint64_t before_first_fix = 0;  ///< likewise, backwards from the first
+  std::uint64_t before_first_fix = 0;  ///< scans placed backwards from the first fix
   std::uint64_t dropped = 0;           ///< too long before the first fix: neither pose nor points
   std::uint64_t without_nod = 0;       ///< scans whose elevation is not known: no points
   std::uint64_t sweeps = 0;            ///< strokes of the mount, up or down

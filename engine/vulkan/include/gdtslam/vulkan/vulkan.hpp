@@ -29,14 +29,14 @@ struct VulkanDeviceInfo {
   std::string uuid;         ///< which of several equal ones, 32 hexadecimal digits; empty where it cannot be used
   std::uint32_t vendor_id = 0;
   std::uint32_t device_id = 0;
-  std::size_t memory_bytes = 0;  ///< of its largest device-local heap
+  std::size_t memory_bytes = 0;  ///< size of its largest device-local heap
   std::size_t max_storage_buffer_bytes = 0;
   std::size_t max_uniform_buffer_bytes = 0;
   std::size_t shared_memory_bytes = 0;
   std::uint32_t max_group_invocations = 0;
   std::uint32_t max_push_constant_bytes = 0;
   std::uint32_t subgroup_size = 0;
-  double timestamp_ns = 0.0;  ///< of one tick; 0: no timestamps, or none that a backend takes
+  double timestamp_ns = 0.0;  ///< nanoseconds of one tick; 0: no timestamps, or none that a backend takes
   /// Whether it is a GPU rather than a CPU that plays one.
   [[nodiscard]] bool is_hardware() const { return kind == "discrete" || kind == "integrated" || kind == "virtual"; }
 };
@@ -47,7 +47,7 @@ struct VulkanListing {
   std::string problem;  ///< why there is none: no loader, no driver, or the call that failed
 };
 
-/// What Vulkan finds on this machine. Never throws for what is missing.
+/// Lists the Vulkan devices of this machine. Never throws for missing parts.
 VulkanListing list_vulkan_devices();
 
 /// A fault to rehearse: the call number `at` (from 1) of the calls to the driver that can fail gives `code`; a lost
@@ -61,13 +61,14 @@ struct VulkanFault {
 
 /// Which device, and how it is used.
 struct VulkanOptions {
-  std::optional<unsigned> index = std::nullopt;  ///< of the listing; the first hardware GPU when empty
-  std::string cache_folder = {};                 ///< of the pipeline cache; empty: none is read or written
+  std::optional<unsigned> index = std::nullopt;  ///< index in the listing; the first hardware GPU when empty
+  std::string cache_folder = {};                 ///< folder of the pipeline cache; empty: none is read or written
   /// With validation and synchronisation validation: a warning or an error of theirs throws DeviceError at the next
   /// launch, flush or finished download. Also by GDTSLAM_VULKAN_VALIDATION=1. Needs the Khronos layer.
   bool validation = false;
-  /// What validation says too late for that, of what was recorded after the last flush and of the end of the backend;
-  /// must not throw. Empty: it ends the process as an exception does that nobody catches (std::terminate).
+  /// Receives validation messages that come too late to be thrown, about work recorded after the last flush and the end
+  /// of the backend; must not throw. Empty: such a message ends the process like an exception that nobody catches
+  /// (std::terminate).
   std::function<void(std::string_view message)> on_message = {};
   /// A wait that takes longer is a lost device. Empty: GDTSLAM_VULKAN_WAIT_S of the environment, else 30 s.
   std::optional<double> wait_limit_s = std::nullopt;
@@ -85,11 +86,11 @@ struct VulkanOptions {
   std::function<void(VulkanDeviceInfo&)> edit_device = {};
 };
 
-/// What a device was given to do so far, as it stands in its queue. Two of them subtracted say what lies between.
+/// Work that a device was given so far, by the state of its queue. The difference of two is the work between them.
 struct QueueWork {
   std::map<std::string_view, std::uint64_t> dispatches;  ///< by kernel, without launches of no invocations
   std::uint64_t submissions = 0;
-  std::uint64_t waits = 0;  ///< of the host, for a submission that was not known to be done
+  std::uint64_t waits = 0;  ///< waits of the host for a submission that was not known to be done
   std::uint64_t barriers = 0;
   std::uint64_t fills = 0;  ///< also of new buffers with zeros
   std::uint64_t uploads = 0;
