@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/core/elementary.hpp"
-#include "position_of.hpp"
+#include "to_position.hpp"
 
 namespace gdtslam {
 namespace {
@@ -162,11 +162,11 @@ FaceEnd where_hits_stop(std::span<const FaceHit> hits, const EndPlace& place, do
 
 }  // namespace
 
-std::vector<FaceHit> hits_of(std::span<const CloudPoint> cloud, const FaceFrame& face, const Span& across,
-                             const Span& up, const std::optional<Point3>& viewpoint, double thickness_m) {
+std::vector<FaceHit> find_hits(std::span<const CloudPoint> cloud, const FaceFrame& face, const Span& across,
+                               const Span& up, const std::optional<Point3>& viewpoint, double thickness_m) {
   std::vector<FaceHit> hits;
   for (const CloudPoint& point : cloud) {
-    const Point3 d = position_of(point) - face.origin;
+    const Point3 d = to_position(point) - face.origin;
     FaceHit hit{kNowhere, kNowhere, -face.normal.dot(d), face.across.dot(d), face.up.dot(d)};
     if (viewpoint) {
       cross(hit, face, d, *viewpoint);
@@ -180,7 +180,7 @@ std::vector<FaceHit> hits_of(std::span<const CloudPoint> cloud, const FaceFrame&
   return hits;
 }
 
-FaceEnd end_of(std::span<const FaceHit> hits, const EndPlace& place, double thickness_m) {
+FaceEnd find_end(std::span<const FaceHit> hits, const EndPlace& place, double thickness_m) {
   const EndCounts counts = count(hits, place, thickness_m);
   if (counts.beyond > counts.past + counts.before) return {place.rough_m, 0.0, EndKind::kContinues};
   if (counts.past < kLeastPast && counts.before < kLeastPast) return where_hits_stop(hits, place, thickness_m);

@@ -51,8 +51,8 @@ struct FaceHit {
 /// Finds the points whose beam crosses the plane within the spans, or that lie before or behind that part of it.
 /// Without a viewpoint beams are taken to run along the normal, and points farther than `thickness_m` from the plane
 /// count for themselves only (their crossing is not a number).
-std::vector<FaceHit> hits_of(std::span<const CloudPoint> cloud, const FaceFrame& face, const Span& across,
-                             const Span& up, const std::optional<Point3>& viewpoint, double thickness_m);
+std::vector<FaceHit> find_hits(std::span<const CloudPoint> cloud, const FaceFrame& face, const Span& across,
+                               const Span& up, const std::optional<Point3>& viewpoint, double thickness_m);
 
 enum class EndKind : std::uint8_t {
   kJump,      ///< beams past it go on to something behind
@@ -84,7 +84,7 @@ struct EndPlace {
 /// end it went by; a logistic error of the beams' directions is allowed for. The answer is the mean and the standard
 /// deviation over all ends and errors, as likely as they explain the beams: exact between two beams, and honest where
 /// no beam went close by.
-FaceEnd end_of(std::span<const FaceHit> hits, const EndPlace& place, double thickness_m);
+FaceEnd find_end(std::span<const FaceHit> hits, const EndPlace& place, double thickness_m);
 
 /// A face that begins at an end and goes back from it: x = at + slope * depth.
 struct SideFace {

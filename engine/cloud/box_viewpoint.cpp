@@ -5,7 +5,7 @@
 
 #include "engine/core/elementary.hpp"
 #include "gdtslam/cloud/box.hpp"
-#include "position_of.hpp"
+#include "to_position.hpp"
 
 namespace gdtslam {
 namespace {
@@ -34,7 +34,7 @@ std::optional<Fit> fit(std::span<const CloudPoint> cloud) {
   double sq_tangents = 0.0;
   const std::size_t every = std::max<std::size_t>(1, cloud.size() / kMostPoints);
   for (std::size_t k = 0; k < cloud.size(); k += every) {
-    const Point3 point = position_of(cloud[k]);
+    const Point3 point = to_position(cloud[k]);
     const auto elevation_rad = static_cast<double>(cloud[k].elevation_rad);
     if (!point.allFinite() || !(std::fabs(elevation_rad) <= kSteepest_rad)) continue;
     const SinCos<double> elevation = sin_cos(elevation_rad);

@@ -8,7 +8,7 @@
 #include "gdtslam/core/random.hpp"
 #include "neighbours.hpp"
 #include "patch_cells.hpp"
-#include "position_of.hpp"
+#include "to_position.hpp"
 
 namespace gdtslam {
 namespace {
@@ -44,7 +44,7 @@ PatchCells few_cells(std::span<const CloudPoint> cloud, std::span<const std::uin
 ThinnedCloud thinned(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> points,
                      const PlaneSearch& search) {
   PatchCells cells = few_cells(cloud, points, search.thickness_m);
-  Cloud means = cells.means_of(cloud);
+  Cloud means = cells.cell_means(cloud);
   std::vector<std::uint32_t> all(means.size());
   std::iota(all.begin(), all.end(), 0U);
   PatchCells groups(means, all, std::max(0.5 * search.gap_m, 1.5 * cells.edge_m()));
@@ -63,10 +63,10 @@ bool is_alike(const ThinnedCloud& thin, std::uint32_t cell, const Plane& plane) 
 }
 
 // Free cells within the thickness whose normal agrees.
-std::vector<std::uint32_t> supporters_of(const ThinnedCloud& thin, const Plane& plane, double thickness_m) {
+std::vector<std::uint32_t> find_supporters(const ThinnedCloud& thin, const Plane& plane, double thickness_m) {
   std::vector<std::uint32_t> found;
   for (std::uint32_t k = 0; k < thin.means.size(); ++k) {
-    if (!thin.is_free[k] || std::fabs(plane.distance_m(position_of(thin.means[k]))) > thickness_m) continue;
+    if (!thin.is_free[k] || std::fabs(plane.distance_m(to_position(thin.means[k]))) > thickness_m) continue;
     if (is_alike(thin, k, plane)) found.push_back(k);
   }
   return found;
@@ -74,7 +74,7 @@ std::vector<std::uint32_t> supporters_of(const ThinnedCloud& thin, const Plane& 
 
 // Largest connected group of the cells, ascending.
 std::vector<std::uint32_t> connected(const ThinnedCloud& thin, const std::vector<std::uint32_t>& cells) {
-  const std::vector<std::uint32_t>& group_of = thin.groups.cell_of();
+  const std::vector<std::uint32_t>& group_of = thin.groups.cell_by_point();
   std::vector<bool> is_marked(thin.groups.size(), false);
   for (const std::uint32_t k : cells) is_marked[group_of[k]] = true;
   std::vector<bool> is_kept(thin.groups.size(), false);
@@ -87,14 +87,14 @@ std::vector<std::uint32_t> connected(const ThinnedCloud& thin, const std::vector
 }
 
 bool spans_a_plane(const ThinnedCloud& thin, const std::vector<std::uint32_t>& cells) {
-  const Point3 first = position_of(thin.means[cells.front()]);
+  const Point3 first = to_position(thin.means[cells.front()]);
   Point3 longest = Point3::Zero();
   for (const std::uint32_t k : cells) {
-    const Point3 d = position_of(thin.means[k]) - first;
+    const Point3 d = to_position(thin.means[k]) - first;
     if (d.squaredNorm() > longest.squaredNorm()) longest = d;
   }
   return std::any_of(cells.begin(), cells.end(), [&](std::uint32_t k) {
-    return (position_of(thin.means[k]) - first).cross(longest).norm() > 1.0e-6 * longest.norm();
+    return (to_position(thin.means[k]) - first).cross(longest).norm() > 1.0e-6 * longest.norm();
   });
 }
 
@@ -110,7 +110,7 @@ Candidate grown(const ThinnedCloud& thin, Plane plane, const std::vector<std::ui
   for (int k = 0; k < kRefinements; ++k) {
     if (best.cells.size() < kLeastCells || !spans_a_plane(thin, best.cells)) return best;
     plane = fit_plane(thin.means, best.cells).plane;
-    Candidate next{plane, connected(thin, supporters_of(thin, plane, thickness_m))};
+    Candidate next{plane, connected(thin, find_supporters(thin, plane, thickness_m))};
     if (next.cells.size() < best.cells.size()) return best;
     best = std::move(next);
   }
@@ -132,8 +132,8 @@ std::optional<Candidate> best_candidate(const ThinnedCloud& thin, const PlaneSea
   double most = seeds.empty() ? 0.0 : search.trials;
   for (double trial = 0.0; trial < most; trial += 1.0) {
     const std::uint32_t seed = seeds[random.below(seeds.size())];
-    const Plane plane{thin.normals[seed], thin.normals[seed].dot(position_of(thin.means[seed]))};
-    const std::vector<std::uint32_t> supporters = supporters_of(thin, plane, search.thickness_m);
+    const Plane plane{thin.normals[seed], thin.normals[seed].dot(to_position(thin.means[seed]))};
+    const std::vector<std::uint32_t> supporters = find_supporters(thin, plane, search.thickness_m);
     if (supporters.size() <= best.cells.size() / 2) continue;  // growing rarely doubles a plane
     Candidate next = grown(thin, plane, supporters, search.thickness_m);
     if (next.cells.size() <= best.cells.size()) continue;
@@ -151,14 +151,15 @@ struct PatchPoints {
 };
 
 // All points near the plane in the cubes of the patch and beside them.
-PatchPoints points_of(std::span<const CloudPoint> cloud, const ThinnedCloud& thin, const Plane& plane,
-                      const std::vector<bool>& is_taken, const std::vector<bool>& is_of_patch, double thickness_m) {
+PatchPoints find_patch_points(std::span<const CloudPoint> cloud, const ThinnedCloud& thin, const Plane& plane,
+                              const std::vector<bool>& is_taken, const std::vector<bool>& is_of_patch,
+                              double thickness_m) {
   PatchPoints found;
   for (std::uint32_t k = 0; k < thin.means.size(); ++k) {
-    if (!is_of_patch[thin.groups.cell_of()[k]]) continue;
+    if (!is_of_patch[thin.groups.cell_by_point()[k]]) continue;
     const bool is_core = is_alike(thin, k, plane);
-    for (const std::uint32_t point : thin.cells.points_of(k)) {
-      if (is_taken[point] || std::fabs(plane.distance_m(position_of(cloud[point]))) > thickness_m) continue;
+    for (const std::uint32_t point : thin.cells.find_patch_points(k)) {
+      if (is_taken[point] || std::fabs(plane.distance_m(to_position(cloud[point]))) > thickness_m) continue;
       found.all.push_back(point);
       if (is_core) found.core.push_back(point);
     }
@@ -169,16 +170,16 @@ PatchPoints points_of(std::span<const CloudPoint> cloud, const ThinnedCloud& thi
 }
 
 // The plane refined on all points; nothing when too few are left, or those that are lie on a line.
-std::optional<PlanePatch> patch_of(std::span<const CloudPoint> cloud, const ThinnedCloud& thin,
-                                   const Candidate& candidate, const std::vector<bool>& is_taken,
-                                   const PlaneSearch& search) {
+std::optional<PlanePatch> fit_patch(std::span<const CloudPoint> cloud, const ThinnedCloud& thin,
+                                    const Candidate& candidate, const std::vector<bool>& is_taken,
+                                    const PlaneSearch& search) {
   std::vector<bool> is_of_patch(thin.groups.size(), false);
-  for (const std::uint32_t k : candidate.cells) is_of_patch[thin.groups.cell_of()[k]] = true;
+  for (const std::uint32_t k : candidate.cells) is_of_patch[thin.groups.cell_by_point()[k]] = true;
   is_of_patch = thin.groups.grown(is_of_patch);
   Plane plane = candidate.plane;
   PlanePatch patch;
   for (int k = 0; k < kRefinements; ++k) {
-    PatchPoints points = points_of(cloud, thin, plane, is_taken, is_of_patch, search.thickness_m);
+    PatchPoints points = find_patch_points(cloud, thin, plane, is_taken, is_of_patch, search.thickness_m);
     if (points.all.size() < std::max<std::size_t>(3, search.min_points)) return std::nullopt;
     std::optional<PlanePatch> fitted =
         fitted_plane(cloud, points.core.size() >= 3 * kLeastCells ? points.core : points.all);
@@ -202,7 +203,7 @@ std::vector<PlanePatch> find_planes(std::span<const CloudPoint> cloud, const Pla
     const std::optional<Candidate> candidate = best_candidate(thin, search, random);
     if (!candidate) break;
     for (const std::uint32_t k : candidate->cells) thin.is_free[k] = false;
-    std::optional<PlanePatch> patch = patch_of(cloud, thin, *candidate, is_taken, search);
+    std::optional<PlanePatch> patch = fit_patch(cloud, thin, *candidate, is_taken, search);
     failures = patch ? 0 : failures + 1;
     if (!patch) continue;
     for (const std::uint32_t point : patch->points) is_taken[point] = true;

@@ -6,23 +6,23 @@
 
 #include "gdtslam/cloud/plane.hpp"
 #include "gdtslam/core/error.hpp"
-#include "position_of.hpp"
+#include "to_position.hpp"
 
 namespace gdtslam {
 namespace {
 
-Point3 centre_of(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> points) {
+Point3 centroid(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> points) {
   Point3 sum = Point3::Zero();
-  for (const std::uint32_t k : points) sum += position_of(cloud[k]);
+  for (const std::uint32_t k : points) sum += to_position(cloud[k]);
   return sum / static_cast<double>(points.size());
 }
 
 // Second moments about the centre, divided by the number of points.
-Eigen::Matrix3d scatter_of(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> points,
-                           const Point3& centre) {
+Eigen::Matrix3d scatter_matrix(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> points,
+                               const Point3& centre) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (const std::uint32_t k : points) {
-    const Point3 d = position_of(cloud[k]) - centre;
+    const Point3 d = to_position(cloud[k]) - centre;
     sum += d * d.transpose();
   }
   return sum / static_cast<double>(points.size());
@@ -41,8 +41,8 @@ bool is_line(const Eigen::Vector3d& extents, const Point3& centre) {
 std::optional<PlanePatch> fitted_plane(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> points) {
   if (points.size() < 3) return std::nullopt;
   PlanePatch patch;
-  patch.centre = centre_of(cloud, points);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter_of(cloud, points, patch.centre));
+  patch.centre = centroid(cloud, points);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter_matrix(cloud, points, patch.centre));
   const Eigen::Vector3d extents = solver.eigenvalues().cwiseMax(0.0);  // ascending
   if (is_line(extents, patch.centre)) return std::nullopt;
   patch.points.assign(points.begin(), points.end());

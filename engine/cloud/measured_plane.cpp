@@ -7,7 +7,7 @@
 
 #include "gdtslam/cloud/thinning.hpp"
 #include "plane_extent.hpp"
-#include "position_of.hpp"
+#include "to_position.hpp"
 
 namespace gdtslam {
 namespace {
@@ -21,7 +21,7 @@ bool is_level(const Plane& plane) { return std::fabs(plane.normal.z()) >= kCosin
 bool is_upright(const Plane& plane) { return std::fabs(plane.normal.z()) <= kSineOfUpright; }
 
 // Points evenly taken, enough for floor and ceiling.
-Cloud sample_of(std::span<const CloudPoint> cloud) {
+Cloud take_sample(std::span<const CloudPoint> cloud) {
   const std::size_t stride = cloud.size() / kSample + 1;
   Cloud sample;
   for (std::size_t k = 0; k < cloud.size(); k += stride) {
@@ -34,7 +34,7 @@ bool is_at(const std::optional<PlanePatch>& surface, const PlanePatch& patch) {
   return surface && std::fabs(surface->plane.distance_m(patch.centre)) <= kSameLevel_m;
 }
 
-PlaneKind kind_of(const PlanePatch& patch, const LevelSurfaces& surfaces) {
+PlaneKind plane_kind(const PlanePatch& patch, const LevelSurfaces& surfaces) {
   if (is_upright(patch.plane)) return PlaneKind::kWall;
   if (!is_level(patch.plane)) return PlaneKind::kSlope;
   if (is_at(surfaces.floor, patch)) return PlaneKind::kFloor;
@@ -52,12 +52,12 @@ MeasuredPlane measured(std::span<const CloudPoint> cloud, PlanePatch patch, cons
                        double gap_m) {
   orient(patch.plane);
   MeasuredPlane plane{.patch = std::move(patch), .kind = {}, .area_m2 = 0.0, .extent_m = {}};
-  plane.kind = kind_of(plane.patch, surfaces);
-  const PlaneAxes axes = axes_of(plane.patch.plane.normal, is_level(plane.patch.plane));
+  plane.kind = plane_kind(plane.patch, surfaces);
+  const PlaneAxes axes = plane_axes(plane.patch.plane.normal, is_level(plane.patch.plane));
   std::vector<PlanePoint> points;
   points.reserve(plane.patch.points.size());
   for (const std::uint32_t k : plane.patch.points) {
-    const Point3 from_centre = position_of(cloud[k]) - plane.patch.centre;
+    const Point3 from_centre = to_position(cloud[k]) - plane.patch.centre;
     points.push_back({from_centre.dot(axes.along), from_centre.dot(axes.up)});
   }
   if (is_level(plane.patch.plane)) points = turned_into_smallest_box(points);
@@ -77,7 +77,7 @@ std::string_view to_string(PlaneKind kind) {
 std::vector<MeasuredPlane> measured_planes(std::span<const CloudPoint> cloud, std::vector<PlanePatch> patches,
                                            double gap_m) {
   if (patches.empty()) return {};
-  const LevelSurfaces surfaces = find_level_surfaces(sample_of(cloud), {});
+  const LevelSurfaces surfaces = find_level_surfaces(take_sample(cloud), {});
   std::vector<MeasuredPlane> planes;
   planes.reserve(patches.size());
   for (PlanePatch& patch : patches) planes.push_back(measured(cloud, std::move(patch), surfaces, gap_m));

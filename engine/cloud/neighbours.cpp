@@ -9,7 +9,7 @@
 #include <nanoflann.hpp>
 #include <utility>
 
-#include "position_of.hpp"
+#include "to_position.hpp"
 
 namespace gdtslam {
 namespace {
@@ -55,10 +55,10 @@ class NearestWithin {
   std::optional<std::uint32_t> found_;
 };
 
-std::vector<Point3> positions_of(std::span<const CloudPoint> cloud) {
+std::vector<Point3> to_positions(std::span<const CloudPoint> cloud) {
   std::vector<Point3> points;
   points.reserve(cloud.size());
-  for (const CloudPoint& point : cloud) points.push_back(position_of(point));
+  for (const CloudPoint& point : cloud) points.push_back(to_position(point));
   return points;
 }
 
@@ -66,7 +66,7 @@ std::vector<Point3> positions_of(std::span<const CloudPoint> cloud) {
 
 struct Neighbours::Tree {
   explicit Tree(std::span<const CloudPoint> points)
-      : cloud{positions_of(points)}, index(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(kLeafPoints)) {
+      : cloud{to_positions(points)}, index(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(kLeafPoints)) {
     index.buildIndex();
   }
   Points cloud;

@@ -21,13 +21,13 @@ class PatchCells {
   [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(keys_.size()); }
   [[nodiscard]] double edge_m() const { return edge_m_; }
   /// Indices into the cloud, ascending.
-  [[nodiscard]] std::span<const std::uint32_t> points_of(std::uint32_t cell) const {
+  [[nodiscard]] std::span<const std::uint32_t> cell_points(std::uint32_t cell) const {
     return {points_.data() + begins_[cell], points_.data() + begins_[cell + 1]};
   }
   /// The cell of each point, in the order of the indices that were given.
-  [[nodiscard]] const std::vector<std::uint32_t>& cell_of() const { return cell_of_; }
+  [[nodiscard]] const std::vector<std::uint32_t>& cell_by_point() const { return cell_of_; }
   /// The mean of the points of each cell.
-  [[nodiscard]] Cloud means_of(std::span<const CloudPoint> cloud) const;
+  [[nodiscard]] Cloud cell_means(std::span<const CloudPoint> cloud) const;
   /// Finds out which cells touch, for largest_group and grown.
   void link();
   /// Largest group of the marked cells in which each touches another, ascending; by number of cells, the first group

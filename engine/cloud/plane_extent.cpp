@@ -76,7 +76,7 @@ std::size_t whole_squares(const Nodes& nodes) {
 
 }  // namespace
 
-PlaneAxes axes_of(const Point3& normal, bool is_level) {
+PlaneAxes plane_axes(const Point3& normal, bool is_level) {
   const Point3 along = (is_level ? Point3::UnitY() : Point3::UnitZ()).cross(normal).normalized();
   return {along, normal.cross(along).normalized()};
 }

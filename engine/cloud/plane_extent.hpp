@@ -19,7 +19,7 @@ struct PlaneAxes {
   Point3 along = Point3::UnitX();
   Point3 up = Point3::UnitY();
 };
-PlaneAxes axes_of(const Point3& normal, bool is_level);
+PlaneAxes plane_axes(const Point3& normal, bool is_level);
 
 /// The box around points, in their axes.
 struct PlaneBox {

@@ -77,7 +77,7 @@ Pose2 rigid_alignment(const std::vector<MatchedPose>& matched) {
 
 /// Returns the stretch of each pose, from 0. A new stretch begins where the clock steps back, unless it is by less than
 /// a second, as the stamps of recorders do that stamp what they receive.
-std::vector<std::size_t> stretches_of(const Trajectory& trajectory, double tolerance_s) {
+std::vector<std::size_t> split_stretches(const Trajectory& trajectory, double tolerance_s) {
   std::vector<std::size_t> stretches;
   stretches.reserve(trajectory.size());
   std::size_t stretch = 0;
@@ -191,8 +191,8 @@ ErrorSummary summarise(std::vector<double> errors) {
 
 std::vector<std::optional<std::size_t>> matches_by_stamp(const Trajectory& estimate, const Trajectory& reference,
                                                          double tolerance_s) {
-  const std::vector<std::size_t> stretches = stretches_of(estimate, tolerance_s);
-  const std::vector<std::size_t> of_reference = stretches_of(reference, tolerance_s);
+  const std::vector<std::size_t> stretches = split_stretches(estimate, tolerance_s);
+  const std::vector<std::size_t> of_reference = split_stretches(reference, tolerance_s);
   // A trajectory of several drives at one time, as a merged site has, meets one whose stamps occur once.
   const std::size_t ambiguous = count_ambiguous(estimate, reference, tolerance_s);
   if (ambiguous > 0 && stretches.back() != of_reference.back()) {
@@ -203,7 +203,7 @@ std::vector<std::optional<std::size_t>> matches_by_stamp(const Trajectory& estim
   std::vector<std::optional<std::size_t>> matches(estimate.size());
   if (ambiguous == 0) {
     const PosesByStamp index(reference);
-    for (std::size_t i = 0; i < estimate.size(); ++i) matches[i] = index.index_of(estimate[i].stamp_s, tolerance_s);
+    for (std::size_t i = 0; i < estimate.size(); ++i) matches[i] = index.find_index(estimate[i].stamp_s, tolerance_s);
     return matches;
   }
   std::vector<PosesByStamp> parts;
@@ -214,7 +214,7 @@ std::vector<std::optional<std::size_t>> matches_by_stamp(const Trajectory& estim
   }
   for (std::size_t i = 0; i < estimate.size(); ++i) {
     const std::size_t part = stretches[i];
-    matches[i] = parts[part].index_of(estimate[i].stamp_s, tolerance_s);
+    matches[i] = parts[part].find_index(estimate[i].stamp_s, tolerance_s);
     if (matches[i]) *matches[i] += begins[part];
   }
   return matches;
@@ -285,7 +285,7 @@ ReferenceReport evaluate_reference(const Trajectory& estimate, const Trajectory&
 }
 
 RepeatedStamps::RepeatedStamps(const Trajectory& trajectory, double tolerance_s) : tolerance_s_(tolerance_s) {
-  const std::vector<std::size_t> stretches = stretches_of(trajectory, tolerance_s);
+  const std::vector<std::size_t> stretches = split_stretches(trajectory, tolerance_s);
   if (stretches.empty() || stretches.back() == 0) return;
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
     if (std::isfinite(trajectory[i].stamp_s)) entries_.push_back({trajectory[i].stamp_s, stretches[i]});
@@ -331,12 +331,12 @@ std::optional<Pose2> PosesByStamp::find(double stamp_s, double tolerance_s) cons
   return entry == nullptr ? std::nullopt : std::optional(entry->pose.T_map_base);
 }
 
-std::optional<std::size_t> PosesByStamp::index_of(double stamp_s, double tolerance_s) const {
+std::optional<std::size_t> PosesByStamp::find_index(double stamp_s, double tolerance_s) const {
   const Entry* const entry = nearest(stamp_s, tolerance_s);
   return entry == nullptr ? std::nullopt : std::optional(entry->index);
 }
 
-double length_m_of(const Trajectory& trajectory, std::span<const std::size_t> drives) {
+double path_length_m(const Trajectory& trajectory, std::span<const std::size_t> drives) {
   double length_m = 0.0;
   for (std::size_t i = 1; i < trajectory.size(); ++i) {
     if (std::binary_search(drives.begin(), drives.end(), i)) continue;

@@ -27,7 +27,7 @@ std::size_t scan_of_place(const BackEndResult& result, std::size_t place) {
 
 ClosedLoop closed_loop(const Loop& loop, const BackEndResult& result) {
   const PoseRelation& relation = loop.relation;
-  const Tangent2 off = residual_of(relation, result.graph.poses[relation.from], result.graph.poses[relation.to]);
+  const Tangent2 off = relation_residual(relation, result.graph.poses[relation.from], result.graph.poses[relation.to]);
   return {.from = scan_of_place(result, relation.from),
           .to = scan_of_place(result, relation.to),
           .T_from_to = relation.T_from_to,
@@ -117,7 +117,7 @@ LoopClosing::LoopClosing(const MapperConfig& config, const MapperOptions& option
     : state_(std::make_unique<State>(config, options)) {}
 LoopClosing::~LoopClosing() = default;
 
-MapperConfig LoopClosing::config_of(MapperConfig config) {
+MapperConfig LoopClosing::adapt_config(MapperConfig config) {
   if (config.local.stretch_m == 0.0) config.local.stretch_m = kStretch_m;
   config.odometry.estimate = true;
   return config;
@@ -153,7 +153,7 @@ std::shared_future<ClosedKeyframes> LoopClosing::request_keyframes() {
 void LoopClosing::State::rebuild(const std::vector<std::size_t>& keyframes, const std::vector<Pose2>& poses) {
   try {
     back_end.visit_keyframes(
-        [&](std::size_t i, const KeptScan& scan) { map.merge(points_of(scan), poses[keyframes[i]]); });
+        [&](std::size_t i, const KeptScan& scan) { map.merge(to_points(scan), poses[keyframes[i]]); });
   } catch (const InputError&) {
     too_large = std::current_exception();
   }

@@ -53,7 +53,7 @@ std::vector<double> sort_vertices(std::vector<Valued>& vertices, const SimplexRu
 // limit is met on the way, it ends there.
 bool move(Counted& function, std::vector<Valued>& vertices, const SimplexRule& rule) {
   const std::vector<double> values = sort_vertices(vertices, rule);
-  const Point centre = centre_of(vertices);
+  const Point centre = centroid(vertices);
   const Point from = vertices.back().point;
   const auto tried = [&](double factor) {
     Valued one{along(centre, from, factor), 0.0};

@@ -36,7 +36,7 @@ Belief belief_in(const LineEquations& lines) {
 
 }  // namespace
 
-std::vector<KeyframePair> pairs_of(const std::vector<Pose2>& poses, const PairRules& rules) {
+std::vector<KeyframePair> find_pairs(const std::vector<Pose2>& poses, const PairRules& rules) {
   std::vector<KeyframePair> pairs;
   PoseBins bins(rules.near_m);
   const std::size_t longest = rules.back.empty() ? 0 : rules.back.back();
@@ -68,13 +68,13 @@ JointAdjustment::JointAdjustment(const std::vector<KeptScan>& scans, std::vector
 class JointAdjustment::Systems {
  public:
   Systems(std::vector<KeyframePair> pairs, const std::vector<PoseRelation>& held, std::size_t keyframes)
-      : pairs_(std::move(pairs)), whole_(system_of(pairs_, held, keyframes)) {
+      : pairs_(std::move(pairs)), whole_(make_system(pairs_, held, keyframes)) {
     choose_core();
     std::vector<KeyframePair> core;
     for (std::size_t i = 0; i < pairs_.size(); ++i) {
       if (is_of_core_[i]) core.push_back(pairs_[i]);
     }
-    core_.emplace(system_of(core, held, keyframes));
+    core_.emplace(make_system(core, held, keyframes));
     factor_.emplace(*core_);
     both_ = {&whole_, &*core_};
   }
@@ -91,8 +91,8 @@ class JointAdjustment::Systems {
   double step(std::vector<Pose2>& poses) { return take_step_by_core(whole_, *core_, *factor_, poses); }
 
  private:
-  static BlockSystem system_of(const std::vector<KeyframePair>& pairs, const std::vector<PoseRelation>& held,
-                               std::size_t keyframes) {
+  static BlockSystem make_system(const std::vector<KeyframePair>& pairs, const std::vector<PoseRelation>& held,
+                                 std::size_t keyframes) {
     std::vector<BlockSystem::Pair> pattern(pairs.begin(), pairs.end());
     for (const PoseRelation& relation : held) pattern.emplace_back(relation.from, relation.to);
     return {keyframes, std::move(pattern)};
@@ -209,7 +209,7 @@ JointResult JointAdjustment::run(std::vector<Pose2>& poses, WorkerPool& workers,
   std::optional<Systems> systems;
   double gate_m = options_.first_gate_m;
   for (int step = 0; step < options_.iterations; ++step) {
-    if (step % options_.pairs_every == 0) systems.emplace(pairs_of(poses), held_, scans_.size());
+    if (step % options_.pairs_every == 0) systems.emplace(find_pairs(poses), held_, scans_.size());
     result.largest_step_m = take_step(gate_m, *systems, poses, workers, result);
     const bool is_still = result.largest_step_m < options_.still_m && gate_m <= options_.last_gate_m;
     if (is_still && step >= options_.pairs_every) break;

@@ -28,7 +28,7 @@ struct PairRules {
 };
 
 /// By the poses as they are, in the order of the later keyframe.
-std::vector<KeyframePair> pairs_of(const std::vector<Pose2>& poses, const PairRules& rules = {});
+std::vector<KeyframePair> find_pairs(const std::vector<Pose2>& poses, const PairRules& rules = {});
 
 struct JointOptions {
   int iterations = 10;     ///< at most,

@@ -101,7 +101,7 @@ void BackEnd::follow(const MatchResult& result) {
   const double rad = square(result.odometry_sigma_rad);
   T_wheels_ = T_wheels_ * step;
   if (result.odometry_sigma_m < kUnmeasured_m) {
-    travel_.path_m += length_of(step);
+    travel_.path_m += translation_length(step);
     travel_.turned_rad += std::fabs(step.theta_rad);
   } else {
     travel_.besides += Matrix3::diagonal(m, m, rad);
@@ -110,7 +110,7 @@ void BackEnd::follow(const MatchResult& result) {
   wheels_covariance_ = carried * times_transposed(wheels_covariance_, carried) + Matrix3::diagonal(m, m, rad);
   leaps_ = carried * times_transposed(leaps_, carried);
   match_leaps_ = carried * times_transposed(match_leaps_, carried);
-  if (const std::optional<Tangent2> off = leap_of(result)) {
+  if (const std::optional<Tangent2> off = find_leap(result)) {
     leaps_ += outer(*off, *off);
     const Tangent2 of_match{(*off)[0], (*off)[1], result.is_turn_open ? (*off)[2] : 0.0};
     match_leaps_ += outer(of_match, of_match);
@@ -129,7 +129,7 @@ void BackEnd::add_keyframe(const MatchResult& result, KeptScan points) {
   if (keyframes_taken_ <= 1) {
     chain_.take(result.T_map_base, {}, known_, counter_.is_place(0.0));
   } else {
-    const double step_m = length_of(between(T_map_keyframe_, result.T_map_base));
+    const double step_m = translation_length(between(T_map_keyframe_, result.T_map_base));
     travelled_m_ += step_m;
     stretch_m_ += step_m;
     const KeptScan known = result.accepted ? known_.known_part(keyframe.scan, result.T_map_base) : KeptScan{};
@@ -147,7 +147,7 @@ void BackEnd::add_keyframe(const MatchResult& result, KeptScan points) {
     known_.begin_stretch();
     stretch_m_ = 0.0;
   }
-  known_.add(points_of(keyframe.scan), result.T_map_base);
+  known_.add(to_points(keyframe.scan), result.T_map_base);
   T_map_keyframe_ = result.T_map_base;
   T_wheels_ = {};
   wheels_covariance_ = {};
@@ -175,9 +175,9 @@ Matrix3 BackEnd::update_unseen(const MatchResult& result, const KeptScan& known)
 MeasuredSteps BackEnd::steps_to(const MatchResult& result, const KeptScan& known) const {
   const std::size_t points = known.surface.size();
   const double share = std::max(kStepLeastShare, std::min(1.0, static_cast<double>(points) / kEnoughPoints));
-  const ShapeOfOne one = shape_of_one(shape_of(known), points, kStepLeastShape, feigned_shape(known));
+  const ShapeOfOne one = shape_of_one(surface_shape(known), points, kStepLeastShape, feigned_shape(known));
   const Matrix3 lone = lone_information(known);
-  const double step_m = length_of(between(T_map_keyframe_, result.T_map_base));
+  const double step_m = translation_length(between(T_map_keyframe_, result.T_map_base));
   const double staying = std::min(1.0, 2.0 * step_m / (kOverlap_m + step_m));
   const double floor_m2 = square(kStepFloor_m) + square(staying * result.match_sigma_m);
   const double floor_rad2 = square(kStepFloor_rad) + square(staying * result.match_sigma_rad);

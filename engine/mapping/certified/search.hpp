@@ -50,10 +50,10 @@ class CertifiedSearch {
   void keep(OpenBox box);
   [[nodiscard]] bool has_wide_minorant(std::int32_t level) const;
   std::optional<PoseMinorant::Value> minorant_in(const OpenBox& box);
-  [[nodiscard]] PoseMinorant::Value patch_minorant_of(const OpenBox& box) const;
-  [[nodiscard]] PoseMinorant::Value wide_minorant_of(const OpenBox& box) const;
-  [[nodiscard]] std::uint32_t least_of(const PoseMinorant::Value& minorant, const OpenBox& box,
-                                       const OpenBox& part) const;
+  [[nodiscard]] PoseMinorant::Value find_patch_minorant(const OpenBox& box) const;
+  [[nodiscard]] PoseMinorant::Value find_wide_minorant(const OpenBox& box) const;
+  [[nodiscard]] std::uint32_t least_value(const PoseMinorant::Value& minorant, const OpenBox& box,
+                                          const OpenBox& part) const;
   [[nodiscard]] bool matters(const OpenBox& box) const;
   [[nodiscard]] std::uint32_t least_prior(const OpenBox& box) const;
 
@@ -62,7 +62,7 @@ class CertifiedSearch {
   void try_centres(std::span<const OpenBox> boxes);
   void polish(const CellPose& start, float step_cells);
   void offer(const CellPose& pose, std::uint32_t cost);
-  [[nodiscard]] std::uint32_t cost_of(const CellPose& pose);
+  [[nodiscard]] std::uint32_t evaluate_cost(const CellPose& pose);
   [[nodiscard]] CellPose to_cells(const Pose2& pose) const;
   [[nodiscard]] Pose2 to_metres(const CellPose& pose) const;
   [[nodiscard]] CellPose in_narrow_window(CellPose pose) const;

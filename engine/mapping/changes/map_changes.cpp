@@ -7,7 +7,7 @@ namespace gdtslam {
 namespace {
 
 // The cells whose centres lie within the tolerance of a cell's own.
-std::vector<CellOffset> disc_of(double tolerance_m, double resolution_m) {
+std::vector<CellOffset> make_disc(double tolerance_m, double resolution_m) {
   const double radius = tolerance_m / resolution_m;
   const auto reach = static_cast<std::int32_t>(std::floor(radius));
   std::vector<CellOffset> disc;
@@ -113,7 +113,7 @@ std::vector<ChangedCell> appeared_cells(const OccupancyMap& map, const ViewCount
 
 }  // namespace
 
-std::size_t patches_of(std::span<const ChangedCell> cells) {
+std::size_t count_patches(std::span<const ChangedCell> cells) {
   std::uint32_t patches = 0;
   for (const ChangedCell& cell : cells) patches = std::max(patches, cell.patch + 1);
   return patches;
@@ -128,7 +128,7 @@ void keep_patches(std::vector<ChangedCell>& cells, double resolution_m, const Ch
 }
 
 ViewJudge::ViewJudge(double resolution_m, const ChangeLimits& limits)
-    : limits_(limits), disc_(disc_of(limits.tolerance_m, resolution_m)) {}
+    : limits_(limits), disc_(make_disc(limits.tolerance_m, resolution_m)) {}
 
 // Noise spreads what glass or a wall returns over some cells, so the ends around count together.
 bool ViewJudge::is_free(const ViewCounts& views, CellIndex cell) const {

@@ -43,7 +43,7 @@ struct MapChanges {
 };
 
 /// How many patches there are.
-std::size_t patches_of(std::span<const ChangedCell> cells);
+std::size_t count_patches(std::span<const ChangedCell> cells);
 
 /// `views` were counted in the map's grid, as were those `before` that the map was made from, if they are known: then
 /// they must have seen what is new as free, all around, and what is gone as a wall, which cells that a beam grazed and

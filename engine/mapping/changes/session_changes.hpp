@@ -39,8 +39,8 @@ class SessionChanges {
     std::size_t by = 0;  ///< a drive after which nobody saw a wall there
   };
   [[nodiscard]] bool is_before(std::size_t a, std::size_t b) const;
-  [[nodiscard]] std::vector<Word> words_of(CellIndex cell) const;
-  [[nodiscard]] std::vector<std::size_t> last_words_of(const std::vector<Word>& words) const;
+  [[nodiscard]] std::vector<Word> collect_words(CellIndex cell) const;
+  [[nodiscard]] std::vector<std::size_t> find_last_words(const std::vector<Word>& words) const;
   [[nodiscard]] bool is_strong(std::size_t drive, CellIndex cell) const;
   void judge(CellIndex cell);
   void overrule_around_what_is_gone();

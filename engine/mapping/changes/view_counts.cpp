@@ -52,19 +52,19 @@ void ViewCounts::require_room() {
 }
 
 CellViews ViewCounts::at(CellIndex cell) const {
-  const CellIndex tile = tile_of(cell);
+  const CellIndex tile = cell_tile(cell);
   const auto counts = tiles_.find({tile.y, tile.x});
   if (counts == tiles_.end()) return {};
   return counts->second.at(static_cast<std::size_t>(cell.y & (kTileSide - 1)),
                            static_cast<unsigned>(cell.x & (kTileSide - 1)));
 }
 
-template <class RowOf>
-std::vector<CellIndex> ViewCounts::cells_of(RowOf row_of) const {
+template <class RowReader>
+std::vector<CellIndex> ViewCounts::collect_cells(RowReader read_row) const {
   std::vector<CellIndex> cells;
   for (const auto& [place, counts] : tiles_) {
     for (std::int32_t row = 0; row < kTileSide; ++row) {
-      for (std::uint64_t left = row_of(counts, static_cast<std::size_t>(row)); left != 0; left &= left - 1) {
+      for (std::uint64_t left = read_row(counts, static_cast<std::size_t>(row)); left != 0; left &= left - 1) {
         cells.push_back({place.second * kTileSide + std::countr_zero(left), place.first * kTileSide + row});
       }
     }
@@ -73,11 +73,11 @@ std::vector<CellIndex> ViewCounts::cells_of(RowOf row_of) const {
 }
 
 std::vector<CellIndex> ViewCounts::ended() const {
-  return cells_of([](const TileCounts& counts, std::size_t row) { return counts.ended(row); });
+  return collect_cells([](const TileCounts& counts, std::size_t row) { return counts.ended(row); });
 }
 
 std::vector<CellIndex> ViewCounts::passed() const {
-  return cells_of([](const TileCounts& counts, std::size_t row) { return counts.passed(row); });
+  return collect_cells([](const TileCounts& counts, std::size_t row) { return counts.passed(row); });
 }
 
 }  // namespace gdtslam

@@ -45,8 +45,8 @@ class ViewCounts {
 
  private:
   using TilePlace = std::pair<std::int32_t, std::int32_t>;  ///< y, x
-  template <class RowOf>
-  [[nodiscard]] std::vector<CellIndex> cells_of(RowOf row_of) const;
+  template <class RowReader>
+  [[nodiscard]] std::vector<CellIndex> collect_cells(RowReader read_row) const;
   void require_room();
 
   Limits limits_;

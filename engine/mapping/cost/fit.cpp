@@ -20,7 +20,7 @@ std::array<double, 2> mean_distances_m(const GlobalField& map, std::span<const P
                                        const std::array<Pose2, 2>& poses, double farthest_m) {
   const double unit_m = map.geometry().resolution_m / kFieldOne;
   Objective objective(map, Interpolation::kBilinear, CostForm::kDistance);
-  objective.set_anchor(map_cell_of(poses.front().translation(), map.geometry().resolution_m));
+  objective.set_anchor(map_cell_at(poses.front().translation(), map.geometry().resolution_m));
   objective.set_points(points);
   objective.set_cap(std::min<std::uint32_t>(map.cap(), static_cast<std::uint32_t>(std::lround(farthest_m / unit_m))));
   const std::array<CellPose, 2> there{objective.to_cells(poses[0]), objective.to_cells(poses[1])};

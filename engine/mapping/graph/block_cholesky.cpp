@@ -65,7 +65,7 @@ void BlockCholesky::choose_order(const BlockSystem& pattern) {
   std::vector<Eigen::Triplet<double, int>> entries;
   for (std::size_t row = 0; row < pattern.rows(); ++row) {
     entries.emplace_back(static_cast<int>(row), static_cast<int>(row), 1.0);
-    for (const std::size_t column : pattern.columns_of(row)) {
+    for (const std::size_t column : pattern.row_columns(row)) {
       entries.emplace_back(static_cast<int>(row), static_cast<int>(column), 1.0);
       entries.emplace_back(static_cast<int>(column), static_cast<int>(row), 1.0);
     }
@@ -84,7 +84,7 @@ void BlockCholesky::choose_order(const BlockSystem& pattern) {
 
 void BlockCholesky::sort_sources(const BlockSystem& pattern) {
   for (std::size_t row = 0; row < pattern.rows(); ++row) {
-    const std::span<const std::size_t> columns = pattern.columns_of(row);
+    const std::span<const std::size_t> columns = pattern.row_columns(row);
     for (std::size_t nth = 0; nth < columns.size(); ++nth) {
       const std::size_t a = new_of_[row];
       const std::size_t b = new_of_[columns[nth]];

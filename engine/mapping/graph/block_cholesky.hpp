@@ -29,7 +29,7 @@ class BlockSystem {
   std::vector<Tangent2> right;
 
   /// Columns left of the diagonal, ascending, and their blocks.
-  [[nodiscard]] std::span<const std::size_t> columns_of(std::size_t row) const {
+  [[nodiscard]] std::span<const std::size_t> row_columns(std::size_t row) const {
     return std::span(columns_).subspan(begin_[row], begin_[row + 1] - begin_[row]);
   }
   [[nodiscard]] const Matrix3& block(std::size_t row, std::size_t nth) const { return blocks_[begin_[row] + nth]; }

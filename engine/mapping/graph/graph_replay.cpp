@@ -75,7 +75,7 @@ std::vector<ReplayStage> grouped_by_place(const std::vector<Loop>& loops, std::s
 
 }  // namespace
 
-std::vector<ReplayStage> replay_of(const PoseGraph& graph, std::size_t most_stages) {
+std::vector<ReplayStage> replay_graph(const PoseGraph& graph, std::size_t most_stages) {
   if (graph.poses.empty()) return {};
   const ReplaySteps steps = replay_steps(graph);
   std::vector<ReplayStage> stages = grouped_by_place(graph.loops, most_stages);

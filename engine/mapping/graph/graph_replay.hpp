@@ -26,6 +26,6 @@ struct ReplayStage {
 /// `most_stages` of them: where later places of loops are more, neighbouring ones share a stage. `graph` has a relation
 /// of its path from each place to the next, the first of them being the one that is driven, others beside it as
 /// further evidence; its poses but the first count for nothing.
-std::vector<ReplayStage> replay_of(const PoseGraph& graph, std::size_t most_stages);
+std::vector<ReplayStage> replay_graph(const PoseGraph& graph, std::size_t most_stages);
 
 }  // namespace gdtslam

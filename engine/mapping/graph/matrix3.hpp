@@ -15,15 +15,15 @@ using Tangent2 = std::array<double, 3>;
 
 inline double square(double value) { return value * value; }
 /// Length of the translation.
-inline double length_of(const Pose2& T) { return std::sqrt(T.x_m * T.x_m + T.y_m * T.y_m); }
+inline double translation_length(const Pose2& T) { return std::sqrt(T.x_m * T.x_m + T.y_m * T.y_m); }
 
 /// Row-major.
 struct Matrix3 {
   std::array<double, 9> m{};
 
-  double& operator()(int row, int column) { return m[index_of(row, column)]; }
-  double operator()(int row, int column) const { return m[index_of(row, column)]; }
-  static std::size_t index_of(int row, int column) {
+  double& operator()(int row, int column) { return m[element_index(row, column)]; }
+  double operator()(int row, int column) const { return m[element_index(row, column)]; }
+  static std::size_t element_index(int row, int column) {
     return 3U * static_cast<std::size_t>(row) + static_cast<std::size_t>(column);
   }
   static Matrix3 diagonal(double a, double b, double c) { return {{a, 0.0, 0.0, 0.0, b, 0.0, 0.0, 0.0, c}}; }

@@ -35,7 +35,7 @@ BlockSystem system_for(const PoseGraph& graph) {
 
 Tangent2 residual_of_wheels(const WheelRelation& wheels, const PoseGraph& graph) {
   const PoseRelation& relation = wheels.relation;
-  Tangent2 residual = residual_of(relation, graph.poses[relation.from], graph.poses[relation.to]);
+  Tangent2 residual = relation_residual(relation, graph.poses[relation.from], graph.poses[relation.to]);
   subtract(residual, wheels.by_bias * graph.bias);
   return residual;
 }
@@ -84,12 +84,12 @@ void hold_first(BlockSystem& system) { system.diagonal.front() += Matrix3::diago
 
 }  // namespace
 
-Tangent2 residual_of(const PoseRelation& relation, const Pose2& T_from, const Pose2& T_to) {
+Tangent2 relation_residual(const PoseRelation& relation, const Pose2& T_from, const Pose2& T_to) {
   return log_tangent(between(relation.T_from_to, between(T_from, T_to)));
 }
 
-double chi2_of(const PoseRelation& relation, const Pose2& T_from, const Pose2& T_to) {
-  return squared_norm(relation.information, residual_of(relation, T_from, T_to));
+double relation_chi2(const PoseRelation& relation, const Pose2& T_from, const Pose2& T_to) {
+  return squared_norm(relation.information, relation_residual(relation, T_from, T_to));
 }
 
 // A perturbation of `to` on the right changes the residual by itself, one of `from` by minus itself as seen from `to`;
@@ -97,7 +97,7 @@ double chi2_of(const PoseRelation& relation, const Pose2& T_from, const Pose2& T
 void add_relation(const PoseRelation& relation, const std::vector<Pose2>& poses, double weight, BlockSystem& system) {
   const Pose2& T_from = poses[relation.from];
   const Pose2& T_to = poses[relation.to];
-  const Tangent2 residual = residual_of(relation, T_from, T_to);
+  const Tangent2 residual = relation_residual(relation, T_from, T_to);
   const Matrix3 by_from = -1.0 * adjoint_matrix(between(T_to, T_from));
   const Matrix3 information = weight * relation.information;
   const Matrix3 cross = information * by_from;  // (to, from)
@@ -136,7 +136,7 @@ double PoseGraph::move_by(const std::vector<Tangent2>& steps) {
 double PoseGraph::largest_chi2() const {
   double largest = 0.0;
   for (const Loop& loop : loops) {
-    largest = std::max(largest, chi2_of(loop.relation, poses[loop.relation.from], poses[loop.relation.to]));
+    largest = std::max(largest, relation_chi2(loop.relation, poses[loop.relation.from], poses[loop.relation.to]));
   }
   return largest;
 }
@@ -155,7 +155,7 @@ void take_loop(std::vector<Loop>& loops, const Loop& loop) {
 // Geman and McClure's kernel of this scale.
 void PoseGraph::weigh_loops(double scale) {
   for (Loop& loop : loops) {
-    const double chi2 = chi2_of(loop.relation, poses[loop.relation.from], poses[loop.relation.to]);
+    const double chi2 = relation_chi2(loop.relation, poses[loop.relation.from], poses[loop.relation.to]);
     const double share = scale / (scale + chi2);
     loop.weight = share * share;
   }
@@ -164,12 +164,12 @@ void PoseGraph::weigh_loops(double scale) {
 // The path counts by least squares, loops by the kernel of its final scale, whatever their weights.
 double PoseGraph::cost() const {
   double sum = 0.0;
-  for (const PoseRelation& relation : path) sum += chi2_of(relation, poses[relation.from], poses[relation.to]);
+  for (const PoseRelation& relation : path) sum += relation_chi2(relation, poses[relation.from], poses[relation.to]);
   for (const WheelRelation& step : wheels)
     sum += squared_norm(step.relation.information, residual_of_wheels(step, *this));
   if (!wheels.empty()) sum += squared_norm(bias_information, bias);
   for (const Loop& loop : loops) {
-    const double chi2 = chi2_of(loop.relation, poses[loop.relation.from], poses[loop.relation.to]);
+    const double chi2 = relation_chi2(loop.relation, poses[loop.relation.from], poses[loop.relation.to]);
     sum += kScale * chi2 / (kScale + chi2);
   }
   return sum;

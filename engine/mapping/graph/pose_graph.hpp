@@ -29,8 +29,8 @@ struct WheelRelation {
 };
 
 /// log of what is between the measured relative pose and the actual one.
-Tangent2 residual_of(const PoseRelation& relation, const Pose2& T_from, const Pose2& T_to);
-double chi2_of(const PoseRelation& relation, const Pose2& T_from, const Pose2& T_to);
+Tangent2 relation_residual(const PoseRelation& relation, const Pose2& T_from, const Pose2& T_to);
+double relation_chi2(const PoseRelation& relation, const Pose2& T_from, const Pose2& T_to);
 /// Its normal equations at these poses, times a weight.
 void add_relation(const PoseRelation& relation, const std::vector<Pose2>& poses, double weight, BlockSystem& system);
 /// Moves the poses by the system's solution, the first one held; returns how far the farthest went, metres, or a value

@@ -29,7 +29,7 @@ struct Chain {
   std::vector<Matrix3> covariances{Matrix3{}};
 };
 
-Chain chain_of(std::span<const PoseRelation> steps) {
+Chain chain_poses(std::span<const PoseRelation> steps) {
   Chain chain;
   for (const PoseRelation& step : steps) {
     chain.poses.push_back(chain.poses.back() * step.T_from_to);
@@ -40,7 +40,7 @@ Chain chain_of(std::span<const PoseRelation> steps) {
   return chain;
 }
 
-Closure closure_of(const Chain& chain, const PoseRelation& loop) {
+Closure measure_closure(const Chain& chain, const PoseRelation& loop) {
   const Matrix3 carried = adjoint_matrix(inverse(chain.poses[loop.to]));
   Matrix3 since = chain.covariances[loop.to];
   since -= chain.covariances[loop.from];
@@ -69,10 +69,10 @@ VarianceFactor variance_factor(std::span<const PoseRelation> chain, std::span<co
   }
   VarianceFactor best;
   if (on.size() < kFewestClosures) return best;
-  const Chain poses = chain_of(chain);
+  const Chain poses = chain_poses(chain);
   std::vector<Closure> closures;
   for (std::size_t i = 0; i < on.size(); i += on.size() / kMostClosures + 1) {
-    closures.push_back(closure_of(poses, on[i]->relation));
+    closures.push_back(measure_closure(poses, on[i]->relation));
   }
   best.closures = closures.size();
   double least = std::numeric_limits<double>::infinity();

@@ -18,15 +18,15 @@ MapperConfig field_config(double resolution_m) {
 
 }  // namespace
 
-FieldCopy field_of(const std::vector<Point2>& points_m, double resolution_m, Backend& backend,
-                   std::mutex& backend_mutex) {
+FieldCopy make_distance_field(const std::vector<Point2>& points_m, double resolution_m, Backend& backend,
+                              std::mutex& backend_mutex) {
   const MapperConfig config = field_config(resolution_m);
   const std::uint32_t radius = config.map.radius_cells();
   if (radius < 1 || radius > 255) {
     throw ConfigError("distances reach over " + std::to_string(radius) +
                       " cells of the loops' resolution, not 1 to 255");
   }
-  const KeyframeCells cells = keyframe_of(points_m, resolution_m, radius);
+  const KeyframeCells cells = make_keyframe_cells(points_m, resolution_m, radius);
   const std::lock_guard lock(backend_mutex);
   KeyframeMap map(config, backend);
   StageTimes times;

@@ -28,7 +28,7 @@ constexpr double kAsGoodChi2 = 16.0;  // a pose that costs no more than that abo
 // independent.
 double unit_of_chi2(std::size_t points) { return 0.25 * 256.0 * static_cast<double>(points) / kSearchIndependent; }
 
-WindowPrior prior_of(const Revisit& revisit, double resolution_m, std::size_t points) {
+WindowPrior make_prior(const Revisit& revisit, double resolution_m, std::size_t points) {
   const double unit = unit_of_chi2(points);
   const double cells = std::max(kLeastPrior_m, revisit.sigma_m) / resolution_m;
   const double radians = std::max(kLeastPrior_rad, revisit.sigma_rad);
@@ -46,7 +46,7 @@ struct LoopFinder::Reference {
   Reference(const KeyframePath& keyframes, std::size_t middle, const LoopSearchOptions& options, Backend& backend,
             std::mutex& backend_mutex)
       : group(keyframes, middle, options.reference_half_m, kReferenceSpacing_m),
-        field(field_of(group.points(), options.resolution_m, backend, backend_mutex)) {}
+        field(make_distance_field(group.points(), options.resolution_m, backend, backend_mutex)) {}
 
   /// Prepared for windows of this size: most are small, and far cheaper to prepare for.
   const CertifiedMap& certified_for(bool is_near) {
@@ -102,7 +102,7 @@ struct LoopFinder::Found {
 };
 
 // A place that could be in two ways says only what both have in common: along the line between them nothing.
-Matrix3 LoopFinder::information_of(const Found& found) {
+Matrix3 LoopFinder::found_information(const Found& found) {
   const Matrix3 information = loop_information(found.evidence);
   if (!found.T_otherwise) return information;
   const Tangent2 apart = log_tangent(between(found.T_place_here, *found.T_otherwise));
@@ -192,7 +192,7 @@ void LoopFinder::search(Reference& reference, const ScanGroup& query, Found& fou
   options.max_boxes = options_.most_boxes;
   options.counts_window = false;  // which is wide where the heading is not known well
   options.starts = {revisit.T_place_here};
-  options.prior = prior_of(revisit, options_.resolution_m, points.size());
+  options.prior = make_prior(revisit, options_.resolution_m, points.size());
   found.is_near = window.half_x_m <= kNearWindow_m && window.half_theta_rad <= kNearWindow_rad;
   const CertifiedResult result = find_pose(reference.certified_for(found.is_near), points, window, options);
   found.boxes = result.boxes;
@@ -240,7 +240,7 @@ std::vector<Revisit> LoopFinder::wanted_revisits(const PoseGraph& graph, std::si
   RevisitRules rules = options_.revisits;
   rules.most = most;
   std::vector<Revisit> revisits =
-      revisits_of(graph, GraphCovariance(graph), path_m_, here, rules, left_out_before(here));
+      find_revisits(graph, GraphCovariance(graph), path_m_, here, rules, left_out_before(here));
   std::erase_if(revisits, [&](const Revisit& revisit) {
     return std::any_of(graph.loops.begin(), graph.loops.end(), [&](const Loop& loop) {
       return loop.relation.from == revisit.place && loop.relation.to == here && loop.is_on() && !loop.is_ambiguous;
@@ -289,7 +289,7 @@ std::vector<Loop> LoopFinder::take(std::vector<Found> all, std::size_t here) {
     counts_.boxes += found.boxes;
     if (!is_possible(found.evidence, options_.limits)) continue;
     ++counts_.found;
-    loops.push_back({.relation = {found.revisit.place, here, found.T_place_here, information_of(found)},
+    loops.push_back({.relation = {found.revisit.place, here, found.T_place_here, found_information(found)},
                      .is_ambiguous = found.T_otherwise.has_value()});
   }
   return loops;

@@ -80,7 +80,7 @@ class LoopFinder {
   [[nodiscard]] std::vector<bool> left_out_before(std::size_t here) const;
   [[nodiscard]] ScanGroup query_at(std::size_t here) const;
   Found find(const Revisit& revisit, const ScanGroup& query);
-  static Matrix3 information_of(const Found& found);
+  static Matrix3 found_information(const Found& found);
   void search(Reference& reference, const ScanGroup& query, Found& found);
   std::vector<Loop> take(std::vector<Found> all, std::size_t here);
   void take_reference(const Found& found);

@@ -13,8 +13,8 @@ struct LoopEvidence {
   double overlap = 0.0;        ///< share of the query's wall points on a wall that is seen from the same side
   double turned = 0.0;         ///< share of those on any wall that lie on one seen from the other side alone
   double contradiction = 0.0;  ///< share of what is known, where a wall of one is free space of the other
-  Matrix3 shape{};             ///< shape_of() for one point of the query's walls that both have, in the query's frame
-  Matrix3 doubt{};             ///< covariance of where the groups' keyframes lie, as it comes to the relative pose
+  Matrix3 shape{};  ///< surface_shape() for one point of the query's walls that both have, in the query's frame
+  Matrix3 doubt{};  ///< covariance of where the groups' keyframes lie, as it comes to the relative pose
 };
 
 /// Conditions for a loop to enter the graph, which then decides. Lenient: a graph can switch off what is wrong, but

@@ -41,7 +41,7 @@ inline constexpr std::size_t kStepSources = 2;
 using MeasuredSteps = std::array<MeasuredStep, kStepSources>;
 
 /// By both sources together. `steps` must tell something.
-inline StepDoubt doubt_of(const MeasuredSteps& steps) {
+inline StepDoubt step_doubt(const MeasuredSteps& steps) {
   return {.step = inverse(steps[0].information + steps[1].information), .unseen = steps[0].unseen};
 }
 

@@ -18,7 +18,7 @@ bool is_tied(const PoseGraph& graph, std::size_t place) {
 std::size_t PlacePruning::kept_beside(const PoseGraph& graph, std::size_t place) const {
   return static_cast<std::size_t>(std::count_if(kept_.begin(), kept_.end(), [&](std::size_t other) {
     const Pose2 T = between(graph.poses[other], graph.poses[place]);
-    return length_of(T) < rules_.near_m && std::fabs(T.theta_rad) < rules_.near_rad;
+    return translation_length(T) < rules_.near_m && std::fabs(T.theta_rad) < rules_.near_rad;
   }));
 }
 

@@ -36,8 +36,8 @@ struct RevisitRules {
 
 /// Finds the revisits of node `here` among the nodes before it; the likeliest and surest first. `path_m` has the path
 /// until each node, `left_out` tells of the first nodes which of them are not looked for.
-std::vector<Revisit> revisits_of(const PoseGraph& graph, const GraphCovariance& covariance,
-                                 std::span<const double> path_m, std::size_t here, const RevisitRules& rules = {},
-                                 const std::vector<bool>& left_out = {});
+std::vector<Revisit> find_revisits(const PoseGraph& graph, const GraphCovariance& covariance,
+                                   std::span<const double> path_m, std::size_t here, const RevisitRules& rules = {},
+                                   const std::vector<bool>& left_out = {});
 
 }  // namespace gdtslam

@@ -14,7 +14,7 @@ constexpr double kBent_m = 0.02;
 constexpr double kBent_rad = 0.003;
 constexpr std::size_t kMostToASide = 80;  // keyframes: a robot that turns on the spot makes many in no path
 
-std::pair<std::size_t, std::size_t> stretch_of(std::span<const double> path_m, std::size_t middle, double half_m) {
+std::pair<std::size_t, std::size_t> find_stretch(std::span<const double> path_m, std::size_t middle, double half_m) {
   std::size_t first = middle;
   std::size_t last = middle;
   while (first > 0 && path_m[middle] - path_m[first - 1] <= half_m && middle - first < kMostToASide) --first;
@@ -42,7 +42,7 @@ Point2 turned(const SinCos<double>& turn, const Point2& v) {
 
 bool have_points(const KeyframePath& keyframes, std::size_t middle, double half_m) {
   if (keyframes.scans[middle].points() > 0) return true;
-  const auto [first, last] = stretch_of(keyframes.path_m, middle, half_m);
+  const auto [first, last] = find_stretch(keyframes.path_m, middle, half_m);
   for (std::size_t i = first; i <= last; ++i) {
     if (keyframes.scans[i].points() > 0) return true;
   }
@@ -51,7 +51,7 @@ bool have_points(const KeyframePath& keyframes, std::size_t middle, double half_
 
 ScanGroup::ScanGroup(const KeyframePath& keyframes, std::size_t middle, double half_m, double spacing_m)
     : middle_(middle) {
-  const auto [first, last] = stretch_of(keyframes.path_m, middle, half_m);
+  const auto [first, last] = find_stretch(keyframes.path_m, middle, half_m);
   first_ = first;
   PointThinner thinner(spacing_m);
   std::vector<Beam> beams;

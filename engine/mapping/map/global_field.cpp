@@ -65,7 +65,7 @@ void GlobalField::grow_to_hold(const CellBox& map_box) {
   const auto fits = [this](const CellBox& box) { return store_->can_hold(box); };
   const std::optional<GridBoxes> grown = grown_to_hold({content_, box_}, guarded, fits);
   if (!grown) {
-    throw InputError("the map would reach over " + size_of(hull_of(content_, guarded)) + store_->limit());
+    throw InputError("the map would reach over " + size_text(bounding_box(content_, guarded)) + store_->limit());
   }
   store_->hold(*grown);
   box_ = grown->stored;

@@ -22,7 +22,7 @@ inline constexpr std::int32_t kTileSide = 64;
 using TileBits = std::array<std::uint64_t, kTileSide>;
 
 /// The tile that holds a cell.
-inline CellIndex tile_of(CellIndex cell) { return {cell.x >> 6, cell.y >> 6}; }
+inline CellIndex cell_tile(CellIndex cell) { return {cell.x >> 6, cell.y >> 6}; }
 
 /// A point in odd multiples of 1/512 cell, so that none lies on the border of a cell.
 struct SubCell {

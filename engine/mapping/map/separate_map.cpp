@@ -10,7 +10,8 @@ SeparateMap::SeparateMap(const MapperConfig& config)
 void SeparateMap::merge(const std::vector<Point2>& points_base_m, const Pose2& T_map_base) {
   if (points_base_m.empty()) return;
   StageTimes times;
-  map_.merge(keyframe_of(in_map(points_base_m, T_map_base), config_.resolution_m, config_.radius_cells()), times);
+  map_.merge(make_keyframe_cells(in_map(points_base_m, T_map_base), config_.resolution_m, config_.radius_cells()),
+             times);
 }
 
 }  // namespace gdtslam

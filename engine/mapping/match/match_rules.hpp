@@ -77,11 +77,11 @@ class MatchRules {
  private:
   /// Around the prediction, so far that it holds every pose that is possible.
   [[nodiscard]] MotionNoise reach() const;
-  [[nodiscard]] SearchWindow window_of(double half_m, double half_rad) const;
+  [[nodiscard]] SearchWindow make_window(double half_m, double half_rad) const;
   [[nodiscard]] std::uint32_t units(double metres) const;
   [[nodiscard]] float cells(double metres) const;
   [[nodiscard]] bool is_beyond(const CellPose& pose, double allowed_m, double allowed_rad) const;
-  [[nodiscard]] Doubt refusal_of(const Evidence& evidence) const;
+  [[nodiscard]] Doubt find_refusal(const Evidence& evidence) const;
   [[nodiscard]] Doubt reservation_about(const CellPose& pose, const Evidence& evidence) const;
 
   MapperConfig config_;

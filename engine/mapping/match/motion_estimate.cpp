@@ -81,7 +81,7 @@ void MotionEstimate::take(MatchResult& result, bool is_matched, std::span<const 
   wheels_.take(odometry_, is_sure ? std::optional(result.T_map_base) : std::nullopt,
                knows_way(scan, inverse(step_).translation()));
   if (is_settled) settle(result, scan, fits_as_well);
-  if (is_settled && result.accepted && leap_of(result)) {
+  if (is_settled && result.accepted && find_leap(result)) {
     Pose2 turned = result.T_map_base;
     turned.theta_rad = result.T_map_predicted.theta_rad;
     result.is_turn_open = fits_as_well(turned, result.T_map_base);

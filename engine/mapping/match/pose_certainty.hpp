@@ -25,7 +25,7 @@ std::optional<Matrix3> covariance_by_scan(const GlobalField& map, std::span<cons
 
 /// Covariance of one pose from two sources whose errors may be correlated in any way, as those of scans in one map are:
 /// covariance intersection [Julier1997], with the weights that leave the smallest determinant.
-Matrix3 intersection_of(const Matrix3& a, const Matrix3& b);
+Matrix3 intersect_covariances(const Matrix3& a, const Matrix3& b);
 
 /// How sure the robot's pose is within the map that its scans are matched with, from scan to scan: by what the scan
 /// shows where it was matched, along what it does not show by the way that led there, and by that alone where it was

@@ -16,7 +16,7 @@ void widen(ElevationRange& range, double elevation_rad) {
   range.high_rad = std::max(range.high_rad, elevation_rad);
 }
 
-ElevationRange elevations_of(const NoddingScan& scan, const ElevationTable& table) {
+ElevationRange elevation_range(const NoddingScan& scan, const ElevationTable& table) {
   ElevationRange range;
   for (const PhaseKnot& knot : scan.knots) widen(range, table.elevation_rad(knot.phase));
   return range;
@@ -49,7 +49,7 @@ void HorizontalScans::note_stroke(double elevation_rad) {
 std::optional<PointScan> HorizontalScans::take(const NoddingScan& scan) {
   std::optional<PointScan> level;
   if (!scan.knots.empty()) {
-    const ElevationRange range = elevations_of(scan, scanner_.table);
+    const ElevationRange range = elevation_range(scan, scanner_.table);
     widen(seen_, range.low_rad);
     widen(seen_, range.high_rad);
     note_stroke(scanner_.table.elevation_rad(scan.knots.back().phase));

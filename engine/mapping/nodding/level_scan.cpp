@@ -32,7 +32,7 @@ class ElevationCourse {
 };
 
 // Motion per second of the robot, from one scan to the next; zero where the odometry does not tell.
-Tangent2 velocity_of(const ScanRecord& record, const std::optional<Odometry>& before) {
+Tangent2 estimate_velocity(const ScanRecord& record, const std::optional<Odometry>& before) {
   if (!before || !record.T_odom_base) return {};
   const double span_s = record.scan.stamp_s - before->stamp_s;
   if (!(span_s > 0.0 && span_s <= kLongestStep_s)) return {};
@@ -51,7 +51,7 @@ PointScan level_points(const NoddingScan& scan, const NoddingScanner& scanner, c
   const LaserScan& laser = scan.record.scan;
   const double limit_m = range_limit_m(laser, valid.max_range_m);
   const BeamTiming timing = scanner.timing(laser);
-  const Tangent2 velocity = velocity_of(scan.record, before);
+  const Tangent2 velocity = estimate_velocity(scan.record, before);
   ElevationCourse course(scan, scanner.table);
   const LevelTurn turn(scanner.mount);
   PointScan level{.stamp_s = laser.stamp_s, .points_base_m = {}};

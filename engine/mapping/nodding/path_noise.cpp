@@ -58,7 +58,7 @@ PathNoise::Growth PathNoise::growth(const PoseFix& from, const PoseFix& to, std:
   const auto step_to = [&](const PoseFix& next) {
     const Pose2 step = between(last->T_odom_base, next.T_odom_base);
     const Pose2 T_end_here = between(to.T_odom_base, next.T_odom_base);
-    const double way_m = length_of(step);
+    const double way_m = translation_length(step);
     const Tangent2 lever{T_end_here.y_m, -T_end_here.x_m, 1.0};
     growth.way_m += way_m;
     growth.about += (kTurnsPerMetre * way_m + std::fabs(step.theta_rad)) * outer(lever, lever);

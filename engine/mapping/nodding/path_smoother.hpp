@@ -25,6 +25,6 @@ PointsView view_from(const SmootherConfig& config, const GlobalField& field, con
 
 /// Corrects the nodes' T_map_base, placed between the fixes by place_between(); returns how many nodes' points helped.
 std::size_t smooth_path(const SmootherConfig& config, const GlobalField& field, const PoseFix& from, const PoseFix& to,
-                        std::vector<PoseFix>& nodes, const PointsOfNode& points_of);
+                        std::vector<PoseFix>& nodes, const PointsOfNode& node_points);
 
 }  // namespace gdtslam

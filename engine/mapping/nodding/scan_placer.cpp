@@ -36,7 +36,7 @@ struct Held {
   [[nodiscard]] double stamp_s() const { return scan.record.scan.stamp_s; }
 };
 
-AssemblyLimits limits_of(const ScanConfig& valid, const NoddingConfig& nodding) {
+AssemblyLimits assembly_limits(const ScanConfig& valid, const NoddingConfig& nodding) {
   return {.min_range_m = valid.min_range_m, .max_range_m = valid.max_range_m, .form = nodding.form};
 }
 
@@ -50,14 +50,14 @@ struct ScanPlacer::State {
         valid(valid_ranges),
         field(std::move(field_source)),
         placed(std::move(placed_scans)),
-        assembler(of_scans, limits_of(valid_ranges, nodding), placed.backend, placed.cloud),
+        assembler(of_scans, assembly_limits(valid_ranges, nodding), placed.backend, placed.cloud),
         noise(nodding.smoother) {}
 
   Held hold(NoddingScan scan);
   void begin_odometry(const Pose2& T_odom_base);
   void wait(Held scan);
   std::vector<PoseFix> place(const PoseFix& next);
-  void learn(const PoseFix& next, std::span<const PoseFix> inner, const PointsOfNode& points_of);
+  void learn(const PoseFix& next, std::span<const PoseFix> inner, const PointsOfNode& node_points);
   Pose2 rested(const Pose2& T_map_fixed, const std::optional<Pose2>& T_odom);
   void close_segment(const PoseFix& next);
   void dead_reckon();
@@ -113,7 +113,7 @@ void ScanPlacer::State::on_device(const Action& action) {
 Pose2 ScanPlacer::State::rested(const Pose2& T_map_fixed, const std::optional<Pose2>& T_odom) {
   if (!has_fix_odometry || !T_odom || is_odometry_dead || !(*T_odom == last_fix->T_odom_base)) return T_map_fixed;
   const Pose2 moved = between(last_fix->T_map_base, T_map_fixed);
-  if (length_of(moved) <= kShake_m && std::fabs(moved.theta_rad) <= kShake_rad) return last_fix->T_map_base;
+  if (translation_length(moved) <= kShake_m && std::fabs(moved.theta_rad) <= kShake_rad) return last_fix->T_map_base;
   is_odometry_dead = true;
   return T_map_fixed;
 }
@@ -167,11 +167,11 @@ std::vector<PoseFix> ScanPlacer::State::place(const PoseFix& next) {
 
 // How good wheels and points are, by what this stretch tells; of its points those half way, the farthest from both
 // fixes.
-void ScanPlacer::State::learn(const PoseFix& next, std::span<const PoseFix> inner, const PointsOfNode& points_of) {
+void ScanPlacer::State::learn(const PoseFix& next, std::span<const PoseFix> inner, const PointsOfNode& node_points) {
   noise.take_closing(*last_fix, next, inner);
   if (inner.empty()) return;
   const std::size_t middle = inner.size() / 2;
-  const PointsView view = view_from(config.smoother, field(), inner[middle].T_map_base, points_of(middle));
+  const PointsView view = view_from(config.smoother, field(), inner[middle].T_map_base, node_points(middle));
   noise.take_view(*last_fix, next, inner, middle, view);
 }
 

@@ -25,7 +25,7 @@ class BeamDirections {
   explicit BeamDirections(const NoddingMount& mount) : mount_(mount) {}
 
   /// The row of a scan's first beam, if it is there or there is room for it.
-  std::optional<std::uint32_t> row_of(const LaserScan& scan);
+  std::optional<std::uint32_t> find_row(const LaserScan& scan);
 
   /// x, y, z, as the kernel takes them.
   [[nodiscard]] const std::vector<std::array<float, 3>>& rows() const { return rows_; }
@@ -120,6 +120,6 @@ inline constexpr double kMostSagitta_m = 1.0e-5;
 
 /// A scan cut into strips: runs of neighbouring beams during which the crank turns evenly and the sensor's place moves
 /// evenly, as the kernel sweep_points takes them. How a scan is cut depends on nothing but the scan.
-std::vector<ScanStrip> strips_of(const ScanMotion& motion);
+std::vector<ScanStrip> make_strips(const ScanMotion& motion);
 
 }  // namespace gdtslam

@@ -71,7 +71,7 @@ Pose2 GrowingSite::T_site_keyframe(std::size_t session, std::size_t keyframe) {
   return whole().poses[before + keyframe];
 }
 
-SessionEdge GrowingSite::edge_of(std::size_t query, SessionFix fix) {
+SessionEdge GrowingSite::make_edge(std::size_t query, SessionFix fix) {
   std::size_t place = fix.reference_place;
   auto session = group_.begin();
   for (; place >= sessions_[*session].places.size(); ++session) place -= sessions_[*session].places.size();

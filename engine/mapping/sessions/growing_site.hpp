@@ -35,7 +35,7 @@ class GrowingSite {
   const SiteRepeats& repeats(WorkerPool& workers);
   Pose2 T_site_keyframe(std::size_t session, std::size_t keyframe);
   /// Edge from the place of a single session at which the query lies.
-  SessionEdge edge_of(std::size_t query, SessionFix fix);
+  SessionEdge make_edge(std::size_t query, SessionFix fix);
 
  private:
   std::vector<std::size_t> group_;

@@ -91,7 +91,7 @@ class SessionMap {
 /// first those that are far from each other.
 std::vector<std::size_t> places_to_look_for(const Session& query, std::size_t most);
 /// How much of walls a session saw, in squares of half a metre that hold a point.
-std::size_t walls_of(const Session& session);
+std::size_t count_wall_points(const Session& session);
 /// Keyframes beside one that was found, to both sides: sessions that overlap little have but a place or two in common.
 std::vector<std::size_t> keyframes_beside(const Session& query, std::size_t keyframe);
 

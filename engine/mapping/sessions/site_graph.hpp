@@ -58,7 +58,7 @@ class SiteGraph {
   void lay(const std::vector<Session>& sessions, const std::vector<SessionEdge>& edges);
   void add_edge(const SessionEdge& edge, const std::vector<Session>& sessions, bool is_trusted);
   void carry_keyframes();
-  [[nodiscard]] std::size_t part_of(std::size_t session) const;
+  [[nodiscard]] std::size_t part_index(std::size_t session) const;
   [[nodiscard]] const Part& part_of_place(std::size_t place) const;
 
   std::vector<Part> parts_;

@@ -21,7 +21,7 @@ using Sites = std::vector<std::unique_ptr<GrowingSite>>;
 std::vector<std::size_t> widest_first(const std::vector<Session>& sessions) {
   std::vector<std::size_t> seen;
   seen.reserve(sessions.size());
-  for (const Session& session : sessions) seen.push_back(walls_of(session));
+  for (const Session& session : sessions) seen.push_back(count_wall_points(session));
   std::vector<std::size_t> order(sessions.size());
   std::iota(order.begin(), order.end(), 0U);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return seen[a] > seen[b]; });
@@ -160,7 +160,7 @@ void SiteGrowth::add(std::size_t session) {
   }
   std::vector<std::vector<SessionEdge>> edges(sites_.size());
   for (std::size_t k = 0; k < sites_.size(); ++k) {
-    for (const SessionFix& fix : overlaps[k].held) add_edges(edges[k], {sites_[k]->edge_of(session, fix)});
+    for (const SessionFix& fix : overlaps[k].held) add_edges(edges[k], {sites_[k]->make_edge(session, fix)});
     if (overlaps[k].fixes.empty()) continue;
     grown_.searches.push_back({session, sites_[k]->group(), std::move(overlaps[k]), edges[k]});
   }

@@ -48,7 +48,7 @@ struct Neighbourhood {
   }
 };
 
-Neighbourhood neighbourhood_of(std::span<const Point2> points, std::size_t at, double noise_m) {
+Neighbourhood sum_neighbours(std::span<const Point2> points, std::size_t at, double noise_m) {
   const double px = points[at].x();
   const double py = points[at].y();
   const auto away_m = [&](std::size_t other) { return (points[other] - points[at]).norm(); };
@@ -77,7 +77,7 @@ struct Normal {
   double variance = 0.0;
 };
 
-std::optional<Normal> normal_of(const Neighbourhood& sums, double noise_m) {
+std::optional<Normal> fit_normal(const Neighbourhood& sums, double noise_m) {
   if (sums.count < kFewestPoints) return std::nullopt;
   const auto n = static_cast<double>(sums.count);
   const double xx = sums.xx - sums.x * sums.x / n;
@@ -96,7 +96,7 @@ std::optional<Normal> normal_of(const Neighbourhood& sums, double noise_m) {
 
 // The noise of the returns across their surfaces: how far the middle one of three neighbours lies from the line through
 // the others, of the beams' median. Corners and edges are fewer than half.
-double noise_of(std::span<const Point2> points) {
+double estimate_noise(std::span<const Point2> points) {
   std::vector<double> off;
   for (std::size_t i = 1; i + 1 < points.size(); ++i) {
     const Point2 before = points[i] - points[i - 1];
@@ -134,7 +134,7 @@ bool is_corner(std::span<const Point2> points, std::size_t i, double noise_m) {
 }
 
 // The information of points each of which lies so near to where it was seen, in both directions.
-Matrix3 information_of(const std::vector<LonePoint>& points, double place_m) {
+Matrix3 lone_point_information(const std::vector<LonePoint>& points, double place_m) {
   if (points.empty()) return {};
   Matrix3 sum;
   for (const LonePoint& p : points) {
@@ -147,7 +147,7 @@ Matrix3 information_of(const std::vector<LonePoint>& points, double place_m) {
 
 }  // namespace
 
-std::vector<Point2> points_of(const KeptScan& scan) {
+std::vector<Point2> to_points(const KeptScan& scan) {
   std::vector<Point2> points;
   points.reserve(scan.points());
   for (const SurfacePoint& p : scan.surface) points.push_back(p.point());
@@ -157,13 +157,13 @@ std::vector<Point2> points_of(const KeptScan& scan) {
 
 KeptScan keep_scan(std::span<const Point2> points_base_m) {
   KeptScan kept;
-  const double noise_m = noise_of(points_base_m);
+  const double noise_m = estimate_noise(points_base_m);
   double variances = 0.0;
   for (std::size_t i = 0; i < points_base_m.size(); ++i) {
     const Point2& point = points_base_m[i];
     const auto x = static_cast<float>(point.x());
     const auto y = static_cast<float>(point.y());
-    const std::optional<Normal> found = normal_of(neighbourhood_of(points_base_m, i, noise_m), noise_m);
+    const std::optional<Normal> found = fit_normal(sum_neighbours(points_base_m, i, noise_m), noise_m);
     if (!found) {
       kept.lone.push_back({x, y});
       if (is_corner(points_base_m, i, noise_m)) kept.corners.push_back({x, y});
@@ -174,7 +174,7 @@ KeptScan keep_scan(std::span<const Point2> points_base_m) {
     const double away = normal.x() * point.x() + normal.y() * point.y();
     const double sign = away > 0.0 ? -1.0 : 1.0;
     kept.surface.push_back({x, y, static_cast<float>(sign * normal.x()), static_cast<float>(sign * normal.y()),
-                            static_cast<float>(direction_of(point.x(), point.y()))});
+                            static_cast<float>(pseudo_bearing(point.x(), point.y()))});
   }
   if (!kept.surface.empty()) kept.normal_variance = variances / static_cast<double>(kept.surface.size());
   std::stable_sort(kept.surface.begin(), kept.surface.end(),
@@ -182,7 +182,7 @@ KeptScan keep_scan(std::span<const Point2> points_base_m) {
   return kept;
 }
 
-Matrix3 shape_of(const KeptScan& scan) {
+Matrix3 surface_shape(const KeptScan& scan) {
   Matrix3 shape;
   for (const SurfacePoint& p : scan.surface) {
     const double nx = p.normal_x;
@@ -196,8 +196,8 @@ Matrix3 shape_of(const KeptScan& scan) {
 
 Matrix3 lone_information(const KeptScan& scan) {
   const double missing = 1.0 - static_cast<double>(scan.surface.size()) / kSurfaceEnough;
-  if (missing <= 0.0) return information_of(scan.corners, kCornerPlace_m);
-  return missing * information_of(scan.lone, kLonePlace_m);
+  if (missing <= 0.0) return lone_point_information(scan.corners, kCornerPlace_m);
+  return missing * lone_point_information(scan.lone, kLonePlace_m);
 }
 
 bool knows_way(const KeptScan& scan, const Point2& direction) {
@@ -234,7 +234,7 @@ ShapeOfOne shape_of_one(const Matrix3& shape, std::size_t points, double least, 
 void put_on(ByteShelf& shelf, const KeptScan& scan) {
   const std::array<std::uint32_t, 2> counts{static_cast<std::uint32_t>(scan.surface.size()),
                                             static_cast<std::uint32_t>(scan.lone.size())};
-  shelf.put({bytes_of(counts), std::as_bytes(std::span(scan.surface)), std::as_bytes(std::span(scan.lone))});
+  shelf.put({value_bytes(counts), std::as_bytes(std::span(scan.surface)), std::as_bytes(std::span(scan.lone))});
 }
 
 void take_from(std::span<const std::byte> record, KeptScan& scan) {

@@ -20,7 +20,7 @@ struct SurfacePoint {
   float y_m = 0.0F;
   float normal_x = 0.0F;  ///< unit length, toward the robot
   float normal_y = 0.0F;
-  float direction = 0.0F;  ///< direction_of() the point
+  float direction = 0.0F;  ///< pseudo_bearing() the point
 
   [[nodiscard]] Point2 point() const { return {x_m, y_m}; }
   [[nodiscard]] Point2 normal() const { return {normal_x, normal_y}; }
@@ -46,11 +46,11 @@ struct KeptScan {
 };
 
 /// All of them, those on surfaces first.
-std::vector<Point2> points_of(const KeptScan& scan);
+std::vector<Point2> to_points(const KeptScan& scan);
 
 /// Grows with the bearing, from -2 to 2 once around, by 0.5 to 1 a radian: what bearings are compared for, for the
 /// price of a division.
-inline double direction_of(double x, double y) {
+inline double pseudo_bearing(double x, double y) {
   const double length = std::fabs(x) + std::fabs(y);
   if (!(length > 0.0)) return 0.0;
   const double share = y / length;
@@ -64,7 +64,7 @@ KeptScan keep_scan(std::span<const Point2> points_base_m);
 /// How the distance of the points from their surfaces changes with the pose (tangent x, y, theta): the sum of J^T J
 /// over the points, J = (n_x, n_y, p x n) [Censi2007, section III]. An eigenvalue that is small beside the number of
 /// points is a motion that the scan cannot see, as along a corridor.
-Matrix3 shape_of(const KeptScan& scan);
+Matrix3 surface_shape(const KeptScan& scan);
 
 /// Information about the pose from returns without a known surface: each fixes the pose within a metre's fraction in
 /// both directions. Information of the tangent (x, y, theta), 1/m^2 and so on. Far away in the open, where beams are a

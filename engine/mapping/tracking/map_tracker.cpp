@@ -51,7 +51,7 @@ struct DistanceSum {
     ++points;
     sum += distance;
   }
-  [[nodiscard]] double share_of(std::size_t all) const {
+  [[nodiscard]] double as_share(std::size_t all) const {
     return points == 0 ? 0.0 : static_cast<double>(points) / static_cast<double>(all);
   }
   [[nodiscard]] double mean_m(double resolution_m) const {
@@ -59,8 +59,8 @@ struct DistanceSum {
   }
 };
 
-KnownFit known_fit_of(const GlobalField& map, std::span<const PointCells> points, const Pose2& T_map_base,
-                      double gate_m) {
+KnownFit measure_known_fit(const GlobalField& map, std::span<const PointCells> points, const Pose2& T_map_base,
+                           double gate_m) {
   const double r = map.geometry().resolution_m;
   const double gate = gate_m / r * kFieldOne;
   const SinCos<double> turn = sin_cos(T_map_base.theta_rad);
@@ -70,14 +70,14 @@ KnownFit known_fit_of(const GlobalField& map, std::span<const PointCells> points
     const double x = r * static_cast<double>(point.x);
     const double y = r * static_cast<double>(point.y);
     const std::uint16_t distance = map.at(
-        map_cell_of({turn.cos * x - turn.sin * y + T_map_base.x_m, turn.sin * x + turn.cos * y + T_map_base.y_m}, r));
+        map_cell_at({turn.cos * x - turn.sin * y + T_map_base.x_m, turn.sin * x + turn.cos * y + T_map_base.y_m}, r));
     if (distance >= map.cap()) continue;
     known.add(distance);
     if (static_cast<double>(distance) <= gate) explained.add(distance);
   }
-  return {.share = known.share_of(points.size()),
+  return {.share = known.as_share(points.size()),
           .mean_distance_m = known.mean_m(r),
-          .explained = explained.share_of(points.size()),
+          .explained = explained.as_share(points.size()),
           .explained_distance_m = explained.mean_m(r)};
 }
 
@@ -125,7 +125,7 @@ struct MapTracker::State {
 // At the border of a map a scan slides into it, for what lies outside of it costs most: a match must explain what it
 // puts into the map, and that must be enough.
 void MapTracker::State::doubt(MatchResult& result, std::span<const PointCells> points) const {
-  const double share = known_fit_of(map->field, points, result.T_map_base, config.gate.final_m).share;
+  const double share = measure_known_fit(map->field, points, result.T_map_base, config.gate.final_m).share;
   if (share >= kLeastKnown && result.overlap >= kLeastExplained * share) return;
   result.accepted = false;
   result.doubt = Doubt::kLowOverlap;
@@ -133,7 +133,7 @@ void MapTracker::State::doubt(MatchResult& result, std::span<const PointCells> p
 }
 
 void MapTracker::State::weigh(const MatchResult& result, std::span<const PointCells> points) {
-  known = known_fit_of(map->field, points, result.T_map_base, config.gate.final_m);
+  known = measure_known_fit(map->field, points, result.T_map_base, config.gate.final_m);
   if (result.accepted) certainty.weigh(map->field, points, result.T_map_base, config.gate.final_m);
 }
 

@@ -10,7 +10,7 @@
 namespace gdtslam {
 
 /// Tangent from the predicted to the matched pose, where the match leapt. `result` must state the prediction's sigma.
-inline std::optional<Tangent2> leap_of(const MatchResult& result) {
+inline std::optional<Tangent2> find_leap(const MatchResult& result) {
   constexpr double kMatchNoise_m = 0.02;  // how far a match is off at most times
   constexpr double kMatchNoise_rad = 0.01;
   constexpr double kLeapChi2 = 25.0;

@@ -19,7 +19,7 @@ MatchInformation match_information(const KeptScan& scan) {
   const std::size_t points = scan.surface.size();
   const double count =
       kMatchIndependent * std::clamp(static_cast<double>(points) / kMatchEnough, kMatchLeastShare, 1.0);
-  const auto [shape, believed] = shape_of_one(shape_of(scan), points, kMatchLeastShape, feigned_shape(scan));
+  const auto [shape, believed] = shape_of_one(surface_shape(scan), points, kMatchLeastShape, feigned_shape(scan));
   const Matrix3 lone = lone_information(scan);
   return {.matrix = count / (kMatchPointNoise_m * kMatchPointNoise_m) * shape + lone,
           .believed = lone == Matrix3{} ? believed : Matrix3::identity(),

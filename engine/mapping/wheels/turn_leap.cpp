@@ -35,7 +35,7 @@ std::optional<double> TurnLeap::take(const MatchResult& result) {
     return std::nullopt;
   }
   variance_rad2_ += square(result.predicted_sigma_rad);
-  if (!(leap_of(result) && result.is_turn_open)) off_rad_ += off_rad;
+  if (!(find_leap(result) && result.is_turn_open)) off_rad_ += off_rad;
   if (!is_behind) return std::nullopt;
   const double variance = variance_rad2_ + square(kTurnNoise_rad) + 2.0 * square(result.match_sigma_rad);
   const bool leapt = square(off_rad_) > kTurnChi2 * variance;

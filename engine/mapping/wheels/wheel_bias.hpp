@@ -29,7 +29,7 @@ struct WheelStretch {
 };
 
 /// Length that the variance of a heading by the wheels grows with: radians, or half the metres.
-inline double walk_of(double path_m, double turned_rad) { return 0.5 * path_m + turned_rad; }
+inline double heading_walk(double path_m, double turned_rad) { return 0.5 * path_m + turned_rad; }
 
 /// The turns', of stretches that overlap so that each piece is in `overlap` of them. Without any: nothing, as uncertain
 /// as wheels are that nobody knows.

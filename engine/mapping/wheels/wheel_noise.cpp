@@ -42,7 +42,7 @@ double hypotenuse(double a, double b) { return std::sqrt(a * a + b * b); }
 
 MotionNoise WheelNoise::of(double travelled_m, double turned_rad) const {
   return {hypotenuse(kLeastSigma_m, errors_.slip_m * std::sqrt(travelled_m)),
-          hypotenuse(kLeastSigma_rad, errors_.slip_rad * std::sqrt(walk_of(travelled_m, turned_rad)))};
+          hypotenuse(kLeastSigma_rad, errors_.slip_rad * std::sqrt(heading_walk(travelled_m, turned_rad)))};
 }
 
 void WheelNoise::take(const std::optional<Pose2>& T_odom_base, const std::optional<Pose2>& T_map_base, bool knows_way) {
@@ -53,7 +53,7 @@ void WheelNoise::take(const std::optional<Pose2>& T_odom_base, const std::option
   }
   if (last_) {
     const Pose2 step = between(*last_, *T_odom_base);
-    path_m_ += length_of(step);
+    path_m_ += translation_length(step);
     turned_rad_ += std::fabs(step.theta_rad);
     forward_m_ += step.x_m;
     turn_rad_ += step.theta_rad;
@@ -92,7 +92,7 @@ void WheelNoise::spreads_over(std::size_t marks, const std::vector<Pose2>& odome
       path.push_back(path_m);
     }
     off_rad.push_back(std::fabs(off[2]));
-    walk.push_back(walk_of(path_m, to.turned_rad - from.turned_rad));
+    walk.push_back(heading_walk(path_m, to.turned_rad - from.turned_rad));
   }
   const auto add = [&](std::vector<double>& off, std::vector<double>& length, double sigmas,
                        std::vector<Spread>& spreads) {

@@ -93,7 +93,7 @@ std::string run_subtitle(const RunCounts& counts, const Trajectory& trajectory, 
 
 std::string path_length_text(const Trajectory& trajectory, std::span<const std::size_t> drives) {
   constexpr double kStands_m = 0.05;
-  const double length_m = length_m_of(trajectory, drives);
+  const double length_m = path_length_m(trajectory, drives);
   return length_m < kStands_m ? std::string() : fmt::format("{:.1f} m", length_m);
 }
 

@@ -25,7 +25,7 @@ struct RunCounts {
   std::uint64_t doubtful = 0;
 };
 /// "13,631 scans, 2,901 keyframes, 21 doubtful, 522.5 m of path"; what is zero is left out. `drives` as of
-/// length_m_of().
+/// path_length_m().
 std::string run_subtitle(const RunCounts& counts, const Trajectory& trajectory, std::span<const std::size_t> drives);
 /// "522.5 m"; empty where the robot stands.
 std::string path_length_text(const Trajectory& trajectory, std::span<const std::size_t> drives = {});

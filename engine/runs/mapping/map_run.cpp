@@ -101,7 +101,7 @@ MapRun::MapRun(const MapJob& job, Backend& backend, ScanStream scans, const Nodd
       last_s_(-kNever) {
   if (!job_.closing) job_.closing = [](std::string_view, double) {};
   if (!job_.finishing) job_.finishing = [](std::string_view) {};
-  const MapperConfig config = nodding != nullptr ? mapper_config_of(job.mapper, nodding->nodding) : job.mapper;
+  const MapperConfig config = nodding != nullptr ? nodding_mapper_config(job.mapper, nodding->nodding) : job.mapper;
   MapperOptions options = job.on_failure;
   options.with_covariance = static_cast<bool>(job.scan_mapped);
   options.with_loops = job.with_loops;
@@ -257,7 +257,7 @@ void MapRun::finish() {
   outcome_.statistics.matched += beside_.matched;
   outcome_.statistics.doubtful += beside_.doubtful;
   outcome_.statistics.keyframes += beside_.keyframes;
-  if (outcome_.closed || nodding_) outcome_.statistics.path_m = length_m_of(outcome_.trajectory);
+  if (outcome_.closed || nodding_) outcome_.statistics.path_m = path_length_m(outcome_.trajectory);
   if (nodding_) outcome_.statistics.odometry_leaps += nodding_->mapper->statistics().odometry_leaps;
   outcome_.device_loss = mapper_->device_loss();
   require_a_map();

@@ -78,7 +78,7 @@ std::unique_ptr<SeparateMap> map_of(const std::vector<const RunSession*>& runs, 
   auto map = std::make_unique<SeparateMap>(runs.front()->settings.mapper);
   for (std::size_t k = 0; k < runs.size(); ++k) {
     for (std::size_t i = 0; i < runs[k]->session.scans.size(); ++i) {
-      map->merge(points_of(runs[k]->session.scans[i]), site.poses[k][i]);
+      map->merge(to_points(runs[k]->session.scans[i]), site.poses[k][i]);
     }
   }
   return map;

@@ -82,7 +82,7 @@ ClosedPath closed_path(const MergedSite& site, const std::vector<std::size_t>& k
   }
   for (const Loop& loop : site.graph.loops) {
     const PoseRelation& relation = loop.relation;
-    const Tangent2 off = residual_of(relation, site.graph.poses[relation.from], site.graph.poses[relation.to]);
+    const Tangent2 off = relation_residual(relation, site.graph.poses[relation.from], site.graph.poses[relation.to]);
     closed.loops.push_back({.from = scan_of(relation.from),
                             .to = scan_of(relation.to),
                             .T_from_to = relation.T_from_to,
@@ -138,7 +138,7 @@ MapOutcome site_outcome(const MergedSite& site, const std::vector<const RunSessi
     add_doubtful(report, *runs[k], before, outcome.doubtful);
     add_counts(report, *runs[k], outcome.statistics);
     for (const std::size_t drive : runs[k]->drives) outcome.drives.push_back(before + drive);
-    outcome.statistics.path_m += length_m_of(paths[k], runs[k]->drives);
+    outcome.statistics.path_m += path_length_m(paths[k], runs[k]->drives);
     outcome.log_duration_s += duration_s_of(paths[k], runs[k]->drives);
   }
   outcome.closed = closed_path(site, outcome.keyframes, outcome);

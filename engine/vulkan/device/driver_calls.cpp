@@ -92,13 +92,13 @@ struct Row {
 };
 
 template <std::size_t kIndex, class Pfn>
-Row row_of(const Function<Pfn>& function) {
+Row make_row(const Function<Pfn>& function) {
   return {function.name, reinterpret_cast<PFN_vkVoidFunction>(&Wrapper<kIndex, Pfn>::call)};
 }
 
 const std::array<Row, kFallibleCount>& rows() {
   static const auto table = []<std::size_t... kIndices>(std::index_sequence<kIndices...>) {
-    return std::array<Row, kFallibleCount>{row_of<kIndices>(std::get<kIndices>(kFallible))...};
+    return std::array<Row, kFallibleCount>{make_row<kIndices>(std::get<kIndices>(kFallible))...};
   }
   (std::make_index_sequence<kFallibleCount>{});
   return table;
@@ -109,7 +109,7 @@ bool is_infallible(std::string_view name) {
          std::find(std::begin(kInfallible), std::end(kInfallible), name) != std::end(kInfallible);
 }
 
-VkResult result_of(VulkanFault::Code code) {
+VkResult to_result(VulkanFault::Code code) {
   switch (code) {
     case VulkanFault::Code::kOutOfDeviceMemory:
       return VK_ERROR_OUT_OF_DEVICE_MEMORY;
@@ -135,7 +135,7 @@ VkResult DriverCalls::before_call() {
   ++count_;
   if (lost_ || count_ == fault_.at) {
     lost_ = lost_ || fault_.code == VulkanFault::Code::kDeviceLost;
-    return result_of(fault_.code);
+    return to_result(fault_.code);
   }
   return VK_SUCCESS;
 }

@@ -21,7 +21,7 @@ constexpr FaultName kFaultNames[] = {{"device-lost", VulkanFault::Code::kDeviceL
                                      {"out-of-device-memory", VulkanFault::Code::kOutOfDeviceMemory},
                                      {"out-of-host-memory", VulkanFault::Code::kOutOfHostMemory}};
 
-std::string_view value_of(const char* variable) {
+std::string_view read_variable(const char* variable) {
   const char* value = std::getenv(variable);
   return value == nullptr ? "" : value;
 }
@@ -69,19 +69,19 @@ double parse_spin(std::string_view text) {
 }  // namespace
 
 VulkanOptions with_environment(VulkanOptions options) {
-  const std::string_view fault = value_of(kFaultVariable);
+  const std::string_view fault = read_variable(kFaultVariable);
   if (options.fault.at == 0 && !fault.empty()) {
     options.fault = parse_fault(fault);
   }
-  const std::string_view wait = value_of(kWaitLimitVariable);
+  const std::string_view wait = read_variable(kWaitLimitVariable);
   if (!options.wait_limit_s && !wait.empty()) {
     options.wait_limit_s = parse_wait(wait);
   }
-  const std::string_view spin = value_of(kSpinVariable);
+  const std::string_view spin = read_variable(kSpinVariable);
   if (!options.spin_s && !spin.empty()) {
     options.spin_s = parse_spin(spin);
   }
-  const std::string_view validation = value_of(kValidationVariable);
+  const std::string_view validation = read_variable(kValidationVariable);
   if (validation == "1") {
     options.validation = true;
   } else if (!validation.empty() && validation != "0") {

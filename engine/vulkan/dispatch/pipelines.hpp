@@ -44,7 +44,7 @@ class Pipelines {
 
   /// The variant that serves a launch; throws Error when the kernel has none.
   const ShaderVariant& variant_for(const KernelInfo& kernel, const LaunchShape& shape);
-  const VariantPipeline& pipeline_of(const KernelInfo& kernel, const ShaderVariant& variant);
+  const VariantPipeline& find_pipeline(const KernelInfo& kernel, const ShaderVariant& variant);
   [[nodiscard]] const PipelineCache& cache() const { return cache_; }
   /// Pipelines made so far.
   [[nodiscard]] std::uint64_t made() const { return made_; }

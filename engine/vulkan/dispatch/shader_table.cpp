@@ -197,7 +197,7 @@ constexpr ShaderVariant kVariants[] = {
 
 std::span<const ShaderVariant> shader_variants() { return kVariants; }
 
-std::span<const ShaderVariant> variants_of(std::string_view kernel) {
+std::span<const ShaderVariant> find_variants(std::string_view kernel) {
   const auto all = shader_variants();
   const auto is_of = [kernel](const ShaderVariant& variant) { return variant.shader.name == kernel; };
   const auto begin = std::find_if(all.begin(), all.end(), is_of);

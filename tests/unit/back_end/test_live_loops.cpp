@@ -264,9 +264,9 @@ TEST(LiveLoops, WithoutAThreadTheCallerDoesItWithOneWarning) {
 /// Distance to the nearest obstacle at the points of a scan, cells; the mean.
 double mean_distance_cells(const GlobalField& field, const KeptScan& scan, const Pose2& T_map_base) {
   double sum = 0.0;
-  const std::vector<Point2> points = points_of(scan);
+  const std::vector<Point2> points = to_points(scan);
   for (const Point2& point : points) {
-    sum += field.at(map_cell_of(T_map_base * point, field.geometry().resolution_m)) / 256.0;
+    sum += field.at(map_cell_at(T_map_base * point, field.geometry().resolution_m)) / 256.0;
   }
   return sum / static_cast<double>(points.size());
 }

@@ -25,7 +25,7 @@ class RoomSeenAgain : public testing::Test {
       graph_.poses.push_back(seen_from * Pose2{-1.0, 0.0, 0.0});
       poses_.insert(poses_.end(), {graph_.poses.back(), seen_from});
       scans_.emplace_back();
-      scans_.push_back(keep_scan(points_of(test::scan_of(walls, seen_from, 0.0), {})));
+      scans_.push_back(keep_scan(to_points(test::scan_of(walls, seen_from, 0.0), {})));
       const double path_m = path_m_.empty() ? 0.0 : path_m_.back() + 49.0;
       path_m_.insert(path_m_.end(), {path_m, path_m + 1.0});
     }
@@ -50,7 +50,7 @@ class RoomSeenAgain : public testing::Test {
 };
 
 double off_m(const Loop& loop, const Pose2& T_from_to) {
-  return length_of(between(T_from_to, loop.relation.T_from_to));
+  return translation_length(between(T_from_to, loop.relation.T_from_to));
 }
 
 TEST_F(RoomSeenAgain, BothEarlierPlacesAreFoundWhereTheyAre) {
@@ -235,7 +235,7 @@ class RepeatedNiches : public testing::Test {
       for (int k = -half; k <= half; ++k) {
         poses_.push_back({1.0 * k, 0.0, 0.0});
         path_m_.push_back(half == 12 ? 12.0 + k : 104.0 + k);
-        scans_.push_back(keep_scan(points_of(test::scan_of(walls, poses_.back(), 0.0), {})));
+        scans_.push_back(keep_scan(to_points(test::scan_of(walls, poses_.back(), 0.0), {})));
       }
     }
   }

@@ -57,7 +57,7 @@ KeptScan corridor_scan(double end_x) {
   KeptScan scan;
   const auto add = [&](double x, double y, double nx, double ny) {
     scan.surface.push_back({static_cast<float>(x), static_cast<float>(y), static_cast<float>(nx),
-                            static_cast<float>(ny), static_cast<float>(direction_of(x, y))});
+                            static_cast<float>(ny), static_cast<float>(pseudo_bearing(x, y))});
   };
   for (int k = -80; k <= 80; ++k) {
     add(0.05 * k, 1.02, 0.0, -1.0);
@@ -104,7 +104,7 @@ TEST(Revisits, AreTheEarlierPlacesThatMayBeHere) {
   const RevisitRules rules;
   std::size_t found = 0;
   for (std::size_t here = 0; here < graph.poses.size(); ++here) {
-    for (const Revisit& revisit : revisits_of(graph, covariance, path_m, here)) {
+    for (const Revisit& revisit : find_revisits(graph, covariance, path_m, here)) {
       ++found;
       EXPECT_GE(path_m[here] - path_m[revisit.place], rules.least_path_m);
       const double away_m = (graph.poses[here].translation() - graph.poses[revisit.place].translation()).norm();

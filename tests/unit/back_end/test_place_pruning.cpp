@@ -114,7 +114,7 @@ TEST(CarryWithNearest, MovesEachPoseAsTheNearestOneMoved) {
 
 std::vector<std::pair<double, double>> sorted_points(const KeptScan& scan) {
   std::vector<std::pair<double, double>> points;
-  for (const Point2& point : points_of(scan)) points.emplace_back(point.x(), point.y());
+  for (const Point2& point : to_points(scan)) points.emplace_back(point.x(), point.y());
   std::sort(points.begin(), points.end());
   return points;
 }
@@ -147,7 +147,7 @@ class FiveRounds : public testing::Test {
       result.accepted = true;
       result.merged = i % kEveryOther != 3;
       last = result.T_map_base;
-      back_end.take(points_of(drive().path.scans[i]), result);
+      back_end.take(to_points(drive().path.scans[i]), result);
     }
   }
   static void take_all(BackEnd& back_end) { take(back_end, drive().truth.size()); }

@@ -18,7 +18,7 @@ namespace {
 
 SurfacePoint surface_point(double x_m, double y_m, double turn_rad = 0.0) {
   return {static_cast<float>(x_m), static_cast<float>(y_m), -static_cast<float>(std::cos(turn_rad)),
-          -static_cast<float>(std::sin(turn_rad)), static_cast<float>(direction_of(x_m, y_m))};
+          -static_cast<float>(std::sin(turn_rad)), static_cast<float>(pseudo_bearing(x_m, y_m))};
 }
 
 KeptScan scan_with(std::vector<SurfacePoint> points) {
@@ -73,7 +73,7 @@ TEST(PointToLine, FacesAreTheSameUpToACosineOfFourFifths) {
 // In the moving scan's own frame: the same wall, seen from a robot that is turned by a quarter.
 TEST(PointToLine, EquationsAreThoseOfTheMovingScan) {
   const Pose2 T_fixed_moving{0.0, 0.0, 0.5 * 3.14159265358979};
-  const SurfacePoint aside{0.1F, -2.06F, 0.0F, 1.0F, static_cast<float>(direction_of(0.1, -2.06))};
+  const SurfacePoint aside{0.1F, -2.06F, 0.0F, 1.0F, static_cast<float>(pseudo_bearing(0.1, -2.06))};
   const LineEquations lines =
       line_equations(scan_with({surface_point(2.0, 0.0)}), scan_with({aside}), T_fixed_moving, kGate);
   EXPECT_NEAR(lines.weight, 0.25, 1e-4);
@@ -130,7 +130,7 @@ SurfacePoint drawn_point(Random& random) {
 /// The weight of a point on the nearest of all that lie within the gate and so near to its direction as the gate
 /// allows.
 double weight_by_asking_all(const std::vector<SurfacePoint>& lines, const SurfacePoint& p) {
-  const double direction = direction_of(static_cast<double>(p.x_m), static_cast<double>(p.y_m));
+  const double direction = pseudo_bearing(static_cast<double>(p.x_m), static_cast<double>(p.y_m));
   const double reach = kGate.most_m / p.point().norm();
   double least_m = kGate.most_m;
   double weight = 0.0;

@@ -91,8 +91,8 @@ TEST(SiteGraph, AFixInALaterSessionIsTurnedRound) {
   for (const Pose2& off : {Pose2{1e-4, 0.0, 0.0}, Pose2{0.0, 1e-4, 0.0}, Pose2{0.0, 0.0, 1e-4}}) {
     const Pose2 first = Pose2{0.3, 0.1, 0.7};
     const Pose2 second = first * across.T_from_to * off;
-    const double expected = chi2_of(as_found, second, first);
-    EXPECT_NEAR(chi2_of(across, first, second), expected, 0.001 * expected);
+    const double expected = relation_chi2(as_found, second, first);
+    EXPECT_NEAR(relation_chi2(across, first, second), expected, 0.001 * expected);
   }
 }
 
@@ -230,13 +230,13 @@ TEST(GrowingSite, TellsPlacesOfTheSiteAsThoseOfItsSessions) {
   EXPECT_FALSE(site.holds(2));
   EXPECT_THAT(site.T_site_keyframe(1, 2), PoseNear({2.0, 0.0, 0.0}, 1e-6, 1e-4));
   EXPECT_THAT(site.T_site_keyframe(3, 2), PoseNear({2.0, 5.0, kQuarter}, 1e-6, 1e-4));
-  const SessionEdge of_last = site.edge_of(2, fix_at(7, 1, {2.0, 1.0, 0.25}, 0.5));
+  const SessionEdge of_last = site.make_edge(2, fix_at(7, 1, {2.0, 1.0, 0.25}, 0.5));
   EXPECT_EQ(of_last.reference, 1U);
   EXPECT_EQ(of_last.query, 2U);
   EXPECT_EQ(of_last.held.front().reference_place, 1U);
   EXPECT_EQ(of_last.held.front().keyframe, 7U);
   EXPECT_THAT(of_last.held.front().T_map_keyframe, PoseNear({2.0, 1.0, 0.25}, 1e-6, 1e-4));
-  const SessionEdge of_first = site.edge_of(2, fix_at(7, 2, {1.0, 3.0, kQuarter}, 0.5));
+  const SessionEdge of_first = site.make_edge(2, fix_at(7, 2, {1.0, 3.0, kQuarter}, 0.5));
   EXPECT_EQ(of_first.reference, 3U);
   EXPECT_EQ(of_first.held.front().reference_place, 0U);
   EXPECT_THAT(of_first.held.front().T_map_keyframe, PoseNear({0.0, 1.0, 0.0}, 1e-6, 1e-4)) << "to its left";

@@ -44,7 +44,7 @@ class Map {
       const auto steps = static_cast<int>(way.norm() / 0.01);
       for (int k = 0; k <= steps; ++k) points.push_back(wall.from + way * (static_cast<double>(k) / steps));
     }
-    const KeyframeCells keyframe = keyframe_of(points, kResolution, kRadius);
+    const KeyframeCells keyframe = make_keyframe_cells(points, kResolution, kRadius);
     field_.grow_to_hold(keyframe.window);
     LocalField local(*backend_, kRadius);
     local.prepare(keyframe, field_);
@@ -108,9 +108,9 @@ Path path_of(const Pose2& start, const Pose2& step, int steps, double scale, dou
 }
 
 /// As a mapper does it: what is left over is spread first, then the walls correct that.
-std::size_t smooth(const Map& map, Path& path, const PointsOfNode& points_of, const SmootherConfig& config = {}) {
+std::size_t smooth(const Map& map, Path& path, const PointsOfNode& to_points, const SmootherConfig& config = {}) {
   place_between(PoseInterpolation::kOdometry, path.from, path.to, path.nodes);
-  return smooth_path(config, map.field(), path.from, path.to, path.nodes, points_of);
+  return smooth_path(config, map.field(), path.from, path.to, path.nodes, to_points);
 }
 
 double mean_error_m(const Path& path) {

@@ -25,8 +25,8 @@ class Matching : public testing::Test {
   // Maps the room from a few true poses.
   void SetUp() override {
     for (const Pose2& pose : {Pose2{}, Pose2{0, 0, 2.0}, Pose2{0, 0, -2.0}, Pose2{3.9, 0.2, 0.3}, Pose2{2.5, -1, 3}}) {
-      const auto points = in_map(points_of(test::scan_of(walls_, pose, 0.0), {0.1, 40.0}), pose);
-      const KeyframeCells keyframe = keyframe_of(points, resolution_m_, radius_);
+      const auto points = in_map(to_points(test::scan_of(walls_, pose, 0.0), {0.1, 40.0}), pose);
+      const KeyframeCells keyframe = make_keyframe_cells(points, resolution_m_, radius_);
       const MergeStep step{.rule = MergeRule::kWorking, .threshold = 256, .lift = 128};
       map_.grow_to_hold(keyframe.window);
       local_.prepare(keyframe, map_);
@@ -35,7 +35,7 @@ class Matching : public testing::Test {
   }
 
   std::vector<PointCells> scan_from(const Pose2& pose) const {
-    return in_cells(points_of(test::scan_of(walls_, pose, 0.0), {0.1, 40.0}), resolution_m_);
+    return in_cells(to_points(test::scan_of(walls_, pose, 0.0), {0.1, 40.0}), resolution_m_);
   }
 
   std::vector<test::Segment> walls_ = test::furnished_room();

@@ -45,7 +45,7 @@ LoopOutcome closed(const NoddingDrive& drive, MapperOptions options = {},
   LoopOutcome outcome;
   const std::unique_ptr<Backend> cpu = make_cpu_backend({});
   options.with_loops = true;
-  Mapper mapper(mapper_config_of({}, {}), *cpu, options);
+  Mapper mapper(nodding_mapper_config({}, {}), *cpu, options);
   CloudKeeper cloud;
   NoddingMapper nodding({}, test::scanner_of(drive), mapper, *cpu, cloud,
                         [&](const NoddingPose& pose, const NoddingScan&) { outcome.poses.push_back(pose); });
@@ -71,7 +71,7 @@ double error_m(const NoddingDrive& drive, const std::vector<NoddingPose>& poses)
 std::vector<NoddingPose> without_loops(const NoddingDrive& drive) {
   std::vector<NoddingPose> poses;
   const std::unique_ptr<Backend> cpu = make_cpu_backend({});
-  Mapper mapper(mapper_config_of({}, {}), *cpu);
+  Mapper mapper(nodding_mapper_config({}, {}), *cpu);
   CloudKeeper cloud;
   NoddingMapper nodding({}, test::scanner_of(drive), mapper, *cpu, cloud,
                         [&](const NoddingPose& pose, const NoddingScan&) { poses.push_back(pose); });

@@ -147,7 +147,7 @@ TEST(Occupancy, GridGrowsWithoutForgetting) {
   for (const Pose2& pose : poses) builder.add(scan_of({2.0F}), pose);
   const OccupancyMap map = builder.build();
   for (const Pose2& pose : poses) {
-    const CellIndex cell = map.geometry.cell_of(pose.translation());
+    const CellIndex cell = map.geometry.cell_at(pose.translation());
     EXPECT_EQ(map.at(cell), CellState::kFree);
     EXPECT_EQ(map.at(cell + CellOffset{2, 0}), CellState::kOccupied);
   }
@@ -230,7 +230,7 @@ TEST(Occupancy, TraversalAgreesWithBruteForce) {
     const std::int64_t y1 = sub_cell(pose.y_m + sine * static_cast<double>(range_m));
     for (std::int32_t y = -20; y < 20; ++y) {
       for (std::int32_t x = -20; x < 20; ++x) {
-        const CellIndex cell = map.geometry.cell_of({x + 0.5, y + 0.5});
+        const CellIndex cell = map.geometry.cell_at({x + 0.5, y + 0.5});
         const CellState state = map.geometry.contains(cell) ? map.at(cell) : CellState::kUnknown;
         const bool is_end = x1 >> 9 == x && y1 >> 9 == y;
         const bool is_start = x0 >> 9 == x && y0 >> 9 == y;

@@ -33,7 +33,7 @@ class KnownWall : public testing::Test {
     for (int x = first; x <= last; ++x) {
       for (int y = -30; y < 30; ++y) points.push_back(centre(x, y));
     }
-    const KeyframeCells keyframe = keyframe_of(points, kPoseCell_m, kPoseRadius);
+    const KeyframeCells keyframe = make_keyframe_cells(points, kPoseCell_m, kPoseRadius);
     map_.grow_to_hold(keyframe.window);
     local_.prepare(keyframe, map_);
     local_.merge_into(map_, {.rule = MergeRule::kWorking, .threshold = 256, .lift = 0});
@@ -211,14 +211,15 @@ TEST(CovarianceIntersection, HasTheSmallestDeterminant) {
     EXPECT_NEAR(found(1, 1), b, 1e-12);
     EXPECT_NEAR(found(2, 2), c, 1e-12);
   };
-  expect_diagonal(intersection_of(Matrix3::diagonal(1.0, 4.0, 1.0), Matrix3::diagonal(4.0, 1.0, 1.0)), 1.6, 1.6, 1.0);
+  expect_diagonal(intersect_covariances(Matrix3::diagonal(1.0, 4.0, 1.0), Matrix3::diagonal(4.0, 1.0, 1.0)), 1.6, 1.6,
+                  1.0);
   // Of (0.2 + 0.8 s) (1 - 0.9 s) the best eighth is the third.
-  expect_diagonal(intersection_of(Matrix3::diagonal(1.0, 10.0, 1.0), Matrix3::diagonal(5.0, 1.0, 1.0)), 2.0,
+  expect_diagonal(intersect_covariances(Matrix3::diagonal(1.0, 10.0, 1.0), Matrix3::diagonal(5.0, 1.0, 1.0)), 2.0,
                   1.0 / 0.6625, 1.0);
   const Matrix3 sure = Matrix3::diagonal(1.0, 1.0, 1.0);
   const Matrix3 unsure = Matrix3::diagonal(4.0, 4.0, 4.0);
-  expect_diagonal(intersection_of(sure, unsure), 1.0, 1.0, 1.0);
-  expect_diagonal(intersection_of(unsure, sure), 1.0, 1.0, 1.0);
+  expect_diagonal(intersect_covariances(sure, unsure), 1.0, 1.0, 1.0);
+  expect_diagonal(intersect_covariances(unsure, sure), 1.0, 1.0, 1.0);
 }
 
 // A metre on a heading that is off moves the robot aside.

@@ -118,7 +118,7 @@ TEST_F(TwoLasers, AreNoWorseThanTheBetterOneAlone) {
     EXPECT_LE(ate_m(both), std::min(front_m, rear_m) + 0.002) << front_m << ' ' << rear_m << ' ' << with_loops;
     EXPECT_LE(ate_m(both), 0.02);
     EXPECT_TRUE(both.doubtful.empty()) << both.doubtful.size() << " scans";
-    EXPECT_NEAR(length_m_of(both.trajectory), length_m_of(truth_), 0.02 * length_m_of(truth_));
+    EXPECT_NEAR(path_length_m(both.trajectory), path_length_m(truth_), 0.02 * path_length_m(truth_));
     EXPECT_EQ(both.statistics.scans, truth_.size());
     EXPECT_EQ(both.statistics.matched, truth_.size());
   }

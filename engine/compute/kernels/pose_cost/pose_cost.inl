@@ -35,7 +35,7 @@ struct CostPose {
 };
 
 /// FieldLayout::place in 32 bits.
-inline std::uint32_t place_of(std::uint32_t x, std::uint32_t y, std::uint32_t stride, std::uint32_t strip_step) {
+inline std::uint32_t field_place(std::uint32_t x, std::uint32_t y, std::uint32_t stride, std::uint32_t strip_step) {
   return y * stride + x + x / kStripWidth * strip_step;
 }
 

@@ -52,10 +52,10 @@ const KernelInfo& ChoosePose::info() {
   static const KernelInfo row = kernel_info<ChoosePose>(
       {"choose_pose", "look-up", "paper equations (4) and (8), over the points that vote"},
       [](const IsaFunctions& functions, const CpuLaunch& launch) {
-        const auto params = params_of<ChoosePose::Params>(launch.params);
+        const auto params = read_params<ChoosePose::Params>(launch.params);
         const std::size_t points = params.cost.point_count;
-        functions.choose_pose(params, buffer_of<std::uint16_t>(launch, 0), buffer_of<PointCells>(launch, 1),
-                              buffer_of<PolishedPose>(launch, 2), buffer_of<MatchVerdict>(launch, 3),
+        functions.choose_pose(params, typed_buffer<std::uint16_t>(launch, 0), typed_buffer<PointCells>(launch, 1),
+                              typed_buffer<PolishedPose>(launch, 2), typed_buffer<MatchVerdict>(launch, 3),
                               thread_scratch<std::uint16_t>(points), thread_scratch<PointCells>(points));
       },
       [](const Params& params, Extent) -> std::uint64_t {

@@ -121,7 +121,7 @@ KernelCase DescentCase::make(const std::string& named) const {
 }
 
 // Numbers of points and poses around the sizes of work groups, with and without a shape to find.
-void add_descents_of(std::vector<KernelCaseSource>& list, Interpolation interpolation, CostForm form) {
+void add_descents(std::vector<KernelCaseSource>& list, Interpolation interpolation, CostForm form) {
   constexpr std::pair<std::uint32_t, std::uint32_t> kCounts[] = {{0, 2},  {1, 1},   {7, 9},   {16, 1},
                                                                  {17, 5}, {180, 8}, {361, 17}};
   for (const auto& [points, poses] : kCounts) {
@@ -227,7 +227,7 @@ void add_benchmark_descents(std::vector<KernelCaseSource>& list) {
 
 void add_descents(std::vector<KernelCaseSource>& list) {
   for (const Interpolation interpolation : {Interpolation::kBilinear, Interpolation::kNearest}) {
-    for (const CostForm form : {CostForm::kDistance, CostForm::kSquared}) add_descents_of(list, interpolation, form);
+    for (const CostForm form : {CostForm::kDistance, CostForm::kSquared}) add_descents(list, interpolation, form);
   }
   add_turned_descents(list);
   add_case(list, DescentCase{.poses = 0});

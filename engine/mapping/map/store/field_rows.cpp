@@ -48,7 +48,7 @@ Buffer FieldRows::allocate_for(const CellBox& box) const {
     if (bytes <= device.max_buffer_bytes) throw;
     throw DeviceError(
         device.name, error.call(),
-        error.result() + ", for the map of " + size_of(box) + "; a larger map.resolution makes it smaller");
+        error.result() + ", for the map of " + size_text(box) + "; a larger map.resolution makes it smaller");
   }
 }
 
@@ -58,7 +58,7 @@ void FieldRows::hold(const GridBoxes& boxes) {
   Buffer buffer = allocate_for(box);
   if (stored_.empty()) {
     backend_->fill(buffer, std::uint32_t{cap_} << 16U | cap_);
-  } else if (hull_of(box, stored_) == box) {
+  } else if (bounding_box(box, stored_) == box) {
     copy_into(buffer, box);
   } else {
     // A margin was given up, which happens a few times at most: by way of the host.

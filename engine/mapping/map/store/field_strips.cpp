@@ -26,9 +26,9 @@ CellBox tiles_that_hold(const CellBox& box) {
           {floor_to(box.end.x - 1, kSide) + 1, floor_to(box.end.y - 1, kSide) + 1}};
 }
 
-std::int64_t count_of(const CellBox& tiles) { return std::int64_t{tiles.width()} * tiles.height(); }
-std::size_t bytes_of(const CellBox& tiles) {
-  return static_cast<std::size_t>(count_of(tiles)) * kTileOfStripCells * sizeof(std::uint16_t);
+std::int64_t tile_count(const CellBox& tiles) { return std::int64_t{tiles.width()} * tiles.height(); }
+std::size_t byte_count(const CellBox& tiles) {
+  return static_cast<std::size_t>(tile_count(tiles)) * kTileOfStripCells * sizeof(std::uint16_t);
 }
 
 CellBox with_margin(const CellBox& tiles, std::int32_t x, std::int32_t y) {
@@ -44,7 +44,7 @@ std::vector<CellBox> pieces_for(const CellBox& tiles) {
   for (std::int32_t share = 2; share <= 32; share *= 4) {
     const auto margin = [share](std::int32_t extent) { return std::max(kLeastMargin, extent / share); };
     const CellBox piece = with_margin(tiles, margin(tiles.width()), margin(tiles.height()));
-    if (count_of(piece) <= kMostTiles) pieces.push_back(piece);
+    if (tile_count(piece) <= kMostTiles) pieces.push_back(piece);
   }
   pieces.push_back(tiles);
   return pieces;
@@ -55,7 +55,7 @@ std::vector<CellBox> pieces_for(const CellBox& tiles) {
 bool FieldStrips::can_hold(const CellBox& box) const {
   if (std::min(box.min.x, box.min.y) < -kFurthestCell || std::max(box.end.x, box.end.y) > kFurthestCell) return false;
   const CellBox tiles = tiles_that_hold(box);
-  return count_of(tiles) <= kMostTiles && std::max(tiles.width(), tiles.height()) <= kMostTilesOfASide;
+  return tile_count(tiles) <= kMostTiles && std::max(tiles.width(), tiles.height()) <= kMostTilesOfASide;
 }
 
 std::string FieldStrips::limit() const {
@@ -65,7 +65,7 @@ std::string FieldStrips::limit() const {
 void FieldStrips::hold(const GridBoxes& boxes) {
   assert(can_hold(boxes.content));
   const CellBox tiles = tiles_that_hold(boxes.content);
-  if (hull_of(tiles_, tiles) != tiles_) make_piece(tiles);
+  if (bounding_box(tiles_, tiles) != tiles_) make_piece(tiles);
   box_ = boxes.stored;
 }
 
@@ -74,7 +74,7 @@ void FieldStrips::make_piece(const CellBox& tiles) {
   const std::vector<CellBox> pieces = pieces_for(tiles);
   for (const CellBox& piece : pieces) {
     const bool is_last = piece == pieces.back();
-    Buffer buffer = is_last ? backend_->allocate(bytes_of(piece)) : backend_->reserve(bytes_of(piece));
+    Buffer buffer = is_last ? backend_->allocate(byte_count(piece)) : backend_->reserve(byte_count(piece));
     if (!buffer.valid()) continue;
     move_to(piece, std::move(buffer));
     return;
@@ -87,13 +87,13 @@ void FieldStrips::move_to(const CellBox& tiles, Buffer buffer) {
   // The bytes are written as uint16 by the kernels, aligned by the backend.
   const std::span<std::uint16_t> memory{reinterpret_cast<std::uint16_t*>(view.data()),
                                         view.size() / sizeof(std::uint16_t)};
-  std::vector<bool> known(static_cast<std::size_t>(count_of(tiles)));
+  std::vector<bool> known(static_cast<std::size_t>(tile_count(tiles)));
   const std::span<std::uint16_t> before = memory_;
   const CellBox from = std::exchange(tiles_, tiles);
   const auto rows = static_cast<std::size_t>(from.height());
   for (std::size_t tile = 0; tile < known_.size(); ++tile) {
     if (known_[tile]) {
-      const std::size_t to = tile_of(
+      const std::size_t to = tile_index(
           from.min + CellOffset{static_cast<std::int32_t>(tile / rows), static_cast<std::int32_t>(tile % rows)});
       known[to] = true;
       const auto cells = before.subspan(tile * kTileOfStripCells, kTileOfStripCells);
@@ -124,7 +124,7 @@ void FieldStrips::repeat_first_cells(std::size_t tile) {
   }
 }
 
-std::size_t FieldStrips::tile_of(CellIndex tile) const {
+std::size_t FieldStrips::tile_index(CellIndex tile) const {
   const CellOffset d = tile - tiles_.min;
   return static_cast<std::size_t>(d.dx) * static_cast<std::size_t>(tiles_.height()) + static_cast<std::size_t>(d.dy);
 }
@@ -133,7 +133,7 @@ template <class See>
 void FieldStrips::for_each_tile(const CellBox& box, See see) const {
   const CellBox tiles = tiles_that_hold(box);
   for (std::int32_t x = tiles.min.x; x < tiles.end.x; ++x) {
-    for (std::int32_t y = tiles.min.y; y < tiles.end.y; ++y) see(tile_of({x, y}));
+    for (std::int32_t y = tiles.min.y; y < tiles.end.y; ++y) see(tile_index({x, y}));
   }
 }
 

@@ -28,7 +28,7 @@ class FieldStrips final : public FieldStore {
   void make_piece(const CellBox& tiles);
   void move_to(const CellBox& tiles, Buffer buffer);
   void repeat_first_cells(std::size_t tile);
-  [[nodiscard]] std::size_t tile_of(CellIndex tile) const;
+  [[nodiscard]] std::size_t tile_index(CellIndex tile) const;
   template <class See>
   void for_each_tile(const CellBox& box, See see) const;
   void write_piece(CellIndex first, std::span<const std::uint16_t> cells);

@@ -21,7 +21,7 @@ class PosesByStamp {
   /// stamps the earlier counts; of several poses with one stamp the last of the log.
   [[nodiscard]] std::optional<Pose2> find(double stamp_s, double tolerance_s) const;
   /// Index of the pose with that stamp in the trajectory that was given.
-  [[nodiscard]] std::optional<std::size_t> index_of(double stamp_s, double tolerance_s) const;
+  [[nodiscard]] std::optional<std::size_t> find_index(double stamp_s, double tolerance_s) const;
 
  private:
   struct Entry {
@@ -119,6 +119,6 @@ ReferenceReport evaluate_reference(const Trajectory& estimate, const Trajectory&
 
 /// Length of the path, from pose to pose, metres. The way between two drives was not driven: `drives` has the poses at
 /// which another one begins, ascending.
-double length_m_of(const Trajectory& trajectory, std::span<const std::size_t> drives = {});
+double path_length_m(const Trajectory& trajectory, std::span<const std::size_t> drives = {});
 
 }  // namespace gdtslam

@@ -122,7 +122,7 @@ class LoopClosing {
 
   /// The configuration of a mapper whose loops are closed: it matches with a map of the last stretch of the path, and
   /// weighs odometry against matches.
-  static MapperConfig config_of(MapperConfig config);
+  static MapperConfig adapt_config(MapperConfig config);
 
   /// The mapper's next scan. Rethrows what the look for loops threw. It waits for that where it is more than eight
   /// places, 32 m of path, behind.

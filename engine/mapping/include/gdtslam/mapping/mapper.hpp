@@ -62,7 +62,7 @@ class Mapper {
   /// The same for returns that are points of the robot's plane: a nodding laser's, levelled, or several lasers' scans.
   MatchResult process(PointScan scan, const std::optional<Pose2>& T_odom_base);
 
-  /// The configuration in use: with loops, LoopClosing::config_of() of the given one.
+  /// The configuration in use: with loops, LoopClosing::adapt_config() of the given one.
   [[nodiscard]] const MapperConfig& config() const;
   [[nodiscard]] MapperStatistics statistics() const;
   /// The distance field that scans are matched with, on the host, as of this call. With local.stretch another map takes

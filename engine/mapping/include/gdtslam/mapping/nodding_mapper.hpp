@@ -47,7 +47,7 @@ struct SmootherConfig {
 struct NoddingConfig {
   double horizontal_rad = 0.017453292519943295;  ///< scans whose elevations all lie within fix the pose
   PoseInterpolation interpolation = PoseInterpolation::kOdometry;
-  double prior_limit_sigmas = 1000.0;  ///< instead of PriorConfig::limit_sigmas: see mapper_config_of()
+  double prior_limit_sigmas = 1000.0;  ///< instead of PriorConfig::limit_sigmas: see nodding_mapper_config()
   double max_step_m = 5.0;             ///< OdometryConfig::max_step_m of the run, held to between all scans here
   SweepForm form = SweepForm::kWorking;
   SmootherConfig smoother;
@@ -93,7 +93,7 @@ struct NoddingStatistics {
 /// The configuration of the 2D system under a nodding laser: seconds and metres lie between two fixes, so a pose far
 /// from the odometry is a place that looks alike rather than a fault of the wheels, and the prior does not level off;
 /// and a step of the odometry may be as long as it likes, since leaps are left out before.
-MapperConfig mapper_config_of(MapperConfig config, const NoddingConfig& nodding);
+MapperConfig nodding_mapper_config(MapperConfig config, const NoddingConfig& nodding);
 
 /// One scan's outcome; match only of a horizontal one. One that was not accepted fixes no pose.
 struct NoddingPose {
