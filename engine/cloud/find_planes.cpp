@@ -158,7 +158,7 @@ PatchPoints find_patch_points(std::span<const CloudPoint> cloud, const ThinnedCl
   for (std::uint32_t k = 0; k < thin.means.size(); ++k) {
     if (!is_of_patch[thin.groups.cell_by_point()[k]]) continue;
     const bool is_core = is_alike(thin, k, plane);
-    for (const std::uint32_t point : thin.cells.find_patch_points(k)) {
+    for (const std::uint32_t point : thin.cells.cell_points(k)) {
       if (is_taken[point] || std::fabs(plane.distance_m(to_position(cloud[point]))) > thickness_m) continue;
       found.all.push_back(point);
       if (is_core) found.core.push_back(point);
