@@ -68,7 +68,6 @@ class VulkanBackendImpl final : public VulkanBackend {
   [[nodiscard]] std::size_t pending_downloads() const override { return engine_->transfers.under_way(); }
 
   [[nodiscard]] const VulkanDeviceInfo& vulkan_device() const override { return engine_->device.info(); }
-  [[nodiscard]] std::uint64_t call_count() const override { return calls_.count(); }
   [[nodiscard]] double last_submission_ns() const override { return engine_->batches.last_submission_ns(); }
   [[nodiscard]] std::uint64_t barrier_count() const override { return engine_->barriers.barrier_count(); }
   [[nodiscard]] bool cache_was_loaded() const override { return engine_->pipelines.cache().was_loaded(); }
@@ -98,7 +97,8 @@ class VulkanBackendImpl final : public VulkanBackend {
   template <class Action>
   decltype(auto) guarded(Action&& action);
 
-  DriverCalls calls_;
+  std::uint64_t lost_at_;
+  std::uint64_t steps_ = 0;  // of those that may meet a lost device
   double wait_limit_s_;
   std::unique_ptr<VulkanEngine> engine_;
   DeviceInfo device_info_;
@@ -112,7 +112,11 @@ template <class Action>
 decltype(auto) VulkanBackendImpl::guarded(Action&& action) {
   refuse_when_failed();
   try {
-    return with_driver(calls_, device_info_.name, std::forward<Action>(action));
+    if (++steps_ == lost_at_) throw vk::DeviceLostError("a rehearsed loss");
+    return std::forward<Action>(action)();
+  } catch (const vk::SystemError& error) {
+    failure_ = device_error(device_info_.name, error);
+    throw DeviceError(*failure_);
   } catch (const DeviceError& error) {
     failure_ = error;
     throw;
@@ -123,7 +127,7 @@ decltype(auto) VulkanBackendImpl::guarded(Action&& action) {
 }
 
 VulkanBackendImpl::VulkanBackendImpl(const VulkanOptions& options)
-    : calls_(vulkan_entry(), options.fault), wait_limit_s_(options.wait_limit_s.value_or(kWaitLimit_s)) {
+    : lost_at_(options.lost_at), wait_limit_s_(options.wait_limit_s.value_or(kWaitLimit_s)) {
   device_info_.name = "vulkan";
   guarded([&] { engine_ = std::make_unique<VulkanEngine>(options); });
   device_info_ = device_info(engine_->device);
@@ -138,10 +142,10 @@ VulkanBackendImpl::~VulkanBackendImpl() {
   // The device may still work, even after a rehearsed loss. What it uses must not be destroyed under its hands: where
   // it does not come to an end, its memory is left to the end of the process.
   const std::uint64_t last = engine_->batches.submitted();
-  const vk::SemaphoreWaitInfo wait = wait_info(*engine_->device.timeline(), last);
+  const VkSemaphoreWaitInfo wait = wait_info(*engine_->device.timeline(), last);
   const auto limit_ns = to_nanoseconds(std::max(wait_limit_s_, kLastWait_s));
-  const VkResult result = last == 0 ? VK_SUCCESS : calls_.wait_past_faults(*engine_->device.handle(), wait, limit_ns);
-  if (result == VK_TIMEOUT) {
+  const vk::raii::Device& device = engine_->device.handle();
+  if (last > 0 && device.getDispatcher()->vkWaitSemaphores(*device, &wait, limit_ns) == VK_TIMEOUT) {
     engine_->log.hand_out();
     static_cast<void>(engine_.release());
   }
@@ -170,7 +174,7 @@ DeviceBuffer& VulkanBackendImpl::find_memory(const Buffer& buffer) {
 }
 
 DeviceBuffer& VulkanBackendImpl::checked_part(const Buffer& buffer, std::size_t bytes, std::size_t offset,
-                                         const char* verb) {
+                                              const char* verb) {
   DeviceBuffer& memory = find_memory(buffer);
   if (offset > memory.bytes || bytes > memory.bytes - offset) {
     throw make_error(std::string(verb) + " of " + std::to_string(bytes) + " bytes at offset " + std::to_string(offset) +
@@ -272,7 +276,6 @@ bool VulkanBackendImpl::save_cache() noexcept {
     return !failure_;
   }
   try {
-    const DriverCalls::Scope scope(calls_);
     const bool is_saved = engine_->pipelines.cache().save();
     pipelines_saved_ = is_saved ? engine_->pipelines.made() : pipelines_saved_;
     return is_saved;

@@ -7,7 +7,6 @@
 #include "engine/vulkan/commands/barriers.hpp"
 #include "engine/vulkan/commands/batches.hpp"
 #include "engine/vulkan/device/device.hpp"
-#include "engine/vulkan/device/driver_calls.hpp"
 #include "engine/vulkan/device/environment.hpp"
 #include "engine/vulkan/device/instance.hpp"
 #include "engine/vulkan/dispatch/descriptor_sets.hpp"
@@ -17,7 +16,6 @@
 
 namespace gdtslam {
 
-/// Made within a DriverCalls::Scope.
 struct VulkanEngine {
   explicit VulkanEngine(const VulkanOptions& options)
       : log(options.on_message),

@@ -11,7 +11,6 @@
 
 namespace gdtslam {
 
-/// Every call within a DriverCalls::Scope.
 class Batches {
  public:
   static constexpr std::size_t kSlots = 3;

@@ -111,19 +111,18 @@ VulkanDeviceInfo describe(const vk::raii::PhysicalDevice& device, unsigned index
 VulkanListing list_vulkan_devices() {
   VulkanListing listing;
   try {
-    DriverCalls calls(vulkan_entry(), VulkanFault{});
-    with_driver(calls, "vulkan", [&] {
-      const VulkanInstance instance = make_instance(nullptr);
-      for (const vk::raii::PhysicalDevice& device : vk::raii::PhysicalDevices(instance.handle)) {
-        listing.devices.push_back(describe(device, static_cast<unsigned>(listing.devices.size())));
-      }
-    });
+    const VulkanInstance instance = make_instance(nullptr);
+    for (const vk::raii::PhysicalDevice& device : vk::raii::PhysicalDevices(instance.handle)) {
+      listing.devices.push_back(describe(device, static_cast<unsigned>(listing.devices.size())));
+    }
     if (listing.devices.empty()) {
       listing.problem =
           "Vulkan finds no device on this machine; VK_LOADER_DEBUG=error in the environment shows what its drivers say";
     }
   } catch (const Error& error) {
     listing.problem = error.what();
+  } catch (const vk::SystemError& error) {
+    listing.problem = device_error("vulkan", error).what();
   }
   return listing;
 }

@@ -14,7 +14,7 @@
 namespace gdtslam {
 
 /// Compiled pipelines of the driver, kept from run to run: a file per device and driver, which is checked before it is
-/// used and ignored when it is damaged or foreign. Every call within a DriverCalls::Scope.
+/// used and ignored when it is damaged or foreign.
 class PipelineCache {
  public:
   /// An empty folder name: nothing is read or written.
@@ -37,7 +37,6 @@ struct VariantPipeline {
   vk::raii::Pipeline pipeline{nullptr};
 };
 
-/// Every call within a DriverCalls::Scope.
 class Pipelines {
  public:
   Pipelines(const Device& device, const VulkanOptions& options);

@@ -22,7 +22,6 @@ struct DeviceBuffer {
 /// Bytes that a buffer of `bytes` really has.
 std::size_t padded_size(std::size_t bytes);
 
-/// create() is called within a DriverCalls::Scope.
 class Buffers {
  public:
   explicit Buffers(const Device& device) : device_(device), memory_(device) {}

@@ -17,7 +17,7 @@ struct MemoryRange {
   std::size_t bytes = 0;
 };
 
-/// First-fit allocation from blocks; a buffer that is large against a block gets its own. Within a DriverCalls::Scope.
+/// First-fit allocation from blocks; a buffer that is large against a block gets its own.
 class BlockMemory {
  public:
   explicit BlockMemory(const Device& device);

@@ -70,8 +70,7 @@ class Mapper {
   [[nodiscard]] const GlobalField& field() const;
   /// The loops; null without MapperOptions::with_loops.
   [[nodiscard]] LoopClosing* loops() const;
-  /// Whether the device failed, and the text of its error; empty while it works.
-  [[nodiscard]] bool lost_device() const { return !device_loss().empty(); }
+  /// Text of the error that the device failed with; empty while it works.
   [[nodiscard]] const std::string& device_loss() const;
   /// The device's own cells, those of field() where the matcher walks on the host: to be compared with field(). 1/256
   /// cell, row by row. Throws DeviceError where the device fails; it does not fall back.

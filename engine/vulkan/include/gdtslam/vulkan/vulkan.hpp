@@ -50,15 +50,6 @@ struct VulkanListing {
 /// Lists the Vulkan devices of this machine. Never throws for missing parts.
 VulkanListing list_vulkan_devices();
 
-/// A fault to rehearse: the call number `at` (from 1) of the calls to the driver that can fail gives `code`; a lost
-/// device stays lost for every later call. The environment may ask for one where the options do not:
-/// GDTSLAM_VULKAN_FAULT=17:device-lost, 17:out-of-device-memory or 17:out-of-host-memory.
-struct VulkanFault {
-  enum class Code : std::uint8_t { kOutOfDeviceMemory, kOutOfHostMemory, kDeviceLost };
-  std::uint64_t at = 0;  ///< 0: none
-  Code code = Code::kDeviceLost;
-};
-
 /// Which device, and how it is used.
 struct VulkanOptions {
   std::optional<unsigned> index = std::nullopt;  ///< index in the listing; the first hardware GPU when empty
@@ -78,7 +69,9 @@ struct VulkanOptions {
   std::optional<double> spin_s = std::nullopt;
   /// Timestamps around each submission. Empty: on hardware only, since lavapipe takes 45 us a submission for them.
   std::optional<bool> time_submissions = std::nullopt;
-  VulkanFault fault = {};
+  /// Step of the backend, from 1 (its making), at which the device is lost, as a rehearsal; 0: none. A step is a verb's
+  /// work for the device.
+  std::uint64_t lost_at = 0;
   /// Called with each shader before it is built, to change it: a test's way to show that a wrong shader is found.
   std::function<void(std::string_view shader, std::vector<std::uint32_t>& spirv)> edit_shader = {};
   /// Called with what is known of the chosen device before it is used, to lower its limits: a test's way to a device
@@ -108,8 +101,6 @@ QueueWork& operator+=(QueueWork& sum, const QueueWork& more);
 class VulkanBackend : public Backend {
  public:
   [[nodiscard]] virtual const VulkanDeviceInfo& vulkan_device() const = 0;
-  /// Calls to the driver that can fail, so far.
-  [[nodiscard]] virtual std::uint64_t call_count() const = 0;
   /// Nanoseconds of the device's own clock between the start and the end of the last finished submission; 0 where
   /// none are taken.
   [[nodiscard]] virtual double last_submission_ns() const = 0;
