@@ -8,7 +8,7 @@
 #include "engine/core/side_thread.hpp"
 #include "engine/core/worker_pool.hpp"
 #include "engine/mapping/back_end/back_end.hpp"
-#include "engine/mapping/map/separate_map.hpp"
+#include "engine/mapping/map/keyframe_map.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/mapper.hpp"
 

@@ -4,14 +4,13 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/mapping/cost/fit.hpp"
+#include "engine/mapping/cost/objective.hpp"
 #include "engine/mapping/map/keyframe_map.hpp"
+#include "engine/mapping/match/match_rules.hpp"
 #include "engine/mapping/match/matchers.hpp"
 #include "engine/mapping/match/motion_estimate.hpp"
 #include "engine/mapping/match/motion_model.hpp"
-#include "engine/mapping/match/patience.hpp"
 #include "engine/mapping/match/pose_certainty.hpp"
-#include "engine/mapping/match/thinned_points.hpp"
 #include "engine/mapping/surface/closed_surfaces.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"

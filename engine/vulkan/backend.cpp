@@ -69,7 +69,6 @@ class VulkanBackendImpl final : public VulkanBackend {
 
   [[nodiscard]] const VulkanDeviceInfo& vulkan_device() const override { return engine_->device.info(); }
   [[nodiscard]] double last_submission_ns() const override { return engine_->batches.last_submission_ns(); }
-  [[nodiscard]] std::uint64_t barrier_count() const override { return engine_->barriers.barrier_count(); }
   [[nodiscard]] bool cache_was_loaded() const override { return engine_->pipelines.cache().was_loaded(); }
   bool save_cache() noexcept override;
 

@@ -5,10 +5,10 @@
 #include <iterator>
 #include <utility>
 
-#include "engine/mapping/adjust/carried_poses.hpp"
+#include "engine/mapping/adjust/scan_adjustment.hpp"
 #include "engine/mapping/graph/free_network.hpp"
-#include "engine/mapping/wheels/leap.hpp"
 #include "engine/mapping/wheels/pose_filter.hpp"
+#include "engine/mapping/wheels/turn_leap.hpp"
 #include "held_path.hpp"
 
 namespace gdtslam {

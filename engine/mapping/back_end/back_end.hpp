@@ -20,8 +20,8 @@
 #include "engine/mapping/adjust/scan_adjustment.hpp"
 #include "engine/mapping/back_end/match_chain.hpp"
 #include "engine/mapping/loops/live_loops.hpp"
+#include "engine/mapping/wheels/continued_motion.hpp"
 #include "engine/mapping/wheels/known_surfaces.hpp"
-#include "engine/mapping/wheels/motion_noise.hpp"
 #include "engine/mapping/wheels/turn_leap.hpp"
 #include "gdtslam/mapping/match.hpp"
 

@@ -10,7 +10,7 @@
 #include "engine/core/scheduling.hpp"
 #include "engine/core/side_thread.hpp"
 #include "engine/core/signals_blocked.hpp"
-#include "engine/mapping/map/separate_map.hpp"
+#include "engine/mapping/map/keyframe_map.hpp"
 
 namespace gdtslam {
 namespace {

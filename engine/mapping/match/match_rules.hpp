@@ -13,11 +13,43 @@
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
 #include "engine/mapping/cost/objective.hpp"
 #include "exhaustive.hpp"
+#include "gdtslam/compute/kernel_options.hpp"
 #include "gdtslam/mapping/config.hpp"
 #include "gdtslam/mapping/match.hpp"
 #include "motion_model.hpp"
 
 namespace gdtslam {
+
+// When to stop looking far and wide: a laser that is covered, or one that gives noise, matches nothing, and as nobody
+// knows how far the robot went meanwhile each of its scans would be searched for in the widest window. Thread-safe as a
+// number is; constant time.
+
+class Patience {
+ public:
+  /// Scans one after the other that match nothing, after which only each so-manieth is searched for. Of nine real logs
+  /// none has more than five in a row.
+  static constexpr std::uint64_t kScans = 64;
+  static constexpr std::uint64_t kSearchedThen = 8;
+
+  /// A scan with enough points to be matched: whether it was.
+  void take(bool is_accepted) { refused_ = is_accepted ? 0 : refused_ + 1; }
+  /// Whether the next one is to be looked for near its prediction alone.
+  [[nodiscard]] bool is_over() const { return refused_ >= kScans && refused_ % kSearchedThen != 0; }
+
+ private:
+  std::uint64_t refused_ = 0;
+};
+
+// Scans with more points than a matcher takes. Linear.
+
+/// Every k-th point, with the least k that leaves no more than `most`, which must not be 0.
+inline void thin(std::vector<PointCells>& points, std::size_t most) {
+  if (points.size() <= most) return;
+  const std::size_t every = (points.size() + most - 1) / most;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < points.size(); i += every) points[kept++] = points[i];
+  points.resize(kept);
+}
 
 /// Evidence for a pose.
 struct Evidence {

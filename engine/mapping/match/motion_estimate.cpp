@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "engine/mapping/wheels/leap.hpp"
+#include "engine/mapping/wheels/turn_leap.hpp"
 
 namespace gdtslam {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "engine/mapping/wheels/motion_noise.hpp"
+#include "engine/mapping/wheels/continued_motion.hpp"
 #include "gdtslam/core/pose.hpp"
 #include "gdtslam/mapping/config.hpp"
 

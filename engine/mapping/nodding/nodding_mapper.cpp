@@ -6,7 +6,6 @@
 
 #include "horizontal_scans.hpp"
 #include "scan_placer.hpp"
-#include "steady_odometry.hpp"
 
 namespace gdtslam {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/mapping/graph/pose_graph.hpp"
-#include "engine/mapping/loops/group_doubt.hpp"
+#include "engine/mapping/loops/scan_group.hpp"
 #include "engine/mapping/surface/surface_points.hpp"
 
 namespace gdtslam {

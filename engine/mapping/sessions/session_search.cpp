@@ -10,8 +10,6 @@
 #include <vector>
 
 #include "engine/mapping/adjust/pose_bins.hpp"
-#include "engine/mapping/loops/group_field.hpp"
-#include "engine/mapping/loops/point_thinner.hpp"
 #include "engine/mapping/loops/scan_group.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"

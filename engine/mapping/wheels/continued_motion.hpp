@@ -8,10 +8,17 @@
 #include <vector>
 
 #include "engine/mapping/graph/matrix3.hpp"
-#include "engine/mapping/wheels/motion_noise.hpp"
 #include "gdtslam/core/pose.hpp"
 
 namespace gdtslam {
+
+// How sure a motion is. Thread-safe, constant time.
+
+/// Standard deviations of a motion that the wheels measured, along each axis and in heading.
+struct MotionNoise {
+  double sigma_m = 0.0;
+  double sigma_rad = 0.0;
+};
 
 /// How far the motion of a robot that nothing is known of may change from scan to scan.
 inline constexpr MotionNoise kOfAnyRobot{0.2, 0.2};

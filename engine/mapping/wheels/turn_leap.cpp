@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "engine/mapping/wheels/leap.hpp"
 #include "gdtslam/core/angle.hpp"
 
 namespace gdtslam {

@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "engine/mapping/wheels/motion_noise.hpp"
+#include "engine/mapping/wheels/continued_motion.hpp"
 #include "engine/mapping/wheels/wheel_bias.hpp"
 #include "gdtslam/core/pose.hpp"
 

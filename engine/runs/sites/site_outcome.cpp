@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "engine/mapping/cost/fit.hpp"
+#include "engine/mapping/cost/objective.hpp"
 #include "engine/runs/folder/report_reader.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/mapping/evaluation.hpp"

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/mapping/adjust/carried_poses.hpp"
+#include "engine/mapping/adjust/scan_adjustment.hpp"
 #include "engine/mapping/back_end/back_end.hpp"
 #include "engine/mapping/loops/place_pruning.hpp"
 #include "loop_drive.hpp"

@@ -77,8 +77,7 @@ struct JumpFloodDistance {
 };
 
 /// The steps, first to last, where distances beyond a radius do not matter: 1 first [Rong2007], then steps that halve
-/// to
-/// 1. These reach what is not farther than their sum, so they begin at the power of two not above the radius.
+/// down to 1. These reach what is not farther than their sum, so they begin at the power of two not above the radius.
 std::vector<std::uint32_t> jump_flood_steps_within(std::uint32_t radius);
 
 }  // namespace gdtslam

@@ -83,9 +83,9 @@ struct VulkanOptions {
 struct QueueWork {
   std::map<std::string_view, std::uint64_t> dispatches;  ///< by kernel, without launches of no invocations
   std::uint64_t submissions = 0;
-  std::uint64_t waits = 0;  ///< waits of the host for a submission that was not known to be done
-  std::uint64_t barriers = 0;
-  std::uint64_t fills = 0;  ///< also of new buffers with zeros
+  std::uint64_t waits = 0;     ///< waits of the host for a submission that was not known to be done
+  std::uint64_t barriers = 0;  ///< that the kernels' bindings and the transfers ask for
+  std::uint64_t fills = 0;     ///< also of new buffers with zeros
   std::uint64_t uploads = 0;
   std::uint64_t upload_bytes = 0;
   std::uint64_t downloads = 0;  ///< copies that the device makes for the host
@@ -104,8 +104,6 @@ class VulkanBackend : public Backend {
   /// Nanoseconds of the device's own clock between the start and the end of the last finished submission; 0 where
   /// none are taken.
   [[nodiscard]] virtual double last_submission_ns() const = 0;
-  /// Barriers recorded so far: those that the kernels' bindings and the transfers ask for.
-  [[nodiscard]] virtual std::uint64_t barrier_count() const = 0;
   [[nodiscard]] virtual QueueWork work() const = 0;
   /// Copies a buffer to another of the same size, in line with the other work: what the device's memory can do, for
   /// benchmarks to compare with.
