@@ -8,7 +8,7 @@
 
 #include "descents.hpp"
 #include "engine/core/elementary.hpp"
-#include "field.hpp"
+#include "engine/mapping/certified/field.hpp"
 #include "gdtslam/core/grid_geometry.hpp"
 #include "gdtslam/mapping/certified.hpp"
 #include "matchers.hpp"

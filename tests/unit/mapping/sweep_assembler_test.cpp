@@ -221,36 +221,6 @@ TEST_F(SweepBatches, DownloadsOverlapWithTheNextBatch) {
   EXPECT_EQ(device.submit_count(), order.size() / 2);
 }
 
-// Whichever call fails: with another backend all points come, once and in order.
-TEST_F(SweepBatches, ADeviceThatFailsLosesNothing) {
-  QueuedBackend whole;
-  assemble(scanner, {.batch_beams = 4096}, scans, whole);
-  const std::uint64_t calls = whole.calls().size();
-  ASSERT_GT(calls, 30U);
-  for (std::uint64_t k = 1; k <= calls; ++k) {
-    QueuedBackend device(k);
-    CloudKeeper keeper;
-    SweepAssembler assembler(scanner, {.batch_beams = 4096}, device, keeper);
-    int failures = 0;
-    const auto guarded = [&](const auto& step) {
-      try {
-        step();
-      } catch (const DeviceError&) {
-        ++failures;
-        assembler.use_backend(*cpu);
-      }
-    };
-    for (const SweepScan& scan : scans) {
-      guarded([&] { assembler.add(scan.scan, scan.index, scan.T_map_fix, scan.poses); });
-    }
-    guarded([&] { assembler.flush(); });
-    assembler.flush();
-    EXPECT_EQ(failures, 1) << k;
-    EXPECT_EQ(device.calls_after_failure(), 0U) << k;
-    EXPECT_TRUE(keeper.cloud == expected) << k;
-  }
-}
-
 // While the robot turns, the sensor ahead of it goes on an arc, which strips cut into chords.
 TEST_F(SweepAssembly, TurningRobotCutsStripsFineEnough) {
   scanner.mirror_rate_hz = 5.0;

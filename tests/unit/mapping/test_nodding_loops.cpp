@@ -174,11 +174,5 @@ TEST_F(NoddingLoops, AStopBeforeLeavesThePathAsItWasDriven) {
   for (const std::size_t keyframe : stopped.path.keyframes) EXPECT_TRUE(stopped.poses.at(keyframe).match) << keyframe;
 }
 
-TEST_F(NoddingLoops, WithoutAHorizontalScanItSaysWhatItSaw) {
-  NoddingDrive drive = round_the_room();
-  drive.elevation_rad = [](double) { return rad_from_deg(20.0); };
-  EXPECT_THAT([&] { closed(drive); }, testing::ThrowsMessage<InputError>(testing::HasSubstr("no scan is horizontal")));
-}
-
 }  // namespace
 }  // namespace gdtslam

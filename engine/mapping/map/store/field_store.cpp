@@ -255,6 +255,9 @@ class FieldRows final : public FieldStore {
   std::uint64_t max_cells_;
 };
 
+/// Cells from row to row of a box that is stored in rows.
+std::uint32_t row_stride(const CellBox& box) { return grid_stride(static_cast<std::uint32_t>(box.width())); }
+
 std::uint64_t cells_in_rows(const CellBox& box) {
   return std::uint64_t{row_stride(box)} * static_cast<std::uint64_t>(box.height());
 }
@@ -271,8 +274,6 @@ std::vector<std::uint16_t> moved_cells(const CellRows& from, const CellBox& to, 
   }
   return moved;
 }
-
-std::uint32_t row_stride(const CellBox& box) { return grid_stride(static_cast<std::uint32_t>(box.width())); }
 
 bool FieldRows::can_hold(const CellBox& box) const {
   return std::min(box.min.x, box.min.y) >= -kFurthestCell && std::max(box.end.x, box.end.y) <= kFurthestCell &&

@@ -72,7 +72,4 @@ std::unique_ptr<FieldStore> make_field_store(Backend& backend, std::uint16_t cap
 /// The end of such a sentence where the option map.max_megacells is the bound.
 std::string limit_of_option(std::uint64_t max_cells);
 
-/// Cells from row to row of a box that is stored in rows.
-std::uint32_t row_stride(const CellBox& box);
-
 }  // namespace gdtslam
