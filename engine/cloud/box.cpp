@@ -1,4 +1,4 @@
-#include "gdtslam/cloud/box.hpp"
+#include "gdtslam/cloud/plane.hpp"
 
 #include <algorithm>
 #include <cmath>

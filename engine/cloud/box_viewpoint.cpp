@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/core/elementary.hpp"
-#include "gdtslam/cloud/box.hpp"
+#include "gdtslam/cloud/plane.hpp"
 #include "to_position.hpp"
 
 namespace gdtslam {

@@ -5,7 +5,6 @@
 
 #include "elementary.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "gdtslam/core/differential_drive.hpp"
 
 namespace gdtslam {
 namespace {

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "engine/optimize/minimise.hpp"
 #include "gdtslam/core/random.hpp"
-#include "gdtslam/optimize/minimise.hpp"
 
 namespace gdtslam::optimize {
 

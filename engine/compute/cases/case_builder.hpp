@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
-#include "gdtslam/compute/kernel_options.hpp"
+#include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/core/random.hpp"
 #include "kernel_cases.hpp"
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "gdtslam/optimize/minimise.hpp"
+#include "engine/optimize/minimise.hpp"
 
 namespace gdtslam {
 namespace {

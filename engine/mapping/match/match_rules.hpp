@@ -13,7 +13,7 @@
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
 #include "engine/mapping/cost/objective.hpp"
 #include "exhaustive.hpp"
-#include "gdtslam/compute/kernel_options.hpp"
+#include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/mapping/config.hpp"
 #include "gdtslam/mapping/match.hpp"
 #include "motion_model.hpp"

@@ -8,7 +8,7 @@
 
 #include "engine/mapping/graph/matrix3.hpp"
 #include "engine/mapping/match/motion_model.hpp"
-#include "gdtslam/compute/kernel_options.hpp"
+#include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/core/pose.hpp"
 #include "gdtslam/mapping/global_field.hpp"
 #include "gdtslam/mapping/match.hpp"

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "gdtslam/compute/backend.hpp"
-#include "gdtslam/compute/kernel_options.hpp"
+#include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/core/cloud.hpp"
 #include "gdtslam/core/nodding.hpp"
 #include "gdtslam/core/stream.hpp"

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "gdtslam/compute/kernel.hpp"
-#include "gdtslam/compute/kernel_options.hpp"
 
 namespace gdtslam {
 

@@ -16,7 +16,7 @@ struct CostContext {
   const PointCells* points;
   std::uint32_t count;
   std::uint32_t stride;
-  std::uint32_t strip_step;  ///< from a strip's 64 columns to the next strip, 0 where there are rows (kernel_options.hpp)
+  std::uint32_t strip_step;  ///< from a strip's 64 columns to the next strip, 0 where there are rows (kernel.hpp)
   std::uint32_t blank;       ///< twice, one for each of two neighbours
   std::int32_t last_x;  ///< largest cell that may be read with its right neighbour
   std::int32_t last_y;

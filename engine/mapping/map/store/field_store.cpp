@@ -16,7 +16,7 @@
 namespace gdtslam {
 namespace {
 
-// The cells of a map on the CPU, in strips of 64 columns (kernel_options.hpp) within a piece of address space that is
+// The cells of a map on the CPU, in strips of 64 columns (kernel.hpp) within a piece of address space that is
 // larger than the map: the system gives the pages that are touched, zero, which means unknown. Where a map leaves its
 // piece, or the process may not have so much address space, the tiles that are known move to a larger one.
 

@@ -15,7 +15,6 @@
 #include <vector>
 
 #include "gdtslam/compute/kernel.hpp"
-#include "gdtslam/compute/kernel_options.hpp"
 #include "gdtslam/core/grid_geometry.hpp"
 #include "gdtslam/core/pose.hpp"
 #include "gdtslam/mapping/config.hpp"

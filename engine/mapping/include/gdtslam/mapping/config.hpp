@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include "gdtslam/compute/kernel_options.hpp"
+#include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/core/units.hpp"
 
 namespace gdtslam {

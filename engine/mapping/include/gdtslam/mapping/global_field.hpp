@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "gdtslam/compute/backend.hpp"
-#include "gdtslam/compute/kernel_options.hpp"
+#include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/core/grid_geometry.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 

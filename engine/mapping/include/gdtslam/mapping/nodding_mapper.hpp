@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "gdtslam/compute/kernel_options.hpp"
+#include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/core/cloud.hpp"
 #include "gdtslam/core/nodding.hpp"
 #include "gdtslam/core/stream.hpp"

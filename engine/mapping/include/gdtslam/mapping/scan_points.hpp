@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "gdtslam/compute/kernel_options.hpp"
+#include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/core/grid_geometry.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/mapping/config.hpp"
