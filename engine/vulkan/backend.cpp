@@ -97,7 +97,7 @@ class VulkanBackendImpl final : public VulkanBackend {
   decltype(auto) guarded(Action&& action);
 
   std::uint64_t lost_at_;
-  std::uint64_t steps_ = 0;  // of those that may meet a lost device
+  std::uint64_t steps_ = 0;  // counts the calls of guarded()
   double wait_limit_s_;
   std::unique_ptr<VulkanEngine> engine_;
   DeviceInfo device_info_;

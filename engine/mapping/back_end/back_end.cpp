@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "engine/mapping/adjust/scan_adjustment.hpp"
-#include "engine/mapping/graph/free_network.hpp"
+#include "engine/mapping/graph/pose_graph.hpp"
 #include "engine/mapping/wheels/pose_filter.hpp"
 #include "engine/mapping/wheels/turn_leap.hpp"
 #include "held_path.hpp"

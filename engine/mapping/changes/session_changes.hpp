@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "engine/mapping/changes/map_changes.hpp"
-#include "engine/mapping/changes/view_counts.hpp"
 
 namespace gdtslam {
 

@@ -11,7 +11,7 @@
 #include "engine/mapping/graph/pose_graph.hpp"
 #include "engine/mapping/graph/variance_components.hpp"
 #include "engine/mapping/loops/scan_group.hpp"
-#include "engine/mapping/surface/kept_scans.hpp"
+#include "engine/mapping/surface/surface_points.hpp"
 #include "engine/mapping/wheels/wheel_bias.hpp"
 
 namespace gdtslam {

@@ -14,7 +14,7 @@
 
 #include "engine/mapping/graph/matrix3.hpp"
 #include "engine/mapping/loops/free_space.hpp"
-#include "engine/mapping/surface/kept_scans.hpp"
+#include "engine/mapping/surface/surface_points.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/pose.hpp"
 #include "gdtslam/mapping/certified.hpp"

@@ -16,7 +16,7 @@
 #include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/mapping/config.hpp"
 #include "gdtslam/mapping/match.hpp"
-#include "motion_model.hpp"
+#include "motion_estimate.hpp"
 
 namespace gdtslam {
 

@@ -13,7 +13,7 @@
 #include "gdtslam/mapping/config.hpp"
 #include "gdtslam/mapping/global_field.hpp"
 #include "gdtslam/mapping/match.hpp"
-#include "motion_model.hpp"
+#include "motion_estimate.hpp"
 
 namespace gdtslam {
 

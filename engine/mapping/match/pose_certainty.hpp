@@ -7,7 +7,7 @@
 #include <span>
 
 #include "engine/mapping/graph/matrix3.hpp"
-#include "engine/mapping/match/motion_model.hpp"
+#include "engine/mapping/match/motion_estimate.hpp"
 #include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/core/pose.hpp"
 #include "gdtslam/mapping/global_field.hpp"

@@ -11,7 +11,7 @@
 #include "engine/mapping/graph/matrix3.hpp"
 #include "engine/mapping/map/keyframe_map.hpp"
 #include "gdtslam/core/error.hpp"
-#include "level_scan.hpp"
+#include "horizontal_scans.hpp"
 #include "path_noise.hpp"
 #include "path_smoother.hpp"
 #include "pose_path.hpp"

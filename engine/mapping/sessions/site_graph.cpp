@@ -5,8 +5,8 @@
 #include <span>
 #include <utility>
 
-#include "engine/mapping/graph/free_network.hpp"
-#include "engine/mapping/loops/carried_keyframes.hpp"
+#include "engine/mapping/graph/pose_graph.hpp"
+#include "engine/mapping/loops/loop_closer.hpp"
 #include "engine/mapping/sessions/site_growth.hpp"
 
 namespace gdtslam {

@@ -5,10 +5,14 @@
 
 #include <cmath>
 #include <cstddef>
+#include <memory>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "engine/core/memory/byte_shelf.hpp"
+#include "engine/core/memory/sparing.hpp"
 #include "engine/mapping/graph/matrix3.hpp"
 #include "gdtslam/core/pose.hpp"
 
@@ -97,5 +101,75 @@ ShapeOfOne shape_of_one(const Matrix3& shape, std::size_t points, double least, 
 /// Writes a scan as a record of a shelf, 8 bytes and those of its points, and reads it back.
 void put_on(ByteShelf& shelf, const KeptScan& scan);
 void take_from(std::span<const std::byte> record, KeptScan& scan);
+
+// A scan's returns with the walls between them. A wall at a grazing angle returns a point every few decimetres; in a
+// map of those points alone the next scan fits best where its beams end on the same points again, so that a robot in a
+// bare corridor seems to stand still. Frame: the robot when it was scanned. Thread-safe; linear in the points and in
+// the length of the walls.
+
+/// The returns in beam order, and points at most `spacing_m` apart between the two in the middle of four neighbouring
+/// beams that end on one line: nothing can stand open there that is wider than what the beams leave unseen.
+std::vector<Point2> with_surfaces_closed(std::span<const Point2> points_base_m, double spacing_m);
+
+/// The direction (robot frame, of length 1) of the wall that the return with this number is on, by its neighbours in
+/// beam order, where the nearest of them is farther than half a metre; nothing for any other return.
+std::optional<Point2> lone_on_wall(std::span<const Point2> points_base_m, std::size_t at);
+
+// The scans of a path by the number of their keyframe. Those that are needed no more are forgotten one by one and leave
+// eight bytes behind, since paths go on for days. Thread-safe while nothing is added or forgotten.
+
+class KeptScans {
+ public:
+  KeptScans() = default;
+  ~KeptScans() = default;
+  KeptScans(KeptScans&&) = default;
+  KeptScans& operator=(KeptScans&&) = default;
+  KeptScans(const KeptScans& other) {
+    for (const std::unique_ptr<KeptScan>& scan : other.scans_) {
+      scans_.push_back(scan ? std::make_unique<KeptScan>(*scan) : nullptr);
+    }
+  }
+  KeptScans& operator=(const KeptScans& other) { return *this = KeptScans(other); }
+
+  void push_back(KeptScan scan) { push_sparingly(scans_, std::make_unique<KeptScan>(std::move(scan))); }
+  void forget(std::size_t keyframe) { scans_[keyframe].reset(); }
+  /// The first ones.
+  void keep(std::size_t count) { scans_.resize(count); }
+  [[nodiscard]] bool has(std::size_t keyframe) const { return scans_[keyframe] != nullptr; }
+  /// Scan of a keyframe that was not forgotten.
+  [[nodiscard]] const KeptScan& operator[](std::size_t keyframe) const { return *scans_[keyframe]; }
+  [[nodiscard]] KeptScan& operator[](std::size_t keyframe) { return *scans_[keyframe]; }
+  /// All that were not, in their order; nothing is left.
+  std::vector<KeptScan> take() {
+    std::vector<KeptScan> taken;
+    for (const std::unique_ptr<KeptScan>& scan : std::exchange(scans_, {})) {
+      if (scan) taken.push_back(std::move(*scan));
+    }
+    return taken;
+  }
+
+ private:
+  std::vector<std::unique_ptr<KeptScan>> scans_;
+};
+
+/// Scans to look at, wherever they are kept; these must outlive this.
+class ScansOfPath {
+ public:
+  ScansOfPath() = default;
+  // NOLINTNEXTLINE(google-explicit-constructor): a view, as std::span is
+  ScansOfPath(const KeptScans& kept) : kept_(&kept) {}
+  // NOLINTNEXTLINE(google-explicit-constructor)
+  ScansOfPath(const std::vector<KeptScan>& all) : all_(all) {}
+  /// One that is there; nothing of one that was forgotten.
+  [[nodiscard]] const KeptScan& operator[](std::size_t keyframe) const {
+    static const KeptScan forgotten;
+    if (kept_ == nullptr) return all_[keyframe];
+    return kept_->has(keyframe) ? (*kept_)[keyframe] : forgotten;
+  }
+
+ private:
+  const KeptScans* kept_ = nullptr;
+  std::span<const KeptScan> all_;
+};
 
 }  // namespace gdtslam

@@ -11,7 +11,6 @@
 #include "engine/mapping/match/match_rules.hpp"
 #include "engine/mapping/match/matchers.hpp"
 #include "engine/mapping/match/motion_estimate.hpp"
-#include "engine/mapping/match/motion_model.hpp"
 #include "engine/mapping/match/pose_certainty.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/global_field.hpp"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/mapping/surface/closed_surfaces.hpp"
+#include "engine/mapping/surface/surface_points.hpp"
 
 namespace gdtslam {
 namespace {

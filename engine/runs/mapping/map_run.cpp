@@ -9,7 +9,7 @@
 
 #include "engine/core/memory/sparing.hpp"
 #include "engine/core/worker_pool.hpp"
-#include "engine/mapping/nodding/level_scan.hpp"
+#include "engine/mapping/nodding/horizontal_scans.hpp"
 #include "engine/runs/streams/log_check.hpp"
 #include "engine/runs/streams/next_unless_stopped.hpp"
 #include "gdtslam/core/error.hpp"

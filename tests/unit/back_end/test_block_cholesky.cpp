@@ -10,7 +10,6 @@
 #include <Eigen/LU>
 
 #include "engine/mapping/graph/block_cholesky.hpp"
-#include "engine/mapping/graph/conjugate_gradients.hpp"
 #include "gdtslam/core/random.hpp"
 
 namespace gdtslam {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "engine/mapping/surface/closed_surfaces.hpp"
+#include "engine/mapping/surface/surface_points.hpp"
 #include "engine/mapping/wheels/known_surfaces.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/mapping/scan_points.hpp"

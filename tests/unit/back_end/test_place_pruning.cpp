@@ -11,7 +11,7 @@
 
 #include "engine/mapping/adjust/scan_adjustment.hpp"
 #include "engine/mapping/back_end/back_end.hpp"
-#include "engine/mapping/loops/place_pruning.hpp"
+#include "engine/mapping/loops/loop_closer.hpp"
 #include "loop_drive.hpp"
 
 namespace gdtslam {

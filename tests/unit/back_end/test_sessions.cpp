@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/mapping/graph/free_network.hpp"
+#include "engine/mapping/graph/pose_graph.hpp"
 #include "engine/mapping/sessions/session_merge.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"

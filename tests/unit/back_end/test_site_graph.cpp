@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/mapping/graph/free_network.hpp"
+#include "engine/mapping/graph/pose_graph.hpp"
 #include "engine/mapping/sessions/growing_site.hpp"
 #include "engine/mapping/sessions/session_merge.hpp"
 #include "engine/mapping/sessions/site_graph.hpp"

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/mapping/match/motion_model.hpp"
+#include "engine/mapping/match/motion_estimate.hpp"
 #include "support/pose_matchers.hpp"
 
 namespace gdtslam {

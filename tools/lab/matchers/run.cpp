@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "engine/core/elementary.hpp"
-#include "engine/mapping/match/motion_model.hpp"
+#include "engine/mapping/match/motion_estimate.hpp"
 #include "engine/runs/mapping/stopwatch.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
