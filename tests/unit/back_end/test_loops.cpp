@@ -145,23 +145,6 @@ TEST_P(LoopCloserSeeds, ClosesTheLoopsOfADriveThatDriftedApart) {
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, LoopCloserSeeds, testing::Values(1, 2, 3, 4, 5));
 
-// Groups that were dropped are made again from keyframes that have moved a little meanwhile.
-TEST(LoopCloser, FindsAsMuchWhereOneGroupIsKeptAtATime) {
-  const LoopDrive twice = drive_around_ring(2, 0.01, 0.003, 2);
-  LoopOptions narrow;
-  narrow.search.most_bytes = 1;
-  LoopCloser roomy(twice.path, {});
-  LoopCloser cramped(twice.path, narrow);
-  WorkerPool alone(1);
-  roomy.run([](double, int) {}, alone);
-  cramped.run([](double, int) {}, alone);
-  const auto found = [](const LoopCloser& closer) { return static_cast<double>(closer.graph().loops.size()); };
-  EXPECT_GT(found(roomy), 10.0);
-  EXPECT_NEAR(found(cramped), found(roomy), 0.1 * found(roomy));
-  const double before = largest_error_m(twice.path.poses, twice.truth);
-  EXPECT_LT(largest_error_m(cramped.poses(), twice.truth), std::max(0.15, 0.5 * before));
-}
-
 // What is prepared for a search is the same each time, so nothing tells that it was dropped in between.
 TEST(LoopCloser, FindsTheSameWhereNothingPreparedIsKept) {
   const LoopDrive twice = drive_around_ring(2, 0.002, 0.002, 5);

@@ -44,22 +44,6 @@ TEST(PlacePruning, TheFirstPassesStayAndThoseBehindThemGo) {
   EXPECT_EQ(pruned_of(standing, later), (std::vector<std::size_t>{3}));
 }
 
-TEST(PlacePruning, BesideIsNearerThanTwoMetresAndInTheSameDirection) {
-  const auto third_goes = [](const Pose2& third) {
-    return !pruned_of({{}, {}, third, {50.0, 0.0, 0.0}}, kTwoPasses).empty();
-  };
-  EXPECT_TRUE(third_goes({std::nextafter(2.0, 0.0), 0.0, 0.0}));
-  EXPECT_FALSE(third_goes({2.0, 0.0, 0.0}));
-  EXPECT_FALSE(third_goes({0.0, -2.0, 0.0}));
-  EXPECT_TRUE(third_goes({1.2, -1.5, 0.0}));
-  EXPECT_FALSE(third_goes({1.2, -1.7, 0.0}));
-  for (const double sign : {-1.0, 1.0}) {
-    EXPECT_TRUE(third_goes({0.0, 0.0, 0.49 * sign}));
-    EXPECT_FALSE(third_goes({0.0, 0.0, 0.5 * sign}));
-    EXPECT_FALSE(third_goes({0.0, 0.0, 3.1 * sign})) << "the other way";
-  }
-}
-
 TEST(PlacePruning, APlaceIsCrowdedBesideAsManyAsKeepTheirScans) {
   PlacePruning pruning(kTwoPasses);
   PoseGraph graph;

@@ -242,39 +242,6 @@ TEST(GrowingSite, TellsPlacesOfTheSiteAsThoseOfItsSessions) {
   EXPECT_THAT(of_first.held.front().T_map_keyframe, PoseNear({0.0, 1.0, 0.0}, 1e-6, 1e-4)) << "to its left";
 }
 
-/// Some hold, and nothing speaks against it.
-SessionOverlap that_holds() {
-  SessionOverlap overlap;
-  overlap.held = {fix_at(0, 0, {}, 0.5)};
-  overlap.possible = 5;
-  overlap.alone = 4;
-  overlap.met = 5;
-  overlap.fitting = 3;
-  return overlap;
-}
-
-bool is_refused(SessionOverlap overlap) {
-  refuse_doubtful({}, overlap);
-  EXPECT_EQ(overlap.held.empty(), overlap.is_undecided);
-  return overlap.is_undecided;
-}
-
-TEST(RefuseDoubtful, HoldsAtItsLimitsAndNotBeside) {
-  EXPECT_FALSE(is_refused(that_holds())) << "four of five alone, three of five fitting";
-  SessionOverlap overlap = that_holds();
-  overlap.alone = 3;
-  EXPECT_TRUE(is_refused(overlap));
-  overlap = that_holds();
-  overlap.fitting = 2;
-  EXPECT_TRUE(is_refused(overlap));
-  overlap = that_holds();
-  overlap.rival = 1;
-  EXPECT_TRUE(is_refused(overlap));
-  overlap = {};
-  refuse_doubtful({}, overlap);
-  EXPECT_FALSE(overlap.is_undecided) << "nothing was held";
-}
-
 // A metre of path is one place.
 TEST(SessionOverlapOfAPlace, FindsAndRepeatsWhatLiesWithinAMetre) {
   const Session query = straight_on(6);

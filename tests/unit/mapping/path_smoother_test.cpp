@@ -158,18 +158,6 @@ TEST(PathSmoother, AlongACorridorTheOdometryIsBelieved) {
   }
 }
 
-TEST(PathSmoother, WithoutPointsOdometryThatReachesTheEndStaysAsItIs) {
-  const Map map(kRoom);
-  Path path = path_of({-0.5, -0.4, 0.1}, {0.02, 0.0, 0.01}, 100, 1.0, 0.0, 0.0);
-  const std::vector<PoseFix> before = path.nodes;
-  EXPECT_EQ(smooth(map, path, kBlind), 0U);
-  for (std::size_t k = 0; k < before.size(); ++k) {
-    EXPECT_NEAR(path.nodes[k].T_map_base.x_m, before[k].T_map_base.x_m, 1e-9);
-    EXPECT_NEAR(path.nodes[k].T_map_base.y_m, before[k].T_map_base.y_m, 1e-9);
-    EXPECT_NEAR(path.nodes[k].T_map_base.theta_rad, before[k].T_map_base.theta_rad, 1e-9);
-  }
-}
-
 // A straight way that is 10 cm longer than the wheels say: every tenth of it takes a tenth of that.
 TEST(PathSmoother, WithoutPointsWhatIsLeftOverIsSpreadEvenlyOverTheWay) {
   const Map map(kRoom);
@@ -258,17 +246,6 @@ TEST(PathSmoother, AStationStandsAtEverySpacingAndNoNearer) {
   EXPECT_EQ(stations_of_way(map, config, {0.0, 0.0, -0.126}, 24), 24U);
   EXPECT_EQ(stations_of_way(map, config, {0.0, 0.0, 0.063}, 24), 12U);
   EXPECT_EQ(stations_of_way(map, config, {0.05, 0.0, 0.1}, 24), 12U) << "of the two what asks for more";
-}
-
-TEST(PathSmoother, ALongWayHas400Stations) {
-  const Map map(kRoom);
-  SmootherConfig config;
-  config.iterations = 1;
-  config.spacing_m = 0.125;
-  EXPECT_EQ(stations_of_way(map, config, {0.125, 0.0, 0.0}, 400), 400U);
-  EXPECT_EQ(stations_of_way(map, config, {0.125, 0.0, 0.0}, 800), 400U);
-  EXPECT_EQ(stations_of_way(map, config, {0.125, 0.0, 0.0}, 1600), 400U);
-  EXPECT_EQ(stations_of_way(map, config, {0.125, 0.0, 0.0}, 399), 399U);
 }
 
 /// Distance to the map between the centres of its cells, bilinear; metres, negative where it is not known.

@@ -136,26 +136,6 @@ TEST_F(KnownWall, InsideOfSomethingThickNothingIsSaid) {
   EXPECT_FALSE(of_column(-3));
 }
 
-// Of 1025 points each second one counts.
-TEST_F(KnownWall, ThousandPointsAreEnough) {
-  build(0, 0);
-  const Pose2 at{-1.0, 0.2, 0.0};
-  for (const std::size_t count : {std::size_t{1024}, std::size_t{1025}}) {
-    std::vector<Point2> wall;
-    std::vector<Point2> taken;
-    for (std::size_t i = 0; i < count; ++i) {
-      wall.push_back(centre(0, static_cast<int>(i % 24) - 12));
-      if (count == 1024 || i % 2 == 0) taken.push_back(wall.back());
-    }
-    const std::vector<PointCells> points = seen(taken, at);
-    const Matrix3 expected = inverse(1.0 / kRounding * information(points, 0.0) + kLeast);
-    const std::optional<Matrix3> found = covariance_by_scan(map_, seen(wall, at), at, kGate_m);
-    ASSERT_TRUE(found);
-    EXPECT_NEAR((*found)(0, 0) / with_rounding(expected, points)(0, 0), 1.0, 1e-5) << count;
-    EXPECT_NEAR((*found)(0, 0) - kRounding, expected(0, 0), 0.01 * expected(0, 0)) << count;
-  }
-}
-
 /// Points so far beside the wall.
 std::vector<PointCells> so_far(double away_m) {
   std::vector<Point2> points;
