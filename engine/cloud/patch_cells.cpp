@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <numeric>
-#include <utility>
 
 #include "engine/core/quantile.hpp"
 #include "to_position.hpp"

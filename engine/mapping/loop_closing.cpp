@@ -3,7 +3,6 @@
 #include <cmath>
 #include <exception>
 #include <optional>
-#include <utility>
 
 #include "engine/core/side_thread.hpp"
 #include "engine/core/worker_pool.hpp"

@@ -13,7 +13,6 @@
 #include "engine/mapping/surface/surface_points.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/mapping/scan_points.hpp"
 
 namespace gdtslam {
 namespace {

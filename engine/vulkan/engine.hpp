@@ -1,9 +1,6 @@
 // All that a backend has on the device, in the order in which it is made; it goes in the reverse order.
 #pragma once
 
-#include <optional>
-#include <vector>
-
 #include "engine/vulkan/commands/barriers.hpp"
 #include "engine/vulkan/commands/batches.hpp"
 #include "engine/vulkan/device/device.hpp"

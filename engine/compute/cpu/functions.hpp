@@ -4,7 +4,6 @@
 // small functions below are static for that reason.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 
 #include "engine/compute/kernels/distance_field/distance_field.hpp"

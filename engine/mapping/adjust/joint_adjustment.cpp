@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <utility>
 
 #include "engine/mapping/adjust/pose_bins.hpp"
 

@@ -2,11 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
-#include <optional>
 #include <utility>
 
-#include "engine/mapping/adjust/pose_bins.hpp"
 #include "engine/mapping/graph/matrix3.hpp"
 
 namespace gdtslam {

@@ -5,10 +5,8 @@
 #include <iterator>
 #include <utility>
 
-#include "engine/mapping/adjust/scan_adjustment.hpp"
 #include "engine/mapping/graph/pose_graph.hpp"
 #include "engine/mapping/wheels/pose_filter.hpp"
-#include "engine/mapping/wheels/turn_leap.hpp"
 #include "held_path.hpp"
 
 namespace gdtslam {

@@ -7,7 +7,6 @@
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
 #include "engine/compute/kernels/host_kernels.hpp"
 #include "engine/mapping/map/device_memory.hpp"
-#include "gdtslam/core/angle.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 
 namespace gdtslam {

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <cstddef>
 #include <numeric>
-#include <span>
 
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>

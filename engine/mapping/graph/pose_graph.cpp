@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "block_cholesky.hpp"
 #include "engine/core/elementary.hpp"
 #include "engine/core/memory/sparing.hpp"
 

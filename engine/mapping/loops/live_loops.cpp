@@ -1,8 +1,6 @@
 #include "live_loops.hpp"
 
 #include <chrono>
-#include <exception>
-#include <span>
 #include <system_error>
 #include <utility>
 

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
-#include <span>
 
 #include "engine/core/memory/sparing.hpp"
 #include "engine/mapping/graph/matrix3.hpp"

@@ -6,7 +6,6 @@
 
 #include "engine/core/memory/free_memory.hpp"
 #include "engine/core/memory/sparing.hpp"
-#include "engine/mapping/loops/scan_group.hpp"
 #include "gdtslam/compute/kernel.hpp"
 
 namespace gdtslam {

@@ -1,7 +1,6 @@
 #include "scan_group.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <utility>
 

@@ -1,6 +1,5 @@
 #include "gdtslam/mapping/global_field.hpp"
 
-#include <algorithm>
 #include <cassert>
 #include <string>
 

@@ -4,10 +4,8 @@
 #include <cassert>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "device_memory.hpp"
-#include "engine/compute/kernels/distance_field/distance_field.hpp"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
 #include "store/growth.hpp"

@@ -1,8 +1,6 @@
 #include "pose_certainty.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstddef>
 
 #include "engine/compute/kernels/distance_field/distance_field.hpp"

@@ -3,47 +3,21 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <memory>
-#include <vector>
 
 #include "descents.hpp"
 #include "engine/core/elementary.hpp"
 #include "engine/mapping/certified/field.hpp"
 #include "gdtslam/core/grid_geometry.hpp"
 #include "gdtslam/mapping/certified.hpp"
-#include "matchers.hpp"
 
 namespace gdtslam {
 namespace {
-
-// The part of a growing map that a scan can reach from a window of poses, prepared for certified matching; kept as long
-// as neither the part nor its cells change. Which part it is depends on the window alone, so that results do not depend
-// on what was searched before. Not thread-safe. Cost: some 2 ns a cell when it is made for a window of up to a metre,
-// 4 ns for a larger one, a comparison of its cells else.
 
 /// Part of a map that a search needs.
 struct ReachedCells {
   CellBox box;  ///< holds every cell that a point may fall into, in map cells
   CertifiedMap::Windows windows = CertifiedMap::kSmallWindows;
 };
-
-class CertifiedCrop {
- public:
-  /// Distances count up to `cap`, 1/256 cell, or up to the map's where that is less.
-  explicit CertifiedCrop(std::uint32_t cap) : cap_(cap) {}
-  const CertifiedMap& of(const GlobalField& map, const ReachedCells& reached, Isa isa);
-
- private:
-  std::uint32_t cap_;
-  CellBox box_{};
-  CertifiedMap::Windows windows_ = CertifiedMap::kSmallWindows;
-  std::vector<std::uint16_t> cells_;
-  std::vector<std::uint16_t> fresh_;
-  std::unique_ptr<CertifiedMap> prepared_;
-};
-
-/// The cells that points fall into from any pose of the window, and what is worth preparing for it.
-ReachedCells reached_from(const PoseWindow& window, std::span<const PointCells> points, double resolution_m);
 
 constexpr std::int32_t kEdge = 4;  // cells: patches and bilinear neighbours
 // Cells: parts begin kRoom behind a multiple of kBoundAlignment and end kRoom before one, so that with the room that
@@ -70,28 +44,7 @@ void copy_cells(const GlobalField& map, const CellBox& box, std::uint16_t cap, s
   }
 }
 
-const CertifiedMap& CertifiedCrop::of(const GlobalField& map, const ReachedCells& reached, Isa isa) {
-  const auto cap = static_cast<std::uint16_t>(std::min<std::uint32_t>(map.cap(), cap_));
-  const CellBox box = whole_grains(reached.box);
-  copy_cells(map, box, cap, fresh_);
-  const bool is_same = prepared_ != nullptr && reached.windows == windows_ && box == box_ && fresh_ == cells_;
-  if (is_same) return *prepared_;
-  prepared_.reset();
-  box_ = box;
-  windows_ = reached.windows;
-  cells_.swap(fresh_);
-  const auto width = static_cast<std::uint32_t>(box.width());
-  const FieldView part{.cells = cells_.data(),
-                       .width = width,
-                       .height = static_cast<std::uint32_t>(box.height()),
-                       .stride = width,
-                       .first_cell = box.min,
-                       .cap = cap,
-                       .resolution_m = map.geometry().resolution_m};
-  prepared_ = std::make_unique<CertifiedMap>(part, isa, windows_);
-  return *prepared_;
-}
-
+/// The cells that points fall into from any pose of the window, and what is worth preparing for it.
 ReachedCells reached_from(const PoseWindow& window, std::span<const PointCells> points, double resolution_m) {
   const auto [sine, cosine] = sin_cos(window.centre.theta_rad);
   const double half_turn = std::min(0.5 * window.half_theta_rad, 1.5707963267948966);
@@ -127,6 +80,48 @@ ReachedCells reached_from(const PoseWindow& window, std::span<const PointCells> 
 constexpr SimplexOptions kCoarsePolish{.step_cells = 1.0F, .step_rad = 0.01F, .stop_cells = 0.1F, .stop_rad = 0.002F};
 
 }  // namespace
+
+// The part of a growing map that a scan can reach from a window of poses, prepared for certified matching; kept as long
+// as neither the part nor its cells change. Which part it is depends on the window alone, so that results do not depend
+// on what was searched before. Not thread-safe. Cost: some 2 ns a cell when it is made for a window of up to a metre,
+// 4 ns for a larger one, a comparison of its cells else.
+
+class CertifiedCrop {
+ public:
+  /// Distances count up to `cap`, 1/256 cell, or up to the map's where that is less.
+  explicit CertifiedCrop(std::uint32_t cap) : cap_(cap) {}
+  const CertifiedMap& of(const GlobalField& map, const ReachedCells& reached, Isa isa);
+
+ private:
+  std::uint32_t cap_;
+  CellBox box_{};
+  CertifiedMap::Windows windows_ = CertifiedMap::kSmallWindows;
+  std::vector<std::uint16_t> cells_;
+  std::vector<std::uint16_t> fresh_;
+  std::unique_ptr<CertifiedMap> prepared_;
+};
+
+const CertifiedMap& CertifiedCrop::of(const GlobalField& map, const ReachedCells& reached, Isa isa) {
+  const auto cap = static_cast<std::uint16_t>(std::min<std::uint32_t>(map.cap(), cap_));
+  const CellBox box = whole_grains(reached.box);
+  copy_cells(map, box, cap, fresh_);
+  const bool is_same = prepared_ != nullptr && reached.windows == windows_ && box == box_ && fresh_ == cells_;
+  if (is_same) return *prepared_;
+  prepared_.reset();
+  box_ = box;
+  windows_ = reached.windows;
+  cells_.swap(fresh_);
+  const auto width = static_cast<std::uint32_t>(box.width());
+  const FieldView part{.cells = cells_.data(),
+                       .width = width,
+                       .height = static_cast<std::uint32_t>(box.height()),
+                       .stride = width,
+                       .first_cell = box.min,
+                       .cap = cap,
+                       .resolution_m = map.geometry().resolution_m};
+  prepared_ = std::make_unique<CertifiedMap>(part, isa, windows_);
+  return *prepared_;
+}
 
 ScanMatcher::ScanMatcher(const MapperConfig& config, const GlobalField& map)
     : matcher_(&matcher_info(config.match.matcher)),

@@ -1,6 +1,5 @@
 #include "window_matcher.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 

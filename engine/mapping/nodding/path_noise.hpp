@@ -6,7 +6,6 @@
 
 #include <cstddef>
 #include <span>
-#include <vector>
 
 #include "engine/mapping/graph/matrix3.hpp"
 #include "gdtslam/mapping/nodding_mapper.hpp"

@@ -9,7 +9,6 @@
 #include "engine/core/elementary.hpp"
 #include "engine/mapping/graph/block_cholesky.hpp"
 #include "engine/mapping/graph/matrix3.hpp"
-#include "pose_path.hpp"
 
 namespace gdtslam {
 namespace {

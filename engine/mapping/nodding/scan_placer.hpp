@@ -3,7 +3,6 @@
 // since the last fix. One placer belongs to one thread.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>

@@ -11,7 +11,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/compute/kernel.hpp"

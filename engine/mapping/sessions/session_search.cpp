@@ -7,7 +7,6 @@
 #include <numbers>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "engine/mapping/adjust/pose_bins.hpp"
 #include "engine/mapping/loops/scan_group.hpp"

@@ -5,7 +5,6 @@
 #include <span>
 #include <utility>
 
-#include "engine/mapping/graph/pose_graph.hpp"
 #include "engine/mapping/loops/loop_closer.hpp"
 #include "engine/mapping/sessions/site_growth.hpp"
 

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/mapping/surface/surface_points.hpp"
-
 namespace gdtslam {
 namespace {
 

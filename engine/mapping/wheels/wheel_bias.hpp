@@ -3,7 +3,6 @@
 // whose true turn is known better. Thread-safe. Cost: linear in the stretches.
 #pragma once
 
-#include <cstddef>
 #include <span>
 
 #include "gdtslam/core/pose.hpp"

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
 
 #include "gdtslam/vulkan/vulkan.hpp"
 #include "instance.hpp"

@@ -6,8 +6,6 @@
 #include <array>
 #include <exception>
 
-#include "gdtslam/core/error.hpp"
-
 namespace gdtslam {
 namespace {
 

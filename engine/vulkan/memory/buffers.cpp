@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <optional>
 
-#include "engine/vulkan/device/device.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {

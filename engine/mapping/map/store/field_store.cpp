@@ -2,16 +2,12 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cstdint>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
 #include "engine/core/memory/page_memory.hpp"
 #include "gdtslam/core/error.hpp"
-#include "growth.hpp"
 
 namespace gdtslam {
 namespace {
