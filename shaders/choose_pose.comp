@@ -68,7 +68,7 @@ layout(push_constant) uniform Params {
 
 const uint kMostPoses = 17u;  // SmallestValues::kMost + 1
 
-// What is known of a pose.
+// State of each pose.
 shared uint cost_of_all[kMostPoses];
 shared uint cost_of_voters[kMostPoses];
 shared uint nearest_sum[kMostPoses];

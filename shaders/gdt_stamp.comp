@@ -26,7 +26,7 @@ layout(set = 0, binding = 2, std430) readonly buffer Disc { uint disc[]; };
 #include "common/field_layout.glsl"
 #include "common/merge_rule.glsl"
 
-const uint kQuadsARow = 16;  // of a tile of 64 x 64 cells
+const uint kQuadsARow = 16;  // quads in a row of a tile of 64 x 64 cells
 const uint kQuads = 1024;
 const uint kDiscMargin = 32;
 const uint kNone = 0xFFFFFFFFu;

@@ -16,7 +16,7 @@ layout(push_constant) uniform Params {
   uint last_field;
   uint tile_width;
   uint tile_height;
-  uint count;  // of the tiles, from the launch
+  uint count;  // number of tiles, from the launch
 };
 struct Tile {
   float x;
@@ -30,7 +30,7 @@ layout(set = 0, binding = 3, std430) writeonly buffer Sums { uvec4 sums[]; };  /
 
 #include "common/elementary.glsl"
 
-// What does not change from point to point.
+// Values that do not change from point to point.
 struct Looking {
   float s;
   float c;
@@ -38,7 +38,7 @@ struct Looking {
   float bias;
   int mask;
   ivec2 first;
-  ivec2 last;  // where a tile may begin to read
+  ivec2 last;  // limits for the position at which a tile begins to read
   int plane;   // samples of one
 };
 
@@ -101,7 +101,7 @@ void main() {
   bool is_in_launch = tile < count;  // the same for the whole group
   uint to_do = is_in_launch ? point_count : 0u;
   Looking looking = looking_from(tiles[is_in_launch ? tile : 0u]);
-  // Of the words of a tile, four bytes each, an invocation reads one under every so many points.
+  // Each invocation reads one of the tile's words, four bytes each, under every so many points.
   uint row_words = kIsWide == 1u ? 4u : 1u;
   uint used = kIsWide == 1u ? 4u : 2u;
   uint words = row_words * (kIsWide == 1u ? 4u : 2u);

@@ -17,7 +17,7 @@ layout(push_constant) uniform Params {
   uint cap;
   uint interpolation;
   uint form;
-  uint count;  // of the candidates, from the launch
+  uint count;  // number of candidates, from the launch
 };
 layout(set = 0, binding = 1, std430) readonly buffer Points { vec2 points[]; };
 struct Candidate {

@@ -5,7 +5,8 @@
 
 layout(set = 0, binding = 1, std430) readonly buffer Points { vec2 points[]; };
 
-// Of an invocation, 1 or 16. lavapipe ends loops after 65,535 turns, and does not unroll them itself.
+// Points that an invocation takes in a turn, 1 or 16. lavapipe ends loops after 65,535 turns, and does not unroll them
+// itself.
 layout(constant_id = 11) const uint kPointsATurn = 1u;
 
 #include "common/launch.glsl"
@@ -51,7 +52,7 @@ layout(push_constant) uniform Params {
   float stop_cells;
   float stop_rad;
   uint max_evaluations;
-  uint count;  // of the poses, from the launch
+  uint count;  // number of poses, from the launch
 } params;
 
 Prior pose_prior() {

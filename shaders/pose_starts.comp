@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Where the simplexes start (engine/compute/kernels/pose_simplex/pose_simplex.hpp, PoseStarts).
+// Start poses of the simplexes (engine/compute/kernels/pose_simplex/pose_simplex.hpp, PoseStarts).
 
 #include "common/launch.glsl"
 
@@ -13,7 +13,7 @@ layout(push_constant) uniform Params {
   float y;
   float theta;
   uint candidate_count;
-  uint count;  // of the starts, from the launch
+  uint count;  // number of starts, from the launch
 } params;
 
 void main() {

@@ -102,7 +102,7 @@ void main() {
   clear_list(params.wanted);
   collect_smallest(self, gl_WorkGroupSize.x, params.count);
   for (uint i = params.wanted; i < kMost; ++i) {
-    drop_head();  // what stands before the entries that count
+    drop_head();  // drops what stands before the entries that count
   }
   merge_run(self / kRun);
   uint run = min(self, kRuns - 1u);

@@ -42,7 +42,6 @@ done
 export GDTSLAM_REQUIRE_VULKAN=1
 # So do those of the page where there is no browser, and those of films where there is no ffmpeg.
 export GDTSLAM_REQUIRE_BROWSER=1 GDTSLAM_REQUIRE_PROGRAMS=1
-if $quick; then export GDTSLAM_FAULT_SHARE=8; else export GDTSLAM_FAULT_SHARE=${GDTSLAM_FAULT_SHARE:-4}; fi
 
 long_share=${GDTSLAM_LONG_SHARE:-1}
 if ! [[ $long_share =~ ^[1-9][0-9]?$ ]]; then echo "test.sh: GDTSLAM_LONG_SHARE must be a number from 1 to 99" >&2; exit 2; fi

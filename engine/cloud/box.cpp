@@ -1,14 +1,15 @@
-#include "gdtslam/cloud/box.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include <Eigen/Cholesky>
+
 #include "box_face.hpp"
 #include "engine/core/elementary.hpp"
 #include "engine/core/quantile.hpp"
+#include "gdtslam/cloud/plane.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "position_of.hpp"
+#include "to_position.hpp"
 
 namespace gdtslam {
 namespace {
@@ -42,7 +43,7 @@ Point3 level_normal(std::span<const CloudPoint> cloud, const PlanePatch& patch) 
   double xy = 0.0;
   double yy = 0.0;
   for (const std::uint32_t k : patch.points) {
-    const Point3 d = position_of(cloud[k]) - patch.centre;
+    const Point3 d = to_position(cloud[k]) - patch.centre;
     xx += d.x() * d.x();
     xy += d.x() * d.y();
     yy += d.y() * d.y();
@@ -51,7 +52,7 @@ Point3 level_normal(std::span<const CloudPoint> cloud, const PlanePatch& patch) 
   return {-along.sin, along.cos, 0.0};
 }
 
-FaceFrame frame_of(std::span<const CloudPoint> cloud, const PlanePatch& patch, const BoxSearch& search) {
+FaceFrame face_frame(std::span<const CloudPoint> cloud, const PlanePatch& patch, const BoxSearch& search) {
   FaceFrame frame;
   frame.origin = patch.centre;
   frame.normal = search.is_projection ? level_normal(cloud, patch) : patch.plane.normal;
@@ -63,33 +64,34 @@ FaceFrame frame_of(std::span<const CloudPoint> cloud, const PlanePatch& patch, c
 }
 
 // From beam to beam: between points that follow each other in one scan, else as if the points were spread evenly.
-double sampling_of(std::span<const CloudPoint> cloud, const PlanePatch& patch, const Span& across, const Span& up) {
+double estimate_sampling(std::span<const CloudPoint> cloud, const PlanePatch& patch, const Span& across,
+                         const Span& up) {
   std::vector<double> steps;
   for (std::size_t k = 1; k < patch.points.size(); ++k) {
     if (patch.points[k] != patch.points[k - 1] + 1) continue;
     const CloudPoint& a = cloud[patch.points[k - 1]];
     const CloudPoint& b = cloud[patch.points[k]];
-    if (a.scan == b.scan) steps.push_back((position_of(a) - position_of(b)).norm());
+    if (a.scan == b.scan) steps.push_back((to_position(a) - to_position(b)).norm());
   }
   const double even_m = std::sqrt(across.length_m() * up.length_m() / static_cast<double>(patch.points.size()));
   return steps.size() > patch.points.size() / 2 ? std::min(value_at_share(steps, 0.5), 0.1 * across.length_m())
                                                 : even_m;
 }
 
-Face face_of(std::span<const CloudPoint> cloud, const PlanePatch& patch, const BoxSearch& search) {
+Face measure_face(std::span<const CloudPoint> cloud, const PlanePatch& patch, const BoxSearch& search) {
   Face face;
   face.patch = &patch;
-  face.frame = frame_of(cloud, patch, search);
+  face.frame = face_frame(cloud, patch, search);
   std::vector<double> across;
   std::vector<double> up;
   for (const std::uint32_t k : patch.points) {
-    const Point3 d = position_of(cloud[k]) - face.frame.origin;
+    const Point3 d = to_position(cloud[k]) - face.frame.origin;
     across.push_back(face.frame.across.dot(d));
     up.push_back(face.frame.up.dot(d));
   }
   face.across = {value_at_share(across, kOuterPart), value_at_share(across, 1.0 - kOuterPart)};
   face.up = {value_at_share(up, kOuterPart), value_at_share(up, 1.0 - kOuterPart)};
-  face.sampling_m = sampling_of(cloud, patch, face.across, face.up);
+  face.sampling_m = estimate_sampling(cloud, patch, face.across, face.up);
   face.thickness_m = std::max(kLeastOnFace_m, std::min(kOnFace * patch.rms_m, search.planes.thickness_m * 1.5));
   return face;
 }
@@ -98,7 +100,7 @@ bool can_be_face(const PlanePatch& patch, const BoxSearch& search) {
   return std::fabs(patch.plane.normal.z()) <= search.max_tilt_rad && patch.points.size() >= search.min_face_points;
 }
 
-EndPlace place_of(const Face& face, FaceAxis axis, double sign, const BoxSearch& search) {
+EndPlace end_place(const Face& face, FaceAxis axis, double sign, const BoxSearch& search) {
   const Span& along = axis == FaceAxis::kAcross ? face.across : face.up;
   const Span& beside = axis == FaceAxis::kAcross ? face.up : face.across;
   EndPlace place{axis, sign, sign > 0.0 ? along.high_m : along.low_m, face.sampling_m, beside.inner(kInner), {}, 0.0};
@@ -120,12 +122,12 @@ struct End {
 };
 
 End end_at(const Face& face, FaceAxis axis, double sign, const BoxSearch& search) {
-  End found{place_of(face, axis, sign, search), {}, {}};
-  found.end = end_of(face.hits, found.place, face.thickness_m);
+  End found{end_place(face, axis, sign, search), {}, {}};
+  found.end = find_end(face.hits, found.place, face.thickness_m);
   // The patch may have stopped short of the face's end.
   for (int k = 0; k < kSteps && found.end.kind == EndKind::kContinues; ++k) {
     found.place.rough_m += sign * kStep_m;
-    found.end = end_of(face.hits, found.place, face.thickness_m);
+    found.end = find_end(face.hits, found.place, face.thickness_m);
   }
   if (found.end.kind == EndKind::kContinues) return found;
   found.place.rough_m = found.end.at_m;
@@ -135,7 +137,7 @@ End end_at(const Face& face, FaceAxis axis, double sign, const BoxSearch& search
 }
 
 // How far back a side goes: where beams along it pass its far end.
-Dimension depth_of(std::span<const CloudPoint> cloud, const Face& face, const End& end, const BoxSearch& search) {
+Dimension measure_depth(std::span<const CloudPoint> cloud, const Face& face, const End& end, const BoxSearch& search) {
   const SideFace& side = *end.side;
   const bool is_up = end.place.axis == FaceAxis::kUp;
   const Point3 along = is_up ? face.frame.up : face.frame.across;
@@ -147,8 +149,8 @@ Dimension depth_of(std::span<const CloudPoint> cloud, const Face& face, const En
   const Span& beside = is_up ? face.across : face.up;
   const Span reach{-0.05, side.deepest_m + kAround_m};
   const double thickness_m = std::max(kLeastOnFace_m, kOnFace * side.rms_m);
-  const std::vector<FaceHit> hits = hits_of(cloud, frame, reach, beside, search.viewpoint,
-                                            search.viewpoint ? thickness_m : search.planes.thickness_m);
+  const std::vector<FaceHit> hits = find_hits(cloud, frame, reach, beside, search.viewpoint,
+                                              search.viewpoint ? thickness_m : search.planes.thickness_m);
   std::vector<double> depths;
   for (const FaceHit& hit : hits) {
     if (hit.across_m > 0.0 && hit.across_m <= side.deepest_m + 0.05 && std::fabs(hit.depth_m) <= thickness_m)
@@ -157,7 +159,7 @@ Dimension depth_of(std::span<const CloudPoint> cloud, const Face& face, const En
   if (depths.size() < search.min_face_points / 4 + 2) return {0.0, kUnknown, false};
   EndPlace place{FaceAxis::kAcross, 1.0, value_at_share(depths, 1.0 - kOuterPart), 0.0, beside.inner(kInner), {}, 0.0};
   place.sampling_m = std::max(face.sampling_m, 0.05 * place.rough_m);
-  const FaceEnd far = end_of(hits, place, thickness_m);
+  const FaceEnd far = find_end(hits, place, thickness_m);
   // An error of the side's place is stretched by the low angle at which beams meet it.
   double stretch = 0.0;
   if (search.viewpoint) {
@@ -196,7 +198,7 @@ const PlanePatch* floor_below(const std::vector<PlanePatch>& planes, const Face&
 
 // Down to the floor, where there is one: a box stands on it, whether the scanner saw so far down or not.
 End lower_end(const Face& face, const std::vector<PlanePatch>& planes, const BoxSearch& search) {
-  End low{place_of(face, FaceAxis::kUp, -1.0, search), {}, {}};
+  End low{end_place(face, FaceAxis::kUp, -1.0, search), {}, {}};
   if (const PlanePatch* floor = floor_below(planes, face, search.max_tilt_rad)) {
     const Plane& plane = floor->plane;
     const double at_m = -plane.distance_m(face.frame.origin) / plane.normal.dot(face.frame.up);
@@ -219,10 +221,10 @@ void set_place(MeasuredBox& box, const Face& face, const End& left, const End& r
   box.face_rms_m = face.patch->rms_m;
 }
 
-std::optional<MeasuredBox> box_of(std::span<const CloudPoint> cloud, Face face, const std::vector<PlanePatch>& planes,
-                                  const BoxSearch& search) {
-  face.hits = hits_of(cloud, face.frame, face.across.grown(kAround_m), face.up.grown(kAround_m), search.viewpoint,
-                      face.thickness_m);
+std::optional<MeasuredBox> measure_box(std::span<const CloudPoint> cloud, Face face,
+                                       const std::vector<PlanePatch>& planes, const BoxSearch& search) {
+  face.hits = find_hits(cloud, face.frame, face.across.grown(kAround_m), face.up.grown(kAround_m), search.viewpoint,
+                        face.thickness_m);
   const End left = end_at(face, FaceAxis::kAcross, -1.0, search);
   const End right = end_at(face, FaceAxis::kAcross, 1.0, search);
   const End high = end_at(face, FaceAxis::kUp, 1.0, search);
@@ -236,7 +238,7 @@ std::optional<MeasuredBox> box_of(std::span<const CloudPoint> cloud, Face face, 
   box.depth = {0.0, kUnknown, false};
   for (const End* end : {&left, &right, &high}) {
     if (!end->side) continue;
-    const Dimension depth = depth_of(cloud, face, *end, search);
+    const Dimension depth = measure_depth(cloud, face, *end, search);
     if (depth.sigma_m < box.depth.sigma_m) box.depth = depth;
   }
   const auto is_of_size = [&](double size_m) { return size_m >= search.min_size_m && size_m <= search.max_size_m; };
@@ -255,6 +257,53 @@ bool is_of_box(const MeasuredBox& box, const Face& face) {
          std::fabs(d.z()) <= 0.5 * box.height.value_m + kInBox_m;
 }
 
+constexpr std::size_t kMostPoints = 200'000;
+constexpr double kMostPlaneRms_m = 0.03;  // RMS of the points from the planes of their elevations
+constexpr double kMostStretch = 0.03;     // deviation of the heading's length from 1
+constexpr double kSteepest_rad = 1.4;     // beyond, the tangent says more about the elevation's error than the place
+constexpr double kLeastSpread = 0.02;     // standard deviation of the elevations' tangents
+constexpr double kLeastBoxPoints = 100;
+
+struct Fit {
+  Eigen::Vector4d answer = Eigen::Vector4d::Zero();
+  double rms_m = 0.0;
+  double spread = 0.0;  ///< standard deviation of the tangents
+};
+
+// z = height + tan(elevation) (x cos(heading) + y sin(heading) - forward), linear in height, the heading's two
+// components and the place along it.
+std::optional<Fit> fit(std::span<const CloudPoint> cloud) {
+  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d right = Eigen::Vector4d::Zero();
+  double count = 0.0;
+  double squares = 0.0;
+  double tangents = 0.0;
+  double sq_tangents = 0.0;
+  const std::size_t every = std::max<std::size_t>(1, cloud.size() / kMostPoints);
+  for (std::size_t k = 0; k < cloud.size(); k += every) {
+    const Point3 point = to_position(cloud[k]);
+    const auto elevation_rad = static_cast<double>(cloud[k].elevation_rad);
+    if (!point.allFinite() || !(std::fabs(elevation_rad) <= kSteepest_rad)) continue;
+    const SinCos<double> elevation = sin_cos(elevation_rad);
+    const double tangent = elevation.sin / elevation.cos;
+    // Weighted by the cosine, which is how far the plane is from a point for an error of its height.
+    const Eigen::Vector4d row =
+        elevation.cos * Eigen::Vector4d(1.0, tangent * point.x(), tangent * point.y(), -tangent);
+    normal += row * row.transpose();
+    right += row * (elevation.cos * point.z());
+    squares += elevation.cos * point.z() * elevation.cos * point.z();
+    tangents += tangent;
+    sq_tangents += tangent * tangent;
+    count += 1.0;
+  }
+  if (count < kLeastBoxPoints) return std::nullopt;
+  Fit result;
+  result.answer = normal.ldlt().solve(right);
+  result.rms_m = std::sqrt(std::fabs(squares - result.answer.dot(right)) / count);
+  result.spread = std::sqrt(std::fabs(sq_tangents / count - tangents * tangents / (count * count)));
+  return result;
+}
+
 }  // namespace
 
 std::vector<MeasuredBox> find_boxes(std::span<const CloudPoint> cloud, const BoxSearch& search) {
@@ -262,17 +311,28 @@ std::vector<MeasuredBox> find_boxes(std::span<const CloudPoint> cloud, const Box
   std::vector<MeasuredBox> boxes;
   for (const PlanePatch& patch : planes) {
     if (!can_be_face(patch, search)) continue;
-    Face face = face_of(cloud, patch, search);
+    Face face = measure_face(cloud, patch, search);
     const auto is_known = [&face](const MeasuredBox& box) { return is_of_box(box, face); };
     if (face.across.length_m() > search.max_size_m || face.across.length_m() < 0.5 * search.min_size_m ||
         std::any_of(boxes.begin(), boxes.end(), is_known)) {
       continue;
     }
-    if (const auto box = box_of(cloud, std::move(face), planes, search)) boxes.push_back(*box);
+    if (const auto box = measure_box(cloud, std::move(face), planes, search)) boxes.push_back(*box);
   }
   std::stable_sort(boxes.begin(), boxes.end(),
                    [](const MeasuredBox& a, const MeasuredBox& b) { return a.width.value_m > b.width.value_m; });
   return boxes;
+}
+
+std::optional<Point3> standing_viewpoint(std::span<const CloudPoint> cloud) {
+  const std::optional<Fit> found = fit(cloud);
+  if (!found || !found->answer.allFinite() || found->spread < kLeastSpread || found->rms_m > kMostPlaneRms_m) {
+    return std::nullopt;
+  }
+  const double length = std::sqrt(found->answer[1] * found->answer[1] + found->answer[2] * found->answer[2]);
+  if (std::fabs(length - 1.0) > kMostStretch) return std::nullopt;
+  const double forward_m = found->answer[3] / length;
+  return Point3(forward_m * found->answer[1] / length, forward_m * found->answer[2] / length, found->answer[0]);
 }
 
 }  // namespace gdtslam

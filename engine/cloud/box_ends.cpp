@@ -7,23 +7,23 @@
 #include <vector>
 
 #include "engine/core/elementary.hpp"
-#include "position_of.hpp"
+#include "to_position.hpp"
 
 namespace gdtslam {
 namespace {
 
-constexpr int kBins = 800;               // of the window around the end
+constexpr int kBins = 800;               // bins of the window around the end
 constexpr int kReach = 200;              // bins to both sides of the first guess in which the end is looked for
 constexpr double kLeastWindow_m = 0.04;  // half of it
-constexpr double kSamplings = 3.0;       // as many beams at least in half of the window
+constexpr double kSamplings = 3.0;       // least number of beams in half of the window
 constexpr double kOutlier = 1.0e-3;      // share of beams whose side is told wrongly
-constexpr std::array kErrors{1.0, 2.0, 4.0, 8.0, 16.0, 32.0};  // of the beams' directions, bins
+constexpr std::array kErrors{1.0, 2.0, 4.0, 8.0, 16.0, 32.0};  // errors of the beams' directions, bins
 constexpr double kLeastPast = 5;                               // beams past the end that make it known
 constexpr double kBand_m = 0.1;  // from which the density of hits is taken where nothing is past the end
 constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
 constexpr double kGrazing = 1.0e-3;  // sine of a beam's angle to the plane below which it does not cross it
 
-// Where the beam from the viewpoint to the point crosses the plane; the point's shadow where it lies behind.
+// Computes where the beam from the viewpoint to the point crosses the plane; for a point behind it, its shadow.
 void cross(FaceHit& hit, const FaceFrame& face, const Point3& from_origin, const Point3& viewpoint) {
   const Point3 eye = viewpoint - face.origin;
   const Point3 beam = from_origin - eye;
@@ -143,7 +143,7 @@ Moments posterior(const EndCounts& counts, int guess) {
   return sum;
 }
 
-// Nothing past the end: hits are as dense up to it as they are further in.
+// Ends the face where hits stop: they are as dense up to there as they are further in.
 FaceEnd where_hits_stop(std::span<const FaceHit> hits, const EndPlace& place, double thickness_m) {
   double inner = 0.0;
   double outer = 0.0;
@@ -162,11 +162,11 @@ FaceEnd where_hits_stop(std::span<const FaceHit> hits, const EndPlace& place, do
 
 }  // namespace
 
-std::vector<FaceHit> hits_of(std::span<const CloudPoint> cloud, const FaceFrame& face, const Span& across,
-                             const Span& up, const std::optional<Point3>& viewpoint, double thickness_m) {
+std::vector<FaceHit> find_hits(std::span<const CloudPoint> cloud, const FaceFrame& face, const Span& across,
+                               const Span& up, const std::optional<Point3>& viewpoint, double thickness_m) {
   std::vector<FaceHit> hits;
   for (const CloudPoint& point : cloud) {
-    const Point3 d = position_of(point) - face.origin;
+    const Point3 d = to_position(point) - face.origin;
     FaceHit hit{kNowhere, kNowhere, -face.normal.dot(d), face.across.dot(d), face.up.dot(d)};
     if (viewpoint) {
       cross(hit, face, d, *viewpoint);
@@ -180,12 +180,12 @@ std::vector<FaceHit> hits_of(std::span<const CloudPoint> cloud, const FaceFrame&
   return hits;
 }
 
-FaceEnd end_of(std::span<const FaceHit> hits, const EndPlace& place, double thickness_m) {
+FaceEnd find_end(std::span<const FaceHit> hits, const EndPlace& place, double thickness_m) {
   const EndCounts counts = count(hits, place, thickness_m);
   if (counts.beyond > counts.past + counts.before) return {place.rough_m, 0.0, EndKind::kContinues};
   if (counts.past < kLeastPast && counts.before < kLeastPast) return where_hits_stop(hits, place, thickness_m);
   const Moments bins = posterior(counts, first_guess(counts));
-  const double variance = bins.variance + 1.0 / 12.0;  // of a place within its bin
+  const double variance = bins.variance + 1.0 / 12.0;  // variance of a place within its bin
   return {place.sign * (counts.from_m + bins.mean * counts.bin_m), std::sqrt(variance) * counts.bin_m,
           counts.past > counts.before ? EndKind::kJump : EndKind::kHidden};
 }

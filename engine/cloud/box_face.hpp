@@ -33,10 +33,10 @@ struct Span {
 
 /// One point and where its beam crosses the plane of the face.
 struct FaceHit {
-  double across_m = 0.0;  ///< of the crossing
+  double across_m = 0.0;  ///< coordinate of the crossing
   double up_m = 0.0;
-  double depth_m = 0.0;         ///< of the point behind the plane
-  double point_across_m = 0.0;  ///< of the point itself
+  double depth_m = 0.0;         ///< depth of the point behind the plane
+  double point_across_m = 0.0;  ///< coordinate of the point itself
   double point_up_m = 0.0;
   [[nodiscard]] double along(FaceAxis axis) const { return axis == FaceAxis::kAcross ? across_m : up_m; }
   [[nodiscard]] double beside(FaceAxis axis) const { return axis == FaceAxis::kAcross ? up_m : across_m; }
@@ -48,16 +48,16 @@ struct FaceHit {
   }
 };
 
-/// Of the points whose beam crosses the plane within the spans, or that lie before or behind that part of it. Without a
-/// viewpoint beams are taken to run along the normal, and points farther than `thickness_m` from the plane count for
-/// themselves only (their crossing is not a number).
-std::vector<FaceHit> hits_of(std::span<const CloudPoint> cloud, const FaceFrame& face, const Span& across,
-                             const Span& up, const std::optional<Point3>& viewpoint, double thickness_m);
+/// Finds the points whose beam crosses the plane within the spans, or that lie before or behind that part of it.
+/// Without a viewpoint beams are taken to run along the normal, and points farther than `thickness_m` from the plane
+/// count for themselves only (their crossing is not a number).
+std::vector<FaceHit> find_hits(std::span<const CloudPoint> cloud, const FaceFrame& face, const Span& across,
+                               const Span& up, const std::optional<Point3>& viewpoint, double thickness_m);
 
 enum class EndKind : std::uint8_t {
   kJump,      ///< beams past it go on to something behind
   kCrease,    ///< another face of the box begins there
-  kStops,     ///< nothing was hit past it
+  kStops,     ///< no point was hit past it
   kHidden,    ///< something before it, or a surface that it meets, comes first
   kContinues  ///< the plane goes on
 };
@@ -72,10 +72,10 @@ struct FaceEnd {
 struct EndPlace {
   FaceAxis axis = FaceAxis::kAcross;
   double sign = 1.0;
-  double rough_m = 0.0;     ///< of the face's outermost points
+  double rough_m = 0.0;     ///< roughness of the face's outermost points
   double sampling_m = 0.0;  ///< from beam to beam along the axis
-  Span beside;              ///< of the face in the other axis, away from its ends
-  /// Of the scanner, where it is known: along the axis, and before the plane.
+  Span beside;              ///< span of the face in the other axis, away from its ends
+  /// Position of the scanner, if it is known: along the axis, and before the plane.
   std::optional<double> eye_along_m = std::nullopt;
   double eye_before_m = 0.0;
 };
@@ -84,7 +84,7 @@ struct EndPlace {
 /// end it went by; a logistic error of the beams' directions is allowed for. The answer is the mean and the standard
 /// deviation over all ends and errors, as likely as they explain the beams: exact between two beams, and honest where
 /// no beam went close by.
-FaceEnd end_of(std::span<const FaceHit> hits, const EndPlace& place, double thickness_m);
+FaceEnd find_end(std::span<const FaceHit> hits, const EndPlace& place, double thickness_m);
 
 /// A face that begins at an end and goes back from it: x = at + slope * depth.
 struct SideFace {
@@ -95,8 +95,8 @@ struct SideFace {
   double deepest_m = 0.0;
   std::uint32_t points = 0;
 };
-/// Nothing where too little of it is seen. Where the scanner is known, the slope is that for errors along the beams: a
-/// side seen at a low angle would else be turned by the errors of its points' depths.
+/// Finds a side face; empty if too little of it is seen. If the scanner is known, the slope is that for errors along
+/// the beams: a side seen at a low angle would else be turned by the errors of its points' depths.
 std::optional<SideFace> side_at(std::span<const FaceHit> hits, const EndPlace& place, double thickness_m,
                                 double max_depth_m);
 

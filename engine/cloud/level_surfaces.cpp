@@ -7,7 +7,7 @@
 
 #include "engine/core/quantile.hpp"
 #include "gdtslam/cloud/thinning.hpp"
-#include "position_of.hpp"
+#include "to_position.hpp"
 
 namespace gdtslam {
 namespace {
@@ -18,31 +18,31 @@ constexpr double kColumn_m = 0.25;    // side of the columns over the ground tha
 constexpr int kColumnRounds = 6;
 constexpr int kPointRounds = 3;
 constexpr int kCandidates = 3;
-constexpr double kMostBeyond = 0.05;  // of the points: stairs down, a mirror, what a window shows
-constexpr double kLeastInner = 0.1;   // of a surface's columns; a row along the walls has none
+constexpr double kMostBeyond = 0.05;  // share of points beyond it: stairs down, a mirror, the view through a window
+constexpr double kLeastInner = 0.1;   // least share of a surface's columns; a row along the walls has none
 
 using PointSpan = std::span<const CloudPoint>;
 using Indices = std::vector<std::uint32_t>;
 using ColumnKey = std::array<std::int32_t, 2>;
 
-std::int32_t column_of(float coordinate_m) {
+std::int32_t column_at(float coordinate_m) {
   constexpr double kMost = 1 << 30;
   return static_cast<std::int32_t>(
       std::clamp(std::floor(static_cast<double>(coordinate_m) / kColumn_m), -kMost, kMost));
 }
 
-ColumnKey column_of(const CloudPoint& point) { return {column_of(point.x_m), column_of(point.y_m)}; }
+ColumnKey column_at(const CloudPoint& point) { return {column_at(point.x_m), column_at(point.y_m)}; }
 
-/// Of each column of the ground the lowest and the highest point.
+/// Lowest and highest point of each column of the ground.
 struct ColumnEnds {
   Indices lowest;
   Indices highest;
 };
 
-ColumnEnds ends_of(PointSpan points) {
+ColumnEnds column_ends(PointSpan points) {
   std::vector<std::tuple<ColumnKey, float, std::uint32_t>> sorted;
   sorted.reserve(points.size());
-  for (std::uint32_t k = 0; k < points.size(); ++k) sorted.emplace_back(column_of(points[k]), points[k].z_m, k);
+  for (std::uint32_t k = 0; k < points.size(); ++k) sorted.emplace_back(column_at(points[k]), points[k].z_m, k);
   std::sort(sorted.begin(), sorted.end());
   ColumnEnds ends;
   for (std::size_t k = 0; k < sorted.size(); ++k) {
@@ -75,7 +75,7 @@ double commonest_height_m(PointSpan points, const Indices& columns) {
 Indices near_plane(PointSpan points, const Indices& among, const Plane& plane, double thickness_m) {
   Indices found;
   for (const std::uint32_t k : among) {
-    if (std::fabs(plane.distance_m(position_of(points[k]))) <= thickness_m) found.push_back(k);
+    if (std::fabs(plane.distance_m(to_position(points[k]))) <= thickness_m) found.push_back(k);
   }
   return found;
 }
@@ -85,7 +85,7 @@ double spread_m(PointSpan points, const PlanePatch& patch) {
   std::vector<double> distances;
   distances.reserve(patch.points.size());
   for (const std::uint32_t k : patch.points) {
-    distances.push_back(std::fabs(patch.plane.distance_m(position_of(points[k]))));
+    distances.push_back(std::fabs(patch.plane.distance_m(to_position(points[k]))));
   }
   return 3.0 * 1.4826 * upper_median(distances);
 }
@@ -96,14 +96,14 @@ Indices clear_of_walls(PointSpan points, const Indices& all, const Plane& plane,
   std::vector<ColumnKey> walls;
   Indices near;
   for (const std::uint32_t k : all) {
-    const double distance_m = std::fabs(plane.distance_m(position_of(points[k])));
+    const double distance_m = std::fabs(plane.distance_m(to_position(points[k])));
     if (distance_m <= thickness_m) near.push_back(k);
-    if (distance_m > thickness_m && distance_m <= 4.0 * thickness_m) walls.push_back(column_of(points[k]));
+    if (distance_m > thickness_m && distance_m <= 4.0 * thickness_m) walls.push_back(column_at(points[k]));
   }
   std::sort(walls.begin(), walls.end());
   const std::size_t total = near.size();
   std::erase_if(near,
-                [&](std::uint32_t k) { return std::binary_search(walls.begin(), walls.end(), column_of(points[k])); });
+                [&](std::uint32_t k) { return std::binary_search(walls.begin(), walls.end(), column_at(points[k])); });
   return 5 * near.size() >= total ? near : all;
 }
 
@@ -146,7 +146,7 @@ double tilt_sine(const Plane& plane) { return std::sqrt(std::max(0.0, 1.0 - plan
 bool is_wide(PointSpan points, const Indices& patch) {
   std::vector<ColumnKey> columns;
   columns.reserve(patch.size());
-  for (const std::uint32_t k : patch) columns.push_back(column_of(points[k]));
+  for (const std::uint32_t k : patch) columns.push_back(column_at(points[k]));
   std::sort(columns.begin(), columns.end());
   columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
   const auto is_inner = [&columns](const ColumnKey& at) {
@@ -165,14 +165,14 @@ bool is_wide(PointSpan points, const Indices& patch) {
 Indices beyond(PointSpan points, const Indices& among, const Plane& plane, double sign, double margin_m) {
   Indices found;
   for (const std::uint32_t k : among) {
-    if (sign * plane.distance_m(position_of(points[k])) < -margin_m) found.push_back(k);
+    if (sign * plane.distance_m(to_position(points[k])) < -margin_m) found.push_back(k);
   }
   return found;
 }
 
 // The outermost wide level plane at which columns end. Where too much lies beyond the first that is found, the columns
 // that end there are asked again.
-std::optional<PlanePatch> surface_of(PointSpan points, Indices columns, const LevelSearch& search, double sign) {
+std::optional<PlanePatch> find_surface(PointSpan points, Indices columns, const LevelSearch& search, double sign) {
   Indices all(points.size());
   std::iota(all.begin(), all.end(), 0U);
   const auto total = static_cast<double>(points.size());
@@ -198,8 +198,8 @@ double height_over_m(const Plane& plane, const Point3& point) {
 }  // namespace
 
 LevelSurfaces find_level_surfaces(std::span<const CloudPoint> sample, const LevelSearch& search) {
-  const ColumnEnds ends = ends_of(sample);
-  LevelSurfaces found{surface_of(sample, ends.lowest, search, 1.0), surface_of(sample, ends.highest, search, -1.0)};
+  const ColumnEnds ends = column_ends(sample);
+  LevelSurfaces found{find_surface(sample, ends.lowest, search, 1.0), find_surface(sample, ends.highest, search, -1.0)};
   const bool has_both = found.floor && found.ceiling;
   if (has_both && found.ceiling->centre.z() - found.floor->centre.z() < kLeastRoom_m) {
     // One surface seen from both sides: what little else there is lies over a floor and under a ceiling.
@@ -220,7 +220,7 @@ LevelRemoval::LevelRemoval(const LevelSurfaces& surfaces, double margin_m, Cloud
 void LevelRemoval::add(std::span<const CloudPoint> points) {
   kept_.clear();
   for (const CloudPoint& point : points) {
-    const Point3 p = position_of(point);
+    const Point3 p = to_position(point);
     const bool is_floor = surfaces_.floor && height_over_m(surfaces_.floor->plane, p) <= margin_m_;
     const bool is_ceiling = surfaces_.ceiling && height_over_m(surfaces_.ceiling->plane, p) >= -margin_m_;
     if (!is_floor && !is_ceiling) kept_.push_back(point);

@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <nanoflann.hpp>
 #include <utility>
 
-#include "position_of.hpp"
+#include "to_position.hpp"
 
 namespace gdtslam {
 namespace {
@@ -32,8 +31,8 @@ using Index =
 
 constexpr std::size_t kLeafPoints = 16;
 
-/// What nanoflann hands a search's points to, with its names: the first of the nearest within a distance. Branches of
-/// the tree that lie farther off are not entered.
+/// Result set with nanoflann's names that takes a search's points: the first of the nearest within a distance. Branches
+/// of the tree that lie farther off are not entered.
 class NearestWithin {
  public:
   // nanoflann hands on what is closer than the worst, not what is as close.
@@ -55,10 +54,10 @@ class NearestWithin {
   std::optional<std::uint32_t> found_;
 };
 
-std::vector<Point3> positions_of(std::span<const CloudPoint> cloud) {
+std::vector<Point3> to_positions(std::span<const CloudPoint> cloud) {
   std::vector<Point3> points;
   points.reserve(cloud.size());
-  for (const CloudPoint& point : cloud) points.push_back(position_of(point));
+  for (const CloudPoint& point : cloud) points.push_back(to_position(point));
   return points;
 }
 
@@ -66,7 +65,7 @@ std::vector<Point3> positions_of(std::span<const CloudPoint> cloud) {
 
 struct Neighbours::Tree {
   explicit Tree(std::span<const CloudPoint> points)
-      : cloud{positions_of(points)}, index(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(kLeafPoints)) {
+      : cloud{to_positions(points)}, index(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(kLeafPoints)) {
     index.buildIndex();
   }
   Points cloud;

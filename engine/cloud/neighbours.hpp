@@ -17,7 +17,7 @@ class Neighbours {
  public:
   explicit Neighbours(std::span<const CloudPoint> cloud);
   ~Neighbours();
-  /// Nothing when none lies within the distance.
+  /// Nearest point; empty when none lies within the distance.
   [[nodiscard]] std::optional<std::uint32_t> nearest(const Point3& point, double within_m) const;
   /// The `count` closest points, closest first; fewer where the cloud has fewer.
   [[nodiscard]] std::vector<std::uint32_t> closest(const Point3& point, std::uint32_t count) const;

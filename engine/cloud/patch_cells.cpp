@@ -4,19 +4,18 @@
 #include <array>
 #include <cmath>
 #include <numeric>
-#include <utility>
 
 #include "engine/core/quantile.hpp"
-#include "position_of.hpp"
+#include "to_position.hpp"
 
 namespace gdtslam {
 namespace {
 
-constexpr unsigned kBits = 21;  // of a cell's number along an axis, one more than are used: a step never wraps
+constexpr unsigned kBits = 21;  // bits of a cell's number along an axis, one more than are used: a step never wraps
 constexpr double kMostAlong = 1 << 20;
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-std::uint64_t key_of(const Point3& from_corner, double edge_m) {
+std::uint64_t cube_key(const Point3& from_corner, double edge_m) {
   std::uint64_t key = 0;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     key = key << kBits | static_cast<std::uint64_t>(std::floor(from_corner[axis] / edge_m) + 1.0);
@@ -39,7 +38,7 @@ std::array<std::uint64_t, 13> later_neighbours() {
   return steps;
 }
 
-std::uint32_t root_of(std::vector<std::uint32_t>& parents, std::uint32_t k) {
+std::uint32_t find_root(std::vector<std::uint32_t>& parents, std::uint32_t k) {
   while (parents[k] != k) {
     parents[k] = parents[parents[k]];
     k = parents[k];
@@ -55,20 +54,20 @@ std::vector<std::uint32_t> usable_points(std::span<const CloudPoint> cloud) {
   std::vector<std::uint32_t> points;
   points.reserve(cloud.size());
   for (std::uint32_t k = 0; k < cloud.size(); ++k) {
-    if (position_of(cloud[k]).allFinite()) points.push_back(k);
+    if (to_position(cloud[k]).allFinite()) points.push_back(k);
   }
   if (points.empty()) return points;
   Point3 low;
   Point3 high;
   std::vector<double> values(points.size());
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    for (std::size_t k = 0; k < points.size(); ++k) values[k] = position_of(cloud[points[k]])[axis];
+    for (std::size_t k = 0; k < points.size(); ++k) values[k] = to_position(cloud[points[k]])[axis];
     low[axis] = value_at_share(values, kOuter);
     high[axis] = value_at_share(values, 1.0 - kOuter);
   }
   const double reach_m = kMost * std::max(1.0, (high - low).maxCoeff());
   std::erase_if(points, [&](std::uint32_t k) {
-    const Point3 point = position_of(cloud[k]);
+    const Point3 point = to_position(cloud[k]);
     return (low - point).maxCoeff() > reach_m || (point - high).maxCoeff() > reach_m;
   });
   return points;
@@ -79,7 +78,7 @@ PatchCells::PatchCells(std::span<const CloudPoint> cloud, std::span<const std::u
   Point3 low = Point3::Constant(0.0);
   Point3 high = Point3::Constant(0.0);
   for (std::size_t k = 0; k < points.size(); ++k) {
-    const Point3 point = position_of(cloud[points[k]]);
+    const Point3 point = to_position(cloud[points[k]]);
     low = k == 0 ? point : Point3(low.cwiseMin(point));
     high = k == 0 ? point : Point3(high.cwiseMax(point));
   }
@@ -87,7 +86,7 @@ PatchCells::PatchCells(std::span<const CloudPoint> cloud, std::span<const std::u
   std::vector<std::pair<std::uint64_t, std::uint32_t>> order;  // key, place in `points`
   order.reserve(points.size());
   for (std::uint32_t k = 0; k < points.size(); ++k) {
-    order.emplace_back(key_of(position_of(cloud[points[k]]) - low, edge_m_), k);
+    order.emplace_back(cube_key(to_position(cloud[points[k]]) - low, edge_m_), k);
   }
   std::sort(order.begin(), order.end());
   cell_of_.resize(points.size());
@@ -108,12 +107,12 @@ std::uint32_t PatchCells::find(std::uint64_t key) const {
   return at != keys_.end() && *at == key ? static_cast<std::uint32_t>(at - keys_.begin()) : kNone;
 }
 
-Cloud PatchCells::means_of(std::span<const CloudPoint> cloud) const {
+Cloud PatchCells::cell_means(std::span<const CloudPoint> cloud) const {
   Cloud means(size());
   for (std::uint32_t k = 0; k < size(); ++k) {
     Point3 sum = Point3::Zero();
-    for (const std::uint32_t point : points_of(k)) sum += position_of(cloud[point]);
-    const Point3 mean = sum / static_cast<double>(points_of(k).size());
+    for (const std::uint32_t point : cell_points(k)) sum += to_position(cloud[point]);
+    const Point3 mean = sum / static_cast<double>(cell_points(k).size());
     means[k].x_m = static_cast<float>(mean.x());
     means[k].y_m = static_cast<float>(mean.y());
     means[k].z_m = static_cast<float>(mean.z());
@@ -145,16 +144,16 @@ std::vector<std::uint32_t> PatchCells::largest_group(const std::vector<bool>& is
   std::iota(parents.begin(), parents.end(), 0U);
   for (const auto& [k, other] : links_) {
     if (!is_marked[k] || !is_marked[other]) continue;
-    const std::uint32_t a = root_of(parents, k);
-    const std::uint32_t b = root_of(parents, other);
+    const std::uint32_t a = find_root(parents, k);
+    const std::uint32_t b = find_root(parents, other);
     parents[std::max(a, b)] = std::min(a, b);
   }
   std::vector<std::uint32_t> sizes(keys_.size(), 0);
-  for (std::uint32_t k = 0; k < keys_.size(); ++k) sizes[root_of(parents, k)] += is_marked[k] ? 1U : 0U;
+  for (std::uint32_t k = 0; k < keys_.size(); ++k) sizes[find_root(parents, k)] += is_marked[k] ? 1U : 0U;
   const auto largest = static_cast<std::uint32_t>(std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
   std::vector<std::uint32_t> group;
   for (std::uint32_t k = 0; k < keys_.size(); ++k) {
-    if (is_marked[k] && root_of(parents, k) == largest) group.push_back(k);
+    if (is_marked[k] && find_root(parents, k) == largest) group.push_back(k);
   }
   return group;
 }

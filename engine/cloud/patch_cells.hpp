@@ -15,25 +15,25 @@ namespace gdtslam {
 /// The cubes that have a point, and for each its points.
 class PatchCells {
  public:
-  /// Of the points with these indices. The edge grows where the extent asks for more than 2^20 cubes along an axis.
+  /// Cells of the points with these indices. The edge grows if the extent asks for more than 2^20 cubes along an axis.
   PatchCells(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> points, double edge_m);
 
   [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(keys_.size()); }
   [[nodiscard]] double edge_m() const { return edge_m_; }
   /// Indices into the cloud, ascending.
-  [[nodiscard]] std::span<const std::uint32_t> points_of(std::uint32_t cell) const {
+  [[nodiscard]] std::span<const std::uint32_t> cell_points(std::uint32_t cell) const {
     return {points_.data() + begins_[cell], points_.data() + begins_[cell + 1]};
   }
   /// The cell of each point, in the order of the indices that were given.
-  [[nodiscard]] const std::vector<std::uint32_t>& cell_of() const { return cell_of_; }
+  [[nodiscard]] const std::vector<std::uint32_t>& cell_by_point() const { return cell_of_; }
   /// The mean of the points of each cell.
-  [[nodiscard]] Cloud means_of(std::span<const CloudPoint> cloud) const;
+  [[nodiscard]] Cloud cell_means(std::span<const CloudPoint> cloud) const;
   /// Finds out which cells touch, for largest_group and grown.
   void link();
-  /// Of the cells that are marked those of the largest group in which each touches another, ascending; by number of
-  /// cells, the first group when two are equal.
+  /// Largest group of the marked cells in which each touches another, ascending; by number of cells, the first group
+  /// when two are equal.
   [[nodiscard]] std::vector<std::uint32_t> largest_group(const std::vector<bool>& is_marked) const;
-  /// Those that are marked and those that touch one of them.
+  /// Cells that are marked and those that touch one of them.
   [[nodiscard]] std::vector<bool> grown(const std::vector<bool>& is_marked) const;
 
  private:

@@ -4,19 +4,18 @@
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <vector>
 
 #include "neighbours.hpp"
 #include "patch_cells.hpp"
-#include "position_of.hpp"
+#include "to_position.hpp"
 
 namespace gdtslam {
 namespace {
 
-constexpr double kShrink = 0.7;          // of the largest distance of a pair, from one iteration to the next
-constexpr double kLeastDistance = 0.34;  // of the first one
+constexpr double kShrink = 0.7;          // factor of the largest distance of a pair, from one iteration to the next
+constexpr double kLeastDistance = 0.34;  // least distance as a share of the first one
 constexpr double kFlat = 0.3;            // thickness over extent of a neighbourhood that has a normal
 constexpr double kStill_m = 1.0e-4;
 constexpr double kStill_rad = 2.0e-5;
@@ -31,7 +30,7 @@ class Target {
     return neighbours_.nearest(point, within_m);
   }
   [[nodiscard]] Point3 point(std::uint32_t k) const { return neighbours_.point(k); }
-  /// Nothing where the neighbourhood is not flat.
+  /// Normal of a point; empty if the neighbourhood is not flat.
   const std::optional<Point3>& normal(std::uint32_t k) {
     if (!is_known_[k]) normals_[k] = neighbours_.normal(k, count_, kFlat);
     is_known_[k] = true;
@@ -79,11 +78,11 @@ Equations equations_at(const Pose3& T, const std::vector<Point3>& source, Target
 std::vector<Point3> spread(std::span<const CloudPoint> cloud, std::uint32_t most) {
   const std::size_t every = std::max<std::size_t>(1, (cloud.size() + most - 1) / most);
   std::vector<Point3> points;
-  for (std::size_t k = 0; k < cloud.size(); k += every) points.push_back(position_of(cloud[k]));
+  for (std::size_t k = 0; k < cloud.size(); k += every) points.push_back(to_position(cloud[k]));
   return points;
 }
 
-Point3 centre_of(const std::vector<Point3>& points) {
+Point3 centroid(const std::vector<Point3>& points) {
   Point3 sum = Point3::Zero();
   for (const Point3& point : points) sum += point;
   return points.empty() ? sum : Point3(sum / static_cast<double>(points.size()));
@@ -93,7 +92,7 @@ Cloud thinned(std::span<const CloudPoint> cloud, double cell_m) {
   return cell_m > 0.0 ? means_of_cubes(cloud, cell_m) : Cloud(cloud.begin(), cloud.end());
 }
 
-double radius_of(const std::vector<Point3>& points, const Point3& centre) {
+double cloud_radius(const std::vector<Point3>& points, const Point3& centre) {
   double sum = 0.0;
   for (const Point3& point : points) sum += (point - centre).squaredNorm();
   return std::sqrt(sum / static_cast<double>(points.size()));
@@ -118,7 +117,7 @@ Pose3 about(const Point3& centre, const Tangent3& step) {
 
 Cloud means_of_cubes(std::span<const CloudPoint> cloud, double cell_m) {
   const PatchCells cells(cloud, usable_points(cloud), cell_m);
-  return cells.means_of(cloud);
+  return cells.cell_means(cloud);
 }
 
 RegistrationResult register_clouds(std::span<const CloudPoint> source, std::span<const CloudPoint> target,
@@ -127,8 +126,8 @@ RegistrationResult register_clouds(std::span<const CloudPoint> source, std::span
   if (source.empty() || target.empty()) return result;
   Target map(thinned(target, options.cell_m), options.neighbours);
   const std::vector<Point3> points = spread(thinned(source, options.cell_m), options.max_points);
-  const Point3 centre = centre_of(points);
-  const double radius_m = std::max(1.0e-3, radius_of(points, centre));
+  const Point3 centre = centroid(points);
+  const double radius_m = std::max(1.0e-3, cloud_radius(points, centre));
   double within_m = options.max_distance_m;
   for (; result.iterations < options.max_iterations; ++result.iterations) {
     const Equations sums = equations_at(result.T_target_source, points, map, centre, within_m);

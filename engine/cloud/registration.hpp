@@ -10,8 +10,8 @@
 namespace gdtslam {
 
 struct RegistrationOptions {
-  double max_distance_m = 0.3;      ///< of a pair, at the start; shrinks
-  std::uint32_t max_points = 4000;  ///< of the moving cloud, spread evenly
+  double max_distance_m = 0.3;      ///< largest distance of a pair, at the start; shrinks
+  std::uint32_t max_points = 4000;  ///< points taken of the moving cloud, spread evenly
   std::uint32_t neighbours = 12;    ///< for a normal
   double cell_m = 0.0;              ///< both clouds are thinned to the means of cubes of this edge; 0 keeps all points
   std::uint32_t max_iterations = 30;

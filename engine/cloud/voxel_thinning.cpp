@@ -38,9 +38,9 @@ class CubeGrid {
  public:
   explicit CubeGrid(double voxel_m) : voxel_m_(voxel_m), per_m_(1.0 / voxel_m) {}
 
-  /// Of a coordinate, counted from the lower end of the range: floor(coordinate / edge). The product with the inverse
-  /// is off by less than kNear and decides but for what lies so near to the edge of a cube.
-  [[nodiscard]] std::uint64_t cell_of(float coordinate_m) const {
+  /// Cell of a coordinate, counted from the lower end of the range: floor(coordinate / edge). The product with the
+  /// inverse is off by less than kNear and decides unless the coordinate lies so near to the edge of a cube.
+  [[nodiscard]] std::uint64_t cube_index(float coordinate_m) const {
     double cell = static_cast<double>(coordinate_m) * per_m_;
     if (!(cell >= -kMostCells && cell < kMostCells)) {  // so does what is no number
       cell = static_cast<double>(coordinate_m) / voxel_m_;
@@ -65,10 +65,10 @@ struct BlockBit {
   std::uint64_t block = 0;
   std::uint64_t bit = 0;
 };
-BlockBit place_of(const CloudPoint& p, const CubeGrid& grid) {
-  const std::uint64_t x = grid.cell_of(p.x_m);
-  const std::uint64_t y = grid.cell_of(p.y_m);
-  const std::uint64_t z = grid.cell_of(p.z_m);
+BlockBit block_bit(const CloudPoint& p, const CubeGrid& grid) {
+  const std::uint64_t x = grid.cube_index(p.x_m);
+  const std::uint64_t y = grid.cube_index(p.y_m);
+  const std::uint64_t z = grid.cube_index(p.z_m);
   return {.block = (x >> 2U) << (2 * kBitsPerAxis) | (y >> 2U) << kBitsPerAxis | z >> 2U,
           .bit = std::uint64_t{1} << ((x & 3U) | (y & 3U) << 2U | (z & 3U) << 4U)};
 }
@@ -95,7 +95,7 @@ struct VoxelThinning::State {
   std::uint64_t max_voxels = 0;
   CloudSink& next;
   std::vector<Block> slots = std::vector<Block>(kFirstSlots);  // open addressing
-  std::size_t taken = 0;                                       // of the slots
+  std::size_t taken = 0;                                       // slots taken
   std::uint64_t count = 0;
   std::vector<CloudPoint> kept;
 };
@@ -135,7 +135,7 @@ void VoxelThinning::State::take(std::span<const CloudPoint> points) {
   const std::uint64_t mask = slots.size() - 1;
   const CubeGrid grid(voxel_m);
   for (std::size_t k = 0; k < points.size(); ++k) {
-    places[k] = place_of(points[k], grid);
+    places[k] = block_bit(points[k], grid);
     hashes[k] = mixed(places[k].block);
     __builtin_prefetch(&slots[hashes[k] & mask], 1);
   }

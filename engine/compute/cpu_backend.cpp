@@ -43,12 +43,12 @@ std::string processor_name() {
         return line.substr(colon + 2);
       }
     }
-  } catch (const std::ios_base::failure&) {  // what cannot be read has no name
+  } catch (const std::ios_base::failure&) {  // an unreadable file gives no name
   }
   return "unnamed processor";
 }
 
-/// Of a block from calloc, or of so many bytes that were mapped.
+/// Frees a block from calloc, or so many bytes that were mapped.
 struct FreeDeleter {
   std::size_t mapped_bytes = 0;
   void operator()(std::byte* memory) const {
@@ -111,7 +111,7 @@ class CpuBackend final : public Backend {
   PendingDownload start_download(const Buffer& source, std::size_t bytes, std::size_t offset) override;
   void finish_download(PendingDownload download, std::span<std::byte> data) override;
   void flush() override {}
-  [[nodiscard]] std::span<std::byte> host_view(const Buffer& buffer) override { return memory_of(buffer); }
+  [[nodiscard]] std::span<std::byte> host_view(const Buffer& buffer) override { return find_memory(buffer); }
   [[nodiscard]] Isa host_isa() const override { return isa_; }
   [[nodiscard]] std::uint64_t dispatch_count() const override { return dispatch_count_; }
   [[nodiscard]] std::uint64_t submit_count() const override { return 0; }
@@ -120,9 +120,9 @@ class CpuBackend final : public Backend {
  private:
   void release(std::uint64_t id) noexcept override { allocations_.erase(id); }
   void forget_download(std::uint64_t id) noexcept override { downloads_.erase(id); }
-  std::span<std::byte> memory_of(const Buffer& buffer);
+  std::span<std::byte> find_memory(const Buffer& buffer);
   /// The part of a buffer that a transfer touches.
-  std::span<std::byte> part_of(const Buffer& buffer, std::size_t bytes, std::size_t offset, const char* verb);
+  std::span<std::byte> checked_part(const Buffer& buffer, std::size_t bytes, std::size_t offset, const char* verb);
   void bind(const KernelInfo& kernel, std::span<const Buffer* const> buffers);
 
   Isa isa_;
@@ -155,16 +155,16 @@ Buffer CpuBackend::reserve(std::size_t bytes) {
   return {*this, id, bytes};
 }
 
-std::span<std::byte> CpuBackend::memory_of(const Buffer& buffer) {
+std::span<std::byte> CpuBackend::find_memory(const Buffer& buffer) {
   if (!buffer.belongs_to(*this)) {
     throw Error(ExitCode::kFailed, "a buffer was used that is empty, or of another backend, or outlived its own");
   }
   return allocations_.at(buffer.id()).bytes;
 }
 
-std::span<std::byte> CpuBackend::part_of(const Buffer& buffer, std::size_t bytes, std::size_t offset,
-                                         const char* verb) {
-  const std::span<std::byte> memory = memory_of(buffer);
+std::span<std::byte> CpuBackend::checked_part(const Buffer& buffer, std::size_t bytes, std::size_t offset,
+                                              const char* verb) {
+  const std::span<std::byte> memory = find_memory(buffer);
   if (offset > memory.size() || bytes > memory.size() - offset) {
     throw Error(ExitCode::kFailed, std::string(verb) + " of " + std::to_string(bytes) + " bytes at offset " +
                                        std::to_string(offset) + " exceeds the buffer's " +
@@ -174,12 +174,12 @@ std::span<std::byte> CpuBackend::part_of(const Buffer& buffer, std::size_t bytes
 }
 
 void CpuBackend::upload(const Buffer& target, std::span<const std::byte> data, std::size_t offset) {
-  const std::span<std::byte> part = part_of(target, data.size(), offset, "upload");
+  const std::span<std::byte> part = checked_part(target, data.size(), offset, "upload");
   std::copy(data.begin(), data.end(), part.begin());
 }
 
 void CpuBackend::fill(const Buffer& target, std::uint32_t word) {
-  const std::span<std::byte> memory = memory_of(target);
+  const std::span<std::byte> memory = find_memory(target);
   const std::size_t whole = memory.size() / sizeof(word) * sizeof(word);
   for (std::size_t i = 0; i < whole; i += sizeof(word)) std::memcpy(memory.data() + i, &word, sizeof(word));
   std::memcpy(memory.data() + whole, &word, memory.size() - whole);
@@ -187,7 +187,7 @@ void CpuBackend::fill(const Buffer& target, std::uint32_t word) {
 
 // The copy is made here: what is dispatched later must not be seen.
 PendingDownload CpuBackend::start_download(const Buffer& source, std::size_t bytes, std::size_t offset) {
-  const std::span<std::byte> part = part_of(source, bytes, offset, "download");
+  const std::span<std::byte> part = checked_part(source, bytes, offset, "download");
   const std::uint64_t id = next_id_++;
   downloads_.emplace(id, std::vector<std::byte>(part.begin(), part.end()));
   return pending_download(id, bytes);
@@ -206,7 +206,7 @@ void CpuBackend::bind(const KernelInfo& kernel, std::span<const Buffer* const> b
   bound_.clear();
   bound_bytes_.clear();
   for (std::size_t i = 0; i < buffers.size(); ++i) {
-    bound_.push_back(memory_of(*buffers[i]));
+    bound_.push_back(find_memory(*buffers[i]));
     bound_bytes_.push_back(bound_.back().size());
     for (std::size_t j = 0; j < i && i < kernel.bindings.size(); ++j) {
       const bool written = kernel.bindings[i] != Access::kRead || kernel.bindings[j] != Access::kRead;

@@ -11,7 +11,7 @@ namespace gdtslam {
 namespace {
 
 template <class... K>
-std::array<const KernelInfo*, sizeof...(K)> rows_of(KernelList<K...> /*kernels*/) {
+std::array<const KernelInfo*, sizeof...(K)> kernel_rows(KernelList<K...> /*kernels*/) {
   return {&K::info()...};
 }
 
@@ -30,7 +30,7 @@ std::string_view to_string(Isa isa) {
 }
 
 std::span<const KernelInfo* const> kernel_registry() {
-  static const std::array kernels = rows_of(AllKernels{});
+  static const std::array kernels = kernel_rows(AllKernels{});
   return kernels;
 }
 

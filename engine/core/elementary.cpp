@@ -186,7 +186,7 @@ double power_of_two(std::int64_t exponent) {
 }
 
 // The exponent of a positive normal number.
-std::int64_t exponent_of(double value) {
+std::int64_t binary_exponent(double value) {
   return static_cast<std::int64_t>(std::bit_cast<std::uint64_t>(value) >> 52U) - 1023;
 }
 
@@ -269,7 +269,7 @@ double atan2_upper(double y, double x) {
   // Both are within 2^30 of each other here; scaled, so that no product overflows or loses bits.
   const double larger = y > width ? y : width;
   const double into_range = larger < 0x1p-500 ? 0x1p600 : (larger > 0x1p500 ? 0x1p-600 : 1.0);
-  const double scale = power_of_two(-exponent_of(larger * into_range));
+  const double scale = power_of_two(-binary_exponent(larger * into_range));
   const double smaller = y > width ? width : y;
   const HighLow angle = atan_of_ratio(smaller * into_range * scale, larger * into_range * scale);
   const Octant& octant = kOctants[(x < 0.0 ? 2U : 0U) + (y > width ? 1U : 0U)];

@@ -21,12 +21,12 @@ std::int32_t clamp_to_int32(double floored) {
 
 }  // namespace
 
-CellIndex GridGeometry::cell_of(const Eigen::Vector2d& point_m) const {
+CellIndex GridGeometry::cell_at(const Eigen::Vector2d& point_m) const {
   return {clamp_to_int32(std::floor((point_m.x() - origin_x_m) / resolution_m)),
           clamp_to_int32(std::floor((point_m.y() - origin_y_m) / resolution_m))};
 }
 
-Eigen::Vector2d GridGeometry::centre_of(CellIndex cell) const {
+Eigen::Vector2d GridGeometry::cell_centre(CellIndex cell) const {
   return {origin_x_m + (static_cast<double>(cell.x) + 0.5) * resolution_m,
           origin_y_m + (static_cast<double>(cell.y) + 0.5) * resolution_m};
 }

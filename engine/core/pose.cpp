@@ -6,7 +6,6 @@
 
 #include "elementary.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "gdtslam/core/differential_drive.hpp"
 #include "gdtslam/core/stream.hpp"
 
 namespace gdtslam {

@@ -5,7 +5,6 @@
 #include <iterator>
 #include <limits>
 #include <numeric>
-#include <optional>
 #include <utility>
 
 #include "engine/core/elementary.hpp"
@@ -75,9 +74,9 @@ Pose2 rigid_alignment(const std::vector<MatchedPose>& matched) {
   return {shift.x(), shift.y(), rotation.theta_rad};
 }
 
-/// Where the clock steps back another stretch of the trajectory begins, unless it is by less than a second, as the
-/// stamps of recorders do that stamp what they receive: of each pose the stretch, from 0.
-std::vector<std::size_t> stretches_of(const Trajectory& trajectory, double tolerance_s) {
+/// Returns the stretch of each pose, from 0. A new stretch begins where the clock steps back, unless it is by less than
+/// a second, as the stamps of recorders do that stamp what they receive.
+std::vector<std::size_t> split_stretches(const Trajectory& trajectory, double tolerance_s) {
   std::vector<std::size_t> stretches;
   stretches.reserve(trajectory.size());
   std::size_t stretch = 0;
@@ -191,8 +190,8 @@ ErrorSummary summarise(std::vector<double> errors) {
 
 std::vector<std::optional<std::size_t>> matches_by_stamp(const Trajectory& estimate, const Trajectory& reference,
                                                          double tolerance_s) {
-  const std::vector<std::size_t> stretches = stretches_of(estimate, tolerance_s);
-  const std::vector<std::size_t> of_reference = stretches_of(reference, tolerance_s);
+  const std::vector<std::size_t> stretches = split_stretches(estimate, tolerance_s);
+  const std::vector<std::size_t> of_reference = split_stretches(reference, tolerance_s);
   // A trajectory of several drives at one time, as a merged site has, meets one whose stamps occur once.
   const std::size_t ambiguous = count_ambiguous(estimate, reference, tolerance_s);
   if (ambiguous > 0 && stretches.back() != of_reference.back()) {
@@ -203,7 +202,7 @@ std::vector<std::optional<std::size_t>> matches_by_stamp(const Trajectory& estim
   std::vector<std::optional<std::size_t>> matches(estimate.size());
   if (ambiguous == 0) {
     const PosesByStamp index(reference);
-    for (std::size_t i = 0; i < estimate.size(); ++i) matches[i] = index.index_of(estimate[i].stamp_s, tolerance_s);
+    for (std::size_t i = 0; i < estimate.size(); ++i) matches[i] = index.find_index(estimate[i].stamp_s, tolerance_s);
     return matches;
   }
   std::vector<PosesByStamp> parts;
@@ -214,7 +213,7 @@ std::vector<std::optional<std::size_t>> matches_by_stamp(const Trajectory& estim
   }
   for (std::size_t i = 0; i < estimate.size(); ++i) {
     const std::size_t part = stretches[i];
-    matches[i] = parts[part].index_of(estimate[i].stamp_s, tolerance_s);
+    matches[i] = parts[part].find_index(estimate[i].stamp_s, tolerance_s);
     if (matches[i]) *matches[i] += begins[part];
   }
   return matches;
@@ -285,7 +284,7 @@ ReferenceReport evaluate_reference(const Trajectory& estimate, const Trajectory&
 }
 
 RepeatedStamps::RepeatedStamps(const Trajectory& trajectory, double tolerance_s) : tolerance_s_(tolerance_s) {
-  const std::vector<std::size_t> stretches = stretches_of(trajectory, tolerance_s);
+  const std::vector<std::size_t> stretches = split_stretches(trajectory, tolerance_s);
   if (stretches.empty() || stretches.back() == 0) return;
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
     if (std::isfinite(trajectory[i].stamp_s)) entries_.push_back({trajectory[i].stamp_s, stretches[i]});
@@ -331,7 +330,7 @@ std::optional<Pose2> PosesByStamp::find(double stamp_s, double tolerance_s) cons
   return entry == nullptr ? std::nullopt : std::optional(entry->pose.T_map_base);
 }
 
-std::optional<std::size_t> PosesByStamp::index_of(double stamp_s, double tolerance_s) const {
+std::optional<std::size_t> PosesByStamp::find_index(double stamp_s, double tolerance_s) const {
   const Entry* const entry = nearest(stamp_s, tolerance_s);
   return entry == nullptr ? std::nullopt : std::optional(entry->index);
 }

@@ -3,19 +3,18 @@
 #include <cmath>
 #include <exception>
 #include <optional>
-#include <utility>
 
 #include "engine/core/side_thread.hpp"
 #include "engine/core/worker_pool.hpp"
 #include "engine/mapping/back_end/back_end.hpp"
-#include "engine/mapping/map/separate_map.hpp"
+#include "engine/mapping/map/keyframe_map.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/mapper.hpp"
 
 namespace gdtslam {
 namespace {
 
-constexpr double kStretch_m = 15.0;  // of a local map, where the configuration says nothing of it
+constexpr double kStretch_m = 15.0;  // path length of a local map if the configuration sets none
 
 PoseInformation pose_information(const Matrix3& m) {
   return {.xx = m(0, 0), .xy = m(0, 1), .xt = m(0, 2), .yy = m(1, 1), .yt = m(1, 2), .tt = m(2, 2)};
@@ -27,7 +26,7 @@ std::size_t scan_of_place(const BackEndResult& result, std::size_t place) {
 
 ClosedLoop closed_loop(const Loop& loop, const BackEndResult& result) {
   const PoseRelation& relation = loop.relation;
-  const Tangent2 off = residual_of(relation, result.graph.poses[relation.from], result.graph.poses[relation.to]);
+  const Tangent2 off = relation_residual(relation, result.graph.poses[relation.from], result.graph.poses[relation.to]);
   return {.from = scan_of_place(result, relation.from),
           .to = scan_of_place(result, relation.to),
           .T_from_to = relation.T_from_to,
@@ -104,7 +103,7 @@ struct LoopClosing::State {
   MapperConfig config;
   unsigned threads;
   BackEnd back_end;
-  SeparateMap map;                    // of all keyframes, once they are where they belong
+  SeparateMap map;                    // map of all keyframes at their final poses
   std::exception_ptr too_large;       // why it does not hold them
   std::optional<SideThread> mapping;  // that makes it
 };
@@ -113,7 +112,7 @@ LoopClosing::LoopClosing(const MapperConfig& config, const MapperOptions& option
     : state_(std::make_unique<State>(config, options)) {}
 LoopClosing::~LoopClosing() = default;
 
-MapperConfig LoopClosing::config_of(MapperConfig config) {
+MapperConfig LoopClosing::adapt_config(MapperConfig config) {
   if (config.local.stretch_m == 0.0) config.local.stretch_m = kStretch_m;
   config.odometry.estimate = true;
   return config;
@@ -149,7 +148,7 @@ std::shared_future<ClosedKeyframes> LoopClosing::request_keyframes() {
 void LoopClosing::State::rebuild(const std::vector<std::size_t>& keyframes, const std::vector<Pose2>& poses) {
   try {
     back_end.visit_keyframes(
-        [&](std::size_t i, const KeptScan& scan) { map.merge(points_of(scan), poses[keyframes[i]]); });
+        [&](std::size_t i, const KeptScan& scan) { map.merge(to_points(scan), poses[keyframes[i]]); });
   } catch (const InputError&) {
     too_large = std::current_exception();
   }

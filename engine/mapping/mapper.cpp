@@ -4,18 +4,15 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/mapping/cost/fit.hpp"
+#include "engine/mapping/cost/objective.hpp"
 #include "engine/mapping/map/keyframe_map.hpp"
+#include "engine/mapping/match/match_rules.hpp"
 #include "engine/mapping/match/matchers.hpp"
 #include "engine/mapping/match/motion_estimate.hpp"
-#include "engine/mapping/match/motion_model.hpp"
-#include "engine/mapping/match/patience.hpp"
 #include "engine/mapping/match/pose_certainty.hpp"
-#include "engine/mapping/match/thinned_points.hpp"
-#include "engine/mapping/surface/closed_surfaces.hpp"
+#include "engine/mapping/surface/surface_points.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/mapping/scan_points.hpp"
 
 namespace gdtslam {
 namespace {
@@ -53,7 +50,7 @@ struct Mapper::State {
   void leave_device(const DeviceError& error);
   void require_matcher() const;
   void open_matcher();
-  void count_work_of(Backend& backend);
+  void count_work(Backend& backend);
 
   void see(PointScan given);
   void predict(const std::optional<Pose2>& T_odom_base);
@@ -70,11 +67,11 @@ struct Mapper::State {
 
   MapperConfig config;
   MapperOptions options;
-  std::unique_ptr<Backend> own_cpu;  // where the backend that was given is a device
+  std::unique_ptr<Backend> own_cpu;  // host mapper's backend if the given one is a device
   Backend* cpu;
-  Backend* device = nullptr;         // where the matcher works, while it does
-  std::unique_ptr<MatchedMap> map;   // what scans are matched with
-  std::unique_ptr<MatchedMap> next;  // of local maps the one that takes its place, half a stretch younger
+  Backend* device = nullptr;         // device on which the matcher works, while it does
+  std::unique_ptr<MatchedMap> map;   // map that scans are matched with
+  std::unique_ptr<MatchedMap> next;  // next local map, half a stretch younger
   double stretch_m = 0.0;            // path since `next` was begun
   std::unique_ptr<Matcher> matcher;
   std::optional<DeviceError> loss;
@@ -83,8 +80,8 @@ struct Mapper::State {
 
   MotionModel motion;
   Patience patience;
-  std::optional<MotionEstimate> estimate;  // where odometry and matches are weighed
-  PoseCertainty certainty;                 // where it is asked for
+  std::optional<MotionEstimate> estimate;  // weighs odometry and matches, if both are used
+  PoseCertainty certainty;                 // covariance of the pose, if asked for
   MapperStatistics statistics;
   bool started = false;
   Pose2 last_keyframe;
@@ -115,14 +112,14 @@ auto Mapper::State::or_on_cpu(const Step& step) {
 
 // A matcher that walks on the host has its map there, whatever the device, which then has nothing to do.
 Mapper::State::State(const MapperConfig& c, Backend& backend, MapperOptions o)
-    : config(o.with_loops ? LoopClosing::config_of(checked(c)) : checked(c)),
+    : config(o.with_loops ? LoopClosing::adapt_config(checked(c)) : checked(c)),
       options(std::move(o)),
       own_cpu(is_cpu(backend) ? nullptr : make_cpu_backend(options.cpu)),
       cpu(own_cpu ? own_cpu.get() : &backend),
       motion(config.odometry),
       scan_points(config.scan) {
   if (own_cpu && matcher_info(config.match.matcher).place == MatcherPlace::kDevice) device = &backend;
-  count_work_of(device != nullptr ? backend : *cpu);
+  count_work(device != nullptr ? backend : *cpu);
   if (config.odometry.estimate) estimate.emplace();
   or_on_cpu([&] {
     map = std::make_unique<MatchedMap>(config, *cpu, device);
@@ -144,7 +141,7 @@ void Mapper::State::leave_device(const DeviceError& error) {
   for (MatchedMap* matched : {map.get(), next.get()}) {
     if (matched != nullptr) matched->device.reset();
   }
-  count_work_of(*cpu);
+  count_work(*cpu);
   if (!options.fall_back || was_on_cpu) throw DeviceError(error);
   if (map) open_matcher();
   if (options.warn) options.warn(loss_text + "; going on with the CPU, which gives the same results");
@@ -156,7 +153,7 @@ void Mapper::State::require_matcher() const {
 }
 
 // The counts of a mapper are those of the backends that it worked on, while it did.
-void Mapper::State::count_work_of(Backend& backend) {
+void Mapper::State::count_work(Backend& backend) {
   if (at_work != nullptr) {
     statistics.dispatches += at_work->dispatch_count();
     statistics.submissions += at_work->submit_count();
@@ -252,7 +249,7 @@ void Mapper::State::update_map(MatchResult& result) {
 void Mapper::State::merge(const Pose2& pose) {
   const double cell_m = config.map.resolution_m;
   const std::vector<Point2> seen_m = next ? with_surfaces_closed(scan.points_base_m, cell_m) : scan.points_base_m;
-  const KeyframeCells keyframe = keyframe_of(in_map(seen_m, pose), cell_m, config.map.radius_cells());
+  const KeyframeCells keyframe = make_keyframe_cells(in_map(seen_m, pose), cell_m, config.map.radius_cells());
   if (next && stretch_m >= config.local.stretch_m) begin_stretch();
   for (MatchedMap* matched : {map.get(), next.get()}) {
     if (matched != nullptr) matched->host.field.grow_to_hold(keyframe.window);

@@ -20,7 +20,7 @@ std::int32_t cell_floor(double cells) {
 
 }  // namespace
 
-std::vector<Point2> points_of(const LaserScan& scan, const ScanConfig& valid) { return ScanPoints(valid).of(scan); }
+std::vector<Point2> to_points(const LaserScan& scan, const ScanConfig& valid) { return ScanPoints(valid).of(scan); }
 
 void ScanPoints::update_directions(const LaserScan& scan) {
   if (directions_.size() == scan.ranges_m.size() && first_bearing_rad_ == scan.first_bearing_rad &&
@@ -76,11 +76,11 @@ std::vector<Point2> in_map(const std::vector<Point2>& points_m, const Pose2& T_m
   return points;
 }
 
-CellIndex map_cell_of(const Point2& point_map_m, double resolution_m) {
+CellIndex map_cell_at(const Point2& point_map_m, double resolution_m) {
   return {cell_floor(point_map_m.x() / resolution_m), cell_floor(point_map_m.y() / resolution_m)};
 }
 
-CellBox window_of(const std::vector<Point2>& points_map_m, double resolution_m, std::int32_t margin) {
+CellBox points_window(const std::vector<Point2>& points_map_m, double resolution_m, std::int32_t margin) {
   if (points_map_m.empty()) return {};
   Point2 low = points_map_m.front();
   Point2 high = low;
@@ -89,11 +89,12 @@ CellBox window_of(const std::vector<Point2>& points_map_m, double resolution_m, 
     high = high.cwiseMax(p);
   }
   const CellOffset grow{margin, margin};
-  return {map_cell_of(low, resolution_m) - grow, map_cell_of(high, resolution_m) + grow + CellOffset{1, 1}};
+  return {map_cell_at(low, resolution_m) - grow, map_cell_at(high, resolution_m) + grow + CellOffset{1, 1}};
 }
 
-KeyframeCells keyframe_of(const std::vector<Point2>& points_map_m, double resolution_m, std::uint32_t radius_cells) {
-  KeyframeCells keyframe{window_of(points_map_m, resolution_m, static_cast<std::int32_t>(radius_cells)), {}};
+KeyframeCells make_keyframe_cells(const std::vector<Point2>& points_map_m, double resolution_m,
+                                  std::uint32_t radius_cells) {
+  KeyframeCells keyframe{points_window(points_map_m, resolution_m, static_cast<std::int32_t>(radius_cells)), {}};
   const CellBox& window = keyframe.window;
   if (window.width() > kMostWindowCells || window.height() > kMostWindowCells) {
     throw InputError("a scan spans " + std::to_string(window.width()) + " x " + std::to_string(window.height()) +
@@ -102,7 +103,7 @@ KeyframeCells keyframe_of(const std::vector<Point2>& points_map_m, double resolu
   }
   keyframe.cells.reserve(points_map_m.size());
   for (const Point2& point : points_map_m) {
-    const CellOffset d = map_cell_of(point, resolution_m) - window.min;
+    const CellOffset d = map_cell_at(point, resolution_m) - window.min;
     const std::uint32_t cell = static_cast<std::uint32_t>(d.dy) << 16U | static_cast<std::uint32_t>(d.dx);
     if (keyframe.cells.empty() || keyframe.cells.back() != cell) keyframe.cells.push_back(cell);
   }

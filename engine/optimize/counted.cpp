@@ -98,7 +98,7 @@ Point random_point(const Point& least, const Point& most, Random& random) {
   return point;
 }
 
-Point centre_of(std::span<const Valued> points) {
+Point centroid(std::span<const Valued> points) {
   const std::size_t n = points.size() - 1;
   Point centre(points.front().point.size(), 0.0);
   for (std::size_t k = 0; k < centre.size(); ++k) {

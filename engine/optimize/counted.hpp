@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "engine/optimize/minimise.hpp"
 #include "gdtslam/core/random.hpp"
-#include "gdtslam/optimize/minimise.hpp"
 
 namespace gdtslam::optimize {
 
@@ -63,7 +63,7 @@ double extent(std::span<const Valued> points, std::size_t k);
 /// Evenly at random between two corners.
 Point random_point(const Point& least, const Point& most, Random& random);
 /// Centre of all points but the last.
-Point centre_of(std::span<const Valued> points);
+Point centroid(std::span<const Valued> points);
 /// centre + factor * (worst - centre): -1 reflects, -2 expands, 1/2 and -1/2 contract.
 Point along(const Point& centre, const Point& worst, double factor);
 

@@ -57,7 +57,7 @@ Step begin_step(Complex& complex, std::size_t count) {
   Step step{choose_members(complex, count), {}, false};
   std::vector<Valued> chosen;
   for (const std::size_t member : step.members) chosen.push_back(complex.points[member]);
-  step.centre = centre_of(chosen);
+  step.centre = centroid(chosen);
   return step;
 }
 

@@ -14,7 +14,7 @@
 namespace gdtslam::optimize {
 namespace {
 
-/// What tells the plain method from the annealed one.
+/// Differences between the plain method and the annealed one.
 struct SimplexRule {
   std::function<void(Valued&)> evaluate;  ///< values a point that is tried, which may lie beyond the box
   std::function<double()> heat;           ///< added to what is there, taken off what is tried
@@ -53,7 +53,7 @@ std::vector<double> sort_vertices(std::vector<Valued>& vertices, const SimplexRu
 // limit is met on the way, it ends there.
 bool move(Counted& function, std::vector<Valued>& vertices, const SimplexRule& rule) {
   const std::vector<double> values = sort_vertices(vertices, rule);
-  const Point centre = centre_of(vertices);
+  const Point centre = centroid(vertices);
   const Point from = vertices.back().point;
   const auto tried = [&](double factor) {
     Valued one{along(centre, from, factor), 0.0};
@@ -142,7 +142,7 @@ class Annealing {
   }
 
  private:
-  // Where the mean rise between two random points of the box is accepted with the asked probability.
+  // Temperature at which the mean rise between two random points of the box is accepted with the asked probability.
   double first_temperature() {
     std::vector<Valued> sample(10 * function_.dimensions());
     for (Valued& one : sample) one.point = function_.random_point(random_);

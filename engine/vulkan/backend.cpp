@@ -18,7 +18,7 @@ namespace {
 /// A device that was given up for slowness gets this long, at least, to let go of its memory.
 constexpr double kLastWait_s = 5.0;
 
-Error error_of(const std::string& message) { return {ExitCode::kFailed, message}; }
+Error make_error(const std::string& message) { return {ExitCode::kFailed, message}; }
 
 DeviceInfo device_info(const Device& device) {
   DeviceInfo info;
@@ -68,14 +68,12 @@ class VulkanBackendImpl final : public VulkanBackend {
   [[nodiscard]] std::size_t pending_downloads() const override { return engine_->transfers.under_way(); }
 
   [[nodiscard]] const VulkanDeviceInfo& vulkan_device() const override { return engine_->device.info(); }
-  [[nodiscard]] std::uint64_t call_count() const override { return calls_.count(); }
   [[nodiscard]] double last_submission_ns() const override { return engine_->batches.last_submission_ns(); }
-  [[nodiscard]] std::uint64_t barrier_count() const override { return engine_->barriers.barrier_count(); }
   [[nodiscard]] bool cache_was_loaded() const override { return engine_->pipelines.cache().was_loaded(); }
   bool save_cache() noexcept override;
 
  private:
-  /// What a dispatch binds.
+  /// Resources that a dispatch binds.
   struct Bound {
     std::array<DeviceBuffer*, kMostBindings> buffers{};
     std::array<std::uint64_t, kMostBindings> ids{};
@@ -84,8 +82,8 @@ class VulkanBackendImpl final : public VulkanBackend {
   };
   void release(std::uint64_t id) noexcept override;
   void forget_download(std::uint64_t id) noexcept override { engine_->transfers.forget(id); }
-  DeviceBuffer& memory_of(const Buffer& buffer);
-  DeviceBuffer& part_of(const Buffer& buffer, std::size_t bytes, std::size_t offset, const char* verb);
+  DeviceBuffer& find_memory(const Buffer& buffer);
+  DeviceBuffer& checked_part(const Buffer& buffer, std::size_t bytes, std::size_t offset, const char* verb);
   Bound bind(const KernelInfo& kernel, std::span<const Buffer* const> buffers);
   void record(const KernelInfo& kernel, const ShaderVariant& variant, const VariantPipeline& pipeline,
               const Bound& bound, const LaunchShape& shape, GroupCount groups);
@@ -98,7 +96,8 @@ class VulkanBackendImpl final : public VulkanBackend {
   template <class Action>
   decltype(auto) guarded(Action&& action);
 
-  DriverCalls calls_;
+  std::uint64_t lost_at_;
+  std::uint64_t steps_ = 0;  // counts the calls of guarded()
   double wait_limit_s_;
   std::unique_ptr<VulkanEngine> engine_;
   DeviceInfo device_info_;
@@ -112,7 +111,11 @@ template <class Action>
 decltype(auto) VulkanBackendImpl::guarded(Action&& action) {
   refuse_when_failed();
   try {
-    return with_driver(calls_, device_info_.name, std::forward<Action>(action));
+    if (++steps_ == lost_at_) throw vk::DeviceLostError("a rehearsed loss");
+    return std::forward<Action>(action)();
+  } catch (const vk::SystemError& error) {
+    failure_ = device_error(device_info_.name, error);
+    throw DeviceError(*failure_);
   } catch (const DeviceError& error) {
     failure_ = error;
     throw;
@@ -123,7 +126,7 @@ decltype(auto) VulkanBackendImpl::guarded(Action&& action) {
 }
 
 VulkanBackendImpl::VulkanBackendImpl(const VulkanOptions& options)
-    : calls_(vulkan_entry(), options.fault), wait_limit_s_(options.wait_limit_s.value_or(kWaitLimit_s)) {
+    : lost_at_(options.lost_at), wait_limit_s_(options.wait_limit_s.value_or(kWaitLimit_s)) {
   device_info_.name = "vulkan";
   guarded([&] { engine_ = std::make_unique<VulkanEngine>(options); });
   device_info_ = device_info(engine_->device);
@@ -138,10 +141,10 @@ VulkanBackendImpl::~VulkanBackendImpl() {
   // The device may still work, even after a rehearsed loss. What it uses must not be destroyed under its hands: where
   // it does not come to an end, its memory is left to the end of the process.
   const std::uint64_t last = engine_->batches.submitted();
-  const vk::SemaphoreWaitInfo wait = wait_info(*engine_->device.timeline(), last);
+  const VkSemaphoreWaitInfo wait = wait_info(*engine_->device.timeline(), last);
   const auto limit_ns = to_nanoseconds(std::max(wait_limit_s_, kLastWait_s));
-  const VkResult result = last == 0 ? VK_SUCCESS : calls_.wait_past_faults(*engine_->device.handle(), wait, limit_ns);
-  if (result == VK_TIMEOUT) {
+  const vk::raii::Device& device = engine_->device.handle();
+  if (last > 0 && device.getDispatcher()->vkWaitSemaphores(*device, &wait, limit_ns) == VK_TIMEOUT) {
     engine_->log.hand_out();
     static_cast<void>(engine_.release());
   }
@@ -162,19 +165,19 @@ void VulkanBackendImpl::throw_validation_messages() {
   throw DeviceError(*failure_);
 }
 
-DeviceBuffer& VulkanBackendImpl::memory_of(const Buffer& buffer) {
+DeviceBuffer& VulkanBackendImpl::find_memory(const Buffer& buffer) {
   if (!buffer.belongs_to(*this)) {
-    throw error_of("a buffer was used that is empty, or of another backend, or outlived its own");
+    throw make_error("a buffer was used that is empty, or of another backend, or outlived its own");
   }
   return engine_->buffers.at(buffer.id());
 }
 
-DeviceBuffer& VulkanBackendImpl::part_of(const Buffer& buffer, std::size_t bytes, std::size_t offset,
-                                         const char* verb) {
-  DeviceBuffer& memory = memory_of(buffer);
+DeviceBuffer& VulkanBackendImpl::checked_part(const Buffer& buffer, std::size_t bytes, std::size_t offset,
+                                              const char* verb) {
+  DeviceBuffer& memory = find_memory(buffer);
   if (offset > memory.bytes || bytes > memory.bytes - offset) {
-    throw error_of(std::string(verb) + " of " + std::to_string(bytes) + " bytes at offset " + std::to_string(offset) +
-                   " exceeds the buffer's " + std::to_string(memory.bytes) + " bytes");
+    throw make_error(std::string(verb) + " of " + std::to_string(bytes) + " bytes at offset " + std::to_string(offset) +
+                     " exceeds the buffer's " + std::to_string(memory.bytes) + " bytes");
   }
   return memory;
 }
@@ -214,34 +217,34 @@ void VulkanBackendImpl::release(std::uint64_t id) noexcept {
 }
 
 void VulkanBackendImpl::upload(const Buffer& target, std::span<const std::byte> data, std::size_t offset) {
-  DeviceBuffer& memory = part_of(target, data.size(), offset, "upload");
+  DeviceBuffer& memory = checked_part(target, data.size(), offset, "upload");
   guarded([&] { engine_->transfers.upload(memory, data, offset); });
 }
 
 void VulkanBackendImpl::fill(const Buffer& target, std::uint32_t word) {
-  DeviceBuffer& memory = memory_of(target);
+  DeviceBuffer& memory = find_memory(target);
   guarded([&] { engine_->transfers.fill(memory, word); });
 }
 
 void VulkanBackendImpl::copy(const Buffer& source, const Buffer& target) {
-  DeviceBuffer& from = memory_of(source);
-  DeviceBuffer& to = memory_of(target);
+  DeviceBuffer& from = find_memory(source);
+  DeviceBuffer& to = find_memory(target);
   if (from.bytes != to.bytes || source.id() == target.id()) {
-    throw error_of("a copy of " + std::to_string(from.bytes) + " bytes to " + std::to_string(to.bytes) +
-                   " bytes was asked for; it needs two buffers of one size");
+    throw make_error("a copy of " + std::to_string(from.bytes) + " bytes to " + std::to_string(to.bytes) +
+                     " bytes was asked for; it needs two buffers of one size");
   }
   guarded([&] { engine_->transfers.copy(from, to); });
 }
 
 PendingDownload VulkanBackendImpl::start_download(const Buffer& source, std::size_t bytes, std::size_t offset) {
-  DeviceBuffer& memory = part_of(source, bytes, offset, "download");
+  DeviceBuffer& memory = checked_part(source, bytes, offset, "download");
   return pending_download(guarded([&] { return engine_->transfers.start_download(memory, bytes, offset); }), bytes);
 }
 
 void VulkanBackendImpl::finish_download(PendingDownload download, std::span<std::byte> data) {
   refuse_when_failed();
   if (!engine_->transfers.is_under_way(download.id, data.size())) {
-    throw error_of("a download was asked for that is not under way, or with another size");
+    throw make_error("a download was asked for that is not under way, or with another size");
   }
   guarded([&] { engine_->transfers.finish_download(download.id, data); });
   collect(false);
@@ -263,7 +266,7 @@ QueueWork VulkanBackendImpl::work() const {
 }
 
 std::span<std::byte> VulkanBackendImpl::host_view(const Buffer& buffer) {
-  memory_of(buffer);
+  find_memory(buffer);
   return {};
 }
 
@@ -272,7 +275,6 @@ bool VulkanBackendImpl::save_cache() noexcept {
     return !failure_;
   }
   try {
-    const DriverCalls::Scope scope(calls_);
     const bool is_saved = engine_->pipelines.cache().save();
     pipelines_saved_ = is_saved ? engine_->pipelines.made() : pipelines_saved_;
     return is_saved;
@@ -283,19 +285,19 @@ bool VulkanBackendImpl::save_cache() noexcept {
 
 VulkanBackendImpl::Bound VulkanBackendImpl::bind(const KernelInfo& kernel, std::span<const Buffer* const> buffers) {
   if (buffers.size() > kMostBindings) {
-    throw error_of("kernel " + std::string(kernel.name) + ": " + std::to_string(buffers.size()) +
-                   " buffers given, at most " + std::to_string(kMostBindings) + " can be bound");
+    throw make_error("kernel " + std::string(kernel.name) + ": " + std::to_string(buffers.size()) +
+                     " buffers given, at most " + std::to_string(kMostBindings) + " can be bound");
   }
   Bound bound;
   bound.count = buffers.size();
   for (std::size_t i = 0; i < buffers.size(); ++i) {
-    bound.buffers[i] = &memory_of(*buffers[i]);
+    bound.buffers[i] = &find_memory(*buffers[i]);
     bound.ids[i] = buffers[i]->id();
     bound.bytes[i] = bound.buffers[i]->bytes;
     for (std::size_t j = 0; j < i && i < kernel.bindings.size(); ++j) {
       const bool is_written = kernel.bindings[i] != Access::kRead || kernel.bindings[j] != Access::kRead;
       if (is_written && bound.ids[i] == bound.ids[j]) {
-        throw error_of("kernel " + std::string(kernel.name) + ": a buffer that is written is bound twice");
+        throw make_error("kernel " + std::string(kernel.name) + ": a buffer that is written is bound twice");
       }
     }
   }
@@ -326,7 +328,7 @@ void VulkanBackendImpl::dispatch(const KernelInfo& kernel, std::span<const Buffe
   const GroupCount groups = variant.groups(shape);
   check_groups(variant, groups);
   const VariantPipeline& pipeline =
-      guarded([&]() -> const VariantPipeline& { return engine_->pipelines.pipeline_of(kernel, variant); });
+      guarded([&]() -> const VariantPipeline& { return engine_->pipelines.find_pipeline(kernel, variant); });
   throw_validation_messages();  // a pipeline that does not fit must not be used
   guarded([&] { record(kernel, variant, pipeline, bound, shape, groups); });
   ++dispatch_count_;

@@ -1,13 +1,9 @@
 // All that a backend has on the device, in the order in which it is made; it goes in the reverse order.
 #pragma once
 
-#include <optional>
-#include <vector>
-
 #include "engine/vulkan/commands/barriers.hpp"
 #include "engine/vulkan/commands/batches.hpp"
 #include "engine/vulkan/device/device.hpp"
-#include "engine/vulkan/device/driver_calls.hpp"
 #include "engine/vulkan/device/environment.hpp"
 #include "engine/vulkan/device/instance.hpp"
 #include "engine/vulkan/dispatch/descriptor_sets.hpp"
@@ -17,7 +13,6 @@
 
 namespace gdtslam {
 
-/// Made within a DriverCalls::Scope.
 struct VulkanEngine {
   explicit VulkanEngine(const VulkanOptions& options)
       : log(options.on_message),

@@ -1,4 +1,4 @@
-// Where the cells of a field lie (engine/compute/include/gdtslam/compute/kernel_options.hpp).
+// Layout of a field's cells (engine/compute/include/gdtslam/compute/kernel.hpp).
 #ifndef GDTSLAM_FIELD_LAYOUT_GLSL
 #define GDTSLAM_FIELD_LAYOUT_GLSL
 

@@ -1,5 +1,5 @@
-// Where a point of the scan falls on a field and what the field holds there, to the bit as
-// engine/compute/kernels/pose_cost/pose_cost.hpp has it.
+// Position of a scan's point on a field and the field's value there, to the bit like
+// engine/compute/kernels/pose_cost/pose_cost.hpp.
 //
 // Declares the field, binding 0 of the kernel: words of two cells of a row, the left one in the low half.
 // Offers: FieldView and field_view() (what does not change from point to point), CellRotation and cell_rotation(),
@@ -98,7 +98,7 @@ uint squared_shift(uint cap) {
   return bits > 16 ? uint(bits - 16) : 0u;
 }
 
-/// What a value adds to a cost.
+/// Contribution of a value to a cost.
 uint cost_term(uint value, uint cap, uint form, uint square_shift) {
   uint capped = min(value, cap);
   return form == kSquared ? (capped * capped) >> square_shift : capped;

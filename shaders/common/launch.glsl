@@ -1,5 +1,5 @@
-// What every shader opens with: work group sizes are specialisation constants 0, 1 and 2, so that one shader serves
-// devices that like different ones, and where in a launch an invocation stands.
+// Common head of all shaders: work group sizes are specialisation constants 0, 1 and 2, so that one shader serves
+// devices that like different ones, and the position of an invocation in its launch.
 #ifndef GDTSLAM_LAUNCH_GLSL
 #define GDTSLAM_LAUNCH_GLSL
 

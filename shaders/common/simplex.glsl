@@ -10,7 +10,7 @@ struct Vertex {
   uint cost;
 };
 
-// What the pose that is being costed is for.
+// Purpose of the pose that is being costed.
 const uint kFill = 0u;      // vertex `filled` of the simplex: first simplex, or shrunk
 const uint kReflect = 1u;
 const uint kExpand = 2u;

@@ -153,7 +153,7 @@ def verify_passes():
 def verify_of_a_device_that_fails():
     """A device that fails on the way: exit 1, and what failed."""
     device = require_vulkan()[0]["device"]
-    env = environment(GDTSLAM_VULKAN_FAULT="200:device-lost")
+    env = failing("vkQueueSubmit", 25)
     process = command("verify", "--device", device, env=env)
     expect_exit(process, 1)
     one_error_line(process.stderr)
@@ -269,9 +269,11 @@ def device_that_fails():
     folder = fresh_folder("fails")
     arguments = ["--first", 40, "--matcher", "exhaustive", "--device", "vulkan"]
     wanted = results(mapped(folder / "cpu", *arguments[:-1], "cpu"))
-    for call, at, code in (("vkCreateDevice", 1, "DeviceLost"), ("vkAllocateMemory", 1, "OutOfDeviceMemory"),
-                           ("vkQueueSubmit", 1, "DeviceLost"), ("vkQueueSubmit", 25, "DeviceLost")):
-        env = failing(call, at)
+    for driver_call, call, at, code in (("vkCreateDevice", "vkCreateDevice", 1, "DeviceLost"),
+                                        ("vkAllocateMemory", "vkAllocateMemory", 1, "OutOfDeviceMemory"),
+                                        ("vkQueueSubmit", "vk::Queue::submit", 1, "DeviceLost"),
+                                        ("vkQueueSubmit", "vk::Queue::submit", 25, "DeviceLost")):
+        env = failing(driver_call, at)
         process = command("map", LOG, "-o", folder / "out", "--force", "--json", *arguments, env=env)
         expect_exit(process, 0)
         warnings = process.stderr.splitlines()

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "engine/cloud/position_of.hpp"
+#include "engine/cloud/to_position.hpp"
 #include "gdtslam/core/error.hpp"
 #include "viewer/scene/cloud/cloud_colours.hpp"
 #include "viewer/scene/cloud/cloud_level.hpp"
@@ -67,7 +67,7 @@ void PagedCloud::keep_points() {
   const std::size_t stride = finite.size() / kSample + 1;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
-    for (std::size_t k = 0; k < finite.size(); k += stride) values.push_back(position_of(cloud_[finite[k]])[axis]);
+    for (std::size_t k = 0; k < finite.size(); k += stride) values.push_back(to_position(cloud_[finite[k]])[axis]);
     const double beyond = std::floor(kStrayShare * static_cast<double>(values.size() - 1));  // of few points none
     const double last = static_cast<double>(values.size() - 1);
     low[axis] = percentile(values, last > 0.0 ? beyond / last : 0.0);
@@ -79,7 +79,7 @@ void PagedCloud::keep_points() {
   least_.setConstant(std::numeric_limits<double>::infinity());
   most_ = -least_;
   for (const std::uint32_t index : finite) {
-    const Point3 at = position_of(cloud_[index]);
+    const Point3 at = to_position(cloud_[index]);
     if ((at - low).minCoeff() < -reach || (at - high).maxCoeff() > reach) continue;
     kept_.push_back(index);
     least_ = least_.cwiseMin(at);
@@ -132,8 +132,8 @@ void PagedCloud::find_levels() {
 }
 
 LevelCode PagedCloud::level_of(const CloudPoint& point) const {
-  if (floor_ && floor_->distance_m(position_of(point)) <= kFloorMargin_m) return LevelCode::kFloor;
-  if (ceiling_ && ceiling_->distance_m(position_of(point)) >= -kCeilingMargin_m) return LevelCode::kCeiling;
+  if (floor_ && floor_->distance_m(to_position(point)) <= kFloorMargin_m) return LevelCode::kFloor;
+  if (ceiling_ && ceiling_->distance_m(to_position(point)) >= -kCeilingMargin_m) return LevelCode::kCeiling;
   return LevelCode::kNone;
 }
 
@@ -162,7 +162,7 @@ Json PagedCloud::description() const {
 
 void PagedCloud::append_point(std::size_t index, ByteWriter& bytes) const {
   const CloudPoint& point = cloud_[index];
-  const Point3 at = position_of(point);
+  const Point3 at = to_position(point);
   for (int axis = 0; axis < 3; ++axis) {
     bytes.u16(quantised(at[axis], least_[axis], most_[axis] - least_[axis], 65535.0));
   }

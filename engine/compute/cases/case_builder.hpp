@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
-#include "gdtslam/compute/kernel_options.hpp"
+#include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/core/random.hpp"
 #include "kernel_cases.hpp"
 
@@ -28,7 +28,7 @@ inline constexpr CaseSize kCaseSizes[] = {{0, 0, 0},    {1, 1, 4},      {1, 9, 3
 /// Long and thin ones, and one as of a scan's window: tried with few parameters.
 inline constexpr CaseSize kLongSizes[] = {
     {1021, 3, 1024}, {2, 1019, 4}, {4096, 1, 4096}, {1, 4096, 4}, {333, 250, 336}};
-/// As large as maps become, and primes.
+/// Sizes of the largest maps, and primes.
 inline constexpr CaseSize kLargeSizes[] = {{4096, 4096, 4096}, {2039, 1021, 2052}};
 /// Largest side of the sizes that are tried in all pairs.
 inline constexpr std::uint32_t kSmallSide = 15;
@@ -142,7 +142,7 @@ KernelCase make_case(std::string name, const typename K::Params& params, Extent 
   return result;
 }
 
-/// What a case is for: quick runs leave large ones out.
+/// Purpose of a case: quick runs leave large ones out.
 enum class CaseUse : std::uint8_t { kTest, kBenchmark, kLarge };
 
 /// Appends the case of a shape: what a case varies, with its Kernel, its name() and make(name), which builds the

@@ -71,7 +71,7 @@ void add_group(std::vector<CaseGroup>& groups) {
 }
 
 template <class... K>
-std::vector<CaseGroup> groups_of(KernelList<K...> /*kernels*/) {
+std::vector<CaseGroup> make_groups(KernelList<K...> /*kernels*/) {
   std::vector<CaseGroup> groups;
   (add_group<K>(groups), ...);
   return groups;
@@ -79,7 +79,7 @@ std::vector<CaseGroup> groups_of(KernelList<K...> /*kernels*/) {
 
 /// In the order of the registry, but for kernels that share a group.
 const std::vector<CaseGroup>& case_groups() {
-  static const std::vector<CaseGroup> groups = groups_of(AllKernels{});
+  static const std::vector<CaseGroup> groups = make_groups(AllKernels{});
   return groups;
 }
 

@@ -43,7 +43,7 @@ struct KernelCase {
 struct KernelCaseSource {
   const KernelInfo* kernel = nullptr;
   std::string name;        ///< unique within the kernel
-  bool benchmark = false;  ///< of a size that is worth timing
+  bool benchmark = false;  ///< true for sizes that are worth timing
   bool large = false;      ///< takes long: quick runs leave it out
   std::function<KernelCase()> make;
 };
@@ -56,10 +56,10 @@ std::vector<KernelCaseSource> kernel_cases();
 std::vector<KernelCaseSource> random_kernel_cases(std::uint64_t seed, std::uint32_t count);
 KernelCaseSource random_kernel_case(std::uint64_t seed, std::uint32_t index);
 
-/// What a case left behind: the buffers' bytes after the dispatch.
+/// Result of a case: the buffers' bytes after the dispatch.
 struct CaseOutcome {
   std::vector<std::vector<std::byte>> contents;
-  bool guards_intact = true;  ///< nothing was written behind any buffer
+  bool guards_intact = true;  ///< the bytes behind every buffer are unchanged
   bool inputs_intact = true;  ///< no buffer that is only read has changed
 };
 
@@ -70,11 +70,11 @@ CaseOutcome run_case(Backend& backend, const KernelCase& kernel_case);
 struct CaseDifference {
   std::uint64_t values = 0;   ///< how many differ
   std::uint64_t largest = 0;  ///< largest difference of two values, as unsigned integers
-  std::size_t binding = 0;    ///< where the first one is
+  std::size_t binding = 0;    ///< binding of the first difference
   std::uint32_t x = 0;
   std::uint32_t y = 0;
 };
-/// Nothing when the outcomes are equal.
+/// Returns the first difference, or none if the outcomes are equal.
 std::optional<CaseDifference> difference(const KernelCase& kernel_case, const CaseOutcome& expected,
                                          const CaseOutcome& found);
 

@@ -25,7 +25,7 @@ constexpr std::array<Wall, 9> kRoom{{{0.15, 0.15, 0.85, 0.15},
                                      {0.40, 0.35, 0.40, 0.50},
                                      {0.60, 0.55, 0.60, 0.80}}};
 
-Wall wall_of(std::size_t i, CaseSize size) {
+Wall room_wall(std::size_t i, CaseSize size) {
   const Wall& share = kRoom[i];
   return {share.x0 * size.width, share.y0 * size.height, share.x1 * size.width, share.y1 * size.height};
 }
@@ -70,7 +70,7 @@ std::vector<std::uint16_t> room_field(CaseSize size, std::uint32_t cap, Random& 
     for (std::uint32_t x = 0; x < size.width; ++x) {
       double sq_least = 1.0e12;
       for (std::size_t i = 0; i < kRoom.size(); ++i) {
-        sq_least = std::min(sq_least, sq_distance_to(wall_of(i, size), x + 0.5, y + 0.5));
+        sq_least = std::min(sq_least, sq_distance_to(room_wall(i, size), x + 0.5, y + 0.5));
       }
       const auto units = static_cast<std::uint32_t>(std::floor(256.0 * std::sqrt(sq_least) + 0.5));
       const std::uint32_t value = on_border(size, x, y) ? cap : std::min(cap, units);
@@ -82,11 +82,11 @@ std::vector<std::uint16_t> room_field(CaseSize size, std::uint32_t cap, Random& 
 
 std::vector<PointCells> room_points(CaseSize size, std::uint32_t count, const PoseCandidate& pose, Random& random) {
   const auto [sin, cos] = sin_cos(static_cast<double>(pose.theta));
-  const double origin_x = anchor_of(size.width) + static_cast<double>(pose.x);
-  const double origin_y = anchor_of(size.height) + static_cast<double>(pose.y);
+  const double origin_x = anchor_cell(size.width) + static_cast<double>(pose.x);
+  const double origin_y = anchor_cell(size.height) + static_cast<double>(pose.y);
   std::vector<PointCells> points(count);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Wall wall = wall_of(i % kRoom.size(), size);
+    const Wall wall = room_wall(i % kRoom.size(), size);
     const double share = random.uniform(0.0, 1.0);
     const double dx = wall.x0 + share * (wall.x1 - wall.x0) - origin_x;
     const double dy = wall.y0 + share * (wall.y1 - wall.y0) - origin_y;

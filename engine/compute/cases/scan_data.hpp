@@ -19,7 +19,7 @@ CaseBuffer words_buffer(const std::vector<T>& values) {
 }
 
 /// A cell near the field's middle: what poses are relative to.
-inline std::int32_t anchor_of(std::uint32_t side) { return static_cast<std::int32_t>(side / 2) - 7; }
+inline std::int32_t anchor_cell(std::uint32_t side) { return static_cast<std::int32_t>(side / 2) - 7; }
 
 /// A field whose values change slowly, as those of distances do, with the border of caps that kernels rely on.
 std::vector<std::uint16_t> slow_field(CaseSize size, std::uint32_t cap, Random& random);
@@ -30,7 +30,7 @@ std::vector<PointCells> scattered_points(CaseSize size, std::uint32_t count, Ran
 /// Distances to the walls of a room with a pillar and a partition, 1/256 cell, at most the cap, which the border holds.
 std::vector<std::uint16_t> room_field(CaseSize size, std::uint32_t cap, Random& random);
 
-/// Points on those walls as they are seen from a pose (PoseCandidate's coordinates, around anchor_of).
+/// Points on those walls as they are seen from a pose (PoseCandidate's coordinates, around anchor_cell).
 std::vector<PointCells> room_points(CaseSize size, std::uint32_t count, const PoseCandidate& pose, Random& random);
 
 /// The pose that scans of the room are taken from.
@@ -51,8 +51,8 @@ inline PoseCost::Params cost_params(CaseSize field, std::uint32_t points, std::u
   return {.width = field.width,
           .height = field.height,
           .stride = field.stride,
-          .anchor_x = anchor_of(field.width),
-          .anchor_y = anchor_of(field.height),
+          .anchor_x = anchor_cell(field.width),
+          .anchor_y = anchor_cell(field.height),
           .point_count = points,
           .cap = cap,
           .interpolation = interpolation,

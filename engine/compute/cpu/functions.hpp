@@ -1,10 +1,9 @@
-// What a translation unit of one instruction set exports: the kernels as plain functions of pointers. No library
+// Exports of the translation unit of one instruction set: the kernels as plain functions of pointers. No library
 // templates and no inline functions cross this line: the linker keeps one copy of those for the whole program, and a
 // copy compiled for AVX-512 must not end up in code that runs elsewhere (a test looks at the objects' symbols). The
 // small functions below are static for that reason.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 
 #include "engine/compute/kernels/distance_field/distance_field.hpp"

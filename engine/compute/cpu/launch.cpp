@@ -22,7 +22,7 @@ const IsaFunctions& functions_or_throw(Isa isa) {
     throw UnavailableError("this build has no kernels for the instruction set " + std::string(to_string(isa)));
   }
   count_kernel_call();
-  return functions_of(isa);
+  return isa_functions(isa);
 }
 
 std::size_t grid_bytes(std::uint32_t width, std::uint32_t height, std::uint32_t stride, std::size_t cell_bytes) {

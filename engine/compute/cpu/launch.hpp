@@ -1,4 +1,4 @@
-// What the rows of the kernels share: typed views of a launch, the checks of its sizes, the call of a kernel's function
+// Common code of the kernels' rows: typed views of a launch, the checks of its sizes, the call of a kernel's function
 // with them, and the making of the row.
 #pragma once
 
@@ -26,7 +26,7 @@ constexpr bool is_compiled(Isa isa) {
 }
 
 /// The functions of an instruction set that the build has.
-inline const IsaFunctions& functions_of(Isa isa) {
+inline const IsaFunctions& isa_functions(Isa isa) {
 #ifdef GDTSLAM_X86_KERNELS
   if (isa == Isa::kAvx2) {
     return kAvx2Functions;
@@ -54,7 +54,7 @@ inline void count_kernel_call() {
 
 /// The parameters of a launch; their bytes need no alignment.
 template <class Params>
-Params params_of(std::span<const std::byte> bytes) {
+Params read_params(std::span<const std::byte> bytes) {
   Params params;
   std::memcpy(&params, bytes.data(), sizeof(Params));
   return params;
@@ -62,7 +62,7 @@ Params params_of(std::span<const std::byte> bytes) {
 
 /// A buffer of a launch as values; buffers are aligned to cache lines.
 template <class T>
-T* buffer_of(const CpuLaunch& launch, std::size_t binding) {
+T* typed_buffer(const CpuLaunch& launch, std::size_t binding) {
   return reinterpret_cast<T*>(launch.buffers[binding].data());
 }
 
@@ -74,11 +74,11 @@ inline CellRange cell_range(const CpuLaunch& launch) {
   return {launch.begin, launch.end, 0, 1};
 }
 
-/// What a kernel's function takes at a place behind its parameters: a buffer, or what the launch is about.
+/// Argument of a kernel's function at a place behind its parameters: a buffer, or a size of the launch.
 template <class T>
 T launch_argument(const CpuLaunch& launch, std::size_t place) {
   if constexpr (std::is_pointer_v<T>) {
-    return buffer_of<std::remove_pointer_t<T>>(launch, place);
+    return typed_buffer<std::remove_pointer_t<T>>(launch, place);
   } else if constexpr (std::is_same_v<T, CellRange>) {
     return cell_range(launch);
   } else {
@@ -89,7 +89,7 @@ T launch_argument(const CpuLaunch& launch, std::size_t place) {
 template <class Params, class... Arguments>
 void call_function(void (*function)(const Params&, Arguments...), const CpuLaunch& launch) {
   [&]<std::size_t... kPlaces>(std::index_sequence<kPlaces...>) {
-    function(params_of<Params>(launch.params), launch_argument<Arguments>(launch, kPlaces)...);
+    function(read_params<Params>(launch.params), launch_argument<Arguments>(launch, kPlaces)...);
   }
   (std::index_sequence_for<Arguments...>{});
 }
@@ -129,7 +129,7 @@ class LaunchCheck {
   void buffer(std::size_t binding, std::size_t bytes) const;
   void extent(Extent wanted) const;
   [[nodiscard]] Extent threads() const { return shape_.threads; }
-  /// What PriorParams promises, finite means besides.
+  /// Checks the promises of PriorParams, and that means are finite.
   void prior(const PriorParams& prior) const;
   /// The limits of PoseCost, whose field is buffer 0 and whose points are buffer 1.
   void cost(const PoseCost::Params& params) const;
@@ -156,7 +156,7 @@ constexpr std::array<CpuFunction, kIsaCount> per_isa() {
     } else {
       return +[](const CpuLaunch& launch) {
         count_kernel_call();
-        Call{}(functions_of(isa), launch);
+        Call{}(isa_functions(isa), launch);
       };
     }
   };
@@ -170,7 +170,7 @@ inline constexpr auto kCells = [](const auto& params, Extent /*threads*/) {
 };
 inline constexpr auto kThings = [](const auto& /*params*/, Extent threads) { return std::uint64_t{threads.x}; };
 
-/// What the registry says of a kernel.
+/// Texts about a kernel in the registry.
 struct KernelText {
   std::string_view name;
   std::string_view work_unit;
@@ -187,10 +187,10 @@ KernelInfo kernel_info(const KernelText& text, Call /*call*/, Work /*work*/, Che
   info.params_bytes = sizeof(typename K::Params);
   info.cpu = per_isa<Call>();
   info.check = [](const LaunchShape& shape) {
-    Check{}(params_of<typename K::Params>(shape.params), LaunchCheck(K::info().name, shape));
+    Check{}(read_params<typename K::Params>(shape.params), LaunchCheck(K::info().name, shape));
   };
   info.work = [](const LaunchShape& shape) {
-    return Work{}(params_of<typename K::Params>(shape.params), shape.threads);
+    return Work{}(read_params<typename K::Params>(shape.params), shape.threads);
   };
   info.work_unit = text.work_unit;
   info.source = text.source;

@@ -33,7 +33,7 @@ Ints shift_right_signed(Ints a) {
 inline Ints shift_right(Ints a, __m128i bits) { return _mm256_srl_epi32(a, bits); }
 inline Ints load(const void* aligned) { return _mm256_load_si256(static_cast<const __m256i*>(aligned)); }
 inline void store(void* aligned, Ints a) { _mm256_store_si256(static_cast<__m256i*>(aligned), a); }
-inline std::uint32_t sum_of(Ints a) {
+inline std::uint32_t lane_sum(Ints a) {
   const __m128i four = _mm_add_epi32(_mm256_castsi256_si128(a), _mm256_extracti128_si256(a, 1));
   const __m128i two = _mm_add_epi32(four, _mm_shuffle_epi32(four, 0x4E));
   return static_cast<std::uint32_t>(_mm_cvtsi128_si32(_mm_add_epi32(two, _mm_shuffle_epi32(two, 0xB1))));

@@ -33,7 +33,7 @@ Ints shift_right_signed(Ints a) {
 inline Ints shift_right(Ints a, __m128i bits) { return _mm512_srl_epi32(a, bits); }
 inline Ints load(const void* aligned) { return _mm512_load_si512(aligned); }
 inline void store(void* aligned, Ints a) { _mm512_store_si512(aligned, a); }
-inline std::uint32_t sum_of(Ints a) {
+inline std::uint32_t lane_sum(Ints a) {
   const __m256i eight = _mm256_add_epi32(_mm512_castsi512_si256(a), _mm512_extracti64x4_epi64(a, 1));
   const __m128i four = _mm_add_epi32(_mm256_castsi256_si128(eight), _mm256_extracti128_si256(eight, 1));
   const __m128i two = _mm_add_epi32(four, _mm_shuffle_epi32(four, 0x4E));

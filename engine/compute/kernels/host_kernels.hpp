@@ -1,14 +1,11 @@
 // Direct calls of the CPU kernels, for host code that works sequentially on a field in the host's memory and cannot
-// afford a dispatch, and for tests: the same functions that the CPU backend runs, on the caller's thread, without
+// afford a dispatch: the same functions that the CPU backend runs, on the caller's thread, without
 // checks of sizes (asserts only). Parameters, layouts and arithmetic are those of kernels/*.hpp. Grids need no padding:
 // nothing outside [0, width) of a row is read or written. Thread-safe.
 #pragma once
 
 #include <cstdint>
-#include <span>
 
-#include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
-#include "engine/compute/kernels/jump_flood/jump_flood.hpp"
 #include "engine/compute/kernels/point_values/point_values.hpp"
 #include "engine/compute/kernels/pose_bounds/pose_bounds.hpp"
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
@@ -51,15 +48,5 @@ void field_minorant_host(Isa isa, const FieldMinorant::Params& params, const std
 void pose_minorant_wide_host(Isa isa, const PoseMinorantWide::Params& params, const std::uint32_t* minorants,
                              const BoundPoint* points, const PoseCandidate* boxes, std::uint32_t count,
                              PoseMinorant::Value* values);
-
-// The tests' references for the kernels of the same names; no other code calls these.
-
-/// Truncated transform by jump flooding, all passes; `nearest` and `scratch` are of stride * height values each.
-void jump_flood_host(Isa isa, const JumpFloodDistance::Params& params, std::span<const std::uint32_t> steps,
-                     const std::uint8_t* seeds, std::uint32_t* nearest, std::uint32_t* scratch,
-                     std::uint16_t* sq_distance);
-
-/// Merges a scan's field into the global one.
-void gdt_merge_host(Isa isa, const GdtMerge::Params& params, std::uint16_t* global, const std::uint16_t* scan);
 
 }  // namespace gdtslam

@@ -11,7 +11,7 @@ void ByteShelf::put(std::initializer_list<std::span<const std::byte>> parts) {
   if (!open_.empty() && open_.size() + bytes > page_bytes_) close_page();
   if (open_.empty()) open_.reserve(std::max(bytes, page_bytes_));
   const auto append = [this](std::span<const std::byte> part) { open_.insert(open_.end(), part.begin(), part.end()); };
-  append(bytes_of(record_bytes));
+  append(value_bytes(record_bytes));
   for (const std::span<const std::byte> part : parts) append(part);
   ++size_;
 }

@@ -80,7 +80,7 @@ class ByteShelf {
 
 /// A value as a part of a record.
 template <typename Value>
-std::span<const std::byte> bytes_of(const Value& value) {
+std::span<const std::byte> value_bytes(const Value& value) {
   static_assert(std::is_trivially_copyable_v<Value>);
   return std::as_bytes(std::span(&value, 1));
 }
@@ -97,7 +97,7 @@ void take_values(std::span<const std::byte>& record, std::span<Value> values) {
 /// A value that is its bytes, as a record.
 template <typename Value>
 requires std::is_trivially_copyable_v<Value>
-void put_on(ByteShelf& shelf, const Value& value) { shelf.put({bytes_of(value)}); }
+void put_on(ByteShelf& shelf, const Value& value) { shelf.put({value_bytes(value)}); }
 template <typename Value>
 requires std::is_trivially_copyable_v<Value>
 void take_from(std::span<const std::byte> record, Value& value) { take_values(record, std::span(&value, 1)); }

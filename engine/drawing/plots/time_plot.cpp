@@ -15,15 +15,15 @@ namespace {
 using namespace picture;
 
 /// What the points span; those that are not finite are gaps and span nothing.
-struct Extent {
+struct DataExtent {
   double first_s = std::numeric_limits<double>::infinity();
   double last_s = -std::numeric_limits<double>::infinity();
   double least = std::numeric_limits<double>::infinity();
   double most = -std::numeric_limits<double>::infinity();
   [[nodiscard]] bool is_empty() const { return !(first_s <= last_s); }
 };
-Extent extent_of(const std::vector<TimeSeries>& series) {
-  Extent extent;
+DataExtent extent_of(const std::vector<TimeSeries>& series) {
+  DataExtent extent;
   for (const TimeSeries& one : series) {
     for (const auto& [time_s, value] : one.points) {
       if (!std::isfinite(time_s) || !std::isfinite(value)) continue;
@@ -44,7 +44,7 @@ struct TimeUnit {
   std::string title;
   [[nodiscard]] double of(double time_s) const { return (time_s - zero_s) / length_s; }
 };
-TimeUnit time_unit(const Extent& extent) {
+TimeUnit time_unit(const DataExtent& extent) {
   constexpr double kClockFrom_s = 1e6;  // later stamps are a clock's, and nobody reads the time of day from them
   constexpr double kMinute_s = 60.0;
   constexpr double kHour_s = 3600.0;
@@ -64,14 +64,14 @@ TimeUnit time_unit(const Extent& extent) {
   return unit;
 }
 
-Axis time_axis(const Extent& extent, const TimeUnit& unit) {
+Axis time_axis(const DataExtent& extent, const TimeUnit& unit) {
   Axis axis = axis_of(unit.title, unit.of(extent.first_s), unit.of(extent.last_s), false);
   if (axis.from == axis.to) axis.to = axis.from + 1.0;
   return axis;
 }
 
 /// With 0 where it is near: what is half as large then looks so.
-Axis value_axis(const Extent& extent, const std::string& title) {
+Axis value_axis(const DataExtent& extent, const std::string& title) {
   double from = extent.least;
   double to = extent.most;
   if (from > 0.0 && from < 0.5 * to) from = 0.0;
@@ -88,7 +88,7 @@ Axis value_axis(const Extent& extent, const std::string& title) {
 
 Canvas time_plot(const std::string& title, const std::string& quantity, const std::string& unit,
                  const std::vector<TimeSeries>& series, const PictureSize& size) {
-  const Extent extent = extent_of(series);
+  const DataExtent extent = extent_of(series);
   const TimeUnit times = time_unit(extent);
   return plot_sheet(title, size, [&](Canvas& canvas, const DrawingArea& area) {
     Plot plot(canvas, area, time_axis(extent, times), value_axis(extent, axis_title(quantity, unit)), plot_look(title));

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <utility>
 
 #include "engine/mapping/adjust/pose_bins.hpp"
 
@@ -14,14 +13,13 @@ namespace {
 constexpr double kFewestLaid = 15.0;       // that lay a scan on another
 constexpr std::size_t kPairsAtOnce = 512;  // by the workers, before they are added up
 
-// Of the pairs of a keyframe, those that are in the core: the next ones back in time, and the nearest of earlier
-// passes.
+// The core has these pairs of each keyframe: the next ones back in time, and the nearest ones of earlier passes.
 constexpr std::size_t kCoreBack = 3;
 constexpr std::size_t kCoreNear = 2;
 
-/// What scans tell of each other, less what tilted normals feign. Where a surface ends behind another, normals are off
-/// by some degrees, always to the same side: along a corridor without much else that pulls scans onto each other, half
-/// a per cent of the way.
+/// Information that two scans give about each other, without what tilted normals pretend to show. Where a surface ends
+/// behind another, normals are off by some degrees, always to the same side: along a corridor without much else that
+/// pulls scans onto each other, by half a per cent of the way.
 struct Belief {
   Matrix3 information;
   Tangent2 gradient{};
@@ -37,7 +35,7 @@ Belief belief_in(const LineEquations& lines) {
 
 }  // namespace
 
-std::vector<KeyframePair> pairs_of(const std::vector<Pose2>& poses, const PairRules& rules) {
+std::vector<KeyframePair> find_pairs(const std::vector<Pose2>& poses, const PairRules& rules) {
   std::vector<KeyframePair> pairs;
   PoseBins bins(rules.near_m);
   const std::size_t longest = rules.back.empty() ? 0 : rules.back.back();
@@ -69,13 +67,13 @@ JointAdjustment::JointAdjustment(const std::vector<KeptScan>& scans, std::vector
 class JointAdjustment::Systems {
  public:
   Systems(std::vector<KeyframePair> pairs, const std::vector<PoseRelation>& held, std::size_t keyframes)
-      : pairs_(std::move(pairs)), whole_(system_of(pairs_, held, keyframes)) {
+      : pairs_(std::move(pairs)), whole_(make_system(pairs_, held, keyframes)) {
     choose_core();
     std::vector<KeyframePair> core;
     for (std::size_t i = 0; i < pairs_.size(); ++i) {
       if (is_of_core_[i]) core.push_back(pairs_[i]);
     }
-    core_.emplace(system_of(core, held, keyframes));
+    core_.emplace(make_system(core, held, keyframes));
     factor_.emplace(*core_);
     both_ = {&whole_, &*core_};
   }
@@ -83,7 +81,7 @@ class JointAdjustment::Systems {
   Systems& operator=(const Systems&) = delete;
 
   [[nodiscard]] const std::vector<KeyframePair>& pairs() const { return pairs_; }
-  /// Those that a pair belongs to.
+  /// Systems that a pair belongs to.
   [[nodiscard]] std::span<BlockSystem* const> of_pair(std::size_t pair) const {
     return std::span(both_).first(is_of_core_[pair] ? 2 : 1);
   }
@@ -92,8 +90,8 @@ class JointAdjustment::Systems {
   double step(std::vector<Pose2>& poses) { return take_step_by_core(whole_, *core_, *factor_, poses); }
 
  private:
-  static BlockSystem system_of(const std::vector<KeyframePair>& pairs, const std::vector<PoseRelation>& held,
-                               std::size_t keyframes) {
+  static BlockSystem make_system(const std::vector<KeyframePair>& pairs, const std::vector<PoseRelation>& held,
+                                 std::size_t keyframes) {
     std::vector<BlockSystem::Pair> pattern(pairs.begin(), pairs.end());
     for (const PoseRelation& relation : held) pattern.emplace_back(relation.from, relation.to);
     return {keyframes, std::move(pattern)};
@@ -114,11 +112,11 @@ class JointAdjustment::Systems {
   std::vector<bool> is_of_core_;
   BlockSystem whole_;
   std::optional<BlockSystem> core_;
-  std::optional<BlockCholesky> factor_;  // of the core
+  std::optional<BlockCholesky> factor_;  // factor of the core's equations
   std::array<BlockSystem*, 2> both_{};
 };
 
-/// What one scan laid on another adds to the equations.
+/// Contribution to the equations of one scan laid on another.
 struct JointAdjustment::OneWay {
   bool is_laid = false;
   Matrix3 of_moving;
@@ -210,7 +208,7 @@ JointResult JointAdjustment::run(std::vector<Pose2>& poses, WorkerPool& workers,
   std::optional<Systems> systems;
   double gate_m = options_.first_gate_m;
   for (int step = 0; step < options_.iterations; ++step) {
-    if (step % options_.pairs_every == 0) systems.emplace(pairs_of(poses), held_, scans_.size());
+    if (step % options_.pairs_every == 0) systems.emplace(find_pairs(poses), held_, scans_.size());
     result.largest_step_m = take_step(gate_m, *systems, poses, workers, result);
     const bool is_still = result.largest_step_m < options_.still_m && gate_m <= options_.last_gate_m;
     if (is_still && step >= options_.pairs_every) break;

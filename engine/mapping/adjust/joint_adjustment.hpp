@@ -6,7 +6,6 @@
 
 #include <cstddef>
 #include <functional>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -28,7 +27,7 @@ struct PairRules {
 };
 
 /// By the poses as they are, in the order of the later keyframe.
-std::vector<KeyframePair> pairs_of(const std::vector<Pose2>& poses, const PairRules& rules = {});
+std::vector<KeyframePair> find_pairs(const std::vector<Pose2>& poses, const PairRules& rules = {});
 
 struct JointOptions {
   int iterations = 10;     ///< at most,
@@ -39,13 +38,13 @@ struct JointOptions {
   double narrowing = 0.8;
   double point_noise_m = 0.02;
   double independent = 0.2;  ///< share of the points that tell something new
-  std::size_t points = 90;   ///< of a scan, for each pair
+  std::size_t points = 90;   ///< taken from a scan for each pair
 };
 
-/// What an adjustment came to.
+/// Result of an adjustment.
 struct JointResult {
-  double rms_m = 0.0;           ///< of the points' distances from their lines, at the last gate
-  double largest_step_m = 0.0;  ///< of the last iteration
+  double rms_m = 0.0;           ///< RMS distance of the points from their lines, at the last gate
+  double largest_step_m = 0.0;  ///< largest change of a pose in the last iteration
   std::size_t pairs = 0;
 };
 

@@ -12,11 +12,11 @@ namespace {
 constexpr std::size_t kMostLookedAt = 12;  // to each side of the direction
 constexpr double kMostReach_rad = 0.6;
 constexpr double kLeastRange_m = 0.1;
-// direction_of() grows by at most 1 a radian, and the sine of what is below kMostReach_rad is more than this share of
+// pseudo_bearing() grows by at most 1 a radian, and the sine of what is below kMostReach_rad is more than this share of
 // it.
 constexpr double kRayShare = 0.9;
 constexpr double kSameFace = 0.8;     // least cosine between normals
-constexpr double kKernelShare = 0.3;  // of the gate: the scale of the kernel
+constexpr double kKernelShare = 0.3;  // scale of the kernel, as a share of the gate
 
 /// A surface point in the frame of the scan that stands still.
 struct Placed {
@@ -57,7 +57,7 @@ class SurfaceLookup {
   /// the field of view.
   const SurfacePoint* nearest(const Placed& q, double most_m) {
     const double range_squared = q.x * q.x + q.y * q.y;
-    const double direction = direction_of(q.x, q.y);
+    const double direction = pseudo_bearing(q.x, q.y);
     const double reach = std::min(kMostReach_rad, most_m / std::max(kLeastRange_m, std::sqrt(range_squared)));
     const std::size_t at = go_to(direction);
     if (!is_in_view(direction, at)) return nullptr;

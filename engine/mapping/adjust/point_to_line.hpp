@@ -14,7 +14,7 @@ namespace gdtslam {
 /// Which points count, and how much.
 struct LineGate {
   double most_m = 0.15;     ///< farther from its line no point counts; the robust kernel is a part of it wide
-  std::size_t points = 90;  ///< of the moving scan, about so many are taken
+  std::size_t points = 90;  ///< about how many are taken of the moving scan
 };
 
 /// For a motion of the moving scan, tangent on the right, in its own frame.

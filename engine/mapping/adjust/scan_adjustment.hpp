@@ -10,8 +10,15 @@
 #include "engine/mapping/adjust/point_to_line.hpp"
 #include "engine/mapping/adjust/pose_bins.hpp"
 #include "engine/mapping/surface/surface_points.hpp"
+#include "gdtslam/core/pose.hpp"
 
 namespace gdtslam {
+
+// Poses that follow others which were adjusted. Thread-safe.
+
+/// Moves each of `poses` as the nearest of `before` moved to `after`, which have one entry each; farther than 4 m from
+/// all of them it stays. Linear in the poses and in those around each.
+void carry_with_nearest(std::span<const Pose2> before, std::span<const Pose2> after, std::span<Pose2> poses);
 
 struct ScanAdjustmentOptions {
   int iterations = 3;

@@ -5,9 +5,7 @@
 #include <iterator>
 #include <utility>
 
-#include "engine/mapping/adjust/carried_poses.hpp"
-#include "engine/mapping/graph/free_network.hpp"
-#include "engine/mapping/wheels/leap.hpp"
+#include "engine/mapping/graph/pose_graph.hpp"
 #include "engine/mapping/wheels/pose_filter.hpp"
 #include "held_path.hpp"
 
@@ -23,8 +21,8 @@ constexpr double kStepPointNoise_m = 0.02;
 constexpr double kStepIndependent = 20.0 / (0.15 * 0.15);
 constexpr double kEnoughPoints = 60.0;
 constexpr double kStepLeastShape = 1.0e-9;
-constexpr double kOverlap_m = 1.0;        // of path, whose keyframes a scan is laid on as on one another
-constexpr double kFrontStretch_m = 15.0;  // of a local map of the front end
+constexpr double kOverlap_m = 1.0;        // length of path; scans are laid on its keyframes as on one another
+constexpr double kFrontStretch_m = 15.0;  // path length of a local map of the front end
 constexpr double kStepFloor_m = 0.0015;
 constexpr double kStepFloor_rad = 0.0003;
 constexpr double kStepLeastShare = 0.01;
@@ -33,7 +31,7 @@ constexpr double kLeastWheels_m = 0.002;
 constexpr double kLeastWheels_rad = 0.0005;
 constexpr double kUnmeasured_m = 5.0;  // a step that is less sure is one that no odometry measured, or no match
 constexpr double kUnmeasured_rad = 1.0;
-constexpr double kLeastForDoubt = 0.3;  // of the wheels' variance: halfway between what was stated and what loops found
+constexpr double kLeastForDoubt = 0.3;  // share of the wheels' variance: between the stated one and that found by loops
 // In a turn in which the two come apart, wheels are believed a little more: their own heading counts then, and its
 // error moves what lies behind it as that of the matches does.
 constexpr double kTurnOfWheels = 0.9;
@@ -101,7 +99,7 @@ void BackEnd::follow(const MatchResult& result) {
   const double rad = square(result.odometry_sigma_rad);
   T_wheels_ = T_wheels_ * step;
   if (result.odometry_sigma_m < kUnmeasured_m) {
-    travel_.path_m += length_of(step);
+    travel_.path_m += translation_length(step);
     travel_.turned_rad += std::fabs(step.theta_rad);
   } else {
     travel_.besides += Matrix3::diagonal(m, m, rad);
@@ -110,7 +108,7 @@ void BackEnd::follow(const MatchResult& result) {
   wheels_covariance_ = carried * times_transposed(wheels_covariance_, carried) + Matrix3::diagonal(m, m, rad);
   leaps_ = carried * times_transposed(leaps_, carried);
   match_leaps_ = carried * times_transposed(match_leaps_, carried);
-  if (const std::optional<Tangent2> off = leap_of(result)) {
+  if (const std::optional<Tangent2> off = find_leap(result)) {
     leaps_ += outer(*off, *off);
     const Tangent2 of_match{(*off)[0], (*off)[1], result.is_turn_open ? (*off)[2] : 0.0};
     match_leaps_ += outer(of_match, of_match);
@@ -129,7 +127,7 @@ void BackEnd::add_keyframe(const MatchResult& result, KeptScan points) {
   if (keyframes_taken_ <= 1) {
     chain_.take(result.T_map_base, {}, known_, counter_.is_place(0.0));
   } else {
-    const double step_m = length_of(between(T_map_keyframe_, result.T_map_base));
+    const double step_m = translation_length(between(T_map_keyframe_, result.T_map_base));
     travelled_m_ += step_m;
     stretch_m_ += step_m;
     const KeptScan known = result.accepted ? known_.known_part(keyframe.scan, result.T_map_base) : KeptScan{};
@@ -147,7 +145,7 @@ void BackEnd::add_keyframe(const MatchResult& result, KeptScan points) {
     known_.begin_stretch();
     stretch_m_ = 0.0;
   }
-  known_.add(points_of(keyframe.scan), result.T_map_base);
+  known_.add(to_points(keyframe.scan), result.T_map_base);
   T_map_keyframe_ = result.T_map_base;
   T_wheels_ = {};
   wheels_covariance_ = {};
@@ -175,9 +173,9 @@ Matrix3 BackEnd::update_unseen(const MatchResult& result, const KeptScan& known)
 MeasuredSteps BackEnd::steps_to(const MatchResult& result, const KeptScan& known) const {
   const std::size_t points = known.surface.size();
   const double share = std::max(kStepLeastShare, std::min(1.0, static_cast<double>(points) / kEnoughPoints));
-  const ShapeOfOne one = shape_of_one(shape_of(known), points, kStepLeastShape, feigned_shape(known));
+  const ShapeOfOne one = shape_of_one(surface_shape(known), points, kStepLeastShape, feigned_shape(known));
   const Matrix3 lone = lone_information(known);
-  const double step_m = length_of(between(T_map_keyframe_, result.T_map_base));
+  const double step_m = translation_length(between(T_map_keyframe_, result.T_map_base));
   const double staying = std::min(1.0, 2.0 * step_m / (kOverlap_m + step_m));
   const double floor_m2 = square(kStepFloor_m) + square(staying * result.match_sigma_m);
   const double floor_rad2 = square(kStepFloor_rad) + square(staying * result.match_sigma_rad);
@@ -228,7 +226,7 @@ void BackEnd::finish_keeping() {
     options_.live.warn("the points of all scans stayed in memory: " + trouble);
 }
 
-// Of a place that was passed often, the keyframes that are not kept go with the nearest that is.
+// Keyframes of a place that was passed often, which are not kept, move with the nearest one that is.
 JointResult BackEnd::adjust_keyframes(const LoopCloser& closer, std::vector<Pose2>& keyframes, WorkerPool& workers,
                                       const Progress& progress) const {
   std::vector<PoseRelation> held = held_path(closer.measured(), kept_);

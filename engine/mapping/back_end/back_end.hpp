@@ -20,8 +20,8 @@
 #include "engine/mapping/adjust/scan_adjustment.hpp"
 #include "engine/mapping/back_end/match_chain.hpp"
 #include "engine/mapping/loops/live_loops.hpp"
+#include "engine/mapping/wheels/continued_motion.hpp"
 #include "engine/mapping/wheels/known_surfaces.hpp"
-#include "engine/mapping/wheels/motion_noise.hpp"
 #include "engine/mapping/wheels/turn_leap.hpp"
 #include "gdtslam/mapping/match.hpp"
 
@@ -32,20 +32,20 @@ struct BackEndOptions {
   LiveOptions live{};
   JointOptions joint;
   ScanAdjustmentOptions scans;
-  unsigned threads = 1;  ///< of the adjustments, the caller's included; 0: one a processor. With more than one, scans
-                         ///< are taken by a thread besides
-  std::string scratch_folder{};                       ///< of the shelves
-  std::size_t shelf_bytes = ByteShelf::kMemoryBytes;  ///< of the memory of that with the points
+  unsigned threads = 1;  ///< used by the adjustments, the caller's included; 0: one a processor. With more than one,
+                         ///< scans are taken by a thread besides
+  std::string scratch_folder{};                       ///< folder for the shelves' files
+  std::size_t shelf_bytes = ByteShelf::kMemoryBytes;  ///< memory of the shelf that holds the points
 };
 
-/// What the back end came to.
+/// Result of the back end.
 struct BackEndResult {
-  bool is_closed = false;                            ///< else the path as it was driven
-  std::vector<Pose2> poses;                          ///< one a scan taken
-  std::vector<Matrix3> covariances;                  ///< of (x, y, theta) along the map's axes, one a scan taken
-  std::vector<std::size_t> keyframes;                ///< which of the scans are
-  PoseGraph graph;                                   ///< of places
-  std::vector<std::size_t> places;                   ///< which keyframes they are
+  bool is_closed = false;              ///< else the path as it was driven
+  std::vector<Pose2> poses;            ///< one a scan taken
+  std::vector<Matrix3> covariances;    ///< covariances of (x, y, theta) along the map's axes, one a scan taken
+  std::vector<std::size_t> keyframes;  ///< which of the scans are
+  PoseGraph graph;                     ///< pose graph of the places
+  std::vector<std::size_t> places;     ///< which keyframes they are
   std::array<VarianceFactor, kStepSources> factors;  ///< how far matches and wheels were believed
   WheelBias wheels;
   LoopCounts counts;
@@ -54,7 +54,7 @@ struct BackEndResult {
 
 class BackEnd {
  public:
-  /// What is being done, and the share of it that is.
+  /// Receives the name of the step that runs and its finished share, 0 to 1.
   using Progress = std::function<void(std::string_view, double)>;
 
   explicit BackEnd(const BackEndOptions& options);
@@ -93,7 +93,7 @@ class BackEnd {
   [[nodiscard]] std::vector<Pose2> poses_of_scans(const std::vector<Pose2>& keyframes) const;
   struct CautiousGraph {
     PoseGraph graph;
-    std::vector<std::size_t> keyframes;  // of its nodes
+    std::vector<std::size_t> keyframes;  // keyframes at its nodes
   };
   [[nodiscard]] CautiousGraph cautious_graph(const LoopCloser& closer) const;
   [[nodiscard]] std::vector<Matrix3> covariances_of_scans(const LoopCloser& closer) const;
@@ -104,7 +104,7 @@ class BackEnd {
   BackEndOptions options_;
   LiveLoops loops_;
   PlaceCounter counter_;
-  const FrontEndPath& path_ = loops_.path();  // of the keyframes, after the end
+  const FrontEndPath& path_ = loops_.path();  // path of the keyframes; read after the end
   Shelf<Scan> scans_;
   std::size_t keyframes_taken_ = 0;
   Pose2 T_map_keyframe_;      // the last one
@@ -112,7 +112,7 @@ class BackEnd {
   double stretch_m_ = 0.0;    // since the local map began
   KnownSurfaces known_;
   MatchChain chain_;
-  Matrix3 covariance_ = Matrix3::diagonal(1.0e-6, 1.0e-6, 1.0e-7);  // of the last keyframe in the local map
+  Matrix3 covariance_ = Matrix3::diagonal(1.0e-6, 1.0e-6, 1.0e-7);  // covariance of the last keyframe in the local map
   // Since the last keyframe, in the frame of the last scan:
   Pose2 T_wheels_;  // by the wheels alone
   Matrix3 wheels_covariance_;

@@ -36,7 +36,7 @@ Matrix3 MatchChain::take(const Pose2& T_map_base, const KeptScan& known, const K
 
 // Along each axis as sure as the keyframes, in the mean, that saw first what stands across it.
 Matrix3 MatchChain::of_first_seen(const Pose2& T_map_base, const KeptScan& known, const KnownSurfaces& surfaces) const {
-  const Matrix3 shape = shape_of(known);
+  const Matrix3 shape = surface_shape(known);
   const double angle = 0.5 * atan2(2.0 * shape(0, 1), shape(0, 0) - shape(1, 1));
   const auto [sin, cos] = sin_cos(angle);
   const Matrix3 of_place = turned(own_of_place_, T_map_base.theta_rad - heading_of_place_rad_);

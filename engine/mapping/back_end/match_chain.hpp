@@ -30,9 +30,9 @@ class MatchChain {
 
   std::size_t next_ = 0;   // keyframe
   std::size_t place_ = 0;  // the last one, its keyframe
-  Matrix3 own_of_place_;   // of its match with what came before it
+  Matrix3 own_of_place_;   // covariance of its match with earlier keyframes
   double heading_of_place_rad_ = 0.0;
-  std::vector<Since> links_;  // of the keyframes since
+  std::vector<Since> links_;  // links between the keyframes since
 };
 
 }  // namespace gdtslam

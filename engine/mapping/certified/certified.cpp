@@ -1,8 +1,6 @@
 #include "gdtslam/mapping/certified.hpp"
 
-#include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 #include <string>
 

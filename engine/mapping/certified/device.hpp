@@ -18,7 +18,7 @@ namespace gdtslam {
 
 class DeviceBounds {
  public:
-  /// Of a search: some MiB of sums.
+  /// Limit for one search: some MiB of sums.
   static constexpr std::size_t kMostTiles = 16384;
   /// Below so many samples to add up, the host is done before a device has answered.
   static constexpr std::uint64_t kLeastLookUps = std::uint64_t{1} << 22U;
@@ -37,8 +37,8 @@ class DeviceBounds {
  private:
   Backend& backend_;
   const BoundFields& fields_;
-  std::mutex mutex_;             // of what follows
-  std::vector<Buffer> samples_;  // of each level
+  std::mutex mutex_;             // guards the members below
+  std::vector<Buffer> samples_;  // samples of each level
   Buffer points_;
   Buffer tiles_;
   Buffer sums_;

@@ -29,7 +29,7 @@ struct Bytes {
 };
 
 // The field in bytes, rounded down, with room around it for the largest square.
-Bytes bytes_of(const FieldView& field, std::uint32_t unit, std::int32_t room) {
+Bytes to_bytes(const FieldView& field, std::uint32_t unit, std::int32_t room) {
   const auto width = static_cast<std::int32_t>(field.width);
   const auto height = static_cast<std::int32_t>(field.height);
   Bytes bytes;
@@ -101,7 +101,7 @@ void dilate(Bytes& bytes, std::int32_t more, std::vector<std::uint8_t>& tall) {
   std::memcpy(bytes.cells.data(), tall.data(), bytes.cells.size());
 }
 
-std::int32_t phase_bits_of(const LevelPlan& plan) { return std::min(plan.spacing_bits, kMostSampleBits); }
+std::int32_t plan_phase_bits(const LevelPlan& plan) { return std::min(plan.spacing_bits, kMostSampleBits); }
 
 // Samples along a side of a plane for so many cells.
 std::uint64_t plane_side(std::uint64_t cells, const LevelPlan& plan) {
@@ -109,8 +109,8 @@ std::uint64_t plane_side(std::uint64_t cells, const LevelPlan& plan) {
 }
 
 // Bytes of a level for one dilation.
-std::uint64_t samples_of(std::uint64_t width, std::uint64_t height, const LevelPlan& plan) {
-  return (plane_side(width, plan) * plane_side(height, plan)) << static_cast<unsigned>(2 * phase_bits_of(plan));
+std::uint64_t count_samples(std::uint64_t width, std::uint64_t height, const LevelPlan& plan) {
+  return (plane_side(width, plan) * plane_side(height, plan)) << static_cast<unsigned>(2 * plan_phase_bits(plan));
 }
 
 // Cells along a side of the field in bytes, whose margin is rounded, for so many cells of the field: at most.
@@ -127,12 +127,12 @@ std::uint64_t minorant_words(std::uint64_t width, std::uint64_t height) {
 BoundLevel empty_level(const Bytes& bytes, const LevelPlan& plan) {
   BoundLevel level;
   level.spacing_bits = plan.spacing_bits;
-  level.phase_bits = phase_bits_of(plan);
+  level.phase_bits = plan_phase_bits(plan);
   level.origin = bytes.origin;
   level.width = static_cast<std::uint32_t>(plane_side(bytes.width, plan));
   level.height = static_cast<std::uint32_t>(plane_side(bytes.height, plan));
   level.dilation_cells = plan.dilation_cells;
-  const std::size_t dilation = samples_of(bytes.width, bytes.height, plan);
+  const std::size_t dilation = count_samples(bytes.width, bytes.height, plan);
   for (std::size_t k = 0; k < BoundLevel::kDilations; ++k) {
     level.first_sample[k] = static_cast<std::uint32_t>(k * dilation);
   }
@@ -177,7 +177,7 @@ void take_samples(const Bytes& bytes, std::size_t dilation, BoundLevel& level) {
   }
 }
 
-MinorantLevels minorants_of(const FieldView& field, Isa isa) {
+MinorantLevels make_minorants(const FieldView& field, Isa isa) {
   constexpr std::uint32_t kMargins = 2 * FieldMinorant::kMargin;
   MinorantLevels levels{.width = field.width + kMargins,
                         .height = field.height + kMargins,
@@ -212,9 +212,9 @@ std::int32_t aligned_down(std::int32_t cell) { return cell & ~(kBoundAlignment -
 BoundFields::BoundFields(const FieldView& field, Isa isa, CertifiedMap::Windows windows)
     : unit_(std::max(1U, (field.cap + 254U) / 255U)) {
   require_countable(field.width, field.height, windows);
-  if (windows == CertifiedMap::kAnyWindows) minorants_ = minorants_of(field, isa);
+  if (windows == CertifiedMap::kAnyWindows) minorants_ = make_minorants(field, isa);
   const std::span<const LevelPlan> plans = plans_for(windows);
-  const Bytes plain = bytes_of(field, unit_, plans.back().dilation_cells.back() + 1);
+  const Bytes plain = to_bytes(field, unit_, plans.back().dilation_cells.back() + 1);
   Bytes dilated = plain;
   std::vector<std::uint8_t> scratch;
   std::int32_t reached = 0;
@@ -245,7 +245,7 @@ std::uint64_t BoundFields::most_bytes(std::uint64_t width, std::uint64_t height,
   const std::uint64_t wide = most_side(width, plans);
   const std::uint64_t high = most_side(height, plans);
   std::uint64_t sum = 3 * wide * high;
-  for (const LevelPlan& plan : plans) sum += BoundLevel::kDilations * samples_of(wide, high, plan);
+  for (const LevelPlan& plan : plans) sum += BoundLevel::kDilations * count_samples(wide, high, plan);
   if (windows != CertifiedMap::kAnyWindows) return sum;
   return sum + minorant_words(width, height) * MinorantLevels::kReaches.size() * sizeof(std::uint32_t);
 }
@@ -258,7 +258,7 @@ void BoundFields::require_countable(std::uint64_t width, std::uint64_t height, C
   const std::uint64_t high = most_side(height, plans);
   bool is_countable = std::max(width, height) <= kMost / 2;  // or 64 bits would not count them either
   for (const LevelPlan& plan : plans) {
-    is_countable = is_countable && samples_of(wide, high, plan) <= kMost / BoundLevel::kDilations;
+    is_countable = is_countable && count_samples(wide, high, plan) <= kMost / BoundLevel::kDilations;
   }
   if (windows == CertifiedMap::kAnyWindows) {
     is_countable = is_countable && minorant_words(width, height) <= kMost / MinorantLevels::kReaches.size();

@@ -22,7 +22,7 @@ struct BoundLevel {
   std::uint32_t width = 0;        ///< columns of a plane, with kMargin columns on either side
   std::uint32_t height = 0;
   std::array<std::int32_t, kDilations> dilation_cells{};  ///< half widths of the squares
-  std::array<std::uint32_t, kDilations> first_sample{};   ///< of each dilation in `samples`
+  std::array<std::uint32_t, kDilations> first_sample{};   ///< index of the first sample of each dilation in `samples`
   std::vector<std::uint8_t> samples;
 
   [[nodiscard]] std::int32_t sample_bits() const { return spacing_bits - phase_bits; }

@@ -46,7 +46,7 @@ CellPose CertifiedSearch::in_narrow_window(CellPose pose) const {
   return pose;
 }
 
-// What float32 lacks to be in a narrow window is made up for.
+// A narrow window may need more digits than float32 has; the rest is added here.
 Pose2 CertifiedSearch::to_metres(const CellPose& pose) const {
   const Pose2& centre = window_.centre;
   const auto within = [](double off, double middle, double half) {
@@ -69,7 +69,7 @@ bool CertifiedSearch::is_allowed(const CellPose& pose) const {
 }
 
 // The arithmetic of PriorParams.
-std::uint32_t CertifiedSearch::cost_of(const CellPose& pose) {
+std::uint32_t CertifiedSearch::evaluate_cost(const CellPose& pose) {
   const float dx = pose.x - prior_.mean_x;
   const float dy = pose.y - prior_.mean_y;
   const float dt = pose.theta - prior_.mean_theta;
@@ -100,13 +100,13 @@ void CertifiedSearch::polish(const CellPose& start, float step_cells) {
   evaluations_ += pose.evaluations;
   const bool is_narrow = is_narrow_x_ || is_narrow_y_ || is_narrow_theta_;
   const CellPose end = in_narrow_window({pose.x, pose.y, pose.theta});
-  offer(end, is_narrow ? cost_of(end) : pose.cost);
+  offer(end, is_narrow ? evaluate_cost(end) : pose.cost);
 }
 
 void CertifiedSearch::try_starts() {
   for (const Pose2& start : options_.starts) {
     const CellPose pose = in_narrow_window(to_cells(start));
-    offer(pose, cost_of(pose));
+    offer(pose, evaluate_cost(pose));
     polish(pose, 1.0F);
   }
 }
@@ -119,7 +119,7 @@ void CertifiedSearch::try_centres(std::span<const OpenBox> boxes) {
     const CellPose pose =
         in_narrow_window({std::clamp(box.centre.x, centre_.x - half_x_, centre_.x + half_x_),
                           std::clamp(box.centre.y, centre_.y - half_y_, centre_.y + half_y_), box.centre.theta});
-    const std::uint32_t cost = cost_of(pose);
+    const std::uint32_t cost = evaluate_cost(pose);
     const bool worth =
         cost < best_cost_ || (w > kPolishedHalfWidth && cost - best_cost_ < best_cost_ / kWorthPolishing);
     offer(pose, cost);

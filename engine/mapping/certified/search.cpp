@@ -12,7 +12,7 @@ namespace gdtslam {
 namespace {
 
 constexpr std::uint64_t kMostTopBoxes = 150000;
-constexpr std::int32_t kTopSpacingBits = 3;  // where searches begin that are small enough
+constexpr std::int32_t kTopSpacingBits = 3;  // spacing at which small searches begin
 constexpr std::uint32_t kWideTile = 16;
 constexpr std::uint32_t kWideTileRows = 4;
 constexpr std::size_t kHostTiles = 256;  // at once: their sums stay in the cache
@@ -23,7 +23,7 @@ constexpr std::int32_t kParts = 6;
 constexpr std::int32_t kWideLevels = 2;
 constexpr std::int32_t kWideAbove = 1;    // and how many of those with dilated fields do
 constexpr float kLeastReference = 40.0F;  // cells
-// Of the mean range, by measurement on Intel's map: finer angles cost more boxes, coarser ones blunter bounds.
+// Share of the mean range, measured on Intel's map: finer angles cost more boxes, coarser ones give blunter bounds.
 constexpr float kReferenceShare = 1.4F;
 // Float32 in the poses of boxes and their angles.
 constexpr float kAngleSlack = 1.0e-6F;
@@ -35,7 +35,7 @@ constexpr double kNarrow_rad = 1.0e-5;
 
 std::uint32_t divided_up(std::uint32_t value, std::uint32_t by) { return (value + by - 1) / by; }
 
-float range_of(const PointCells& point) { return std::sqrt(point.x * point.x + point.y * point.y); }
+float point_range(const PointCells& point) { return std::sqrt(point.x * point.x + point.y * point.y); }
 
 }  // namespace
 
@@ -48,7 +48,7 @@ CertifiedSearch::CertifiedSearch(const CertifiedMap& map, std::span<const PointC
   is_narrow_y_ = window.half_y_m < kNarrow_cells * resolution_m;
   is_narrow_theta_ = window.half_theta_rad < kNarrow_rad;
   if (is_narrow_theta_) window_.centre.theta_rad = wrap_angle(window.centre.theta_rad);
-  const CellIndex cell = map_cell_of(window.centre.translation(), resolution_m);
+  const CellIndex cell = map_cell_at(window.centre.translation(), resolution_m);
   anchor_ = {aligned_down(cell.x), aligned_down(cell.y)};
   // On a grid of 1/64 cell, so that the corners of all boxes are exact in float32.
   const auto on_grid = [](double cells) { return static_cast<float>(std::round(cells * 64.0) / 64.0); };
@@ -83,8 +83,8 @@ void CertifiedSearch::prepare_points() {
   double sum = 0.0;
   float farthest = 0.0F;
   for (const PointCells& point : points_) {
-    sum += static_cast<double>(range_of(point));
-    farthest = std::max(farthest, range_of(point));
+    sum += static_cast<double>(point_range(point));
+    farthest = std::max(farthest, point_range(point));
   }
   reference_ =
       std::max(kLeastReference, kReferenceShare * static_cast<float>(sum / static_cast<double>(points_.size())));
@@ -122,7 +122,7 @@ void CertifiedSearch::choose_levels() {
     const float angle = half_angle(level) + kAngleSlack;
     const float around = half_width(level) + std::ldexp(0.5F, f.sample_bits()) + slack_;
     for (const PointCells& point : points_) {
-      const float needed = around + range_of(point) * angle;
+      const float needed = around + point_range(point) * angle;
       std::size_t k = 0;
       while (k < BoundLevel::kDilations && static_cast<float>(f.dilation_cells[k]) < needed) ++k;
       // A point that no dilation is wide enough for counts nothing, which keeps the bound low.
@@ -144,7 +144,7 @@ void CertifiedSearch::choose_reaches(std::int32_t level) {
   std::vector<BoundPoint>& chosen = wide_points_.emplace_back();
   const float around = half_width(level) + 0.5F + slack_;
   for (const PointCells& point : points_) {
-    const float needed = around + range_of(point) * (half_angle(level) + kAngleSlack);
+    const float needed = around + point_range(point) * (half_angle(level) + kAngleSlack);
     std::size_t k = 0;
     while (k < fields.kReaches.size() && static_cast<float>(fields.kReaches[k]) < needed) ++k;
     const bool near = std::fabs(point.x) + std::fabs(point.y) < 0.7F * PoseMinorant::kFarthest;  // at any heading
@@ -302,7 +302,7 @@ void CertifiedSearch::halve(const OpenBox& box) {
     OpenBox child{.terms = box.terms,
                   .level = box.level + 1,
                   .centre = {box.centre.x + side(1, w), box.centre.y + side(2, w), box.centre.theta + side(4, a)}};
-    child.terms = std::max(child.terms, least_of(*minorant, box, child));
+    child.terms = std::max(child.terms, least_value(*minorant, box, child));
     if (matters(child)) keep(child);
   }
 }
@@ -313,10 +313,10 @@ std::optional<PoseMinorant::Value> CertifiedSearch::minorant_in(const OpenBox& b
   ++boxes_;
   const std::uint32_t prior = box.bound - box.terms;
   const auto bound_by = [&](const PoseMinorant::Value& minorant) {
-    return std::max(box.terms, least_of(minorant, box, box)) + prior;
+    return std::max(box.terms, least_value(minorant, box, box)) + prior;
   };
   if (has_wide_minorant(box.level)) {
-    const PoseMinorant::Value wide = wide_minorant_of(box);
+    const PoseMinorant::Value wide = find_wide_minorant(box);
     const std::uint32_t bound = bound_by(wide);
     if (bound >= enough()) {
       give_up(bound);
@@ -325,7 +325,7 @@ std::optional<PoseMinorant::Value> CertifiedSearch::minorant_in(const OpenBox& b
     if (has_fields(box.level)) return wide;
   }
   if (has_fields(box.level)) return PoseMinorant::Value{};  // too wide for patches: its parts have to tell
-  const PoseMinorant::Value minorant = patch_minorant_of(box);
+  const PoseMinorant::Value minorant = find_patch_minorant(box);
   const std::uint32_t bound = bound_by(minorant);
   const bool smallest = box.level + 1 == field_levels_ + kParts;
   if (bound < enough() && !smallest) return minorant;
@@ -339,7 +339,7 @@ bool CertifiedSearch::has_wide_minorant(std::int32_t level) const {
   return map_.bounds().has_minorants() && level < field_levels_ + kWideLevels;
 }
 
-PoseMinorant::Value CertifiedSearch::wide_minorant_of(const OpenBox& box) const {
+PoseMinorant::Value CertifiedSearch::find_wide_minorant(const OpenBox& box) const {
   const MinorantLevels& fields = map_.bounds().minorants();
   const std::int32_t wide_level = box.level - field_levels_ + kWideAbove;
   const std::vector<BoundPoint>& points = wide_points_[static_cast<std::size_t>(wide_level)];
@@ -358,7 +358,7 @@ PoseMinorant::Value CertifiedSearch::wide_minorant_of(const OpenBox& box) const 
   return value;
 }
 
-PoseMinorant::Value CertifiedSearch::patch_minorant_of(const OpenBox& box) const {
+PoseMinorant::Value CertifiedSearch::find_patch_minorant(const OpenBox& box) const {
   const FieldView& field = map_.field();
   const PoseMinorant::Params params{.width = field.width,
                                     .height = field.height,
@@ -377,8 +377,8 @@ PoseMinorant::Value CertifiedSearch::patch_minorant_of(const OpenBox& box) const
 }
 
 // The least value of a box's minorant in a part of the box.
-std::uint32_t CertifiedSearch::least_of(const PoseMinorant::Value& minorant, const OpenBox& box,
-                                        const OpenBox& part) const {
+std::uint32_t CertifiedSearch::least_value(const PoseMinorant::Value& minorant, const OpenBox& box,
+                                           const OpenBox& part) const {
   const auto apart = [](float a, float b) { return static_cast<double>(a) - static_cast<double>(b); };
   const double w = static_cast<double>(half_width(part.level));
   const double a = static_cast<double>(half_angle(part.level) + kAngleSlack);

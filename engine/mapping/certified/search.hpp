@@ -50,10 +50,10 @@ class CertifiedSearch {
   void keep(OpenBox box);
   [[nodiscard]] bool has_wide_minorant(std::int32_t level) const;
   std::optional<PoseMinorant::Value> minorant_in(const OpenBox& box);
-  [[nodiscard]] PoseMinorant::Value patch_minorant_of(const OpenBox& box) const;
-  [[nodiscard]] PoseMinorant::Value wide_minorant_of(const OpenBox& box) const;
-  [[nodiscard]] std::uint32_t least_of(const PoseMinorant::Value& minorant, const OpenBox& box,
-                                       const OpenBox& part) const;
+  [[nodiscard]] PoseMinorant::Value find_patch_minorant(const OpenBox& box) const;
+  [[nodiscard]] PoseMinorant::Value find_wide_minorant(const OpenBox& box) const;
+  [[nodiscard]] std::uint32_t least_value(const PoseMinorant::Value& minorant, const OpenBox& box,
+                                          const OpenBox& part) const;
   [[nodiscard]] bool matters(const OpenBox& box) const;
   [[nodiscard]] std::uint32_t least_prior(const OpenBox& box) const;
 
@@ -62,7 +62,7 @@ class CertifiedSearch {
   void try_centres(std::span<const OpenBox> boxes);
   void polish(const CellPose& start, float step_cells);
   void offer(const CellPose& pose, std::uint32_t cost);
-  [[nodiscard]] std::uint32_t cost_of(const CellPose& pose);
+  [[nodiscard]] std::uint32_t evaluate_cost(const CellPose& pose);
   [[nodiscard]] CellPose to_cells(const Pose2& pose) const;
   [[nodiscard]] Pose2 to_metres(const CellPose& pose) const;
   [[nodiscard]] CellPose in_narrow_window(CellPose pose) const;
@@ -93,15 +93,15 @@ class CertifiedSearch {
   PriorParams prior_;
   PoseCost::Params cost_params_;
 
-  std::size_t first_level_ = 0;     // of the map's levels
+  std::size_t first_level_ = 0;     // first of the map's levels that is searched
   std::int32_t field_levels_ = 0;   // how many of them are used
-  std::vector<float> half_widths_;  // of the boxes of each level
+  std::vector<float> half_widths_;  // half widths of the boxes of each level
   std::vector<float> half_angles_;
   float top_angle_ = 0.0F;
   std::uint32_t top_angles_ = 1;
-  std::vector<std::vector<BoundPoint>> bound_points_;  // of each of those levels
+  std::vector<std::vector<BoundPoint>> bound_points_;  // bound points of each of those levels
 
-  std::vector<std::vector<BoundPoint>> wide_points_;  // of the first levels without dilated fields
+  std::vector<std::vector<BoundPoint>> wide_points_;  // points of the first levels, which have no dilated fields
 
   std::uint32_t gap_ = 0;      // cost units
   std::vector<OpenBox> open_;  // a heap once the window is open
@@ -112,7 +112,7 @@ class CertifiedSearch {
   std::uint32_t closed_bound_ = kNoCost;  // least bound of the boxes that were closed
   bool at_resolution_ = false;
   std::uint64_t boxes_ = 0;
-  std::uint64_t uncounted_ = 0;  ///< of these, which the limit does not hold for
+  std::uint64_t uncounted_ = 0;  ///< boxes that the limit does not count
   std::uint64_t evaluations_ = 0;
   CertifiedStop stop_ = CertifiedStop::kGapReached;
   std::chrono::steady_clock::time_point began_;

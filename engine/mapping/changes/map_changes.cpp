@@ -1,13 +1,24 @@
 #include "map_changes.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <string>
+
+#include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
 namespace {
 
+constexpr std::uint64_t kCountedOfTile = std::uint64_t{kTileSide} * kTileSide;
+
+[[noreturn]] void refuse(std::uint64_t max_cells) {
+  throw InputError("the cells that changed cannot be told: more than " + std::to_string(max_cells) +
+                   " would be counted; check the log with 'gdtslam doctor' or raise map.max_megacells");
+}
+
 // The cells whose centres lie within the tolerance of a cell's own.
-std::vector<CellOffset> disc_of(double tolerance_m, double resolution_m) {
+std::vector<CellOffset> make_disc(double tolerance_m, double resolution_m) {
   const double radius = tolerance_m / resolution_m;
   const auto reach = static_cast<std::int32_t>(std::floor(radius));
   std::vector<CellOffset> disc;
@@ -93,7 +104,7 @@ class Patches {
   std::vector<bool> seen_;
 };
 
-// Where views end on free cells away from walls: cells with enough of them, and what belongs to these.
+// Cells away from walls, free in the map, in which enough views end, and the cells that belong to these.
 std::vector<ChangedCell> appeared_cells(const OccupancyMap& map, const ViewCounts& views, const ChangeLimits& limits,
                                         const ViewJudge& judge) {
   const std::vector<CellOffset>& disc = judge.surroundings();
@@ -113,7 +124,69 @@ std::vector<ChangedCell> appeared_cells(const OccupancyMap& map, const ViewCount
 
 }  // namespace
 
-std::size_t patches_of(std::span<const ChangedCell> cells) {
+bool ViewCounts::add(const LaserScan& scan, const Pose2& T_grid_base) {
+  const Point2 at_m = T_grid_base.translation();
+  if (last_m_ && (at_m - *last_m_).norm() < limits_.spacing_m) return false;
+  const CellBox touched = collect_rays(scan, T_grid_base, beam_directions(scan), limits_.rays, rays_);
+  if (rays_.empty()) return false;
+  marks_.clear(touched);
+  for (const ScanRay& ray : rays_) {
+    marks_.add_ray(ray.start, ray.free_end);
+    if (ray.is_return) marks_.add_end(ray.end.cell());
+    if (marks_.size() * kCountedOfTile > limits_.max_cells) refuse(limits_.max_cells);
+  }
+  require_room();
+  for (std::size_t k = 0; k < marks_.size(); ++k) {
+    ScanMarks::Tile& tile = marks_[k];
+    if (tile.has_columns()) transpose(tile.columns);
+    for (std::size_t row = 0; row < tile.rows.size(); ++row) {
+      tile.rows[row] = (tile.rows[row] | tile.columns[row]) & ~tile.ends[row];
+    }
+    tiles_[{tile.place.y, tile.place.x}].add(tile.ends, tile.rows);
+  }
+  last_m_ = at_m;
+  ++views_;
+  return true;
+}
+
+// Beside the tiles that are there, for those that are new.
+void ViewCounts::require_room() {
+  std::size_t tiles = tiles_.size();
+  if ((tiles + marks_.size()) * kCountedOfTile <= limits_.max_cells) return;
+  for (std::size_t k = 0; k < marks_.size(); ++k) tiles += 1 - tiles_.count({marks_[k].place.y, marks_[k].place.x});
+  if (tiles * kCountedOfTile > limits_.max_cells) refuse(limits_.max_cells);
+}
+
+CellViews ViewCounts::at(CellIndex cell) const {
+  const CellIndex tile = cell_tile(cell);
+  const auto counts = tiles_.find({tile.y, tile.x});
+  if (counts == tiles_.end()) return {};
+  return counts->second.at(static_cast<std::size_t>(cell.y & (kTileSide - 1)),
+                           static_cast<unsigned>(cell.x & (kTileSide - 1)));
+}
+
+template <class RowReader>
+std::vector<CellIndex> ViewCounts::collect_cells(RowReader read_row) const {
+  std::vector<CellIndex> cells;
+  for (const auto& [place, counts] : tiles_) {
+    for (std::int32_t row = 0; row < kTileSide; ++row) {
+      for (std::uint64_t left = read_row(counts, static_cast<std::size_t>(row)); left != 0; left &= left - 1) {
+        cells.push_back({place.second * kTileSide + std::countr_zero(left), place.first * kTileSide + row});
+      }
+    }
+  }
+  return cells;
+}
+
+std::vector<CellIndex> ViewCounts::ended() const {
+  return collect_cells([](const TileCounts& counts, std::size_t row) { return counts.ended(row); });
+}
+
+std::vector<CellIndex> ViewCounts::passed() const {
+  return collect_cells([](const TileCounts& counts, std::size_t row) { return counts.passed(row); });
+}
+
+std::size_t count_patches(std::span<const ChangedCell> cells) {
   std::uint32_t patches = 0;
   for (const ChangedCell& cell : cells) patches = std::max(patches, cell.patch + 1);
   return patches;
@@ -128,7 +201,7 @@ void keep_patches(std::vector<ChangedCell>& cells, double resolution_m, const Ch
 }
 
 ViewJudge::ViewJudge(double resolution_m, const ChangeLimits& limits)
-    : limits_(limits), disc_(disc_of(limits.tolerance_m, resolution_m)) {}
+    : limits_(limits), disc_(make_disc(limits.tolerance_m, resolution_m)) {}
 
 // Noise spreads what glass or a wall returns over some cells, so the ends around count together.
 bool ViewJudge::is_free(const ViewCounts& views, CellIndex cell) const {

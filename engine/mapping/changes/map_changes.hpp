@@ -1,21 +1,71 @@
-// What is new and what is gone in a map, by views that were counted since it was made. New is where views end again and
-// again though the map has the cell as free, away from its walls; gone is what the map has as a wall and views pass
-// through, again and again, and through everything around. The evidence is that of an occupancy grid, hits against
-// misses [Moravec1985], with a least number of views on top: a lone return, glass that now and then reflects and
-// whoever walks by make no change. Frame: the cells of the map's grid. Thread-safe; O(cells seen x cells within the
+// Changes of a map, found by views that were counted since it was made. A cell is new if views end in it again and
+// again though the map has it as free, away from its walls. A cell is gone if the map has it as a wall and views pass
+// through it and everything around, again and again. The evidence is that of an occupancy grid, hits against misses
+// [Moravec1985], with a least number of views on top: a lone return, glass that reflects now and then, and people
+// walking by make no change. Frame: the cells of the map's grid. Thread-safe; O(cells seen x cells within the
 // tolerance).
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
-#include "engine/mapping/changes/view_counts.hpp"
+#include "engine/mapping/map/scan_beams.hpp"
+#include "engine/mapping/map/scan_marks.hpp"
+#include "engine/mapping/map/tile_counts.hpp"
 #include "gdtslam/core/grid_geometry.hpp"
+#include "gdtslam/core/pose.hpp"
+#include "gdtslam/core/stream.hpp"
 #include "gdtslam/mapping/occupancy.hpp"
 
 namespace gdtslam {
+
+// How many views of a drive ended in each cell of a grid, and how many passed through it. A view is a scan from a place
+// that lies some way from that of the view before: a robot that stands counts once, however long it stands. A beam that
+// ends near a cell says nothing of it but there, so that noise and errors of poses wear no wall away: it counts as
+// having passed up to a tolerance before its end only. Frame: the grid's, whose cell (0, 0) has its lower left corner
+// at the origin; metres and radians. Cost and memory: those of OccupancyBuilder. One object belongs to one thread, a
+// constant one to all.
+
+/// Views of one cell; no view counts twice.
+using CellViews = TileCounts::Cell;
+
+class ViewCounts {
+ public:
+  struct Limits {
+    RayLimits rays;          ///< `short_of_end_m` is the tolerance
+    double spacing_m = 0.2;  ///< distance between two views
+    std::uint64_t max_cells = std::uint64_t{2048} << 20U;
+  };
+  explicit ViewCounts(const Limits& limits) : limits_(limits) {}
+
+  /// Takes the scan as a view if it was taken far enough from the last one; says whether. Throws InputError where the
+  /// pose is not finite or the cells would be more than allowed.
+  bool add(const LaserScan& scan, const Pose2& T_grid_base);
+  [[nodiscard]] std::size_t views() const { return views_; }
+  [[nodiscard]] CellViews at(CellIndex cell) const;
+
+  /// The cells in which a view ended, or through which one passed; row by row within a tile, tiles by rows.
+  [[nodiscard]] std::vector<CellIndex> ended() const;
+  [[nodiscard]] std::vector<CellIndex> passed() const;
+
+ private:
+  using TilePlace = std::pair<std::int32_t, std::int32_t>;  ///< y, x
+  template <class RowReader>
+  [[nodiscard]] std::vector<CellIndex> collect_cells(RowReader read_row) const;
+  void require_room();
+
+  Limits limits_;
+  ScanMarks marks_;
+  std::vector<ScanRay> rays_;
+  std::map<TilePlace, TileCounts> tiles_;
+  std::optional<Point2> last_m_;
+  std::size_t views_ = 0;
+};
 
 /// How much has to speak for a change.
 struct ChangeLimits {
@@ -23,7 +73,7 @@ struct ChangeLimits {
   double spacing_m = 0.2;           ///< between two views, which count as independent
   std::uint32_t least_views = 5;    ///< that ended in a new cell, or passed through one that is gone
   std::uint32_t beside_views = 2;   ///< that ended in a cell within the tolerance of a new one: it belongs to it
-  double least_share = 0.6;         ///< of the views that saw a new cell: those that ended in it
+  double least_share = 0.6;         ///< share of the views of a new cell that must end in it
   double most_contradicted = 0.15;  ///< ends within the tolerance for each view that passed through what is gone
   double patch_gap_m = 0.3;         ///< cells that lie nearer to each other are one patch
 };
@@ -43,7 +93,7 @@ struct MapChanges {
 };
 
 /// How many patches there are.
-std::size_t patches_of(std::span<const ChangedCell> cells);
+std::size_t count_patches(std::span<const ChangedCell> cells);
 
 /// `views` were counted in the map's grid, as were those `before` that the map was made from, if they are known: then
 /// they must have seen what is new as free, all around, and what is gone as a wall, which cells that a beam grazed and
@@ -51,7 +101,7 @@ std::size_t patches_of(std::span<const ChangedCell> cells);
 MapChanges find_changes(const OccupancyMap& map, const ViewCounts& views, const ViewCounts* before,
                         const ChangeLimits& limits);
 
-/// What views say of a cell by itself.
+/// Judges single cells by their views.
 class ViewJudge {
  public:
   ViewJudge(double resolution_m, const ChangeLimits& limits);

@@ -41,7 +41,7 @@ SessionChanges::SessionChanges(const std::vector<DriveViews>& drives, double res
 
 bool SessionChanges::is_before(std::size_t a, std::size_t b) const { return order_[a].last_s < order_[b].first_s; }
 
-std::vector<SessionChanges::Word> SessionChanges::words_of(CellIndex cell) const {
+std::vector<SessionChanges::Word> SessionChanges::collect_words(CellIndex cell) const {
   std::vector<Word> words(drives_->size(), Word::kNone);
   for (std::size_t k = 0; k < words.size(); ++k) {
     const ViewCounts& views = (*drives_)[k].views;
@@ -56,7 +56,7 @@ std::vector<SessionChanges::Word> SessionChanges::words_of(CellIndex cell) const
 }
 
 // Drives after which no other has a word.
-std::vector<std::size_t> SessionChanges::last_words_of(const std::vector<Word>& words) const {
+std::vector<std::size_t> SessionChanges::find_last_words(const std::vector<Word>& words) const {
   std::vector<std::size_t> last;
   for (std::size_t k = 0; k < words.size(); ++k) {
     if (words[k] == Word::kNone) continue;
@@ -78,7 +78,7 @@ bool SessionChanges::is_strong(std::size_t drive, CellIndex cell) const {
 }
 
 void SessionChanges::judge(CellIndex cell) {
-  const std::vector<Word> words = words_of(cell);
+  const std::vector<Word> words = collect_words(cell);
   const auto says_before = [&](Word wanted, std::size_t drive) {
     for (std::size_t other = 0; other < words.size(); ++other) {
       if (other != drive && words[other] == wanted && !is_before(drive, other)) return true;
@@ -97,7 +97,7 @@ void SessionChanges::judge(CellIndex cell) {
     }
   }
   if (!is_changed) return;
-  const std::vector<std::size_t> last = last_words_of(words);
+  const std::vector<std::size_t> last = find_last_words(words);
   const auto free = std::find_if(last.begin(), last.end(), [&](std::size_t k) { return words[k] == Word::kFree; });
   if (free != last.end()) {
     last_.gone.push_back(changed(*free));
@@ -117,8 +117,8 @@ void SessionChanges::overrule_around_what_is_gone() {
   }
   make_unique(around);
   for (const CellIndex cell : around) {
-    const std::vector<Word> words = words_of(cell);
-    for (const std::size_t k : last_words_of(words)) {
+    const std::vector<Word> words = collect_words(cell);
+    for (const std::size_t k : find_last_words(words)) {
       if (words[k] == Word::kFree) overruled_.push_back({cell, k});
     }
   }

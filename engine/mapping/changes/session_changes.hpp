@@ -1,7 +1,7 @@
-// What changed between drives that lie in one frame: a drive overrules what others saw before it, cell by cell, where
-// it has enough to say. Two drives of which neither ended before the other began have no order: where they contradict
-// each other there is no wall, whoever saw it. Frame: the cells of one grid, cell (0, 0) with its lower left corner at
-// the frame's origin. Thread-safe once made; O(cells seen x drives).
+// Changes between drives that lie in one frame: a drive overrules earlier ones, cell by cell, if it has enough views.
+// Two drives that overlap in time have no order: where they contradict each other there is no wall, whichever saw it.
+// Frame: the cells of one grid, cell (0, 0) with its lower left corner at the frame's origin. Thread-safe once made;
+// O(cells seen x drives).
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "engine/mapping/changes/map_changes.hpp"
-#include "engine/mapping/changes/view_counts.hpp"
 
 namespace gdtslam {
 
@@ -25,7 +24,7 @@ class SessionChanges {
   /// `drives` in any order; they are read until this is made only.
   SessionChanges(const std::vector<DriveViews>& drives, double resolution_m, const ChangeLimits& limits);
 
-  /// What each drive shows to be new or gone since those before it, and against those without an order.
+  /// Cells that each drive shows to be new or gone since the drives before it, and against those without an order.
   [[nodiscard]] const std::vector<MapChanges>& by_drive() const { return by_drive_; }
   /// Whether what the drive saw in the cell is no wall any more.
   [[nodiscard]] bool is_overruled(std::size_t drive, CellIndex cell) const;
@@ -39,8 +38,8 @@ class SessionChanges {
     std::size_t by = 0;  ///< a drive after which nobody saw a wall there
   };
   [[nodiscard]] bool is_before(std::size_t a, std::size_t b) const;
-  [[nodiscard]] std::vector<Word> words_of(CellIndex cell) const;
-  [[nodiscard]] std::vector<std::size_t> last_words_of(const std::vector<Word>& words) const;
+  [[nodiscard]] std::vector<Word> collect_words(CellIndex cell) const;
+  [[nodiscard]] std::vector<std::size_t> find_last_words(const std::vector<Word>& words) const;
   [[nodiscard]] bool is_strong(std::size_t drive, CellIndex cell) const;
   void judge(CellIndex cell);
   void overrule_around_what_is_gone();

@@ -25,11 +25,11 @@ struct CellPose {
   float theta = 0.0F;
 };
 
-/// What kernels are given of a map and points, relative to the anchor cell; values above the cap count as the cap.
+/// Parameters of kernels for a map and points, relative to the anchor cell; values above the cap count as the cap.
 PoseCost::Params pose_cost_params(const GlobalField& map, CellIndex anchor, std::size_t points, std::uint32_t cap,
                                   Interpolation interpolation, CostForm form);
 
-/// Where a minimiser ended.
+/// End of a minimiser's descent.
 struct LocalMinimum {
   CellPose pose;
   std::uint32_t cost = 0;
@@ -50,7 +50,7 @@ class Objective {
   /// The map must outlive this and have memory().
   Objective(const GlobalField& map, Interpolation interpolation, CostForm form);
 
-  /// Where poses are relative to, in map cells.
+  /// Sets the cell, in map cells, that poses are relative to.
   void set_anchor(CellIndex map_cell) { anchor_ = map_cell; }
   /// The points that count; they must live as long as they are used.
   void set_points(std::span<const PointCells> points) { points_ = points; }
@@ -63,15 +63,17 @@ class Objective {
   /// Costs of a batch of poses, prior included; one dispatch on the backend when the batch is large.
   void evaluate(std::span<const CellPose> poses, std::span<std::uint32_t> costs);
   std::uint32_t evaluate(const CellPose& pose);
-  /// Where a simplex from the pose ends, walked on this thread; the cost and the prior of `walk` must be those below.
+  /// Walks a simplex from the pose on this thread and returns its end; the cost and the prior of `walk` must be those
+  /// below.
   PolishedPose descend(const CellPose& start, const PoseSimplex::Params& walk);
 
-  /// What kernels are given of this objective.
+  /// Kernel parameters of this objective.
   [[nodiscard]] PoseCost::Params cost_params() const { return params(interpolation_, points_.size()); }
   [[nodiscard]] const PriorParams& prior_params() const { return prior_; }
 
-  /// Of the bilinear field whatever `interpolation` is. A distance d counts as d^2 / (2 s) below s = scale_cells and as
-  /// d - s / 2 above [Huber1964]; at the cap it counts as the cap and pulls no more. O(points), on this thread.
+  /// Linearises the cost on the bilinear field whatever `interpolation` is. A distance d counts as d^2 / (2 s) below s
+  /// = scale_cells and as d - s / 2 above [Huber1964]; at the cap it counts as the cap and pulls no more. O(points), on
+  /// this thread.
   [[nodiscard]] Linearisation linearise(const CellPose& pose, float scale_cells);
 
   /// Field value under each point, nearest cell; no coordinate may be NaN.
@@ -108,5 +110,18 @@ inline Pose2 pose_in_metres(const CellPose& pose, CellIndex anchor, double resol
   return {(static_cast<double>(pose.x) + anchor.x) * resolution_m,
           (static_cast<double>(pose.y) + anchor.y) * resolution_m, wrap_angle(static_cast<double>(pose.theta))};
 }
+
+// How well a scan fits a map at some poses, wherever the map lives. Frame: map. Not thread-safe. Cost: one evaluation a
+// pose.
+
+/// The mean distance of the points from the map at two poses, metres; none counts for more than `farthest_m`. Throws
+/// DeviceError where the map's device fails.
+std::array<double, 2> mean_distances_m(const GlobalField& map, std::span<const PointCells> points,
+                                       const std::array<Pose2, 2>& poses, double farthest_m);
+
+/// Whether the points fit about as well at `pose` as where they were matched, as where little holds a scan: in a bare
+/// corridor a match can slide along it for next to nothing. Throws as the above.
+bool fits_about_as_well(const GlobalField& map, std::span<const PointCells> points, const Pose2& pose,
+                        const Pose2& matched);
 
 }  // namespace gdtslam

@@ -1,12 +1,12 @@
 #include "block_cholesky.hpp"
 
-#include <Eigen/OrderingMethods>
-#include <Eigen/SparseCore>
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <numeric>
+
+#include <Eigen/OrderingMethods>
+#include <Eigen/SparseCore>
 
 namespace gdtslam {
 namespace {
@@ -14,6 +14,36 @@ namespace {
 bool is_positive(const Matrix3& factor) {
   const auto is_pivot = [&](int i) { return std::isfinite(factor(i, i)) && factor(i, i) > 0.0; };
   return is_pivot(0) && is_pivot(1) && is_pivot(2);
+}
+
+constexpr int kMostDirections = 400;
+constexpr double kSolvedShare = 1.0e-8;  // share of the squared error to begin with, in the factor's norm
+
+double dot_product(const std::vector<Tangent2>& a, const std::vector<Tangent2>& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += dot(a[i], b[i]);
+  return sum;
+}
+
+// a += factor * b
+void add_times(std::vector<Tangent2>& a, double factor, const std::vector<Tangent2>& b) {
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) a[i][k] += factor * b[i][k];
+  }
+}
+
+std::vector<Tangent2> product(const BlockSystem& system, const std::vector<Tangent2>& v) {
+  std::vector<Tangent2> result(v.size());
+  for (std::size_t row = 0; row < v.size(); ++row) add(result[row], system.diagonal[row] * v[row]);
+  for (std::size_t row = 0; row < v.size(); ++row) {
+    const std::span<const std::size_t> columns = system.row_columns(row);
+    for (std::size_t nth = 0; nth < columns.size(); ++nth) {
+      const Matrix3& block = system.block(row, nth);
+      add(result[row], block * v[columns[nth]]);
+      add(result[columns[nth]], transposed(block) * v[row]);
+    }
+  }
+  return result;
 }
 
 }  // namespace
@@ -65,7 +95,7 @@ void BlockCholesky::choose_order(const BlockSystem& pattern) {
   std::vector<Eigen::Triplet<double, int>> entries;
   for (std::size_t row = 0; row < pattern.rows(); ++row) {
     entries.emplace_back(static_cast<int>(row), static_cast<int>(row), 1.0);
-    for (const std::size_t column : pattern.columns_of(row)) {
+    for (const std::size_t column : pattern.row_columns(row)) {
       entries.emplace_back(static_cast<int>(row), static_cast<int>(column), 1.0);
       entries.emplace_back(static_cast<int>(column), static_cast<int>(row), 1.0);
     }
@@ -84,7 +114,7 @@ void BlockCholesky::choose_order(const BlockSystem& pattern) {
 
 void BlockCholesky::sort_sources(const BlockSystem& pattern) {
   for (std::size_t row = 0; row < pattern.rows(); ++row) {
-    const std::span<const std::size_t> columns = pattern.columns_of(row);
+    const std::span<const std::size_t> columns = pattern.row_columns(row);
     for (std::size_t nth = 0; nth < columns.size(); ++nth) {
       const std::size_t a = new_of_[row];
       const std::size_t b = new_of_[columns[nth]];
@@ -178,6 +208,31 @@ void BlockCholesky::solve(std::vector<Tangent2>& right) const {
     x[i] = solve_lower_transposed(diagonal_[i], x[i]);
   }
   for (std::size_t i = 0; i < x.size(); ++i) right[old_of_[i]] = x[i];
+}
+
+std::vector<Tangent2> solve_near(const BlockSystem& system, const BlockCholesky& factor) {
+  std::vector<Tangent2> solution(system.rows());
+  std::vector<Tangent2> residual = system.right;
+  std::vector<Tangent2> downhill = residual;
+  factor.solve(downhill);
+  std::vector<Tangent2> direction = downhill;
+  double error = dot_product(residual, downhill);
+  const double small = kSolvedShare * error;
+  for (int step = 0; step < kMostDirections && error > small; ++step) {
+    const std::vector<Tangent2> changed = product(system, direction);
+    const double share = error / dot_product(direction, changed);
+    add_times(solution, share, direction);
+    add_times(residual, -share, changed);
+    downhill = residual;
+    factor.solve(downhill);
+    const double left = dot_product(residual, downhill);
+    for (std::size_t i = 0; i < direction.size(); ++i) {
+      for (std::size_t k = 0; k < 3; ++k) direction[i][k] = downhill[i][k] + left / error * direction[i][k];
+    }
+    error = left;
+  }
+  if (!std::isfinite(error)) return {};
+  return solution;
 }
 
 }  // namespace gdtslam

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <map>
-#include <utility>
 
 namespace gdtslam {
 namespace {
 
-/// What each step from place to place was measured as, and how sure it is by all who measured it.
+/// Measured steps from place to place, and their information from all measurements.
 struct ReplaySteps {
   std::vector<Pose2> T_place_next;
   std::vector<Matrix3> information;
@@ -75,7 +74,7 @@ std::vector<ReplayStage> grouped_by_place(const std::vector<Loop>& loops, std::s
 
 }  // namespace
 
-std::vector<ReplayStage> replay_of(const PoseGraph& graph, std::size_t most_stages) {
+std::vector<ReplayStage> replay_graph(const PoseGraph& graph, std::size_t most_stages) {
   if (graph.poses.empty()) return {};
   const ReplaySteps steps = replay_steps(graph);
   std::vector<ReplayStage> stages = grouped_by_place(graph.loops, most_stages);

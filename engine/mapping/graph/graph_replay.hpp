@@ -13,12 +13,12 @@ namespace gdtslam {
 
 /// From here on some more loops are known.
 struct ReplayStage {
-  std::size_t place = 0;           ///< where the robot is then
+  std::size_t place = 0;           ///< place of the robot in this stage
   std::vector<std::size_t> loops;  ///< which loops, as indices into the graph's
-  /// Of all places: those up to `place` by least squares, the others as the path was measured from there.
+  /// Poses of all places: up to `place` by least squares, the others as the path was measured from there.
   std::vector<Pose2> poses;
-  /// Of the robot at `place` and every place up to that of the next stage: of the tangent of its pose as seen from the
-  /// first place.
+  /// Covariances of the robot at `place` and of every place up to that of the next stage, in the tangent of its pose as
+  /// seen from the first place.
   std::vector<Matrix3> covariances;
 };
 
@@ -26,6 +26,6 @@ struct ReplayStage {
 /// `most_stages` of them: where later places of loops are more, neighbouring ones share a stage. `graph` has a relation
 /// of its path from each place to the next, the first of them being the one that is driven, others beside it as
 /// further evidence; its poses but the first count for nothing.
-std::vector<ReplayStage> replay_of(const PoseGraph& graph, std::size_t most_stages);
+std::vector<ReplayStage> replay_graph(const PoseGraph& graph, std::size_t most_stages);
 
 }  // namespace gdtslam

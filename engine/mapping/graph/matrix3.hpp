@@ -14,16 +14,16 @@ namespace gdtslam {
 using Tangent2 = std::array<double, 3>;
 
 inline double square(double value) { return value * value; }
-/// Of the translation.
-inline double length_of(const Pose2& T) { return std::sqrt(T.x_m * T.x_m + T.y_m * T.y_m); }
+/// Length of the translation.
+inline double translation_length(const Pose2& T) { return std::sqrt(T.x_m * T.x_m + T.y_m * T.y_m); }
 
 /// Row-major.
 struct Matrix3 {
   std::array<double, 9> m{};
 
-  double& operator()(int row, int column) { return m[index_of(row, column)]; }
-  double operator()(int row, int column) const { return m[index_of(row, column)]; }
-  static std::size_t index_of(int row, int column) {
+  double& operator()(int row, int column) { return m[element_index(row, column)]; }
+  double operator()(int row, int column) const { return m[element_index(row, column)]; }
+  static std::size_t element_index(int row, int column) {
     return 3U * static_cast<std::size_t>(row) + static_cast<std::size_t>(column);
   }
   static Matrix3 diagonal(double a, double b, double c) { return {{a, 0.0, 0.0, 0.0, b, 0.0, 0.0, 0.0, c}}; }
@@ -115,7 +115,7 @@ inline Matrix3 over_transposed(const Matrix3& a, const Matrix3& l) {
   }
   return result;
 }
-/// Of a symmetric and positive definite matrix.
+/// Inverse of a symmetric and positive definite matrix.
 inline Matrix3 inverse(const Matrix3& a) {
   const Matrix3 l = cholesky(a);
   Matrix3 result;

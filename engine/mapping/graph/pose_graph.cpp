@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "conjugate_gradients.hpp"
+#include "engine/core/elementary.hpp"
 #include "engine/core/memory/sparing.hpp"
 
 namespace gdtslam {
@@ -11,12 +11,12 @@ namespace {
 
 constexpr double kHeld = 1.0e12;       // information of the first pose: so much that nothing moves it
 constexpr double kStill_m = 1.0e-5;    // a step that moves nothing farther is the last
-constexpr double kNarrowing = 1.6;     // of the kernel, from step to step
+constexpr double kNarrowing = 1.6;     // factor of the kernel's scale from step to step
 constexpr double kWidest = 1.0e6;      // in units of its final scale
-constexpr double kSlightlyWide = 4.0;  // where a graph changed by little
+constexpr double kSlightlyWide = 4.0;  // kernel scale for a graph that changed by little
 constexpr int kMostSteps = 100;
 constexpr double kFarWorse = 100.0;  // times the cost: somewhat more may have other loops, and be right
-constexpr int kMostHalvings = 12;    // of a step that makes things worse
+constexpr int kMostHalvings = 12;    // limit for a step that makes things worse
 constexpr double kUnsolved = 1.0e6;  // variance of what a graph without a solution tells
 
 BlockSystem system_for(const PoseGraph& graph) {
@@ -35,7 +35,7 @@ BlockSystem system_for(const PoseGraph& graph) {
 
 Tangent2 residual_of_wheels(const WheelRelation& wheels, const PoseGraph& graph) {
   const PoseRelation& relation = wheels.relation;
-  Tangent2 residual = residual_of(relation, graph.poses[relation.from], graph.poses[relation.to]);
+  Tangent2 residual = relation_residual(relation, graph.poses[relation.from], graph.poses[relation.to]);
   subtract(residual, wheels.by_bias * graph.bias);
   return residual;
 }
@@ -82,14 +82,48 @@ double move_by(const std::vector<Tangent2>& steps, std::vector<Pose2>& poses) {
 
 void hold_first(BlockSystem& system) { system.diagonal.front() += Matrix3::diagonal(kHeld, kHeld, kHeld); }
 
+constexpr double kLeastSpread = 1.0e-6;  // square metres, of positions that tell of a turn
+
+Matrix3 turned_to_map(const Pose2& pose) {
+  const SinCos<double> turn = sin_cos(pose.theta_rad);
+  return {{turn.cos, -turn.sin, 0.0, turn.sin, turn.cos, 0.0, 0.0, 0.0, 1.0}};
+}
+
+/// The rigid motion that fits the motions of some nodes best, about the centre of their positions.
+class BestMotion {
+ public:
+  BestMotion(const PoseGraph& graph, std::span<const std::size_t> nodes)
+      : graph_(graph), share_(1.0 / static_cast<double>(nodes.size())) {
+    for (const std::size_t node : nodes) centre_ += share_ * graph.poses[node].translation();
+    for (const std::size_t node : nodes) spread_m2_ += (graph.poses[node].translation() - centre_).squaredNorm();
+  }
+  /// Motion of a node under a rigid motion (tx, ty, turn).
+  [[nodiscard]] Matrix3 onto(std::size_t node) const {
+    const Point2 arm = graph_.poses[node].translation() - centre_;
+    return {{1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x(), 0.0, 0.0, 1.0}};
+  }
+  /// Contribution of a node's own motion to the best rigid one: least squares over positions.
+  [[nodiscard]] Matrix3 from(std::size_t node) const {
+    const Point2 arm = graph_.poses[node].translation() - centre_;
+    const double per_m2 = spread_m2_ > kLeastSpread ? 1.0 / spread_m2_ : 0.0;
+    return {{share_, 0.0, 0.0, 0.0, share_, 0.0, -arm.y() * per_m2, arm.x() * per_m2, 0.0}};
+  }
+
+ private:
+  const PoseGraph& graph_;
+  double share_;
+  Point2 centre_{0.0, 0.0};
+  double spread_m2_ = 0.0;
+};
+
 }  // namespace
 
-Tangent2 residual_of(const PoseRelation& relation, const Pose2& T_from, const Pose2& T_to) {
+Tangent2 relation_residual(const PoseRelation& relation, const Pose2& T_from, const Pose2& T_to) {
   return log_tangent(between(relation.T_from_to, between(T_from, T_to)));
 }
 
-double chi2_of(const PoseRelation& relation, const Pose2& T_from, const Pose2& T_to) {
-  return squared_norm(relation.information, residual_of(relation, T_from, T_to));
+double relation_chi2(const PoseRelation& relation, const Pose2& T_from, const Pose2& T_to) {
+  return squared_norm(relation.information, relation_residual(relation, T_from, T_to));
 }
 
 // A perturbation of `to` on the right changes the residual by itself, one of `from` by minus itself as seen from `to`;
@@ -97,7 +131,7 @@ double chi2_of(const PoseRelation& relation, const Pose2& T_from, const Pose2& T
 void add_relation(const PoseRelation& relation, const std::vector<Pose2>& poses, double weight, BlockSystem& system) {
   const Pose2& T_from = poses[relation.from];
   const Pose2& T_to = poses[relation.to];
-  const Tangent2 residual = residual_of(relation, T_from, T_to);
+  const Tangent2 residual = relation_residual(relation, T_from, T_to);
   const Matrix3 by_from = -1.0 * adjoint_matrix(between(T_to, T_from));
   const Matrix3 information = weight * relation.information;
   const Matrix3 cross = information * by_from;  // (to, from)
@@ -136,7 +170,7 @@ double PoseGraph::move_by(const std::vector<Tangent2>& steps) {
 double PoseGraph::largest_chi2() const {
   double largest = 0.0;
   for (const Loop& loop : loops) {
-    largest = std::max(largest, chi2_of(loop.relation, poses[loop.relation.from], poses[loop.relation.to]));
+    largest = std::max(largest, relation_chi2(loop.relation, poses[loop.relation.from], poses[loop.relation.to]));
   }
   return largest;
 }
@@ -155,27 +189,27 @@ void take_loop(std::vector<Loop>& loops, const Loop& loop) {
 // Geman and McClure's kernel of this scale.
 void PoseGraph::weigh_loops(double scale) {
   for (Loop& loop : loops) {
-    const double chi2 = chi2_of(loop.relation, poses[loop.relation.from], poses[loop.relation.to]);
+    const double chi2 = relation_chi2(loop.relation, poses[loop.relation.from], poses[loop.relation.to]);
     const double share = scale / (scale + chi2);
     loop.weight = share * share;
   }
 }
 
-// Of the path by least squares, of loops by the kernel of its final scale, whatever their weights.
+// The path counts by least squares, loops by the kernel of its final scale, whatever their weights.
 double PoseGraph::cost() const {
   double sum = 0.0;
-  for (const PoseRelation& relation : path) sum += chi2_of(relation, poses[relation.from], poses[relation.to]);
+  for (const PoseRelation& relation : path) sum += relation_chi2(relation, poses[relation.from], poses[relation.to]);
   for (const WheelRelation& step : wheels)
     sum += squared_norm(step.relation.information, residual_of_wheels(step, *this));
   if (!wheels.empty()) sum += squared_norm(bias_information, bias);
   for (const Loop& loop : loops) {
-    const double chi2 = chi2_of(loop.relation, poses[loop.relation.from], poses[loop.relation.to]);
+    const double chi2 = relation_chi2(loop.relation, poses[loop.relation.from], poses[loop.relation.to]);
     sum += kScale * chi2 / (kScale + chi2);
   }
   return sum;
 }
 
-// As optimise() without a wide kernel, each step as far only as it makes things better.
+// Works like optimise() without a wide kernel; each step goes only as far as it makes things better.
 void PoseGraph::descend() {
   BlockSystem system = system_for(*this);
   BlockCholesky factor(system);
@@ -202,8 +236,8 @@ void PoseGraph::descend() {
   }
 }
 
-// Where turns contradict the path, whole steps may lead ever farther away. Where they do not come to rest, or at a
-// far worse place, they are held against shorter ones.
+// If turns contradict the path, whole steps may lead ever farther away. If they do not come to rest, or end at a far
+// worse place, they are compared with shorter ones.
 void PoseGraph::optimise(bool is_graduated) {
   if (loops.empty() && wheels.empty()) return;
   std::vector<Pose2> before = poses;
@@ -282,6 +316,53 @@ Matrix3 GraphCovariance::relative(std::size_t from, std::size_t to) const {
   const Matrix3 by_from = -1.0 * adjoint_matrix(between(graph_.poses[to], graph_.poses[from]));
   const Matrix3 cross = by_from * of_to[from];
   return of_to[to] + by_from * times_transposed(from_from, by_from) + cross + transposed(cross);
+}
+
+std::vector<Matrix3> covariances_in_map(const PoseGraph& graph, std::span<const std::size_t> nodes) {
+  if (nodes.empty()) return {};
+  const GraphCovariance covariance(graph);
+  const BestMotion best(graph, nodes);
+  std::vector<Matrix3> own;
+  std::vector<Matrix3> with_best;  // covariances of the best motion and each node's
+  Matrix3 of_best;
+  for (const std::size_t node : nodes) {
+    const std::vector<Matrix3> column = covariance.column(node);
+    const Matrix3 to_map = turned_to_map(graph.poses[node]);
+    const auto in_map = [&](std::size_t other) {
+      return turned_to_map(graph.poses[other]) * times_transposed(column[other], to_map);
+    };
+    Matrix3 sum;
+    for (const std::size_t other : nodes) sum += best.from(other) * in_map(other);
+    of_best += times_transposed(sum, best.from(node));
+    with_best.push_back(sum);
+    own.push_back(in_map(node));
+  }
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const Matrix3 onto = best.onto(nodes[i]);
+    const Matrix3 cross = onto * with_best[i];
+    own[i] += onto * times_transposed(of_best, onto);
+    own[i] -= cross + transposed(cross);
+  }
+  return own;
+}
+
+std::vector<Matrix3> spread_covariances(std::span<const std::size_t> at, std::span<const Matrix3> known,
+                                        std::size_t count) {
+  std::vector<Matrix3> all;
+  all.reserve(count);
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    while (next < at.size() && at[next] <= i) ++next;
+    const std::size_t last = next - 1;
+    if (next == at.size()) {
+      all.push_back(known[last]);
+      continue;
+    }
+    const auto from = static_cast<double>(at[last]);
+    const double share = (static_cast<double>(i) - from) / (static_cast<double>(at[next]) - from);
+    all.push_back((1.0 - share) * known[last] + share * known[next]);
+  }
+  return all;
 }
 
 }  // namespace gdtslam

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "block_cholesky.hpp"
@@ -18,7 +19,7 @@ struct PoseRelation {
   std::size_t from = 0;
   std::size_t to = 0;
   Pose2 T_from_to;
-  Matrix3 information{};  ///< of the tangent at T_from_to; perturbations act on the right
+  Matrix3 information{};  ///< information of the tangent at T_from_to; perturbations act on the right
 };
 
 /// A step of the path by the wheels. All such steps share the bias of the wheels (share of the distance, share of the
@@ -29,8 +30,8 @@ struct WheelRelation {
 };
 
 /// log of what is between the measured relative pose and the actual one.
-Tangent2 residual_of(const PoseRelation& relation, const Pose2& T_from, const Pose2& T_to);
-double chi2_of(const PoseRelation& relation, const Pose2& T_from, const Pose2& T_to);
+Tangent2 relation_residual(const PoseRelation& relation, const Pose2& T_from, const Pose2& T_to);
+double relation_chi2(const PoseRelation& relation, const Pose2& T_from, const Pose2& T_to);
 /// Its normal equations at these poses, times a weight.
 void add_relation(const PoseRelation& relation, const std::vector<Pose2>& poses, double weight, BlockSystem& system);
 /// Moves the poses by the system's solution, the first one held; returns how far the farthest went, metres, or a value
@@ -60,8 +61,8 @@ class PoseGraph {
   std::vector<PoseRelation> path;
   std::vector<Loop> loops;
   std::vector<WheelRelation> wheels{};
-  Tangent2 bias{};             ///< of all wheel relations, beyond that which their T_from_to are corrected by
-  Matrix3 bias_information{};  ///< of what is known of it before any log
+  Tangent2 bias{};             ///< bias of all wheel relations, beyond the one that their T_from_to are corrected for
+  Matrix3 bias_information{};  ///< prior information about it, before any log
 
   /// Least squares over path and loops. `is_graduated` starts from a kernel so wide that every loop counts and narrows
   /// it; otherwise from the poses as they are, for a graph that changed by little. Loops that are right where the path
@@ -84,7 +85,7 @@ class PoseGraph {
 class GraphCovariance {
  public:
   explicit GraphCovariance(const PoseGraph& graph);
-  /// Of the tangent of between(poses[from], poses[to]); kilometres where the graph has no solution.
+  /// Covariance of the tangent of between(poses[from], poses[to]); kilometres if the graph has no solution.
   [[nodiscard]] Matrix3 relative(std::size_t from, std::size_t to) const;
   /// Covariance of the bias of the wheels. The graph must have wheel relations.
   [[nodiscard]] Matrix3 of_bias() const;
@@ -98,5 +99,20 @@ class GraphCovariance {
   [[nodiscard]] std::vector<Matrix3> column_of_row(std::size_t row) const;
   bool is_known_ = false;
 };
+
+// How sure each pose of a graph is within the map as a whole. A graph tells only how poses lie to each other; held at
+// its first pose, the last ones look bad whatever is in between. Here no pose is held: what is left once the best rigid
+// motion of all is taken out, which is what a map laid over the truth shows (inner constraints [Baarda1973]). Frame:
+// map. Thread-safe. Cost: for each node asked for three solutions of the graph's system, and some products with every
+// other.
+
+/// Returns the covariances of (x, y, theta) along the map's axes, one a node asked for; the rigid motion is that of
+/// these nodes' positions.
+std::vector<Matrix3> covariances_in_map(const PoseGraph& graph, std::span<const std::size_t> nodes);
+
+/// For `count` indices, the covariances that are known at some of them, ascending, and between two of these linearly;
+/// beyond the last as there.
+std::vector<Matrix3> spread_covariances(std::span<const std::size_t> at, std::span<const Matrix3> known,
+                                        std::size_t count);
 
 }  // namespace gdtslam

@@ -13,10 +13,10 @@ constexpr std::size_t kFewestClosures = 4;
 constexpr double kUsualLog = 2.3;  // standard deviation of the factor's logarithm: what is said is right within ten
 constexpr std::size_t kMostClosures = 400;
 constexpr double kFactorStep = 1.7782794;  // fourth root of ten
-constexpr double kClosureFreedom = 4.0;    // of Student's t: a few loops may be far off
+constexpr double kClosureFreedom = 4.0;    // degrees of freedom of Student's t: a few loops may be far off
 constexpr double kDimensions = 3.0;
 
-/// What a loop says against the chain, and how sure either is.
+/// Difference between a loop and the chain, and the information of both.
 struct Closure {
   Tangent2 off;
   Matrix3 of_chain;  // covariances
@@ -29,7 +29,7 @@ struct Chain {
   std::vector<Matrix3> covariances{Matrix3{}};
 };
 
-Chain chain_of(std::span<const PoseRelation> steps) {
+Chain chain_poses(std::span<const PoseRelation> steps) {
   Chain chain;
   for (const PoseRelation& step : steps) {
     chain.poses.push_back(chain.poses.back() * step.T_from_to);
@@ -40,7 +40,7 @@ Chain chain_of(std::span<const PoseRelation> steps) {
   return chain;
 }
 
-Closure closure_of(const Chain& chain, const PoseRelation& loop) {
+Closure measure_closure(const Chain& chain, const PoseRelation& loop) {
   const Matrix3 carried = adjoint_matrix(inverse(chain.poses[loop.to]));
   Matrix3 since = chain.covariances[loop.to];
   since -= chain.covariances[loop.from];
@@ -69,10 +69,10 @@ VarianceFactor variance_factor(std::span<const PoseRelation> chain, std::span<co
   }
   VarianceFactor best;
   if (on.size() < kFewestClosures) return best;
-  const Chain poses = chain_of(chain);
+  const Chain poses = chain_poses(chain);
   std::vector<Closure> closures;
   for (std::size_t i = 0; i < on.size(); i += on.size() / kMostClosures + 1) {
-    closures.push_back(closure_of(poses, on[i]->relation));
+    closures.push_back(measure_closure(poses, on[i]->relation));
   }
   best.closures = closures.size();
   double least = std::numeric_limits<double>::infinity();

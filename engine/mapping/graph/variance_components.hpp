@@ -19,12 +19,12 @@ inline constexpr double kMostVarianceFactor = 110.0;
 /// them apart.
 struct VarianceFactor {
   double variance = 1.0;
-  double turn_variance = variance;  ///< of the heading
+  double turn_variance = variance;  ///< factor of the heading's variance
   std::size_t closures = 0;         ///< loops or steps that it comes from
 };
 
-/// Of a chain whose relation i goes from node i to node i + 1, by the loops that are on. Between 1/100 and 100, and
-/// near 1 where the loops say little; 1 where there are fewer than four.
+/// Estimates the factor of a chain, whose relation i goes from node i to node i + 1, by the loops that are on. Between
+/// 1/100 and 100, near 1 if the loops say little, and 1 if there are fewer than four.
 VarianceFactor variance_factor(std::span<const PoseRelation> chain, std::span<const Loop> loops);
 
 /// The relation with a covariance so much larger.

@@ -10,7 +10,7 @@ namespace {
 constexpr std::uint16_t kMostCounted = std::numeric_limits<std::uint16_t>::max();
 constexpr std::uint16_t kFewestCrossings = 3;
 constexpr std::int64_t kBesideReturn = 2;  // cells around one that are not said to be free
-constexpr int kCellsBeforeReturn = 2;      // of a beam that say nothing: a wall is as thick as its noise
+constexpr int kCellsBeforeReturn = 2;      // cells before a return say nothing: a wall is as thick as its noise
 
 void count(std::uint16_t& counter) {
   if (counter < kMostCounted) ++counter;
@@ -18,7 +18,7 @@ void count(std::uint16_t& counter) {
 
 }  // namespace
 
-std::int64_t FreeSpace::cell_of(double coordinate_m) {
+std::int64_t FreeSpace::grid_coordinate(double coordinate_m) {
   return static_cast<std::int64_t>(std::floor(coordinate_m / kCell_m));
 }
 
@@ -26,7 +26,7 @@ FreeSpace::FreeSpace(std::span<const Beam> beams, std::span<const WallPoint> wal
   size_for(beams);
   for (const Beam& beam : beams) cross(beam);
   for (const WallPoint& wall : walls) {
-    const std::size_t index = index_of(wall.point);
+    const std::size_t index = cell_index(wall.point);
     if (index == kOutside || cells_[index].wall != kNone) continue;
     cells_[index].wall = static_cast<std::int32_t>(walls_.size());
     walls_.push_back(wall);
@@ -48,16 +48,16 @@ void FreeSpace::size_for(std::span<const Beam> beams) {
       high_y = std::max(high_y, end.y());
     }
   }
-  left_ = cell_of(low_x) - 1;
-  bottom_ = cell_of(low_y) - 1;
-  width_ = cell_of(high_x) - left_ + 2;
-  height_ = cell_of(high_y) - bottom_ + 2;
+  left_ = grid_coordinate(low_x) - 1;
+  bottom_ = grid_coordinate(low_y) - 1;
+  width_ = grid_coordinate(high_x) - left_ + 2;
+  height_ = grid_coordinate(high_y) - bottom_ + 2;
   cells_.resize(static_cast<std::size_t>(width_ * height_));
 }
 
-std::size_t FreeSpace::index_of(const Point2& point) const {
-  const std::int64_t x = cell_of(point.x()) - left_;
-  const std::int64_t y = cell_of(point.y()) - bottom_;
+std::size_t FreeSpace::cell_index(const Point2& point) const {
+  const std::int64_t x = grid_coordinate(point.x()) - left_;
+  const std::int64_t y = grid_coordinate(point.y()) - bottom_;
   if (x < 0 || y < 0 || x >= width_ || y >= height_) return kOutside;
   return static_cast<std::size_t>(y * width_ + x);
 }
@@ -93,8 +93,8 @@ void FreeSpace::cross(const Beam& beam) {
 }
 
 bool FreeSpace::is_free(const Point2& point) const {
-  const std::int64_t x = cell_of(point.x());
-  const std::int64_t y = cell_of(point.y());
+  const std::int64_t x = grid_coordinate(point.x());
+  const std::int64_t y = grid_coordinate(point.y());
   const Cell* here = cell_at(x, y);
   if (here == nullptr || here->crossed < kFewestCrossings) return false;
   for (std::int64_t j = y - kBesideReturn; j <= y + kBesideReturn; ++j) {
@@ -107,7 +107,7 @@ bool FreeSpace::is_free(const Point2& point) const {
 }
 
 bool FreeSpace::is_known(const Point2& point) const {
-  const Cell* cell = cell_at(cell_of(point.x()), cell_of(point.y()));
+  const Cell* cell = cell_at(grid_coordinate(point.x()), grid_coordinate(point.y()));
   return cell != nullptr && (cell->crossed >= kFewestCrossings || cell->hit > 0);
 }
 

@@ -54,9 +54,9 @@ class FreeSpace {
 
   void size_for(std::span<const Beam> beams);
   void cross(const Beam& beam);
-  [[nodiscard]] std::size_t index_of(const Point2& point) const;
+  [[nodiscard]] std::size_t cell_index(const Point2& point) const;
   [[nodiscard]] const Cell* cell_at(std::int64_t x, std::int64_t y) const;
-  static std::int64_t cell_of(double coordinate_m);
+  static std::int64_t grid_coordinate(double coordinate_m);
 
   std::int64_t left_ = 0;
   std::int64_t bottom_ = 0;
@@ -69,8 +69,8 @@ class FreeSpace {
 template <class Visit>
 void FreeSpace::visit_walls_near(const Point2& point, const Visit& visit) const {
   constexpr std::int64_t kReach = 2;
-  const std::int64_t x = cell_of(point.x());
-  const std::int64_t y = cell_of(point.y());
+  const std::int64_t x = grid_coordinate(point.x());
+  const std::int64_t y = grid_coordinate(point.y());
   for (std::int64_t j = y - kReach; j <= y + kReach; ++j) {
     for (std::int64_t i = x - kReach; i <= x + kReach; ++i) {
       const Cell* cell = cell_at(i, j);

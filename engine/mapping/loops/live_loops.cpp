@@ -1,8 +1,6 @@
 #include "live_loops.hpp"
 
 #include <chrono>
-#include <exception>
-#include <span>
 #include <system_error>
 #include <utility>
 
@@ -10,7 +8,7 @@
 #include "engine/core/scheduling.hpp"
 #include "engine/core/side_thread.hpp"
 #include "engine/core/signals_blocked.hpp"
-#include "engine/mapping/map/separate_map.hpp"
+#include "engine/mapping/map/keyframe_map.hpp"
 
 namespace gdtslam {
 namespace {
@@ -131,7 +129,7 @@ void LiveLoops::append(Keyframe& keyframe) {
   path_.scans.push_back(std::move(keyframe.scan));
   push_sparingly(path_.poses, keyframe.T_map_base);
   push_sparingly(path_.path_m, keyframe.path_m);
-  push_sparingly(path_.doubts, path_.doubts.empty() ? StepDoubt{} : doubt_of(keyframe.steps));
+  push_sparingly(path_.doubts, path_.doubts.empty() ? StepDoubt{} : step_doubt(keyframe.steps));
   path_.steps.push_back(keyframe.steps);
   measured_.put({keyframe.steps, keyframe.travel});
   is_pruned_.push_back(false);
@@ -179,7 +177,7 @@ void LiveLoops::draw_map(MapRequest& request) const {
     auto map = std::make_shared<SeparateMap>(request.config);
     const std::vector<Pose2> poses = closer_.carried_keyframes();
     for (std::size_t i = 0; i < poses.size(); ++i) {
-      if (!is_pruned_[i]) map->merge(points_of(path_.scans[i]), poses[i]);
+      if (!is_pruned_[i]) map->merge(to_points(path_.scans[i]), poses[i]);
     }
     const GlobalField* const field = &map->field();
     request.promise.set_value(

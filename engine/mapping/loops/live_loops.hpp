@@ -6,7 +6,6 @@
 
 #include <condition_variable>
 #include <cstddef>
-#include <cstdint>
 #include <deque>
 #include <exception>
 #include <functional>
@@ -25,7 +24,7 @@
 
 namespace gdtslam {
 
-/// What the front end gives of a keyframe: an entry of FrontEndPath.
+/// Keyframe of the front end: an entry of FrontEndPath.
 struct Keyframe {
   KeptScan scan;
   Pose2 T_map_base;
@@ -39,8 +38,8 @@ struct LiveOptions {
   /// Called where there is no thread to be had; the caller's does it then.
   std::function<void(const std::string&)> warn{};
   unsigned threads = 1;          ///< that look, beside the mapping: the one that there is then anyway, and others
-  std::string scratch_folder{};  ///< where steps wait for the end
-  std::size_t shelf_bytes = ByteShelf::kFewBytes;  ///< of their memory
+  std::string scratch_folder{};  ///< folder in which steps wait for the end
+  std::size_t shelf_bytes = ByteShelf::kFewBytes;  ///< memory of the steps
 };
 
 class LiveLoops {
@@ -61,7 +60,7 @@ class LiveLoops {
   [[nodiscard]] LiveStatistics statistics() const;
   /// The distance field of the keyframes handed over so far, once the thread has come to it.
   std::shared_future<FrozenMap> request_map(const MapperConfig& config);
-  /// Likewise where they are.
+  /// Requests the poses of the keyframes.
   std::shared_future<ClosedKeyframes> request_keyframes();
 
   /// Waits until the keyframes handed over are followed, with the share of them; the thread has ended then. Rethrows
@@ -71,7 +70,7 @@ class LiveLoops {
   void abandon();
   /// All keyframes handed over. Not before end() or abandon(); after the latter without steps from long ago.
   [[nodiscard]] const FrontEndPath& path() const { return path_; }
-  /// Likewise, which of them have no scan any more (PlacePruning).
+  /// Keyframes that have no scan any more (PlacePruning).
   [[nodiscard]] const std::vector<bool>& is_pruned() const { return is_pruned_; }
   /// Takes the scans from the path, of those that have one.
   std::vector<KeptScan> take_scans() { return path_.scans.take(); }
@@ -82,7 +81,7 @@ class LiveLoops {
     std::promise<FrozenMap> promise;
   };
   using KeyframesRequest = std::promise<ClosedKeyframes>;
-  /// What nobody asks for between the place behind it and the end.
+  /// Measurements between the place behind it and the end, which no caller has requested yet.
   struct Measured {
     MeasuredSteps steps;
     WheelTravel travel;
@@ -110,17 +109,17 @@ class LiveLoops {
   bool is_started_ = false;
   // The thread's, from its start to its end:
   FrontEndPath path_;
-  Shelf<Measured> measured_;     // of its keyframes
-  std::vector<bool> is_pruned_;  // likewise
+  Shelf<Measured> measured_;     // measurements of its keyframes
+  std::vector<bool> is_pruned_;  // keyframes without a scan
   LoopCloser closer_;
   std::unique_ptr<WorkerPool> workers_;
-  // Of both, under the lock:
+  // Shared by both threads, guarded by the mutex:
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::condition_variable done_;
   std::deque<Order> orders_;
   std::vector<Pose2> found_;   // corrections, one a place
-  double beside_cpu_s_ = 0.0;  // of the thread
+  double beside_cpu_s_ = 0.0;  // CPU time of the thread
   std::exception_ptr failure_;
   bool is_ending_ = false;     // when all orders are carried out
   bool is_abandoned_ = false;  // at once

@@ -1,16 +1,21 @@
 #include "loop_closer.hpp"
 
 #include <algorithm>
-#include <optional>
-#include <span>
+#include <cmath>
 
 #include "engine/core/memory/sparing.hpp"
-#include "engine/mapping/loops/carried_keyframes.hpp"
+#include "engine/mapping/graph/matrix3.hpp"
 
 namespace gdtslam {
 namespace {
 
-constexpr double kHeldShare = 0.8;  // of the loops that were on, to stay on with other weights of the path
+bool is_tied(const PoseGraph& graph, std::size_t place) {
+  return std::any_of(graph.loops.begin(), graph.loops.end(), [&](const Loop& loop) {
+    return loop.is_on() && (loop.relation.from == place || loop.relation.to == place);
+  });
+}
+
+constexpr double kHeldShare = 0.8;  // share of the loops that has to stay on with other weights of the path
 constexpr double kLess = 4.0;       // times the variance
 constexpr int kMostTimesLess = 4;
 // One standard deviation of the bias of wheels that nothing is known of.
@@ -25,6 +30,39 @@ std::size_t loops_on(const PoseGraph& graph) {
 }
 
 }  // namespace
+
+void carry_keyframes_between(std::span<const std::size_t> places, std::span<const Pose2> of_places,
+                             std::span<const Pose2> shape, std::span<Pose2> poses) {
+  for (std::size_t place = 0; place < of_places.size(); ++place) {
+    const std::size_t from = places[place];
+    const bool is_last = place + 1 == of_places.size();
+    const std::size_t to = is_last ? poses.size() : places[place + 1];
+    for (std::size_t i = from; i < to; ++i) poses[i] = of_places[place] * between(shape[from], shape[i]);
+    if (is_last) break;
+    const Pose2 end = of_places[place] * between(shape[from], shape[to]);
+    const Tangent2 off = log_tangent(between(end, of_places[place + 1]));
+    for (std::size_t i = from + 1; i < to; ++i) {
+      const double share = static_cast<double>(i - from) / static_cast<double>(to - from);
+      const Tangent2 here = adjoint_matrix(between(shape[i], shape[to])) * off;
+      poses[i] = poses[i] * exp_tangent({share * here[0], share * here[1], share * here[2]});
+    }
+  }
+}
+
+std::size_t PlacePruning::kept_beside(const PoseGraph& graph, std::size_t place) const {
+  return static_cast<std::size_t>(std::count_if(kept_.begin(), kept_.end(), [&](std::size_t other) {
+    const Pose2 T = between(graph.poses[other], graph.poses[place]);
+    return translation_length(T) < rules_.near_m && std::fabs(T.theta_rad) < rules_.near_rad;
+  }));
+}
+
+std::optional<std::size_t> PlacePruning::next(const PoseGraph& graph) {
+  if (graph.poses.size() <= rules_.places_later) return std::nullopt;
+  const std::size_t place = graph.poses.size() - 1 - rules_.places_later;
+  if (is_crowded(graph, place) && is_tied(graph, place)) return place;
+  push_sparingly(kept_, place);
+  return std::nullopt;
+}
 
 bool PlaceCounter::is_place(double path_m) {
   ++since_last_;
@@ -51,7 +89,7 @@ bool LoopCloser::take_loops(const std::vector<Loop>& loops) {
   return !loops.empty();
 }
 
-// What comes after it is hidden from the search, so that the path may be taken in one piece or in many.
+// Keyframes after this one are hidden from the search, so that the path may be taken in one piece or in many.
 void LoopCloser::take_keyframe() {
   const std::size_t here = known_++;
   finder_.extend({path_.scans, std::span(path_.poses).first(known_), std::span(path_.path_m).first(known_),

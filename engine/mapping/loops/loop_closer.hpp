@@ -7,15 +7,58 @@
 #include <cstddef>
 #include <deque>
 #include <functional>
+#include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "engine/mapping/graph/pose_graph.hpp"
 #include "engine/mapping/loops/loop_finder.hpp"
 #include "engine/mapping/loops/measured_path.hpp"
-#include "engine/mapping/loops/place_pruning.hpp"
+#include "gdtslam/core/pose.hpp"
 
 namespace gdtslam {
+
+// Keyframes that follow the places of a graph. Thread-safe; linear in the keyframes.
+
+/// Writes the poses of the keyframes from the first place on: between two places the path keeps its shape, and what the
+/// graph moved its end by is spread over it. `places` are keyframes, ascending, of which those that have a pose in
+/// `of_places` count; shape and poses have one entry a keyframe.
+void carry_keyframes_between(std::span<const std::size_t> places, std::span<const Pose2> of_places,
+                             std::span<const Pose2> shape, std::span<Pose2> poses);
+
+// Which places of a path still need the scans around them: where a robot goes the same way again and again all day, the
+// first passes tell as much as all of them [Kurz2021]. So memory, and the part of the graph that others are tied to,
+// grow with the area and not with the hours. Not thread-safe. Cost: linear in the places kept and in the loops, each
+// time.
+
+/// When there are enough passes of a place.
+struct PruningRules {
+  std::size_t most_passes = 8;    ///< places beside it that keep their scans
+  double near_m = 2.0;            ///< half of what is between two places along a path
+  double near_rad = 0.785;        ///< in the same direction: scans see little behind them
+  std::size_t places_later = 16;  ///< after which it is decided: until then stretches around it are looked at
+};
+
+class PlacePruning {
+ public:
+  explicit PlacePruning(const PruningRules& rules) : rules_(rules) {}
+
+  /// To be called once a place, in their order, when the last node of the graph was looked at. The place whose scans
+  /// go: one that enough others lie beside, and that a loop ties to them. Where all looks otherwise than it did before
+  /// no loop is found, and the scans stay.
+  std::optional<std::size_t> next(const PoseGraph& graph);
+  /// Whether enough others lie beside a place, of those that were decided about and keep their scans.
+  [[nodiscard]] bool is_crowded(const PoseGraph& graph, std::size_t place) const {
+    return kept_beside(graph, place) >= rules_.most_passes;
+  }
+
+ private:
+  [[nodiscard]] std::size_t kept_beside(const PoseGraph& graph, std::size_t place) const;
+
+  PruningRules rules_;
+  std::vector<std::size_t> kept_;  // kept ones among the places that were decided about
+};
 
 /// How the places lie and how often they are looked at.
 struct LoopOptions {
@@ -59,14 +102,14 @@ class LoopCloser {
   /// To be called once, when the path is whole: follows it to its end, then goes round, where the workers look ahead.
   void run(const Progress& progress, WorkerPool& workers);
 
-  /// Of the keyframes with their loops closed; after run().
+  /// Poses of the keyframes with their loops closed; after run().
   [[nodiscard]] const std::vector<Pose2>& poses() const { return poses_; }
   /// Its nodes are the places, as far as they were looked at.
   [[nodiscard]] const PoseGraph& graph() const { return graph_; }
-  /// Of the keyframes, by the graph as it is.
+  /// Poses of the keyframes by the graph as it is.
   [[nodiscard]] std::vector<Pose2> carried_keyframes() const;
-  /// What poses of the front end near the last place that was looked at have to be multiplied by, from the left, to be
-  /// those of the graph; changes with loops only.
+  /// Correction that turns poses of the front end near the last place into those of the graph, multiplied from the
+  /// left; changes with loops only.
   [[nodiscard]] const Pose2& correction() const { return T_closed_front_; }
   [[nodiscard]] const std::vector<std::size_t>& places() const { return measured_.places(); }
   /// The path as far as each of its sources is believed now that loops are closed.
@@ -88,7 +131,7 @@ class LoopCloser {
   LoopOptions options_;
   PlaceCounter counter_;
   std::size_t known_ = 0;     // keyframes that were taken
-  std::vector<Pose2> poses_;  // of all, from the end on
+  std::vector<Pose2> poses_;  // poses of all keyframes, from the end on
   MeasuredPath measured_;
   std::deque<std::pair<PoseRelation, WheelRelation>> coming_;  // to the places that were not looked at yet
   PoseGraph graph_;

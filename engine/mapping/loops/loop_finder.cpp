@@ -6,7 +6,6 @@
 
 #include "engine/core/memory/free_memory.hpp"
 #include "engine/core/memory/sparing.hpp"
-#include "engine/mapping/loops/group_field.hpp"
 #include "gdtslam/compute/kernel.hpp"
 
 namespace gdtslam {
@@ -15,7 +14,7 @@ namespace {
 constexpr double kReferenceSpacing_m = 0.03;
 constexpr double kQuerySpacing_m = 0.1;
 constexpr double kSearchIndependent = 60.0;  // points of a scan that tell something new, in the cost of a search
-constexpr double kLeastPrior_m = 0.05;       // of the prior: less would be believed only of a graph without mistakes
+constexpr double kLeastPrior_m = 0.05;  // least sigma of the prior: less would be true only of a graph without mistakes
 constexpr double kLeastPrior_rad = 0.005;
 constexpr std::size_t kAheadAThread = 4;  // places that are looked at before it is known whether the graph stays
 constexpr double kNearWindow_m = 0.8;     // half windows that are cheap to prepare for
@@ -28,7 +27,7 @@ constexpr double kAsGoodChi2 = 16.0;  // a pose that costs no more than that abo
 // independent.
 double unit_of_chi2(std::size_t points) { return 0.25 * 256.0 * static_cast<double>(points) / kSearchIndependent; }
 
-WindowPrior prior_of(const Revisit& revisit, double resolution_m, std::size_t points) {
+WindowPrior make_prior(const Revisit& revisit, double resolution_m, std::size_t points) {
   const double unit = unit_of_chi2(points);
   const double cells = std::max(kLeastPrior_m, revisit.sigma_m) / resolution_m;
   const double radians = std::max(kLeastPrior_rad, revisit.sigma_rad);
@@ -46,7 +45,7 @@ struct LoopFinder::Reference {
   Reference(const KeyframePath& keyframes, std::size_t middle, const LoopSearchOptions& options, Backend& backend,
             std::mutex& backend_mutex)
       : group(keyframes, middle, options.reference_half_m, kReferenceSpacing_m),
-        field(field_of(group.points(), options.resolution_m, backend, backend_mutex)) {}
+        field(make_distance_field(group.points(), options.resolution_m, backend, backend_mutex)) {}
 
   /// Prepared for windows of this size: most are small, and far cheaper to prepare for.
   const CertifiedMap& certified_for(bool is_near) {
@@ -70,14 +69,14 @@ struct LoopFinder::Reference {
   /// Made when it is searched in.
   struct Prepared {
     std::optional<CertifiedMap> map;
-    std::size_t bytes = 0;    ///< of the map, whether it is there or was
+    std::size_t bytes = 0;    ///< memory of the map, present or forgotten
     bool is_counted = false;  ///< a search in it was taken
   };
   Prepared& prepared_for(bool is_near) { return is_near ? for_near : for_any; }
 
   ScanGroup group;
   FieldCopy field;
-  std::mutex mutex;  // of what is prepared
+  std::mutex mutex;  // guards the prepared fields
   Prepared for_near;
   Prepared for_any;
   std::uint64_t number = 0;  // tells it from others of its place, before and after
@@ -90,10 +89,10 @@ struct LoopFinder::Fresh {
   std::unique_ptr<Reference> reference;
 };
 
-/// What a search for a revisit came to.
+/// Result of a search for a revisit.
 struct LoopFinder::Found {
   Revisit revisit;
-  std::uint64_t number = 0;  ///< of the reference; 0: a fresh one
+  std::uint64_t number = 0;  ///< number of the reference; 0: a fresh one
   bool is_near = false;      ///< the window
   Pose2 T_place_here;
   LoopEvidence evidence;
@@ -102,7 +101,7 @@ struct LoopFinder::Found {
 };
 
 // A place that could be in two ways says only what both have in common: along the line between them nothing.
-Matrix3 LoopFinder::information_of(const Found& found) {
+Matrix3 LoopFinder::found_information(const Found& found) {
   const Matrix3 information = loop_information(found.evidence);
   if (!found.T_otherwise) return information;
   const Tangent2 apart = log_tangent(between(found.T_place_here, *found.T_otherwise));
@@ -144,7 +143,7 @@ LoopFinder::Reference& LoopFinder::reference_at(std::size_t place) {
   return *fresh->reference;
 }
 
-// Of those that were asked for longest ago first; what is prepared for the one at `place` stays.
+// Forgets first the fields whose last use is longest ago; the prepared one at `place` stays.
 void LoopFinder::forget_prepared(std::size_t place) {
   std::size_t bytes = 0;
   std::vector<Reference*> older;
@@ -164,7 +163,7 @@ void LoopFinder::forget_prepared(std::size_t place) {
   return_free_memory();
 }
 
-// Those that were asked for longest ago go first; the one at `place` stays.
+// Drops first the references whose last use is longest ago; the one at `place` stays.
 void LoopFinder::make_room(std::size_t place) {
   forget_prepared(place);
   std::size_t bytes = 0;
@@ -192,7 +191,7 @@ void LoopFinder::search(Reference& reference, const ScanGroup& query, Found& fou
   options.max_boxes = options_.most_boxes;
   options.counts_window = false;  // which is wide where the heading is not known well
   options.starts = {revisit.T_place_here};
-  options.prior = prior_of(revisit, options_.resolution_m, points.size());
+  options.prior = make_prior(revisit, options_.resolution_m, points.size());
   found.is_near = window.half_x_m <= kNearWindow_m && window.half_theta_rad <= kNearWindow_rad;
   const CertifiedResult result = find_pose(reference.certified_for(found.is_near), points, window, options);
   found.boxes = result.boxes;
@@ -224,7 +223,7 @@ ScanGroup LoopFinder::query_at(std::size_t here) const {
   return {keyframes_, places_[here], options_.query_half_m, kQuerySpacing_m};
 }
 
-// Those around which nothing was seen are not searched in either, and take nobody's turn.
+// Places without any surface around them are not searched in either, and take no turn.
 std::vector<bool> LoopFinder::left_out_before(std::size_t here) const {
   std::vector<bool> left_out = is_left_out_;
   left_out.resize(std::max(left_out.size(), here));
@@ -240,7 +239,7 @@ std::vector<Revisit> LoopFinder::wanted_revisits(const PoseGraph& graph, std::si
   RevisitRules rules = options_.revisits;
   rules.most = most;
   std::vector<Revisit> revisits =
-      revisits_of(graph, GraphCovariance(graph), path_m_, here, rules, left_out_before(here));
+      find_revisits(graph, GraphCovariance(graph), path_m_, here, rules, left_out_before(here));
   std::erase_if(revisits, [&](const Revisit& revisit) {
     return std::any_of(graph.loops.begin(), graph.loops.end(), [&](const Loop& loop) {
       return loop.relation.from == revisit.place && loop.relation.to == here && loop.is_on() && !loop.is_ambiguous;
@@ -259,7 +258,7 @@ std::vector<LoopFinder::Found> LoopFinder::look_ahead(const PoseGraph& graph, st
   return all;
 }
 
-// What is kept, and until when, goes by the searches that are taken alone.
+// References are kept, and dropped, by the searches that are taken alone.
 void LoopFinder::take_reference(const Found& found) {
   const std::size_t place = found.revisit.place;
   std::unique_ptr<Reference>& kept = references_[place];
@@ -289,7 +288,7 @@ std::vector<Loop> LoopFinder::take(std::vector<Found> all, std::size_t here) {
     counts_.boxes += found.boxes;
     if (!is_possible(found.evidence, options_.limits)) continue;
     ++counts_.found;
-    loops.push_back({.relation = {found.revisit.place, here, found.T_place_here, information_of(found)},
+    loops.push_back({.relation = {found.revisit.place, here, found.T_place_here, found_information(found)},
                      .is_ambiguous = found.T_otherwise.has_value()});
   }
   return loops;

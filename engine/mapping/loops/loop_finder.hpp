@@ -23,21 +23,21 @@ namespace gdtslam {
 
 /// How places are looked for.
 struct LoopSearchOptions {
-  double query_half_m = 4.0;      ///< of path to each side of a place that is looked for
+  double query_half_m = 4.0;      ///< path length to each side of a place that is looked for
   double reference_half_m = 9.0;  ///< and of one that it is looked for in
-  double resolution_m = 0.1;      ///< of the distance field
-  std::size_t points = 300;       ///< of the query
+  double resolution_m = 0.1;      ///< cell size of the distance field
+  std::size_t points = 300;       ///< points of the query
   double gap_m = 0.03;            ///< to what is proven: no loop is believed to be better than that
   std::uint64_t most_boxes = 50000;
-  /// Of groups kept to be searched in again, as if all that was prepared for searching them were kept with them: loops
-  /// depend on when a group is made anew.
+  /// Memory of groups kept to be searched in again, as if all their prepared fields were kept with them: loops depend
+  /// on when a group is made anew.
   std::size_t most_bytes = 256U << 20U;
-  std::size_t most_prepared_bytes = 28U << 20U;  ///< of what is; it is the same when it is prepared again
+  std::size_t most_prepared_bytes = 28U << 20U;  ///< memory of fields really kept; they are made again alike
   RevisitRules revisits;
   LoopLimits limits;
 };
 
-/// What was looked for, and how much of it was found.
+/// Counts of searches and of their results.
 struct LoopCounts {
   std::uint64_t searched = 0;
   std::uint64_t found = 0;
@@ -80,7 +80,7 @@ class LoopFinder {
   [[nodiscard]] std::vector<bool> left_out_before(std::size_t here) const;
   [[nodiscard]] ScanGroup query_at(std::size_t here) const;
   Found find(const Revisit& revisit, const ScanGroup& query);
-  static Matrix3 information_of(const Found& found);
+  static Matrix3 found_information(const Found& found);
   void search(Reference& reference, const ScanGroup& query, Found& found);
   std::vector<Loop> take(std::vector<Found> all, std::size_t here);
   void take_reference(const Found& found);
@@ -91,7 +91,7 @@ class LoopFinder {
   KeyframePath keyframes_;
   std::vector<std::size_t> places_;
   std::vector<double> path_m_;     // until each place
-  std::vector<bool> is_left_out_;  // of places
+  std::vector<bool> is_left_out_;  // places that are left out
   LoopSearchOptions options_;
   std::unique_ptr<Backend> backend_;
   std::map<std::size_t, std::unique_ptr<Reference>> references_;
@@ -99,7 +99,7 @@ class LoopFinder {
   std::mutex fresh_mutex_;
   std::mutex backend_mutex_;
   std::uint64_t asked_ = 0;  // references, so far
-  std::uint64_t made_ = 0;   // likewise
+  std::uint64_t made_ = 0;   // number of fields made so far
   LoopCounts counts_;
 };
 

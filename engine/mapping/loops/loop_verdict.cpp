@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kOnWall_m = 0.15;
 constexpr double kSameSide = 0.5;            // least cosine between normals
-constexpr double kGroupPointNoise_m = 0.05;  // of a point of a group: its own scans drift a little
+constexpr double kGroupPointNoise_m = 0.05;  // noise of a point of a group: its own scans drift a little
 constexpr double kGroupIndependent = 60.0;   // points that tell something new
 // In a direction in which little holds a group the search stays where it was told to begin, and that is no measurement:
 // hundreds of loops along a corridor would say together that the path is right as it drifted. So what tilted normals
@@ -20,14 +20,14 @@ constexpr double kGroupLeastShape = 1.0e-10;
 constexpr double kShapeOfFewWalls = 2.0 * kShapeOfTiltedNormals;
 constexpr double kLoopFloor_m = 0.03;
 constexpr double kLoopFloor_rad = 0.006;
-constexpr std::size_t kEvery = 4;  // of the reference's points, which are many
+constexpr std::size_t kEvery = 4;  // stride through the reference's points, which are many
 
 struct Shares {
   std::size_t wrong = 0;
   std::size_t known = 0;
 };
 
-// Of the points at T, those in free space and those of which anything is known.
+// Counts the points at T that lie in free space and those of which anything is known.
 Shares in_free_space(const std::vector<Point2>& points, const Pose2& T, const FreeSpace& space, std::size_t every) {
   Shares shares;
   for (std::size_t i = 0; i < points.size(); i += every) {

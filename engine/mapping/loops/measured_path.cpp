@@ -10,12 +10,12 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kBiasStep = 1.0e-4;  // of a difference quotient
+constexpr double kBiasStep = 1.0e-4;  // step of a difference quotient
 
 // Matches are believed no better than they state: loops tie what lies near by, where the map is the same and matches
 // are at their best.
 constexpr double kLeastOfMatches = 1.0;
-constexpr double kFarBetter = 0.25;    // of the variance
+constexpr double kFarBetter = 0.25;    // share of the variance
 constexpr double kVeryGood = 0.2;      // factor of the variance of wheels
 constexpr std::size_t kFewAPlace = 8;  // keyframes, from one to the next
 constexpr std::size_t kFewestOff = 12;
@@ -23,13 +23,13 @@ constexpr double kOffQuantile = 0.85;  // and where it lies for the absolute val
 constexpr double kOffSigmas = 1.440;
 
 // By which factor variances are larger than stated, from errors in units of their standard deviations.
-double factor_of(std::vector<double>& off) {
+double estimate_factor(std::vector<double>& off) {
   const auto at = off.begin() + static_cast<std::ptrdiff_t>(kOffQuantile * static_cast<double>(off.size() - 1));
   std::nth_element(off.begin(), at, off.end());
   return std::clamp(square(*at / kOffSigmas), kLeastVarianceFactor, kMostVarianceFactor);
 }
 
-std::vector<PoseRelation> relations_of(const std::vector<WheelRelation>& wheels) {
+std::vector<PoseRelation> to_relations(const std::vector<WheelRelation>& wheels) {
   std::vector<PoseRelation> relations;
   relations.reserve(wheels.size());
   for (const WheelRelation& step : wheels) relations.push_back(step.relation);
@@ -140,7 +140,7 @@ WheelRelation MeasuredPath::wheels_between(std::size_t from, std::size_t to) con
   double turned_rad = 0.0;
   Matrix3 covariance;
   Matrix3 by_bias;
-  Matrix3 of_turns;  // of steps whose heading a match tells: they move nothing behind them
+  Matrix3 of_turns;  // information of steps whose heading comes from a match: they move nothing behind them
   Matrix3 turns_by_bias;
   for (std::size_t i = from + 1; i <= to; ++i) {
     const MeasuredSteps& steps = path_.steps_to(i);
@@ -201,14 +201,14 @@ VarianceFactor MeasuredPath::factor_of_wheels(const PoseGraph& graph) const {
     const PoseRelation wheels = by_wheels(place).relation;
     const Matrix3 covariance = inverse(wheels.information);
     const Matrix3 of_matches = inverse(by_front_end(place).information);
-    const Tangent2 off = residual_of(wheels, graph.poses[place - 1], graph.poses[place]);
+    const Tangent2 off = relation_residual(wheels, graph.poses[place - 1], graph.poses[place]);
     const auto is_judged = [&](int k) { return of_matches(k, k) < kFarBetter * covariance(k, k); };
     if (is_judged(2)) turns.push_back(std::fabs(off[2]) / std::sqrt(covariance(2, 2)));
     if (is_judged(0)) ways.push_back(std::fabs(off[0]) / std::sqrt(covariance(0, 0)));
   }
   const bool are_judged = turns.size() >= kFewestOff && ways.size() >= kFewestOff;
-  if (!are_judged) return variance_factor(relations_of(wheels()), graph.loops);
-  return {.variance = factor_of(ways), .turn_variance = factor_of(turns), .closures = ways.size()};
+  if (!are_judged) return variance_factor(to_relations(wheels()), graph.loops);
+  return {.variance = estimate_factor(ways), .turn_variance = estimate_factor(turns), .closures = ways.size()};
 }
 
 // By what the matches differ from wheels that are known to be better.
@@ -223,7 +223,7 @@ VarianceFactor MeasuredPath::factor_beside_good_wheels() const {
     ways.push_back(std::sqrt(square(off[0]) + square(off[1])) / std::sqrt(covariance(0, 0) + covariance(1, 1)));
   }
   if (turns.size() < kFewestOff) return {};
-  return {.variance = factor_of(ways), .turn_variance = factor_of(turns), .closures = ways.size()};
+  return {.variance = estimate_factor(ways), .turn_variance = estimate_factor(turns), .closures = ways.size()};
 }
 
 // Scans that are far apart are each matched with few others, and their errors do not average out. If a chain of the
@@ -233,7 +233,7 @@ void MeasuredPath::weigh(const PoseGraph& graph) {
   const bool is_sparse = path_.poses.size() < kFewAPlace * places_.size();
   factors_ = {};
   are_wheels_good_ = true;
-  const VarianceFactor alone = variance_factor(relations_of(wheels()), graph.loops);
+  const VarianceFactor alone = variance_factor(to_relations(wheels()), graph.loops);
   are_wheels_good_ = is_sparse && alone.variance < kVeryGood;
   VarianceFactor of_matches = at_least(variance_factor(matches(), graph.loops), kLeastOfMatches);
   if (are_wheels_good_) {

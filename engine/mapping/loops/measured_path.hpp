@@ -10,8 +10,8 @@
 #include "engine/core/memory/sparing.hpp"
 #include "engine/mapping/graph/pose_graph.hpp"
 #include "engine/mapping/graph/variance_components.hpp"
-#include "engine/mapping/loops/group_doubt.hpp"
-#include "engine/mapping/surface/kept_scans.hpp"
+#include "engine/mapping/loops/scan_group.hpp"
+#include "engine/mapping/surface/surface_points.hpp"
 #include "engine/mapping/wheels/wheel_bias.hpp"
 
 namespace gdtslam {
@@ -19,13 +19,14 @@ namespace gdtslam {
 /// The pose of a keyframe in the frame of the one before it, by one of the two.
 struct MeasuredStep {
   Pose2 T;
-  Matrix3 information{};  ///< of the tangent at T
+  Matrix3 information{};  ///< information of the tangent at T
   Matrix3 cautious{};     ///< the same where the scan's distance from the map counts as noise: for covariances alone
-  Matrix3 blind{};        ///< of a match: covariance beside the last place along what surfaces do not hold (MatchChain)
-  Matrix3 unseen{};       ///< of a match: covariance of the pose at its end along what no known surface shows
+  Matrix3 blind{};   ///< covariance of a match relative to the last place, along directions that surfaces do not hold
+                     ///< (MatchChain)
+  Matrix3 unseen{};  ///< covariance of the pose at a match's end along directions that no known surface shows
 };
 
-/// What the wheels went from one keyframe to the next, whose noise is known better once the log has ended.
+/// Travel of the wheels from one keyframe to the next, whose noise is known better once the log has ended.
 struct WheelTravel {
   double path_m = 0.0;
   double turned_rad = 0.0;
@@ -40,16 +41,16 @@ inline constexpr std::size_t kStepSources = 2;
 using MeasuredSteps = std::array<MeasuredStep, kStepSources>;
 
 /// By both sources together. `steps` must tell something.
-inline StepDoubt doubt_of(const MeasuredSteps& steps) {
+inline StepDoubt step_doubt(const MeasuredSteps& steps) {
   return {.step = inverse(steps[0].information + steps[1].information), .unseen = steps[0].unseen};
 }
 
-/// What the front end gives: one entry a keyframe in each.
+/// Path of the front end: one entry a keyframe in each.
 struct FrontEndPath {
-  KeptScans scans;  ///< those that are needed still (PlacePruning)
+  KeptScans scans;  ///< scans that are needed still (PlacePruning)
   std::vector<Pose2> poses;
   std::vector<double> path_m;        ///< travelled until each
-  std::vector<StepDoubt> doubts;     ///< of where each lies beside the one before, by all that was measured
+  std::vector<StepDoubt> doubts;     ///< doubt of each keyframe relative to the one before, by all measurements
   std::vector<MeasuredSteps> steps;  ///< to each from the one before; of the first nothing
   std::size_t first_step = 0;        ///< the keyframe that `steps` begin with: those before it wait on a shelf
   std::vector<WheelTravel>
@@ -117,8 +118,8 @@ class MeasuredPath {
   std::vector<std::size_t> places_;
   std::array<VarianceFactor, kStepSources> factors_;
   WheelBias bias_;
-  bool are_wheels_good_ = false;            // as loops found: their own headings count
-  std::vector<Matrix3> wheel_information_;  // of each step with hindsight; empty before
+  bool are_wheels_good_ = false;            // loops found them good: their own headings count
+  std::vector<Matrix3> wheel_information_;  // information of each step with hindsight; empty before
 };
 
 }  // namespace gdtslam

@@ -14,10 +14,10 @@ std::vector<Revisit> near_places(const PoseGraph& graph, std::span<const double>
   for (std::size_t place = 0; place < here && path_m[here] - path_m[place] >= rules.least_path_m; ++place) {
     if (place < left_out.size() && left_out[place]) continue;
     const Pose2 T = between(graph.poses[place], graph.poses[here]);
-    if (length_of(T) <= rules.near_m + rules.widest_m) all.push_back({place, T, 0.0, 0.0});
+    if (translation_length(T) <= rules.near_m + rules.widest_m) all.push_back({place, T, 0.0, 0.0});
   }
   std::stable_sort(all.begin(), all.end(), [](const Revisit& a, const Revisit& b) {
-    return length_of(a.T_place_here) < length_of(b.T_place_here);
+    return translation_length(a.T_place_here) < translation_length(b.T_place_here);
   });
   std::vector<Revisit> spread;
   for (const Revisit& revisit : all) {
@@ -39,9 +39,9 @@ double RevisitRules::half_rad(const Revisit& revisit) const {
   return std::min(std::numbers::pi, sigmas * revisit.sigma_rad + least_half_rad);
 }
 
-std::vector<Revisit> revisits_of(const PoseGraph& graph, const GraphCovariance& covariance,
-                                 std::span<const double> path_m, std::size_t here, const RevisitRules& rules,
-                                 const std::vector<bool>& left_out) {
+std::vector<Revisit> find_revisits(const PoseGraph& graph, const GraphCovariance& covariance,
+                                   std::span<const double> path_m, std::size_t here, const RevisitRules& rules,
+                                   const std::vector<bool>& left_out) {
   std::vector<Revisit> revisits = near_places(graph, path_m, here, rules, left_out);
   for (Revisit& revisit : revisits) {
     const Matrix3 relative = covariance.relative(revisit.place, here);
@@ -49,11 +49,11 @@ std::vector<Revisit> revisits_of(const PoseGraph& graph, const GraphCovariance& 
     revisit.sigma_rad = std::sqrt(std::max(0.0, relative(2, 2)));
   }
   std::erase_if(revisits, [&](const Revisit& revisit) {
-    return length_of(revisit.T_place_here) > rules.near_m + rules.half_m(revisit);
+    return translation_length(revisit.T_place_here) > rules.near_m + rules.half_m(revisit);
   });
   // Far and unsure is dear to look for and seldom found.
   const auto price = [&](const Revisit& revisit) {
-    const double away_m = length_of(revisit.T_place_here);
+    const double away_m = translation_length(revisit.T_place_here);
     return std::max(0.0, away_m - rules.half_m(revisit)) + 0.2 * away_m + 0.5 * rules.half_m(revisit);
   };
   std::stable_sort(revisits.begin(), revisits.end(),

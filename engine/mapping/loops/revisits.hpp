@@ -1,5 +1,5 @@
-// Where the robot may have come back to: the earlier places that a pose graph, as sure as it is, has near a later one.
-// Thread-safe. Cost: a solution of the graph's factor for each place near by.
+// Places where the robot may have come back to: the earlier places that a pose graph has near a later one, within its
+// own uncertainty. Thread-safe. Cost: a solution of the graph's factor for each place nearby.
 #pragma once
 
 #include <cstddef>
@@ -23,21 +23,21 @@ struct Revisit {
 struct RevisitRules {
   double least_path_m = 16.0;  ///< travelled in between
   double near_m = 5.0;         ///< two stretches this near see the same walls
-  double widest_m = 40.0;      ///< of a window's half: what is less sure is looked for when the graph is surer
-  double sigmas = 3.0;         ///< of a window's half, besides the next two
+  double widest_m = 40.0;      ///< widest half of a window: less certain places are looked for when the graph is surer
+  double sigmas = 3.0;         ///< half of a window in standard deviations, besides the next two
   double least_half_m = 0.3;
   double least_half_rad = 0.05;
-  double stretch_m = 6.0;  ///< of path, of which the nearest place alone counts
+  double stretch_m = 6.0;  ///< path length within which the nearest place alone counts
   std::size_t most = 4;
 
   [[nodiscard]] double half_m(const Revisit& revisit) const;
   [[nodiscard]] double half_rad(const Revisit& revisit) const;
 };
 
-/// Of node `here`, among the nodes before it; the likeliest and surest first. `path_m` has the path until each node,
-/// `left_out` tells of the first nodes which of them are not looked for.
-std::vector<Revisit> revisits_of(const PoseGraph& graph, const GraphCovariance& covariance,
-                                 std::span<const double> path_m, std::size_t here, const RevisitRules& rules = {},
-                                 const std::vector<bool>& left_out = {});
+/// Finds the revisits of node `here` among the nodes before it; the likeliest and surest first. `path_m` has the path
+/// until each node, `left_out` tells of the first nodes which of them are not looked for.
+std::vector<Revisit> find_revisits(const PoseGraph& graph, const GraphCovariance& covariance,
+                                   std::span<const double> path_m, std::size_t here, const RevisitRules& rules = {},
+                                   const std::vector<bool>& left_out = {});
 
 }  // namespace gdtslam

@@ -2,27 +2,76 @@
 // beams crossed, and, for a group that others are searched in, a distance field. Not thread-safe while it is made.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
+#include <unordered_set>
 #include <vector>
 
 #include "engine/mapping/graph/matrix3.hpp"
 #include "engine/mapping/loops/free_space.hpp"
-#include "engine/mapping/loops/group_doubt.hpp"
-#include "engine/mapping/surface/kept_scans.hpp"
+#include "engine/mapping/surface/surface_points.hpp"
+#include "gdtslam/compute/backend.hpp"
+#include "gdtslam/core/pose.hpp"
 #include "gdtslam/mapping/certified.hpp"
 #include "gdtslam/mapping/global_field.hpp"
 
 namespace gdtslam {
 
-/// What a group is made from: the keyframes of a run and where they are.
+// The first point of each cell, in the order in which they come. Not thread-safe; constant time each.
+
+class PointThinner {
+ public:
+  explicit PointThinner(double spacing_m) : spacing_m_(spacing_m) {}
+  bool is_first(const Point2& point) {
+    const auto x = static_cast<std::int32_t>(std::floor(point.x() / spacing_m_));
+    const auto y = static_cast<std::int32_t>(std::floor(point.y() / spacing_m_));
+    return seen_
+        .insert((static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)) << 32U) | static_cast<std::uint32_t>(y))
+        .second;
+  }
+
+ private:
+  double spacing_m_;
+  std::unordered_set<std::uint64_t> seen_;  // never iterated over
+};
+
+// How far keyframes may lie from where a group has them: what a wall tells that the group's middle did not see itself
+// is as sure as the way between the two. Frame: that of the middle. Thread-safe to read; linear in the keyframes.
+
+/// Covariances of where a keyframe lies, as the front end states them: tangents at the keyframe.
+struct StepDoubt {
+  Matrix3 step;    ///< covariance of the step from the one before; these add up
+  Matrix3 unseen;  ///< covariance of the keyframe itself along unseen directions; these do not add up
+};
+
+class GroupDoubt {
+ public:
+  /// Keyframes one after the other at `in_middle`, seen from the one with number `middle`. Without `doubts` they lie
+  /// where they are said to.
+  GroupDoubt(std::span<const StepDoubt> doubts, std::span<const Pose2> in_middle, std::size_t middle);
+
+  /// Covariance of a pose that is the least squares over the points of all keyframes, as far as it comes from where
+  /// these lie: first-order propagation, each step moving all keyframes behind it. `shapes`: the sum of J^T J over each
+  /// keyframe's points, for motions in the middle's frame.
+  [[nodiscard]] Matrix3 of_pose(std::span<const Matrix3> shapes) const;
+
+ private:
+  std::size_t middle_;
+  std::vector<Matrix3> steps_;  // to each keyframe, and of each, in the frame of the middle
+  std::vector<Matrix3> unseen_;
+};
+
+/// Input of a group: the keyframes of a run and their poses.
 struct KeyframePath {
   ScansOfPath scans;
   std::span<const Pose2> poses;
   std::span<const double> path_m;       ///< travelled until each
-  std::span<const StepDoubt> doubts{};  ///< of each; empty: they lie where `poses` says
+  std::span<const StepDoubt> doubts{};  ///< doubt of each keyframe; empty: they lie exactly at `poses`
 };
 
 /// Whether a group of them would have a point: keyframes of an edited run may have lost all their returns. What has
@@ -50,5 +99,17 @@ class ScanGroup {
   std::unique_ptr<FreeSpace> space_;
   std::optional<GroupDoubt> doubt_;
 };
+
+// The distance field of a group of points, for the certified search. Frame: the points'. Cost: some milliseconds for
+// each thousand square metres.
+
+/// Cells of resolution_m, distances up to what a map counts by default. One at a time is made on a backend, which the
+/// mutex sees to. Throws InputError where the points reach over more than 32767 cells, ConfigError where those
+/// distances do over less than one or more than 255.
+FieldCopy make_distance_field(const std::vector<Point2>& points_m, double resolution_m, Backend& backend,
+                              std::mutex& backend_mutex);
+
+/// Every so many-th point, `most` at most.
+std::vector<Point2> every_nth(const std::vector<Point2>& points, std::size_t most);
 
 }  // namespace gdtslam

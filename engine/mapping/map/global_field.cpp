@@ -1,6 +1,5 @@
 #include "gdtslam/mapping/global_field.hpp"
 
-#include <algorithm>
 #include <cassert>
 #include <string>
 
@@ -45,7 +44,7 @@ std::array<std::uint16_t, 4> GlobalField::at_and_beside(CellIndex map_cell) cons
   const CellBox& stored = store_->stored();
   const bool is_inside = map_cell.x >= stored.min.x && map_cell.y >= stored.min.y && map_cell.x + 1 < stored.end.x &&
                          map_cell.y + 1 < stored.end.y;
-  if (!is_inside) return {cap(), cap(), cap(), cap()};  // what is known lies farther inside
+  if (!is_inside) return {cap(), cap(), cap(), cap()};  // known cells lie farther inside
   const FieldLayout& layout = store_->layout();
   const CellOffset d = map_cell - stored.min;
   const std::size_t place = layout.place(static_cast<std::size_t>(d.dx), static_cast<std::size_t>(d.dy));
@@ -65,7 +64,7 @@ void GlobalField::grow_to_hold(const CellBox& map_box) {
   const auto fits = [this](const CellBox& box) { return store_->can_hold(box); };
   const std::optional<GridBoxes> grown = grown_to_hold({content_, box_}, guarded, fits);
   if (!grown) {
-    throw InputError("the map would reach over " + size_of(hull_of(content_, guarded)) + store_->limit());
+    throw InputError("the map would reach over " + size_text(bounding_box(content_, guarded)) + store_->limit());
   }
   store_->hold(*grown);
   box_ = grown->stored;

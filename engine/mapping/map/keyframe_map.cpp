@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "gdtslam/mapping/scan_points.hpp"
+
 namespace gdtslam {
 namespace {
 
@@ -33,6 +35,16 @@ void KeyframeMap::merge(const KeyframeCells& keyframe, StageTimes& stages) {
   }
   const StageTimer timer(stages.merge_s);
   local.merge_into(field, step);
+}
+
+SeparateMap::SeparateMap(const MapperConfig& config)
+    : config_(config.map), cpu_(make_cpu_backend({})), map_(config, *cpu_) {}
+
+void SeparateMap::merge(const std::vector<Point2>& points_base_m, const Pose2& T_map_base) {
+  if (points_base_m.empty()) return;
+  StageTimes times;
+  map_.merge(make_keyframe_cells(in_map(points_base_m, T_map_base), config_.resolution_m, config_.radius_cells()),
+             times);
 }
 
 }  // namespace gdtslam

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <unordered_map>
 
 #include "gdtslam/core/error.hpp"
@@ -18,7 +17,7 @@ constexpr std::uint64_t kTileCells = std::uint64_t{kTileSide} * kTileSide;
 /// Cells of the rectangle for each one that is kept: of what buildings and streets span, 6 to 22 % are seen.
 constexpr std::uint64_t kRectangleShare = 4;
 
-std::uint64_t cells_of(const CellBox& box) {
+std::uint64_t cell_count(const CellBox& box) {
   return static_cast<std::uint64_t>(std::int64_t{box.end.x} - box.min.x) *
          static_cast<std::uint64_t>(std::int64_t{box.end.y} - box.min.y);
 }
@@ -28,23 +27,23 @@ std::uint64_t cells_of(const CellBox& box) {
                    " are allowed; check the log with 'gdtslam doctor' or raise map.max_megacells");
 }
 
-std::uint64_t key_of(CellIndex place) {
+std::uint64_t tile_key(CellIndex place) {
   return std::uint64_t{static_cast<std::uint32_t>(place.y)} << 32U | static_cast<std::uint32_t>(place.x);
 }
-CellIndex place_of(std::uint64_t key) {
+CellIndex tile_place(std::uint64_t key) {
   return {static_cast<std::int32_t>(key & 0xffffffffU), static_cast<std::int32_t>(key >> 32U)};
 }
 
 CellIndex first_cell(CellIndex tile) { return {tile.x * kTileSide, tile.y * kTileSide}; }
 
-/// What is known of the cells of a row of a tile.
+/// States of the cells of a tile's row.
 struct RowStates {
   std::uint64_t occupied = 0;
   std::uint64_t free = 0;
 };
 
 // A wall has an end at least, whatever the configuration says.
-RowStates states_of(const TileCounts& counts, std::size_t row, const OccupancyConfig& config) {
+RowStates read_states(const TileCounts& counts, std::size_t row, const OccupancyConfig& config) {
   RowStates states;
   for (std::uint64_t ended = counts.ended(row); ended != 0; ended &= ended - 1) {
     const auto column = static_cast<unsigned>(std::countr_zero(ended));
@@ -61,7 +60,7 @@ RowStates states_of(const TileCounts& counts, std::size_t row, const OccupancyCo
 // `low` is the lower left cell of the tile, in the map.
 void draw(const TileCounts& counts, const OccupancyConfig& config, CellOffset low, OccupancyMap& map) {
   for (std::int32_t row = 0; row < kTileSide; ++row) {
-    const RowStates states = states_of(counts, static_cast<std::size_t>(row), config);
+    const RowStates states = read_states(counts, static_cast<std::size_t>(row), config);
     for (std::uint64_t seen = states.occupied | states.free; seen != 0; seen &= seen - 1) {
       const std::int32_t column = std::countr_zero(seen);
       const bool is_wall = (states.occupied >> column & 1U) != 0;
@@ -101,7 +100,7 @@ std::vector<Option> option_table(OccupancyConfig& config) {
 struct OccupancyBuilder::Ray : ScanRay {};
 
 struct OccupancyBuilder::Tiles {
-  ScanMarks marks;  ///< of the scan in hand
+  ScanMarks marks;  ///< marks of the scan in hand
   std::unordered_map<std::uint64_t, TileCounts> counts;
 };
 
@@ -130,7 +129,7 @@ CellBox OccupancyBuilder::collect_rays(const LaserScan& scan, const Pose2& T_map
 void OccupancyBuilder::require_room(const CellBox& content) const {
   const bool is_near =
       std::min(content.min.x, content.min.y) > -kFurthestCell && std::max(content.end.x, content.end.y) < kFurthestCell;
-  if (is_near && cells_of(content) / kRectangleShare <= limits_.max_cells) return;
+  if (is_near && cell_count(content) / kRectangleShare <= limits_.max_cells) return;
   refuse(std::to_string(std::int64_t{content.end.x} - content.min.x) + " x " +
              std::to_string(std::int64_t{content.end.y} - content.min.y),
          kRectangleShare * limits_.max_cells);
@@ -147,7 +146,7 @@ void OccupancyBuilder::mark_rays(const CellBox& touched) {
   }
   std::size_t tiles = tiles_->counts.size();
   if ((tiles + marks.size()) * kTileCells <= limits_.max_cells) return;
-  for (std::size_t k = 0; k < marks.size(); ++k) tiles += 1 - tiles_->counts.count(key_of(marks[k].place));
+  for (std::size_t k = 0; k < marks.size(); ++k) tiles += 1 - tiles_->counts.count(tile_key(marks[k].place));
   if (tiles * kTileCells > limits_.max_cells) refuse(std::to_string(tiles * kTileCells), limits_.max_cells);
 }
 
@@ -160,7 +159,7 @@ void OccupancyBuilder::count_marks() {
     for (std::size_t row = 0; row < kTileSide; ++row) {
       tile.rows[row] = (tile.rows[row] | tile.columns[row]) & ~tile.ends[row];
     }
-    tiles_->counts[key_of(tile.place)].add(tile.ends, tile.rows);
+    tiles_->counts[tile_key(tile.place)].add(tile.ends, tile.rows);
   }
 }
 
@@ -168,7 +167,7 @@ void OccupancyBuilder::add(const LaserScan& scan, const Pose2& T_map_base) {
   update_bearings(scan);
   const CellBox touched = collect_rays(scan, T_map_base);
   if (rays_.empty()) return;
-  const CellBox content = hull_of(content_, touched);
+  const CellBox content = bounding_box(content_, touched);
   require_room(content);
   mark_rays(touched);
   count_marks();
@@ -178,13 +177,13 @@ void OccupancyBuilder::add(const LaserScan& scan, const Pose2& T_map_base) {
 OccupancyMap OccupancyBuilder::build() const {
   CellBox known;
   for (const auto& [key, counts] : tiles_->counts) {
-    const CellIndex low = first_cell(place_of(key));
+    const CellIndex low = first_cell(tile_place(key));
     for (std::int32_t row = 0; row < kTileSide; ++row) {
-      const RowStates states = states_of(counts, static_cast<std::size_t>(row), config_);
+      const RowStates states = read_states(counts, static_cast<std::size_t>(row), config_);
       const std::uint64_t seen = states.occupied | states.free;
       if (seen == 0) continue;
-      known = hull_of(known, {low + CellOffset{std::countr_zero(seen), row},
-                              low + CellOffset{kTileSide - std::countl_zero(seen), row + 1}});
+      known = bounding_box(known, {low + CellOffset{std::countr_zero(seen), row},
+                                   low + CellOffset{kTileSide - std::countl_zero(seen), row + 1}});
     }
   }
   if (known.empty()) known = {{0, 0}, {1, 1}};
@@ -195,7 +194,7 @@ OccupancyMap OccupancyBuilder::build() const {
                                 .height = known.height()},
                    .cells = {}};
   map.cells = CellStates(map.geometry.cell_count());
-  for (const auto& [key, counts] : tiles_->counts) draw(counts, config_, first_cell(place_of(key)) - known.min, map);
+  for (const auto& [key, counts] : tiles_->counts) draw(counts, config_, first_cell(tile_place(key)) - known.min, map);
   return map;
 }
 

@@ -1,6 +1,6 @@
-// Where the beams of a scan point, which of its ranges count, and the segments through the cells of a grid that the
-// beams are, each from where the laser was when it measured it. Frame: the grid's, whose cell (0, 0) has its lower left
-// corner at the origin; metres in, cells out. Thread-safe. Cost: O(beams).
+// Directions of a scan's beams, its valid ranges, and the beams as segments through the cells of a grid, each from the
+// laser's position when it measured. Frame: the grid's, whose cell (0, 0) has its lower left corner at the origin;
+// metres in, cells out. Thread-safe. Cost: O(beams).
 #pragma once
 
 #include <algorithm>
@@ -77,7 +77,7 @@ inline std::vector<Point2> beam_directions(const LaserScan& scan) {
 }
 
 /// The nearest odd multiple of 1/512 cell; far away, where map cells end.
-inline SubCell sub_cell_of(const Point2& point_m, double resolution_m) {
+inline SubCell to_sub_cell(const Point2& point_m, double resolution_m) {
   constexpr double kEvenSteps = 256.0;
   const auto odd = [resolution_m](double coordinate_m) {
     const double steps = std::floor(coordinate_m / resolution_m * kEvenSteps);
@@ -103,12 +103,12 @@ struct TurnedLaser {
 template <class Ray>
 CellBox collect_rays(const LaserScan& scan, const Pose2& T_grid_base, std::span<const Point2> directions,
                      const RayLimits& limits, std::vector<Ray>& rays) {
-  const auto box_of = [](CellIndex cell) { return CellBox{cell, cell + CellOffset{1, 1}}; };
+  const auto cell_box = [](CellIndex cell) { return CellBox{cell, cell + CellOffset{1, 1}}; };
   const double limit_m = range_limit_m(scan, limits.max_range_m);
   const bool moved = is_skewed(scan);
   TurnedLaser laser(T_grid_base * scan.T_base_laser);
   if (!laser.T_grid_laser.is_finite()) throw InputError("a scan of the occupancy map has a pose that is not finite");
-  SubCell start = sub_cell_of(laser.T_grid_laser.translation(), limits.resolution_m);
+  SubCell start = to_sub_cell(laser.T_grid_laser.translation(), limits.resolution_m);
   CellBox touched;
   rays.clear();
   for (std::size_t k = 0; k < scan.ranges_m.size(); ++k) {
@@ -119,22 +119,22 @@ CellBox collect_rays(const LaserScan& scan, const Pose2& T_grid_base, std::span<
     if (!(length_m > 0.0)) continue;
     if (moved) {
       laser = TurnedLaser(T_grid_base * laser_at_beam(scan, k));
-      start = sub_cell_of(laser.T_grid_laser.translation(), limits.resolution_m);
+      start = to_sub_cell(laser.T_grid_laser.translation(), limits.resolution_m);
     }
     const Point2 end_m = laser.in_grid(directions[k] * length_m);
     if (!end_m.allFinite()) continue;
-    if (moved || rays.empty()) touched = hull_of(touched, box_of(start.cell()));
+    if (moved || rays.empty()) touched = bounding_box(touched, cell_box(start.cell()));
     Ray ray;
     ray.start = start;
-    ray.end = ray.free_end = sub_cell_of(end_m, limits.resolution_m);
+    ray.end = ray.free_end = to_sub_cell(end_m, limits.resolution_m);
     ray.is_return = is_return;
     ray.beam = static_cast<std::uint32_t>(k);
     if (limits.short_of_end_m > 0.0) {
       const Point2 free_end_m = laser.in_grid(directions[k] * std::max(0.0, length_m - limits.short_of_end_m));
-      ray.free_end = sub_cell_of(free_end_m, limits.resolution_m);
+      ray.free_end = to_sub_cell(free_end_m, limits.resolution_m);
     }
     rays.push_back(ray);
-    touched = hull_of(touched, box_of(ray.end.cell()));
+    touched = bounding_box(touched, cell_box(ray.end.cell()));
   }
   return touched;
 }

@@ -7,11 +7,11 @@ namespace gdtslam {
 namespace {
 
 constexpr std::int64_t kSubCells = 512;  // half steps of 1/256 cell
-constexpr unsigned kTileBits = 6;        // of a cell's place in its tile
+constexpr unsigned kTileBits = 6;        // bits of a cell's place in its tile
 constexpr std::int64_t kWithin = kTileSide - 1;
 
 // Cells first to last of a line of a tile.
-std::uint64_t bits_of(std::int64_t first, std::int64_t last) {
+std::uint64_t bit_range(std::int64_t first, std::int64_t last) {
   return (~std::uint64_t{0} << (first & kWithin)) & (~std::uint64_t{0} >> (~last & kWithin));
 }
 
@@ -25,15 +25,15 @@ struct Along {
         step(end < start ? -1 : 1) {}
   std::int64_t run;
   std::int64_t border;  ///< from the start to the first border of a cell
-  std::int64_t cell;    ///< of the start
+  std::int64_t cell;    ///< cell of the start
   std::int64_t cells;   ///< borders crossed
   std::int64_t step;
 };
 
-/// Where a segment leaves one row of cells after the other, or one column. The border k between rows is crossed after n
-/// borders between columns, those that come before it:
+/// Finds where a segment leaves one row of cells after the other, or one column. The border k between rows is crossed
+/// after n borders between columns, those that come before it:
 ///   n = ceil(((border_across + 512 k) run_along - border_along run_across) / (512 run_across)).
-/// At a corner the border between rows comes first. Without a branch, as nobody could foresee it.
+/// At a corner the border between rows comes first. There is no branch, as no processor could predict it.
 template <bool kForward>
 class Crossings {
  public:
@@ -77,8 +77,8 @@ void ScanMarks::clear(const CellBox& box) {
     pool_[k]->ends.fill(0);
   }
   used_ = 0;
-  const CellIndex low = tile_of(box.min);
-  const CellIndex high = tile_of(box.end - CellOffset{1, 1});
+  const CellIndex low = cell_tile(box.min);
+  const CellIndex high = cell_tile(box.end - CellOffset{1, 1});
   origin_ = {low.x * kTileSide, low.y * kTileSide};
   columns_ = static_cast<std::size_t>(high.x - low.x) + 1;
   places_.assign(columns_ * (static_cast<std::size_t>(high.y - low.y) + 1), nullptr);
@@ -87,7 +87,7 @@ void ScanMarks::clear(const CellBox& box) {
 ScanMarks::Tile& ScanMarks::new_tile(std::int64_t column, std::int64_t row) {
   if (used_ == pool_.size()) pool_.push_back(std::make_unique<Tile>());
   Tile& tile = *pool_[used_++];
-  tile.place = tile_of(origin_) + CellOffset{static_cast<std::int32_t>(column), static_cast<std::int32_t>(row)};
+  tile.place = cell_tile(origin_) + CellOffset{static_cast<std::int32_t>(column), static_cast<std::int32_t>(row)};
   return tile;
 }
 
@@ -103,7 +103,7 @@ void ScanMarks::mark_run(std::int64_t line, std::int64_t from, std::int64_t to) 
   const std::int64_t last = std::max(from, to);
   for (std::int64_t at = std::min(from, to); at <= last; at = (at | kWithin) + 1) {
     tile_lines<kAlongX>(at, line)[static_cast<std::size_t>(line & kWithin)] |=
-        bits_of(at, std::min(last, at | kWithin));
+        bit_range(at, std::min(last, at | kWithin));
   }
 }
 
@@ -132,7 +132,7 @@ void ScanMarks::cast(const Segment& segment) {
       for (; line != end; line += step, crossings.next()) {
         const std::int64_t left = crossings.at();
         if ((entered ^ left) <= kWithin) {
-          words[line & kWithin] |= kForward ? bits_of(entered, left) : bits_of(left, entered);
+          words[line & kWithin] |= kForward ? bit_range(entered, left) : bit_range(left, entered);
         } else {
           mark_run<kAlongX>(line, entered, left);
           words = tile_lines<kAlongX>(left, line).data();

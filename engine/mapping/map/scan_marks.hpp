@@ -9,7 +9,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "gdtslam/core/grid_geometry.hpp"
@@ -22,7 +21,7 @@ inline constexpr std::int32_t kTileSide = 64;
 using TileBits = std::array<std::uint64_t, kTileSide>;
 
 /// The tile that holds a cell.
-inline CellIndex tile_of(CellIndex cell) { return {cell.x >> 6, cell.y >> 6}; }
+inline CellIndex cell_tile(CellIndex cell) { return {cell.x >> 6, cell.y >> 6}; }
 
 /// A point in odd multiples of 1/512 cell, so that none lies on the border of a cell.
 struct SubCell {
@@ -35,12 +34,12 @@ struct SubCell {
 
 class ScanMarks {
  public:
-  /// Of one tile.
+  /// Marks of one tile.
   struct Tile {
     CellIndex place;     ///< in tiles: its lower left cell is 64 times that
     TileBits rows{};     ///< crossed
     TileBits columns{};  ///< crossed, a word a column, the lowest bit the lowest cell
-    TileBits ends{};     ///< where a beam ended
+    TileBits ends{};     ///< cells in which a beam ended
     [[nodiscard]] bool has_columns() const {
       std::uint64_t any = 0;
       for (const std::uint64_t column : columns) any |= column;
@@ -75,10 +74,10 @@ class ScanMarks {
   Tile& new_tile(std::int64_t column, std::int64_t row);
 
   CellIndex origin_;           ///< the lower left cell of the lower left tile
-  std::size_t columns_ = 0;    ///< of tiles
+  std::size_t columns_ = 0;    ///< number of tile columns
   std::vector<Tile*> places_;  ///< row-major; null where nothing is marked
   std::vector<std::unique_ptr<Tile>> pool_;
-  std::size_t used_ = 0;  ///< of the pool
+  std::size_t used_ = 0;  ///< tiles used of the pool
 };
 
 /// Rows become columns: bit x of word y becomes bit y of word x.

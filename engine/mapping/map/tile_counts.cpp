@@ -42,7 +42,7 @@ std::uint64_t any_of(const std::vector<TileBits>& planes, std::size_t row) {
   return any;
 }
 
-std::uint32_t value_of(const std::vector<TileBits>& planes, std::size_t row, unsigned column) {
+std::uint32_t read_counter(const std::vector<TileBits>& planes, std::size_t row, unsigned column) {
   std::uint32_t value = 0;
   for (std::size_t k = 0; k < planes.size(); ++k) {
     value |= static_cast<std::uint32_t>(planes[k][row] >> column & 1U) << k;
@@ -86,7 +86,7 @@ void TileCounts::halve_full(const Planes& planes) {
   }
 }
 
-// What waits goes into the planes.
+// Adds the waiting counts to the planes.
 void TileCounts::settle() {
   if (has_ones_) increment(passes_, 0, ones_);
   if (has_twos_) increment(passes_, 1, twos_);
@@ -95,7 +95,7 @@ void TileCounts::settle() {
   has_ones_ = has_twos_ = false;
 }
 
-// Where a count may become full, nothing waits.
+// Before a count can become full, all waiting ones are added.
 void TileCounts::add_passes(const TileBits& cells) {
   if (passes_.size() + 1 >= kCounterBits) {
     settle();
@@ -128,7 +128,7 @@ std::uint64_t TileCounts::passed(std::size_t row) const { return any_of(passes_,
 
 TileCounts::Cell TileCounts::at(std::size_t row, unsigned column) const {
   const auto waiting = static_cast<std::uint32_t>((ones_[row] >> column & 1U) + 2 * (twos_[row] >> column & 1U));
-  return {value_of(ends_, row, column), value_of(passes_, row, column) + waiting};
+  return {read_counter(ends_, row, column), read_counter(passes_, row, column) + waiting};
 }
 
 }  // namespace gdtslam

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "gdtslam/optimize/minimise.hpp"
+#include "engine/optimize/minimise.hpp"
 
 namespace gdtslam {
 namespace {
@@ -23,12 +23,12 @@ class PoseFunction final : public optimize::Function {
   void evaluate(std::span<const double> points, std::span<double> values) override {
     poses_.resize(values.size());
     costs_.resize(values.size());
-    for (std::size_t i = 0; i < values.size(); ++i) poses_[i] = pose_of(points.subspan(3 * i, 3));
+    for (std::size_t i = 0; i < values.size(); ++i) poses_[i] = to_pose(points.subspan(3 * i, 3));
     objective_->evaluate(poses_, costs_);
     std::copy(costs_.begin(), costs_.end(), values.begin());
   }
 
-  [[nodiscard]] CellPose pose_of(std::span<const double> offset) const {
+  [[nodiscard]] CellPose to_pose(std::span<const double> offset) const {
     return {start_.x + static_cast<float>(offset[0]) * box_.half_cells,
             start_.y + static_cast<float>(offset[1]) * box_.half_cells,
             start_.theta + static_cast<float>(offset[2]) * box_.half_rad};
@@ -78,7 +78,7 @@ struct GaussStep {
 };
 
 // (H + damping diag H) step = -gradient by Cholesky's factorisation; nothing where that is singular.
-std::optional<GaussStep> step_of(const Linearisation& at, double damping) {
+std::optional<GaussStep> damped_step(const Linearisation& at, double damping) {
   const auto& [xx, xy, xt, yy, yt, tt] = at.curvature;
   const double grow = 1.0 + damping;
   const double l00 = std::sqrt(xx * grow);
@@ -110,10 +110,10 @@ CellPose moved(const CellPose& pose, const GaussStep& step) {
 LocalMinimum minimise_in_box(Objective& objective, const CellPose& start, const PoseBox& box, MatcherKind kind,
                              const OptimizerConfig& options) {
   PoseFunction function(objective, start, box);
-  // Of the whole width, which is twice the half width.
+  // relative to the whole width, twice the half width
   const float tolerance = 0.5F * std::min(box.stop_cells / box.half_cells, box.stop_rad / box.half_rad);
   const optimize::Minimum found = run(function, kind, static_cast<double>(tolerance), options);
-  return {function.pose_of(found.point), static_cast<std::uint32_t>(found.value),
+  return {function.to_pose(found.point), static_cast<std::uint32_t>(found.value),
           static_cast<std::uint32_t>(found.evaluations),
           found.stop == optimize::Stop::kConverged ? StopReason::kConverged : StopReason::kEvaluationLimit};
 }
@@ -125,7 +125,7 @@ LocalMinimum minimise_gauss_newton(Objective& objective, const CellPose& start, 
   std::uint32_t evaluations = 1;
   StopReason stop = StopReason::kEvaluationLimit;
   while (evaluations < options.max_evaluations) {
-    const std::optional<GaussStep> step = step_of(here, damping);
+    const std::optional<GaussStep> step = damped_step(here, damping);
     const bool is_small = step && std::abs(step->x) < static_cast<double>(options.stop_cells) &&
                           std::abs(step->y) < static_cast<double>(options.stop_cells) &&
                           std::abs(step->theta) < static_cast<double>(options.stop_rad);

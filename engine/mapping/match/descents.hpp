@@ -49,7 +49,7 @@ struct SimplexOptions {
   std::uint32_t max_evaluations = 200;
 };
 
-/// As the kernels that walk say it.
+/// Translates the stop codes of the walking kernels.
 StopReason stop_reason(std::uint32_t stop);
 LocalMinimum minimise_simplex(Objective& objective, const CellPose& start, const SimplexOptions& options);
 

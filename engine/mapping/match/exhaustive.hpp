@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "descents.hpp"
 #include "engine/mapping/cost/objective.hpp"

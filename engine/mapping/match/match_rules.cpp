@@ -17,7 +17,7 @@ constexpr float kLooseCells = 0.1F;
 constexpr float kLooseRad = 0.001F;
 constexpr double kMatchSigma_m = 0.01;  // a match itself is off by so much
 constexpr double kMatchSigma_rad = 0.005;
-constexpr double kWindowSigmas = 4.0;  // of a window's half, besides what the configuration gives
+constexpr double kWindowSigmas = 4.0;  // half of a window in standard deviations, besides the configured one
 
 /// A coordinate of a pose for the kernels. So little that a device could meet a subnormal number on its way is 0 here,
 /// since a device may take such numbers for 0 (docs/numerics.md).
@@ -56,7 +56,7 @@ void MatchRules::begin(const Prediction& prediction, std::size_t points) {
   points_ = points;
   const double r = config_.map.resolution_m;
   const Pose2& T = prediction.T_map_base;
-  anchor_ = map_cell_of(T.translation(), r);
+  anchor_ = map_cell_at(T.translation(), r);
   predicted_ = {coordinate(T.x_m / r - anchor_.x), coordinate(T.y_m / r - anchor_.y),
                 coordinate(wrap_angle(T.theta_rad))};
   const PriorConfig& p = config_.prior;
@@ -75,7 +75,7 @@ Pose2 MatchRules::to_metres(const CellPose& pose) const {
   return pose_in_metres(pose, anchor_, config_.map.resolution_m);
 }
 
-// Where the wheels' noise was estimated it is as well known as they are, else it is guessed from how far they went.
+// An estimated noise of the wheels is used as it is; without one it is guessed from the distance they went.
 MotionNoise MatchRules::noise() const {
   const PriorConfig& p = config_.prior;
   if (!prediction_.noise) {
@@ -90,7 +90,7 @@ MotionNoise MatchRules::noise() const {
 SearchWindow MatchRules::window(double scale) const {
   const SearchConfig& s = config_.search;
   const bool is_estimated = prediction_.noise.has_value();
-  if (prediction_.is_hopeless) return window_of(s.half_m, s.half_rad);
+  if (prediction_.is_hopeless) return make_window(s.half_m, s.half_rad);
   const double more_m = is_estimated ? kWindowSigmas * noise().sigma_m : s.half_per_m * prediction_.travelled_m;
   const double more_rad = is_estimated ? kWindowSigmas * noise().sigma_rad : s.half_per_rad * prediction_.turned_rad;
   const double least_m = s.half_m + more_m;
@@ -102,10 +102,10 @@ SearchWindow MatchRules::window(double scale) const {
     half_m = std::min(half_m, std::max(least_m, most_m));
     half_rad = std::min(half_rad, std::max(least_rad, most_rad));
   }
-  return window_of(half_m, half_rad);
+  return make_window(half_m, half_rad);
 }
 
-SearchWindow MatchRules::window_of(double half_m, double half_rad) const {
+SearchWindow MatchRules::make_window(double half_m, double half_rad) const {
   const SearchConfig& s = config_.search;
   return {.centre = predicted_,
           .half_xy_cells = cells(std::min(half_m, s.max_half_m)),
@@ -157,13 +157,13 @@ bool MatchRules::is_beyond(const CellPose& pose, double allowed_m, double allowe
   return dx * dx + dy * dy > allowed_m * allowed_m || std::fabs(dt) > allowed_rad;
 }
 
-Doubt MatchRules::refusal_of(const Evidence& evidence) const {
+Doubt MatchRules::find_refusal(const Evidence& evidence) const {
   if (evidence.contradiction > config_.doubt.max_contradiction) return Doubt::kContradiction;
   if (evidence.overlap < config_.doubt.min_overlap) return Doubt::kLowOverlap;
   return Doubt::kNone;
 }
 
-// What is to be said of a match that stands: the map supports it badly, or the odometry says something quite different.
+// Doubt about a match that stands: the map supports it badly, or the odometry says something quite different.
 Doubt MatchRules::reservation_about(const CellPose& pose, const Evidence& evidence) const {
   if (is_suspect(evidence)) return Doubt::kWeakEvidence;
   const bool far = prediction_.by_odometry && is_beyond(pose, config_.doubt.report_m, config_.doubt.report_rad);
@@ -178,7 +178,7 @@ MatchResult MatchRules::judged(const CellPose& pose, const Evidence& evidence) c
   result.contradiction = evidence.contradiction;
   result.points = static_cast<std::uint32_t>(points_);
   result.stop = evidence.stop;
-  const Doubt refusal = refusal_of(evidence);
+  const Doubt refusal = find_refusal(evidence);
   result.accepted = refusal == Doubt::kNone;
   result.doubt = result.accepted ? reservation_about(pose, evidence) : refusal;
   result.T_map_base = result.accepted ? to_metres(pose) : prediction_.T_map_base;

@@ -1,7 +1,7 @@
-// What every matcher derives from the configuration and the prediction of a scan: where it counts from, the prior, the
-// window, the stages of a descent; and the rules of suspicion and doubt, one set for all matchers. Poses of a scan are
-// in cells and radians relative to the lower left corner of the anchor cell. Not thread-safe; constant time, but for
-// thin() and put_thinned_first(), which are linear in the points.
+// Values that every matcher derives from the configuration and the prediction of a scan: the anchor cell, the prior,
+// the window, the stages of a descent; and the rules of suspicion and doubt, one set for all matchers. Poses of a scan
+// are in cells and radians relative to the lower left corner of the anchor cell. Not thread-safe; constant time, but
+// for thin() and put_thinned_first(), which are linear in the points.
 #pragma once
 
 #include <cstddef>
@@ -13,13 +13,45 @@
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
 #include "engine/mapping/cost/objective.hpp"
 #include "exhaustive.hpp"
+#include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/mapping/config.hpp"
 #include "gdtslam/mapping/match.hpp"
-#include "motion_model.hpp"
+#include "motion_estimate.hpp"
 
 namespace gdtslam {
 
-/// What speaks for a pose.
+// When to stop looking far and wide: a laser that is covered, or one that gives noise, matches nothing, and as nobody
+// knows how far the robot went meanwhile each of its scans would be searched for in the widest window. Thread-safe as a
+// number is; constant time.
+
+class Patience {
+ public:
+  /// Scans one after the other that match nothing, after which only each so-manieth is searched for. Of nine real logs
+  /// none has more than five in a row.
+  static constexpr std::uint64_t kScans = 64;
+  static constexpr std::uint64_t kSearchedThen = 8;
+
+  /// A scan with enough points to be matched: whether it was.
+  void take(bool is_accepted) { refused_ = is_accepted ? 0 : refused_ + 1; }
+  /// Whether the next one is to be looked for near its prediction alone.
+  [[nodiscard]] bool is_over() const { return refused_ >= kScans && refused_ % kSearchedThen != 0; }
+
+ private:
+  std::uint64_t refused_ = 0;
+};
+
+// Scans with more points than a matcher takes. Linear.
+
+/// Every k-th point, with the least k that leaves no more than `most`, which must not be 0.
+inline void thin(std::vector<PointCells>& points, std::size_t most) {
+  if (points.size() <= most) return;
+  const std::size_t every = (points.size() + most - 1) / most;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < points.size(); i += every) points[kept++] = points[i];
+  points.resize(kept);
+}
+
+/// Evidence for a pose.
 struct Evidence {
   double mean_cost_m = 0.0;
   double overlap = 0.0;
@@ -29,7 +61,7 @@ struct Evidence {
 
 /// The counts behind it, over all points at the nearest cell; 1/256 cell.
 struct EvidenceCounts {
-  std::uint64_t sum = 0;     ///< of the values, none more than the wide gate
+  std::uint64_t sum = 0;     ///< sum of the values, none more than the wide gate
   std::uint64_t near = 0;    ///< points within the final gate
   std::uint64_t beside = 0;  ///< points farther than two final gates, near something known
   std::uint64_t known = 0;   ///< points near something known
@@ -77,11 +109,11 @@ class MatchRules {
  private:
   /// Around the prediction, so far that it holds every pose that is possible.
   [[nodiscard]] MotionNoise reach() const;
-  [[nodiscard]] SearchWindow window_of(double half_m, double half_rad) const;
+  [[nodiscard]] SearchWindow make_window(double half_m, double half_rad) const;
   [[nodiscard]] std::uint32_t units(double metres) const;
   [[nodiscard]] float cells(double metres) const;
   [[nodiscard]] bool is_beyond(const CellPose& pose, double allowed_m, double allowed_rad) const;
-  [[nodiscard]] Doubt refusal_of(const Evidence& evidence) const;
+  [[nodiscard]] Doubt find_refusal(const Evidence& evidence) const;
   [[nodiscard]] Doubt reservation_about(const CellPose& pose, const Evidence& evidence) const;
 
   MapperConfig config_;

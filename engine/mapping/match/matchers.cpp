@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "descents.hpp"
 #include "scan_matcher.hpp"
 #include "window_matcher.hpp"
 

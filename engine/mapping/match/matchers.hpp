@@ -1,6 +1,6 @@
-// What finds the pose of a scan in the map, and the table of all that do: names for the parser and the help, and how
-// each looks for a pose. A new matcher is a value of MatcherKind (config.hpp), a row of this table in matchers.cpp, its
-// code, and a row in docs/matchers.md; whatever else knows matchers reads them here. The table is thread-safe.
+// Table of the matchers, which find the pose of a scan in the map: names for the parser and the help, and how each
+// looks for a pose. A new matcher is a value of MatcherKind (config.hpp), a row of this table in matchers.cpp, its
+// code, and a row in docs/matchers.md; all other code that knows matchers reads them here. The table is thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 #include "gdtslam/mapping/config.hpp"
 #include "gdtslam/mapping/global_field.hpp"
 #include "gdtslam/mapping/match.hpp"
-#include "motion_model.hpp"
+#include "motion_estimate.hpp"
 
 namespace gdtslam {
 
@@ -34,7 +34,7 @@ class Matcher {
   static constexpr std::size_t kMostPoints = 65535;
 };
 
-/// Where a matcher's walk from pose to pose is done.
+/// Processor that a matcher walks from pose to pose on.
 enum class MatcherPlace : std::uint8_t { kHost, kDevice };
 
 /// Half the width of the box that a population looks into, in edges of the first simplex.
@@ -43,7 +43,7 @@ inline constexpr float kBoxSteps = 4.0F;
 struct MatcherInfo {
   MatcherKind kind;
   std::string_view name;
-  std::string_view doc;  ///< what it does, for the help
+  std::string_view doc;  ///< description for the help
   MatcherPlace place;
   std::unique_ptr<Matcher> (*make)(const MapperConfig& config, const GlobalField& map);
   /// One walk from a start to a minimum of (4), on the host. The first edges of `steps` tell how far off the start may

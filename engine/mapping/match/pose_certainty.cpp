@@ -1,8 +1,6 @@
 #include "pose_certainty.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstddef>
 
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
@@ -15,7 +13,7 @@ constexpr std::size_t kMostWeighed = 1024;        // points
 constexpr std::int32_t kAside = 2;                // cells from a wall, where its field's gradient is plain
 constexpr double kLeastGradient = 0.3;            // squared, of four: less is the inside of something thick
 constexpr double kLeastInformation = 0.01;        // a scan says at least within ten metres where the robot is
-constexpr double kRoundingVariance = 1.0 / 12.0;  // of a place that is known to a cell, cells squared
+constexpr double kRoundingVariance = 1.0 / 12.0;  // variance of a position that is known to a cell, cells squared
 
 /// n n^T of a wall's normal, mixed where walls meet; trace 1.
 struct NormalTensor {
@@ -42,7 +40,7 @@ std::optional<NormalTensor> normal_at(const GlobalField& map, CellIndex cell) {
   return NormalTensor{sum.xx / trace, sum.xy / trace, sum.yy / trace};
 }
 
-/// What points add up to; the information is for a variance of one.
+/// Sums over points; the information is for a variance of one.
 struct PointSums {
   Matrix3 information;
   double sq_distance = 0.0;  // cells
@@ -81,7 +79,7 @@ class CellSums {
 };
 
 // J^T N J, the normals turned into the robot's frame.
-Matrix3 information_of(const NormalTensor& n, const SinCos<double>& turn, double x, double y) {
+Matrix3 point_information(const NormalTensor& n, const SinCos<double>& turn, double x, double y) {
   const double c = turn.cos;
   const double s = turn.sin;
   const double xx = c * c * n.xx + 2.0 * c * s * n.xy + s * s * n.yy;
@@ -92,7 +90,7 @@ Matrix3 information_of(const NormalTensor& n, const SinCos<double>& turn, double
   return {{xx, xy, xt, xy, yy, yt, xt, yt, yt * x - xt * y}};
 }
 
-double determinant_of(const Matrix3& a) {
+double compute_determinant(const Matrix3& a) {
   const Matrix3 l = cholesky(a);
   return square(l(0, 0) * l(1, 1) * l(2, 2));
 }
@@ -110,11 +108,11 @@ std::optional<Matrix3> covariance_by_scan(const GlobalField& map, std::span<cons
     const double x = r * static_cast<double>(points[i].x);
     const double y = r * static_cast<double>(points[i].y);
     const CellIndex cell =
-        map_cell_of({turn.cos * x - turn.sin * y + T_map_base.x_m, turn.sin * x + turn.cos * y + T_map_base.y_m}, r);
+        map_cell_at({turn.cos * x - turn.sin * y + T_map_base.x_m, turn.sin * x + turn.cos * y + T_map_base.y_m}, r);
     const double distance = static_cast<double>(map.at(cell)) / kFieldOne;
     if (distance > gate) continue;
     const std::optional<NormalTensor> normal = normal_at(map, cell);
-    if (normal) cells.add(cell, {information_of(*normal, turn, x, y), distance * distance, x * x + y * y, 1.0});
+    if (normal) cells.add(cell, {point_information(*normal, turn, x, y), distance * distance, x * x + y * y, 1.0});
   }
   const PointSums& sum = cells.closed();
   if (!(sum.count > 0.0)) return std::nullopt;
@@ -126,16 +124,16 @@ std::optional<Matrix3> covariance_by_scan(const GlobalField& map, std::span<cons
          Matrix3::diagonal(rounding, rounding, rounding / sq_lever);
 }
 
-Matrix3 intersection_of(const Matrix3& a, const Matrix3& b) {
+Matrix3 intersect_covariances(const Matrix3& a, const Matrix3& b) {
   constexpr int kSteps = 8;
   const Matrix3 by_a = inverse(a);
   const Matrix3 by_b = inverse(b);
   Matrix3 best = by_a;
-  double most = determinant_of(best);
+  double most = compute_determinant(best);
   for (int k = 0; k < kSteps; ++k) {
     const double share = static_cast<double>(k) / kSteps;
     const Matrix3 both = share * by_a + (1.0 - share) * by_b;
-    const double determinant = determinant_of(both);
+    const double determinant = compute_determinant(both);
     if (!(determinant > most)) continue;
     most = determinant;
     best = both;
@@ -160,7 +158,7 @@ void PoseCertainty::carry(const Pose2& T_map_last, const Prediction& prediction,
 void PoseCertainty::weigh(const GlobalField& map, std::span<const PointCells> points, const Pose2& T_map_base,
                           double gate_m) {
   const std::optional<Matrix3> by_scan = covariance_by_scan(map, points, T_map_base, gate_m);
-  if (by_scan) covariance_ = intersection_of(*by_scan, covariance_);
+  if (by_scan) covariance_ = intersect_covariances(*by_scan, covariance_);
 }
 
 PoseCovariance PoseCertainty::in_map(double theta_rad) const {

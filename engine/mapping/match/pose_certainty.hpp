@@ -7,34 +7,34 @@
 #include <span>
 
 #include "engine/mapping/graph/matrix3.hpp"
-#include "engine/mapping/match/motion_model.hpp"
-#include "gdtslam/compute/kernel_options.hpp"
+#include "engine/mapping/match/motion_estimate.hpp"
+#include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/core/pose.hpp"
 #include "gdtslam/mapping/global_field.hpp"
 #include "gdtslam/mapping/match.hpp"
 
 namespace gdtslam {
 
-/// What the points say of the pose by themselves: the sum of J^T J over those within `gate_m` of an obstacle, J the
-/// gradient of their distance, over its variance [Censi2007, section III]; points in one cell of the map count as one,
-/// for they share its error. The variance is that of the distances, and that of rounding to cells at least. On top of
-/// what follows from that comes the rounding itself once more, as all cells of a wall are rounded alike. Nothing where
-/// no point is near an obstacle. The map lives on the CPU.
+/// Covariance of the pose from the points alone. The information is the sum of J^T J over those within `gate_m` of an
+/// obstacle, J the gradient of their distance, over its variance [Censi2007, section III]; points in one cell of the
+/// map count as one, for they share its error. The variance is that of the distances, at least that of rounding to
+/// cells. The rounding itself is added once more, as all cells of a wall are rounded alike. Empty if no point is near
+/// an obstacle. The map lives on the CPU.
 std::optional<Matrix3> covariance_by_scan(const GlobalField& map, std::span<const PointCells> points,
                                           const Pose2& T_map_base, double gate_m);
 
-/// Of one pose by two sources whose errors may go together in any way, as those of scans in one map do: covariance
-/// intersection [Julier1997], with the weights that leave the smallest determinant.
-Matrix3 intersection_of(const Matrix3& a, const Matrix3& b);
+/// Covariance of one pose from two sources whose errors may be correlated in any way, as those of scans in one map are:
+/// covariance intersection [Julier1997], with the weights that leave the smallest determinant.
+Matrix3 intersect_covariances(const Matrix3& a, const Matrix3& b);
 
 /// How sure the robot's pose is within the map that its scans are matched with, from scan to scan: by what the scan
 /// shows where it was matched, along what it does not show by the way that led there, and by that alone where it was
 /// not. Belongs to one thread.
 class PoseCertainty {
  public:
-  /// Of a pose that is the map's origin.
+  /// Starts at a pose that is the map's origin.
   PoseCertainty();
-  /// Of a pose that is known like that; tangent (x, y, theta).
+  /// Starts at a pose with that covariance; tangent (x, y, theta).
   explicit PoseCertainty(const Matrix3& covariance) : covariance_(covariance) {}
   /// From the last pose to the one that was predicted, with what the wheels may get wrong, `wheels`; a motion that only
   /// goes on may be wrong altogether.
@@ -46,7 +46,7 @@ class PoseCertainty {
   [[nodiscard]] PoseCovariance in_map(double theta_rad) const;
 
  private:
-  Matrix3 covariance_;  // of the tangent at the last pose
+  Matrix3 covariance_;  // covariance of the tangent at the last pose
 };
 
 }  // namespace gdtslam

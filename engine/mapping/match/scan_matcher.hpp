@@ -62,7 +62,7 @@ class ScanMatcher final : public Matcher {
   std::vector<PointCells> thinned_;  // and a share of them for its samples
   std::vector<std::uint16_t> values_;
   Isa isa_;
-  std::unique_ptr<CertifiedCrop> crop_;  // of the matcher certified
+  std::unique_ptr<CertifiedCrop> crop_;  // crop of the matcher certified
   std::optional<double> proven_gap_m_;
   std::uint64_t proof_evaluations_ = 0;
 };

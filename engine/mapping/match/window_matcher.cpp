@@ -1,6 +1,5 @@
 #include "window_matcher.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -13,7 +12,7 @@ namespace {
 
 std::uint32_t q16(double share) { return static_cast<std::uint32_t>(std::lround(share * 65536.0)); }
 
-CellPose pose_of(const MatchVerdict& verdict) { return {verdict.x, verdict.y, verdict.theta}; }
+CellPose to_cell_pose(const MatchVerdict& verdict) { return {verdict.x, verdict.y, verdict.theta}; }
 
 // A device that has no room for a window gives the work up, as one that fails: the CPU has room.
 void require_room(std::uint32_t samples, const DeviceInfo& device) {
@@ -51,20 +50,20 @@ MatchResult WindowMatcher::match(std::span<const PointCells> points, const Predi
   attempts_ = 0;
   launch(rules_.window(1.0));
   MatchVerdict best = wait();
-  Evidence evidence = evidence_of(best);
+  Evidence evidence = to_evidence(best);
   std::uint64_t evaluations = samples_ + best.evaluations;
   bool taken = best.chosen != 0;
   SearchWindow before = window_;
-  while ((rules_.is_suspect(evidence) || (taken && window_.has_at_edge(pose_of(best)))) && launch_wider()) {
+  while ((rules_.is_suspect(evidence) || (taken && window_.has_at_edge(to_cell_pose(best)))) && launch_wider()) {
     const MatchVerdict found = wait();
     evaluations += samples_ + found.evaluations;
     taken = is_better(found, best, before);
     before = window_;
     if (!taken) continue;
     best = found;
-    evidence = evidence_of(found);
+    evidence = to_evidence(found);
   }
-  MatchResult result = rules_.judged(pose_of(best), evidence);
+  MatchResult result = rules_.judged(to_cell_pose(best), evidence);
   result.evaluations = static_cast<std::uint32_t>(evaluations);
   result.attempts = attempts_;
   return result;
@@ -73,8 +72,8 @@ MatchResult WindowMatcher::match(std::span<const PointCells> points, const Predi
 // Somewhere far away something always looks alike. So what only the wider window holds must be clearly better, as any
 // pose that the odometry contradicts; CSAIL at half its rate is lost without this rule where its odometry fails.
 bool WindowMatcher::is_better(const MatchVerdict& found, const MatchVerdict& best, const SearchWindow& before) const {
-  if (!rules_.is_possible(pose_of(found))) return false;
-  const double share = by_odometry_ && !before.holds(pose_of(found)) ? doubt_.leap_gain : 1.0;
+  if (!rules_.is_possible(to_cell_pose(found))) return false;
+  const double share = by_odometry_ && !before.holds(to_cell_pose(found)) ? doubt_.leap_gain : 1.0;
   return static_cast<double>(found.cost) < share * static_cast<double>(best.cost);
 }
 
@@ -165,7 +164,7 @@ MatchVerdict WindowMatcher::wait() {
   return verdict;
 }
 
-Evidence WindowMatcher::evidence_of(const MatchVerdict& verdict) const {
+Evidence WindowMatcher::to_evidence(const MatchVerdict& verdict) const {
   Evidence evidence =
       rules_.evidence({.sum = verdict.sum, .near = verdict.near, .beside = verdict.beside, .known = verdict.known});
   evidence.stop = stop_reason(verdict.stop);

@@ -35,7 +35,7 @@ class WindowMatcher final : public Matcher {
   void launch_choice();
   [[nodiscard]] MatchVerdict wait();
   [[nodiscard]] bool is_better(const MatchVerdict& found, const MatchVerdict& best, const SearchWindow& before) const;
-  [[nodiscard]] Evidence evidence_of(const MatchVerdict& verdict) const;
+  [[nodiscard]] Evidence to_evidence(const MatchVerdict& verdict) const;
   [[nodiscard]] PoseLattice::Params lattice_params() const;
   [[nodiscard]] PoseCost::Params cost_params(std::uint32_t points, std::uint32_t cap) const;
   [[nodiscard]] PriorParams prior_of_share(double share) const;
@@ -49,7 +49,7 @@ class WindowMatcher final : public Matcher {
   MatchRules rules_;
   bool by_odometry_ = false;
   std::uint32_t points_ = 0;
-  std::uint32_t thinned_ = 0;               ///< of them, the share that the window is costed with
+  std::uint32_t thinned_ = 0;               ///< share of them that the window is costed with
   std::vector<PointCells> ordered_points_;  ///< that share first
   SearchWindow window_;
   std::uint32_t samples_ = 0;

@@ -6,7 +6,6 @@
 
 #include "horizontal_scans.hpp"
 #include "scan_placer.hpp"
-#include "steady_odometry.hpp"
 
 namespace gdtslam {
 namespace {
@@ -14,7 +13,7 @@ namespace {
 /// A scan until it is placed.
 struct Kept {
   NoddingScan scan;
-  std::optional<MatchResult> match;  ///< of a horizontal one
+  std::optional<MatchResult> match;  ///< match of a horizontal scan
 };
 
 double between_values(double from, double to, double share) { return from + share * (to - from); }

@@ -7,7 +7,7 @@ namespace gdtslam {
 namespace {
 
 constexpr double kGuessCounts = 4.0;     // measurements that the configuration counts as
-constexpr double kFixGuess_m = 0.004;    // of one fix
+constexpr double kFixGuess_m = 0.004;    // standard deviation of one fix, first guess
 constexpr double kFixRadPerMetre = 0.3;  // its heading, as for the keyframes of the back end
 constexpr double kLeastSquare = 1.0e-10;
 
@@ -22,7 +22,7 @@ struct PathResidual {
   Tangent2 off;
   Matrix3 weight;  ///< inverse of the covariance
   Tangent2 weighted;
-  double trust = 1.0;  ///< of Student's t
+  double trust = 1.0;  ///< weight by Student's t
 };
 
 PathResidual path_residual(const Tangent2& off, const Matrix3& covariance) {
@@ -58,7 +58,7 @@ PathNoise::Growth PathNoise::growth(const PoseFix& from, const PoseFix& to, std:
   const auto step_to = [&](const PoseFix& next) {
     const Pose2 step = between(last->T_odom_base, next.T_odom_base);
     const Pose2 T_end_here = between(to.T_odom_base, next.T_odom_base);
-    const double way_m = length_of(step);
+    const double way_m = translation_length(step);
     const Tangent2 lever{T_end_here.y_m, -T_end_here.x_m, 1.0};
     growth.way_m += way_m;
     growth.about += (kTurnsPerMetre * way_m + std::fabs(step.theta_rad)) * outer(lever, lever);

@@ -6,7 +6,6 @@
 
 #include <cstddef>
 #include <span>
-#include <vector>
 
 #include "engine/mapping/graph/matrix3.hpp"
 #include "gdtslam/mapping/nodding_mapper.hpp"
@@ -21,8 +20,8 @@ struct VarianceComponent {
   [[nodiscard]] double value() const { return squares / count; }
 };
 
-/// What points say of a pose: the inverse of the covariance of (x, y, theta), robot frame, and that times the motion
-/// away from where they would have it.
+/// Information of points about a pose: the inverse of the covariance of (x, y, theta), robot frame, and its product
+/// with the motion away from the pose that the points prefer.
 struct PointsView {
   Matrix3 information;
   Tangent2 away{};
@@ -30,7 +29,7 @@ struct PointsView {
 
 /// Directions in which points say less than that, about a metre or a radian, are not held by them.
 inline constexpr double kLeastViewInformation = 1.0;
-/// Of a residual of three numbers whose chi2 is given, by Student's t with four degrees of freedom.
+/// Weight of a residual of three numbers with the given chi2, by Student's t with four degrees of freedom.
 inline double student_weight(double chi2) { return 7.0 / (4.0 + chi2); }
 
 /// Turns that a metre of way counts as where the odometry's heading errs.
@@ -42,7 +41,8 @@ class PathNoise {
 
   /// Between two fixes, `nodes` with the odometry of the scans between. A stretch without motion tells nothing.
   void take_closing(const PoseFix& from, const PoseFix& to, std::span<const PoseFix> nodes);
-  /// What the points of nodes[at] say of its pose, as far as the configuration has it, where the odometry put it.
+  /// Takes the points' information about the pose of nodes[at], weighted by the configuration, where the odometry put
+  /// it.
   void take_view(const PoseFix& from, const PoseFix& to, std::span<const PoseFix> nodes, std::size_t at,
                  const PointsView& view);
   /// The configuration with the standard deviations that were found; a point's holds as many stations of the smoother
@@ -50,7 +50,7 @@ class PathNoise {
   [[nodiscard]] SmootherConfig found() const;
 
  private:
-  /// What a stretch of the path adds to the covariance of its end, in the end's frame, for variances of one.
+  /// Contribution of a stretch of the path to the covariance of its end, in the end's frame, for variances of one.
   struct Growth {
     double way_m = 0.0;
     Matrix3 about;  ///< by turns
@@ -62,7 +62,7 @@ class PathNoise {
   VarianceComponent way_;     ///< m^2 a metre
   VarianceComponent turn_;    ///< rad^2 a radian
   VarianceComponent fix_;     ///< m^2, of the difference of two fixes
-  VarianceComponent points_;  ///< of that of the configuration
+  VarianceComponent points_;  ///< factor of the configured variance
 };
 
 }  // namespace gdtslam

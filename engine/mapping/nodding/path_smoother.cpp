@@ -9,7 +9,6 @@
 #include "engine/core/elementary.hpp"
 #include "engine/mapping/graph/block_cholesky.hpp"
 #include "engine/mapping/graph/matrix3.hpp"
-#include "pose_path.hpp"
 
 namespace gdtslam {
 namespace {
@@ -28,7 +27,7 @@ class FieldGradient {
     double distance_m = 0.0;
     Point2 gradient{0.0, 0.0};
   };
-  /// Nothing where the map knows nothing nearby.
+  /// Value of the field at a point; empty if the map knows nothing nearby.
   [[nodiscard]] std::optional<Value> at(const Point2& point) const {
     const double x = (point.x() - geometry_.origin_x_m) / geometry_.resolution_m - 0.5;
     const double y = (point.y() - geometry_.origin_y_m) / geometry_.resolution_m - 0.5;
@@ -64,7 +63,7 @@ constexpr std::size_t kMostStations = 400;
 /// A pose that is estimated: a node of the path with what its scan saw.
 struct Station {
   std::size_t node = 0;
-  PoseFix placed;  ///< as it was before
+  PoseFix placed;  ///< pose before the smoothing
   Pose2 T_map_base;
   std::vector<Point2> points;
 };
@@ -75,7 +74,7 @@ struct Link {
   Matrix3 information;
 };
 
-Link link_of(const SmootherConfig& config, const PoseFix& from, const PoseFix& to) {
+Link make_link(const SmootherConfig& config, const PoseFix& from, const PoseFix& to) {
   const Pose2 T_placed = between(from.T_map_base, to.T_map_base);
   const Pose2 motion = between(from.T_odom_base, to.T_odom_base);
   const double way_m = std::sqrt(motion.x_m * motion.x_m + motion.y_m * motion.y_m);
@@ -85,7 +84,7 @@ Link link_of(const SmootherConfig& config, const PoseFix& from, const PoseFix& t
   return {T_placed, Matrix3::diagonal(1.0 / along, 1.0 / along, 1.0 / about)};
 }
 
-// What the odometry says about two neighbours; nothing of a fix moves.
+// Adds what the odometry says about two neighbours; a fix does not move.
 void add_link(const Link& link, const Pose2& from, const Pose2& to, std::optional<std::size_t> row_from,
               std::optional<std::size_t> row_to, BlockSystem& chain) {
   const Pose2 actual = between(from, to);
@@ -103,8 +102,8 @@ void add_link(const Link& link, const Pose2& from, const Pose2& to, std::optiona
 }
 
 // Each point's distance to the map, which a move changes by the gradient.
-PointsView view_of(const SmootherConfig& config, const FieldGradient& field, double gate_m, const Pose2& T_map_base,
-                   std::span<const Point2> points) {
+PointsView points_view(const SmootherConfig& config, const FieldGradient& field, double gate_m, const Pose2& T_map_base,
+                       std::span<const Point2> points) {
   PointsView view;
   double count = 0.0;
   const auto turn = sin_cos(T_map_base.theta_rad);
@@ -138,7 +137,7 @@ double trust_in(const PointsView& view) {
   return student_weight(squared_norm(covariance, view.away));
 }
 
-BlockSystem chain_of(std::size_t stations) {
+BlockSystem make_chain_system(std::size_t stations) {
   std::vector<BlockSystem::Pair> neighbours;
   for (std::size_t k = 1; k < stations; ++k) neighbours.emplace_back(k - 1, k);
   return {stations, std::move(neighbours)};
@@ -155,7 +154,7 @@ std::vector<Point2> thinned(std::vector<Point2> points, std::size_t most) {
 // From one node to another by odometry, in steps of stations.
 double steps_between(const SmootherConfig& config, const PoseFix& a, const PoseFix& b) {
   const Pose2 step = between(a.T_odom_base, b.T_odom_base);
-  return std::max(length_of(step) / config.spacing_m, std::fabs(step.theta_rad) / config.spacing_rad);
+  return std::max(translation_length(step) / config.spacing_m, std::fabs(step.theta_rad) / config.spacing_rad);
 }
 
 // How far along each node is from one place to another, 0 to 1.
@@ -176,8 +175,8 @@ std::vector<double> shares_of_way(const SmootherConfig& config, const PoseFix& f
 }
 
 // Nodes that are far enough from each other by odometry, fewer where there would be too many.
-std::vector<Station> stations_of(const SmootherConfig& config, const PoseFix& from, const std::vector<PoseFix>& nodes,
-                                 const PointsOfNode& points_of) {
+std::vector<Station> make_stations(const SmootherConfig& config, const PoseFix& from, const std::vector<PoseFix>& nodes,
+                                   const PointsOfNode& node_points) {
   double way = 0.0;
   const PoseFix* last = &from;
   for (const PoseFix& node : nodes) {
@@ -194,7 +193,7 @@ std::vector<Station> stations_of(const SmootherConfig& config, const PoseFix& fr
     if (way < spacing) continue;
     way = 0.0;
     stations.push_back(
-        {k, nodes[k], nodes[k].T_map_base, thinned(points_of(k), static_cast<std::size_t>(config.max_points))});
+        {k, nodes[k], nodes[k].T_map_base, thinned(node_points(k), static_cast<std::size_t>(config.max_points))});
   }
   return stations;
 }
@@ -206,11 +205,11 @@ void add_equations(const SmootherConfig& config, const FieldGradient& field, dou
     const bool is_last = k == stations.size();
     const Pose2& a = is_first ? from.T_map_base : stations[k - 1].T_map_base;
     const Pose2& b = is_last ? to.T_map_base : stations[k].T_map_base;
-    const Link link = link_of(config, is_first ? from : stations[k - 1].placed, is_last ? to : stations[k].placed);
+    const Link link = make_link(config, is_first ? from : stations[k - 1].placed, is_last ? to : stations[k].placed);
     add_link(link, a, b, is_first ? std::nullopt : std::optional(k - 1), is_last ? std::nullopt : std::optional(k),
              chain);
     if (is_last) continue;
-    const PointsView view = view_of(config, field, gate_m, stations[k].T_map_base, stations[k].points);
+    const PointsView view = points_view(config, field, gate_m, stations[k].T_map_base, stations[k].points);
     const double trust = trust_in(view);
     chain.diagonal[k] += trust * view.information;
     subtract(chain.right[k], {trust * view.away[0], trust * view.away[1], trust * view.away[2]});
@@ -244,15 +243,15 @@ void place_nodes(const SmootherConfig& config, const PoseFix& from, const PoseFi
 PointsView view_from(const SmootherConfig& config, const GlobalField& field, const Pose2& T_map_base,
                      const std::vector<Point2>& points) {
   const std::vector<Point2> few = thinned(points, static_cast<std::size_t>(config.max_points));
-  return view_of(config, FieldGradient(field), config.gate_m, T_map_base, few);
+  return points_view(config, FieldGradient(field), config.gate_m, T_map_base, few);
 }
 
 std::size_t smooth_path(const SmootherConfig& config, const GlobalField& field, const PoseFix& from, const PoseFix& to,
-                        std::vector<PoseFix>& nodes, const PointsOfNode& points_of) {
-  std::vector<Station> stations = stations_of(config, from, nodes, points_of);
+                        std::vector<PoseFix>& nodes, const PointsOfNode& node_points) {
+  std::vector<Station> stations = make_stations(config, from, nodes, node_points);
   if (stations.empty()) return 0;
   const FieldGradient gradient(field);
-  BlockSystem chain = chain_of(stations.size());
+  BlockSystem chain = make_chain_system(stations.size());
   BlockCholesky factor(chain);
   double gate_m = kFirstGate_m;
   for (std::int32_t k = 0; k < config.iterations; ++k) {

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <functional>
 #include <vector>
 
@@ -19,12 +18,12 @@ namespace gdtslam {
 /// Points of scan k of the nodes, robot frame; empty where it has none.
 using PointsOfNode = std::function<std::vector<Point2>(std::size_t k)>;
 
-/// What points, robot frame, say of a pose.
+/// Information of points, robot frame, about a pose.
 PointsView view_from(const SmootherConfig& config, const GlobalField& field, const Pose2& T_map_base,
                      const std::vector<Point2>& points);
 
 /// Corrects the nodes' T_map_base, placed between the fixes by place_between(); returns how many nodes' points helped.
 std::size_t smooth_path(const SmootherConfig& config, const GlobalField& field, const PoseFix& from, const PoseFix& to,
-                        std::vector<PoseFix>& nodes, const PointsOfNode& points_of);
+                        std::vector<PoseFix>& nodes, const PointsOfNode& node_points);
 
 }  // namespace gdtslam

@@ -9,15 +9,15 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kFurthestPose = 4.0;  // of the time between two nodes that a motion is continued for
+constexpr double kFurthestPose = 4.0;  // limit for continuing a motion, as a multiple of the time between two nodes
 
 // Variance that the odometry gathers, relative to that of a radian of turn.
 constexpr double kVariancePerMetre = 0.2;
 constexpr double kVariancePerSecond = 1.0e-5;
 
-double variance_of(const PoseFix& from, const PoseFix& to) {
+double path_variance(const PoseFix& from, const PoseFix& to) {
   const Pose2 motion = between(from.T_odom_base, to.T_odom_base);
-  return std::fabs(motion.theta_rad) + kVariancePerMetre * length_of(motion) +
+  return std::fabs(motion.theta_rad) + kVariancePerMetre * translation_length(motion) +
          kVariancePerSecond * std::fabs(to.stamp_s - from.stamp_s);
 }
 
@@ -26,11 +26,11 @@ std::vector<double> shares_of_variance(const PoseFix& from, const PoseFix& to, s
   double sum = 0.0;
   const PoseFix* last = &from;
   for (const PoseFix& node : nodes) {
-    sum += variance_of(*last, node);
+    sum += path_variance(*last, node);
     shares.push_back(sum);
     last = &node;
   }
-  sum += variance_of(*last, to);
+  sum += path_variance(*last, to);
   for (double& share : shares) share = sum > 0.0 ? share / sum : 1.0;
   return shares;
 }
@@ -50,17 +50,17 @@ Pose2 linear(const Pose2& from, const Pose2& to, double share) {
 }
 
 /// A share of a motion, along one arc.
-Pose2 part_of(const Pose2& motion, double share) {
+Pose2 motion_share(const Pose2& motion, double share) {
   const Tangent2 whole = log_tangent(motion);
   return exp_tangent({share * whole[0], share * whole[1], share * whole[2]});
 }
 
-// What is left over at the end is a motion of the map. Its share is one about the same centre: where a turn was
-// measured wrongly, that is where the robot turned.
+// The motion that is left over at the end belongs to the map frame. Its share is a motion about the same centre: if a
+// turn was measured wrongly, the robot turned there.
 Pose2 along_odometry(const PoseFix& from, const PoseFix& to, double share, const Pose2& T_odom_base) {
   const auto by_odometry = [&from](const Pose2& T_odom) { return from.T_map_base * between(from.T_odom_base, T_odom); };
   const Pose2 residual = to.T_map_base * inverse(by_odometry(to.T_odom_base));
-  return part_of(residual, share) * by_odometry(T_odom_base);
+  return motion_share(residual, share) * by_odometry(T_odom_base);
 }
 
 }  // namespace
@@ -86,7 +86,7 @@ Pose2 PosePath::at(std::size_t index, double offset_s) const {
   if (!(span_s > 0.0)) return nodes_[index].T_map_base;
   const double share =
       std::clamp((nodes_[index].stamp_s + offset_s - from.stamp_s) / span_s, -kFurthestPose, kFurthestPose);
-  return from.T_map_base * part_of(between(from.T_map_base, to.T_map_base), share);
+  return from.T_map_base * motion_share(between(from.T_map_base, to.T_map_base), share);
 }
 
 std::vector<PoseKnot> PosePath::knots(std::size_t index, std::span<const PhaseKnot> phases,
@@ -113,7 +113,7 @@ Pose2 interpolate(PoseInterpolation how, const PoseFix& from, const PoseFix& to,
     case PoseInterpolation::kGeodesic:
       break;
   }
-  return from.T_map_base * part_of(between(from.T_map_base, to.T_map_base), share);
+  return from.T_map_base * motion_share(between(from.T_map_base, to.T_map_base), share);
 }
 
 }  // namespace gdtslam

@@ -1,9 +1,8 @@
-// Where the robot was between the poses that are known, equation (13): by time, never by index. Frame: map. One path
-// belongs to one thread; the functions are thread-safe.
+// Poses of the robot between the known ones, equation (13): by time, never by index. Frame: map. One path belongs to
+// one thread; the functions are thread-safe.
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <vector>
 

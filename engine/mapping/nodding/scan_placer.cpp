@@ -11,7 +11,7 @@
 #include "engine/mapping/graph/matrix3.hpp"
 #include "engine/mapping/map/keyframe_map.hpp"
 #include "gdtslam/core/error.hpp"
-#include "level_scan.hpp"
+#include "horizontal_scans.hpp"
 #include "path_noise.hpp"
 #include "path_smoother.hpp"
 #include "pose_path.hpp"
@@ -31,12 +31,12 @@ struct Held {
   std::uint32_t index = 0;
   std::optional<MatchResult> match;
   Pose2 T_odom_base;                        ///< the last known where the log has none
-  std::optional<Odometry> odometry_before;  ///< of the scan before
+  std::optional<Odometry> odometry_before;  ///< odometry of the scan before
   double step_s = 0.0;                      ///< since the scan before; 0 where the clock was set
   [[nodiscard]] double stamp_s() const { return scan.record.scan.stamp_s; }
 };
 
-AssemblyLimits limits_of(const ScanConfig& valid, const NoddingConfig& nodding) {
+AssemblyLimits assembly_limits(const ScanConfig& valid, const NoddingConfig& nodding) {
   return {.min_range_m = valid.min_range_m, .max_range_m = valid.max_range_m, .form = nodding.form};
 }
 
@@ -50,14 +50,14 @@ struct ScanPlacer::State {
         valid(valid_ranges),
         field(std::move(field_source)),
         placed(std::move(placed_scans)),
-        assembler(of_scans, limits_of(valid_ranges, nodding), placed.backend, placed.cloud),
+        assembler(of_scans, assembly_limits(valid_ranges, nodding), placed.backend, placed.cloud),
         noise(nodding.smoother) {}
 
   Held hold(NoddingScan scan);
   void begin_odometry(const Pose2& T_odom_base);
   void wait(Held scan);
   std::vector<PoseFix> place(const PoseFix& next);
-  void learn(const PoseFix& next, std::span<const PoseFix> inner, const PointsOfNode& points_of);
+  void learn(const PoseFix& next, std::span<const PoseFix> inner, const PointsOfNode& node_points);
   Pose2 rested(const Pose2& T_map_fixed, const std::optional<Pose2>& T_odom);
   void close_segment(const PoseFix& next);
   void dead_reckon();
@@ -82,7 +82,7 @@ struct ScanPlacer::State {
   std::deque<Held> held;                  // the last fix's scan, where there is one, and all after it
   std::optional<PoseFix> last_fix;        // belongs to held.front()
   std::optional<PoseFix> before_held;     // pose of the scan before held.front()
-  std::optional<Odometry> last_odometry;  // of the scan before the one in hand
+  std::optional<Odometry> last_odometry;  // odometry of the scan before the one in hand
   std::uint32_t scans = 0;
   double blind_s = 0.0;  // from held.front() to held.back()
   std::optional<double> last_stamp_s;
@@ -113,12 +113,12 @@ void ScanPlacer::State::on_device(const Action& action) {
 Pose2 ScanPlacer::State::rested(const Pose2& T_map_fixed, const std::optional<Pose2>& T_odom) {
   if (!has_fix_odometry || !T_odom || is_odometry_dead || !(*T_odom == last_fix->T_odom_base)) return T_map_fixed;
   const Pose2 moved = between(last_fix->T_map_base, T_map_fixed);
-  if (length_of(moved) <= kShake_m && std::fabs(moved.theta_rad) <= kShake_rad) return last_fix->T_map_base;
+  if (translation_length(moved) <= kShake_m && std::fabs(moved.theta_rad) <= kShake_rad) return last_fix->T_map_base;
   is_odometry_dead = true;
   return T_map_fixed;
 }
 
-// Where its frame lies nobody could know before: until then the robot stood, as far as it tells.
+// The origin of the odometry frame could not be known before: until then the robot stood, as far as it reports.
 void ScanPlacer::State::begin_odometry(const Pose2& T_odom_base) {
   for (Held& scan : held) scan.T_odom_base = T_odom_base;
   if (last_fix) last_fix->T_odom_base = T_odom_base;
@@ -167,11 +167,11 @@ std::vector<PoseFix> ScanPlacer::State::place(const PoseFix& next) {
 
 // How good wheels and points are, by what this stretch tells; of its points those half way, the farthest from both
 // fixes.
-void ScanPlacer::State::learn(const PoseFix& next, std::span<const PoseFix> inner, const PointsOfNode& points_of) {
+void ScanPlacer::State::learn(const PoseFix& next, std::span<const PoseFix> inner, const PointsOfNode& node_points) {
   noise.take_closing(*last_fix, next, inner);
   if (inner.empty()) return;
   const std::size_t middle = inner.size() / 2;
-  const PointsView view = view_from(config.smoother, field(), inner[middle].T_map_base, points_of(middle));
+  const PointsView view = view_from(config.smoother, field(), inner[middle].T_map_base, node_points(middle));
   noise.take_view(*last_fix, next, inner, middle, view);
 }
 

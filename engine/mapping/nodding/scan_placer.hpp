@@ -3,7 +3,6 @@
 // since the last fix. One placer belongs to one thread.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -14,7 +13,7 @@
 
 namespace gdtslam {
 
-/// Where the points go, and the poses, in log order.
+/// Destination of the points, and the poses, in log order.
 struct PlacedScans {
   Backend& backend;  ///< makes points of beams
   CloudSink& cloud;

@@ -69,13 +69,13 @@ struct SweepAssembler::State {
   }
 
   /// Row of a scan's first beam, in a table that `directions` holds from here on.
-  std::uint32_t row_of(const LaserScan& scan) {
+  std::uint32_t find_row(const LaserScan& scan) {
     if (directions) {
-      if (const auto row = directions->row_of(scan)) return *row;
+      if (const auto row = directions->find_row(scan)) return *row;
     }
     close_batch();  // its strips name rows of the old table
     directions = std::make_shared<BeamDirections>(scanner.mount);
-    return *directions->row_of(scan);
+    return *directions->find_row(scan);
   }
 
   void close_batch() {
@@ -140,8 +140,8 @@ struct SweepAssembler::State {
   std::unique_ptr<SweepDevice> device;
   std::deque<Waiting> waiting;
   SweepBatch filling;
-  std::vector<float> ranges;       // of the strip in hand
-  std::vector<CloudPoint> points;  // of the batch in hand
+  std::vector<float> ranges;       // ranges of the strip in hand
+  std::vector<CloudPoint> points;  // points of the batch in hand
   std::uint64_t delivered = 0;
 };
 
@@ -157,9 +157,9 @@ void SweepAssembler::add(const NoddingScan& scan, std::uint32_t index, const Pos
   const LaserScan& laser = scan.record.scan;
   if (laser.ranges_m.empty() || !has_points(scan)) return;
   const BeamTiming timing = state_->scanner.timing(laser);
-  const std::uint32_t row = state_->row_of(laser);
+  const std::uint32_t row = state_->find_row(laser);
   StripOrigin origin{laser.stamp_s, timing, anchor_near(T_map_fix.x_m), anchor_near(T_map_fix.y_m), 0, index};
-  for (const ScanStrip& strip : strips_of({scan.knots, poses, timing, laser.ranges_m.size(), laser.T_base_laser})) {
+  for (const ScanStrip& strip : make_strips({scan.knots, poses, timing, laser.ranges_m.size(), laser.T_base_laser})) {
     if (!state_->take_ranges(laser, strip)) continue;
     origin.first_beam = strip.first;
     BeamStrip values = kernel_strip(strip, T_map_fix, origin);

@@ -11,10 +11,9 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "gdtslam/compute/backend.hpp"
-#include "gdtslam/compute/kernel_options.hpp"
+#include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/core/cloud.hpp"
 #include "gdtslam/core/nodding.hpp"
 #include "gdtslam/core/stream.hpp"
@@ -33,7 +32,7 @@ struct AssemblyLimits {
   double min_range_m = ScanConfig{}.min_range_m;
   double max_range_m = ScanConfig{}.max_range_m;
   SweepForm form = SweepForm::kWorking;
-  std::uint32_t batch_beams = 65536;  ///< of one upload, dispatch and download; at least 1024
+  std::uint32_t batch_beams = 65536;  ///< beams of one upload, dispatch and download; at least 1024
 };
 
 class SweepAssembler {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <span>
 #include <utility>
 
 #include "engine/mapping/map/scan_beams.hpp"
@@ -13,7 +12,7 @@ namespace gdtslam {
 namespace {
 
 template <class T>
-std::span<const std::byte> bytes_of(const std::vector<T>& values) {
+std::span<const std::byte> byte_view(const std::vector<T>& values) {
   return std::as_bytes(std::span(values));
 }
 
@@ -33,9 +32,9 @@ void go_to(double time_s, std::span<const Knot> knots, std::size_t& segment) {
   while (segment + 2 < knots.size() && time_s >= knots[segment + 1].offset_s) ++segment;
 }
 
-/// Where a time lies between a knot and the next, 0 to 1.
+/// Position of a time between a knot and the next, 0 to 1.
 template <class Knot>
-double share_of(double time_s, std::span<const Knot> knots, std::size_t segment) {
+double segment_share(double time_s, std::span<const Knot> knots, std::size_t segment) {
   if (segment + 1 >= knots.size()) return 0.0;
   const double length = knots[segment + 1].offset_s - knots[segment].offset_s;
   return length > 0.0 ? std::clamp((time_s - knots[segment].offset_s) / length, 0.0, 1.0) : 1.0;
@@ -93,7 +92,7 @@ class StripCutter {
 
   [[nodiscard]] Pose2 base_at(double time_s) const {
     const Pose2& from = motion_.poses[pose_segment_].T_fix_base;
-    const double share = share_of(time_s, motion_.poses, pose_segment_);
+    const double share = segment_share(time_s, motion_.poses, pose_segment_);
     if (share == 0.0) return from;
     const Pose2& to = motion_.poses[pose_segment_ + 1].T_fix_base;
     return {from.x_m + share * (to.x_m - from.x_m), from.y_m + share * (to.y_m - from.y_m),
@@ -105,7 +104,7 @@ class StripCutter {
     if (phase_segment_ + 1 >= motion_.phases.size()) return 0.0;
     const Phase difference = motion_.phases[phase_segment_ + 1].phase - motion_.phases[phase_segment_].phase;
     const double short_way = static_cast<double>(static_cast<std::int32_t>(difference));
-    return short_way * share_of(time_s, motion_.phases, phase_segment_);
+    return short_way * segment_share(time_s, motion_.phases, phase_segment_);
   }
 
   void set_phases(ScanStrip& strip, double begin_s, double last_s) const {
@@ -161,8 +160,8 @@ SweepDevice::SweepDevice(Backend& backend, const NoddingScanner& scanner, const 
 void SweepDevice::upload_tables(const std::shared_ptr<const BeamDirections>& directions) {
   const auto& rows = directions->rows();
   if (uploaded_ == directions && uploaded_rows_ == rows.size()) return;
-  const auto elevations = bytes_of(elevations_);
-  const auto directions_data = bytes_of(rows);
+  const auto elevations = byte_view(elevations_);
+  const auto directions_data = byte_view(rows);
   const std::size_t bytes = elevations.size() + directions_data.size();
   if (tables_.bytes() < bytes) tables_ = backend_.allocate(std::bit_ceil(bytes));
   backend_.upload(tables_, elevations);
@@ -173,9 +172,9 @@ void SweepDevice::upload_tables(const std::shared_ptr<const BeamDirections>& dir
 
 PendingDownload SweepDevice::start(const SweepBatch& batch) {
   upload_tables(batch.directions);
-  const auto strips = bytes_of(batch.strips);
+  const auto strips = byte_view(batch.strips);
   if (strips_.bytes() < strips.size()) strips_ = backend_.allocate(std::bit_ceil(strips.size()));
-  backend_.upload(beams_, bytes_of(batch.beams));
+  backend_.upload(beams_, byte_view(batch.beams));
   backend_.upload(strips_, strips);
   params_.beams = static_cast<std::uint32_t>(batch.beams.size());
   params_.strips = static_cast<std::uint32_t>(batch.strips.size());
@@ -192,7 +191,7 @@ std::vector<SweptBeam> SweepDevice::finish(PendingDownload download) {
   return swept;
 }
 
-std::optional<std::uint32_t> BeamDirections::row_of(const LaserScan& scan) {
+std::optional<std::uint32_t> BeamDirections::find_row(const LaserScan& scan) {
   const std::size_t beams = scan.ranges_m.size();
   const auto is_same = [&](const Layout& layout) {
     return layout.first_bearing_rad == scan.first_bearing_rad && layout.bearing_step_rad == scan.bearing_step_rad &&
@@ -220,7 +219,7 @@ void BeamDirections::append(double bearing_rad) {
                    static_cast<float>(bearing.sin * roll.sin)});
 }
 
-std::vector<ScanStrip> strips_of(const ScanMotion& motion) {
+std::vector<ScanStrip> make_strips(const ScanMotion& motion) {
   std::vector<ScanStrip> strips;
   StripCutter cutter(motion);
   for (std::size_t first = 0; first < motion.beams;) {

@@ -26,13 +26,13 @@ struct MergeOptions {
 /// Sessions that lie in one frame.
 struct MergedSite {
   std::vector<std::size_t> sessions;      ///< ascending
-  std::vector<std::vector<Pose2>> poses;  ///< of the keyframes of each
+  std::vector<std::vector<Pose2>> poses;  ///< poses of each session's keyframes
   std::size_t loops_between = 0;          ///< loops from one session to another that hold
   std::size_t loops_off = 0;              ///< and that do not
   JointResult joint;
   PoseGraph graph;                   ///< keyframes count one session after the other
   std::vector<std::size_t> places;   ///< which of all keyframes its nodes are
-  std::vector<Matrix3> covariances;  ///< of all keyframes, of (x, y, theta) along the axes
+  std::vector<Matrix3> covariances;  ///< covariances of (x, y, theta) along the axes, one for each keyframe
   std::uint64_t searches = 0;        ///< for loops
 };
 

@@ -6,7 +6,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kSameWay_m = 1.0;  // of two ways to lay a session on a site
+constexpr double kSameWay_m = 1.0;  // distance up to which two ways to lay a session on a site are the same
 constexpr double kSameWay_rad = 0.35;
 constexpr std::size_t kMostWays = 40;
 
@@ -72,7 +72,8 @@ std::vector<Pose2> ways_to_lay(const Session& query, const std::vector<SessionFi
   return ways;
 }
 
-// Where both drove both saw the same: laid wrongly a corner or two fit, and what lies between does not.
+// Places where both drove and saw the same. If the session is laid wrongly, a corner or two fit and the places between
+// do not.
 struct Met {
   std::size_t places = 0;
   std::size_t fitting = 0;

@@ -24,14 +24,14 @@ struct OverlapOptions {
 };
 
 struct SessionOverlap {
-  std::vector<SessionFix> fixes;  ///< of all places that were looked for, and of keyframes beside them
-  std::size_t possible = 0;       ///< of these, found with nothing against it
-  std::size_t alone = 0;          ///< of these, that fit nowhere else as well
-  std::size_t explained = 0;      ///< of those found, that fit where the session is laid
+  std::vector<SessionFix> fixes;  ///< fixes of all places that were looked for, and of keyframes next to them
+  std::size_t possible = 0;       ///< fixes found with nothing against them
+  std::size_t alone = 0;          ///< possible fixes that fit nowhere else as well
+  std::size_t explained = 0;      ///< fixes found that fit the way in which the session is laid
   std::size_t rival = 0;          ///< and where another way to lay it has them that nothing speaks against
-  std::size_t met = 0;            ///< of all places, that this puts where somebody of the site drove too
-  std::size_t fitting = 0;        ///< of these, that fit there
-  std::vector<SessionFix> held;   ///< those that agree; empty where the session does not belong there
+  std::size_t met = 0;            ///< places at which a drive of the site was too, laid like this
+  std::size_t fitting = 0;        ///< met places that fit there
+  std::vector<SessionFix> held;   ///< fixes that agree; empty if the session does not belong there
   bool is_undecided = false;      ///< some agree, and too much speaks against it
 
   /// Whether the keyframe is beside one that was found in the site.
@@ -40,7 +40,7 @@ struct SessionOverlap {
   [[nodiscard]] bool repeats(const Session& query, std::size_t keyframe) const;
 };
 
-/// What speaks for the session lying in the site that `map` is of, and against it. It does not depend on
+/// Collects the evidence for and against the session lying in the site that `map` is of. It does not depend on
 /// `options.least_alone`. The same bits for any number of threads.
 SessionOverlap find_overlap(const SessionMap& map, const Session& query, const OverlapOptions& options,
                             WorkerPool& workers);

@@ -7,11 +7,8 @@
 #include <numbers>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "engine/mapping/adjust/pose_bins.hpp"
-#include "engine/mapping/loops/group_field.hpp"
-#include "engine/mapping/loops/point_thinner.hpp"
 #include "engine/mapping/loops/scan_group.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
@@ -20,29 +17,31 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kSessionSpacing_m = 0.05;  // of the points of a session that others are searched in
+constexpr double kSessionSpacing_m = 0.05;  // spacing of the points of a session that others are searched in
 constexpr double kPlaceSpacing_m = 0.1;     // and of a place
 constexpr double kPlaceHeld_m = 0.03;       // and of what it is held against
-constexpr double kSamePlace_m = 1.0;        // of path
+constexpr double kSamePlace_m = 1.0;        // length of path
 constexpr double kWallSpacing_m = 0.5;
 constexpr double kStep_m = 0.025;          // along a path that is held against walls
 constexpr std::uint16_t kWallUnits = 128;  // half a cell
-constexpr double kDroveThere_m = 1.5;      // of a robot from where another was, to see the same
-constexpr double kFitsAtAll = 1.25;        // of the mean distance at which a place is found: much may have changed
-constexpr double kBesideHalf_m = 0.5;      // of the window around a pose that is asked about: drift of both
+constexpr double kDroveThere_m = 1.5;      // distance between two robots that see the same
+constexpr double kFitsAtAll = 1.25;    // factor of the mean distance at which a place is found: much may have changed
+constexpr double kBesideHalf_m = 0.5;  // half of the window around a pose that is asked about: drift of both
 constexpr double kBesideHalf_rad = 0.05;
-constexpr double kBeside_m[] = {-3.0, -1.5, 1.5, 3.0};  // of path
-constexpr double kOtherPlace_m = 4.0;                   // as places are apart
+constexpr double kBeside_m[] = {-3.0, -1.5, 1.5, 3.0};  // offsets along the path
+constexpr double kOtherPlace_m = 4.0;                   // distance between places
 constexpr std::size_t kMostOthers = 4;
-constexpr std::size_t kQueriesApart = 4;  // of which one is looked for before the others between
+constexpr std::size_t kQueriesApart = 4;  // number of queries of which one is looked for before the others between
 
-KeyframePath path_of(const Session& session) { return {session.scans, session.poses, session.path_m, session.doubts}; }
+KeyframePath keyframe_path(const Session& session) {
+  return {session.scans, session.poses, session.path_m, session.doubts};
+}
 
-std::vector<Point2> points_of(const Session& session, double spacing_m) {
+std::vector<Point2> to_points(const Session& session, double spacing_m) {
   PointThinner thinner(spacing_m);
   std::vector<Point2> points;
   for (std::size_t i = 0; i < session.scans.size(); ++i) {
-    for (const Point2& point : points_of(session.scans[i])) {
+    for (const Point2& point : to_points(session.scans[i])) {
       const Point2 there = session.poses[i] * point;
       if (thinner.is_first(there)) points.push_back(there);
     }
@@ -67,7 +66,7 @@ std::vector<Point2> bounded(std::vector<Point2> points, double resolution_m) {
                    "--crop' cuts out");
 }
 
-// Where the robot may have been: around all of the path, in every heading.
+// Window around all of the path, in every heading: the robot may have been anywhere in it.
 PoseWindow window_around(const std::vector<Pose2>& poses, double beyond_m) {
   double left = poses.front().x_m;
   double right = left;
@@ -90,8 +89,8 @@ PoseWindow window_around(const std::vector<Pose2>& poses, double beyond_m) {
 struct SessionMap::State {
   State(const Session& session, const SessionSearchOptions& options)
       : backend(make_cpu_backend({})),
-        field(field_of(bounded(points_of(session, kSessionSpacing_m), options.resolution_m), options.resolution_m,
-                       *backend, mutex)),
+        field(make_distance_field(bounded(to_points(session, kSessionSpacing_m), options.resolution_m),
+                                  options.resolution_m, *backend, mutex)),
         map(field.view(), best_isa()),
         window(window_around(session.poses, options.beyond_m)) {}
 
@@ -109,7 +108,7 @@ SessionMap::~SessionMap() = default;
 SessionFix SessionMap::find(const Session& query, std::size_t keyframe) const {
   SessionFix fix;
   fix.keyframe = keyframe;
-  const ScanGroup group(path_of(query), keyframe, options_.query_half_m, kPlaceSpacing_m);
+  const ScanGroup group(keyframe_path(query), keyframe, options_.query_half_m, kPlaceSpacing_m);
   const std::vector<PointCells> points = in_cells(every_nth(group.points(), options_.points), options_.resolution_m);
   if (points.empty()) return fix;
   CertifiedOptions search;
@@ -176,14 +175,14 @@ std::size_t SessionMap::place_near(const Pose2& T_map_keyframe) const {
 
 LoopEvidence SessionMap::weigh(const Session& query, std::size_t keyframe, std::size_t reference,
                                const Pose2& T_map_keyframe) const {
-  const ScanGroup group(path_of(query), keyframe, options_.query_half_m, kPlaceSpacing_m);
-  const ScanGroup there(path_of(session_), reference, options_.reference_half_m, kPlaceHeld_m);
+  const ScanGroup group(keyframe_path(query), keyframe, options_.query_half_m, kPlaceSpacing_m);
+  const ScanGroup there(keyframe_path(session_), reference, options_.reference_half_m, kPlaceHeld_m);
   return weigh_loop(there, group, between(session_.poses[reference], T_map_keyframe));
 }
 
 std::optional<Pose2> SessionMap::find_elsewhere(const Session& query, std::size_t keyframe,
                                                 const Pose2& T_map_keyframe) const {
-  const ScanGroup group(path_of(query), keyframe, options_.query_half_m, kPlaceSpacing_m);
+  const ScanGroup group(keyframe_path(query), keyframe, options_.query_half_m, kPlaceSpacing_m);
   const std::vector<PointCells> points = in_cells(every_nth(group.points(), options_.points), options_.resolution_m);
   if (points.empty()) return std::nullopt;
   CertifiedOptions search;
@@ -206,7 +205,7 @@ double SessionMap::as_good_m(const SessionFix& fix) const {
 
 // Farther than any wall where there are no points.
 double SessionMap::mean_beside_m(const Session& query, std::size_t keyframe, const Pose2& T_map_keyframe) const {
-  const ScanGroup group(path_of(query), keyframe, options_.query_half_m, kPlaceSpacing_m);
+  const ScanGroup group(keyframe_path(query), keyframe, options_.query_half_m, kPlaceSpacing_m);
   const std::vector<PointCells> points = in_cells(every_nth(group.points(), options_.points), options_.resolution_m);
   if (points.empty()) return std::numeric_limits<double>::infinity();
   const PoseWindow beside{.centre = T_map_keyframe,
@@ -222,7 +221,7 @@ double SessionMap::mean_beside_m(const Session& query, std::size_t keyframe, con
 }
 
 bool SessionMap::fits_elsewhere(const Session& query, const SessionFix& fix, const Pose2& T_map_keyframe) const {
-  const ScanGroup group(path_of(query), fix.keyframe, options_.query_half_m, kPlaceSpacing_m);
+  const ScanGroup group(keyframe_path(query), fix.keyframe, options_.query_half_m, kPlaceSpacing_m);
   const std::vector<PointCells> points = in_cells(every_nth(group.points(), options_.points), options_.resolution_m);
   if (points.empty()) return false;
   const double unit = 256.0 / options_.resolution_m * static_cast<double>(points.size());
@@ -243,7 +242,7 @@ bool SessionMap::fits(const Session& query, const SessionFix& fix, const Pose2& 
 bool SessionMap::has_walls_in_the_way(const Session& query, const Pose2& T_map_query) const {
   const FieldView field = state_->field.view();
   const auto is_wall = [&](const Point2& point) {
-    const CellIndex cell = map_cell_of(point, options_.resolution_m);
+    const CellIndex cell = map_cell_at(point, options_.resolution_m);
     const std::int64_t x = std::int64_t{cell.x} - field.first_cell.x;
     const std::int64_t y = std::int64_t{cell.y} - field.first_cell.y;
     if (x < 0 || y < 0 || x >= field.width || y >= field.height) return false;
@@ -280,7 +279,7 @@ SessionMap::Test SessionMap::test_walls(const Session& query, std::size_t keyfra
   return evidence.contradiction > LoopLimits{}.most_contradiction ? Test::kDoesNotFit : Test::kElsewhere;
 }
 
-std::size_t walls_of(const Session& session) { return points_of(session, kWallSpacing_m).size(); }
+std::size_t count_wall_points(const Session& session) { return to_points(session, kWallSpacing_m).size(); }
 
 std::vector<std::size_t> places_to_look_for(const Session& query, std::size_t most) {
   const std::size_t count = std::min(most, query.places.size());
@@ -315,7 +314,7 @@ std::vector<std::size_t> agreeing(const Session& query, const std::vector<Sessio
     const std::size_t to = b.keyframe;
     const Pose2 off = between(between(query.poses[from], query.poses[to]), between(a.T_map_keyframe, b.T_map_keyframe));
     const double way_m = std::fabs(query.path_m[to] - query.path_m[from]);
-    return length_of(off) <= limits.near_m + limits.drift_m_per_m * way_m &&
+    return translation_length(off) <= limits.near_m + limits.drift_m_per_m * way_m &&
            std::fabs(wrap_angle(off.theta_rad)) <= limits.near_rad + limits.drift_rad_per_m * way_m;
   };
   std::vector<std::size_t> most;

@@ -16,32 +16,32 @@
 namespace gdtslam {
 
 struct SessionSearchOptions {
-  double query_half_m = 4.0;          ///< of path to each side of a keyframe that is looked for
+  double query_half_m = 4.0;          ///< path length to each side of a keyframe that is looked for
   double reference_half_m = 9.0;      ///< and of the place of the other session that it is held against
-  double resolution_m = 0.1;          ///< of the distance field
-  std::size_t points = 300;           ///< of a query
+  double resolution_m = 0.1;          ///< cell size of the distance field
+  std::size_t points = 300;           ///< points of a query
   double beyond_m = 5.0;              ///< the robot was at most so far from where the other one drove
-  double gap_m = 0.02;                ///< of the mean distance, to what is proven
+  double gap_m = 0.02;                ///< gap of the mean distance to the proven bound
   double as_good_m = 0.03;            ///< a pose elsewhere whose mean distance is larger by no more fits as well
   double as_good_share = 0.5;         ///< or by no more than this share of the best one's
   double most_m = 0.08;               ///< mean distance beyond which a pose is not worth to be looked at
-  std::uint64_t most_boxes = 500000;  ///< of a search; what is not told by then was not found
-  std::size_t most_places = 48;       ///< of a session, evenly along its path
+  std::uint64_t most_boxes = 500000;  ///< boxes of a search; a pose that needs more was not found
+  std::size_t most_places = 48;       ///< places of a session, evenly along its path
   std::size_t most_beside = 24;       ///< keyframes beside places that were found
   LoopLimits limits{.least_overlap = 0.5, .most_turned = 0.1, .most_contradiction = 0.05};
 };
 
-/// Where a keyframe of one session lies in another.
+/// Pose of a keyframe of one session in another session.
 struct SessionFix {
-  std::size_t keyframe = 0;         ///< of the one that is looked for
-  std::size_t reference_place = 0;  ///< of the other, one nearby that saw enough of it
+  std::size_t keyframe = 0;         ///< keyframe that is looked for
+  std::size_t reference_place = 0;  ///< nearby place of the other session that saw enough of it
   Pose2 T_map_keyframe;             ///< in the other's map
   LoopEvidence evidence;
   double mean_m = 0.0;                     ///< distance of its points to the other's
   double elsewhere_m = 0.0;                ///< at least, anywhere else
-  bool is_possible = false;                ///< nothing speaks against it
+  bool is_possible = false;                ///< no evidence is against it
   bool is_alone = false;                   ///< and it fits nowhere else as well
-  std::optional<Pose2> T_map_elsewhere{};  ///< where it does, in one of the places
+  std::optional<Pose2> T_map_elsewhere{};  ///< pose elsewhere, in one of the places, at which it fits as well
 };
 
 /// A session that others are searched in.
@@ -54,10 +54,10 @@ class SessionMap {
   SessionMap& operator=(const SessionMap&) = delete;
 
   [[nodiscard]] SessionFix find(const Session& query, std::size_t keyframe) const;
-  /// Where it fits best but there, with nothing against it; none where it fits nowhere else.
+  /// Best pose other than this one with nothing against it; empty if it fits nowhere else.
   [[nodiscard]] std::optional<Pose2> find_elsewhere(const Session& query, std::size_t keyframe,
                                                     const Pose2& T_map_keyframe) const;
-  /// What speaks for the keyframe lying there, and against it, by what was seen around one of this session.
+  /// Evidence for and against the keyframe lying there, by the view around a keyframe of this session.
   [[nodiscard]] LoopEvidence weigh(const Session& query, std::size_t keyframe, std::size_t reference,
                                    const Pose2& T_map_keyframe) const;
   /// Whether what was found fits as well there, or a little beside.
@@ -70,7 +70,7 @@ class SessionMap {
   /// seen around it fits then at all.
   enum class Test : std::uint8_t { kElsewhere, kFits, kDoesNotFit };
   [[nodiscard]] Test test(const Session& query, std::size_t keyframe, const Pose2& T_map_keyframe) const;
-  /// Likewise, by what the site saw around: where it saw little, what it did not see speaks neither for nor against.
+  /// Tests the walls against the site's views around: where it saw little, unseen parts speak neither for nor against.
   [[nodiscard]] Test test_walls(const Session& query, std::size_t keyframe, const Pose2& T_map_keyframe) const;
 
  private:
@@ -91,15 +91,15 @@ class SessionMap {
 /// first those that are far from each other.
 std::vector<std::size_t> places_to_look_for(const Session& query, std::size_t most);
 /// How much of walls a session saw, in squares of half a metre that hold a point.
-std::size_t walls_of(const Session& session);
+std::size_t count_wall_points(const Session& session);
 /// Keyframes beside one that was found, to both sides: sessions that overlap little have but a place or two in common.
 std::vector<std::size_t> keyframes_beside(const Session& query, std::size_t keyframe);
 
 /// Whether two keyframes of a session are at one place: within a metre of path.
 bool are_at_one_place(const Session& session, std::size_t a, std::size_t b);
 
-/// Of fixes that nothing speaks against and that fit nowhere else: the most that agree with each other, each with the
-/// one in their middle within `near_m` and `near_rad`, and a share of the path in between for what both drifted.
+/// Limits for agreement among possible fixes that fit nowhere else: the largest set that agrees, each with the one in
+/// their middle within `near_m` and `near_rad`, and a share of the path in between for the drift of both.
 struct AgreementLimits {
   double near_m = 0.10;
   double near_rad = 0.0174532925199432955;  ///< a degree

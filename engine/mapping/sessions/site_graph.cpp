@@ -5,15 +5,14 @@
 #include <span>
 #include <utility>
 
-#include "engine/mapping/graph/free_network.hpp"
-#include "engine/mapping/loops/carried_keyframes.hpp"
+#include "engine/mapping/loops/loop_closer.hpp"
 #include "engine/mapping/sessions/site_growth.hpp"
 
 namespace gdtslam {
 namespace {
 
-// What a session says of its own path after its own adjustment: as good as a match over each step, and over stretches
-// as what the front end says of them in the adjustment of one drive.
+// Weights of a session's own path after its own adjustment: each step counts as much as a match, and stretches count as
+// the front end's do in the adjustment of one drive.
 constexpr std::size_t kHeldSpans[] = {1, 4, 12, 30};  // keyframes
 constexpr std::size_t kHeldOver = 4;                  // each of them over every step, which is to count once
 constexpr double kHeldNoise_m = 0.01;
@@ -21,7 +20,7 @@ constexpr double kHeldNoise_rad = 0.003;
 constexpr std::size_t kMostSolved = 400;  // places for which they are computed, the rest lies in between
 
 // The fix that agrees with most others in the middle of what agrees: of those held the one with the largest overlap.
-const SessionFix& best_of(const std::vector<SessionFix>& fixes) {
+const SessionFix& best_fix(const std::vector<SessionFix>& fixes) {
   return *std::max_element(fixes.begin(), fixes.end(), [](const SessionFix& a, const SessionFix& b) {
     return a.evidence.overlap < b.evidence.overlap;
   });
@@ -50,7 +49,7 @@ SiteGraph::SiteGraph(const std::vector<std::size_t>& group, const std::vector<Se
   lay(sessions, edges);
 }
 
-std::size_t SiteGraph::part_of(std::size_t session) const {
+std::size_t SiteGraph::part_index(std::size_t session) const {
   const auto part = std::find_if(parts_.begin(), parts_.end(), [&](const Part& p) { return p.session == session; });
   return static_cast<std::size_t>(part - parts_.begin());
 }
@@ -84,19 +83,19 @@ void SiteGraph::add(const Session& session, std::size_t number) {
 void SiteGraph::lay(const std::vector<Session>& sessions, const std::vector<SessionEdge>& edges) {
   std::vector<bool> is_laid(parts_.size());
   is_laid.front() = true;
-  const auto is_of_site = [&](const SessionEdge& edge) { return part_of(edge.reference) < parts_.size(); };
+  const auto is_of_site = [&](const SessionEdge& edge) { return part_index(edge.reference) < parts_.size(); };
   for (std::size_t laid = 1; laid < parts_.size(); ++laid) {
     const SessionEdge* next = nullptr;
     for (const SessionEdge& edge : edges) {
-      if (!is_of_site(edge) || is_laid[part_of(edge.reference)] == is_laid[part_of(edge.query)]) continue;
+      if (!is_of_site(edge) || is_laid[part_index(edge.reference)] == is_laid[part_index(edge.query)]) continue;
       if (next == nullptr || edge.held.size() > next->held.size()) next = &edge;
     }
-    const SessionFix& fix = best_of(next->held);
+    const SessionFix& fix = best_fix(next->held);
     const Session& query = sessions[next->query];
     const Pose2 T_reference_query = fix.T_map_keyframe * inverse(query.poses[fix.keyframe]);
-    const bool is_query_new = is_laid[part_of(next->reference)];
-    const std::size_t added = part_of(is_query_new ? next->query : next->reference);
-    const std::size_t known = part_of(is_query_new ? next->reference : next->query);
+    const bool is_query_new = is_laid[part_index(next->reference)];
+    const std::size_t added = part_index(is_query_new ? next->query : next->reference);
+    const std::size_t known = part_index(is_query_new ? next->reference : next->query);
     const Part& there = parts_[known];
     const Pose2 T_site_known = poses_[there.first_keyframe] * inverse(shape_[there.first_keyframe]);
     const Pose2 T_site_added = T_site_known * (is_query_new ? T_reference_query : inverse(T_reference_query));
@@ -120,14 +119,14 @@ void SiteGraph::lay(const std::vector<Session>& sessions, const std::vector<Sess
 void SiteGraph::add_edge(const SessionEdge& edge, const std::vector<Session>& sessions, bool is_trusted) {
   const Session& reference = sessions[edge.reference];
   const Session& query = sessions[edge.query];
-  const SessionFix& best = best_of(edge.held);
+  const SessionFix& best = best_fix(edge.held);
   for (const SessionFix& fix : edge.held) {
     if (is_trusted && &fix != &best) continue;
     const std::size_t place = place_before(query, fix.keyframe);
     const Pose2 T_map_place = fix.T_map_keyframe * between(query.poses[fix.keyframe], query.poses[query.places[place]]);
     const PoseRelation relation{
-        .from = parts_[part_of(edge.reference)].first_place + fix.reference_place,
-        .to = parts_[part_of(edge.query)].first_place + place,
+        .from = parts_[part_index(edge.reference)].first_place + fix.reference_place,
+        .to = parts_[part_index(edge.query)].first_place + place,
         .T_from_to = between(reference.poses[reference.places[fix.reference_place]], T_map_place),
         .information = loop_information(fix.evidence)};
     const PoseRelation onward = relation.from < relation.to ? relation : turned_round(relation);

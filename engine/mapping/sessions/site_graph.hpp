@@ -30,7 +30,7 @@ class SiteGraph {
 
   [[nodiscard]] const std::vector<KeptScan>& scans() const { return scans_; }
   [[nodiscard]] std::vector<Pose2>& poses() { return poses_; }
-  /// What the sessions say of the path from keyframe to keyframe and over some more, for the joint adjustment.
+  /// Relations of the sessions along the path, from keyframe to keyframe and over some more, for the joint adjustment.
   [[nodiscard]] std::vector<PoseRelation> held_relations() const;
   /// Loops from one session to another that are on, or off.
   [[nodiscard]] std::size_t loops_between(bool is_on) const;
@@ -58,7 +58,7 @@ class SiteGraph {
   void lay(const std::vector<Session>& sessions, const std::vector<SessionEdge>& edges);
   void add_edge(const SessionEdge& edge, const std::vector<Session>& sessions, bool is_trusted);
   void carry_keyframes();
-  [[nodiscard]] std::size_t part_of(std::size_t session) const;
+  [[nodiscard]] std::size_t part_index(std::size_t session) const;
   [[nodiscard]] const Part& part_of_place(std::size_t place) const;
 
   std::vector<Part> parts_;

@@ -12,16 +12,16 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::size_t kMostRounds = 4;    // of sessions that were left over
+constexpr std::size_t kMostRounds = 4;    // rounds for sessions that were left over
 constexpr std::size_t kMostGrowths = 16;  // until nothing is refuted any more
 
 using Sites = std::vector<std::unique_ptr<GrowingSite>>;
 
-// What was seen most of comes first, by the length of its walls.
+// Orders sessions by the length of their walls, longest first.
 std::vector<std::size_t> widest_first(const std::vector<Session>& sessions) {
   std::vector<std::size_t> seen;
   seen.reserve(sessions.size());
-  for (const Session& session : sessions) seen.push_back(walls_of(session));
+  for (const Session& session : sessions) seen.push_back(count_wall_points(session));
   std::vector<std::size_t> order(sessions.size());
   std::iota(order.begin(), order.end(), 0U);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return seen[a] > seen[b]; });
@@ -65,7 +65,7 @@ class SiteGrowth {
   const MergeProgress& progress_;
   std::vector<char> belongs_nowhere_;  // sessions that fit in several spots of a site
   std::vector<char> is_undecided_;     // and those that would lie in one if nothing spoke against it
-  // Those that were joined, and might as well lie elsewhere.
+  // Joined sessions that might as well lie elsewhere.
   std::vector<std::optional<SessionSearch>> lies_anywhere_;
   std::vector<std::vector<std::size_t>> refuted_;  // keyframes that held a session, and are there twice
   std::vector<std::size_t> refuted_now_;           // sessions, in this round
@@ -74,8 +74,8 @@ class SiteGrowth {
   GrownSites grown_;
 };
 
-// Where one site shows that the building can hold a session in two ways, a drive that saw one of them alone does not
-// tell which it is.
+// If one site shows that the building can hold a session in two ways, a drive that saw one of them alone does not show
+// which it is.
 bool lies_in_two_ways(const std::vector<SessionOverlap>& overlaps) {
   return std::any_of(overlaps.begin(), overlaps.end(), [](const SessionOverlap& overlap) { return overlap.rival > 0; });
 }
@@ -160,7 +160,7 @@ void SiteGrowth::add(std::size_t session) {
   }
   std::vector<std::vector<SessionEdge>> edges(sites_.size());
   for (std::size_t k = 0; k < sites_.size(); ++k) {
-    for (const SessionFix& fix : overlaps[k].held) add_edges(edges[k], {sites_[k]->edge_of(session, fix)});
+    for (const SessionFix& fix : overlaps[k].held) add_edges(edges[k], {sites_[k]->make_edge(session, fix)});
     if (overlaps[k].fixes.empty()) continue;
     grown_.searches.push_back({session, sites_[k]->group(), std::move(overlaps[k]), edges[k]});
   }
@@ -183,7 +183,7 @@ void SiteGrowth::grow() {
   options_.least_alone = least_alone;
 }
 
-// What was joined wrongly led astray what came after it, so they grow again without it.
+// A wrongly joined session led astray later ones, so the sites grow again without it.
 GrownSites SiteGrowth::run() {
   for (std::size_t round = 0; round < kMostGrowths; ++round) {
     grow();
@@ -201,7 +201,7 @@ bool SiteGrowth::is_refuted(std::size_t session, std::size_t keyframe) const {
                      [&](std::size_t refuted) { return are_at_one_place(sessions_[session], refuted, keyframe); });
 }
 
-// What came when too little was there yet; tells whether any was joined.
+// Tries sessions again that came when too little was there yet; returns true if any was joined.
 bool SiteGrowth::try_again() {
   const bool is_more_there = sites_.size() < sessions_.size();  // than each session by itself
   std::vector<std::size_t> alone;
@@ -236,7 +236,7 @@ bool SiteGrowth::is_repeated(const SessionFix& fix, std::size_t query) const {
   });
 }
 
-// As a whole, where all of its site lies.
+// Compares the session as a whole with all of its site.
 bool SiteGrowth::may_lie_elsewhere(const SessionSearch& search) {
   const auto site =
       std::find_if(sites_.begin(), sites_.end(), [&](const auto& each) { return each->holds(search.query); });
@@ -293,7 +293,7 @@ void SiteGrowth::verify() {
   }
 }
 
-// What is refuted to the end holds nothing, nor does what others that came after it had in common with it.
+// A refuted session holds nothing, and neither does what later ones had in common with it.
 void SiteGrowth::leave_out_refuted() {
   for (SessionSearch& search : grown_.searches) {
     std::erase_if(search.edges, [&](const SessionEdge& edge) {
@@ -306,7 +306,7 @@ void SiteGrowth::leave_out_refuted() {
   }
 }
 
-// What no edge connects any more is a site of its own.
+// Sessions that no edge connects any more become a site of their own.
 void SiteGrowth::split() {
   for (const SessionSearch& search : grown_.searches) add_edges(grown_.edges, search.edges);
   std::vector<std::size_t> first(sessions_.size());

@@ -25,19 +25,19 @@ struct SessionEdge {
   std::vector<SessionFix> held;  ///< T_map_keyframe is in the reference's own map
 };
 
-/// What came of a session that was held against a site.
+/// Result of comparing a session with a site.
 struct SessionSearch {
   std::size_t query = 0;
   std::vector<std::size_t> searched_in;  ///< the sessions of the site by then, ascending
   SessionOverlap overlap;
   std::vector<SessionEdge> edges;  ///< to sessions of the site; none where it was not joined, or did not stay so
-  bool may_lie_elsewhere = false;  ///< where it was joined, as a whole, and did not stay so for that
+  bool may_lie_elsewhere = false;  ///< it was joined, but as a whole it fits elsewhere too and was taken out for that
 };
 
 struct GrownSites {
   std::vector<SessionSearch> searches;           ///< in their order
-  std::vector<SessionEdge> edges;                ///< of all searches
-  std::vector<std::vector<std::size_t>> groups;  ///< of sessions that edges connect, each ascending, by their first
+  std::vector<SessionEdge> edges;                ///< edges of all searches
+  std::vector<std::vector<std::size_t>> groups;  ///< sessions that edges connect, ascending, ordered by their first
 };
 
 GrownSites grow_sites(const std::vector<Session>& sessions, const OverlapOptions& options, WorkerPool& workers,

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
-#include <optional>
 
 #include "engine/core/elementary.hpp"
 
@@ -13,25 +11,25 @@ namespace {
 
 constexpr std::size_t kMostNeighbours = 8;  // on each side
 constexpr std::size_t kFewestPoints = 4;
-constexpr double kReachShare = 0.05;  // of the range: neighbours at a grazing angle lie far apart
+constexpr double kReachShare = 0.05;  // share of the range: neighbours at a grazing angle lie far apart
 constexpr double kReachNexts = 3.5;   // and of the next point's distance: beams may be few
 constexpr double kLeastReach_m = 0.12;
 constexpr double kMostReach_m = 0.5;
 constexpr double kFlatness = 0.05;          // most of the variance across, as a share of that along
 constexpr double kRoughness_m = 0.01;       // and beyond that share: a laser's noise
 constexpr double kReachNoises = 10.0;       // neighbours within this many times the noise make a normal of six degrees
-constexpr double kRoughnessNoises = 1.3;    // of the noise, which a small sample exceeds
+constexpr double kRoughnessNoises = 1.3;    // multiple of the noise, which a small sample exceeds
 constexpr std::size_t kFewestOfNoise = 10;  // returns with neighbours
-constexpr double kMedianOfNormal = 0.6745;  // of the absolute value of a normal variable
-constexpr double kTiniest = 1.0e-12;        // of an eigenvalue that is divided by
+constexpr double kMedianOfNormal = 0.6745;  // median of the absolute value of a normal variable
+constexpr double kTiniest = 1.0e-12;        // least eigenvalue that is divided by
 constexpr double kLonePlace_m = 0.5;        // beams that have no neighbours are about so far apart
-constexpr double kCornerPlace_m = 0.1;      // as a corner lies between two beams
+constexpr double kCornerPlace_m = 0.1;      // distance of a corner from the beams at its sides
 constexpr double kMostLone = 20.0;          // that tell something new
 constexpr double kSurfaceEnough = 20.0;     // points on surfaces, beside which of lone ones only corners count
 constexpr double kOffLine_m = 0.05;
 constexpr double kOffLineNoises = 3.0;
 constexpr double kAcross = 0.5;        // least squared cosine between a normal and the way: 45 degrees
-constexpr double kEnoughAcross = 0.1;  // of the surface
+constexpr double kEnoughAcross = 0.1;  // share of the surface
 
 // Sums over the neighbours of a point, relative to it.
 struct Neighbourhood {
@@ -48,7 +46,7 @@ struct Neighbourhood {
   }
 };
 
-Neighbourhood neighbourhood_of(std::span<const Point2> points, std::size_t at, double noise_m) {
+Neighbourhood sum_neighbours(std::span<const Point2> points, std::size_t at, double noise_m) {
   const double px = points[at].x();
   const double py = points[at].y();
   const auto away_m = [&](std::size_t other) { return (points[other] - points[at]).norm(); };
@@ -77,7 +75,7 @@ struct Normal {
   double variance = 0.0;
 };
 
-std::optional<Normal> normal_of(const Neighbourhood& sums, double noise_m) {
+std::optional<Normal> fit_normal(const Neighbourhood& sums, double noise_m) {
   if (sums.count < kFewestPoints) return std::nullopt;
   const auto n = static_cast<double>(sums.count);
   const double xx = sums.xx - sums.x * sums.x / n;
@@ -96,7 +94,7 @@ std::optional<Normal> normal_of(const Neighbourhood& sums, double noise_m) {
 
 // The noise of the returns across their surfaces: how far the middle one of three neighbours lies from the line through
 // the others, of the beams' median. Corners and edges are fewer than half.
-double noise_of(std::span<const Point2> points) {
+double estimate_noise(std::span<const Point2> points) {
   std::vector<double> off;
   for (std::size_t i = 1; i + 1 < points.size(); ++i) {
     const Point2 before = points[i] - points[i - 1];
@@ -120,7 +118,7 @@ bool is_off_line(const Point2& a, const Point2& p, const Point2& b, double noise
   const double chord_m = (before + after).norm();
   if (chord_m <= 0.0) return true;
   const double share = before.dot(before + after) / square(chord_m);
-  const double gain = std::sqrt(1.0 + square(share) + square(1.0 - share));  // of the noise of the three
+  const double gain = std::sqrt(1.0 + square(share) + square(1.0 - share));  // gain of the three points' noise
   const double off_m = std::fabs(before.x() * after.y() - before.y() * after.x()) / chord_m;
   return off_m > std::max(kOffLine_m, kOffLineNoises * noise_m) * gain;
 }
@@ -134,7 +132,7 @@ bool is_corner(std::span<const Point2> points, std::size_t i, double noise_m) {
 }
 
 // The information of points each of which lies so near to where it was seen, in both directions.
-Matrix3 information_of(const std::vector<LonePoint>& points, double place_m) {
+Matrix3 lone_point_information(const std::vector<LonePoint>& points, double place_m) {
   if (points.empty()) return {};
   Matrix3 sum;
   for (const LonePoint& p : points) {
@@ -145,9 +143,53 @@ Matrix3 information_of(const std::vector<LonePoint>& points, double place_m) {
   return share / square(place_m) * sum;
 }
 
+constexpr double kWidestGap_m = 2.0;
+constexpr double kNeighbours = 1.5;  // usual angles between beams: more and a beam in between returned nothing
+constexpr double kLineNoise_m = 0.02;
+constexpr double kLineShare = 0.05;  // distance from the line as a share of the distance to the next point
+
+constexpr double kLone_m = 0.5;
+
+double length(double x, double y) { return std::sqrt(x * x + y * y); }
+
+// Sine of the angle between the beams of two returns.
+double sine_between(const Point2& a, const Point2& b) {
+  const double product = length(a.x(), a.y()) * length(b.x(), b.y());
+  return product > 0.0 ? std::fabs(a.x() * b.y() - a.y() * b.x()) / product : 1.0;
+}
+
+double usual_sine(std::span<const Point2> points) {
+  std::vector<double> sines;
+  for (std::size_t i = 1; i < points.size(); ++i) sines.push_back(sine_between(points[i - 1], points[i]));
+  const auto middle = sines.begin() + static_cast<std::ptrdiff_t>(sines.size() / 2);
+  std::nth_element(sines.begin(), middle, sines.end());
+  return *middle;
+}
+
+bool are_neighbours(std::span<const Point2> points, double usual_sine) {
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    if (sine_between(points[i - 1], points[i]) > kNeighbours * usual_sine) return false;
+  }
+  return true;
+}
+
+// Whether the first and the last of four points lie on the line through the others, none far from the next.
+bool are_on_a_line(std::span<const Point2> points) {
+  const Point2 gap = points[2] - points[1];
+  const double gap_m = length(gap.x(), gap.y());
+  if (!(gap_m > 0.0) || gap_m > kWidestGap_m) return false;
+  const auto is_on_line = [&](const Point2& point, const Point2& next) {
+    const Point2 off = point - next;
+    const double away_m = length(off.x(), off.y());
+    const double beside_m = std::fabs(off.x() * gap.y() - off.y() * gap.x()) / gap_m;
+    return away_m <= kWidestGap_m && beside_m <= std::max(kLineNoise_m, kLineShare * away_m);
+  };
+  return is_on_line(points[0], points[1]) && is_on_line(points[3], points[2]);
+}
+
 }  // namespace
 
-std::vector<Point2> points_of(const KeptScan& scan) {
+std::vector<Point2> to_points(const KeptScan& scan) {
   std::vector<Point2> points;
   points.reserve(scan.points());
   for (const SurfacePoint& p : scan.surface) points.push_back(p.point());
@@ -157,13 +199,13 @@ std::vector<Point2> points_of(const KeptScan& scan) {
 
 KeptScan keep_scan(std::span<const Point2> points_base_m) {
   KeptScan kept;
-  const double noise_m = noise_of(points_base_m);
+  const double noise_m = estimate_noise(points_base_m);
   double variances = 0.0;
   for (std::size_t i = 0; i < points_base_m.size(); ++i) {
     const Point2& point = points_base_m[i];
     const auto x = static_cast<float>(point.x());
     const auto y = static_cast<float>(point.y());
-    const std::optional<Normal> found = normal_of(neighbourhood_of(points_base_m, i, noise_m), noise_m);
+    const std::optional<Normal> found = fit_normal(sum_neighbours(points_base_m, i, noise_m), noise_m);
     if (!found) {
       kept.lone.push_back({x, y});
       if (is_corner(points_base_m, i, noise_m)) kept.corners.push_back({x, y});
@@ -174,7 +216,7 @@ KeptScan keep_scan(std::span<const Point2> points_base_m) {
     const double away = normal.x() * point.x() + normal.y() * point.y();
     const double sign = away > 0.0 ? -1.0 : 1.0;
     kept.surface.push_back({x, y, static_cast<float>(sign * normal.x()), static_cast<float>(sign * normal.y()),
-                            static_cast<float>(direction_of(point.x(), point.y()))});
+                            static_cast<float>(pseudo_bearing(point.x(), point.y()))});
   }
   if (!kept.surface.empty()) kept.normal_variance = variances / static_cast<double>(kept.surface.size());
   std::stable_sort(kept.surface.begin(), kept.surface.end(),
@@ -182,7 +224,7 @@ KeptScan keep_scan(std::span<const Point2> points_base_m) {
   return kept;
 }
 
-Matrix3 shape_of(const KeptScan& scan) {
+Matrix3 surface_shape(const KeptScan& scan) {
   Matrix3 shape;
   for (const SurfacePoint& p : scan.surface) {
     const double nx = p.normal_x;
@@ -196,8 +238,8 @@ Matrix3 shape_of(const KeptScan& scan) {
 
 Matrix3 lone_information(const KeptScan& scan) {
   const double missing = 1.0 - static_cast<double>(scan.surface.size()) / kSurfaceEnough;
-  if (missing <= 0.0) return information_of(scan.corners, kCornerPlace_m);
-  return missing * information_of(scan.lone, kLonePlace_m);
+  if (missing <= 0.0) return lone_point_information(scan.corners, kCornerPlace_m);
+  return missing * lone_point_information(scan.lone, kLonePlace_m);
 }
 
 bool knows_way(const KeptScan& scan, const Point2& direction) {
@@ -234,7 +276,7 @@ ShapeOfOne shape_of_one(const Matrix3& shape, std::size_t points, double least, 
 void put_on(ByteShelf& shelf, const KeptScan& scan) {
   const std::array<std::uint32_t, 2> counts{static_cast<std::uint32_t>(scan.surface.size()),
                                             static_cast<std::uint32_t>(scan.lone.size())};
-  shelf.put({bytes_of(counts), std::as_bytes(std::span(scan.surface)), std::as_bytes(std::span(scan.lone))});
+  shelf.put({value_bytes(counts), std::as_bytes(std::span(scan.surface)), std::as_bytes(std::span(scan.lone))});
 }
 
 void take_from(std::span<const std::byte> record, KeptScan& scan) {
@@ -244,6 +286,37 @@ void take_from(std::span<const std::byte> record, KeptScan& scan) {
   scan.lone.resize(counts[1]);
   take_values(record, std::span(scan.surface));
   take_values(record, std::span(scan.lone));
+}
+
+std::vector<Point2> with_surfaces_closed(std::span<const Point2> points_base_m, double spacing_m) {
+  constexpr std::size_t kInARow = 4;
+  std::vector<Point2> closed(points_base_m.begin(), points_base_m.end());
+  if (points_base_m.size() < kInARow) return closed;
+  const double sine = usual_sine(points_base_m);
+  for (std::size_t i = 0; i + kInARow <= points_base_m.size(); ++i) {
+    const std::span<const Point2> row = points_base_m.subspan(i, kInARow);
+    if (!are_neighbours(row, sine) || !are_on_a_line(row)) continue;
+    const Point2 gap = row[2] - row[1];
+    const auto pieces = static_cast<int>(length(gap.x(), gap.y()) / spacing_m) + 1;
+    for (int k = 1; k < pieces; ++k) closed.push_back(row[1] + static_cast<double>(k) / pieces * gap);
+  }
+  return closed;
+}
+
+std::optional<Point2> lone_on_wall(std::span<const Point2> points_base_m, std::size_t at) {
+  const std::size_t count = points_base_m.size();
+  const auto is_near = [&](std::size_t other) { return (points_base_m[at] - points_base_m[other]).norm() < kLone_m; };
+  if ((at > 0 && is_near(at - 1)) || (at + 1 < count && is_near(at + 1))) return std::nullopt;
+  for (const std::size_t before : {1U, 2U, 0U}) {  // offsets of a triple: the three neighbours before this point
+    if (at < before || at - before + 2 >= count) continue;
+    const Point2& first = points_base_m[at - before];
+    const Point2 chord = points_base_m[at - before + 2] - first;
+    const Point2 middle = points_base_m[at - before + 1] - first;
+    const double far_m = std::max(middle.norm(), (chord - middle).norm());
+    const double aside_m = std::fabs(middle.x() * chord.y() - middle.y() * chord.x()) / chord.norm();
+    if (aside_m < std::max(kLineNoise_m, kLineShare * far_m)) return chord / chord.norm();
+  }
+  return std::nullopt;
 }
 
 }  // namespace gdtslam

@@ -1,14 +1,18 @@
-// What is kept of a scan for everything that looks back: its returns, and for those that lie on a surface the surface's
+// Points kept of a scan for everything that looks back: its returns, and for those that lie on a surface the surface's
 // normal, from the neighbours in beam order. Frame: the robot when it was scanned; 20 bytes a point on a surface, 8
 // another. Thread-safe; linear in the points.
 #pragma once
 
 #include <cmath>
 #include <cstddef>
+#include <memory>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "engine/core/memory/byte_shelf.hpp"
+#include "engine/core/memory/sparing.hpp"
 #include "engine/mapping/graph/matrix3.hpp"
 #include "gdtslam/core/pose.hpp"
 
@@ -20,7 +24,7 @@ struct SurfacePoint {
   float y_m = 0.0F;
   float normal_x = 0.0F;  ///< unit length, toward the robot
   float normal_y = 0.0F;
-  float direction = 0.0F;  ///< direction_of() the point
+  float direction = 0.0F;  ///< pseudo_bearing() the point
 
   [[nodiscard]] Point2 point() const { return {x_m, y_m}; }
   [[nodiscard]] Point2 normal() const { return {normal_x, normal_y}; }
@@ -38,7 +42,7 @@ struct KeptScan {
   std::vector<SurfacePoint> surface;  ///< by direction, ascending
   std::vector<LonePoint> lone;        ///< in beam order
   double normal_variance = 0.0;       ///< mean over the surface points, rad^2
-  std::vector<LonePoint> corners{};   ///< those lone ones that are on no line with their neighbours
+  std::vector<LonePoint> corners{};   ///< lone points that are on no line with their neighbours
   [[nodiscard]] std::size_t points() const { return surface.size() + lone.size(); }
   [[nodiscard]] std::size_t bytes() const {
     return surface.size() * sizeof(SurfacePoint) + lone.size() * sizeof(LonePoint);
@@ -46,11 +50,11 @@ struct KeptScan {
 };
 
 /// All of them, those on surfaces first.
-std::vector<Point2> points_of(const KeptScan& scan);
+std::vector<Point2> to_points(const KeptScan& scan);
 
 /// Grows with the bearing, from -2 to 2 once around, by 0.5 to 1 a radian: what bearings are compared for, for the
 /// price of a division.
-inline double direction_of(double x, double y) {
+inline double pseudo_bearing(double x, double y) {
   const double length = std::fabs(x) + std::fabs(y);
   if (!(length > 0.0)) return 0.0;
   const double share = y / length;
@@ -64,16 +68,16 @@ KeptScan keep_scan(std::span<const Point2> points_base_m);
 /// How the distance of the points from their surfaces changes with the pose (tangent x, y, theta): the sum of J^T J
 /// over the points, J = (n_x, n_y, p x n) [Censi2007, section III]. An eigenvalue that is small beside the number of
 /// points is a motion that the scan cannot see, as along a corridor.
-Matrix3 shape_of(const KeptScan& scan);
+Matrix3 surface_shape(const KeptScan& scan);
 
-/// What the returns tell of the pose of which no surface is known: where each of them lies, within a metre's fraction,
-/// in both directions. Information of the tangent (x, y, theta), 1/m^2 and so on. Far away in the open, where beams are
-/// a foot apart, there is nothing else. Where surfaces tell enough only corners count, as posts along a corridor do, of
-/// which a beam or two tell.
+/// Information about the pose from returns without a known surface: each fixes the pose within a metre's fraction in
+/// both directions. Information of the tangent (x, y, theta), 1/m^2 and so on. Far away in the open, where beams are a
+/// foot apart, there is nothing else. If surfaces suffice only corners count, such as posts along a corridor that a
+/// beam or two hit.
 Matrix3 lone_information(const KeptScan& scan);
 
-/// Of the shape for one point, what normals that are off by six degrees could feign in a direction in which nothing is
-/// to be seen.
+/// Information, per point, that normals off by six degrees could pretend to give in a direction in which nothing is to
+/// be seen.
 inline constexpr double kShapeOfTiltedNormals = 0.01;
 
 /// The noise of a scan's normals feigns a translation, for one point: their variance is its expected value, and
@@ -97,5 +101,75 @@ ShapeOfOne shape_of_one(const Matrix3& shape, std::size_t points, double least, 
 /// Writes a scan as a record of a shelf, 8 bytes and those of its points, and reads it back.
 void put_on(ByteShelf& shelf, const KeptScan& scan);
 void take_from(std::span<const std::byte> record, KeptScan& scan);
+
+// A scan's returns with the walls between them. A wall at a grazing angle returns a point every few decimetres; in a
+// map of those points alone the next scan fits best where its beams end on the same points again, so that a robot in a
+// bare corridor seems to stand still. Frame: the robot when it was scanned. Thread-safe; linear in the points and in
+// the length of the walls.
+
+/// The returns in beam order, and points at most `spacing_m` apart between the two in the middle of four neighbouring
+/// beams that end on one line: nothing can stand open there that is wider than what the beams leave unseen.
+std::vector<Point2> with_surfaces_closed(std::span<const Point2> points_base_m, double spacing_m);
+
+/// The direction (robot frame, of length 1) of the wall that the return with this number is on, by its neighbours in
+/// beam order, where the nearest of them is farther than half a metre; nothing for any other return.
+std::optional<Point2> lone_on_wall(std::span<const Point2> points_base_m, std::size_t at);
+
+// The scans of a path by the number of their keyframe. Those that are needed no more are forgotten one by one and leave
+// eight bytes behind, since paths go on for days. Thread-safe while nothing is added or forgotten.
+
+class KeptScans {
+ public:
+  KeptScans() = default;
+  ~KeptScans() = default;
+  KeptScans(KeptScans&&) = default;
+  KeptScans& operator=(KeptScans&&) = default;
+  KeptScans(const KeptScans& other) {
+    for (const std::unique_ptr<KeptScan>& scan : other.scans_) {
+      scans_.push_back(scan ? std::make_unique<KeptScan>(*scan) : nullptr);
+    }
+  }
+  KeptScans& operator=(const KeptScans& other) { return *this = KeptScans(other); }
+
+  void push_back(KeptScan scan) { push_sparingly(scans_, std::make_unique<KeptScan>(std::move(scan))); }
+  void forget(std::size_t keyframe) { scans_[keyframe].reset(); }
+  /// The first ones.
+  void keep(std::size_t count) { scans_.resize(count); }
+  [[nodiscard]] bool has(std::size_t keyframe) const { return scans_[keyframe] != nullptr; }
+  /// Scan of a keyframe that was not forgotten.
+  [[nodiscard]] const KeptScan& operator[](std::size_t keyframe) const { return *scans_[keyframe]; }
+  [[nodiscard]] KeptScan& operator[](std::size_t keyframe) { return *scans_[keyframe]; }
+  /// All that were not, in their order; nothing is left.
+  std::vector<KeptScan> take() {
+    std::vector<KeptScan> taken;
+    for (const std::unique_ptr<KeptScan>& scan : std::exchange(scans_, {})) {
+      if (scan) taken.push_back(std::move(*scan));
+    }
+    return taken;
+  }
+
+ private:
+  std::vector<std::unique_ptr<KeptScan>> scans_;
+};
+
+/// Scans to look at, wherever they are kept; these must outlive this.
+class ScansOfPath {
+ public:
+  ScansOfPath() = default;
+  // NOLINTNEXTLINE(google-explicit-constructor): a view, as std::span is
+  ScansOfPath(const KeptScans& kept) : kept_(&kept) {}
+  // NOLINTNEXTLINE(google-explicit-constructor)
+  ScansOfPath(const std::vector<KeptScan>& all) : all_(all) {}
+  /// One that is there; nothing of one that was forgotten.
+  [[nodiscard]] const KeptScan& operator[](std::size_t keyframe) const {
+    static const KeptScan forgotten;
+    if (kept_ == nullptr) return all_[keyframe];
+    return kept_->has(keyframe) ? (*kept_)[keyframe] : forgotten;
+  }
+
+ private:
+  const KeptScans* kept_ = nullptr;
+  std::span<const KeptScan> all_;
+};
 
 }  // namespace gdtslam

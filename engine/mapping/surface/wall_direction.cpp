@@ -11,7 +11,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::size_t kDirectionBins = 900;  // of a quarter turn
+constexpr std::size_t kDirectionBins = 900;  // bins of a quarter turn
 constexpr std::size_t kWindowBins = 20;      // on each side: 2 degrees
 constexpr int kRefinements = 20;
 constexpr double kLeastShare = 0.15;

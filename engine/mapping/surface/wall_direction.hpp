@@ -11,8 +11,8 @@
 namespace gdtslam {
 
 struct WallDirection {
-  double angle_rad = 0.0;  ///< of the walls from the x axis, in [-pi/4, pi/4)
-  double share = 0.0;      ///< of all surface, in metres seen, that lies within 2 degrees of it, modulo a quarter turn
+  double angle_rad = 0.0;  ///< angle of the walls from the x axis, in [-pi/4, pi/4)
+  double share = 0.0;      ///< share of all surface, in metres seen, within 2 degrees of it, modulo a quarter turn
 };
 
 /// Takes the surfaces of one scan after the other. One object belongs to one thread.
@@ -28,8 +28,8 @@ class WallDirectionFinder {
   [[nodiscard]] std::optional<WallDirection> direction() const;
 
  private:
-  std::vector<double> weight_;  // of each bin of a quarter turn
-  std::vector<double> sum_;     // of the offsets from the bin's middle, by weight
+  std::vector<double> weight_;  // weight of each bin of a quarter turn
+  std::vector<double> sum_;     // sum of the offsets from the bin's middle, by weight
 };
 
 }  // namespace gdtslam

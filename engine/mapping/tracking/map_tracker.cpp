@@ -6,14 +6,12 @@
 
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
 #include "engine/core/elementary.hpp"
-#include "engine/mapping/cost/fit.hpp"
+#include "engine/mapping/cost/objective.hpp"
 #include "engine/mapping/map/store/field_store.hpp"
+#include "engine/mapping/match/match_rules.hpp"
 #include "engine/mapping/match/matchers.hpp"
 #include "engine/mapping/match/motion_estimate.hpp"
-#include "engine/mapping/match/motion_model.hpp"
-#include "engine/mapping/match/patience.hpp"
 #include "engine/mapping/match/pose_certainty.hpp"
-#include "engine/mapping/match/thinned_points.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/global_field.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
@@ -21,11 +19,11 @@
 namespace gdtslam {
 namespace {
 
-// Whoever says where the robot is knows it by a search, whose poses lie so near to those of matches.
+// Start poses come from a search, which ends as near to the truth as matches do.
 constexpr double kStartSigma_m = 0.1;
 constexpr double kStartSigma_rad = 0.03;
-constexpr double kLeastKnown = 0.5;      // of a scan, with less of which in the map it says nothing
-constexpr double kLeastExplained = 0.5;  // of that: what is not has come or gone since the map was made
+constexpr double kLeastKnown = 0.5;  // least share of a scan that the map must know; with less the scan says nothing
+constexpr double kLeastExplained = 0.5;  // least share of that which must fit: the rest changed since the map was made
 
 Matrix3 covariance_at_start() {
   return Matrix3::diagonal(square(kStartSigma_m), square(kStartSigma_m), square(kStartSigma_rad));
@@ -51,7 +49,7 @@ struct DistanceSum {
     ++points;
     sum += distance;
   }
-  [[nodiscard]] double share_of(std::size_t all) const {
+  [[nodiscard]] double as_share(std::size_t all) const {
     return points == 0 ? 0.0 : static_cast<double>(points) / static_cast<double>(all);
   }
   [[nodiscard]] double mean_m(double resolution_m) const {
@@ -59,8 +57,8 @@ struct DistanceSum {
   }
 };
 
-KnownFit known_fit_of(const GlobalField& map, std::span<const PointCells> points, const Pose2& T_map_base,
-                      double gate_m) {
+KnownFit measure_known_fit(const GlobalField& map, std::span<const PointCells> points, const Pose2& T_map_base,
+                           double gate_m) {
   const double r = map.geometry().resolution_m;
   const double gate = gate_m / r * kFieldOne;
   const SinCos<double> turn = sin_cos(T_map_base.theta_rad);
@@ -70,14 +68,14 @@ KnownFit known_fit_of(const GlobalField& map, std::span<const PointCells> points
     const double x = r * static_cast<double>(point.x);
     const double y = r * static_cast<double>(point.y);
     const std::uint16_t distance = map.at(
-        map_cell_of({turn.cos * x - turn.sin * y + T_map_base.x_m, turn.sin * x + turn.cos * y + T_map_base.y_m}, r));
+        map_cell_at({turn.cos * x - turn.sin * y + T_map_base.x_m, turn.sin * x + turn.cos * y + T_map_base.y_m}, r));
     if (distance >= map.cap()) continue;
     known.add(distance);
     if (static_cast<double>(distance) <= gate) explained.add(distance);
   }
-  return {.share = known.share_of(points.size()),
+  return {.share = known.as_share(points.size()),
           .mean_distance_m = known.mean_m(r),
-          .explained = explained.share_of(points.size()),
+          .explained = explained.as_share(points.size()),
           .explained_distance_m = explained.mean_m(r)};
 }
 
@@ -125,7 +123,7 @@ struct MapTracker::State {
 // At the border of a map a scan slides into it, for what lies outside of it costs most: a match must explain what it
 // puts into the map, and that must be enough.
 void MapTracker::State::doubt(MatchResult& result, std::span<const PointCells> points) const {
-  const double share = known_fit_of(map->field, points, result.T_map_base, config.gate.final_m).share;
+  const double share = measure_known_fit(map->field, points, result.T_map_base, config.gate.final_m).share;
   if (share >= kLeastKnown && result.overlap >= kLeastExplained * share) return;
   result.accepted = false;
   result.doubt = Doubt::kLowOverlap;
@@ -133,7 +131,7 @@ void MapTracker::State::doubt(MatchResult& result, std::span<const PointCells> p
 }
 
 void MapTracker::State::weigh(const MatchResult& result, std::span<const PointCells> points) {
-  known = known_fit_of(map->field, points, result.T_map_base, config.gate.final_m);
+  known = measure_known_fit(map->field, points, result.T_map_base, config.gate.final_m);
   if (result.accepted) certainty.weigh(map->field, points, result.T_map_base, config.gate.final_m);
 }
 

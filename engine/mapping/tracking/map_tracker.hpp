@@ -19,8 +19,8 @@ namespace gdtslam {
 
 /// How a scan lies on the part of a map that it reaches.
 struct KnownFit {
-  double share = 0.0;            ///< of its points: those nearer to an obstacle of the map than distances are kept
-  double mean_distance_m = 0.0;  ///< of those points
+  double share = 0.0;  ///< share of its points that are nearer to an obstacle of the map than distances are kept
+  double mean_distance_m = 0.0;  ///< mean distance of those points
   /// Share of its points that the map explains: they lie within the last gate of a match. The others may have come or
   /// gone since the map was made.
   double explained = 0.0;
@@ -46,7 +46,7 @@ class MapTracker {
   /// How sure that pose is within the map: by what the scan shows where it was matched, along what it does not show by
   /// the way that led there, and by that alone where it was not.
   [[nodiscard]] PoseCovariance covariance() const;
-  /// Of the last scan at that pose.
+  /// Fit of the last scan at that pose.
   [[nodiscard]] const KnownFit& known_fit() const;
   /// Another tracker in the same field, which is not copied; as configured, the robot at the map's origin.
   [[nodiscard]] MapTracker another() const;

@@ -8,17 +8,24 @@
 #include <vector>
 
 #include "engine/mapping/graph/matrix3.hpp"
-#include "engine/mapping/wheels/motion_noise.hpp"
 #include "gdtslam/core/pose.hpp"
 
 namespace gdtslam {
+
+// How sure a motion is. Thread-safe, constant time.
+
+/// Standard deviations of a motion that the wheels measured, along each axis and in heading.
+struct MotionNoise {
+  double sigma_m = 0.0;
+  double sigma_rad = 0.0;
+};
 
 /// How far the motion of a robot that nothing is known of may change from scan to scan.
 inline constexpr MotionNoise kOfAnyRobot{0.2, 0.2};
 
 class ContinuedMotion {
  public:
-  /// Where the next scan was, and whether a match says so.
+  /// Takes the pose of the next scan, and whether a match confirms it.
   void take(const Pose2& T_map_base, bool is_known);
 
   /// From the last scan to the next, as from scan to scan between the last two poses that are known.
@@ -38,10 +45,10 @@ class ContinuedMotion {
   std::optional<Pose2> T_map_known_;
   std::size_t unknown_ = 0;        // scans since
   bool is_single_ = false;         // the velocity is from one scan to the next
-  std::deque<Change> changes_;     // of the last scans,
+  std::deque<Change> changes_;     // motions of the last scans
   std::vector<double> changes_m_;  // and each part of them ascending
   std::vector<double> changes_rad_;
-  MotionNoise learnt_;  // of those
+  MotionNoise learnt_;  // noise of those motions
 };
 
 }  // namespace gdtslam

@@ -4,26 +4,24 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/mapping/surface/closed_surfaces.hpp"
-
 namespace gdtslam {
 namespace {
 
 constexpr double kKnownCell_m = 0.2;  // a return counts as known within a cell of one that the map has
 constexpr double kToEachSide_m = 0.5;
 
-std::uint64_t key_of(std::int64_t x, std::int64_t y) {
+std::uint64_t cell_key(std::int64_t x, std::int64_t y) {
   return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)) << 32U) | static_cast<std::uint32_t>(y);
 }
 
-std::int64_t cell_of(double metres) { return static_cast<std::int64_t>(std::floor(metres / kKnownCell_m)); }
+std::int64_t grid_coordinate(double metres) { return static_cast<std::int64_t>(std::floor(metres / kKnownCell_m)); }
 
 }  // namespace
 
 void KnownSurfaces::add(std::span<const Point2> points_base_m, const Pose2& T_map_base) {
   for (const Point2& point : points_base_m) {
     const Point2 there = T_map_base * point;
-    const std::uint64_t key = key_of(cell_of(there.x()), cell_of(there.y()));
+    const std::uint64_t key = cell_key(grid_coordinate(there.x()), grid_coordinate(there.y()));
     cells_.emplace(key, keyframes_);
     next_.emplace(key, keyframes_);
   }
@@ -33,12 +31,12 @@ void KnownSurfaces::add(std::span<const Point2> points_base_m, const Pose2& T_ma
 void KnownSurfaces::begin_stretch() { cells_ = std::exchange(next_, {}); }
 
 std::optional<std::size_t> KnownSurfaces::first_near(const Point2& point_map_m) const {
-  const std::int64_t x = cell_of(point_map_m.x());
-  const std::int64_t y = cell_of(point_map_m.y());
+  const std::int64_t x = grid_coordinate(point_map_m.x());
+  const std::int64_t y = grid_coordinate(point_map_m.y());
   std::optional<std::size_t> first;
   for (std::int64_t dy = -1; dy <= 1; ++dy) {
     for (std::int64_t dx = -1; dx <= 1; ++dx) {
-      const auto cell = cells_.find(key_of(x + dx, y + dy));
+      const auto cell = cells_.find(cell_key(x + dx, y + dy));
       if (cell != cells_.end()) first = std::min(first.value_or(cell->second), cell->second);
     }
   }
@@ -64,15 +62,15 @@ std::vector<Point2> KnownSurfaces::without_wall_ends(std::span<const Point2> poi
 }
 
 KeptScan KnownSurfaces::known_part(const KeptScan& scan, const Pose2& T_map_base) const {
-  const auto known_of = [&](const auto& points) {
+  const auto select_known = [&](const auto& points) {
     auto known = points;
     std::erase_if(known, [&](const auto& p) { return !first_near(T_map_base * p.point()); });
     return known;
   };
-  return {.surface = known_of(scan.surface),
-          .lone = known_of(scan.lone),
+  return {.surface = select_known(scan.surface),
+          .lone = select_known(scan.lone),
           .normal_variance = scan.normal_variance,
-          .corners = known_of(scan.corners)};
+          .corners = select_known(scan.corners)};
 }
 
 }  // namespace gdtslam

@@ -10,7 +10,7 @@ constexpr double kMatchPointNoise_m = 0.02;
 constexpr double kMatchIndependent = 400.0;  // points of a scan and of its map that tell something new
 constexpr double kMatchEnough = 100.0;       // points, with fewer of which a scan tells less
 constexpr double kMatchLeastShare = 0.01;
-constexpr double kMatchLeastShape = 4.0e-9;  // of a direction in which the scan tells nothing
+constexpr double kMatchLeastShape = 4.0e-9;  // information of a direction in which the scan shows nothing
 constexpr double kMostMatchChi2 = 30.0;      // farther apart one of the two is wrong
 
 }  // namespace
@@ -19,7 +19,7 @@ MatchInformation match_information(const KeptScan& scan) {
   const std::size_t points = scan.surface.size();
   const double count =
       kMatchIndependent * std::clamp(static_cast<double>(points) / kMatchEnough, kMatchLeastShare, 1.0);
-  const auto [shape, believed] = shape_of_one(shape_of(scan), points, kMatchLeastShape, feigned_shape(scan));
+  const auto [shape, believed] = shape_of_one(surface_shape(scan), points, kMatchLeastShape, feigned_shape(scan));
   const Matrix3 lone = lone_information(scan);
   return {.matrix = count / (kMatchPointNoise_m * kMatchPointNoise_m) * shape + lone,
           .believed = lone == Matrix3{} ? believed : Matrix3::identity(),

@@ -1,6 +1,6 @@
-// What the wheels and a match say of a scan's pose, as one: along a corridor the match tells nothing of the way along
-// it, and the wheels do. The match's information comes from the normals of the scan's points. Not thread-safe; linear
-// in the points.
+// Combines the wheels and a match into one pose of a scan: along a corridor the match says nothing of the way along it,
+// and the wheels do. The match's information comes from the normals of the scan's points. Not thread-safe; linear in
+// the points.
 #pragma once
 
 #include "engine/mapping/graph/matrix3.hpp"
@@ -40,7 +40,7 @@ class PoseFilter {
 
  private:
   Pose2 T_map_base_;
-  Matrix3 covariance_ = Matrix3::diagonal(1.0e-6, 1.0e-6, 1.0e-7);  // of the tangent, relative to the local map
+  Matrix3 covariance_ = Matrix3::diagonal(1.0e-6, 1.0e-6, 1.0e-7);  // tangent's, relative to the local map
 };
 
 MatchInformation match_information(const KeptScan& scan);

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "engine/mapping/wheels/leap.hpp"
 #include "gdtslam/core/angle.hpp"
 
 namespace gdtslam {
@@ -10,7 +9,7 @@ namespace {
 
 constexpr double kStraight_s = 1.5;  // longer than odometry is told early or late
 constexpr double kStraight_rad = 0.035;
-constexpr double kTurnNoise_rad = 0.01;  // of the matches at both ends
+constexpr double kTurnNoise_rad = 0.01;  // noise of the matches at both ends
 constexpr double kTurnChi2 = 25.0;
 constexpr double kUnmeasuredTurn_rad = 1.0;  // a step that is less sure is one that no odometry measured
 
@@ -35,7 +34,7 @@ std::optional<double> TurnLeap::take(const MatchResult& result) {
     return std::nullopt;
   }
   variance_rad2_ += square(result.predicted_sigma_rad);
-  if (!(leap_of(result) && result.is_turn_open)) off_rad_ += off_rad;
+  if (!(find_leap(result) && result.is_turn_open)) off_rad_ += off_rad;
   if (!is_behind) return std::nullopt;
   const double variance = variance_rad2_ + square(kTurnNoise_rad) + 2.0 * square(result.match_sigma_rad);
   const bool leapt = square(off_rad_) > kTurnChi2 * variance;

@@ -10,16 +10,16 @@
 namespace gdtslam {
 namespace {
 
-constexpr int kRounds = 5;        // of weighing by residuals
-constexpr double kFreedom = 4.0;  // of Student's t
+constexpr int kRounds = 5;        // rounds of weighing by residuals
+constexpr double kFreedom = 4.0;  // degrees of freedom of Student's t
 constexpr double kOneSigma = 0.683;
-constexpr double kLeastNoise = 1.0e-4;  // of a residual over the root of its length
+constexpr double kLeastNoise = 1.0e-4;  // least noise of a residual over the root of its length
 constexpr double kStandingOut = 3.0;    // standard deviations
 constexpr WheelBias kNothingKnown;
 
 /// A residual grows as the root of the length of its stretch.
 struct Equation {
-  double a = 0.0;  // what the two unknowns are multiplied by
+  double a = 0.0;  // factor of the first unknown; b: of the second
   double b = 0.0;
   double missing = 0.0;
   double length = 0.0;
@@ -33,7 +33,7 @@ struct Solution {
 };
 
 // One standard deviation of what is left, for a length of one.
-double spread_of(const std::vector<Equation>& equations, const Solution& solution) {
+double residual_spread(const std::vector<Equation>& equations, const Solution& solution) {
   std::vector<double> off;
   off.reserve(equations.size());
   for (const Equation& e : equations) {
@@ -48,7 +48,7 @@ Solution solve(const std::vector<Equation>& equations, double prior_a, double pr
   Solution solution{0.0, 0.0, prior_a, prior_b};
   if (equations.empty()) return solution;
   for (int round = 0; round < kRounds; ++round) {
-    const double variance = square(spread_of(equations, solution));
+    const double variance = square(residual_spread(equations, solution));
     double aa = 1.0 / square(prior_a);
     double bb = 1.0 / square(prior_b);
     double ab = 0.0, ay = 0.0, by = 0.0;
@@ -71,7 +71,7 @@ Solution solve(const std::vector<Equation>& equations, double prior_a, double pr
   return solution;
 }
 
-// What stands out of its noise.
+// Part of a value that exceeds its noise.
 double standing_out(double value, double noise) {
   return std::fabs(value) <= noise ? 0.0 : value * (1.0 - square(noise / value));
 }
@@ -81,7 +81,7 @@ double standing_out(double value, double noise) {
 WheelBias estimate_bias(std::span<const WheelStretch> stretches, double overlap) {
   std::vector<Equation> turns;
   for (const WheelStretch& s : stretches) {
-    const double walk = walk_of(s.path_m, s.turned_rad);
+    const double walk = heading_walk(s.path_m, s.turned_rad);
     // The true turn is known but for whole turns, which the wheels tell.
     const double missing_rad = wrap_angle(s.true_turn_rad - s.turn_rad);
     if (walk > 0.0) turns.push_back({s.turn_rad + missing_rad, s.forward_m, missing_rad, walk});

@@ -3,7 +3,6 @@
 // whose true turn is known better. Thread-safe. Cost: linear in the stretches.
 #pragma once
 
-#include <cstddef>
 #include <span>
 
 #include "gdtslam/core/pose.hpp"
@@ -28,8 +27,8 @@ struct WheelStretch {
   double true_turn_rad = 0.0;
 };
 
-/// What the variance of a heading by the wheels grows with: radians, or half the metres.
-inline double walk_of(double path_m, double turned_rad) { return 0.5 * path_m + turned_rad; }
+/// Length that the variance of a heading by the wheels grows with: radians, or half the metres.
+inline double heading_walk(double path_m, double turned_rad) { return 0.5 * path_m + turned_rad; }
 
 /// The turns', of stretches that overlap so that each piece is in `overlap` of them. Without any: nothing, as uncertain
 /// as wheels are that nobody knows.

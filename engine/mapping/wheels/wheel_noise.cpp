@@ -13,13 +13,13 @@ constexpr double kMarkEvery_rad = 0.25;
 constexpr std::size_t kMostMarks = 400;
 constexpr std::size_t kEstimateEvery = 10;  // marks
 constexpr std::size_t kFewestStretches = 10;
-constexpr double kMovedShare = 0.1;  // of a metre for each mark: stretches that went less say nothing of the distance
+constexpr double kMovedShare = 0.1;  // share of a metre for each mark: shorter stretches say nothing of the distance
 // A share of the stretches below a quantile, and that quantile of a length of two normal numbers, or of one, in sigmas.
 constexpr double kQuantile = 0.85;
 constexpr double kQuantileOfTwo = 1.948;  // sqrt(-2 log(1 - 0.85))
 constexpr double kQuantileOfOne = 1.440;
-// Of that quantile squared: its relative variance times the number of stretches, 4 q (1 - q) / (x f(x))^2 at x = 1.44
-// of the absolute value of a normal variable.
+// Relative variance of that quantile squared, times the number of stretches: 4 q (1 - q) / (x f(x))^2 at x = 1.44 of
+// the absolute value of a normal variable.
 constexpr double kQuantileNoise = 3.07;
 constexpr double kBeyondChance = 2.0;  // standard errors of the level, which half of it is believed at
 constexpr double kFullTrust = 60.0;    // marks, below which what is known of no robot counts too
@@ -28,7 +28,7 @@ constexpr double kLeastSlip_m = 0.003;
 constexpr double kLeastSlip_rad = 0.002;
 constexpr double kLeastSigma_m = 0.001;
 constexpr double kLeastSigma_rad = 0.0005;
-constexpr std::size_t kBiasMarks = 8;  // of a stretch: long beside what a match gets wrong
+constexpr std::size_t kBiasMarks = 8;  // marks of a stretch: long compared with a match's error
 
 double quantile(std::vector<double>& values, double share) {
   const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
@@ -42,7 +42,7 @@ double hypotenuse(double a, double b) { return std::sqrt(a * a + b * b); }
 
 MotionNoise WheelNoise::of(double travelled_m, double turned_rad) const {
   return {hypotenuse(kLeastSigma_m, errors_.slip_m * std::sqrt(travelled_m)),
-          hypotenuse(kLeastSigma_rad, errors_.slip_rad * std::sqrt(walk_of(travelled_m, turned_rad)))};
+          hypotenuse(kLeastSigma_rad, errors_.slip_rad * std::sqrt(heading_walk(travelled_m, turned_rad)))};
 }
 
 void WheelNoise::take(const std::optional<Pose2>& T_odom_base, const std::optional<Pose2>& T_map_base, bool knows_way) {
@@ -53,7 +53,7 @@ void WheelNoise::take(const std::optional<Pose2>& T_odom_base, const std::option
   }
   if (last_) {
     const Pose2 step = between(*last_, *T_odom_base);
-    path_m_ += length_of(step);
+    path_m_ += translation_length(step);
     turned_rad_ += std::fabs(step.theta_rad);
     forward_m_ += step.x_m;
     turn_rad_ += step.theta_rad;
@@ -92,7 +92,7 @@ void WheelNoise::spreads_over(std::size_t marks, const std::vector<Pose2>& odome
       path.push_back(path_m);
     }
     off_rad.push_back(std::fabs(off[2]));
-    walk.push_back(walk_of(path_m, to.turned_rad - from.turned_rad));
+    walk.push_back(heading_walk(path_m, to.turned_rad - from.turned_rad));
   }
   const auto add = [&](std::vector<double>& off, std::vector<double>& length, double sigmas,
                        std::vector<Spread>& spreads) {

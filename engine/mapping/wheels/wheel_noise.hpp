@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "engine/mapping/wheels/motion_noise.hpp"
+#include "engine/mapping/wheels/continued_motion.hpp"
 #include "engine/mapping/wheels/wheel_bias.hpp"
 #include "gdtslam/core/pose.hpp"
 
@@ -20,7 +20,7 @@ namespace gdtslam {
 struct WheelErrors {
   double slip_m = 0.1;    ///< metres per root of a metre
   double slip_rad = 0.2;  ///< radians per root of half the metres and the radians turned
-  double match_m = 0.0;   ///< as far as it is beyond chance: beside bad wheels little is seen of matches
+  double match_m = 0.0;   ///< excess over chance: next to bad wheels little is seen of matches
   double match_rad = 0.0;
   std::size_t stretches = 0;  ///< that they were estimated from
 };
@@ -31,7 +31,7 @@ class WheelNoise {
   /// not to be learnt from. Without odometry all begins anew. Where the match does not know the way, only its heading
   /// is learnt from.
   void take(const std::optional<Pose2>& T_odom_base, const std::optional<Pose2>& T_map_base, bool knows_way = true);
-  /// Nothing is learnt across this place; what was learnt before it stays.
+  /// Learns nothing across this place; earlier knowledge stays.
   void break_off();
 
   [[nodiscard]] const WheelErrors& errors() const { return errors_; }
@@ -43,11 +43,11 @@ class WheelNoise {
   [[nodiscard]] const WheelBias& bias() const { return bias_; }
   /// A motion by the wheels less what they get wrong always.
   [[nodiscard]] Pose2 corrected(const Pose2& by_wheels) const;
-  /// Of a corrected motion of this length and turn.
+  /// Noise of a corrected motion of this length and turn.
   [[nodiscard]] MotionNoise of(double travelled_m, double turned_rad) const;
 
  private:
-  /// Where both were.
+  /// Poses of both sources at one time.
   struct Mark {
     Pose2 T_odom_base;
     Pose2 T_map_base;
@@ -56,9 +56,9 @@ class WheelNoise {
     double forward_m = 0.0;  // signed, as the next
     double turn_rad = 0.0;
     bool knows_way = true;
-    std::size_t breaks = 0;  // of the path before it
+    std::size_t breaks = 0;  // breaks of the path before it
   };
-  /// Of all stretches of so many marks: how much path, and the variance of the difference.
+  /// Sums over all stretches of so many marks: how much path, and the variance of the difference.
   struct Spread {
     double path = 0.0;
     double variance = 0.0;

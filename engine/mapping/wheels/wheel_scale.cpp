@@ -5,7 +5,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kWander = 1.0e-4;  // of the share, over the root of a metre: tyres wear and warm
+constexpr double kWander = 1.0e-4;  // drift of the share over the root of a metre: tyres wear and warm
 // Matches may be off by a share of the way as well, always to the same side: what they tell of the wheels is no surer
 // than that, however many they are.
 constexpr double kOfMatches = 0.001;

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "engine/cloud/measured_plane.hpp"
-#include "gdtslam/cloud/box.hpp"
+#include "gdtslam/cloud/plane.hpp"
 #include "gdtslam/core/cloud.hpp"
 
 namespace gdtslam {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <span>
 
-#include "engine/mapping/map/separate_map.hpp"
+#include "engine/mapping/map/keyframe_map.hpp"
 #include "engine/runs/keyframes/keyframe_file.hpp"
 #include "gdtslam/mapping/config.hpp"
 

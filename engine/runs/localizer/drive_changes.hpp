@@ -9,7 +9,6 @@
 
 #include "drive.hpp"
 #include "engine/mapping/changes/map_changes.hpp"
-#include "engine/mapping/changes/view_counts.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/mapping/config.hpp"
 #include "gdtslam/mapping/occupancy.hpp"

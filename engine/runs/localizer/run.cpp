@@ -23,7 +23,7 @@ double thread_cpu_s() {
 
 // The proof takes so many points at most: every k-th of more, as the other matchers' scans are thinned.
 std::vector<PointCells> points_to_match(const LaserScan& scan, const MapperConfig& config, double resolution_m) {
-  std::vector<PointCells> points = in_cells(points_of(scan, config.scan), resolution_m);
+  std::vector<PointCells> points = in_cells(to_points(scan, config.scan), resolution_m);
   const std::size_t every = (points.size() + kMostCertifiedPoints - 1) / kMostCertifiedPoints;
   if (every < 2) return points;
   std::size_t kept = 0;
@@ -52,7 +52,7 @@ void for_each_distance(const DistanceFieldView& field, std::span<const PointCell
     const auto x = static_cast<double>(point.x) * r;
     const auto y = static_cast<double>(point.y) * r;
     const CellIndex cell =
-        field.geometry.cell_of({cos * x - sin * y + T_map_base.x_m, sin * x + cos * y + T_map_base.y_m});
+        field.geometry.cell_at({cos * x - sin * y + T_map_base.x_m, sin * x + cos * y + T_map_base.y_m});
     take(field.geometry.contains(cell) ? field.at(cell) : field.cap);
   }
 }

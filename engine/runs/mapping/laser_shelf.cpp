@@ -35,7 +35,7 @@ void put_on(ByteShelf& shelf, const LaserScan& scan) {
                       .T_base_laser = {mount.x_m, mount.y_m, mount.theta_rad},
                       .has_speed = scan.speed ? 1U : 0U,
                       .ranges = static_cast<std::uint32_t>(scan.ranges_m.size())};
-  shelf.put({bytes_of(head), std::as_bytes(std::span(scan.ranges_m))});
+  shelf.put({value_bytes(head), std::as_bytes(std::span(scan.ranges_m))});
 }
 
 void take_from(std::span<const std::byte> record, LaserScan& scan) {

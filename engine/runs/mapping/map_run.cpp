@@ -9,7 +9,7 @@
 
 #include "engine/core/memory/sparing.hpp"
 #include "engine/core/worker_pool.hpp"
-#include "engine/mapping/nodding/level_scan.hpp"
+#include "engine/mapping/nodding/horizontal_scans.hpp"
 #include "engine/runs/streams/log_check.hpp"
 #include "engine/runs/streams/next_unless_stopped.hpp"
 #include "gdtslam/core/error.hpp"
@@ -101,7 +101,7 @@ MapRun::MapRun(const MapJob& job, Backend& backend, ScanStream scans, const Nodd
       last_s_(-kNever) {
   if (!job_.closing) job_.closing = [](std::string_view, double) {};
   if (!job_.finishing) job_.finishing = [](std::string_view) {};
-  const MapperConfig config = nodding != nullptr ? mapper_config_of(job.mapper, nodding->nodding) : job.mapper;
+  const MapperConfig config = nodding != nullptr ? nodding_mapper_config(job.mapper, nodding->nodding) : job.mapper;
   MapperOptions options = job.on_failure;
   options.with_covariance = static_cast<bool>(job.scan_mapped);
   options.with_loops = job.with_loops;

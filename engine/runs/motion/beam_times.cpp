@@ -34,7 +34,7 @@ constexpr double kHold = 0.01;        // information that a point adds along wha
 KeptScan swept(LaserScan scan, double sweep_s, const ScanConfig& valid) {
   scan.first_beam_after_s = -0.5 * sweep_s;
   scan.beam_period_s = sweep_s / std::max(1.0, static_cast<double>(scan.ranges_m.size()) - 1.0);
-  return keep_scan(points_of(scan, valid));
+  return keep_scan(to_points(scan, valid));
 }
 
 // Share of the points of one scan, each by its weight, that lie on the surfaces of the other once it is laid there.

@@ -10,7 +10,7 @@
 
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
-#include "engine/mapping/map/separate_map.hpp"
+#include "engine/mapping/map/keyframe_map.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/run_pictures.hpp"
 #include "engine/runs/folder/run_reader.hpp"
@@ -78,7 +78,7 @@ std::unique_ptr<SeparateMap> map_of(const std::vector<const RunSession*>& runs, 
   auto map = std::make_unique<SeparateMap>(runs.front()->settings.mapper);
   for (std::size_t k = 0; k < runs.size(); ++k) {
     for (std::size_t i = 0; i < runs[k]->session.scans.size(); ++i) {
-      map->merge(points_of(runs[k]->session.scans[i]), site.poses[k][i]);
+      map->merge(to_points(runs[k]->session.scans[i]), site.poses[k][i]);
     }
   }
   return map;

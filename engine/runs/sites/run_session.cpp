@@ -27,7 +27,7 @@ void take_keyframes(const RunKeyframes& kept, const MapperConfig& config, const 
   double path_m = 0.0;
   auto drive = drives.begin();
   for (const RunKeyframe& keyframe : kept.keyframes) {
-    if (!session.poses.empty()) path_m += length_of(between(session.poses.back(), keyframe.T_map_base));
+    if (!session.poses.empty()) path_m += translation_length(between(session.poses.back(), keyframe.T_map_base));
     for (; drive != drives.end() && keyframe.scan >= *drive; ++drive) path_m += kBetweenDrives_m;
     session.scans.push_back(keep_scan(points.of(keyframe.laser)));
     session.poses.push_back(keyframe.T_map_base);

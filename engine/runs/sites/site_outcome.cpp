@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "engine/mapping/cost/fit.hpp"
+#include "engine/mapping/cost/objective.hpp"
 #include "engine/runs/folder/report_reader.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
@@ -82,7 +82,7 @@ ClosedPath closed_path(const MergedSite& site, const std::vector<std::size_t>& k
   }
   for (const Loop& loop : site.graph.loops) {
     const PoseRelation& relation = loop.relation;
-    const Tangent2 off = residual_of(relation, site.graph.poses[relation.from], site.graph.poses[relation.to]);
+    const Tangent2 off = relation_residual(relation, site.graph.poses[relation.from], site.graph.poses[relation.to]);
     closed.loops.push_back({.from = scan_of(relation.from),
                             .to = scan_of(relation.to),
                             .T_from_to = relation.T_from_to,

@@ -46,7 +46,7 @@ void add_laser_suggestions(const LogCheck& check, std::vector<std::string>& list
 }  // namespace
 
 bool is_mappable(const LaserScan& scan, const ScanConfig& config) {
-  return points_of(scan, config).size() >= static_cast<std::size_t>(config.min_points);
+  return to_points(scan, config).size() >= static_cast<std::size_t>(config.min_points);
 }
 
 std::string nothing_mappable(std::uint64_t scans, const ScanConfig& config) {

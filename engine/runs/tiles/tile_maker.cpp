@@ -42,8 +42,8 @@ CellBox tiles_around(const RunKeyframe& keyframe, const MapperConfig& mapper, do
   const Point2 last_m = laser_m(scan.ranges_m.empty() ? 0 : scan.ranges_m.size() - 1);
   const double reach_m = range_m + (last_m - first_m).norm() + mapper.map.truncation_m + kSlack_m;
   const Point2 around(reach_m, reach_m);
-  const CellIndex low = map_cell_of(first_m - around, mapper.map.resolution_m);
-  const CellIndex high = map_cell_of(first_m + around, mapper.map.resolution_m);
+  const CellIndex low = map_cell_at(first_m - around, mapper.map.resolution_m);
+  const CellIndex high = map_cell_at(first_m + around, mapper.map.resolution_m);
   return {{floor_to(low.x, kMapTileSide), floor_to(low.y, kMapTileSide)},
           {floor_to(high.x, kMapTileSide) + 1, floor_to(high.y, kMapTileSide) + 1}};
 }

@@ -4,7 +4,6 @@
 #include <charconv>
 #include <chrono>
 
-#include "engine/vulkan/device/driver_calls.hpp"
 #include "engine/vulkan/device/environment.hpp"
 
 namespace gdtslam {

@@ -5,13 +5,11 @@
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <vector>
 
 #include "engine/vulkan/device/device.hpp"
 
 namespace gdtslam {
 
-/// Every call within a DriverCalls::Scope.
 class Batches {
  public:
   static constexpr std::size_t kSlots = 3;
@@ -46,7 +44,7 @@ class Batches {
     vk::raii::CommandPool pool{nullptr};
     vk::raii::CommandBuffer commands{nullptr};
     vk::raii::QueryPool stamps{nullptr};
-    std::uint64_t value = 0;  ///< of its last submission
+    std::uint64_t value = 0;  ///< timeline value of its last submission
     bool has_stamps = false;  ///< written, not yet read
   };
   static Slot make_slot(const Device& device);

@@ -7,7 +7,7 @@
 namespace gdtslam {
 namespace {
 
-std::string kind_of(vk::PhysicalDeviceType type) {
+std::string device_kind(vk::PhysicalDeviceType type) {
   switch (type) {
     case vk::PhysicalDeviceType::eDiscreteGpu:
       return "discrete";
@@ -52,7 +52,7 @@ std::size_t largest_local_heap(const vk::PhysicalDeviceMemoryProperties& memory)
   return largest;
 }
 
-std::string problem_of(const vk::raii::PhysicalDevice& device, std::uint32_t api_version) {
+std::string find_problem(const vk::raii::PhysicalDevice& device, std::uint32_t api_version) {
   if (api_version < VK_API_VERSION_1_2) {
     return "offers Vulkan " + to_text(api_version) + ", 1.2 is needed";
   }
@@ -83,7 +83,7 @@ VulkanDeviceInfo describe(const vk::raii::PhysicalDevice& device, unsigned index
   VulkanDeviceInfo info;
   info.index = index;
   info.name = std::string(basic.deviceName.data());
-  info.kind = kind_of(basic.deviceType);
+  info.kind = device_kind(basic.deviceType);
   info.api_version = to_text(basic.apiVersion);
   info.vendor_id = basic.vendorID;
   info.device_id = basic.deviceID;
@@ -93,7 +93,7 @@ VulkanDeviceInfo describe(const vk::raii::PhysicalDevice& device, unsigned index
   info.shared_memory_bytes = basic.limits.maxComputeSharedMemorySize;
   info.max_group_invocations = basic.limits.maxComputeWorkGroupInvocations;
   info.max_push_constant_bytes = basic.limits.maxPushConstantsSize;
-  info.problem = problem_of(device, basic.apiVersion);
+  info.problem = find_problem(device, basic.apiVersion);
   if (basic.apiVersion >= VK_API_VERSION_1_2) {
     const auto more = device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties,
                                             vk::PhysicalDeviceSubgroupProperties, vk::PhysicalDeviceIDProperties>();
@@ -111,19 +111,18 @@ VulkanDeviceInfo describe(const vk::raii::PhysicalDevice& device, unsigned index
 VulkanListing list_vulkan_devices() {
   VulkanListing listing;
   try {
-    DriverCalls calls(vulkan_entry(), VulkanFault{});
-    with_driver(calls, "vulkan", [&] {
-      const VulkanInstance instance = make_instance(nullptr);
-      for (const vk::raii::PhysicalDevice& device : vk::raii::PhysicalDevices(instance.handle)) {
-        listing.devices.push_back(describe(device, static_cast<unsigned>(listing.devices.size())));
-      }
-    });
+    const VulkanInstance instance = make_instance(nullptr);
+    for (const vk::raii::PhysicalDevice& device : vk::raii::PhysicalDevices(instance.handle)) {
+      listing.devices.push_back(describe(device, static_cast<unsigned>(listing.devices.size())));
+    }
     if (listing.devices.empty()) {
       listing.problem =
           "Vulkan finds no device on this machine; VK_LOADER_DEBUG=error in the environment shows what its drivers say";
     }
   } catch (const Error& error) {
     listing.problem = error.what();
+  } catch (const vk::SystemError& error) {
+    listing.problem = device_error("vulkan", error).what();
   }
   return listing;
 }
@@ -131,7 +130,7 @@ VulkanListing list_vulkan_devices() {
 namespace {
 
 /// "vulkan:0 NAME (KIND)" of each device, for the message that the one asked for is not there.
-std::string list_of(const std::vector<VulkanDeviceInfo>& devices) {
+std::string list_devices(const std::vector<VulkanDeviceInfo>& devices) {
   std::string text;
   for (const VulkanDeviceInfo& device : devices) {
     text += (text.empty() ? "" : ", ") + std::string("vulkan:") + std::to_string(device.index) + " " + device.name +
@@ -144,7 +143,7 @@ std::size_t index_of_first_gpu(const std::vector<VulkanDeviceInfo>& devices) {
   const auto usable = [](const VulkanDeviceInfo& device) { return device.is_hardware() && device.problem.empty(); };
   const auto found = std::find_if(devices.begin(), devices.end(), usable);
   if (found == devices.end()) {
-    throw UnavailableError("Vulkan finds no hardware GPU that can be used; devices: " + list_of(devices));
+    throw UnavailableError("Vulkan finds no hardware GPU that can be used; devices: " + list_devices(devices));
   }
   return found->index;
 }
@@ -154,7 +153,8 @@ std::size_t chosen_index(const std::vector<VulkanDeviceInfo>& devices, std::opti
     return index_of_first_gpu(devices);
   }
   if (*wanted >= devices.size()) {
-    throw UnavailableError("there is no device vulkan:" + std::to_string(*wanted) + "; devices: " + list_of(devices));
+    throw UnavailableError("there is no device vulkan:" + std::to_string(*wanted) +
+                           "; devices: " + list_devices(devices));
   }
   if (!devices[*wanted].problem.empty()) {
     throw UnavailableError("device vulkan:" + std::to_string(*wanted) + " " + devices[*wanted].name +

@@ -1,25 +1,22 @@
-// What is asked of a physical device before it is used, and the logical device with its queue and the timeline that
-// says how far it is.
+// Requirements of a physical device before it is used, and the logical device with its queue and its timeline, which
+// shows the queue's progress.
 #pragma once
 
 #include <cstdint>
 #include <optional>
-#include <string>
 
-#include "driver_calls.hpp"
 #include "gdtslam/vulkan/vulkan.hpp"
 #include "instance.hpp"
 
 namespace gdtslam {
 
-/// Within a DriverCalls::Scope.
 VulkanDeviceInfo describe(const vk::raii::PhysicalDevice& device, unsigned index);
 /// The queue family that work is given to: the first that computes.
 std::optional<std::uint32_t> compute_family(const vk::raii::PhysicalDevice& device);
 
 class Device {
  public:
-  /// Within a DriverCalls::Scope. Throws UnavailableError when there is no such device.
+  /// Throws UnavailableError when there is no such device.
   Device(const VulkanInstance& instance, const VulkanOptions& options);
 
   [[nodiscard]] const VulkanDeviceInfo& info() const { return info_; }

@@ -1,4 +1,4 @@
-// What the environment may change about a backend: rehearsals and checks that should need no change of a program.
+// Environment variables that change a backend: limits and checks that should need no change of a program.
 #pragma once
 
 #include "gdtslam/vulkan/vulkan.hpp"
@@ -11,9 +11,8 @@ inline constexpr const char* kWaitLimitVariable = "GDTSLAM_VULKAN_WAIT_S";
 /// How long a wait for hardware asks before it sleeps.
 inline constexpr double kSpin_s = 5.0e-5;
 
-/// The options with GDTSLAM_VULKAN_FAULT ("17:device-lost", "...:out-of-device-memory", "...:out-of-host-memory") where
-/// they rehearse no fault themselves, with the seconds of GDTSLAM_VULKAN_WAIT_S and GDTSLAM_VULKAN_SPIN_S where they
-/// have none, and with validation where GDTSLAM_VULKAN_VALIDATION is 1. Throws UsageError for other values.
+/// The options with the seconds of GDTSLAM_VULKAN_WAIT_S and GDTSLAM_VULKAN_SPIN_S where they have none, and with
+/// validation where GDTSLAM_VULKAN_VALIDATION is 1. Throws UsageError for other values.
 VulkanOptions with_environment(VulkanOptions options);
 
 }  // namespace gdtslam

@@ -1,11 +1,10 @@
 #include "instance.hpp"
 
+#include <dlfcn.h>
+
 #include <algorithm>
 #include <array>
 #include <exception>
-
-#include "driver_calls.hpp"
-#include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
 namespace {
@@ -57,6 +56,19 @@ void require_version(const vk::raii::Context& context) {
   }
 }
 
+PFN_vkGetInstanceProcAddr vulkan_entry() {
+  void* library = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) {
+    throw UnavailableError(
+        "the Vulkan loader libvulkan.so.1 cannot be opened; install it (Debian package libvulkan1) or use the CPU");
+  }
+  const auto entry = reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(library, "vkGetInstanceProcAddr"));
+  if (entry == nullptr) {
+    throw UnavailableError("libvulkan.so.1 has no vkGetInstanceProcAddr, so it is no Vulkan loader");
+  }
+  return entry;
+}
+
 }  // namespace
 
 bool counts_as_fault(vk::DebugUtilsMessageSeverityFlagBitsEXT severity, vk::DebugUtilsMessageTypeFlagsEXT types,
@@ -97,7 +109,7 @@ void ValidationLog::hand_out() noexcept {
 }
 
 VulkanInstance make_instance(ValidationLog* log) {
-  vk::raii::Context context(&DriverCalls::instance_function);
+  vk::raii::Context context(vulkan_entry());
   require_version(context);
   vk::ApplicationInfo application;
   application.pApplicationName = "gdtslam";
@@ -129,6 +141,17 @@ VulkanInstance make_instance(ValidationLog* log) {
         "Vulkan finds no driver on this machine that loads; install one (Debian package mesa-vulkan-drivers, or the "
         "maker's), see with VK_LOADER_DEBUG=error in the environment why one that is installed does not load, or use "
         "the CPU");
+  }
+}
+
+DeviceError device_error(const std::string& device, const vk::SystemError& error) {
+  const std::string text = error.what();  // CALL: RESULT
+  return {device, text.substr(0, text.rfind(": ")), vk::to_string(static_cast<vk::Result>(error.code().value()))};
+}
+
+void check(VkResult result, const char* call) {
+  if (result != VK_SUCCESS) {
+    throw vk::SystemError(vk::make_error_code(static_cast<vk::Result>(result)), call);
   }
 }
 

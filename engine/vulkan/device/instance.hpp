@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "api.hpp"
+#include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
 
@@ -48,9 +49,16 @@ struct VulkanInstance {
   vk::raii::DebugUtilsMessengerEXT messenger;
 };
 
-/// Within a DriverCalls::Scope. Throws UnavailableError when there is no driver, when the loader is older than Vulkan
-/// 1.2, or when `log` is given (validation and synchronisation validation are wanted) and the layer is not installed.
-/// The log must outlive the instance.
+/// Throws UnavailableError when libvulkan.so.1 is not installed, when there is no driver, when the loader is older than
+/// Vulkan 1.2, or when `log` is given (validation and synchronisation validation are wanted) and the layer is not
+/// installed. The log must outlive the instance. The library stays open until the process ends, because drivers leave
+/// threads and thread-local destructors behind.
 VulkanInstance make_instance(ValidationLog* log);
+
+/// The error of a call, which names itself in the exception.
+DeviceError device_error(const std::string& device, const vk::SystemError& error);
+
+/// Throws what vk::raii would have thrown, for the calls that are made without it.
+void check(VkResult result, const char* call);
 
 }  // namespace gdtslam

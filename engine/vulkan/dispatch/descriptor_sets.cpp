@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "engine/vulkan/device/driver_calls.hpp"
-
 namespace gdtslam {
 namespace {
 

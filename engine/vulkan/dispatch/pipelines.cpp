@@ -2,7 +2,6 @@
 
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <cstring>
 #include <filesystem>
@@ -28,7 +27,7 @@ struct FileHeader {
 constexpr std::uint64_t kMostBytes = std::uint64_t{64} << 20U;
 
 /// FNV-1a.
-std::uint64_t hash_of(std::span<const std::uint8_t> data) {
+std::uint64_t hash_bytes(std::span<const std::uint8_t> data) {
   std::uint64_t hash = 14695981039346656037ULL;
   for (const std::uint8_t byte : data) {
     hash = (hash ^ byte) * 1099511628211ULL;
@@ -73,7 +72,7 @@ std::vector<std::uint8_t> read_file(const std::string& path, const vk::PhysicalD
   }
   std::vector<std::uint8_t> data(header.bytes);
   if (!file.read(reinterpret_cast<char*>(data.data()), static_cast<std::streamsize>(data.size())) ||
-      hash_of(data) != header.hash || !is_for(properties, data)) {
+      hash_bytes(data) != header.hash || !is_for(properties, data)) {
     return {};
   }
   return data;
@@ -85,7 +84,7 @@ bool write_file(const std::string& path, const std::vector<std::uint8_t>& data) 
   const std::string temporary = path + "." + std::to_string(getpid()) + ".part";
   FileHeader header;
   header.bytes = data.size();
-  header.hash = hash_of(data);
+  header.hash = hash_bytes(data);
   bool is_written = false;
   {
     std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
@@ -123,7 +122,7 @@ bool PipelineCache::save() const { return path_.empty() || write_file(path_, han
 
 namespace {
 
-glm::uvec3 vector_of(const std::array<std::uint32_t, 3>& values) { return {values[0], values[1], values[2]}; }
+glm::uvec3 to_vector(const std::array<std::uint32_t, 3>& values) { return {values[0], values[1], values[2]}; }
 
 std::string to_text(const glm::uvec3& v) {
   return std::to_string(v.x) + " x " + std::to_string(v.y) + " x " + std::to_string(v.z);
@@ -131,7 +130,7 @@ std::string to_text(const glm::uvec3& v) {
 
 /// Whether a device can run work groups of that size.
 bool fits(const Device& device, const glm::uvec3& local_size) {
-  const glm::uvec3 most = vector_of(device.properties().limits.maxComputeWorkGroupSize);
+  const glm::uvec3 most = to_vector(device.properties().limits.maxComputeWorkGroupSize);
   const std::uint64_t invocations = std::uint64_t{local_size.x} * local_size.y * local_size.z;
   return glm::all(glm::lessThanEqual(local_size, most)) && invocations <= device.info().max_group_invocations;
 }
@@ -164,7 +163,7 @@ Pipelines::Pipelines(const Device& device, const VulkanOptions& options)
 const ShaderVariant& Pipelines::variant_for(const KernelInfo& kernel, const LaunchShape& shape) {
   auto found = variants_.find(&kernel);
   if (found == variants_.end()) {
-    found = variants_.emplace(&kernel, variants_of(kernel.name)).first;
+    found = variants_.emplace(&kernel, find_variants(kernel.name)).first;
   }
   if (found->second.empty()) {
     throw Error(ExitCode::kFailed, "kernel " + std::string(kernel.name) + ": this build has no shader for it");
@@ -172,18 +171,18 @@ const ShaderVariant& Pipelines::variant_for(const KernelInfo& kernel, const Laun
   const VariantContext context{device_.info(), shape};
   for (const ShaderVariant& variant : found->second) {
     const bool suits = variant.suits == nullptr || variant.suits(context);
-    if (suits && fits(device_, vector_of(variant.local_size))) {
+    if (suits && fits(device_, to_vector(variant.local_size))) {
       return variant;
     }
   }
   throw DeviceError(device_.info().name, "kernel " + std::string(kernel.name),
                     "no variant that fits: its smallest group of " +
-                        to_text(vector_of(found->second.back().local_size)) + " invocations exceeds the limits " +
-                        to_text(vector_of(device_.properties().limits.maxComputeWorkGroupSize)) + " or " +
+                        to_text(to_vector(found->second.back().local_size)) + " invocations exceeds the limits " +
+                        to_text(to_vector(device_.properties().limits.maxComputeWorkGroupSize)) + " or " +
                         std::to_string(device_.info().max_group_invocations) + " in all");
 }
 
-const VariantPipeline& Pipelines::pipeline_of(const KernelInfo& kernel, const ShaderVariant& variant) {
+const VariantPipeline& Pipelines::find_pipeline(const KernelInfo& kernel, const ShaderVariant& variant) {
   auto found = pipelines_.find(&variant);
   if (found == pipelines_.end()) {
     found = pipelines_.emplace(&variant, make(kernel, variant)).first;

@@ -13,8 +13,8 @@
 
 namespace gdtslam {
 
-/// What the driver compiled, kept from run to run: a file per device and driver, which is checked before it is used and
-/// ignored when it is damaged or foreign. Every call within a DriverCalls::Scope.
+/// Compiled pipelines of the driver, kept from run to run: a file per device and driver, which is checked before it is
+/// used and ignored when it is damaged or foreign.
 class PipelineCache {
  public:
   /// An empty folder name: nothing is read or written.
@@ -37,14 +37,13 @@ struct VariantPipeline {
   vk::raii::Pipeline pipeline{nullptr};
 };
 
-/// Every call within a DriverCalls::Scope.
 class Pipelines {
  public:
   Pipelines(const Device& device, const VulkanOptions& options);
 
   /// The variant that serves a launch; throws Error when the kernel has none.
   const ShaderVariant& variant_for(const KernelInfo& kernel, const LaunchShape& shape);
-  const VariantPipeline& pipeline_of(const KernelInfo& kernel, const ShaderVariant& variant);
+  const VariantPipeline& find_pipeline(const KernelInfo& kernel, const ShaderVariant& variant);
   [[nodiscard]] const PipelineCache& cache() const { return cache_; }
   /// Pipelines made so far.
   [[nodiscard]] std::uint64_t made() const { return made_; }

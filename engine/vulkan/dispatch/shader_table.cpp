@@ -19,7 +19,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::uint32_t kMostGroups = 65535;  // of one dimension, on every device
+constexpr std::uint32_t kMostGroups = 65535;  // groups of one dimension, on every device
 
 /// The parameters of a launch of kernel K.
 template <class K>
@@ -99,11 +99,11 @@ bool fits_loops(const VariantContext& context, std::uint64_t turns) {
   return context.device.kind != "lavapipe" || turns < 65535;
 }
 
-// What is a constant of the shaders stands in the rows as a number: 0 and 1.
+// Constants of the shaders stand in the rows as numbers: 0 and 1.
 constexpr std::uint32_t kBilinear = static_cast<std::uint32_t>(Interpolation::kBilinear);
 constexpr std::uint32_t kNearest = static_cast<std::uint32_t>(Interpolation::kNearest);
 constexpr std::uint32_t kSmallTiles = 0;
-constexpr std::uint32_t kWideTiles = 1;  // of 16 x 4 boxes
+constexpr std::uint32_t kWideTiles = 1;  // tiles of 16 x 4 boxes
 
 template <std::uint32_t kInterpolation>
 bool costs_by(const VariantContext& context) {
@@ -197,7 +197,7 @@ constexpr ShaderVariant kVariants[] = {
 
 std::span<const ShaderVariant> shader_variants() { return kVariants; }
 
-std::span<const ShaderVariant> variants_of(std::string_view kernel) {
+std::span<const ShaderVariant> find_variants(std::string_view kernel) {
   const auto all = shader_variants();
   const auto is_of = [kernel](const ShaderVariant& variant) { return variant.shader.name == kernel; };
   const auto begin = std::find_if(all.begin(), all.end(), is_of);

@@ -18,7 +18,7 @@ struct GroupCount {
   std::uint32_t z = 1;
 };
 
-/// What the choice of a variant may look at.
+/// Values that the choice of a variant depends on.
 struct VariantContext {
   const VulkanDeviceInfo& device;
   const LaunchShape& shape;
@@ -48,6 +48,6 @@ inline std::uint32_t push_constant_bytes(const ShaderVariant& variant, std::size
 /// last row always does.
 std::span<const ShaderVariant> shader_variants();
 /// The rows of one kernel; none when the build has no shader for it.
-std::span<const ShaderVariant> variants_of(std::string_view kernel);
+std::span<const ShaderVariant> find_variants(std::string_view kernel);
 
 }  // namespace gdtslam

@@ -32,7 +32,6 @@ class StagingRing {
   std::array<std::size_t, Batches::kSlots> used_{};
 };
 
-/// Every call within a DriverCalls::Scope.
 class Transfers {
  public:
   Transfers(const Device& device, Batches& batches, BarrierTracker& barriers);

@@ -14,10 +14,6 @@
 namespace gdtslam::test {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
-
 class Batches : public testing::Test {
  protected:
   void SetUp() override {
@@ -154,9 +150,9 @@ TEST_F(Batches, BarriersFollowFromTheBindings) {
   const GdtMerge::Params merge{
       .scan_width = kJobWidth, .scan_height = kJobHeight, .scan_stride = stride, .global_stride = stride, .cap = 5120};
   const auto barriers_of = [&](auto action) {
-    const std::uint64_t before = backend->barrier_count();
+    const std::uint64_t before = backend->work().barriers;
     action();
-    return backend->barrier_count() - before;
+    return backend->work().barriers - before;
   };
   const auto begin_flood = [&](const Buffer& to) {
     run<JumpFloodInit>(*backend, {kJobWidth, kJobHeight, stride}, all, seeds, to);
@@ -165,7 +161,7 @@ TEST_F(Batches, BarriersFollowFromTheBindings) {
     run<JumpFloodDistance>(*backend, {kJobWidth, kJobHeight, stride, kJobRadius}, all, from, squares);
   };
   const auto merge_once = [&] { run<GdtMerge>(*backend, merge, all, field, squares); };
-  EXPECT_EQ(backend->barrier_count(), 0U);                       // five buffers that do not touch each other
+  EXPECT_EQ(backend->work().barriers, 0U);                       // five buffers that do not touch each other
   EXPECT_EQ(barriers_of([&] { begin_flood(a); }), 1U);           // fill, then read
   EXPECT_EQ(barriers_of([&] { begin_flood(b); }), 0U);           // two readers
   EXPECT_EQ(barriers_of([&] { begin_flood(b); }), 1U);           // write, then write
@@ -227,39 +223,6 @@ TEST_F(Batches, AnEmptyLaunchIsCountedAndDoesNothing) {
   EXPECT_EQ(backend->dispatch_count(), 1U);
   backend->flush();
   EXPECT_EQ(backend->submit_count(), 0U);
-}
-
-TEST_F(Batches, AKernelWithoutAShaderIsNamed) {
-  KernelInfo nameless = JumpFloodInit::info();
-  nameless.name = "no_such_kernel";
-  const Buffer seeds = backend->allocate(640);
-  const Buffer distance = backend->allocate(2560);
-  const Buffer* const both[] = {&seeds, &distance};
-  const JumpFloodInit::Params params{.width = 60, .height = 10, .stride = 64};
-  const auto launch = [&] { backend->dispatch(nameless, both, std::as_bytes(std::span(&params, 1)), {60, 10, 1}); };
-  EXPECT_THAT(launch, ThrowsMessage<Error>(AllOf(HasSubstr("no_such_kernel"), HasSubstr("no shader"))));
-}
-
-TEST_F(Batches, TheDeviceTimesItsOwnWorkWhereItIsAskedTo) {
-  const bool has_clock = find_test_device().device->timestamp_ns > 0.0;
-  VulkanOptions options;
-  options.time_submissions = true;
-  const auto timed = test_backend(options);
-  EXPECT_EQ(timed->vulkan_device().timestamp_ns > 0.0, has_clock);
-  EXPECT_EQ(timed->last_submission_ns(), 0.0);
-  run_job(*timed, 2);
-  if (has_clock) {
-    EXPECT_GT(timed->last_submission_ns(), 0.0);
-    EXPECT_LT(timed->last_submission_ns(), 30.0e9);
-  } else {
-    EXPECT_EQ(timed->last_submission_ns(), 0.0) << "a device without a clock";
-  }
-
-  options.time_submissions = false;
-  const auto untimed = test_backend(options);
-  run_job(*untimed, 2);
-  EXPECT_EQ(untimed->last_submission_ns(), 0.0);
-  EXPECT_EQ(untimed->vulkan_device().timestamp_ns, 0.0);
 }
 
 TEST_F(Batches, ManyBuffersAreBoundAtATime) {

@@ -1,5 +1,5 @@
-// Every call to the driver fails once, with every code: the error says which call and what it gave, nothing is
-// submitted afterwards, and the backend goes away in peace.
+// A device that is lost at any step, or that takes too long: the error says what failed, nothing is submitted
+// afterwards, and the backend goes away in peace.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,27 +21,9 @@ using testing::StartsWith;
 
 constexpr int kRounds = 5;
 
-class Faults : public testing::TestWithParam<VulkanFault::Code> {
- protected:
-  void SetUp() override { GDTSLAM_NEEDS_VULKAN(); }
-};
-
-std::string result_of(VulkanFault::Code code) {
-  switch (code) {
-    case VulkanFault::Code::kOutOfDeviceMemory:
-      return "ErrorOutOfDeviceMemory";
-    case VulkanFault::Code::kOutOfHostMemory:
-      return "ErrorOutOfHostMemory";
-    case VulkanFault::Code::kDeviceLost:
-      break;
-  }
-  return "ErrorDeviceLost";
-}
-
 /// No verb works any more, each says why, and nothing is submitted.
 void expect_refusal(VulkanBackend& backend, const Buffer& buffer, const DeviceError& first) {
   const std::uint64_t submits = backend.submit_count();
-  const std::uint64_t calls = backend.call_count();
   std::vector<std::byte> data(4);
   const auto refused = [&](auto verb) {
     try {
@@ -62,53 +44,38 @@ void expect_refusal(VulkanBackend& backend, const Buffer& buffer, const DeviceEr
     EXPECT_TRUE(refused([&] { record_job(backend, buffer, 1); }));
   }
   EXPECT_EQ(backend.submit_count(), submits);
-  EXPECT_EQ(backend.call_count(), calls);
 }
-
-/// The job with the k-th call failing; whether there was such a call.
-bool fails_at(std::uint64_t k, VulkanFault::Code code, const std::vector<std::byte>& expected) {
-  VulkanOptions options;
-  options.fault = {k, code};
-  std::unique_ptr<VulkanBackend> backend;
-  Buffer kept;
-  try {
-    backend = test_backend(options);
-    kept = backend->allocate(kJobWidth * kJobHeight * 4);
-    EXPECT_EQ(run_job(*backend, kRounds), expected) << "call " << k;
-    return false;
-  } catch (const DeviceError& error) {
-    EXPECT_THAT(error.call(), StartsWith("vk")) << "call " << k;
-    EXPECT_THAT(error.result(), StartsWith(result_of(code))) << "call " << k;
-    EXPECT_THAT(error.what(), HasSubstr(error.call())) << "call " << k;
-    if (backend) {
-      expect_refusal(*backend, kept, error);
-    }
-    return true;
-  }
-}
-
-TEST_P(Faults, OfEveryCallAreReportedAndEndTheWork) {
-  const auto cpu = make_cpu_backend({});
-  const auto expected = run_job(*cpu, kRounds);
-  std::uint64_t k = 1;
-  while (fails_at(k, GetParam(), expected)) {
-    ++k;
-    ASSERT_FALSE(HasFailure());
-    ASSERT_LT(k, 5000U);
-  }
-  RecordProperty("calls", static_cast<int>(k - 1));
-  EXPECT_GT(k, 50U);  // creating all, pipelines, buffers, submissions
-}
-
-INSTANTIATE_TEST_SUITE_P(All, Faults,
-                         testing::Values(VulkanFault::Code::kOutOfDeviceMemory, VulkanFault::Code::kOutOfHostMemory,
-                                         VulkanFault::Code::kDeviceLost),
-                         [](const auto& code) { return result_of(code.param); });
 
 class Limits : public testing::Test {
  protected:
   void SetUp() override { GDTSLAM_NEEDS_VULKAN(); }
 };
+
+TEST_F(Limits, ALossAtAnyStepIsReportedAndEndsTheWork) {
+  const auto cpu = make_cpu_backend({});
+  const auto expected = run_job(*cpu, kRounds);
+  const auto is_lost = [&](std::uint64_t step) {
+    const auto backend = test_backend({.lost_at = step});
+    const Buffer kept = backend->allocate(kJobWidth * kJobHeight * 4);
+    try {
+      EXPECT_EQ(run_job(*backend, kRounds), expected) << "step " << step;
+      return false;
+    } catch (const DeviceError& error) {
+      EXPECT_EQ(error.result(), "ErrorDeviceLost") << "step " << step;
+      EXPECT_THAT(error.what(), HasSubstr(error.call())) << "step " << step;
+      expect_refusal(*backend, kept, error);
+      return true;
+    }
+  };
+  EXPECT_THROW(test_backend({.lost_at = 1}), DeviceError);
+  std::uint64_t step = 3;
+  while (is_lost(step)) {
+    ++step;
+    ASSERT_FALSE(HasFailure());
+    ASSERT_LT(step, 5000U);
+  }
+  EXPECT_GT(step, 20U);  // buffers, launches, downloads
+}
 
 /// Some work of a tenth of a second at the very least; its result is asked for.
 void wait_for_work(VulkanBackend& backend) {
@@ -154,28 +121,10 @@ class Environment : public testing::Test {
  protected:
   void SetUp() override { GDTSLAM_NEEDS_VULKAN(); }
   void TearDown() override {
-    unsetenv("GDTSLAM_VULKAN_FAULT");
     unsetenv("GDTSLAM_VULKAN_WAIT_S");
     unsetenv("GDTSLAM_VULKAN_SPIN_S");
   }
 };
-
-TEST_F(Environment, MayAskForAFault) {
-  setenv("GDTSLAM_VULKAN_FAULT", "3:out-of-host-memory", 1);
-  try {
-    test_backend();
-    FAIL() << "nothing failed";
-  } catch (const DeviceError& error) {
-    EXPECT_EQ(error.result(), "ErrorOutOfHostMemory");
-  }
-}
-
-TEST_F(Environment, GivesWayToTheOptions) {
-  setenv("GDTSLAM_VULKAN_FAULT", "1:device-lost", 1);
-  VulkanOptions options;
-  options.fault = {1000000, VulkanFault::Code::kDeviceLost};
-  EXPECT_NO_THROW(run_job(*test_backend(options), 1));
-}
 
 TEST_F(Environment, MaySetTheLimitOfAWait) {
   setenv("GDTSLAM_VULKAN_WAIT_S", "0.0001", 1);
@@ -200,13 +149,6 @@ TEST_F(Environment, WithNonsenseForASpinIsRefused) {
     VulkanOptions options;
     options.index = find_test_device().device.value().index;
     EXPECT_THROW(make_vulkan_backend(options), UsageError) << text;
-  }
-}
-
-TEST_F(Environment, WithNonsenseIsRefused) {
-  for (const char* text : {"device-lost", "0:device-lost", "-1:device-lost", "5", "5:", "5:lost", "x:device-lost"}) {
-    setenv("GDTSLAM_VULKAN_FAULT", text, 1);
-    EXPECT_THROW(test_backend(), UsageError) << text;
   }
 }
 

@@ -50,16 +50,6 @@ TEST_F(Options, TheListingDescribesWhatIsThere) {
   }
 }
 
-TEST_F(Options, TheBackendSaysWhatItIs) {
-  const auto backend = test_backend();
-  const VulkanDeviceInfo& tested = *find_test_device().device;
-  EXPECT_EQ(backend->device().name, tested.name);
-  EXPECT_EQ(backend->device().kind, tested.kind);
-  EXPECT_EQ(backend->device().driver, tested.driver);
-  EXPECT_GE(backend->device().max_buffer_bytes, std::size_t{1} << 27U);
-  EXPECT_EQ(backend->vulkan_device().index, tested.index);
-}
-
 TEST_F(Options, ADeviceThatIsNotThereIsRefusedWithTheListOfThoseThatAre) {
   const auto make = [] { make_vulkan_backend({.index = 99}); };
   EXPECT_THAT(

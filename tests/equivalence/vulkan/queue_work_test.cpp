@@ -72,7 +72,6 @@ TEST_F(QueueWorkOfADevice, IsThatOfTheSameDriveOnAStandIn) {
   EXPECT_EQ(work.uploads, verbs["upload"]);
   EXPECT_EQ(work.downloads, verbs["start_download"]);
   EXPECT_EQ(work.submissions, device->submit_count());
-  EXPECT_EQ(work.barriers, device->barrier_count());
 }
 
 // The chain of docs/howto/gpu.md: a scan that is searched for in one window and not merged.
@@ -115,7 +114,6 @@ TEST_F(QueueWorkOfADevice, WaitsThatAskFirstChangeNothing) {
     EXPECT_EQ(device->work().waits, sleeping->work().waits);
     EXPECT_EQ(device->work().dispatches, sleeping->work().dispatches);
     EXPECT_EQ(device->submit_count(), sleeping->submit_count());
-    EXPECT_GT(device->call_count(), sleeping->call_count());  // it asked
   }
 }
 

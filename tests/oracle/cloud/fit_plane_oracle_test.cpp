@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "engine/cloud/position_of.hpp"
+#include "engine/cloud/to_position.hpp"
 #include "gdtslam/cloud/plane.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/random.hpp"
@@ -46,7 +46,7 @@ TEST(FitPlane, AgreesWithTheSmallestSingularVector) {
     const Cloud cloud = rectangle(centre, random_axes(random), 3.0, 1.0, 5 + random.below(500), 0.01, random);
     const PlanePatch patch = fit_plane(cloud, all_of(cloud));
     Eigen::MatrixXd rows(static_cast<Eigen::Index>(cloud.size()), 3);
-    for (std::size_t i = 0; i < cloud.size(); ++i) rows.row(static_cast<Eigen::Index>(i)) = position_of(cloud[i]);
+    for (std::size_t i = 0; i < cloud.size(); ++i) rows.row(static_cast<Eigen::Index>(i)) = to_position(cloud[i]);
     const Eigen::RowVector3d mean = rows.colwise().mean();
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(rows.rowwise() - mean, Eigen::ComputeThinV);
     EXPECT_NEAR(std::fabs(svd.matrixV().col(2).dot(patch.plane.normal)), 1.0, 1e-12);

@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "engine/cloud/neighbours.hpp"
-#include "engine/cloud/position_of.hpp"
+#include "engine/cloud/to_position.hpp"
 #include "gdtslam/cloud/thinning.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/random.hpp"
@@ -114,7 +114,7 @@ TEST(Neighbours, AgreeWithAllDistances) {
     for (int k = 0; k < 100; ++k) {
       const Point3 at(random.uniform(-1.2, 1.2), random.uniform(-1.2, 1.2), random.uniform(-1.2, 1.2));
       std::vector<double> squared;
-      for (const CloudPoint& p : cloud) squared.push_back((position_of(p) - at).squaredNorm());
+      for (const CloudPoint& p : cloud) squared.push_back((to_position(p) - at).squaredNorm());
       std::vector<double> sorted = squared;
       std::sort(sorted.begin(), sorted.end());
       const auto closest = neighbours.closest(at, 20);

@@ -4,12 +4,17 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/compute/kernels/host_kernels.hpp"
+#include "engine/compute/cpu/launch.hpp"
 #include "support/brute_force.hpp"
 #include "support/instruction_sets.hpp"
 
 namespace gdtslam::test {
 namespace {
+
+/// The merge of a scan's field on this thread.
+void merge(Isa isa, const GdtMerge::Params& params, std::uint16_t* global, const std::uint16_t* scan) {
+  functions_or_throw(isa).gdt_merge(params, global, scan, {0, params.scan_width, 0, params.scan_height});
+}
 
 /// All pairs of the values: the scan's along x, the map's along y.
 void expect_all_pairs(const std::vector<std::uint16_t>& values, GdtMerge::Params params) {
@@ -27,7 +32,7 @@ void expect_all_pairs(const std::vector<std::uint16_t>& values, GdtMerge::Params
   }
   for (const Isa isa : available_isas()) {
     std::vector<std::uint16_t> after = before;
-    gdt_merge_host(isa, params, after.data(), scan.data());
+    merge(isa, params, after.data(), scan.data());
     for (std::size_t i = 0; i < after.size(); ++i) {
       ASSERT_EQ(after[i], expected[i]) << "G " << before[i] << " D " << scan[i] << " threshold " << params.threshold
                                        << " lift " << params.lift << ' ' << to_string(isa);
@@ -67,9 +72,9 @@ TEST(GdtMerge, WorkingRuleLetsNewObstaclesInAndLiteralDoesNot) {
   params.threshold = 256;
   params.lift = 128;
   params.cap = 5120;
-  gdt_merge_host(best_isa(), params, working, scan);
+  merge(best_isa(), params, working, scan);
   params.rule = MergeRule::kLiteral;
-  gdt_merge_host(best_isa(), params, literal, scan);
+  merge(best_isa(), params, literal, scan);
   EXPECT_EQ(working[0], 128);
   EXPECT_EQ(working[1], 0);
   EXPECT_EQ(literal[0], 2560);

@@ -1,5 +1,5 @@
 // The closed form against the motion itself, integrated wheel by wheel in small steps.
-#include "gdtslam/core/differential_drive.hpp"
+#include "gdtslam/core/pose.hpp"
 
 #include <cmath>
 #include <random>

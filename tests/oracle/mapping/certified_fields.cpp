@@ -134,7 +134,7 @@ std::uint32_t true_cost(const TestField& field, const std::vector<PointCells>& p
 
 std::uint32_t searched_optimum(const FieldView& field, const std::vector<PointCells>& points, const PoseWindow& window,
                                std::uint32_t steps_xy, std::uint32_t steps_theta) {
-  const CellIndex anchor = map_cell_of(window.centre.translation(), field.resolution_m);
+  const CellIndex anchor = map_cell_at(window.centre.translation(), field.resolution_m);
   const auto at = [](double centre, double half, std::uint32_t i, std::uint32_t steps) {
     return static_cast<float>(centre + half * (2.0 * i / steps - 1.0));
   };

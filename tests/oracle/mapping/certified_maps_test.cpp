@@ -30,7 +30,7 @@ std::vector<KnownScan> map_log(const std::string& log, std::size_t step, const M
     if (scan == nullptr) continue;
     const MatchResult match = mapper.process(scan->scan, scan->T_odom_base);
     if (++scans % step != 0 || !match.accepted) continue;
-    known.push_back({in_cells(points_of(scan->scan, config.scan), config.map.resolution_m), match.T_map_base});
+    known.push_back({in_cells(to_points(scan->scan, config.scan), config.map.resolution_m), match.T_map_base});
   }
   return known;
 }
@@ -61,7 +61,7 @@ void expect_bounds_hold(const CertifiedMap& map, const KnownScan& scan, const Po
 // What lies around a scan's pose in the map, as the tests of made-up fields have it.
 test::Scene scene_around(const GlobalField& map, const KnownScan& scan, Random& random) {
   constexpr std::int32_t kHalf = 360;  // cells
-  const CellIndex middle = map_cell_of(scan.T_map_base.translation(), map.geometry().resolution_m);
+  const CellIndex middle = map_cell_at(scan.T_map_base.translation(), map.geometry().resolution_m);
   test::Scene scene;
   scene.field = {2 * kHalf, 2 * kHalf, map.cap(), {middle.x - kHalf, middle.y - kHalf}, {}};
   for (std::int32_t y = 0; y < 2 * kHalf; ++y) {

@@ -101,7 +101,7 @@ TEST_P(Search, TellsTheCostOfItsPose) {
     const Problem problem = make_problem(GetParam(), seed);
     const CertifiedMap map(problem.field.view(), Isa::kBaseline);
     const CertifiedResult found = find_pose(map, problem.points, problem.window);
-    const CellIndex anchor = map_cell_of(problem.window.centre.translation(), TestField::kResolution);
+    const CellIndex anchor = map_cell_at(problem.window.centre.translation(), TestField::kResolution);
     const double r = TestField::kResolution;
     const CellPose pose{static_cast<float>(found.T_map_base.x_m / r - anchor.x),
                         static_cast<float>(found.T_map_base.y_m / r - anchor.y),

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "gdtslam/optimize/minimise.hpp"
+#include "engine/optimize/minimise.hpp"
 
 namespace gdtslam::optimize {
 

@@ -1,5 +1,5 @@
 // Boxes of any size, place and turn before a standing scanner: what is measured is the truth within what is stated.
-#include "gdtslam/cloud/box.hpp"
+#include "gdtslam/cloud/plane.hpp"
 
 #include <gtest/gtest.h>
 

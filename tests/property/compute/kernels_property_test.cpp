@@ -7,12 +7,18 @@
 #include <cstring>
 #include <numeric>
 
+#include "engine/compute/cpu/launch.hpp"
 #include "engine/compute/kernels/host_kernels.hpp"
 #include "gdtslam/core/random.hpp"
 #include "support/instruction_sets.hpp"
 
 namespace gdtslam::test {
 namespace {
+
+/// The merge of a scan's field on this thread.
+void merge(Isa isa, const GdtMerge::Params& params, std::uint16_t* global, const std::uint16_t* scan) {
+  functions_or_throw(isa).gdt_merge(params, global, scan, {0, params.scan_width, 0, params.scan_height});
+}
 
 Isa random_isa() { return *rc::gen::elementOf(available_isas()); }
 
@@ -136,10 +142,10 @@ RC_GTEST_PROP(GdtMerge, MergingAScanIntoItselfOrIntoNothingGivesTheScan, ()) {
   }
   const Isa isa = random_isa();
   std::vector<std::uint16_t> itself = scan;
-  gdt_merge_host(isa, params, itself.data(), scan.data());
+  merge(isa, params, itself.data(), scan.data());
   RC_ASSERT(itself == scan);
   std::vector<std::uint16_t> unknown(count, static_cast<std::uint16_t>(params.cap));
-  gdt_merge_host(isa, params, unknown.data(), scan.data());
+  merge(isa, params, unknown.data(), scan.data());
   RC_ASSERT(unknown == scan);
 }
 
@@ -152,9 +158,9 @@ RC_GTEST_PROP(GdtMerge, ASecondLookConfirmsWhatTheFirstLifted, ()) {
   params.threshold = threshold;
   params.lift = lift;
   std::uint16_t map = static_cast<std::uint16_t>(seen + threshold + 1 + *rc::gen::inRange<std::uint32_t>(0, 1000));
-  gdt_merge_host(random_isa(), params, &map, &seen);
+  merge(random_isa(), params, &map, &seen);
   RC_ASSERT(map == seen + lift);  // (11), tentative
-  gdt_merge_host(random_isa(), params, &map, &seen);
+  merge(random_isa(), params, &map, &seen);
   RC_ASSERT(map == seen + lift / 2);  // (9), halfway
 }
 

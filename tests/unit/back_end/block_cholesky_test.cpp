@@ -10,7 +10,6 @@
 #include <Eigen/LU>
 
 #include "engine/mapping/graph/block_cholesky.hpp"
-#include "engine/mapping/graph/conjugate_gradients.hpp"
 #include "gdtslam/core/random.hpp"
 
 namespace gdtslam {
@@ -61,7 +60,7 @@ Problem::Problem(std::size_t rows, std::size_t loops, std::uint64_t seed)
     : random(seed), system(rows, pairs_of(rows, loops, random)), dense(square_of_zeros(3 * rows)) {
   for (std::size_t row = 0; row < rows; ++row) {
     const auto at = static_cast<Eigen::Index>(3 * row);
-    for (const std::size_t column : system.columns_of(row)) {
+    for (const std::size_t column : system.row_columns(row)) {
       const Matrix3 block = random_block(random);
       system.add(row, column, block);
       const auto left = static_cast<Eigen::Index>(3 * column);

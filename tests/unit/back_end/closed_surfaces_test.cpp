@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "engine/mapping/surface/closed_surfaces.hpp"
+#include "engine/mapping/surface/surface_points.hpp"
 #include "engine/mapping/wheels/known_surfaces.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
@@ -18,7 +18,7 @@ namespace {
 constexpr double kSpacing_m = 0.025;
 
 std::vector<Point2> seen(const std::vector<test::Segment>& walls, const Pose2& T_map_base, int beams) {
-  return points_of(test::scan_of(walls, T_map_base, 0.0, beams), {});
+  return to_points(test::scan_of(walls, T_map_base, 0.0, beams), {});
 }
 
 double widest_gap_m(std::vector<double> along) {

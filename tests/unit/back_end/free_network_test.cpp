@@ -9,7 +9,7 @@
 
 #include <vector>
 
-#include "engine/mapping/graph/free_network.hpp"
+#include "engine/mapping/graph/pose_graph.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/random.hpp"
 

@@ -48,16 +48,17 @@ PoseGraph square_drive(std::size_t places) {
 /// The sum of what the relations say against these poses, each loop times its weight.
 double chi2_of_graph(const PoseGraph& graph, const std::vector<Pose2>& poses) {
   double sum = 0.0;
-  for (const PoseRelation& relation : graph.path) sum += chi2_of(relation, poses[relation.from], poses[relation.to]);
+  for (const PoseRelation& relation : graph.path)
+    sum += relation_chi2(relation, poses[relation.from], poses[relation.to]);
   for (const Loop& loop : graph.loops) {
-    sum += loop.weight * chi2_of(loop.relation, poses[loop.relation.from], poses[loop.relation.to]);
+    sum += loop.weight * relation_chi2(loop.relation, poses[loop.relation.from], poses[loop.relation.to]);
   }
   return sum;
 }
 
 TEST(GraphReplay, BeginsWithThePathAsTheFirstMeasuredIt) {
   const PoseGraph graph = square_drive(30);
-  const std::vector<ReplayStage> stages = replay_of(graph, 100);
+  const std::vector<ReplayStage> stages = replay_graph(graph, 100);
   ASSERT_FALSE(stages.empty());
   EXPECT_TRUE(stages[0].loops.empty());
   Pose2 pose;
@@ -70,7 +71,7 @@ TEST(GraphReplay, BeginsWithThePathAsTheFirstMeasuredIt) {
 TEST(GraphReplay, EveryLoopComesOnceAtItsLaterPlace) {
   const PoseGraph graph = square_drive(40);
   for (const std::size_t most : {1U, 2U, 3U, 100U}) {
-    const std::vector<ReplayStage> stages = replay_of(graph, most);
+    const std::vector<ReplayStage> stages = replay_graph(graph, most);
     EXPECT_LE(stages.size(), most + 1);
     std::vector<int> times(graph.loops.size(), 0);
     for (std::size_t k = 1; k < stages.size(); ++k) {
@@ -88,7 +89,7 @@ TEST(GraphReplay, EveryLoopComesOnceAtItsLaterPlace) {
 // No pose moved a little in any direction makes what was driven so far fit better.
 TEST(GraphReplay, EachStageIsTheLeastOfWhatIsKnownThen) {
   const PoseGraph graph = square_drive(33);
-  for (const ReplayStage& stage : replay_of(graph, 3)) {
+  for (const ReplayStage& stage : replay_graph(graph, 3)) {
     if (stage.loops.empty()) continue;
     PoseGraph part = graph;
     const auto is_later = [&](const PoseRelation& relation) { return relation.to > stage.place; };
@@ -134,7 +135,7 @@ Eigen::Matrix3d dense_covariance(const PoseGraph& graph, const std::vector<Pose2
 
 TEST(GraphReplay, TheRobotIsAsSureAsThePathAndTheLoopsSoFarMakeIt) {
   const PoseGraph graph = square_drive(26);
-  const std::vector<ReplayStage> stages = replay_of(graph, 100);
+  const std::vector<ReplayStage> stages = replay_graph(graph, 100);
   for (std::size_t k = 0; k < stages.size(); ++k) {
     const ReplayStage& stage = stages[k];
     PoseGraph known = graph;
@@ -154,9 +155,9 @@ TEST(GraphReplay, TheRobotIsAsSureAsThePathAndTheLoopsSoFarMakeIt) {
 
 TEST(GraphReplay, AGraphOfOnePlaceStandsStill) {
   PoseGraph graph;
-  EXPECT_TRUE(replay_of(graph, 10).empty());
+  EXPECT_TRUE(replay_graph(graph, 10).empty());
   graph.poses = {{1.0, 2.0, 0.5}};
-  const std::vector<ReplayStage> stages = replay_of(graph, 10);
+  const std::vector<ReplayStage> stages = replay_graph(graph, 10);
   ASSERT_EQ(stages.size(), 1U);
   EXPECT_EQ(stages[0].poses, graph.poses);
 }

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "engine/mapping/loops/group_doubt.hpp"
+#include "engine/mapping/loops/scan_group.hpp"
 
 namespace gdtslam {
 namespace {

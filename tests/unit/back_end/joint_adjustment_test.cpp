@@ -15,7 +15,7 @@ namespace gdtslam {
 namespace {
 
 KeptScan seen_from(const Pose2& T_map_base) {
-  return keep_scan(points_of(test::scan_of(test::furnished_room(), T_map_base, 0.0, 360), {}));
+  return keep_scan(to_points(test::scan_of(test::furnished_room(), T_map_base, 0.0, 360), {}));
 }
 
 double away_m(const Pose2& a, const Pose2& b) { return (a.translation() - b.translation()).norm(); }
@@ -93,7 +93,7 @@ KeptScan corridor_with_tilted_normals() {
       const double x = 0.1 * k - 1.0;
       const double tilt = k % 4 == 0 ? 0.07 : 0.0;
       scan.surface.push_back({static_cast<float>(x), static_cast<float>(side), static_cast<float>(std::sin(tilt)),
-                              static_cast<float>(-side * std::cos(tilt)), static_cast<float>(direction_of(x, side))});
+                              static_cast<float>(-side * std::cos(tilt)), static_cast<float>(pseudo_bearing(x, side))});
     }
   }
   std::sort(scan.surface.begin(), scan.surface.end(),
@@ -165,7 +165,7 @@ TEST(PairsOf, AreThoseInTimeAndTheNearestInSpace) {
     std::sort(near.begin(), near.end());
     for (std::size_t k = 0; k < std::min(near.size(), rules.most_near); ++k) expected.emplace_back(near[k].second, i);
   }
-  EXPECT_EQ(pairs_of(poses), expected);
+  EXPECT_EQ(find_pairs(poses), expected);
 }
 
 TEST(ScanAdjustment, PutsAScanBetweenItsKeyframes) {

@@ -58,21 +58,6 @@ const MeasuredStep& by_wheels(const MeasuredSteps& steps) { return steps[1]; }
 
 double relative_error(double value, double expected) { return std::fabs(value / expected - 1.0); }
 
-// Of wheels that are never better than 2 mm and half a milliradian nobody is surer than that.
-TEST(KeyframeSteps, WheelsAreAsGoodAsTheySayButFor2mm) {
-  for (const double sigma_m : {0.0, 0.001, 0.03}) {
-    for (const double sigma_rad : {0.0, 0.0005, 0.02}) {
-      const MeasuredSteps steps = steps_of(four_walls(15), metre_on(sigma_m, sigma_rad));
-      const Matrix3& information = by_wheels(steps).information;
-      EXPECT_LT(relative_error(1.0 / information(0, 0), sigma_m * sigma_m + 4.0e-6), 1e-9);
-      EXPECT_LT(relative_error(1.0 / information(1, 1), sigma_m * sigma_m + 4.0e-6), 1e-9);
-      EXPECT_LT(relative_error(1.0 / information(2, 2), sigma_rad * sigma_rad + 2.5e-7), 1e-9);
-      EXPECT_NEAR(by_wheels(steps).T.x_m, 1.0, 1e-12);
-      EXPECT_NEAR(by_match(steps).T.x_m, 1.0, 1e-12);
-    }
-  }
-}
-
 // A match's points err by 2 cm, twenty of them tell something new, half of them along each axis, and of its error a
 // share of 0.15 stays in the path; no keyframe is known better than by 1.5 mm and 0.3 mrad. The wheels count by
 // themselves.
@@ -143,19 +128,6 @@ TEST(KeyframeSteps, AScanThatMatchedNothingTellsNothing) {
     EXPECT_GE(covariance(0, 0), 24.9) << sigma_m;
     EXPECT_GE(covariance(2, 2), 0.99) << sigma_m;
   }
-}
-
-// Fewer than sixty points tell less, by their share of sixty; more tell no more.
-TEST(KeyframeSteps, SixtyPointsAreEnough) {
-  const auto of_points = [](std::size_t count) {
-    const Matrix3 covariance = inverse(by_match(steps_of(four_walls(count), metre_on(4.0, 3.0))).information);
-    return 1.0 / (covariance(0, 0) - 2.25e-6);  // without what the floor adds
-  };
-  const double whole = of_points(30);
-  EXPECT_NEAR(of_points(10) / whole, 40.0 / 60.0, 0.01);
-  EXPECT_NEAR(of_points(14) / whole, 56.0 / 60.0, 0.01);
-  EXPECT_NEAR(of_points(15) / whole, 1.0, 0.01);
-  EXPECT_NEAR(of_points(16) / whole, 1.0, 0.01);
 }
 
 // Where a scan lies 5 cm from its map, that may be its points' noise: for who asks how sure the path is.

@@ -84,41 +84,6 @@ TEST_P(LiveLoopsSeeds, TheCorrectionComesLateAndBringsTheRobotBack) {
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, LiveLoopsSeeds, testing::Values(1, 2, 3));
 
-// What a closer found that took the keyframes one by one, eight places later.
-TEST(LiveLoops, WhatWasFoundAtAPlaceTakesEffectWhenEightHaveComeAfterIt) {
-  const LoopDrive twice = test::drive_around_ring(2, 0.01, 0.003, 1);
-  FrontEndPath path;
-  LoopCloser closer(path, {});
-  WorkerPool alone(1);
-  LiveLoops loops({}, {.is_beside = false});
-  std::vector<Pose2> found;
-  Pose2 expected;
-  std::size_t changes = 0;
-  for (std::size_t i = 0; i < twice.path.poses.size(); ++i) {
-    path.scans.push_back(twice.path.scans[i]);
-    path.poses.push_back(twice.path.poses[i]);
-    path.path_m.push_back(twice.path.path_m[i]);
-    path.steps.push_back(twice.path.steps[i]);
-    path.doubts.push_back(twice.path.doubts[i]);
-    path.travels.push_back(twice.path.travels[i]);
-    const std::size_t before = closer.places().size();
-    closer.follow([](double, int) {}, alone);
-    if (closer.graph().poses.size() > found.size()) found.push_back(closer.correction());
-    const std::size_t last = closer.places().size() - 1;
-    if (last + 1 > before && last >= 8) {
-      changes += found[last - 8] == expected ? 0U : 1U;
-      expected = found[last - 8];
-    }
-    loops.take(keyframe_at(twice, i));
-    ASSERT_EQ(loops.correction(), expected) << i;
-    EXPECT_EQ(loops.statistics().places, last + 1);
-    EXPECT_EQ(loops.statistics().corrections, changes);
-  }
-  EXPECT_GT(changes, 1U);
-  EXPECT_EQ(loops.statistics().waits, 0U) << "without a thread there is nothing to wait for";
-  EXPECT_EQ(loops.statistics().beside_cpu_s, 0.0);
-}
-
 /// A distance field this fine has more cells to an obstacle than the kernels count.
 LoopOptions too_fine() {
   LoopOptions options;
@@ -264,9 +229,9 @@ TEST(LiveLoops, WithoutAThreadTheCallerDoesItWithOneWarning) {
 /// Distance to the nearest obstacle at the points of a scan, cells; the mean.
 double mean_distance_cells(const GlobalField& field, const KeptScan& scan, const Pose2& T_map_base) {
   double sum = 0.0;
-  const std::vector<Point2> points = points_of(scan);
+  const std::vector<Point2> points = to_points(scan);
   for (const Point2& point : points) {
-    sum += field.at(map_cell_of(T_map_base * point, field.geometry().resolution_m)) / 256.0;
+    sum += field.at(map_cell_at(T_map_base * point, field.geometry().resolution_m)) / 256.0;
   }
   return sum / static_cast<double>(points.size());
 }

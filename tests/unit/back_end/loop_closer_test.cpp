@@ -29,22 +29,6 @@ TEST(PlaceCounter, APlaceIsFourMetresBehindTheLastOne) {
   EXPECT_EQ(counter.places(), 4U);
 }
 
-TEST(PlaceCounter, OfATurnOnTheSpotEachSixtiethKeyframeIsOne) {
-  PlaceCounter counter({});
-  const auto next_place_after = [&](double path_m) {
-    int keyframes = 1;
-    while (!counter.is_place(path_m) && keyframes < 1000) ++keyframes;
-    return keyframes;
-  };
-  EXPECT_EQ(next_place_after(0.0), 1);
-  EXPECT_EQ(next_place_after(0.0), 60);
-  EXPECT_EQ(next_place_after(0.0), 60);
-  for (int k = 0; k < 30; ++k) EXPECT_FALSE(counter.is_place(1.0));
-  EXPECT_TRUE(counter.is_place(4.0));
-  EXPECT_EQ(next_place_after(4.0), 60) << "counted from each place anew";
-  EXPECT_EQ(counter.places(), 5U);
-}
-
 /// Keyframes that saw nothing, a metre apart.
 FrontEndPath blind_path(std::size_t keyframes) {
   FrontEndPath path;
@@ -57,27 +41,6 @@ FrontEndPath blind_path(std::size_t keyframes) {
     path.travels.push_back({.path_m = 1.0});
   }
   return path;
-}
-
-TEST(LoopCloserPlaces, APlaceIsLookedAtWhenTwoHaveComeAfterIt) {
-  const FrontEndPath whole = blind_path(30);
-  FrontEndPath path;
-  LoopCloser closer(path, {});
-  WorkerPool alone(1);
-  for (std::size_t k = 0; k < whole.poses.size(); ++k) {
-    path.scans.push_back(whole.scans[k]);
-    path.poses.push_back(whole.poses[k]);
-    path.path_m.push_back(whole.path_m[k]);
-    path.steps.push_back(whole.steps[k]);
-    path.travels.push_back(whole.travels[k]);
-    std::size_t told = 0;
-    closer.follow([&](double, int) { ++told; }, alone);
-    const std::size_t places = k / 4 + 1;
-    ASSERT_EQ(closer.places().size(), places);
-    EXPECT_EQ(closer.graph().poses.size(), places > 2 ? places - 2 : 0);
-    EXPECT_EQ(told, k % 4 == 0 && places > 3 ? 1U : 0U) << "of each but the first";
-    EXPECT_EQ(closer.correction(), Pose2{});
-  }
 }
 
 TEST(LoopCloserPlaces, ProgressIsTheShareOfPlacesInEachRound) {

@@ -80,7 +80,7 @@ TEST_F(LoopsOfARoom, ADriveWithoutASecondPlaceHasCovariances) {
   const std::vector<Pose2> truth = test::drive_through_room();
   double driven_m = 0.0;
   for (std::size_t i = 0; i < truth.size(); ++i) {
-    if (i > 0) driven_m += length_of(between(truth[i - 1], truth[i]));
+    if (i > 0) driven_m += translation_length(between(truth[i - 1], truth[i]));
     if (driven_m > 3.5) break;
     mapper.process(test::scan_of(walls, truth[i], 0.1 * static_cast<double>(i)), truth[i]);
   }

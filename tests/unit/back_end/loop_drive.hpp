@@ -131,7 +131,7 @@ inline LoopDrive drive_around_ring(int rounds, double sigma_m, double sigma_rad,
   const Matrix3 information = inverse(Matrix3::diagonal(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad));
   for (std::size_t i = 0; i < result.truth.size(); ++i) {
     const LaserScan scan = scan_of(walls, result.truth[i], 0.0, 180);
-    result.path.scans.push_back(keep_scan(points_of(scan, {})));
+    result.path.scans.push_back(keep_scan(to_points(scan, {})));
     const KeptScan& kept = result.path.scans[i];
     if (i == 0) {
       result.path.poses.push_back(result.truth.front());
@@ -148,8 +148,8 @@ inline LoopDrive drive_around_ring(int rounds, double sigma_m, double sigma_rad,
     const Pose2 measured = step * exp_se2({x, y, turn});
     result.path.poses.push_back(result.path.poses.back() * measured);
     result.path.steps.push_back({MeasuredStep{measured, information}, MeasuredStep{measured, 0.01 * information}});
-    result.path.doubts.push_back(doubt_of(result.path.steps.back()));
-    result.path.travels.push_back({.path_m = length_of(measured),
+    result.path.doubts.push_back(step_doubt(result.path.steps.back()));
+    result.path.travels.push_back({.path_m = translation_length(measured),
                                    .turned_rad = std::fabs(measured.theta_rad),
                                    .is_way_known = knows_way(kept, inverse(measured).translation())});
     result.path.path_m.push_back(result.path.path_m.back() + step.translation().norm());

@@ -25,7 +25,7 @@ class RoomSeenAgain : public testing::Test {
       graph_.poses.push_back(seen_from * Pose2{-1.0, 0.0, 0.0});
       poses_.insert(poses_.end(), {graph_.poses.back(), seen_from});
       scans_.emplace_back();
-      scans_.push_back(keep_scan(points_of(test::scan_of(walls, seen_from, 0.0), {})));
+      scans_.push_back(keep_scan(to_points(test::scan_of(walls, seen_from, 0.0), {})));
       const double path_m = path_m_.empty() ? 0.0 : path_m_.back() + 49.0;
       path_m_.insert(path_m_.end(), {path_m, path_m + 1.0});
     }
@@ -50,7 +50,7 @@ class RoomSeenAgain : public testing::Test {
 };
 
 double off_m(const Loop& loop, const Pose2& T_from_to) {
-  return length_of(between(T_from_to, loop.relation.T_from_to));
+  return translation_length(between(T_from_to, loop.relation.T_from_to));
 }
 
 TEST_F(RoomSeenAgain, BothEarlierPlacesAreFoundWhereTheyAre) {
@@ -88,15 +88,6 @@ TEST_F(RoomSeenAgain, BoxesThatCoverTheWindowDoNotCount) {
       off_m(loops[0], loops[0].relation.from == 1 ? T_truth : between(graph_.poses[0], graph_.poses[1]) * T_truth),
       0.06);
   EXPECT_GT(finder.counts().boxes, 2 * options.most_boxes);
-}
-
-TEST_F(RoomSeenAgain, NoMoreThanAskedForAreSearched) {
-  LoopFinder finder({});
-  show_all_to(finder);
-  ASSERT_EQ(look(finder, 1).size(), 1U);
-  EXPECT_EQ(finder.counts().searched, 1U);
-  EXPECT_TRUE(look(finder, 0).empty());
-  EXPECT_EQ(finder.counts().searched, 1U);
 }
 
 TEST_F(RoomSeenAgain, APlaceThatIsLeftOutIsNeitherLookedForNorAt) {
@@ -163,15 +154,6 @@ TEST_F(RoomSeenAgain, PlacesAroundWhichNothingWasSeenAreNeitherLookedForNorIn) {
   EXPECT_EQ(finder.counts().searched, 0U);
 }
 
-TEST_F(RoomSeenAgain, ALoopBetweenOtherPlacesKeepsNoneFromBeingSearched) {
-  LoopFinder finder({});
-  show_all_to(finder);
-  const Pose2 T = between(graph_.poses[0], graph_.poses[1]);
-  graph_.loops.push_back({{0, 1, T, Matrix3::diagonal(100.0, 100.0, 1.0e4)}, 1.0});
-  EXPECT_EQ(look(finder).size(), 2U);
-  EXPECT_EQ(finder.counts().searched, 2U);
-}
-
 // The keyframes that saw the walls move 20 cm ahead. A group that was kept has them where they were, one that is made
 // anew has them there.
 TEST_F(RoomSeenAgain, GroupsBeyondTheMemoryAreForgottenAndOthersKeptUntilTheyAreBent) {
@@ -235,7 +217,7 @@ class RepeatedNiches : public testing::Test {
       for (int k = -half; k <= half; ++k) {
         poses_.push_back({1.0 * k, 0.0, 0.0});
         path_m_.push_back(half == 12 ? 12.0 + k : 104.0 + k);
-        scans_.push_back(keep_scan(points_of(test::scan_of(walls, poses_.back(), 0.0), {})));
+        scans_.push_back(keep_scan(to_points(test::scan_of(walls, poses_.back(), 0.0), {})));
       }
     }
   }

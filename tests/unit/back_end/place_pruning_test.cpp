@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "engine/mapping/adjust/carried_poses.hpp"
+#include "engine/mapping/adjust/scan_adjustment.hpp"
 #include "engine/mapping/back_end/back_end.hpp"
-#include "engine/mapping/loops/place_pruning.hpp"
+#include "engine/mapping/loops/loop_closer.hpp"
 #include "loop_drive.hpp"
 
 namespace gdtslam {
@@ -42,22 +42,6 @@ TEST(PlacePruning, TheFirstPassesStayAndThoseBehindThemGo) {
   EXPECT_EQ(pruned_of(standing, later), (std::vector<std::size_t>{2, 3}));
   later.most_passes = 3;
   EXPECT_EQ(pruned_of(standing, later), (std::vector<std::size_t>{3}));
-}
-
-TEST(PlacePruning, BesideIsNearerThanTwoMetresAndInTheSameDirection) {
-  const auto third_goes = [](const Pose2& third) {
-    return !pruned_of({{}, {}, third, {50.0, 0.0, 0.0}}, kTwoPasses).empty();
-  };
-  EXPECT_TRUE(third_goes({std::nextafter(2.0, 0.0), 0.0, 0.0}));
-  EXPECT_FALSE(third_goes({2.0, 0.0, 0.0}));
-  EXPECT_FALSE(third_goes({0.0, -2.0, 0.0}));
-  EXPECT_TRUE(third_goes({1.2, -1.5, 0.0}));
-  EXPECT_FALSE(third_goes({1.2, -1.7, 0.0}));
-  for (const double sign : {-1.0, 1.0}) {
-    EXPECT_TRUE(third_goes({0.0, 0.0, 0.49 * sign}));
-    EXPECT_FALSE(third_goes({0.0, 0.0, 0.5 * sign}));
-    EXPECT_FALSE(third_goes({0.0, 0.0, 3.1 * sign})) << "the other way";
-  }
 }
 
 TEST(PlacePruning, APlaceIsCrowdedBesideAsManyAsKeepTheirScans) {
@@ -114,7 +98,7 @@ TEST(CarryWithNearest, MovesEachPoseAsTheNearestOneMoved) {
 
 std::vector<std::pair<double, double>> sorted_points(const KeptScan& scan) {
   std::vector<std::pair<double, double>> points;
-  for (const Point2& point : points_of(scan)) points.emplace_back(point.x(), point.y());
+  for (const Point2& point : to_points(scan)) points.emplace_back(point.x(), point.y());
   std::sort(points.begin(), points.end());
   return points;
 }
@@ -147,7 +131,7 @@ class FiveRounds : public testing::Test {
       result.accepted = true;
       result.merged = i % kEveryOther != 3;
       last = result.T_map_base;
-      back_end.take(points_of(drive().path.scans[i]), result);
+      back_end.take(to_points(drive().path.scans[i]), result);
     }
   }
   static void take_all(BackEnd& back_end) { take(back_end, drive().truth.size()); }

@@ -18,7 +18,7 @@ namespace {
 
 SurfacePoint surface_point(double x_m, double y_m, double turn_rad = 0.0) {
   return {static_cast<float>(x_m), static_cast<float>(y_m), -static_cast<float>(std::cos(turn_rad)),
-          -static_cast<float>(std::sin(turn_rad)), static_cast<float>(direction_of(x_m, y_m))};
+          -static_cast<float>(std::sin(turn_rad)), static_cast<float>(pseudo_bearing(x_m, y_m))};
 }
 
 KeptScan scan_with(std::vector<SurfacePoint> points) {
@@ -63,17 +63,10 @@ TEST(PointToLine, APointCountsWithinTheGateToEitherSide) {
   }
 }
 
-TEST(PointToLine, FacesAreTheSameUpToACosineOfFourFifths) {
-  for (const double side : {-1.0, 1.0}) {
-    EXPECT_GT(point_on_line(surface_point(2.0, 0.0, side * std::acos(0.81)), surface_point(2.0, 0.0)).weight, 0.9);
-    EXPECT_EQ(point_on_line(surface_point(2.0, 0.0, side * std::acos(0.79)), surface_point(2.0, 0.0)).weight, 0.0);
-  }
-}
-
 // In the moving scan's own frame: the same wall, seen from a robot that is turned by a quarter.
 TEST(PointToLine, EquationsAreThoseOfTheMovingScan) {
   const Pose2 T_fixed_moving{0.0, 0.0, 0.5 * 3.14159265358979};
-  const SurfacePoint aside{0.1F, -2.06F, 0.0F, 1.0F, static_cast<float>(direction_of(0.1, -2.06))};
+  const SurfacePoint aside{0.1F, -2.06F, 0.0F, 1.0F, static_cast<float>(pseudo_bearing(0.1, -2.06))};
   const LineEquations lines =
       line_equations(scan_with({surface_point(2.0, 0.0)}), scan_with({aside}), T_fixed_moving, kGate);
   EXPECT_NEAR(lines.weight, 0.25, 1e-4);
@@ -81,43 +74,6 @@ TEST(PointToLine, EquationsAreThoseOfTheMovingScan) {
   EXPECT_NEAR(lines.gradient[0], 0.0, 1e-6);
   EXPECT_NEAR(lines.gradient[1], -0.25 * 0.06, 1e-5);
   EXPECT_NEAR(lines.gradient[2], -0.25 * 0.06 * 0.1, 1e-5);
-}
-
-// The nearest is looked for among twelve to each side of the direction.
-TEST(PointToLine, TwelveToEachSideAreLookedAt) {
-  for (const double side : {-1.0, 1.0}) {
-    for (const int nearest : {12, 13}) {
-      std::vector<SurfacePoint> points;
-      for (int k = 1; k <= 14; ++k) {
-        points.push_back(surface_point(k == nearest ? 2.0 : 2.1, side * 0.001 * k));
-      }
-      const LineEquations lines =
-          line_equations(half_circle_with(points), scan_with({surface_point(2.0, 0.0)}), {}, kGate);
-      EXPECT_NEAR(lines.cost_m2, nearest == 12 ? 0.0 : lines.weight * 0.01, 1e-5) << side;
-    }
-  }
-}
-
-// Near the robot directions differ by much: what is more than 0.6 away does not count.
-TEST(PointToLine, NearTheRobotTheDirectionBoundsTheSearch) {
-  const SurfacePoint here = surface_point(0.1, 0.0);
-  for (const double side : {-1.0, 1.0}) {
-    EXPECT_GT(point_on_line(here, surface_point(0.043, side * 0.057)).weight, 0.0);
-    EXPECT_EQ(point_on_line(here, surface_point(0.037, side * 0.063)).weight, 0.0);
-  }
-}
-
-TEST(PointToLine, AboutAsManyPointsAreTakenAsAskedFor) {
-  const std::vector<SurfacePoint> same(5, surface_point(2.0, 0.0));
-  const KeptScan fixed = scan_with({surface_point(2.0, 0.0)});
-  const auto taken = [&](std::size_t points, std::size_t wanted) {
-    const KeptScan moving = scan_with({same.begin(), same.begin() + static_cast<std::ptrdiff_t>(points)});
-    return line_equations(fixed, moving, {}, {.most_m = 0.2, .points = wanted}).weight;
-  };
-  EXPECT_NEAR(taken(3, 2), 3.0, 1e-6) << "fewer than two for each";
-  EXPECT_NEAR(taken(4, 2), 2.0, 1e-6);
-  EXPECT_NEAR(taken(5, 2), 3.0, 1e-6);
-  EXPECT_NEAR(taken(5, 9), 5.0, 1e-6);
 }
 
 /// Somewhere ahead; x is drawn first.
@@ -130,7 +86,7 @@ SurfacePoint drawn_point(Random& random) {
 /// The weight of a point on the nearest of all that lie within the gate and so near to its direction as the gate
 /// allows.
 double weight_by_asking_all(const std::vector<SurfacePoint>& lines, const SurfacePoint& p) {
-  const double direction = direction_of(static_cast<double>(p.x_m), static_cast<double>(p.y_m));
+  const double direction = pseudo_bearing(static_cast<double>(p.x_m), static_cast<double>(p.y_m));
   const double reach = kGate.most_m / p.point().norm();
   double least_m = kGate.most_m;
   double weight = 0.0;
@@ -220,11 +176,6 @@ class ScanOnKeyframes {
     for (int k = -5; k <= 5; ++k) wall.push_back(surface_point(ahead_m - pose.x_m, 0.05 * k - pose.y_m));
     keyframes_.push_back(half_circle_with(wall));
   }
-  /// One that sees nothing.
-  void add_blind(const Pose2& pose) {
-    poses_.push_back(pose);
-    keyframes_.emplace_back();
-  }
   [[nodiscard]] double moved_to(std::optional<std::size_t> last, bool is_keyframe = false) const {
     std::vector<SurfacePoint> wall;
     for (int k = -5; k <= 5; ++k) wall.push_back(surface_point(2.0, 0.05 * k));
@@ -255,56 +206,6 @@ TEST(ScanOnKeyframe, DoesNotCountItself) {
   scene.add({}, 2.03);
   EXPECT_GT(scene.moved_to(0, false), 0.01);
   EXPECT_NEAR(scene.moved_to(0, true), 0.0, 1e-12);
-}
-
-TEST(ScanOnKeyframe, ThoseWithinThreeMetresCount) {
-  for (const double side : {-1.0, 1.0}) {
-    ScanOnKeyframes within;
-    within.add({0.0, side * 2.95, 0.0}, 2.03);
-    EXPECT_GT(within.moved_to(0), 0.01);
-    ScanOnKeyframes beyond;
-    beyond.add({0.0, side * 3.05, 0.0}, 2.03);
-    EXPECT_NEAR(beyond.moved_to(0), 0.0, 1e-12);
-  }
-}
-
-// Of one that hangs on no keyframe those that look the same way, within 45 degrees, count as 0.3 m nearer.
-TEST(ScanOnKeyframe, WithoutAKeyframeThoseThatLookTheSameWayCountAsNearer) {
-  for (const double turn_rad : {-0.78, 0.78, -0.79, 0.79}) {
-    ScanOnKeyframes scene({.most_keyframes = 1});
-    scene.add_blind({0.0, 0.25, turn_rad});
-    scene.add({0.0, 0.5, 0.0}, 2.03);
-    const bool is_alike = std::fabs(turn_rad) < 0.785;
-    EXPECT_EQ(scene.moved_to(std::nullopt) < 0.01, is_alike) << turn_rad;
-    EXPECT_LT(scene.moved_to(0), 0.01) << "next in time, whatever way they look";
-  }
-}
-
-// Eight keyframes to each side, the own one among them, count as 0.3 m nearer than others.
-TEST(ScanOnKeyframe, NeighboursInTimeAreNearer) {
-  const auto takes_neighbour = [](std::size_t apart, double away_m, bool is_later) {
-    ScanOnKeyframes scene({.most_keyframes = 1});
-    const auto add_blind = [&](std::size_t count) {
-      for (std::size_t k = 0; k < count; ++k) scene.add_blind({50.0, 0.0, 0.0});
-    };
-    if (is_later) {
-      scene.add({0.0, 1.0, 0.0}, 1.97);  // long ago: pulls back
-      add_blind(20);
-      add_blind(apart);
-      scene.add({0.0, away_m, 0.0}, 2.03);
-      return scene.moved_to(21) > 0.0;
-    }
-    scene.add({0.0, away_m, 0.0}, 2.03);
-    add_blind(apart + 19);
-    scene.add({0.0, 1.0, 0.0}, 1.97);
-    return scene.moved_to(apart) > 0.0;
-  };
-  for (const bool is_later : {false, true}) {
-    EXPECT_TRUE(takes_neighbour(7, 1.28, is_later));
-    EXPECT_FALSE(takes_neighbour(7, 1.32, is_later));
-    EXPECT_TRUE(takes_neighbour(8, 0.98, is_later)) << "no neighbour any more";
-    EXPECT_FALSE(takes_neighbour(8, 1.02, is_later));
-  }
 }
 
 }  // namespace

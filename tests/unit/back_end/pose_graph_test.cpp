@@ -57,9 +57,9 @@ double largest_error_m(const PoseGraph& graph) {
 // Geman and McClure's cost of loops, plain squares of the path.
 double robust_cost(const PoseGraph& graph) {
   double sum = 0.0;
-  for (const PoseRelation& r : graph.path) sum += chi2_of(r, graph.poses[r.from], graph.poses[r.to]);
+  for (const PoseRelation& r : graph.path) sum += relation_chi2(r, graph.poses[r.from], graph.poses[r.to]);
   for (const Loop& loop : graph.loops) {
-    const double chi2 = chi2_of(loop.relation, graph.poses[loop.relation.from], graph.poses[loop.relation.to]);
+    const double chi2 = relation_chi2(loop.relation, graph.poses[loop.relation.from], graph.poses[loop.relation.to]);
     sum += chi2 / (1.0 + chi2 / PoseGraph::kScale);
   }
   return sum;
@@ -149,7 +149,8 @@ TEST(PoseGraph, NormalEquationsAreTheDerivatives) {
   for (const PoseRelation& relation : graph.path) add_relation(relation, graph.poses, 2.0, system);
   const auto half_cost = [&](const std::vector<Pose2>& poses) {
     double sum = 0.0;
-    for (const PoseRelation& relation : graph.path) sum += chi2_of(relation, poses[relation.from], poses[relation.to]);
+    for (const PoseRelation& relation : graph.path)
+      sum += relation_chi2(relation, poses[relation.from], poses[relation.to]);
     return sum;  // half of twice
   };
   constexpr double kStep = 1e-6;
@@ -192,9 +193,9 @@ TEST(GraphCovariance, IsThatOfTheDenseInverse) {
   };
   for (std::size_t row = 0; row < size; ++row) {
     put(row, row, system.diagonal[row]);
-    for (std::size_t nth = 0; nth < system.columns_of(row).size(); ++nth) {
-      put(row, system.columns_of(row)[nth], system.block(row, nth));
-      put(system.columns_of(row)[nth], row, transposed(system.block(row, nth)));
+    for (std::size_t nth = 0; nth < system.row_columns(row).size(); ++nth) {
+      put(row, system.row_columns(row)[nth], system.block(row, nth));
+      put(system.row_columns(row)[nth], row, transposed(system.block(row, nth)));
     }
   }
   const Eigen::MatrixXd covariance = information.inverse();

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/mapping/graph/free_network.hpp"
+#include "engine/mapping/graph/pose_graph.hpp"
 #include "engine/mapping/sessions/session_merge.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
@@ -23,8 +23,8 @@ Session session_of(const std::vector<Segment>& walls, const std::vector<Pose2>& 
   constexpr std::size_t kPlaceEvery = 16;
   Session session;
   for (std::size_t i = 0; i < truth.size(); ++i) {
-    const double step_m = i > 0 ? length_of(between(truth[i - 1], truth[i])) : 0.0;
-    session.scans.push_back(keep_scan(points_of(test::scan_of(walls, truth[i], 0.0, 180), {})));
+    const double step_m = i > 0 ? translation_length(between(truth[i - 1], truth[i])) : 0.0;
+    session.scans.push_back(keep_scan(to_points(test::scan_of(walls, truth[i], 0.0, 180), {})));
     session.poses.push_back(T_map_truth * truth[i]);
     session.path_m.push_back(i > 0 ? session.path_m.back() + step_m : 0.0);
     if (i % kPlaceEvery != 0) continue;
@@ -71,7 +71,7 @@ TEST(Sessions, APlaceIsFoundInTheOther) {
   const Pose2 truth = kFirstFrame * inverse(kSecondFrame) * query.poses[keyframe];
   EXPECT_TRUE(fix.is_possible);
   EXPECT_TRUE(fix.is_alone);
-  EXPECT_LT(length_of(between(truth, fix.T_map_keyframe)), 0.1);
+  EXPECT_LT(translation_length(between(truth, fix.T_map_keyframe)), 0.1);
   EXPECT_TRUE(map.fits(query, fix, truth));
   EXPECT_FALSE(map.fits(query, fix, truth * Pose2{0.0, 0.0, kPi})) << "the other way around";
   EXPECT_FALSE(map.find(query, query.places.back()).is_possible) << "the first drive was not there";
@@ -104,7 +104,7 @@ TEST(Sessions, APlaceIsHeldAgainstTheTimeThatSawEnoughOfIt) {
   EXPECT_TRUE(fix.is_possible);
   EXPECT_GT(fix.reference_place, session.places.size() / 2);
   EXPECT_GE(fix.evidence.overlap, limits.least_overlap);
-  EXPECT_LT(length_of(between(truth, fix.T_map_keyframe)), 0.1);
+  EXPECT_LT(translation_length(between(truth, fix.T_map_keyframe)), 0.1);
 }
 
 TEST(Sessions, ThatOverlapBecomeOneSiteInTheFirstOnesFrame) {
@@ -238,7 +238,7 @@ TEST(Sessions, InOneOfTwoAlikeWingsAreNotJoinedWhereBothAreKnown) {
     const Session& query = is_of_second ? with_other : with_one;
     const Pose2 T_reference_query =
         is_of_second ? kFirstFrame * inverse(kSecondFrame) : kSecondFrame * inverse(kFirstFrame);
-    EXPECT_LT(length_of(between(T_reference_query * query.poses[fix.keyframe], fix.T_map_keyframe)), 0.1);
+    EXPECT_LT(translation_length(between(T_reference_query * query.poses[fix.keyframe], fix.T_map_keyframe)), 0.1);
   }
   EXPECT_EQ(merged({with_one, in_wing}).sites.size(), 1U) << "nobody saw the other wing";
 }

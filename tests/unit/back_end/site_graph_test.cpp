@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/mapping/graph/free_network.hpp"
+#include "engine/mapping/graph/pose_graph.hpp"
 #include "engine/mapping/sessions/growing_site.hpp"
 #include "engine/mapping/sessions/session_merge.hpp"
 #include "engine/mapping/sessions/site_graph.hpp"
@@ -91,8 +91,8 @@ TEST(SiteGraph, AFixInALaterSessionIsTurnedRound) {
   for (const Pose2& off : {Pose2{1e-4, 0.0, 0.0}, Pose2{0.0, 1e-4, 0.0}, Pose2{0.0, 0.0, 1e-4}}) {
     const Pose2 first = Pose2{0.3, 0.1, 0.7};
     const Pose2 second = first * across.T_from_to * off;
-    const double expected = chi2_of(as_found, second, first);
-    EXPECT_NEAR(chi2_of(across, first, second), expected, 0.001 * expected);
+    const double expected = relation_chi2(as_found, second, first);
+    EXPECT_NEAR(relation_chi2(across, first, second), expected, 0.001 * expected);
   }
 }
 
@@ -230,49 +230,16 @@ TEST(GrowingSite, TellsPlacesOfTheSiteAsThoseOfItsSessions) {
   EXPECT_FALSE(site.holds(2));
   EXPECT_THAT(site.T_site_keyframe(1, 2), PoseNear({2.0, 0.0, 0.0}, 1e-6, 1e-4));
   EXPECT_THAT(site.T_site_keyframe(3, 2), PoseNear({2.0, 5.0, kQuarter}, 1e-6, 1e-4));
-  const SessionEdge of_last = site.edge_of(2, fix_at(7, 1, {2.0, 1.0, 0.25}, 0.5));
+  const SessionEdge of_last = site.make_edge(2, fix_at(7, 1, {2.0, 1.0, 0.25}, 0.5));
   EXPECT_EQ(of_last.reference, 1U);
   EXPECT_EQ(of_last.query, 2U);
   EXPECT_EQ(of_last.held.front().reference_place, 1U);
   EXPECT_EQ(of_last.held.front().keyframe, 7U);
   EXPECT_THAT(of_last.held.front().T_map_keyframe, PoseNear({2.0, 1.0, 0.25}, 1e-6, 1e-4));
-  const SessionEdge of_first = site.edge_of(2, fix_at(7, 2, {1.0, 3.0, kQuarter}, 0.5));
+  const SessionEdge of_first = site.make_edge(2, fix_at(7, 2, {1.0, 3.0, kQuarter}, 0.5));
   EXPECT_EQ(of_first.reference, 3U);
   EXPECT_EQ(of_first.held.front().reference_place, 0U);
   EXPECT_THAT(of_first.held.front().T_map_keyframe, PoseNear({0.0, 1.0, 0.0}, 1e-6, 1e-4)) << "to its left";
-}
-
-/// Some hold, and nothing speaks against it.
-SessionOverlap that_holds() {
-  SessionOverlap overlap;
-  overlap.held = {fix_at(0, 0, {}, 0.5)};
-  overlap.possible = 5;
-  overlap.alone = 4;
-  overlap.met = 5;
-  overlap.fitting = 3;
-  return overlap;
-}
-
-bool is_refused(SessionOverlap overlap) {
-  refuse_doubtful({}, overlap);
-  EXPECT_EQ(overlap.held.empty(), overlap.is_undecided);
-  return overlap.is_undecided;
-}
-
-TEST(RefuseDoubtful, HoldsAtItsLimitsAndNotBeside) {
-  EXPECT_FALSE(is_refused(that_holds())) << "four of five alone, three of five fitting";
-  SessionOverlap overlap = that_holds();
-  overlap.alone = 3;
-  EXPECT_TRUE(is_refused(overlap));
-  overlap = that_holds();
-  overlap.fitting = 2;
-  EXPECT_TRUE(is_refused(overlap));
-  overlap = that_holds();
-  overlap.rival = 1;
-  EXPECT_TRUE(is_refused(overlap));
-  overlap = {};
-  refuse_doubtful({}, overlap);
-  EXPECT_FALSE(overlap.is_undecided) << "nothing was held";
 }
 
 // A metre of path is one place.

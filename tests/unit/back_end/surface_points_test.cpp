@@ -14,7 +14,7 @@ namespace gdtslam {
 namespace {
 
 std::vector<Point2> seen(const std::vector<test::Segment>& walls, const Pose2& T_map_base) {
-  return points_of(test::scan_of(walls, T_map_base, 0.0, 720), {});
+  return to_points(test::scan_of(walls, T_map_base, 0.0, 720), {});
 }
 
 /// Two walls along x, 2 m apart, far longer than the laser reaches.
@@ -73,7 +73,7 @@ TEST(KeptScan, PointsWithoutNeighboursHaveNoSurface) {
 
 TEST(ScanShape, SaysWhatACorridorCannotTell) {
   const KeptScan kept = keep_scan(seen(corridor(), {0.0, 0.0, 0.0}));
-  const Matrix3 shape = shape_of(kept);
+  const Matrix3 shape = surface_shape(kept);
   const auto n = static_cast<double>(kept.surface.size());
   EXPECT_NEAR(shape(0, 0) / n, 0.0, 1e-6);  // along
   EXPECT_NEAR(shape(1, 1) / n, 1.0, 1e-6);  // across
@@ -90,7 +90,7 @@ TEST(ScanShape, OfARoundRoomSaysNothingOfTheHeading) {
     circle.emplace_back(3.0 * std::cos(bearing), 3.0 * std::sin(bearing));
   }
   const KeptScan kept = keep_scan(circle);
-  const Matrix3 one = shape_of_one(shape_of(kept), kept.surface.size(), 1e-6, 3e-3).shape;
+  const Matrix3 one = shape_of_one(surface_shape(kept), kept.surface.size(), 1e-6, 3e-3).shape;
   EXPECT_NEAR(one(0, 0), 0.5, 0.01);
   EXPECT_NEAR(one(1, 1), 0.5, 0.01);
   EXPECT_LT(one(2, 2), 1e-3);

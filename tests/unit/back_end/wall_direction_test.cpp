@@ -24,7 +24,7 @@ std::optional<WallDirection> found_in(const std::vector<test::Segment>& walls, d
   for (std::size_t k = 0; k < drive.size(); k += 5) {
     LaserScan scan = test::scan_of(walls, drive[k], 0.0, 360);
     for (float& range : scan.ranges_m) range += static_cast<float>(random.uniform(-noise_m, noise_m));
-    finder.add(points_of(scan, {}), Pose2{0, 0, turn_rad} * drive[k]);
+    finder.add(to_points(scan, {}), Pose2{0, 0, turn_rad} * drive[k]);
   }
   return finder.direction();
 }
@@ -62,7 +62,7 @@ TEST(WallDirection, ARoundRoomHasNone) {
   WallDirectionFinder finder;
   for (int k = 0; k < 8; ++k) {
     const Pose2 T{0.3 * k, 0.1 * k, 0.8 * k};
-    finder.add(points_of(test::scan_of(walls, T, 0.0, 360), {}), T);
+    finder.add(to_points(test::scan_of(walls, T, 0.0, 360), {}), T);
   }
   EXPECT_FALSE(finder.direction());
   EXPECT_FALSE(WallDirectionFinder().direction());

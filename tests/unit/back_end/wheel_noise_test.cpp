@@ -172,58 +172,5 @@ TEST(WheelNoise, OfMatchesIsFoundWithinAFifth) {
   }
 }
 
-/// So many steps of perfect wheels and matches.
-WheelNoise after_perfect(int steps, const Pose2& step) {
-  WheelNoise noise;
-  Pose2 T;
-  for (int k = 0; k < steps; ++k) {
-    noise.take(T, T);
-    T = T * step;
-  }
-  return noise;
-}
-
-// What is known of no robot goes down to nothing over sixty stretches, and no wheels are believed to be better than
-// 3 mm and 2 mrad; below ten stretches of a kind nothing is estimated.
-TEST(WheelNoise, TrustGrowsUntilSixtyStretches) {
-  for (const int steps : {10, 20, 30, 50, 59, 60, 70, 150}) {
-    const WheelErrors errors = after_perfect(steps, {0.25, 0.0, 0.0}).errors();
-    const int estimated_at = steps / 10 * 10;  // every tenth
-    ASSERT_EQ(errors.stretches, static_cast<std::size_t>(estimated_at));
-    const double unknown = estimated_at <= 10 ? 1.0 : std::max(0.0, 1.0 - estimated_at / 60.0);
-    EXPECT_NEAR(errors.slip_m, std::max(0.003, 0.1 * unknown), 1e-9) << steps;
-    EXPECT_NEAR(errors.slip_rad, std::max(0.002, 0.2 * unknown), 1e-9) << steps;
-    EXPECT_NEAR(errors.match_m, 0.0, 1e-9);
-    EXPECT_NEAR(errors.match_rad, 0.0, 1e-9);
-  }
-  EXPECT_EQ(after_perfect(9, {0.25, 0.0, 0.0}).errors().stretches, 0U);
-}
-
-// A stretch is a quarter of a metre or of a radian, and the last 400 count.
-TEST(WheelNoise, AStretchIsAQuarterOfAMetreOrOfARadian) {
-  const auto stretches = [](int steps, const Pose2& step) { return after_perfect(steps, step).errors().stretches; };
-  EXPECT_EQ(stretches(40, {0.25, 0.0, 0.0}), 40U);
-  EXPECT_EQ(stretches(40, {-0.25, 0.0, 0.0}), 40U);
-  EXPECT_EQ(stretches(40, {0.125, 0.0, 0.0}), 20U);
-  EXPECT_EQ(stretches(60, {0.0625, 0.1875, 0.0}), 30U) << "0.198 m each";
-  EXPECT_EQ(stretches(40, {0.0, 0.0, 0.26}), 40U);
-  EXPECT_EQ(stretches(40, {0.0, 0.0, -0.26}), 40U);
-  EXPECT_EQ(stretches(60, {0.0, 0.0, 0.12}), 20U) << "three of them";
-  EXPECT_EQ(stretches(400, {0.25, 0.0, 0.0}), 400U);
-  EXPECT_EQ(stretches(450, {0.25, 0.0, 0.0}), 400U);
-}
-
-// A random walk's deviation grows with the root of the way; a metre counts as half a radian of turn.
-TEST(WheelNoise, GrowsWithTheRootOfTheWay) {
-  const WheelNoise unknown;
-  for (const double travelled_m : {0.0, 0.25, 4.0}) {
-    for (const double turned_rad : {0.0, 1.5}) {
-      const MotionNoise noise = unknown.of(travelled_m, turned_rad);
-      EXPECT_NEAR(noise.sigma_m * noise.sigma_m, 1e-6 + 0.01 * travelled_m, 1e-12);
-      EXPECT_NEAR(noise.sigma_rad * noise.sigma_rad, 2.5e-7 + 0.04 * (0.5 * travelled_m + turned_rad), 1e-12);
-    }
-  }
-}
-
 }  // namespace
 }  // namespace gdtslam

@@ -81,7 +81,7 @@ TEST(FaceEnd, LiesBetweenTheBeamsAndSaysHowFarTheyAreApart) {
   }
   EndPlace place{
       .sign = 1.0, .rough_m = 0.05, .sampling_m = 0.008, .beside = {-1.0, 1.0}, .eye_along_m = {}, .eye_before_m = 0.0};
-  const FaceEnd end = end_of(hits, place, 0.03);
+  const FaceEnd end = find_end(hits, place, 0.03);
   EXPECT_EQ(end.kind, EndKind::kJump);
   EXPECT_NEAR(end.at_m, 0.052, 5e-4);
   EXPECT_NEAR(end.sigma_m, 0.008 / std::sqrt(12.0), 8e-4);  // evenly likely over the gap
@@ -105,7 +105,7 @@ TEST(FaceEnd, IsExactWhereRowsAreShifted) {
                        .beside = {-1.0, 1.0},
                        .eye_along_m = {},
                        .eye_before_m = 0.0};
-  const FaceEnd end = end_of(hits, place, 0.03);
+  const FaceEnd end = find_end(hits, place, 0.03);
   EXPECT_NEAR(end.at_m, -0.0512, 2e-4);
   EXPECT_LT(end.sigma_m, 2e-4);
   EXPECT_GT(end.sigma_m, 1e-5);

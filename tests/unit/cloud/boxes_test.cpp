@@ -1,5 +1,5 @@
 // find_boxes before a scanner whose beams are cast one by one at boxes of known size.
-#include "gdtslam/cloud/box.hpp"
+#include "gdtslam/cloud/plane.hpp"
 
 #include <gtest/gtest.h>
 

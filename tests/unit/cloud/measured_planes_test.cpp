@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "engine/cloud/measured_plane.hpp"
-#include "engine/cloud/plane_extent.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "support/cloud_scenes.hpp"
 

@@ -5,10 +5,7 @@
 #include <array>
 #include <utility>
 
-#include "engine/compute/kernels/distance_field/distance_field.hpp"
-#include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
-#include "engine/compute/kernels/pose_cost/pose_cost.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/error.hpp"
 
@@ -109,11 +106,6 @@ class Launch : public testing::Test {
   Buffer seeds = backend->allocate(64 * 10);
   Buffer nearest = backend->allocate(4 * 64 * 10);
   JumpFloodInit::Params params{.width = 60, .height = 10, .stride = 64};
-
-  void expect_refused(const JumpFloodInit::Params& bad, Extent threads, const char* message) {
-    EXPECT_THAT([&] { run<JumpFloodInit>(*backend, bad, threads, seeds, nearest); },
-                ThrowsMessage<Error>(AllOf(HasSubstr("jump_flood_init"), HasSubstr(message))));
-  }
 };
 
 TEST_F(Launch, RightOnesRunAndAreCounted) {
@@ -121,24 +113,6 @@ TEST_F(Launch, RightOnesRunAndAreCounted) {
   EXPECT_EQ(backend->dispatch_count(), 1U);
   EXPECT_EQ(backend->host_view(nearest)[4 * 59], std::byte{0xFF});
   EXPECT_EQ(backend->host_view(nearest)[4 * 60], std::byte{0});
-}
-
-TEST_F(Launch, SizesThatDoNotFitAreRefused) {
-  expect_refused({.width = 60, .height = 11, .stride = 64}, {60, 11, 1}, "needs 700");
-  expect_refused({.width = 60, .height = 10, .stride = 62}, {60, 10, 1}, "stride 62");
-  expect_refused({.width = 60, .height = 10, .stride = 56}, {60, 10, 1}, "stride 56");
-  expect_refused(params, {59, 10, 1}, "extent 59 x 10 x 1, expected 60 x 10 x 1");
-  expect_refused({.width = 4000000000U, .height = 4000000000U, .stride = 4000000000U}, {4000000000U, 4000000000U, 1},
-                 "exceeds its limit");
-  EXPECT_EQ(backend->dispatch_count(), 0U);
-}
-
-TEST_F(Launch, OneByteTooFewIsTooFew) {
-  const std::size_t cells = 64 * 9 + 60;  // the last row needs no padding
-  EXPECT_NO_THROW(run<JumpFloodInit>(*backend, params, {60, 10, 1}, backend->allocate(cells), nearest));
-  EXPECT_NO_THROW(run<JumpFloodInit>(*backend, params, {60, 10, 1}, seeds, backend->allocate(4 * cells)));
-  EXPECT_THROW(run<JumpFloodInit>(*backend, params, {60, 10, 1}, backend->allocate(cells - 1), nearest), Error);
-  EXPECT_THROW(run<JumpFloodInit>(*backend, params, {60, 10, 1}, seeds, backend->allocate(4 * cells - 1)), Error);
 }
 
 TEST_F(Launch, CountsOfBuffersAndParametersAreChecked) {
@@ -169,57 +143,6 @@ TEST_F(Launch, ABufferThatOutlivedItsBackendIsRefused) {
   const auto other = make_cpu_backend({});
   EXPECT_THROW(run<JumpFloodInit>(*other, params, {60, 10, 1}, seeds, nearest), Error);
   EXPECT_THROW(run<JumpFloodInit>(*backend, params, {60, 10, 1}, seeds, Buffer{}), Error);
-}
-
-TEST_F(Launch, OtherKernelsRefuseWhatTheyCannotDo) {
-  Buffer field = backend->allocate(100 * 100 * 2);
-  Buffer points = backend->allocate(8 * 10);
-  Buffer poses = backend->allocate(16 * 3);
-  Buffer costs = backend->allocate(4 * 3);
-  const auto cost = [&](PoseCost::Params bad, std::uint32_t candidates) {
-    run<PoseCost>(*backend, bad, {candidates, 1, 1}, field, points, poses, costs);
-  };
-  const PoseCost::Params good{.width = 100, .height = 100, .stride = 100, .point_count = 10, .cap = 1000};
-  EXPECT_NO_THROW(cost(good, 3));
-  EXPECT_THROW(cost(good, 4), Error);
-  const auto spoiled = [&](auto member, auto value) {
-    PoseCost::Params bad = good;
-    bad.*member = value;
-    return bad;
-  };
-  EXPECT_THROW(cost(spoiled(&PoseCost::Params::width, 1U), 3), Error);
-  EXPECT_THROW(cost(spoiled(&PoseCost::Params::height, 1U), 3), Error);
-  EXPECT_THROW(cost(spoiled(&PoseCost::Params::height, 101U), 3), Error);
-  EXPECT_THROW(cost(spoiled(&PoseCost::Params::point_count, 11U), 3), Error);
-  EXPECT_THROW(cost(spoiled(&PoseCost::Params::cap, 65536U), 3), Error);
-  EXPECT_THROW(cost(spoiled(&PoseCost::Params::anchor_x, 2097153), 3), Error);
-  EXPECT_THROW(cost(spoiled(&PoseCost::Params::anchor_y, -2097153), 3), Error);
-
-  Buffer scan = backend->allocate(20 * 20 * 2);
-  const GdtMerge::Params fits{.scan_width = 20,
-                              .scan_height = 20,
-                              .scan_stride = 20,
-                              .global_stride = 100,
-                              .offset_x = 80,
-                              .offset_y = 80,
-                              .threshold = 9,
-                              .lift = 9,
-                              .cap = 1000};
-  EXPECT_NO_THROW(run<GdtMerge>(*backend, fits, {20, 20, 1}, field, scan));
-  GdtMerge::Params bad = fits;
-  bad.offset_x = 81;
-  EXPECT_THROW(run<GdtMerge>(*backend, bad, {20, 20, 1}, field, scan), Error);
-  bad = fits;
-  bad.offset_y = 81;
-  EXPECT_THROW(run<GdtMerge>(*backend, bad, {20, 20, 1}, field, scan), Error);
-  bad = fits;
-  bad.lift = 10;
-  EXPECT_THROW(run<GdtMerge>(*backend, bad, {20, 20, 1}, field, scan), Error);
-  bad = fits;
-  bad.offset_x = bad.offset_y = 70;
-  EXPECT_NO_THROW(run<GdtMerge>(*backend, bad, {20, 20, 1}, field, scan));
-  bad.global_stride = 99;  // rows must begin at whole quads of cells
-  EXPECT_THROW(run<GdtMerge>(*backend, bad, {20, 20, 1}, field, scan), Error);
 }
 
 }  // namespace

@@ -51,13 +51,6 @@ TEST(Registry, EveryInstructionSetHasEveryKernel) {
 #endif
 }
 
-TEST(Registry, NamesAreUnique) {
-  std::set<std::string_view> names;
-  for (const KernelInfo* kernel : kernel_registry()) {
-    EXPECT_TRUE(names.insert(kernel->name).second) << kernel->name;
-  }
-}
-
 /// "JumpFloodInit" to "jump_flood_init".
 std::string snake_case(const std::string& camel) {
   std::string name;
@@ -156,12 +149,6 @@ TEST(RandomKernelCases, DrawEveryKernelAndComeBackByTheirNumbers) {
   EXPECT_EQ(drawn.size(), kernel_registry().size()) << "a kernel is never drawn";
   EXPECT_EQ(names.size(), list.size());
   EXPECT_NE(random_kernel_case(7, 0).make().params, random_kernel_case(8, 0).make().params);
-}
-
-TEST(SeedPatterns, WallsCoverAboutOneAndAHalfPercent) {
-  const std::vector<std::uint8_t> seeds = make_seeds(SeedPattern::kWalls, 1024, 1024, 1024, 1);
-  const auto count = std::count_if(seeds.begin(), seeds.end(), [](std::uint8_t s) { return s != 0; });
-  EXPECT_NEAR(static_cast<double>(count) / (1024.0 * 1024.0), 0.015, 0.0003);
 }
 
 }  // namespace

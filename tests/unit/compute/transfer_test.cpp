@@ -6,8 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
-#include "engine/compute/kernels/host_kernels.hpp"
+#include "engine/compute/cpu/launch.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/error.hpp"
 
@@ -96,24 +95,6 @@ TEST_F(Downloads, AreDeliveredOnceAndWithTheirSize) {
   EXPECT_THROW(backend->finish_download({.id = 12345, .bytes = 64}, data), Error);
 }
 
-TEST_F(Downloads, AreForgottenWithTheLastCopyOfTheirHandle) {
-  for (int round = 0; round < 10; ++round) {
-    PendingDownload copy;
-    {
-      const PendingDownload pending = backend->start_download(buffer, 64);
-      copy = pending;
-    }
-    EXPECT_EQ(backend->pending_downloads(), 1U) << round;
-  }
-  EXPECT_EQ(backend->pending_downloads(), 0U);
-  PendingDownload late = backend->start_download(buffer, 64);
-  finish(late);
-  EXPECT_EQ(backend->pending_downloads(), 0U);
-  late = backend->start_download(buffer, 64);
-  backend.reset();
-  EXPECT_NO_THROW(late = {}) << "the handle may go last";
-}
-
 TEST_F(Downloads, BeyondTheBufferAreRefused) {
   EXPECT_THROW(backend->start_download(buffer, 65), Error);
   EXPECT_THROW(backend->start_download(buffer, 4, 61), Error);
@@ -147,8 +128,9 @@ TEST(KernelCalls, CountDispatchesAndDirectCallsOfEveryThread) {
   const auto merge = [] {
     std::uint16_t map = 5;
     const std::uint16_t scan = 5;
-    gdt_merge_host(Isa::kBaseline, {.scan_width = 1, .scan_height = 1, .scan_stride = 4, .global_stride = 4, .cap = 9},
-                   &map, &scan);
+    functions_or_throw(Isa::kBaseline)
+        .gdt_merge({.scan_width = 1, .scan_height = 1, .scan_stride = 4, .global_stride = 4, .cap = 9}, &map, &scan,
+                   {0, 1, 0, 1});
   };
   EXPECT_EQ(calls_during(merge), 1U);
   EXPECT_EQ(calls_during([] {}), 0U);

@@ -1,4 +1,4 @@
-#include "gdtslam/core/differential_drive.hpp"
+#include "gdtslam/core/pose.hpp"
 
 #include <cmath>
 #include <numbers>

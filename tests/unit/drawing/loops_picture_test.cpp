@@ -21,9 +21,9 @@ using namespace test;
 /// Whether the straight line to a point of a cell meets anything before that cell, by many points along it.
 bool is_hidden(const OccupancyMap& map, const Point2& from_m, const Point2& to_m) {
   constexpr int kPoints = 4000;
-  const CellIndex end = map.geometry.cell_of(to_m);
+  const CellIndex end = map.geometry.cell_at(to_m);
   for (int k = 0; k <= kPoints; ++k) {
-    const CellIndex cell = map.geometry.cell_of(from_m + static_cast<double>(k) / kPoints * (to_m - from_m));
+    const CellIndex cell = map.geometry.cell_at(from_m + static_cast<double>(k) / kPoints * (to_m - from_m));
     if (cell == end) return false;
     if (map.at(cell) != CellState::kFree) return true;
   }
@@ -39,7 +39,7 @@ int points_in_sight(const OccupancyMap& map, const Point2& from_m, CellIndex cel
     const double along_m = (2.0 * k / kSide - 1.0) * half_m;
     for (const Point2& at :
          {Point2(along_m, half_m), Point2(along_m, -half_m), Point2(half_m, along_m), Point2(-half_m, along_m)}) {
-      count += is_hidden(map, from_m, map.geometry.centre_of(cell) + at) ? 0 : 1;
+      count += is_hidden(map, from_m, map.geometry.cell_centre(cell) + at) ? 0 : 1;
     }
   }
   return count;
@@ -51,7 +51,7 @@ TEST(SeenWalls, AreThoseThatNoOtherWallHides) {
   const std::vector<Point2> seen = picture::walls_seen_from(map, T_map_pose, 10.0, 3600);
   std::size_t found = 0;
   for (const CellIndex cell : obstacles_of(map)) {
-    const Point2 middle = map.geometry.centre_of(cell);
+    const Point2 middle = map.geometry.cell_centre(cell);
     const bool is_seen = std::any_of(seen.begin(), seen.end(),
                                      [&](const Point2& at) { return ((T_map_pose * at) - middle).norm() < 1e-9; });
     const int in_sight = points_in_sight(map, T_map_pose.translation(), cell);

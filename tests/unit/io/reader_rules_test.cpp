@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/io/maps/png.hpp"
-#include "engine/mapping/map/separate_map.hpp"
+#include "engine/mapping/map/keyframe_map.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
 #include "gdtslam/io/log.hpp"

@@ -98,10 +98,10 @@ TEST(ConfigRules, WhatProvesWindowsNeedsTheCostThatItBounds) {
 TEST(BoxesOfCells, HaveAHullAndACommonPart) {
   const CellBox a{{0, 10}, {5, 20}};
   const CellBox b{{3, -5}, {9, 12}};
-  EXPECT_EQ(hull_of(a, b), (CellBox{{0, -5}, {9, 20}}));
-  EXPECT_EQ(hull_of(b, a), (CellBox{{0, -5}, {9, 20}}));
-  EXPECT_EQ(hull_of(a, CellBox{}), a);
-  EXPECT_EQ(hull_of(CellBox{}, a), a);
+  EXPECT_EQ(bounding_box(a, b), (CellBox{{0, -5}, {9, 20}}));
+  EXPECT_EQ(bounding_box(b, a), (CellBox{{0, -5}, {9, 20}}));
+  EXPECT_EQ(bounding_box(a, CellBox{}), a);
+  EXPECT_EQ(bounding_box(CellBox{}, a), a);
   EXPECT_EQ(common_part(a, b), (CellBox{{3, 10}, {5, 12}}));
   EXPECT_EQ(common_part(b, a), (CellBox{{3, 10}, {5, 12}}));
   EXPECT_TRUE(common_part(a, CellBox{{5, 10}, {9, 20}}).empty());

@@ -23,8 +23,8 @@ constexpr double kResolution_m = 0.025;
 struct MappedRoom {
   explicit MappedRoom(Isa isa) : backend(make_cpu_backend({.threads = 1, .isa = isa})) {
     for (const Pose2& pose : {Pose2{}, Pose2{0, 0, 2.0}, Pose2{0, 0, -2.0}, Pose2{3.9, 0.2, 0.3}, Pose2{2.5, -1, 3}}) {
-      const KeyframeCells keyframe = keyframe_of(in_map(points_of(test::scan_of(walls, pose, 0.0), {0.1, 40.0}), pose),
-                                                 kResolution_m, map.radius_cells());
+      const KeyframeCells keyframe = make_keyframe_cells(
+          in_map(to_points(test::scan_of(walls, pose, 0.0), {0.1, 40.0}), pose), kResolution_m, map.radius_cells());
       const MergeStep step{.rule = MergeRule::kWorking, .threshold = 256, .lift = 128};
       map.grow_to_hold(keyframe.window);
       local.prepare(keyframe, map);
@@ -33,7 +33,7 @@ struct MappedRoom {
     objective.set_cap(map.cap());
   }
   std::vector<PointCells> scan_from(const Pose2& pose) const {
-    return in_cells(points_of(test::scan_of(walls, pose, 0.0), {0.1, 40.0}), kResolution_m);
+    return in_cells(to_points(test::scan_of(walls, pose, 0.0), {0.1, 40.0}), kResolution_m);
   }
 
   std::vector<test::Segment> walls = test::furnished_room();

@@ -41,7 +41,7 @@ class Fields : public testing::Test {
 
   // Merges a keyframe and returns it.
   KeyframeCells merge(const std::vector<Point2>& points) {
-    const KeyframeCells keyframe = keyframe_of(points, kFieldResolution, kFieldRadius);
+    const KeyframeCells keyframe = make_keyframe_cells(points, kFieldResolution, kFieldRadius);
     map_.grow_to_hold(keyframe.window);
     local_.prepare(keyframe, map_);
     local_.merge_into(map_, kFieldStep);
@@ -80,7 +80,7 @@ TEST_F(Fields, LocalFieldIsTheDistanceToTheNearestPointRoundedTo256thsOfACell) {
 TEST(LocalFieldByJumpFlooding, IsTheExactOneButForCellsThatAreTooLarge) {
   std::vector<Point2> points;
   for (int i = 0; i < 400; ++i) points.emplace_back(0.05 * ((i * 73) % 211), 0.05 * ((i * 131) % 197));
-  const KeyframeCells keyframe = keyframe_of(points, kFieldResolution, kFieldRadius);
+  const KeyframeCells keyframe = make_keyframe_cells(points, kFieldResolution, kFieldRadius);
   const auto backend = make_cpu_backend({});
   const auto mapped = [&](DistanceTransform transform, std::uint64_t kernels) {
     GlobalField map(*backend, kFieldResolution, kFieldRadius, 1U << 20U);
@@ -159,7 +159,7 @@ TEST(FieldsInRows, AMarginIsGivenUpWhereItIsInTheWay) {
   LocalField local_on_cpu{*cpu, kFieldRadius};
   for (const Point2& point :
        {Point2{0.525, 0.525}, Point2{19.025, 0.525}, Point2{0.525, 19.025}, Point2{19.025, 19.025}}) {
-    const KeyframeCells keyframe = keyframe_of({point}, kFieldResolution, kFieldRadius);
+    const KeyframeCells keyframe = make_keyframe_cells({point}, kFieldResolution, kFieldRadius);
     merge_into(map, local, keyframe);
     merge_into(large, local_on_cpu, keyframe);
   }
@@ -193,7 +193,7 @@ TEST(FieldsInStrips, HoldTheSameWhetherTheyMoveOrNot) {
     const Point2 centre{random.uniform(-2.0, 2.0) * k, random.uniform(-2.0, 2.0) * k};
     for (int i = 0; i < 40; ++i)
       points.push_back(centre + Point2{random.uniform(-4.0, 4.0), random.uniform(-4.0, 4.0)});
-    const KeyframeCells keyframe = keyframe_of(points, kFieldResolution, kFieldRadius);
+    const KeyframeCells keyframe = make_keyframe_cells(points, kFieldResolution, kFieldRadius);
     const std::uint64_t before = moving.buffer().id();
     merge_into(moving, local, keyframe);
     moves += moving.buffer().id() == before ? 0 : 1;
@@ -220,7 +220,7 @@ TEST(FieldsInStrips, TakeMemoryWhereSomethingIsKnown) {
   GlobalField map{*cpu, kFieldResolution, kFieldRadius, 1U << 20U};
   LocalField local{*cpu, kFieldRadius};
   for (const Point2& point : {Point2{0.0, 0.0}, Point2{700.0, 700.0}}) {
-    merge_into(map, local, keyframe_of({point}, kFieldResolution, kFieldRadius));
+    merge_into(map, local, make_keyframe_cells({point}, kFieldResolution, kFieldRadius));
   }
   EXPECT_GE(map.geometry().cell_count(), 14000U * 14000U);
   EXPECT_LE(map.taken_cells(), 2U * 4U * 64U * 64U);
@@ -237,14 +237,16 @@ TEST(FieldsInStrips, MoreKnownCellsThanAllowedAreRefused) {
   const auto cpu = make_cpu_backend({});
   GlobalField map{*cpu, kFieldResolution, kFieldRadius, 3U * 64U * 64U};
   LocalField local{*cpu, kFieldRadius};
-  merge_into(map, local, keyframe_of({{1.6, 0.0}}, kFieldResolution, kFieldRadius));  // two tiles, one above the other
-  const KeyframeCells corner = keyframe_of({{3.2, 3.2}}, kFieldResolution, kFieldRadius);  // four, one of them there
+  merge_into(map, local,
+             make_keyframe_cells({{1.6, 0.0}}, kFieldResolution, kFieldRadius));  // two tiles, one above the other
+  const KeyframeCells corner =
+      make_keyframe_cells({{3.2, 3.2}}, kFieldResolution, kFieldRadius);  // four, one of them there
   EXPECT_THAT([&] { merge_into(map, local, corner); },
               testing::ThrowsMessage<InputError>(testing::HasSubstr("20480 known cells, more than map.max_megacells")));
   EXPECT_EQ(map.taken_cells(), 2U * 64U * 64U);
   EXPECT_EQ(map.at({64, 64}), map.cap());
-  merge_into(map, local, keyframe_of({{1.6, 0.05}}, kFieldResolution, kFieldRadius));  // where there is room
-  EXPECT_EQ(map.at({32, 1}), 128);                                                     // between a cell away and none
+  merge_into(map, local, make_keyframe_cells({{1.6, 0.05}}, kFieldResolution, kFieldRadius));  // where there is room
+  EXPECT_EQ(map.at({32, 1}), 128);  // between a cell away and none
 }
 
 // The host's copy of a device's field takes that over from its rows, and what it knew before is gone.
@@ -253,7 +255,7 @@ TEST(FieldsInStrips, TakeOverRows) {
   GlobalField map{*cpu, kFieldResolution, kFieldRadius, 1U << 24U};
   LocalField local{*cpu, kFieldRadius};
   for (const Point2& point : {Point2{-3.2, 0.0}, Point2{0.0, 0.0}, Point2{9.0, 9.0}}) {
-    merge_into(map, local, keyframe_of({point}, kFieldResolution, kFieldRadius));
+    merge_into(map, local, make_keyframe_cells({point}, kFieldResolution, kFieldRadius));
   }
   const CellBox box{{-40, -30}, {110, 90}};
   Random random(5);

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "engine/mapping/nodding/horizontal_scans.hpp"
-#include "engine/mapping/nodding/level_scan.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 

@@ -27,8 +27,8 @@ class TrackedRoom : public testing::Test {
     LocalField local(*backend_, grid.radius_cells());
     for (const double theta_rad : {0.0, 2.0, -2.0}) {
       const Pose2 pose{0.0, 0.0, theta_rad};
-      const KeyframeCells keyframe = keyframe_of(in_map(points_of(test::scan_of(walls_, pose, 0.0), {}), pose),
-                                                 grid.resolution_m, grid.radius_cells());
+      const KeyframeCells keyframe = make_keyframe_cells(in_map(to_points(test::scan_of(walls_, pose, 0.0), {}), pose),
+                                                         grid.resolution_m, grid.radius_cells());
       map.grow_to_hold(keyframe.window);
       local.prepare(keyframe, map);
       local.merge_into(map, {.rule = MergeRule::kWorking, .threshold = 256, .lift = 128});

@@ -1,5 +1,5 @@
 // Scans of a nodding laser near horizontal, in the plane.
-#include "engine/mapping/nodding/level_scan.hpp"
+#include "engine/mapping/nodding/horizontal_scans.hpp"
 
 #include <gtest/gtest.h>
 

@@ -116,7 +116,7 @@ double distance_m(const Segment& segment, const Point2& point) {
 void expect_on(const Walls& walls, const std::vector<ChangedCell>& cells, const GridGeometry& grid) {
   ASSERT_FALSE(cells.empty());
   for (const ChangedCell& changed : cells) {
-    const Point2 at = grid.centre_of(changed.cell);
+    const Point2 at = grid.cell_centre(changed.cell);
     double nearest_m = 100.0;
     for (const Segment& wall : walls) nearest_m = std::min(nearest_m, distance_m(wall, at));
     EXPECT_LT(nearest_m, kNear_m) << at.transpose();
@@ -128,7 +128,7 @@ void expect_on(const Walls& walls, const std::vector<ChangedCell>& cells, const 
       const Point2 at = wall.from + share * (wall.to - wall.from);
       ++places;
       covered += std::any_of(cells.begin(), cells.end(), [&](const ChangedCell& changed) {
-        return (grid.centre_of(changed.cell) - at).norm() < kNear_m;
+        return (grid.cell_centre(changed.cell) - at).norm() < kNear_m;
       });
     }
   }
@@ -140,8 +140,8 @@ TEST(MapChanges, ABoxThatWasMovedIsGoneHereAndNewThere) {
   const MapChanges changes = changes_in(map, standing(room_with(kNewBox)));
   expect_on(kNewBox, changes.appeared, map.geometry);
   expect_on(kOldBox, changes.gone, map.geometry);
-  EXPECT_EQ(patches_of(changes.appeared), 1U);
-  EXPECT_EQ(patches_of(changes.gone), 1U);
+  EXPECT_EQ(count_patches(changes.appeared), 1U);
+  EXPECT_EQ(count_patches(changes.gone), 1U);
   for (const ChangedCell& changed : changes.gone) EXPECT_GE(changed.views.passes, ChangeLimits{}.least_views);
 }
 
@@ -154,7 +154,7 @@ TEST(MapChanges, ADoorThatOpensIsGone) {
   EXPECT_TRUE(changes.appeared.empty());
   ASSERT_FALSE(changes.gone.empty());
   for (const ChangedCell& changed : changes.gone) {
-    EXPECT_LT(distance_m(door, map.geometry.centre_of(changed.cell)), kNear_m);
+    EXPECT_LT(distance_m(door, map.geometry.cell_centre(changed.cell)), kNear_m);
   }
 }
 
@@ -227,7 +227,7 @@ TEST(SessionChanges, WithoutAnOrderNeitherIsAWall) {
   Walls both = kOldBox;
   both.insert(both.end(), kNewBox.begin(), kNewBox.end());
   expect_on(both, found.last().gone, frame());
-  EXPECT_EQ(patches_of(found.last().gone), 2U);
+  EXPECT_EQ(count_patches(found.last().gone), 2U);
 }
 
 TEST(SessionChanges, WhatCameBackStays) {

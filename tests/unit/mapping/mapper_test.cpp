@@ -30,7 +30,6 @@ class MapperTest : public testing::Test {
       results.push_back(mapper.process(scans_[i], odometry(i, truth_[i])));
     }
     statistics_ = mapper.statistics();
-    cells_ = mapper.field().download();
     return results;
   }
 
@@ -50,7 +49,6 @@ class MapperTest : public testing::Test {
   std::vector<Pose2> truth_ = test::drive_through_room();
   std::vector<LaserScan> scans_;
   MapperStatistics statistics_;
-  std::vector<std::uint16_t> cells_;
 };
 
 std::optional<Pose2> good(std::size_t, const Pose2& truth) { return Pose2{5.0, -3.0, 1.0} * truth; }
@@ -104,32 +102,6 @@ TEST_F(MapperTest, SurvivesOdometryWithTheSignOfDrivingWrong) {
                  return Pose2{-truth.x_m, -truth.y_m, truth.theta_rad};
                }),
                0.05, 1.0);
-}
-
-TEST_F(MapperTest, TheSameBitsInEveryInstructionSetAndWithThreads) {
-  for (const MatcherKind kind : {MatcherKind::kSimplex, MatcherKind::kExhaustive}) {
-    MapperConfig config;
-    config.match.matcher = kind;
-    const auto reference = map(good, {.threads = 1, .isa = Isa::kBaseline}, config);
-    const std::vector<std::uint16_t> cells = cells_;
-    for (std::size_t isa = 0; isa <= static_cast<std::size_t>(best_isa()); ++isa) {
-      for (const unsigned threads : {1U, 2U, 3U}) {
-        const auto results = map(good, {.threads = threads, .isa = static_cast<Isa>(isa)}, config);
-        EXPECT_EQ(cells_, cells) << to_string(static_cast<Isa>(isa)) << ' ' << threads;
-        for (std::size_t i = 0; i < results.size(); ++i) {
-          // Equality of doubles that are no NaN and no zero of either sign is equality of bits.
-          ASSERT_EQ(results[i].T_map_base, reference[i].T_map_base) << i;
-        }
-      }
-    }
-  }
-}
-
-TEST_F(MapperTest, ExhaustiveMatchesToo) {
-  MapperConfig config;
-  config.match.matcher = MatcherKind::kExhaustive;
-  expect_truth(map(good, {}, config), 0.03, 0.8);
-  EXPECT_EQ(statistics_.searches, truth_.size() - 1) << "every scan but the first";
 }
 
 TEST_F(MapperTest, TheRuleAsPrintedLosesTheRoom) {

@@ -78,59 +78,6 @@ class RulesAtTheirLimits : public testing::Test {
   MatchRules rules_{config_};
 };
 
-TEST_F(RulesAtTheirLimits, GatesNarrowByHalvesToTheLastOne) {
-  const std::vector<DescentStage>& stages = rules_.stages();
-  ASSERT_EQ(stages.size(), 4U);  // 0.5, 0.25, 0.125 and 0.0873 m
-  EXPECT_EQ(stages[0].gate, 5120U);
-  EXPECT_EQ(stages[1].gate, 2560U);
-  EXPECT_EQ(stages[2].gate, 1280U);
-  EXPECT_EQ(stages[3].gate, 894U);  // 893.95
-  EXPECT_EQ(rules_.wide_gate(), 5120U);
-  EXPECT_EQ(rules_.final_gate(), 894U);
-  for (std::size_t k = 1; k < stages.size(); ++k) {
-    EXPECT_EQ(stages[k].simplex.step_cells, 0.5F * stages[k - 1].simplex.step_cells);
-    EXPECT_EQ(stages[k].simplex.step_rad, 0.5F * stages[k - 1].simplex.step_rad);
-  }
-  EXPECT_EQ(stages.back().simplex.stop_cells, SimplexOptions{}.stop_cells);
-  EXPECT_EQ(stages.back().simplex.stop_rad, SimplexOptions{}.stop_rad);
-  EXPECT_GT(stages.front().simplex.stop_cells, stages.back().simplex.stop_cells);
-  EXPECT_GT(stages.front().simplex.stop_rad, stages.back().simplex.stop_rad);
-}
-
-TEST_F(RulesAtTheirLimits, ThePredictionIsAsSureAsTheWayIsShort) {
-  begin();
-  EXPECT_NEAR(rules_.noise().sigma_m, 0.01 + 0.1 * 0.5, 1e-12);
-  EXPECT_NEAR(rules_.noise().sigma_rad, 0.035 + 0.3 * 0.2, 1e-12);
-  EXPECT_NEAR(rules_.far_m(), 3.0 * rules_.noise().sigma_m, 1e-12);
-  EXPECT_NEAR(rules_.far_rad(), 3.0 * rules_.noise().sigma_rad, 1e-12);
-  // Equation of the prior: a hundredth of a cell a point at one standard deviation, no more beyond four of them.
-  const double weight = 0.01 * 256.0 * 100.0;
-  const double sigma_cells = rules_.noise().sigma_m / 0.025;
-  EXPECT_NEAR(static_cast<double>(rules_.prior().weight_xy), weight / (sigma_cells * sigma_cells), 1e-3);
-  EXPECT_NEAR(static_cast<double>(rules_.prior().weight_theta), weight / std::pow(rules_.noise().sigma_rad, 2), 1.0);
-  EXPECT_EQ(rules_.prior().limit, static_cast<float>(weight * 16.0));
-  EXPECT_EQ(rules_.prior().mean_x, rules_.predicted().x);
-  EXPECT_EQ(rules_.prior().mean_y, rules_.predicted().y);
-  EXPECT_EQ(rules_.prior().mean_theta, rules_.predicted().theta);
-  const Pose2 back = rules_.to_metres(rules_.predicted());
-  EXPECT_NEAR(back.x_m, kPredicted.x_m, 1e-6);
-  EXPECT_NEAR(back.y_m, kPredicted.y_m, 1e-6);
-  EXPECT_NEAR(back.theta_rad, kPredicted.theta_rad, 1e-6);
-}
-
-TEST_F(RulesAtTheirLimits, AWindowGrowsWithTheWayUpToItsMost) {
-  begin();
-  const SearchWindow window = rules_.window(1.0);
-  EXPECT_NEAR(static_cast<double>(window.half_xy_cells), (0.3 + 2.0 * 0.5) / 0.025, 1e-4);
-  EXPECT_NEAR(static_cast<double>(window.half_theta_rad), config_.search.half_rad + 1.2 * 0.2, 1e-6);
-  EXPECT_NEAR(static_cast<double>(window.step_cells), 6.0, 1e-6);
-  EXPECT_NEAR(static_cast<double>(window.step_rad), config_.search.step_rad, 1e-9);
-  EXPECT_NEAR(static_cast<double>(rules_.window(2.0).half_xy_cells), 2.0 * 1.3 / 0.025, 1e-4);
-  EXPECT_NEAR(static_cast<double>(rules_.window(100.0).half_xy_cells), 5.0 / 0.025, 1e-4);
-  EXPECT_NEAR(static_cast<double>(rules_.window(100.0).half_theta_rad), std::numbers::pi, 1e-6);
-  EXPECT_EQ(window.centre.x, rules_.predicted().x);
-}
-
 TEST_F(RulesAtTheirLimits, APoseIsFarBeyondTheDistanceOrTheAngleEitherWay) {
   begin();
   const double m = rules_.far_m();

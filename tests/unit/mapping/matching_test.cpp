@@ -25,8 +25,8 @@ class Matching : public testing::Test {
   // Maps the room from a few true poses.
   void SetUp() override {
     for (const Pose2& pose : {Pose2{}, Pose2{0, 0, 2.0}, Pose2{0, 0, -2.0}, Pose2{3.9, 0.2, 0.3}, Pose2{2.5, -1, 3}}) {
-      const auto points = in_map(points_of(test::scan_of(walls_, pose, 0.0), {0.1, 40.0}), pose);
-      const KeyframeCells keyframe = keyframe_of(points, resolution_m_, radius_);
+      const auto points = in_map(to_points(test::scan_of(walls_, pose, 0.0), {0.1, 40.0}), pose);
+      const KeyframeCells keyframe = make_keyframe_cells(points, resolution_m_, radius_);
       const MergeStep step{.rule = MergeRule::kWorking, .threshold = 256, .lift = 128};
       map_.grow_to_hold(keyframe.window);
       local_.prepare(keyframe, map_);
@@ -35,7 +35,7 @@ class Matching : public testing::Test {
   }
 
   std::vector<PointCells> scan_from(const Pose2& pose) const {
-    return in_cells(points_of(test::scan_of(walls_, pose, 0.0), {0.1, 40.0}), resolution_m_);
+    return in_cells(to_points(test::scan_of(walls_, pose, 0.0), {0.1, 40.0}), resolution_m_);
   }
 
   std::vector<test::Segment> walls_ = test::furnished_room();
@@ -70,35 +70,6 @@ TEST_F(Matching, SimplexNeverEndsWorseThanItStartsAndKeepsToItsLimit) {
     EXPECT_LE(found.cost, objective.evaluate(start));
     EXPECT_LE(found.evaluations, 40U + 5U) << "one move more at most";
   }
-}
-
-TEST_F(Matching, WindowSearchFindsTheLowestSampleOfTheWindow) {
-  const auto points = scan_from({0.4, -0.3, 0.5});
-  Objective objective(map_, Interpolation::kBilinear, CostForm::kDistance);
-  objective.set_points(points);
-  objective.set_cap(map_.cap());
-  const SearchWindow window{.centre = objective.to_cells({0.2, 0.0, 0.3}),
-                            .half_xy_cells = 20.0F,
-                            .half_theta_rad = 0.35F,
-                            .step_cells = 4.0F,
-                            .step_rad = 0.05F};
-  std::uint32_t lowest = 0xFFFFFFFFU;
-  for (int t = -7; t <= 7; ++t) {
-    for (int y = -5; y <= 5; ++y) {
-      for (int x = -5; x <= 5; ++x) {
-        lowest = std::min(lowest, objective.evaluate({window.centre.x + 4.0F * static_cast<float>(x),
-                                                      window.centre.y + 4.0F * static_cast<float>(y),
-                                                      window.centre.theta + 0.05F * static_cast<float>(t)}));
-      }
-    }
-  }
-  // A polish of one evaluation leaves the samples as they are.
-  const ExhaustiveResult sampled = search_window(objective, window, 1, {.max_evaluations = 1});
-  EXPECT_LE(sampled.cost, lowest);
-  const ExhaustiveResult polished = search_window(objective, window, 3, {});
-  EXPECT_LT(polished.cost, lowest);
-  EXPECT_FALSE(polished.at_edge);
-  EXPECT_THAT(objective.to_metres(polished.pose), PoseNear({0.4, -0.3, 0.5}, 0.02, 0.3));
 }
 
 TEST_F(Matching, APriorPullsTowardsItsMeanAndOnlyThen) {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/mapping/match/motion_model.hpp"
+#include "engine/mapping/match/motion_estimate.hpp"
 #include "support/pose_matchers.hpp"
 
 namespace gdtslam {
@@ -136,27 +136,6 @@ TEST(MotionModel, WhatOdometryMissedMayComeInTwoParts) {
   EXPECT_TRUE(model.has_caught_up());
   EXPECT_THAT(step(model, Pose2{6.4, 0.0, 0.0}, Pose2{1.4, 0, 0}).T_map_base, PoseNear({1.4, 0, 0}, 1e-9, 1e-7));
   EXPECT_FALSE(model.has_caught_up()) << "once, not again";
-}
-
-TEST(MotionModel, OnlyTwoScansMayHaveWhatOdometryMissed) {
-  MotionModel model = after_a_stop(true);
-  step(model, Pose2{5.2, 0.0, 0.0}, Pose2{1.0, 0, 0});
-  step(model, Pose2{5.4, 0.0, 0.0}, Pose2{1.2, 0, 0});
-  EXPECT_THAT(model.predict(Pose2{6.4, 0.0, 0.0}).T_map_base, PoseNear({2.2, 0, 0}, 1e-9, 1e-7));
-  EXPECT_FALSE(model.has_caught_up());
-}
-
-TEST(MotionModel, ATenthOfAMetreBesideEstimatedOdometryThatStandsStillIsEnough) {
-  for (const bool estimate : {false, true}) {
-    for (const Pose2& moved : {Pose2{0.12, 0, 0}, Pose2{0, 0, 0.12}}) {
-      OdometryConfig config;
-      config.estimate = estimate;
-      MotionModel model{config};
-      step(model, Pose2{}, Pose2{});
-      step(model, Pose2{}, moved);
-      EXPECT_EQ(model.predict(Pose2{}).by_odometry, !estimate);
-    }
-  }
 }
 
 TEST(MotionModel, WithoutEstimatesAStepIsAStep) {

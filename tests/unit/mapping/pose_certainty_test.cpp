@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "engine/mapping/cost/fit.hpp"
+#include "engine/mapping/cost/objective.hpp"
 #include "engine/mapping/map/local_field.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
@@ -33,7 +33,7 @@ class KnownWall : public testing::Test {
     for (int x = first; x <= last; ++x) {
       for (int y = -30; y < 30; ++y) points.push_back(centre(x, y));
     }
-    const KeyframeCells keyframe = keyframe_of(points, kPoseCell_m, kPoseRadius);
+    const KeyframeCells keyframe = make_keyframe_cells(points, kPoseCell_m, kPoseRadius);
     map_.grow_to_hold(keyframe.window);
     local_.prepare(keyframe, map_);
     local_.merge_into(map_, {.rule = MergeRule::kWorking, .threshold = 256, .lift = 0});
@@ -136,26 +136,6 @@ TEST_F(KnownWall, InsideOfSomethingThickNothingIsSaid) {
   EXPECT_FALSE(of_column(-3));
 }
 
-// Of 1025 points each second one counts.
-TEST_F(KnownWall, ThousandPointsAreEnough) {
-  build(0, 0);
-  const Pose2 at{-1.0, 0.2, 0.0};
-  for (const std::size_t count : {std::size_t{1024}, std::size_t{1025}}) {
-    std::vector<Point2> wall;
-    std::vector<Point2> taken;
-    for (std::size_t i = 0; i < count; ++i) {
-      wall.push_back(centre(0, static_cast<int>(i % 24) - 12));
-      if (count == 1024 || i % 2 == 0) taken.push_back(wall.back());
-    }
-    const std::vector<PointCells> points = seen(taken, at);
-    const Matrix3 expected = inverse(1.0 / kRounding * information(points, 0.0) + kLeast);
-    const std::optional<Matrix3> found = covariance_by_scan(map_, seen(wall, at), at, kGate_m);
-    ASSERT_TRUE(found);
-    EXPECT_NEAR((*found)(0, 0) / with_rounding(expected, points)(0, 0), 1.0, 1e-5) << count;
-    EXPECT_NEAR((*found)(0, 0) - kRounding, expected(0, 0), 0.01 * expected(0, 0)) << count;
-  }
-}
-
 /// Points so far beside the wall.
 std::vector<PointCells> so_far(double away_m) {
   std::vector<Point2> points;
@@ -211,14 +191,15 @@ TEST(CovarianceIntersection, HasTheSmallestDeterminant) {
     EXPECT_NEAR(found(1, 1), b, 1e-12);
     EXPECT_NEAR(found(2, 2), c, 1e-12);
   };
-  expect_diagonal(intersection_of(Matrix3::diagonal(1.0, 4.0, 1.0), Matrix3::diagonal(4.0, 1.0, 1.0)), 1.6, 1.6, 1.0);
+  expect_diagonal(intersect_covariances(Matrix3::diagonal(1.0, 4.0, 1.0), Matrix3::diagonal(4.0, 1.0, 1.0)), 1.6, 1.6,
+                  1.0);
   // Of (0.2 + 0.8 s) (1 - 0.9 s) the best eighth is the third.
-  expect_diagonal(intersection_of(Matrix3::diagonal(1.0, 10.0, 1.0), Matrix3::diagonal(5.0, 1.0, 1.0)), 2.0,
+  expect_diagonal(intersect_covariances(Matrix3::diagonal(1.0, 10.0, 1.0), Matrix3::diagonal(5.0, 1.0, 1.0)), 2.0,
                   1.0 / 0.6625, 1.0);
   const Matrix3 sure = Matrix3::diagonal(1.0, 1.0, 1.0);
   const Matrix3 unsure = Matrix3::diagonal(4.0, 4.0, 4.0);
-  expect_diagonal(intersection_of(sure, unsure), 1.0, 1.0, 1.0);
-  expect_diagonal(intersection_of(unsure, sure), 1.0, 1.0, 1.0);
+  expect_diagonal(intersect_covariances(sure, unsure), 1.0, 1.0, 1.0);
+  expect_diagonal(intersect_covariances(unsure, sure), 1.0, 1.0, 1.0);
 }
 
 // A metre on a heading that is off moves the robot aside.

@@ -17,9 +17,9 @@ TEST(PosesByStamp, NearestWithinTheToleranceWhateverTheOrder) {
   EXPECT_DOUBLE_EQ(poses.find(0.995, 0.01)->x_m, 11.0);
   EXPECT_FALSE(poses.find(2.5, 0.01).has_value());
   EXPECT_FALSE(poses.find(3.02, 0.01).has_value());
-  EXPECT_EQ(poses.index_of(1.004, 0.01), 3U);
-  EXPECT_EQ(poses.index_of(2.996, 0.01), 0U);
-  EXPECT_FALSE(poses.index_of(2.5, 0.01).has_value());
+  EXPECT_EQ(poses.find_index(1.004, 0.01), 3U);
+  EXPECT_EQ(poses.find_index(2.996, 0.01), 0U);
+  EXPECT_FALSE(poses.find_index(2.5, 0.01).has_value());
   EXPECT_FALSE(PosesByStamp({}).find(1.0, 1.0).has_value());
   EXPECT_FALSE(poses.find(std::numeric_limits<double>::quiet_NaN(), 1.0).has_value());
 }
@@ -27,7 +27,7 @@ TEST(PosesByStamp, NearestWithinTheToleranceWhateverTheOrder) {
 TEST(PosesByStamp, LeavesOutPosesWithoutAStamp) {
   const PosesByStamp poses({{std::numeric_limits<double>::quiet_NaN(), {7.0, 0.0, 0.0}}, {1.0, {8.0, 0.0, 0.0}}});
   EXPECT_EQ(poses.find(1.0, 0.1)->x_m, 8.0);
-  EXPECT_EQ(poses.index_of(1.0, 0.1), 1U);
+  EXPECT_EQ(poses.find_index(1.0, 0.1), 1U);
 }
 
 }  // namespace

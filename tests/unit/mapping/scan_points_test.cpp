@@ -28,7 +28,7 @@ ScanConfig between_ranges(double least_m, double most_m) { return {.min_range_m 
 
 std::vector<double> ranges_of(const LaserScan& scan, const ScanConfig& valid) {
   std::vector<double> ranges;
-  for (const Point2& point : points_of(scan, valid)) ranges.push_back(point.norm());
+  for (const Point2& point : to_points(scan, valid)) ranges.push_back(point.norm());
   return ranges;
 }
 
@@ -60,7 +60,7 @@ TEST(ScanPoints, AtALimitThatNoFloatHoldsNothingReturned) {
 TEST(ScanPoints, AreSeenFromWhereTheLaserStands) {
   LaserScan scan = scan_of_ranges({3.0F, 2.0F}, -0.25 * kPi, 0.5 * kPi);
   scan.T_base_laser = {1.0, 2.0, 0.25 * kPi};
-  const std::vector<Point2> points = points_of(scan, between_ranges(0.1, 10.0));
+  const std::vector<Point2> points = to_points(scan, between_ranges(0.1, 10.0));
   ASSERT_EQ(points.size(), 2U);
   EXPECT_NEAR(points[0].x(), 4.0, 1e-12);
   EXPECT_NEAR(points[0].y(), 2.0, 1e-12);
@@ -89,7 +89,7 @@ TEST(ScanPoints, NoneIsAHundredKilometresAway) {
   const auto count = [](double x_m, double y_m) {
     LaserScan scan = scan_of_ranges({0.5F});
     scan.T_base_laser = {x_m, y_m, 0.0};
-    return points_of(scan, between_ranges(0.1, 10.0)).size();
+    return to_points(scan, between_ranges(0.1, 10.0)).size();
   };
   EXPECT_EQ(count(99999.0, 0.0), 1U);
   EXPECT_EQ(count(99999.5, 0.0), 0U) << "100 km sharp";
@@ -113,22 +113,22 @@ TEST(InMap, TurnsAndMoves) {
 }
 
 TEST(MapCells, BeginAtTheirLowerLeftCornerAndEndFarAway) {
-  EXPECT_EQ(map_cell_of({0.0, 0.499}, 0.5), (CellIndex{0, 0}));
-  EXPECT_EQ(map_cell_of({0.5, -0.001}, 0.5), (CellIndex{1, -1}));
-  EXPECT_EQ(map_cell_of({-0.5, -0.501}, 0.5), (CellIndex{-1, -2}));
-  EXPECT_EQ(map_cell_of({1.0e12, -1.0e12}, 0.5), (CellIndex{1 << 28, -(1 << 28)}));
+  EXPECT_EQ(map_cell_at({0.0, 0.499}, 0.5), (CellIndex{0, 0}));
+  EXPECT_EQ(map_cell_at({0.5, -0.001}, 0.5), (CellIndex{1, -1}));
+  EXPECT_EQ(map_cell_at({-0.5, -0.501}, 0.5), (CellIndex{-1, -2}));
+  EXPECT_EQ(map_cell_at({1.0e12, -1.0e12}, 0.5), (CellIndex{1 << 28, -(1 << 28)}));
 }
 
 TEST(WindowOfPoints, HoldsTheirCellsAndTheMargin) {
-  EXPECT_TRUE(window_of({}, 0.5, 3).empty());
-  const CellBox window = window_of({{0.1, 0.1}, {1.6, -0.6}}, 0.5, 3);
+  EXPECT_TRUE(points_window({}, 0.5, 3).empty());
+  const CellBox window = points_window({{0.1, 0.1}, {1.6, -0.6}}, 0.5, 3);
   EXPECT_EQ(window.min, (CellIndex{-3, -5}));
   EXPECT_EQ(window.end, (CellIndex{7, 4}));
 }
 
 // Counted from the window's corner; points one after the other in a cell are one.
 TEST(KeyframeOfPoints, HasTheirCells) {
-  const KeyframeCells keyframe = keyframe_of({{0.1, 0.1}, {0.2, 0.2}, {1.6, -0.6}, {0.3, 0.3}}, 0.5, 3);
+  const KeyframeCells keyframe = make_keyframe_cells({{0.1, 0.1}, {0.2, 0.2}, {1.6, -0.6}, {0.3, 0.3}}, 0.5, 3);
   const auto at = [](std::uint32_t x, std::uint32_t y) { return y << 16U | x; };
   EXPECT_EQ(keyframe.window.min, (CellIndex{-3, -5}));
   EXPECT_EQ(keyframe.cells, (std::vector<std::uint32_t>{at(3, 5), at(6, 3), at(3, 5)}));
@@ -137,7 +137,9 @@ TEST(KeyframeOfPoints, HasTheirCells) {
 TEST(KeyframeOfPoints, SpansAsManyCellsAsKernelsTake) {
   for (const Point2& way : {Point2(1.0, 0.0), Point2(0.0, 1.0)}) {
     const Point2 first(0.5, 0.5);
-    const auto spanning = [&](double cells) { return keyframe_of({first, first + (cells - 1.0) * way}, 1.0, 1); };
+    const auto spanning = [&](double cells) {
+      return make_keyframe_cells({first, first + (cells - 1.0) * way}, 1.0, 1);
+    };
     const CellBox widest = spanning(32765.0).window;
     EXPECT_EQ(std::max(widest.width(), widest.height()), 32767);
     try {

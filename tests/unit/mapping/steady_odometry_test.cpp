@@ -5,7 +5,7 @@
 #include <limits>
 #include <optional>
 
-#include "engine/mapping/nodding/steady_odometry.hpp"
+#include "engine/mapping/nodding/horizontal_scans.hpp"
 #include "support/pose_matchers.hpp"
 
 namespace gdtslam {

@@ -46,7 +46,7 @@ void expect_at(const CloudPoint& point, double x_m, double y_m, double z_m) {
 
 class SweepAssembly : public testing::Test {
  protected:
-  Cloud points_of(const std::vector<SweepScan>& scans) { return assemble(scanner, limits, scans, *cpu); }
+  Cloud to_points(const std::vector<SweepScan>& scans) { return assemble(scanner, limits, scans, *cpu); }
 
   NoddingScanner scanner = level_scanner();
   AssemblyLimits limits;
@@ -54,7 +54,7 @@ class SweepAssembly : public testing::Test {
 };
 
 TEST_F(SweepAssembly, LiftsTheForwardBeamAndLeavesTheAxisWhereItIs) {
-  const Cloud cloud = points_of({four_beams(rad_from_deg(30.0))});
+  const Cloud cloud = to_points({four_beams(rad_from_deg(30.0))});
   ASSERT_EQ(cloud.size(), 4U);
   expect_at(cloud[0], std::sqrt(0.75), 0.0, 0.5 + 0.5);
   expect_at(cloud[1], 0.0, 2.0, 0.5);
@@ -70,9 +70,9 @@ TEST_F(SweepAssembly, LiteralFormScalesTheTranslationByTheHeight) {
   scan.poses = {{0.0, {2.0, -3.0, kPi / 2.0}}};
   SweepScan level = scan;
   level.scan.knots = {{0.0, phase_of_elevation(0.0)}};
-  const Cloud working = points_of({scan, level});
+  const Cloud working = to_points({scan, level});
   limits.form = SweepForm::kLiteral;
-  const Cloud literal = points_of({scan, level});
+  const Cloud literal = to_points({scan, level});
   const double above_sensor[] = {0.5, 0.0, -1.5, 0.0, 0.0, 0.0, 0.0, 0.0};
   ASSERT_EQ(working.size(), 8U);
   ASSERT_EQ(literal.size(), 8U);
@@ -91,11 +91,11 @@ TEST_F(SweepAssembly, LeavesOutWhatIsNoReturn) {
   limits.min_range_m = 0.5;
   limits.max_range_m = 10.0;
   SweepScan scan = four_beams(0.0, {0.0F, -1.0F, kNaN, kInfinity, 0.49F, 0.5F, 7.99F, 8.0F, 9.99F, 10.0F, -kInfinity});
-  EXPECT_EQ(points_of({scan}).size(), 4U);  // 0.5, 7.99, 8, 9.99
+  EXPECT_EQ(to_points({scan}).size(), 4U);  // 0.5, 7.99, 8, 9.99
   scan.scan.record.scan.max_range_m = 8.0;
-  EXPECT_EQ(points_of({scan}).size(), 2U);  // 0.5, 7.99
+  EXPECT_EQ(to_points({scan}).size(), 2U);  // 0.5, 7.99
   limits.min_range_m = 0.0;
-  EXPECT_EQ(points_of({scan}).size(), 3U);  // a range of 0 is none
+  EXPECT_EQ(to_points({scan}).size(), 3U);  // a range of 0 is none
 }
 
 TEST_F(SweepAssembly, ScansWithoutElevationOrPlaceGiveNoPoints) {
@@ -106,8 +106,8 @@ TEST_F(SweepAssembly, ScansWithoutElevationOrPlaceGiveNoPoints) {
   nowhere.scan.record.scan.T_base_laser.x_m = std::numeric_limits<double>::quiet_NaN();
   SweepScan far = four_beams(0.1);
   far.scan.record.scan.T_base_laser.y_m = -1.0e5;
-  EXPECT_TRUE(points_of({unknown, empty, nowhere, far}).empty());
-  EXPECT_EQ(points_of({unknown, four_beams(0.1), empty}).size(), 4U);
+  EXPECT_TRUE(to_points({unknown, empty, nowhere, far}).empty());
+  EXPECT_EQ(to_points({unknown, four_beams(0.1), empty}).size(), 4U);
 }
 
 TEST_F(SweepAssembly, PointsKeepOrderStampAndScan) {
@@ -119,7 +119,7 @@ TEST_F(SweepAssembly, PointsKeepOrderStampAndScan) {
   SweepScan second = four_beams(0.3);
   second.index = 5;
   second.scan.record.scan.stamp_s = 50.0;
-  const Cloud cloud = points_of({first, second});
+  const Cloud cloud = to_points({first, second});
   ASSERT_EQ(cloud.size(), 7U);
   const double stamps[] = {99.925, 99.975, 100.0, 49.925, 49.95, 49.975, 50.0};
   for (std::size_t i = 0; i < 7; ++i) {
@@ -136,7 +136,7 @@ TEST_F(SweepAssembly, PhaseWrapsTheShortWay) {
   scanner.mirror_rate_hz = 10.0;
   SweepScan scan = four_beams(0.0);
   scan.scan.knots = {{-0.0375, phase_of_turns(-3.0 / 64.0)}, {0.0375, phase_of_turns(3.0 / 64.0)}};
-  const Cloud cloud = points_of({scan});
+  const Cloud cloud = to_points({scan});
   ASSERT_EQ(cloud.size(), 4U);
   const double elevations[] = {0.03, 0.01, 0.01, 0.03};
   for (std::size_t i = 0; i < 4; ++i) {
@@ -147,11 +147,11 @@ TEST_F(SweepAssembly, PhaseWrapsTheShortWay) {
 TEST_F(SweepAssembly, FarFromTheOriginCostsNoMoreThanTheRoundingOfThePoint) {
   SweepScan scan = four_beams(0.0);
   scan.T_map_fix = {4096.4, -8191.7, 0.0};
-  for (const CloudPoint& point : points_of({scan})) {
+  for (const CloudPoint& point : to_points({scan})) {
     EXPECT_LE(std::fabs(static_cast<double>(point.x_m) - 4096.4), 3.0 + 0.00025);
   }
-  EXPECT_EQ(points_of({scan})[0].x_m, static_cast<float>(4096.4 + 1.0));
-  EXPECT_EQ(points_of({scan})[1].y_m, static_cast<float>(-8191.7 + 2.0));
+  EXPECT_EQ(to_points({scan})[0].x_m, static_cast<float>(4096.4 + 1.0));
+  EXPECT_EQ(to_points({scan})[1].y_m, static_cast<float>(-8191.7 + 2.0));
 }
 
 class SweepBatches : public testing::Test {
@@ -221,36 +221,6 @@ TEST_F(SweepBatches, DownloadsOverlapWithTheNextBatch) {
   EXPECT_EQ(device.submit_count(), order.size() / 2);
 }
 
-// Whichever call fails: with another backend all points come, once and in order.
-TEST_F(SweepBatches, ADeviceThatFailsLosesNothing) {
-  QueuedBackend whole;
-  assemble(scanner, {.batch_beams = 4096}, scans, whole);
-  const std::uint64_t calls = whole.calls().size();
-  ASSERT_GT(calls, 30U);
-  for (std::uint64_t k = 1; k <= calls; ++k) {
-    QueuedBackend device(k);
-    CloudKeeper keeper;
-    SweepAssembler assembler(scanner, {.batch_beams = 4096}, device, keeper);
-    int failures = 0;
-    const auto guarded = [&](const auto& step) {
-      try {
-        step();
-      } catch (const DeviceError&) {
-        ++failures;
-        assembler.use_backend(*cpu);
-      }
-    };
-    for (const SweepScan& scan : scans) {
-      guarded([&] { assembler.add(scan.scan, scan.index, scan.T_map_fix, scan.poses); });
-    }
-    guarded([&] { assembler.flush(); });
-    assembler.flush();
-    EXPECT_EQ(failures, 1) << k;
-    EXPECT_EQ(device.calls_after_failure(), 0U) << k;
-    EXPECT_TRUE(keeper.cloud == expected) << k;
-  }
-}
-
 // While the robot turns, the sensor ahead of it goes on an arc, which strips cut into chords.
 TEST_F(SweepAssembly, TurningRobotCutsStripsFineEnough) {
   scanner.mirror_rate_hz = 5.0;
@@ -260,7 +230,7 @@ TEST_F(SweepAssembly, TurningRobotCutsStripsFineEnough) {
   laser.T_base_laser = {0.5, 0.0, 0.0};
   laser.first_bearing_rad = 0.0;
   scan.poses = {{-0.05, {}}, {0.05, {0.0, 0.0, 1.0}}};
-  const Cloud cloud = points_of({scan});
+  const Cloud cloud = to_points({scan});
   ASSERT_EQ(cloud.size(), 361U);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const double share = static_cast<double>(i) / 360.0;

@@ -46,8 +46,8 @@ WindowOutcome outcome_of(const Scene& scene, std::size_t max_buffer_bytes) {
   LocalField local(device, map_config.radius_cells());
   const auto walls = test::furnished_room();
   const Pose2 seen_from{0.5, 0.2, 0.4};
-  const auto seen = in_map(points_of(test::scan_of(walls, seen_from, 0.0), {0.1, 40.0}), seen_from);
-  const KeyframeCells keyframe = keyframe_of(seen, map_config.resolution_m, map_config.radius_cells());
+  const auto seen = in_map(to_points(test::scan_of(walls, seen_from, 0.0), {0.1, 40.0}), seen_from);
+  const KeyframeCells keyframe = make_keyframe_cells(seen, map_config.resolution_m, map_config.radius_cells());
   const MergeStep step{.rule = MergeRule::kWorking, .threshold = 256, .lift = 128};
   map.grow_to_hold(keyframe.window);
   local.prepare(keyframe, map);
@@ -66,7 +66,7 @@ Scene make_scene() {
   scene.config.match.matcher = MatcherKind::kExhaustive;
   scene.config.search.attempts = 1;
   const Pose2 pose{0.4, 0.1, 0.5};
-  scene.points = in_cells(points_of(test::scan_of(test::furnished_room(), pose, 0.0, 60), {0.1, 40.0}),
+  scene.points = in_cells(to_points(test::scan_of(test::furnished_room(), pose, 0.0, 60), {0.1, 40.0}),
                           scene.config.map.resolution_m);
   scene.prediction = {.T_map_base = pose, .travelled_m = 0.1, .turned_rad = 0.1, .by_odometry = true};
   return scene;

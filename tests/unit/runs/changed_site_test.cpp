@@ -73,8 +73,8 @@ std::vector<Point2> centres_of_what_is_new() {
   std::vector<Point2> centres;
   for (std::int32_t y = 0; y < map.geometry.height; ++y) {
     for (std::int32_t x = 0; x < map.geometry.width; ++x) {
-      const Point2 centre = map.geometry.centre_of({x, y});
-      if (map.at({x, y}) == CellState::kOccupied && cast.at(cast.geometry.cell_of(centre)) == CellState::kFree) {
+      const Point2 centre = map.geometry.cell_centre({x, y});
+      if (map.at({x, y}) == CellState::kOccupied && cast.at(cast.geometry.cell_at(centre)) == CellState::kFree) {
         centres.push_back(centre);
       }
     }
@@ -93,7 +93,7 @@ EditRequest edit_of_site(const test::RunsFolder& folder) {
 bool has_wall_near(const OccupancyMap& map, const Point2& at_m, double within_m) {
   for (double x = -within_m; x <= within_m; x += map.geometry.resolution_m) {
     for (double y = -within_m; y <= within_m; y += map.geometry.resolution_m) {
-      const CellIndex cell = map.geometry.cell_of(at_m + Point2(x, y));
+      const CellIndex cell = map.geometry.cell_at(at_m + Point2(x, y));
       if (map.geometry.contains(cell) && map.at(cell) == CellState::kOccupied) return true;
     }
   }
@@ -156,7 +156,7 @@ TEST(ChangedSite, HasTilesWithWhatIsNew) {
         if (tile.at({x, y}) == CellState::kUnknown) continue;
         ++known;
         walls += tile.at({x, y}) == CellState::kOccupied ? 1U : 0U;
-        ASSERT_EQ(tile.at({x, y}), map.at(map.geometry.cell_of(tile.geometry.centre_of({x, y}))));
+        ASSERT_EQ(tile.at({x, y}), map.at(map.geometry.cell_at(tile.geometry.cell_centre({x, y}))));
       }
     }
   }

@@ -133,7 +133,7 @@ TEST(TakenOut, OutsideOfASlantedCropIsUnknown) {
   const OccupancyMap part = cropped(map, {diamond});
   for (std::int32_t y = 0; y < part.geometry.height; ++y) {
     for (std::int32_t x = 0; x < part.geometry.width; ++x) {
-      const Point2 c = part.geometry.centre_of({x, y});
+      const Point2 c = part.geometry.cell_centre({x, y});
       const double away = std::fabs(c.x() - 3) + std::fabs(c.y() - 4);
       if (std::fabs(away - 2) < 1e-6) continue;
       EXPECT_EQ(part.at({x, y}), away < 2 ? CellState::kFree : CellState::kUnknown);

@@ -71,7 +71,7 @@ TEST(EditedRun, AStatedOriginTurnsAndShiftsAllOfIt) {
   EXPECT_NEAR(new_map.geometry.width, old_map.geometry.height, 2);
   EXPECT_NEAR(new_map.geometry.height, old_map.geometry.width, 2);
   for (const StampedPose& pose : is)
-    EXPECT_EQ(new_map.at(new_map.geometry.cell_of(pose.T_map_base.translation())), CellState::kFree);
+    EXPECT_EQ(new_map.at(new_map.geometry.cell_at(pose.T_map_base.translation())), CellState::kFree);
   const SourceRun edited = read_source_run(request.folder);
   ASSERT_TRUE(edited.earlier);
   EXPECT_EQ(edited.earlier->begins_at_s, 1000.0);
@@ -118,7 +118,7 @@ TEST(EditedRun, ACropLeavesTheCellsWithinAndNoOther) {
   std::size_t known = 0;
   for (std::int32_t y = 0; y < is.geometry.height; ++y) {
     for (std::int32_t x = 0; x < is.geometry.width; ++x) {
-      const CellIndex there = was.geometry.cell_of(is.geometry.centre_of({x, y}));
+      const CellIndex there = was.geometry.cell_at(is.geometry.cell_centre({x, y}));
       ASSERT_EQ(is.at({x, y}), was.at(there));
       known += is.at({x, y}) == CellState::kUnknown ? 0U : 1U;
     }
@@ -158,7 +158,7 @@ TEST(EditedRun, WhatIsErasedIsSeenThrough) {
     std::size_t count = 0;
     for (double x = low.x(); x < high.x(); x += 0.025) {
       for (double y = low.y(); y < high.y(); y += 0.025) {
-        const CellIndex cell = map.geometry.cell_of({x, y});
+        const CellIndex cell = map.geometry.cell_at({x, y});
         count += map.geometry.contains(cell) && map.at(cell) == CellState::kOccupied ? 1U : 0U;
       }
     }

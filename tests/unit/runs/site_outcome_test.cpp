@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/mapping/map/separate_map.hpp"
+#include "engine/mapping/map/keyframe_map.hpp"
 #include "engine/runs/sites/site_changes.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/mapping/scan_points.hpp"

@@ -104,7 +104,7 @@ TEST(WholeRun, ItsMapHasTheWallsAndTheWay) {
   const test::RingRun& run = ring_run();
   const OccupancyMap map = RunReader(run.folder).map();
   for (const Pose2& pose : run.truth) {
-    const CellIndex cell = map.geometry.cell_of(pose.translation());
+    const CellIndex cell = map.geometry.cell_at(pose.translation());
     ASSERT_TRUE(map.geometry.contains(cell));
     EXPECT_EQ(map.at(cell), CellState::kFree);
   }
@@ -120,7 +120,7 @@ TEST(WholeRun, ItsMapHasTheWallsAndTheWay) {
       bool is_there = false;
       for (double dx = -0.1; dx < 0.11; dx += 0.025) {
         for (double dy = -0.1; dy < 0.11; dy += 0.025) {
-          const CellIndex cell = map.geometry.cell_of(point + Point2(dx, dy));
+          const CellIndex cell = map.geometry.cell_at(point + Point2(dx, dy));
           is_there = is_there || (map.geometry.contains(cell) && map.at(cell) == CellState::kOccupied);
         }
       }

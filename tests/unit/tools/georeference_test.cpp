@@ -96,7 +96,7 @@ TEST(WorldFile, PutsPixelsWhereTheirCellsAre) {
   double a = 0.0, d = 0.0, b = 0.0, e = 0.0, c = 0.0, f = 0.0;
   ASSERT_TRUE(text >> a >> d >> b >> e >> c >> f);
   for (const auto& [column, row] : {std::pair{0, 0}, {39, 0}, {0, 29}, {21, 13}}) {
-    const Point2 centre = map.centre_of({column, map.height - 1 - row});
+    const Point2 centre = map.cell_centre({column, map.height - 1 - row});
     const Point2 world = placed(300000.0, 5000000.0, theta_rad, centre);
     EXPECT_NEAR(a * column + b * row + c, world.x(), 1e-8);
     EXPECT_NEAR(d * column + e * row + f, world.y(), 1e-8);

@@ -75,7 +75,7 @@ TEST(MapField, AFrameOfTheCapKeepsEachCellInItsPlace) {
   EXPECT_EQ(wide.file.cap, kCap);
   for (std::int32_t y = 0; y < grid.height; ++y) {
     for (std::int32_t x = 0; x < grid.width; ++x) {
-      const CellIndex before = field.file.geometry.cell_of(grid.centre_of({x, y}));
+      const CellIndex before = field.file.geometry.cell_at(grid.cell_centre({x, y}));
       const bool is_inside = x >= 2 && x < 8 && y >= 2 && y < 7;
       const std::uint16_t expected = is_inside ? static_cast<std::uint16_t>(before.y * 6 + before.x) : kCap;
       EXPECT_EQ(wide.file.cells[static_cast<std::size_t>(y) * 10 + static_cast<std::size_t>(x)], expected)

@@ -15,7 +15,7 @@ namespace gdtslam::test {
 inline constexpr double kReach_m = 30.0;
 
 inline bool is_occupied(const OccupancyMap& map, double x_m, double y_m) {
-  const CellIndex cell = map.geometry.cell_of({x_m, y_m});
+  const CellIndex cell = map.geometry.cell_at({x_m, y_m});
   return map.geometry.contains(cell) && map.at(cell) == CellState::kOccupied;
 }
 
@@ -53,7 +53,7 @@ inline Pose2 free_pose(const OccupancyMap& map, Random& random) {
     bool is_free = true;
     for (double dx = -kRoom_m; dx <= kRoom_m; dx += grid.resolution_m) {
       for (double dy = -kRoom_m; dy <= kRoom_m; dy += grid.resolution_m) {
-        const CellIndex cell = grid.cell_of({pose.x_m + dx, pose.y_m + dy});
+        const CellIndex cell = grid.cell_at({pose.x_m + dx, pose.y_m + dy});
         is_free = is_free && grid.contains(cell) && map.at(cell) == CellState::kFree;
       }
     }

@@ -12,7 +12,7 @@
 #include "engine/io/json_file.hpp"
 #include "engine/runs/inputs/given_files.hpp"
 #include "evaluate.hpp"
-#include "gdtslam/cloud/box.hpp"
+#include "gdtslam/cloud/plane.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/cloud_file.hpp"
 #include "tools/gdtslam/drawings/drawing_file.hpp"

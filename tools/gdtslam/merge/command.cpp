@@ -44,8 +44,9 @@ std::string text_of(const JoinedSite& site) {
   }
   const MapChanges& changes = site.changes.last;
   if (!changes.empty()) {
-    text += fmt::format("  changed between the drives: new in {}, gone in {}\n",
-                        count_of(patches_of(changes.appeared), "place"), count_of(patches_of(changes.gone), "place"));
+    text +=
+        fmt::format("  changed between the drives: new in {}, gone in {}\n",
+                    count_of(count_patches(changes.appeared), "place"), count_of(count_patches(changes.gone), "place"));
   }
   return text;
 }

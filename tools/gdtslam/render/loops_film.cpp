@@ -49,7 +49,7 @@ class LoopsReplay {
   LoopsReplay(RenderSource& source, std::size_t most_stages)
       : run_(read_run_graph(*source.run())),
         path_(source.trajectory(), run_.scans, source.map()),
-        stages_(replay_of(run_.graph, most_stages)),
+        stages_(replay_graph(run_.graph, most_stages)),
         start_s_(source.trajectory().front().stamp_s) {
     ReplayStage adjusted;
     adjusted.place = path_.final_places().size() - 1;

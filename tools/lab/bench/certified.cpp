@@ -74,7 +74,7 @@ class CertifiedBench {
       stop_if_interrupted();
       const MatchResult match = mapper_.process(record->scan, record->T_odom_base);
       if (index % every != every / 2 || scans_.size() >= kScans || !match.accepted) continue;
-      std::vector<PointCells> points = in_cells(points_of(record->scan, log.mapper.scan), log.mapper.map.resolution_m);
+      std::vector<PointCells> points = in_cells(to_points(record->scan, log.mapper.scan), log.mapper.map.resolution_m);
       if (points.size() < static_cast<std::size_t>(log.mapper.scan.min_points)) continue;
       if (points.size() <= kMostCertifiedPoints) scans_.push_back({std::move(points), match.T_map_base});
     }
@@ -109,7 +109,7 @@ class CertifiedBench {
     const std::vector<PointCells>& points = scans_[index].points;
     const FieldView& field = map_->field();
     const double r = field.resolution_m;
-    const CellIndex anchor = map_cell_of(window.centre.translation(), r);
+    const CellIndex anchor = map_cell_at(window.centre.translation(), r);
     PoseSimplex::Params walk;
     walk.cost = {.width = field.width,
                  .height = field.height,

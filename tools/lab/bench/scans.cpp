@@ -68,7 +68,7 @@ class ScanBench {
     const double half_cells = 0.5 * kWindowCells - config_.map.radius_cells() - 0.5;
     const std::vector<Point2> points_m = points_of_room(half_cells * config_.map.resolution_m);
     points_ = in_cells(points_m, config_.map.resolution_m);
-    keyframe_ = keyframe_of(points_m, config_.map.resolution_m, config_.map.radius_cells());
+    keyframe_ = make_keyframe_cells(points_m, config_.map.resolution_m, config_.map.radius_cells());
     map_.grow_to_hold(keyframe_.window);
     merge();
   }

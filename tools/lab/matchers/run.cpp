@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "engine/core/elementary.hpp"
-#include "engine/mapping/match/motion_model.hpp"
+#include "engine/mapping/match/motion_estimate.hpp"
 #include "engine/runs/mapping/stopwatch.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
@@ -103,8 +103,8 @@ class Comparison {
   // nothing cannot tell where the robot is. The same points for all methods and starts.
   bool choose_points(const ScanRecord& record, const Pose2& predicted, Objective& objective) {
     const std::vector<PointCells> all =
-        in_cells(points_of(record.scan, job_.mapper.scan), job_.mapper.map.resolution_m);
-    objective.set_anchor(map_cell_of(predicted.translation(), job_.mapper.map.resolution_m));
+        in_cells(to_points(record.scan, job_.mapper.scan), job_.mapper.map.resolution_m);
+    objective.set_anchor(map_cell_at(predicted.translation(), job_.mapper.map.resolution_m));
     objective.set_cap(mapper_.field().cap());
     objective.residuals(objective.to_cells(predicted), all, values_);
     points_.clear();

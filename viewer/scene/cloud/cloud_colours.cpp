@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "engine/cloud/neighbours.hpp"
-#include "engine/cloud/position_of.hpp"
+#include "engine/cloud/to_position.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 
@@ -125,7 +125,7 @@ std::vector<float> distances_to(std::span<const CloudPoint> cloud, std::span<con
   std::vector<float> distances(cloud.size(), static_cast<float>(most_m));
   for (std::size_t k = 0; k < cloud.size(); ++k) {
     if (!is_finite(cloud[k])) continue;
-    const Point3 at = position_of(cloud[k]);
+    const Point3 at = to_position(cloud[k]);
     const std::optional<std::uint32_t> nearest = neighbours.nearest(at, most_m);
     if (nearest) distances[k] = static_cast<float>((neighbours.point(*nearest) - at).norm());
   }

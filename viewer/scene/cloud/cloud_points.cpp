@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "engine/cloud/position_of.hpp"
+#include "engine/cloud/to_position.hpp"
 #include "viewer/graphics/dot_painter.hpp"
 
 namespace gdtslam {
@@ -96,7 +96,7 @@ CloudPoints::~CloudPoints() = default;
 void CloudPoints::set(std::span<const CloudPoint> cloud, std::vector<std::uint32_t> drawn, const LookOf& look_of) {
   State& s = *state_;
   sort_by_time(cloud, drawn);
-  s.origin = position_of(cloud[drawn.front()]);
+  s.origin = to_position(cloud[drawn.front()]);
   const std::span<const std::uint32_t> all(drawn);
   s.pieces.reserve(all.size() / kPiece + 1);
   for (std::size_t begin = 0; begin < all.size(); begin += kPiece) {
@@ -105,7 +105,7 @@ void CloudPoints::set(std::span<const CloudPoint> cloud, std::vector<std::uint32
     dots.reserve(part.size());
     for (const std::uint32_t k : part) {
       const Look look = look_of(k);
-      const Point3 at = position_of(cloud[k]);
+      const Point3 at = to_position(cloud[k]);
       s.bounds.add(at);
       const Eigen::Vector3f place = (at - s.origin).cast<float>();
       dots.push_back({.place = {place.x(), place.y(), place.z()},

@@ -4,7 +4,7 @@
 #include <iterator>
 #include <utility>
 
-#include "engine/cloud/position_of.hpp"
+#include "engine/cloud/to_position.hpp"
 #include "gdtslam/cloud/thinning.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/viewer/cloud_scene.hpp"
@@ -42,7 +42,7 @@ double least_voxel_m(const Cloud& cloud) { return std::max(kLeastVoxel_m, farthe
 // Of the box of the points, the longest.
 double side_m(const Cloud& cloud) {
   Bounds bounds;
-  for (const CloudPoint& point : cloud) bounds.add(position_of(point));
+  for (const CloudPoint& point : cloud) bounds.add(to_position(point));
   return bounds.is_empty() ? 0.0 : (bounds.highest - bounds.lowest).maxCoeff();
 }
 

@@ -1,6 +1,6 @@
 // The choice between polished poses, and the evidence for it.
 
-/// What the map says of all points at a pose; engine/compute/kernels/pose_simplex/pose_simplex.hpp has the meaning.
+/// Values of the map under all points at a pose; engine/compute/kernels/pose_simplex/pose_simplex.hpp has the meaning.
 struct PoseEvidence {
   std::uint32_t sum;
   std::uint32_t near;
@@ -23,11 +23,12 @@ void nearest_values(const CostContext& nearest, const CostPose& pose, std::uint1
     const std::int32_t qy = floor_position(v * 256.0F + 0.5F) + nearest.shift_y;
     const auto x = static_cast<std::uint32_t>(clamped(qx >> 8, 0, nearest.last_x));
     const auto y = static_cast<std::uint32_t>(clamped(qy >> 8, 0, nearest.last_y));
-    values[i] = u16(u32(nearest.field[place_of(x, y, nearest.stride, nearest.strip_step)]) ^ (nearest.blank & 0xFFFFU));
+    const std::uint32_t place = field_place(x, y, nearest.stride, nearest.strip_step);
+    values[i] = u16(u32(nearest.field[place]) ^ (nearest.blank & 0xFFFFU));
   }
 }
 
-PoseEvidence evidence_of(const ChoosePose::Params& params, const std::uint16_t* values) {
+PoseEvidence gather_evidence(const ChoosePose::Params& params, const std::uint16_t* values) {
   const std::uint32_t gate = params.gate;
   const std::uint32_t wide = params.cost.cap;
   const std::uint32_t map_cap = params.map_cap;
@@ -73,9 +74,9 @@ void choose_pose(const ChoosePose::Params& params, const std::uint16_t* field, c
   nearest_params.interpolation = Interpolation::kNearest;
   const CostContext nearest = cost_context(nearest_params, field, points);
   nearest_values(nearest, cost_pose(poses[0]), values);
-  PoseEvidence evidence = evidence_of(params, values);
+  PoseEvidence evidence = gather_evidence(params, values);
 
-  PoseObjective objective{cost_context(params.cost, field, points), point_sum_of(params.cost), params.prior};
+  PoseObjective objective{cost_context(params.cost, field, points), choose_point_sum(params.cost), params.prior};
   if (!is_suspect(params, evidence)) {
     objective.context.points = voters;
     objective.context.count = keep_voters(params, points, values, voters);
@@ -102,7 +103,7 @@ void choose_pose(const ChoosePose::Params& params, const std::uint16_t* field, c
   const PolishedPose& chosen = poses[best.chosen];
   if (best.chosen != 0) {
     nearest_values(nearest, cost_pose(chosen), values);
-    evidence = evidence_of(params, values);
+    evidence = gather_evidence(params, values);
   }
   *verdict = {chosen.x,       chosen.y,     chosen.theta,  best.cost,       best.chosen,    evaluations,
               chosen.stop,    evidence.sum, evidence.near, evidence.beside, evidence.known, objective.context.count,

@@ -1,4 +1,3 @@
-#include <cmath>
 #include <functional>
 #include <limits>
 
@@ -11,7 +10,7 @@ namespace {
 
 using Poses = std::vector<PolishedPose>;
 
-/// What a case of choose_pose varies.
+/// Parameters that the cases of choose_pose vary.
 struct ChoiceCase {
   using Kernel = ChoosePose;
   CaseSize field{256, 200, 256};

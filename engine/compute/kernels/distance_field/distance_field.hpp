@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "gdtslam/compute/kernel.hpp"
-#include "gdtslam/compute/kernel_options.hpp"
 
 namespace gdtslam {
 
@@ -15,7 +14,7 @@ struct CaseGroup;
 
 inline constexpr std::uint32_t kFieldOne = 256;  ///< one cell
 
-/// What unknown cells hold, for a truncation radius in cells.
+/// Value of unknown cells for a truncation radius in cells.
 constexpr std::uint16_t field_cap(std::uint32_t radius) { return static_cast<std::uint16_t>(radius * kFieldOne); }
 
 /// round(256*sqrt(d2)) for d2 = 0 .. R*R, by integer arithmetic.

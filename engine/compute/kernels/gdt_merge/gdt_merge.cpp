@@ -1,7 +1,6 @@
 #include "gdt_merge.hpp"
 
 #include "engine/compute/cpu/launch.hpp"
-#include "engine/compute/kernels/host_kernels.hpp"
 
 namespace gdtslam {
 
@@ -44,10 +43,6 @@ const KernelInfo& FieldGrow::info() {
         check.extent({params.width, params.height, 1});
       });
   return row;
-}
-
-void gdt_merge_host(Isa isa, const GdtMerge::Params& params, std::uint16_t* global, const std::uint16_t* scan) {
-  functions_or_throw(isa).gdt_merge(params, global, scan, {0, params.scan_width, 0, params.scan_height});
 }
 
 }  // namespace gdtslam

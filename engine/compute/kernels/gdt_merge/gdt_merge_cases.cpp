@@ -6,7 +6,7 @@ namespace {
 
 constexpr std::uint32_t kCap = 20 * 256;
 
-/// Where the scan's field lies in the global one, and the rule.
+/// Position of the scan's field in the global one, and the rule.
 struct MergeCase {
   using Kernel = GdtMerge;
   CaseSize scan;
@@ -16,7 +16,7 @@ struct MergeCase {
   std::uint32_t threshold = 256;
   std::uint32_t lift = 128;
   std::uint32_t cap = kCap;
-  bool strips = false;  ///< of the global field, where the cap is 0
+  bool strips = false;  ///< the global field lies in strips, with a cap of 0
 
   [[nodiscard]] std::string name() const {
     return size_name(scan) + " at " + std::to_string(offset_x) + "," + std::to_string(offset_y) +

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "gdtslam/compute/kernel.hpp"
-#include "gdtslam/compute/kernel_options.hpp"
 
 namespace gdtslam {
 
@@ -26,10 +25,10 @@ inline constexpr std::uint32_t kDiscMargin = 32;
 
 /// A tile of the field and its obstacles: four words of the list.
 struct StampTile {
-  std::uint32_t base = 0;   ///< of its lower left cell in the field, a multiple of 4
+  std::uint32_t base = 0;   ///< index of its lower left cell in the field, a multiple of 4
   std::uint32_t size = 0;   ///< height * 65536 + width of what may be written, 1 to kStampTile each
   std::uint32_t first = 0;  ///< word of its obstacles in the list, a multiple of kStampGroup
-  std::uint32_t count = 0;  ///< of obstacles, at least 1
+  std::uint32_t count = 0;  ///< number of obstacles, at least 1
 };
 
 /// Cells from row to row of a disc.
@@ -46,8 +45,8 @@ std::vector<std::uint16_t> stamp_disc(std::uint32_t radius);
 struct GdtStamp {
   struct Params {
     std::uint32_t tile_count = 0;
-    std::uint32_t words = 0;           ///< of the list
-    std::uint32_t most_obstacles = 0;  ///< of a tile
+    std::uint32_t words = 0;           ///< words of the list
+    std::uint32_t most_obstacles = 0;  ///< most obstacles of a tile
     std::uint32_t stride = 0;          ///< cells from row to row within a tile
     std::uint32_t radius = 0;          ///< R, 1 to 255 cells
     std::uint32_t threshold = 0;       ///< 1/256 cell

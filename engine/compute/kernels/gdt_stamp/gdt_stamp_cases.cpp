@@ -7,7 +7,7 @@
 namespace gdtslam {
 namespace {
 
-/// Where the obstacles of a tile lie.
+/// Positions of a tile's obstacles.
 enum class StampSpread : std::uint8_t { kAnywhere, kOutside, kEdges, kOneCell };
 constexpr StampSpread kStampSpreads[] = {StampSpread::kAnywhere, StampSpread::kOutside, StampSpread::kEdges,
                                          StampSpread::kOneCell};
@@ -17,7 +17,7 @@ constexpr const char* kSpreadNames[] = {"anywhere", "outside", "at edges", "in o
 struct StampCase {
   using Kernel = GdtStamp;
   CaseSize field;
-  std::uint32_t obstacles = 17;  ///< of a tile, at most
+  std::uint32_t obstacles = 17;  ///< obstacles of a tile, at most
   std::uint32_t radius = 20;
   MergeRule rule = MergeRule::kWorking;
   std::uint32_t threshold = 256;

@@ -1,11 +1,8 @@
 #include "jump_flood.hpp"
 
 #include <bit>
-#include <cassert>
-#include <utility>
 
 #include "engine/compute/cpu/launch.hpp"
-#include "engine/compute/kernels/host_kernels.hpp"
 
 namespace gdtslam {
 namespace {
@@ -67,21 +64,6 @@ std::vector<std::uint32_t> jump_flood_steps_within(std::uint32_t radius) {
   std::vector<std::uint32_t> steps{1};
   for (std::uint32_t step = std::bit_floor(radius); step > 0; step /= 2) steps.push_back(step);
   return steps;
-}
-
-void jump_flood_host(Isa isa, const JumpFloodDistance::Params& params, std::span<const std::uint32_t> steps,
-                     const std::uint8_t* seeds, std::uint32_t* nearest, std::uint32_t* scratch,
-                     std::uint16_t* sq_distance) {
-  assert(params.radius >= 1 && params.radius <= 255 && params.stride >= params.width);
-  assert(params.width <= kMostSide && params.height <= kMostSide);
-  const IsaFunctions& functions = functions_or_throw(isa);
-  const CellRange all{0, params.width, 0, params.height};
-  functions.jump_flood_init({params.width, params.height, params.stride}, seeds, nearest, all);
-  for (const std::uint32_t step : steps) {
-    functions.jump_flood_step({params.width, params.height, params.stride, step}, nearest, scratch, all);
-    std::swap(nearest, scratch);
-  }
-  functions.jump_flood_distance(params, nearest, sq_distance, all);
 }
 
 }  // namespace gdtslam

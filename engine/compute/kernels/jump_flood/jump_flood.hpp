@@ -6,7 +6,6 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "gdtslam/compute/kernel.hpp"
@@ -21,7 +20,7 @@ constexpr std::uint32_t grid_stride(std::uint32_t width) {
   return (width + kGridStride - 1) / kGridStride * kGridStride;
 }
 
-/// What stands for a cell that knows no seed yet.
+/// Value of a cell that knows no seed yet.
 inline constexpr std::uint32_t kNoSeed = 0xFFFFFFFFU;
 
 /// From the points of a scan to the seeds of its transform: sets the seeds that a list of cells names; cells outside
@@ -77,8 +76,7 @@ struct JumpFloodDistance {
 };
 
 /// The steps, first to last, where distances beyond a radius do not matter: 1 first [Rong2007], then steps that halve
-/// to
-/// 1. These reach what is not farther than their sum, so they begin at the power of two not above the radius.
+/// down to 1. These reach what is not farther than their sum, so they begin at the power of two not above the radius.
 std::vector<std::uint32_t> jump_flood_steps_within(std::uint32_t radius);
 
 }  // namespace gdtslam

@@ -24,7 +24,7 @@ void point_values(const PointValues::Params& grid, const std::uint16_t* field, c
     for (std::uint32_t i = 0; i < count; ++i) {
       const float u = (rotation.cos * block[i].x - rotation.sin * block[i].y) + pose.x;
       const float v = (rotation.sin * block[i].x + rotation.cos * block[i].y) + pose.y;
-      cell[i] = place_of(held_cell(u, anchor_x, last_x), held_cell(v, anchor_y, last_y), grid.stride, strip_step);
+      cell[i] = field_place(held_cell(u, anchor_x, last_x), held_cell(v, anchor_y, last_y), grid.stride, strip_step);
     }
     for (std::uint32_t i = 0; i < count; ++i) {
       values[first + i] = u16(u32(field[cell[i]]) ^ grid.blank);

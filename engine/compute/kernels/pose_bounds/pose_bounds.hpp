@@ -42,7 +42,7 @@ struct PoseBounds {
   struct Params {
     std::uint32_t width = 0;
     std::uint32_t height = 0;
-    std::int32_t first_column = 0;  ///< of the anchor, margin included; at most kFarthestFirst off
+    std::int32_t first_column = 0;  ///< first column of the anchor, margin included; at most kFarthestFirst off
     std::int32_t first_row = 0;
     std::uint32_t phase_bits = 0;  ///< at most 4
     float samples_per_cell = 1.0F;
@@ -66,7 +66,7 @@ struct PoseBounds {
 /// kMargin cells beyond the field on every side, where it is the cap.
 struct FieldMinorant {
   struct Params {
-    std::uint32_t width = 0;  ///< of the field
+    std::uint32_t width = 0;  ///< width of the field
     std::uint32_t height = 0;
     std::uint32_t stride = 0;
     std::uint32_t cap = 0;
@@ -83,14 +83,14 @@ struct FieldMinorant {
 /// + slope_x * dx + slope_y * dy + slope_theta * kThetaStep * dt - point_count * kThetaStep * |dt|.
 struct PoseMinorant {
   struct Params {
-    std::uint32_t width = 0;  ///< of the field, at least 4 as height
+    std::uint32_t width = 0;  ///< width of the field, at least 4 like its height
     std::uint32_t height = 0;
     std::uint32_t stride = 0;
     std::int32_t anchor_x = 0;
     std::int32_t anchor_y = 0;
     std::uint32_t point_count = 0;  ///< at most kMostPoints
     std::uint32_t cap = 0;          ///< cells above count as this
-    float half_width = 0.0F;        ///< of the box along x and y, cells
+    float half_width = 0.0F;        ///< half width of the box along x and y, cells
     float half_angle = 0.0F;
     float slack = 0.0F;  ///< cells that rounding may move a point by
   };
@@ -113,7 +113,7 @@ struct PoseMinorant {
 /// minorant is that of cell i, plus anchor and margin and clamped, taken at u - i. Points lie within kFarthest.
 struct PoseMinorantWide {
   struct Params {
-    std::uint32_t width = 0;  ///< of a field of minorants
+    std::uint32_t width = 0;  ///< width of a field of minorants
     std::uint32_t height = 0;
     std::int32_t anchor_x = 0;  ///< margin included
     std::int32_t anchor_y = 0;

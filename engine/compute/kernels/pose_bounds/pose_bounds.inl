@@ -3,7 +3,7 @@
 
 constexpr std::uint32_t kBoundBlock = 128;
 
-/// Where the points of a block begin to read, as indices of bytes.
+/// Computes the first byte that each point of a block reads.
 void locate_tiles(const PoseBounds::Params& params, const BoundPoint* points, std::uint32_t count,
                   const PoseCandidate& tile, const SinCos<float>& rotation, std::uint32_t* offsets) {
   const float scale = params.samples_per_cell;

@@ -13,10 +13,10 @@ enum class TileShape : std::uint8_t { kSmall, kWide };
 /// many points and tiles are.
 enum class BoundData : std::uint8_t { kPlain, kHigh, kOdd, kSubnormal };
 
-/// What a case varies.
+/// Parameters that the cases vary.
 struct BoundCase {
   using Kernel = PoseBounds;
-  std::uint32_t width = 0;  ///< of a plane
+  std::uint32_t width = 0;  ///< width of a plane
   std::uint32_t height = 0;
   TileShape shape = TileShape::kWide;
   std::uint32_t points = 0;
@@ -25,7 +25,7 @@ struct BoundCase {
   std::int32_t sample_bits = 1;  ///< a sample is 2^sample_bits cells
   double spread_cells = 40.0;    ///< how far points and tiles lie from the field's middle
   BoundData data = BoundData::kPlain;
-  std::int32_t shift = 0;  ///< of the anchor, out of the field's middle
+  std::int32_t shift = 0;  ///< shift of the anchor, out of the field's middle
 
   [[nodiscard]] std::string name() const {
     constexpr const char* kData[] = {"", " high", " odd", " subnormal"};
@@ -38,7 +38,7 @@ struct BoundCase {
   [[nodiscard]] KernelCase make(const std::string& named) const;
 };
 
-/// What fields have for points at growing ranges; their size is mostly no whole number of words.
+/// Dilated fields for points at growing ranges; their size is mostly no whole number of words.
 constexpr std::uint32_t kDilations = 3;
 
 PoseBounds::Params bound_params(const BoundCase& shape) {
@@ -192,7 +192,7 @@ void add_pose_bounds_cases(std::vector<KernelCaseSource>& list) {
       add_case(list, BoundCase{16 + size.width, size.height, TileShape::kWide, turn % 41, turn % 6, turn % 3, 1, 19.0});
     }
   });
-  // What searches do: a whole map's first boxes of 8 cells, and a box's children.
+  // Launches of real searches: a whole map's first boxes of 8 cells, and a box's children.
   add_case(list, BoundCase{182, 182, TileShape::kWide, 361, 2344, 2, 1, 300.0}, CaseUse::kBenchmark);
   add_case(list, BoundCase{632, 632, TileShape::kSmall, 361, 4096, 1, 0, 300.0}, CaseUse::kBenchmark);
   add_case(list, BoundCase{632, 632, TileShape::kSmall, 361, 2, 1, 0, 300.0}, CaseUse::kBenchmark);

@@ -5,7 +5,7 @@
 constexpr std::uint32_t kMinorantBlock = 256;
 constexpr std::uint32_t kMinorantLanes = 16;
 constexpr std::uint32_t kPatch = 4;  ///< cells read along x and along y
-/// What rounding down of a cost's term, and float32, may take away from a point, 1/256 cell.
+/// Loss of a point by rounding a cost's term down, and by float32, 1/256 cell.
 constexpr float kTermSlack = 1.25F;
 
 struct MinorantBlock {
@@ -35,8 +35,8 @@ inline float about_inverse(float value) {
   return guess * (2.0F - value * guess);
 }
 
-/// Of a value within +-2^30.
-inline std::int32_t floor_of(float value) {
+/// Floor of a value within +-2^30.
+inline std::int32_t floor_to_int32(float value) {
 #if GDTSLAM_ISA_LEVEL > 0
   return static_cast<std::int32_t>(__builtin_floorf(value));  // an instruction
 #else
@@ -46,12 +46,12 @@ inline std::int32_t floor_of(float value) {
 }
 
 /// The slope over a box from what two of its sides rise by together.
-inline std::int32_t slope_of(float rise, float half) {
+inline std::int32_t to_slope(float rise, float half) {
   constexpr auto kMost = static_cast<float>(PoseMinorant::kMostSlope);
   float slope = rise * about_inverse(4.0F * half) + 0.5F;
   slope = slope > -kMost ? slope : -kMost;
   slope = slope < kMost ? slope : kMost;
-  return floor_of(slope);
+  return floor_to_int32(slope);
 }
 
 inline void locate_boxes(const PoseMinorant::Params& params, const PoseCandidate& box, const SinCos<float>& rotation,
@@ -198,8 +198,8 @@ inline WholeSlopes slopes_over(const PatchBox& box, float y0) {
   const float low_right = box.right[0] + (box.right[1] - box.right[0]) * y0;
   const float high_left = at_hats(box.left, box.hats_y);
   const float high_right = at_hats(box.right, box.hats_y);
-  return {slope_of((low_right - low_left) + (high_right - high_left), box.half_x),
-          slope_of((high_left - low_left) + (high_right - low_right), box.half_y)};
+  return {to_slope((low_right - low_left) + (high_right - high_left), box.half_x),
+          to_slope((high_left - low_left) + (high_right - low_right), box.half_y)};
 }
 
 /// The least of the field less the slopes' rise from the box's middle. In a row of the patch the field is piecewise
@@ -241,10 +241,10 @@ inline void add_minorants(std::uint32_t cap, std::uint32_t count, const Minorant
     const float term = value - ((absolute(gx) + absolute(gy)) * block.slack[i] + kTermSlack);
     const float turn = (gy * block.from_x[i] - gx * block.from_y[i]) * (1.0F / PoseMinorant::kThetaStep);
     const std::int32_t counts = block.counts[i];
-    constant += floor_of(term) & counts;
+    constant += floor_to_int32(term) & counts;
     slope_x += slopes.x & counts;
     slope_y += slopes.y & counts;
-    slope_theta += floor_of(turn) & counts;
+    slope_theta += floor_to_int32(turn) & counts;
   }
   total.constant += constant;
   total.slope_x += slope_x;

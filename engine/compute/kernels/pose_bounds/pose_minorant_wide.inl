@@ -88,10 +88,10 @@ inline void add_wide(const PoseMinorantWide::Params& params, std::uint32_t count
     const float off = slack + bend * (absolute(block.from_x[i]) + absolute(block.from_y[i]));
     const float lost = (absolute(gx) + absolute(gy)) * off;
     const float turn = (gy * block.from_x[i] - gx * block.from_y[i]) * (1.0F / PoseMinorant::kThetaStep);
-    constant += height + floor_of(here - lost);
+    constant += height + floor_to_int32(here - lost);
     slope_x += whole_x;
     slope_y += whole_y;
-    slope_theta += floor_of(turn);
+    slope_theta += floor_to_int32(turn);
   }
   total.constant += constant;
   total.slope_x += slope_x * FieldMinorant::kSlopeUnit;

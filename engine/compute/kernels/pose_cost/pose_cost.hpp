@@ -15,7 +15,6 @@
 #include <cstdint>
 
 #include "gdtslam/compute/kernel.hpp"
-#include "gdtslam/compute/kernel_options.hpp"
 
 namespace gdtslam {
 
@@ -44,7 +43,7 @@ struct PoseCost {
     std::uint32_t width = 0;
     std::uint32_t height = 0;
     std::uint32_t stride = 0;           ///< from row to row
-    std::uint32_t strip = kStripWidth;  ///< from strip to strip (kernel_options.hpp)
+    std::uint32_t strip = kStripWidth;  ///< from strip to strip (kernel.hpp)
     std::uint32_t blank = 0;            ///< cells hold their value XOR this, at most 65535
     std::int32_t anchor_x = 0;          ///< cell of the field that candidates are relative to, any value within +-2^21
     std::int32_t anchor_y = 0;

@@ -10,13 +10,13 @@ std::uint32_t shift_for(std::uint32_t cap) {
   return 2 * bits > 16 ? 2 * bits - 16 : 0;
 }
 
-/// What does not change from point to point. Positions are in 1/256 cell.
+/// Values that do not change from point to point. Positions are in 1/256 cell.
 struct CostContext {
   const std::uint16_t* field;
   const PointCells* points;
   std::uint32_t count;
   std::uint32_t stride;
-  std::uint32_t strip_step;  ///< from a strip's 64 columns to the next strip, 0 where there are rows (kernel_options.hpp)
+  std::uint32_t strip_step;  ///< from a strip's 64 columns to the next strip, 0 where there are rows (kernel.hpp)
   std::uint32_t blank;       ///< twice, one for each of two neighbours
   std::int32_t last_x;  ///< largest cell that may be read with its right neighbour
   std::int32_t last_y;
@@ -35,11 +35,11 @@ struct CostPose {
 };
 
 /// FieldLayout::place in 32 bits.
-inline std::uint32_t place_of(std::uint32_t x, std::uint32_t y, std::uint32_t stride, std::uint32_t strip_step) {
+inline std::uint32_t field_place(std::uint32_t x, std::uint32_t y, std::uint32_t stride, std::uint32_t strip_step) {
   return y * stride + x + x / kStripWidth * strip_step;
 }
 
-/// Where coordinates are clamped, 1/256 cell: far off any map, and an integer of float32 and int32 alike.
+/// Limit to which coordinates are clamped, 1/256 cell: far off any map, and an integer of float32 and int32 alike.
 constexpr float kFarthestPosition = 1073741824.0F;  // 2^30
 
 /// floor of a clamped position; NaN counts as -2^30.

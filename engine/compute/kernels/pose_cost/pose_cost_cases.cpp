@@ -7,7 +7,7 @@
 namespace gdtslam {
 namespace {
 
-/// What a case of pose_cost varies.
+/// Parameters that the cases of pose_cost vary.
 struct CostCase {
   using Kernel = PoseCost;
   CaseSize field;
@@ -17,9 +17,9 @@ struct CostCase {
   double spread_cells = 0.0;  ///< how far from the field's middle candidates lie
   Interpolation interpolation = Interpolation::kBilinear;
   CostForm form = CostForm::kDistance;
-  std::int32_t anchor_shift = 0;  ///< of the anchor, out of the field's middle
+  std::int32_t anchor_shift = 0;  ///< shift of the anchor, out of the field's middle
   bool odd_points = false;        ///< some are no numbers, or far off
-  std::uint32_t field_cap = 0;    ///< what unknown cells hold; 0: the cap
+  std::uint32_t field_cap = 0;    ///< value of unknown cells; 0: the cap
   bool is_subnormal = false;      ///< coordinates of many points and poses are
   bool strips = false;            ///< the field lies in strips, and its cap is 0
 
@@ -172,7 +172,7 @@ void add_pose_cost_cases(std::vector<KernelCaseSource>& list) {
   for (const CaseSize& size : kLargeSizes) {
     add_case(list, CostCase{size, 361, 20000, 5120, 900.0}, CaseUse::kLarge);
   }
-  // As many candidates as fill a GPU with an invocation each.
+  // Candidates that fill a GPU with an invocation each.
   for (const Interpolation interpolation : kInterpolations) {
     for (const std::uint32_t points : {9U, 2053U}) {
       add_case(list, CostCase{{97, 83, 100}, points, 16387, 5120, 60.0, interpolation, CostForm::kDistance});

@@ -16,14 +16,14 @@ class BlockSteps {
       block.position_y[i] = qy;
       const auto x = static_cast<std::uint32_t>(clamped(qx >> 8, 0, context_.last_x));
       const auto y = static_cast<std::uint32_t>(clamped(qy >> 8, 0, context_.last_y));
-      block.cell[i] = place_of(x, y, context_.stride, context_.strip_step);
+      block.cell[i] = field_place(x, y, context_.stride, context_.strip_step);
     }
     return count;
   }
 
   void add_values(const CostBlock& block, std::uint32_t count) {
     for (std::uint32_t i = 0; i < count; ++i) {
-      const std::uint32_t value = lesser(value_of(block, i), context_.cap);
+      const std::uint32_t value = lesser(field_value(block, i), context_.cap);
       sum_ += kSquared ? (value * value) >> context_.square_shift : value;
     }
   }
@@ -31,7 +31,7 @@ class BlockSteps {
   [[nodiscard]] std::uint32_t sum() const { return sum_; }
 
  private:
-  [[nodiscard]] std::uint32_t value_of(const CostBlock& block, std::uint32_t i) const {
+  [[nodiscard]] std::uint32_t field_value(const CostBlock& block, std::uint32_t i) const {
     if constexpr (!kBilinear) {
       return block.lower[i] ^ (context_.blank & 0xFFFFU);
     }

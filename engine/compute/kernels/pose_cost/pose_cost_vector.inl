@@ -41,16 +41,16 @@ class BlockSteps {
     }
   }
 
-  [[nodiscard]] std::uint32_t sum() const { return sum_of(sums_); }
+  [[nodiscard]] std::uint32_t sum() const { return lane_sum(sums_); }
 
  private:
   void locate_lanes(const LanePoints& p, CostBlock& block, std::uint32_t i) const {
     const Floats u = add(sub(mul(c_, p.x), mul(s_, p.y)), x_);
     const Floats v = add(add(mul(s_, p.x), mul(c_, p.y)), y_);
-    const Ints qx = add(position_of(u), shift_x_);
-    const Ints qy = add(position_of(v), shift_y_);
-    const Ints x = cell_of(qx, last_x_);
-    const Ints in_strip = add(mul(cell_of(qy, last_y_), stride_), x);
+    const Ints qx = add(fixed_point_position(u), shift_x_);
+    const Ints qy = add(fixed_point_position(v), shift_y_);
+    const Ints x = clamped_cell(qx, last_x_);
+    const Ints in_strip = add(mul(clamped_cell(qy, last_y_), stride_), x);
     static_assert(kStripWidth == 1U << 6U);
     store(block.cell + i, add(in_strip, mul(shift_right_signed<6>(x), strip_step_)));
     if constexpr (kBilinear) {
@@ -59,12 +59,12 @@ class BlockSteps {
     }
   }
 
-  static Ints position_of(Floats coordinate) {
+  static Ints fixed_point_position(Floats coordinate) {
     const Floats scaled = add(mul(coordinate, all(256.0F)), all(0.5F));
     return floor_to_int(lesser(greater(scaled, all(-kFarthestPosition)), all(kFarthestPosition)));
   }
 
-  static Ints cell_of(Ints position, Ints last) {
+  static Ints clamped_cell(Ints position, Ints last) {
     return lesser(greater(shift_right_signed<8>(position), all(0)), last);
   }
 

@@ -44,7 +44,7 @@ struct PoseLattice {
   static CaseGroup cases();
 };
 
-/// What is no local minimum, and what stands where fewer were found than wanted.
+/// Cost of a cell that is no local minimum, and of entries that are missing because fewer were found than wanted.
 inline constexpr std::uint32_t kNoCost = 0xFFFFFFFFU;
 
 /// Keeps the cost of a sample that no neighbour (up to 26, one step in any direction) beats, by (cost, index); kNoCost

@@ -11,12 +11,12 @@ inline float lattice_coordinate(float centre, std::uint32_t i, std::uint32_t cou
   return centre + (place - middle) * step;
 }
 
-/// What all samples of one row share.
+/// Values that all samples of one row share.
 struct LatticeRow {
   float y;
   float theta;
   float sq_dy;
-  float turn_cost;  ///< of the prior, limited
+  float turn_cost;  ///< cost of the turn by the prior, limited
 };
 
 /// `count` samples of a row from column `begin` on.

@@ -57,7 +57,8 @@ PriorParams make_prior(PriorKind kind, Random& random) {
   return prior;
 }
 
-KernelCase lattice_of(const std::string& named, WindowSize window, const PoseLattice::Params& params, Random& random) {
+KernelCase make_lattice_case(const std::string& named, WindowSize window, const PoseLattice::Params& params,
+                             Random& random) {
   return make_case<PoseLattice>(named, params, {window.samples(), 1, 1}, {noise_buffer(4 * window.samples(), random)});
 }
 
@@ -79,7 +80,7 @@ struct LatticeCase {
     params.count_xy = window.xy;
     params.count_theta = window.theta;
     params.prior = make_prior(kind, random);
-    return lattice_of(named, window, params, random);
+    return make_lattice_case(named, window, params, random);
   }
 };
 
@@ -102,7 +103,7 @@ struct SubnormalLattice {
     params.prior = make_prior(kind, random);
     params.prior.mean_x = kSubnormal;
     params.prior.mean_y = params.prior.mean_theta = -kSubnormal;
-    return lattice_of(named, kWindow, params, random);
+    return make_lattice_case(named, kWindow, params, random);
   }
 };
 
@@ -122,8 +123,8 @@ std::string range_name(std::uint32_t range) {
   return range == 0 ? " no cost" : range == 1 ? " all equal" : " of " + std::to_string(range);
 }
 
-KernelCase minima_of(const std::string& named, WindowSize window, const std::vector<std::uint32_t>& costs,
-                     Random& random) {
+KernelCase make_minima_case(const std::string& named, WindowSize window, const std::vector<std::uint32_t>& costs,
+                            Random& random) {
   return make_case<LatticeMinima>(named, {window.xy, window.theta}, {window.samples(), 1, 1},
                                   {list_buffer(costs), noise_buffer(window.samples(), random)});
 }
@@ -139,7 +140,7 @@ struct MinimaCase {
     if (range == 1) {
       costs.assign(costs.size(), 7);
     }
-    return minima_of(named, window, costs, random);
+    return make_minima_case(named, window, costs, random);
   }
 };
 
@@ -159,12 +160,12 @@ struct CornerMinima {
         }
       }
     }
-    return minima_of(named, window, costs, random);
+    return make_minima_case(named, window, costs, random);
   }
 };
 
-KernelCase smallest_of(const std::string& named, const std::vector<std::uint32_t>& values, std::uint32_t wanted,
-                       Random& random) {
+KernelCase make_smallest_case(const std::string& named, const std::vector<std::uint32_t>& values, std::uint32_t wanted,
+                              Random& random) {
   return make_case<SmallestValues>(named, {static_cast<std::uint32_t>(values.size()), wanted}, {1, 1, 1},
                                    {list_buffer(values), noise_buffer(2 * wanted, random)});
 }
@@ -179,7 +180,7 @@ struct SmallestCase {
   }
   [[nodiscard]] KernelCase make(const std::string& named) const {
     Random random(seed_from(named));
-    return smallest_of(named, window_costs(count, range, random), wanted, random);
+    return make_smallest_case(named, window_costs(count, range, random), wanted, random);
   }
 };
 
@@ -199,7 +200,7 @@ struct FallingCase {
     for (std::uint32_t i = 0; i < count; ++i) {
       values[i] = i % 4 == 3 ? kNoCost : kNoCost - 1 - i / every;
     }
-    return smallest_of(named, values, wanted, random);
+    return make_smallest_case(named, values, wanted, random);
   }
 };
 

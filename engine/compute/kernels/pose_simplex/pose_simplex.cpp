@@ -30,7 +30,7 @@ const KernelInfo& PoseStarts::info() {
 const KernelInfo& PoseSimplex::info() {
   static const KernelInfo row = kernel_info<PoseSimplex>(
       {"pose_simplex", "look-up", "linear simplex of the paper, [Nelder1965]"}, kCall<&IsaFunctions::pose_simplex>,
-      // As if every descent went to its limit: how far they go stands in the buffers.
+      // Assumes that every descent goes to its limit: only the buffers know how far they go.
       [](const Params& params, Extent threads) -> std::uint64_t {
         return std::uint64_t{params.cost.point_count} * threads.x * params.max_evaluations;
       },
@@ -52,10 +52,10 @@ const KernelInfo& ChoosePose::info() {
   static const KernelInfo row = kernel_info<ChoosePose>(
       {"choose_pose", "look-up", "paper equations (4) and (8), over the points that vote"},
       [](const IsaFunctions& functions, const CpuLaunch& launch) {
-        const auto params = params_of<ChoosePose::Params>(launch.params);
+        const auto params = read_params<ChoosePose::Params>(launch.params);
         const std::size_t points = params.cost.point_count;
-        functions.choose_pose(params, buffer_of<std::uint16_t>(launch, 0), buffer_of<PointCells>(launch, 1),
-                              buffer_of<PolishedPose>(launch, 2), buffer_of<MatchVerdict>(launch, 3),
+        functions.choose_pose(params, typed_buffer<std::uint16_t>(launch, 0), typed_buffer<PointCells>(launch, 1),
+                              typed_buffer<PolishedPose>(launch, 2), typed_buffer<MatchVerdict>(launch, 3),
                               thread_scratch<std::uint16_t>(points), thread_scratch<PointCells>(points));
       },
       [](const Params& params, Extent) -> std::uint64_t {

@@ -20,7 +20,7 @@ struct PolishedPose {
   float theta = 0.0F;
   std::uint32_t cost = 0;         ///< at the pose, prior included
   std::uint32_t evaluations = 0;  ///< poses costed so far, over all passes, modulo 2^32
-  std::uint32_t stop = 0;         ///< of the last pass: 0 not run, 1 converged, 2 evaluation limit
+  std::uint32_t stop = 0;         ///< reason for stopping in the last pass: 0 not run, 1 converged, 2 evaluation limit
   std::uint32_t reserved[2] = {0, 0};
 };
 
@@ -70,21 +70,21 @@ struct PoseSimplex {
   static const KernelInfo& info();
 };
 
-/// What comes back to the host for a scan: the chosen pose and the evidence for it, in integers.
+/// Result of a scan for the host: the chosen pose and the evidence for it, in integers.
 struct MatchVerdict {
   float x = 0.0F;
   float y = 0.0F;
   float theta = 0.0F;
-  std::uint32_t cost = 0;         ///< of the voters, prior and penalty included
+  std::uint32_t cost = 0;         ///< cost of the voters, prior and penalty included
   std::uint32_t chosen = 0;       ///< index of the pose
-  std::uint32_t evaluations = 0;  ///< of all poses together
-  std::uint32_t stop = 0;         ///< of the chosen one
-  std::uint32_t sum = 0;          ///< of min(value, wide) over all points, nearest cell, 1/256 cell
+  std::uint32_t evaluations = 0;  ///< evaluations of all poses together
+  std::uint32_t stop = 0;         ///< reason for stopping of the chosen one
+  std::uint32_t sum = 0;          ///< sum of min(value, wide) over all points, nearest cell, 1/256 cell
   std::uint32_t near = 0;         ///< points with value <= gate
   std::uint32_t beside = 0;       ///< points with 2 * gate < value < cap
   std::uint32_t known = 0;        ///< points with value < cap
   std::uint32_t voters = 0;
-  std::uint32_t local_cost = 0;  ///< of pose 0, as `cost`
+  std::uint32_t local_cost = 0;  ///< cost of pose 0, like `cost`
 };
 static_assert(sizeof(MatchVerdict) <= 64);
 
@@ -102,7 +102,7 @@ struct ChoosePose {
     PoseCost::Params cost;  ///< its cap is `wide`
     PriorParams prior;
     std::uint32_t pose_count = 1;
-    std::uint32_t map_cap = 0;  ///< what unknown cells hold
+    std::uint32_t map_cap = 0;  ///< value of unknown cells
     std::uint32_t gate = 0;     ///< 1/256 cell
     std::uint32_t contradiction_q16 = 65536;
     std::uint32_t overlap_q16 = 0;

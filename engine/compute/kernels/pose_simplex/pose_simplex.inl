@@ -17,7 +17,7 @@ void pose_starts(const PoseStarts::Params& params, const PoseCandidate* candidat
 /// Sum of the points' terms, for one interpolation and form.
 using PointSum = std::uint32_t (*)(const CostContext&, const CostPose&);
 
-inline PointSum point_sum_of(const PoseCost::Params& params) {
+inline PointSum choose_point_sum(const PoseCost::Params& params) {
   const bool squared = params.form == CostForm::kSquared;
   if (params.interpolation == Interpolation::kBilinear) {
     return squared ? point_sum<true, true> : point_sum<true, false>;
@@ -35,7 +35,7 @@ inline std::uint32_t prior_cost(const PriorParams& prior, float x, float y, floa
   return static_cast<std::uint32_t>(static_cast<std::int32_t>(shift_cost + turn_cost));
 }
 
-/// What is minimised: the points' sum plus the prior.
+/// Function that is minimised: the points' sum plus the prior.
 struct PoseObjective {
   CostContext context;
   PointSum sum;
@@ -187,7 +187,7 @@ class SimplexWalk {
 
 void pose_simplex(const PoseSimplex::Params& params, const std::uint16_t* field, const PointCells* points,
                   PolishedPose* poses, Slice slice) {
-  const PoseObjective objective{cost_context(params.cost, field, points), point_sum_of(params.cost), params.prior};
+  const PoseObjective objective{cost_context(params.cost, field, points), choose_point_sum(params.cost), params.prior};
   for (std::uint32_t i = slice.begin; i < slice.end; ++i) {
     SimplexWalk(objective, params).run(poses[i]);
   }

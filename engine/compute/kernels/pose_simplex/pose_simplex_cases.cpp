@@ -38,7 +38,7 @@ KernelCase StartsCase::make(const std::string& named) const {
 /// Priors: none, one that weighs about as much as the points, one at its limit everywhere but near the mean.
 enum class DescentPriorKind : std::uint8_t { kNone, kWeak, kSteep };
 
-/// What a case of pose_simplex varies.
+/// Parameters that the cases of pose_simplex vary.
 struct DescentCase {
   using Kernel = PoseSimplex;
   CaseSize field{256, 200, 256};
@@ -55,8 +55,8 @@ struct DescentCase {
   float stop_cells = 0.01F;
   float stop_rad = 0.0002F;
   bool odd_poses = true;  ///< some of them far off
-  float turned = 0.0F;    ///< of all poses, out of the truth
-  bool strips = false;    ///< of the field
+  float turned = 0.0F;    ///< turn of all poses, out of the truth
+  bool strips = false;    ///< the field lies in strips
 
   [[nodiscard]] std::string name() const {
     std::string text = size_name(field) + (room ? " room " : " slow ") + std::to_string(poses) + " poses " +
@@ -121,7 +121,7 @@ KernelCase DescentCase::make(const std::string& named) const {
 }
 
 // Numbers of points and poses around the sizes of work groups, with and without a shape to find.
-void add_descents_of(std::vector<KernelCaseSource>& list, Interpolation interpolation, CostForm form) {
+void add_descents(std::vector<KernelCaseSource>& list, Interpolation interpolation, CostForm form) {
   constexpr std::pair<std::uint32_t, std::uint32_t> kCounts[] = {{0, 2},  {1, 1},   {7, 9},   {16, 1},
                                                                  {17, 5}, {180, 8}, {361, 17}};
   for (const auto& [points, poses] : kCounts) {
@@ -227,7 +227,7 @@ void add_benchmark_descents(std::vector<KernelCaseSource>& list) {
 
 void add_descents(std::vector<KernelCaseSource>& list) {
   for (const Interpolation interpolation : {Interpolation::kBilinear, Interpolation::kNearest}) {
-    for (const CostForm form : {CostForm::kDistance, CostForm::kSquared}) add_descents_of(list, interpolation, form);
+    for (const CostForm form : {CostForm::kDistance, CostForm::kSquared}) add_descents(list, interpolation, form);
   }
   add_turned_descents(list);
   add_case(list, DescentCase{.poses = 0});

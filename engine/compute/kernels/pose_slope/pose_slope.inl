@@ -51,7 +51,7 @@ inline void locate_slopes(const PoseCost::Params& grid, const CostPose& pose, co
     block.fraction_x[i] = held_x == wanted_x ? u - floor_u : 0.0F;
     block.fraction_y[i] = held_y == wanted_y ? v - floor_v : 0.0F;
     block.counts[i] = 1.0F;
-    block.cell[i] = place_of(static_cast<std::uint32_t>(static_cast<std::int32_t>(held_x)),
+    block.cell[i] = field_place(static_cast<std::uint32_t>(static_cast<std::int32_t>(held_x)),
                              static_cast<std::uint32_t>(static_cast<std::int32_t>(held_y)), stride, strip_step);
   }
 }
@@ -76,8 +76,8 @@ inline void look_up_slopes(const std::uint16_t* field, std::uint32_t stride, std
 }
 
 /// The left and the right cell of a pair.
-inline float left_of(std::uint32_t pair) { return cell_of_pair(pair, false, 0xFFFFU); }
-inline float right_of(std::uint32_t pair) { return cell_of_pair(pair, true, 0xFFFFU); }
+inline float left_cell(std::uint32_t pair) { return cell_of_pair(pair, false, 0xFFFFU); }
+inline float right_cell(std::uint32_t pair) { return cell_of_pair(pair, true, 0xFFFFU); }
 
 inline void add_slopes(float cap, std::uint32_t blank, float scale, std::uint32_t count, const SlopeBlock& block, SlopeSums& sums) {
   count = count / kSlopeLanes * kSlopeLanes;  // it is; the compiler may know
@@ -86,10 +86,10 @@ inline void add_slopes(float cap, std::uint32_t blank, float scale, std::uint32_
       const std::uint32_t i = first + lane;
       const std::uint32_t lower = block.lower[i] ^ blank;
       const std::uint32_t upper = block.upper[i] ^ blank;
-      const float v00 = left_of(lower);
-      const float v10 = right_of(lower);
-      const float v01 = left_of(upper);
-      const float v11 = right_of(upper);
+      const float v00 = left_cell(lower);
+      const float v10 = right_cell(lower);
+      const float v01 = left_cell(upper);
+      const float v11 = right_cell(upper);
       const float fx = block.fraction_x[i];
       const float fy = block.fraction_y[i];
       const float bottom = v00 + fx * (v10 - v00);

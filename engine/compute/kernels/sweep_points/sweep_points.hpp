@@ -19,13 +19,12 @@
 #include <cstdint>
 
 #include "gdtslam/compute/kernel.hpp"
-#include "gdtslam/compute/kernel_options.hpp"
 
 namespace gdtslam {
 
 struct CaseGroup;
 
-/// What a scanner says of a beam, and where it belongs.
+/// Range of a beam by the scanner, and the beam's indices.
 struct BeamRange {
   float range_m = 0.0F;
   std::uint32_t strip = 0;

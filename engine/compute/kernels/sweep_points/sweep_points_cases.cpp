@@ -8,7 +8,7 @@
 namespace gdtslam {
 namespace {
 
-/// What a launch is made of.
+/// Parameters of a launch.
 struct SweepCase {
   using Kernel = SweepPoints;
   std::uint32_t beams = 0;
@@ -16,8 +16,8 @@ struct SweepCase {
   std::uint32_t directions = 1;
   std::uint32_t bits = 0;
   SweepForm form = SweepForm::kWorking;
-  /// As the assembler makes them; anything: lengths, tables and indices that no scan has; huge: coordinates that
-  /// overflow.
+  /// Kinds of launches. Scans: as the assembler makes them; anything: lengths, tables and indices that no scan has;
+  /// huge: coordinates that overflow.
   enum class Kind : std::uint8_t { kScans, kAnything, kHuge } kind = Kind::kScans;
 
   [[nodiscard]] std::string name() const {

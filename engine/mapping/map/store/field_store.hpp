@@ -1,5 +1,5 @@
-// Where the cells of a map are kept: on the CPU in strips of memory that the system gives as it is touched, so that
-// nothing is copied when the map grows and what is unknown takes none (FieldStrips); on a device in rows of one
+// Storage of a map's cells. On the CPU they lie in strips of memory that the system gives when it is touched, so that
+// nothing is copied when the map grows and unknown parts take none (FieldStrips). On a device they lie in rows of one
 // rectangle, which is copied when it has to grow (FieldRows). Boxes are of map cells. Not thread-safe.
 #pragma once
 
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "gdtslam/compute/backend.hpp"
-#include "gdtslam/compute/kernel_options.hpp"
+#include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/core/grid_geometry.hpp"
 #include "growth.hpp"
 
@@ -32,7 +32,7 @@ class FieldStore {
 
   /// Whether hold() may be asked for the box.
   [[nodiscard]] virtual bool can_hold(const CellBox& box) const = 0;
-  /// What is more than that, as the end of a sentence: what bounds it and what to do.
+  /// Returns the text, as the end of a sentence, that says which limit a larger map exceeds and what to do.
   [[nodiscard]] virtual std::string limit() const = 0;
   /// Makes room for the content, which is what is known and about to be, and where growing copies what is stored for
   /// the box around it. Throws DeviceError where a device fails, Error
@@ -52,7 +52,7 @@ class FieldStore {
   /// Cells of a row from `first` on, the cap where none are stored; where the host sees them.
   void read_row(CellIndex first, std::span<std::uint16_t> cells, std::uint16_t cap) const;
 
-  /// What the buffer holds, at least the content; empty before.
+  /// Box that the buffer holds, at least the content; empty before.
   [[nodiscard]] const CellBox& stored() const { return stored_; }
   [[nodiscard]] const FieldLayout& layout() const { return layout_; }
   [[nodiscard]] const Buffer& buffer() const { return buffer_; }
@@ -71,8 +71,5 @@ std::unique_ptr<FieldStore> make_field_store(Backend& backend, std::uint16_t cap
 
 /// The end of such a sentence where the option map.max_megacells is the bound.
 std::string limit_of_option(std::uint64_t max_cells);
-
-/// Cells from row to row of a box that is stored in rows.
-std::uint32_t row_stride(const CellBox& box);
 
 }  // namespace gdtslam

@@ -37,7 +37,7 @@ CellBox with_largest_margin(const CellBox& stored, const CellBox& needed,
 
 }  // namespace
 
-CellBox hull_of(const CellBox& a, const CellBox& b) {
+CellBox bounding_box(const CellBox& a, const CellBox& b) {
   if (a.empty()) return b;
   if (b.empty()) return a;
   return {{std::min(a.min.x, b.min.x), std::min(a.min.y, b.min.y)},
@@ -49,14 +49,14 @@ CellBox common_part(const CellBox& a, const CellBox& b) {
           {std::min(a.end.x, b.end.x), std::min(a.end.y, b.end.y)}};
 }
 
-std::string size_of(const CellBox& box) {
+std::string size_text(const CellBox& box) {
   return std::to_string(box.width()) + " x " + std::to_string(box.height()) + " cells";
 }
 
 std::optional<GridBoxes> grown_to_hold(const GridBoxes& now, const CellBox& box,
                                        const std::function<bool(const CellBox&)>& fits) {
-  const CellBox content = hull_of(now.content, box);
-  const CellBox needed = hull_of(now.stored, box);
+  const CellBox content = bounding_box(now.content, box);
+  const CellBox needed = bounding_box(now.stored, box);
   if (needed == now.stored) return GridBoxes{content, needed};
   if (fits(needed)) return GridBoxes{content, with_largest_margin(now.stored, needed, fits)};
   // Margins at all sides, so that growing to one side and another by turns does not copy the grid every time.

@@ -14,14 +14,14 @@ namespace gdtslam {
 inline constexpr std::int64_t kFurthestCell = 1 << 30;
 
 /// The smallest box that holds both; an empty one adds nothing.
-CellBox hull_of(const CellBox& a, const CellBox& b);
-/// What both have in common; may be empty.
+CellBox bounding_box(const CellBox& a, const CellBox& b);
+/// Intersection of both boxes; may be empty.
 CellBox common_part(const CellBox& a, const CellBox& b);
 
 /// "3 x 4 cells".
-std::string size_of(const CellBox& box);
+std::string size_text(const CellBox& box);
 
-/// What a grid has to hold and what is stored for it; map cells.
+/// Box that a grid has to hold and the one that is stored for it; map cells.
 struct GridBoxes {
   CellBox content;
   CellBox stored;

@@ -34,11 +34,11 @@ struct LevelSurfaces {
   std::optional<PlanePatch> floor;
   std::optional<PlanePatch> ceiling;
 };
-/// What counts as floor or ceiling.
+/// Limits for floor and ceiling.
 struct LevelSearch {
   double max_tilt_rad = 0.05;
   double thickness_m = 0.06;
-  double min_share = 0.02;  ///< of all points, to be called a surface
+  double min_share = 0.02;  ///< least share of all points, to be called a surface
 };
 /// Normals point up. O(n log n).
 LevelSurfaces find_level_surfaces(std::span<const CloudPoint> sample, const LevelSearch& search);

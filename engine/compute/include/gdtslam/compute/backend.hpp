@@ -51,9 +51,9 @@ class Buffer {
   std::size_t bytes_ = 0;
 };
 
-/// What a device is.
+/// Description of a device.
 struct DeviceInfo {
-  std::string name;  ///< as the driver or the processor names itself
+  std::string name;  ///< name given by the driver or the processor
   /// "cpu" (the CPU backend and no other: the host sees its memory), "lavapipe", "discrete", "integrated", "virtual",
   /// "other".
   std::string kind;
@@ -67,7 +67,7 @@ struct DeviceInfo {
 struct PendingDownload {
   std::uint64_t id = 0;
   std::size_t bytes = 0;
-  std::shared_ptr<const void> owner = nullptr;  ///< what forgets it
+  std::shared_ptr<const void> owner = nullptr;  ///< makes the backend forget it with the last copy
 };
 
 /// Buffers and kernels on one device, the CPU or a GPU.

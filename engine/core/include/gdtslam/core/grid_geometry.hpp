@@ -50,8 +50,8 @@ struct GridGeometry {
     return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   }
   /// The cell that holds the point; the caller checks contains(). Coordinates beyond int32 are clamped to its limits.
-  [[nodiscard]] CellIndex cell_of(const Eigen::Vector2d& point_m) const;
-  [[nodiscard]] Eigen::Vector2d centre_of(CellIndex cell) const;
+  [[nodiscard]] CellIndex cell_at(const Eigen::Vector2d& point_m) const;
+  [[nodiscard]] Eigen::Vector2d cell_centre(CellIndex cell) const;
   [[nodiscard]] bool contains(CellIndex cell) const {
     return cell.x >= 0 && cell.x < width && cell.y >= 0 && cell.y < height;
   }

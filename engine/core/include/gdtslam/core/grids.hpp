@@ -16,8 +16,8 @@ namespace gdtslam {
 
 enum class CellState : std::uint8_t { kUnknown, kFree, kOccupied };
 
-/// What is known of the cells of a map, one after the other: two bits each, and none for stretches of 512 of which
-/// nothing is known. One object belongs to one thread, constant ones to all.
+/// States of a map's cells, one after the other: two bits each, and none for stretches of 512 unknown cells. One object
+/// belongs to one thread, constant ones to all.
 class CellStates {
  public:
   CellStates() = default;

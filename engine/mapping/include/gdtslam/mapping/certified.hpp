@@ -15,7 +15,6 @@
 #include <vector>
 
 #include "gdtslam/compute/kernel.hpp"
-#include "gdtslam/compute/kernel_options.hpp"
 #include "gdtslam/core/grid_geometry.hpp"
 #include "gdtslam/core/pose.hpp"
 #include "gdtslam/mapping/config.hpp"
@@ -55,8 +54,9 @@ class FieldCopy {
 /// A field with what the bounds need. The field's cells must outlive it and stay as they are.
 class CertifiedMap {
  public:
-  /// What is prepared: for windows of any size, of up to some metres in a fifth of the time, or of up to one in a
-  /// tenth. Each proves in any window what the others prove, but the poses that they find may differ within the gap.
+  /// Window sizes that a field is prepared for: any size, up to some metres (a fifth of the time), or up to one metre
+  /// (a tenth). Each proves in any window what the others prove, but the poses that they find may differ within the
+  /// gap.
   enum Windows : std::uint8_t { kAnyWindows, kSmallWindows, kNearWindows };
   /// `isa` runs the kernels, but for the boxes that the search of a large window begins with where there is a `device`,
   /// which must outlive this: those are bounded there, all at once. The result is the same. Throws Error where the
@@ -72,9 +72,9 @@ class CertifiedMap {
   [[nodiscard]] Isa isa() const { return isa_; }
   /// nullptr without a device.
   [[nodiscard]] DeviceBounds* device() const { return device_.get(); }
-  /// What searches launched on the device so far.
+  /// Searches that were launched on the device so far.
   [[nodiscard]] std::uint64_t device_launches() const;
-  /// Of what was added to the field.
+  /// Memory of the prepared fields.
   [[nodiscard]] std::size_t bytes() const;
   /// At most so many are held at once while a field of that size is prepared, its own not counted. O(1).
   static std::uint64_t most_bytes(std::uint64_t width, std::uint64_t height, Windows windows = kAnyWindows);
@@ -114,7 +114,7 @@ struct WindowPrior {
 
 /// When a search may stop, where it begins and what it leaves out.
 struct CertifiedOptions {
-  double gap_m = 0.005;  ///< of the mean distance: the proof that is asked for
+  double gap_m = 0.005;  ///< gap of the mean distance that has to be proven
   /// Cost units: that no pose costs less than this is proof enough, however near the best pose found is to it.
   std::uint32_t wanted_bound = std::numeric_limits<std::uint32_t>::max();
   std::uint64_t max_boxes = std::numeric_limits<std::uint64_t>::max();  ///< a batch may pass it; not more than 2^23

@@ -10,7 +10,7 @@
 #include <variant>
 #include <vector>
 
-#include "gdtslam/compute/kernel_options.hpp"
+#include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/core/option.hpp"
 
 namespace gdtslam {
@@ -37,10 +37,10 @@ struct MapConfig {
   [[nodiscard]] std::uint32_t radius_cells() const;
 };
 
-/// Of which stretch of the path the map is that scans are matched with. A map of all of it pulls a robot that comes
-/// back to its old walls, right or wrong; maps of stretches drift, and leave it to the loops to say where it is.
+/// Stretch of the path whose map scans are matched with. A map of all of it pulls a robot that comes back to its old
+/// walls, right or wrong; maps of stretches drift, and leave it to the loops to say where it is.
 struct LocalMapConfig {
-  double stretch_m = 0.0;  ///< of path; a map holds one to two of them. 0: all of it
+  double stretch_m = 0.0;  ///< path length; a map holds one to two of them. 0: all of it
 };
 
 /// Which returns count.
@@ -73,10 +73,10 @@ struct MatchConfig {
 
 /// Parameters of the matchers pso, sce and simpsa; those of their sources where there are some.
 struct OptimizerConfig {
-  std::int32_t particles = 30;  ///< of a swarm
-  std::int32_t complexes = 4;   ///< of a shuffled population
-  std::int32_t moves = 2;       ///< of an annealed simplex at one temperature, for each dimension
-  double cooling = 1.0;         ///< of the annealing's schedule
+  std::int32_t particles = 30;  ///< number in a swarm
+  std::int32_t complexes = 4;   ///< number in a shuffled population
+  std::int32_t moves = 2;       ///< moves of an annealed simplex at one temperature, for each dimension
+  double cooling = 1.0;         ///< rate of the annealing's schedule
   std::int32_t max_evaluations = 20000;
   std::int32_t seed = 1;
 };

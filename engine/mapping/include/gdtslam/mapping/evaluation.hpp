@@ -20,8 +20,8 @@ class PosesByStamp {
   /// The pose with the nearest stamp within the tolerance, which itself still counts as within. Of two equally near
   /// stamps the earlier counts; of several poses with one stamp the last of the log.
   [[nodiscard]] std::optional<Pose2> find(double stamp_s, double tolerance_s) const;
-  /// Where the trajectory that was given has that pose.
-  [[nodiscard]] std::optional<std::size_t> index_of(double stamp_s, double tolerance_s) const;
+  /// Index of the pose with that stamp in the trajectory that was given.
+  [[nodiscard]] std::optional<std::size_t> find_index(double stamp_s, double tolerance_s) const;
 
  private:
   struct Entry {
@@ -48,7 +48,7 @@ class RepeatedStamps {
   };
   double tolerance_s_;
   std::vector<Entry> entries_;           // in the order of time; none where there is one stretch
-  std::vector<std::size_t> next_other_;  // of each the next one that is of another stretch
+  std::vector<std::size_t> next_other_;  // for each pose the next one that is of another stretch
 };
 
 /// Mean, sample standard deviation, largest value and root mean square of some errors.
@@ -77,7 +77,7 @@ struct RelationReport {
   double worst_t1_s = 0.0;    ///< the relation with the largest translation error
   double worst_t2_s = 0.0;
 };
-/// Those whose stamps tell which poses are meant, in their order; the others are as many as are missing.
+/// Relations whose stamps identify their poses, in their order; the difference in number is that of ambiguous ones.
 std::vector<Relation> without_repeated_stamps(std::span<const Relation> relations, const Trajectory& trajectory,
                                               double tolerance_s = 1e-4);
 /// Stamps match within `tolerance_s`; where a stamp occurs more than once the last pose counts.
@@ -100,9 +100,9 @@ struct ReferenceOptions {
   double rpe_distance_m = 1.0;
   bool align = true;  ///< rigid alignment; otherwise the first poses are made to agree
 };
-/// Of each pose of a trajectory the index of that in the reference which has its stamp. Where stamps are not unique
-/// because a clock stepped back, the stretches between such steps are matched one by one. Throws InputError where both
-/// do not have equally many.
+/// Returns for each pose of a trajectory the index of the reference pose with its stamp. Where stamps are not unique
+/// because a clock stepped back, the stretches between such steps are matched one by one. Throws InputError if the two
+/// do not have equally many stretches.
 std::vector<std::optional<std::size_t>> matches_by_stamp(const Trajectory& estimate, const Trajectory& reference,
                                                          double tolerance_s);
 /// Throws InputError when stamps cannot be matched, when fewer than two match, or all that do meet one pose of the

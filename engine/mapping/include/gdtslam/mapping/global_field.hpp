@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "gdtslam/compute/backend.hpp"
-#include "gdtslam/compute/kernel_options.hpp"
+#include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/core/grids.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 
@@ -40,7 +40,7 @@ class GlobalField {
   /// Geometry of the box; its origin is a whole number of cells from the map's origin.
   [[nodiscard]] GridGeometry geometry() const;
   [[nodiscard]] std::uint32_t radius_cells() const { return radius_; }
-  /// What unknown cells hold, 1/256 cell.
+  /// Value of unknown cells, 1/256 cell.
   [[nodiscard]] std::uint16_t cap() const;
   /// Map cells that the map reaches to; cell (0, 0) of the map frame has its lower left corner at the map's origin.
   [[nodiscard]] const CellBox& box() const { return box_; }
@@ -54,8 +54,8 @@ class GlobalField {
   /// Values of a row from a map cell on; the cap outside. On the CPU.
   void read_row(CellIndex first, std::span<std::uint16_t> cells) const;
 
-  /// What is stored, for kernels: all that is known, and its guard; where its cells lie; the buffer that they are in;
-  /// and as the host sees them, valid until the field grows, nothing of a device.
+  /// Stored part of the field, for kernels: all that is known, and its guard; the layout of its cells; their buffer;
+  /// and the host's view of them, valid until the field grows, empty on a device.
   [[nodiscard]] const CellBox& stored() const;
   [[nodiscard]] const FieldLayout& layout() const;
   [[nodiscard]] const Buffer& buffer() const;

@@ -36,10 +36,10 @@ struct PoseInformation {
 struct ClosedLoop {
   std::size_t from = 0;  ///< scans, by their number
   std::size_t to = 0;
-  Pose2 T_from_to;  ///< as it was measured
+  Pose2 T_from_to;  ///< relative pose that was measured
   PoseInformation information;
   double weight = 0.0;  ///< how far it is believed, from 0 to 1: its information counts so much
-  double off_m = 0.0;   ///< of the measured from the pose in the graph
+  double off_m = 0.0;   ///< distance of the measured pose from the one in the graph
   double off_rad = 0.0;
   bool is_on = false;
 };
@@ -47,7 +47,7 @@ struct ClosedLoop {
 /// A place of the path: a node of the graph in which loops are closed.
 struct GraphPlace {
   std::size_t scan = 0;  ///< by its number
-  Pose2 T_map_base;      ///< where the graph put it; the joint adjustment of all keyframes comes after that
+  Pose2 T_map_base;      ///< pose in the graph; the joint adjustment of all keyframes comes after that
 };
 
 /// The relation measured between two consecutive places.
@@ -55,7 +55,7 @@ struct PathRelation {
   std::size_t from = 0;  ///< scans, by their number
   std::size_t to = 0;
   Pose2 T_from_to;
-  PoseInformation information;  ///< as far as its source is believed now that loops are closed
+  PoseInformation information;  ///< information of the source after the loops are closed
   bool is_by_wheels = false;    ///< else by the mapper, which had the wheels to begin with
 };
 
@@ -67,15 +67,15 @@ struct WheelReport {
   double sigma_distance = 0.0;
   double sigma_turn = 0.0;
   double sigma_rad_per_m = 0.0;
-  double variance_factor = 1.0;             ///< of what the mapper stated for the wheels' steps, as loops find it
-  double variance_factor_of_matches = 1.0;  ///< likewise of its own poses
+  double variance_factor = 1.0;             ///< factor that loops find for the stated variance of the wheels' steps
+  double variance_factor_of_matches = 1.0;  ///< the same for the mapper's own poses
 };
 
 /// Result of closing the loops.
 struct ClosedPath {
   bool is_closed = false;                   ///< not where it was stopped: then the poses are those of the mapper
   std::vector<Pose2> T_map_base;            ///< one a scan
-  std::vector<PoseCovariance> covariances;  ///< likewise; empty where it was stopped
+  std::vector<PoseCovariance> covariances;  ///< covariance of each pose; empty if the run was stopped
   WheelReport wheels;
   std::vector<std::size_t> keyframes;  ///< scans, by their number
   std::vector<ClosedLoop> loops;
@@ -83,8 +83,8 @@ struct ClosedPath {
   std::vector<PathRelation> path;  ///< by the mapper, then by the wheels, each in the order of the path
   std::uint64_t searches = 0;
   std::uint64_t pruned = 0;  ///< keyframes that later passes of a place made needless: they are adjusted as other scans
-  std::uint64_t pairs = 0;   ///< of keyframes that were laid on each other
-  double rms_m = 0.0;        ///< of their points from the lines of the other
+  std::uint64_t pairs = 0;   ///< pairs of keyframes that were laid on each other
+  double rms_m = 0.0;        ///< RMS distance of their points from the lines of the other
 };
 
 /// Loops that took effect while mapping went on.
@@ -122,7 +122,7 @@ class LoopClosing {
 
   /// The configuration of a mapper whose loops are closed: it matches with a map of the last stretch of the path, and
   /// weighs odometry against matches.
-  static MapperConfig config_of(MapperConfig config);
+  static MapperConfig adapt_config(MapperConfig config);
 
   /// The mapper's next scan. Rethrows what the look for loops threw. It waits for that where it is more than eight
   /// places, 32 m of path, behind.

@@ -19,11 +19,11 @@
 
 namespace gdtslam {
 
-/// What a mapper does when its device fails, and the CPU beside a device.
+/// Behaviour of a mapper when its device fails, and the CPU that works next to a device.
 struct MapperOptions {
   bool fall_back = true;  ///< continue with a CPU backend of its own; else the DeviceError goes to the caller
-  /// Of that backend. Where the backend given is a device, matchers that walk on the host map on it from the start. It
-  /// has one thread unless more are asked for.
+  /// Options of that backend. If the backend given is a device, matchers that walk on the host map on it from the
+  /// start. It has one thread unless more are asked for.
   CpuOptions cpu{};
   /// Called once for each failure, with one line that says what failed and what happens now.
   std::function<void(const std::string&)> warn{};
@@ -62,7 +62,7 @@ class Mapper {
   /// The same for returns that are points of the robot's plane: a nodding laser's, levelled, or several lasers' scans.
   MatchResult process(PointScan scan, const std::optional<Pose2>& T_odom_base);
 
-  /// The configuration in use: with loops, LoopClosing::config_of() of the given one.
+  /// The configuration in use: with loops, LoopClosing::adapt_config() of the given one.
   [[nodiscard]] const MapperConfig& config() const;
   [[nodiscard]] MapperStatistics statistics() const;
   /// The distance field that scans are matched with, on the host, as of this call. With local.stretch another map takes
@@ -70,8 +70,7 @@ class Mapper {
   [[nodiscard]] const GlobalField& field() const;
   /// The loops; null without MapperOptions::with_loops.
   [[nodiscard]] LoopClosing* loops() const;
-  /// Whether the device failed, and the text of its error; empty while it works.
-  [[nodiscard]] bool lost_device() const { return !device_loss().empty(); }
+  /// Text of the error that the device failed with; empty while it works.
   [[nodiscard]] const std::string& device_loss() const;
   /// The device's own cells, those of field() where the matcher walks on the host: to be compared with field(). 1/256
   /// cell, row by row. Throws DeviceError where the device fails; it does not fall back.

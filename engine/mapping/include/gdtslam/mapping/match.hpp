@@ -31,24 +31,25 @@ struct MatchResult {
   Pose2 T_map_base;       ///< the estimate; the prediction where the match was refused
   Pose2 T_map_predicted;  ///< odometry on top of the last estimate
   Pose2 T_odometry_step;  ///< since the last scan by odometry, as it was logged; where there was none, as predicted
-  double odometry_sigma_m = 0.0;  ///< of the corrected step, along each axis; 0 where nothing was estimated
+  double odometry_sigma_m = 0.0;  ///< deviation of the corrected step, along each axis; 0 if nothing was estimated
   double odometry_sigma_rad = 0.0;
-  double predicted_sigma_m = 0.0;  ///< of the predicted step; the same, but where no odometry told it as motion goes on
+  double predicted_sigma_m = 0.0;  ///< deviation of the predicted step; the same, unless no odometry reported
+                                   ///< it and the motion continues
   double predicted_sigma_rad = 0.0;
-  double match_sigma_m = 0.0;  ///< of one match, as it was estimated beside the wheels; 0 where nothing was
+  double match_sigma_m = 0.0;  ///< deviation of one match, estimated next to the wheels; 0 if nothing was
   double match_sigma_rad = 0.0;
   /// Whether the scan fits about as well turned as it was predicted; it is asked where the two are far apart.
   bool is_turn_open = true;
   double mean_cost_m = 0.0;       ///< mean capped distance of the valid points to the map's obstacles, at the estimate
   double overlap = 0.0;           ///< share of the valid points within the final gate, at the estimate
-  double contradiction = 0.0;     ///< of the points within R of known obstacles, the share clearly beside them
+  double contradiction = 0.0;     ///< share of the points within R of known obstacles that are clearly away from them
   std::uint32_t points = 0;       ///< valid returns
   std::uint32_t evaluations = 0;  ///< poses that were costed
   StopReason stop = StopReason::kNotRun;
   Doubt doubt = Doubt::kNone;
   std::uint32_t attempts = 0;  ///< windows that were searched
-  /// Of the last window that `certified` searched: no pose there has a mean distance smaller by more than this than the
-  /// one that the final descent began from.
+  /// Proof of the last window that `certified` searched: no pose in it has a mean distance smaller by more than this
+  /// than the pose that the final descent began from.
   std::optional<double> proven_gap_m{};
   /// How sure the estimate is within the map that it was matched with: by what the scan shows of it, along what that
   /// does not show by the way that led there, and by that alone where the match was refused. Where it is asked for
@@ -79,7 +80,7 @@ struct MapperStatistics {
   std::uint64_t without_odometry = 0;  ///< scans predicted from the last motion
   std::uint64_t evaluations = 0;
   std::uint64_t dispatches = 0;   ///< kernels run, by the backend at work
-  std::uint64_t submissions = 0;  ///< of a device; a backend that works at once, as the CPU does, counts none
+  std::uint64_t submissions = 0;  ///< submissions to a device; a backend that works at once, like the CPU, counts none
   double path_m = 0.0;
   StageTimes stages;
 };

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "gdtslam/compute/kernel_options.hpp"
+#include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/core/cloud.hpp"
 #include "gdtslam/core/nodding.hpp"
 #include "gdtslam/core/stream.hpp"
@@ -30,12 +30,12 @@ struct SmootherConfig {
   bool is_on = true;
   double band_up_m = 1.5;       ///< points up to this much above the map's height count as walls
   double above_floor_m = 0.15;  ///< and down to this much above the floor
-  double spacing_m = 0.1;       ///< of the poses that are estimated; those between lie on circles
+  double spacing_m = 0.1;       ///< spacing of the poses that are estimated; those between lie on circles
   double spacing_rad = 0.05;
   /// Standard deviations of the odometry, a random walk, until the log tells them; a metre counts as 0.36 rad of turn.
   double odometry_m_per_sqrt_m = 0.02;
   double odometry_rad_per_sqrt_rad = 0.05;
-  double point_sigma_m = 0.03;  ///< of a point's distance to the map, likewise
+  double point_sigma_m = 0.03;  ///< standard deviation of a point's distance to the map
   double same_view_m = 0.5;     ///< poses so close see the same things, and their points err together
   double gate_m = 0.2;          ///< points farther from the map do not count
   std::int32_t max_points = 240;
@@ -47,7 +47,7 @@ struct SmootherConfig {
 struct NoddingConfig {
   double horizontal_rad = 0.017453292519943295;  ///< scans whose elevations all lie within fix the pose
   PoseInterpolation interpolation = PoseInterpolation::kOdometry;
-  double prior_limit_sigmas = 1000.0;  ///< instead of PriorConfig::limit_sigmas: see mapper_config_of()
+  double prior_limit_sigmas = 1000.0;  ///< instead of PriorConfig::limit_sigmas: see nodding_mapper_config()
   double max_step_m = 5.0;             ///< OdometryConfig::max_step_m of the run, held to between all scans here
   SweepForm form = SweepForm::kWorking;
   SmootherConfig smoother;
@@ -70,7 +70,7 @@ struct NoddingScanner {
   double mirror_rate_hz = 0.0;  ///< for scans that do not say when their beams were measured, with the share
   double stamp_share = 0.5;
   [[nodiscard]] BeamTiming timing(std::size_t beams, double bearing_step_rad) const;
-  /// Of a scan that may say it itself, its beams in the order of time.
+  /// Timing of a scan, which may state it itself; its beams are in the order of time.
   [[nodiscard]] BeamTiming timing(const LaserScan& scan) const;
 };
 
@@ -81,7 +81,7 @@ struct NoddingStatistics {
   std::uint64_t odometry_leaps = 0;    ///< odometry steps from scan to scan too long to be true
   std::uint64_t smoothed = 0;          ///< scans between fixes whose points helped to place them
   std::uint64_t by_odometry = 0;       ///< scans posed by odometry from the last fix: at the end, or blind for long
-  std::uint64_t before_first_fix = 0;  ///< likewise, backwards from the first
+  std::uint64_t before_first_fix = 0;  ///< scans placed backwards from the first fix
   std::uint64_t dropped = 0;           ///< too long before the first fix: neither pose nor points
   std::uint64_t without_nod = 0;       ///< scans whose elevation is not known: no points
   std::uint64_t sweeps = 0;            ///< strokes of the mount, up or down
@@ -93,7 +93,7 @@ struct NoddingStatistics {
 /// The configuration of the 2D system under a nodding laser: seconds and metres lie between two fixes, so a pose far
 /// from the odometry is a place that looks alike rather than a fault of the wheels, and the prior does not level off;
 /// and a step of the odometry may be as long as it likes, since leaps are left out before.
-MapperConfig mapper_config_of(MapperConfig config, const NoddingConfig& nodding);
+MapperConfig nodding_mapper_config(MapperConfig config, const NoddingConfig& nodding);
 
 /// One scan's outcome; match only of a horizontal one. One that was not accepted fixes no pose.
 struct NoddingPose {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "gdtslam/compute/kernel_options.hpp"
+#include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/core/grid_geometry.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/mapping/config.hpp"
@@ -17,7 +17,7 @@ namespace gdtslam {
 /// scan's `speed` tells. Ranges that are not finite or outside min_range_m and max_range_m are
 /// no return (the scan's own limit counts too where the log states one; min_points does not count here), nor are points
 /// that are not finite or 100 km away because a bearing or the mount is wrong.
-std::vector<Point2> points_of(const LaserScan& scan, const ScanConfig& valid);
+std::vector<Point2> to_points(const LaserScan& scan, const ScanConfig& valid);
 
 /// The same for one scan after the other: the directions of the beams are kept as long as the bearings stay.
 class ScanPoints {
@@ -50,11 +50,11 @@ std::vector<PointCells> in_cells(const std::vector<Point2>& points_m, double res
 std::vector<Point2> in_map(const std::vector<Point2>& points_m, const Pose2& T_map_base);
 
 /// The cell of a point of the map's frame; coordinates beyond +-2^28 cells are clamped.
-CellIndex map_cell_of(const Point2& point_map_m, double resolution_m);
+CellIndex map_cell_at(const Point2& point_map_m, double resolution_m);
 
 /// Paper equation (7): the cells that points of the map's frame fall into, grown by `margin` cells on every side, in
 /// map cells. Empty when there is no point.
-CellBox window_of(const std::vector<Point2>& points_map_m, double resolution_m, std::int32_t margin);
+CellBox points_window(const std::vector<Point2>& points_map_m, double resolution_m, std::int32_t margin);
 
 /// A keyframe as the map takes it: the cells that its points fall into, in the window that they can change.
 struct KeyframeCells {
@@ -64,6 +64,7 @@ struct KeyframeCells {
 
 /// The window of (7) with a margin of the truncation radius. Throws InputError when it is wider or higher than 32767
 /// cells.
-KeyframeCells keyframe_of(const std::vector<Point2>& points_map_m, double resolution_m, std::uint32_t radius_cells);
+KeyframeCells make_keyframe_cells(const std::vector<Point2>& points_map_m, double resolution_m,
+                                  std::uint32_t radius_cells);
 
 }  // namespace gdtslam

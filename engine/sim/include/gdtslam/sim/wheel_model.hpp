@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "gdtslam/core/differential_drive.hpp"
+#include "gdtslam/core/pose.hpp"
 #include "gdtslam/core/random.hpp"
 
 namespace gdtslam::sim {

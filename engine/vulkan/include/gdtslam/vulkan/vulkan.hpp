@@ -29,14 +29,14 @@ struct VulkanDeviceInfo {
   std::string uuid;         ///< which of several equal ones, 32 hexadecimal digits; empty where it cannot be used
   std::uint32_t vendor_id = 0;
   std::uint32_t device_id = 0;
-  std::size_t memory_bytes = 0;  ///< of its largest device-local heap
+  std::size_t memory_bytes = 0;  ///< size of its largest device-local heap
   std::size_t max_storage_buffer_bytes = 0;
   std::size_t max_uniform_buffer_bytes = 0;
   std::size_t shared_memory_bytes = 0;
   std::uint32_t max_group_invocations = 0;
   std::uint32_t max_push_constant_bytes = 0;
   std::uint32_t subgroup_size = 0;
-  double timestamp_ns = 0.0;  ///< of one tick; 0: no timestamps, or none that a backend takes
+  double timestamp_ns = 0.0;  ///< nanoseconds of one tick; 0: no timestamps, or none that a backend takes
   /// Whether it is a GPU rather than a CPU that plays one.
   [[nodiscard]] bool is_hardware() const { return kind == "discrete" || kind == "integrated" || kind == "virtual"; }
 };
@@ -47,27 +47,19 @@ struct VulkanListing {
   std::string problem;  ///< why there is none: no loader, no driver, or the call that failed
 };
 
-/// What Vulkan finds on this machine. Never throws for what is missing.
+/// Lists the Vulkan devices of this machine. Never throws for missing parts.
 VulkanListing list_vulkan_devices();
-
-/// A fault to rehearse: the call number `at` (from 1) of the calls to the driver that can fail gives `code`; a lost
-/// device stays lost for every later call. The environment may ask for one where the options do not:
-/// GDTSLAM_VULKAN_FAULT=17:device-lost, 17:out-of-device-memory or 17:out-of-host-memory.
-struct VulkanFault {
-  enum class Code : std::uint8_t { kOutOfDeviceMemory, kOutOfHostMemory, kDeviceLost };
-  std::uint64_t at = 0;  ///< 0: none
-  Code code = Code::kDeviceLost;
-};
 
 /// Which device, and how it is used.
 struct VulkanOptions {
-  std::optional<unsigned> index = std::nullopt;  ///< of the listing; the first hardware GPU when empty
-  std::string cache_folder = {};                 ///< of the pipeline cache; empty: none is read or written
+  std::optional<unsigned> index = std::nullopt;  ///< index in the listing; the first hardware GPU when empty
+  std::string cache_folder = {};                 ///< folder of the pipeline cache; empty: none is read or written
   /// With validation and synchronisation validation: a warning or an error of theirs throws DeviceError at the next
   /// launch, flush or finished download. Also by GDTSLAM_VULKAN_VALIDATION=1. Needs the Khronos layer.
   bool validation = false;
-  /// What validation says too late for that, of what was recorded after the last flush and of the end of the backend;
-  /// must not throw. Empty: it ends the process as an exception does that nobody catches (std::terminate).
+  /// Receives validation messages that come too late to be thrown, about work recorded after the last flush and the end
+  /// of the backend; must not throw. Empty: such a message ends the process like an exception that nobody catches
+  /// (std::terminate).
   std::function<void(std::string_view message)> on_message = {};
   /// A wait that takes longer is a lost device. Empty: GDTSLAM_VULKAN_WAIT_S of the environment, else 30 s.
   std::optional<double> wait_limit_s = std::nullopt;
@@ -77,7 +69,9 @@ struct VulkanOptions {
   std::optional<double> spin_s = std::nullopt;
   /// Timestamps around each submission. Empty: on hardware only, since lavapipe takes 45 us a submission for them.
   std::optional<bool> time_submissions = std::nullopt;
-  VulkanFault fault = {};
+  /// Step of the backend, from 1 (its making), at which the device is lost, as a rehearsal; 0: none. A step is a verb's
+  /// work for the device.
+  std::uint64_t lost_at = 0;
   /// Called with each shader before it is built, to change it: a test's way to show that a wrong shader is found.
   std::function<void(std::string_view shader, std::vector<std::uint32_t>& spirv)> edit_shader = {};
   /// Called with what is known of the chosen device before it is used, to lower its limits: a test's way to a device
@@ -85,13 +79,13 @@ struct VulkanOptions {
   std::function<void(VulkanDeviceInfo&)> edit_device = {};
 };
 
-/// What a device was given to do so far, as it stands in its queue. Two of them subtracted say what lies between.
+/// Work that a device was given so far, by the state of its queue. The difference of two is the work between them.
 struct QueueWork {
   std::map<std::string_view, std::uint64_t> dispatches;  ///< by kernel, without launches of no invocations
   std::uint64_t submissions = 0;
-  std::uint64_t waits = 0;  ///< of the host, for a submission that was not known to be done
-  std::uint64_t barriers = 0;
-  std::uint64_t fills = 0;  ///< also of new buffers with zeros
+  std::uint64_t waits = 0;     ///< waits of the host for a submission that was not known to be done
+  std::uint64_t barriers = 0;  ///< that the kernels' bindings and the transfers ask for
+  std::uint64_t fills = 0;     ///< also of new buffers with zeros
   std::uint64_t uploads = 0;
   std::uint64_t upload_bytes = 0;
   std::uint64_t downloads = 0;  ///< copies that the device makes for the host
@@ -107,13 +101,9 @@ QueueWork& operator+=(QueueWork& sum, const QueueWork& more);
 class VulkanBackend : public Backend {
  public:
   [[nodiscard]] virtual const VulkanDeviceInfo& vulkan_device() const = 0;
-  /// Calls to the driver that can fail, so far.
-  [[nodiscard]] virtual std::uint64_t call_count() const = 0;
   /// Nanoseconds of the device's own clock between the start and the end of the last finished submission; 0 where
   /// none are taken.
   [[nodiscard]] virtual double last_submission_ns() const = 0;
-  /// Barriers recorded so far: those that the kernels' bindings and the transfers ask for.
-  [[nodiscard]] virtual std::uint64_t barrier_count() const = 0;
   [[nodiscard]] virtual QueueWork work() const = 0;
   /// Copies a buffer to another of the same size, in line with the other work: what the device's memory can do, for
   /// benchmarks to compare with.

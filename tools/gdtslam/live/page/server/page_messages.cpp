@@ -19,7 +19,7 @@ using page::Json;
 Json points_description(const ShownScan& shown) {
   Json points = Json::array();
   if (!shown.T_map_base) return points;
-  for (const Point2& point_base_m : points_of(shown.laser, shown.valid)) {
+  for (const Point2& point_base_m : to_points(shown.laser, shown.valid)) {
     const Point2 point_m = *shown.T_map_base * point_base_m;
     points.push_back(std::llround(100.0 * point_m.x()));
     points.push_back(std::llround(100.0 * point_m.y()));

@@ -25,7 +25,7 @@ class Function {
   virtual void evaluate(std::span<const double> points, std::span<double> values) = 0;
 };
 
-/// Where to look; points outside are never valued.
+/// Region of the search; points outside are never valued.
 struct Box {
   std::vector<double> least;
   std::vector<double> most;
@@ -38,13 +38,13 @@ enum class Stop : std::uint8_t {
   kTarget,       ///< a value at or below the target was found
 };
 
-/// What ends every method besides its own criterion; looked at before each batch.
+/// Limits that end every method besides its own criterion; looked at before each batch.
 struct Limits {
   std::uint64_t max_evaluations = 100000;
   double target = -1e300;
 };
 
-/// Where a method stopped and what it cost.
+/// Point where a method stopped, and its cost.
 struct Minimum {
   std::vector<double> point;
   double value = 0.0;

@@ -1,4 +1,4 @@
-// How many elementary steps a launch is said to have, and fields that lie in strips: sizes by hand.
+// Fields that lie in strips: sizes by hand.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,15 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/compute/kernels/distance_field/distance_field.hpp"
-#include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
-#include "engine/compute/kernels/gdt_stamp/gdt_stamp.hpp"
-#include "engine/compute/kernels/jump_flood/jump_flood.hpp"
-#include "engine/compute/kernels/pose_bounds/pose_bounds.hpp"
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
-#include "engine/compute/kernels/pose_lattice/pose_lattice.hpp"
-#include "engine/compute/kernels/pose_simplex/pose_simplex.hpp"
-#include "engine/compute/kernels/sweep_points/sweep_points.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/error.hpp"
 #include "support/address_space.hpp"
@@ -25,45 +17,6 @@ namespace gdtslam::test {
 namespace {
 
 using testing::HasSubstr;
-
-template <class K>
-std::uint64_t steps_of(const typename K::Params& params, Extent threads) {
-  return K::info().work({{}, std::as_bytes(std::span(&params, 1)), threads});
-}
-
-TEST(LaunchWork, OfGridsIsTheirCells) {
-  EXPECT_EQ(steps_of<JumpFloodInit>({.width = 5, .height = 3, .stride = 8}, {5, 3, 1}), 15U);
-  EXPECT_EQ(steps_of<DistanceField>({.width = 5, .height = 3, .stride = 8, .table_size = 2}, {5, 3, 1}), 15U);
-  EXPECT_EQ(steps_of<DistanceField>({.width = 1U << 20U, .height = 1U << 20U}, {}), std::uint64_t{1} << 40U);
-  EXPECT_EQ(steps_of<FieldGrow>({.old_width = 2, .old_height = 2, .width = 8, .height = 5}, {8, 5, 1}), 40U);
-  EXPECT_EQ(steps_of<GdtMerge>({.scan_width = 8, .scan_height = 5}, {8, 5, 1}), 40U);
-  EXPECT_EQ(steps_of<GdtMerge>({.scan_width = 1U << 20U, .scan_height = 1U << 20U}, {}), std::uint64_t{1} << 40U);
-  EXPECT_EQ(steps_of<GdtStamp>({.tile_count = 3}, {3, 1, 1}), 3U * 64 * 64);
-  EXPECT_EQ(steps_of<GdtStamp>({.tile_count = 1U << 24U}, {}), std::uint64_t{1} << 36U);
-}
-
-TEST(LaunchWork, OfListsIsTheirThings) {
-  EXPECT_EQ(steps_of<SeedScatter>({.count = 7, .width = 5, .height = 3, .stride = 8}, {7, 1, 1}), 7U);
-  EXPECT_EQ(steps_of<SweepPoints>({.beams = 7, .strips = 2, .directions = 3}, {7, 1, 1}), 7U);
-  EXPECT_EQ(steps_of<PoseLattice>({.count_xy = 3, .count_theta = 5}, {45, 1, 1}), 45U);
-  EXPECT_EQ(steps_of<LatticeMinima>({.count_xy = 3, .count_theta = 5}, {45, 1, 1}), 45U);
-  EXPECT_EQ(steps_of<SmallestValues>({.count = 99, .wanted = 2}, {1, 1, 1}), 99U);
-  EXPECT_EQ(steps_of<PoseStarts>({.candidate_count = 50}, {5, 1, 1}), 5U);
-}
-
-TEST(LaunchWork, OfPosesIsALookUpForEachPoint) {
-  EXPECT_EQ(steps_of<PoseCost>({.point_count = 11}, {7, 1, 1}), 77U);
-  EXPECT_EQ(steps_of<PoseCost>({.point_count = 65536}, {1U << 20U, 1, 1}), std::uint64_t{1} << 36U);
-  EXPECT_EQ(steps_of<PoseBounds>({.point_count = 11, .tile_width = 16, .tile_height = 4}, {3, 1, 1}), 11U * 64 * 3);
-  PoseSimplex::Params simplex{};
-  simplex.cost.point_count = 11;
-  simplex.max_evaluations = 100;
-  EXPECT_EQ(steps_of<PoseSimplex>(simplex, {3, 1, 1}), 3300U);
-  ChoosePose::Params choice{};
-  choice.cost.point_count = 11;
-  choice.pose_count = 3;
-  EXPECT_EQ(steps_of<ChoosePose>(choice, {1, 1, 1}), 55U) << "each pose, and what is looked up of the chosen one twice";
-}
 
 // 100 columns are two strips of 64; rows of 68 cells, 5 of them, so 340 from strip to strip. The last cell that is
 // touched is the 65th of the last row of the second strip: 340 + 4 * 68 + 65 = 677 cells of 2 bytes.

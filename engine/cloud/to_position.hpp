@@ -6,11 +6,11 @@
 
 namespace gdtslam {
 
-inline Point3 position_of(const CloudPoint& point) {
+inline Point3 to_position(const CloudPoint& point) {
   return {static_cast<double>(point.x_m), static_cast<double>(point.y_m), static_cast<double>(point.z_m)};
 }
 
 /// Whether it is a place; its other values do not count.
-inline bool is_finite(const CloudPoint& point) { return position_of(point).allFinite(); }
+inline bool is_finite(const CloudPoint& point) { return to_position(point).allFinite(); }
 
 }  // namespace gdtslam
