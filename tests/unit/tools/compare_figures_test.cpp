@@ -132,7 +132,7 @@ TEST_F(Trials, TablesNameEveryMethodAndEveryStart) {
        {"simplex", "pso", "prediction", "10 cm, 2°", "1 are weak along a corridor", "1 have no proof"}) {
     EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
   }
-  const auto json = as_json(job_, outcome_, {}, {});
+  const auto json = as_json(job_, outcome_);
   EXPECT_EQ(json["levels"].size(), 2U);
   EXPECT_EQ(json["levels"][0]["held"][0]["success"]["count"], 1);
   EXPECT_EQ(json["scans"]["weak"], 1);
@@ -151,18 +151,6 @@ TEST_F(Trials, WhereNoScanCountsNoShareIsShown) {
   for (const Shape& shape : canvas.shapes()) {
     EXPECT_FALSE(std::holds_alternative<shape::Polygon>(shape) || std::holds_alternative<shape::Circle>(shape));
   }
-}
-
-// Errors of kilometres leave the columns of their table, and stay words of their own.
-TEST(CompareTable, ColumnsOfLargeErrorsStayApart) {
-  WholeRun run;
-  run.method = "simplex";
-  run.position_m = summarise({1234.5, 2345.6});
-  run.heading_deg = summarise({123.4, 179.9});
-  const std::string text = as_text({run}, CompareTruth{});
-  const std::string row = text.substr(text.rfind("simplex"));
-  EXPECT_NE(row.find(" 234560.00 "), std::string::npos) << row;
-  EXPECT_NE(row.find(" 179.900 "), std::string::npos) << row;
 }
 
 TEST(CompareMethods, AreChosenByName) {

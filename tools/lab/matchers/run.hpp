@@ -1,20 +1,17 @@
 // The protocol of the paper's tables 1 and 2 on a log: the log is mapped, and at every so many scans, before the scan
 // is matched, all methods minimise the same cost on the map as it is then, from the same starts: where the odometry
 // says, and at growing distances from the global solution. Frame: map. One run belongs to one thread; the trials depend
-// on the log, the configuration and the seed alone, the times on the machine. And what the trials add up to, for each
-// method and each kind of start; and table 2: the log mapped from end to end with each matcher.
+// on the log, the configuration and the seed alone, the times on the machine. figures_of() sums up the trials for each
+// method and each kind of start.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "engine/runs/evaluation/pose_table.hpp"
-#include "engine/runs/mapping/map_run.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
@@ -136,30 +133,5 @@ std::vector<MethodFigures> figures_of(const CompareJob& job, const CompareOutcom
 /// The distances (m) that one method's trials ended from the solution, in the order of the trials.
 std::vector<double> distances_of(const CompareOutcome& outcome, std::uint32_t method, std::uint32_t level,
                                  ScanKind kind);
-
-/// What a whole run is held against; at most one of both.
-struct CompareTruth {
-  std::optional<Trajectory> reference;
-  std::string reference_file;
-  std::vector<Relation> relations;
-  std::string relations_file;
-  [[nodiscard]] bool is_given() const { return reference.has_value() || !relations.empty(); }
-};
-
-struct WholeRun {
-  std::string method;
-  ErrorSummary position_m;
-  ErrorSummary heading_deg;
-  double cpu_s = 0.0;        ///< inside the mapper, all threads
-  double time_ratio = 0.0;   ///< over simplex; 0 where simplex was not run
-  double evaluations = 0.0;  ///< a scan
-  std::uint64_t scans = 0;
-  std::uint64_t doubtful = 0;
-};
-
-/// In the order of the methods. Throws as compare() does, InputError where the truth belongs to another log.
-std::vector<WholeRun> whole_runs(const CompareJob& job, const CompareTruth& truth, Backend& backend,
-                                 const std::function<CompareProgress(const std::string&)>& progress_of,
-                                 const std::function<bool()>& stop);
 
 }  // namespace gdtslam

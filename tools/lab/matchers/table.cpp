@@ -136,19 +136,6 @@ Json times_json(const CompareJob& job, const CompareOutcome& outcome) {
   return {{"global_solution_s", as_json(summarise(seconds))}, {"levels", std::move(levels)}};
 }
 
-Json as_json(const std::vector<WholeRun>& runs) {
-  Json rows = Json::array();
-  for (const WholeRun& run : runs) {
-    rows.push_back({{"method", run.method},
-                    {"position_m", as_json(run.position_m)},
-                    {"heading_deg", as_json(run.heading_deg)},
-                    {"scans", run.scans},
-                    {"doubtful", run.doubtful},
-                    {"evaluations_per_scan", run.evaluations}});
-  }
-  return rows;
-}
-
 }  // namespace
 
 std::string level_text(const CompareJob& job, std::uint32_t level) {
@@ -178,47 +165,17 @@ std::string as_text(const CompareJob& job, const CompareOutcome& outcome) {
   return text;
 }
 
-std::string as_text(const std::vector<WholeRun>& runs, const CompareTruth& truth) {
-  if (runs.empty()) return {};
-  std::string text = fmt::format(
-      "\nTable 2: whole runs against {}\n\n"
-      "                  position, cm                heading, deg            CPU time, s  / simplex  evaluations  "
-      "doubtful\n"
-      "                     max     mean ± std          max     mean ± std                              a scan\n",
-      truth.reference ? "the reference (ATE)" : "the verified relations");
-  for (const WholeRun& run : runs) {
-    text += name_column(run.method) + fmt::format(" {:>7.2f} {:>14} {:>12.3f} {:>14}{:>13.2f}{:>11}{:>13.1f}{:>10}\n",
-                                                  100.0 * run.position_m.max, spread(run.position_m, 100.0, 2),
-                                                  run.heading_deg.max, spread(run.heading_deg, 1.0, 3), run.cpu_s,
-                                                  ratio_text(run.time_ratio), run.evaluations, run.doubtful);
-  }
-  return text;
-}
-
-Json as_json(const CompareJob& job, const CompareOutcome& outcome, const std::vector<WholeRun>& runs,
-             const CompareTruth& truth) {
+Json as_json(const CompareJob& job, const CompareOutcome& outcome) {
   Json levels = Json::array();
   for (std::uint32_t level = 0; level <= job.levels.size(); ++level) {
     levels.push_back(level_json(job, outcome, level));
   }
-  Json json{{"version", 1},
-            {"seed", job.seed},
-            {"scans", scans_json(job, outcome)},
-            {"success_within", {{"distance_m", kSuccess_m}, {"angle_deg", kSuccess_deg}}},
-            {"levels", std::move(levels)}};
-  Json times = times_json(job, outcome);
-  if (!runs.empty()) {
-    json["whole_runs"] = {{"metric", truth.reference ? "ate" : "relations"}, {"methods", as_json(runs)}};
-    Json whole = Json::array();
-    for (const WholeRun& run : runs) {
-      whole.push_back({{"method", run.method},
-                       {"cpu_s", run.cpu_s},
-                       {"over_simplex", run.time_ratio > 0.0 ? Json(run.time_ratio) : Json()}});
-    }
-    times["whole_runs"] = std::move(whole);
-  }
-  json["times"] = std::move(times);
-  return json;
+  return {{"version", 1},
+          {"seed", job.seed},
+          {"scans", scans_json(job, outcome)},
+          {"success_within", {{"distance_m", kSuccess_m}, {"angle_deg", kSuccess_deg}}},
+          {"levels", std::move(levels)},
+          {"times", times_json(job, outcome)}};
 }
 
 std::string as_csv(const CompareJob& job, const CompareOutcome& outcome) {
