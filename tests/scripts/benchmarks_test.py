@@ -43,7 +43,7 @@ class Benchmarks(unittest.TestCase):
         self.assertEqual((process.returncode, process.stderr), (0, ""))
         before, made, behind = self.page.read_text().replace("<!-- made -->\n", "<!-- made: kernels -->\n").split("<!-- made: kernels -->\n")
         self.assertEqual((before, behind), ("# Page\n\nBefore.\n\n", "\nBehind.\n"))
-        self.assertIn("| `scan` | 10 points | 12.3 ms | 2 G candidates/s |\n", made)
+        self.assertIn("| `scan` | 10 points | 12.3 ms | 2 G candidates/s |  |\n", made)
         self.assertNotIn("old", made)
         self.assertIn("gdtslam 9, a CPU, avx2", made)
 
