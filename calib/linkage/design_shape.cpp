@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "dead_point.hpp"
 #include "engine/core/elementary.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/angle.hpp"

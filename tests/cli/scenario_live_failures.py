@@ -108,23 +108,6 @@ def live_input_that_fails_is_mapped():
         expect(len(rows) == 60, f"{name}: {len(rows)} poses")
 
 
-def live_asked_twice_at_once():
-    """timeout(1) sends its signal to the process and to the group of it at once, which is one wish to end; two are two."""
-    folder = cli.fresh_folder("live_timeout")
-    lines = lines_of_drive(20)
-    for k in range(2):
-        process = subprocess.Popen([PROGRAM, "live", "-", "-o", folder / f"run-{k}", "-q"], stdin=subprocess.PIPE,
-                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        process.stdin.write("".join(lines))
-        process.stdin.flush()
-        for _ in range(20):
-            process.stdout.readline()
-        process.send_signal(signal.SIGTERM)
-        process.send_signal(signal.SIGTERM)
-        expect(process.wait(60 * cli.SLOWNESS) == 0, process.stderr.read())
-        expect((folder / f"run-{k}/report.json").exists(), "no map")
-
-
 def live_at_ports_that_are_none():
     """A port beyond 65535, or not written as a number, is none; which one 0 became is told."""
     folder = cli.fresh_folder("live_ports")

@@ -63,17 +63,6 @@ TEST(Scene, WallWithDoorsLosesTheDoors) {
   EXPECT_NEAR(volume_of(boxes_of(wall)), (6.0 * 2.5 - 1.0 * 2.0 - 0.5 * 2.5) * 0.2, 1e-12);
 }
 
-// A hundred thousand legs with as many doors: each leg looks at its own doors only.
-TEST(Scene, ManyLegsAndDoorsTakeNoTimeTogether) {
-  Wall wall;
-  for (int k = 0; k < 100'000; ++k) wall.points_m.emplace_back(0.01 * (k % 2), 0.001 * k);
-  for (std::size_t k = 0; k < 99'999; ++k) wall.doors.push_back({.leg = k, .from_m = 0.0, .width_m = 0.01});
-  const auto start = std::chrono::steady_clock::now();
-  EXPECT_TRUE(validate(wall).empty());
-  EXPECT_GE(boxes_of(wall).size(), 99'999U);
-  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
-}
-
 TEST(Scene, WallWithWindowsKeepsWhatIsUnderTheirSills) {
   Wall wall;
   wall.points_m = {{0.0, 0.0}, {6.0, 0.0}};
@@ -158,17 +147,6 @@ TEST(Scene, RefusesWhatCannotBeBuilt) {
   EXPECT_EQ(validate(wall).size(), 1U);
   wall.doors = {{.leg = 0, .from_m = 0.1, .width_m = 1.0}, {.leg = 0, .from_m = 0.9, .width_m = 0.5}};
   EXPECT_EQ(validate(wall).size(), 1U);
-}
-
-TEST(Scene, TriangulateThrowsForEmptyFarAndFaultyScenes) {
-  Scene scene;
-  EXPECT_THROW(triangulate(scene), ConfigError);
-  scene.boxes.push_back({.centre_m = {999.9, 0.0}});
-  EXPECT_THROW(triangulate(scene), ConfigError);
-  scene.boxes.front() = {.height_m = -1.0};
-  EXPECT_THROW(triangulate(scene), ConfigError);
-  scene.boxes.front() = {};
-  EXPECT_NO_THROW(triangulate(scene));
 }
 
 }  // namespace

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "calib/calibration/calibration_residual.hpp"
+#include "calibrate.hpp"
 #include "engine/core/elementary.hpp"
 #include "engine/core/quantile.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/drawing/plot.hpp"
-#include "run.hpp"
 
 namespace gdtslam {
 namespace {

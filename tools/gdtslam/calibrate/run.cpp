@@ -1,4 +1,4 @@
-#include "run.hpp"
+#include "calibrate.hpp"
 
 #include <fmt/format.h>
 

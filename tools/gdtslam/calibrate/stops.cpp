@@ -1,4 +1,4 @@
-#include "stops.hpp"
+#include "calibrate.hpp"
 
 #include <fmt/format.h>
 

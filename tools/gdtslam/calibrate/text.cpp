@@ -1,4 +1,4 @@
-#include "text.hpp"
+#include "calibrate.hpp"
 
 #include <fmt/format.h>
 

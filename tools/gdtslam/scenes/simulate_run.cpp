@@ -20,8 +20,7 @@
 #include "gdtslam/io/trajectory_file.hpp"
 #include "scene_file.hpp"
 #include "scene_parts.hpp"
-#include "simulated_log.hpp"
-#include "truth_files.hpp"
+#include "simulated_files.hpp"
 
 namespace gdtslam {
 namespace {

@@ -174,12 +174,6 @@ Workers::Event Workers::ended(std::size_t place) {
   return event_of(process, seconds_of(usage.ru_utime) + seconds_of(usage.ru_stime), status);
 }
 
-Workers::Event Workers::wait() {
-  Event event = wait_for_any();
-  if (event.failure) throw Error(event.failure->code, event.failure->message);
-  return event;
-}
-
 Workers::Event Workers::wait_for_any() {
   for (;;) {
     if (interrupted()) throw Error(ExitCode::kInterrupted, "interrupted");

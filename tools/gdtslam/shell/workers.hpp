@@ -19,7 +19,7 @@ class Workers {
  public:
   /// Takes the share of the work that is done.
   using Tell = std::function<void(double)>;
-  /// What runs in the process; what it returns comes back as Event::result, what it throws is thrown by wait().
+  /// What runs in the process; what it returns comes back as Event::result, what it throws as Event::failure.
   using Work = std::function<std::string(const Tell&)>;
   /// Why work ended without a result.
   struct Failure {
@@ -33,7 +33,7 @@ class Workers {
     double share = 0.0;
     double cpu_s = 0.0;                 ///< of the process, where it ended
     std::optional<std::string> result;  ///< nothing: it goes on, or has failed
-    std::optional<Failure> failure{};   ///< of wait_for_any() alone
+    std::optional<Failure> failure{};   ///< why it ended without a result
   };
 
   explicit Workers(unsigned most) : most_(most) {}
@@ -46,10 +46,8 @@ class Workers {
   [[nodiscard]] bool is_idle() const { return running_.empty(); }
   /// Throws Error where there is no further process.
   void start(std::size_t id, const Work& work);
-  /// The next event of any; only where not idle. Throws Error with the code that the work threw, and
-  /// Error(kInterrupted) when the program is interrupted.
-  Event wait();
-  /// The same, but that work which failed is an event. Throws Error(kInterrupted).
+  /// The next event of any process, also that it failed; only if not idle. Throws Error(kInterrupted) when the program
+  /// is interrupted.
   Event wait_for_any();
 
  private:

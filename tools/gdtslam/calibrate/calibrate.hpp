@@ -1,20 +1,28 @@
-// From a log of a standing robot to the observations of a calibration: every beam asked for gets the crank's place at
-// its time; ranges of the same beam from the same place of the crank are averaged. Memory: one entry per place and
-// beam. One collector belongs to one thread.
+// Parts of `gdtslam calibrate`: from the log of a standing robot, with known kinds of surfaces around it, to a linkage
+// (run.cpp); --self, which maps the logs with the start's linkage and makes the strokes of the laser agree
+// (self_run.cpp); averages of ranges (stops.cpp); text, JSON and figure. One run belongs to one thread.
 #pragma once
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "calib/calibration/self_calibration.hpp"
 #include "gdtslam/calib/calibration.hpp"
 #include "gdtslam/calib/nod_track.hpp"
 #include "gdtslam/core/stream.hpp"
+#include "gdtslam/drawing/canvas.hpp"
+#include "gdtslam/io/log.hpp"
 
 namespace gdtslam {
+
+// Observations: every beam asked for gets the crank's place at its time; ranges of the same beam from the same place of
+// the crank are averaged. Memory: one entry per place and beam.
 
 struct StopStatistics {
   std::uint64_t scans = 0;
@@ -85,5 +93,63 @@ class StopCollector {
   std::uint64_t tilt_messages_ = 0;
   StopStatistics statistics_;
 };
+
+struct CalibrateJob {
+  std::vector<std::string> logs;
+  calib::SweepModel start;
+  std::string surfaces = "wall";  ///< as on the command line: "wall=2m@30deg,ceiling"
+  bool distances_known = false;
+  bool headings_free = false;
+  double sector_rad = 0.0;  ///< 0: the forward beam
+  double sigma_m = 0.0;     ///< of one range; 0: from the scatter
+  ReadOptions read;
+  calib::CalibrationOptions options;
+};
+
+struct CalibrateOutcome {
+  calib::SweepModel start;
+  std::vector<calib::CalibrationSurface> start_surfaces;
+  calib::CalibrationResult result;
+  std::vector<calib::RangeObservation> observations;  ///< with their surfaces, all elevations
+  double max_elevation_rad = 0.0;
+  std::size_t unassigned = 0;  ///< averages that belong to no surface
+  StopStatistics statistics;
+  std::vector<LogReader::Warning> warnings;  ///< of the readers and of the encoder
+  std::string distrust;                      ///< why the result is not to be used; empty where it is
+};
+
+/// Throws UsageError for surfaces that make no sense before any log is read; InputError, FileError or ConfigError.
+CalibrateOutcome run_calibration(const CalibrateJob& job, const std::function<void(double)>& progress,
+                                 const std::function<bool()>& stop);
+
+/// Figure A of the paper: measured and modelled ranges over the encoder, and what is left of them over the elevation,
+/// before and after.
+Canvas calibration_figure(const CalibrateOutcome& outcome);
+
+struct SelfCalibrateJob {
+  std::vector<std::string> logs;
+  calib::SweepModel start;
+  ReadOptions read;
+  calib::SelfCalibrationOptions options;
+};
+
+struct SelfCalibrateOutcome {
+  calib::SweepModel start;
+  calib::SelfCalibrationResult result;
+  std::uint64_t scans = 0;
+  std::uint64_t beams = 0;  ///< compared, a part of all spread evenly
+  std::uint32_t strokes = 0;
+  std::vector<LogReader::Warning> warnings;  ///< of the readers and of the encoder
+  std::string distrust;                      ///< why the result is not to be used; empty where it is
+};
+
+/// Throws InputError, FileError, ConfigError.
+SelfCalibrateOutcome run_self_calibration(const SelfCalibrateJob& job, const std::function<void(double)>& progress,
+                                          const std::function<bool()>& stop);
+
+std::string as_text(const CalibrateOutcome& outcome);
+std::string as_text(const SelfCalibrateOutcome& outcome);
+nlohmann::ordered_json as_json(const CalibrateOutcome& outcome);
+nlohmann::ordered_json as_json(const SelfCalibrateOutcome& outcome);
 
 }  // namespace gdtslam
