@@ -79,7 +79,7 @@ void NodTrack::note_past(double stamp_s, double measured_turns) {
     faults_.past_stamps.add(stamp_s);
     return;
   }
-  faults_.past_stamps.count -= past_.size() - 2;  // those that are used after all; the step itself counts once
+  faults_.past_stamps.count -= past_.size() - 2;  // they are used after all; the step itself counts once
   messages_.clear();
   for (const Message& message : std::exchange(past_, {})) append(message.stamp_s, message.turns);
 }

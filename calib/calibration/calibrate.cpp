@@ -14,14 +14,14 @@ namespace {
 constexpr double kTightRoom_m = 0.0005;     // a loop that closes with less room is remarked on
 constexpr double kLeastSweep_rad = 0.1745;  // 10 deg
 constexpr int kFirstRounds = 2;
-constexpr double kNear = 100.0;             // of the cost: then the other assembly is worth a whole fit
-constexpr double kMuchBetter = 0.5;         // of the cost: then the other assembly is the right one
+constexpr double kNear = 100.0;             // share of the cost below which the other assembly is worth a whole fit
+constexpr double kMuchBetter = 0.5;         // share of the cost below which the other assembly is the right one
 constexpr std::size_t kZeros = 144;         // 2.5 deg apart
-constexpr std::size_t kObservations = 200;  // of all, spread evenly
+constexpr std::size_t kObservations = 200;  // a sample, spread evenly
 constexpr double kMostMiss_m = 0.5;         // a larger one counts as this
 // A wall with things before it gives one outlier in ten; the wrong preset nine in ten.
 constexpr double kMostOutliers = 1.0 / 3.0;
-constexpr double kMostRms = 3.0;  // of all ranges, where a bar was stopped by its bound
+constexpr double kMostRms = 3.0;  // limit for all ranges if a bar was stopped by its bound
 
 /// A start with what came of it.
 struct Attempt {

@@ -7,7 +7,7 @@
 namespace gdtslam::calib {
 namespace {
 
-constexpr double kAtBound = 1e-6;  // of the bound
+constexpr double kAtBound = 1e-6;  // share of the bound
 // A parameter with less than this (squared) of a combination that nothing holds is not moved by it.
 constexpr double kLeastShare = 1e-12;
 
@@ -22,7 +22,7 @@ Misses required_misses(const Setup& setup, const Fit& fit) {
   return misses ? std::move(*misses) : Misses{};
 }
 
-// What each row is weighted by, outliers less.
+// The weight of each row; outliers have less.
 Eigen::VectorXd gains_of(const Misses& misses, const Fit& fit, double huber_sigmas) {
   Eigen::VectorXd gains(eigen_index(misses.list.size()));
   for (std::size_t row = 0; row < misses.list.size(); ++row) {

@@ -49,8 +49,8 @@ constexpr ParameterKind kHeading{"heading.", of_surface<&CalibrationSurface::hea
 
 struct Family {
   std::string unit;
-  double prior = 0.0;          ///< as the options have it, 0 for none
-  double default_scale = 1.0;  ///< what a step of 1 means without a prior
+  double prior = 0.0;          ///< from the options, 0 for none
+  double default_scale = 1.0;  ///< size of a step of 1 without a prior
   double bound = 0.0;
 };
 

@@ -14,7 +14,7 @@
 namespace gdtslam::calib {
 namespace {
 
-constexpr double kDifference = 0.002;   // of a scaled parameter: 6 micrometres of a bar, 0.004 deg of the zero
+constexpr double kDifference = 0.002;   // step of a scaled parameter: 6 micrometres of a bar, 0.004 deg of the zero
 constexpr double kSettledShift = 0.05;  // largest step, in prior sigmas; below it the pairs change as much
 constexpr std::size_t kFewestPairs = 100;
 constexpr double kHuberSigmas = 1.5;
@@ -99,8 +99,8 @@ Fitted fitted(const StrokePair& pair, const std::vector<Point3>& points) {
           .is_flat = variances(1) >= kWide_m * kWide_m && variances(0) <= kFlat * variances(1)};
 }
 
-// Of the point over the plane through the neighbours, along its normal, the sign being that of the pair's: when the
-// model turns all points alike, the plane turns with them and the miss stays.
+// Distance of the point from the plane through the neighbours, along its normal, with the sign of the pair's normal:
+// when the model turns all points alike, the plane turns with them and the miss stays.
 double miss_m(const StrokePair& pair, const std::vector<Point3>& points) {
   Point3 normal = fitted(pair, points).normal;
   if (normal.dot(pair.normal) < 0.0) normal = -normal;

@@ -144,7 +144,8 @@ double measured_elevation_rad(const NoddingMount& mount, const CalibrationSurfac
 
 namespace {
 
-// Of the surface that the model expects the observation to meet first, which it is given; none where it meets none.
+// The miss from the surface that the model expects the observation to meet first, which is assigned to it; empty if it
+// meets none.
 std::optional<double> miss_of_first(const SweepModel& model, const std::vector<CalibrationSurface>& surfaces,
                                     RangeObservation& seen) {
   const std::optional<double> elevation = elevation_rad(model, crank_rad(model.encoder, seen.ticks));

@@ -16,7 +16,7 @@ namespace {
 constexpr int kRateSamples = 720;
 /// Halvings of a sample step, to below the rounding of an angle.
 constexpr int kHalvings = 48;
-/// Of a turn: strokes that differ by less are equal, and which way the crank turns does not matter.
+/// Share of a turn: strokes that differ by less are equal, and which way the crank turns does not matter.
 constexpr double kEqualStrokes = 1e-9;
 constexpr double kNearChangePoint = 0.02;
 constexpr double kSensitiveRate = 2.0;

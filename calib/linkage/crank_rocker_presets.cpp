@@ -64,7 +64,7 @@ std::vector<PaperBar> paper_bars(const std::string& model_name) {
   const auto preset = std::find_if(presets.begin(), presets.end(),
                                    [&](const LinkagePreset& known) { return known.name == model_name; });
   if (preset == presets.end()) return {};
-  constexpr std::size_t kPresetsOfReading = 2;  // as drawn, and calibrated
+  constexpr std::size_t kPresetsOfReading = 2;  // one drawn, and one calibrated
   const std::size_t number = static_cast<std::size_t>(preset - presets.begin()) / kPresetsOfReading;
   std::vector<PaperBar> bars(kNominal_um.size());
   for (std::size_t k = 0; k < bars.size(); ++k) bars[k].name = "delta" + std::to_string(k + 1);

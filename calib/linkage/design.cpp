@@ -119,7 +119,7 @@ void require_sound(const DesignGoal& goal) {
               cm_text(goal.least_crank_m) + " cm");
 }
 
-/// What no lengths can give, with the swing alone at fault.
+/// Refuses a goal that no lengths can meet because of the swing alone.
 void require_possible(const DesignGoal& goal) {
   const double most_rad = 0.5 * (kPi - goal.swing_rad);
   require(goal.min_transmission_rad < most_rad,

@@ -20,7 +20,7 @@ constexpr double kNoShape = 2.0;
 /// The construction also gives linkages whose rocker crosses the ground line between its ends; their swing is another.
 constexpr double kSameSwing_rad = 1e-6;
 
-/// What a shape is made of. The crank's pivot lies on the side of the rocker's pivot of the line through the rocker's
+/// The parameters of a shape. The crank's pivot lies on the side of the rocker's pivot of the line through the rocker's
 /// outermost ends; on the other side there are crank-rockers too, which transmit worse.
 struct ShapeChoice {
   double swing_rad = 0.0;

@@ -11,7 +11,8 @@
 
 namespace gdtslam::calib {
 
-/// Where the rocker of a crank-rocker turns back, with crank and coupler stretched or folded over each other.
+/// The place at which the rocker of a crank-rocker turns back, with crank and coupler stretched or folded over each
+/// other.
 DeadPoint dead_point(const FourBar& bars, Assembly assembly, bool is_stretched);
 
 struct ShapeLimits {

@@ -17,7 +17,7 @@ std::string as_text(double value, std::chars_format format, int digits) {
   return std::string(buffer.data(), end.ptr);
 }
 
-/// Of the sum of all bars: what counts as equal in Grashof's inequality.
+/// Share of the sum of all bars that counts as equal in Grashof's inequality.
 constexpr double kChangePointShare = 1e-9;
 
 struct NamedBar {

@@ -9,7 +9,7 @@
 
 namespace gdtslam::sim {
 
-/// What counts as an obstacle, and how far to look.
+/// Which obstacles count, and how far to look.
 struct ClearanceQuery {
   double low_m = 0.0;  ///< only what lies between these two heights counts
   double high_m = 1.0;

@@ -24,7 +24,7 @@ struct Straight {
   SpeedProfile profile;
 };
 struct Spin {
-  SpeedProfile profile;  // of the angle's magnitude
+  SpeedProfile profile;  // for the angle's magnitude
   double sign = 1.0;
 };
 struct Rounded {
@@ -44,13 +44,13 @@ struct Segment {
 
 struct Leg {
   double length_m = 0.0;
-  double bearing_rad = 0.0;  // of the motion
-  double heading_rad = 0.0;  // of the robot
+  double bearing_rad = 0.0;  // direction of the motion
+  double heading_rad = 0.0;  // direction of the robot
   double direction = 1.0;
   double speed_m_per_s = 0.0;
 };
 
-/// What happens at a waypoint: how much of the adjoining legs its turn takes, and how fast it may be passed.
+/// The turn at a waypoint: how much of the adjoining legs it takes, and how fast it may be passed.
 struct Joint {
   double cut_m = 0.0;
   double pass_speed_m_per_s = 0.0;  // 0: the robot stops

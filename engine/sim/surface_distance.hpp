@@ -29,7 +29,7 @@ class SurfaceDistance {
   /// one without triangles included.
   explicit SurfaceDistance(TriangleMesh mesh, const RayCasterOptions& options = {});
 
-  /// Of a point whose coordinates are finite and within 1e150 m.
+  /// The coordinates of the point are finite and within 1e150 m.
   [[nodiscard]] NearestSurface nearest(const Vec3& point_m) const;
   [[nodiscard]] const TriangleMesh& mesh() const;
 

@@ -27,9 +27,9 @@ namespace gdtslam {
 struct StopStatistics {
   std::uint64_t scans = 0;
   std::uint64_t uncovered = 0;  ///< scans at whose time the crank's place is not known
-  std::uint64_t ranges = 0;     ///< of the beams asked for, that returned
+  std::uint64_t ranges = 0;     ///< returns of the beams asked for
   std::uint64_t stops = 0;      ///< places of the crank with a range
-  double range_sigma_m = 0.0;   ///< of one range, from its scatter about a place
+  double range_sigma_m = 0.0;   ///< sigma of one range, from its scatter about a place
 };
 
 /// The crank's place, in turns, at a time between the knots; nothing for fewer than two.
@@ -87,7 +87,7 @@ class StopCollector {
   std::optional<Pose2> T_odom_first_;
   Travel travel_;
   LogReader::Warning uncovered_{
-      .kind = "scans without the crank's position", .count = 0, .first = ""};  ///< of this log
+      .kind = "scans without the crank's position", .count = 0, .first = ""};  ///< in this log
   calib::NodTrack::Count gaps_;  ///< between messages of the encoder, of the logs that ended
   std::uint64_t encoder_messages_ = 0;
   std::uint64_t tilt_messages_ = 0;
@@ -97,11 +97,11 @@ class StopCollector {
 struct CalibrateJob {
   std::vector<std::string> logs;
   calib::SweepModel start;
-  std::string surfaces = "wall";  ///< as on the command line: "wall=2m@30deg,ceiling"
+  std::string surfaces = "wall";  ///< the option's text: "wall=2m@30deg,ceiling"
   bool distances_known = false;
   bool headings_free = false;
   double sector_rad = 0.0;  ///< 0: the forward beam
-  double sigma_m = 0.0;     ///< of one range; 0: from the scatter
+  double sigma_m = 0.0;     ///< sigma of one range; 0: from the scatter
   ReadOptions read;
   calib::CalibrationOptions options;
 };
@@ -114,7 +114,7 @@ struct CalibrateOutcome {
   double max_elevation_rad = 0.0;
   std::size_t unassigned = 0;  ///< averages that belong to no surface
   StopStatistics statistics;
-  std::vector<LogReader::Warning> warnings;  ///< of the readers and of the encoder
+  std::vector<LogReader::Warning> warnings;  ///< from the readers and the encoder
   std::string distrust;                      ///< why the result is not to be used; empty where it is
 };
 
@@ -139,7 +139,7 @@ struct SelfCalibrateOutcome {
   std::uint64_t scans = 0;
   std::uint64_t beams = 0;  ///< compared, a part of all spread evenly
   std::uint32_t strokes = 0;
-  std::vector<LogReader::Warning> warnings;  ///< of the readers and of the encoder
+  std::vector<LogReader::Warning> warnings;  ///< from the readers and the encoder
   std::string distrust;                      ///< why the result is not to be used; empty where it is
 };
 

@@ -76,8 +76,8 @@ CalibrateJob job_of(const CalibrateCommand& command) {
   return job;
 }
 
-// What the linkage file states of the parameters: those that something holds. Standard deviations hold for a model that
-// fits: a file that is written by force has none.
+// The sigmas that the linkage file states: those of parameters that data or priors hold. They are valid for a model
+// that fits, so a file that is written by force has none.
 template <typename Outcome>
 std::vector<ParameterSigma> stated_sigmas(const Outcome& outcome) {
   std::vector<ParameterSigma> list;

@@ -21,10 +21,10 @@ namespace {
 constexpr double kFirstGate_m = 0.5;
 constexpr double kGateSigmas = 10.0;
 constexpr double kLeastGate_m = 0.03;
-constexpr double kNearEdge = 0.1;  // of the extents of the ranges: a guess that a few strays do not move
+constexpr double kNearEdge = 0.1;  // share of the extents of the ranges: a guess that a few strays do not move
 constexpr std::size_t kMostSurfaces = 16;
 constexpr std::size_t kZerosTried = 144;    // 2.5 deg apart
-constexpr std::size_t kRangesTried = 2000;  // of all, spread evenly
+constexpr std::size_t kRangesTried = 2000;  // a sample, spread evenly
 
 /// A surface as it was named, with its distance from the nodding axis where one was given.
 struct NamedSurface {
@@ -126,7 +126,7 @@ std::optional<double> guessed_distance_m(const calib::CalibrationSurface& surfac
   return value_at_share(reaches_m, surface.kind == calib::SurfaceKind::kWall ? kNearEdge : 1.0 - kNearEdge);
 }
 
-// Those without a distance get one guessed from the ranges under the start's elevations.
+// Surfaces without a distance get one guessed from the ranges under the start's elevations.
 std::vector<calib::CalibrationSurface> placed_surfaces(const std::vector<NamedSurface>& named,
                                                        const calib::SweepModel& start,
                                                        const std::vector<calib::RangeObservation>& ranges) {

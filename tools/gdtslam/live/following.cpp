@@ -76,7 +76,7 @@ class FollowedDrive {
 }  // namespace
 
 int follow_live(const DriveOptions& options) {
-  let_signal_save();  // of which there is nothing here, and which ends nothing
+  let_signal_save();  // there is nothing to save here, but SIGUSR1 must not end the process
   const Settings settings = load_settings(options.settings);
   const LocalizeJob job = job_of(options, settings);
   DeviceOptions device = options.device;
@@ -100,7 +100,7 @@ int follow_live(const DriveOptions& options) {
   } catch (const Error&) {
     problem = std::current_exception();
   }
-  output.finish();  // what was followed by then is told all the same
+  output.finish();  // the poses so far are printed even after an error
   if (!options.quiet && (!problem || drive.scans() > 0)) {
     print_warnings(warnings);
     print_remark_on_nods(warnings);

@@ -103,7 +103,7 @@ int map_live(const DriveOptions& options) {
   Snapshots snapshots(record, std::move(plan));
   snapshots.start();
   request.closing = [&snapshots](std::string_view, double) { snapshots.stop(); };
-  request.finishing = [&snapshots](std::string_view) { snapshots.stop(); };  // where no loops are closed
+  request.finishing = [&snapshots](std::string_view) { snapshots.stop(); };  // if no loops are closed
   BackendWhenNeeded backend(options.device);
   const MapResult result = map_logs(request, [&backend](bool has_work) -> Backend& { return backend.of(has_work); });
   output.finish();

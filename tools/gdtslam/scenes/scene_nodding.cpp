@@ -33,7 +33,7 @@ std::vector<std::string> names_of(const Names& names) {
   return list;
 }
 
-// What has this name; nothing where none has.
+// The value of that name; empty if there is none.
 template <class Names>
 auto find_named(const Names& names, const std::string& name) {
   const auto found = std::find_if(names.begin(), names.end(), [&](const auto& entry) { return name == entry.first; });

@@ -26,7 +26,7 @@ namespace gdtslam {
 namespace {
 
 constexpr double kClearanceLimit_m = 2.0;
-// What lies on the floor to this height is driven over.
+// The robot drives over anything up to this height.
 constexpr double kGroundClearance_m = 0.02;
 
 /// Puts what an option states in its place. A scene was right before, so that what is wrong then is the option's fault.
@@ -149,8 +149,8 @@ double checked_clearance_m(const SceneFile& scene, const sim::MotionPlan& plan, 
   return *nearest;
 }
 
-// As many as multiples of the resolution need. Whole centimetres still get three; ranges that are not rounded keep all
-// digits of a float beyond 4 m.
+// Enough decimals for multiples of the resolution. Whole centimetres still get three; ranges that are not rounded keep
+// all digits of a float beyond 4 m.
 int range_decimals(const sim::LaserModel& laser) {
   constexpr double kMillimetre_m = 0.001;
   constexpr int kMostDecimals = 9;
@@ -171,7 +171,7 @@ std::string one_word(std::string text) {
   return text.empty() ? "-" : text;
 }
 
-// What the log was made of, so that it can be made again.
+// The settings that made the log, so that it can be made again.
 std::string header_of(const SceneFile& scene, const CarmenWriter& writer) {
   const sim::SimulationConfig& config = scene.config;
   std::vector<std::pair<std::string, std::string>> parameters{

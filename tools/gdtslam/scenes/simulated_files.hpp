@@ -17,7 +17,7 @@
 
 namespace gdtslam {
 
-/// What CARMEN's lines do not say of a scan.
+/// Properties of scans that CARMEN's lines do not have.
 struct UnsaidOfScans {
   double max_range_m = 0.0;
   double beam_period_s = 0.0;  ///< the first beam being that of the stamp; 0: all are
@@ -34,7 +34,7 @@ class SimulatedLog {
   void finish();
   /// Before a .gz around them.
   [[nodiscard]] std::uint64_t bytes() const { return text_ ? text_->bytes() : records_->bytes(); }
-  /// What the format cannot carry.
+  /// Data that the format cannot carry.
   [[nodiscard]] std::vector<LogReader::Warning> left_out() const;
 
  private:
@@ -70,7 +70,7 @@ class HitCloud {
  private:
   AtomicFile& file_;
   ScratchFile rows_{""};
-  std::uint64_t bytes_ = 0;  // of rows_
+  std::uint64_t bytes_ = 0;  // size of rows_
   std::string row_;
   std::uint64_t scans_ = 0;
   std::uint64_t hits_ = 0;

@@ -4,7 +4,7 @@
 #include <unistd.h>
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>  // what CLI::App::help() is made of: the constructor wants it
+#include <CLI/Formatter.hpp>  // needed by the constructor, for CLI::App::help()
 
 #include <algorithm>
 #include <array>

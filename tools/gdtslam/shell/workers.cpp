@@ -70,7 +70,7 @@ WorkJson outcome_of(const Workers::Work& work, int pipe) {
   }
 }
 
-// Where memory ends inside of what lets no exception through: the parent tells of it.
+// Memory can end inside of a function that lets no exception through; the parent reports it.
 [[noreturn]] void end_silently_without_memory() {
   try {
     if (const std::exception_ptr thrown = std::current_exception()) std::rethrow_exception(thrown);

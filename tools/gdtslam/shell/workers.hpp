@@ -19,7 +19,7 @@ class Workers {
  public:
   /// Takes the share of the work that is done.
   using Tell = std::function<void(double)>;
-  /// What runs in the process; what it returns comes back as Event::result, what it throws as Event::failure.
+  /// The work of the process; its result comes back as Event::result, its exception as Event::failure.
   using Work = std::function<std::string(const Tell&)>;
   /// Why work ended without a result.
   struct Failure {
@@ -31,13 +31,13 @@ class Workers {
   struct Event {
     std::size_t id = 0;
     double share = 0.0;
-    double cpu_s = 0.0;                 ///< of the process, where it ended
-    std::optional<std::string> result;  ///< nothing: it goes on, or has failed
+    double cpu_s = 0.0;                 ///< CPU time of the process, once it ended
+    std::optional<std::string> result;  ///< empty while it works, or if it failed
     std::optional<Failure> failure{};   ///< why it ended without a result
   };
 
   explicit Workers(unsigned most) : most_(most) {}
-  /// What still runs is told to stop (SIGTERM, see console.hpp) and waited for.
+  /// Stops running processes (SIGTERM, see console.hpp) and waits for them.
   ~Workers();
   Workers(const Workers&) = delete;
   Workers& operator=(const Workers&) = delete;

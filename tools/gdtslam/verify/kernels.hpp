@@ -15,7 +15,7 @@
 
 namespace gdtslam {
 
-/// What was found for one kernel.
+/// The verdict on one kernel.
 struct KernelVerdict {
   std::string kernel;
   std::uint64_t cases = 0;
@@ -27,7 +27,7 @@ struct KernelVerdict {
   [[nodiscard]] std::uint64_t differences() const { return different + faults; }
 };
 
-/// What the device counted.
+/// Counts of the device.
 struct DeviceWork {
   std::uint64_t dispatches = 0;
   std::uint64_t submissions = 0;

@@ -14,14 +14,14 @@
 
 namespace gdtslam {
 
-/// What a log must give, on any host and device.
+/// The result that a log must give, on any host and device.
 struct ExpectedRun {
   std::string matcher;
   bool with_loops = false;  ///< the whole of `map`, loops closed; else the mapper alone
   std::uint64_t scans = 0;
   std::string map_sha256;
   std::string trajectory_sha256;
-  std::string cloud_sha256{};  ///< of a nodding laser's points; else empty
+  std::string cloud_sha256{};  ///< digest of a nodding laser's points; else empty
 };
 
 /// A sample log that comes with the project, and what it must give.
@@ -29,7 +29,7 @@ struct SampleLog {
   std::string path;
   std::vector<ExpectedRun> runs;
 };
-/// Those of a flat laser and of one that nods. Throws FileError or InputError where the files are missing, damaged or
+/// The logs of a flat laser and of one that nods. Throws FileError or InputError if the files are missing, damaged or
 /// do not belong together.
 std::vector<SampleLog> sample_logs();
 /// Writes what `runs` gave as the expected results of a sample log.
@@ -39,7 +39,7 @@ void write_expected(const std::string& path, const std::string& log, const std::
 struct LogTask {
   std::string log;
   std::string matcher;                  ///< name, as --matcher takes it
-  bool with_loops = false;              ///< as ExpectedRun has it
+  bool with_loops = false;              ///< the same flag as in ExpectedRun
   std::optional<ExpectedRun> expected;  ///< shipped
   ReadOptions read{};
 };
@@ -49,7 +49,7 @@ struct LogRun {
   std::uint64_t scans = 0;
   std::string map_sha256;
   std::string trajectory_sha256;
-  std::string cloud_sha256;  ///< where the laser nods and loops are closed
+  std::string cloud_sha256;  ///< set if the laser nods and loops are closed
   std::uint64_t dispatches = 0;
   std::uint64_t submissions = 0;
   double wall_s = 0.0;
@@ -63,7 +63,7 @@ using LogProgress = std::function<void(std::uint64_t, double)>;
 /// fails: there is no falling back here.
 LogRun run_log(const LogTask& task, Backend& backend, const LogProgress& progress);
 
-/// What was found for one log and matcher.
+/// The verdict on one log and matcher.
 struct LogVerdict {
   LogTask task;
   LogRun reference;

@@ -24,11 +24,11 @@ struct VerifyOptions {
   std::uint32_t random_cases = 0;
   bool large = false;
   std::vector<std::string> logs{};  ///< beside the sample log
-  RecordingOptions recording{};     ///< of these logs
+  RecordingOptions recording{};     ///< topics of these logs
   bool quiet = false;               ///< draws no progress
 };
 
-/// What one backend was found to do.
+/// The findings about one backend.
 struct TargetReport {
   std::string name;  ///< "vulkan:0", "cpu avx2"
   DeviceInfo device;
@@ -36,7 +36,7 @@ struct TargetReport {
   std::vector<KernelVerdict> kernels;
   DeviceWork work;
   std::vector<LogVerdict> logs;
-  std::string failure{};  ///< of its driver, which ended the verification
+  std::string failure{};  ///< failure of its driver, which ended the verification
   std::string error{};    ///< another one that ended it
   [[nodiscard]] std::uint64_t cases() const;
   [[nodiscard]] std::uint64_t differences() const;
@@ -45,7 +45,7 @@ struct TargetReport {
 struct VerifyReport {
   DeviceInfo reference;
   std::vector<TargetReport> targets;
-  std::optional<DeviceError> failure{};  ///< of the last target's driver; those after it were not verified
+  std::optional<DeviceError> failure{};  ///< failure of the last target's driver; later targets were not verified
   std::exception_ptr error{};            ///< another one that ended the last target's verification
   double wall_s = 0.0;
   [[nodiscard]] std::uint64_t differences() const;

@@ -136,7 +136,7 @@ int ablation(const AblationOptions& options) {
       options.log.substr(options.log.rfind('/') + 1), backend->device().name, backend->device().driver,
       backend->device().threads, backend->device().threads == 1 ? "" : "s");
   if (!options.quiet) print_result(table);
-  std::size_t unmatched = 0;  // of the first variant, for the closing line
+  std::size_t unmatched = 0;  // by the first variant, for the closing line
   for (const AblationVariant& variant : variants) {
     std::string row;
     std::size_t unused = 0;

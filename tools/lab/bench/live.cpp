@@ -22,7 +22,7 @@ using LiveClock = std::chrono::steady_clock;
 
 constexpr double kLongestPause_s = 10.0;  // between two scans, by their stamps: robots stand at night
 constexpr auto kNap = std::chrono::milliseconds(50);
-constexpr double kLong_s = 0.05;  // of a scan, for whoever steers by its pose
+constexpr double kLong_s = 0.05;  // limit for a robot that steers by the pose
 constexpr std::size_t kParts = 10;
 
 /// One scan, from its coming to its pose.

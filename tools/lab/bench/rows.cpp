@@ -39,7 +39,7 @@ benchmark::internal::Benchmark* add_row(const BenchTarget& target, std::string_v
       full.c_str(), [measure = std::move(measure)](benchmark::State& state) { measure_guarded(state, measure); });
   row->Unit(benchmark::kMicrosecond)->MeasureProcessCPUTime();
   const std::string kind = target.backend.device().kind;
-  if (kind != "cpu" && kind != "lavapipe") row->UseRealTime();  // where a CPU does the work, CPU time counts
+  if (kind != "cpu" && kind != "lavapipe") row->UseRealTime();  // CPU time counts if a CPU does the work
   return row;
 }
 

@@ -26,7 +26,7 @@ struct ScanWork {
   std::uint64_t evaluations = 0;  ///< poses costed: samples of the windows, and steps of all descents
   QueueWork work;                 ///< all together
   std::vector<double> scan_s;     ///< from a scan's coming to its pose
-  std::vector<double> device_s;   ///< of the device's clock, of the last submission that a scan waited for
+  std::vector<double> device_s;   ///< time of the device's clock, for the last submission that a scan waited for
 };
 
 struct WorkBench {

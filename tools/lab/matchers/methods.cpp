@@ -29,8 +29,7 @@ SimplexOptions simplex_of(const CompareProblem& problem, const StartReach& reach
   return options;
 }
 
-// Where the end is refined it is that of the robust cost, not of (4): it lies where the squares of small distances want
-// it.
+// A refined end is that of the robust cost, not of (4): it lies at the minimum for squares of small distances.
 LocalMinimum by_walk(const MatcherInfo& matcher, const CompareProblem& problem, const CellPose& start,
                      const StartReach& reach) {
   const LocalMinimum near =

@@ -23,7 +23,7 @@ struct StartReach {
   double half_m = 0.0;
   double half_rad = 0.0;
 };
-/// What the matchers of `map` assume around a prediction: four edges of their first simplex.
+/// The reach that the matchers of `map` assume around a prediction: four edges of their first simplex.
 StartReach reach_of_prediction(const MapperConfig& config);
 
 /// One scan's problem, ready for every method. What it refers to must outlive it.
@@ -43,8 +43,9 @@ LocalMinimum polished(Objective& objective, const CellPose& start);
 // and polished, with the lower bound that proves it. Frame: map. Some milliseconds to tenths of a second a scan.
 
 struct GlobalLimits {
-  double gap_m = 5.0e-4;  ///< of the mean cost: what counts as proven; rounding leaves about 2e-4 that no proof closes
-  std::uint64_t max_boxes = 200'000;  ///< of one search
+  double gap_m =
+      5.0e-4;  ///< gap of the mean cost that counts as proven; rounding leaves about 2e-4 that no proof closes
+  std::uint64_t max_boxes = 200'000;  ///< for one search
 };
 
 struct GlobalSolution {
@@ -52,7 +53,7 @@ struct GlobalSolution {
   std::uint32_t cost = 0;
   std::uint32_t bound = 0;    ///< no pose of the window costs less
   bool is_certified = false;  ///< cost and bound are no further apart than the gap
-  PoseWindow window;          ///< of the proof
+  PoseWindow window;          ///< window of the proof
   double seconds = 0.0;
 };
 

@@ -24,7 +24,7 @@ constexpr double kMargin = 24.0;
 constexpr double kGap = 16.0;
 constexpr double kHeading = 64.0;
 constexpr double kBasinHeight = 440.0;
-constexpr double kLeastError_cm = 1.0e-3;  // of the logarithmic axes; what is less is drawn there
+constexpr double kLeastError_cm = 1.0e-3;  // least error on the logarithmic axes; smaller ones are drawn there
 constexpr double kLeastPower = -3.0;
 
 constexpr double kLn10 = 2.302585092994046;

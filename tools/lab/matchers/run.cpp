@@ -122,7 +122,7 @@ class Comparison {
   }
 
   bool measure(const ScanRecord& record, const Pose2& predicted) {
-    const GlobalField& mapped = mapper_.field();  // of this scan: with local.stretch later ones have another
+    const GlobalField& mapped = mapper_.field();  // the field of this scan: with local.stretch later ones have another
     Objective objective(mapped, Interpolation::kBilinear, CostForm::kDistance);
     if (!choose_points(record, predicted, objective)) return false;
     const FieldCopy field(mapped);

@@ -48,7 +48,7 @@ struct CompareJob {
   MapperConfig mapper;
   std::vector<MatcherKind> methods;
   std::vector<StartLevel> levels;
-  std::uint32_t starts = 1;   ///< of each level, at each scan
+  std::uint32_t starts = 1;   ///< for each level, at each scan
   std::uint64_t scans = 200;  ///< measured, evenly over the log
   std::uint64_t seed = 1;
   GlobalLimits global;
@@ -73,14 +73,14 @@ struct CompareTrial {
   std::uint32_t scan = 0;    ///< in CompareOutcome::scans
   std::uint32_t method = 0;  ///< in CompareJob::methods
   std::uint32_t level = 0;   ///< 0: the odometry's prediction; else levels[level - 1]
-  std::uint32_t start = 0;   ///< of that level
+  std::uint32_t start = 0;   ///< number within that level
   double start_m = 0.0;      ///< the start's own error
   double start_rad = 0.0;
   double x_m = 0.0;  ///< errors of the end, absolute
   double y_m = 0.0;
   double theta_rad = 0.0;
   double distance_m = 0.0;
-  double excess_m = 0.0;    ///< of the mean cost over the lower bound
+  double excess_m = 0.0;    ///< mean cost over the lower bound
   bool is_optimal = false;  ///< by certificate: the excess is within the gap
   std::uint32_t evaluations = 0;
   double seconds = 0.0;  ///< CPU time of all threads, which other work on the machine hardly disturbs
@@ -93,7 +93,7 @@ struct CompareOutcome {
   std::vector<CompareScan> scans;
   std::vector<CompareTrial> trials;
   std::uint64_t scans_read = 0;
-  std::uint64_t every = 1;    ///< of them one was measured
+  std::uint64_t every = 1;    ///< one scan in so many was measured
   std::uint64_t refused = 0;  ///< measured, but then not matched by the mapper: left out
   std::uint64_t too_few = 0;  ///< had too few points near the map to be measured
 };
@@ -111,7 +111,7 @@ struct MethodFigures {
   ErrorSummary y_m;
   ErrorSummary theta_deg;
   Share success;
-  Share optimal;  ///< of all trials; what the certificate does not cover is no optimum
+  Share optimal;  ///< share of all trials; an end without a certificate is no optimum
   ErrorSummary evaluations;
   ErrorSummary seconds;
   double time_ratio = 0.0;  ///< mean time over that of simplex; 0 where simplex was not run

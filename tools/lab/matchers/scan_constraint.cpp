@@ -43,7 +43,7 @@ Normal normal_of(const Spread& s) {
   const double c = s.yy - s.y * s.y / n;
   const double half = 0.5 * (a - c);
   const double root = std::sqrt(half * half + b * b);
-  // Of two forms of the same vector the one without cancellation.
+  // Two forms give the same vector; this one has no cancellation.
   Normal along = half >= 0.0 ? Normal{half + root, b} : Normal{b, root - half};
   const double length = std::sqrt(along.x * along.x + along.y * along.y);
   if (!(length > 0.0)) return {0.0, 0.0};

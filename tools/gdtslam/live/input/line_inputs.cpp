@@ -226,7 +226,7 @@ void ListeningSocket::listen_at_port(const std::string& host_and_port) {
   sockaddr_storage bound{};
   socklen_t size = sizeof(bound);
   ::getsockname(descriptor_, reinterpret_cast<sockaddr*>(&bound), &size);
-  address->port = ntohs(reinterpret_cast<const sockaddr_in*>(&bound)->sin_port);  // where IPv6 has it too
+  address->port = ntohs(reinterpret_cast<const sockaddr_in*>(&bound)->sin_port);  // at the same place for IPv6
   print_remark("listens at tcp:" + address->text());
 }
 

@@ -53,7 +53,7 @@ std::uint64_t DriveRecord::scans() const {
   return taken_;
 }
 
-// Where the loops are is taken over once it is known; a mapper that has ended tells no more.
+// Takes over the closed loops once they are known; a mapper that has ended reports no more.
 void DriveRecord::take_news() {
   std::vector<News> news;
   {
@@ -158,14 +158,14 @@ void Snapshots::work() {
     if (is_watched) last_shown = now;
     if (!has_begun && record_.scans() > 0) {
       has_begun = true;
-      if (is_snapshot(name())) remove_snapshot(name());  // of an earlier drive
+      if (is_snapshot(name())) remove_snapshot(name());  // left by an earlier drive
     }
     record_.take_news();
     if (is_due || is_asked || is_watched) make(is_due || is_asked, is_watched);
   }
 }
 
-// Nothing new is no news; what cannot be made is said once, and the drive goes on.
+// Without new scans there is no new snapshot. A failure is reported once, and the drive goes on.
 void Snapshots::make(bool is_to_be_saved, bool is_to_be_shown) {
   const std::uint64_t scans = record_.scans();
   is_to_be_saved = is_to_be_saved && scans > saved_;

@@ -39,7 +39,7 @@ class DriveRecord {
   /// Takes over what was handed over by now, so that it does not wait in memory; for the thread that asks for the
   /// state.
   void take_news();
-  /// As of the scans handed over by now, for one thread. Throws InputError where the map would be too large.
+  /// The state after the scans handed over by now, for one thread. Throws InputError if the map would be too large.
   DriveState state();
 
  private:
@@ -51,7 +51,7 @@ class DriveRecord {
   };
   struct News {
     Scan scan;
-    LaserScan ranges;  // of a scan that is shown
+    LaserScan ranges;  // empty unless the scan is shown
   };
 
   [[nodiscard]] std::vector<Pose2> keyframe_poses() const;
@@ -59,17 +59,17 @@ class DriveRecord {
 
   OccupancyConfig config_;
   OccupancyBuilder::Limits limits_;
-  // Of both, under the lock:
+  // Shared by both threads, under the lock:
   mutable std::mutex mutex_;
   std::uint64_t taken_ = 0;
   std::vector<News> news_;
   std::shared_future<ClosedKeyframes> asked_;
-  // Of whoever asks:
+  // Used by the thread that asks:
   Shelf<Scan> scans_{{}, ByteShelf::kFewBytes};
   std::vector<Pose2> T_front_keyframes_;
   std::vector<std::size_t> shown_;    // scans that are shown, up to each of them
-  std::vector<Pose2> T_front_shown_;  // of these scans
-  LaserShelf ranges_{{}};             // likewise
+  std::vector<Pose2> T_front_shown_;  // poses of these scans
+  LaserShelf ranges_{{}};             // ranges of these scans
   std::shared_future<ClosedKeyframes> awaited_;
   ClosedKeyframes closed_;
   std::optional<OccupancyBuilder> map_;
@@ -84,7 +84,7 @@ void let_signal_save();
 class Snapshots {
  public:
   struct Plan {
-    std::string folder;    ///< of the run; the files go into its folder `snapshot`
+    std::string folder;    ///< folder of the run; the files go into its folder `snapshot`
     double every_s = 0.0;  ///< 0: only when the signal comes
     bool is_quiet = false;
     /// Whether somebody watches, and what is shown to them then, once a second.

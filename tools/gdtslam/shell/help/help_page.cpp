@@ -36,7 +36,7 @@ std::optional<std::size_t> width_of_terminal() {
   return size.ws_col;
 }
 
-// Of UTF-8: bytes that begin a letter.
+// Counts the bytes of UTF-8 that begin a letter.
 std::size_t letters_in(std::string_view text) {
   return static_cast<std::size_t>(
       std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
