@@ -119,9 +119,9 @@ std::vector<PhaseKnot> NodTrack::knots(double stamp_s, double from_s, double to_
   }
   const auto is_before = [](const Message& message, double time_s) { return message.stamp_s < time_s; };
   const auto is_after = [](double time_s, const Message& message) { return time_s < message.stamp_s; };
-  const auto index_of = [this](auto message) { return static_cast<std::size_t>(message - messages_.begin()); };
-  const std::size_t first = index_of(std::upper_bound(messages_.begin(), messages_.end(), from_s, is_after)) - 1;
-  const std::size_t last = index_of(std::lower_bound(messages_.begin(), messages_.end(), to_s, is_before));
+  const auto to_index = [this](auto message) { return static_cast<std::size_t>(message - messages_.begin()); };
+  const std::size_t first = to_index(std::upper_bound(messages_.begin(), messages_.end(), from_s, is_after)) - 1;
+  const std::size_t last = to_index(std::lower_bound(messages_.begin(), messages_.end(), to_s, is_before));
   for (std::size_t i = first + 1; i <= last; ++i) {
     if (!messages_[i].is_joined) return {};
   }

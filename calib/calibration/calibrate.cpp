@@ -81,7 +81,7 @@ void check_sweep(const Attempt& attempt) {
 
 Attempt attempt(const Setup& start, const std::vector<RangeObservation>& observations,
                 const CalibrationOptions& options, int rounds = kMostRounds) {
-  Attempt result{.start = start, .parameters = parameters_of(start, options), .fit = {}};
+  Attempt result{.start = start, .parameters = make_parameters(start, options), .fit = {}};
   result.fit = fit(result.start, result.parameters, observations, options, rounds);
   return result;
 }
@@ -184,7 +184,7 @@ std::vector<double> row_major(const Eigen::MatrixXd& matrix) {
   return values;
 }
 
-CalibrationResult result_of(const Attempt& attempt, const CalibrationOptions& options) {
+CalibrationResult make_result(const Attempt& attempt, const CalibrationOptions& options) {
   const Setup found = setup_at(attempt.start, attempt.parameters, attempt.fit.x);
   const Observability seen = observe(found, attempt.parameters, attempt.fit, options.huber_sigmas);
   Eigen::VectorXd scales(static_cast<Eigen::Index>(attempt.parameters.size()));
@@ -236,7 +236,7 @@ CalibrationResult calibrate(const SweepModel& start, const std::vector<Calibrati
     }
   }
   check_sweep(best);
-  CalibrationResult result = result_of(best, options);
+  CalibrationResult result = make_result(best, options);
   result.other_assembly_rms = other_rms;
   if (result.model.assembly != start.assembly) {
     result.remarks.emplace_back("the other assembly fits much better than that of the start, and was taken");

@@ -34,7 +34,7 @@ struct Observability {
 };
 
 /// From a weighted Jacobian of scaled parameters.
-Observability observability_of(const Eigen::MatrixXd& jacobian, std::span<const Parameter> parameters);
+Observability compute_observability(const Eigen::MatrixXd& jacobian, std::span<const Parameter> parameters);
 /// The statement of a result about each parameter at x.
 std::vector<CalibratedParameter> described(std::span<const Parameter> parameters, std::span<const double> x,
                                            const Observability& seen);

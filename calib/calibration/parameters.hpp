@@ -41,7 +41,7 @@ struct Parameter {
   [[nodiscard]] double bound_scaled() const { return bound / scale; }
 };
 
-std::vector<Parameter> parameters_of(const Setup& start, const CalibrationOptions& options);
+std::vector<Parameter> make_parameters(const Setup& start, const CalibrationOptions& options);
 Setup setup_at(const Setup& start, std::span<const Parameter> parameters, std::span<const double> x);
 /// d miss / d x.
 double derivative(const SurfaceMiss& miss, const Parameter& parameter, std::uint32_t observed_surface);

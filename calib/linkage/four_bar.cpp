@@ -14,7 +14,7 @@ constexpr double kDomainSlack = 1e-12;
 /// Below this sine of the transmission angle the rates are lost in rounding.
 constexpr double kLeastSine = 1e-7;
 
-double size_of(const FourBar& bars) { return bars.crank_m + bars.coupler_m + bars.rocker_m + bars.ground_m; }
+double bar_sum(const FourBar& bars) { return bars.crank_m + bars.coupler_m + bars.rocker_m + bars.ground_m; }
 
 /// The loop at one crank angle: unit vectors along the bars and the sine of the angle from coupler to rocker.
 struct Loop {
@@ -35,7 +35,7 @@ std::optional<Loop> close_loop(const FourBar& bars, Assembly assembly, double cr
   const double shortest = bars.coupler_m - bars.rocker_m;
   const double room_outside = longest * longest - sq_diagonal;
   const double room_inside = sq_diagonal - shortest * shortest;
-  const double slack = kDomainSlack * size_of(bars) * size_of(bars);
+  const double slack = kDomainSlack * bar_sum(bars) * bar_sum(bars);
   if (!(room_outside >= -slack && room_inside >= -slack && sq_diagonal > slack)) {
     return std::nullopt;  // also for lengths and angles that are not finite
   }

@@ -109,8 +109,8 @@ Joint joint_at(const Waypoint& waypoint, const Leg& before, const Leg& after, co
 }
 
 // Joint i stands at waypoint i; the first and the last are stops.
-std::vector<Joint> joints_of(const std::vector<Waypoint>& waypoints, const std::vector<Leg>& legs,
-                             const MotionLimits& limits) {
+std::vector<Joint> make_joints(const std::vector<Waypoint>& waypoints, const std::vector<Leg>& legs,
+                               const MotionLimits& limits) {
   std::vector<Joint> joints;
   for (std::size_t i = 0; i < waypoints.size(); ++i) {
     const bool is_end = i == 0 || i + 1 == waypoints.size();
@@ -240,7 +240,7 @@ Builder built(const std::vector<Waypoint>& waypoints, const MotionLimits& limits
     builder.stand(waypoints.front().pause_s);
     return builder;
   }
-  std::vector<Joint> joints = joints_of(waypoints, legs, limits);
+  std::vector<Joint> joints = make_joints(waypoints, legs, limits);
   respect_acceleration(legs, joints, limits.acceleration_m_per_s2);
   Builder builder(start_of_straight(waypoints.front(), joints.front(), legs.front()), limits);
   for (std::size_t i = 0; i < legs.size(); ++i) {

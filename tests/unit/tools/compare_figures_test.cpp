@@ -102,10 +102,10 @@ class Trials : public testing::Test {
 };
 
 TEST_F(Trials, CountByKindOfScan) {
-  EXPECT_EQ(count_of(outcome_, ScanKind::kHeld), 2U);
-  EXPECT_EQ(count_of(outcome_, ScanKind::kWeak), 1U);
-  EXPECT_EQ(count_of(outcome_, ScanKind::kUncertain), 1U);
-  const auto figures = figures_of(job_, outcome_, 0, ScanKind::kHeld);
+  EXPECT_EQ(count_kind(outcome_, ScanKind::kHeld), 2U);
+  EXPECT_EQ(count_kind(outcome_, ScanKind::kWeak), 1U);
+  EXPECT_EQ(count_kind(outcome_, ScanKind::kUncertain), 1U);
+  const auto figures = sum_figures(job_, outcome_, 0, ScanKind::kHeld);
   ASSERT_EQ(figures.size(), 2U);
   EXPECT_EQ(figures[0].distance_m.count, 2U);
   EXPECT_DOUBLE_EQ(figures[0].distance_m.max, 0.03);
@@ -116,8 +116,8 @@ TEST_F(Trials, CountByKindOfScan) {
   EXPECT_EQ(figures[1].optimal.count, 0U);
   EXPECT_DOUBLE_EQ(figures[1].evaluations.mean, 20.0);
   EXPECT_NEAR(figures[1].time_ratio, 3.0, 1e-12);
-  EXPECT_EQ(figures_of(job_, outcome_, 1, ScanKind::kWeak)[1].distance_m.count, 1U);
-  EXPECT_EQ(distances_of(outcome_, 0, 0, ScanKind::kHeld), (std::vector<double>{0.0, 0.03}));
+  EXPECT_EQ(sum_figures(job_, outcome_, 1, ScanKind::kWeak)[1].distance_m.count, 1U);
+  EXPECT_EQ(collect_distances(outcome_, 0, 0, ScanKind::kHeld), (std::vector<double>{0.0, 0.03}));
 }
 
 }  // namespace

@@ -95,15 +95,15 @@ TEST_F(HelpPageTest, LongCommandLinesGoOnAndQuotesStayWhole) {
 
 TEST_F(HelpPageTest, OffersAreStatedOrFollowFromTheNameOfTheValue) {
   CLI::Option* const folder = app_.add_option("--folder", colour_, "Folder")->type_name("DIR");
-  EXPECT_TRUE(offers_of(*folder, "DIR").has_folders);
-  EXPECT_FALSE(offers_of(*folder, "DIR").has_files);
+  EXPECT_TRUE(find_offers(*folder, "DIR").has_folders);
+  EXPECT_FALSE(find_offers(*folder, "DIR").has_files);
   CLI::Option* const preset = app_.add_option("--preset", colour_, "Preset")->type_name("PRESET|FILE");
-  EXPECT_THAT(offers_of(*preset, "PRESET|FILE").words, testing::Contains("paper-b"));
+  EXPECT_THAT(find_offers(*preset, "PRESET|FILE").words, testing::Contains("paper-b"));
   offer_words(preset, {"one", "two"});
-  EXPECT_THAT(offers_of(*preset, "PRESET|FILE").words, ElementsAre("one", "two"));
-  EXPECT_THAT(offers_of(*preset, "PRESET|FILE").endings, ElementsAre(".yaml", ".yml")) << "what the name says stays";
+  EXPECT_THAT(find_offers(*preset, "PRESET|FILE").words, ElementsAre("one", "two"));
+  EXPECT_THAT(find_offers(*preset, "PRESET|FILE").endings, ElementsAre(".yaml", ".yml")) << "what the name says stays";
   CLI::Option* const count = app_.add_option("--count", every_, "Count")->type_name("N");
-  EXPECT_TRUE(offers_of(*count, "N").is_empty());
+  EXPECT_TRUE(find_offers(*count, "N").is_empty());
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ double least_bearing(const std::vector<RangeObservation>& observations) {
 }
 
 /// Elevation in degrees and measured less modelled range in millimetres, of the observations that the calibration used.
-std::vector<Point2> residuals_of(const Belief& belief, const CalibrateOutcome& outcome) {
+std::vector<Point2> compute_residuals(const Belief& belief, const CalibrateOutcome& outcome) {
   std::vector<Point2> residuals;
   const std::size_t step = 1 + outcome.observations.size() / kMostDots;
   for (std::size_t k = 0; k < outcome.observations.size(); k += step) {
@@ -126,8 +126,8 @@ std::string rms_text(const char* name, const std::vector<Point2>& residuals) {
 
 void draw_residuals(Canvas& canvas, const Belief& before, const Belief& after, const CalibrateOutcome& outcome,
                     double top) {
-  const std::vector<Point2> old_ones = residuals_of(before, outcome);
-  const std::vector<Point2> new_ones = residuals_of(after, outcome);
+  const std::vector<Point2> old_ones = compute_residuals(before, outcome);
+  const std::vector<Point2> new_ones = compute_residuals(after, outcome);
   std::vector<double> sizes{0.1};
   double low_deg = 0.0;
   double high_deg = 0.0;

@@ -80,7 +80,7 @@ void add_row(CLI::App& app, CommandContext& context, const CommandRow& row) {
   app.get_subcommand(row.name)->group(row.group);
 }
 
-std::vector<std::string> names_of(CLI::App* app) {
+std::vector<std::string> list_names(CLI::App* app) {
   std::vector<std::string> names;
   for (const CLI::Option* option : app->get_options()) {
     for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
@@ -92,22 +92,22 @@ std::vector<std::string> names_of(CLI::App* app) {
 }
 
 // "gdtslam map": the words that lead to a sub-command.
-std::string path_of(const CLI::App* app) {
-  return app->get_parent() == nullptr ? app->get_name() : path_of(app->get_parent()) + " " + app->get_name();
+std::string command_path(const CLI::App* app) {
+  return app->get_parent() == nullptr ? app->get_name() : command_path(app->get_parent()) + " " + app->get_name();
 }
 
-std::string help_of(CLI::App* app) { return help_page(command_text(*app), help_width()); }
+std::string help_text(CLI::App* app) { return help_page(command_text(*app), help_width()); }
 
 int print_help_on(CLI::App* app, const std::vector<std::string>& words) {
   for (const std::string& word : words) {
     const auto named = app->get_subcommands([&word](const CLI::App* command) { return command->get_name() == word; });
     if (named.empty()) {
-      throw UsageError("there is no command '" + word + "'" + did_you_mean(word, names_of(app)) + " (see '" +
-                       path_of(app) + " --help')");
+      throw UsageError("there is no command '" + word + "'" + did_you_mean(word, list_names(app)) + " (see '" +
+                       command_path(app) + " --help')");
     }
     app = named.front();
   }
-  print_result(help_of(app));
+  print_result(help_text(app));
   return static_cast<int>(ExitCode::kDone);
 }
 
@@ -117,7 +117,7 @@ void add_help_command(CLI::App& app, CommandContext& context, const Program& pro
   CLI::Option* const named =
       command->add_option("command", *words, "The command, and its own command after it (default: the list of all)");
   named->type_name("NAME");
-  std::vector<std::string> names = names_of(&app);
+  std::vector<std::string> names = list_names(&app);
   std::erase_if(names, [](const std::string& name) { return name.starts_with('-'); });
   offer_words(named, std::move(names));
   command->group(kHelpGroup);
@@ -161,10 +161,10 @@ std::string usage_message(CLI::App* root, const CLI::ParseError& error) {
     }
     const bool is_command = app->get_require_subcommand_min() > 0 && word.front() != '-';
     message = (is_command ? "there is no command '" : "unexpected argument '") + word + "'" +
-              did_you_mean(word, names_of(app));
+              did_you_mean(word, list_names(app));
   }
   std::replace(message.begin(), message.end(), '\n', ' ');
-  return message + " (see '" + path_of(app) + " --help')";
+  return message + " (see '" + command_path(app) + " --help')";
 }
 
 int report(std::string_view message, ExitCode code) {
@@ -180,7 +180,7 @@ int parse_and_run(int argc, char** argv, const Program& program, const BuildStam
   try {
     app->parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
-    print_result(help_of(chosen_app(app.get())));
+    print_result(help_text(chosen_app(app.get())));
     return static_cast<int>(ExitCode::kDone);
   } catch (const CLI::CallForVersion& version) {
     print_result(version.what());
@@ -188,7 +188,7 @@ int parse_and_run(int argc, char** argv, const Program& program, const BuildStam
   } catch (const CLI::ParseError& error) {
     return report(usage_message(app.get(), error), ExitCode::kUsage);
   }
-  const std::string command = path_of(chosen_app(app.get()));
+  const std::string command = command_path(chosen_app(app.get()));
   const std::string what_to_do = " in '" + command + "'; " + context.when_out_of_memory;
   try {
     return context.run();

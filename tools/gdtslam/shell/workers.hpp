@@ -60,7 +60,7 @@ class Workers {
     double share = 0.0;
   };
   static void take_lines(Process& process);
-  static Event event_of(const Process& process, double cpu_s, int status);
+  static Event make_event(const Process& process, double cpu_s, int status);
   Event ended(std::size_t place);
 
   unsigned most_;

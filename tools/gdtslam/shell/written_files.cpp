@@ -73,7 +73,7 @@ bool is_replaced(const std::string& file) {
   throw UsageError(fmt::format("{}: '{}' exists; give another name, or --force to replace it", option, path));
 }
 
-void require_folder_of(const std::string& file) {
+void require_parent_folder(const std::string& file) {
   std::error_code ignored;
   const fs::path folder = fs::path(file).parent_path();
   const fs::file_status status = fs::status(folder, ignored);
@@ -118,7 +118,7 @@ void WrittenFiles::add(std::string_view option, const std::string& file) {
     throw UsageError(fmt::format("{}: '{}' is a folder; give the name of a file", option, file));
   }
   if (is_replaced(file)) require_replaceable(option, file);
-  require_folder_of(file);
+  require_parent_folder(file);
 }
 
 void WrittenFiles::require_replaceable(std::string_view option, const std::string& file) {

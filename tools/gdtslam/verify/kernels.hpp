@@ -50,7 +50,7 @@ class KernelVerifier {
   [[nodiscard]] const DeviceWork& work() const { return work_; }
 
  private:
-  KernelVerdict& verdict_of(const KernelInfo& kernel);
+  KernelVerdict& find_verdict(const KernelInfo& kernel);
   void compare(const KernelCase& kernel_case, const CaseOutcome& expected, const CaseOutcome& found,
                const std::string& how);
   CaseOutcome run_on_device(const KernelCase& kernel_case);

@@ -65,7 +65,7 @@ double quantity_between(const std::string& option, const std::string& text, Unit
 }
 
 // "2cm/0.5deg,..."; "none": the prediction alone.
-std::vector<StartLevel> levels_of(const std::string& text) {
+std::vector<StartLevel> parse_levels(const std::string& text) {
   constexpr double kMost_m = 5.0;
   constexpr double kMost_rad = 3.141592653589793;
   std::vector<StartLevel> levels;
@@ -81,7 +81,7 @@ std::vector<StartLevel> levels_of(const std::string& text) {
   return levels;
 }
 
-CompareJob job_of(const CompareOptions& options) {
+CompareJob make_job(const CompareOptions& options) {
   for (const std::string& log : options.job.logs) {
     if (log == "-") throw UsageError("compare reads the log more than once: give a file, not standard input");
   }
@@ -94,8 +94,8 @@ CompareJob job_of(const CompareOptions& options) {
   state_recording(options.recording, settings.log);
   job.read = read_options_of(settings.log, options.lenient);
   job.mapper = settings.mapper;
-  job.methods = compare_methods_of("--matchers", options.methods);
-  job.levels = levels_of(options.levels);
+  job.methods = parse_methods("--matchers", options.methods);
+  job.levels = parse_levels(options.levels);
   job.starts = static_cast<std::uint32_t>(options.starts);
   job.global.gap_m = quantity_between("--gap", options.gap, Unit::kMetre, 1e-5, 0.1, "0.01mm to 10cm");
   return job;
@@ -112,7 +112,7 @@ void check_files(const CompareOptions& options) {
 std::string name_of_log(const std::string& path) { return path.substr(path.rfind('/') + 1); }
 
 int compare(const CompareOptions& options) {
-  const CompareJob job = job_of(options);
+  const CompareJob job = make_job(options);
   if (!options.picture.empty()) check_drawing_file("--picture", options.picture);
   check_files(options);
   const std::unique_ptr<Backend> backend = make_backend(options.device);

@@ -12,7 +12,7 @@ std::vector<CompareTrial> select_trials(const CompareOutcome& outcome, std::uint
   std::vector<CompareTrial> trials;
   for (const CompareTrial& trial : outcome.trials) {
     const bool is_meant = trial.method == method && trial.level == level;
-    if (is_meant && kind_of(outcome.scans[trial.scan]) == kind) trials.push_back(trial);
+    if (is_meant && scan_kind(outcome.scans[trial.scan]) == kind) trials.push_back(trial);
   }
   return trials;
 }
@@ -33,18 +33,18 @@ Share share_that(const std::vector<CompareTrial>& trials, const Test& test) {
 
 }  // namespace
 
-ScanKind kind_of(const CompareScan& scan) {
+ScanKind scan_kind(const CompareScan& scan) {
   if (!scan.is_certified) return ScanKind::kUncertain;
   return scan.is_weak() ? ScanKind::kWeak : ScanKind::kHeld;
 }
 
-std::uint64_t count_of(const CompareOutcome& outcome, ScanKind kind) {
+std::uint64_t count_kind(const CompareOutcome& outcome, ScanKind kind) {
   return static_cast<std::uint64_t>(std::count_if(outcome.scans.begin(), outcome.scans.end(),
-                                                  [kind](const CompareScan& scan) { return kind_of(scan) == kind; }));
+                                                  [kind](const CompareScan& scan) { return scan_kind(scan) == kind; }));
 }
 
-std::vector<MethodFigures> figures_of(const CompareJob& job, const CompareOutcome& outcome, std::uint32_t level,
-                                      ScanKind kind) {
+std::vector<MethodFigures> sum_figures(const CompareJob& job, const CompareOutcome& outcome, std::uint32_t level,
+                                       ScanKind kind) {
   std::vector<MethodFigures> figures;
   double simplex_s = 0.0;
   for (std::uint32_t k = 0; k < job.methods.size(); ++k) {
@@ -65,8 +65,8 @@ std::vector<MethodFigures> figures_of(const CompareJob& job, const CompareOutcom
   return figures;
 }
 
-std::vector<double> distances_of(const CompareOutcome& outcome, std::uint32_t method, std::uint32_t level,
-                                 ScanKind kind) {
+std::vector<double> collect_distances(const CompareOutcome& outcome, std::uint32_t method, std::uint32_t level,
+                                      ScanKind kind) {
   return collect_values(select_trials(outcome, method, level, kind), &CompareTrial::distance_m);
 }
 

@@ -16,7 +16,7 @@
 namespace gdtslam {
 
 /// From "simplex,pso"; empty: all. The order is kept. Throws UsageError that names the option.
-std::vector<MatcherKind> compare_methods_of(const std::string& option, const std::string& names);
+std::vector<MatcherKind> parse_methods(const std::string& option, const std::string& names);
 
 /// How far from the start the least cost may lie, along x and y each, and in heading.
 struct StartReach {
@@ -63,7 +63,7 @@ GlobalSolution global_solution(const CompareProblem& problem, const CellPose& pr
                                const GlobalLimits& limits);
 
 /// Cost units of a mean cost in metres for so many points.
-std::uint32_t cost_of(double mean_m, std::size_t points, double resolution_m);
+std::uint32_t cost_from_mean(double mean_m, std::size_t points, double resolution_m);
 /// And back.
 double mean_cost_m(std::uint32_t cost, std::size_t points, double resolution_m);
 

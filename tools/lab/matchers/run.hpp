@@ -1,7 +1,7 @@
 // The protocol of the paper's tables 1 and 2 on a log: the log is mapped, and at every so many scans, before the scan
 // is matched, all methods minimise the same cost on the map as it is then, from the same starts: where the odometry
 // says, and at growing distances from the global solution. Frame: map. One run belongs to one thread; the trials depend
-// on the log, the configuration and the seed alone, the times on the machine. figures_of() sums up the trials for each
+// on the log, the configuration and the seed alone, the times on the machine. sum_figures() sums up the trials for each
 // method and each kind of start.
 #pragma once
 
@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/runs/evaluation/pose_table.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
@@ -123,15 +124,15 @@ enum class ScanKind : std::uint8_t {
   kWeak,       ///< proven, weak along a corridor
   kUncertain,  ///< not proven within the limit
 };
-ScanKind kind_of(const CompareScan& scan);
-std::uint64_t count_of(const CompareOutcome& outcome, ScanKind kind);
+ScanKind scan_kind(const CompareScan& scan);
+std::uint64_t count_kind(const CompareOutcome& outcome, ScanKind kind);
 
 /// The figures of one level of starts (0: the prediction) on scans of a kind, in the order of the methods.
-std::vector<MethodFigures> figures_of(const CompareJob& job, const CompareOutcome& outcome, std::uint32_t level,
-                                      ScanKind kind);
+std::vector<MethodFigures> sum_figures(const CompareJob& job, const CompareOutcome& outcome, std::uint32_t level,
+                                       ScanKind kind);
 
 /// The distances (m) that one method's trials ended from the solution, in the order of the trials.
-std::vector<double> distances_of(const CompareOutcome& outcome, std::uint32_t method, std::uint32_t level,
-                                 ScanKind kind);
+std::vector<double> collect_distances(const CompareOutcome& outcome, std::uint32_t method, std::uint32_t level,
+                                      ScanKind kind);
 
 }  // namespace gdtslam

@@ -36,7 +36,7 @@ struct Spread {
 };
 
 // The minor axis of the spread: the eigenvector of the smaller eigenvalue.
-Normal normal_of(const Spread& s) {
+Normal spread_normal(const Spread& s) {
   const double n = s.count;
   const double a = s.xx - s.x * s.x / n;
   const double b = s.xy - s.x * s.y / n;
@@ -61,7 +61,7 @@ std::optional<Normal> normal_at(std::span<const PointCells> points, std::ptrdiff
     if (dx * dx + dy * dy <= reach_cells * reach_cells) spread.add(dx, dy);
   }
   if (spread.count <= kLeastNeighbours) return std::nullopt;
-  return normal_of(spread);
+  return spread_normal(spread);
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ std::string work_row(const MethodFigures& f) {
                                              ratio_text(f.time_ratio));
 }
 
-std::string table_of(const std::vector<MethodFigures>& figures) {
+std::string error_table(const std::vector<MethodFigures>& figures) {
   std::string text =
       "                  distance, cm                 |x|, cm               |y|, cm               |theta|, deg\n"
       "                     max     mean ± std     max    mean ± std     max    mean ± std     max      mean ± std\n";
@@ -49,13 +49,13 @@ std::string table_of(const std::vector<MethodFigures>& figures) {
   return text;
 }
 
-std::string basin_of(const CompareJob& job, const CompareOutcome& outcome) {
+std::string basin_table(const CompareJob& job, const CompareOutcome& outcome) {
   std::string text = fmt::format("  {:>14}", "start");
   for (const MatcherKind method : job.methods) text += fmt::format("{:>16}", to_string(method));
   text += "\n";
   for (std::uint32_t level = 0; level <= job.levels.size(); ++level) {
     text += fmt::format("  {:>14}", level_text(job, level));
-    for (const MethodFigures& f : figures_of(job, outcome, level, ScanKind::kHeld)) {
+    for (const MethodFigures& f : sum_figures(job, outcome, level, ScanKind::kHeld)) {
       text += fmt::format("{:>16}", f.success.of > 0 ? fmt::format("{:.1f}", 100.0 * f.success.value()) : "-");
     }
     text += "\n";
@@ -99,9 +99,9 @@ Json scans_json(const CompareJob& job, const CompareOutcome& outcome) {
   return {{"read", outcome.scans_read},
           {"every", outcome.every},
           {"measured", outcome.scans.size()},
-          {"counted", count_of(outcome, ScanKind::kHeld)},
-          {"weak", count_of(outcome, ScanKind::kWeak)},
-          {"not_certified", count_of(outcome, ScanKind::kUncertain)},
+          {"counted", count_kind(outcome, ScanKind::kHeld)},
+          {"weak", count_kind(outcome, ScanKind::kWeak)},
+          {"not_certified", count_kind(outcome, ScanKind::kUncertain)},
           {"not_matched", outcome.refused},
           {"too_few_points", outcome.too_few},
           {"gap_m", job.global.gap_m},
@@ -115,8 +115,8 @@ Json level_json(const CompareJob& job, const CompareOutcome& outcome, std::uint3
     json["distance_m"] = off.distance_m;
     json["angle_deg"] = deg_from_rad(off.angle_rad);
   }
-  json["held"] = as_json(figures_of(job, outcome, level, ScanKind::kHeld));
-  json["weak"] = as_json(figures_of(job, outcome, level, ScanKind::kWeak));
+  json["held"] = as_json(sum_figures(job, outcome, level, ScanKind::kHeld));
+  json["weak"] = as_json(sum_figures(job, outcome, level, ScanKind::kWeak));
   return json;
 }
 
@@ -126,7 +126,7 @@ Json times_json(const CompareJob& job, const CompareOutcome& outcome) {
   Json levels = Json::array();
   for (std::uint32_t level = 0; level <= job.levels.size(); ++level) {
     Json methods = Json::array();
-    for (const MethodFigures& f : figures_of(job, outcome, level, ScanKind::kHeld)) {
+    for (const MethodFigures& f : sum_figures(job, outcome, level, ScanKind::kHeld)) {
       methods.push_back({{"method", f.method},
                          {"seconds", as_json(f.seconds)},
                          {"over_simplex", f.time_ratio > 0.0 ? Json(f.time_ratio) : Json()}});
@@ -145,23 +145,23 @@ std::string level_text(const CompareJob& job, std::uint32_t level) {
 }
 
 std::string as_text(const CompareJob& job, const CompareOutcome& outcome) {
-  const std::uint64_t held = count_of(outcome, ScanKind::kHeld);
-  const std::uint64_t weak = count_of(outcome, ScanKind::kWeak);
-  const std::uint64_t uncertain = count_of(outcome, ScanKind::kUncertain);
+  const std::uint64_t held = count_kind(outcome, ScanKind::kHeld);
+  const std::uint64_t weak = count_kind(outcome, ScanKind::kWeak);
+  const std::uint64_t uncertain = count_kind(outcome, ScanKind::kUncertain);
   std::string text = fmt::format(
       "{} scans, one in {} measured: {} count below, {} are weak along a corridor, {} have no proof within {:g} mm;\n"
       "{} were not matched, {} lie beyond the map\n\n",
       outcome.scans_read, outcome.every, held, weak, uncertain, 1000.0 * job.global.gap_m, outcome.refused,
       outcome.too_few);
   text += "Table 1: errors against the proven global solution, started where the odometry says\n\n" +
-          table_of(figures_of(job, outcome, 0, ScanKind::kHeld));
+          error_table(sum_figures(job, outcome, 0, ScanKind::kHeld));
   if (weak > 0) {
     text += "\nThe same for the scans that are weak along a corridor\n\n" +
-            table_of(figures_of(job, outcome, 0, ScanKind::kWeak));
+            error_table(sum_figures(job, outcome, 0, ScanKind::kWeak));
   }
   text += fmt::format("\nSuccess, % within {:g} cm and {:g}°, by the start's distance from the solution\n\n",
                       100.0 * kSuccess_m, kSuccess_deg) +
-          basin_of(job, outcome);
+          basin_table(job, outcome);
   return text;
 }
 

@@ -15,7 +15,7 @@ namespace gdtslam {
 enum class PoseFormat : std::uint8_t { kJson, kTum };
 inline constexpr std::array<std::string_view, 2> kPoseFormats{"json", "tum"};
 /// One of kPoseFormats.
-PoseFormat pose_format_of(std::string_view name);
+PoseFormat parse_pose_format(std::string_view name);
 
 /// A scan that was mapped.
 std::string pose_line(PoseFormat format, std::uint64_t scan, const MappedScan& mapped);

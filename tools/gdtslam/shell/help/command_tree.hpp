@@ -58,6 +58,6 @@ struct CommandText {
 CommandText command_text(CLI::App& app);
 
 /// "default: 1; 1 to 100; required; with --design": all that is behind an option's sentence; empty where nothing is.
-std::string facts_of(const OptionText& option);
+std::string option_facts(const OptionText& option);
 
 }  // namespace gdtslam

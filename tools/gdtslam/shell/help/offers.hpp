@@ -30,6 +30,6 @@ CLI::Option* offer(CLI::Option* option, const Offers& offers);
 CLI::Option* offer_words(CLI::Option* option, std::vector<std::string> words);
 
 /// The completions stated by offer(), else those of the name of its value; none for a flag.
-Offers offers_of(CLI::Option& option, const std::string& value_name);
+Offers find_offers(CLI::Option& option, const std::string& value_name);
 
 }  // namespace gdtslam
