@@ -1,4 +1,4 @@
-"""The main commands where little is as usual: locales, streams, arguments. Each gives the bytes
+"""The main commands where little is as usual: folders, locales, streams, arguments. Each gives the bytes
 that it gives anywhere, or says in one line what is missing."""
 
 import os
@@ -7,9 +7,77 @@ import subprocess
 import sys
 
 import cli_support as cli
-from cli_support import LOG, PROGRAM, environment, expect, expect_exit, one_error_line
+from cli_support import LOG, PROGRAM, RUN, environment, expect, expect_exit, one_error_line
 from scenario_live_inputs import wait_until
 from surroundings import cases_of, check_all, files_of, run
+
+NOWHERE = "/nonexistent"
+
+
+def surroundings_folders():
+    """No folder for temporary files, no home, none that can be written, no working folder, every permission taken away: the
+    right bytes. Where the results of `map` would lie in a working folder that is gone: 74."""
+    folder = cli.fresh_folder("surroundings_folders")
+    cases = cases_of(folder)
+    check_all(cases, folder, "without a temporary folder", env=environment(TMPDIR=NOWHERE, TMP=NOWHERE, TEMP=NOWHERE))
+    bare = {"PATH": "/usr/bin:/bin"}
+    check_all(cases, folder, "without any environment", env=bare)
+    for home in ("/proc", "/dev/null", "relative"):
+        check_all(cases, folder, f"with the home {home!r}", env={**bare, "HOME": home, "XDG_CACHE_HOME": home, "XDG_RUNTIME_DIR": home,
+                                                                 "XDG_CONFIG_HOME": home, "XDG_DATA_HOME": home})
+    for zone in ("<\x1b[31m>-99:99", "A" * 5000):
+        check_all(cases, folder, f"in the zone {zone[:20]!r}", env=environment(TZ=zone))
+    gone = folder / "gone"
+
+    def leave():
+        gone.mkdir(exist_ok=True)
+        os.chdir(gone)
+        gone.rmdir()
+
+    check_all(cases, folder, "in a folder that is gone", preexec_fn=leave)
+    process = cli.command("map", LOG, "--first", 20, "-q", preexec_fn=leave)
+    expect_exit(process, 74)
+    one_error_line(process.stderr)
+    if os.geteuid() == 0:  # who is root reads and writes what nobody may
+        check_all(cases, folder, "with the umask 0777", preexec_fn=lambda: os.umask(0o777))
+    else:
+        check_all(cases, folder, "with the umask 0777", (74,), preexec_fn=lambda: os.umask(0o777), must=False)
+
+
+def namespace():
+    """The words that begin a program in a mount namespace of its own; skips where there is none to be had."""
+    for words in (["unshare", "-m"], ["unshare", "-r", "-m"]):
+        if shutil.which("unshare") and subprocess.run([*words, "true"], capture_output=True, check=False).returncode == 0:
+            return words
+    return cli.skip("no mount namespace is to be had here (root, or unprivileged user namespaces)")
+
+
+def surroundings_read_only():
+    """Everything but the folder of the results is read-only, /tmp too: the right bytes; a result elsewhere: 74, and one line."""
+    begin = namespace()
+    folder = cli.fresh_folder("surroundings_read_only")
+    cases = cases_of(folder)
+    (folder / "out").mkdir(exist_ok=True)
+    script = f"""set -e
+mount --make-rprivate /
+mount --bind "$1" "$1"
+shift
+awk '$5 != "/proc" && $5 !~ "^/(proc|sys|dev)/" {{print $5}}' /proc/self/mountinfo | while read -r place; do
+  case "$place" in {folder}) ;; *) mount -o remount,bind,ro "$place" 2>/dev/null || true ;; esac
+done
+if touch /tmp/gdtslam-probe 2>/dev/null; then rm -f /tmp/gdtslam-probe; echo "still writable" >&2; exit 99; fi
+cd /
+exec "$@"
+"""
+    before = [*begin, "sh", "-c", script, "sh", str(folder)]
+    check_all(cases, folder, "on a read-only system", before=before, env=environment(HOME="/root", XDG_CACHE_HOME=None, TMPDIR=None))
+    for arguments in (("map", LOG, "--first", 20, "-q"), ("map", LOG, "--first", 20, "-q", "-o", "/gdtslam-run"),
+                      ("simulate", "wall", "-q", "-o", "/gdtslam-drive.log"), ("render", RUN, "--view", "map", "-o", "/gdtslam.png")):
+        if arguments[0] == "render" and os.environ.get("GDTSLAM_VIEWER") != "1":
+            continue
+        process = subprocess.run([*before, PROGRAM, *map(str, arguments)], capture_output=True, text=True, check=False, timeout=100 * cli.SLOWNESS)
+        expect_exit(process, 74)
+        one_error_line(process.stderr)
 
 
 def surroundings_locales():

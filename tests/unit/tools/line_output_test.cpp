@@ -140,6 +140,11 @@ TEST_F(LineOutputTest, APipeThatNobodyReadsStopsNobody) {
   expect_no_wait_for_reader();
 }
 
+TEST_F(LineOutputTest, ATerminalThatNobodyReadsStopsNobody) {
+  open_terminal();
+  expect_no_wait_for_reader();
+}
+
 TEST_F(LineOutputTest, ADeviceThatIsFullIsToldAtTheEndAndAReaderThatIsGoneIsNot) {
   theirs_ = ::open("/dev/full", O_WRONLY);
   ASSERT_GE(theirs_, 0);
