@@ -9,7 +9,6 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
-#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -25,8 +24,6 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
-constexpr double kEndless = std::numeric_limits<double>::infinity();
 constexpr double kExactWall_m = 2.0;
 
 const SweepModel kTruth = sweep_model_of_preset("paper-b");
@@ -54,53 +51,6 @@ std::string refusal(const SweepModel& start, const std::vector<CalibrationSurfac
     return error.what();
   }
   return "no error";
-}
-
-TEST(Calibrate, RefusesEachObservationThatIsNone) {
-  const std::vector<std::function<void(RangeObservation&)>> faults{
-      [](RangeObservation& o) { o.range_m = 0.0; },           [](RangeObservation& o) { o.range_m = -1.0; },
-      [](RangeObservation& o) { o.range_m = kNoNumber; },     [](RangeObservation& o) { o.range_m = kEndless; },
-      [](RangeObservation& o) { o.sigma_m = 0.0; },           [](RangeObservation& o) { o.sigma_m = -0.01; },
-      [](RangeObservation& o) { o.sigma_m = kNoNumber; },     [](RangeObservation& o) { o.sigma_m = kEndless; },
-      [](RangeObservation& o) { o.ticks = kNoNumber; },       [](RangeObservation& o) { o.ticks = kEndless; },
-      [](RangeObservation& o) { o.bearing_rad = kNoNumber; }, [](RangeObservation& o) { o.bearing_rad = kEndless; }};
-  for (std::size_t k = 0; k < faults.size(); ++k) {
-    std::vector<RangeObservation> seen = exact_ranges();
-    faults[k](seen[17]);
-    EXPECT_THAT(refusal<InputError>(kTruth, exact_wall(), seen),
-                AllOf(HasSubstr("observation 17"), HasSubstr("no length")))
-        << k;
-  }
-  std::vector<RangeObservation> seen = exact_ranges();
-  seen[0].surface = 1;  // there is one, number 0
-  EXPECT_THAT(refusal<InputError>(kTruth, exact_wall(), seen),
-              AllOf(HasSubstr("observation 0"), HasSubstr("not given")));
-  std::vector<CalibrationSurface> two = exact_wall();
-  two.push_back({.name = "ceiling", .kind = SurfaceKind::kCeiling, .distance_m = 1.0});
-  EXPECT_EQ(refusal<InputError>(kTruth, two, exact_ranges()), "no error") << "the last number that there is";
-}
-
-TEST(Calibrate, RefusesASurfaceThatIsNowhere) {
-  EXPECT_THAT(refusal<ConfigError>(kTruth, {}, {}), HasSubstr("no surface"));
-  for (const double distance : {0.0, -2.0, kNoNumber, kEndless}) {
-    EXPECT_THAT(refusal<ConfigError>(kTruth, {{.name = "here", .distance_m = distance}}, exact_ranges()),
-                HasSubstr("distance of here"))
-        << distance;
-  }
-  for (const double heading : {kNoNumber, kEndless, -kEndless}) {
-    EXPECT_THAT(
-        refusal<ConfigError>(kTruth, {{.name = "w", .distance_m = 2.0, .heading_rad = heading}}, exact_ranges()),
-        HasSubstr("distance of w"))
-        << heading;
-  }
-  EXPECT_EQ(refusal<ConfigError>(kTruth, {{.name = "near", .distance_m = 0.9 * kExactWall_m}}, exact_ranges()),
-            "no error");
-}
-
-TEST(Calibrate, RefusesAStartWhoseLoopOpens) {
-  SweepModel start = kTruth;
-  start.bars.crank_m = start.bars.ground_m + start.bars.rocker_m;  // no longer the shortest
-  EXPECT_THAT(refusal<ConfigError>(start, exact_wall(), exact_ranges()), HasSubstr("does not close all around"));
 }
 
 // Ten degrees of elevation are needed: nine are refused, eleven are taken.

@@ -15,9 +15,7 @@
 namespace gdtslam::calib {
 namespace {
 
-using testing::Contains;
 using testing::HasSubstr;
-using testing::IsEmpty;
 
 /// The figures as printed, with as many digits.
 struct Printed {

@@ -65,16 +65,6 @@ TEST(LinkagePosition, joints_are_where_the_law_of_cosines_puts_them) {
   }
 }
 
-TEST(LinkagePosition, places_of_the_mount_turn_by_the_offset_and_mirror_by_the_sign) {
-  SweepModel model = model_of(kDoubleCrank);  // the rocker's pivot lies 3 cm from the crank's
-  model.elevation_sign = 1;
-  model.elevation_offset_rad = 0.5 * kPi;
-  EXPECT_LT((place_in_mount(model, {0.03, 0.0}) - Point2(0.0, 0.0)).norm(), 1e-15);
-  EXPECT_LT((place_in_mount(model, {0.04, 0.02}) - Point2(-0.02, 0.01)).norm(), 1e-15);
-  model.elevation_sign = -1;
-  EXPECT_LT((place_in_mount(model, {0.04, 0.02}) - Point2(0.02, 0.01)).norm(), 1e-15);
-}
-
 /// At a dead point crank and coupler are in line: from the crank's pivot the coupler's end is as far as both together
 /// at one end of the lift, and as their difference at the other.
 TEST(LinkageCycle, lift_ends_with_crank_and_coupler_in_line) {

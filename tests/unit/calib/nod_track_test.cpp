@@ -44,13 +44,6 @@ double turns_at(const NodTrack& track, double time_s) {
   return static_cast<double>(knots[0].phase) / kPhase;
 }
 
-TEST(NodTrack, CoversNothingWithoutMessages) {
-  const NodTrack track(CrankEncoder{}, {});
-  EXPECT_FALSE(track.known_until_s().has_value());
-  EXPECT_THAT(track.knots(0.0, 0.0, 0.0), IsEmpty());
-  EXPECT_THAT(track.faults().as_warnings(), IsEmpty());
-}
-
 TEST(NodTrack, InterpolatesBetweenMessagesAndNowhereElse) {
   const NodTrack track = track_of({100, 110, 130});
   EXPECT_NEAR(turns_at(track, 100.0), 0.100, 1e-9);
@@ -206,18 +199,6 @@ TEST(NodTrack, OneStampFarAheadIsForgotten) {
   EXPECT_NEAR(turns_at(track, 100.35), 0.135, 1e-9);
   EXPECT_EQ(track.faults().past_stamps.count, 1U);
   EXPECT_EQ(track.faults().gaps.count, 1U);
-}
-
-TEST(NodTrack, ForgettingKeepsWhatLaterTimesNeed) {
-  NodTrack track = track_of({0, 10, 20, 30, 40});
-  track.forget_before(100.25);
-  EXPECT_EQ(track.kept_messages(), 3U);
-  EXPECT_NEAR(turns_at(track, 100.25), 0.025, 1e-9);
-  EXPECT_TRUE(std::isnan(turns_at(track, 100.15)));
-  track.forget_before(1e9);
-  EXPECT_EQ(track.kept_messages(), 1U);
-  track.take(Encoder{100.5, 50});
-  EXPECT_NEAR(turns_at(track, 100.45), 0.045, 1e-9);
 }
 
 TEST(NodTrack, MemoryIsBoundedByForgetting) {

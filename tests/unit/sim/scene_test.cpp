@@ -127,27 +127,5 @@ TEST(Scene, FloorAndCeilingCoverEverything) {
   EXPECT_EQ(mesh.corners(14)[2], Vec3(12.0, 2.0, 2.5));
 }
 
-TEST(Scene, RefusesWhatCannotBeBuilt) {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  Box box;
-  EXPECT_TRUE(validate(box).empty());
-  box.size_m.x() = 0.0;
-  EXPECT_EQ(validate(box).size(), 1U);
-  box.size_m.x() = nan;
-  EXPECT_EQ(validate(box).size(), 1U);
-  EXPECT_EQ(validate(Box{.centre_m = {nan, 0.0}}).size(), 1U);
-  EXPECT_EQ(validate(Cylinder{.sides = 2}).size(), 1U);
-  Wall wall;
-  EXPECT_FALSE(validate(wall).empty());
-  wall.points_m = {{0.0, 0.0}, {2.0, 0.0}};
-  EXPECT_TRUE(validate(wall).empty());
-  wall.doors = {{.leg = 0, .from_m = 1.5, .width_m = 1.0}};
-  EXPECT_EQ(validate(wall).size(), 1U);
-  wall.doors = {{.leg = 1, .from_m = 0.0, .width_m = 1.0}};
-  EXPECT_EQ(validate(wall).size(), 1U);
-  wall.doors = {{.leg = 0, .from_m = 0.1, .width_m = 1.0}, {.leg = 0, .from_m = 0.9, .width_m = 0.5}};
-  EXPECT_EQ(validate(wall).size(), 1U);
-}
-
 }  // namespace
 }  // namespace gdtslam::sim

@@ -21,7 +21,6 @@ namespace gdtslam {
 namespace {
 
 using testing::HasSubstr;
-using testing::StartsWith;
 
 const std::string kSceneFolder = GDTSLAM_SOURCE_DIR "/assets/scenes";
 
