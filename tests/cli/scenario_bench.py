@@ -2,7 +2,7 @@
 
 import json
 
-from cli_support import DATA, IS_SANITIZED, LOG, SOURCE, command, expect, expect_exit, skip
+from cli_support import DATA, IS_SANITIZED, SOURCE, command, expect, expect_exit, skip
 
 SAMPLE = SOURCE / "assets/logs/office-start.log.gz"
 QUICK = ("--benchmark_format=json", "--benchmark_min_time=0.01")
@@ -44,13 +44,7 @@ def bench_mistakes():
     _fails(2, "no row's name matches 'no_such_kernel'", "no_such_kernel")
     _fails(2, "unexpected argument '--samples'", "gdt", "--samples")
     _fails(2, "are for a --log", "gdt", "--set", "map.resolution=5cm")
-    _fails(2, "are for a --log", "live", "--no-loops")
-    _fails(2, "are for a --log", "live", "--topic", "/scan")
-    _fails(2, "--speed", "live", "--speed", "-1")
-    _fails(78, "map.resolution", "live", "--log", LOG, "--set", "map.resolution=0m")
-    _fails(74, "none.log", "/live/", "--log", "none.log")
     _fails(65, "no_scan.log: holds no laser scan", "/live/", "--log", DATA / "no_scan.log")
-    _fails(2, "has no topics: leave out --topic", "/live/", "--log", LOG, "--topic", "/scan")
 
 
 def bench_live_adds_up():

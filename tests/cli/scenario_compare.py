@@ -58,12 +58,3 @@ def compare_is_the_same_for_a_seed():
     without_times = lambda rows: [{key: value for key, value in row.items() if key != "time_us"} for row in rows]
     expect(without_times(trials) == without_times(same), "the trials of two runs differ")
     expect(without_times(trials) != without_times(moved), "the seed moves no start")
-
-
-def compare_needs_a_level_laser():
-    """The scans of a nodding laser cannot be compared as they are: one line that says so."""
-    folder = fresh_folder("compare_nodding")
-    expect_exit(command("simulate", "three-boxes", "-o", folder / "boxes.log", "--rate", 2, "-q"), 0)
-    process = command("compare", folder / "boxes.log")
-    expect_exit(process, 65)
-    expect(process.stderr.count("\n") == 1 and "its laser nods" in process.stderr, process.stderr)
