@@ -64,12 +64,6 @@ class Verdicts(unittest.TestCase):
         self.assertIn("70.50", rows[3]["ours"])
         self.assertIn("off by 5.00 mm", rows[3]["remark"])
 
-    def test_a_box_that_is_missing_is_outside(self):
-        rows = self.box_rows(count=2)
-        self.assertEqual(rows[4]["verdict"], "outside")
-        self.assertEqual(rows[5]["ours"], "not found")
-        self.assertEqual(len(self.box_rows(projection=True)), 3)  # which has no heights
-
     @staticmethod
     def wall(y_m, columns, top_dm, elevation_rad=0.5):
         """So many columns from x = 0, points 10 cm apart up to that height."""
@@ -185,17 +179,6 @@ class Reports(unittest.TestCase):
             self.assertEqual([(path.name, path.read_text()) for path in self.folder.iterdir()], [(name, "precious")])
             (self.folder / name).unlink()
         self.assertEqual(self.made("--only", "fig3"), ["Figure 3"])  # an empty one is taken
-
-    def test_mistakes(self):
-        for words in (("--only", "fig33"), ("--data", "none", "--only")):
-            with self.assertRaises(SystemExit) as ended, contextlib.redirect_stderr(io.StringIO()) as said:
-                reproduce.main(["-o", str(self.folder), *words])
-            self.assertEqual(ended.exception.code, 2, said.getvalue())
-        self.assertFalse(self.folder.exists())
-        self.assertIn("intel.clf.gz", self.run_it("--data", str(self.folder), "--only", "fig3", status=1)[1])
-        with contextlib.redirect_stdout(io.StringIO()) as listed:
-            self.assertEqual(reproduce.main(["--list"]), 0)
-        self.assertTrue(all(name in listed.getvalue() for name in ("fig3", "table1", "table2", "figA")))
 
     def test_a_command_that_fails(self):
         """One line, exit 1, and the report of what is there."""
