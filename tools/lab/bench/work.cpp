@@ -34,7 +34,7 @@ struct WorkBench {
   ScanWork others;
 };
 
-void count_scans(benchmark::State& state, const ScanWork& scans) {
+void count_scans(benchmark::State& state, ScanWork scans) {
   if (scans.scans == 0) {
     state.SkipWithError("the log has no such scan");
     return;
