@@ -1,4 +1,4 @@
-#include "logs.hpp"
+#include "run.hpp"
 
 #include <algorithm>
 #include <chrono>
