@@ -79,7 +79,7 @@ void NodTrack::note_past(double stamp_s, double measured_turns) {
     faults_.past_stamps.add(stamp_s);
     return;
   }
-  faults_.past_stamps.count -= past_.size() - 2;  // those that are used after all; the step itself counts once
+  faults_.past_stamps.count -= past_.size() - 2;  // they are used after all; the step itself counts once
   messages_.clear();
   for (const Message& message : std::exchange(past_, {})) append(message.stamp_s, message.turns);
 }
@@ -119,9 +119,9 @@ std::vector<PhaseKnot> NodTrack::knots(double stamp_s, double from_s, double to_
   }
   const auto is_before = [](const Message& message, double time_s) { return message.stamp_s < time_s; };
   const auto is_after = [](double time_s, const Message& message) { return time_s < message.stamp_s; };
-  const auto index_of = [this](auto message) { return static_cast<std::size_t>(message - messages_.begin()); };
-  const std::size_t first = index_of(std::upper_bound(messages_.begin(), messages_.end(), from_s, is_after)) - 1;
-  const std::size_t last = index_of(std::lower_bound(messages_.begin(), messages_.end(), to_s, is_before));
+  const auto to_index = [this](auto message) { return static_cast<std::size_t>(message - messages_.begin()); };
+  const std::size_t first = to_index(std::upper_bound(messages_.begin(), messages_.end(), from_s, is_after)) - 1;
+  const std::size_t last = to_index(std::lower_bound(messages_.begin(), messages_.end(), to_s, is_before));
   for (std::size_t i = first + 1; i <= last; ++i) {
     if (!messages_[i].is_joined) return {};
   }

@@ -14,8 +14,8 @@ namespace gdtslam::calib {
 namespace {
 
 constexpr std::uint32_t kTableBits = 15;
-// Of a scanner with the paper's 961 beams of 0.25 deg and 20 m; the paper states none. The simulator's hokuyo-961 has
-// it.
+// The rate of a scanner with the paper's 961 beams of 0.25 deg and 20 m; the paper states none. The simulator's
+// hokuyo-961 has it.
 constexpr double kPaperMirrorRate_hz = 40.0;
 
 // The same angle in [-pi, pi): an elevation of half a turn counts as looking back from below.

@@ -1,6 +1,5 @@
 # The site of these pages: tools/scripts/make_site.sh builds it, without a network. The pages are the Markdown of docs/ and of
-# the root as it is; tools/site makes of it what a code host shows by itself (links to sources) and what it does not have
-# (the navigation, the reference of the public headers).
+# the root as it is; tools/site makes of it links between pages and what a code host does not have (the navigation, the reference of the public headers).
 import pathlib
 import re
 import sys
@@ -13,7 +12,7 @@ copyright = "the authors of gdtslam, BSD-3-Clause"  # noqa: A001 (Sphinx's name)
 version = re.search(r"project\(gdtslam\s+VERSION\s+(\S+)", (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")).group(1)
 language = "en"
 
-extensions = ["myst_parser", "breathe", "repository", "navigation", "source_pages", "header_pages", "appearance"]
+extensions = ["myst_parser", "breathe", "repository", "navigation", "header_pages", "appearance"]
 root_doc = "index"  # docs/README.md: see tools/site/repository.py
 include_patterns = ["docs/**.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "*/README.md"]
 exclude_patterns = ["build*", "runs", ".*", "docs/**/.*"]

@@ -14,14 +14,14 @@ namespace {
 constexpr double kTightRoom_m = 0.0005;     // a loop that closes with less room is remarked on
 constexpr double kLeastSweep_rad = 0.1745;  // 10 deg
 constexpr int kFirstRounds = 2;
-constexpr double kNear = 100.0;             // of the cost: then the other assembly is worth a whole fit
-constexpr double kMuchBetter = 0.5;         // of the cost: then the other assembly is the right one
+constexpr double kNear = 100.0;             // share of the cost below which the other assembly is worth a whole fit
+constexpr double kMuchBetter = 0.5;         // share of the cost below which the other assembly is the right one
 constexpr std::size_t kZeros = 144;         // 2.5 deg apart
-constexpr std::size_t kObservations = 200;  // of all, spread evenly
+constexpr std::size_t kObservations = 200;  // a sample, spread evenly
 constexpr double kMostMiss_m = 0.5;         // a larger one counts as this
 // A wall with things before it gives one outlier in ten; the wrong preset nine in ten.
 constexpr double kMostOutliers = 1.0 / 3.0;
-constexpr double kMostRms = 3.0;  // of all ranges, where a bar was stopped by its bound
+constexpr double kMostRms = 3.0;  // limit for all ranges if a bar was stopped by its bound
 
 /// A start with what came of it.
 struct Attempt {
@@ -81,7 +81,7 @@ void check_sweep(const Attempt& attempt) {
 
 Attempt attempt(const Setup& start, const std::vector<RangeObservation>& observations,
                 const CalibrationOptions& options, int rounds = kMostRounds) {
-  Attempt result{.start = start, .parameters = parameters_of(start, options), .fit = {}};
+  Attempt result{.start = start, .parameters = make_parameters(start, options), .fit = {}};
   result.fit = fit(result.start, result.parameters, observations, options, rounds);
   return result;
 }
@@ -184,7 +184,7 @@ std::vector<double> row_major(const Eigen::MatrixXd& matrix) {
   return values;
 }
 
-CalibrationResult result_of(const Attempt& attempt, const CalibrationOptions& options) {
+CalibrationResult make_result(const Attempt& attempt, const CalibrationOptions& options) {
   const Setup found = setup_at(attempt.start, attempt.parameters, attempt.fit.x);
   const Observability seen = observe(found, attempt.parameters, attempt.fit, options.huber_sigmas);
   Eigen::VectorXd scales(static_cast<Eigen::Index>(attempt.parameters.size()));
@@ -236,7 +236,7 @@ CalibrationResult calibrate(const SweepModel& start, const std::vector<Calibrati
     }
   }
   check_sweep(best);
-  CalibrationResult result = result_of(best, options);
+  CalibrationResult result = make_result(best, options);
   result.other_assembly_rms = other_rms;
   if (result.model.assembly != start.assembly) {
     result.remarks.emplace_back("the other assembly fits much better than that of the start, and was taken");

@@ -1,8 +1,8 @@
-// What one range to a known kind of surface says about a nodding mount: equation (A1) of the paper as docs/paper.md has
-// it, for any flat surface and any beam, with every derivative. A forward beam raised by theta meets a wall at the
-// distance d where r cos(theta) + a cos(theta) - b sin(theta) = d, with the lever a forward and b up. The left side
-// minus the right one is the miss: defined through 90 degrees, where the range itself is not. SI units, radians, frame
-// `level` of core/nodding.hpp moved to the nodding axis. Thread-safe, constant time.
+// The miss of one range to a known kind of surface: equation (A1) of the paper as docs/paper.md has it, for any flat
+// surface and any beam, with every derivative. A forward beam raised by theta meets a wall at the distance d if r
+// cos(theta) + a cos(theta) - b sin(theta) = d, with the lever a forward and b up. The left side minus the right one is
+// the miss. It is defined through 90 degrees, unlike the range itself. SI units, radians, frame `level` of
+// core/nodding.hpp moved to the nodding axis. Thread-safe, constant time.
 #pragma once
 
 #include <optional>
@@ -14,7 +14,7 @@ namespace gdtslam::calib {
 /// The miss of an observation and its derivatives by every parameter that a calibration may estimate (or has to
 /// assume).
 struct SurfaceMiss {
-  double miss_m = 0.0;     ///< of the measured point beyond the surface, along the surface's normal
+  double miss_m = 0.0;     ///< distance of the measured point beyond the surface, along the normal
   double incidence = 0.0;  ///< cosine of the angle between beam and normal: d miss / d range
   double elevation_rad = 0.0;
 
@@ -33,10 +33,10 @@ struct SurfaceMiss {
   double by_yaw = 0.0;
   double by_distance = 0.0;
   double by_heading = 0.0;
-  double by_tilt = 0.0;  ///< of a wall's upper part away from the scanner, of floor and ceiling rising ahead
+  double by_tilt = 0.0;  ///< tilt: a wall's upper part away from the scanner, floor and ceiling rising ahead
 };
 
-/// Nothing where the loop does not close or the rocker's angle has no derivative.
+/// Empty if the loop does not close or the rocker's angle has no derivative.
 std::optional<SurfaceMiss> surface_miss(const SweepModel& model, const CalibrationSurface& surface,
                                         const RangeObservation& observation);
 

@@ -23,8 +23,8 @@ namespace {
 
 constexpr double kLeastIncidence = 0.05;  // a beam flatter than 3 degrees on the surface counts as one of 3 degrees
 constexpr int kWeighings = 6;         // then an observation at the limit of the elevations could come and go for ever
-constexpr double kSettled = 1e-5;     // of a step of 1: one prior's sigma
-constexpr double kBoundSlack = 1e-9;  // of a bound
+constexpr double kSettled = 1e-5;     // relative to a step of 1: one prior's sigma
+constexpr double kBoundSlack = 1e-9;  // share of a bound
 constexpr std::size_t kSparePerParameter = 2;
 
 /// The setup at the parameters in hand, made once for all misses.
@@ -99,7 +99,7 @@ class PriorCost final : public ceres::CostFunction {
   std::span<const Parameter> parameters_;
 };
 
-// What lies within the elevations asked for, judged by the measured ranges, with its weight.
+// Selects the observations within the elevations asked for, judged by the measured ranges, with their weights.
 std::vector<WeightedObservation> weigh(const Setup& setup, std::span<const RangeObservation> observations,
                                        const CalibrationOptions& options) {
   std::vector<WeightedObservation> used;

@@ -25,8 +25,8 @@ struct Fit {
   std::vector<double> x;  ///< scaled, from the start
   std::vector<WeightedObservation> used;
   double cost = 0.0;     ///< robust, priors included, per observation used
-  double rms = 0.0;      ///< of the weighted misses that are no outliers
-  double all_rms = 0.0;  ///< of all weighted misses
+  double rms = 0.0;      ///< RMS of the weighted misses without the outliers
+  double all_rms = 0.0;  ///< RMS of all weighted misses
   std::uint64_t outliers = 0;
   int iterations = 0;
   bool converged = false;

@@ -7,7 +7,7 @@
 namespace gdtslam::calib {
 namespace {
 
-constexpr double kAtBound = 1e-6;  // of the bound
+constexpr double kAtBound = 1e-6;  // share of the bound
 // A parameter with less than this (squared) of a combination that nothing holds is not moved by it.
 constexpr double kLeastShare = 1e-12;
 
@@ -22,8 +22,8 @@ Misses required_misses(const Setup& setup, const Fit& fit) {
   return misses ? std::move(*misses) : Misses{};
 }
 
-// What each row is weighted by, outliers less.
-Eigen::VectorXd gains_of(const Misses& misses, const Fit& fit, double huber_sigmas) {
+// The weight of each row; outliers have less.
+Eigen::VectorXd row_gains(const Misses& misses, const Fit& fit, double huber_sigmas) {
   Eigen::VectorXd gains(eigen_index(misses.list.size()));
   for (std::size_t row = 0; row < misses.list.size(); ++row) {
     gains(eigen_index(row)) = fit.used[row].gain * std::sqrt(robust_weight(misses.weighted[row], huber_sigmas));
@@ -62,7 +62,7 @@ struct Spectrum {
   Eigen::MatrixXd covariance;
 };
 
-Spectrum spectrum_of(const Eigen::MatrixXd& jacobian) {
+Spectrum compute_spectrum(const Eigen::MatrixXd& jacobian) {
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(jacobian, Eigen::ComputeThinV);
   Spectrum spectrum;
   spectrum.values = svd.singularValues();
@@ -88,14 +88,14 @@ Spectrum spectrum_of(const Eigen::MatrixXd& jacobian) {
 
 }  // namespace
 
-Observability observability_of(const Eigen::MatrixXd& jacobian, std::span<const Parameter> parameters) {
+Observability compute_observability(const Eigen::MatrixXd& jacobian, std::span<const Parameter> parameters) {
   Observability seen;
   seen.jacobian = jacobian;
-  const Spectrum data = spectrum_of(jacobian);
+  const Spectrum data = compute_spectrum(jacobian);
   seen.singular_values = data.values;
   seen.combinations = data.vectors;
   seen.data_sigma = data.sigma;
-  const Spectrum posterior = spectrum_of(with_priors(jacobian, parameters));
+  const Spectrum posterior = compute_spectrum(with_priors(jacobian, parameters));
   seen.sigma = posterior.sigma;
   seen.covariance = posterior.covariance;
   return seen;
@@ -121,8 +121,8 @@ std::vector<CalibratedParameter> described(std::span<const Parameter> parameters
 
 Observability observe(const Setup& setup, std::span<const Parameter> parameters, const Fit& fit, double huber_sigmas) {
   const Misses misses = required_misses(setup, fit);
-  const Eigen::VectorXd gains = gains_of(misses, fit, huber_sigmas);
-  Observability seen = observability_of(weighted_jacobian(misses, parameters, fit, gains), parameters);
+  const Eigen::VectorXd gains = row_gains(misses, fit, huber_sigmas);
+  Observability seen = compute_observability(weighted_jacobian(misses, parameters, fit, gains), parameters);
   seen.gains = gains;
   return seen;
 }

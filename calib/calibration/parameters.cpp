@@ -49,8 +49,8 @@ constexpr ParameterKind kHeading{"heading.", of_surface<&CalibrationSurface::hea
 
 struct Family {
   std::string unit;
-  double prior = 0.0;          ///< as the options have it, 0 for none
-  double default_scale = 1.0;  ///< what a step of 1 means without a prior
+  double prior = 0.0;          ///< from the options, 0 for none
+  double default_scale = 1.0;  ///< size of a step of 1 without a prior
   double bound = 0.0;
 };
 
@@ -103,7 +103,7 @@ std::vector<std::string> validate(const CalibrationOptions& options) {
   return faults;
 }
 
-std::vector<Parameter> parameters_of(const Setup& start, const CalibrationOptions& options) {
+std::vector<Parameter> make_parameters(const Setup& start, const CalibrationOptions& options) {
   const CalibrationOptions defaults;
   const Family bar{"m", options.bar_prior_m, defaults.bar_prior_m, options.bar_bound_m};
   const Family zero{"rad", options.search_zero ? 0.0 : options.zero_prior_rad, defaults.zero_prior_rad, kPi};

@@ -12,13 +12,13 @@
 
 namespace gdtslam::calib {
 
-/// What the scanner and its surroundings are believed to be.
+/// A belief about the scanner and its surroundings.
 struct Setup {
   SweepModel model;
   std::vector<CalibrationSurface> surfaces;
 };
 
-/// What moves when a parameter changes.
+/// The quantity that moves when a parameter changes.
 enum class Effect : std::uint8_t { kElevation, kMiss, kMissOfItsSurface };
 
 /// Something that can be estimated: its value in a setup and its derivative.
@@ -31,17 +31,17 @@ struct ParameterKind {
 
 struct Parameter {
   const ParameterKind* kind = nullptr;
-  std::size_t surface = 0;  ///< of a distance or a heading
+  std::size_t surface = 0;  ///< surface of a distance or a heading
   std::string name;
   std::string unit;
   double start = 0.0;
   double scale = 1.0;        ///< the prior's sigma, or its default where there is no prior
   double prior_sigma = 0.0;  ///< 0: none
-  double bound = 0.0;        ///< of the change, either way
+  double bound = 0.0;        ///< limit of the change, either way
   [[nodiscard]] double bound_scaled() const { return bound / scale; }
 };
 
-std::vector<Parameter> parameters_of(const Setup& start, const CalibrationOptions& options);
+std::vector<Parameter> make_parameters(const Setup& start, const CalibrationOptions& options);
 Setup setup_at(const Setup& start, std::span<const Parameter> parameters, std::span<const double> x);
 /// d miss / d x.
 double derivative(const SurfaceMiss& miss, const Parameter& parameter, std::uint32_t observed_surface);

@@ -14,7 +14,7 @@
 namespace gdtslam::calib {
 namespace {
 
-constexpr double kDifference = 0.002;   // of a scaled parameter: 6 micrometres of a bar, 0.004 deg of the zero
+constexpr double kDifference = 0.002;   // step of a scaled parameter: 6 micrometres of a bar, 0.004 deg of the zero
 constexpr double kSettledShift = 0.05;  // largest step, in prior sigmas; below it the pairs change as much
 constexpr std::size_t kFewestPairs = 100;
 constexpr double kHuberSigmas = 1.5;
@@ -33,7 +33,7 @@ struct StrokePair {
 /// A cell of one stroke.
 using CellKey = std::tuple<std::uint32_t, std::int64_t, std::int64_t, std::int64_t>;
 
-CellKey key_of(std::uint32_t stroke, const Point3& point) {
+CellKey cell_key(std::uint32_t stroke, const Point3& point) {
   const auto cell = [](double value) { return static_cast<std::int64_t>(std::floor(value / kCell_m)); };
   return {stroke, cell(point.x()), cell(point.y()), cell(point.z())};
 }
@@ -42,14 +42,14 @@ CellKey key_of(std::uint32_t stroke, const Point3& point) {
 class StrokeGrid {
  public:
   StrokeGrid(const std::vector<Point3>& points, const std::vector<std::uint32_t>& strokes) : points_(points) {
-    for (std::uint32_t k = 0; k < points.size(); ++k) entries_.emplace_back(key_of(strokes[k], points[k]), k);
+    for (std::uint32_t k = 0; k < points.size(); ++k) entries_.emplace_back(cell_key(strokes[k], points[k]), k);
     std::sort(entries_.begin(), entries_.end());
   }
   /// Points of a stroke within a cell's size of the place: the nearest, the farthest and evenly between. Not simply the
   /// nearest, which often lie on one line of the scan. Fewer than asked for where there are fewer.
   [[nodiscard]] std::vector<std::uint32_t> around(std::uint32_t stroke, const Point3& place, std::size_t count) const {
     std::vector<std::pair<double, std::uint32_t>> found;
-    const auto [own, x, y, z] = key_of(stroke, place);
+    const auto [own, x, y, z] = cell_key(stroke, place);
     for (std::int64_t i = -1; i <= 1; ++i) {
       for (std::int64_t j = -1; j <= 1; ++j) {
         // The cells z - 1 to z + 1 lie one after the other.
@@ -74,7 +74,7 @@ class StrokeGrid {
   std::vector<std::pair<CellKey, std::uint32_t>> entries_;
 };
 
-Point3 centre_of(const StrokePair& pair, const std::vector<Point3>& points) {
+Point3 plane_centre(const StrokePair& pair, const std::vector<Point3>& points) {
   Point3 sum = Point3::Zero();
   for (const std::uint32_t k : pair.plane) sum += points[k];
   return sum / static_cast<double>(pair.plane.size());
@@ -87,7 +87,7 @@ struct Fitted {
 };
 
 Fitted fitted(const StrokePair& pair, const std::vector<Point3>& points) {
-  const Point3 centre = centre_of(pair, points);
+  const Point3 centre = plane_centre(pair, points);
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   for (const std::uint32_t k : pair.plane) {
     const Point3 d = points[k] - centre;
@@ -99,12 +99,12 @@ Fitted fitted(const StrokePair& pair, const std::vector<Point3>& points) {
           .is_flat = variances(1) >= kWide_m * kWide_m && variances(0) <= kFlat * variances(1)};
 }
 
-// Of the point over the plane through the neighbours, along its normal, the sign being that of the pair's: when the
-// model turns all points alike, the plane turns with them and the miss stays.
+// Distance of the point from the plane through the neighbours, along its normal, with the sign of the pair's normal:
+// when the model turns all points alike, the plane turns with them and the miss stays.
 double miss_m(const StrokePair& pair, const std::vector<Point3>& points) {
   Point3 normal = fitted(pair, points).normal;
   if (normal.dot(pair.normal) < 0.0) normal = -normal;
-  return normal.dot(points[pair.point] - centre_of(pair, points));
+  return normal.dot(points[pair.point] - plane_centre(pair, points));
 }
 
 // For at most `most` points, spread evenly, those that have a flat neighbourhood within `gate_m` in the next stroke.
@@ -146,7 +146,7 @@ class SelfCalibration {
         strokes_(strokes),
         assemble_(assemble),
         options_(options),
-        parameters_(parameters_of(start_, options.priors)),
+        parameters_(make_parameters(start_, options.priors)),
         x_(parameters_.size(), 0.0) {}
 
   SelfCalibrationResult run() {
@@ -158,7 +158,7 @@ class SelfCalibration {
         pairs_ = stroke_pairs(points, strokes_, gate_m, options_.max_pairs);
         require_pairs();
       }
-      const std::vector<double> misses = misses_of(points);
+      const std::vector<double> misses = compute_misses(points);
       if (result_.rounds == 0) result_.median_miss_before_m = median_size(misses);
       linear_ = linearised(misses);
       const double step = take_step();
@@ -192,7 +192,7 @@ class SelfCalibration {
                      " are needed; record whole turns of the crank in a room, the robot standing or slow");
   }
 
-  [[nodiscard]] std::vector<double> misses_of(const std::vector<Point3>& points) const {
+  [[nodiscard]] std::vector<double> compute_misses(const std::vector<Point3>& points) const {
     std::vector<double> misses;
     for (const StrokePair& pair : pairs_) misses.push_back(miss_m(pair, points));
     return misses;
@@ -209,8 +209,8 @@ class SelfCalibration {
       linear.misses(k) = gains(k) * misses[static_cast<std::size_t>(k)];
     }
     for (std::size_t i = 0; i < x_.size(); ++i) {
-      const std::vector<double> above = misses_of(assembled(moved(i, kDifference)));
-      const std::vector<double> below = misses_of(assembled(moved(i, -kDifference)));
+      const std::vector<double> above = compute_misses(assembled(moved(i, kDifference)));
+      const std::vector<double> below = compute_misses(assembled(moved(i, -kDifference)));
       for (Eigen::Index k = 0; k < rows; ++k) {
         const auto row = static_cast<std::size_t>(k);
         linear.jacobian(k, static_cast<Eigen::Index>(i)) = gains(k) * (above[row] - below[row]) / (2.0 * kDifference);
@@ -260,9 +260,9 @@ class SelfCalibration {
     const Setup found = setup_at(start_, parameters_, x_);
     result_.model = found.model;
     result_.model.encoder.zero_rad = wrap_angle(found.model.encoder.zero_rad);
-    result_.median_miss_m = median_size(misses_of(assembled(x_)));
+    result_.median_miss_m = median_size(compute_misses(assembled(x_)));
     result_.pairs = static_cast<std::uint32_t>(pairs_.size());
-    const Observability seen = observability_of(linear_.jacobian, parameters_);
+    const Observability seen = compute_observability(linear_.jacobian, parameters_);
     result_.parameters = described(parameters_, x_, seen);
     result_.singular_values = {seen.singular_values.data(), seen.singular_values.data() + seen.singular_values.size()};
     result_.weak = weak_combinations(found, parameters_, seen);

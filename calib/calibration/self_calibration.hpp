@@ -22,7 +22,7 @@ struct SelfCalibrationOptions {
   /// Its bounds and priors, free_lever and free_sensor_angles. The bars are held tighter than before a wall, because
   /// two strokes tell little of them: what moved on a calibrated mount is most likely the encoder's zero.
   CalibrationOptions priors{.bar_prior_m = 0.0003};
-  double first_gate_m = 0.3;  ///< of a pair; halved each round down to last_gate_m
+  double first_gate_m = 0.3;  ///< limit of a pair's miss; halved each round down to last_gate_m
   double last_gate_m = 0.08;
   double sigma_m = 0.01;           ///< least standard deviation of a miss
   std::uint32_t max_pairs = 6000;  ///< spread evenly over the points

@@ -18,7 +18,7 @@ struct Normal {
   Point3 by_tilt = Point3::Zero();
 };
 
-Normal normal_of(const CalibrationSurface& surface) {
+Normal surface_normal(const CalibrationSurface& surface) {
   switch (surface.kind) {
     case SurfaceKind::kFloor:
       return {.along = {0.0, 0.0, -1.0}, .by_tilt = {1.0, 0.0, 0.0}};
@@ -38,7 +38,7 @@ struct Beam {
   Point3 by_yaw;
 };
 
-Beam beam_of(const NoddingMount& mount, double bearing_rad) {
+Beam beam_at(const NoddingMount& mount, double bearing_rad) {
   const auto [sin_bearing, cos_bearing] = sin_cos(bearing_rad);
   const auto [sin_roll, cos_roll] = sin_cos(mount.sensor_roll_rad);
   const auto [sin_yaw, cos_yaw] = sin_cos(mount.sensor_yaw_rad);
@@ -50,7 +50,7 @@ Beam beam_of(const NoddingMount& mount, double bearing_rad) {
 
 double dot(const Point3& a, const Point3& b) { return a.x() * b.x() + a.y() * b.y() + a.z() * b.z(); }
 
-Point3 lever_of(const NoddingMount& mount) { return {mount.lever_forward_m, 0.0, mount.lever_up_m}; }
+Point3 lever_vector(const NoddingMount& mount) { return {mount.lever_forward_m, 0.0, mount.lever_up_m}; }
 
 // A vector of the level frame in the nodding frame, which the elevation turns about the lateral axis.
 Point3 in_nodding_frame(const Point3& v, const SinCos<double>& elevation) {
@@ -94,10 +94,10 @@ std::optional<SurfaceMiss> surface_miss(const SweepModel& model, const Calibrati
   if (!elevation || !by_bar || !rate) return std::nullopt;
 
   const SinCos<double> turn = sin_cos(*elevation);
-  const Normal normal = normal_of(surface);
-  const Beam beam = beam_of(model.mount, observation.bearing_rad);
+  const Normal normal = surface_normal(surface);
+  const Beam beam = beam_at(model.mount, observation.bearing_rad);
   const Point3 seen_normal = in_nodding_frame(normal.along, turn);
-  const Point3 point = observation.range_m * beam.along + lever_of(model.mount);
+  const Point3 point = observation.range_m * beam.along + lever_vector(model.mount);
 
   SurfaceMiss result = elevation_part(*elevation, model.elevation_sign, *by_bar, *rate);
   result.miss_m = dot(seen_normal, point) - surface.distance_m;
@@ -115,23 +115,24 @@ std::optional<SurfaceMiss> surface_miss(const SweepModel& model, const Calibrati
 
 std::optional<double> surface_range_m(const NoddingMount& mount, const CalibrationSurface& surface,
                                       double elevation_rad, double bearing_rad) {
-  const Point3 normal = in_nodding_frame(normal_of(surface).along, sin_cos(elevation_rad));
-  const double incidence = dot(normal, beam_of(mount, bearing_rad).along);
-  const double gap_m = surface.distance_m - dot(normal, lever_of(mount));
+  const Point3 normal = in_nodding_frame(surface_normal(surface).along, sin_cos(elevation_rad));
+  const double incidence = dot(normal, beam_at(mount, bearing_rad).along);
+  const double gap_m = surface.distance_m - dot(normal, lever_vector(mount));
   if (incidence < kGrazingIncidence || gap_m <= 0.0) return std::nullopt;
   return gap_m / incidence;
 }
 
 double surface_incidence(const NoddingMount& mount, const CalibrationSurface& surface, double elevation_rad,
                          double bearing_rad) {
-  return dot(in_nodding_frame(normal_of(surface).along, sin_cos(elevation_rad)), beam_of(mount, bearing_rad).along);
+  return dot(in_nodding_frame(surface_normal(surface).along, sin_cos(elevation_rad)),
+             beam_at(mount, bearing_rad).along);
 }
 
 // The miss is A cos(theta) + B sin(theta) + C - d, which is 0 at atan2(B, A) plus or minus an arc cosine.
 double measured_elevation_rad(const NoddingMount& mount, const CalibrationSurface& surface,
                               const RangeObservation& observation, double near_rad) {
-  const Point3 normal = normal_of(surface).along;
-  const Point3 point = observation.range_m * beam_of(mount, observation.bearing_rad).along + lever_of(mount);
+  const Point3 normal = surface_normal(surface).along;
+  const Point3 point = observation.range_m * beam_at(mount, observation.bearing_rad).along + lever_vector(mount);
   const double a = normal.x() * point.x() + normal.z() * point.z();
   const double b = normal.z() * point.x() - normal.x() * point.z();
   const double c = surface.distance_m - normal.y() * point.y();
@@ -144,9 +145,10 @@ double measured_elevation_rad(const NoddingMount& mount, const CalibrationSurfac
 
 namespace {
 
-// Of the surface that the model expects the observation to meet first, which it is given; none where it meets none.
-std::optional<double> miss_of_first(const SweepModel& model, const std::vector<CalibrationSurface>& surfaces,
-                                    RangeObservation& seen) {
+// The miss from the surface that the model expects the observation to meet first, which is assigned to it; empty if it
+// meets none.
+std::optional<double> first_miss(const SweepModel& model, const std::vector<CalibrationSurface>& surfaces,
+                                 RangeObservation& seen) {
   const std::optional<double> elevation = elevation_rad(model, crank_rad(model.encoder, seen.ticks));
   if (!elevation) return std::nullopt;
   const std::optional<std::uint32_t> first = first_surface(model, surfaces, *elevation, seen.bearing_rad);
@@ -161,7 +163,7 @@ std::optional<double> miss_of_first(const SweepModel& model, const std::vector<C
 std::size_t assign_surfaces(const SweepModel& model, const std::vector<CalibrationSurface>& surfaces, double gate_m,
                             std::vector<RangeObservation>& observations) {
   const auto is_off = [&](RangeObservation& seen) {
-    const std::optional<double> miss_m = miss_of_first(model, surfaces, seen);
+    const std::optional<double> miss_m = first_miss(model, surfaces, seen);
     return !miss_m || !(*miss_m <= gate_m);
   };
   return std::erase_if(observations, is_off);
@@ -172,7 +174,7 @@ double mean_miss_m(const SweepModel& model, const std::vector<CalibrationSurface
   if (observations.empty()) return 0.0;
   double sum_m = 0.0;
   for (RangeObservation seen : observations) {
-    const std::optional<double> miss_m = miss_of_first(model, surfaces, seen);
+    const std::optional<double> miss_m = first_miss(model, surfaces, seen);
     sum_m += miss_m && *miss_m < most_m ? *miss_m : most_m;
   }
   return sum_m / static_cast<double>(observations.size());

@@ -12,7 +12,7 @@ namespace gdtslam::calib {
 namespace {
 
 constexpr double kMostlyOne = 0.99;   // squared share of a direction that is in a space, or of one parameter
-constexpr double kWorthNaming = 0.2;  // of the largest weight
+constexpr double kWorthNaming = 0.2;  // share of the largest weight
 constexpr double kAliased = 0.1;      // share of an effect that the parameters cannot copy
 
 // With its sign; `digits` decimals, or digits in all with chars_format::general.
@@ -75,7 +75,8 @@ bool contains(const Eigen::MatrixXd& space, const Eigen::VectorXd& direction) {
   return space.cols() > 0 && (space.transpose() * direction).squaredNorm() > kMostlyOne;
 }
 
-// What nothing holds: any basis of it is as good as another, so the directions that have a name come first.
+// Describes the directions that no data hold. Any basis of them is as good as another, so directions with a name come
+// first.
 void describe_free(Eigen::MatrixXd space, const Setup& setup, std::span<const Parameter> parameters,
                    std::vector<WeakCombination>& found) {
   const Eigen::VectorXd scale = scale_direction(setup, parameters);
@@ -109,7 +110,7 @@ std::string shift_text(double shift, const Parameter& parameter) {
   return parameter.name + " " + signed_text(shown, std::chars_format::general, 2) + (is_length ? " mm" : " deg");
 }
 
-// What the fit would make of it: the shifts that matter, and whether the misses would show it.
+// Says how the fit would read the assumption: the shifts that matter, and whether the misses would show it.
 std::string remark_on(const Assumption& assumption, std::span<const Parameter> parameters, const Observability& seen) {
   const Eigen::VectorXd shift = -(seen.covariance * (seen.jacobian.transpose() * assumption.effect));
   const double left_over = (assumption.effect + seen.jacobian * shift).norm() / assumption.effect.norm();
@@ -158,7 +159,7 @@ std::vector<std::string> alias_remarks(const Setup& setup, std::span<const Param
          Eigen::VectorXd::Zero(eigen_index(count))});
   }
   for (std::size_t row = 0; row < count; ++row) {
-    const double gain = seen.gains(eigen_index(row));  // as the misses counted
+    const double gain = seen.gains(eigen_index(row));  // the weight that the misses had
     bias.effect(eigen_index(row)) = gain * 0.001 * misses->list[row].incidence;
     tilts[fit.used[row].observation.surface].effect(eigen_index(row)) =
         gain * rad_from_deg(0.1) * misses->list[row].by_tilt;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "dead_point.hpp"
+#include "design_shape.hpp"
 #include "engine/core/elementary.hpp"
 #include "four_bar_text.hpp"
 #include "gdtslam/core/angle.hpp"
@@ -16,7 +16,7 @@ namespace {
 constexpr int kRateSamples = 720;
 /// Halvings of a sample step, to below the rounding of an angle.
 constexpr int kHalvings = 48;
-/// Of a turn: strokes that differ by less are equal, and which way the crank turns does not matter.
+/// Share of a turn: strokes that differ by less are equal, and which way the crank turns does not matter.
 constexpr double kEqualStrokes = 1e-9;
 constexpr double kNearChangePoint = 0.02;
 constexpr double kSensitiveRate = 2.0;
@@ -71,6 +71,18 @@ void require_crank_rocker(const FourBar& bars) {
 }
 
 }  // namespace
+
+// The rocker's limits lie where crank and coupler are in line: stretched, the rocker's end is coupler + crank away
+// from the crank's pivot, folded coupler - crank. Seen in the triangle of the two pivots and the rocker's end.
+DeadPoint dead_point(const FourBar& bars, Assembly assembly, bool is_stretched) {
+  const double reach = is_stretched ? bars.coupler_m + bars.crank_m : bars.coupler_m - bars.crank_m;
+  const double x =
+      (reach * reach + bars.ground_m * bars.ground_m - bars.rocker_m * bars.rocker_m) / (2.0 * bars.ground_m);
+  const double height = std::sqrt(std::max(0.0, (reach - x) * (reach + x)));
+  const double y = assembly == Assembly::kOpen ? height : -height;
+  const double crank_rad = is_stretched ? atan2(y, x) : atan2(-y, -x);
+  return {.crank_rad = crank_rad, .rocker_rad = atan2(y, x - bars.ground_m)};
+}
 
 std::string inequality_text(const FourBar& bars) {
   const GrashofInequality sums = grashof_inequality(bars);

@@ -24,7 +24,7 @@ struct Reading {
 /// A, B and C.
 constexpr std::array<Reading, 3> kReadings{{{2, 4, 5, 3}, {2, 4, 5, 6}, {2, 4, 6, 5}}};
 
-FourBar bars_of(const Reading& reading, bool is_calibrated) {
+FourBar read_bars(const Reading& reading, bool is_calibrated) {
   const auto length_m = [&](std::size_t number) {
     return (kNominal_um.at(number - 1) + (is_calibrated ? kDelta_um.at(number - 1) : 0)) / kMicrometres;
   };
@@ -38,13 +38,13 @@ FourBar bars_of(const Reading& reading, bool is_calibrated) {
 
 const std::vector<LinkagePreset>& linkage_presets() {
   static const std::vector<LinkagePreset> presets = {
-      {"paper-a", "reading A: bars L2, L4, L5, L3; an even sweep of 49 deg", bars_of(kReadings[0], false)},
-      {"paper-a-calibrated", "reading A with the paper's calibrated lengths", bars_of(kReadings[0], true)},
+      {"paper-a", "reading A: bars L2, L4, L5, L3; an even sweep of 49 deg", read_bars(kReadings[0], false)},
+      {"paper-a-calibrated", "reading A with the paper's calibrated lengths", read_bars(kReadings[0], true)},
       {"paper-b", "reading B, which fits the paper best: bars L2, L4, L5, L6; slow lift by 93 deg, quick return",
-       bars_of(kReadings[1], false)},
-      {"paper-b-calibrated", "reading B with the paper's calibrated lengths", bars_of(kReadings[1], true)},
-      {"paper-c", "reading C: bars L2, L4, L6, L5; an even sweep of 93 deg", bars_of(kReadings[2], false)},
-      {"paper-c-calibrated", "reading C with the paper's calibrated lengths", bars_of(kReadings[2], true)}};
+       read_bars(kReadings[1], false)},
+      {"paper-b-calibrated", "reading B with the paper's calibrated lengths", read_bars(kReadings[1], true)},
+      {"paper-c", "reading C: bars L2, L4, L6, L5; an even sweep of 93 deg", read_bars(kReadings[2], false)},
+      {"paper-c-calibrated", "reading C with the paper's calibrated lengths", read_bars(kReadings[2], true)}};
   return presets;
 }
 
@@ -64,7 +64,7 @@ std::vector<PaperBar> paper_bars(const std::string& model_name) {
   const auto preset = std::find_if(presets.begin(), presets.end(),
                                    [&](const LinkagePreset& known) { return known.name == model_name; });
   if (preset == presets.end()) return {};
-  constexpr std::size_t kPresetsOfReading = 2;  // as drawn, and calibrated
+  constexpr std::size_t kPresetsOfReading = 2;  // one drawn, and one calibrated
   const std::size_t number = static_cast<std::size_t>(preset - presets.begin()) / kPresetsOfReading;
   std::vector<PaperBar> bars(kNominal_um.size());
   for (std::size_t k = 0; k < bars.size(); ++k) bars[k].name = "delta" + std::to_string(k + 1);

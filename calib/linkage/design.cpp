@@ -1,8 +1,12 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <vector>
 
 #include "design_shape.hpp"
-#include "design_spread.hpp"
 #include "four_bar_text.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/angle.hpp"
@@ -17,6 +21,42 @@ constexpr double kLongestUseful = 64.0;
 constexpr int kLengthHalvings = 12;
 /// Angles that the search cannot tell apart.
 constexpr double kEqualAngle_rad = 1e-9;
+
+/// Crank, coupler, rocker and ground as shares of their sum: the same for a linkage and for a larger one of its shape.
+std::array<double, 4> bar_shares(const FourBar& bars) {
+  const double sum = bars.crank_m + bars.coupler_m + bars.rocker_m + bars.ground_m;
+  return {bars.crank_m / sum, bars.coupler_m / sum, bars.rocker_m / sum, bars.ground_m / sum};
+}
+
+/// Distance between the shares of two linkages.
+double shape_distance(const FourBar& a, const FourBar& b) {
+  const std::array<double, 4> of_a = bar_shares(a);
+  const std::array<double, 4> of_b = bar_shares(b);
+  double sum = 0.0;
+  for (std::size_t k = 0; k < of_a.size(); ++k) sum += (of_a[k] - of_b[k]) * (of_a[k] - of_b[k]);
+  return std::sqrt(sum);
+}
+
+/// Shapes nearer to each other count as one: half a percent of the sum of the bars.
+constexpr double kSameShape = 0.005;
+
+/// Farthest-point sampling [Gonzalez1985]: the first shape, and then at each turn the one that is farthest from all
+/// that were taken, the first of equals. So no shape is farther from the taken ones than these are from each other.
+/// Fewer than `count` where the others are nearer than kSameShape. O(count x shapes).
+std::vector<FourBar> spread_shapes(std::span<const FourBar> shapes, std::size_t count) {
+  std::vector<FourBar> taken;
+  if (shapes.empty()) return taken;
+  std::vector<double> nearest(shapes.size(), std::numeric_limits<double>::infinity());
+  std::size_t next = 0;
+  while (taken.size() < count && nearest[next] >= kSameShape) {
+    taken.push_back(shapes[next]);
+    for (std::size_t k = 0; k < shapes.size(); ++k) {
+      nearest[k] = std::min(nearest[k], shape_distance(shapes[k], taken.back()));
+    }
+    next = static_cast<std::size_t>(std::max_element(nearest.begin(), nearest.end()) - nearest.begin());
+  }
+  return taken;
+}
 
 struct Reached {
   FourBar bars;
@@ -79,7 +119,7 @@ void require_sound(const DesignGoal& goal) {
               cm_text(goal.least_crank_m) + " cm");
 }
 
-/// What no lengths can give, with the swing alone at fault.
+/// Refuses a goal that no lengths can meet because of the swing alone.
 void require_possible(const DesignGoal& goal) {
   const double most_rad = 0.5 * (kPi - goal.swing_rad);
   require(goal.min_transmission_rad < most_rad,

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "dead_point.hpp"
 #include "engine/core/elementary.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/angle.hpp"
@@ -21,7 +20,7 @@ constexpr double kNoShape = 2.0;
 /// The construction also gives linkages whose rocker crosses the ground line between its ends; their swing is another.
 constexpr double kSameSwing_rad = 1e-6;
 
-/// What a shape is made of. The crank's pivot lies on the side of the rocker's pivot of the line through the rocker's
+/// The parameters of a shape. The crank's pivot lies on the side of the rocker's pivot of the line through the rocker's
 /// outermost ends; on the other side there are crank-rockers too, which transmit worse.
 struct ShapeChoice {
   double swing_rad = 0.0;
@@ -107,7 +106,7 @@ Candidate least_over(const Range& range, int samples, const Function& at) {
   return best;
 }
 
-Candidate candidate_of(const ShapeChoice& choice, double longest) {
+Candidate make_candidate(const ShapeChoice& choice, double longest) {
   const std::optional<FourBar> bars = shape(choice);
   if (!bars || bars->rocker_m > longest || bars->ground_m > longest) {
     return {};
@@ -118,8 +117,8 @@ Candidate candidate_of(const ShapeChoice& choice, double longest) {
 Candidate best_coupler(const ShapeLimits& limits, double imbalance_rad) {
   // Even in the inverse: what happens to the angle with long couplers happens slowly.
   const auto at_inverse = [&](double inverse) {
-    return candidate_of({.swing_rad = limits.swing_rad, .imbalance_rad = imbalance_rad, .coupler = 1.0 / inverse},
-                        limits.longest);
+    return make_candidate({.swing_rad = limits.swing_rad, .imbalance_rad = imbalance_rad, .coupler = 1.0 / inverse},
+                          limits.longest);
   };
   return least_over({1.0 / limits.longest, 1.0}, kCouplerSamples, at_inverse);
 }
@@ -150,7 +149,7 @@ void add_grid(const ShapeLimits& limits, const Range& imbalances, const Range& i
         imbalances.from + (rows > 0 ? (imbalances.to - imbalances.from) * i / static_cast<double>(rows) : 0.0);
     for (int k = 0; k <= kCouplerSamples; ++k) {
       const double inverse = inverses.from + (inverses.to - inverses.from) * k / kCouplerSamples;
-      const Candidate candidate = candidate_of(
+      const Candidate candidate = make_candidate(
           {.swing_rad = limits.swing_rad, .imbalance_rad = imbalance_rad, .coupler = 1.0 / inverse}, limits.longest);
       if (!(candidate.cosine <= most_cosine)) continue;
       all.shapes.push_back(candidate.bars);

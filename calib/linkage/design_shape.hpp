@@ -11,6 +11,10 @@
 
 namespace gdtslam::calib {
 
+/// The place at which the rocker of a crank-rocker turns back, with crank and coupler stretched or folded over each
+/// other.
+DeadPoint dead_point(const FourBar& bars, Assembly assembly, bool is_stretched);
+
 struct ShapeLimits {
   double swing_rad = 0.0;
   /// The slow stroke takes pi + imbalance of the turn, 0 to pi; nothing: any.

@@ -11,10 +11,10 @@ namespace {
 
 /// Rounding leaves a loop that just closes this far outside of its domain, as a share of the squared size.
 constexpr double kDomainSlack = 1e-12;
-/// Where the sine of the transmission angle is below this, the rates are lost in rounding.
+/// Below this sine of the transmission angle the rates are lost in rounding.
 constexpr double kLeastSine = 1e-7;
 
-double size_of(const FourBar& bars) { return bars.crank_m + bars.coupler_m + bars.rocker_m + bars.ground_m; }
+double bar_sum(const FourBar& bars) { return bars.crank_m + bars.coupler_m + bars.rocker_m + bars.ground_m; }
 
 /// The loop at one crank angle: unit vectors along the bars and the sine of the angle from coupler to rocker.
 struct Loop {
@@ -35,7 +35,7 @@ std::optional<Loop> close_loop(const FourBar& bars, Assembly assembly, double cr
   const double shortest = bars.coupler_m - bars.rocker_m;
   const double room_outside = longest * longest - sq_diagonal;
   const double room_inside = sq_diagonal - shortest * shortest;
-  const double slack = kDomainSlack * size_of(bars) * size_of(bars);
+  const double slack = kDomainSlack * bar_sum(bars) * bar_sum(bars);
   if (!(room_outside >= -slack && room_inside >= -slack && sq_diagonal > slack)) {
     return std::nullopt;  // also for lengths and angles that are not finite
   }
@@ -59,7 +59,7 @@ std::optional<Loop> close_loop(const FourBar& bars, Assembly assembly, double cr
 double cross(const Point2& a, const Point2& b) { return a.x() * b.y() - a.y() * b.x(); }
 double dot(const Point2& a, const Point2& b) { return a.x() * b.x() + a.y() * b.y(); }
 
-/// Nothing where the rocker's angle has no derivative.
+/// Empty if the rocker's angle has no derivative.
 std::optional<Loop> smooth_loop(const FourBar& bars, Assembly assembly, double crank_rad) {
   std::optional<Loop> loop = close_loop(bars, assembly, crank_rad);
   return loop && std::fabs(loop->sine) >= kLeastSine ? loop : std::nullopt;

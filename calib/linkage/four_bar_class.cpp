@@ -1,15 +1,23 @@
 // Which bars can turn: Grashof's inequality and whether the loop can close at all.
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 
 #include "four_bar_text.hpp"
 #include "gdtslam/calib/four_bar.hpp"
+#include "gdtslam/core/angle.hpp"
 
 namespace gdtslam::calib {
 namespace {
 
-/// Of the sum of all bars: what counts as equal in Grashof's inequality.
+std::string as_text(double value, std::chars_format format, int digits) {
+  std::array<char, 400> buffer{};  // a double in fixed notation has 309 digits before its point
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, format, digits);
+  return std::string(buffer.data(), end.ptr);
+}
+
+/// Share of the sum of all bars that counts as equal in Grashof's inequality.
 constexpr double kChangePointShare = 1e-9;
 
 struct NamedBar {
@@ -22,6 +30,14 @@ std::array<NamedBar, 4> named(const FourBar& bars) {
 }
 
 }  // namespace
+
+std::string number_text(double value, int digits) { return as_text(value, std::chars_format::general, digits); }
+
+std::string cm_text(double length_m) { return number_text(100.0 * length_m); }
+
+std::string angle_text(double angle_rad) {
+  return as_text(deg_from_rad(angle_rad), std::chars_format::fixed, 1) + " deg";
+}
 
 std::vector<std::string> violations(const FourBar& bars) {
   std::vector<std::string> result;

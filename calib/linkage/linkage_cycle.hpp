@@ -20,13 +20,13 @@ struct LinkagePosition {
   double elevation_rad = 0.0;  ///< without jumps by whole turns along the cycle
   LinkagePose pose;
   std::array<Point2, 4> joints;  ///< crank's pivot, crank's end, coupler's end, rocker's pivot
-  Point2 middle;                 ///< of the coupler
+  Point2 middle;                 ///< middle of the coupler
 };
-/// Of length 1.
+/// A vector of length 1.
 Point2 unit_at(double angle_rad);
 /// In the mount, of a place in the frame of four_bar.hpp.
 Point2 place_in_mount(const SweepModel& model, const Point2& place);
-/// Nothing where the loop does not close.
+/// Empty if the loop does not close.
 std::optional<LinkagePosition> position_at(const SweepModel& model, double crank_rad);
 
 class LinkageCycle {
@@ -36,12 +36,12 @@ class LinkageCycle {
 
   [[nodiscard]] const SweepModel& model() const { return model_; }
   [[nodiscard]] GrashofClass grashof() const { return grashof_; }
-  /// Of a crank-rocker.
+  /// Empty unless it is a crank-rocker.
   [[nodiscard]] const std::optional<CrankRockerReport>& report() const { return report_; }
   [[nodiscard]] double from_rad() const { return from_rad_; }
   [[nodiscard]] double span_rad() const { return span_rad_; }  ///< signed
   [[nodiscard]] bool turns_fully() const { return turns_fully_; }
-  /// Of the crank from the lift's begin to its end, at most the span; the span where nothing lifts.
+  /// The crank's turn from the lift's begin to its end, at most the span; the span if nothing lifts.
   [[nodiscard]] double lift_span_rad() const;
   /// Evenly over the span, both ends included; places where the loop does not close are left out.
   [[nodiscard]] const std::vector<LinkagePosition>& positions() const { return positions_; }
@@ -51,14 +51,14 @@ class LinkageCycle {
   [[nodiscard]] const LinkagePosition& begin() const { return begin_; }
   [[nodiscard]] const LinkagePosition& end() const { return end_; }
 
-  /// Of the elevation.
+  /// The lowest elevation.
   [[nodiscard]] double lowest_rad() const { return lowest_rad_; }
   [[nodiscard]] double highest_rad() const { return highest_rad_; }
 
   /// The laser turns with a rocker that turns fully.
   [[nodiscard]] bool sweeps_all_around() const;
 
-  /// Nothing where the loop does not close. The elevation is the one of the cycle.
+  /// Empty if the loop does not close. The elevation is the one of the cycle.
   [[nodiscard]] std::optional<LinkagePosition> at(double crank_rad) const;
   /// The crank after this share of a film: 0 to 1, at 1 as at 0, turning evenly.
   [[nodiscard]] double crank_at(double share) const;

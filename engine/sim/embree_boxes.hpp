@@ -16,7 +16,7 @@ namespace gdtslam::sim {
 // Within kMaxCoordinate_m of the origin and ranges up to twice that, a coordinate is off by at most 6e-5 m, the far end
 // of a ray by 2e-4 m.
 inline constexpr double kBoxPadding_m = 2e-3;
-/// What a query may reach at most.
+/// The farthest that a query may reach.
 inline constexpr double kMaxReach_m = 3.0 * kMaxCoordinate_m;
 
 struct EmbreeRelease {

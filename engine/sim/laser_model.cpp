@@ -38,7 +38,7 @@ LaserModel hokuyo() {
           .mirror_rate_hz = 40.0};
 }
 
-// What vacuum cleaners and small robots have: a whole turn, 5 to 10 times a second.
+// The laser of vacuum cleaners and small robots: a whole turn, 5 to 10 times a second.
 LaserModel lidar_360() {
   return {.first_bearing_rad = rad_from_deg(-180.0),
           .bearing_step_rad = rad_from_deg(1.0),

@@ -24,7 +24,7 @@ struct Straight {
   SpeedProfile profile;
 };
 struct Spin {
-  SpeedProfile profile;  // of the angle's magnitude
+  SpeedProfile profile;  // for the angle's magnitude
   double sign = 1.0;
 };
 struct Rounded {
@@ -44,13 +44,13 @@ struct Segment {
 
 struct Leg {
   double length_m = 0.0;
-  double bearing_rad = 0.0;  // of the motion
-  double heading_rad = 0.0;  // of the robot
+  double bearing_rad = 0.0;  // direction of the motion
+  double heading_rad = 0.0;  // direction of the robot
   double direction = 1.0;
   double speed_m_per_s = 0.0;
 };
 
-/// What happens at a waypoint: how much of the adjoining legs its turn takes, and how fast it may be passed.
+/// The turn at a waypoint: how much of the adjoining legs it takes, and how fast it may be passed.
 struct Joint {
   double cut_m = 0.0;
   double pass_speed_m_per_s = 0.0;  // 0: the robot stops
@@ -109,8 +109,8 @@ Joint joint_at(const Waypoint& waypoint, const Leg& before, const Leg& after, co
 }
 
 // Joint i stands at waypoint i; the first and the last are stops.
-std::vector<Joint> joints_of(const std::vector<Waypoint>& waypoints, const std::vector<Leg>& legs,
-                             const MotionLimits& limits) {
+std::vector<Joint> make_joints(const std::vector<Waypoint>& waypoints, const std::vector<Leg>& legs,
+                               const MotionLimits& limits) {
   std::vector<Joint> joints;
   for (std::size_t i = 0; i < waypoints.size(); ++i) {
     const bool is_end = i == 0 || i + 1 == waypoints.size();
@@ -240,7 +240,7 @@ Builder built(const std::vector<Waypoint>& waypoints, const MotionLimits& limits
     builder.stand(waypoints.front().pause_s);
     return builder;
   }
-  std::vector<Joint> joints = joints_of(waypoints, legs, limits);
+  std::vector<Joint> joints = make_joints(waypoints, legs, limits);
   respect_acceleration(legs, joints, limits.acceleration_m_per_s2);
   Builder builder(start_of_straight(waypoints.front(), joints.front(), legs.front()), limits);
   for (std::size_t i = 0; i < legs.size(); ++i) {

@@ -1,4 +1,4 @@
-// What the motion along waypoints is made of: speeds that rise, stay and fall, and turns. Constant time.
+// Parts of the motion along waypoints: speeds that rise, stay and fall, and turns. Constant time.
 #pragma once
 
 #include <algorithm>

@@ -11,7 +11,7 @@
 namespace gdtslam::sim {
 namespace {
 
-// What a ray has met so far. The context comes first, so that Embree's pointer to it is one to the whole.
+// The hits of a ray so far. The context comes first, so that Embree's pointer to it is one to the whole.
 struct Search {
   RTCIntersectContext context;
   const TriangleMesh* mesh = nullptr;

@@ -97,7 +97,7 @@ void add_slabs(TriangleMesh& mesh, const Scene& scene) {
   }
 }
 
-// What a mesh holds is looked at with all vertices, see check_finished().
+// The content of a mesh is checked with all vertices, see check_finished().
 std::vector<std::string> validate(const TriangleMesh& /*mesh*/) { return {}; }
 
 // Adds the parts one after the other; refuses one that cannot be built, and too many triangles.

@@ -64,8 +64,8 @@ class Robot {
   Pose2 T_odom_base_;
 };
 
-ScanRecord record_of(const SimulationConfig& config, double stamp_s, std::vector<float> ranges_m,
-                     const Pose2& T_odom_base) {
+ScanRecord make_record(const SimulationConfig& config, double stamp_s, std::vector<float> ranges_m,
+                       const Pose2& T_odom_base) {
   ScanRecord record;
   record.scan.stamp_s = stamp_s;
   record.scan.first_bearing_rad = config.laser.first_bearing_rad;
@@ -180,8 +180,8 @@ class Run {
     Random random = laser_random_.split(scans_.count);
     std::vector<float> ranges_m = measured_ranges(config_.laser, beams, random);
     count_beams(config_.laser, ranges_m, summary_);
-    sink_.scan({record_of(config_, now_s, std::move(ranges_m), robot_.T_odom_base()), base_pose(config_.wheels, state),
-                course_ != nullptr ? course_->elevation_rad(now_s) : 0.0,
+    sink_.scan({make_record(config_, now_s, std::move(ranges_m), robot_.T_odom_base()),
+                base_pose(config_.wheels, state), course_ != nullptr ? course_->elevation_rad(now_s) : 0.0,
                 course_ != nullptr ? course_->crank_turns(now_s) : 0.0, std::move(beams), course_});
     summary_.scans = ++scans_.count;
     summary_.is_whole = sink_.keep_on(plan_.duration_s() > 0.0 ? now_s / plan_.duration_s() : 1.0);

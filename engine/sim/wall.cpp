@@ -42,7 +42,7 @@ double leg_length(const Wall& wall, std::size_t index) {
   return std::sqrt(along.x() * along.x() + along.y() * along.y());
 }
 
-WallLeg leg_of(const Wall& wall, std::size_t index) {
+WallLeg leg_at(const Wall& wall, std::size_t index) {
   const Point2& from = wall.points_m[index];
   const Point2 along = wall.points_m[(index + 1) % wall.points_m.size()] - from;
   const double half_m = 0.5 * wall.thickness_m;
@@ -55,7 +55,7 @@ WallLeg leg_of(const Wall& wall, std::size_t index) {
 }
 
 // The part of the leg between two distances along it.
-Box piece_of(const Wall& wall, const WallLeg& leg, double from_m, double to_m, double base_m, double height_m) {
+Box make_piece(const Wall& wall, const WallLeg& leg, double from_m, double to_m, double base_m, double height_m) {
   return {.centre_m = leg.T_map_leg * Point2(0.5 * (from_m + to_m), 0.0),
           .size_m = {to_m - from_m, wall.thickness_m},
           .yaw_rad = leg.T_map_leg.theta_rad,
@@ -63,7 +63,7 @@ Box piece_of(const Wall& wall, const WallLeg& leg, double from_m, double to_m, d
           .height_m = height_m};
 }
 
-Box leaf_of(const Wall& wall, const WallLeg& leg, const Door& door, const DoorLeaf& leaf) {
+Box make_leaf(const Wall& wall, const WallLeg& leg, const Door& door, const DoorLeaf& leaf) {
   const double hinge_m = leaf.hinge_at_far ? door.from_m + door.width_m : door.from_m;
   const double closed_rad = leaf.hinge_at_far ? kPi : 0.0;
   const double opening_rad = leaf.hinge_at_far ? -leaf.angle_rad : leaf.angle_rad;
@@ -90,27 +90,27 @@ std::span<const Door> doors_of_leg(const std::vector<Door>& in_order, std::size_
 }
 
 void add_leg(std::vector<Box>& boxes, const Wall& wall, std::size_t index, std::span<const Door> doors) {
-  const WallLeg leg = leg_of(wall, index);
+  const WallLeg leg = leg_at(wall, index);
   double from_m = -leg.lead_in_m;
   for (const Door& door : doors) {
     if (door.from_m > from_m) {
-      boxes.push_back(piece_of(wall, leg, from_m, door.from_m, wall.base_m, wall.height_m));
+      boxes.push_back(make_piece(wall, leg, from_m, door.from_m, wall.base_m, wall.height_m));
     }
     from_m = door.from_m + door.width_m;
     if (door.height_m < wall.height_m) {
       boxes.push_back(
-          piece_of(wall, leg, door.from_m, from_m, wall.base_m + door.height_m, wall.height_m - door.height_m));
+          make_piece(wall, leg, door.from_m, from_m, wall.base_m + door.height_m, wall.height_m - door.height_m));
     }
     if (door.sill_m > 0.0) {
-      boxes.push_back(piece_of(wall, leg, door.from_m, from_m, wall.base_m, std::min(door.sill_m, wall.height_m)));
+      boxes.push_back(make_piece(wall, leg, door.from_m, from_m, wall.base_m, std::min(door.sill_m, wall.height_m)));
     }
     if (door.leaf) {
-      boxes.push_back(leaf_of(wall, leg, door, *door.leaf));
+      boxes.push_back(make_leaf(wall, leg, door, *door.leaf));
     }
   }
   const double to_m = leg.length_m + leg.lead_out_m;
   if (to_m > from_m) {
-    boxes.push_back(piece_of(wall, leg, from_m, to_m, wall.base_m, wall.height_m));
+    boxes.push_back(make_piece(wall, leg, from_m, to_m, wall.base_m, wall.height_m));
   }
 }
 

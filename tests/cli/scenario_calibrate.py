@@ -7,7 +7,7 @@ import re
 
 import cli_support as cli
 from cli_support import command, expect, expect_exit, one_error_line
-from nodding_log import SCENE, Drive, kind_of, stamp_of, with_stamp
+from nodding_log import SCENE, Drive, kind_of, stamp_of
 
 TRUE = """gdtslam_linkage: 1
 name: mount
@@ -115,21 +115,6 @@ def calibrate_needs_a_robot_that_stands():
     expect("1.00 m" in refused(linkage, 65, drive.folder / "moving.jsonl"), "the way is not told")
 
 
-def calibrate_option_mistakes():
-    """Options that would do nothing or nail a guess are refused, and before a log is read: there is none."""
-    folder = cli.fresh_folder("calibrate_options")
-    log, linkage = folder / "missing.log", folder / "linkage.yaml"
-    for arguments, words in ((["--known-distances"], "wall=DISTANCE"),
-                             (["--known-distances", "--surfaces", "wall=2m,ceiling"], "ceiling=DISTANCE"),
-                             (["--surfaces", "fence"], "wall, floor and ceiling"),
-                             (["--free-headings"], "--sector"), (["--free-angles"], "--sector"),
-                             (["--free-angles", "--sector", "0deg"], "--sector"),
-                             (["--sigma", "0"], "--sigma: 0 is not above 0 and below 1 m")):
-        said = refused(linkage, 2, log, *arguments)
-        expect(words in said, f"{arguments}: {said!r}")
-    refused(linkage, 74, log, "--known-distances", "--surfaces", "wall=2m")
-
-
 def calibrate_tells_faults_of_the_encoder():
     """Messages missing, stamps twice: warnings in text and JSON. A jump without an index mark: an error that says when."""
     folder = cli.fresh_folder("calibrate_faults")
@@ -185,35 +170,6 @@ def calibrate_searches_the_zero():
         error = (zero["estimate"] - math.radians(40.0) + math.pi) % (2.0 * math.pi) - math.pi
         expect(abs(error) < 4.0 * zero["sigma"] + 1e-3, f"{off} deg: off by {error}, sigma {zero['sigma']}")
         expect(result["distrust"] is None and result["all_rms"] < 2.0, f"{off} deg: {result['all_rms']}")
-
-
-def calibrate_bears_one_stamp_far_ahead():
-    """One scan whose stamp is ten seconds ahead costs that scan; messages of a crank that come once a second are named."""
-    folder = cli.fresh_folder("calibrate_ahead")
-    log, linkage = wall_log(folder), folder / "linkage.yaml"
-    lines = log.read_text().splitlines()
-    scans = [k for k, line in enumerate(lines) if kind_of(line) == "ROBOTLASER1"]
-    ahead = list(lines)
-    ahead[scans[400]] = with_stamp(ahead[scans[400]], stamp_of(ahead[scans[400]]) + 10.0)
-    wild = folder / "wild.log"
-    wild.write_text("\n".join(ahead) + "\n")
-    process = command("calibrate", wild, "-o", linkage, "--start", "paper-b", "--json")
-    expect_exit(process, 0)
-    warnings = {entry["kind"]: entry["count"] for entry in json.loads(process.stdout)["warnings"]}
-    expect(warnings.get("scans without the crank's position", 0) <= 1, f"the warnings are {warnings}")
-    linkage.unlink()
-    rare = folder / "rare.log"
-    told, last = [], -1.0
-    for line in lines:
-        if kind_of(line) == "ENCODER":
-            if stamp_of(line) < last + 1.0:
-                continue
-            last = stamp_of(line)
-            line = with_stamp(line, last + 0.0031)  # between two scans
-        told.append(line)
-    rare.write_text("\n".join(told) + "\n")
-    said = refused(linkage, 65, rare, "--start", "paper-b")
-    expect("messages of the encoder are more than 0.25 s apart" in said, said)
 
 
 def calibrate_from_two_drives():

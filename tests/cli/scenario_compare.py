@@ -4,7 +4,7 @@ import csv
 import json
 import xml.etree.ElementTree as ElementTree
 
-from cli_support import LOG, RUN, TRUTH, command, expect, expect_exit, fresh_folder, validate
+from cli_support import LOG, command, expect, expect_exit, fresh_folder, validate
 
 METHODS = ("simplex", "gauss-newton", "sce", "certified")
 QUICK = ("--first", 200, "--scans", 12, "--matchers", ",".join(METHODS), "--starts-at", "2cm/0.5deg,40cm/10deg")
@@ -58,27 +58,3 @@ def compare_is_the_same_for_a_seed():
     without_times = lambda rows: [{key: value for key, value in row.items() if key != "time_us"} for row in rows]
     expect(without_times(trials) == without_times(same), "the trials of two runs differ")
     expect(without_times(trials) != without_times(moved), "the seed moves no start")
-
-
-def compare_maps_against_the_truth():
-    """Table 2: whole runs against the simulated truth."""
-    process = command("compare", LOG, *QUICK, "--reference", TRUTH, timeout=250)
-    expect_exit(process, 0)
-    whole = command("compare", LOG, *QUICK, "--reference", RUN, "--json", timeout=250)
-    expect_exit(whole, 0)
-    validate(whole.stdout, "compare")
-    expect(json.loads(whole.stdout)["whole_runs"]["metric"] == "ate", whole.stdout)
-    expect("Table 2: whole runs against the reference (ATE)" in process.stdout, process.stdout)
-    rows = [line.split() for line in process.stdout.split("Table 2")[1].splitlines() if line.split()[:1] and line.split()[0] in METHODS]
-    expect([row[0] for row in rows][:3] == ["simplex", "gauss-newton", "sce"], f"rows {rows}")
-    for row in rows:
-        expect(float(row[2]) < 5.0, f"a mean error of more than 5 cm: {row}")
-
-
-def compare_needs_a_level_laser():
-    """The scans of a nodding laser cannot be compared as they are: one line that says so."""
-    folder = fresh_folder("compare_nodding")
-    expect_exit(command("simulate", "three-boxes", "-o", folder / "boxes.log", "--rate", 2, "-q"), 0)
-    process = command("compare", folder / "boxes.log")
-    expect_exit(process, 65)
-    expect(process.stderr.count("\n") == 1 and "its laser nods" in process.stderr, process.stderr)

@@ -12,7 +12,7 @@ import time
 
 import cli_support as cli
 from cli_support import (LOG, PROGRAM, SOURCE, command, environment, expect, expect_exit, fresh_folder, mapped, one_error_line,
-                         require_vulkan, results, skip, vulkan_devices)
+                         require_vulkan, results, skip)
 
 NO_DRIVER = {"VK_DRIVER_FILES": "/dev/null/none", "VK_ICD_FILENAMES": "/dev/null/none", "VK_ADD_DRIVER_FILES": None}
 SAMPLE = SOURCE / "assets/logs/office-start.log.gz"
@@ -193,32 +193,6 @@ def verify_finds_results_that_are_not_as_shipped():
     last = process.stdout.splitlines()[-1]
     expect(last.startswith("FAIL: ") and "difference" in last, last)
     expect(last.startswith("FAIL: ") and int(last.split()[1]) >= 1, last)
-
-
-def verify_needs_its_files():
-    """A sample log or expected results that are missing, damaged or of another log: one line each."""
-    for damage, code, words in (("log", 74, "office-start.log.gz: comes with gdtslam but is in none of"),
-                                ("expected", 74, "office-start.json: comes with gdtslam but is in none of"),
-                                ("cut", 65, "is no JSON text; install gdtslam again"),
-                                ("other", 65, "office-start.json: is not of this office-start.log.gz"),
-                                ("format", 65, "office-start.json: is of another format")):
-        folder = copy_of_the_program("its_files")
-        log, expected = folder / "share/gdtslam/logs/office-start.log.gz", folder / "share/gdtslam/expected/office-start.json"
-        if damage == "log":
-            log.unlink()
-        elif damage == "expected":
-            expected.unlink()
-        elif damage == "cut":
-            expected.write_text(expected.read_text()[:100])
-        elif damage == "other":
-            log.write_bytes(gzip.compress(b"# another log\n", mtime=0))
-        else:
-            expected.write_text(expected.read_text().replace('"format": 1', '"format": 2'))
-        process = subprocess.run([folder / "bin/gdtslam", "verify", "logs", "--device", "cpu"], capture_output=True, text=True,
-                                 check=False)
-        expect_exit(process, code)
-        one_error_line(process.stderr)
-        expect(words in process.stderr, process.stderr)
 
 
 def interrupt_of_verify():

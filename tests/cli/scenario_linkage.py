@@ -97,17 +97,6 @@ def linkage_pictures():
     expect(sorted(file.name for file in folder.iterdir()) == ["again.pdf", "b.PDF", "b.png", "b.svg", "old.svg"], "other files")
 
 
-def linkage_pictures_without_a_font():
-    """No font at all: one line that names a package, not a picture without words."""
-    folder = cli.fresh_folder("linkage_pictures_without_a_font")
-    bare = cli.environment_without_fonts(folder)
-    for name in ("b.png", "b.svg"):
-        process = command("linkage", "paper-b", "--picture", folder / name, env=bare)
-        expect_exit(process, 69)
-        cli.one_error_line(process.stderr)
-        expect("fonts-dejavu-core" in process.stderr and not (folder / name).exists(), process.stderr)
-
-
 def linkage_design_is_a_linkage():
     """What --design writes is read again, keeps its bars bit for bit, and is drawn."""
     folder = cli.fresh_folder("linkage_design")

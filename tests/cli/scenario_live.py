@@ -7,7 +7,7 @@ import signal
 import subprocess
 
 import cli_support as cli
-from cli_support import PROGRAM, expect, expect_exit
+from cli_support import LOG, PROGRAM, RUN, expect, expect_exit
 from scenario_continue import expect_same_run, lines_of_drive
 
 FIELDS = ["scan", "stamp_s", "pose", "covariance", "correction", "accepted", "keyframe", "doubt", "mean_distance_m", "overlap",
@@ -89,3 +89,15 @@ def live_sender_that_breaks_off():
         expect(len(process.stdout.splitlines()) == 60, f"{len(process.stdout.splitlines())} lines")
         for name in ("map.pgm", "trajectory.tum", "keyframes.bin.gz", "graph.g2o"):
             expect((folder / "live" / name).read_bytes() == (folder / "map" / name).read_bytes(), f"{name} is another")
+
+
+def live_tells_of_a_laser_that_nods():
+    """It takes the laser for level, and says what does not."""
+    folder = cli.fresh_folder("live_tells_of_a_laser_that_nods")
+    lines = LOG.read_text().splitlines(keepends=True)
+    (folder / "nods.log").write_text("ENCODER 5 0.0 robot 0.0\nENCODER 9 0.1 robot 0.1\n" + "".join(lines))
+    for line in (("-o", folder / "run", "--no-loops"), ("--map", RUN)):
+        for log, nods in ((folder / "nods.log", True), (LOG, False)):
+            process = cli.command("live", log, *line, *(() if "--map" in line else ("--force",)))
+            expect_exit(process, 0)
+            expect(("the laser of this log nods" in process.stderr) == nods, process.stderr)

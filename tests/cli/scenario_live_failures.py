@@ -3,9 +3,7 @@
 import json
 import os
 import pty
-import re
 import resource
-import signal
 import socket
 import struct
 import subprocess
@@ -15,7 +13,6 @@ import cli_support as cli
 from cli_support import LOG, PROGRAM, RUN, expect, expect_exit, one_error_line
 from scenario_continue import expect_same_run, lines_of_drive
 from scenario_live import mapped_by_pipe
-from scenario_live_inputs import ended, started
 
 MAP_FILES = ("map.pgm", "trajectory.tum", "keyframes.bin.gz", "graph.g2o")
 
@@ -106,41 +103,6 @@ def live_input_that_fails_is_mapped():
             expect("the log broke off" in stderr, stderr)
         rows = [line for line in (folder / name / "trajectory.tum").read_text().splitlines() if not line.startswith("#")]
         expect(len(rows) == 60, f"{name}: {len(rows)} poses")
-
-
-def live_asked_twice_at_once():
-    """timeout(1) sends its signal to the process and to the group of it at once, which is one wish to end; two are two."""
-    folder = cli.fresh_folder("live_timeout")
-    lines = lines_of_drive(20)
-    for k in range(2):
-        process = subprocess.Popen([PROGRAM, "live", "-", "-o", folder / f"run-{k}", "-q"], stdin=subprocess.PIPE,
-                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        process.stdin.write("".join(lines))
-        process.stdin.flush()
-        for _ in range(20):
-            process.stdout.readline()
-        process.send_signal(signal.SIGTERM)
-        process.send_signal(signal.SIGTERM)
-        expect(process.wait(60 * cli.SLOWNESS) == 0, process.stderr.read())
-        expect((folder / f"run-{k}/report.json").exists(), "no map")
-
-
-def live_at_ports_that_are_none():
-    """A port beyond 65535, or not written as a number, is none; which one 0 became is told."""
-    folder = cli.fresh_folder("live_ports")
-    for port in ("65536", "999999", "4294967297", " 80", "+80", "80 ", "-1", ""):
-        process = cli.command("live", "--listen", f"tcp:{port}", "-o", folder / "run", "-q")
-        expect_exit(process, 2)
-        one_error_line(process.stderr)
-    process = subprocess.Popen([PROGRAM, "live", "--listen", "tcp:0", "-o", folder / "run", "-q"], stdin=subprocess.DEVNULL,
-                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    told = re.search(r"tcp:127\.0\.0\.1:(\d+)", process.stderr.readline())
-    expect(told, "the port is not told")
-    with socket.create_connection(("127.0.0.1", int(told.group(1))), timeout=20 * cli.SLOWNESS) as sender:
-        sender.sendall("".join(lines_of_drive(5)).encode())
-        expect(process.stdout.readline(), "no pose")
-    process.send_signal(signal.SIGTERM)
-    ended(process)
 
 
 def live_of_a_recording_without_what_was_named():

@@ -1,7 +1,6 @@
 """Runs in 3D from the outside: parts of logs, pipes, interrupts, options of the cloud, a full disk, linkage files that are wrong."""
 
 import math
-import os
 import re
 import signal
 import subprocess
@@ -206,18 +205,12 @@ def nodding_full_disk():
 
 
 def nodding_linkage_mistakes():
-    """A linkage file that is not right, through map and through linkage: one line with file and line, 78, or 74 where it cannot be read."""
+    """A linkage file that is not right, through map and through linkage: 78 and one line with file and line."""
     drive = Drive("nodding_linkage_mistakes")
     text = drive.linkage.read_text()
     mistakes = {
         "missing": (text.replace("  rocker: 8.8 cm\n", ""), "bars.rocker is missing; give its length with its unit"),
-        "metres": (text.replace("3.6 cm", "3.6"), "bars.crank = 3.6 m is longer than 1 m; did you mean 3.6 cm?"),
-        "metres-all": (re.sub(r"([\d.]+) cm", r"\1", text), "m is longer than 1 m; did you mean "),
-        "millimetres": (text.replace("3.6 cm", "0.36 mm"), "bars.crank = 0.00036 m is shorter than 1 mm; "),
-        "angle": (text.replace("3.6 cm", "3.6 deg"), "bars.crank"),
-        "open": (text.replace("ground: 5 cm", "ground: 25 cm"), "25 > 3.6 + 8.5 + 8.8 = 20.9 cm"),
         "unknown": (text.replace("rocker:", "rockr:"), "unknown key 'rockr'; did you mean 'rocker'?"),
-        "version": (text.replace("gdtslam_linkage: 1", "gdtslam_linkage: 7"), "version '7' is not known; this program reads version 1"),
         "binary": ("\x00\x01\x02", ""),
     }
     for name, (content, says) in mistakes.items():
@@ -228,18 +221,6 @@ def nodding_linkage_mistakes():
             one_error_line(process.stderr)
             expect(re.search(rf"/{name}\.yaml:\d+: ", process.stderr) and says in process.stderr, f"{name}: {process.stderr}")
         expect(not (drive.folder / "out").exists(), f"{name}: a folder was left")
-    (drive.folder / "empty.yaml").write_text("")
-    (drive.folder / "folder.yaml").mkdir()
-    (drive.folder / "locked.yaml").write_text(text)
-    (drive.folder / "locked.yaml").chmod(0)
-    codes = {"empty.yaml": 78, "folder.yaml": 74, "nowhere.yaml": 74, "locked.yaml": 74}
-    for name, code in codes.items():
-        if name == "locked.yaml" and os.geteuid() == 0:
-            continue  # to whom nothing is locked
-        for process in (command("map", drive.log, "--linkage", drive.folder / name, "-o", drive.folder / "out"), command("linkage", drive.folder / name)):
-            expect_exit(process, code)
-            one_error_line(process.stderr)
-            expect(name in process.stderr, process.stderr)
     path = drive.write("beside", drive.lines)  # a file beside the log counts as much as one that is named
     (drive.folder / "beside.linkage.yaml").write_text(mistakes["missing"][0])
     process = command("map", path, "-o", drive.folder / "out")

@@ -59,7 +59,6 @@ def outputs_are_no_files_of_a_run():
         refused(folder, OF_RUN, "localize", run, LOG, option, to_run / name)
     refused(folder, OF_RUN, "localize", run, LOG, "--track", "--table", run / "report.json")
     refused(folder, READ, "localize", run / "gdt.yaml", LOG, "--picture", run / "gdt.png")
-    refused(folder, OF_RUN, "compare", LOG, "--reference", run, "--csv", run / "keyframes.bin.gz")
     refused(folder, OF_RUN, "evaluate", run, "--planes", "--csv", run / "cloud.ply")
     refused(folder, OF_RUN, "render", run, "-o", run / "gdt.png")
     refused(folder, OF_RUN, "doctor", "--after", run, "--picture", run / "graph.png")

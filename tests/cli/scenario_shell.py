@@ -60,20 +60,6 @@ def help_fits_the_terminal():
     expect(shown == command("map", "--help", env=cli.environment(COLUMNS="66")).stdout, f"not 66 columns wide: {shown}")
 
 
-def help_groups_the_commands():
-    """Commands stand under headings, each once, and defaults and bounds in one form."""
-    text = command("--help").stdout
-    found = re.findall(r"^([A-Z][a-z ]+):\n((?:  [a-z]+ .*\n(?:    .*\n)*)+)", text, re.MULTILINE)
-    groups = {title: re.findall(r"^  ([a-z]+) ", rows, re.MULTILINE) for title, rows in found if title != "Examples"}
-    expect(groups.get("Map", [])[:2] == ["map", "live"], f"{groups}")
-    expect("evaluate" in groups.get("Measure and calibrate", []) and "doctor" in groups.get("Look", []), f"{groups}")
-    names = [name for rows in groups.values() for name in rows]
-    expect(len(names) == len(set(names)) and {"help", "generate", "verify", "simulate"} <= set(names), f"{names}")
-    rows = re.sub(r"\s+", " ", command("linkage", "--help").stdout)
-    expect("Number of linkages, of different shapes spread over all that meet the goal (default: 1; 1 to 100; with --design)" in rows, rows)
-    expect("Angle that the laser sweeps (default: 90deg; with --design)" in rows, rows)
-
-
 # How a text begins that needs the one before it to be understood.
 TAIL = re.compile(r"(And|Or|Of|With what|Likewise|Instead|Such|So|Also|But|The same|Then|Else|Ditto)\b")
 

@@ -1,7 +1,6 @@
 """Interrupts: the scan in hand is finished and what there is is written."""
 
 import fcntl
-import json
 import os
 import pty
 import re
@@ -159,23 +158,6 @@ def interrupt_before_the_first_scan():
         expect_exit(done, 130)
         one_error_line(done.stderr)
         expect(not folder.exists(), "a folder was left")
-
-
-def interrupt_of_bench():
-    """SIGINT while kernels are measured: exit 130 soon, one line, and the rows measured before."""
-    written = cli.fresh_folder("interrupt_of_bench") / "rows.json"
-    with open(written, "w", encoding="utf-8") as output:  # more than a pipe holds
-        process = subprocess.Popen([cli.program_of("bench"), "bench", "--benchmark_format=json", "--benchmark_repetitions=3"],
-                                   stdout=output, stderr=subprocess.PIPE, text=True)
-        time.sleep(3.0)
-        process.send_signal(signal.SIGINT)
-        start = time.monotonic()
-        done = finish(process)
-    expect_exit(done, 130)
-    one_error_line(done.stderr)
-    rows = [entry for entry in json.loads(written.read_text())["benchmarks"] if "error_message" in entry]
-    expect(rows and all(entry["error_message"] == "interrupted" for entry in rows), f"{rows[:1]}")
-    expect(time.monotonic() - start < 10.0, "it did not end soon")
 
 
 def second_interrupt_ends():

@@ -49,7 +49,6 @@ import scenario_surroundings
 import scenario_tilt3d
 import scenario_tiles
 import scenario_tracking
-import scenario_wrong_inputs
 
 MODULES = (scenario_bad_input, scenario_bags, scenario_bench, scenario_bombs, scenario_calibrate, scenario_changes, scenario_compare, scenario_continue, scenario_convert, scenario_devices,
            scenario_doctor, scenario_edit, scenario_files, scenario_fleet, scenario_hostile_files, scenario_keyframes, scenario_linkage, scenario_live, scenario_live_failures, scenario_live_folder, scenario_live_inputs, scenario_live_page, scenario_localize, scenario_localize_occupancy, scenario_loops,
@@ -58,7 +57,7 @@ MODULES = (scenario_bad_input, scenario_bags, scenario_bench, scenario_bombs, sc
            scenario_nodding_faults, scenario_nodding_runs, scenario_one_thing, scenario_outputs, scenario_printing, scenario_render,
            scenario_render_faults, scenario_render_formats, scenario_render_runs, scenario_results, scenario_same_bytes,
            scenario_shell, scenario_signals, scenario_slurm, scenario_surroundings,
-           scenario_tilt3d, scenario_tiles, scenario_tracking, scenario_wrong_inputs)
+           scenario_tilt3d, scenario_tiles, scenario_tracking)
 
 
 def main():

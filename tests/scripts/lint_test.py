@@ -110,19 +110,6 @@ class Lint(ScriptTest):
         self.assertIn("3 of 4 checked sources pass", done.stdout)
         self.assertRegex(done.stdout, r"--- engine/c.cpp\n.*/engine/c.cpp:1:29: error: use nullptr")
 
-    def test_folders_of_one_target_share_a_batch_unless_their_headers_clash(self):
-        for part in ("part_a", "part_b"):
-            self.source(f"{part}/{part}.cpp", f'#include "{part}.hpp"\nint {part}() {{ return of_{part}; }}\n')
-            (self.work / f"engine/{part}/{part}.hpp").write_text(f"#pragma once\ninline int of_{part} = 1;\n")
-        done = self.lint()
-        self.assertIn("2 to check, in 1 batches\n", done.stdout)
-        self.assertIn("2 of 2 checked sources pass", done.stdout)
-        (self.work / "engine/part_b/part_a.hpp").write_text("#error the wrong one\n")
-        shutil.rmtree(self.work / "build/lint")
-        done = self.lint()
-        self.assertIn("2 to check, in 2 batches\n", done.stdout)
-        self.assertIn("2 of 2 checked sources pass", done.stdout)
-
     def test_a_source_that_does_not_compile_is_named(self):
         self.source("a.cpp", "int first() { return 1; }\n")
         self.source("broken.cpp", "int broken() { return absent; }\n")

@@ -1,7 +1,5 @@
 """The built site in a real browser, from its folder: quiet, nothing from outside, no page wider than a phone, the search.
 
-Of the pages that show a source, which are all made alike, every twentieth is opened.
-
   site_browser_test.py SITE [SCREENSHOTS]    SCREENSHOTS: a folder for pictures of some pages, to look at
 """
 
@@ -21,8 +19,7 @@ SEARCHES = {"truncation": "reference/options.html", "loop_search_maximum_distanc
 
 
 def pages_of(site):
-    sources = sorted((site / "source").rglob("*.html"))
-    return sorted(set(site.rglob("*.html")) - set(sources)) + sources[::20]
+    return sorted(site.rglob("*.html"))
 
 
 def open_page(browser, path, query=""):

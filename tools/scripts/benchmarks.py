@@ -6,7 +6,7 @@
 gdtslam-lab is looked for beside the program.
 
 Without --write the tables are printed. A table stands in the page between the lines '<!-- made: NAME -->' and
-'<!-- made -->'; what is said around it is written by hand. Without a NAME all are made, some six minutes, best
+'<!-- made -->'; what is said around it is written by hand. Without a NAME all are made, some three minutes, best
 while the machine does nothing else. The public logs are looked for in the folder slam2d of --data (default: GDTSLAM_DATA, else
 ../shared/data beside the clone). Two tables of one program tell how much is chance: run it twice.
 """
@@ -84,7 +84,6 @@ class Benchmarks:
     def __init__(self, program, data, folder):
         self.program, self.data, self.folder = program, data, folder
         self.maps = {}
-        self.city = ()
 
     def run(self, *arguments, program=None):
         """What the command prints, with its CPU seconds and the most memory in MB that it had."""
@@ -206,77 +205,6 @@ class Benchmarks:
         rows = [[f"`{row.name}`", row.variant, time_text(row.cpu_s), f"{1e-9 * row.rate:.3g} G {row.unit}s/s", share_of_limit(row, measured)]
                 for row in measured]
         return table(["row", "case", "CPU time", "rate", "of limit"], rows)
-
-    def table_isa(self):
-        rows = {}
-        for isa in ("baseline", "avx2", "avx512"):
-            for row in self.rows("/(pose_cost|pose_simplex|sweep_points|assemble_sweep)/", "--isa", isa):
-                rows.setdefault((row.name, row.variant, row.unit), []).append(1e-6 * row.rate)
-        return table(["row", "case", "SSE2", "AVX2", "AVX-512"],
-                     [[f"`{name}`", variant, *(f"{rate:.0f} M {unit}s/s" for rate in rates)]
-                      for (name, variant, unit), rates in rows.items() if len(rates) == 3])
-
-    def table_certified(self):
-        rows = []
-        measured = self.rows("/certified/(search|lattice)/", "--log", self.log("intel"), repeats=1)
-        lattices = {row.variant: row for row in measured if row.name == "lattice"}
-        for row in measured:
-            if row.name != "search":
-                continue
-            peer, values = lattices[row.variant], row.counters
-            rows.append([f"Intel, {row.variant.replace('+-', '±').replace(' deg', '°')}",
-                         *(time_text(values[key]) for key in ("median_s", "p90_s", "largest_s")),
-                         f"{values['median_boxes']:,.0f}", f"{100.0 * values['proven_share']:.0f} %",
-                         f"{time_text(peer.cpu_s)} ({peer.counters['iterations']} scans)", f"{peer.cpu_s / row.cpu_s:,.0f} ×"])
-        return table(["map, window", "median", "90 %", "largest", "boxes, median", "proven", "lattice, mean", "ratio of means"], rows)
-
-    def table_clouds(self):
-        rows = self.rows("cloud_(write|read|thin)")
-        peers = {row.name: row for row in rows if row.group == "peer"}
-        made = []
-        for row in rows:
-            if row.group != "cloud":
-                continue
-            peer = peers[row.name]
-            made.append([f"`{row.name}`", row.variant, time_text(row.cpu_s), f"{1e-6 * row.rate:.0f} M points/s",
-                         f"`{peer.variant}` {time_text(peer.cpu_s)}", f"{peer.cpu_s / row.cpu_s:.1f} ×"])
-        return table(["row", "case", "CPU time", "rate", "comparison", "as fast"], made)
-
-    def table_city(self):
-        script = ROOT / "tools/scripts/experiments.py"
-        process = subprocess.run([sys.executable, script, "city", self.program, "-o", self.folder / "city", *self.city], capture_output=True,
-                                 text=True, check=False)
-        if process.returncode not in (0, 1) or "|  | measured" not in process.stdout:
-            sys.exit(f"benchmarks.py: {script}: exit {process.returncode}: {process.stderr.strip()}")
-        live = json.loads((self.folder / "city/live.json").read_text())["benchmarks"][0]
-        rows = []
-        for number in range(10):
-            part = {key: live[f"part{number}_{key}"] for key in ("first", "scans", "keyframes", "keyframe_cpu_s", "keyframe_merge_s")}
-            rows.append([f"{part['first']:,.0f} to {part['first'] + part['scans'] - 1:,.0f}", f"{part['keyframes']:,.0f}",
-                         time_text(part["keyframe_cpu_s"]), time_text(part["keyframe_merge_s"])])
-        parts = table(["scans", "keyframes", "a keyframe, CPU", "of that local field and merge"], rows)
-        return parts + "\n\n" + process.stdout[process.stdout.index("|  | measured"):].strip()
-
-    def table_reading(self):
-        rows = {}
-        for row in self.rows("/log/"):
-            rows.setdefault(row.variant, {})[row.name] = row.counters
-        made = []
-        for variant, row in rows.items():
-            read, rate = row["read"], {name: row[name]["bytes_per_second"] for name in ("read", "cat", "alone")}
-            name, packing = variant.split(", ")
-            alone = "crc32" if packing == "none" else packing
-            made.append([name + ("" if packing == "none" else f", {packing}"),
-                         *(f"{1e-6 * read[key]:.1f} MB" for key in ("file_bytes", "bytes")), f"**{1e-6 * rate['read']:,.0f} MB/s**",
-                         f"{1e-6 * rate['cat']:,.0f} MB/s", f"{alone} {1e-6 * rate['alone']:,.0f} MB/s",
-                         f"{rate['alone'] / rate['read']:.1f} ×",
-                         f"{1e-6 * read['peak_bytes']:.0f} MB" if "peak_bytes" in read else ""])
-        return table(["format", "file", "unpacked", "read", "`cat`", "alone", "of that", "memory"], made)
-
-    def table_frames(self):
-        rows = [[row.variant if row.name == "cloud_frame" else "linkage: " + row.variant, time_text(row.cpu_s), time_text(row.wall_s)]
-                for row in self.rows("/viewer/")]
-        return table(["frame", "CPU time", "wall time"], rows)
 
     def machine(self):
         device = self.report("/limit/copy/16 KiB", repeats=1)["context"]["cpu"]

@@ -2,7 +2,7 @@
 """Runs the commands that README.md and the pages of docs/ show and holds what they print against what the pages say.
 
   doc_outputs.py --check [--all] [--program GDTSLAM] [--share K/N] [PAGE...]    compares; 1 where something differs
-  doc_outputs.py --write [--all] [--program GDTSLAM] [--share K/N] [PAGE...]    writes into the pages what they print now
+  doc_outputs.py --write [--all] [--program GDTSLAM] [--share K/N] [PAGE...]    writes what they print now, if nothing is left out
 
 A fenced block says by its language what it holds; a block without a language is an error.
   console   commands after '$ ' and what they print, standard output and standard error together. A line '...' stands for
@@ -110,52 +110,10 @@ def comparable(line):
     return line.rstrip()
 
 
-def shape(line):
-    """A line without its numbers, by which --write finds it again among others."""
-    return re.sub(r"\s+", " ", re.sub(r"[-+]?\d[\d.,]*", "0", comparable(line)))
-
-
-def pieces(shown):
-    """The stretches of lines between the lines '...'."""
-    found = [[]]
-    for line in shown:
-        if line == "...":
-            found.append([])
-        else:
-            found[-1].append(line)
-    return found
-
-
-def place(shown, printed, key):
-    """Of what a command printed the stretches that a page shows, or None where they are not there in that order."""
-    parts, keys, start, found = pieces(shown), [key(line) for line in printed], 0, []
-    for index, part in enumerate(parts):
-        wanted = [key(line) for line in part]
-        last = len(keys) - len(wanted)
-        starts = range(start, last + 1)
-        if index == len(parts) - 1:
-            starts = range(max(start, last), last + 1)
-        if index == 0:
-            starts = [at for at in starts if at == 0]
-        at = next((at for at in starts if keys[at:at + len(wanted)] == wanted), None)
-        if at is None:
-            return None
-        found.append(printed[at:at + len(wanted)])
-        start = at + len(wanted)
-    return found
-
-
-def rewritten(shown, printed):
-    """What the page should show; None where a stretch between lines '...' cannot be found again."""
-    if "..." not in shown:
-        return printed
-    found = place(shown, printed, shape)
-    if found is None:
-        return None
-    lines = found[0]
-    for part in found[1:]:
-        lines = lines + ["..."] + part
-    return lines
+def shows(shown, printed):
+    """Whether a command printed what a page shows; a line '...' stands for any lines."""
+    lines = (r"(?:.*\n)*" if line == "..." else re.escape(comparable(line)) + r"\n" for line in shown)
+    return re.fullmatch("".join(lines), "".join(comparable(line) + "\n" for line in printed)) is not None
 
 
 def public_logs():
@@ -250,12 +208,11 @@ class Pages:
         body = list(shown)
         while body and not body[-1].strip():
             body.pop()
-        if not body or place(body, printed, comparable) is not None:
+        if not body or shows(body, printed):
             return []
-        new = rewritten(body, printed)
-        if self.arguments.write and new is not None:
+        if self.arguments.write and "..." not in body:
             print(f"{block.where()}: written anew: {command}")
-            return [(behind, len(body), new)]
+            return [(behind, len(body), printed)]
         self.complain(block, command, "the output is not what the page shows", list(difflib.unified_diff(
             [comparable(line) for line in body], [comparable(line) for line in printed], "the page", "the command",
             lineterm="", n=1)))

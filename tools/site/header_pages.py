@@ -96,8 +96,7 @@ def page_of(root, folder, name, description):
     lines = [f"# {name}", "", description[0].upper() + description[1:] + ".", ""]
     for header in headers_of(root, folder):
         path = header.relative_to(root / folder).as_posix()
-        lines += [f"## {path}", "", opening_of(header), "", f"[Source of {header.name}](/{folder}/{path})", "",
-                  f"```{{doxygenfile}} {path}", "```", ""]
+        lines += [f"## {path}", "", opening_of(header), "", f"```{{doxygenfile}} {path}", "```", ""]
     return "\n".join(lines)
 
 

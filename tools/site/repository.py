@@ -4,8 +4,8 @@ The source folder of Sphinx is the root of the repository, so that links between
 they are on a code host. A page's name leaves out docs/, and docs/README.md is the first page, index. Pages that other
 extensions make are kept in a folder of the build (Pages.made).
 
-Every link that is no address on the web is resolved here, by the path of the file that has it: to a page, to an anchor of
-one, to a copy of a file that is made into a page of source code (source_pages), or it is a warning.
+Every link that is no address on the web is resolved here, by the path of the file that has it: to a page or to an anchor
+of one. A link to another file of the repository becomes its name, and one to no file is a warning.
 """
 
 import pathlib
@@ -77,7 +77,7 @@ class Anchors(SphinxTransform):
 
 
 class Links(SphinxTransform):
-    """Gives each relative link its page, or has the file made into one."""
+    """Gives each relative link its page; a file that is no page is named only."""
 
     default_priority = 300
 
@@ -93,10 +93,11 @@ class Links(SphinxTransform):
         here = self.env.project.place(page)
         target = posixpath.normpath(posixpath.join(posixpath.dirname(here), path) if not path.startswith("/") else path[1:])
         if path:
-            page = self.page_of(target)
-        if page is None:
-            LOGGER.warning("the link '%s' leads nowhere", node["reftarget"], location=node)
-            node.replace_self(node.children)
+            page = "index" if target == "README.md" else self.env.path2doc(target)  # a code host shows README.md first
+        if page not in self.env.found_docs:
+            if not pathlib.Path(self.env.srcdir, target).exists():
+                LOGGER.warning("the link '%s' leads nowhere", node["reftarget"], location=node)
+            node.replace_self(node.children or nodes.literal("", posixpath.basename(target)))
             return
         link = addnodes.pending_xref(reftype="repository", refdomain=None, page=page, anchor=anchor, refdoc=self.env.docname,
                                      refwarn=True)
@@ -104,15 +105,6 @@ class Links(SphinxTransform):
         children = [child for node_inside in node.children for child in node_inside.children]
         link += nodes.inline("", "", *children) if children else nodes.literal("", posixpath.basename(target))
         node.replace_self(link)
-
-    def page_of(self, target):
-        """The page of a file, made where there is none; None where there is no such file."""
-        if target == "README.md":  # of the root: what a code host shows first
-            return "index"
-        name = self.env.path2doc(target)
-        if name in self.env.found_docs:
-            return name
-        return self.env.source_page(target) if pathlib.Path(self.env.srcdir, target).exists() else None
 
 
 class Arrivals(SphinxPostTransform):

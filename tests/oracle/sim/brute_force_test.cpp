@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "engine/sim/clearance.hpp"
+#include "engine/sim/surface_distance.hpp"
 #include "gdtslam/core/random.hpp"
 #include "gdtslam/sim/ray_caster.hpp"
 

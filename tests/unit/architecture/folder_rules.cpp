@@ -134,7 +134,6 @@ Arrows make_arrows() {
       {"tools/lab/compare", shared_and({"tools/lab/matchers"})},
       {"tools/lab/ablation", kShared},
       {"tools/lab/bench", kShared},
-      {"tools/lab/bench/viewer", shared_and({"tools/lab/bench"})},
   };
   // A command that is not in the table knows the shared rooms.
   constexpr std::string_view kCommand = "/command.cpp";

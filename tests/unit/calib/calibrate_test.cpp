@@ -9,7 +9,6 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
-#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -25,8 +24,6 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
-constexpr double kEndless = std::numeric_limits<double>::infinity();
 constexpr double kExactWall_m = 2.0;
 
 const SweepModel kTruth = sweep_model_of_preset("paper-b");
@@ -56,107 +53,6 @@ std::string refusal(const SweepModel& start, const std::vector<CalibrationSurfac
   return "no error";
 }
 
-TEST(Calibrate, RefusesEachObservationThatIsNone) {
-  const std::vector<std::function<void(RangeObservation&)>> faults{
-      [](RangeObservation& o) { o.range_m = 0.0; },           [](RangeObservation& o) { o.range_m = -1.0; },
-      [](RangeObservation& o) { o.range_m = kNoNumber; },     [](RangeObservation& o) { o.range_m = kEndless; },
-      [](RangeObservation& o) { o.sigma_m = 0.0; },           [](RangeObservation& o) { o.sigma_m = -0.01; },
-      [](RangeObservation& o) { o.sigma_m = kNoNumber; },     [](RangeObservation& o) { o.sigma_m = kEndless; },
-      [](RangeObservation& o) { o.ticks = kNoNumber; },       [](RangeObservation& o) { o.ticks = kEndless; },
-      [](RangeObservation& o) { o.bearing_rad = kNoNumber; }, [](RangeObservation& o) { o.bearing_rad = kEndless; }};
-  for (std::size_t k = 0; k < faults.size(); ++k) {
-    std::vector<RangeObservation> seen = exact_ranges();
-    faults[k](seen[17]);
-    EXPECT_THAT(refusal<InputError>(kTruth, exact_wall(), seen),
-                AllOf(HasSubstr("observation 17"), HasSubstr("no length")))
-        << k;
-  }
-  std::vector<RangeObservation> seen = exact_ranges();
-  seen[0].surface = 1;  // there is one, number 0
-  EXPECT_THAT(refusal<InputError>(kTruth, exact_wall(), seen),
-              AllOf(HasSubstr("observation 0"), HasSubstr("not given")));
-  std::vector<CalibrationSurface> two = exact_wall();
-  two.push_back({.name = "ceiling", .kind = SurfaceKind::kCeiling, .distance_m = 1.0});
-  EXPECT_EQ(refusal<InputError>(kTruth, two, exact_ranges()), "no error") << "the last number that there is";
-}
-
-TEST(Calibrate, RefusesASurfaceThatIsNowhere) {
-  EXPECT_THAT(refusal<ConfigError>(kTruth, {}, {}), HasSubstr("no surface"));
-  for (const double distance : {0.0, -2.0, kNoNumber, kEndless}) {
-    EXPECT_THAT(refusal<ConfigError>(kTruth, {{.name = "here", .distance_m = distance}}, exact_ranges()),
-                HasSubstr("distance of here"))
-        << distance;
-  }
-  for (const double heading : {kNoNumber, kEndless, -kEndless}) {
-    EXPECT_THAT(
-        refusal<ConfigError>(kTruth, {{.name = "w", .distance_m = 2.0, .heading_rad = heading}}, exact_ranges()),
-        HasSubstr("distance of w"))
-        << heading;
-  }
-  EXPECT_EQ(refusal<ConfigError>(kTruth, {{.name = "near", .distance_m = 0.9 * kExactWall_m}}, exact_ranges()),
-            "no error");
-}
-
-TEST(Calibrate, RefusesAStartWhoseLoopOpens) {
-  SweepModel start = kTruth;
-  start.bars.crank_m = start.bars.ground_m + start.bars.rocker_m;  // no longer the shortest
-  EXPECT_THAT(refusal<ConfigError>(start, exact_wall(), exact_ranges()), HasSubstr("does not close all around"));
-}
-
-// The limits are those that the message names: each of them is allowed, the next number beyond is not.
-TEST(Calibrate, OptionsAreAllowedUpToTheirLimits) {
-  const std::vector<double CalibrationOptions::*> members{
-      &CalibrationOptions::bar_bound_m,      &CalibrationOptions::bar_prior_m,      &CalibrationOptions::zero_prior_rad,
-      &CalibrationOptions::offset_prior_rad, &CalibrationOptions::distance_prior_m, &CalibrationOptions::lever_prior_m,
-      &CalibrationOptions::angle_prior_rad,  &CalibrationOptions::huber_sigmas};
-  for (std::size_t k = 0; k < members.size(); ++k) {
-    CalibrationOptions options;
-    EXPECT_TRUE(validate(options).empty());
-    options.*members[k] = -1.0;
-    const std::vector<std::string> faults = validate(options);
-    ASSERT_EQ(faults.size(), 1U) << k;
-    double least = 0.0;
-    double most = 0.0;
-    const std::size_t be = faults[0].find("must be ");
-    ASSERT_NE(be, std::string::npos);
-    ASSERT_EQ(std::sscanf(faults[0].c_str() + be, "must be %lf to %lf", &least, &most), 2) << faults[0];
-    most = std::fabs(most - kTwoPi) < 1e-6 ? kTwoPi : most;  // it is printed with six digits
-    for (const double good : {least, most}) {
-      options.*members[k] = good;
-      EXPECT_TRUE(validate(options).empty()) << k << ' ' << good;
-    }
-    for (const double bad : {std::nextafter(least, -1.0), std::nextafter(most, 1e9), kNoNumber}) {
-      options.*members[k] = bad;
-      EXPECT_EQ(validate(options).size(), 1U) << k << ' ' << bad;
-    }
-    EXPECT_THAT(refusal<ConfigError>(kTruth, exact_wall(), exact_ranges(), options), HasSubstr("calibration: ")) << k;
-  }
-  CalibrationOptions options;
-  for (const double degrees : {5.001, 88.999}) {
-    options.max_elevation_rad = rad_from_deg(degrees);
-    EXPECT_TRUE(validate(options).empty()) << degrees;
-  }
-  for (const double degrees : {4.999, 89.001}) {
-    options.max_elevation_rad = rad_from_deg(degrees);
-    EXPECT_EQ(validate(options).size(), 1U) << degrees;
-  }
-}
-
-TEST(Calibrate, WithoutPriorsNoneIsLeft) {
-  const CalibrationOptions given{.bar_bound_m = 0.007, .free_lever = true, .huber_sigmas = 4.0, .search_zero = true};
-  const CalibrationOptions options = given.without_priors();
-  EXPECT_EQ(options.bar_prior_m, 0.0);
-  EXPECT_EQ(options.zero_prior_rad, 0.0);
-  EXPECT_EQ(options.offset_prior_rad, 0.0);
-  EXPECT_EQ(options.distance_prior_m, 0.0);
-  EXPECT_EQ(options.lever_prior_m, 0.0);
-  EXPECT_EQ(options.angle_prior_rad, 0.0);
-  EXPECT_EQ(options.bar_bound_m, 0.007);
-  EXPECT_EQ(options.huber_sigmas, 4.0);
-  EXPECT_TRUE(options.free_lever);
-  EXPECT_TRUE(options.search_zero);
-}
-
 // Ten degrees of elevation are needed: nine are refused, eleven are taken.
 TEST(Calibrate, RefusesASweepOfLessThanTenDegrees) {
   const auto within = [](double degrees) {
@@ -178,17 +74,6 @@ TEST(Calibrate, RefusesFewerThanTwoRangesForEachParameter) {
   seen.pop_back();
   EXPECT_THAT(refusal<InputError>(kTruth, exact_wall(), seen),
               AllOf(HasSubstr("13 of 13 ranges"), HasSubstr("7 parameters"), HasSubstr("at least 14")));
-}
-
-TEST(Calibrate, UsesTheRangesWithinTheElevationAsked) {
-  const std::vector<RangeObservation> all = exact_ranges();
-  for (const double degrees : {30.0, 45.0}) {
-    CalibrationOptions options;
-    options.max_elevation_rad = rad_from_deg(degrees);
-    const std::size_t within = exact_ranges(-rad_from_deg(degrees), rad_from_deg(degrees)).size();
-    ASSERT_LT(within, all.size());
-    EXPECT_EQ(calibrate(kTruth, exact_wall(), all, options).observations, within) << degrees;
-  }
 }
 
 TEST(Calibrate, ExactRangesLeaveTheTruthAsItIs) {
@@ -277,41 +162,6 @@ TEST(Calibrate, TellsTheZeroWithinATurn) {
   }
 }
 
-TEST(Calibrate, RemarksOnRangesThatScatterTwiceAsMuchAsStated) {
-  for (const bool is_more : {false, true}) {
-    std::vector<RangeObservation> seen = exact_ranges(-1.0, 1.0);
-    // Errors along the beam of so many sigmas, up and down in turn; what is left over is that of the ranges across.
-    for (std::size_t k = 0; k < seen.size(); ++k) {
-      seen[k].range_m += seen[k].sigma_m * (is_more ? 2.3 : 1.8) * (k / 2 % 2 == 0 ? 1.0 : -1.0);
-    }
-    const CalibrationResult result = calibrate(kTruth, exact_wall(), seen, {.huber_sigmas = 10.0});
-    EXPECT_NEAR(result.residual_rms, is_more ? 2.3 : 1.8, 0.1);
-    EXPECT_EQ(std::count_if(result.remarks.begin(), result.remarks.end(),
-                            [](const std::string& remark) { return remark.find("scatter more") != std::string::npos; }),
-              is_more ? 1 : 0);
-    EXPECT_GT(result.iterations, 0);
-    EXPECT_FALSE(result.reason.empty());
-  }
-}
-
-// A lone wall that leans is an elevation offset, whatever the bars are: the ranges cannot show it.
-TEST(Calibrate, SaysThatALeaningWallWouldBeReadAsAnOffset) {
-  const CalibrationResult result = calibrate(kTruth, exact_wall(), exact_ranges(-1.0, 1.0), {});
-  EXPECT_THAT(result.remarks, Contains(HasSubstr("wall leaning by 0.1 deg cannot be told apart")));
-  std::vector<CalibrationSurface> unknown = exact_wall();
-  unknown.front().name = "front";
-  EXPECT_THAT(calibrate(kTruth, unknown, exact_ranges(-1.0, 1.0), {}).remarks,
-              Contains(HasSubstr("front leaning by 0.1 deg cannot be told apart")));
-}
-
-// They count less on both sides of the comparison.
-TEST(Calibrate, OutliersChangeNothingOfWhatCannotBeToldApart) {
-  std::vector<RangeObservation> seen = exact_ranges(-1.0, 1.0);
-  for (std::size_t k = 5; k < seen.size(); k += 12) seen[k].range_m -= 0.05;
-  EXPECT_THAT(calibrate(kTruth, exact_wall(), seen, {}).remarks,
-              Contains(HasSubstr("wall leaning by 0.1 deg cannot be told apart")));
-}
-
 /// What a remark that begins so would have the parameters read: "name value unit, ..." of its end; metres, radians.
 std::map<std::string, double> shifts_in(const std::vector<std::string>& remarks, const std::string& beginning) {
   std::map<std::string, double> shifts;
@@ -355,22 +205,6 @@ TEST(Calibrate, SaysWhatABiasAndALeaningWallWouldBeReadAs) {
     one.range_m = kExactWall_m / std::cos(elevation - rad_from_deg(0.1));
   }
   expect_moved("wall leaning by 0.1 deg", leaning, "offset");
-}
-
-// One range in ten may be of something else; with one more the result says so. All others are exact.
-TEST(Calibrate, RemarksOnMoreThanATenthThatDoesNotFit) {
-  for (const bool is_one_more : {false, true}) {
-    std::vector<RangeObservation> seen = exact_ranges(-1.0, 1.0);
-    ASSERT_GE(seen.size(), 90U);
-    seen.resize(90);
-    for (std::size_t k = 0; k < (is_one_more ? 10U : 9U); ++k) seen[8 * k + 3].range_m -= 0.5;
-    const CalibrationResult result = calibrate(kTruth, exact_wall(), seen, {});
-    EXPECT_EQ(result.observations, 90U);
-    EXPECT_EQ(result.outliers, is_one_more ? 10U : 9U);
-    EXPECT_THAT(result.remarks, is_one_more
-                                    ? testing::Matcher<std::vector<std::string>>(Contains(HasSubstr("10 of 90")))
-                                    : Not(Contains(HasSubstr("do not fit"))));
-  }
 }
 
 }  // namespace

@@ -28,23 +28,6 @@ CalibrationResult good() {
   return result;
 }
 
-TEST(ReasonForDistrust, NoneForAFitAsItShouldBe) { EXPECT_THAT(reason_for_distrust(good()), IsEmpty()); }
-
-TEST(ReasonForDistrust, NotConverged) {
-  CalibrationResult result = good();
-  result.converged = false;
-  result.reason = "too many steps";
-  EXPECT_THAT(reason_for_distrust(result), AllOf(HasSubstr("did not converge"), HasSubstr("too many steps")));
-}
-
-TEST(ReasonForDistrust, MoreThanAThirdOfTheRangesOff) {
-  CalibrationResult result = good();
-  result.outliers = 30;
-  EXPECT_THAT(reason_for_distrust(result), IsEmpty());
-  result.outliers = 31;
-  EXPECT_THAT(reason_for_distrust(result), HasSubstr("31 of 90 ranges"));
-}
-
 TEST(ReasonForDistrust, BarOnItsBoundThatDoesNotFit) {
   CalibrationResult result = good();
   result.all_rms = 12.34;

@@ -65,29 +65,6 @@ TEST(LinkagePosition, joints_are_where_the_law_of_cosines_puts_them) {
   }
 }
 
-TEST(LinkagePosition, is_nothing_where_the_loop_does_not_close) {
-  int closed = 0;
-  for (int i = 0; i < 36; ++i) {
-    const double crank_rad = 0.05 + kTwoPi * i / 36.0;
-    const SweepModel model = model_of(kDoubleRocker);
-    const bool is_closed = test::expected_joints(model, crank_rad).has_value();
-    EXPECT_EQ(position_at(model, crank_rad).has_value(), is_closed) << crank_rad;
-    closed += is_closed ? 1 : 0;
-  }
-  EXPECT_GT(closed, 0);
-  EXPECT_LT(closed, 36);
-}
-
-TEST(LinkagePosition, places_of_the_mount_turn_by_the_offset_and_mirror_by_the_sign) {
-  SweepModel model = model_of(kDoubleCrank);  // the rocker's pivot lies 3 cm from the crank's
-  model.elevation_sign = 1;
-  model.elevation_offset_rad = 0.5 * kPi;
-  EXPECT_LT((place_in_mount(model, {0.03, 0.0}) - Point2(0.0, 0.0)).norm(), 1e-15);
-  EXPECT_LT((place_in_mount(model, {0.04, 0.02}) - Point2(-0.02, 0.01)).norm(), 1e-15);
-  model.elevation_sign = -1;
-  EXPECT_LT((place_in_mount(model, {0.04, 0.02}) - Point2(0.02, 0.01)).norm(), 1e-15);
-}
-
 /// At a dead point crank and coupler are in line: from the crank's pivot the coupler's end is as far as both together
 /// at one end of the lift, and as their difference at the other.
 TEST(LinkageCycle, lift_ends_with_crank_and_coupler_in_line) {
@@ -102,25 +79,6 @@ TEST(LinkageCycle, lift_ends_with_crank_and_coupler_in_line) {
     EXPECT_GT(cycle.end().elevation_rad, cycle.begin().elevation_rad) << model.name;
     expect_joints(model, cycle.begin());
     expect_joints(model, cycle.end());
-  }
-}
-
-TEST(LinkageCycle, stretches_are_even_and_end_where_the_lift_does) {
-  constexpr int kSteps = 50;
-  for (const SweepModel& model : models_of_both_signs()) {
-    const LinkageCycle cycle(model);
-    const double span_rad = cycle.lift_span_rad();
-    const std::vector<LinkagePosition> lift = cycle.stretch(span_rad, kSteps);
-    ASSERT_EQ(lift.size(), kSteps + 1U) << model.name;
-    for (std::size_t i = 0; i < lift.size(); ++i) {
-      EXPECT_NEAR(lift[i].crank_rad, cycle.from_rad() + span_rad * static_cast<double>(i) / kSteps, 1e-12);
-      expect_joints(model, lift[i]);
-      if (i == 0) continue;
-      EXPECT_GT(lift[i].elevation_rad, lift[i - 1].elevation_rad) << model.name << ", " << i;
-    }
-    EXPECT_LT((lift.front().joints[2] - cycle.begin().joints[2]).norm(), 1e-12) << model.name;
-    EXPECT_LT((lift.back().joints[2] - cycle.end().joints[2]).norm(), 1e-12) << model.name;
-    EXPECT_NEAR(lift.back().elevation_rad, cycle.end().elevation_rad, 1e-12) << model.name;
   }
 }
 
@@ -144,13 +102,6 @@ TEST(LinkageCycle, crank_comes_back_from_its_elevation) {
   }
 }
 
-// 25 ms a scan, as the data sheet of a UTM-30LX states.
-TEST(SweepModelOfAPreset, turns_its_mirror_forty_times_a_second) {
-  for (const LinkagePreset& preset : linkage_presets()) {
-    EXPECT_EQ(sweep_model_of_preset(preset.name).mirror_rate_hz, 40.0) << preset.name;
-  }
-}
-
 TEST(LinkageCycle, elevations_beyond_its_reach_give_the_nearest_end) {
   const LinkageCycle cycle(sweep_model_of_preset("paper-b"));
   const CrankRockerReport report = analyse(cycle.model().bars, cycle.model().assembly);
@@ -158,17 +109,6 @@ TEST(LinkageCycle, elevations_beyond_its_reach_give_the_nearest_end) {
     EXPECT_NEAR(wrap_angle(cycle.crank_of(-0.1, is_rising, 1) - report.lowest.crank_rad), 0.0, 0.01);
     EXPECT_NEAR(wrap_angle(cycle.crank_of(report.swing_rad + 0.1, is_rising, 1) - report.highest.crank_rad), 0.0, 0.01);
   }
-}
-
-TEST(LinkageCycle, lift_goes_from_dead_point_to_dead_point) {
-  const LinkageCycle cycle(sweep_model_of_preset("paper-a"));
-  const CrankRockerReport report = analyse(cycle.model().bars, cycle.model().assembly);
-  EXPECT_TRUE(cycle.turns_fully());
-  EXPECT_NEAR(wrap_angle(cycle.begin().crank_rad - report.lowest.crank_rad), 0.0, 1e-9);
-  EXPECT_NEAR(wrap_angle(cycle.end().crank_rad - report.highest.crank_rad), 0.0, 1e-9);
-  EXPECT_NEAR(std::fabs(cycle.lift_span_rad()), kTwoPi * report.lift_share, 1e-9);
-  EXPECT_NEAR(cycle.end().elevation_rad - cycle.begin().elevation_rad, report.swing_rad, 1e-9);
-  EXPECT_NEAR(cycle.highest_rad() - cycle.lowest_rad(), report.swing_rad, 1e-4);
 }
 
 TEST(LinkageCycle, a_film_turns_evenly_and_ends_where_it_began) {
@@ -199,13 +139,6 @@ TEST(LinkageCycle, stretch_of_a_double_rocker_is_where_its_loop_closes) {
   const double second = std::fabs(cycle.from_rad() + cycle.span_rad());
   EXPECT_NEAR(std::min(first, second), near_rad, 1e-6);
   EXPECT_NEAR(std::max(first, second), far_rad, 1e-6);
-}
-
-TEST(LinkageCycle, a_rocker_that_turns_fully_sweeps_all_around) {
-  const LinkageCycle cycle(model_of(kDoubleCrank));
-  EXPECT_TRUE(cycle.turns_fully());
-  EXPECT_TRUE(cycle.sweeps_all_around());
-  EXPECT_FALSE(LinkageCycle(sweep_model_of_preset("paper-b")).sweeps_all_around());
 }
 
 TEST(LinkageCycle, bars_that_never_meet_are_refused) {

@@ -17,7 +17,7 @@ using testing::HasSubstr;
 
 class ObservabilityTest : public testing::Test {
  protected:
-  ObservabilityTest() : parameters_(parameters_of(setup_, {})) {}
+  ObservabilityTest() : parameters_(make_parameters(setup_, {})) {}
 
   [[nodiscard]] Eigen::Index at(const std::string& name) const {
     for (std::size_t i = 0; i < parameters_.size(); ++i) {
@@ -43,7 +43,7 @@ class ObservabilityTest : public testing::Test {
   [[nodiscard]] std::vector<WeakCombination> weak(
       const std::vector<std::pair<Eigen::VectorXd, double>>& directions) const {
     // What rounding leaves of a zero is no singular value.
-    Observability seen = observability_of(holding(directions), parameters_);
+    Observability seen = compute_observability(holding(directions), parameters_);
     return weak_combinations(setup_, parameters_, seen);
   }
   [[nodiscard]] Eigen::VectorXd together(const std::string& a, const std::string& b, double sign) const {
@@ -86,7 +86,7 @@ class FreeDirections : public ObservabilityTest {
     for (const Eigen::VectorXd& direction : directions) {
       jacobian -= (jacobian * direction) * direction.transpose();
     }
-    return weak_combinations(setup_, parameters_, observability_of(jacobian, parameters_));
+    return weak_combinations(setup_, parameters_, compute_observability(jacobian, parameters_));
   }
   [[nodiscard]] Eigen::VectorXd scale() const {
     const FourBar& bars = setup_.model.bars;
@@ -130,7 +130,7 @@ TEST_F(ObservabilityTest, SigmasAreThoseOfDataAndPriors) {
   parameters_[2].prior_sigma = 2.0 * parameters_[2].scale;
   Eigen::MatrixXd jacobian = 2.0 * Eigen::MatrixXd::Identity(n, n);
   jacobian(3, 3) = 0.0;
-  const Observability seen = observability_of(jacobian, parameters_);
+  const Observability seen = compute_observability(jacobian, parameters_);
   EXPECT_NEAR(seen.data_sigma(0), 0.5, 1e-12);
   EXPECT_NEAR(seen.sigma(0), 1.0 / std::sqrt(5.0), 1e-12);
   EXPECT_NEAR(seen.sigma(1), 0.5, 1e-12) << "without a prior";
@@ -152,7 +152,7 @@ TEST_F(ObservabilityTest, SigmasAreThoseOfDataAndPriors) {
   EXPECT_TRUE(told[0].observable) << "half a prior is just enough";
   EXPECT_FALSE(told[3].observable);
   jacobian(0, 0) = 1.99;
-  EXPECT_FALSE(described(parameters_, x, observability_of(jacobian, parameters_))[0].observable);
+  EXPECT_FALSE(described(parameters_, x, compute_observability(jacobian, parameters_))[0].observable);
 }
 
 }  // namespace

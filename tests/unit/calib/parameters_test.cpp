@@ -32,19 +32,19 @@ std::vector<std::string> names_of(const std::vector<Parameter>& parameters) {
 TEST(CalibrationParameters, AreThoseThatAreFree) {
   calib::Setup start = wall_and_ceiling();
   CalibrationOptions options;
-  EXPECT_THAT(names_of(parameters_of(start, options)),
+  EXPECT_THAT(names_of(make_parameters(start, options)),
               ElementsAre("crank", "coupler", "rocker", "ground", "zero", "offset", "distance.wall", "heading.wall",
                           "distance.ceiling"));
   start.surfaces[0].distance_known = true;
   start.surfaces[1].distance_known = true;
   options.free_lever = true;
-  EXPECT_THAT(names_of(parameters_of(start, options)),
+  EXPECT_THAT(names_of(make_parameters(start, options)),
               ElementsAre("crank", "coupler", "rocker", "ground", "zero", "offset", "lever.forward", "lever.up",
                           "heading.wall"));
   start.surfaces[0].heading_known = true;
   options.free_lever = false;
   options.free_sensor_angles = true;
-  EXPECT_THAT(names_of(parameters_of(start, options)),
+  EXPECT_THAT(names_of(make_parameters(start, options)),
               ElementsAre("crank", "coupler", "rocker", "ground", "zero", "offset", "sensor.roll", "sensor.yaw"));
 }
 
@@ -62,8 +62,8 @@ TEST(CalibrationParameters, AreScaledByTheirPriorAndKeptWithinTheirBound) {
   const std::vector<double> priors{0.001, 0.001, 0.001, 0.001, 0.02, 0.03, 0.05, 0.05, 0.06, 0.06, 0.04, 0.06, 0.04};
   const std::vector<double> bounds{0.007, 0.007,   0.007,   0.007, kPi,     0.5 * kPi, 0.2,
                                    0.2,   kPi / 4, kPi / 4, 0.5,   kPi / 4, 0.5};
-  const std::vector<Parameter> held = parameters_of(start, options);
-  const std::vector<Parameter> free = parameters_of(start, options.without_priors());
+  const std::vector<Parameter> held = make_parameters(start, options);
+  const std::vector<Parameter> free = make_parameters(start, options.without_priors());
   ASSERT_EQ(held.size(), priors.size());
   ASSERT_EQ(free.size(), priors.size());
   for (std::size_t k = 0; k < held.size(); ++k) {
@@ -74,12 +74,12 @@ TEST(CalibrationParameters, AreScaledByTheirPriorAndKeptWithinTheirBound) {
     EXPECT_GT(free[k].scale, 0.0) << free[k].name << ": without a prior it has the default's scale";
   }
   options.search_zero = true;
-  EXPECT_EQ(parameters_of(start, options)[4].prior_sigma, 0.0) << "a zero that is searched for has no prior";
+  EXPECT_EQ(make_parameters(start, options)[4].prior_sigma, 0.0) << "a zero that is searched for has no prior";
 }
 
 TEST(CalibrationParameters, AStepMovesItsOwnValueAlone) {
   const calib::Setup start = wall_and_ceiling();
-  const std::vector<Parameter> parameters = parameters_of(start, {.free_lever = true, .free_sensor_angles = true});
+  const std::vector<Parameter> parameters = make_parameters(start, {.free_lever = true, .free_sensor_angles = true});
   const auto values_of = [](const calib::Setup& setup) {
     const SweepModel& model = setup.model;
     return std::vector<double>{model.bars.crank_m,          model.bars.coupler_m,         model.bars.rocker_m,

@@ -16,7 +16,6 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-constexpr std::size_t kNeighbours = 10;
 const SweepModel kStart = sweep_model_of_preset("paper-b");
 
 /// Ten points about an origin: the corners of a box, twice its middle.
@@ -101,30 +100,6 @@ TEST(SelfCalibrate, WeighsTheMissesAgainstThePrior) {
   }
 }
 
-// Of Huber's loss: what is off by more than 1.5 deviations pulls as if it were 1.5 deviations off.
-TEST(SelfCalibrate, OutliersPullWithOneAndAHalfDeviations) {
-  World world;
-  world.add(300, -0.02, 1.0);
-  world.add(100, 0.05, 1.0);
-  const double sigma_m = SelfCalibrationOptions{}.sigma_m;
-  const double miss_m = -(100.0 * 1.5 * sigma_m) / 300.0;
-  EXPECT_NEAR(zero_of(world.calibrated()).estimate - kStart.encoder.zero_rad, 0.02 + miss_m, 4e-4);
-}
-
-// The deviation is that of the misses themselves where it is larger than the least one.
-TEST(SelfCalibrate, MissesThatScatterCountLess) {
-  World world;
-  world.add(100, -0.06, 1.0);
-  world.add(100, 0.06, 1.0);
-  const SelfCalibrationResult result = world.calibrated();
-  const double sigma_m = 1.4826 * 0.06;
-  const double prior_rad = SelfCalibrationOptions{}.priors.zero_prior_rad;
-  EXPECT_NEAR(result.median_miss_m, 0.06, 1e-9);
-  EXPECT_NEAR(zero_of(result).estimate, kStart.encoder.zero_rad, 1e-9);
-  EXPECT_NEAR(zero_of(result).sigma, 1.0 / std::sqrt(200.0 / (sigma_m * sigma_m) + 1.0 / (prior_rad * prior_rad)),
-              1e-7);
-}
-
 TEST(SelfCalibrate, ABarStopsAtItsBound) {
   World world;
   world.add(200, -0.06, 10.0);  // as if it were 6 mm longer
@@ -142,29 +117,6 @@ TEST(SelfCalibrate, ABarStopsAtItsBound) {
   }
 }
 
-// The gate is closed by half a round, and then once more.
-TEST(SelfCalibrate, SettlesWhenTheGateIsClosed) {
-  World world;
-  world.add(150, -0.01, 1.0);
-  const auto rounds = [&](double first_gate_m, double last_gate_m) {
-    SelfCalibrationOptions options;
-    options.first_gate_m = first_gate_m;
-    options.last_gate_m = last_gate_m;
-    const SelfCalibrationResult result = world.calibrated(options);
-    EXPECT_TRUE(result.converged);
-    return result.rounds;
-  };
-  EXPECT_EQ(rounds(0.08, 0.08), 2U);
-  EXPECT_EQ(rounds(0.16, 0.08), 3U);
-  EXPECT_EQ(rounds(0.3, 0.08), 4U);
-  SelfCalibrationOptions few;
-  few.max_rounds = 3;
-  const SelfCalibrationResult result = world.calibrated(few);
-  EXPECT_FALSE(result.converged);
-  EXPECT_EQ(result.rounds, 3U);
-  EXPECT_EQ(reason_for_distrust(result), "the strokes did not settle within 3 rounds");
-}
-
 TEST(SelfCalibrate, AHundredPairsAreNeeded) {
   World world;
   world.add(99, 0.0, 1.0);
@@ -179,38 +131,6 @@ TEST(SelfCalibrate, AHundredPairsAreNeeded) {
   EXPECT_EQ(world.calibrated().pairs, 100U);
 }
 
-TEST(SelfCalibrate, OfTooManyPointsEverySecondIsTaken) {
-  World world;
-  world.add(200, 0.0, 1.0);
-  SelfCalibrationOptions options;
-  options.max_pairs = 2201;
-  EXPECT_EQ(world.calibrated(options).pairs, 200U);
-  options.max_pairs = 2200;
-  EXPECT_EQ(world.calibrated(options).pairs, 100U);
-}
-
-TEST(SelfCalibrate, PairsAreWithinTheGate) {
-  for (const double sign : {-1.0, 1.0}) {
-    World world;
-    world.add(3, sign * 0.0799, 0.0);
-    world.add(5, sign * 0.0801, 0.0);
-    EXPECT_EQ(paired(world), 3U) << "of the last gate";
-  }
-  SelfCalibrationOptions options;
-  options.first_gate_m = options.last_gate_m = 0.2;
-  World beside;  // in the plane, but the nearest neighbour is 0.19 m or 0.205 m away
-  for (const double shift_m : {0.21, 0.21, 0.21, 0.225, 0.225}) {
-    std::vector<Point3> neighbours = box_of(0.02, 0.02, 0.0);
-    for (Point3& neighbour : neighbours) neighbour.x() += shift_m;
-    beside.add(1, 0.0, 0.0, neighbours);
-  }
-  EXPECT_EQ(paired(beside, options), 3U);
-  World above;
-  above.add(3, 0.199, 0.0);
-  above.add(2, 0.201, 0.0);
-  EXPECT_EQ(paired(above, options), 3U);
-}
-
 TEST(SelfCalibrate, NeighboursAreAFlatPieceOfSurface) {
   World flat;  // a fiftieth of the variance along it is what a surface may have across
   flat.add(3, 0.0, 0.0, box_of(0.1, 0.1, 0.0140));
@@ -220,50 +140,6 @@ TEST(SelfCalibrate, NeighboursAreAFlatPieceOfSurface) {
   wide.add(3, 0.0, 0.0, box_of(0.1, 0.0170, 0.0));
   wide.add(2, 0.0, 0.0, box_of(0.1, 0.0165, 0.0));
   EXPECT_EQ(paired(wide), 3U);
-}
-
-TEST(SelfCalibrate, TenNeighboursWithinAQuarterOfAMetre) {
-  World world;
-  for (const double distance_m : {0.249, 0.249, 0.249, 0.251, 0.251}) {
-    std::vector<Point3> neighbours = box_of(0.1, 0.1, 0.0);
-    neighbours.back() = {0.0, distance_m, 0.0};
-    world.add(1, 0.0, 0.0, neighbours);
-  }
-  EXPECT_EQ(paired(world), 3U);
-}
-
-// Of 19 neighbours every second by their distance; those between stand off the surface.
-TEST(SelfCalibrate, NeighboursAreTakenFromTheNearestToTheFarthest) {
-  std::vector<Point3> neighbours;
-  for (std::size_t k = 0; k < 2 * kNeighbours - 1; ++k) {
-    const double distance_m = 0.02 + 0.01 * static_cast<double>(k);
-    const double angle_rad = 1.2 * static_cast<double>(k);
-    neighbours.push_back(k % 2 == 0 ? Point3(distance_m * std::cos(angle_rad), distance_m * std::sin(angle_rad), 0.0)
-                                    : Point3(0.0, 0.0, distance_m));
-  }
-  World world;
-  world.add(3, 0.0, 0.0, neighbours);
-  EXPECT_EQ(paired(world), 3U);
-}
-
-TEST(SelfCalibrate, RefusesWhatItCannotStartFrom) {
-  World world;
-  world.add(100, 0.0, 1.0);
-  const auto assemble = [&](const SweepModel& /*model*/) {
-    std::vector<Point3> points = world.points(0.0);
-    points.pop_back();
-    return points;
-  };
-  EXPECT_THAT([&] { static_cast<void>(self_calibrate(kStart, world.strokes(), assemble, {})); },
-              testing::ThrowsMessage<InputError>(HasSubstr("gave 1099 points, not 1100")));
-  SelfCalibrationOptions options;
-  options.priors.huber_sigmas = 0.0;
-  EXPECT_THAT([&] { static_cast<void>(world.calibrated(options)); },
-              testing::ThrowsMessage<ConfigError>(HasSubstr("self-calibration: huber_sigmas")));
-  SweepModel open = kStart;
-  open.bars = {.crank_m = 0.06, .coupler_m = 0.085, .rocker_m = 0.088, .ground_m = 0.12};
-  EXPECT_THAT([&] { static_cast<void>(self_calibrate(open, world.strokes(), assemble, {})); },
-              testing::ThrowsMessage<ConfigError>(HasSubstr("does not close all around")));
 }
 
 }  // namespace

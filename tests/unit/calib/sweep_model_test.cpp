@@ -18,7 +18,6 @@ namespace {
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::IsEmpty;
 
 TEST(CrankEncoder, TicksTurnTheCrankFromItsZero) {
   CrankEncoder encoder;
@@ -53,14 +52,6 @@ TEST(SweepModel, ElevationIsWrappedToMinusHalfATurn) {
   }
 }
 
-TEST(SweepModel, HalfATurnCountsAsMinusHalfATurn) {
-  SweepModel model = sweep_model_of_preset("paper-b");
-  const double rocker_rad = solve(model.bars, model.assembly, 4.0).value().rocker_rad;
-  ASSERT_GT(rocker_rad, kPi / 2.0);  // so that the difference and the sum are exact
-  model.elevation_offset_rad = kPi - rocker_rad;
-  EXPECT_EQ(elevation_rad(model, 4.0).value(), -kPi);
-}
-
 TEST(SweepModel, TableGoesOnWhereTheElevationPassesHalfATurn) {
   SweepModel model = sweep_model_of_preset("paper-b");
   model.elevation_offset_rad += kPi - 0.5;
@@ -82,14 +73,6 @@ TEST(SweepModel, TableOfARockerThatTurnsFully) {
     const std::vector<double> values_rad = elevation_table(model, 12).values_rad();
     EXPECT_NEAR(std::fabs(values_rad.back() - values_rad.front()), kTwoPi, 1e-9);
   }
-}
-
-TEST(SweepModel, TableRunsWithGrowingTicks) {
-  SweepModel model = sweep_model_of_preset("paper-b");
-  const std::vector<double> forwards_rad = elevation_table(model, 8).values_rad();
-  model.encoder.direction = -model.encoder.direction;
-  const std::vector<double> backwards_rad = elevation_table(model, 8).values_rad();
-  for (std::size_t i = 0; i <= 256; ++i) EXPECT_NEAR(forwards_rad[i], backwards_rad[256 - i], 1e-12);
 }
 
 // The crossed assembly seen from behind is the open one.
@@ -192,23 +175,6 @@ TEST(BeamTiming, WithoutMirrorAllBeamsFireAtTheStamp) {
   const BeamTiming timing = beam_timing(SweepModel{}, 961, rad_from_deg(0.25));
   EXPECT_EQ(timing.first_s, 0.0);
   EXPECT_EQ(timing.step_s, 0.0);
-}
-
-TEST(QuantisationBound, GrowsWithRangeAndShrinksWithTicks) {
-  SweepModel model = sweep_model_of_preset("paper-b");
-  const double near_m = quantisation_bound_m(model, 2.0, 0.001);
-  EXPECT_GT(quantisation_bound_m(model, 4.0, 0.001), near_m);
-  // 20,000 ticks, a largest rate of 2.59 and 2 m: 1.63 mm, and 1 mm of the range.
-  EXPECT_NEAR(near_m, 2.0 * 2.59 * kTwoPi / 20000.0 + 0.001, 2e-5);
-  model.encoder.ticks_per_turn = 200'000;
-  EXPECT_NEAR(quantisation_bound_m(model, 2.0, 0.0), 2.0 * 2.59 * kTwoPi / 200000.0, 2e-6);
-}
-
-TEST(SweepModelValidate, PresetsAreRight) {
-  for (const char* name : {"paper-a", "paper-b", "paper-c", "paper-a-calibrated", "paper-b-calibrated"}) {
-    EXPECT_THAT(validate(sweep_model_of_preset(name)), IsEmpty()) << name;
-  }
-  EXPECT_THROW(static_cast<void>(sweep_model_of_preset("paper-d")), Error);
 }
 
 TEST(SweepModelValidate, SaysWhatIsWrong) {

@@ -133,16 +133,6 @@ TEST(LaserModel, LimitsGiveNoReturn) {
   }
 }
 
-TEST(LaserModel, OutcomesDoNotShiftTheDrawsOfOtherBeams) {
-  LaserModel laser = plain_laser();
-  laser.noise_constant_m = 0.01;
-  Random first(4);
-  Random second(4);
-  measured_range(laser, 5.0, first);
-  measured_range(laser, std::numeric_limits<double>::infinity(), second);
-  EXPECT_EQ(measured_range(laser, 3.0, first), measured_range(laser, 3.0, second));
-}
-
 TEST(LaserModel, ScanIsSpreadOverTheMirrorsTurn) {
   LaserModel laser = plain_laser();
   laser.mirror_rate_hz = 75.0;
@@ -157,20 +147,6 @@ TEST(LaserModel, ScanIsSpreadOverTheMirrorsTurn) {
     const double bearing = rad_from_deg(static_cast<double>(k) - 90.0);
     EXPECT_NEAR(ranges_m[k], (4.0 - 3.0 * laser.time_of_beam_s(k)) / std::cos(bearing), 1e-12);
   }
-}
-
-TEST(LaserModel, RefusesWhatIsOutOfRange) {
-  LaserModel laser = plain_laser();
-  EXPECT_TRUE(validate(laser).empty());
-  laser.beam_count = 0;
-  laser.no_return_m = 1.0;
-  laser.noise_share = std::nan("");
-  laser.drop_out_share = 1.5;
-  EXPECT_EQ(validate(laser).size(), 4U);
-  EXPECT_FALSE(validate(LaserModel{}).empty());
-  laser = plain_laser();
-  laser.beam_count = 362;
-  EXPECT_EQ(validate(laser).size(), 1U);
 }
 
 }  // namespace

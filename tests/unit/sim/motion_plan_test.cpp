@@ -41,15 +41,6 @@ TEST(MotionPlan, StraightLegIsATrapezoid) {
   EXPECT_EQ(plan.state_at(-1.0).T_map_axle.y_m, 2.0);
 }
 
-TEST(MotionPlan, WaypointsOnALineChangeNothing) {
-  // The speeds at the waypoints must be those of the single trapezoid, rising as well as braking.
-  const double whole_s = MotionPlan({at(0.0, 0.0), at(5.4, 0.0)}, limits()).duration_s();
-  const MotionPlan plan({at(0.0, 0.0), at(0.2, 0.0), at(5.2, 0.0), at(5.4, 0.0)}, limits());
-  EXPECT_NEAR(plan.duration_s(), whole_s, 1e-12);
-  EXPECT_NEAR(plan.state_at(whole_s - 1.0).T_map_axle.x_m, 5.4 - 0.25, 1e-12);
-  EXPECT_NEAR(plan.state_at(1.0).T_map_axle.x_m, 0.25, 1e-12);
-}
-
 TEST(MotionPlan, SharpCornersAndZeroCutsAreTurnedOnTheSpot) {
   Waypoint corner = at(5.0, 0.0);
   corner.corner_cut_m = 0.0;
@@ -139,18 +130,6 @@ TEST(MotionPlan, RefusesWhatCannotBeDriven) {
   EXPECT_THROW(MotionPlan({at(0.0, 0.0), at(1e5, 0.0)}, MotionLimits{.speed_m_per_s = 0.1}), ConfigError);
   const std::vector<Waypoint> longer_than_a_day = {at(-1000.0, 0.0), at(1000.0, 0.0)};
   EXPECT_THROW(MotionPlan(longer_than_a_day, MotionLimits{.speed_m_per_s = 0.02}), ConfigError);
-}
-
-// Of 1000 m: docs/simulation.md.
-TEST(MotionPlan, RefusesPlacesFartherThanAScene) {
-  EXPECT_NO_THROW(MotionPlan({at(-1000.0, 0.0), at(1000.0, 0.0)}, limits()));
-  EXPECT_THROW(MotionPlan({at(0.0, 0.0), at(1000.5, 0.0)}, limits()), ConfigError);
-  EXPECT_THROW(MotionPlan({at(0.0, -1000.5), at(0.0, 0.0)}, limits()), ConfigError);
-  for (const double far_m : {1e18, 5e18, 1e30, 1e300}) {
-    Waypoint alone = at(far_m, 0.0);
-    alone.pause_s = 5.0;
-    EXPECT_THROW(MotionPlan({alone}, limits()), ConfigError) << far_m;
-  }
 }
 
 }  // namespace

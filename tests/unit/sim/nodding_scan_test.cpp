@@ -197,16 +197,5 @@ TEST(NoddingScan, TheEncoderCoversEveryBeam) {
   }
 }
 
-TEST(NoddingScan, ALaserThatDiffersFromItsMountIsRefused) {
-  SimulationConfig config = exact_config();
-  EXPECT_TRUE(validate(config).empty());
-  config.laser_height_m = 0.5;
-  EXPECT_EQ(validate(config).size(), 1U);
-  match_laser(config);
-  EXPECT_TRUE(validate(config).empty());
-  config.laser.mirror_rate_hz = 25.0;
-  EXPECT_EQ(validate(config).size(), 1U);
-}
-
 }  // namespace
 }  // namespace gdtslam::sim

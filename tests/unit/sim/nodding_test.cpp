@@ -16,7 +16,6 @@ namespace gdtslam::sim {
 namespace {
 
 using testing::ElementsAre;
-using testing::HasSubstr;
 
 MotionPlan standing_still(double duration_s) {
   std::vector<Waypoint> one(1);
@@ -56,22 +55,6 @@ TEST(NoddingCourse, ElevationIsThatOfTheLinkage) {
           << preset << " at " << t;
     }
   }
-}
-
-TEST(NoddingCourse, LiftsSlowlyFromLevelAndReturnsQuickly) {
-  const NoddingCourse course(model_of(), standing_still(30.0));
-  constexpr int kSteps = 3600;
-  int lifting = 0;
-  double highest = 0.0;
-  for (int i = 0; i < kSteps; ++i) {
-    const double t = i / (0.15 * kSteps);
-    lifting += course.elevation_rad(t + 1e-4) > course.elevation_rad(t) ? 1 : 0;
-    highest = std::max(highest, course.elevation_rad(t));
-  }
-  // docs/linkage.md, preset paper-b: 266 of 360 deg of the turn lift, the swing is 93.0 deg.
-  EXPECT_NEAR(360.0 * lifting / kSteps, 266.0, 1.0);
-  EXPECT_NEAR(deg_from_rad(highest), 93.0, 0.05);
-  EXPECT_NEAR(course.elevation_rad(0.0), 0.0, 1e-12);
 }
 
 TEST(NoddingCourse, ContinuousTurnsEvenlyAndTheCounterWraps) {
@@ -133,19 +116,6 @@ TEST(NoddingCourse, StopAndScanTurnsOnlyWhileTheRobotStands) {
   EXPECT_EQ(course.crank_turns(plan.duration_s()), 5.0);
 }
 
-// 55 m with stops 0.5 m apart are 110, 998 legs of 5 cm one each, the beginning one more.
-TEST(NoddingCourse, StopsOfAPathAreCountedLegByLeg) {
-  NoddingModel model = model_of();
-  model.mode = NodMode::kStopAndScan;
-  model.stop_every_m = 0.5;
-  std::vector<Waypoint> path(1000);
-  for (std::size_t i = 1; i < path.size(); ++i)
-    path[i].position_m = {path[i - 1].position_m.x() + (i == 1 ? 55.0 : 0.05), 0.0};
-  EXPECT_EQ(with_scan_stops(model, path).size(), 1109U);
-  model.stop_every_m = 1e-3;  // 55,000 there and 55,000 back
-  EXPECT_THROW(with_scan_stops(model, {path[0], path[1], path[0]}), ConfigError);
-}
-
 std::vector<std::int64_t> ticks_with(const EncoderFault& fault) {
   NoddingModel model = model_of();
   model.crank_rate_hz = 0.1;  // 2000 ticks a second
@@ -168,29 +138,6 @@ TEST(NoddingCourse, FaultsTouchTheEncoderOnly) {
   const NoddingCourse sound(model, standing_still(30.0));
   model.faults.push_back({EncoderFaultKind::kBackwards, 2.0, 4.0, 0});
   EXPECT_EQ(NoddingCourse(model, standing_still(30.0)).elevation_rad(3.0), sound.elevation_rad(3.0));
-}
-
-TEST(NoddingCourse, RefusesWhatCannotNod) {
-  const auto first_fault = [](const auto& change) {
-    NoddingModel model = model_of();
-    change(model);
-    const std::vector<std::string> faults = validate(model);
-    return faults.empty() ? "accepted" : faults.front();
-  };
-  EXPECT_EQ(first_fault([](NoddingModel&) {}), "accepted");
-  EXPECT_THAT(first_fault([](NoddingModel& m) { m.crank_rate_hz = NAN; }), HasSubstr("crank_rate must be"));
-  EXPECT_THAT(first_fault([](NoddingModel& m) { m.encoder_rate_hz = 0.0; }), HasSubstr("encoder's rate must be"));
-  EXPECT_THAT(first_fault([](NoddingModel& m) { m.truth.encoder.ticks_per_turn = 0; }), HasSubstr("ticks_per_turn"));
-  EXPECT_THAT(first_fault([](NoddingModel& m) { m.truth.bars.coupler_m = 0.5; }), HasSubstr("coupler"));
-  // A double rocker: s + l = 9 + 12 > 10 + 10.5.
-  EXPECT_THAT(first_fault([](NoddingModel& m) {
-                m.truth.bars = {0.09, 0.12, 0.10, 0.105};
-              }),
-              HasSubstr("does not close all around"));
-  EXPECT_THAT(first_fault([](NoddingModel& m) {
-                m.faults.push_back({EncoderFaultKind::kStop, 3.0, 2.0, 0});
-              }),
-              HasSubstr("fault of the encoder"));
 }
 
 }  // namespace

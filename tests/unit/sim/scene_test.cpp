@@ -63,17 +63,6 @@ TEST(Scene, WallWithDoorsLosesTheDoors) {
   EXPECT_NEAR(volume_of(boxes_of(wall)), (6.0 * 2.5 - 1.0 * 2.0 - 0.5 * 2.5) * 0.2, 1e-12);
 }
 
-// A hundred thousand legs with as many doors: each leg looks at its own doors only.
-TEST(Scene, ManyLegsAndDoorsTakeNoTimeTogether) {
-  Wall wall;
-  for (int k = 0; k < 100'000; ++k) wall.points_m.emplace_back(0.01 * (k % 2), 0.001 * k);
-  for (std::size_t k = 0; k < 99'999; ++k) wall.doors.push_back({.leg = k, .from_m = 0.0, .width_m = 0.01});
-  const auto start = std::chrono::steady_clock::now();
-  EXPECT_TRUE(validate(wall).empty());
-  EXPECT_GE(boxes_of(wall).size(), 99'999U);
-  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
-}
-
 TEST(Scene, WallWithWindowsKeepsWhatIsUnderTheirSills) {
   Wall wall;
   wall.points_m = {{0.0, 0.0}, {6.0, 0.0}};
@@ -136,39 +125,6 @@ TEST(Scene, FloorAndCeilingCoverEverything) {
   ASSERT_EQ(mesh.triangles.size(), 16U);
   EXPECT_EQ(mesh.corners(12)[0], Vec3(8.0, -2.0, 0.0));
   EXPECT_EQ(mesh.corners(14)[2], Vec3(12.0, 2.0, 2.5));
-}
-
-TEST(Scene, RefusesWhatCannotBeBuilt) {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  Box box;
-  EXPECT_TRUE(validate(box).empty());
-  box.size_m.x() = 0.0;
-  EXPECT_EQ(validate(box).size(), 1U);
-  box.size_m.x() = nan;
-  EXPECT_EQ(validate(box).size(), 1U);
-  EXPECT_EQ(validate(Box{.centre_m = {nan, 0.0}}).size(), 1U);
-  EXPECT_EQ(validate(Cylinder{.sides = 2}).size(), 1U);
-  Wall wall;
-  EXPECT_FALSE(validate(wall).empty());
-  wall.points_m = {{0.0, 0.0}, {2.0, 0.0}};
-  EXPECT_TRUE(validate(wall).empty());
-  wall.doors = {{.leg = 0, .from_m = 1.5, .width_m = 1.0}};
-  EXPECT_EQ(validate(wall).size(), 1U);
-  wall.doors = {{.leg = 1, .from_m = 0.0, .width_m = 1.0}};
-  EXPECT_EQ(validate(wall).size(), 1U);
-  wall.doors = {{.leg = 0, .from_m = 0.1, .width_m = 1.0}, {.leg = 0, .from_m = 0.9, .width_m = 0.5}};
-  EXPECT_EQ(validate(wall).size(), 1U);
-}
-
-TEST(Scene, TriangulateThrowsForEmptyFarAndFaultyScenes) {
-  Scene scene;
-  EXPECT_THROW(triangulate(scene), ConfigError);
-  scene.boxes.push_back({.centre_m = {999.9, 0.0}});
-  EXPECT_THROW(triangulate(scene), ConfigError);
-  scene.boxes.front() = {.height_m = -1.0};
-  EXPECT_THROW(triangulate(scene), ConfigError);
-  scene.boxes.front() = {};
-  EXPECT_NO_THROW(triangulate(scene));
 }
 
 }  // namespace

@@ -144,14 +144,6 @@ TEST(Simulation, OneErrorsDrawsDoNotMoveTheOthers) {
   EXPECT_TRUE(has_equal_odometry(first, record(config)));
 }
 
-TEST(Simulation, RefusesAFaultyConfiguration) {
-  SimulationConfig config = config_of(0.0, -1.0);
-  config.laser.beam_count = 0;
-  config.wheels.ticks_per_m = 0.0;
-  EXPECT_EQ(validate(config).size(), 4U);
-  EXPECT_THROW(record(config), ConfigError);
-}
-
 // 10,000 s at 9,999 and 1 Hz are 100,000,000 records.
 TEST(Simulation, HasAHundredMillionRecordsAtMost) {
   EXPECT_EQ(record(config_of(9'999.0, 1.0), 3, pause_of(10'000.0)).scans.size(), 3U);

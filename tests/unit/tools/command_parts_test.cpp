@@ -1,4 +1,4 @@
-// The parts of the command that have no test of their own: progress, run folder, settings, variants of the ablation.
+// The parts of the command that have no test of their own: progress, run folder, settings.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -21,7 +21,6 @@
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/device/device_option.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
-#include "tools/lab/ablation/variants.hpp"
 
 namespace gdtslam {
 namespace {
@@ -131,22 +130,6 @@ TEST(Settings, CommandLineBeatsFileBeatsDefault) {
 TEST(Settings, RefusesWhatDoesNotFit) {
   EXPECT_THROW(load_settings({.file = {}, .sets = {"occupancy.min_ends=0"}}), ConfigError);
   EXPECT_THROW(load_settings({.file = {}, .sets = {"map.truncation=50 m"}}), ConfigError);  // more than 255 cells
-}
-
-TEST(AblationVariants, ChangeWhatTheyName) {
-  for (const AblationVariant& variant : default_variants()) {
-    EXPECT_NO_THROW(load_settings({.file = {}, .sets = variant.sets})) << variant.name;
-  }
-}
-
-TEST(DeviceOptions, NamesThatAreNot) {
-  EXPECT_THROW(make_backend({.device = "vulkan:9999"}), UnavailableError);
-  EXPECT_THROW(make_backend({.device = "vulkan:12"}), UnavailableError);
-  for (const char* const device : {"vulkan:", "vulkan:x", "vulkan12", "gpu", ""}) {
-    EXPECT_THROW(make_backend({.device = device}), UsageError) << device;
-  }
-  EXPECT_EQ(isa_from_name("avx2"), Isa::kAvx2);
-  EXPECT_THROW(isa_from_name("AVX2"), UsageError);
 }
 
 TEST(DidYouMean, NamesTheNearestOrNothing) {

@@ -64,12 +64,6 @@ TEST(CompareFigures, AScanHoldsByTheWallsAcross) {
   EXPECT_EQ(constraint_strength(line_information(alone, kResolution_m)), 0.0);
 }
 
-TEST(CompareFigures, CostsAreMeansInMetresAndBack) {
-  // 100 points, each one cell of 2.5 cm off: 25,600 units.
-  EXPECT_EQ(cost_of(0.025, 100, 0.025), 25600U);
-  EXPECT_DOUBLE_EQ(mean_cost_m(25600, 100, 0.025), 0.025);
-}
-
 CompareTrial trial(std::uint32_t scan, std::uint32_t method, std::uint32_t level, double distance_m, double deg,
                    double seconds) {
   CompareTrial t;
@@ -108,10 +102,10 @@ class Trials : public testing::Test {
 };
 
 TEST_F(Trials, CountByKindOfScan) {
-  EXPECT_EQ(count_of(outcome_, ScanKind::kHeld), 2U);
-  EXPECT_EQ(count_of(outcome_, ScanKind::kWeak), 1U);
-  EXPECT_EQ(count_of(outcome_, ScanKind::kUncertain), 1U);
-  const auto figures = figures_of(job_, outcome_, 0, ScanKind::kHeld);
+  EXPECT_EQ(count_kind(outcome_, ScanKind::kHeld), 2U);
+  EXPECT_EQ(count_kind(outcome_, ScanKind::kWeak), 1U);
+  EXPECT_EQ(count_kind(outcome_, ScanKind::kUncertain), 1U);
+  const auto figures = sum_figures(job_, outcome_, 0, ScanKind::kHeld);
   ASSERT_EQ(figures.size(), 2U);
   EXPECT_EQ(figures[0].distance_m.count, 2U);
   EXPECT_DOUBLE_EQ(figures[0].distance_m.max, 0.03);
@@ -122,56 +116,8 @@ TEST_F(Trials, CountByKindOfScan) {
   EXPECT_EQ(figures[1].optimal.count, 0U);
   EXPECT_DOUBLE_EQ(figures[1].evaluations.mean, 20.0);
   EXPECT_NEAR(figures[1].time_ratio, 3.0, 1e-12);
-  EXPECT_EQ(figures_of(job_, outcome_, 1, ScanKind::kWeak)[1].distance_m.count, 1U);
-  EXPECT_EQ(distances_of(outcome_, 0, 0, ScanKind::kHeld), (std::vector<double>{0.0, 0.03}));
-}
-
-TEST_F(Trials, TablesNameEveryMethodAndEveryStart) {
-  const std::string text = as_text(job_, outcome_);
-  for (const char* part :
-       {"simplex", "pso", "prediction", "10 cm, 2°", "1 are weak along a corridor", "1 have no proof"}) {
-    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
-  }
-  const auto json = as_json(job_, outcome_, {}, {});
-  EXPECT_EQ(json["levels"].size(), 2U);
-  EXPECT_EQ(json["levels"][0]["held"][0]["success"]["count"], 1);
-  EXPECT_EQ(json["scans"]["weak"], 1);
-  const std::string csv = as_csv(job_, outcome_);
-  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 16);
-}
-
-// Of no scan no share is known, and none is drawn: neither 0 % nor a band from 0 to 100 %.
-TEST_F(Trials, WhereNoScanCountsNoShareIsShown) {
-  for (CompareScan& scan : outcome_.scans) scan.is_certified = false;
-  const std::string text = as_text(job_, outcome_);
-  const std::string basin = text.substr(text.rfind("start"));
-  EXPECT_EQ(basin.find("0.0"), std::string::npos) << basin;
-  EXPECT_EQ(std::count(basin.begin(), basin.end(), '-'), 4) << basin;
-  const Canvas canvas = compare_picture(job_, outcome_, "drive.log");
-  for (const Shape& shape : canvas.shapes()) {
-    EXPECT_FALSE(std::holds_alternative<shape::Polygon>(shape) || std::holds_alternative<shape::Circle>(shape));
-  }
-}
-
-// Errors of kilometres leave the columns of their table, and stay words of their own.
-TEST(CompareTable, ColumnsOfLargeErrorsStayApart) {
-  WholeRun run;
-  run.method = "simplex";
-  run.position_m = summarise({1234.5, 2345.6});
-  run.heading_deg = summarise({123.4, 179.9});
-  const std::string text = as_text({run}, CompareTruth{});
-  const std::string row = text.substr(text.rfind("simplex"));
-  EXPECT_NE(row.find(" 234560.00 "), std::string::npos) << row;
-  EXPECT_NE(row.find(" 179.900 "), std::string::npos) << row;
-}
-
-TEST(CompareMethods, AreChosenByName) {
-  EXPECT_EQ(compare_methods_of("--matchers", "").size(), matchers().size());
-  EXPECT_EQ(compare_methods_of("--matchers", "pso,simplex"),
-            (std::vector<MatcherKind>{MatcherKind::kPso, MatcherKind::kSimplex}));
-  for (const char* wrong : {"simplx", "pso,", "pso,pso", ","}) {
-    EXPECT_THROW(compare_methods_of("--matchers", wrong), UsageError) << wrong;
-  }
+  EXPECT_EQ(sum_figures(job_, outcome_, 1, ScanKind::kWeak)[1].distance_m.count, 1U);
+  EXPECT_EQ(collect_distances(outcome_, 0, 0, ScanKind::kHeld), (std::vector<double>{0.0, 0.03}));
 }
 
 }  // namespace

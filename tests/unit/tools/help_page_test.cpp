@@ -20,17 +20,6 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::IsEmpty;
-
-TEST(Wrapped, BreaksBetweenWordsOnly) {
-  EXPECT_THAT(wrapped("one two three", 7), ElementsAre("one two", "three"));
-  EXPECT_THAT(wrapped("one  two\nthree", 100), ElementsAre("one two three"));
-  EXPECT_THAT(wrapped("incomprehensibilities a", 5), ElementsAre("incomprehensibilities", "a"));
-  EXPECT_THAT(wrapped("\u00b0\u00b0\u00b0 \u00b0\u00b0\u00b0 x", 7),
-              ElementsAre("\u00b0\u00b0\u00b0 \u00b0\u00b0\u00b0", "x"))
-      << "letters, not bytes";
-  EXPECT_THAT(wrapped("", 10), IsEmpty());
-}
 
 /// A command line with one of each.
 class HelpPageTest : public testing::Test {
@@ -103,34 +92,17 @@ TEST_F(HelpPageTest, LongCommandLinesGoOnAndQuotesStayWhole) {
   EXPECT_THAT(page(40), HasSubstr("  tool b.log --colour 'a b' --view map \\\n      --every 12 --list\n"));
 }
 
-TEST_F(HelpPageTest, CommandsStandUnderTheirHeadings) {
-  app_.add_subcommand("map", "Map a log")->group("Map");
-  app_.add_subcommand("look", "Look at a map")->group("Look");
-  app_.add_subcommand("tiles", "Cut a map")->group("Map");
-  EXPECT_THAT(page(60), HasSubstr("\nMap:\n  map    Map a log\n  tiles  Cut a map\n\nLook:\n  look   Look at a map\n"));
-}
-
 TEST_F(HelpPageTest, OffersAreStatedOrFollowFromTheNameOfTheValue) {
   CLI::Option* const folder = app_.add_option("--folder", colour_, "Folder")->type_name("DIR");
-  EXPECT_TRUE(offers_of(*folder, "DIR").has_folders);
-  EXPECT_FALSE(offers_of(*folder, "DIR").has_files);
+  EXPECT_TRUE(find_offers(*folder, "DIR").has_folders);
+  EXPECT_FALSE(find_offers(*folder, "DIR").has_files);
   CLI::Option* const preset = app_.add_option("--preset", colour_, "Preset")->type_name("PRESET|FILE");
-  EXPECT_THAT(offers_of(*preset, "PRESET|FILE").words, testing::Contains("paper-b"));
+  EXPECT_THAT(find_offers(*preset, "PRESET|FILE").words, testing::Contains("paper-b"));
   offer_words(preset, {"one", "two"});
-  EXPECT_THAT(offers_of(*preset, "PRESET|FILE").words, ElementsAre("one", "two"));
-  EXPECT_THAT(offers_of(*preset, "PRESET|FILE").endings, ElementsAre(".yaml", ".yml")) << "what the name says stays";
+  EXPECT_THAT(find_offers(*preset, "PRESET|FILE").words, ElementsAre("one", "two"));
+  EXPECT_THAT(find_offers(*preset, "PRESET|FILE").endings, ElementsAre(".yaml", ".yml")) << "what the name says stays";
   CLI::Option* const count = app_.add_option("--count", every_, "Count")->type_name("N");
-  EXPECT_TRUE(offers_of(*count, "N").is_empty());
-}
-
-TEST(Doubts, AreOneLineThatSaysWhereToLook) {
-  MapOutcome outcome;
-  outcome.trajectory.resize(7);
-  EXPECT_EQ(doubts_text(outcome, "run"), "");
-  outcome.doubtful.resize(1);
-  EXPECT_EQ(doubts_text(outcome, ""), "1 of 7 scans is doubtful");
-  outcome.doubtful.resize(6);
-  EXPECT_EQ(doubts_text(outcome, "run"), "6 of 7 scans are doubtful; 'gdtslam doctor --after run' says where to look");
+  EXPECT_TRUE(find_offers(*count, "N").is_empty());
 }
 
 }  // namespace

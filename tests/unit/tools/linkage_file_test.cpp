@@ -115,15 +115,6 @@ TEST(LinkageFile, APresetWithOverrides) {
   EXPECT_NE(model.encoder.zero_rad, calib::sweep_model_of_preset("paper-c").encoder.zero_rad);
 }
 
-TEST(LinkageFile, AMissingLengthIsNamed) {
-  EXPECT_EQ(refusal("bars:\n  crank: 3.6 cm\n  coupler: 8.5 cm\n  ground: 5 cm\n"),
-            "3: bars.rocker is missing; give its length with its unit, as in 'rocker: 8.5 cm'");
-  EXPECT_THAT(refusal("name: x\n"), HasSubstr("bars is missing"));
-  EXPECT_THAT(refusal("bars: {crank: 3.6 cm, coupler: 8.5 cm, rockr: 8.8 cm, ground: 5 cm}\n"),
-              HasSubstr("unknown key 'rockr'; did you mean 'rocker'?"));
-  EXPECT_THAT(refusal("bars:\n  crank:\n"), HasSubstr("the key 'crank' has no value"));
-}
-
 TEST(LinkageFile, AUnitMistakeIsNamed) {
   EXPECT_EQ(refusal("bars:\n  coupler: 8.5 cm\n  crank: 3.6\n  rocker: 8.8 cm\n  ground: 5 cm\n"),
             "4: bars.crank = 3.6 m is longer than 1 m; did you mean 3.6 cm?");
@@ -220,19 +211,6 @@ TEST_F(LinkageFileOnDisk, ResolvesPresetsAndFiles) {
   EXPECT_EQ(resolve_linkage(path("mine.yaml")).name, "mine");
   EXPECT_THAT(read_linkage_file(path("mine.yaml")).uncertainty, ElementsAre(ParameterSigma{"zero", 0.5}));
   EXPECT_EQ(resolve_linkage("paper-a").name, "paper-a");
-}
-
-TEST_F(LinkageFileOnDisk, SaysWhatIsNeitherPresetNorFile) {
-  try {
-    static_cast<void>(resolve_linkage("paper-bb"));
-    ADD_FAILURE() << "accepted";
-  } catch (const FileError& error) {
-    EXPECT_THAT(error.what(), AllOf(HasSubstr("neither a file nor a linkage preset"), HasSubstr("'paper-b'?")));
-  }
-  EXPECT_THROW(static_cast<void>(resolve_linkage(folder_.string())), FileError);  // a folder
-  std::ofstream(path("long.yaml")) << std::string((std::size_t{1} << 20) + 1, '#');
-  EXPECT_THROW(static_cast<void>(resolve_linkage(path("long.yaml"))), ConfigError);
-  EXPECT_THROW(write_linkage(path("no/such/folder.yaml"), calib::SweepModel{}), FileError);
 }
 
 }  // namespace

@@ -77,15 +77,5 @@ TEST(Mounts, AreStatedOnceEach) {
   EXPECT_THAT(mount_refusal({"/a=1m,0,0", "/b=1m,0,0", "a=2m,0,0"}), HasSubstr("\"a\" is given twice"));
 }
 
-TEST(Mounts, AreStatedAsTheyWereGiven) {
-  LogConfig config;
-  state_recording({.topics = {}, .odometry = {}, .crank = {}, .mounts = {"0.5m,1m,90deg", "a=1m,0,0"}}, config);
-  EXPECT_EQ(config.mount, LogSource::kStated);
-  EXPECT_EQ(config.T_base_laser, (Pose2{0.5, 1.0, rad_from_deg(90.0)}));
-  ASSERT_EQ(config.topics.mounts.size(), 1U);
-  EXPECT_EQ(config.topics.mounts[0].topic, "a");
-  EXPECT_EQ(config.topics.mounts[0].T_base_laser, (Pose2{1.0, 0.0, 0.0}));
-}
-
 }  // namespace
 }  // namespace gdtslam

@@ -17,8 +17,6 @@
 namespace gdtslam {
 namespace {
 
-using testing::HasSubstr;
-using testing::Not;
 
 TEST_F(SimulateNoddingTest, WritesEncoderLinkageElevationsAndHits) {
   SimulateOptions chosen = options("a.log.gz");
@@ -87,28 +85,6 @@ TEST_F(SimulateNoddingTest, WritesEncoderLinkageElevationsAndHits) {
     }
   }
   EXPECT_EQ(next, hits.size());
-}
-
-TEST_F(SimulateNoddingTest, ALaserThatDoesNotNodWritesNothingOfIt) {
-  std::string text = kSmallScene;
-  text.erase(text.find("  nodding:"), text.find("recording") - text.find("  nodding:"));
-  write("level.yaml", text);
-  const SimulateResult result = simulate(options("a.log", "level.yaml"));
-  EXPECT_EQ(result.encoder_records, 0U);
-  EXPECT_TRUE(result.linkage_file.empty());
-  EXPECT_FALSE(std::filesystem::exists(path("a.linkage.yaml")));
-  EXPECT_FALSE(std::filesystem::exists(path("a.elevation.csv")));
-  EXPECT_THAT(content_of(path("a.log")), Not(HasSubstr("ENCODER")));
-  EXPECT_EQ(scans("a.log").front().stamp_s, 0.0);
-  // The same scene nods when an option says so.
-  SimulateOptions chosen = options("b.log", "level.yaml");
-  chosen.linkage = "paper-a";
-  simulate(chosen);
-  EXPECT_EQ(read_linkage(path("b.linkage.yaml")).bars.ground_m, 0.125);
-  chosen = options("c.log", "level.yaml");
-  chosen.nod_mode = "continuous";
-  simulate(chosen);
-  EXPECT_EQ(read_linkage(path("c.linkage.yaml")).name, "paper-b");
 }
 
 TEST_F(SimulateNoddingTest, OptionsWinOverTheScene) {

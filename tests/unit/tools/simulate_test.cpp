@@ -21,7 +21,6 @@ namespace gdtslam {
 namespace {
 
 using testing::HasSubstr;
-using testing::StartsWith;
 
 const std::string kSceneFolder = GDTSLAM_SOURCE_DIR "/assets/scenes";
 
@@ -147,27 +146,6 @@ TEST_F(SimulateTest, RefusesAPathThroughAWall) {
     EXPECT_THAT(error.what(), HasSubstr("t.yaml: the path comes within 0.0"));
   }
   EXPECT_FALSE(std::filesystem::exists(path("a.log")));
-}
-
-// The other option states what is right: it is not blamed.
-TEST_F(SimulateTest, NamesTheOptionThatIsWrong) {
-  const auto refusal = [&](const auto& change) {
-    SimulateOptions chosen = options("a.log");
-    chosen.scan_rate_hz = 5.0;
-    change(chosen);
-    try {
-      simulate(chosen);
-    } catch (const UsageError& error) {
-      return std::string(error.what());
-    }
-    return std::string("nothing is refused");
-  };
-  EXPECT_EQ(refusal([](SimulateOptions& o) { o.noise_m = -1.0; }), "--noise: laser: noise must be 0 to 10 m");
-  EXPECT_THAT(refusal([](SimulateOptions& o) { o.range_resolution_m = 2.0; }), StartsWith("--resolution: laser: "));
-  EXPECT_THAT(refusal([](SimulateOptions& o) { o.mirror_rate_hz = -1.0; }), StartsWith("--mirror-rate: laser: "));
-  EXPECT_THAT(refusal([](SimulateOptions& o) { o.crank_rate_hz = -1.0; }), StartsWith("--crank-rate: nodding: "));
-  EXPECT_THAT(refusal([](SimulateOptions& o) { o.ticks_per_turn = 1LL << 40; }), StartsWith("--ticks: nodding: "));
-  EXPECT_THAT(refusal([](SimulateOptions& o) { o.scan_rate_hz = 0.0; }), StartsWith("--rate: recording: scan_rate"));
 }
 
 struct SampleScene {

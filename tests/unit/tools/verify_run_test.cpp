@@ -41,12 +41,5 @@ TEST(RunVerify, ThreadsThatAreNamedAreTaken) {
   EXPECT_EQ(report.targets.back().device.threads, 5U);
 }
 
-TEST(RunVerify, ALogThatIsNotThereIsToldBeforeTheKernels) {
-  VerifyOptions options = of_the_cpu("baseline");
-  options.filter = "";
-  options.logs = {"/nowhere/drive.log"};
-  EXPECT_THROW(run_verify(options), FileError);
-}
-
 }  // namespace
 }  // namespace gdtslam

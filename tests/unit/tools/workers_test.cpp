@@ -16,10 +16,10 @@
 namespace gdtslam {
 namespace {
 
-std::string result_of(Workers& workers) {
+Workers::Event next_end(Workers& workers) {
   for (;;) {
-    const Workers::Event news = workers.wait();
-    if (news.result) return *news.result;
+    const Workers::Event event = workers.wait_for_any();
+    if (event.result || event.failure) return event;
   }
 }
 
@@ -27,12 +27,7 @@ TEST(Workers, BringBackResultsWithTheirTimes) {
   Workers workers(2);
   EXPECT_TRUE(workers.is_idle());
   workers.start(7, [](const Workers::Tell&) { return std::string("line\nand \"share\" \xff"); });
-  const Workers::Event news = [&] {
-    for (;;) {
-      const Workers::Event heard = workers.wait();
-      if (heard.result) return heard;
-    }
-  }();
+  const Workers::Event news = next_end(workers);
   EXPECT_EQ(news.id, 7U);
   EXPECT_EQ(*news.result, "line\nand \"share\" \xef\xbf\xbd");  // what is no UTF-8 becomes U+FFFD
   EXPECT_GE(news.cpu_s, 0.0);
@@ -40,66 +35,21 @@ TEST(Workers, BringBackResultsWithTheirTimes) {
   EXPECT_TRUE(workers.is_idle());
 }
 
-TEST(Workers, RunAtTheSameTimeInProcessesOfTheirOwn) {
-  Workers workers(2);
-  const auto pid = [](const Workers::Tell&) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
-    return std::to_string(::getpid());
-  };
-  workers.start(0, pid);
-  EXPECT_FALSE(workers.is_full());
-  workers.start(1, pid);
-  EXPECT_TRUE(workers.is_full());
-  const std::string first = result_of(workers);
-  const std::string second = result_of(workers);
-  EXPECT_NE(first, second);
-  EXPECT_NE(first, std::to_string(::getpid()));
-}
-
-TEST(Workers, TellHowFarTheyAre) {
-  Workers workers(1);
-  workers.start(0, [](const Workers::Tell& tell) {
-    tell(0.25);
-    return std::string();
-  });
-  const Workers::Event news = workers.wait();
-  EXPECT_FALSE(news.result);
-  EXPECT_DOUBLE_EQ(news.share, 0.25);
-  EXPECT_EQ(result_of(workers), "");
-}
-
 TEST(Workers, ThrowWhatTheWorkThrew) {
   Workers workers(2);
   workers.start(0, [](const Workers::Tell&) -> std::string { throw FileError("there", "cannot be read"); });
-  try {
-    result_of(workers);
-    FAIL() << "no error";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::kInputOutput);
-    EXPECT_STREQ(error.what(), "there: cannot be read");
-  }
+  const Workers::Event end = next_end(workers);
+  ASSERT_TRUE(end.failure);
+  EXPECT_EQ(end.failure->code, ExitCode::kInputOutput);
+  EXPECT_EQ(end.failure->message, "there: cannot be read");
   EXPECT_TRUE(workers.is_idle());
-}
-
-TEST(Workers, SayThatMemoryIsShort) {
-  Workers workers(1);
-  workers.start(0, [](const Workers::Tell&) -> std::string { throw std::bad_alloc(); });
-  try {
-    result_of(workers);
-    FAIL() << "no error";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::kFailed);
-    EXPECT_NE(std::string(error.what()).find("out of memory"), std::string::npos) << error.what();
-  }
 }
 
 TEST(Workers, TellFailuresForMemoryFromOthers) {
   Workers workers(1);
   const auto is_for_memory = [&workers](const auto& problem) {
     workers.start(0, [&](const Workers::Tell&) -> std::string { throw problem; });
-    for (;;) {
-      if (const auto failure = workers.wait_for_any().failure) return failure->for_memory;
-    }
+    return next_end(workers).failure->for_memory;
   };
   EXPECT_TRUE(is_for_memory(OutOfMemory(8)));
   EXPECT_TRUE(is_for_memory(std::bad_alloc()));
@@ -112,13 +62,10 @@ TEST(Workers, SayWhichSignalEndedOne) {
     ::raise(SIGKILL);
     return "";
   });
-  try {
-    result_of(workers);
-    FAIL() << "no error";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::kFailed);
-    EXPECT_NE(std::string(error.what()).find("signal 9"), std::string::npos) << error.what();
-  }
+  const Workers::Event end = next_end(workers);
+  ASSERT_TRUE(end.failure);
+  EXPECT_TRUE(end.failure->by_signal);
+  EXPECT_NE(end.failure->message.find("signal 9"), std::string::npos) << end.failure->message;
 }
 
 TEST(Workers, AreStoppedWithTheirOwner) {

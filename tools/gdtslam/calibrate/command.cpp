@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
+#include "calibrate.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "text.hpp"
 #include "tools/gdtslam/drawings/drawing_file.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
@@ -51,15 +51,15 @@ double angle_within(const std::string& option, const std::string& text, double l
   throw UsageError(fmt::format("{}: {} is not between {:g} and {:g} deg", option, text, least_deg, most_deg));
 }
 
-ReadOptions read_of(const CalibrateCommand& command) {
+ReadOptions make_read_options(const CalibrateCommand& command) {
   LogConfig log;
   state_recording(command.recording, log);
   return read_options_of(log, command.lenient);
 }
 
-CalibrateJob job_of(const CalibrateCommand& command) {
+CalibrateJob make_job(const CalibrateCommand& command) {
   CalibrateJob job = command.job;
-  job.read = read_of(command);
+  job.read = make_read_options(command);
   job.start = resolve_linkage(command.start);
   job.options.max_elevation_rad = angle_within("--up-to", command.up_to, 5.0, 89.0);
   if (!command.sector.empty()) job.sector_rad = angle_within("--sector", command.sector, 0.0, 360.0);
@@ -76,8 +76,8 @@ CalibrateJob job_of(const CalibrateCommand& command) {
   return job;
 }
 
-// What the linkage file states of the parameters: those that something holds. Standard deviations hold for a model that
-// fits: a file that is written by force has none.
+// The sigmas that the linkage file states: those of parameters that data or priors hold. They are valid for a model
+// that fits, so a file that is written by force has none.
 template <typename Outcome>
 std::vector<ParameterSigma> stated_sigmas(const Outcome& outcome) {
   std::vector<ParameterSigma> list;
@@ -134,7 +134,7 @@ void check_files(const CalibrateCommand& command) {
 
 int run_calibrate(const CalibrateCommand& command) {
   check_files(command);
-  const CalibrateJob job = job_of(command);
+  const CalibrateJob job = make_job(command);
   const CalibrateOutcome outcome = with_progress(command, "records", [&job](const auto& progress, const auto& stop) {
     return run_calibration(job, progress, stop);
   });
@@ -146,8 +146,10 @@ int run_calibrate(const CalibrateCommand& command) {
 
 int run_self(const CalibrateCommand& command) {
   check_files(command);
-  SelfCalibrateJob job{
-      .logs = command.job.logs, .start = resolve_linkage(command.start), .read = read_of(command), .options = {}};
+  SelfCalibrateJob job{.logs = command.job.logs,
+                       .start = resolve_linkage(command.start),
+                       .read = make_read_options(command),
+                       .options = {}};
   job.options.priors.free_lever = command.job.options.free_lever;
   job.options.priors.free_sensor_angles = command.job.options.free_sensor_angles;
   const SelfCalibrateOutcome outcome = with_progress(command, "steps", [&job](const auto& progress, const auto& stop) {

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "calib/calibration/calibration_residual.hpp"
+#include "calibrate.hpp"
 #include "engine/core/elementary.hpp"
 #include "engine/core/quantile.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/drawing/plot.hpp"
-#include "run.hpp"
 
 namespace gdtslam {
 namespace {
@@ -27,7 +27,7 @@ constexpr double kFigureHeight = 900.0;
 constexpr double kFigureMargin = 40.0;
 constexpr double kPlotHeight = 380.0;
 constexpr int kCurveSteps = 1000;
-constexpr std::size_t kMostDots = 1500;  // of a plot, spread evenly
+constexpr std::size_t kMostDots = 1500;  // in a plot, spread evenly
 constexpr double kWellInside = 0.98;     // share of the residuals that the scale holds
 constexpr Colour kBefore = ink::kLaser;
 constexpr Colour kAfter = ink::kCoupler;
@@ -45,7 +45,7 @@ double least_bearing(const std::vector<RangeObservation>& observations) {
 }
 
 /// Elevation in degrees and measured less modelled range in millimetres, of the observations that the calibration used.
-std::vector<Point2> residuals_of(const Belief& belief, const CalibrateOutcome& outcome) {
+std::vector<Point2> compute_residuals(const Belief& belief, const CalibrateOutcome& outcome) {
   std::vector<Point2> residuals;
   const std::size_t step = 1 + outcome.observations.size() / kMostDots;
   for (std::size_t k = 0; k < outcome.observations.size(); k += step) {
@@ -126,8 +126,8 @@ std::string rms_text(const char* name, const std::vector<Point2>& residuals) {
 
 void draw_residuals(Canvas& canvas, const Belief& before, const Belief& after, const CalibrateOutcome& outcome,
                     double top) {
-  const std::vector<Point2> old_ones = residuals_of(before, outcome);
-  const std::vector<Point2> new_ones = residuals_of(after, outcome);
+  const std::vector<Point2> old_ones = compute_residuals(before, outcome);
+  const std::vector<Point2> new_ones = compute_residuals(after, outcome);
   std::vector<double> sizes{0.1};
   double low_deg = 0.0;
   double high_deg = 0.0;

@@ -1,4 +1,4 @@
-#include "run.hpp"
+#include "calibrate.hpp"
 
 #include <fmt/format.h>
 
@@ -21,10 +21,10 @@ namespace {
 constexpr double kFirstGate_m = 0.5;
 constexpr double kGateSigmas = 10.0;
 constexpr double kLeastGate_m = 0.03;
-constexpr double kNearEdge = 0.1;  // of the extents of the ranges: a guess that a few strays do not move
+constexpr double kNearEdge = 0.1;  // share of the extents of the ranges: a guess that a few strays do not move
 constexpr std::size_t kMostSurfaces = 16;
 constexpr std::size_t kZerosTried = 144;    // 2.5 deg apart
-constexpr std::size_t kRangesTried = 2000;  // of all, spread evenly
+constexpr std::size_t kRangesTried = 2000;  // a sample, spread evenly
 
 /// A surface as it was named, with its distance from the nodding axis where one was given.
 struct NamedSurface {
@@ -53,19 +53,19 @@ std::string trimmed(const std::string& text) {
   return from == std::string::npos ? "" : text.substr(from, text.find_last_not_of(" \t") - from + 1);
 }
 
-calib::SurfaceKind kind_of(const std::string& name) {
+calib::SurfaceKind parse_kind(const std::string& name) {
   if (name == "wall") return calib::SurfaceKind::kWall;
   if (name == "floor") return calib::SurfaceKind::kFloor;
   if (name == "ceiling") return calib::SurfaceKind::kCeiling;
   throw UsageError("--surfaces: '" + name + "' is no surface; there are wall, floor and ceiling");
 }
 
-NamedSurface surface_of(const std::string& text) {
+NamedSurface parse_surface(const std::string& text) {
   NamedSurface result;
   const std::size_t at = text.find('@');
   const std::size_t equals = text.find('=');
   const std::string name = trimmed(text.substr(0, std::min(at, equals)));
-  result.surface.kind = kind_of(name);
+  result.surface.kind = parse_kind(name);
   result.surface.name = name;
   if (equals != std::string::npos && equals < at) {
     result.has_distance = true;
@@ -88,7 +88,7 @@ std::vector<NamedSurface> parse(const std::string& text) {
   std::size_t from = 0;
   while (from <= text.size()) {
     const std::size_t end = std::min(text.find(',', from), text.size());
-    list.push_back(surface_of(text.substr(from, end - from)));
+    list.push_back(parse_surface(text.substr(from, end - from)));
     from = end + 1;
   }
   if (list.size() > kMostSurfaces) throw UsageError("--surfaces: more than 16 surfaces");
@@ -126,7 +126,7 @@ std::optional<double> guessed_distance_m(const calib::CalibrationSurface& surfac
   return value_at_share(reaches_m, surface.kind == calib::SurfaceKind::kWall ? kNearEdge : 1.0 - kNearEdge);
 }
 
-// Those without a distance get one guessed from the ranges under the start's elevations.
+// Surfaces without a distance get one guessed from the ranges under the start's elevations.
 std::vector<calib::CalibrationSurface> placed_surfaces(const std::vector<NamedSurface>& named,
                                                        const calib::SweepModel& start,
                                                        const std::vector<calib::RangeObservation>& ranges) {
@@ -152,7 +152,7 @@ bool can_be_placed(const std::vector<NamedSurface>& named, const calib::SweepMod
   });
 }
 
-std::vector<NamedSurface> surfaces_of(const CalibrateJob& job) {
+std::vector<NamedSurface> parse_surfaces(const CalibrateJob& job) {
   std::vector<NamedSurface> surfaces = parse(job.surfaces);
   number_names(surfaces);
   for (NamedSurface& named : surfaces) {
@@ -214,7 +214,7 @@ CalibrateOutcome run_calibration(const CalibrateJob& job, const std::function<vo
   outcome.max_elevation_rad = job.options.max_elevation_rad;
   calib::CalibrationOptions options = job.options;
   options.stop = stop;
-  const std::vector<NamedSurface> surfaces = surfaces_of(job);
+  const std::vector<NamedSurface> surfaces = parse_surfaces(job);
   StopCollector collector(job.start, job.sector_rad);
   for (const std::string& log : job.logs) read_log(log, job.read, collector, outcome, progress, stop);
   const std::vector<calib::RangeObservation> all = collector.observations(job.sigma_m);

@@ -1,4 +1,4 @@
-#include "self_run.hpp"
+#include "calibrate.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,6 @@
 #include "engine/runs/mapping/map_run.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "stops.hpp"
 
 namespace gdtslam {
 namespace {

@@ -1,4 +1,4 @@
-#include "stops.hpp"
+#include "calibrate.hpp"
 
 #include <fmt/format.h>
 
@@ -16,15 +16,15 @@ namespace {
 constexpr double kPlacesPerTurn = 1000.0;  // 0.36 deg: within it ranges bend by less than 0.1 mm
 constexpr double kMostStopBeams = 41.0;
 constexpr std::size_t kMostWaiting = 4096;
-constexpr double kMemory_s = 1.0;           // of the crank, before the oldest scan that waits
-constexpr double kLeastSigma_m = 0.001;     // a laser that repeats itself exactly is not exact for that
+constexpr double kMemory_s = 1.0;        // time of the crank's messages that are kept before the oldest scan that waits
+constexpr double kLeastSigma_m = 0.001;  // a laser that repeats itself exactly is not exact for that
 constexpr double kLeastMeanSigma_m = 1e-4;  // nor are averages beyond the wall's flatness
-constexpr double kUnknownSigma_m = 0.01;    // where no place has ranges enough to tell
+constexpr double kUnknownSigma_m = 0.01;    // if no place has enough ranges to estimate it
 constexpr std::uint32_t kEnoughForScatter = 5;
 constexpr double kLeastStopRange_m = 0.05;
-constexpr double kMostTravel_m = 0.05;                         // of a robot that stands
-constexpr double kMostTurn_rad = 3.0 * kPi / 180.0;            // likewise
-constexpr double kMostBearingChange_rad = 1e-3 * kPi / 180.0;  // of a beam from scan to scan; logs round their angles
+constexpr double kMostTravel_m = 0.05;                         // for a robot that stands
+constexpr double kMostTurn_rad = 3.0 * kPi / 180.0;            // for a robot that stands
+constexpr double kMostBearingChange_rad = 1e-3 * kPi / 180.0;  // per beam from scan to scan; logs round their angles
 
 // The beam nearest to the forward direction; the first one where none is ahead.
 std::size_t beam_ahead(const LaserScan& scan) {

@@ -1,4 +1,4 @@
-#include "text.hpp"
+#include "calibrate.hpp"
 
 #include <fmt/format.h>
 
@@ -30,7 +30,7 @@ struct Display {
   std::string unit;
 };
 
-Display display_of(const CalibratedParameter& parameter) {
+Display choose_display(const CalibratedParameter& parameter) {
   if (parameter.unit == "rad") return {deg_from_rad(1.0), "deg"};
   return calib::is_bar(parameter.name) ? Display{100.0, "cm"} : Display{1.0, "m"};
 }
@@ -71,7 +71,7 @@ struct Delta {
 };
 
 // Relative to the nominal lengths of the reading that the start's name has.
-std::vector<Delta> deltas_of(const CalibrateOutcome& outcome) {
+std::vector<Delta> compute_deltas(const CalibrateOutcome& outcome) {
   const std::string& name = outcome.start.name;
   std::vector<Delta> deltas;
   for (const calib::PaperBar& bar : calib::paper_bars(name)) {
@@ -91,7 +91,7 @@ std::vector<Delta> deltas_of(const CalibrateOutcome& outcome) {
 }
 
 std::string deltas_text(const CalibrateOutcome& outcome) {
-  const std::vector<Delta> deltas = deltas_of(outcome);
+  const std::vector<Delta> deltas = compute_deltas(outcome);
   if (deltas.empty()) return "";
   std::string text = "\nThe paper's bars under the reading " + outcome.start.name + ":\n";
   for (const Delta& delta : deltas) {
@@ -150,7 +150,7 @@ Json warnings_json(const std::vector<LogReader::Warning>& warnings) {
 
 Json deltas_json(const CalibrateOutcome& outcome) {
   Json list = Json::array();
-  for (const Delta& delta : deltas_of(outcome)) {
+  for (const Delta& delta : compute_deltas(outcome)) {
     list.push_back({{"name", delta.name},
                     {"in_loop", delta.value_m.has_value()},
                     {"place", delta.value_m ? delta.place : "elevation offset"},
@@ -178,7 +178,7 @@ std::string as_text(const CalibrateOutcome& outcome) {
                                  plural(statistics.ranges, "range"), 1000.0 * statistics.range_sigma_m) +
                      heading();
   for (const CalibratedParameter& parameter : outcome.result.parameters) {
-    text += fmt::format("{}  {}{}\n", row(parameter, display_of(parameter)),
+    text += fmt::format("{}  {}{}\n", row(parameter, choose_display(parameter)),
                         parameter.observable ? "observed" : "not observed", parameter.at_bound ? ", on its bound" : "");
   }
   return text + deltas_text(outcome) + fit_text(outcome) +
@@ -191,7 +191,7 @@ std::string as_text(const SelfCalibrateOutcome& outcome) {
                                  plural(outcome.strokes, "stroke"), plural(outcome.beams, "beam")) +
                      heading();
   for (const CalibratedParameter& parameter : result.parameters) {
-    text += row(parameter, parameter.unit == "rad" ? display_of(parameter) : Display{100.0, "cm"}) + "\n";
+    text += row(parameter, parameter.unit == "rad" ? choose_display(parameter) : Display{100.0, "cm"}) + "\n";
   }
   text += fmt::format(
       "\nstrokes miss each other by {:.1f} mm before, {:.1f} mm after (median of {} pairs); {} after {} rounds\n",

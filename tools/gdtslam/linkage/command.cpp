@@ -62,7 +62,7 @@ bool is_preset(std::string_view name) {
   return std::any_of(presets.begin(), presets.end(), [name](const calib::LinkagePreset& p) { return p.name == name; });
 }
 
-calib::SweepModel model_of(const LinkageCommand& command) {
+calib::SweepModel read_model(const LinkageCommand& command) {
   if (!command.is_calibrated) {
     return resolve_linkage(command.linkage);
   }
@@ -113,7 +113,7 @@ calib::DesignGoal design_goal(const GoalText& text) {
 }
 
 // A designed linkage with everything else as the presets have it: lifting is the slow stroke and begins at elevation 0.
-calib::SweepModel model_of(const calib::Design& design, std::size_t number) {
+calib::SweepModel read_model(const calib::Design& design, std::size_t number) {
   calib::SweepModel model = calib::sweep_model_of_preset(calib::kDefaultLinkage);
   model.name = fmt::format("design-{}", number);
   model.bars = design.bars;
@@ -176,7 +176,7 @@ std::string designs_table(const std::vector<calib::LinkageCycle>& designs) {
 int run_design(const LinkageCommand& command) {
   std::vector<calib::LinkageCycle> designs;
   for (const calib::Design& design : calib::design(design_goal(command.goal), command.count)) {
-    designs.emplace_back(model_of(design, designs.size() + 1));
+    designs.emplace_back(read_model(design, designs.size() + 1));
   }
   write_files(command, designs.front());
   if (command.json) {
@@ -217,7 +217,7 @@ int run_linkage(const LinkageCommand& command) {
   if (command.linkage.empty()) {
     throw UsageError("name a linkage: a preset (gdtslam linkage --list) or a file; or ask for one with --design");
   }
-  const calib::LinkageCycle cycle(model_of(command));
+  const calib::LinkageCycle cycle(read_model(command));
   write_files(command, cycle);
   print_result(command.json ? json_text(as_json(cycle)) : as_text(cycle));
   return static_cast<int>(ExitCode::kDone);

@@ -159,7 +159,7 @@ const char* fault_text(calib::GrashofClass grashof) {
   }
 }
 
-// What a designer should know.
+// Remarks for a designer.
 std::vector<std::string> all_remarks(const LinkageCycle& cycle) {
   const SweepModel& model = cycle.model();
   if (cycle.report()) return calib::remarks(model.bars, model.assembly);

@@ -1,4 +1,4 @@
-// What a linkage does, as `gdtslam linkage` prints it. Angles in degrees, lengths in metres (JSON) or centimetres
+// The report on a linkage that `gdtslam linkage` prints. Angles in degrees, lengths in metres (JSON) or centimetres
 // (text). Thread-safe; O(rows).
 #pragma once
 

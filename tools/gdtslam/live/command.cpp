@@ -94,12 +94,12 @@ void add_output_options(CLI::App& command, DriveOptions& options) {
 
 }  // namespace
 
-std::string name_of_input(const DriveOptions& options) {
+std::string input_name(const DriveOptions& options) {
   if (!options.listen.empty()) return options.listen;
   return options.follow.empty() ? options.log : options.follow;
 }
 
-std::shared_ptr<LiveInput> input_of(const DriveOptions& options) {
+std::shared_ptr<LiveInput> open_input(const DriveOptions& options) {
   if (!options.listen.empty()) return listen_at(options.listen);
   if (!options.follow.empty()) return follow_file(options.follow);
   std::error_code ignored;
@@ -109,15 +109,15 @@ std::shared_ptr<LiveInput> input_of(const DriveOptions& options) {
 }
 
 // With a queue nobody waits for anybody; else a reader may be slow, but not hang.
-LineOutput::Rule output_rule_of(const DriveOptions& options) {
+LineOutput::Rule output_rule(const DriveOptions& options) {
   constexpr std::chrono::seconds kPatienceWithReader{5};
   if (options.queue > 0) return {.most_waiting = options.queue};
   return {.patience = kPatienceWithReader};
 }
 
-std::unique_ptr<LivePage> page_of(const DriveOptions& options) {
+std::unique_ptr<LivePage> open_live_page(const DriveOptions& options) {
   if (options.page.empty()) return nullptr;
-  std::unique_ptr<LivePage> page = open_page(options.page, "gdtslam live: " + log_name(name_of_input(options)));
+  std::unique_ptr<LivePage> page = open_page(options.page, "gdtslam live: " + log_name(input_name(options)));
   print_remark("the drive is shown at " + page->url());
   return page;
 }

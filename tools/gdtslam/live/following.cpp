@@ -19,15 +19,15 @@
 namespace gdtslam {
 namespace {
 
-LocalizeJob job_of(const DriveOptions& options, const Settings& settings) {
+LocalizeJob make_job(const DriveOptions& options, const Settings& settings) {
   LogConfig log = settings.log;
   state_recording(options.recording, log);
   LocalizeJob job;
-  job.log = name_of_input(options);
+  job.log = input_name(options);
   job.read = read_options_of(log, options.lenient);
-  auto input = input_of(options);
+  auto input = open_input(options);
   if (!input) input = open_stream(options.log);
-  job.live_log = live_log_of(std::move(input), options.queue);
+  job.live_log = make_live_log(std::move(input), options.queue);
   return job;
 }
 
@@ -46,7 +46,7 @@ std::string counts_text(const WhereaboutsCounts& counts) {
 class FollowedDrive {
  public:
   FollowedDrive(const DriveOptions& options, const ScanConfig& valid, LineOutput& output, LivePage* page)
-      : format_(pose_format_of(options.format)), valid_(valid), output_(output), page_(page) {}
+      : format_(parse_pose_format(options.format)), valid_(valid), output_(output), page_(page) {}
 
   void take(const LaserScan& laser, const TrackedPose& pose) {
     output_.write(pose_line(format_, counts_.scans, laser.stamp_s, pose));
@@ -76,17 +76,17 @@ class FollowedDrive {
 }  // namespace
 
 int follow_live(const DriveOptions& options) {
-  let_signal_save();  // of which there is nothing here, and which ends nothing
+  let_signal_save();  // there is nothing to save here, but SIGUSR1 must not end the process
   const Settings settings = load_settings(options.settings);
-  const LocalizeJob job = job_of(options, settings);
+  const LocalizeJob job = make_job(options, settings);
   DeviceOptions device = options.device;
   device.threads = 1;
   const std::unique_ptr<Backend> backend = make_backend(device);
   device.device = "cpu";
   const std::unique_ptr<Backend> cpu = make_backend(device);
   const Localizer localizer(options.map, settings.mapper, {}, *backend);
-  LineOutput output(output_rule_of(options));
-  const std::unique_ptr<LivePage> page = page_of(options);
+  LineOutput output(output_rule(options));
+  const std::unique_ptr<LivePage> page = open_live_page(options);
   if (page) page->show(shown_map(localizer.field()), {});
   FollowedDrive drive(options, settings.mapper.scan, output, page.get());
   std::vector<LogReader::Warning> warnings;
@@ -100,7 +100,7 @@ int follow_live(const DriveOptions& options) {
   } catch (const Error&) {
     problem = std::current_exception();
   }
-  output.finish();  // what was followed by then is told all the same
+  output.finish();  // the poses so far are printed even after an error
   if (!options.quiet && (!problem || drive.scans() > 0)) {
     print_warnings(warnings);
     print_remark_on_nods(warnings);

@@ -21,10 +21,10 @@
 namespace gdtslam {
 namespace {
 
-MapRequest request_of(const DriveOptions& options) {
+MapRequest make_request(const DriveOptions& options) {
   Settings settings = load_settings(options.settings);
   state_recording(options.recording, settings.log);
-  const std::string log = name_of_input(options);
+  const std::string log = input_name(options);
   MapRequest request{.logs = {log},
                      .folder = options.folder.empty() ? default_run_folder(log) : options.folder,
                      .settings = std::move(settings),
@@ -57,7 +57,7 @@ struct Drive {
 };
 
 // The scans before the problem are mapped and written.
-int exit_code_of(const MapOutcome& outcome) {
+int find_exit_code(const MapOutcome& outcome) {
   const std::string_view kind = warning_of_end(outcome.broken_off);
   const auto why = std::find_if(outcome.warnings.begin(), outcome.warnings.end(),
                                 [&](const auto& warning) { return warning.kind == kind; });
@@ -81,14 +81,14 @@ void print_summary(const MapRequest& request, const MapOutcome& outcome, std::ui
 int map_live(const DriveOptions& options) {
   return_large_blocks_at_once();
   let_signal_save();
-  MapRequest request = request_of(options);
+  MapRequest request = make_request(options);
   WrittenFiles({}, options.force).add_folder("--output", request.folder);
   require_no_foreign_snapshot(request.folder);
-  if (auto input = input_of(options)) request.live_log = live_log_of(std::move(input), options.queue);
-  LineOutput output(output_rule_of(options));
+  if (auto input = open_input(options)) request.live_log = make_live_log(std::move(input), options.queue);
+  LineOutput output(output_rule(options));
   DriveRecord record(request.settings.occupancy, occupancy_limits(request.settings.mapper));
-  const std::unique_ptr<LivePage> page = page_of(options);
-  request.scan_mapped = [&, format = pose_format_of(options.format), valid = request.settings.mapper.scan,
+  const std::unique_ptr<LivePage> page = open_live_page(options);
+  request.scan_mapped = [&, format = parse_pose_format(options.format), valid = request.settings.mapper.scan,
                          drive = Drive()](const MappedScan& mapped) mutable {
     output.write(pose_line(format, drive.counts.scans, mapped));
     record.take(mapped);
@@ -103,13 +103,13 @@ int map_live(const DriveOptions& options) {
   Snapshots snapshots(record, std::move(plan));
   snapshots.start();
   request.closing = [&snapshots](std::string_view, double) { snapshots.stop(); };
-  request.finishing = [&snapshots](std::string_view) { snapshots.stop(); };  // where no loops are closed
+  request.finishing = [&snapshots](std::string_view) { snapshots.stop(); };  // if no loops are closed
   BackendWhenNeeded backend(options.device);
   const MapResult result = map_logs(request, [&backend](bool has_work) -> Backend& { return backend.of(has_work); });
   output.finish();
   if (options.folder.empty()) link_latest(request.folder);
   if (!options.quiet) print_summary(request, result.outcome, output.dropped());
-  return exit_code_of(result.outcome);
+  return find_exit_code(result.outcome);
 }
 
 }  // namespace gdtslam

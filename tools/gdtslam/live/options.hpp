@@ -38,12 +38,12 @@ struct DriveOptions {
 };
 
 /// Input of the drive: null if the log is read by its name, with nothing ahead.
-std::shared_ptr<LiveInput> input_of(const DriveOptions& options);
+std::shared_ptr<LiveInput> open_input(const DriveOptions& options);
 /// Its name in messages and in the folder's.
-std::string name_of_input(const DriveOptions& options);
-LineOutput::Rule output_rule_of(const DriveOptions& options);
+std::string input_name(const DriveOptions& options);
+LineOutput::Rule output_rule(const DriveOptions& options);
 /// Null where none is asked for; where it is is said on standard error.
-std::unique_ptr<LivePage> page_of(const DriveOptions& options);
+std::unique_ptr<LivePage> open_live_page(const DriveOptions& options);
 
 /// Tells the user of a laser that nods what to do, if these warnings name one.
 void print_remark_on_nods(const std::vector<LogReader::Warning>& warnings);

@@ -26,14 +26,14 @@ constexpr std::array<std::pair<const char*, sim::EncoderFaultKind>, 4> kFaults{
      {"missing", sim::EncoderFaultKind::kMissing}}};
 
 template <class Names>
-std::vector<std::string> names_of(const Names& names) {
+std::vector<std::string> list_names(const Names& names) {
   std::vector<std::string> list;
   list.reserve(names.size());
   for (const auto& entry : names) list.emplace_back(entry.first);
   return list;
 }
 
-// What has this name; nothing where none has.
+// The value of that name; empty if there is none.
 template <class Names>
 auto find_named(const Names& names, const std::string& name) {
   const auto found = std::find_if(names.begin(), names.end(), [&](const auto& entry) { return name == entry.first; });
@@ -44,7 +44,7 @@ template <class Names>
 auto named(const YamlValue& value, const Names& names, const char* what) {
   if (const auto known = find_named(names, value.text())) return *known;
   value.refuse("unknown " + std::string(what) + " '" + value.text() + "'" +
-               did_you_mean(value.text(), names_of(names)));
+               did_you_mean(value.text(), list_names(names)));
 }
 
 std::int64_t whole(const YamlValue& value, double least, double most) {
@@ -102,7 +102,7 @@ sim::EncoderFault read_fault(const YamlValue& value) {
 
 sim::NodMode nod_mode(const std::string& name) {
   if (const auto mode = find_named(kModes, name)) return *mode;
-  throw UsageError("unknown mode '" + name + "' of nodding" + did_you_mean(name, names_of(kModes)) +
+  throw UsageError("unknown mode '" + name + "' of nodding" + did_you_mean(name, list_names(kModes)) +
                    "; there are continuous, stop-and-scan and stepped");
 }
 

@@ -27,7 +27,7 @@ sim::NoddingModel read_nodding(const YamlValue& value);
 /// A mode by its name in scenes and options: continuous, stop-and-scan, stepped. Throws UsageError with the names.
 sim::NodMode nod_mode(const std::string& name);
 
-/// What makes the encoder tell the crank's angle as finely as a log can: 2^30 ticks a turn.
+/// Makes the encoder as fine as a log can be: 2^30 ticks a turn.
 void make_exact(calib::CrankEncoder& encoder);
 
 }  // namespace gdtslam

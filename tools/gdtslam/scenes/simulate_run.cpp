@@ -14,20 +14,19 @@
 #include "engine/io/did_you_mean.hpp"
 #include "engine/io/logs/carmen_writer.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
-#include "engine/sim/clearance.hpp"
+#include "engine/sim/surface_distance.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "scene_file.hpp"
 #include "scene_parts.hpp"
-#include "simulated_log.hpp"
-#include "truth_files.hpp"
+#include "simulated_files.hpp"
 
 namespace gdtslam {
 namespace {
 
 constexpr double kClearanceLimit_m = 2.0;
-// What lies on the floor to this height is driven over.
+// The robot drives over anything up to this height.
 constexpr double kGroundClearance_m = 0.02;
 
 /// Puts what an option states in its place. A scene was right before, so that what is wrong then is the option's fault.
@@ -103,7 +102,7 @@ void apply_options(const SimulateOptions& options, SceneFile& scene) {
   }
 }
 
-sim::MotionPlan plan_of(const SceneFile& scene, const std::string& source) {
+sim::MotionPlan make_plan(const SceneFile& scene, const std::string& source) {
   if (scene.waypoints.empty()) {
     throw ConfigError({source, 0}, "has no waypoints: add them, or give --trajectory FILE");
   }
@@ -150,8 +149,8 @@ double checked_clearance_m(const SceneFile& scene, const sim::MotionPlan& plan, 
   return *nearest;
 }
 
-// As many as multiples of the resolution need. Whole centimetres still get three; ranges that are not rounded keep all
-// digits of a float beyond 4 m.
+// Enough decimals for multiples of the resolution. Whole centimetres still get three; ranges that are not rounded keep
+// all digits of a float beyond 4 m.
 int range_decimals(const sim::LaserModel& laser) {
   constexpr double kMillimetre_m = 0.001;
   constexpr int kMostDecimals = 9;
@@ -172,8 +171,8 @@ std::string one_word(std::string text) {
   return text.empty() ? "-" : text;
 }
 
-// What the log was made of, so that it can be made again.
-std::string header_of(const SceneFile& scene, const CarmenWriter& writer) {
+// The settings that made the log, so that it can be made again.
+std::string log_header(const SceneFile& scene, const CarmenWriter& writer) {
   const sim::SimulationConfig& config = scene.config;
   std::vector<std::pair<std::string, std::string>> parameters{
       {"simulated_scene", one_word(scene.name)},
@@ -203,7 +202,7 @@ std::string header_of(const SceneFile& scene, const CarmenWriter& writer) {
 }
 
 /// When beams are measured is told where it was asked for: a log of whole scans reads as it always did.
-UnsaidOfScans facts_of(const SceneFile& scene) {
+UnsaidOfScans unsaid_facts(const SceneFile& scene) {
   const sim::LaserModel& laser = scene.config.laser;
   const bool are_timed = scene.config.stamps_first_beam;
   const double period_s = are_timed ? laser.time_of_beam_s(1) - laser.time_of_beam_s(0) : 0.0;
@@ -220,7 +219,7 @@ struct Output {
       }
       return;
     }
-    log.emplace(options.output, facts_of(scene), files);
+    log.emplace(options.output, unsaid_facts(scene), files);
     truth_file = &files.add(sidecar_path(options.output, ".truth.tum"));
     if (scene.config.nodding) {
       files.add(sidecar_path(options.output, ".linkage.yaml")).write(linkage_text(scene.config.nodding->truth));
@@ -260,7 +259,7 @@ sim::SimulationSummary record(const SimulateOptions& options, const SceneFile& s
                               const sim::RayCaster& caster, Output& output) {
   CarmenWriter writer(range_decimals(scene.config.laser));
   const double limit_m = scene.config.laser.max_range_m;
-  output.write(std::nullopt, header_of(scene, writer));
+  output.write(std::nullopt, log_header(scene, writer));
   sim::SimulationSink sink;
   sink.odometry = [&](const Odometry& odometry) { output.write(odometry.stamp_s, writer.odometry(odometry)); };
   sink.encoder = [&](const Encoder& encoder) { output.write(encoder.stamp_s, writer.encoder(encoder)); };
@@ -287,7 +286,7 @@ SimulateResult simulate(const SimulateOptions& options) {
   SceneFile scene = read_scene(scene_file);
   apply_options(options, scene);
   const std::string& path_source = options.trajectory ? *options.trajectory : scene_file;
-  const sim::MotionPlan plan = plan_of(scene, path_source);
+  const sim::MotionPlan plan = make_plan(scene, path_source);
   const sim::RayCaster caster(triangulated(scene.scene, scene_file), {options.embree_isa});
   const double clearance_m = checked_clearance_m(scene, plan, caster.mesh(), path_source);
 

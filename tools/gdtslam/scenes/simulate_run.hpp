@@ -28,14 +28,14 @@ struct SimulateOptions {
   /// Turns of the laser's mirror, instead of the laser's. Scans are stamped with their first beam then, and say when
   /// the others were measured, where the format can.
   std::optional<double> mirror_rate_hz{};
-  std::optional<double> speed_m_per_s{};        ///< of the robot at most, instead of the scene's
-  std::optional<double> turn_rate_rad_per_s{};  ///< likewise
+  std::optional<double> speed_m_per_s{};        ///< limit for the robot, instead of the scene's
+  std::optional<double> turn_rate_rad_per_s{};  ///< limit for the robot, instead of the scene's
   std::optional<std::string> trajectory{};      ///< a file of waypoints instead of the scene's
   std::optional<std::string> linkage{};         ///< a preset or a linkage file: the mount nods, instead of the scene's
   std::optional<std::string> nod_mode{};        ///< continuous, stop-and-scan or stepped, instead of the scene's
   std::optional<double> crank_rate_hz{};        ///< instead of the scene's
   std::optional<std::int64_t> ticks_per_turn{};
-  std::optional<double> noise_m{};             ///< of the ranges, instead of the scene's
+  std::optional<double> noise_m{};             ///< noise of the ranges, instead of the scene's
   std::optional<double> range_resolution_m{};  ///< 0 keeps all digits
   bool is_exact =
       false;  ///< no noise, no rounding and no drop-outs of the laser, 2^30 ticks a turn; the four above win
@@ -45,7 +45,7 @@ struct SimulateOptions {
   std::function<bool()> stop{};  ///< true ends the run; what was done is written
 };
 
-/// What the simulation did, and where it is written.
+/// The result of a simulation, and its files.
 struct SimulateResult : sim::SimulationSummary {
   std::string scene_file;
   std::string log_file;
@@ -54,8 +54,8 @@ struct SimulateResult : sim::SimulationSummary {
   std::string elevation_file;  ///< <log>.elevation.csv
   std::string hits_file;       ///< <log>.truth.ply; empty unless asked for
   std::size_t triangles = 0;
-  std::uint64_t log_bytes = 0;               ///< as text, before compression
-  std::vector<LogReader::Warning> left_out;  ///< what the format of the log cannot carry
+  std::uint64_t log_bytes = 0;               ///< size of the text, before compression
+  std::vector<LogReader::Warning> left_out;  ///< data that the format of the log cannot carry
   double clearance_m = 0.0;                  ///< nearest that the robot's centre comes to an obstacle, at most 2 m
   double wall_s = 0.0;
 };

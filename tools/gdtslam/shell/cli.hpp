@@ -1,5 +1,5 @@
-// What headers need of CLI11. Its own header costs a source a second, and CLI::App's constructor, which is inline,
-// three more: sources that define options include <CLI/App.hpp>, and the constructor is called in one place.
+// Declarations of CLI11 for headers. Its own header costs a source a second, and CLI::App's constructor, which is
+// inline, three more: sources that define options include <CLI/App.hpp>, and the constructor is called in one place.
 #pragma once
 
 #include <string>

@@ -4,7 +4,7 @@
 #include <unistd.h>
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>  // what CLI::App::help() is made of: the constructor wants it
+#include <CLI/Formatter.hpp>  // needed by the constructor, for CLI::App::help()
 
 #include <algorithm>
 #include <array>
@@ -22,13 +22,45 @@
 #include "console.hpp"
 #include "engine/core/memory/out_of_memory.hpp"
 #include "engine/io/did_you_mean.hpp"
+#include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/help/command_tree.hpp"
 #include "tools/gdtslam/shell/help/help_page.hpp"
-#include "version_text.hpp"
 
 namespace gdtslam {
 namespace {
+
+// Parts of the program that a build may be without.
+std::string parts_of_build() {
+  std::vector<std::string_view> parts;
+  if (GDTSLAM_HAS_VULKAN) parts.emplace_back("Vulkan");
+#ifdef GDTSLAM_HAS_VIEWER
+  parts.emplace_back("viewer");
+#endif
+#ifdef GDTSLAM_HAS_SIM
+  parts.emplace_back("simulator");
+#endif
+  return parts.empty() ? "no optional part" : fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string instruction_sets() {
+  std::string text(to_string(best_isa()));
+  text += " of ";
+  for (std::size_t k = 0; k < kIsaCount; ++k) {
+    text.append(k == 0 ? "" : ", ").append(to_string(static_cast<Isa>(k)));
+  }
+  return text;
+}
+
+std::string version_text(const BuildStamp& build) {
+  const std::string date = build.date.empty() ? std::string() : fmt::format(" of {}", build.date);
+  return fmt::format(
+      "gdtslam {}\n"
+      "commit    {}{}\n"
+      "built with {}\n"
+      "computes  by the instruction set {}\n",
+      GDTSLAM_VERSION, build.commit, date, parts_of_build(), instruction_sets());
+}
 
 constexpr const char* kHelpGroup = "This machine and this program";
 
@@ -48,7 +80,7 @@ void add_row(CLI::App& app, CommandContext& context, const CommandRow& row) {
   app.get_subcommand(row.name)->group(row.group);
 }
 
-std::vector<std::string> names_of(CLI::App* app) {
+std::vector<std::string> list_names(CLI::App* app) {
   std::vector<std::string> names;
   for (const CLI::Option* option : app->get_options()) {
     for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
@@ -60,22 +92,22 @@ std::vector<std::string> names_of(CLI::App* app) {
 }
 
 // "gdtslam map": the words that lead to a sub-command.
-std::string path_of(const CLI::App* app) {
-  return app->get_parent() == nullptr ? app->get_name() : path_of(app->get_parent()) + " " + app->get_name();
+std::string command_path(const CLI::App* app) {
+  return app->get_parent() == nullptr ? app->get_name() : command_path(app->get_parent()) + " " + app->get_name();
 }
 
-std::string help_of(CLI::App* app) { return help_page(command_text(*app), help_width()); }
+std::string help_text(CLI::App* app) { return help_page(command_text(*app), help_width()); }
 
 int print_help_on(CLI::App* app, const std::vector<std::string>& words) {
   for (const std::string& word : words) {
     const auto named = app->get_subcommands([&word](const CLI::App* command) { return command->get_name() == word; });
     if (named.empty()) {
-      throw UsageError("there is no command '" + word + "'" + did_you_mean(word, names_of(app)) + " (see '" +
-                       path_of(app) + " --help')");
+      throw UsageError("there is no command '" + word + "'" + did_you_mean(word, list_names(app)) + " (see '" +
+                       command_path(app) + " --help')");
     }
     app = named.front();
   }
-  print_result(help_of(app));
+  print_result(help_text(app));
   return static_cast<int>(ExitCode::kDone);
 }
 
@@ -85,7 +117,7 @@ void add_help_command(CLI::App& app, CommandContext& context, const Program& pro
   CLI::Option* const named =
       command->add_option("command", *words, "The command, and its own command after it (default: the list of all)");
   named->type_name("NAME");
-  std::vector<std::string> names = names_of(&app);
+  std::vector<std::string> names = list_names(&app);
   std::erase_if(names, [](const std::string& name) { return name.starts_with('-'); });
   offer_words(named, std::move(names));
   command->group(kHelpGroup);
@@ -129,10 +161,10 @@ std::string usage_message(CLI::App* root, const CLI::ParseError& error) {
     }
     const bool is_command = app->get_require_subcommand_min() > 0 && word.front() != '-';
     message = (is_command ? "there is no command '" : "unexpected argument '") + word + "'" +
-              did_you_mean(word, names_of(app));
+              did_you_mean(word, list_names(app));
   }
   std::replace(message.begin(), message.end(), '\n', ' ');
-  return message + " (see '" + path_of(app) + " --help')";
+  return message + " (see '" + command_path(app) + " --help')";
 }
 
 int report(std::string_view message, ExitCode code) {
@@ -148,7 +180,7 @@ int parse_and_run(int argc, char** argv, const Program& program, const BuildStam
   try {
     app->parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
-    print_result(help_of(chosen_app(app.get())));
+    print_result(help_text(chosen_app(app.get())));
     return static_cast<int>(ExitCode::kDone);
   } catch (const CLI::CallForVersion& version) {
     print_result(version.what());
@@ -156,7 +188,7 @@ int parse_and_run(int argc, char** argv, const Program& program, const BuildStam
   } catch (const CLI::ParseError& error) {
     return report(usage_message(app.get(), error), ExitCode::kUsage);
   }
-  const std::string command = path_of(chosen_app(app.get()));
+  const std::string command = command_path(chosen_app(app.get()));
   const std::string what_to_do = " in '" + command + "'; " + context.when_out_of_memory;
   try {
     return context.run();

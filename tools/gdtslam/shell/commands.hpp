@@ -11,20 +11,20 @@
 
 namespace gdtslam {
 
-/// What the program was built from. It is no part of any result: those depend on the version alone.
+/// The source that the program was built from. It is no part of any result: those depend on the version alone.
 struct BuildStamp {
-  std::string_view commit;  ///< of git, or as the packager named it; "unknown" elsewhere
-  std::string_view date;    ///< of that commit, YYYY-MM-DD; empty where it is not known
+  std::string_view commit;  ///< from git, or named by the packager; "unknown" elsewhere
+  std::string_view date;    ///< date of that commit, YYYY-MM-DD; empty if it is not known
 };
 
-/// What the command line asked for.
+/// The request of the command line.
 struct CommandContext {
   std::function<int()> run;  ///< the chosen sub-command; returns the exit code
-  const char* when_out_of_memory = "it needs less data at a time or more memory";  ///< what to do then
+  const char* when_out_of_memory = "it needs less data at a time or more memory";  ///< advice to the user
   BuildStamp build{};
 };
 
-/// Of the commands that make maps.
+/// Advice of the commands that make maps.
 inline constexpr const char* kSmallerMap =
     "a smaller map.max_megacells or cloud.max_megavoxels, or a larger map.resolution needs less";
 
@@ -43,7 +43,7 @@ struct Program {
   std::span<const CommandRow> commands;  ///< in the order of the help
 };
 
-/// Of the program, which alone is made anew when the commit changes (cmake/GdtslamStamp.cmake).
+/// The stamp of the program, which alone is made anew when the commit changes (cmake/GdtslamStamp.cmake).
 BuildStamp build_stamp();
 
 /// Parses the command line and runs which of the sub-commands it asks for. Every error is one line on standard error;

@@ -145,7 +145,7 @@ void install_interrupt_handlers() {
   ::sigemptyset(&action.sa_mask);
   ::sigaction(SIGINT, &action, nullptr);
   ::sigaction(SIGTERM, &action, nullptr);
-  // Whoever started it with nohup wants none at all.
+  // A process that was started with nohup ignores it.
   struct sigaction inherited {};
   if (::sigaction(SIGHUP, nullptr, &inherited) == 0 && inherited.sa_handler != SIG_IGN) {
     ::sigaction(SIGHUP, &action, nullptr);

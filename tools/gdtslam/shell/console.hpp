@@ -1,8 +1,8 @@
-// What a command prints, and the signals that end it. Results go to standard output and a write that fails is an error
+// Output of a command, and the signals that end it. Results go to standard output and a write that fails is an error
 // (exit 74), so that a full disk or a reader that went away does not pass for success; remarks, errors and progress go
-// to standard error, a line each. Names of files, logs and options are anybody's: control characters, marks that change
-// the direction of text and what is no UTF-8 are shown as \x1b and the like, so that no text can add a line to a
-// message, reorder it or give an order to a terminal.
+// to standard error, a line each. Names of files, logs and options can come from strangers: control characters, marks
+// that change the direction of text and invalid UTF-8 are shown as \x1b and the like, so that no text can add a line to
+// a message, reorder it or give an order to a terminal.
 #pragma once
 
 #include <array>
@@ -55,7 +55,7 @@ std::string time_left_text(double seconds);
 /// The line itself, whatever it says.
 class TerminalLine {
  public:
-  /// Nothing is ever drawn when `quiet`.
+  /// Draws nothing when `quiet`.
   explicit TerminalLine(bool quiet);
   TerminalLine(const TerminalLine&) = delete;
   TerminalLine& operator=(const TerminalLine&) = delete;

@@ -45,7 +45,7 @@ fs::path base_folder() {
   fs::path named = absolute_from("XDG_CACHE_HOME");
   if (!named.empty()) return named;
   const fs::path home = absolute_from("HOME");
-  std::error_code ignored;  // what cannot be asked about is no home
+  std::error_code ignored;  // an error means that there is no home
   return fs::is_directory(home, ignored) ? home / ".cache" : fs::path();
 }
 
@@ -92,7 +92,7 @@ TemporaryFolder::TemporaryFolder(const std::string& name, std::string below) {
 
 TemporaryFolder::~TemporaryFolder() {
   without_throwing([this] {
-    std::error_code ignored;  // what cannot be removed is the system's to tidy up
+    std::error_code ignored;  // the system tidies up whatever is left
     remove_tree(path_, ignored);
   });
 }

@@ -34,7 +34,8 @@ class TemporaryFolder {
   std::string path_;
 };
 
-/// Where the command keeps what it may lose: the pipelines that a driver built and the results of `gdtslam verify`.
+/// The folder for files that the command may lose: the pipelines that a driver built and the results of `gdtslam
+/// verify`.
 struct CacheFolder {
   std::string path;     ///< empty where there is none
   std::string problem;  ///< why there is none

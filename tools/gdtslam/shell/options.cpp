@@ -14,7 +14,7 @@
 namespace gdtslam {
 namespace {
 
-std::string type_name_of(Unit unit) {
+std::string unit_type_name(Unit unit) {
   switch (unit) {
     case Unit::kMetre:
       return "LENGTH";
@@ -49,7 +49,7 @@ CLI::Option* add_quantity_option(CLI::App& command, const std::string& name, dou
     }
     value = number;
   };
-  return command.add_option_function<std::string>(name, read, doc)->type_name(type_name_of(unit));
+  return command.add_option_function<std::string>(name, read, doc)->type_name(unit_type_name(unit));
 }
 
 CLI::Validator without_leading_zeros() {
@@ -62,13 +62,13 @@ CLI::Validator without_leading_zeros() {
 }
 
 CLI::Validator whole_number_from(std::uint64_t minimum) {
-  const auto fault_of = [minimum](const std::string& text) -> std::string {
+  const auto find_fault = [minimum](const std::string& text) -> std::string {
     std::uint64_t number = 0;
     const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), number);
     if (code == std::errc{} && end == text.data() + text.size() && number >= minimum) return {};
     return "'" + text + "' is no whole number of at least " + std::to_string(minimum);
   };
-  return {fault_of, ""};
+  return {find_fault, ""};
 }
 
 template <class Count>

@@ -1,4 +1,4 @@
-// What options of the command line name: quantities with their unit, or 0 (core/stated_quantity.hpp), and counts.
+// Options of the command line that are quantities with their unit, or 0 (core/stated_quantity.hpp), or counts.
 // Thread-safe.
 #pragma once
 
@@ -15,7 +15,7 @@ namespace gdtslam {
 /// The quantity that an option's text names. Throws UsageError that names the option.
 double quantity_of(const std::string& option, const std::string& text, Unit unit);
 
-/// What an option may be, both ends included.
+/// Limits of an option, both ends included.
 struct QuantityBounds {
   double least = 0.0;
   double most = 0.0;

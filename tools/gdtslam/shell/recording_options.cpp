@@ -15,7 +15,7 @@
 namespace gdtslam {
 namespace {
 
-Pose2 mount_of(const std::string& text) {
+Pose2 parse_mount(const std::string& text) {
   std::array<std::string, 3> parts;
   std::size_t begin = 0;
   for (std::size_t k = 0; k < parts.size(); ++k) {
@@ -36,7 +36,7 @@ Pose2 mount_of(const std::string& text) {
 }
 
 /// The topic of NAME=x,y,yaw, with or without its slash; empty where there is none.
-std::string topic_of_mount(const std::string& text) {
+std::string mount_topic(const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos) return {};
   const std::size_t slash = text.starts_with('/') ? 1 : 0;
@@ -46,7 +46,7 @@ std::string topic_of_mount(const std::string& text) {
 void require_one_mount_each(const std::vector<std::string>& mounts) {
   std::vector<std::string> topics;
   for (const std::string& text : mounts) {
-    const std::string topic = topic_of_mount(text);
+    const std::string topic = mount_topic(text);
     if (std::find(topics.begin(), topics.end(), topic) != topics.end()) {
       throw UsageError(topic.empty() ? "--mount: of several lasers each is named: NAME=x,y,yaw"
                                      : fmt::format("--mount: {} is given twice", in_quotes(topic)));
@@ -90,9 +90,9 @@ void state_recording(const RecordingOptions& options, LogConfig& config) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos) {
       config.mount = LogSource::kStated;
-      config.T_base_laser = mount_of(text);
+      config.T_base_laser = parse_mount(text);
     } else {
-      config.topics.mounts.push_back({text.substr(0, equals), mount_of(text.substr(equals + 1))});
+      config.topics.mounts.push_back({text.substr(0, equals), parse_mount(text.substr(equals + 1))});
     }
   }
 }

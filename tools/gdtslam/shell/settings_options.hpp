@@ -10,7 +10,7 @@
 
 namespace gdtslam {
 
-/// What the command line says about the configuration.
+/// The configuration on the command line.
 struct SettingsOptions {
   std::string file;               ///< empty: none
   std::vector<std::string> sets;  ///< path=value

@@ -52,7 +52,7 @@ Workers::Tell teller(int pipe) {
 
 constexpr const char* kFewerAtATime = "; fewer at a time need less";
 
-WorkJson outcome_of(const Workers::Work& work, int pipe) {
+WorkJson run_work(const Workers::Work& work, int pipe) {
   try {
     return {{"result", work(teller(pipe))}};
   } catch (const OutOfMemory& error) {
@@ -70,7 +70,7 @@ WorkJson outcome_of(const Workers::Work& work, int pipe) {
   }
 }
 
-// Where memory ends inside of what lets no exception through: the parent tells of it.
+// Memory can end inside of a function that lets no exception through; the parent reports it.
 [[noreturn]] void end_silently_without_memory() {
   try {
     if (const std::exception_ptr thrown = std::current_exception()) std::rethrow_exception(thrown);
@@ -86,11 +86,11 @@ WorkJson outcome_of(const Workers::Work& work, int pipe) {
 [[noreturn]] void live_as_child(const Workers::Work& work, pid_t parent, int pipe) noexcept {
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
   std::set_terminate(end_silently_without_memory);
-  if (::getppid() == parent) send(pipe, outcome_of(work, pipe));
+  if (::getppid() == parent) send(pipe, run_work(work, pipe));
   ::_exit(0);
 }
 
-double seconds_of(const timeval& time) {
+double to_seconds(const timeval& time) {
   return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
 }
 
@@ -141,7 +141,7 @@ void Workers::take_lines(Process& process) {
   }
 }
 
-Workers::Event Workers::event_of(const Process& process, double cpu_s, int status) {
+Workers::Event Workers::make_event(const Process& process, double cpu_s, int status) {
   Event event{.id = process.id, .share = 1.0, .cpu_s = cpu_s, .result = {}};
   if (process.outcome.empty()) {
     const std::string how =
@@ -171,13 +171,7 @@ Workers::Event Workers::ended(std::size_t place) {
   rusage usage{};
   while (::wait4(process.pid, &status, 0, &usage) < 0 && errno == EINTR) {
   }
-  return event_of(process, seconds_of(usage.ru_utime) + seconds_of(usage.ru_stime), status);
-}
-
-Workers::Event Workers::wait() {
-  Event event = wait_for_any();
-  if (event.failure) throw Error(event.failure->code, event.failure->message);
-  return event;
+  return make_event(process, to_seconds(usage.ru_utime) + to_seconds(usage.ru_stime), status);
 }
 
 Workers::Event Workers::wait_for_any() {

@@ -19,7 +19,7 @@ class Workers {
  public:
   /// Takes the share of the work that is done.
   using Tell = std::function<void(double)>;
-  /// What runs in the process; what it returns comes back as Event::result, what it throws is thrown by wait().
+  /// The work of the process; its result comes back as Event::result, its exception as Event::failure.
   using Work = std::function<std::string(const Tell&)>;
   /// Why work ended without a result.
   struct Failure {
@@ -31,13 +31,13 @@ class Workers {
   struct Event {
     std::size_t id = 0;
     double share = 0.0;
-    double cpu_s = 0.0;                 ///< of the process, where it ended
-    std::optional<std::string> result;  ///< nothing: it goes on, or has failed
-    std::optional<Failure> failure{};   ///< of wait_for_any() alone
+    double cpu_s = 0.0;                 ///< CPU time of the process, once it ended
+    std::optional<std::string> result;  ///< empty while it works, or if it failed
+    std::optional<Failure> failure{};   ///< why it ended without a result
   };
 
   explicit Workers(unsigned most) : most_(most) {}
-  /// What still runs is told to stop (SIGTERM, see console.hpp) and waited for.
+  /// Stops running processes (SIGTERM, see console.hpp) and waits for them.
   ~Workers();
   Workers(const Workers&) = delete;
   Workers& operator=(const Workers&) = delete;
@@ -46,10 +46,8 @@ class Workers {
   [[nodiscard]] bool is_idle() const { return running_.empty(); }
   /// Throws Error where there is no further process.
   void start(std::size_t id, const Work& work);
-  /// The next event of any; only where not idle. Throws Error with the code that the work threw, and
-  /// Error(kInterrupted) when the program is interrupted.
-  Event wait();
-  /// The same, but that work which failed is an event. Throws Error(kInterrupted).
+  /// The next event of any process, also that it failed; only if not idle. Throws Error(kInterrupted) when the program
+  /// is interrupted.
   Event wait_for_any();
 
  private:
@@ -62,7 +60,7 @@ class Workers {
     double share = 0.0;
   };
   static void take_lines(Process& process);
-  static Event event_of(const Process& process, double cpu_s, int status);
+  static Event make_event(const Process& process, double cpu_s, int status);
   Event ended(std::size_t place);
 
   unsigned most_;

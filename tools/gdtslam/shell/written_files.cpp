@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string begin_of_file(const std::string& file) {
-  constexpr std::size_t kMostBytes = std::size_t{1} << 20U;  // as descriptions of maps and scenes have at most
+  constexpr std::size_t kMostBytes = std::size_t{1} << 20U;  // the limit of descriptions of maps and scenes
   std::string text(kMostBytes, '\0');
   std::ifstream stream(file, std::ios::binary);
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
@@ -35,7 +35,7 @@ std::string first_word(std::string_view text) {
   return std::string(text.substr(begin, text.find_last_not_of(kAround) + 1 - begin));
 }
 
-// What a map.yaml, gdt.yaml or scene reads besides itself. A name that stands in a comment costs nothing but that.
+// Files that a map.yaml, gdt.yaml or scene reads besides itself. A name in a comment costs no more than that.
 std::vector<std::string> files_named_in(const std::string& yaml) {
   std::vector<std::string> files;
   const std::string text = begin_of_file(yaml);
@@ -73,7 +73,7 @@ bool is_replaced(const std::string& file) {
   throw UsageError(fmt::format("{}: '{}' exists; give another name, or --force to replace it", option, path));
 }
 
-void require_folder_of(const std::string& file) {
+void require_parent_folder(const std::string& file) {
   std::error_code ignored;
   const fs::path folder = fs::path(file).parent_path();
   const fs::file_status status = fs::status(folder, ignored);
@@ -89,7 +89,7 @@ void add_force_option(CLI::App& command, bool& force) {
 }
 
 WrittenFiles::WrittenFiles(const std::vector<std::string>& inputs, bool force) : force_(force) {
-  std::error_code ignored;  // what cannot be asked about is no input: reading it fails by itself
+  std::error_code ignored;  // a file whose status fails is no input: reading it fails by itself
   for (const std::string& input : inputs) {
     if (input.empty() || input == "-") continue;
     const fs::file_status status = fs::status(input, ignored);
@@ -118,7 +118,7 @@ void WrittenFiles::add(std::string_view option, const std::string& file) {
     throw UsageError(fmt::format("{}: '{}' is a folder; give the name of a file", option, file));
   }
   if (is_replaced(file)) require_replaceable(option, file);
-  require_folder_of(file);
+  require_parent_folder(file);
 }
 
 void WrittenFiles::require_replaceable(std::string_view option, const std::string& file) {

@@ -43,7 +43,7 @@ struct SimulateCommand {
   bool quiet = false;
 };
 
-std::string files_of(const SimulateResult& result) {
+std::string list_files(const SimulateResult& result) {
   std::string text = fmt::format("log {}\ntruth {}\n", result.log_file, result.truth_file);
   if (!result.linkage_file.empty()) {
     text += fmt::format("linkage {}\nelevations {}\n", result.linkage_file, result.elevation_file);
@@ -54,7 +54,7 @@ std::string files_of(const SimulateResult& result) {
   return text;
 }
 
-std::string summary_of(const SimulateResult& result) {
+std::string summary_text(const SimulateResult& result) {
   const double returns =
       result.beams > 0 ? static_cast<double>(result.returns) / static_cast<double>(result.beams) : 0.0;
   return fmt::format(
@@ -62,12 +62,12 @@ std::string summary_of(const SimulateResult& result) {
       "{} triangles; nearest obstacle {:.2f} m from the robot's centre; simulated in {:.2f} s\n{}",
       plural(result.scans, "scan"), plural(result.odometry_records, "odometry line"),
       result.encoder_records > 0 ? ", " + plural(result.encoder_records, "encoder line") : "", result.path_m,
-      result.duration_s, 100.0 * returns, result.triangles, result.clearance_m, result.wall_s, files_of(result));
+      result.duration_s, 100.0 * returns, result.triangles, result.clearance_m, result.wall_s, list_files(result));
 }
 
 Json name_or_null(const std::string& file) { return file.empty() ? Json(nullptr) : Json(file); }
 
-Json report_of(const SimulateResult& result, std::uint64_t seed) {
+Json to_json(const SimulateResult& result, std::uint64_t seed) {
   return {{"scene", result.scene_file},
           {"log", result.log_file},
           {"truth", result.truth_file},
@@ -89,12 +89,12 @@ Json report_of(const SimulateResult& result, std::uint64_t seed) {
           {"interrupted", !result.is_whole}};
 }
 
-std::optional<double> length_of(const char* option, const std::string& text) {
+std::optional<double> parse_length(const char* option, const std::string& text) {
   return text.empty() ? std::nullopt : std::optional(quantity_of(option, text, Unit::kMetre));
 }
 
 /// "0.8 m/s", "60 deg/s".
-std::optional<double> per_second_of(const std::string& option, const std::string& text, Unit unit) {
+std::optional<double> parse_rate(const std::string& option, const std::string& text, Unit unit) {
   constexpr std::string_view kPerSecond = "/s";
   if (text.empty()) return std::nullopt;
   if (!text.ends_with(kPerSecond)) {
@@ -161,10 +161,10 @@ int run_simulate(const SimulateCommand& command) {
   if (is_sent) {
     options.send = [&lines](std::optional<double> stamp_s, std::string_view text) { lines.print(stamp_s, text); };
   }
-  options.speed_m_per_s = per_second_of("--speed", command.speed, Unit::kMetre);
-  options.turn_rate_rad_per_s = per_second_of("--turn-rate", command.turn_rate, Unit::kRadian);
-  options.noise_m = length_of("--noise", command.noise);
-  options.range_resolution_m = length_of("--resolution", command.resolution);
+  options.speed_m_per_s = parse_rate("--speed", command.speed, Unit::kMetre);
+  options.turn_rate_rad_per_s = parse_rate("--turn-rate", command.turn_rate, Unit::kRadian);
+  options.noise_m = parse_length("--noise", command.noise);
+  options.range_resolution_m = parse_length("--resolution", command.resolution);
   ProgressLine progress("scans", command.quiet);
   options.scene_folders = asset_folders("scenes");
   if (!is_sent) check_files(options, command.force);
@@ -177,9 +177,9 @@ int run_simulate(const SimulateCommand& command) {
       print_remark(fmt::format("the format of the log cannot carry: {} ({} times)", one.kind, one.count));
   }
   if (command.json) {
-    print_result(json_text(report_of(result, options.seed)));
+    print_result(json_text(to_json(result, options.seed)));
   } else if (!command.quiet && !is_sent) {
-    print_result(summary_of(result));
+    print_result(summary_text(result));
   }
   if (result.is_whole || (!lines.has_reader() && !interrupted())) {
     return static_cast<int>(ExitCode::kDone);

@@ -12,7 +12,7 @@ std::atomic<std::uint64_t> g_decoy_calls{0};
 void decoy_function(const CpuLaunch& /*launch*/) { ++g_decoy_calls; }
 
 // Lives as long as the program: a backend may remember the kernels that it met.
-const KernelInfo& decoy_of(const KernelInfo& kernel) {
+const KernelInfo& make_decoy(const KernelInfo& kernel) {
   static std::map<std::string_view, KernelInfo> decoys;
   KernelInfo& decoy = decoys.try_emplace(kernel.name, kernel).first->second;
   decoy.cpu.fill(decoy_function);
@@ -36,7 +36,7 @@ std::uint64_t written_values(const KernelCase& kernel_case) {
   return values;
 }
 
-std::string place_of(const CaseDifference& difference) {
+std::string place_text(const CaseDifference& difference) {
   return "buffer " + std::to_string(difference.binding) + " at (" + std::to_string(difference.x) + ", " +
          std::to_string(difference.y) + ")";
 }
@@ -46,7 +46,7 @@ std::string place_of(const CaseDifference& difference) {
 KernelVerifier::KernelVerifier(Backend& reference, Backend& device, Proof proof)
     : reference_(reference), device_(device), proof_(proof) {}
 
-KernelVerdict& KernelVerifier::verdict_of(const KernelInfo& kernel) {
+KernelVerdict& KernelVerifier::find_verdict(const KernelInfo& kernel) {
   for (KernelVerdict& verdict : verdicts_) {
     if (verdict.kernel == kernel.name) return verdict;
   }
@@ -55,18 +55,18 @@ KernelVerdict& KernelVerifier::verdict_of(const KernelInfo& kernel) {
 }
 
 void KernelVerifier::add_fault(const KernelCase& kernel_case, const std::string& what) {
-  KernelVerdict& verdict = verdict_of(*kernel_case.kernel);
+  KernelVerdict& verdict = find_verdict(*kernel_case.kernel);
   ++verdict.faults;
   if (verdict.first.empty()) verdict.first = "'" + kernel_case.name + "': " + what;
 }
 
 void KernelVerifier::compare(const KernelCase& kernel_case, const CaseOutcome& expected, const CaseOutcome& found,
                              const std::string& how) {
-  KernelVerdict& verdict = verdict_of(*kernel_case.kernel);
+  KernelVerdict& verdict = find_verdict(*kernel_case.kernel);
   if (const auto apart = difference(kernel_case, expected, found)) {
     verdict.different += apart->values;
     verdict.largest = std::max(verdict.largest, apart->largest);
-    if (verdict.first.empty()) verdict.first = "'" + kernel_case.name + "'" + how + ": " + place_of(*apart);
+    if (verdict.first.empty()) verdict.first = "'" + kernel_case.name + "'" + how + ": " + place_text(*apart);
   }
   if (!found.guards_intact) add_fault(kernel_case, "something was written behind a buffer" + how);
   if (!found.inputs_intact) add_fault(kernel_case, "an input was written" + how);
@@ -90,7 +90,7 @@ void KernelVerifier::try_decoy(KernelCase kernel_case, const CaseOutcome& expect
   proven_.emplace_back(kernel_case.kernel->name);
   const Buffer probe = device_.allocate(64);
   if (!device_.host_view(probe).empty()) add_fault(kernel_case, "the device's memory is the host's");
-  kernel_case.kernel = &decoy_of(*kernel_case.kernel);
+  kernel_case.kernel = &make_decoy(*kernel_case.kernel);
   const std::uint64_t calls = g_decoy_calls;
   const CaseOutcome found = run_on_device(kernel_case);
   if (g_decoy_calls != calls) add_fault(kernel_case, "the kernel's CPU function was called in place of its shader");
@@ -100,7 +100,7 @@ void KernelVerifier::try_decoy(KernelCase kernel_case, const CaseOutcome& expect
 
 void KernelVerifier::check(const KernelCase& kernel_case) {
   const CaseOutcome expected = run_case(reference_, kernel_case);
-  KernelVerdict& verdict = verdict_of(*kernel_case.kernel);
+  KernelVerdict& verdict = find_verdict(*kernel_case.kernel);
   ++verdict.cases;
   verdict.values += written_values(kernel_case);
   compare(kernel_case, expected, run_on_device(kernel_case), "");

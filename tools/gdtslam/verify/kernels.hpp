@@ -15,7 +15,7 @@
 
 namespace gdtslam {
 
-/// What was found for one kernel.
+/// The verdict on one kernel.
 struct KernelVerdict {
   std::string kernel;
   std::uint64_t cases = 0;
@@ -27,7 +27,7 @@ struct KernelVerdict {
   [[nodiscard]] std::uint64_t differences() const { return different + faults; }
 };
 
-/// What the device counted.
+/// Counts of the device.
 struct DeviceWork {
   std::uint64_t dispatches = 0;
   std::uint64_t submissions = 0;
@@ -50,7 +50,7 @@ class KernelVerifier {
   [[nodiscard]] const DeviceWork& work() const { return work_; }
 
  private:
-  KernelVerdict& verdict_of(const KernelInfo& kernel);
+  KernelVerdict& find_verdict(const KernelInfo& kernel);
   void compare(const KernelCase& kernel_case, const CaseOutcome& expected, const CaseOutcome& found,
                const std::string& how);
   CaseOutcome run_on_device(const KernelCase& kernel_case);

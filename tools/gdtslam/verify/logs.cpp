@@ -1,4 +1,4 @@
-#include "logs.hpp"
+#include "run.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -33,14 +33,14 @@ constexpr int kFormat = 1;
 constexpr const char* kSampleExpected = "office-start.json";
 constexpr const char* kNoddingExpected = "nodding-start.json";
 
-std::string file_name_of(const std::string& path) { return std::filesystem::path(path).filename().string(); }
+std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
 // Throws nlohmann's exception where a key is missing or of another type.
 SampleLog sample_in(const Json& root, const std::string& log) {
   SampleLog sample{log, {}};
   if (root.at("format") != kFormat) throw InputError("is of another format than this program reads");
-  if (root.at("log") != file_name_of(log)) throw InputError("is not of " + file_name_of(log));
-  if (root.at("log_sha256") != sha256_of_file(log).sha256) throw InputError("is not of this " + file_name_of(log));
+  if (root.at("log") != file_name(log)) throw InputError("is not of " + file_name(log));
+  if (root.at("log_sha256") != sha256_of_file(log).sha256) throw InputError("is not of this " + file_name(log));
   for (const Json& run : root.at("runs")) {
     sample.runs.push_back({.matcher = run.at("matcher"),
                            .with_loops = run.at("loops"),
@@ -61,7 +61,7 @@ void compare(const std::string& what, const std::string& expected, const std::st
     faults.push_back(what + " " + found.substr(0, 12) + ", " + whose + " " + expected.substr(0, 12));
 }
 
-SampleLog sample_of(const std::string& log, const char* results) {
+SampleLog read_sample(const std::string& log, const char* results) {
   const std::string expected = asset_file("expected", results);
   constexpr std::size_t kMostBytes = std::size_t{1} << 20U;
   const Json root = read_json(expected, kMostBytes, "; install gdtslam again");
@@ -137,7 +137,7 @@ LogRun run_with_loops(const LogTask& task, Backend& backend, const LogProgress& 
 }  // namespace
 
 std::vector<SampleLog> sample_logs() {
-  return {sample_of(sample_log_file(), kSampleExpected), sample_of(nodding_sample_log_file(), kNoddingExpected)};
+  return {read_sample(sample_log_file(), kSampleExpected), read_sample(nodding_sample_log_file(), kNoddingExpected)};
 }
 void write_expected(const std::string& path, const std::string& log, const std::vector<ExpectedRun>& runs) {
   Json list = Json::array();
@@ -150,8 +150,7 @@ void write_expected(const std::string& path, const std::string& log, const std::
                     {"cloud_sha256", run.cloud_sha256}});
   }
   write_json(
-      path,
-      {{"format", kFormat}, {"log", file_name_of(log)}, {"log_sha256", sha256_of_file(log).sha256}, {"runs", list}});
+      path, {{"format", kFormat}, {"log", file_name(log)}, {"log_sha256", sha256_of_file(log).sha256}, {"runs", list}});
 }
 
 LogRun run_log(const LogTask& task, Backend& backend, const LogProgress& progress) {

@@ -88,7 +88,7 @@ class Verification {
     }
   }
 
-  /// Where this throws, `report` holds what was found so far.
+  /// If this throws, `report` has the findings so far.
   void verify(const Target& target, Backend& reference, TargetReport& report) {
     report.name = target.name;
     report.is_vulkan = target.proof == Proof::kDeviceDidIt;

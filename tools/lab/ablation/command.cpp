@@ -22,10 +22,30 @@
 #include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
 #include "tools/gdtslam/shell/written_files.hpp"
-#include "variants.hpp"
 
 namespace gdtslam {
 namespace {
+
+/// A variant of the method: a list of assignments on top of the configuration.
+struct AblationVariant {
+  std::string name;
+  std::vector<std::string> sets;  ///< path=value
+};
+
+std::vector<AblationVariant> default_variants() {
+  return {
+      {"as configured", {}},
+      {"merge (10), (11) as printed", {"merge.rule=literal"}},
+      {"κ = 1", {"merge.kappa=1"}},
+      {"every scan merged", {"keyframe.every_scan=true"}},
+      {"matcher simplex", {"match.matcher=simplex"}},
+      {"matcher exhaustive", {"match.matcher=exhaustive"}},
+      {"simplex, squared distance, (1) as printed", {"match.matcher=simplex", "match.cost=squared"}},
+      {"simplex, nearest cell instead of bilinear", {"match.matcher=simplex", "match.interpolation=nearest"}},
+      {"no window search", {"search.when=never"}},
+      {"no prior from odometry", {"prior.weight=0"}},
+  };
+}
 
 struct AblationOptions {
   std::string log;
@@ -40,19 +60,19 @@ struct AblationOptions {
   bool quiet = false;
 };
 
-std::vector<std::string> words_of(const std::string& text) {
+std::vector<std::string> split_words(const std::string& text) {
   std::istringstream stream(text);
   return {std::istream_iterator<std::string>(stream), {}};
 }
 
-std::vector<AblationVariant> variants_of(const AblationOptions& options) {
+std::vector<AblationVariant> choose_variants(const AblationOptions& options) {
   if (options.variants.empty()) return default_variants();
   std::vector<AblationVariant> variants{{"as configured", {}}};
-  for (const std::string& text : options.variants) variants.push_back({text, words_of(text)});
+  for (const std::string& text : options.variants) variants.push_back({text, split_words(text)});
   return variants;
 }
 
-Settings settings_of(const AblationOptions& options, const AblationVariant& variant) {
+Settings make_settings(const AblationOptions& options, const AblationVariant& variant) {
   SettingsOptions chosen = options.settings;
   chosen.sets.insert(chosen.sets.end(), variant.sets.begin(), variant.sets.end());
   return load_settings(chosen);
@@ -69,7 +89,7 @@ std::string error_text(const ErrorSummary& m, const ErrorSummary& deg) {
   return fmt::format("{:.4f} ± {:.4f} m, {:.3f} ± {:.3f}°", m.mean, m.deviation, deg.mean, deg.deviation);
 }
 
-std::string row_of(const AblationVariant& variant, const MapOutcome& outcome, const RelationReport& report) {
+std::string format_row(const AblationVariant& variant, const MapOutcome& outcome, const RelationReport& report) {
   const MapperStatistics& s = outcome.statistics;
   const double rate = outcome.mapper_cpu_s > 0.0 ? static_cast<double>(s.scans) / outcome.mapper_cpu_s : 0.0;
   return fmt::format("| {} | {} | {} | {} | {} | {:.0f} | {} | {} |\n", variant.name, sets_text(variant.sets),
@@ -81,7 +101,7 @@ std::string row_of(const AblationVariant& variant, const MapOutcome& outcome, co
 /// A row of the table; `unmatched`: relations whose stamps the log does not have.
 std::string variant_row(const AblationVariant& variant, const AblationOptions& options,
                         const std::vector<Relation>& relations, Backend& backend, std::size_t& unmatched) {
-  Settings settings = settings_of(options, variant);
+  Settings settings = make_settings(options, variant);
   state_recording(options.recording, settings.log);
   MapJob job{.logs = {options.log},
              .read = read_options_of(settings.log, false),
@@ -97,7 +117,7 @@ std::string variant_row(const AblationVariant& variant, const AblationOptions& o
   if (outcome.interrupted) throw Error(ExitCode::kInterrupted, "interrupted; no table is written");
   const RelationReport report = check_relations(outcome.trajectory, relations, options.relations, options.log).report;
   unmatched = report.unmatched;
-  return row_of(variant, outcome, report);
+  return format_row(variant, outcome, report);
 }
 
 int ablation(const AblationOptions& options) {
@@ -105,8 +125,8 @@ int ablation(const AblationOptions& options) {
     throw UsageError("ablation reads the log once for each variant: give a file, not standard input");
   WrittenFiles({options.log, options.relations, options.settings.file}, options.force).add("--output", options.output);
   const std::vector<Relation> relations = read_relations(options.relations);
-  const std::vector<AblationVariant> variants = variants_of(options);
-  for (const AblationVariant& variant : variants) settings_of(options, variant);  // no misspelt option after an hour
+  const std::vector<AblationVariant> variants = choose_variants(options);
+  for (const AblationVariant& variant : variants) make_settings(options, variant);  // no misspelt option after an hour
   const std::unique_ptr<Backend> backend = make_backend(options.device);
   std::string table = fmt::format(
       "Mean ± standard deviation of the relation errors on `{}`, no loop closure; scans per core-second inside the "
@@ -116,7 +136,7 @@ int ablation(const AblationOptions& options) {
       options.log.substr(options.log.rfind('/') + 1), backend->device().name, backend->device().driver,
       backend->device().threads, backend->device().threads == 1 ? "" : "s");
   if (!options.quiet) print_result(table);
-  std::size_t unmatched = 0;  // of the first variant, for the closing line
+  std::size_t unmatched = 0;  // by the first variant, for the closing line
   for (const AblationVariant& variant : variants) {
     std::string row;
     std::size_t unused = 0;

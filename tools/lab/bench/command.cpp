@@ -24,7 +24,6 @@ namespace {
 struct BenchOptions {
   DeviceOptions device;
   std::string filter;
-  double megabytes = 32.0;
   BenchLog log;  ///< without a file: no rows of a log
   RecordingOptions recording;
   SettingsOptions settings;
@@ -36,15 +35,6 @@ void add_rows(const BenchTarget& target) {
   add_kernels(target);
   add_scans(target);
   add_sweeps(target);
-}
-
-void add_cpu_rows(const BenchTarget& cpu, const BenchOptions& options) {
-  add_rows(cpu);
-  add_clouds(cpu);
-#ifdef GDTSLAM_HAS_VIEWER
-  add_frames(cpu);
-#endif
-  add_log_formats(cpu, options.megabytes);
 }
 
 BenchLog bench_log(const BenchOptions& options) {
@@ -92,12 +82,8 @@ int bench(const BenchOptions& options, const std::vector<std::string>& extras) {
   const std::unique_ptr<VulkanBackend> device = make_vulkan(options.device, {.time_submissions = true});
   benchmark::AddCustomContext("gdtslam", GDTSLAM_VERSION);
   describe(cpu_target);
-  add_cpu_rows(cpu_target, options);
-  if (!options.log.file.empty()) {
-    const BenchLog log = bench_log(options);
-    add_certified(cpu_target, log);
-    add_live(cpu_target, log);
-  }
+  add_rows(cpu_target);
+  if (!options.log.file.empty()) add_live(cpu_target, bench_log(options));
   if (device) {
     const BenchTarget target{*device, fmt::format("vulkan:{}", device->vulkan_device().index)};
     describe(target);
@@ -119,9 +105,7 @@ int bench(const BenchOptions& options, const std::vector<std::string>& extras) {
 }
 
 void add_log_options(CLI::App& command, BenchOptions& options) {
-  command
-      .add_option("--log", options.log.file,
-                  "Log whose scans are matched: rows 'certified', 'live' and, with a device, 'work'")
+  command.add_option("--log", options.log.file, "Log whose scans are matched: rows 'live' and, with a device, 'work'")
       ->type_name("LOG");
   add_recording_options(command, options.recording);
   add_settings_options(command, options.settings);
@@ -143,15 +127,9 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
       ->add_option(
           "filter", options->filter,
           "Only rows whose name DEVICE/GROUP/NAME/VARIANT this regular expression finds; the groups are limit, "
-          "kernel, scan, sweep, cloud, peer, viewer, log, certified, live and work")
+          "kernel, scan, sweep, live and work")
       ->type_name("REGEX");
   add_log_options(*command, *options);
-  command
-      ->add_option("--megabytes", options->megabytes,
-                   "Size of the drive of the rows 'log', as an MCAP file that is not packed, in 1e6 bytes")
-      ->type_name("N")
-      ->check(CLI::Range(0.1, 1.0e4))
-      ->capture_default_str();
   add_device_options(*command, options->device, false);
   command->allow_extras();
   command->footer(

@@ -1,4 +1,4 @@
-// What a mapper takes for each scan of a log that comes as it was recorded, only faster; with loops, while these are
+// Times of a mapper for each scan of a log that comes as it was recorded, only faster; with loops, while these are
 // looked for beside it. The poses depend on the log and the configuration alone, the times on the machine.
 #include <algorithm>
 #include <chrono>
@@ -22,13 +22,13 @@ using LiveClock = std::chrono::steady_clock;
 
 constexpr double kLongestPause_s = 10.0;  // between two scans, by their stamps: robots stand at night
 constexpr auto kNap = std::chrono::milliseconds(50);
-constexpr double kLong_s = 0.05;  // of a scan, for whoever steers by its pose
+constexpr double kLong_s = 0.05;  // limit for a robot that steers by the pose
 constexpr std::size_t kParts = 10;
 
 /// One scan, from its coming to its pose.
 struct LiveScan {
   double all_s = 0.0;
-  double cpu_s = 0.0;  ///< of the thread that maps: what other work on the machine does not lengthen
+  double cpu_s = 0.0;  ///< the thread that maps; other work on the machine does not lengthen it
   bool is_keyframe = false;
   double merge_s = 0.0;  ///< its local field and the merge of that
 };

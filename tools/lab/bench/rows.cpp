@@ -1,10 +1,7 @@
 #include "rows.hpp"
 
-#include <unistd.h>
-
 #include <array>
 #include <exception>
-#include <numeric>
 #include <utility>
 
 #include "gdtslam/core/error.hpp"
@@ -42,7 +39,7 @@ benchmark::internal::Benchmark* add_row(const BenchTarget& target, std::string_v
       full.c_str(), [measure = std::move(measure)](benchmark::State& state) { measure_guarded(state, measure); });
   row->Unit(benchmark::kMicrosecond)->MeasureProcessCPUTime();
   const std::string kind = target.backend.device().kind;
-  if (kind != "cpu" && kind != "lavapipe") row->UseRealTime();  // where a CPU does the work, CPU time counts
+  if (kind != "cpu" && kind != "lavapipe") row->UseRealTime();  // CPU time counts if a CPU does the work
   return row;
 }
 
@@ -50,7 +47,7 @@ void rethrow_bench_error() {
   if (first_error) std::rethrow_exception(first_error);
 }
 
-std::function<double()> clock_of(Backend& backend) {
+std::function<double()> device_clock(Backend& backend) {
   const auto* const vulkan = dynamic_cast<const VulkanBackend*>(&backend);
   if (vulkan == nullptr || !(vulkan->vulkan_device().timestamp_ns > 0.0)) return nullptr;
   return [vulkan, before = vulkan->submit_count()]() mutable {
@@ -66,7 +63,7 @@ Work work_on(Backend& backend, const Buffer& last, std::function<void()> step) {
     std::array<std::byte, 4> word{};
     backend.download(last, std::span(word).first(std::min(word.size(), last.bytes())));
   };
-  work.device_ns = clock_of(backend);
+  work.device_ns = device_clock(backend);
   return work;
 }
 
@@ -86,13 +83,5 @@ void time_work(benchmark::State& state, const Work& work, double units, std::str
   state.SetItemsProcessed(static_cast<std::int64_t>(steps * units));
   state.SetLabel(std::string(unit));
 }
-
-std::size_t spreading_stride(std::size_t count) {
-  std::size_t stride = count / 2 + 1;
-  while (std::gcd(stride, count) != 1) ++stride;
-  return stride;
-}
-
-std::string bench_folder() { return ::access("/dev/shm", W_OK) == 0 ? "/dev/shm" : ""; }
 
 }  // namespace gdtslam

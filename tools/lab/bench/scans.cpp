@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "engine/mapping/match/window_matcher.hpp"
 #include "engine/mapping/nodding/sweep_assembler.hpp"
 #include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/cloud.hpp"
 #include "gdtslam/core/error.hpp"
 #include "rows.hpp"
 
@@ -43,7 +45,7 @@ constexpr std::uint32_t kManyAlong = 101;
 constexpr std::uint32_t kManyTurns = 100;
 constexpr std::uint32_t kManySamples = kManyAlong * kManyAlong * kManyTurns;
 
-/// What a laser in the middle of a room sees: four walls and a quarter of a step between them, all around.
+/// Points that a laser in the middle of a room sees: four walls and a quarter of a step between them, all around.
 std::vector<Point2> points_of_room(double half_side_m) {
   std::vector<Point2> points;
   for (std::uint32_t k = 0; k < kBeams; ++k) {
@@ -56,7 +58,7 @@ std::vector<Point2> points_of_room(double half_side_m) {
   return points;
 }
 
-/// The map of one scan, and what finds the scan in it again.
+/// The map of one scan, and a matcher that finds the scan in it again.
 class ScanBench {
  public:
   explicit ScanBench(Backend& backend)
@@ -132,6 +134,12 @@ class ScanBench {
   Buffer costs_;
 };
 
+/// Counts the points and keeps none.
+struct CountingSink : CloudSink {
+  void add(std::span<const CloudPoint> points) override { count += points.size(); }
+  std::size_t count = 0;
+};
+
 constexpr std::uint32_t kSweepScans = 273;
 constexpr std::size_t kSweepBeams = 961;  // the paper's scanner: -30 to 210 degrees
 constexpr double kScan_s = 1.0 / 37.5;
@@ -169,7 +177,7 @@ void add_scans(const BenchTarget& target) {
   const std::string size = "361 points, 1e5 candidates";
   add_row(target, "scan", "scan", "match: " + size, [bench, &backend](benchmark::State& state) {
     // A match waits for its own result.
-    time_work(state, {.step = [&] { bench().match(); }, .device_ns = clock_of(backend)}, kCandidates, "candidate");
+    time_work(state, {.step = [&] { bench().match(); }, .device_ns = device_clock(backend)}, kCandidates, "candidate");
     bench().require_found();
   });
   add_row(target, "scan", "scan", "merge: 512x512 window", [bench, &backend](benchmark::State& state) {

@@ -9,10 +9,8 @@
 
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
-#include "engine/runs/inputs/given_files.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"
-#include "gdtslam/io/trajectory_file.hpp"
 #include "tools/gdtslam/drawings/drawing_file.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
@@ -36,8 +34,6 @@ struct CompareOptions {
   std::string levels = kDefaultLevels;
   std::uint64_t starts = 1;
   std::string gap = "0.5mm";
-  std::string reference;
-  std::string relations;
   std::string csv;
   std::string picture;
   RecordingOptions recording;
@@ -69,7 +65,7 @@ double quantity_between(const std::string& option, const std::string& text, Unit
 }
 
 // "2cm/0.5deg,..."; "none": the prediction alone.
-std::vector<StartLevel> levels_of(const std::string& text) {
+std::vector<StartLevel> parse_levels(const std::string& text) {
   constexpr double kMost_m = 5.0;
   constexpr double kMost_rad = 3.141592653589793;
   std::vector<StartLevel> levels;
@@ -85,7 +81,7 @@ std::vector<StartLevel> levels_of(const std::string& text) {
   return levels;
 }
 
-CompareJob job_of(const CompareOptions& options) {
+CompareJob make_job(const CompareOptions& options) {
   for (const std::string& log : options.job.logs) {
     if (log == "-") throw UsageError("compare reads the log more than once: give a file, not standard input");
   }
@@ -98,38 +94,16 @@ CompareJob job_of(const CompareOptions& options) {
   state_recording(options.recording, settings.log);
   job.read = read_options_of(settings.log, options.lenient);
   job.mapper = settings.mapper;
-  job.methods = compare_methods_of("--matchers", options.methods);
-  job.levels = levels_of(options.levels);
+  job.methods = parse_methods("--matchers", options.methods);
+  job.levels = parse_levels(options.levels);
   job.starts = static_cast<std::uint32_t>(options.starts);
   job.global.gap_m = quantity_between("--gap", options.gap, Unit::kMetre, 1e-5, 0.1, "0.01mm to 10cm");
   return job;
 }
 
-CompareTruth truth_of(const CompareOptions& options) {
-  CompareTruth truth;
-  truth.reference_file = options.reference;
-  truth.relations_file = options.relations;
-  if (!options.reference.empty()) truth.reference = given_trajectory(options.reference);
-  if (!options.relations.empty()) truth.relations = read_relations(options.relations);
-  return truth;
-}
-
-std::vector<WholeRun> map_wholly(const CompareOptions& options, const CompareJob& job, const CompareTruth& truth,
-                                 Backend& backend) {
-  if (!truth.is_given()) return {};
-  std::unique_ptr<ProgressLine> line;
-  return whole_runs(
-      job, truth, backend,
-      [&](const std::string& method) -> CompareProgress {
-        line = std::make_unique<ProgressLine>("scans, " + method, options.quiet);
-        return [&line](std::uint64_t scans, double share) { line->update(scans, share); };
-      },
-      [] { return interrupted(); });
-}
-
 void check_files(const CompareOptions& options) {
   std::vector<std::string> inputs = options.job.logs;
-  inputs.insert(inputs.end(), {options.reference, options.relations, options.settings.file});
+  inputs.push_back(options.settings.file);
   WrittenFiles written(inputs, options.force);
   written.add("--csv", options.csv);
   written.add("--picture", options.picture);
@@ -138,10 +112,9 @@ void check_files(const CompareOptions& options) {
 std::string name_of_log(const std::string& path) { return path.substr(path.rfind('/') + 1); }
 
 int compare(const CompareOptions& options) {
-  const CompareJob job = job_of(options);
+  const CompareJob job = make_job(options);
   if (!options.picture.empty()) check_drawing_file("--picture", options.picture);
   check_files(options);
-  const CompareTruth truth = truth_of(options);
   const std::unique_ptr<Backend> backend = make_backend(options.device);
   CompareOutcome outcome;
   {
@@ -150,16 +123,15 @@ int compare(const CompareOptions& options) {
         job, *backend, [&progress](std::uint64_t scans, double share) { progress.update(scans, share); },
         [] { return interrupted(); });
   }
-  const std::vector<WholeRun> runs = map_wholly(options, job, truth, *backend);
   if (!options.csv.empty()) write_file_atomically(options.csv, as_csv(job, outcome));
   if (!options.picture.empty()) {
     write_file_atomically(options.picture, drawing_bytes(compare_picture(job, outcome, name_of_log(job.logs.front())),
                                                          options.picture, kDensePng));
   }
   if (options.json) {
-    print_result(json_text(as_json(job, outcome, runs, truth)));
+    print_result(json_text(as_json(job, outcome)));
   } else if (!options.quiet) {
-    print_result(as_text(job, outcome) + as_text(runs, truth));
+    print_result(as_text(job, outcome));
   }
   return static_cast<int>(ExitCode::kDone);
 }
@@ -185,14 +157,6 @@ void add_protocol_options(CLI::App& command, CompareOptions& options) {
   command.add_option("--gap", options.gap, "Gap of the mean distance that the proof of the global solution may leave")
       ->type_name("LENGTH")
       ->capture_default_str();
-  CLI::Option* relations =
-      command.add_option("--relations", options.relations,
-                         "Verified relations that the whole log, mapped with each matcher, is compared with");
-  CLI::Option* reference = command.add_option(
-      "--reference", options.reference,
-      "True trajectory, TUM, plain or gzip, or a run, that the whole log, mapped with each matcher, is compared with");
-  relations->type_name("FILE")->excludes(reference);
-  reference->type_name("FILE");
 }
 
 void add_output_options(CLI::App& command, CompareOptions& options) {
@@ -229,7 +193,7 @@ void add_compare_command(CLI::App& app, CommandContext& context) {
       "Examples:\n"
       "  gdtslam-lab compare intel.clf.gz\n"
       "  gdtslam-lab compare intel.clf.gz --matchers simplex,gauss-newton --picture basins.svg --csv trials.csv\n"
-      "  gdtslam-lab compare office.log --reference office.truth.tum --json");
+      "  gdtslam-lab compare office.log --starts-at none --json");
   command->callback([options, &context] {
     context.run = [options] { return compare(*options); };
     context.when_out_of_memory = kSmallerMap;

@@ -18,23 +18,22 @@ namespace {
 // A proof of the matcher's own, then a simplex: what a user of it would ask for.
 constexpr double kCertifiedGap_m = 0.005;
 
-float cells_of(double length_m, const CompareProblem& problem) {
+float to_cells(double length_m, const CompareProblem& problem) {
   return static_cast<float>(length_m / problem.config.map.resolution_m);
 }
 
-SimplexOptions simplex_of(const CompareProblem& problem, const StartReach& reach) {
+SimplexOptions simplex_options(const CompareProblem& problem, const StartReach& reach) {
   SimplexOptions options;
-  options.step_cells = cells_of(reach.half_m, problem) / kBoxSteps;
+  options.step_cells = to_cells(reach.half_m, problem) / kBoxSteps;
   options.step_rad = static_cast<float>(reach.half_rad) / kBoxSteps;
   return options;
 }
 
-// Where the end is refined it is that of the robust cost, not of (4): it lies where the squares of small distances want
-// it.
+// A refined end is that of the robust cost, not of (4): it lies at the minimum for squares of small distances.
 LocalMinimum by_walk(const MatcherInfo& matcher, const CompareProblem& problem, const CellPose& start,
                      const StartReach& reach) {
   const LocalMinimum near =
-      matcher.descend(problem.objective, start, simplex_of(problem, reach), problem.config.optimizer);
+      matcher.descend(problem.objective, start, simplex_options(problem, reach), problem.config.optimizer);
   if (!matcher.is_refined) return near;
   LocalMinimum end = minimise_gauss_newton(problem.objective, near.pose, {});
   end.evaluations += near.evaluations;
@@ -45,9 +44,9 @@ LocalMinimum by_walk(const MatcherInfo& matcher, const CompareProblem& problem, 
 LocalMinimum by_window(const CompareProblem& problem, const CellPose& start, const StartReach& reach) {
   const SearchConfig& search = problem.config.search;
   const SearchWindow window{.centre = start,
-                            .half_xy_cells = cells_of(reach.half_m, problem),
+                            .half_xy_cells = to_cells(reach.half_m, problem),
                             .half_theta_rad = static_cast<float>(reach.half_rad),
-                            .step_cells = cells_of(search.step_m, problem),
+                            .step_cells = to_cells(search.step_m, problem),
                             .step_rad = static_cast<float>(search.step_rad)};
   const ExhaustiveResult found =
       search_window(problem.objective, window, static_cast<std::uint32_t>(search.starts), SimplexOptions{});
@@ -84,7 +83,7 @@ bool holds_reach(const PoseWindow& window, const Pose2& pose, const StartReach& 
 
 }  // namespace
 
-std::vector<MatcherKind> compare_methods_of(const std::string& option, const std::string& names) {
+std::vector<MatcherKind> parse_methods(const std::string& option, const std::string& names) {
   std::vector<MatcherKind> chosen;
   if (names.empty()) {
     for (const MatcherInfo& matcher : matchers()) chosen.push_back(matcher.kind);
@@ -138,7 +137,7 @@ LocalMinimum polished(Objective& objective, const CellPose& start) {
   return best;
 }
 
-std::uint32_t cost_of(double mean_m, std::size_t points, double resolution_m) {
+std::uint32_t cost_from_mean(double mean_m, std::size_t points, double resolution_m) {
   return static_cast<std::uint32_t>(std::floor(mean_m / resolution_m * kFieldOne * static_cast<double>(points)));
 }
 
@@ -169,7 +168,7 @@ GlobalSolution global_solution(const CompareProblem& problem, const CellPose& pr
     if (holds_reach(window, pose, reach)) break;
     window.centre = pose;
   }
-  const std::uint32_t gap = cost_of(limits.gap_m, objective.points().size(), problem.config.map.resolution_m);
+  const std::uint32_t gap = cost_from_mean(limits.gap_m, objective.points().size(), problem.config.map.resolution_m);
   best.is_certified = best.cost - best.bound <= gap && holds_reach(best.window, objective.to_metres(best.pose), reach);
   watch.add_to(best.seconds);
   return best;

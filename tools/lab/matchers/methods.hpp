@@ -16,14 +16,14 @@
 namespace gdtslam {
 
 /// From "simplex,pso"; empty: all. The order is kept. Throws UsageError that names the option.
-std::vector<MatcherKind> compare_methods_of(const std::string& option, const std::string& names);
+std::vector<MatcherKind> parse_methods(const std::string& option, const std::string& names);
 
 /// How far from the start the least cost may lie, along x and y each, and in heading.
 struct StartReach {
   double half_m = 0.0;
   double half_rad = 0.0;
 };
-/// What the matchers of `map` assume around a prediction: four edges of their first simplex.
+/// The reach that the matchers of `map` assume around a prediction: four edges of their first simplex.
 StartReach reach_of_prediction(const MapperConfig& config);
 
 /// One scan's problem, ready for every method. What it refers to must outlive it.
@@ -43,8 +43,9 @@ LocalMinimum polished(Objective& objective, const CellPose& start);
 // and polished, with the lower bound that proves it. Frame: map. Some milliseconds to tenths of a second a scan.
 
 struct GlobalLimits {
-  double gap_m = 5.0e-4;  ///< of the mean cost: what counts as proven; rounding leaves about 2e-4 that no proof closes
-  std::uint64_t max_boxes = 200'000;  ///< of one search
+  double gap_m =
+      5.0e-4;  ///< gap of the mean cost that counts as proven; rounding leaves about 2e-4 that no proof closes
+  std::uint64_t max_boxes = 200'000;  ///< for one search
 };
 
 struct GlobalSolution {
@@ -52,7 +53,7 @@ struct GlobalSolution {
   std::uint32_t cost = 0;
   std::uint32_t bound = 0;    ///< no pose of the window costs less
   bool is_certified = false;  ///< cost and bound are no further apart than the gap
-  PoseWindow window;          ///< of the proof
+  PoseWindow window;          ///< window of the proof
   double seconds = 0.0;
 };
 
@@ -62,7 +63,7 @@ GlobalSolution global_solution(const CompareProblem& problem, const CellPose& pr
                                const GlobalLimits& limits);
 
 /// Cost units of a mean cost in metres for so many points.
-std::uint32_t cost_of(double mean_m, std::size_t points, double resolution_m);
+std::uint32_t cost_from_mean(double mean_m, std::size_t points, double resolution_m);
 /// And back.
 double mean_cost_m(std::uint32_t cost, std::size_t points, double resolution_m);
 

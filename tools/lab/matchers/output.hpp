@@ -5,7 +5,6 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
-#include <vector>
 
 #include "gdtslam/drawing/canvas.hpp"
 #include "run.hpp"
@@ -13,10 +12,7 @@
 namespace gdtslam {
 
 std::string as_text(const CompareJob& job, const CompareOutcome& outcome);
-/// The second table; empty without runs.
-std::string as_text(const std::vector<WholeRun>& runs, const CompareTruth& truth);
-nlohmann::ordered_json as_json(const CompareJob& job, const CompareOutcome& outcome, const std::vector<WholeRun>& runs,
-                               const CompareTruth& truth);
+nlohmann::ordered_json as_json(const CompareJob& job, const CompareOutcome& outcome);
 /// One row for each trial.
 std::string as_csv(const CompareJob& job, const CompareOutcome& outcome);
 /// "20 cm, 5°"; "prediction" for level 0.

@@ -24,14 +24,14 @@ constexpr double kMargin = 24.0;
 constexpr double kGap = 16.0;
 constexpr double kHeading = 64.0;
 constexpr double kBasinHeight = 440.0;
-constexpr double kLeastError_cm = 1.0e-3;  // of the logarithmic axes; what is less is drawn there
+constexpr double kLeastError_cm = 1.0e-3;  // least error on the logarithmic axes; smaller ones are drawn there
 constexpr double kLeastPower = -3.0;
 
 constexpr double kLn10 = 2.302585092994046;
 double log10_of(double value) { return log(value) / kLn10; }
 double error_axis(double distance_m) { return log10_of(std::max(100.0 * distance_m, kLeastError_cm)); }
 
-std::string_view dashes_of(MatcherKind method) {
+std::string_view method_dashes(MatcherKind method) {
   const MatcherInfo& matcher = matcher_info(method);
   if (matcher.proves_windows) return "2 4";
   if (matcher.place == MatcherPlace::kDevice) return "8 4";
@@ -54,7 +54,7 @@ void draw_basin(Canvas& canvas, const DrawingArea& area, const CompareJob& job, 
                                   kSuccess_deg)});
   std::vector<std::vector<MethodFigures>> levels;
   for (std::uint32_t level = 1; level <= job.levels.size(); ++level) {
-    levels.push_back(figures_of(job, outcome, level, ScanKind::kHeld));
+    levels.push_back(sum_figures(job, outcome, level, ScanKind::kHeld));
   }
   for (std::size_t k = 0; k < job.methods.size(); ++k) {
     std::vector<Point2> low;
@@ -73,7 +73,8 @@ void draw_basin(Canvas& canvas, const DrawingArea& area, const CompareJob& job, 
       values.emplace_back(static_cast<double>(level), percent(share, share.value()));
     }
     const Colour colour = colour_of_method(job.methods[k]);
-    plot.line(values, {.colour = colour, .width = 2.2, .dashes = dashes_of(job.methods[k])}, to_string(job.methods[k]));
+    plot.line(values, {.colour = colour, .width = 2.2, .dashes = method_dashes(job.methods[k])},
+              to_string(job.methods[k]));
     plot.markers(values, {colour}, 3.0);
   }
   plot.legend();
@@ -93,7 +94,8 @@ Axis logarithmic(const std::string& title, double most_cm) {
 double largest_cm(const CompareJob& job, const CompareOutcome& outcome) {
   double most = 0.0;
   for (std::uint32_t k = 0; k < job.methods.size(); ++k) {
-    for (const double distance : distances_of(outcome, k, 0, ScanKind::kHeld)) most = std::max(most, 100.0 * distance);
+    for (const double distance : collect_distances(outcome, k, 0, ScanKind::kHeld))
+      most = std::max(most, 100.0 * distance);
   }
   return most;
 }
@@ -106,7 +108,7 @@ void draw_boxes(Canvas& canvas, const DrawingArea& area, const CompareJob& job, 
   Plot plot(canvas, area, x, logarithmic("Distance from the solution (cm)", largest_cm(job, outcome)),
             {.title = "Started where the odometry says"});
   for (std::size_t k = 0; k < job.methods.size(); ++k) {
-    std::vector<double> values = distances_of(outcome, static_cast<std::uint32_t>(k), 0, ScanKind::kHeld);
+    std::vector<double> values = collect_distances(outcome, static_cast<std::uint32_t>(k), 0, ScanKind::kHeld);
     if (values.empty()) continue;
     std::transform(values.begin(), values.end(), values.begin(), error_axis);
     plot.box(static_cast<double>(k), 0.5, box_figures(std::move(values)), colour_of_method(job.methods[k]));
@@ -118,7 +120,7 @@ void draw_distribution(Canvas& canvas, const DrawingArea& area, const CompareJob
   Plot plot(canvas, area, x, {.title = "Scans (%)", .from = 0.0, .to = 103.0},
             {.title = "Share of scans up to a distance"});
   for (std::size_t k = 0; k < job.methods.size(); ++k) {
-    std::vector<double> values = distances_of(outcome, static_cast<std::uint32_t>(k), 0, ScanKind::kHeld);
+    std::vector<double> values = collect_distances(outcome, static_cast<std::uint32_t>(k), 0, ScanKind::kHeld);
     if (values.empty()) continue;
     std::sort(values.begin(), values.end());
     std::vector<Point2> steps{{x.from, 0.0}};
@@ -127,7 +129,8 @@ void draw_distribution(Canvas& canvas, const DrawingArea& area, const CompareJob
                          100.0 * static_cast<double>(i + 1) / static_cast<double>(values.size()));
     }
     steps.emplace_back(x.to, 100.0);
-    plot.steps(steps, {.colour = colour_of_method(job.methods[k]), .width = 1.8, .dashes = dashes_of(job.methods[k])},
+    plot.steps(steps,
+               {.colour = colour_of_method(job.methods[k]), .width = 1.8, .dashes = method_dashes(job.methods[k])},
                to_string(job.methods[k]));
   }
   plot.legend();
@@ -146,8 +149,8 @@ Canvas compare_picture(const CompareJob& job, const CompareOutcome& outcome, con
   canvas.text({kMargin, kMargin + 40.0},
               fmt::format("{} scans whose global solution is proven within {:g} mm of the mean distance; {} weak along "
                           "a corridor and {} without a proof are left out",
-                          count_of(outcome, ScanKind::kHeld), 1000.0 * job.global.gap_m,
-                          count_of(outcome, ScanKind::kWeak), count_of(outcome, ScanKind::kUncertain)),
+                          count_kind(outcome, ScanKind::kHeld), 1000.0 * job.global.gap_m,
+                          count_kind(outcome, ScanKind::kWeak), count_kind(outcome, ScanKind::kUncertain)),
               {.size = 13.0, .colour = ink::kQuiet});
   const double width = kWidth - 2.0 * kMargin;
   if (has_levels) draw_basin(canvas, {{kMargin, top}, width, kBasinHeight}, job, outcome);

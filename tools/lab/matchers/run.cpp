@@ -44,8 +44,8 @@ StartReach widest_reach(const CompareJob& job) {
   return reach;
 }
 
-std::vector<Start> starts_of(const CompareJob& job, const CellPose& predicted, const CellPose& solution,
-                             std::uint64_t scan) {
+std::vector<Start> make_starts(const CompareJob& job, const CellPose& predicted, const CellPose& solution,
+                               std::uint64_t scan) {
   const StartReach least = reach_of_prediction(job.mapper);
   std::vector<Start> starts{{predicted, least, 0, 0}};
   const Random of_scan = Random(job.seed).split(scan);
@@ -122,7 +122,7 @@ class Comparison {
   }
 
   bool measure(const ScanRecord& record, const Pose2& predicted) {
-    const GlobalField& mapped = mapper_.field();  // of this scan: with local.stretch later ones have another
+    const GlobalField& mapped = mapper_.field();  // the field of this scan: with local.stretch later ones have another
     Objective objective(mapped, Interpolation::kBilinear, CostForm::kDistance);
     if (!choose_points(record, predicted, objective)) return false;
     const FieldCopy field(mapped);
@@ -130,7 +130,7 @@ class Comparison {
     const CompareProblem problem{objective, map, job_.mapper};
     const CellPose from = objective.to_cells(predicted);
     GlobalSolution global = global_solution(problem, from, widest_reach(job_), job_.global);
-    const std::vector<End> ends = run_methods(problem, starts_of(job_, from, global.pose, outcome_.scans_read));
+    const std::vector<End> ends = run_methods(problem, make_starts(job_, from, global.pose, outcome_.scans_read));
     settle(objective, global, ends);
     note(record, objective, global, ends);
     return true;
@@ -176,7 +176,7 @@ class Comparison {
     global.bound = std::min(global.bound, end.cost);
   }
 
-  CompareTrial trial_of(const Objective& objective, const End& end, const GlobalSolution& global) const {
+  CompareTrial make_trial(const Objective& objective, const End& end, const GlobalSolution& global) const {
     const Pose2 solution = objective.to_metres(global.pose);
     const Pose2 from = objective.to_metres(end.start.pose);
     const Pose2 to = objective.to_metres(end.found.pose);
@@ -194,7 +194,7 @@ class Comparison {
     trial.theta_rad = std::fabs(wrap_angle(to.theta_rad - solution.theta_rad));
     trial.distance_m = (to.translation() - solution.translation()).norm();
     trial.excess_m = mean_cost_m(excess, points_.size(), resolution_m);
-    trial.is_optimal = global.is_certified && excess <= cost_of(job_.global.gap_m, points_.size(), resolution_m);
+    trial.is_optimal = global.is_certified && excess <= cost_from_mean(job_.global.gap_m, points_.size(), resolution_m);
     trial.evaluations = end.found.evaluations;
     trial.seconds = end.seconds;
     return trial;
@@ -214,7 +214,7 @@ class Comparison {
     scan.hold = constraint_strength(line_information(points_, resolution_m));
     scan.seconds = global.seconds;
     outcome_.scans.push_back(scan);
-    for (const End& end : ends) outcome_.trials.push_back(trial_of(objective, end, global));
+    for (const End& end : ends) outcome_.trials.push_back(make_trial(objective, end, global));
   }
 
   const CompareJob& job_;

@@ -1,20 +1,18 @@
 // The protocol of the paper's tables 1 and 2 on a log: the log is mapped, and at every so many scans, before the scan
 // is matched, all methods minimise the same cost on the map as it is then, from the same starts: where the odometry
 // says, and at growing distances from the global solution. Frame: map. One run belongs to one thread; the trials depend
-// on the log, the configuration and the seed alone, the times on the machine. And what the trials add up to, for each
-// method and each kind of start; and table 2: the log mapped from end to end with each matcher.
+// on the log, the configuration and the seed alone, the times on the machine. sum_figures() sums up the trials for each
+// method and each kind of start.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "engine/runs/evaluation/pose_table.hpp"
-#include "engine/runs/mapping/map_run.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
@@ -51,7 +49,7 @@ struct CompareJob {
   MapperConfig mapper;
   std::vector<MatcherKind> methods;
   std::vector<StartLevel> levels;
-  std::uint32_t starts = 1;   ///< of each level, at each scan
+  std::uint32_t starts = 1;   ///< for each level, at each scan
   std::uint64_t scans = 200;  ///< measured, evenly over the log
   std::uint64_t seed = 1;
   GlobalLimits global;
@@ -76,14 +74,14 @@ struct CompareTrial {
   std::uint32_t scan = 0;    ///< in CompareOutcome::scans
   std::uint32_t method = 0;  ///< in CompareJob::methods
   std::uint32_t level = 0;   ///< 0: the odometry's prediction; else levels[level - 1]
-  std::uint32_t start = 0;   ///< of that level
+  std::uint32_t start = 0;   ///< number within that level
   double start_m = 0.0;      ///< the start's own error
   double start_rad = 0.0;
   double x_m = 0.0;  ///< errors of the end, absolute
   double y_m = 0.0;
   double theta_rad = 0.0;
   double distance_m = 0.0;
-  double excess_m = 0.0;    ///< of the mean cost over the lower bound
+  double excess_m = 0.0;    ///< mean cost over the lower bound
   bool is_optimal = false;  ///< by certificate: the excess is within the gap
   std::uint32_t evaluations = 0;
   double seconds = 0.0;  ///< CPU time of all threads, which other work on the machine hardly disturbs
@@ -96,7 +94,7 @@ struct CompareOutcome {
   std::vector<CompareScan> scans;
   std::vector<CompareTrial> trials;
   std::uint64_t scans_read = 0;
-  std::uint64_t every = 1;    ///< of them one was measured
+  std::uint64_t every = 1;    ///< one scan in so many was measured
   std::uint64_t refused = 0;  ///< measured, but then not matched by the mapper: left out
   std::uint64_t too_few = 0;  ///< had too few points near the map to be measured
 };
@@ -114,7 +112,7 @@ struct MethodFigures {
   ErrorSummary y_m;
   ErrorSummary theta_deg;
   Share success;
-  Share optimal;  ///< of all trials; what the certificate does not cover is no optimum
+  Share optimal;  ///< share of all trials; an end without a certificate is no optimum
   ErrorSummary evaluations;
   ErrorSummary seconds;
   double time_ratio = 0.0;  ///< mean time over that of simplex; 0 where simplex was not run
@@ -126,40 +124,15 @@ enum class ScanKind : std::uint8_t {
   kWeak,       ///< proven, weak along a corridor
   kUncertain,  ///< not proven within the limit
 };
-ScanKind kind_of(const CompareScan& scan);
-std::uint64_t count_of(const CompareOutcome& outcome, ScanKind kind);
+ScanKind scan_kind(const CompareScan& scan);
+std::uint64_t count_kind(const CompareOutcome& outcome, ScanKind kind);
 
 /// The figures of one level of starts (0: the prediction) on scans of a kind, in the order of the methods.
-std::vector<MethodFigures> figures_of(const CompareJob& job, const CompareOutcome& outcome, std::uint32_t level,
-                                      ScanKind kind);
+std::vector<MethodFigures> sum_figures(const CompareJob& job, const CompareOutcome& outcome, std::uint32_t level,
+                                       ScanKind kind);
 
 /// The distances (m) that one method's trials ended from the solution, in the order of the trials.
-std::vector<double> distances_of(const CompareOutcome& outcome, std::uint32_t method, std::uint32_t level,
-                                 ScanKind kind);
-
-/// What a whole run is held against; at most one of both.
-struct CompareTruth {
-  std::optional<Trajectory> reference;
-  std::string reference_file;
-  std::vector<Relation> relations;
-  std::string relations_file;
-  [[nodiscard]] bool is_given() const { return reference.has_value() || !relations.empty(); }
-};
-
-struct WholeRun {
-  std::string method;
-  ErrorSummary position_m;
-  ErrorSummary heading_deg;
-  double cpu_s = 0.0;        ///< inside the mapper, all threads
-  double time_ratio = 0.0;   ///< over simplex; 0 where simplex was not run
-  double evaluations = 0.0;  ///< a scan
-  std::uint64_t scans = 0;
-  std::uint64_t doubtful = 0;
-};
-
-/// In the order of the methods. Throws as compare() does, InputError where the truth belongs to another log.
-std::vector<WholeRun> whole_runs(const CompareJob& job, const CompareTruth& truth, Backend& backend,
-                                 const std::function<CompareProgress(const std::string&)>& progress_of,
-                                 const std::function<bool()>& stop);
+std::vector<double> collect_distances(const CompareOutcome& outcome, std::uint32_t method, std::uint32_t level,
+                                      ScanKind kind);
 
 }  // namespace gdtslam

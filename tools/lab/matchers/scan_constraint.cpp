@@ -36,14 +36,14 @@ struct Spread {
 };
 
 // The minor axis of the spread: the eigenvector of the smaller eigenvalue.
-Normal normal_of(const Spread& s) {
+Normal spread_normal(const Spread& s) {
   const double n = s.count;
   const double a = s.xx - s.x * s.x / n;
   const double b = s.xy - s.x * s.y / n;
   const double c = s.yy - s.y * s.y / n;
   const double half = 0.5 * (a - c);
   const double root = std::sqrt(half * half + b * b);
-  // Of two forms of the same vector the one without cancellation.
+  // Two forms give the same vector; this one has no cancellation.
   Normal along = half >= 0.0 ? Normal{half + root, b} : Normal{b, root - half};
   const double length = std::sqrt(along.x * along.x + along.y * along.y);
   if (!(length > 0.0)) return {0.0, 0.0};
@@ -61,7 +61,7 @@ std::optional<Normal> normal_at(std::span<const PointCells> points, std::ptrdiff
     if (dx * dx + dy * dy <= reach_cells * reach_cells) spread.add(dx, dy);
   }
   if (spread.count <= kLeastNeighbours) return std::nullopt;
-  return normal_of(spread);
+  return spread_normal(spread);
 }
 
 }  // namespace

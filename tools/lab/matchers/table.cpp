@@ -35,7 +35,7 @@ std::string work_row(const MethodFigures& f) {
                                              ratio_text(f.time_ratio));
 }
 
-std::string table_of(const std::vector<MethodFigures>& figures) {
+std::string error_table(const std::vector<MethodFigures>& figures) {
   std::string text =
       "                  distance, cm                 |x|, cm               |y|, cm               |theta|, deg\n"
       "                     max     mean ± std     max    mean ± std     max    mean ± std     max      mean ± std\n";
@@ -49,13 +49,13 @@ std::string table_of(const std::vector<MethodFigures>& figures) {
   return text;
 }
 
-std::string basin_of(const CompareJob& job, const CompareOutcome& outcome) {
+std::string basin_table(const CompareJob& job, const CompareOutcome& outcome) {
   std::string text = fmt::format("  {:>14}", "start");
   for (const MatcherKind method : job.methods) text += fmt::format("{:>16}", to_string(method));
   text += "\n";
   for (std::uint32_t level = 0; level <= job.levels.size(); ++level) {
     text += fmt::format("  {:>14}", level_text(job, level));
-    for (const MethodFigures& f : figures_of(job, outcome, level, ScanKind::kHeld)) {
+    for (const MethodFigures& f : sum_figures(job, outcome, level, ScanKind::kHeld)) {
       text += fmt::format("{:>16}", f.success.of > 0 ? fmt::format("{:.1f}", 100.0 * f.success.value()) : "-");
     }
     text += "\n";
@@ -99,9 +99,9 @@ Json scans_json(const CompareJob& job, const CompareOutcome& outcome) {
   return {{"read", outcome.scans_read},
           {"every", outcome.every},
           {"measured", outcome.scans.size()},
-          {"counted", count_of(outcome, ScanKind::kHeld)},
-          {"weak", count_of(outcome, ScanKind::kWeak)},
-          {"not_certified", count_of(outcome, ScanKind::kUncertain)},
+          {"counted", count_kind(outcome, ScanKind::kHeld)},
+          {"weak", count_kind(outcome, ScanKind::kWeak)},
+          {"not_certified", count_kind(outcome, ScanKind::kUncertain)},
           {"not_matched", outcome.refused},
           {"too_few_points", outcome.too_few},
           {"gap_m", job.global.gap_m},
@@ -115,8 +115,8 @@ Json level_json(const CompareJob& job, const CompareOutcome& outcome, std::uint3
     json["distance_m"] = off.distance_m;
     json["angle_deg"] = deg_from_rad(off.angle_rad);
   }
-  json["held"] = as_json(figures_of(job, outcome, level, ScanKind::kHeld));
-  json["weak"] = as_json(figures_of(job, outcome, level, ScanKind::kWeak));
+  json["held"] = as_json(sum_figures(job, outcome, level, ScanKind::kHeld));
+  json["weak"] = as_json(sum_figures(job, outcome, level, ScanKind::kWeak));
   return json;
 }
 
@@ -126,7 +126,7 @@ Json times_json(const CompareJob& job, const CompareOutcome& outcome) {
   Json levels = Json::array();
   for (std::uint32_t level = 0; level <= job.levels.size(); ++level) {
     Json methods = Json::array();
-    for (const MethodFigures& f : figures_of(job, outcome, level, ScanKind::kHeld)) {
+    for (const MethodFigures& f : sum_figures(job, outcome, level, ScanKind::kHeld)) {
       methods.push_back({{"method", f.method},
                          {"seconds", as_json(f.seconds)},
                          {"over_simplex", f.time_ratio > 0.0 ? Json(f.time_ratio) : Json()}});
@@ -134,19 +134,6 @@ Json times_json(const CompareJob& job, const CompareOutcome& outcome) {
     levels.push_back(std::move(methods));
   }
   return {{"global_solution_s", as_json(summarise(seconds))}, {"levels", std::move(levels)}};
-}
-
-Json as_json(const std::vector<WholeRun>& runs) {
-  Json rows = Json::array();
-  for (const WholeRun& run : runs) {
-    rows.push_back({{"method", run.method},
-                    {"position_m", as_json(run.position_m)},
-                    {"heading_deg", as_json(run.heading_deg)},
-                    {"scans", run.scans},
-                    {"doubtful", run.doubtful},
-                    {"evaluations_per_scan", run.evaluations}});
-  }
-  return rows;
 }
 
 }  // namespace
@@ -158,67 +145,37 @@ std::string level_text(const CompareJob& job, std::uint32_t level) {
 }
 
 std::string as_text(const CompareJob& job, const CompareOutcome& outcome) {
-  const std::uint64_t held = count_of(outcome, ScanKind::kHeld);
-  const std::uint64_t weak = count_of(outcome, ScanKind::kWeak);
-  const std::uint64_t uncertain = count_of(outcome, ScanKind::kUncertain);
+  const std::uint64_t held = count_kind(outcome, ScanKind::kHeld);
+  const std::uint64_t weak = count_kind(outcome, ScanKind::kWeak);
+  const std::uint64_t uncertain = count_kind(outcome, ScanKind::kUncertain);
   std::string text = fmt::format(
       "{} scans, one in {} measured: {} count below, {} are weak along a corridor, {} have no proof within {:g} mm;\n"
       "{} were not matched, {} lie beyond the map\n\n",
       outcome.scans_read, outcome.every, held, weak, uncertain, 1000.0 * job.global.gap_m, outcome.refused,
       outcome.too_few);
   text += "Table 1: errors against the proven global solution, started where the odometry says\n\n" +
-          table_of(figures_of(job, outcome, 0, ScanKind::kHeld));
+          error_table(sum_figures(job, outcome, 0, ScanKind::kHeld));
   if (weak > 0) {
     text += "\nThe same for the scans that are weak along a corridor\n\n" +
-            table_of(figures_of(job, outcome, 0, ScanKind::kWeak));
+            error_table(sum_figures(job, outcome, 0, ScanKind::kWeak));
   }
   text += fmt::format("\nSuccess, % within {:g} cm and {:g}°, by the start's distance from the solution\n\n",
                       100.0 * kSuccess_m, kSuccess_deg) +
-          basin_of(job, outcome);
+          basin_table(job, outcome);
   return text;
 }
 
-std::string as_text(const std::vector<WholeRun>& runs, const CompareTruth& truth) {
-  if (runs.empty()) return {};
-  std::string text = fmt::format(
-      "\nTable 2: whole runs against {}\n\n"
-      "                  position, cm                heading, deg            CPU time, s  / simplex  evaluations  "
-      "doubtful\n"
-      "                     max     mean ± std          max     mean ± std                              a scan\n",
-      truth.reference ? "the reference (ATE)" : "the verified relations");
-  for (const WholeRun& run : runs) {
-    text += name_column(run.method) + fmt::format(" {:>7.2f} {:>14} {:>12.3f} {:>14}{:>13.2f}{:>11}{:>13.1f}{:>10}\n",
-                                                  100.0 * run.position_m.max, spread(run.position_m, 100.0, 2),
-                                                  run.heading_deg.max, spread(run.heading_deg, 1.0, 3), run.cpu_s,
-                                                  ratio_text(run.time_ratio), run.evaluations, run.doubtful);
-  }
-  return text;
-}
-
-Json as_json(const CompareJob& job, const CompareOutcome& outcome, const std::vector<WholeRun>& runs,
-             const CompareTruth& truth) {
+Json as_json(const CompareJob& job, const CompareOutcome& outcome) {
   Json levels = Json::array();
   for (std::uint32_t level = 0; level <= job.levels.size(); ++level) {
     levels.push_back(level_json(job, outcome, level));
   }
-  Json json{{"version", 1},
-            {"seed", job.seed},
-            {"scans", scans_json(job, outcome)},
-            {"success_within", {{"distance_m", kSuccess_m}, {"angle_deg", kSuccess_deg}}},
-            {"levels", std::move(levels)}};
-  Json times = times_json(job, outcome);
-  if (!runs.empty()) {
-    json["whole_runs"] = {{"metric", truth.reference ? "ate" : "relations"}, {"methods", as_json(runs)}};
-    Json whole = Json::array();
-    for (const WholeRun& run : runs) {
-      whole.push_back({{"method", run.method},
-                       {"cpu_s", run.cpu_s},
-                       {"over_simplex", run.time_ratio > 0.0 ? Json(run.time_ratio) : Json()}});
-    }
-    times["whole_runs"] = std::move(whole);
-  }
-  json["times"] = std::move(times);
-  return json;
+  return {{"version", 1},
+          {"seed", job.seed},
+          {"scans", scans_json(job, outcome)},
+          {"success_within", {{"distance_m", kSuccess_m}, {"angle_deg", kSuccess_deg}}},
+          {"levels", std::move(levels)},
+          {"times", times_json(job, outcome)}};
 }
 
 std::string as_csv(const CompareJob& job, const CompareOutcome& outcome) {

@@ -3,8 +3,7 @@
 
   reproduce.py [--programs FOLDER] -o DIR [--only PARTS] [--data DIR] [--force] [--keep-runs]
 
-Writes DIR/report.html, one file that needs nothing else, and DIR/report.md with the pictures in DIR/parts. Parts that are made
-stay made until the programs or the scripts change, so an interrupted report goes on where it was (Ctrl-C: exit 130). DIR is new,
+Writes DIR/report.html, one file that needs nothing else; DIR/parts has the pictures. Parts that are made stay made until the programs or the scripts change, so an interrupted report goes on where it was (Ctrl-C: exit 130). DIR is new,
 empty or of an earlier report. docs/howto/reproduce.md says what is compared with what.
 """
 
@@ -100,11 +99,6 @@ def bound(text):
     return re.sub(r"(?<=\d) (?=(?:cm|mm|m|s|%)(?:\W|$))|(?<=±) | (?=±)", "\u00a0", text)
 
 
-def plain(text):
-    """Within a cell or a line of Markdown: nothing that means something there."""
-    return re.sub(r"([|<*_`\[\]\\])", r"\\\1", text)
-
-
 class Report:
     def __init__(self, options):
         self.folder, self.options = options.output, options
@@ -193,18 +187,15 @@ class Report:
 
     def write(self):
         scripts = folder_of_scripts()
-        program = (scripts / "report.js").read_text()
-        values = {"facts": self.facts(), "parts": PARTS, "image": self.image, "seconds_text": seconds_text, "program": program,
-                  "style": (scripts / "report.css").read_text(),
-                  "hash": base64.b64encode(hashlib.sha256(f"\n{program}".encode()).digest()).decode(),
-                  "rows": [(info, row) for info in PARTS if info.kept for row in info.kept["part"]["rows"]]}
-        for name, is_html in (("report.html", True), ("report.md", False)):
-            templates = jinja2.Environment(loader=jinja2.FileSystemLoader(scripts), autoescape=is_html, trim_blocks=True, lstrip_blocks=True,
-                                           keep_trailing_newline=True, undefined=jinja2.StrictUndefined)
-            templates.filters.update(bound=bound, plain=plain)
-            new = self.folder / f"{name}.new"
-            new.write_text(templates.get_template(f"{name}.jinja").render(values), encoding="utf-8")
-            new.replace(self.folder / name)
+        templates = jinja2.Environment(loader=jinja2.FileSystemLoader(scripts), autoescape=True, trim_blocks=True, lstrip_blocks=True,
+                                       keep_trailing_newline=True, undefined=jinja2.StrictUndefined)
+        templates.filters.update(bound=bound)
+        text = templates.get_template("report.html.jinja").render(
+            facts=self.facts(), parts=PARTS, image=self.image, seconds_text=seconds_text, style=(scripts / "report.css").read_text(),
+            rows=[(info, row) for info in PARTS if info.kept for row in info.kept["part"]["rows"]])
+        new = self.folder / "report.new"
+        new.write_text(text, encoding="utf-8")
+        new.replace(self.folder / "report.html")
 
 
 def arguments_of(words):
@@ -254,7 +245,7 @@ def main(words=None):
     except (Failed, OSError) as error:
         print(f"reproduce.py: error: {error}", file=sys.stderr)
         return 1
-    print(f"{options.output / 'report.html'}\n{options.output / 'report.md'}\n{time.monotonic() - start_s:.0f} s")
+    print(f"{options.output / 'report.html'}\n{time.monotonic() - start_s:.0f} s")
     return status
 
 

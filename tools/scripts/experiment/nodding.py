@@ -2,8 +2,7 @@
 
 import json
 
-from experiment.common import print_table, print_row, printed
-from long_drives import run
+from experiment.drives import print_row, print_table, run
 
 NOD_VARIANTS = {
     "`nod.interpolation=odometry`, the default": ["--set", "nod.interpolation=odometry"],
@@ -33,7 +32,7 @@ class Nodding:
         """Maps the log, and compares its cloud and path with the truth."""
         out = self.folder / "run"
         run(self.program, "map", log, "-o", out, "--force", "-q", *options)
-        return json.loads(printed(self.program, "evaluate", out / "cloud.ply", "--trajectory", out / "trajectory.tum",
+        return json.loads(run(self.program, "evaluate", out / "cloud.ply", "--trajectory", out / "trajectory.tum",
                                   "--reference", log.with_suffix(".truth.tum"), *arguments, "--json"))
 
     def expect(self, condition, what):

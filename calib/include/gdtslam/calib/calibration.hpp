@@ -21,8 +21,9 @@ enum class SurfaceKind : std::uint8_t { kWall, kFloor, kCeiling };
 struct CalibrationSurface {
   std::string name;
   SurfaceKind kind = SurfaceKind::kWall;
-  double distance_m = 2.0;   ///< of a wall from the axis (level, along heading); of floor or ceiling from the axis
-  double heading_rad = 0.0;  ///< of the wall's normal, seen from the scanner; walls only
+  double distance_m =
+      2.0;  ///< distance of a wall from the axis (level, along heading); of floor or ceiling from the axis
+  double heading_rad = 0.0;  ///< direction of the wall's normal, seen from the scanner; walls only
   bool distance_known = false;
   bool heading_known = true;  ///< a free one needs beams of several bearings
 };
@@ -32,7 +33,7 @@ struct RangeObservation {
   double ticks = 0.0;
   double bearing_rad = 0.0;
   double range_m = 0.0;
-  double sigma_m = 0.01;  ///< of the mean
+  double sigma_m = 0.01;  ///< sigma of the mean
   std::uint32_t count = 1;
   std::uint32_t surface = 0;
 };
@@ -45,7 +46,7 @@ struct CalibrationOptions {
   double offset_prior_rad = 0.0873;
   double distance_prior_m = 0.05;
   double lever_prior_m = 0.02;
-  double angle_prior_rad = 0.0349;  ///< of the sensor's roll and yaw and of a wall's heading
+  double angle_prior_rad = 0.0349;  ///< for the sensor's roll and yaw and a wall's heading
   bool free_lever = false;
   bool free_sensor_angles = false;
   double huber_sigmas = 3.0;
@@ -85,21 +86,21 @@ struct WeakCombination {
 struct CalibrationResult {
   SweepModel model;
   std::vector<CalibratedParameter> parameters;
-  std::vector<CalibrationSurface> surfaces;  ///< as estimated
+  std::vector<CalibrationSurface> surfaces;  ///< the estimate
   std::vector<double> covariance;            ///< row-major, posterior, in the parameters' order
-  std::vector<double> singular_values;       ///< of the data alone, parameters scaled by their priors, falling
+  std::vector<double> singular_values;       ///< from the data alone, parameters scaled by their priors, falling
   std::vector<double> combinations;          ///< row-major, one row of weights for each singular value
   std::vector<WeakCombination> weak;
-  double residual_rms = 0.0;         ///< of the weighted residuals that are no outliers: 1 where sigma is right
-  double all_rms = 0.0;              ///< of all of them: well above 1 where many ranges do not fit
+  double residual_rms = 0.0;         ///< RMS of the weighted residuals without outliers: 1 if sigma is right
+  double all_rms = 0.0;              ///< RMS of all residuals: well above 1 if many ranges do not fit
   double elevation_sigma_rad = 0.0;  ///< RMS over the sweep used
   std::uint64_t observations = 0;    ///< used: within max_elevation_rad
-  std::uint64_t outliers = 0;        ///< of those, beyond huber_sigmas
+  std::uint64_t outliers = 0;        ///< residuals beyond huber_sigmas
   int iterations = 0;
   bool converged = false;
   std::string reason;                ///< why the solver stopped
   double other_assembly_rms = 0.0;   ///< infinite where it was not tried or does not fit at all
-  std::vector<std::string> remarks;  ///< what one wall cannot tell, bounds hit, ...
+  std::vector<std::string> remarks;  ///< limits of one wall, bounds that were hit, ...
 };
 
 /// Throws ConfigError for bad options or a start whose loop does not close, InputError for too few observations or a

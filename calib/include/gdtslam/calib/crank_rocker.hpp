@@ -1,4 +1,4 @@
-// What a crank-rocker does over one turn: dead points, swing, time ratio, transmission angle. Frame and units of
+// Motion of a crank-rocker over one turn: dead points, swing, time ratio, transmission angle. Frame and units of
 // four_bar.hpp. Thread-safe, constant time.
 #pragma once
 
@@ -16,10 +16,11 @@ namespace gdtslam::calib {
 /// lift begins at `highest` and the crank turns the other way round for it to be the slow stroke.
 struct CrankRockerReport {
   DeadPoint lowest;   ///< least psi: where the lift begins
-  DeadPoint highest;  ///< where it ends
+  DeadPoint highest;  ///< end of the lift
   double swing_rad = 0.0;
-  double lift_share = 0.5;  ///< of the turn that lifting takes, when the crank turns so that it is the slow stroke
-  int lift_direction = 1;   ///< of the crank: +1 counter-clockwise
+  double lift_share =
+      0.5;                 ///< share of the turn that lifting takes, when the crank turns so that it is the slow stroke
+  int lift_direction = 1;  ///< turn of the crank: +1 counter-clockwise
   double time_ratio = 1.0;  ///< slow stroke over quick stroke
   double least_transmission_rad = 0.0;
   double most_rocker_rate = 0.0;  ///< largest |d psi / d phi|
@@ -34,8 +35,8 @@ double least_transmission_rad(const FourBar& bars);
 inline constexpr double kPoorTransmission_rad = 0.6981317007977318;
 /// Grashof's inequality with its numbers: "shortest + longest < the other two, 12.4 < 13.5 cm".
 std::string inequality_text(const FourBar& bars);
-/// What a designer should know: a transmission angle below 40 degrees and what that means, a class next to a change
-/// point, a rocker much faster than its crank. Throws as analyse().
+/// Remarks for a designer: a transmission angle below 40 degrees and its effect, a class next to a change point, a
+/// rocker much faster than its crank. Throws as analyse().
 std::vector<std::string> remarks(const FourBar& bars, Assembly assembly);
 
 /// A linkage of the paper under one reading of its figure (docs/linkage.md), nominal or as the paper calibrated it.
@@ -49,14 +50,14 @@ inline constexpr std::string_view kDefaultLinkage = "paper-b";
 /// Throws ConfigError with the names there are.
 const LinkagePreset& linkage_preset(std::string_view name);
 
-/// What a linkage is designed for.
+/// The goal of a design.
 struct DesignGoal {
   double swing_rad = 1.5707963267948966;
   double min_transmission_rad = kPoorTransmission_rad;
   std::optional<double> time_ratio;  ///< slow over quick stroke, met exactly; nothing: any
   double least_crank_m = 0.03;
   double most_crank_m = 0.05;
-  /// Nothing: four times the longest crank, and at most kMostBar_m. A long bar transmits better.
+  /// Default: four times the longest crank, and at most kMostBar_m. A long bar transmits better.
   std::optional<double> longest_bar_m;
 };
 /// A linkage that meets a goal, with what it does over a turn.

@@ -38,7 +38,7 @@ enum class GrashofClass : std::uint8_t {
   kChangePoint,   ///< s + l = p + q within 1e-9 of it: the linkage can fall flat and change its mode
 };
 
-/// Where coupler and rocker are at one crank angle.
+/// Angles of coupler and rocker at one crank angle.
 struct LinkagePose {
   double coupler_rad = 0.0;       ///< direction from A to B
   double rocker_rad = 0.0;        ///< psi, in (-pi, pi]
@@ -67,7 +67,7 @@ struct CrankRange {
   double to_rad = 0.0;
 };
 
-/// Where the rocker turns back.
+/// A place at which the rocker turns back.
 struct DeadPoint {
   double crank_rad = 0.0;
   double rocker_rad = 0.0;
@@ -80,8 +80,8 @@ struct FreudensteinCoefficients {
   double k3 = 0.0;
 };
 
-/// What is wrong with the lengths, one sentence each: not positive, not finite, or a bar longer than the other three
-/// together, with the inequality and its numbers. Empty when the loop can close somewhere.
+/// Faults of the lengths, one sentence each: not positive, not finite, or a bar longer than the other three together,
+/// with the inequality and its numbers. Empty when the loop can close somewhere.
 std::vector<std::string> violations(const FourBar& bars);
 /// Shortest plus longest against the sum of the other two: where the first is less, the shortest bar turns fully.
 struct GrashofInequality {
@@ -93,9 +93,9 @@ GrashofClass grashof_class(const FourBar& bars);
 /// "crank-rocker", "double crank", "rocker-crank", "double rocker", "triple rocker", "change point".
 const char* class_name(GrashofClass grashof);
 
-/// Nothing where the loop does not close at this crank angle.
+/// Empty if the loop does not close at this crank angle.
 std::optional<LinkagePose> solve(const FourBar& bars, Assembly assembly, double crank_rad);
-/// Nothing where it does not close or at a dead point of the crank, where the rates are unbounded.
+/// Empty if the loop does not close, or at a dead point of the crank, where the rates are unbounded.
 std::optional<LinkageMotion> motion(const FourBar& bars, Assembly assembly, double crank_rad, double crank_rate = 1.0,
                                     double crank_acceleration = 0.0);
 std::optional<RockerSensitivity> sensitivity(const FourBar& bars, Assembly assembly, double crank_rad);

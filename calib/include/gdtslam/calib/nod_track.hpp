@@ -67,7 +67,7 @@ class NodTrack {
     Count gaps;
     Count past_stamps;
     Count wraps;
-    /// Of the faults that occurred; a wrap is none.
+    /// Warnings of the faults that occurred; a wrap is none.
     [[nodiscard]] std::vector<LogReader::Warning> as_warnings() const;
   };
   [[nodiscard]] const Faults& faults() const { return faults_; }
@@ -87,7 +87,7 @@ class NodTrack {
   CrankEncoder encoder_;
   bool is_crank_ = true;                     ///< else the elevation itself, which has no forward direction
   double resolution_ = 0.0;                  ///< turns per tick
-  double last_turns_ = 0.0;                  ///< as measured, of the last message that was kept
+  double last_turns_ = 0.0;                  ///< the measured turns of the last message that was kept
   std::optional<std::int64_t> first_ticks_;  ///< with an index mark the last
   std::deque<Message> messages_;
   std::vector<Message>

@@ -27,7 +27,7 @@ struct SweepModel {
   FourBar bars;
   Assembly assembly = Assembly::kOpen;
   CrankEncoder encoder;
-  int elevation_sign = 1;             ///< of the rocker's angle
+  int elevation_sign = 1;             ///< sign of the rocker's angle
   double elevation_offset_rad = 0.0;  ///< elevation = sign * psi + offset, wrapped to [-pi, pi)
   NoddingMount mount;
   double mirror_rate_hz = 0.0;  ///< turns of the laser's mirror a second; 0 fires all beams at the scan's stamp
@@ -43,7 +43,7 @@ SweepModel sweep_model_of(const FourBar& bars, Assembly assembly);
 SweepModel sweep_model_of_preset(std::string_view name);
 
 double crank_rad(const CrankEncoder& encoder, double ticks);
-/// Nothing where the loop does not close.
+/// Empty if the loop does not close.
 std::optional<double> elevation_rad(const SweepModel& model, double crank_rad);
 /// d elevation / d crank.
 std::optional<double> elevation_rate(const SweepModel& model, double crank_rad);
@@ -56,9 +56,9 @@ ElevationTable elevation_table(const SweepModel& model, std::uint32_t bits = 15)
 BeamTiming beam_timing(const SweepModel& model, std::size_t beams, double bearing_step_rad);
 /// The same for a scan that may say it itself.
 BeamTiming beam_timing(const SweepModel& model, const LaserScan& scan);
-/// What one whole encoder tick, one whole step of the range and the table (of 2^15 steps, in float32) can move a point
-/// at this range at most, metres: the quantisation bound that a reconstruction is judged by. Where an encoder or a
-/// range is rounded to the nearest step instead of cut, half of it is left over. O(2^15).
+/// The largest distance, metres, by which one whole encoder tick, one whole step of the range and the table (of 2^15
+/// steps, in float32) can move a point at this range: the quantisation bound that a reconstruction is judged by. Half
+/// of it is left if an encoder or a range is rounded to the nearest step instead of cut. O(2^15).
 double quantisation_bound_m(const SweepModel& model, double range_m, double range_resolution_m);
 
 }  // namespace gdtslam::calib

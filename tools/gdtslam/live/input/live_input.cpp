@@ -82,7 +82,7 @@ bool LiveInput::wait_for(int descriptor, int most_ms) {
 
 std::unique_ptr<LiveInput> open_stream(const std::string& path) { return std::make_unique<StreamInput>(path); }
 
-LiveLog live_log_of(std::shared_ptr<LiveInput> input, std::size_t queue) {
+LiveLog make_live_log(std::shared_ptr<LiveInput> input, std::size_t queue) {
   return [input = std::move(input), queue](const ReadOptions& options) -> std::unique_ptr<LogReader> {
     std::unique_ptr<LogReader> log =
         open_log_of_bytes([input](std::span<char> target) { return input->read(target); }, input->name(), options);

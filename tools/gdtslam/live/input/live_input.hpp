@@ -56,6 +56,6 @@ std::unique_ptr<LiveInput> listen_at(const std::string& address);
 /// Opens the log of that input, once. With `queue` scans a thread reads ahead, and if more are waiting the oldest of
 /// them is dropped, not its odometry; what was dropped or lost is among the log's warnings. With 0 nothing is read
 /// before it is asked for, and the sender waits.
-LiveLog live_log_of(std::shared_ptr<LiveInput> input, std::size_t queue);
+LiveLog make_live_log(std::shared_ptr<LiveInput> input, std::size_t queue);
 
 }  // namespace gdtslam

@@ -26,7 +26,7 @@ class ScanQueue final : public LogReader {
             std::function<void()> close);
   ~ScanQueue() override;
 
-  /// What was read before a record that cannot be read comes first.
+  /// Records that were read before one that cannot be read come first.
   std::optional<LogRecord> next() override;
   [[nodiscard]] double progress() const override { return -1.0; }
   [[nodiscard]] const std::vector<Warning>& warnings() const override;
@@ -41,7 +41,7 @@ class ScanQueue final : public LogReader {
   std::function<bool()> stop_;
   std::function<void()> close_;
   mutable std::vector<Warning> given_warnings_;  // the caller's
-  // Of both, under the lock:
+  // Shared by both threads, under the lock:
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<LogRecord> records_;

@@ -16,7 +16,7 @@ class WholeLines {
     const std::size_t newline = bytes.rfind('\n');
     if (newline != std::string_view::npos) whole_ = buffer_.size() + newline + 1;
     buffer_ += bytes;
-    if (buffer_.size() - whole_ > kLongestLine) whole_ = buffer_.size();  // whoever reads lines complains of it
+    if (buffer_.size() - whole_ > kLongestLine) whole_ = buffer_.size();  // the reader of lines refuses it
   }
   [[nodiscard]] bool is_empty() const { return given_ == whole_; }
   /// Fills at most the target.

@@ -23,7 +23,7 @@ int write_whole(int descriptor, const std::string& line) {
     const ssize_t count = ::write(descriptor, line.data() + written, line.size() - written);
     if (count >= 0) {
       written += static_cast<std::size_t>(count);
-    } else if (errno == EAGAIN) {  // whoever shares the pipe has it so
+    } else if (errno == EAGAIN) {  // another process that shares the pipe set it so
       pollfd output{.fd = descriptor, .events = POLLOUT, .revents = 0};
       ::poll(&output, 1, -1);
     } else if (errno != EINTR) {

@@ -10,9 +10,9 @@ namespace {
 
 constexpr std::string_view kNothing = "null";
 
-std::string json_of(const Pose2& pose) { return fmt::format("[{},{},{}]", pose.x_m, pose.y_m, pose.theta_rad); }
+std::string to_json(const Pose2& pose) { return fmt::format("[{},{},{}]", pose.x_m, pose.y_m, pose.theta_rad); }
 
-std::string json_of(const PoseCovariance& c) {
+std::string to_json(const PoseCovariance& c) {
   return fmt::format("[{},{},{},{},{},{}]", c.xx, c.xy, c.xt, c.yy, c.yt, c.tt);
 }
 
@@ -23,7 +23,7 @@ std::string tum_line(double stamp_s, const Pose2& pose) {
 
 }  // namespace
 
-PoseFormat pose_format_of(std::string_view name) {
+PoseFormat parse_pose_format(std::string_view name) {
   const auto* const found = std::find(kPoseFormats.begin(), kPoseFormats.end(), name);
   return static_cast<PoseFormat>(found - kPoseFormats.begin());
 }
@@ -34,8 +34,8 @@ std::string pose_line(PoseFormat format, std::uint64_t scan, const MappedScan& m
   return fmt::format(
       "{{\"scan\":{},\"stamp_s\":{},\"pose\":{},\"covariance\":{},\"correction\":{},\"accepted\":{},\"keyframe\":{},"
       "\"doubt\":\"{}\",\"mean_distance_m\":{},\"overlap\":{},\"contradiction\":{}}}\n",
-      scan, match.stamp_s, json_of(match.T_map_base),
-      match.covariance ? json_of(*match.covariance) : std::string(kNothing), json_of(mapped.T_closed_front),
+      scan, match.stamp_s, to_json(match.T_map_base),
+      match.covariance ? to_json(*match.covariance) : std::string(kNothing), to_json(mapped.T_closed_front),
       match.accepted, match.merged, to_string(match.doubt), match.mean_cost_m, match.overlap, match.contradiction);
 }
 
@@ -46,8 +46,8 @@ std::string pose_line(PoseFormat format, std::uint64_t scan, double stamp_s, con
   return fmt::format(
       "{{\"scan\":{},\"stamp_s\":{},\"whereabouts\":\"{}\",\"pose\":{},\"covariance\":{},\"explained\":{},"
       "\"mean_distance_m\":{},\"ambiguous\":{}}}\n",
-      scan, stamp_s, to_string(pose.whereabouts), is_known ? json_of(pose.T_map_base) : nothing,
-      is_known ? json_of(pose.covariance) : nothing, is_known ? fmt::to_string(pose.explained) : nothing,
+      scan, stamp_s, to_string(pose.whereabouts), is_known ? to_json(pose.T_map_base) : nothing,
+      is_known ? to_json(pose.covariance) : nothing, is_known ? fmt::to_string(pose.explained) : nothing,
       is_known ? fmt::to_string(pose.mean_distance_m) : nothing, pose.is_ambiguous);
 }
 

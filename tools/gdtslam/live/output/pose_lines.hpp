@@ -1,4 +1,4 @@
-// What `gdtslam live` says of a scan: a line of JSON, or of a trajectory. Thread-safe.
+// The line that `gdtslam live` prints for a scan: JSON, or a row of a trajectory. Thread-safe.
 #pragma once
 
 #include <array>
@@ -15,12 +15,11 @@ namespace gdtslam {
 enum class PoseFormat : std::uint8_t { kJson, kTum };
 inline constexpr std::array<std::string_view, 2> kPoseFormats{"json", "tum"};
 /// One of kPoseFormats.
-PoseFormat pose_format_of(std::string_view name);
+PoseFormat parse_pose_format(std::string_view name);
 
-/// Of a scan that was mapped.
+/// A scan that was mapped.
 std::string pose_line(PoseFormat format, std::uint64_t scan, const MappedScan& mapped);
-/// Of one that was followed in a map that stays as it is. Empty where the place is not known and the format has no word
-/// for that.
+/// A scan that was followed in a map that stays as it is. Empty if the place is not known and the format cannot say so.
 std::string pose_line(PoseFormat format, std::uint64_t scan, double stamp_s, const TrackedPose& pose);
 
 }  // namespace gdtslam

@@ -38,7 +38,7 @@ class LivePage {
   [[nodiscard]] virtual std::string url() const = 0;
   /// Whether a browser is connected; any thread.
   [[nodiscard]] virtual bool is_watched() const = 0;
-  /// Of every scan: whoever opens the page is shown the newest one, which becomes a text only then.
+  /// Takes every scan: a visitor is shown the newest one, which becomes a text only then.
   virtual void show(ShownScan scan) = 0;
   /// The path in the map's frame.
   virtual void show(const OccupancyMap& map, const Trajectory& path) = 0;

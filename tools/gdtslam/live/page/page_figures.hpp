@@ -1,4 +1,4 @@
-// What the page says of a scan, for those who look on. Thread-safe but for the meter.
+// Figures of a scan that the page shows. Thread-safe but for the meter.
 #pragma once
 
 #include <chrono>

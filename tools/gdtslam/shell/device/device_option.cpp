@@ -40,7 +40,7 @@ std::string to_string(const DeviceName& name) {
   return name.index ? fmt::format("vulkan:{}", *name.index) : std::string("vulkan");
 }
 
-std::string all_of(const VulkanListing& listing) {
+std::string list_devices(const VulkanListing& listing) {
   std::string text;
   for (const VulkanDeviceInfo& device : listing.devices) {
     text += fmt::format("{}vulkan:{} ({}{}{})", text.empty() ? "" : ", ", device.index, device.name,
@@ -72,11 +72,11 @@ unsigned named_device(const DeviceName& name, const VulkanListing& listing) {
   if (!name.index) {
     const VulkanDeviceInfo* device = first_usable(listing, true);
     if (device == nullptr) device = first_usable(listing, false);
-    if (device == nullptr) fail(name, "no device can be used: " + all_of(listing));
+    if (device == nullptr) fail(name, "no device can be used: " + list_devices(listing));
     return device->index;
   }
   const VulkanDeviceInfo* const device = numbered(listing, *name.index);
-  if (device == nullptr) fail(name, "there is no such device, only " + all_of(listing));
+  if (device == nullptr) fail(name, "there is no such device, only " + list_devices(listing));
   if (!device->problem.empty()) fail(name, device->name + " cannot be used: " + device->problem);
   return device->index;
 }

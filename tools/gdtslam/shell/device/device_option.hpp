@@ -1,4 +1,4 @@
-// Where the work runs: --device, --threads, --isa and --no-fallback; which device a name stands for, and what a mapper
+// Choice of the device: --device, --threads, --isa and --no-fallback; which device a name stands for, and what a mapper
 // does when it fails.
 #pragma once
 
@@ -46,9 +46,9 @@ std::unique_ptr<Backend> make_backend(const DeviceOptions& options);
 /// a GPU is looked for, which takes a driver's memory and time, only where there is work for it.
 class BackendWhenNeeded {
  public:
-  /// As make_backend().
+  /// Throws as make_backend().
   explicit BackendWhenNeeded(const DeviceOptions& options);
-  /// Of the first call; later ones give the same.
+  /// The backend for the first call; later ones give the same.
   Backend& of(bool has_work);
 
  private:
@@ -73,8 +73,8 @@ DeviceName parse_device_name(const std::string& name);
 /// one. Throws UnavailableError where a device was named that is not there or cannot be used.
 std::optional<unsigned> choose_device(const DeviceName& name, const VulkanListing& listing);
 
-/// What a mapper does when its device fails: goes on with the CPU that the options describe and prints one warning; or,
-/// without fallback, fails.
+/// The reaction of a mapper to a device that fails: it goes on with the CPU that the options describe and prints one
+/// warning; or, without fallback, fails.
 MapperOptions on_failure_of(const DeviceOptions& options);
 
 }  // namespace gdtslam

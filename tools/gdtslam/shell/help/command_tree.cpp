@@ -23,7 +23,7 @@ std::vector<std::string> validator_texts(CLI::Option& option) {
 }
 
 // CLI11 writes "N:INT in [1 - 100]": the name of the value, then what each validator says of itself.
-std::string value_name_of(CLI::Option& option, const std::vector<std::string>& validators) {
+std::string find_value_name(CLI::Option& option, const std::vector<std::string>& validators) {
   if (option.get_items_expected_max() == 0) return {};
   std::size_t behind = 0;
   for (const std::string& text : validators) behind += text.empty() ? 0 : text.size() + 1;
@@ -32,7 +32,7 @@ std::string value_name_of(CLI::Option& option, const std::vector<std::string>& v
 }
 
 // "INT in [1 - 100]", as CLI::Range has it, is "1 to 100".
-std::string bounds_of(const std::vector<std::string>& validators) {
+std::string find_bounds(const std::vector<std::string>& validators) {
   for (const std::string& text : validators) {
     const std::size_t begin = text.find(" in [");
     const std::size_t middle = text.find(" - ", begin == std::string::npos ? 0 : begin);
@@ -66,20 +66,20 @@ OptionText option_text(CLI::Option& option) {
     for (const std::string& name : option.get_snames()) text.names.push_back("-" + name);
     for (const std::string& name : option.get_lnames()) text.names.push_back("--" + name);
   }
-  text.value = value_name_of(option, validators);
+  text.value = find_value_name(option, validators);
   text.doc = option.get_description();
   std::replace(text.doc.begin(), text.doc.end(), '\n', ' ');
   text.default_text = cut_default(text.doc);
   if (!option.get_default_str().empty()) text.default_text = option.get_default_str();
-  text.bounds = bounds_of(validators);
+  text.bounds = find_bounds(validators);
   for (const CLI::Option* other : option.get_needs()) text.needs.push_back(other->get_name());
   text.is_required = option.get_required();
   text.repeats = !text.value.empty() && option.get_expected_max() >= CLI::detail::expected_max_vector_size;
-  text.offers = offers_of(option, text.value);
+  text.offers = find_offers(option, text.value);
   return text;
 }
 
-std::vector<OptionGroup> groups_of(CLI::App& app) {
+std::vector<OptionGroup> collect_groups(CLI::App& app) {
   std::vector<OptionGroup> groups;
   for (CLI::Option* option : app.get_options()) {
     const std::string title = option->get_group();
@@ -94,7 +94,7 @@ std::vector<OptionGroup> groups_of(CLI::App& app) {
 }
 
 // Lines that begin with two blanks stay as they are; others are one paragraph up to a blank line.
-std::vector<Paragraph> paragraphs_of(const std::string& footer) {
+std::vector<Paragraph> split_paragraphs(const std::string& footer) {
   std::vector<Paragraph> paragraphs;
   bool is_open = false;
   std::istringstream lines(footer);
@@ -133,11 +133,11 @@ CommandText command_text(CLI::App& app) {
   for (CLI::Option* option : app.get_options()) {
     if (option->get_positional() && !option->get_group().empty()) text.arguments.push_back(option_text(*option));
   }
-  text.groups = groups_of(app);
+  text.groups = collect_groups(app);
   for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {
     if (!command->get_group().empty()) text.commands.push_back(command_text(*command));
   }
-  for (Paragraph& paragraph : paragraphs_of(app.get_footer())) {
+  for (Paragraph& paragraph : split_paragraphs(app.get_footer())) {
     if (paragraph.text == kExampleHeading) {
       text.examples = std::move(paragraph.lines);
     } else {
@@ -147,7 +147,7 @@ CommandText command_text(CLI::App& app) {
   return text;
 }
 
-std::string facts_of(const OptionText& option) {
+std::string option_facts(const OptionText& option) {
   std::string facts;
   const auto add = [&facts](const std::string& fact) { facts += (facts.empty() ? "" : "; ") + fact; };
   if (!option.default_text.empty()) add("default: " + option.default_text);

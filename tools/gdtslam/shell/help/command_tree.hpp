@@ -7,7 +7,7 @@
 
 #include "offers.hpp"
 
-// As in shell/cli.hpp, which this room does not know.
+// The same declaration as in shell/cli.hpp, which this folder does not know.
 namespace CLI {  // NOLINT(readability-identifier-naming): CLI11's name
 class App;
 }  // namespace CLI
@@ -21,12 +21,12 @@ struct OptionText {
   std::vector<std::string> names;  ///< "-o", "--output"; of an argument "log"
   std::string value;               ///< "DIR"; empty for a flag
   std::string doc;                 ///< one paragraph without its default
-  std::string default_text;        ///< what counts when it is not given; empty where nothing does
+  std::string default_text;        ///< value if it is not given; empty if there is none
   std::string bounds;              ///< "1 to 100"; empty where it has none
   std::vector<std::string> needs;  ///< names of what it counts with only
   bool is_required = false;
   bool repeats = false;  ///< may be given several times
-  Offers offers{};       ///< of its value
+  Offers offers{};       ///< completions of its value
 };
 
 struct OptionGroup {
@@ -48,9 +48,9 @@ struct CommandText {
   std::vector<OptionText> arguments;
   std::vector<OptionGroup> groups;
   std::vector<CommandText> commands;
-  std::vector<Paragraph> notes;       ///< what there is to say besides
+  std::vector<Paragraph> notes;       ///< paragraphs before the examples
   std::vector<std::string> examples;  ///< lines
-  std::vector<Paragraph> end_notes;   ///< what stands behind the examples
+  std::vector<Paragraph> end_notes;   ///< paragraphs behind the examples
 };
 
 /// A command and all below it. Hidden options and commands are left out. A text of an option may end with what counts
@@ -58,6 +58,6 @@ struct CommandText {
 CommandText command_text(CLI::App& app);
 
 /// "default: 1; 1 to 100; required; with --design": all that is behind an option's sentence; empty where nothing is.
-std::string facts_of(const OptionText& option);
+std::string option_facts(const OptionText& option);
 
 }  // namespace gdtslam

@@ -18,7 +18,7 @@ constexpr std::size_t kMostWidth = 100;
 constexpr std::size_t kIndent = 2;
 constexpr std::size_t kContinued = 6;  // a command line that goes on, and what is said of it
 
-std::optional<std::size_t> width_of_environment() {
+std::optional<std::size_t> environment_width() {
   const char* const text = std::getenv("COLUMNS");
   if (text == nullptr) return std::nullopt;
   const std::string_view digits(text);
@@ -28,7 +28,7 @@ std::optional<std::size_t> width_of_environment() {
   return columns;
 }
 
-std::optional<std::size_t> width_of_terminal() {
+std::optional<std::size_t> terminal_width() {
   winsize size{};
   if (::isatty(STDOUT_FILENO) != 1 || ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) {
     return std::nullopt;
@@ -36,7 +36,7 @@ std::optional<std::size_t> width_of_terminal() {
   return size.ws_col;
 }
 
-// Of UTF-8: bytes that begin a letter.
+// Counts the bytes of UTF-8 that begin a letter.
 std::size_t letters_in(std::string_view text) {
   return static_cast<std::size_t>(
       std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
@@ -62,7 +62,7 @@ void append_row(std::string& page, const std::string& name, const std::string& t
   for (std::size_t k = first; k < lines.size(); ++k) page += blanks(column) + lines[k] + "\n";
 }
 
-std::string left_of(const OptionText& option) {
+std::string left_column(const OptionText& option) {
   std::string left;
   for (const std::string& name : option.names) left += (left.empty() ? "" : ", ") + name;
   const bool is_argument = !option.names.front().starts_with('-');
@@ -71,8 +71,8 @@ std::string left_of(const OptionText& option) {
   return left;
 }
 
-std::string right_of(const OptionText& option) {
-  const std::string facts = facts_of(option);
+std::string right_column(const OptionText& option) {
+  const std::string facts = option_facts(option);
   return facts.empty() ? option.doc : option.doc + " (" + facts + ")";
 }
 
@@ -81,7 +81,7 @@ void append_options(std::string& page, const std::string& title, const std::vect
   if (options.empty()) return;
   const std::size_t column = std::clamp<std::size_t>(width * 3 / 10, 16, 28);
   page += "\n" + title + ":\n";
-  for (const OptionText& option : options) append_row(page, left_of(option), right_of(option), column, width);
+  for (const OptionText& option : options) append_row(page, left_column(option), right_column(option), column, width);
 }
 
 void append_commands(std::string& page, const std::vector<CommandText>& commands, std::size_t width) {
@@ -99,7 +99,7 @@ void append_commands(std::string& page, const std::vector<CommandText>& commands
   }
 }
 
-std::string usage_of(const CommandText& command) {
+std::string usage_line(const CommandText& command) {
   std::string usage = "Usage: " + command.path;
   if (!command.groups.empty()) usage += " [OPTIONS]";
   for (const OptionText& argument : command.arguments) {
@@ -171,7 +171,7 @@ void append_notes(std::string& page, const std::vector<Paragraph>& notes, std::s
 }  // namespace
 
 std::size_t help_width() {
-  const std::size_t width = width_of_environment().value_or(width_of_terminal().value_or(kUnknownWidth));
+  const std::size_t width = environment_width().value_or(terminal_width().value_or(kUnknownWidth));
   return std::clamp(width, kLeastWidth, kMostWidth);
 }
 
@@ -191,7 +191,7 @@ std::vector<std::string> wrapped(std::string_view text, std::size_t width) {
 std::string help_page(const CommandText& command, std::size_t width) {
   std::string page;
   append_wrapped(page, command.doc, 0, width);
-  append_wrapped(page, usage_of(command), 0, width);
+  append_wrapped(page, usage_line(command), 0, width);
   append_options(page, "Arguments", command.arguments, width);
   for (const OptionGroup& group : command.groups) append_options(page, group.title, group.options, width);
   append_commands(page, command.commands, width);

@@ -93,7 +93,7 @@ std::map<std::string, Offers> make_known_offers() {
   };
 }
 
-Offers offers_of_value(const std::string& value_name) {
+Offers known_offers(const std::string& value_name) {
   static const std::map<std::string, Offers> known = make_known_offers();
   const auto found = known.find(value_name);
   return found == known.end() ? Offers{} : found->second;
@@ -106,12 +106,12 @@ CLI::Option* offer(CLI::Option* option, const Offers& offers) {
 }
 
 CLI::Option* offer_words(CLI::Option* option, std::vector<std::string> words) {
-  Offers offers = offers_of_value(option->get_type_name());
+  Offers offers = known_offers(option->get_type_name());
   offers.words = std::move(words);
   return offer(option, offers);
 }
 
-Offers offers_of(CLI::Option& option, const std::string& value_name) {
+Offers find_offers(CLI::Option& option, const std::string& value_name) {
   try {
     for (int k = 0;; ++k) {
       const std::string& name = option.get_validator(k)->get_name();
@@ -119,7 +119,7 @@ Offers offers_of(CLI::Option& option, const std::string& value_name) {
     }
   } catch (const CLI::OptionNotFound&) {  // how CLI11 says that there are no more
   }
-  return value_name.empty() ? Offers{} : offers_of_value(value_name);
+  return value_name.empty() ? Offers{} : known_offers(value_name);
 }
 
 }  // namespace gdtslam

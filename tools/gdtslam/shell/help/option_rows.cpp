@@ -16,7 +16,7 @@ std::string shown_value(const Option& option) {
   return number != nullptr ? show_quantity(**number, option.unit) : value_text(option);
 }
 
-std::vector<std::string> choices_of(const Option& option) {
+std::vector<std::string> list_choices(const Option& option) {
   if (std::holds_alternative<bool*>(option.value)) return {"true", "false"};
   const auto* const choice = std::get_if<Choice>(&option.value);
   if (choice == nullptr) return {};
@@ -46,7 +46,7 @@ std::vector<OptionRow> option_rows(Settings& settings, const std::string& file) 
                                : holds(settings.from_file, table[k].path) ? file
                                                                           : "default";
     rows.push_back({std::string(table[k].path), shown_value(table[k]), shown_value(default_table[k]),
-                    allowed_text(table[k]), origin, std::string(table[k].doc), choices_of(table[k]),
+                    allowed_text(table[k]), origin, std::string(table[k].doc), list_choices(table[k]),
                     value_text(table[k]), value_text(default_table[k]), table[k].audience == kAdvanced});
   }
   return rows;

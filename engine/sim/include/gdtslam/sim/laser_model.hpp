@@ -25,7 +25,7 @@ struct LaserModel {
   std::size_t beam_count = 0;
   double min_range_m = 0.0;       ///< nearer surfaces give no return
   double max_range_m = 0.0;       ///< so do surfaces at this range or beyond
-  double no_return_m = 0.0;       ///< what the sensor reports then; at least max_range_m
+  double no_return_m = 0.0;       ///< range that the sensor reports then; at least max_range_m
   double noise_constant_m = 0.0;  ///< the standard deviation of a range r is noise_constant + noise_share * r
   double noise_share = 0.0;
   double range_resolution_m = 0.0;  ///< ranges are rounded to multiples of this; 0 keeps them
@@ -49,18 +49,19 @@ const std::vector<std::string>& laser_preset_names();
 /// The pose of the laser in the map, a time after the scan's stamp.
 using LaserPoseAt = std::function<Pose3(double offset_s)>;
 
-/// What a beam really meets.
+/// The true hit of a beam.
 struct BeamTruth {
   double offset_s = 0.0;                                     ///< when it fires, relative to the scan's stamp
   double range_m = std::numeric_limits<double>::infinity();  ///< infinity: nothing within the maximum range
-  std::uint32_t triangle = 0;                                ///< of the caster's mesh, where there is a range
+  std::uint32_t triangle = 0;                                ///< triangle of the caster's mesh, if there is a range
   Vec3 hit_m{0.0, 0.0, 0.0};                                 ///< map frame, where there is a range
 };
 
 /// The truth of every beam, each cast from the laser's pose at the beam's own time.
 std::vector<BeamTruth> true_beams(const LaserModel& laser, const RayCaster& caster, const LaserPoseAt& T_map_laser_at);
 
-/// What the sensor reports for a true range. Draws the same number of values from `random` whatever the outcome is.
+/// The range that the sensor reports for a true one. Draws the same number of values from `random` whatever the outcome
+/// is.
 double measured_range(const LaserModel& laser, double true_range_m, Random& random);
 
 /// measured_range() of each beam.

@@ -36,12 +36,12 @@ struct MotionLimits {
 /// Every violation, one sentence each.
 std::vector<std::string> validate(const MotionLimits& limits);
 
-/// Where the robot is and what its wheels have done so far.
+/// The robot's place and the way of its wheels so far.
 struct MotionState {
   Pose2 T_map_axle;
   double speed_m_per_s = 0.0;  ///< negative backward
   double turn_rate_rad_per_s = 0.0;
-  double travelled_m = 0.0;  ///< of the axle's middle, backward counted negative
+  double travelled_m = 0.0;  ///< way of the axle's middle, backward counted negative
   double turned_rad = 0.0;   ///< counted on beyond a full turn
   double path_m = 0.0;       ///< backward counted positive
 };

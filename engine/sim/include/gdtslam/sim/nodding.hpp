@@ -32,7 +32,7 @@ enum class EncoderFaultKind : std::uint8_t {
   kMissing,    ///< sends no message from `from` to `to`
 };
 
-/// What is wrong with the encoder for a while; the crank itself is not touched. For tests.
+/// A fault of the encoder for a while; the crank itself is not touched. For tests.
 struct EncoderFault {
   EncoderFaultKind kind = EncoderFaultKind::kStop;
   double from_s = 0.0;
@@ -42,7 +42,7 @@ struct EncoderFault {
 
 /// A nodding mount and its encoder, as they really are.
 struct NoddingModel {
-  calib::SweepModel truth;  ///< what the mount really is
+  calib::SweepModel truth;  ///< the real mount
   NodMode mode = NodMode::kContinuous;
   double crank_rate_hz = 0.15;                  ///< turns of the crank a second, while it turns
   double encoder_rate_hz = 100.0;               ///< messages a second
@@ -50,7 +50,7 @@ struct NoddingModel {
   double step_rad = 0.01 * 3.1415926535897932;  ///< 1.8 deg: 100 ticks of 20,000
   double stop_s = 6.25;                         ///< 250 scans of 40 Hz
   int turns_a_stop = 1;                         ///< that with_scan_stops() leaves time for
-  double stop_every_m = 1.0;                    ///< likewise, along the path
+  double stop_every_m = 1.0;                    ///< stop-and-scan only, along the path
   std::vector<EncoderFault> faults;
 };
 

@@ -15,7 +15,7 @@
 
 namespace gdtslam::sim {
 
-/// What a ray meets first.
+/// The first hit of a ray.
 struct RayHit {
   double range_m = 0.0;
   std::uint32_t triangle = 0;
@@ -33,7 +33,7 @@ class RayCaster {
   /// Throws UnavailableError when Embree cannot start, ConfigError for a mesh that triangulate() would not have made.
   explicit RayCaster(TriangleMesh mesh, const RayCasterOptions& options = {});
 
-  /// Nothing when the ray meets no triangle within max_range_m (inclusive).
+  /// Empty if the ray meets no triangle within max_range_m (inclusive).
   [[nodiscard]] std::optional<RayHit> cast(const Ray& ray, double max_range_m) const;
   [[nodiscard]] const TriangleMesh& mesh() const;
 

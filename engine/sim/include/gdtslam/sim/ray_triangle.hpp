@@ -1,6 +1,6 @@
-// Where a ray meets a triangle, in double precision, watertight: a ray through the common edge of two triangles meets
-// at least one of them [Woop2013]. No fused multiply-add, so the range has the same bits on every host. Metres, any
-// frame. Thread-safe, constant time.
+// Intersection of a ray and a triangle, in double precision, watertight: a ray through the common edge of two triangles
+// meets at least one of them [Woop2013]. No fused multiply-add, so the range has the same bits on every host. Metres,
+// any frame. Thread-safe, constant time.
 #pragma once
 
 #include <array>

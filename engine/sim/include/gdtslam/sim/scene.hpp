@@ -1,6 +1,6 @@
-// What a simulated world is made of: walls with doors and windows, boxes, cylinders and imported meshes, all of which
-// become triangles. Frame: map (x right, y up, z upwards, floor usually at z = 0); metres and radians. Thread-safe,
-// linear in the parts.
+// Parts of a simulated world: walls with doors and windows, boxes, cylinders and imported meshes, all of which become
+// triangles. Frame: map (x right, y up, z upwards, floor usually at z = 0); metres and radians. Thread-safe, linear in
+// the parts.
 #pragma once
 
 #include <array>
@@ -66,8 +66,8 @@ struct Door {
   std::size_t leg = 0;  ///< leg i goes from point i to point i + 1
   double from_m = 0.0;  ///< along the leg, from its first point
   double width_m = 0.9;
-  double height_m = 2.1;  ///< of its upper edge over the wall's base
-  double sill_m = 0.0;    ///< of its lower edge, likewise; above 0 it is a window
+  double height_m = 2.1;  ///< upper edge over the wall's base
+  double sill_m = 0.0;    ///< lower edge over the wall's base; above 0 it is a window
   std::optional<DoorLeaf> leaf{};
 };
 
@@ -96,7 +96,7 @@ struct Scene {
   std::optional<double> ceiling_m;   ///< height of a ceiling over everything
 };
 
-/// What is wrong with a part, one sentence each; empty when it can be built.
+/// Faults of a part, one sentence each; empty when it can be built.
 std::vector<std::string> validate(const Box& box);
 std::vector<std::string> validate(const Cylinder& cylinder);
 std::vector<std::string> validate(const Wall& wall);
@@ -104,7 +104,7 @@ std::vector<std::string> validate(const Wall& wall);
 /// The boxes that make up a wall: pieces between the doors, lintels and door leaves.
 std::vector<Box> boxes_of(const Wall& wall);
 
-/// Where an imported mesh stands in the scene.
+/// The place of an imported mesh in the scene.
 struct MeshPlacement {
   double scale = 1.0;  ///< metres per unit of the file
   bool y_is_up = false;

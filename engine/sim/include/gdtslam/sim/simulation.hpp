@@ -45,9 +45,9 @@ std::vector<std::string> validate(const SimulationConfig& config);
 struct SimulatedScan {
   ScanRecord record;
   Pose2 T_map_base;                       ///< the truth, at the scan's stamp
-  double elevation_rad = 0.0;             ///< likewise
-  double crank_turns = 0.0;               ///< likewise, from tick 0
-  std::vector<BeamTruth> beams;           ///< what each beam met
+  double elevation_rad = 0.0;             ///< 0 unless the laser nods
+  double crank_turns = 0.0;               ///< 0 unless the laser nods; from tick 0
+  std::vector<BeamTruth> beams;           ///< hit of each beam
   const NoddingCourse* course = nullptr;  ///< the mount's true motion, while the sink is called; null without one
 };
 

@@ -13,7 +13,7 @@ namespace gdtslam::sim {
 
 /// Two driven wheels with encoders, and their errors.
 struct WheelModel {
-  DifferentialDrive drive;         ///< what the robot believes
+  DifferentialDrive drive;         ///< the drive that the robot believes to have
   double track_width_scale = 1.0;  ///< true track width over the believed one
   double left_scale = 1.0;         ///< travel that the encoder sees over true travel: a systematic error
   double right_scale = 1.0;
@@ -26,7 +26,7 @@ struct WheelModel {
 /// Every violation, one sentence each.
 std::vector<std::string> validate(const WheelModel& wheels);
 
-/// What both encoders have counted.
+/// The counts of both encoders.
 struct WheelTicks {
   std::int64_t left = 0;
   std::int64_t right = 0;

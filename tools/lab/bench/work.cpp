@@ -1,6 +1,7 @@
-#include "queue_work.hpp"
-
+// Rows of the group `work`: the work that a scan asks of a device, for keyframes and for the other scans.
+// The counts depend on the log, the configuration and the device's shaders, the times on the machine.
 #include <chrono>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
@@ -9,6 +10,8 @@
 #include "engine/core/quantile.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/vulkan/vulkan.hpp"
+#include "rows.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 
 namespace gdtslam {
@@ -16,14 +19,27 @@ namespace {
 
 using WorkClock = std::chrono::steady_clock;
 
-double median_of(std::vector<double> times_s) { return upper_median(times_s); }
+/// Scans of one kind.
+struct ScanWork {
+  std::uint64_t scans = 0;
+  std::uint64_t windows = 0;
+  std::uint64_t evaluations = 0;  ///< poses costed: samples of the windows, and steps of all descents
+  QueueWork work;                 ///< all together
+  std::vector<double> scan_s;     ///< from a scan's coming to its pose
+  std::vector<double> device_s;   ///< time of the device's clock, for the last submission that a scan waited for
+};
 
-void count_scans(benchmark::State& state, const ScanWork& scans) {
+struct WorkBench {
+  ScanWork keyframes;
+  ScanWork others;
+};
+
+void count_scans(benchmark::State& state, ScanWork scans) {
   if (scans.scans == 0) {
     state.SkipWithError("the log has no such scan");
     return;
   }
-  for (auto _ : state) state.SetIterationTime(median_of(scans.scan_s));
+  for (auto _ : state) state.SetIterationTime(upper_median(scans.scan_s));
   const auto set = [&state, &scans](const std::string& name, std::uint64_t count) {
     state.counters[name] = static_cast<double>(count) / static_cast<double>(scans.scans);
   };
@@ -40,7 +56,7 @@ void count_scans(benchmark::State& state, const ScanWork& scans) {
   set("upload_bytes", scans.work.upload_bytes);
   set("downloads", scans.work.downloads);
   set("download_bytes", scans.work.download_bytes);
-  if (!scans.device_s.empty()) state.counters["device_s"] = median_of(scans.device_s);
+  if (!scans.device_s.empty()) state.counters["device_s"] = upper_median(scans.device_s);
 }
 
 void take_scan(const ScanRecord& record, Mapper& mapper, VulkanBackend& backend, WorkBench& bench) {
@@ -62,8 +78,6 @@ void take_scan(const ScanRecord& record, Mapper& mapper, VulkanBackend& backend,
   }
 }
 
-}  // namespace
-
 WorkBench run_work(const BenchLog& log, VulkanBackend& backend) {
   WorkBench bench;
   Mapper mapper(log.mapper, backend, {.fall_back = false, .cpu = {}, .warn = {}});
@@ -75,6 +89,8 @@ WorkBench run_work(const BenchLog& log, VulkanBackend& backend) {
   if (bench.keyframes.scans == 0) throw InputError(FilePosition{log_name(log.file), 0}, "holds no laser scan");
   return bench;
 }
+
+}  // namespace
 
 void add_work(const BenchTarget& device, const BenchLog& log) {
   const auto bench = shared_by_rows([log, &backend = dynamic_cast<VulkanBackend&>(device.backend)] {

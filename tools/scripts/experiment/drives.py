@@ -1,20 +1,11 @@
-#!/usr/bin/env python3
-"""The figures of docs/loops.md about long drives, from simulated logs with their truth.
+"""Long drives through worlds made from a seed: the error of the path, loops that are wrong, and what is listed as uncertain."""
 
-`long_drives.py PROGRAM [-o FOLDER] [--worlds NAME,...] [--seeds N] [--km D]` makes each world and drive from its seed, simulates and
-maps it, and prints a line each as Markdown: the error of the path, loops that are believed and wrong, how many of the
-places that were passed again have a loop, and whether what is off is listed. The exit code is 1 where a wrong loop is
-believed. A kilometre takes some 20 s. FOLDER is removed unless it is given."""
-
-import argparse
 import bisect
 import json
 import math
-import pathlib
 import random
 import subprocess
 import sys
-import tempfile
 
 WRONG_M = 0.5  # a loop that is farther off, and by more than chance, is another place
 WRONG_RAD = 0.1
@@ -240,9 +231,11 @@ WORLDS = {"corridors": corridors, "doors": doors, "wings": wings, "yard": yard, 
 
 
 def run(*command):
+    """Runs a command and returns what it printed."""
     process = subprocess.run([str(part) for part in command], capture_output=True, text=True, check=False)
     if process.returncode != 0:
         sys.exit(f"{' '.join(map(str, command))}: exit {process.returncode}: {process.stderr.strip()}")
+    return process.stdout
 
 
 def poses_of(path):
@@ -365,34 +358,25 @@ def drive(program, folder, name, seed, length_m, options):
     return figures(out, poses_of(folder / f"{name}.truth.tum"))
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("program")
-    parser.add_argument("-o", "--output", type=pathlib.Path)
-    parser.add_argument("--worlds", default=",".join(WORLDS), help="of: %(default)s")
-    parser.add_argument("--seeds", type=int, default=3)
-    parser.add_argument("--first-seed", type=int, default=1)
-    parser.add_argument("--km", type=float, default=2.0)
-    parser.add_argument("--set", action="append", default=[], metavar="OPTION=VALUE", help="passed on to map")
-    arguments = parser.parse_args()
-    unknown = [name for name in arguments.worlds.split(",") if name not in WORLDS]
-    if unknown:
-        parser.error(f"no world '{unknown[0]}': there are {', '.join(WORLDS)}")
-    options = [word for value in arguments.set for word in ("--set", value)]
+def print_table(*columns):
+    print("| " + " | ".join(columns) + " |\n" + "|---" * len(columns) + "|", flush=True)
+
+
+def print_row(*cells):
+    print("| " + " | ".join(map(str, cells)) + " |", flush=True)
+
+
+def drives(chosen):
+    """Each world and drive is made from its seed, simulated and mapped: the error of the path, loops that are believed and wrong,
+    how many of the places that were passed again have a loop, and whether the uncertain scans are listed. It fails if a wrong
+    loop is believed. A kilometre takes some 20 s."""
     wrong = 0
-    print("| world | seed | ATE mean, largest | loops, wrong and believed | places again, with a loop | scans off, listed | others listed |")
-    print("|---|---|---|---|---|---|---|")
-    with tempfile.TemporaryDirectory() as temporary:
-        folder = arguments.output or pathlib.Path(temporary)
-        folder.mkdir(parents=True, exist_ok=True)
-        for name in arguments.worlds.split(","):
-            for seed in range(arguments.first_seed, arguments.first_seed + arguments.seeds):
-                f = drive(arguments.program, folder, name, seed, 1000.0 * arguments.km, options)
-                wrong += f["wrong"]
-                print(f"| {name} | {seed} | {f['ate']:.3f} m, {f['largest']:.2f} m | {f['loops']}, {f['wrong']} | {f['again']}, "
-                      f"{f['closed']} | {f['bad']}, {f['bad_listed']} | {f['good_listed']} of {f['scans'] - f['bad']} |", flush=True)
-    sys.exit(1 if wrong else 0)
-
-
-if __name__ == "__main__":
-    main()
+    print_table("world", "seed", "ATE mean, largest", "loops, wrong and believed", "places again, with a loop", "scans off, listed",
+                "others listed")
+    for name in chosen.worlds.split(","):
+        for seed in range(1, chosen.seeds + 1):
+            f = drive(chosen.program, chosen.folder, name, seed, 1000.0 * chosen.km, chosen.mapping)
+            wrong += f["wrong"]
+            print_row(name, seed, f"{f['ate']:.3f} m, {f['largest']:.2f} m", f"{f['loops']}, {f['wrong']}", f"{f['again']}, {f['closed']}",
+                      f"{f['bad']}, {f['bad_listed']}", f"{f['good_listed']} of {f['scans'] - f['bad']}")
+    return wrong == 0

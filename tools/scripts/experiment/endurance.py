@@ -1,105 +1,23 @@
-"""How long a robot waits for its pose, from the last byte of a scan's line to the line of its pose; and whether memory and the
-time of a scan stay what they are however long it goes on."""
+"""Whether memory and the time of a scan stay what they are however long mapping goes on."""
 
-import gzip
 import itertools
-import json
 import math
 import os
-import select
+import pathlib
 import subprocess
 import sys
 import threading
 import time
 
-from experiment.common import ROOT, print_table, print_row, times, inverse
-from long_drives import run
+from experiment.drives import print_table, run
 
-
-def scan_messages(log):
-    """Bytes up to and with a scan's line, and the robot's time then."""
-    open_log = gzip.open if log.suffix == ".gz" else open
-    waiting, parts = b"", []
-    with open_log(log, "rb") as file:
-        for line in file:
-            waiting += line
-            if line.startswith(b"FLASER"):
-                parts.append((float(line.split()[-1]), waiting))
-                waiting = b""
-    return parts
-
-
-def answered(process, parts, speed):
-    """Seconds from each scan's last byte to its pose's line, and the lines. Time stands still where the log's does."""
-    begin, robot_s, due = time.perf_counter() + 0.5, 0.0, []
-    for k, (stamp, _) in enumerate(parts):
-        robot_s += min(max(stamp - parts[k - 1][0], 0.0), 1.0) if k > 0 else 0.0
-        due.append(begin + robot_s / speed)
-    to, back = process.stdin.fileno(), process.stdout.fileno()
-    os.set_blocking(to, False)
-    sent, taken, lines, unread, left = 0, [], [], b"", b""
-    starts = []  # before the write that gives a scan's last byte
-    while len(lines) < len(parts):
-        now = time.perf_counter()
-        if not left and sent < len(parts) and now >= due[sent]:
-            left = parts[sent][1]
-            sent += 1
-        if left:
-            try:
-                now = time.perf_counter()
-                left = left[os.write(to, left):]
-                if not left:
-                    starts.append(now)
-            except BlockingIOError:
-                pass
-        wait_s = max(due[sent] - time.perf_counter(), 0.0) if sent < len(parts) and not left else 60.0
-        ready, _, _ = select.select([back], [to] if left else [], [], wait_s)
-        if back not in ready:
-            continue
-        chunk = os.read(back, 1 << 16)
-        now = time.perf_counter()
-        if not chunk:
-            sys.exit("gdtslam live ended before its poses had come")
-        *whole, unread = (unread + chunk).split(b"\n")
-        for line in whole:
-            taken.append(now - starts[len(lines)])
-            lines.append(line)
-    alone = [taken[k] for k in range(1, len(taken)) if starts[k] >= starts[k - 1] + taken[k - 1]]
-    return taken, alone, lines, time.perf_counter() - begin
-
-
-def latency(chosen):
-    """Lines of a CARMEN log go to `live -` when the robot would send them, its time going --speed times as fast, whether or not
-    poses have come for those before; so a scan that waits for others has that in its figure, the last column aside. Beside it
-    --busy processes keep a core busy each."""
-    parts = scan_messages(chosen.log)
-    beside = [subprocess.Popen([sys.executable, "-S", "-c", "while True: pass"]) for _ in range(chosen.busy)]
-    try:
-        process = subprocess.Popen([chosen.program, "live", "-", "-q", "-o", chosen.folder / "run", "--force", *chosen.mapping],
-                                   stdin=subprocess.PIPE, stdout=subprocess.PIPE)
-        taken, alone, lines, lasted_s = answered(process, parts, chosen.speed)
-        process.stdin.close()
-        if process.wait() != 0:
-            sys.exit(f"gdtslam live ended with {process.returncode}")
-    finally:
-        for one in beside:
-            one.kill()
-            one.wait()
-    poses = [json.loads(line) for line in lines]
-    corrections = sum(a["correction"] != b["correction"] for a, b in zip(poses, poses[1:]))
-    at = lambda seconds, share: f"{1e3 * sorted(seconds)[min(int(share * len(seconds)), len(seconds) - 1)]:.2f} ms"
-    print_table("log", "scans", "a second", "loops took effect", "p50", "p99", "p99.9", "largest", "p99 of those that waited for no other")
-    print_row(f"{chosen.log.name.split('.')[0]}, {chosen.speed:g} times the robot's speed, {chosen.busy} cores busy beside it", f"{len(taken):,}",
-              f"{len(taken) / lasted_s:,.0f}", f"{corrections} times", *(at(taken, share) for share in (0.5, 0.99, 0.999, 1.0)), at(alone, 0.99))
-    return True
-
-
+ROOT = pathlib.Path(__file__).resolve().parents[3]
 KINDS = ("live", "no-loops", "follow", "drive", "maps")
 SCAN_HZ = 10
 SAMPLES = 200
 PAGE, TICK = os.sysconf("SC_PAGE_SIZE"), os.sysconf("SC_CLK_TCK")
 
-# What --check holds a long run against: docs/reliability.md says what is kept of a scan, a keyframe, a map.
+# Bounds of a long run: docs/reliability.md says what is kept of a scan, a keyframe, a map.
 MOST_BYTES_A_SCAN = {"live": 600.0, "no-loops": 700.0, "drive": 5000.0}
 MOST_MB_AN_HOUR = {"follow": 1.0}
 SETTLED_H = 5.0  # from which on what waits for the end goes to disk, so that less is allowed
@@ -131,6 +49,17 @@ waypoints:
   - [3, 3]
   - [12, 3]
 """
+
+
+def times(a, b):
+    """The product of two poses (x, y, heading)."""
+    c, s = math.cos(a[2]), math.sin(a[2])
+    return a[0] + c * b[0] - s * b[1], a[1] + s * b[0] + c * b[1], math.remainder(a[2] + b[2], 2.0 * math.pi)
+
+
+def inverse(a):
+    c, s = math.cos(a[2]), math.sin(a[2])
+    return -c * a[0] - s * a[1], s * a[0] - c * a[1], -a[2]
 
 
 class Lap:
