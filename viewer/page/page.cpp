@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "engine/core/base64.hpp"
-#include "engine/drawing/markup.hpp"
+#include "engine/drawing/letters.hpp"
 #include "engine/drawing/page/page_layers.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/colour.hpp"
@@ -50,10 +50,10 @@ Json default_maps() {
 page::PageData data_of(const PageInput& input) {
   page::PageData data;
   Json& about = data.description;
-  about["title"] = clean_utf8(input.title);
-  about["subtitle"] = clean_utf8(input.subtitle);
+  about["title"] = legible(input.title);
+  about["subtitle"] = legible(input.subtitle);
   about["facts"] = Json::array();
-  for (const auto& [name, value] : input.facts) about["facts"].push_back({clean_utf8(name), clean_utf8(value)});
+  for (const auto& [name, value] : input.facts) about["facts"].push_back({legible(name), legible(value)});
   Point3 origin(0.0, 0.0, 0.0);
   if (input.cloud != nullptr && !input.cloud->empty()) {
     const page::PagedCloud cloud(*input.cloud, input.distances_m);

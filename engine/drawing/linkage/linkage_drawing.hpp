@@ -11,7 +11,6 @@
 #include "calib/linkage/linkage_cycle.hpp"
 #include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/plot.hpp"
-#include "gdtslam/drawing/theme.hpp"
 
 namespace gdtslam {
 

@@ -12,7 +12,6 @@
 #include "gdtslam/drawing/colour.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/mapping/occupancy.hpp"
-#include "map_frame.hpp"
 #include "map_sheet.hpp"
 
 namespace gdtslam::picture {

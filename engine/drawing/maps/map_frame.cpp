@@ -1,4 +1,4 @@
-#include "map_frame.hpp"
+#include "map_sheet.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -11,7 +11,6 @@
 
 #include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
-#include "map_frame.hpp"
 #include "map_sheet.hpp"
 
 namespace gdtslam::picture {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "engine/core/base64.hpp"
-#include "engine/drawing/markup.hpp"
+#include "engine/drawing/letters.hpp"
 
 /// The files of page/program as they were when the library was built.
 namespace gdtslam::page_text_parts {

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "gdtslam/drawing/canvas.hpp"
-#include "gdtslam/drawing/theme.hpp"
 #include "gdtslam/drawing/ticks.hpp"
 
 namespace gdtslam {

@@ -94,6 +94,18 @@ double round_length_m(double most_m) {
   return 0.0;
 }
 
+std::string axis_title(const std::string& quantity, const std::string& unit) {
+  return unit.empty() ? quantity : quantity + " (" + unit + ")";
+}
+
+std::string rounded_text(double value, const std::string& unit) {
+  const double size = std::fabs(value);
+  std::string number = size < 1000.0 ? fmt::format("{:#.3g}", size) : fmt::format("{:.0f}", size);
+  if (number.ends_with('.')) number.pop_back();
+  // The sign as the axes write it.
+  return (value < 0.0 ? "\xE2\x88\x92" : "") + number + (unit.empty() ? "" : " " + unit);
+}
+
 std::string with_commas(std::uint64_t value) {
   std::string text = std::to_string(value);
   for (std::size_t k = text.size(); k > 3;) text.insert(k -= 3, ",");

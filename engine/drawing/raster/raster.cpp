@@ -1,4 +1,4 @@
-#include "gdtslam/drawing/raster.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
@@ -11,7 +11,7 @@
 #include <string_view>
 
 #include "cairo_painter.hpp"
-#include "engine/drawing/markup.hpp"
+#include "engine/drawing/letters.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {

@@ -18,7 +18,7 @@
 #include "engine/runs/transaction/folder_lock.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
-#include "gdtslam/drawing/raster.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 
 namespace gdtslam {
 namespace {

@@ -17,7 +17,7 @@
 #include "engine/io/message_text.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
-#include "gdtslam/drawing/raster.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/ticks.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
 

@@ -7,14 +7,14 @@
 #include <utility>
 #include <vector>
 
-#include "engine/drawing/maps/graph_picture.hpp"
+#include "engine/drawing/maps/map_pictures.hpp"
 #include "engine/io/did_you_mean.hpp"
 #include "engine/io/maps/png.hpp"
 #include "engine/runs/folder/run_doubts.hpp"
 #include "engine/runs/folder/run_pictures.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
-#include "gdtslam/drawing/raster.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/ticks.hpp"
 
 namespace gdtslam {

@@ -3,7 +3,6 @@
 #include <iostream>
 
 #include "gdtslam/drawing/canvas.hpp"
-#include "gdtslam/drawing/raster.hpp"
 
 int main() {
   gdtslam::Canvas drawing(40.0, 30.0, "square");

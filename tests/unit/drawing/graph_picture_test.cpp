@@ -1,5 +1,5 @@
 // The graph over a map as shapes, without pixels: loops, ellipses, what is not to be trusted, what the legend says.
-#include "engine/drawing/maps/graph_picture.hpp"
+#include "engine/drawing/maps/map_pictures.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,6 @@
 #include <cmath>
 #include <vector>
 
-#include "engine/drawing/maps/graph_layer.hpp"
 #include "gdtslam/core/error.hpp"
 #include "support/picture_scene.hpp"
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "gdtslam/drawing/raster.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 
 namespace gdtslam {
 namespace {

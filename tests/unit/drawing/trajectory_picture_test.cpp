@@ -1,5 +1,5 @@
 // Paths without a map: their colours, what lies over what, and scales that fit what is shown.
-#include "engine/drawing/maps/path_pictures.hpp"
+#include "engine/drawing/maps/map_pictures.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/colour.hpp"
-#include "gdtslam/drawing/theme.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 #include "support/picture_scene.hpp"
 
 namespace gdtslam {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "gdtslam/drawing/theme.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/viewer/cloud_scene.hpp"
 
 namespace gdtslam::test {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "gdtslam/drawing/map_picture.hpp"
-#include "gdtslam/drawing/raster.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 #include "support/picture_scene.hpp"
 
 namespace gdtslam {

@@ -4,11 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/drawing/plots/plot_sheet.hpp"
 #include "gdtslam/core/random.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
-#include "gdtslam/drawing/raster.hpp"
-#include "gdtslam/drawing/theme.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 #include "support/picture_scene.hpp"
 
 namespace gdtslam {

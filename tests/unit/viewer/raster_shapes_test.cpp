@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/drawing/raster.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 
 namespace gdtslam {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "calib/linkage/linkage_cycle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/drawing/raster.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/viewer/film.hpp"
 #include "linkage_words.hpp"
 #include "scanning_room.hpp"

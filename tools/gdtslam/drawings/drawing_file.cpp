@@ -5,7 +5,7 @@
 #include "engine/io/maps/png.hpp"
 #include "engine/io/referenced_file.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/drawing/raster.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 
 namespace gdtslam {
 

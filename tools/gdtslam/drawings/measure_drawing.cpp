@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "gdtslam/drawing/canvas.hpp"
-#include "gdtslam/drawing/theme.hpp"
 #include "gdtslam/drawing/ticks.hpp"
 
 namespace gdtslam {

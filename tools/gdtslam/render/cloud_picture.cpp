@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "engine/runs/folder/run_pictures.hpp"
-#include "gdtslam/drawing/raster.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/viewer/cloud_scene.hpp"
 #include "source.hpp"
 #include "studio.hpp"

@@ -8,12 +8,12 @@
 #include <set>
 #include <utility>
 
-#include "engine/drawing/maps/path_pictures.hpp"
-#include "engine/drawing/plots/plot_sheet.hpp"
+#include "engine/drawing/maps/map_pictures.hpp"
 #include "engine/runs/evaluation/errors.hpp"
 #include "engine/runs/inputs/given_files.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
+#include "gdtslam/drawing/ticks.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
 #include "loops_film.hpp"
@@ -52,8 +52,8 @@ std::string error_words(const std::vector<double>& errors) {
     if (std::isfinite(error)) known.push_back(error);
   }
   const ErrorSummary summary = summarise(known);
-  return fmt::format("RMSE {}, largest {}, {} of {}", picture::value_text(summary.rmse, "m"),
-                     picture::value_text(summary.max, "m"), with_commas(known.size()), counted(errors.size(), "pose"));
+  return fmt::format("RMSE {}, largest {}, {} of {}", rounded_text(summary.rmse, "m"),
+                     rounded_text(summary.max, "m"), with_commas(known.size()), counted(errors.size(), "pose"));
 }
 
 }  // namespace
@@ -200,7 +200,7 @@ Canvas RenderStudio::errors_path(const Wanted& wanted) {
   const PathErrors path{.trajectory = aligned.trajectory,
                         .drives = overlay.drives,
                         .errors = errors,
-                        .quantity = picture::axis_title("Position error", "m"),
+                        .quantity = axis_title("Position error", "m"),
                         .least = range.least,
                         .most = range.most};
   return path_errors_picture(path, truth, look, wanted.value_or(size_for_paths({&aligned.trajectory, &truth})));

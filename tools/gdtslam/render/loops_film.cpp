@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/drawing/maps/loops_picture.hpp"
+#include "engine/drawing/maps/map_pictures.hpp"
 #include "engine/drawing/maps/map_sheet.hpp"
 #include "engine/mapping/graph/graph_replay.hpp"
 #include "engine/runs/folder/run_graph.hpp"

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 
-#include "engine/drawing/maps/seen_walls.hpp"
+#include "engine/core/elementary.hpp"
+#include "gdtslam/core/angle.hpp"
 
 namespace gdtslam {
 namespace {
@@ -10,6 +11,43 @@ namespace {
 constexpr double kPointEvery_m = 0.1;
 constexpr double kReach_m = 15.0;  // farther away a degree of heading would cover everything
 constexpr int kBeams = 720;
+
+/// The robot itself stands in no wall, whatever the map says of the cells around it.
+constexpr double kOwnPlace_m = 0.25;
+constexpr double kStepsPerCell = 8.0;  ///< along a beam: a corner that is cut by less hides nothing
+
+std::optional<CellIndex> wall_along(const OccupancyMap& map, const Point2& from_m, const Point2& direction,
+                                    double reach_m) {
+  const double step_m = map.geometry.resolution_m / kStepsPerCell;
+  for (double at_m = kOwnPlace_m; at_m <= reach_m; at_m += step_m) {
+    const CellIndex cell = map.geometry.cell_of(from_m + at_m * direction);
+    if (!map.geometry.contains(cell)) return std::nullopt;
+    const CellState state = map.at(cell);
+    if (state != CellState::kFree) return state == CellState::kOccupied ? std::optional(cell) : std::nullopt;
+  }
+  return std::nullopt;
+}
+
+/// The middle of every occupied cell in which a beam ends that no other wall hides, each once, by row and column of the
+/// map; in the frame of the pose. A beam ends where the map is unknown, too, without a wall.
+std::vector<Point2> walls_seen_from(const OccupancyMap& map, const Pose2& T_map_pose) {
+  std::vector<CellIndex> cells;
+  const Point2 from_m = T_map_pose.translation();
+  if (!T_map_pose.is_finite() || !map.geometry.contains(map.geometry.cell_of(from_m))) return {};
+  for (int k = 0; k < kBeams; ++k) {
+    const SinCos<double> turn = sin_cos(2.0 * kPi * k / kBeams);
+    const std::optional<CellIndex> wall = wall_along(map, from_m, {turn.cos, turn.sin}, kReach_m);
+    if (wall) cells.push_back(*wall);
+  }
+  const auto is_before = [](CellIndex a, CellIndex b) { return a.y != b.y ? a.y < b.y : a.x < b.x; };
+  std::sort(cells.begin(), cells.end(), is_before);
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  const Pose2 T_pose_map = inverse(T_map_pose);
+  std::vector<Point2> walls;
+  walls.reserve(cells.size());
+  for (const CellIndex cell : cells) walls.push_back(T_pose_map * map.geometry.centre_of(cell));
+  return walls;
+}
 
 }  // namespace
 
@@ -25,7 +63,7 @@ LoopsPath::LoopsPath(const Trajectory& trajectory, const std::vector<std::size_t
   for (const std::size_t scan : scans) {
     T_map_places_.push_back(trajectory[scan].T_map_base);
     places_m_.push_back(driven_m[scan]);
-    walls_.push_back(picture::walls_seen_from(map, trajectory[scan].T_map_base, kReach_m, kBeams));
+    walls_.push_back(walls_seen_from(map, trajectory[scan].T_map_base));
   }
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
     const bool is_last = i + 1 == trajectory.size();

@@ -15,7 +15,7 @@
 #include "files/film_writer.hpp"
 #include "files/glb.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/drawing/raster.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/io/cloud_file.hpp"
 #include "gdtslam/viewer/page.hpp"
 #include "studio.hpp"

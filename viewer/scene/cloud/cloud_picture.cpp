@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/drawing/plots/bars.hpp"
-#include "gdtslam/drawing/theme.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/viewer/cloud_scene.hpp"
 #include "viewer/scene/camera_basis.hpp"
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "gdtslam/drawing/canvas.hpp"
-#include "gdtslam/drawing/theme.hpp"
 #include "gdtslam/viewer/cloud_scene.hpp"
 #include "scanning_track.hpp"
 

@@ -5,7 +5,7 @@
 
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/calib/sweep_model.hpp"
-#include "gdtslam/drawing/raster.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/viewer/cloud_scene.hpp"
 #include "gdtslam/viewer/graphics.hpp"
 #include "gdtslam/viewer/linkage_scene.hpp"

@@ -1,5 +1,5 @@
 // Vector drawings: shapes, words and pictures in the order in which they are drawn. Cairo makes PNG pixels, SVG and PDF
-// of them (raster.hpp). Pixels, x right, y down, all of them finite. One object belongs to one thread; O(shapes).
+// of them. Pixels, x right, y down, all of them finite. One object belongs to one thread; O(shapes).
 #pragma once
 
 #include <memory>
@@ -14,6 +14,13 @@
 #include "gdtslam/drawing/image.hpp"
 
 namespace gdtslam {
+
+/// A rectangle of the page, pixels.
+struct DrawingArea {
+  Point2 corner = Point2::Zero();  ///< upper left
+  double width = 0.0;
+  double height = 0.0;
+};
 
 /// How a line or an edge is drawn.
 struct Pen {
@@ -135,5 +142,16 @@ class Canvas {
 
 /// Width of a line of words in the face that Cairo draws with.
 double text_width(std::string_view words, double size, bool is_bold = false);
+
+// Drawings as pixels, SVG and PDF, by Cairo: no display, no OpenGL. Thread-safe; O(pixels + shapes). All throw
+// UnavailableError if the drawing has words and there is no font, and Error if Cairo fails.
+
+/// `scale` pixels for each pixel of the drawing. Throws Error too for a side that has not 1 to 32767 pixels.
+RgbaImage raster_of(const Canvas& drawing, double scale = 1.0);
+/// Letters are outlines; the words stand in the description, for screen readers and searches. The same bytes for the
+/// same drawing and fonts.
+std::string svg_of(const Canvas& drawing);
+/// One page, 96 pixels an inch, words stay words. The same bytes for the same drawing (no time of day).
+std::string pdf_of(const Canvas& drawing);
 
 }  // namespace gdtslam
