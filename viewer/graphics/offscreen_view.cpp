@@ -17,9 +17,7 @@
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gl_context.hpp"
-#include "shading.hpp"
-#include "viewer/scene/camera_basis.hpp"
-#include "vtk_messages.hpp"
+#include "gdtslam/viewer/camera.hpp"
 
 namespace gdtslam {
 namespace {
@@ -271,6 +269,22 @@ RawPicture drawn_over_nothing(RenderWindow& window, vtkRenderer& renderer, bool 
 }
 
 }  // namespace
+
+std::vector<PictureBand> bands_of(std::uint32_t width, std::uint32_t height, const BandShape& shape) {
+  const auto& [samples, margin, most_pixels] = shape;
+  if (width * std::uint64_t{height} <= most_pixels) return {{0, height, 0, height}};
+  // At least as many rows are kept as are drawn for their sake alone.
+  const std::uint32_t wanted = std::max(most_pixels / width, 4 * margin + samples);
+  const std::uint32_t kept = std::max((wanted - std::min(wanted, 2 * margin)) / samples, 1U) * samples;
+  const std::uint32_t rows = std::min(height, kept + 2 * margin);
+  std::vector<PictureBand> bands;
+  bands.reserve(height / kept + 1);
+  for (std::uint32_t row = 0; row < height; row += kept) {
+    const std::uint32_t first = std::min(row - std::min(row, margin), height - rows);
+    bands.push_back({first, rows, row, std::min(kept, height - row)});
+  }
+  return bands;
+}
 
 OffscreenView::OffscreenView(const GraphicsContext& graphics) : state_(std::make_unique<State>(graphics)) {
   State& s = *state_;

@@ -1,4 +1,4 @@
-#include "shading.hpp"
+#include "picture_view.hpp"
 
 #include <algorithm>
 #include <array>

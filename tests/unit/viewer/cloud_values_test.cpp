@@ -12,8 +12,7 @@
 #include "gdtslam/core/random.hpp"
 #include "gdtslam/viewer/cloud_scene.hpp"
 #include "support/cloud_scenes.hpp"
-#include "viewer/scene/cloud/cloud_colours.hpp"
-#include "viewer/scene/cloud/cloud_density.hpp"
+#include "viewer/scene/cloud/cloud_values.hpp"
 
 namespace gdtslam::test {
 namespace {

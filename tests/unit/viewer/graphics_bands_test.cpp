@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "gdtslam/core/random.hpp"
-#include "viewer/graphics/dot_painter.hpp"
+#include "viewer/scene/cloud/cloud_points.hpp"
 #include "viewer/graphics/picture_view.hpp"
 
 namespace gdtslam {

@@ -21,8 +21,7 @@
 #include "studio.hpp"
 #include "tools/gdtslam/drawings/drawing_file.hpp"
 #include "tools/gdtslam/shell/console.hpp"
-#include "viewer/scene/cloud/cloud_colours.hpp"
-#include "viewer/scene/cloud/cloud_level.hpp"
+#include "viewer/scene/cloud/cloud_values.hpp"
 #include "viewer/scene/linkage/linkage_model.hpp"
 
 namespace gdtslam {

@@ -11,7 +11,7 @@
 #include "engine/runs/inputs/given_files.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/console.hpp"
-#include "viewer/scene/cloud/cloud_level.hpp"
+#include "viewer/scene/cloud/cloud_values.hpp"
 
 namespace gdtslam {
 namespace {

@@ -7,10 +7,11 @@
 #include <utility>
 #include <vector>
 
+#include "engine/drawing/letters.hpp"
 #include "engine/drawing/plots/bars.hpp"
 #include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/viewer/cloud_scene.hpp"
-#include "viewer/scene/camera_basis.hpp"
+#include "gdtslam/viewer/camera.hpp"
 
 namespace gdtslam {
 namespace {
@@ -36,19 +37,6 @@ Theme theme_of(const CloudLook& look) {
   Theme theme = kLightTheme;
   theme.quiet = theme.text;
   return theme;
-}
-
-// The words with as many letters as fit, three dots in place of the rest; nothing where not even four fit.
-std::string shortened(const std::string& words, double size, bool is_bold, double most) {
-  if (text_width(words, size, is_bold) <= most) return words;
-  std::string begin = words;
-  while (!begin.empty()) {
-    // A letter of UTF-8 is taken away whole.
-    while (!begin.empty() && (static_cast<unsigned char>(begin.back()) & 0xC0U) == 0x80U) begin.pop_back();
-    if (!begin.empty()) begin.pop_back();
-    if (begin.size() >= 4 && text_width(begin + "...", size, is_bold) <= most) return begin + "...";
-  }
-  return "";
 }
 
 /// Words and bars over the picture of a cloud, laid out in units of the letters' size, which follows the picture's
@@ -110,8 +98,8 @@ void CloudLayout::write_title(const CloudCaption& caption) {
     const std::string& words = is_title ? caption.title : caption.subtitle;
     const double size = is_title ? kTitleLetters * letter_ : letter_;
     if (words.empty()) continue;
-    const std::string fitting = shortened(words, size, is_title, most);
-    if (fitting.empty() || base + size > kTitleShare * canvas_.height()) continue;
+    const std::string fitting = shortened(words, size, most, is_title);
+    if (text_width(fitting, size, is_title) > most || base + size > kTitleShare * canvas_.height()) continue;
     base += size;
     canvas_.text({margin_, base}, fitting, lettering(size, is_title ? theme_.text : theme_.quiet, is_title));
     take({{margin_, base - size}, text_width(fitting, size, is_title), 1.3 * size});

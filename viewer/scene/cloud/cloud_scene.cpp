@@ -4,9 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "cloud_colours.hpp"
-#include "cloud_density.hpp"
-#include "cloud_level.hpp"
+#include "cloud_values.hpp"
 #include "cloud_path.hpp"
 #include "cloud_points.hpp"
 #include "gdtslam/core/error.hpp"

@@ -16,9 +16,7 @@
 #include <limits>
 
 #include "viewer/graphics/offscreen_view.hpp"
-#include "viewer/scene/cloud/cloud_colours.hpp"
-#include "viewer/scene/cloud/cloud_density.hpp"
-#include "viewer/scene/cloud/cloud_level.hpp"
+#include "viewer/scene/cloud/cloud_values.hpp"
 #include "viewer/scene/cloud/cloud_path.hpp"
 #include "viewer/scene/cloud/cloud_points.hpp"
 #include "viewer/scene/linkage/mount_model.hpp"
