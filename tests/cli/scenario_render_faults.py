@@ -191,8 +191,6 @@ def render_mistakes():
         ((RUN, "--view", "errors", "--as", "cdf", *out), "--view errors --as cdf"),
         ((RUN, "--view", "map", "--as", "box", *out), "one kind only"),
         ((RUN, "--as", "box", *out), "no view is named"),
-        ((RUN, "--no-floor", *out), "--hide floor"),
-        ((RUN, "--camera", "1,2,3,4,5,6", *out), "--from X,Y,Z"),
         ((RUN, "--view", "errors", *out), "--reference or --relations"),
         ((RUN, "-o", folder / "a.glb"), "has no 3D cloud"),
         (("paper-b", "-o", folder / "a.html", "--view", "scene"), "a page in .html"),

@@ -16,8 +16,8 @@
 #include "engine/core/elementary.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gl_context.hpp"
 #include "gdtslam/viewer/camera.hpp"
+#include "gl_context.hpp"
 
 namespace gdtslam {
 namespace {

@@ -1,6 +1,6 @@
 // A picture on its way: what is seen of the scene, the bands of rows in which it is drawn, one after the other, so that
-// no buffer is as large as the picture with all its samples, and the work of the host on each: eye-dome lighting and the
-// averaging of samples. Pixels here are samples; rows count from the bottom, as OpenGL reads them; colours are
+// no buffer is as large as the picture with all its samples, and the work of the host on each: eye-dome lighting and
+// the averaging of samples. Pixels here are samples; rows count from the bottom, as OpenGL reads them; colours are
 // premultiplied by alpha. Pure functions; time linear in the pixels.
 #pragma once
 

@@ -1,7 +1,7 @@
 // Cameras: their axes, the ones that show a whole box, and cameras as text. For a given direction the nearest camera is
-// exact: in the camera's axes a point (u, v, w) is in the picture while |u - a| <= (w + d) t, and the least distance d of
-// the camera follows from the extremes of u - w t and u + w t over the points; v alike. Its shift a is what is left to
-// choose.
+// exact: in the camera's axes a point (u, v, w) is in the picture while |u - a| <= (w + d) t, and the least distance d
+// of the camera follows from the extremes of u - w t and u + w t over the points; v alike. Its shift a is what is left
+// to choose.
 #include "gdtslam/viewer/camera.hpp"
 
 #include <fmt/format.h>

@@ -356,10 +356,11 @@ LegendItems loops_legend(const LoopsScene& scene, double px_per_m, const LegendL
 Canvas graph_picture(const OccupancyMap& map, const GraphOverlay& overlay, const MapLook& look,
                      const PictureSize& size) {
   check_graph(overlay);
-  const MapLayer graph{[&](Canvas& canvas, const MapFrame& frame, const Proportions& sizes) {
-                         draw_graph(canvas, frame, overlay, sizes);
-                       },
-                       [&](const LegendLook& legend, double px_per_m) { return graph_items(overlay, legend, px_per_m); }};
+  const MapLayer graph{
+      [&](Canvas& canvas, const MapFrame& frame, const Proportions& sizes) {
+        draw_graph(canvas, frame, overlay, sizes);
+      },
+      [&](const LegendLook& legend, double px_per_m) { return graph_items(overlay, legend, px_per_m); }};
   return drawn({"Graph",
                 shown_area(map, overlay.trajectory),
                 light_theme(kGraphMap.unknown),
@@ -375,7 +376,9 @@ Canvas loops_picture(const LoopsScene& scene, const LoopsMoment& moment, const M
     draw_robot(canvas, frame, scene, moment, sizes);
   };
   const auto explain = [&](const LegendLook& legend, double px_per_m) { return loops_legend(scene, px_per_m, legend); };
-  return drawn({"Loops", shown_area(*scene.map, scene.extent), light_theme(kLoopsMap.unknown), {{draw_moment, explain}}}, look, size);
+  return drawn(
+      {"Loops", shown_area(*scene.map, scene.extent), light_theme(kLoopsMap.unknown), {{draw_moment, explain}}}, look,
+      size);
 }
 
 }  // namespace gdtslam

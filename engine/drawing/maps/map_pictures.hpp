@@ -1,6 +1,6 @@
 // Pictures of a map beside those of map_picture.hpp, whose sheet, words and sizes they share. They show the graph of a
-// run, one moment of its loops being closed, changes since the map was made, and paths without a map. Frame: map, metres,
-// y up. Thread-safe; O(cells + pixels + poses + loops).
+// run, one moment of its loops being closed, changes since the map was made, and paths without a map. Frame: map,
+// metres, y up. Thread-safe; O(cells + pixels + poses + loops).
 #pragma once
 
 #include <cstddef>

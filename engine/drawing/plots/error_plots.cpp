@@ -21,7 +21,8 @@ constexpr double kTextPx = 20.0;
 constexpr double kMarginPx = 24.0;
 
 /// Draws on a page of natural size and gives it back in the size that is asked for.
-Canvas plot_sheet(const std::string& title, const PictureSize& size, const std::function<void(Canvas&, const DrawingArea&)>& draw) {
+Canvas plot_sheet(const std::string& title, const PictureSize& size,
+                  const std::function<void(Canvas&, const DrawingArea&)>& draw) {
   const double unit = picture::proportions_of(size).unit;
   const double width = size.width / unit;
   const double height = size.height / unit;
@@ -177,7 +178,8 @@ void draw_distribution(Plot& plot, const SortedGroup& group, std::size_t number,
   const double median = quantile_of_sorted(group.values, 0.5);
   const double most = quantile_of_sorted(group.values, 0.95);
   const std::string name = group.name + (group.name.empty() ? "" : ": ") + "median " + rounded_text(median, unit) +
-                           ", 95 % " + rounded_text(most, unit) + ", largest " + rounded_text(group.values.back(), unit) +
+                           ", 95 % " + rounded_text(most, unit) + ", largest " +
+                           rounded_text(group.values.back(), unit) +
                            (group.without_value == 0 ? "" : ", " + std::to_string(group.without_value) + " not finite");
   plot.steps(distribution_of(group.values, to), {.colour = kLightTheme.curve(number), .width = 2.2}, name);
   plot.markers(std::array{Point2(median, 0.5), Point2(most, 0.95)}, Fill{kLightTheme.card}, 6.0);

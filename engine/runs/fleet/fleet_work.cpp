@@ -17,8 +17,8 @@
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "engine/runs/transaction/folder_lock.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/drawing/canvas.hpp"
+#include "gdtslam/drawing/map_picture.hpp"
 
 namespace gdtslam {
 namespace {

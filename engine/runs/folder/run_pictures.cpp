@@ -16,8 +16,8 @@
 #include "engine/io/maps/png.hpp"
 #include "engine/io/message_text.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
-#include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/drawing/canvas.hpp"
+#include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/drawing/ticks.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
 

@@ -13,8 +13,8 @@
 #include "engine/runs/folder/run_doubts.hpp"
 #include "engine/runs/folder/run_pictures.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/drawing/canvas.hpp"
+#include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/drawing/ticks.hpp"
 
 namespace gdtslam {

@@ -1,4 +1,5 @@
-// Words that come from others, on their way into pictures, HTML and SVG: what a browser makes of them is what was given.
+// Words that come from others, on their way into pictures, HTML and SVG: what a browser makes of them is what was
+// given.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -21,9 +22,16 @@ TEST(Letters, ValidUtf8StaysAsItIs) {
 // How many U+FFFD stand for broken bytes: one for each longest beginning of a sequence (Unicode 15, 3.9, D93b and table
 // 3-11). XML 1.0, production 2, forbids the last characters of the first plane, too.
 TEST(Letters, BrokenBytesAreReplacedAsBrowsersDo) {
-  for (const auto& [text, replaced] : std::initializer_list<std::pair<std::string, int>>{
-           {"\x80", 1}, {"\xC0\xAF", 2}, {"\xE0\x80\xAF", 3}, {"\xED\xA0\x80", 3}, {"\xF4\x90\x80\x80", 4},
-           {"\xE2\x82", 1}, {"\xF0\x9F\xA4", 1}, {"\xFE\xFF", 2}, {"\xC3", 1}, {"\xF5\x80\x80\x80", 4}}) {
+  for (const auto& [text, replaced] : std::initializer_list<std::pair<std::string, int>>{{"\x80", 1},
+                                                                                         {"\xC0\xAF", 2},
+                                                                                         {"\xE0\x80\xAF", 3},
+                                                                                         {"\xED\xA0\x80", 3},
+                                                                                         {"\xF4\x90\x80\x80", 4},
+                                                                                         {"\xE2\x82", 1},
+                                                                                         {"\xF0\x9F\xA4", 1},
+                                                                                         {"\xFE\xFF", 2},
+                                                                                         {"\xC3", 1},
+                                                                                         {"\xF5\x80\x80\x80", 4}}) {
     std::string expected = "<";
     for (int k = 0; k < replaced; ++k) expected += kUnknownLetterBytes;
     EXPECT_EQ(legible("<" + text + ">"), expected + ">");

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/drawing/colour.hpp"
 #include "gdtslam/drawing/canvas.hpp"
+#include "gdtslam/drawing/colour.hpp"
 #include "support/picture_scene.hpp"
 
 namespace gdtslam {

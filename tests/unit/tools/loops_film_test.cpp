@@ -7,7 +7,6 @@
 
 #include "gdtslam/core/angle.hpp"
 #include "tools/gdtslam/render/loops_path.hpp"
-#include "tools/gdtslam/render/loops_timeline.hpp"
 
 namespace gdtslam {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "gdtslam/core/random.hpp"
-#include "viewer/scene/cloud/cloud_points.hpp"
 #include "viewer/graphics/picture_view.hpp"
+#include "viewer/scene/cloud/cloud_points.hpp"
 
 namespace gdtslam {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "engine/drawing/maps/path_layer.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/drawing/canvas.hpp"
+#include "gdtslam/drawing/map_picture.hpp"
 #include "support/picture_scene.hpp"
 
 namespace gdtslam {

@@ -1,8 +1,8 @@
 // Pictures of a map and its field against goldens without words, and faults that must not pass for them.
 #include <gtest/gtest.h>
 
-#include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/drawing/canvas.hpp"
+#include "gdtslam/drawing/map_picture.hpp"
 #include "support/image_compare.hpp"
 #include "support/picture_scene.hpp"
 

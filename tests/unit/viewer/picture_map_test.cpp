@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/drawing/canvas.hpp"
+#include "gdtslam/drawing/map_picture.hpp"
 #include "support/picture_scene.hpp"
 
 namespace gdtslam {

@@ -201,36 +201,6 @@ void add_data_options(CLI::App& command, RenderOptions& chosen) {
       "NAME|FILE");
 }
 
-/// Options of earlier versions: not shown, and each tells how it is spelt now.
-void add_old_options(CLI::App& command) {
-  constexpr std::array<std::pair<const char*, const char*>, 18> kOld{{
-      {"--camera", "--from X,Y,Z,X,Y,Z[,ANGLE]"},
-      {"--dark", "--background dark"},
-      {"--light", "--background light"},
-      {"--transparent", "--background none"},
-      {"--no-floor", "--hide floor"},
-      {"--no-ceiling", "--hide ceiling"},
-      {"--with-ceiling", "--hide none"},
-      {"--no-path", "--hide path"},
-      {"--no-caption", "--hide caption"},
-      {"--colors", "--colour-map NAME"},
-      {"--frames", "--seconds TIME, times --fps"},
-      {"--to", "--time FROM:TO"},
-      {"--run", "gdtslam map LOG -o DIR, then gdtslam render DIR"},
-      {"--topic,--odom,--crank,--mount", "gdtslam map, which takes this option and makes a run to render"},
-      {"--ffmpeg", "PATH, in which ffmpeg is looked for"},
-      {"--point-size", "--size: points are as large as the gaps between them"},
-      {"--angle", "gdtslam evaluate, which has the errors of the heading"},
-      {"--at,--cells,--squared", "--view field"},
-  }};
-  for (const auto& [old, now] : kOld) {
-    const auto refuse = [old = std::string(old), now = std::string(now)] {
-      throw UsageError(fmt::format("{} has gone; instead: {}", old, now));
-    };
-    command.add_flag_callback(old, refuse)->group("");
-  }
-}
-
 }  // namespace
 
 void add_render_command(CLI::App& app, CommandContext& context) {
@@ -269,7 +239,6 @@ void add_render_command(CLI::App& app, CommandContext& context) {
   add_film_options(*command, *chosen);
   add_data_options(*command, *chosen);
   add_force_option(*command, chosen->force);
-  add_old_options(*command);
   command->add_flag("--json", chosen->json, "Print what was written as JSON");
   command->add_flag("-q,--quiet", chosen->quiet, "Print errors only");
   command->footer(

@@ -52,8 +52,8 @@ std::string error_words(const std::vector<double>& errors) {
     if (std::isfinite(error)) known.push_back(error);
   }
   const ErrorSummary summary = summarise(known);
-  return fmt::format("RMSE {}, largest {}, {} of {}", rounded_text(summary.rmse, "m"),
-                     rounded_text(summary.max, "m"), with_commas(known.size()), counted(errors.size(), "pose"));
+  return fmt::format("RMSE {}, largest {}, {} of {}", rounded_text(summary.rmse, "m"), rounded_text(summary.max, "m"),
+                     with_commas(known.size()), counted(errors.size(), "pose"));
 }
 
 }  // namespace

@@ -14,7 +14,6 @@
 #include "engine/runs/folder/run_graph.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/drawing/ticks.hpp"
-#include "loops_path.hpp"
 
 namespace gdtslam {
 namespace {

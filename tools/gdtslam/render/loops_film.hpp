@@ -8,7 +8,7 @@
 
 #include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/viewer/film.hpp"
-#include "loops_timeline.hpp"
+#include "loops_path.hpp"
 #include "source.hpp"
 
 namespace gdtslam {

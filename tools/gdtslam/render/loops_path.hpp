@@ -1,5 +1,7 @@
-// The path of a run between the places of its graph: where the places go, it goes, and the walls seen from them.
-// Frames: map; metres. Thread-safe; O(poses) to make, O(poses shown) to bend.
+// The film of closing loops: which frame shows what, and the path of the run between the places of its graph. The drive
+// goes at an even pace and stands still while the path bends where loops were found; then come the last adjustment, the
+// map, and a moment to look at it. Frames: map; metres. Thread-safe; O(frames), O(poses) to make the path, O(poses
+// shown) to bend it.
 #pragma once
 
 #include <cstddef>
@@ -10,6 +12,29 @@
 #include "gdtslam/mapping/occupancy.hpp"
 
 namespace gdtslam {
+
+/// What a frame shows.
+struct LoopsInstant {
+  double driven_m = 0.0;   ///< how far the robot has come
+  std::size_t stage = 0;   ///< the loops known: 0 none, one more than the drive has is the adjusted path
+  double bent = 1.0;       ///< from the stage before, 0, to this one, 1
+  double map_share = 0.0;  ///< of the map itself, which comes up at the end
+  bool is_over = false;    ///< the robot has arrived
+};
+
+/// Of so many frames the last ones stand still.
+struct LoopsFilmLength {
+  std::size_t frames = 1;
+  std::size_t held = 1;
+};
+
+/// So many stages leave each some frames to bend in.
+std::size_t most_loop_stages(const LoopsFilmLength& length);
+
+/// One entry a frame; the last ones are equal. `stages_m`: where on the way each stage of the drive begins, ascending,
+/// without stage 0. `path_m`: of the whole drive.
+std::vector<LoopsInstant> loops_timeline(const std::vector<double>& stages_m, double path_m,
+                                         const LoopsFilmLength& length);
 
 class LoopsPath {
  public:

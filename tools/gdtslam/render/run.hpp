@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "options.hpp"
-#include "output.hpp"
 #include "source.hpp"
+#include "views.hpp"
 
 namespace gdtslam {
 

@@ -132,6 +132,12 @@ class RenderStudio {
   std::uint64_t points_drawn_ = 0;
 };
 
+/// The picture of its cloud that `gdtslam map` leaves beside it: the iso view, 1600 by 900 pixels, as the bytes of a
+/// PNG file. `linkage` may be null: the laser has none. Throws UnavailableError if nothing can draw, InputError,
+/// FileError.
+std::string draw_run_cloud(const std::string& cloud_file, const std::string& log, const Trajectory& trajectory,
+                           const calib::SweepModel* linkage);
+
 /// "1,771,492 of 2,612,366 points", or the points if those are all.
 std::string points_text(std::uint64_t drawn, std::uint64_t whole);
 /// The same with ", 62.8 m of path" for that length; a part that there is none of is left out.

@@ -10,8 +10,8 @@
 #include "engine/drawing/letters.hpp"
 #include "engine/drawing/plots/bars.hpp"
 #include "gdtslam/drawing/canvas.hpp"
-#include "gdtslam/viewer/cloud_scene.hpp"
 #include "gdtslam/viewer/camera.hpp"
+#include "gdtslam/viewer/cloud_scene.hpp"
 
 namespace gdtslam {
 namespace {

@@ -1,8 +1,8 @@
 // The points of a cloud in a picture, drawn by the processor as discs, nearer than what the picture has already: a disc
-// has its size in space, so that surfaces close near and far alike, and one depth. The same on every machine; some 30 ns a
-// disc. Points lie in pieces of up to 64 Ki in the order of time, so that the points up to a stamp are shown by leaving
-// out later pieces and cutting one. 16 bytes a point, 4 if the points have different stamps, and 4 while a picture is drawn
-// in several bands. One object belongs to one thread.
+// has its size in space, so that surfaces close near and far alike, and one depth. The same on every machine; some 30
+// ns a disc. Points lie in pieces of up to 64 Ki in the order of time, so that the points up to a stamp are shown by
+// leaving out later pieces and cutting one. 16 bytes a point, 4 if the points have different stamps, and 4 while a
+// picture is drawn in several bands. One object belongs to one thread.
 #pragma once
 
 #include <array>

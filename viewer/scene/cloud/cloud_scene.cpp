@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "cloud_values.hpp"
 #include "cloud_path.hpp"
 #include "cloud_points.hpp"
+#include "cloud_values.hpp"
 #include "gdtslam/core/error.hpp"
 #include "viewer/graphics/offscreen_view.hpp"
 #include "viewer/scene/linkage/mount_model.hpp"

@@ -1,5 +1,5 @@
-// Values, colours, levels and density of a cloud's points: a value for each point, the scale's ends, the colour of a value,
-// floor and ceiling, the points that are drawn without them, and the gaps between points.
+// Values, colours, levels and density of a cloud's points: a value for each point, the scale's ends, the colour of a
+// value, floor and ceiling, the points that are drawn without them, and the gaps between points.
 #pragma once
 
 #include <algorithm>

@@ -16,9 +16,9 @@
 #include <limits>
 
 #include "viewer/graphics/offscreen_view.hpp"
-#include "viewer/scene/cloud/cloud_values.hpp"
 #include "viewer/scene/cloud/cloud_path.hpp"
 #include "viewer/scene/cloud/cloud_points.hpp"
+#include "viewer/scene/cloud/cloud_values.hpp"
 #include "viewer/scene/linkage/mount_model.hpp"
 
 namespace gdtslam {

@@ -42,7 +42,7 @@ std::string compressed(const std::string& text) {
 std::string live_page_text(const PageDrive& drive, const std::string& title) {
   page::PageData data;
   data.description = {{"title", legible(title)}, {"subtitle", ""},     {"facts", Json::array()}, {"live", true},
-                      {"drive", drive.name},        {"origin", {0, 0, 0}}};
+                      {"drive", drive.name},     {"origin", {0, 0, 0}}};
   return page::page_text(data, "img-src data: blob:; connect-src 'self'");
 }
 
