@@ -40,25 +40,6 @@ TEST(GraphPicture, LegendCountsWhatThereIs) {
   for (const char* words : {"loop", "keyframe", "sigma", "trusted"}) EXPECT_FALSE(says(bare, words)) << words;
 }
 
-TEST(GraphPicture, LegendOfASmallPictureIsNotCut) {
-  const Canvas canvas = graph_picture(two_rooms(), graph_of_round_trip(), {}, {300, 200});
-  EXPECT_TRUE(says(canvas, "3 sigma"));
-  for (const shape::Words& words : shapes_of<shape::Words>(canvas)) {
-    EXPECT_LE(words.at.x() + text_width(words.text, words.lettering.size), 300.0) << words.text;
-  }
-}
-
-TEST(GraphPicture, OnlyLoopsThatAreSwitchedOffAreDashed) {
-  GraphOverlay overlay = graph_of_round_trip();
-  const auto dashed = [&] {
-    const auto lines = shapes_of<shape::Line>(graph_picture(two_rooms(), overlay, {}, {1600, 1200}));
-    return std::count_if(lines.begin(), lines.end(), [](const shape::Line& line) { return !line.pen.dashes.empty(); });
-  };
-  EXPECT_EQ(dashed(), 2) << "the loop and its mark in the legend";
-  overlay.loops[1].is_on = true;
-  EXPECT_EQ(dashed(), 0);
-}
-
 // Half as wide as three deviations of 0.2 m along x, times what the legend says: read off the shapes.
 TEST(GraphPicture, EllipsesAreAsLargeAsTheLegendSays) {
   for (const double deviation_m : {0.2, 0.002}) {

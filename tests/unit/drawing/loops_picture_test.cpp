@@ -62,28 +62,6 @@ TEST_F(LoopsMoments, LegendIsTheSameWhateverTheMoment) {
   EXPECT_FALSE(says(drawn(), "sigma"));
 }
 
-TEST_F(LoopsMoments, ALoopThatWasJustFoundGlowsUntilItDoesNot) {
-  const auto widest = [this] {
-    double width = 0.0;
-    for (const shape::Line& line : shapes_of<shape::Line>(drawn())) width = std::max(width, line.pen.width);
-    return width;
-  };
-  const double calm = widest();
-  moment_.loops[0].glow = 1.0;
-  EXPECT_GT(widest(), 2.0 * calm);
-  moment_.loops[0].glow = 0.0;
-  EXPECT_EQ(widest(), calm);
-}
-
-TEST_F(LoopsMoments, WallsGiveWayToTheMap) {
-  const auto pictures = [this] { return shapes_of<shape::Picture>(drawn()).size(); };
-  EXPECT_EQ(pictures(), 1U) << "walls alone";
-  moment_.map_share = 0.5;
-  EXPECT_EQ(pictures(), 2U) << "both";
-  moment_.map_share = 1.0;
-  EXPECT_EQ(pictures(), 1U) << "the map alone";
-}
-
 TEST_F(LoopsMoments, WhatIsNotFiniteIsLeftOut) {
   const double bad = std::nan("");
   moment_.path_m.emplace_back(bad, 0.0);

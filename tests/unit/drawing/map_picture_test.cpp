@@ -46,14 +46,6 @@ TEST(MapPicture, legend_counts) {
   EXPECT_FALSE(says(canvas, "keyframe"));
 }
 
-TEST(MapPicture, doubtful_scans_in_one_place_are_one_ring_with_their_number) {
-  PathOverlay overlay = round_trip();
-  for (int i = 0; i < 5; ++i) overlay.trajectory.push_back({60.0 + i, {1.0 + 0.001 * i, 1.0, 0.0}});
-  overlay.doubtful = {5, 100, 101, 102, 103, 104};
-  const auto words = shapes_of<shape::Words>(map_picture(two_rooms(), overlay, {}, {1600, 1200}));
-  EXPECT_EQ(std::count_if(words.begin(), words.end(), [](const shape::Words& one) { return one.text == "5"; }), 1);
-}
-
 /// Length of the scale bar against the distance between start and end, which are 4 m apart.
 TEST(MapPicture, scale_bar_is_as_long_as_it_says) {
   for (const PictureSize size : {PictureSize{480, 270}, PictureSize{1600, 1200}, PictureSize{1080, 1920}}) {

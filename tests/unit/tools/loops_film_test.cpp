@@ -54,17 +54,6 @@ TEST(LoopsTimeline, BendsWhereTheLoopsWereFound) {
   }
 }
 
-TEST(LoopsTimeline, AShortFilmHasItsEnd) {
-  for (const std::size_t count : {1U, 2U, 3U, 5U, 11U, 30U}) {
-    const LoopsFilmLength length{count, 1};
-    const std::vector<LoopsInstant> frames = loops_timeline({50.0}, 100.0, length);
-    ASSERT_EQ(frames.size(), count);
-    EXPECT_EQ(frames.back().map_share, 1.0);
-    EXPECT_EQ(frames.back().stage, 2U);
-    EXPECT_GE(most_loop_stages(length), 1U);
-  }
-}
-
 /// East for 8 m, then north for 8 m, a pose every quarter of a metre; places every 4 m.
 Trajectory bent_drive() {
   Trajectory trajectory;

@@ -14,8 +14,6 @@
 namespace gdtslam::test {
 namespace {
 
-using ::testing::HasSubstr;
-
 // Pixel by OpenGL's own way: a look-at and a projection matrix, division by w, viewport.
 Point2 matrix_pixel(const Camera& camera, const PictureSize& size, const Point3& point) {
   const Point3 back = (camera.eye - camera.target).normalized();
@@ -147,23 +145,6 @@ TEST(OrbitCamera, BoxStaysInThePictureAllTheWayRound) {
   }
 }
 
-TEST(FollowCamera, StandsBehindAndAboveAndLooksAhead) {
-  const Pose2 pose{.x_m = 4.0, .y_m = -3.0, .theta_rad = 2.2};
-  const Point3 ahead(std::cos(2.2), std::sin(2.2), 0.0);
-  const Point2 behind(4.0 - 3.0 * ahead.x(), -3.0 - 3.0 * ahead.y());
-  const Camera camera = follow_camera(behind, pose);
-  EXPECT_NEAR(camera.eye.x(), behind.x(), 1e-9);
-  EXPECT_NEAR(camera.eye.y(), behind.y(), 1e-9);
-  EXPECT_GT((camera.target - Point3(4.0, -3.0, 0.0)).dot(ahead), 0.0);
-  EXPECT_GT(camera.eye.z(), 1.5);
-  EXPECT_LT(camera.eye.z(), 2.2) << "below the ceiling";
-  const auto robot = pixel_of(camera, {1280, 720}, {4.0, -3.0, 0.0});
-  ASSERT_TRUE(robot.has_value());
-  EXPECT_NEAR(robot->x_px, 640.0, 1e-6);
-  EXPECT_GT(robot->y_px, 360.0) << "more before it than behind it";
-  EXPECT_LT(robot->y_px, 600.0);
-}
-
 TEST(CameraText, NumbersMeanWhatTheFormSays) {
   const Camera camera = parse_camera("1,2,3,4,5,6,90");
   EXPECT_EQ(camera.eye, Point3(1, 2, 3));
@@ -174,26 +155,10 @@ TEST(CameraText, NumbersMeanWhatTheFormSays) {
   EXPECT_EQ(parse_camera("1,2,3,4,5,6").view_angle_rad, Camera{}.view_angle_rad);
 }
 
-TEST(CameraText, WhatIsWrongIsSaid) {
-  const std::vector<std::pair<std::string, std::string>> cases{
-      {"", "1 number where 6 or 7"},
-      {"1,2,3", "3 numbers where 6 or 7"},
-      {"1,2,three,4,5,6", "'three' is not a number"},
-      {"1,2,inf,4,5,6", "'inf'"},
-      {"1,2,3e7,4,5,6", "beyond 1000 km"},
-      {"1,2,3,1,2,3", "at one place"},
-      {"1,2,3,4,5,6,0", "not between 0.1 and 170"},
-      {"1,2,3,4,5,6,0m", "at least 0.001 m"},
-  };
-  for (const auto& [text, reason] : cases) {
-    try {
-      parse_camera(text);
-      ADD_FAILURE() << text;
-    } catch (const UsageError& error) {
-      EXPECT_THAT(error.what(), HasSubstr(reason));
-      EXPECT_THAT(error.what(), HasSubstr("EYE_X,EYE_Y,EYE_Z,TARGET_X,TARGET_Y,TARGET_Z[,ANGLE]"));
-      EXPECT_THAT(error.what(), ::testing::Not(HasSubstr("\n")));
-    }
+TEST(CameraText, WrongCamerasAreRefused) {
+  for (const char* text : {"", "1,2,3", "1,2,three,4,5,6", "1,2,inf,4,5,6", "1,2,3e7,4,5,6", "1,2,3,1,2,3",
+                           "1,2,3,4,5,6,0", "1,2,3,4,5,6,0m"}) {
+    EXPECT_THROW(parse_camera(text), UsageError) << text;
   }
 }
 

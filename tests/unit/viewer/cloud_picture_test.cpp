@@ -101,42 +101,6 @@ TEST(CloudPicture, NothingOverlapsOrLeavesThePictureAtAnySize) {
   }
 }
 
-TEST(CloudPicture, AllStandsInASmallPictureAndGrowsWithIt) {
-  for (const PictureSize& size : {PictureSize{480, 270}, {1920, 1080}, {7680, 4320}}) {
-    const std::vector<std::string> texts =
-        texts_of(picture(size, {.colour_map = {}, .least = {}, .most = {}}, kCaption));
-    for (const char* words :
-         {"office-7f", "2,612,034 points, 63 m of path", "Height (m)", "at the centre", "x", "y", "z"}) {
-      EXPECT_THAT(texts, Contains(words)) << size.width;
-    }
-  }
-  const auto title_size = [](const PictureSize& size) {
-    const Canvas canvas = picture(size, {.colour_map = {}, .least = {}, .most = {}}, kCaption);
-    double largest = 0.0;
-    for (const Shape& shape : canvas.shapes()) {
-      if (const auto* words = std::get_if<shape::Words>(&shape)) largest = std::max(largest, words->lettering.size);
-    }
-    return largest;
-  };
-  EXPECT_NEAR(title_size({7680, 4320}), 4.0 * title_size({1920, 1080}), 1e-9);
-  EXPECT_GE(title_size({480, 270}), 11.0) << "still to be read";
-}
-
-TEST(CloudPicture, WhatIsNotWantedIsNotThere) {
-  CloudCaption bare = kCaption;
-  bare.with_axes = false;
-  bare.with_scale_bar = false;
-  bare.with_colour_bar = false;
-  EXPECT_THAT(texts_of(picture({1280, 720}, {.colour_map = {}, .least = {}, .most = {}}, bare)),
-              ::testing::ElementsAre(kCaption.title, kCaption.subtitle));
-  EXPECT_THAT(texts_of(picture({1280, 720}, {.colour_map = {}, .least = {}, .most = {}}, kCaption, true)),
-              Not(Contains("at the centre")))
-      << "a parallel camera has one scale";
-  EXPECT_THAT(texts_of(picture({1280, 720}, {.colour_map = {}, .least = {}, .most = {}}, kCaption, true)),
-              Not(Contains("z")))
-      << "seen end on";
-}
-
 TEST(CloudPicture, ScaleBarIsAsLongAsItsLengthAtTheTarget) {
   const PictureSize size{1280, 720};
   for (const bool is_parallel : {false, true}) {
@@ -157,32 +121,6 @@ TEST(CloudPicture, ScaleBarIsAsLongAsItsLengthAtTheTarget) {
     }
     EXPECT_THAT(level_lengths, Contains(::testing::DoubleNear(expected, 1e-6)));
   }
-}
-
-TEST(CloudPicture, AxesPointWhereTheyAreSeen) {
-  const PictureSize size{1280, 720};
-  const Camera camera = parse_camera("10,-20,15,0,0,0");
-  const Canvas canvas =
-      cloud_picture(page(size, ink::kNight), kScale, camera, {.colour_map = {}, .least = {}, .most = {}}, kCaption);
-  // The letters stand around the place where the axes meet as the ends of axes at the target stand around it.
-  std::vector<Point2> letters(3);
-  for (const Box& box : words_of(canvas)) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (box.what == std::string(1, "xyz"[axis]))
-        letters[axis] = {0.5 * (box.left + box.right), 0.5 * (box.top + box.bottom)};
-    }
-  }
-  Camera flat = camera;
-  flat.is_parallel = true;
-  const auto seen = [&](const Point3& point) {
-    const auto at = pixel_of(flat, size, point);
-    return Point2(at->x_px, at->y_px);
-  };
-  const Point2 origin = seen(Point3::Zero());
-  const Point2 x = seen(Point3::UnitX()) - origin;
-  const Point2 y = seen(Point3::UnitY()) - origin;
-  EXPECT_GT((letters[0] - letters[1]).normalized().dot((x - y).normalized()), 0.97);
-  EXPECT_GT((letters[2] - letters[0]).normalized().dot((seen(Point3::UnitZ()) - origin - x).normalized()), 0.97);
 }
 
 }  // namespace

@@ -127,22 +127,6 @@ TEST_F(CloudSceneTest, FloorAndCeilingAreTakenAwayAsAsked) {
   EXPECT_NEAR(lost, floor_px, 0.06 * floor_px);
 }
 
-TEST_F(CloudSceneTest, ColoursAreThoseOfTheScale) {
-  const Cloud cloud = room_cloud();
-  CloudLook look = plain_look();
-  look.least = 0.0;
-  look.most = 2.5;
-  CloudScene scene(graphics_, look);
-  scene.set_cloud(cloud);
-  EXPECT_EQ(scene.scale().least, 0.0);
-  EXPECT_EQ(scene.scale().most, 2.5);
-  const RgbaImage image = scene.render(over_the_room(), kSceneSize);
-  const auto at = pixel_of(over_the_room(), kSceneSize, {5.5, 3.0, 0.9});
-  const Colour expected = colour_map(scene.scale().colour_map).at(0.9 / 2.5);
-  EXPECT_TRUE(
-      is_colour(image.at(static_cast<std::uint32_t>(at->x_px), static_cast<std::uint32_t>(at->y_px)), expected, 4));
-}
-
 TEST_F(CloudSceneTest, ShowUntilDrawsWhatWasMeasuredTillThenInAnyOrder) {
   Cloud cloud = room_cloud(1500);
   ASSERT_GT(cloud.size(), 131072U) << "more than two pieces";
@@ -186,29 +170,6 @@ TEST_F(CloudSceneTest, BoundsLeaveStrayPointsOutAndTakeThePathIn) {
   EXPECT_NEAR(scene.bounds().lowest.x(), -9.0, 1e-9);
 }
 
-TEST_F(CloudSceneTest, ThePathLiesOnTheFloorAndIsSeen) {
-  CloudLook look = plain_look();
-  CloudScene scene(graphics_, look);
-  scene.set_cloud(room_cloud());
-  const RgbaImage without = scene.render(over_the_room(), kSceneSize);
-  scene.set_trajectory(room_path());
-  const RgbaImage with = scene.render(over_the_room(), kSceneSize);
-  std::size_t lit = 0;
-  for (double x_m = 1.2; x_m < 3.8; x_m += 0.05) {
-    const auto at = pixel_of(over_the_room(), kSceneSize, {x_m, kPathY, 0.0});
-    const auto x = static_cast<std::uint32_t>(at->x_px);
-    const auto y = static_cast<std::uint32_t>(at->y_px);
-    if (with.at(x, y)[0] > without.at(x, y)[0] + 60) ++lit;
-  }
-  EXPECT_GE(lit, 52U) << "without a gap";
-  scene.show_until(150.0);
-  const RgbaImage half = scene.render(over_the_room(), kSceneSize);
-  const auto late = pixel_of(over_the_room(), kSceneSize, {3.5, kPathY, 0.0});
-  const auto x = static_cast<std::uint32_t>(late->x_px);
-  const auto y = static_cast<std::uint32_t>(late->y_px);
-  EXPECT_LT(half.at(x, y)[0], with.at(x, y)[0]) << "not driven yet";
-}
-
 TEST_F(CloudSceneTest, WallsHideTheRobotButOpenToACameraNearIt) {
   CloudScene scene(graphics_, plain_look());
   scene.set_cloud(room_cloud());
@@ -229,16 +190,6 @@ TEST_F(CloudSceneTest, WallsHideTheRobotButOpenToACameraNearIt) {
   EXPECT_LE(changed(parse_camera("3,-9,0.6,3,2.5,0.3,35"), inside), 4U) << "behind the wall, but for its gaps";
   EXPECT_GT(changed(parse_camera("3,-9,30,3,2.5,0.3,12"), inside), 25U) << "over the wall";
   EXPECT_GT(changed(parse_camera("3,-4,0.6,3,2.5,0.3,35"), inside), 500U) << "through the wall";
-}
-
-TEST_F(CloudSceneTest, ATransparentBackgroundIsOne) {
-  CloudLook look = plain_look();
-  look.is_transparent = true;
-  CloudScene scene(graphics_, look);
-  scene.set_cloud(room_cloud());
-  const RgbaImage image = scene.render(over_the_room(), kSceneSize);
-  EXPECT_EQ(image.at(1, 1)[3], 0);
-  EXPECT_EQ(image.at(160, 90)[3], 255);
 }
 
 TEST_F(CloudSceneTest, WhatCannotBeShownIsSaid) {

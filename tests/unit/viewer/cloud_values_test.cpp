@@ -217,13 +217,5 @@ TEST(PointLimit, CoarsensForPointsThatComeFromFarAway) {
   EXPECT_LE(kept.size(), 8U);  // voxels of a metre at the end, the two centimetres in one of them
 }
 
-TEST(PointLimit, LeavesSmallCloudsAlone) {
-  const Cloud cloud{{.x_m = 1.0F}, {.x_m = 2.0F}, {.x_m = 3.0F}};
-  PointLimit thinning(3);
-  thinning.add(cloud);
-  EXPECT_EQ(thinning.take(), cloud);
-  EXPECT_TRUE(thinning.take().empty());
-}
-
 }  // namespace
 }  // namespace gdtslam::test

@@ -68,19 +68,5 @@ TEST(LinkagePanel, reads_out_the_angles_as_they_are) {
   }
 }
 
-TEST(LinkagePanel, warns_of_a_poor_transmission_angle) {
-  const GraphicsContext graphics;
-  LinkageScene scene(graphics, calib::sweep_model_of_preset("paper-b"), {.samples = 1});
-  const auto warning_words = [&](double crank_rad) {
-    const Canvas canvas = scene.picture(crank_rad, {1280, 720});
-    return std::count_if(canvas.shapes().begin(), canvas.shapes().end(), [](const Shape& shape) {
-      const auto* words = std::get_if<shape::Words>(&shape);
-      return words != nullptr && words->lettering.colour == ink::kWarning;
-    });
-  };
-  // 9.1 degrees with the crank on the ground line, 59.6 on the other side.
-  EXPECT_EQ(warning_words(0.0), warning_words(kPi) + 1);
-}
-
 }  // namespace
 }  // namespace gdtslam

@@ -22,22 +22,6 @@ calib::SweepModel double_rocker() {
   return model;
 }
 
-TEST(LinkageScene, sizes_from_millimetres_to_metres_look_alike) {
-  const GraphicsContext graphics;
-  constexpr PictureSize kSize{320, 240};
-  std::vector<RgbaImage> images;
-  for (const double scale : {0.1, 1.0, 60.0}) {
-    calib::SweepModel model = calib::sweep_model_of_preset("paper-b");
-    for (double* bar : {&model.bars.crank_m, &model.bars.coupler_m, &model.bars.rocker_m, &model.bars.ground_m}) {
-      *bar *= scale;
-    }
-    LinkageScene scene(graphics, model, {.with_panel = false});
-    images.push_back(scene.render(2.0, kSize));
-  }
-  EXPECT_TRUE(is_alike(images[0], images[1]));
-  EXPECT_TRUE(is_alike(images[2], images[1]));
-}
-
 TEST(LinkageScene, goldens) {
   const GraphicsContext graphics;
   constexpr PictureSize kSize{320, 240};
@@ -73,13 +57,6 @@ TEST(LinkageFilm, ends_where_it_began_without_a_jump) {
     }
     EXPECT_LE(difference_of(frames.back(), frames.front()).mean, 1.5 * most) << model.name;
   }
-}
-
-TEST(LinkageFilm, without_frames_is_refused) {
-  const GraphicsContext graphics;
-  const calib::SweepModel model = calib::sweep_model_of_preset("paper-b");
-  LinkageScene scene(graphics, model, {});
-  EXPECT_THROW(static_cast<void>(linkage_film(scene, model, {640, 360}, 0)), UsageError);
 }
 
 }  // namespace

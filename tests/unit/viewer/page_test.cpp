@@ -60,7 +60,7 @@ Cloud slope() {
   return cloud;
 }
 
-TEST(Page, NothingToShowIsAnInputError) {
+TEST(Page, RefusesWhatItCannotShow) {
   const Cloud no_points;
   const Trajectory no_poses;
   PageInput input;
@@ -68,23 +68,14 @@ TEST(Page, NothingToShowIsAnInputError) {
   input.trajectory = &no_poses;
   EXPECT_THROW(page_of({}), InputError);
   EXPECT_THROW(page_of(input), InputError);
-}
-
-TEST(Page, ACloudWithoutAFinitePointIsAnInputError) {
   Cloud cloud = slope();
-  for (CloudPoint& point : cloud) point.y_m = std::numeric_limits<float>::quiet_NaN();
-  PageInput input;
-  input.cloud = &cloud;
-  EXPECT_THROW(page_of(input), InputError);
-}
-
-TEST(Page, AnotherNumberOfDistancesIsAnInputError) {
-  const Cloud cloud = slope();
   const std::vector<float> distances(cloud.size() - 1);
-  PageInput input;
   input.cloud = &cloud;
   input.distances_m = &distances;
-  EXPECT_THROW(page_of(input), InputError);
+  EXPECT_THROW(page_of(input), InputError) << "another number of distances";
+  input.distances_m = nullptr;
+  for (CloudPoint& point : cloud) point.y_m = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THROW(page_of(input), InputError) << "no finite point";
 }
 
 TEST(Page, PointsThatAreNotFiniteAreLeftOutAndCounted) {
@@ -165,34 +156,6 @@ TEST(Page, TimeOfAPathNeverStepsBack) {
     EXPECT_EQ(about.at("last").get<double>() - about.at("first").get<double>(), one.times_s.back()) << one.what;
     EXPECT_EQ(about.at("length").get<double>(), static_cast<double>(trajectory.size() - 1)) << one.what;
     EXPECT_TRUE(about.at("drives").empty()) << one.what;
-  }
-}
-
-TEST(Page, LinkageIsThatOfTheCalibration) {
-  for (const char* name : {"paper-a", "paper-b", "paper-c"}) {
-    calib::SweepModel model = calib::sweep_model_of_preset(name);
-    for (const int sign : {1, -1}) {
-      model.elevation_sign = sign;
-      PageInput input;
-      input.linkage = &model;
-      const std::vector<float> table = floats_of(decoded(element_of(page_of(input), "linkage")));
-      ASSERT_EQ(table.size(), 8U * 720U);
-      for (std::size_t step = 0; step < 720; ++step) {
-        const double crank_rad = kTwoPi * static_cast<double>(step) / 720.0;
-        const float* row = &table[8 * step];
-        const auto elevation = calib::elevation_rad(model, crank_rad);
-        ASSERT_TRUE(elevation.has_value());
-        EXPECT_EQ(row[6], static_cast<float>(*elevation));
-        EXPECT_EQ(row[7], static_cast<float>(calib::solve(model.bars, model.assembly, crank_rad)->transmission_rad));
-        // Drawn upright: from its pivot the rocker points along the elevation.
-        const SinCos<double> along = sin_cos(*elevation);
-        const SinCos<double> ground = sin_cos(model.elevation_offset_rad);
-        const double rocker = model.bars.rocker_m;
-        EXPECT_NEAR(static_cast<double>(row[2]), model.bars.ground_m * ground.cos + rocker * along.cos, 1e-8);
-        EXPECT_NEAR(static_cast<double>(row[3]), model.bars.ground_m * ground.sin + rocker * along.sin, 1e-8);
-        EXPECT_NEAR(std::sqrt(static_cast<double>(row[0] * row[0] + row[1] * row[1])), model.bars.crank_m, 1e-8);
-      }
-    }
   }
 }
 

@@ -62,20 +62,6 @@ std::shared_ptr<RgbaImage> chequered(std::uint32_t width, std::uint32_t height) 
   return image;
 }
 
-TEST(Raster, FillsWhatIsInsideAndLeavesTheRestTransparent) {
-  Canvas canvas(20, 10, "");
-  canvas.rectangle({2, 3}, 5, 4, kRedFill);
-  const RgbaImage image = raster_of(canvas);
-  ASSERT_EQ(image.width, 20U);
-  ASSERT_EQ(image.height, 10U);
-  for (std::uint32_t y = 0; y < 10; ++y) {
-    for (std::uint32_t x = 0; x < 20; ++x) {
-      const bool is_inside = x >= 2 && x < 7 && y >= 3 && y < 7;
-      EXPECT_EQ(at(image, x, y), is_inside ? kRedPixel : kNothing) << x << ' ' << y;
-    }
-  }
-}
-
 TEST(Raster, ColoursAreNotMultipliedByAlpha) {
   Canvas canvas(4, 4, "");
   canvas.rectangle({0, 0}, 4, 4, Fill{colour_for(0xff8040), 0.5});
@@ -105,15 +91,6 @@ TEST(Raster, EdgesLinesPolygonsAndCirclesAreWhereTheyShouldBe) {
   EXPECT_EQ(at(image, 70, 70), kRedPixel);
   EXPECT_EQ(at(image, 85, 70), kBlue);
   EXPECT_EQ(at(image, 83, 83), kNothing);
-}
-
-TEST(Raster, DashesLeaveGaps) {
-  Canvas canvas(60, 9, "");
-  canvas.line({0, 4.5}, {60, 4.5}, {.colour = colour_for(0xff0000), .width = 1, .dashes = "10 10"});
-  const RgbaImage image = raster_of(canvas);
-  EXPECT_EQ(at(image, 5, 4), kRedPixel);
-  EXPECT_EQ(at(image, 15, 4), kNothing);
-  EXPECT_EQ(at(image, 25, 4), kRedPixel);
 }
 
 TEST(Raster, APictureOfItsOwnSizeKeepsEveryPixel) {
@@ -172,21 +149,6 @@ TEST(Raster, WordsStandOnTheirAnchor) {
     EXPECT_EQ(ink.bottom, 39U);                    // capitals end at the base line
     EXPECT_NEAR(40.0 - ink.top, 0.729 * 20, 1.0);  // DejaVu Sans' height of capitals
   }
-}
-
-TEST(Raster, AHaloSurroundsTheLetters) {
-  Canvas canvas(60, 60, "");
-  canvas.text({20, 40}, "I",
-              {.size = 30, .colour = colour_for(0xff0000), .has_halo = true, .halo = colour_for(0x0000ff)});
-  const RgbaImage image = raster_of(canvas);
-  int red = 0;
-  int blue = 0;
-  for (std::uint32_t x = 0; x < 60; ++x) {
-    red += at(image, x, 30) == kRedPixel ? 1 : 0;
-    blue += at(image, x, 30) == kBlue ? 1 : 0;
-  }
-  EXPECT_GE(red, 2);
-  EXPECT_GE(blue, 2);
 }
 
 TEST(Raster, ASizeBeyondReasonIsRefused) {

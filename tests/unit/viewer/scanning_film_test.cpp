@@ -77,27 +77,6 @@ TEST(ScanningScene, sensor_is_where_it_was_and_looks_along_the_elevation) {
   }
 }
 
-TEST(ScanningScene, a_laser_without_a_linkage_looks_where_the_points_say) {
-  const GraphicsContext graphics;
-  ScanningRoom room;
-  room.model.mount.lever_forward_m = 0.03;
-  room.model.mount.lever_up_m = 0.02;
-  const Cloud cloud = room.cloud();
-  const Trajectory trajectory = room.trajectory();
-  const ScanningTrack track(cloud, trajectory, 0.0, room.length_s);
-  ScanningScene scene(graphics, track, room.model, false, trajectory, quick_look());
-  for (const double stamp_s : {0.5, 2.0, 3.9}) {
-    scene.show(stamp_s, 0.0);
-    const Pose3 T_map_laser = scene.T_map_laser();
-    const double elevation_rad = *calib::elevation_rad(room.model, room.crank_rad(stamp_s));
-    const Point3 forward = T_map_laser.rotation * Point3::UnitX();
-    EXPECT_NEAR(forward.z(), std::sin(elevation_rad), 2e-3) << stamp_s;
-    EXPECT_NEAR(std::atan2(forward.y(), forward.x()), room.heading_rad, 1e-6) << stamp_s;
-    const double lever_up_m = 0.03 * std::sin(elevation_rad) + 0.02 * (std::cos(elevation_rad) - 1.0);
-    EXPECT_NEAR(T_map_laser.translation_m.z(), room.model.mount.height_m + lever_up_m, 1e-4) << stamp_s;
-  }
-}
-
 /// The whole drive through the round room.
 struct WholeDrive {
   [[nodiscard]] std::unique_ptr<Film> film(const std::string& subtitle, const PictureSize& size,
