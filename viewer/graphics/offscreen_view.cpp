@@ -68,7 +68,7 @@ RenderWindow::RenderWindow() {
   this->SetIsDirect(1);
 }
 
-// As VTK's own, but for the one code of glewInit that says "no X display" after everything was loaded.
+// VTK's own code, but for the result of glewInit that says "no X display" after everything was loaded.
 void RenderWindow::OpenGLInitContext() {
   this->ContextCreationTime.Modified();
   if (this->Initialized) return;
@@ -159,7 +159,7 @@ void check_camera(const Camera& camera) {
   }
 }
 
-/// Of the props and the layer, as VTK has them.
+/// Bounds of the props and the layer, in VTK's order.
 std::array<double, 6> bounds_of(vtkRenderer& renderer, const PictureLayer* layer) {
   std::array<double, 6> all{};
   renderer.ComputeVisiblePropBounds(all.data());

@@ -23,8 +23,8 @@ class OffscreenView {
 
   [[nodiscard]] vtkRenderer& renderer();
   void set_background(Colour colour, bool is_transparent);
-  /// What is drawn beside VTK's props; it must live while pictures are drawn. None by default. VTK's translucent props,
-  /// which have no depth, stay behind it.
+  /// A layer is drawn beside VTK's props; it must live while pictures are drawn. None by default. VTK's translucent
+  /// props, which have no depth, stay behind it.
   void set_layer(PictureLayer* layer);
   /// Eye-dome lighting, so that the depth of clouds reads [Boucheny2009]; off by default.
   void set_eye_dome(bool is_on);

@@ -45,7 +45,7 @@ void set_alpha_from(RawPicture& over_black, const RawPicture& over_white);
 struct AveragedRows {
   std::uint32_t first = 0;      ///< in the picture
   std::uint32_t image_row = 0;  ///< in the image
-  std::uint32_t count = 0;      ///< of the image
+  std::uint32_t count = 0;      ///< rows of the image
 };
 /// The means of samples x samples pixels each into rows of an image, colours no longer premultiplied where
 /// `is_premultiplied`.
@@ -55,14 +55,14 @@ void average_rows(const RawPicture& picture, const AveragedRows& rows, std::uint
 /// Rows that are drawn together. What is kept of them has neighbours on both sides for the shading.
 struct PictureBand {
   std::uint32_t first_row = 0;
-  std::uint32_t rows = 0;  ///< of all bands of a picture the same
+  std::uint32_t rows = 0;  ///< the same number in all bands of a picture
   std::uint32_t first_kept = 0;
   std::uint32_t kept = 0;
 };
 
 struct PictureView {
   Camera camera;     ///< depths count from its eye; that of a parallel camera stands before everything
-  DepthRange range;  ///< of the depth buffer
+  DepthRange range;  ///< range of the depth buffer
   std::uint32_t width = 0;
   std::uint32_t height = 0;
   std::vector<PictureBand> bands;
@@ -72,18 +72,18 @@ struct PictureView {
 struct BandShape {
   std::uint32_t samples = 1;              ///< each band keeps whole pixels of so many rows
   std::uint32_t margin = 0;               ///< rows more on both sides, within the picture
-  std::uint32_t most_pixels = 1U << 20U;  ///< of a band, about
+  std::uint32_t most_pixels = 1U << 20U;  ///< about the largest size of a band
 };
 std::vector<PictureBand> bands_of(std::uint32_t width, std::uint32_t height, const BandShape& shape);
 
-/// What is drawn into the picture beside VTK's props.
+/// A part of the picture beside VTK's props.
 class PictureLayer {
  public:
   PictureLayer() = default;
   PictureLayer(const PictureLayer&) = delete;
   PictureLayer& operator=(const PictureLayer&) = delete;
   virtual ~PictureLayer() = default;
-  /// Of what there is to be seen.
+  /// Bounds of everything that can be seen.
   [[nodiscard]] virtual const Bounds& bounds() const = 0;
   /// Before the first band.
   virtual void begin(const PictureView& view) = 0;

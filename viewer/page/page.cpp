@@ -40,7 +40,7 @@ constexpr std::size_t kPointsPerElement = std::size_t{1} << 18U;
 /// 256 MB of page; browsers hold no text beyond 512 MB.
 constexpr std::size_t kMostPoints = std::size_t{16} << 20U;
 
-/// What a point has, over all points that are kept.
+/// Range of a value, over all points that are kept.
 struct Range {
   double least = std::numeric_limits<double>::infinity();
   double most = -std::numeric_limits<double>::infinity();
@@ -77,7 +77,7 @@ class PagedCloud {
   std::uint64_t step_ = 1;
   Point3 least_{0.0, 0.0, 0.0};
   Point3 most_{0.0, 0.0, 0.0};
-  Point3 middle_least_{0.0, 0.0, 0.0};  ///< of the middle 99.8 %, for the camera
+  Point3 middle_least_{0.0, 0.0, 0.0};  ///< box of the middle 99.8 %, for the camera
   Point3 middle_most_{0.0, 0.0, 0.0};
   Range height_;
   Range time_;
@@ -144,7 +144,8 @@ void PagedCloud::keep_points() {
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
     for (std::size_t k = 0; k < finite.size(); k += stride) values.push_back(position_of(cloud_[finite[k]])[axis]);
-    const double beyond = std::floor(kStrayShare * static_cast<double>(values.size() - 1));  // of few points none
+    const double beyond =
+        std::floor(kStrayShare * static_cast<double>(values.size() - 1));  // none if there are few points
     const double last = static_cast<double>(values.size() - 1);
     low[axis] = percentile(values, last > 0.0 ? beyond / last : 0.0);
     high[axis] = percentile(values, last > 0.0 ? (last - beyond) / last : 0.0);
@@ -175,7 +176,7 @@ Range PagedCloud::range_of(const ValueOf& value_of) const {
     range.most = std::max(range.most, value);
   }
   std::vector<double> sample;
-  for (const std::uint32_t index : kept_) {  // what is drawn at first, as in a picture of the cloud
+  for (const std::uint32_t index : kept_) {  // points that are drawn at first, the same as in a picture of the cloud
     const double value = level_of(cloud_[index]) == LevelCode::kCeiling ? kUnknown : value_of(index);
     if (std::isfinite(value)) sample.push_back(value);
   }

@@ -26,7 +26,7 @@ constexpr double kFollowAhead_m = 0.8;
 constexpr double kFollowViewAngleRad = 0.95;
 
 constexpr double kOrbitMarginShare = 0.02;  // corners come there but in passing
-constexpr double kMarginShare = 0.06;       // of the picture, on each side
+constexpr double kMarginShare = 0.06;       // share of the picture, on each side
 constexpr double kIsoSlopeRad = 0.663;      // 38 degrees
 constexpr double kIsoTurnRad = 0.4887;      // 28 degrees between the line of sight and the normal of the longer side
 constexpr double kIsoViewAngleRad = 0.42;
@@ -277,7 +277,7 @@ Camera fitting_camera(CameraPreset preset, const Bounds& bounds, const PictureSi
 }
 
 Camera orbit_camera(const Bounds& bounds, const PictureSize& size) {
-  constexpr int kDirections = 64;  // of the cylinder that the turning box sweeps; at most 0.12 % of its radius off
+  constexpr int kDirections = 64;  // around the cylinder that the turning box sweeps; at most 0.12 % of its radius off
   const Bounds box = shown(bounds);
   const Point3 half = 0.5 * (box.highest - box.lowest);
   const double radius_m = std::sqrt(half.x() * half.x() + half.y() * half.y());

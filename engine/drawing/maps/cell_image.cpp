@@ -83,7 +83,7 @@ struct Areas {
   std::vector<double> occupied;
 };
 
-/// What a pixel spans of its axis, and the cells that it meets.
+/// Stretch of a pixel on its axis, and the cells that it meets.
 struct PixelSpan {
   double begin = 0.0;
   double end = 0.0;
@@ -187,7 +187,7 @@ PlacedImage least_of_cells(const FieldPicture& field, const MapFrame& frame, con
 }  // namespace
 
 void draw(Canvas& canvas, const PlacedImage& placed) {
-  if (placed.image == nullptr) return;  // nothing of the grid lies in the panel
+  if (placed.image == nullptr) return;  // the panel shows no part of the grid
   canvas.picture({placed.at.left_px, placed.at.top_px}, placed.at.width_px, placed.at.height_px, placed.image, false);
 }
 

@@ -35,9 +35,9 @@ constexpr double kNodePx = 2.3;
 constexpr double kLoopPx = 2.6;
 constexpr double kLoopEndPx = 3.4;
 constexpr double kBandPx = 15.0;
-constexpr double kPiecePx = 46.0;  // of what a legend shows of a line
+constexpr double kPiecePx = 46.0;  // length of a line in the legend
 constexpr double kPinPx = 13.0;
-constexpr double kLeastWeight = 0.25;  // of a loop that holds
+constexpr double kLeastWeight = 0.25;  // least weight of a loop that holds
 
 constexpr Colour kWeakLoop = colour_for(0x8fc9f2);
 constexpr Colour kStrongLoop = colour_for(0x0b4fa8);
@@ -175,7 +175,7 @@ void draw_graph(Canvas& canvas, const MapFrame& frame, const GraphOverlay& overl
                       {std::nullopt, kPathPx * sizes.unit});
   draw_dots(canvas, frame, overlay.trajectory, overlay.keyframes, kNodePx * sizes.unit, ink);
   draw_ellipses(canvas, frame, overlay, sizes);
-  for (const bool is_on : {true, false}) {  // those that nobody believes on top: there are few
+  for (const bool is_on : {true, false}) {  // loops that are switched off lie on top: there are few
     for (const LoopLine& loop : overlay.loops) {
       const Point2 from = frame.pixel_of(overlay.trajectory[loop.from].T_map_base.translation());
       const Point2 to = frame.pixel_of(overlay.trajectory[loop.to].T_map_base.translation());
@@ -242,7 +242,7 @@ constexpr MapColours kLoopsMap{colour_for(0x59616c), ink::kCard, colour_for(0xeb
 constexpr Colour kGlow = colour_for(0xff8a1f);
 constexpr Colour kRobot = colour_for(0xd9480f);
 constexpr double kWallPx = 1.6;      // times `unit`: the side of what is drawn of a wall
-constexpr double kWallShade = 0.55;  // of one sight of it; more make it darker
+constexpr double kWallShade = 0.55;  // shade of a wall seen once; more sights make it darker
 constexpr double kRobotPx = 7.0;
 constexpr double kGlowPx = 13.0;
 

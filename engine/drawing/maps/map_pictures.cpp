@@ -49,7 +49,7 @@ MapArea shown_area(const FieldPicture& field, const Trajectory& trajectory) {
 struct FieldLook {
   const ColourMap& map;
   bool is_intensity = true;
-  double least_share = 0.0;  ///< of the map's colours: the darkest are left to what is unknown
+  double least_share = 0.0;  ///< first share of the map's colours: the darkest are left to unknown cells
   Colour unknown;
   /// 0 at an obstacle, 1 at the cap.
   [[nodiscard]] Colour at(double distance_share) const {
@@ -151,9 +151,9 @@ MapLayer changes_layer(const GridGeometry& grid, const ChangesLayer& layer, cons
 }
 
 constexpr Colour kTruth = colour_for(0x9aa0a8);
-constexpr Colour kNoError = colour_for(0xc3c7cc);  ///< of a pose that the truth does not know
-constexpr double kTruthWidths = 2.6;               ///< of a path's line, of the truth under others
-constexpr double kErrorWidths = 2.2;               ///< likewise of a path whose colour is what is read
+constexpr Colour kNoError = colour_for(0xc3c7cc);  ///< a pose that the truth does not know
+constexpr double kTruthWidths = 2.6;               ///< width of the truth under other paths, in widths of a path's line
+constexpr double kErrorWidths = 2.2;               ///< width of a path whose colour is read, in the same unit
 
 /// The area of the poses, with a margin.
 MapArea area_of_paths(const std::vector<const Trajectory*>& paths) {

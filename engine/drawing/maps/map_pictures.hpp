@@ -38,7 +38,7 @@ struct NumberedPlace {
   std::size_t number = 0;
 };
 
-/// What lies over the map.
+/// Layers over the map.
 struct GraphOverlay {
   Trajectory trajectory;
   std::vector<std::size_t> keyframes;  ///< indices into the trajectory
@@ -56,13 +56,13 @@ struct GraphOverlay {
 Canvas graph_picture(const OccupancyMap& map, const GraphOverlay& overlay, const MapLook& look,
                      const PictureSize& size);
 
-/// What all moments share.
+/// Content that all moments share.
 struct LoopsScene {
-  const OccupancyMap* map = nullptr;  ///< of the run; must outlive the pictures
+  const OccupancyMap* map = nullptr;  ///< the run's map; must outlive the pictures
   Trajectory extent;                  ///< poses that the sheet has room for, beside the map's walls
-  bool has_loops_on = false;          ///< what the legend tells of
+  bool has_loops_on = false;          ///< the legend explains these loops
   bool has_loops_off = false;
-  double largest_sigma_m = 0.0;  ///< of the robot's position in all moments; 0: no ellipse
+  double largest_sigma_m = 0.0;  ///< largest deviation of the robot's position in all moments; 0: no ellipse
 };
 
 /// A loop between two points.
@@ -78,7 +78,7 @@ struct LoopsMoment {
   std::vector<Point2> path_m;   ///< driven so far
   std::vector<Point2> walls_m;  ///< seen so far, from each place by itself
   std::vector<MovedLoop> loops;
-  std::optional<Point2> robot_m;  ///< nothing: the drive is over
+  std::optional<Point2> robot_m;  ///< empty: the drive is over
   PoseCovariance robot_covariance;
   double map_share = 0.0;  ///< how far the walls have given way to the map itself, from 0 to 1
 };
@@ -104,10 +104,10 @@ struct ChangesOverlay {
 Canvas changes_picture(const OccupancyMap& map, const ChangesOverlay& overlay, const MapLook& look,
                        const PictureSize& size);
 
-/// Of a still whose size nobody asks for: one that suits where these paths lie.
+/// Size of a still without a stated size: one that suits the area of these paths.
 PictureSize size_for_paths(const std::vector<const Trajectory*>& paths);
 
-/// As the map's picture has it. Throws InputError where an index is beyond the trajectory.
+/// The path as in the map's picture. Throws InputError if an index is beyond the trajectory.
 Canvas trajectory_picture(const PathOverlay& path, const MapLook& look, const PictureSize& size);
 
 /// A path with its name for the legend.
@@ -126,8 +126,8 @@ struct PathErrors {
   const std::vector<std::size_t>& drives;
   const std::vector<double>& errors;
   std::string quantity;         ///< with its unit: "Position error (m)"
-  std::optional<double> least;  ///< of the scale; nothing: 0
-  std::optional<double> most;   ///< likewise the largest error, or the 99th percentile
+  std::optional<double> least;  ///< lower end of the scale; empty: 0
+  std::optional<double> most;   ///< upper end; empty: the largest error, or the 99th percentile
 };
 /// The truth thin and grey below; a colour bar with the scale's ends. Throws InputError without any error.
 Canvas path_errors_picture(const PathErrors& path, const Trajectory& truth, const MapLook& look,

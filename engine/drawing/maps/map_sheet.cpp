@@ -12,10 +12,10 @@
 namespace gdtslam::picture {
 namespace {
 
-constexpr double kTitleLine = 1.35;  // of the size of the letters
+constexpr double kTitleLine = 1.35;  // in sizes of the letters
 constexpr double kSubtitleLine = 1.5;
-constexpr double kRowGap = 0.75;           // of body_px, between rows of the legend
-constexpr double kLongestScalePx = 190.0;  // as the scale bar
+constexpr double kRowGap = 0.75;           // in body_px, between rows of the legend
+constexpr double kLongestScalePx = 190.0;  // the same as for the scale bar
 constexpr int kRounds = 3;                 // until the scale bar, which depends on the map's size, should stand still
 
 double title_height(const MapLook& look, const Proportions& sizes) {
@@ -25,7 +25,7 @@ double title_height(const MapLook& look, const Proportions& sizes) {
   return height > 0.0 ? height + 0.4 * sizes.body_px : 0.0;
 }
 
-/// Where the items go, relative to the legend's upper left corner, and what room they take.
+/// Places of the items, relative to the legend's upper left corner, and the room that they take.
 struct Arrangement {
   std::vector<Point2> places;
   double width_px = 0.0;
@@ -172,9 +172,9 @@ MapFrame whole_sheet(const Sheet& sheet) {
   return whole;
 }
 
-constexpr double kGap = 0.5;           // of body_px, between a mark and its words
+constexpr double kGap = 0.5;           // in body_px, between a mark and its words
 constexpr double kBarPx = 150.0;       // all of one unit
-constexpr double kLinePiecePx = 42.0;  // of what is shown of a line
+constexpr double kLinePiecePx = 42.0;  // length of a line in the legend
 constexpr double kLongestScaleItemPx = 190.0;
 constexpr int kBarSteps = 64;
 

@@ -52,7 +52,7 @@ struct Panel {
 /// The panel with its part of the map.
 struct MapFrame {
   Panel panel;
-  double x_m = 0.0;  ///< of the panel's upper left corner
+  double x_m = 0.0;  ///< map coordinates at the panel's upper left corner
   double y_m = 0.0;
   double px_per_m = 1.0;
   [[nodiscard]] Point2 pixel_of(const Point2& point_m) const {
@@ -119,7 +119,7 @@ struct Sheet {
   Theme theme;
   MapFrame frame;
   LegendItems items;
-  std::vector<Point2> places;  ///< of the items
+  std::vector<Point2> places;  ///< one for each item
 };
 Sheet sheet_of(const MapArea& area, const MapLook& look, const PictureSize& size, const Theme& theme,
                const LegendOf& legend);

@@ -13,7 +13,7 @@
 namespace gdtslam::picture {
 namespace {
 
-constexpr int kPathBands = 64;      ///< of colours along a path
+constexpr int kPathBands = 64;      ///< bands of colour along a path
 constexpr double kEndRadius = 8.0;  // all of one unit
 constexpr double kRingRadius = 9.0;
 constexpr double kKeyframeRadius = 2.1;
@@ -24,7 +24,7 @@ struct PathPoint {
   double share = 0.0;
 };
 
-constexpr int kNoBand = -1;  ///< of what has no value
+constexpr int kNoBand = -1;  ///< band of a pose without a value
 int band_of(double share) {
   return std::isfinite(share) ? static_cast<int>(std::clamp(share * kPathBands, 0.0, kPathBands - 1.0)) : kNoBand;
 }
@@ -254,7 +254,7 @@ std::vector<double> time_shares(const Trajectory& trajectory) {
   const double whole_s = duration_s(trajectory);
   double elapsed_s = 0.0;
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
-    // Where stamps say nothing, the order does.
+    // If stamps say nothing, the order does.
     if (whole_s > 0.0) elapsed_s = std::max(elapsed_s, trajectory[i].stamp_s - trajectory.front().stamp_s);
     const double by_order =
         static_cast<double>(i) / static_cast<double>(std::max<std::size_t>(1, trajectory.size() - 1));
@@ -288,7 +288,7 @@ void draw_dots(Canvas& canvas, const MapFrame& frame, const Trajectory& trajecto
 
 void draw_line_of_values(Canvas& canvas, const MapFrame& frame, const PathOfValues& path,
                          const std::function<Colour(double)>& colour_at, const ValueLine& line) {
-  constexpr double kLeastStep = 0.35;  // of the line's width
+  constexpr double kLeastStep = 0.35;  // in widths of the line
   const std::vector<std::size_t> ends = ends_of_drives(path.drives, path.trajectory.size());
   for (std::size_t k = 1; k < ends.size(); ++k) {
     std::vector<Point2> whole;

@@ -1,5 +1,5 @@
-// What explains a picture's scale: a colour bar with ticks and a scale bar of round length. Sizes follow the text size.
-// O(1) shapes.
+// Bars that explain a picture's scale: a colour bar with ticks and a scale bar of round length. Sizes follow the text
+// size. O(1) shapes.
 #pragma once
 
 #include <string>

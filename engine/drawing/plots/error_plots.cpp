@@ -115,7 +115,7 @@ double axis_end(const Plot& plot) {
   return (zero - plot.inside().corner.y()) / (zero - one);
 }
 
-constexpr double kBoxWidth = 0.44;  // of the distance of two boxes
+constexpr double kBoxWidth = 0.44;  // in distances of two boxes
 
 /// Above the box, as large as the distance of two boxes allows.
 void draw_median(Plot& plot, double x, const BoxFigures& figures, const std::string& unit, double text_size) {
@@ -148,7 +148,7 @@ std::vector<Point2> distribution_of(const std::vector<double>& ascending, double
   if (ascending.front() < 0.0) steps.front().x() = ascending.front();
   const auto count = static_cast<double>(ascending.size());
   for (std::size_t i = 0; i < ascending.size(); ++i) {
-    // Of equal values the last one counts.
+    // The last of several equal values counts.
     if (i + 1 < ascending.size() && ascending[i + 1] == ascending[i]) continue;
     steps.emplace_back(ascending[i], static_cast<double>(i + 1) / count);
   }
@@ -186,7 +186,7 @@ void draw_distribution(Plot& plot, const SortedGroup& group, std::size_t number,
   plot.markers(std::array{Point2(median, 0.5), Point2(most, 0.95)}, Fill{kLightTheme.curve(number)}, 4.5);
 }
 
-/// What the points span; those that are not finite are gaps and span nothing.
+/// Extent of the points; values that are not finite are gaps and span nothing.
 struct Extent {
   double first_s = std::numeric_limits<double>::infinity();
   double last_s = -std::numeric_limits<double>::infinity();
@@ -251,7 +251,7 @@ Axis value_axis(const Extent& extent, const std::string& title) {
   if (from == to) {
     const double half = 0.5 * std::fabs(from);
     from -= half;
-    to += half > 0.0 ? half : 1.0;  // nothing but zeros: errors that there are none of
+    to += half > 0.0 ? half : 1.0;  // all values are zero: there are no errors
   }
   return axis_of(title, from, to, true);
 }

@@ -55,7 +55,7 @@ constexpr double kRow = 1.6;
 constexpr double kSwatch = 1.9;
 constexpr double kPadding = 0.7;
 constexpr double kFromFrame = 0.8;
-constexpr double kSmallestShare = 0.7;  // of the plot's letters
+constexpr double kSmallestShare = 0.7;  // least size of the legend's letters, in sizes of the plot's
 
 }  // namespace
 

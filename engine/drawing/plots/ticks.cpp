@@ -9,7 +9,7 @@
 namespace gdtslam {
 namespace {
 
-/// Of a step, by which a tick may lie beyond its range: sums of steps are not exact.
+/// Share of a step by which a tick may lie beyond its range: sums of steps are not exact.
 constexpr double kSlack = 1e-6;
 constexpr int kMostDecimals = 9;
 constexpr double kPlainMost = 1e7;

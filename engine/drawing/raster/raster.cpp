@@ -48,7 +48,7 @@ std::uint8_t colour_for(std::uint32_t premultiplied, std::uint32_t alpha) {
   return static_cast<std::uint8_t>((premultiplied * 255U + alpha / 2U) / alpha);
 }
 
-// Where the words lie, so that a picture is in memory once.
+// Converts in place, so that a picture is in memory once.
 void become_pixels(RgbaImage& image) {
   const std::uint8_t* const end = image.pixels.data() + image.pixels.size();
   for (std::uint8_t* at = image.pixels.data(); at < end; at += 4) {

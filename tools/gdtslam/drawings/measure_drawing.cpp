@@ -20,11 +20,11 @@ constexpr double kHeight = 800.0;
 constexpr double kRadius = 10.0;
 constexpr double kMargin_m = 0.4;  // around the boxes and the viewpoint
 constexpr double kLeastView_m = 1.5;
-constexpr double kAside_px = 30.0;  // of a dimension line from what it measures
+constexpr double kAside_px = 30.0;  // distance of a dimension line from the edge that it measures
 constexpr double kTick_px = 6.0;
-constexpr int kDotsAcross = 170;  // of the points, one to a square of the view
+constexpr int kDotsAcross = 170;  // squares across the view, each with one dot for its points
 constexpr std::array kFills{ink::kCoupler, ink::kRocker, ink::kCrank, ink::kCurve};
-constexpr std::size_t kMostRows = 4;  // of boxes in the table
+constexpr std::size_t kMostRows = 4;  // boxes in the table
 
 /// From the map's plane to the page: x up, y to the left.
 struct TopView {
@@ -47,7 +47,7 @@ struct Outline {
   Point2 right;
   Point2 back_right;
   Point2 back_left;
-  Point2 out;  ///< of the face, a unit vector of the map
+  Point2 out;  ///< normal of the face, a unit vector of the map
   bool has_depth = false;
 };
 

@@ -92,7 +92,7 @@ Canvas RenderStudio::before_and_after_loops(const Wanted& wanted) {
 }
 
 std::unique_ptr<Film> RenderStudio::loops(const PictureSize& size, std::size_t frames) {
-  constexpr std::size_t kHeldShare = 5;  // of a short film
+  constexpr std::size_t kHeldShare = 5;  // divides a short film
   const auto second = static_cast<std::size_t>(std::lround(frames_per_s()));
   const LoopsFilmLength length{frames,
                                std::clamp<std::size_t>(second, 1, std::max<std::size_t>(frames / kHeldShare, 1))};

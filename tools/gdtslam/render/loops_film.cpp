@@ -70,7 +70,7 @@ class LoopsReplay {
  private:
   void make_scene(RenderSource& source);
   [[nodiscard]] std::vector<Pose2> places_at(const LoopsInstant& instant) const;
-  /// Of the robot, in a stage that has come as far as this.
+  /// Covariance of the robot's pose, in a stage that has come this far.
   [[nodiscard]] PoseCovariance covariance_in(const ReplayStage& stage, double driven_m) const;
 
   RunGraph run_;
@@ -131,7 +131,7 @@ LoopsMoment LoopsReplay::moment(const LoopsInstant& instant, const std::vector<d
                               .glow = glow[stage]});
     }
   }
-  // Those that nobody believes on top: there are few.
+  // Loops that are switched off lie on top: there are few.
   std::stable_sort(moment.loops.begin(), moment.loops.end(),
                    [](const MovedLoop& a, const MovedLoop& b) { return a.is_on && !b.is_on; });
   if (instant.is_over) return moment;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kLeastBend = 4;  // frames in which the eye can follow
 constexpr std::size_t kMostBend = 25;
-constexpr std::size_t kFadeShare = 12;  // of the film in which the map comes up
+constexpr std::size_t kFadeShare = 12;  // the map comes up in this fraction of the film
 
 std::size_t fading(const LoopsFilmLength& length) { return length.frames / kFadeShare; }
 
@@ -120,7 +120,7 @@ std::vector<LoopsInstant> loops_timeline(const std::vector<double>& stages_m, do
   maker.bend(bends, bend);
   maker.bring_up_map(fading(length));
   maker.hold(length.held);
-  // Of a film too short for all of it the end is what counts.
+  // A film too short for everything keeps its end.
   const std::size_t count = std::max<std::size_t>(length.frames, 1);
   if (frames.size() > count) frames.erase(frames.begin(), frames.end() - static_cast<std::ptrdiff_t>(count));
   return frames;

@@ -13,16 +13,16 @@
 
 namespace gdtslam {
 
-/// What a frame shows.
+/// Content of one frame.
 struct LoopsInstant {
   double driven_m = 0.0;   ///< how far the robot has come
   std::size_t stage = 0;   ///< the loops known: 0 none, one more than the drive has is the adjusted path
   double bent = 1.0;       ///< from the stage before, 0, to this one, 1
-  double map_share = 0.0;  ///< of the map itself, which comes up at the end
+  double map_share = 0.0;  ///< share of the map itself, which comes up at the end
   bool is_over = false;    ///< the robot has arrived
 };
 
-/// Of so many frames the last ones stand still.
+/// Number of frames, the last of which stand still.
 struct LoopsFilmLength {
   std::size_t frames = 1;
   std::size_t held = 1;
@@ -52,7 +52,7 @@ class LoopsPath {
 
   /// The path so far with the places at these poses: between two of them by both, in the ratio of the way.
   [[nodiscard]] std::vector<Point2> bent(const std::vector<Pose2>& T_map_places, double driven_m) const;
-  /// What is seen from the places so far.
+  /// Walls seen from the places so far.
   [[nodiscard]] std::vector<Point2> walls(const std::vector<Pose2>& T_map_places, double driven_m) const;
 
  private:
@@ -60,7 +60,7 @@ class LoopsPath {
     double driven_m = 0.0;
     double stamp_s = 0.0;
     std::size_t place = 0;  ///< the last one before
-    double share = 0.0;     ///< of the way to the next
+    double share = 0.0;     ///< share of the way to the next
     Point2 from_last = Point2::Zero();
     Point2 from_next = Point2::Zero();
   };
@@ -69,7 +69,7 @@ class LoopsPath {
   std::vector<Pose2> T_map_places_;
   std::vector<double> places_m_;
   std::vector<PathPoint> points_;
-  std::vector<std::vector<Point2>> walls_;  ///< of each place, in its frame
+  std::vector<std::vector<Point2>> walls_;  ///< walls seen from each place, in its frame
 };
 
 }  // namespace gdtslam

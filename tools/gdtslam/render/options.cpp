@@ -19,7 +19,7 @@ namespace gdtslam {
 namespace {
 
 constexpr std::uint32_t kMostSide_px = 16384;
-constexpr double kLargestEnd = 1e12;  // of a scale: beyond it the two ends could be one number in degrees
+constexpr double kLargestEnd = 1e12;  // farthest end of a scale: beyond it the two ends could be one number in degrees
 
 constexpr std::array<std::pair<std::string_view, CloudColour>, 6> kColours{{{"height", CloudColour::kHeight},
                                                                             {"elevation", CloudColour::kElevation},

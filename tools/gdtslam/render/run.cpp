@@ -33,7 +33,7 @@ constexpr PictureSize kFilmSize{1280, 720};
 constexpr PictureSize kGifSize{640, 360};
 constexpr std::uint64_t kPagePoints = 500'000;
 constexpr std::uint64_t kMostGlbPoints = 1'000'000;
-constexpr double kTurn_s = 4.0;  // of a linkage in glTF, as its film takes
+constexpr double kTurn_s = 4.0;  // one turn of a linkage in glTF, the same as in its film
 
 // "map, graph"; of a film where none of them moves, those of stills.
 std::string views_instead(unsigned parts, bool moves) {
@@ -265,7 +265,7 @@ void Render::write_page() {
 void Render::write_model() {
   RenderSource& source = sources_.front();
   if (is_linkage_model()) {
-    constexpr int kSteps = 120;  // of 3 degrees, between which a straight line is 0.04 % of the crank off
+    constexpr int kSteps = 120;  // steps of 3 degrees, between which a straight line is 0.04 % of the crank off
     write_linkage_glb(result_.file, studio_.title(), linkage_solids(source.linkage(), kSteps), kTurn_s);
     return;
   }

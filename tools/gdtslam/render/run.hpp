@@ -11,7 +11,7 @@
 
 namespace gdtslam {
 
-/// What was written.
+/// Description of the file that was written.
 struct RenderResult {
   std::string file;
   OutputKind kind = OutputKind::kPng;
@@ -19,11 +19,11 @@ struct RenderResult {
   std::string as;
   std::uint32_t width = 0;
   std::uint32_t height = 0;
-  std::uint64_t frames = 0;     ///< of a film
+  std::uint64_t frames = 0;     ///< films only
   double film_s = 0.0;          ///< how long it plays
   std::uint64_t points = 0;     ///< drawn, or in the page or model
   std::uint64_t points_of = 0;  ///< before thinning, with floor and ceiling
-  std::uint64_t bytes = 0;      ///< of the file, or of all frames
+  std::uint64_t bytes = 0;      ///< size of the file, or of all frames
   std::string renderer;
 };
 

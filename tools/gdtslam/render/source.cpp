@@ -66,7 +66,7 @@ std::string head_of(const std::string& path) {
   if (!file) throw FileError(path, "cannot be opened: " + errno_text(errno));
   std::string head(kHeadBytes, '\0');
   const int count = ::gzread(file.get(), head.data(), static_cast<unsigned>(head.size()));
-  head.resize(count > 0 ? static_cast<std::size_t>(count) : 0);  // what is damaged shows when it is read in full
+  head.resize(count > 0 ? static_cast<std::size_t>(count) : 0);  // damage shows when the file is read in full
   return head;
 }
 
@@ -132,7 +132,7 @@ std::string stem_of(const std::string& path) {
 
 struct PointsRead {
   std::uint64_t read = 0;
-  std::uint64_t near = 0;  ///< of them, that can be drawn
+  std::uint64_t near = 0;  ///< points among them that can be drawn
 };
 // Throws InputError if no point can be drawn.
 void report_strays(const std::string& path, const CloudReader& reader, const PointsRead& points,
@@ -275,7 +275,7 @@ PointsOfCloud RenderSource::cloud(const CloudReading& reading) const {
     PointsOfCloud points = read_cloud(run_ ? run_->files().path(kCloudName) : cloud_file_, reading);
     finish();
     return points;
-  } catch (const Error&) {  // of a file that is not the run's that is the fault
+  } catch (const Error&) {  // a file that is not the run's own is reported first
     finish();
     throw;
   }

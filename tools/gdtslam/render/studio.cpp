@@ -20,7 +20,7 @@ namespace {
 constexpr double kFramesPerSecond = 25.0;
 constexpr double kMostFrames = 100'000.0;
 constexpr double kFarDistance_m = 1.0;     // to a reference: what is farther counts as that, or as what is shown
-constexpr std::size_t kStillFrames = 101;  // of the film that a still is taken from
+constexpr std::size_t kStillFrames = 101;  // frames of the film that a still is taken from
 constexpr std::uint64_t kFilmPoints = 500'000;
 constexpr std::uint64_t kFollowPoints = 1'000'000;  // seen from near
 

@@ -69,10 +69,10 @@ class RenderStudio {
   /// By --seconds and --fps, else what suits the view.
   [[nodiscard]] FilmLength length_of(const RenderView& view);
 
-  /// What drew: "EGL, llvmpipe ..." or, without OpenGL, "Cairo".
+  /// Name of the renderer: "EGL, llvmpipe ..." or, without OpenGL, "Cairo".
   [[nodiscard]] std::string renderer() const;
   [[nodiscard]] std::uint64_t points_drawn() const { return points_drawn_; }
-  /// Of the cloud before it was thinned and without floor or ceiling; of a scan those of its stretch of time.
+  /// Points of the cloud before it was thinned and lost floor or ceiling; in a scan, those of its stretch of time.
   [[nodiscard]] std::uint64_t whole_points() const { return whole_points_; }
   /// The cloud of the first source, thinned to --points or else `most` (0: all).
   Cloud read_cloud(std::uint64_t most);
@@ -92,7 +92,7 @@ class RenderStudio {
   struct Stretch {
     double from_s = 0.0;
     double to_s = 0.0;
-    double first_s = 0.0;  ///< of the log, from which --time counts
+    double first_s = 0.0;  ///< begin of the log, from which --time counts
   };
   Stretch stretch();
   Cloud read_stretch(std::uint64_t most, const std::optional<Stretch>& stretch);

@@ -63,7 +63,7 @@ struct GivenOption {
   std::string_view name;
   bool is_given = false;
   unsigned effects = 0;   ///< one of them is enough
-  std::string_view fits;  ///< what the option is for
+  std::string_view fits;  ///< content that the option is for
 };
 
 std::vector<GivenOption> given_options(const RenderOptions& o, OutputKind output) {

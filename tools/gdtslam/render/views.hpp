@@ -67,7 +67,7 @@ const RenderView& render_view(const std::string& name, const std::string& as);
 /// The view that an input is drawn as when none is named; the one that moves best for a film. Null if no view can be a
 /// film.
 const RenderView* default_view(unsigned parts, bool is_film);
-/// Those of these parts that the view lacks, "map and 3D cloud", with the joint between them; else empty.
+/// Names of the needed parts that are missing, "map and 3D cloud", with the joint between them; else empty.
 std::string missing_parts(const RenderView& view, unsigned parts, std::string_view joint = " and ");
 /// Names of the views that these parts allow, "map, field".
 std::string views_there_are(unsigned parts, bool is_film);

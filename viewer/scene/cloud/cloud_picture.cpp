@@ -22,13 +22,13 @@ constexpr double kLeastLetter_px = 11.0;
 constexpr double kMarginLetters = 1.5;
 constexpr double kTitleLetters = 1.5;  // size of the title
 constexpr double kNoteLetters = 0.85;  // size of remarks
-constexpr double kTitleShare = 0.4;    // of the picture's height, for title and subtitle
-constexpr double kBarShare = 0.26;     // of the picture's width, of the colour bar
+constexpr double kTitleShare = 0.4;    // share of the picture's height, for title and subtitle
+constexpr double kBarShare = 0.26;     // share of the picture's width, for the colour bar
 constexpr double kShortestBarLetters = 5.0;
-constexpr double kGroundOpacity = 0.75;  // of the ground of the bar: the scene shows through
-constexpr double kScaleBarShare = 0.16;  // of the picture's width, at most
+constexpr double kGroundOpacity = 0.75;  // opacity of the bar's ground: the scene shows through
+constexpr double kScaleBarShare = 0.16;  // share of the picture's width, at most
 constexpr double kTriadLetters = 2.4;    // length of an axis
-constexpr double kTriadShare = 0.35;     // of the picture's height, at most
+constexpr double kTriadShare = 0.35;     // share of the picture's height, at most
 constexpr double kSeenEndOn = 0.25;      // an axis shorter than this share of its length says nothing
 
 // Nobody knows what a transparent picture will lie on: dark words with a light halo can be read on white and on dark.

@@ -14,11 +14,11 @@
 namespace gdtslam {
 namespace {
 
-constexpr float kKeptDistance_m = 0.4F;  // what is so little nearer hides nothing
+constexpr float kKeptDistance_m = 0.4F;  // a point that is nearer by less hides nothing
 constexpr double kLeastDiameter_m = 0.001;
 constexpr double kCodesPerDoubling = 20.0;
 constexpr double kLogOfTwo = 0.6931471805599453;
-constexpr float kSqRadius = 0.26F;  // of a disc, of its square's side: a little more than what the square holds
+constexpr float kSqRadius = 0.26F;  // in sides of the disc's square: a little more than fits into it
 
 constexpr std::size_t kPiece = 1U << 16U;
 
@@ -52,7 +52,7 @@ struct PieceTimes {
   std::size_t count = 0;
   double first_s = 0.0;
   double span_s = 0.0;
-  std::vector<std::uint32_t> ticks;  // of the points' stamps within the span; empty where all are one
+  std::vector<std::uint32_t> ticks;  // stamps of the points within the span; empty if all are one
 };
 
 void sort_by_time(std::span<const CloudPoint> cloud, std::vector<std::uint32_t>& drawn) {
@@ -172,7 +172,7 @@ struct CloudPoints::State {
   PointSizes sizes;
   std::optional<KeptInView> kept_in_view;
 
-  // Of the picture that is being drawn.
+  // State of the picture that is being drawn.
   std::optional<DotPainter> painter;
   std::vector<PictureBand> bands;
   std::vector<std::vector<std::uint32_t>> of_band;  // dots, by their place in the whole; empty for one band

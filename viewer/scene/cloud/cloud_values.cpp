@@ -42,14 +42,15 @@ const char* suitable_map(const CloudLook& look) { return look.is_dark ? "lagoon"
 constexpr std::size_t kLevelSample = 250000;
 constexpr double kStrayLevelShare = 0.001;
 
-constexpr std::size_t kDensitySample = 20000;  // of points, for what is common
+constexpr std::size_t kDensitySample = 20000;  // number of points from which the common spacing is estimated
 constexpr double kCubesAlong = 400.0;          // the finest measure: cubes along the cloud's longest side
 constexpr double kLeastCube_m = 0.02;
 constexpr double kCoarsestCubesAlong = 10.0;
 constexpr double kGapsPerCube = 3.0;    // at least, along a cube's edge, so that counting says something
 constexpr double kLargestGap_m = 0.05;  // beyond it points lie alone, and are shown so,
 constexpr double kGapsPerMedian = 2.0;  // but for clouds that are all sparse
-constexpr int kBits = 21;  // of a coordinate in a key; farther cubes fall together, which only makes points smaller
+constexpr int kBits =
+    21;  // width of a coordinate in a key; farther cubes fall together, which only makes points smaller
 
 std::uint64_t cell_of(float coordinate_m, double cube_m) {
   const auto cell = static_cast<std::int64_t>(std::floor(static_cast<double>(coordinate_m) / cube_m));

@@ -50,15 +50,15 @@ ColourScale colour_scale(const CloudLook& look, const CloudValues& values, std::
 
 /// The look's values are in rad, the scale's in degrees.
 Colour colour_at(const ColourScale& scale, const ColourMap& map, float value);
-/// Of points without a value: CloudColour::kPlain.
+/// Colour of points without a value: CloudColour::kPlain.
 Colour plain_colour(const CloudLook& look);
 /// The colours that a picture of a cloud gives its points, one for each, for who writes the points elsewhere.
 /// `distances_m` belongs to CloudColour::kDistance. Throws ConfigError as CloudScene does. O(n).
 std::vector<Colour> point_colours(std::span<const CloudPoint> cloud, const CloudLook& look,
                                   std::span<const float> distances_m = {});
 
-/// What goes with a level surface: over the floor thicker than its noise and thinner than what stands on it, under the
-/// ceiling its lamps too.
+/// Margins of a level surface. Over the floor it is thicker than the floor's noise and thinner than things that stand
+/// on it; under the ceiling it takes the lamps, too.
 inline constexpr double kFloorMargin_m = 0.06;
 inline constexpr double kCeilingMargin_m = 0.25;
 

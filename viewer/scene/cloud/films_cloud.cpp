@@ -80,8 +80,8 @@ Pose2 pose_at(const Trajectory& trajectory, double stamp_s) {
   return before.T_map_base * exp_se2(share * log_se2(between(before.T_map_base, next->T_map_base)));
 }
 
-// Where the robot was when it was last as far away as the camera stands: the eye travels along the robot's own path,
-// where no wall is. Before the path began there is but the way straight back.
+// The robot's last place that is as far away as the camera stands: the eye travels along the robot's own path, which
+// has no walls. Before the path began there is only the way straight back.
 Point2 place_behind(const Trajectory& trajectory, double stamp_s) {
   const Point2 robot = pose_at(trajectory, stamp_s).translation();
   const auto past = [stamp_s](const StampedPose& pose) { return pose.stamp_s > stamp_s; };

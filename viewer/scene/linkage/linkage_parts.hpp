@@ -56,7 +56,7 @@ class LinkageParts {
   static constexpr std::size_t kCount = 7;
   static constexpr std::array<std::string_view, kCount> kNames{"ground", "crank", "coupler", "rocker",
                                                                "cradle", "laser", "fan"};
-  /// Of the parts, in the order of their names.
+  /// Poses of the parts, in the order of their names.
   using Poses = std::array<Pose3, kCount>;
 
   LinkageParts(const calib::SweepModel& model, const PartSizes& sizes);
@@ -67,7 +67,7 @@ class LinkageParts {
   void add_to(vtkRenderer& renderer) const;
   /// False, and nothing moves, where the loop does not close.
   bool pose(const Pose3& T_world_axis, double crank_rad);
-  /// Nothing where the loop does not close.
+  /// Empty if the loop does not close.
   [[nodiscard]] std::optional<Poses> poses_at(const Pose3& T_world_axis, double crank_rad) const;
   [[nodiscard]] const Part& part(std::size_t number) const { return parts_.at(number); }
   void show(bool is_visible);
@@ -103,7 +103,7 @@ class LinkageParts {
 /// A key light from the upper left, a soft one from the right, the rest from the camera.
 void add_lights(vtkRenderer& renderer);
 
-/// What stands still around a moving linkage: the paths of its joints, the coupler's curve, the laser's sweep, the dead
+/// Still surroundings of a moving linkage: the paths of its joints, the coupler's curve, the laser's sweep, the dead
 /// points. In the frame of the axis.
 class LinkageSurroundings {
  public:

@@ -123,7 +123,7 @@ struct LinkageScene::State {
   LinkagePanel panel;
   LinkageSurroundings surroundings;
   OffscreenView view;
-  std::vector<Point3> reach;  ///< of the whole motion
+  std::vector<Point3> reach;  ///< corners of the whole motion
   double crank_rad = 0.0;
 };
 

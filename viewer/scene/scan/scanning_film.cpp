@@ -26,8 +26,8 @@ namespace gdtslam {
 namespace {
 
 constexpr double kLeastText = 10.5;
-constexpr double kTextShare = 0.0182;  ///< of the picture's height
-constexpr double kWindow_s = 24.0;     ///< of the running plot where the film is longer
+constexpr double kTextShare = 0.0182;  ///< share of the picture's height
+constexpr double kWindow_s = 24.0;     ///< length of the running plot if the film is longer
 constexpr double kCardOpacity = 0.92;
 constexpr int kCurveSteps = 600;
 constexpr double kLeastWidth = 420.0;
@@ -49,7 +49,7 @@ class ScanningOverlay {
   ScanningOverlay(const ScanningTrack& track, double zero_s, const CloudLook& look, const CloudCaption& caption,
                   const PictureSize& size);
 
-  /// Where the close view of the mount goes; nothing where the picture is too small for one.
+  /// Area of the close view of the mount; without width if the picture is too small for one.
   [[nodiscard]] const DrawingArea& inset() const { return inset_; }
   void draw(Canvas& canvas, const ScanningMoment& moment, const ColourScale& scale,
             const std::shared_ptr<const RgbaImage>& mount) const;
@@ -212,8 +212,8 @@ void ScanningOverlay::draw_inset(Canvas& canvas, const ScanningMoment& moment,
 
 constexpr double kLeastDistance_m = 1.7;
 constexpr double kMostDistance_m = 4.5;
-constexpr double kDistanceShare = 0.55;  ///< of the usual range
-constexpr double kSway_rad = 0.14;       ///< of the camera to each side: a standing robot's scene gains depth
+constexpr double kDistanceShare = 0.55;  ///< share of the usual range
+constexpr double kSway_rad = 0.14;       ///< turn of the camera to each side: a standing robot's scene gains depth
 constexpr double kScanViewAngle_rad = 0.95;
 
 /// Behind the robot on its right side, where the linkage is, from above.

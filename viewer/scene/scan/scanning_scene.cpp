@@ -25,7 +25,7 @@ namespace gdtslam {
 namespace {
 
 constexpr double kCube_m = 0.08;          ///< in which the density of points is measured
-constexpr double kMostDiameter_m = 0.03;  ///< of a point that lies alone
+constexpr double kMostDiameter_m = 0.03;  ///< diameter of a point that lies alone
 constexpr double kFades_s = 0.3;
 constexpr double kPathWidth_m = 0.014;
 constexpr double kGridStep_m = 1.0;
@@ -226,7 +226,7 @@ void ScanningScene::show(double stamp_s, double crank_rad) {
     s.robot.set_elevation(s.track.elevation_rad(stamp_s));
   }
   const Point3 sensor_m = s.robot.T_map_laser().translation_m;
-  // What stands before the robot is cut away as a whole: a hole in a wall would wander over it.
+  // Everything that stands before the robot is cut away: a hole in a wall would wander over it.
   s.points.keep_in_view(KeptInView{{sensor_m.x(), sensor_m.y(), 0.5 * sensor_m.z()}, kCutAway_m});
   s.beams.set_scan(sensor_m, s.track.last_scan(stamp_s));
   s.beams.set_fresh(sensor_m, s.track.measured_between(stamp_s - kFades_s, stamp_s),

@@ -16,7 +16,7 @@ namespace {
 constexpr double kSlope_s = 0.04;       ///< to each side: the elevation's slope, well above one scan's time
 constexpr double kSmooth_s = 1.5;       ///< to each side: the camera's average
 constexpr int kSmoothSteps = 12;        ///< to each side
-constexpr std::size_t kSamples = 4000;  ///< of the points that figures are read off
+constexpr std::size_t kSamples = 4000;  ///< points that figures are estimated from
 
 bool is_before(const CloudPoint& point, double stamp_s) { return point.stamp_s < stamp_s; }
 bool is_after(double stamp_s, const CloudPoint& point) { return stamp_s < point.stamp_s; }

@@ -1,5 +1,5 @@
-// What happened when, in a stretch of a log with a nodding laser: points in the order of time, the elevation and
-// whether it rises, the robot's pose. Times in the log's clock, seconds; frame map. Thread-safe after construction.
+// Course of a stretch of a log with a nodding laser: points in the order of time, the elevation and whether it rises,
+// the robot's pose. Times in the log's clock, seconds; frame map. Thread-safe after construction.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ class ScanningTrack {
 
   [[nodiscard]] double from_s() const { return from_s_; }
   [[nodiscard]] double to_s() const { return to_s_; }
-  /// Of the stretch, by time.
+  /// Points of the stretch, by time.
   [[nodiscard]] std::span<const CloudPoint> points() const { return points_; }
   /// Measured until then, that moment included.
   [[nodiscard]] std::size_t count_until(double stamp_s) const;

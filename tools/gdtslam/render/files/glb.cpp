@@ -35,7 +35,7 @@ constexpr std::uint32_t kTextChunk = 0x4E4F534A;
 constexpr std::uint32_t kBytesChunk = 0x004E4942;
 constexpr std::size_t kHeaderBytes = 12;
 constexpr std::size_t kChunkHeaderBytes = 8;
-constexpr std::size_t kMostBytes = 0xFF000000;  // of 2^32, with room for the text
+constexpr std::size_t kMostBytes = 0xFF000000;  // a little less than 2^32, with room for the text
 
 void write_numbers(AtomicFile& file, std::span<const std::uint32_t> numbers) { file.write(std::as_bytes(numbers)); }
 
@@ -243,7 +243,7 @@ class LinkageDocument {
     for (const Pose3& pose : part.poses) {
       places.push_back(place_of_pose(pose));
       rotations.push_back(rotation_of_pose(pose));
-      // Of the two quaternions of a rotation the one near the last, so that the part turns the short way.
+      // A rotation has two quaternions; the one near the last lets the part turn the short way.
       if (rotations.size() < 2) continue;
       const Vector4f& before = rotations[rotations.size() - 2];
       Vector4f& now = rotations.back();

@@ -1,4 +1,4 @@
-// Where a 3D scene is seen from. Frame: map, z up, metres. Thread-safe, constant time.
+// Cameras of 3D scenes. Frame: map, z up, metres. Thread-safe, constant time.
 #pragma once
 
 #include <cstdint>
@@ -20,17 +20,17 @@ struct Bounds {
   [[nodiscard]] bool holds(const Point3& point) const;
 };
 
-/// Where a picture is taken from, and how.
+/// Place and kind of the camera that takes a picture.
 struct Camera {
   Point3 eye{0.0, -10.0, 10.0};
   Point3 target = Point3::Zero();
   Point3 up{0.0, 0.0, 1.0};
   double view_angle_rad = 0.6;  ///< vertical; not used by a parallel camera
   bool is_parallel = false;
-  double parallel_height_m = 10.0;  ///< of what the picture shows from bottom to top
+  double parallel_height_m = 10.0;  ///< height of the scene from the picture's bottom to its top
 };
 
-/// Where a camera stands when nobody says.
+/// Default places of a camera.
 enum class CameraPreset : std::uint8_t {
   kIso,     ///< from the south-west, the longer side turned to the picture's longer side, 38 degrees down
   kTop,     ///< straight down, parallel, the map's y up, or its x where that fills the picture better
@@ -54,7 +54,8 @@ Camera turned(const Camera& camera, double angle_rad);
 /// or down. Throws UsageError.
 Camera parse_camera(const std::string& text);
 
-/// Where a point is seen: pixels from the upper left corner, and how far before the camera; nothing behind it.
+/// Place of a point in the picture: pixels from the upper left corner, and its distance before the camera. Empty behind
+/// it.
 struct Seen {
   double x_px = 0.0;
   double y_px = 0.0;

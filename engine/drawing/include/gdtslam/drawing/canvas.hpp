@@ -27,12 +27,12 @@ struct Pen {
   Colour colour = ink::kText;
   double width = 1.0;
   double opacity = 1.0;
-  std::string_view dashes = "";  ///< as SVG has them: "4 3"; of static storage
+  std::string_view dashes = "";  ///< pattern in the form of SVG, "4 3"; of static storage
 };
 
 enum class Anchor : std::uint8_t { kStart, kMiddle, kEnd };
 
-/// Nothing is drawn farther from the origin than this, in pixels: Cairo's coordinates end at 2^23.
+/// Farthest place from the origin that is drawn, in pixels: Cairo's coordinates end at 2^23.
 inline constexpr double kFarthest_px = 1e6;
 
 /// How words are drawn.
@@ -94,7 +94,7 @@ struct Picture {
   std::shared_ptr<const RgbaImage> image;
   bool is_smooth = true;  ///< false: each pixel of the image stays a square, as a map's cells should
 };
-/// What comes until the matching End is seen within the rectangle only.
+/// Shapes from here to the matching ClipEnd are seen within the rectangle only.
 struct ClipBegin {
   Point2 corner;
   double width = 0.0;
@@ -118,7 +118,7 @@ class Canvas {
   void polygon(std::vector<Point2> points, const Fill& fill);
   void circle(const Point2& centre, double radius, const std::optional<Fill>& fill,
               const std::optional<Pen>& edge = std::nullopt);
-  /// What is no UTF-8 becomes U+FFFD, control characters become spaces.
+  /// Bytes that are not UTF-8 become U+FFFD, control characters become spaces.
   void text(const Point2& at, std::string_view words, const Lettering& lettering = {});
   void upright_text(const Point2& at, std::string_view words, const Lettering& lettering = {});
   void picture(const Point2& corner, double width, double height, std::shared_ptr<const RgbaImage> image,

@@ -73,12 +73,12 @@ const ColourMap& colour_map(std::string_view name);
 struct Theme {
   Colour page;
   Colour card;  ///< under a plot or a legend
-  Colour edge;  ///< of a card
+  Colour edge;  ///< around a card
   Colour text;
   Colour quiet;  ///< words that explain
   Colour grid;
   Colour warning;
-  std::array<Colour, 6> series;  ///< of curves, told apart by people with any colour vision, in this order
+  std::array<Colour, 6> series;  ///< colours of curves, distinct for people with any colour vision, in this order
   [[nodiscard]] Colour curve(std::size_t number) const { return series[number % series.size()]; }
 };
 
