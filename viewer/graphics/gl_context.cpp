@@ -89,7 +89,7 @@ std::vector<Candidate> egl_candidates() {
   return candidates;
 }
 
-EGLDisplay display_of(const Candidate& candidate) {
+EGLDisplay get_display(const Candidate& candidate) {
   if (candidate.platform == 0) return eglGetDisplay(EGL_DEFAULT_DISPLAY);
   const auto get = egl_function<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
   return get == nullptr ? EGL_NO_DISPLAY : get(candidate.platform, candidate.native, nullptr);
@@ -115,7 +115,7 @@ void prove(GlDisplay& display) {
 }
 
 GlDisplay open_display(const Candidate& candidate) {
-  GlDisplay display{.name = candidate.name, .display = display_of(candidate)};
+  GlDisplay display{.name = candidate.name, .display = get_display(candidate)};
   if (display.display == EGL_NO_DISPLAY) throw DeviceError(display.name, "eglGetDisplay", "no display");
   if (eglInitialize(display.display, nullptr, nullptr) == EGL_FALSE) fail_egl(display.name, "eglInitialize");
   display.has_surface = choose_config(display, EGL_PBUFFER_BIT);

@@ -133,7 +133,7 @@ void throw_errors_of_vtk() {
 }
 
 /// Nearest and farthest distance along the view of the corners of what is shown.
-std::array<double, 2> span_of(const std::array<double, 6>& bounds, const Point3& eye, const Point3& ahead) {
+std::array<double, 2> depth_span(const std::array<double, 6>& bounds, const Point3& eye, const Point3& ahead) {
   std::array<double, 2> span{1e300, -1e300};
   for (std::size_t corner = 0; corner < 8; ++corner) {
     const Point3 point(bounds.at(corner & 1U), bounds.at(2 + (corner >> 1U & 1U)), bounds.at(4 + (corner >> 2U)));
@@ -160,7 +160,7 @@ void check_camera(const Camera& camera) {
 }
 
 /// Bounds of the props and the layer, in VTK's order.
-std::array<double, 6> bounds_of(vtkRenderer& renderer, const PictureLayer* layer) {
+std::array<double, 6> visible_bounds(vtkRenderer& renderer, const PictureLayer* layer) {
   std::array<double, 6> all{};
   renderer.ComputeVisiblePropBounds(all.data());
   if (layer == nullptr || layer->bounds().is_empty()) return all;
@@ -181,7 +181,7 @@ void set_range(PictureView& view, const std::array<double, 6>& bounds) {
   const Point3 ahead = (camera.target - camera.eye) / distance;
   DepthRange range{0.1 * distance, 2.0 * distance, camera.is_parallel, 1.0};
   if (bounds[0] <= bounds[1]) {
-    std::array<double, 2> span = span_of(bounds, camera.eye, ahead);
+    std::array<double, 2> span = depth_span(bounds, camera.eye, ahead);
     const double margin = 0.01 * (span[1] - span[0]) + 1e-3 * distance;
     if (camera.is_parallel && span[0] < 2.0 * margin) {
       const double back = 2.0 * margin - span[0];
@@ -270,7 +270,7 @@ RawPicture drawn_over_nothing(RenderWindow& window, vtkRenderer& renderer, bool 
 
 }  // namespace
 
-std::vector<PictureBand> bands_of(std::uint32_t width, std::uint32_t height, const BandShape& shape) {
+std::vector<PictureBand> cut_into_bands(std::uint32_t width, std::uint32_t height, const BandShape& shape) {
   const auto& [samples, margin, most_pixels] = shape;
   if (width * std::uint64_t{height} <= most_pixels) return {{0, height, 0, height}};
   // At least as many rows are kept as are drawn for their sake alone.
@@ -325,9 +325,9 @@ RgbaImage OffscreenView::render(const Camera& camera, const PictureSize& size) {
   const std::uint32_t margin = std::max(s.has_eye_dome ? shading_reach(radius) : 0, kBandMargin * s.samples);
   PictureView view{
       .camera = camera, .range = {}, .width = size.width * s.samples, .height = size.height * s.samples, .bands = {}};
-  view.bands = bands_of(view.width, view.height,
-                        {s.samples, margin, s.layer == nullptr ? kShapesBandPixels : kPointsBandPixels});
-  set_range(view, bounds_of(*s.renderer, s.layer));
+  view.bands = cut_into_bands(view.width, view.height,
+                              {s.samples, margin, s.layer == nullptr ? kShapesBandPixels : kPointsBandPixels});
+  set_range(view, visible_bounds(*s.renderer, s.layer));
   if (s.layer != nullptr) s.layer->begin(view);
   s.window->SetSize(static_cast<int>(view.width), static_cast<int>(view.bands.front().rows));
   const bool with_depth = s.has_eye_dome || s.layer != nullptr;

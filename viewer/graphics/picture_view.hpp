@@ -74,7 +74,7 @@ struct BandShape {
   std::uint32_t margin = 0;               ///< rows more on both sides, within the picture
   std::uint32_t most_pixels = 1U << 20U;  ///< about the largest size of a band
 };
-std::vector<PictureBand> bands_of(std::uint32_t width, std::uint32_t height, const BandShape& shape);
+std::vector<PictureBand> cut_into_bands(std::uint32_t width, std::uint32_t height, const BandShape& shape);
 
 /// A part of the picture beside VTK's props.
 class PictureLayer {

@@ -66,9 +66,9 @@ class PagedCloud {
   void keep_points();
   void measure();
   void find_levels();
-  [[nodiscard]] LevelCode level_of(const CloudPoint& point) const;
+  [[nodiscard]] LevelCode point_level(const CloudPoint& point) const;
   template <class ValueOf>
-  [[nodiscard]] Range range_of(const ValueOf& value_of) const;
+  [[nodiscard]] Range find_range(const ValueOf& value_at) const;
   void append_point(std::size_t index, ByteWriter& bytes) const;
 
   const Cloud& cloud_;
@@ -167,17 +167,17 @@ void PagedCloud::keep_points() {
 }
 
 template <class ValueOf>
-Range PagedCloud::range_of(const ValueOf& value_of) const {
+Range PagedCloud::find_range(const ValueOf& value_at) const {
   Range range;
   for (const std::uint32_t index : kept_) {
-    const double value = value_of(index);
+    const double value = value_at(index);
     if (!std::isfinite(value)) continue;
     range.least = std::min(range.least, value);
     range.most = std::max(range.most, value);
   }
   std::vector<double> sample;
   for (const std::uint32_t index : kept_) {  // points that are drawn at first, the same as in a picture of the cloud
-    const double value = level_of(cloud_[index]) == LevelCode::kCeiling ? kUnknown : value_of(index);
+    const double value = point_level(cloud_[index]) == LevelCode::kCeiling ? kUnknown : value_at(index);
     if (std::isfinite(value)) sample.push_back(value);
   }
   if (!sample.empty()) {
@@ -188,27 +188,27 @@ Range PagedCloud::range_of(const ValueOf& value_of) const {
 }
 
 void PagedCloud::measure() {
-  height_ = range_of([&](std::uint32_t k) { return static_cast<double>(cloud_[k].z_m); });
-  time_ = range_of([&](std::uint32_t k) { return cloud_[k].stamp_s; });
-  elevation_ = range_of([&](std::uint32_t k) { return static_cast<double>(cloud_[k].elevation_rad); });
-  scan_ = range_of([&](std::uint32_t k) { return static_cast<double>(cloud_[k].scan); });
+  height_ = find_range([&](std::uint32_t k) { return static_cast<double>(cloud_[k].z_m); });
+  time_ = find_range([&](std::uint32_t k) { return cloud_[k].stamp_s; });
+  elevation_ = find_range([&](std::uint32_t k) { return static_cast<double>(cloud_[k].elevation_rad); });
+  scan_ = find_range([&](std::uint32_t k) { return static_cast<double>(cloud_[k].scan); });
   if (distances_m_ != nullptr) {
-    distance_ = range_of([&](std::uint32_t k) { return static_cast<double>((*distances_m_)[k]); });
+    distance_ = find_range([&](std::uint32_t k) { return static_cast<double>((*distances_m_)[k]); });
   }
 }
 
 void PagedCloud::find_levels() {
-  const LevelSurfaces surfaces = level_surfaces_of(cloud_);
+  const LevelSurfaces surfaces = sampled_level_surfaces(cloud_);
   if (surfaces.floor) floor_ = surfaces.floor->plane;
   if (surfaces.ceiling) ceiling_ = surfaces.ceiling->plane;
   for (const std::uint32_t index : kept_) {
-    const LevelCode level = level_of(cloud_[index]);
+    const LevelCode level = point_level(cloud_[index]);
     floor_points_ += level == LevelCode::kFloor ? 1U : 0U;
     ceiling_points_ += level == LevelCode::kCeiling ? 1U : 0U;
   }
 }
 
-LevelCode PagedCloud::level_of(const CloudPoint& point) const {
+LevelCode PagedCloud::point_level(const CloudPoint& point) const {
   if (floor_ && floor_->distance_m(position_of(point)) <= kFloorMargin_m) return LevelCode::kFloor;
   if (ceiling_ && ceiling_->distance_m(position_of(point)) >= -kCeilingMargin_m) return LevelCode::kCeiling;
   return LevelCode::kNone;
@@ -252,7 +252,7 @@ void PagedCloud::append_point(std::size_t index, ByteWriter& bytes) const {
     const double distance_m = static_cast<double>((*distances_m_)[index]);
     bytes.u8(std::isfinite(distance_m) ? quantised_byte(distance_m, distance_) : 255U);
   }
-  bytes.u8(static_cast<std::uint8_t>(level_of(point)));
+  bytes.u8(static_cast<std::uint8_t>(point_level(point)));
 }
 
 void PagedCloud::add_points(PageData& page) const {
@@ -293,7 +293,7 @@ Json default_maps() {
   return maps;
 }
 
-PageData data_of(const PageInput& input) {
+PageData page_data(const PageInput& input) {
   PageData data;
   Json& about = data.description;
   about["title"] = legible(input.title);
@@ -323,14 +323,14 @@ PageData data_of(const PageInput& input) {
 
 }  // namespace
 
-std::string page_of(const PageInput& input) {
+std::string make_page(const PageInput& input) {
   const bool has_cloud = input.cloud != nullptr && !input.cloud->empty();
   const bool has_path = input.trajectory != nullptr && !input.trajectory->empty();
   const bool has_map = input.map != nullptr && input.map->geometry.cell_count() > 0;
   if (!has_cloud && !has_path && !has_map && input.linkage == nullptr) {
     throw InputError("there is nothing to show: a page needs a cloud, a path, a map or a linkage");
   }
-  return page_text(data_of(input), "img-src data: blob:");
+  return page_text(page_data(input), "img-src data: blob:");
 }
 
 }  // namespace gdtslam

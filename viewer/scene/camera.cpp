@@ -42,7 +42,7 @@ Bounds shown(const Bounds& bounds) {
   return box;
 }
 
-std::vector<Point3> corners_of(const Bounds& box) {
+std::vector<Point3> box_corners(const Bounds& box) {
   std::vector<Point3> corners;
   for (const double x : {box.lowest.x(), box.highest.x()}) {
     for (const double y : {box.lowest.y(), box.highest.y()}) {
@@ -101,7 +101,7 @@ Point3 iso_sight(double west_of_south_rad) {
 }
 
 Camera iso_camera(const Bounds& box, const PictureSize& size) {
-  const std::vector<Point3> corners = corners_of(box);
+  const std::vector<Point3> corners = box_corners(box);
   const auto from = [&](double west_of_south_rad) {
     return nearest_camera(iso_sight(west_of_south_rad), kIsoViewAngleRad, box.centre(), corners, size, kMarginShare);
   };
@@ -117,7 +117,7 @@ Camera parallel_camera(const Point3& forward, const Point3& up, const Bounds& bo
   camera.target = box.centre();
   camera.up = up;
   camera.eye = camera.target - forward * ((box.highest - box.lowest).norm() + 1.0);
-  const CameraBasis basis = basis_of(camera);
+  const CameraBasis basis = camera_basis(camera);
   const Point3 sides = box.highest - box.lowest;
   const double across_m = basis.right.cwiseAbs().dot(sides);
   const double upwards_m = basis.up.cwiseAbs().dot(sides);
@@ -138,7 +138,7 @@ constexpr double kFarthest_m = 1e6;
   throw UsageError(fmt::format("camera '{}': {}; give {}, for example 20,-30,25,0,0,0,35", text, what, kForm));
 }
 
-std::vector<std::string_view> parts_of(std::string_view text) {
+std::vector<std::string_view> split_parts(std::string_view text) {
   std::vector<std::string_view> parts;
   for (std::size_t begin = 0;;) {
     const std::size_t comma = text.find(',', begin);
@@ -151,7 +151,7 @@ std::vector<std::string_view> parts_of(std::string_view text) {
   }
 }
 
-double number_of(std::string_view part, const std::string& text) {
+double read_number(std::string_view part, const std::string& text) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
   if (error != std::errc{} || end != part.data() + part.size())
@@ -164,11 +164,11 @@ double number_of(std::string_view part, const std::string& text) {
 void read_opening(std::string_view part, const std::string& text, Camera& camera) {
   if (part.ends_with('m')) {
     camera.is_parallel = true;
-    camera.parallel_height_m = number_of(part.substr(0, part.size() - 1), text);
+    camera.parallel_height_m = read_number(part.substr(0, part.size() - 1), text);
     if (camera.parallel_height_m < 0.001) fail_camera(text, "a parallel camera must show at least 0.001 m");
     return;
   }
-  const double angle_deg = number_of(part, text);
+  const double angle_deg = read_number(part, text);
   if (angle_deg < 0.1 || angle_deg > 170.0) {
     fail_camera(text, fmt::format("the view angle {} is not between 0.1 and 170 degrees", part));
   }
@@ -186,7 +186,7 @@ bool Bounds::holds(const Point3& point) const {
   return (lowest.array() <= point.array()).all() && (point.array() <= highest.array()).all();
 }
 
-CameraBasis basis_of(const Camera& camera) {
+CameraBasis camera_basis(const Camera& camera) {
   const Point3 forward = (camera.target - camera.eye).normalized();
   Point3 right = forward.cross(camera.up.normalized());
   // An up along the line of sight says nothing: take the first axis that does.
@@ -226,16 +226,16 @@ Camera turned(const Camera& camera, double angle_rad) {
 }
 
 double pixels_per_metre(const Camera& camera, const PictureSize& size, const Point3& point) {
-  const double depth_m = basis_of(camera).forward.dot(point - camera.eye);
+  const double depth_m = camera_basis(camera).forward.dot(point - camera.eye);
   if (depth_m <= 0.0) return 0.0;
   if (camera.is_parallel) return size.height / camera.parallel_height_m;
   return 0.5 * size.height / (half_height_slope(camera) * depth_m);
 }
 
-std::optional<Seen> pixel_of(const Camera& camera, const PictureSize& size, const Point3& point) {
+std::optional<Seen> project(const Camera& camera, const PictureSize& size, const Point3& point) {
   const double scale_px = pixels_per_metre(camera, size, point);
   if (scale_px <= 0.0) return std::nullopt;
-  const CameraBasis basis = basis_of(camera);
+  const CameraBasis basis = camera_basis(camera);
   const Point3 from_eye = point - camera.eye;
   return Seen{.x_px = 0.5 * size.width + scale_px * basis.right.dot(from_eye),
               .y_px = 0.5 * size.height - scale_px * basis.up.dot(from_eye),
@@ -248,7 +248,7 @@ Camera nearest_camera(const Point3& forward, double view_angle_rad, const Point3
   camera.view_angle_rad = view_angle_rad;
   camera.target = centre;
   camera.eye = centre - forward;
-  const CameraBasis basis = basis_of(camera);
+  const CameraBasis basis = camera_basis(camera);
   const double slope = half_height_slope(camera) * (1.0 - 2.0 * margin_share);
   const double distance_m =
       std::max(least_distance_m(basis.right, basis.forward, slope * size.aspect(), centre, points),
@@ -291,19 +291,19 @@ Camera orbit_camera(const Bounds& bounds, const PictureSize& size) {
   }
   Camera camera = nearest_camera(sight, kIsoViewAngleRad, box.centre(), rims, size, kOrbitMarginShare);
   // The target moves along the line of sight to the box's axis, about which the camera turns.
-  const CameraBasis basis = basis_of(camera);
+  const CameraBasis basis = camera_basis(camera);
   const Point3 level(basis.forward.x(), basis.forward.y(), 0.0);
   camera.target += basis.forward * (level.dot(box.centre() - camera.target) / level.dot(level));
   return camera;
 }
 
 Camera parse_camera(const std::string& text) {
-  const std::vector<std::string_view> parts = parts_of(text);
+  const std::vector<std::string_view> parts = split_parts(text);
   if (parts.size() != 6 && parts.size() != 7) {
     fail_camera(text, fmt::format("{} number{} where 6 or 7 are needed", parts.size(), parts.size() == 1 ? "" : "s"));
   }
   std::array<double, 6> numbers{};
-  for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = number_of(parts[k], text);
+  for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = read_number(parts[k], text);
   Camera camera;
   camera.eye = {numbers[0], numbers[1], numbers[2]};
   camera.target = {numbers[3], numbers[4], numbers[5]};

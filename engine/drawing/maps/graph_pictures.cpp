@@ -127,7 +127,7 @@ void draw_ellipses(Canvas& canvas, const MapFrame& frame, const GraphOverlay& ov
   if (scale.every_m <= 0.0) return;
   const double apart_px = kEllipseApart * sizes.unit;
   std::map<std::pair<long, long>, std::size_t> taken;
-  const auto pixel = [&](std::size_t i) { return frame.pixel_of(overlay.trajectory[i].T_map_base.translation()); };
+  const auto pixel = [&](std::size_t i) { return frame.to_pixel(overlay.trajectory[i].T_map_base.translation()); };
   double since_m = scale.every_m;
   for (std::size_t i = 0; i < overlay.covariances.size(); ++i) {
     if (i > 0) {
@@ -177,13 +177,13 @@ void draw_graph(Canvas& canvas, const MapFrame& frame, const GraphOverlay& overl
   draw_ellipses(canvas, frame, overlay, sizes);
   for (const bool is_on : {true, false}) {  // loops that are switched off lie on top: there are few
     for (const LoopLine& loop : overlay.loops) {
-      const Point2 from = frame.pixel_of(overlay.trajectory[loop.from].T_map_base.translation());
-      const Point2 to = frame.pixel_of(overlay.trajectory[loop.to].T_map_base.translation());
+      const Point2 from = frame.to_pixel(overlay.trajectory[loop.from].T_map_base.translation());
+      const Point2 to = frame.to_pixel(overlay.trajectory[loop.to].T_map_base.translation());
       if (loop.is_on == is_on) draw_loop(canvas, from, to, loop.weight, is_on, sizes);
     }
   }
   for (const NumberedPlace& place : overlay.numbers) {
-    const Point2 at = frame.pixel_of(place.at_m);
+    const Point2 at = frame.to_pixel(place.at_m);
     if (is_on_sheet(at)) draw_pin(canvas, at, place.number, sizes);
   }
 }
@@ -302,28 +302,28 @@ void draw_walls(Canvas& canvas, const MapFrame& frame, const LoopsScene& scene, 
   if (share >= 1.0 || moment.walls_m.empty()) return;
   WallImage image(frame.panel);
   const double side = std::max(kWallPx * unit, scene.map->geometry.resolution_m * frame.px_per_m);
-  for (const Point2& wall : moment.walls_m) image.add(frame.pixel_of(wall), side, (1.0 - share) * kWallShade);
+  for (const Point2& wall : moment.walls_m) image.add(frame.to_pixel(wall), side, (1.0 - share) * kWallShade);
   draw(canvas, {frame.panel, image.image()});
 }
 
 void draw_moved_loops(Canvas& canvas, const MapFrame& frame, const LoopsMoment& moment, const Proportions& sizes) {
   for (const MovedLoop& loop : moment.loops) {
-    const Point2 from = frame.pixel_of(loop.from_m);
-    const Point2 to = frame.pixel_of(loop.to_m);
+    const Point2 from = frame.to_pixel(loop.from_m);
+    const Point2 to = frame.to_pixel(loop.to_m);
     if (loop.glow <= 0.0 || !is_on_sheet(from) || !is_on_sheet(to)) continue;
     const double width = kGlowPx * sizes.unit;
     canvas.line(from, to, {.colour = kGlow, .width = width, .opacity = 0.55 * loop.glow});
     for (const Point2& end : {from, to}) canvas.circle(end, width, Fill{kGlow, 0.45 * loop.glow});
   }
   for (const MovedLoop& loop : moment.loops) {
-    draw_loop(canvas, frame.pixel_of(loop.from_m), frame.pixel_of(loop.to_m), loop.weight, loop.is_on, sizes);
+    draw_loop(canvas, frame.to_pixel(loop.from_m), frame.to_pixel(loop.to_m), loop.weight, loop.is_on, sizes);
   }
 }
 
 void draw_driven_path(Canvas& canvas, const MapFrame& frame, const LoopsMoment& moment, double unit) {
   std::vector<Point2> pixels;
   for (const Point2& at_m : moment.path_m) {
-    const Point2 at = frame.pixel_of(at_m);
+    const Point2 at = frame.to_pixel(at_m);
     if (is_on_sheet(at) && (pixels.empty() || (at - pixels.back()).norm() >= 0.8 * unit)) pixels.push_back(at);
   }
   if (pixels.size() > 1) canvas.polyline(std::move(pixels), {.colour = kPathInk, .width = kPathPx * unit});
@@ -332,7 +332,7 @@ void draw_driven_path(Canvas& canvas, const MapFrame& frame, const LoopsMoment& 
 void draw_robot(Canvas& canvas, const MapFrame& frame, const LoopsScene& scene, const LoopsMoment& moment,
                 const Proportions& sizes) {
   if (!moment.robot_m) return;
-  const Point2 at = frame.pixel_of(*moment.robot_m);
+  const Point2 at = frame.to_pixel(*moment.robot_m);
   if (!is_on_sheet(at)) return;
   if (scene.largest_sigma_m > 0.0) {
     const double factor = ellipse_factor(scene.largest_sigma_m, frame.px_per_m, sizes);

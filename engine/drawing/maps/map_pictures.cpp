@@ -38,11 +38,11 @@ MapArea shown_area(const FieldPicture& field, const Trajectory& trajectory) {
     return field.cells[static_cast<std::size_t>(cell.y) * static_cast<std::size_t>(geometry.width) +
                        static_cast<std::size_t>(cell.x)];
   };
-  CellBox box = box_of(geometry, [&](CellIndex cell) { return value_at(cell) < std::min(kCell, field.cap); });
-  if (box.empty()) box = box_of(geometry, [&](CellIndex cell) { return value_at(cell) < field.cap; });
+  CellBox box = bounding_cells(geometry, [&](CellIndex cell) { return value_at(cell) < std::min(kCell, field.cap); });
+  if (box.empty()) box = bounding_cells(geometry, [&](CellIndex cell) { return value_at(cell) < field.cap; });
   if (box.empty()) box = {{0, 0}, {geometry.width, geometry.height}};
   const double reach_m = geometry.resolution_m * field.cap / kCell;
-  return with_path(area_of(geometry, box), geometry, trajectory, std::max(reach_m, 2.0 * geometry.resolution_m));
+  return with_path(map_area(geometry, box), geometry, trajectory, std::max(reach_m, 2.0 * geometry.resolution_m));
 }
 
 /// How the field's values become colours.
@@ -67,7 +67,7 @@ FieldLook field_look(const MapLook& look) {
 }
 
 /// Each value's colour once: a field has millions of cells.
-FieldColours colours_of(const FieldLook& look, std::uint16_t cap, bool is_transparent) {
+FieldColours colour_table(const FieldLook& look, std::uint16_t cap, bool is_transparent) {
   std::vector<CellColour> table;
   for (std::uint32_t value = 0; value < cap; ++value) table.push_back({look.at(static_cast<double>(value) / cap), 255});
   const CellColour unknown{look.unknown, static_cast<std::uint8_t>(is_transparent ? 0 : 255)};
@@ -78,7 +78,7 @@ FieldColours colours_of(const FieldLook& look, std::uint16_t cap, bool is_transp
 
 MapLayer field_layer(const FieldPicture& field, const FieldLook& colours, bool is_transparent) {
   return {[&field, &colours, is_transparent](Canvas& canvas, const MapFrame& frame, const Proportions& /*sizes*/) {
-            draw(canvas, field_image(field, frame, colours_of(colours, field.cap, is_transparent)));
+            draw(canvas, field_image(field, frame, colour_table(colours, field.cap, is_transparent)));
           },
           [&field, &colours](const LegendLook& look, double /*px_per_m*/) {
             const std::string reach = length_text(field.geometry.resolution_m * field.cap / kCell);
@@ -106,14 +106,14 @@ void draw_cells(Canvas& canvas, const MapFrame& frame, const GridGeometry& grid,
     const CellIndex first = layer.cells[k].cell;
     std::int32_t length = 0;
     while (k < layer.cells.size() && layer.cells[k].cell == first + CellOffset{length, 0}) ++k, ++length;
-    const MapArea area = area_of(grid, {first, first + CellOffset{length, 1}});
-    const Point2 corner = frame.pixel_of({area.min_x_m, area.max_y_m}) - Point2(grown, grown);
+    const MapArea area = map_area(grid, {first, first + CellOffset{length, 1}});
+    const Point2 corner = frame.to_pixel({area.min_x_m, area.max_y_m}) - Point2(grown, grown);
     canvas.rectangle(corner, area.width_m() * frame.px_per_m + 2.0 * grown,
                      area.height_m() * frame.px_per_m + 2.0 * grown, Fill{colour});
   }
 }
 
-std::vector<CellBox> boxes_of(const ChangesLayer& layer) {
+std::vector<CellBox> patch_boxes(const ChangesLayer& layer) {
   std::vector<CellBox> boxes(layer.patches);
   for (const auto& [cell, patch] : layer.cells) {
     CellBox& box = boxes.at(patch);
@@ -127,9 +127,9 @@ std::vector<CellBox> boxes_of(const ChangesLayer& layer) {
 void draw_frames(Canvas& canvas, const MapFrame& frame, const GridGeometry& grid, const ChangesLayer& layer,
                  Colour colour, const Proportions& sizes) {
   const double pad = 4.0 * sizes.line_px;
-  for (const CellBox& box : boxes_of(layer)) {
-    const MapArea area = area_of(grid, box);
-    const Point2 corner = frame.pixel_of({area.min_x_m, area.max_y_m}) - Point2(pad, pad);
+  for (const CellBox& box : patch_boxes(layer)) {
+    const MapArea area = map_area(grid, box);
+    const Point2 corner = frame.to_pixel({area.min_x_m, area.max_y_m}) - Point2(pad, pad);
     canvas.rectangle(corner, area.width_m() * frame.px_per_m + 2.0 * pad, area.height_m() * frame.px_per_m + 2.0 * pad,
                      Fill{colour, 0.1}, Pen{.colour = colour, .width = 0.6 * sizes.line_px, .opacity = 0.55}, pad);
   }
@@ -190,7 +190,7 @@ struct ErrorScale {
 
 /// A few errors far out would leave one colour to all others: where the largest is far above the 99th percentile, the
 /// scale ends there and says so.
-ErrorScale scale_of(const PathErrors& path) {
+ErrorScale error_scale(const PathErrors& path) {
   constexpr double kShare = 0.99;
   constexpr double kFar = 1.5;
   std::vector<double> known;
@@ -247,7 +247,7 @@ Canvas field_picture(const FieldPicture& field, const PathOverlay& overlay, cons
 Canvas changes_picture(const OccupancyMap& map, const ChangesOverlay& overlay, const MapLook& look,
                        const PictureSize& size) {
   const std::vector<std::size_t> one_drive;
-  const double width = 0.6 * proportions_of(size).line_px;
+  const double width = 0.6 * picture_proportions(size).line_px;
   Trajectory extent;
   for (const Trajectory& drive : overlay.drives) extent.insert(extent.end(), drive.begin(), drive.end());
   MapSheet sheet{"Changes", shown_area(map, extent), light_theme(kChangesMap.unknown), {wall_layer(map, kChangesMap)}};
@@ -276,7 +276,7 @@ Canvas trajectory_picture(const PathOverlay& path, const MapLook& look, const Pi
 Canvas trajectories_picture(const std::vector<NamedPath>& paths, const Trajectory* truth, const MapLook& look,
                             const PictureSize& size) {
   const std::vector<std::size_t> one_drive;
-  const double width = proportions_of(size).line_px;
+  const double width = picture_proportions(size).line_px;
   std::vector<const Trajectory*> all;
   for (const NamedPath& path : paths) all.push_back(&path.trajectory);
   if (truth != nullptr) all.push_back(truth);
@@ -295,9 +295,9 @@ Canvas trajectories_picture(const std::vector<NamedPath>& paths, const Trajector
 Canvas path_errors_picture(const PathErrors& path, const Trajectory& truth, const MapLook& look,
                            const PictureSize& size) {
   const std::vector<std::size_t> one_drive;
-  const ErrorScale scale = scale_of(path);
+  const ErrorScale scale = error_scale(path);
   const ColourMap& map = colour_map(look.colour_map.empty() ? "lagoon" : look.colour_map);
-  const double width = proportions_of(size).line_px;
+  const double width = picture_proportions(size).line_px;
   std::vector<double> shares;
   for (const double error : path.errors) shares.push_back((error - scale.least) / (scale.most - scale.least));
   MapSheet sheet = page_of_paths("Errors along the path", {&path.trajectory, &truth});

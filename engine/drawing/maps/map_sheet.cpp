@@ -33,8 +33,8 @@ struct Arrangement {
 };
 
 /// Row after row, as words on a page.
-Arrangement rows_of(const LegendItems& items, double room_px, double gap_px, const Proportions& sizes,
-                    bool keeps_groups = false) {
+Arrangement arrange_rows(const LegendItems& items, double room_px, double gap_px, const Proportions& sizes,
+                         bool keeps_groups = false) {
   Arrangement all;
   double top = 0.0;
   for (std::size_t begin = 0; begin < items.size();) {
@@ -59,20 +59,20 @@ Arrangement rows_of(const LegendItems& items, double room_px, double gap_px, con
 }
 
 /// In as few rows as smaller gaps allow.
-Arrangement fewest_rows_of(const LegendItems& items, double room_px, const Proportions& sizes) {
-  Arrangement best = rows_of(items, room_px, sizes.gap_px, sizes);
+Arrangement fewest_rows(const LegendItems& items, double room_px, const Proportions& sizes) {
+  Arrangement best = arrange_rows(items, room_px, sizes.gap_px, sizes);
   for (const double share : {0.8, 0.6}) {
-    Arrangement closer = rows_of(items, room_px, share * sizes.gap_px, sizes);
+    Arrangement closer = arrange_rows(items, room_px, share * sizes.gap_px, sizes);
     if (closer.height_px < best.height_px) best = std::move(closer);
   }
-  Arrangement grouped = rows_of(items, room_px, sizes.gap_px, sizes, true);
+  Arrangement grouped = arrange_rows(items, room_px, sizes.gap_px, sizes, true);
   const bool is_one_row = best.height_px <= 2.0 * sizes.body_px;
   if (!is_one_row && grouped.height_px <= best.height_px + 1e-9) best = std::move(grouped);
   return best;
 }
 
-Arrangement column_of(const LegendItems& items, const Proportions& sizes) {
-  return rows_of(items, 0.0, sizes.gap_px, sizes);
+Arrangement one_column(const LegendItems& items, const Proportions& sizes) {
+  return arrange_rows(items, 0.0, sizes.gap_px, sizes);
 }
 
 struct Layout {
@@ -91,7 +91,7 @@ Layout with_legend_below(const MapArea& area, const PictureSize& size, const Pro
                          const LegendItems& items) {
   const double margin = sizes.margin_px;
   Layout layout;
-  layout.legend = fewest_rows_of(items, size.width - 2.0 * margin, sizes);
+  layout.legend = fewest_rows(items, size.width - 2.0 * margin, sizes);
   const double bottom = size.height - 0.7 * margin - layout.legend.height_px;
   layout.corner = {margin, bottom};
   layout.frame = fitted(area, panel_between(margin, top, size.width - margin, bottom - 0.5 * margin));
@@ -102,7 +102,7 @@ Layout with_legend_beside(const MapArea& area, const PictureSize& size, const Pr
                           const LegendItems& items) {
   const double margin = sizes.margin_px;
   Layout layout;
-  layout.legend = column_of(items, sizes);
+  layout.legend = one_column(items, sizes);
   const double right = size.width - margin - layout.legend.width_px;
   layout.corner = {right, size.height - margin - layout.legend.height_px};
   layout.frame = fitted(area, panel_between(margin, top, right - margin, size.height - margin));
@@ -198,9 +198,9 @@ void draw_axes(Canvas& canvas, const Point2& origin, double arm, const LegendLoo
 
 }  // namespace
 
-Sheet sheet_of(const MapArea& area, const MapLook& look, const PictureSize& size, const Theme& theme,
-               const LegendOf& legend) {
-  Sheet sheet{.size = size, .sizes = proportions_of(size), .theme = theme, .frame = {}, .items = {}, .places = {}};
+Sheet lay_out_sheet(const MapArea& area, const MapLook& look, const PictureSize& size, const Theme& theme,
+                    const LegendOf& legend) {
+  Sheet sheet{.size = size, .sizes = picture_proportions(size), .theme = theme, .frame = {}, .items = {}, .places = {}};
   const double width = static_cast<double>(size.width);
   const double height = static_cast<double>(size.height);
   sheet.frame = fitted(area, {0.0, 0.0, width, height});
@@ -238,8 +238,8 @@ Theme light_theme(Colour page) {
 }
 
 Canvas drawn(const MapSheet& content, const MapLook& look, const PictureSize& size) {
-  const LegendLook legend{content.theme, proportions_of(size)};
-  const Sheet sheet = sheet_of(content.area, look, size, content.theme, [&](double px_per_m) {
+  const LegendLook legend{content.theme, picture_proportions(size)};
+  const Sheet sheet = lay_out_sheet(content.area, look, size, content.theme, [&](double px_per_m) {
     LegendItems items{scale_bar_item(px_per_m, legend), axes_item(legend)};
     for (const MapLayer& layer : content.layers) {
       if (!layer.explain) continue;
@@ -271,7 +271,7 @@ MapLayer grid_layer(Colour colour) {
             const Pen pen{.colour = colour, .width = sizes.unit};
             const double step_px = step_m * frame.px_per_m;
             const Point2 first =
-                frame.pixel_of({std::ceil(frame.x_m / step_m) * step_m, std::floor(frame.y_m / step_m) * step_m});
+                frame.to_pixel({std::ceil(frame.x_m / step_m) * step_m, std::floor(frame.y_m / step_m) * step_m});
             for (double x = first.x(); x < frame.panel.width_px; x += step_px) {
               canvas.line({x, 0.0}, {x, frame.panel.height_px}, pen);
             }

@@ -29,7 +29,7 @@ struct Proportions {
   double margin_px = 36.0;
   double gap_px = 44.0;  ///< between the items of a legend
 };
-Proportions proportions_of(const PictureSize& size);
+Proportions picture_proportions(const PictureSize& size);
 
 /// A part of the plane, metres.
 struct MapArea {
@@ -55,7 +55,7 @@ struct MapFrame {
   double x_m = 0.0;  ///< map coordinates at the panel's upper left corner
   double y_m = 0.0;
   double px_per_m = 1.0;
-  [[nodiscard]] Point2 pixel_of(const Point2& point_m) const {
+  [[nodiscard]] Point2 to_pixel(const Point2& point_m) const {
     return {panel.left_px + (point_m.x() - x_m) * px_per_m, panel.top_px + (y_m - point_m.y()) * px_per_m};
   }
 };
@@ -68,8 +68,8 @@ MapFrame fitted(const MapArea& area, const Panel& panel);
 using CellTest = std::function<bool(CellIndex)>;
 /// The box of the cells that pass, without the few (0.4 % at each side) in which beams through windows end; empty when
 /// none passes.
-CellBox box_of(const GridGeometry& geometry, const CellTest& test);
-MapArea area_of(const GridGeometry& geometry, const CellBox& box);
+CellBox bounding_cells(const GridGeometry& geometry, const CellTest& test);
+MapArea map_area(const GridGeometry& geometry, const CellBox& box);
 /// The area with the whole path in it and a margin around; without poses that lie farther outside the grid than it is
 /// long, beside which nothing of the map would be seen.
 MapArea with_path(const MapArea& area, const GridGeometry& geometry, const Trajectory& trajectory, double margin_m);
@@ -121,8 +121,8 @@ struct Sheet {
   LegendItems items;
   std::vector<Point2> places;  ///< one for each item
 };
-Sheet sheet_of(const MapArea& area, const MapLook& look, const PictureSize& size, const Theme& theme,
-               const LegendOf& legend);
+Sheet lay_out_sheet(const MapArea& area, const MapLook& look, const PictureSize& size, const Theme& theme,
+                    const LegendOf& legend);
 
 /// Words no wider than `room_px`.
 struct FittedWords {

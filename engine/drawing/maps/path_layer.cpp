@@ -25,7 +25,7 @@ struct PathPoint {
 };
 
 constexpr int kNoBand = -1;  ///< band of a pose without a value
-int band_of(double share) {
+int colour_band(double share) {
   return std::isfinite(share) ? static_cast<int>(std::clamp(share * kPathBands, 0.0, kPathBands - 1.0)) : kNoBand;
 }
 
@@ -34,10 +34,10 @@ void draw_line(Canvas& canvas, const std::vector<PathPoint>& points, const std::
                double width) {
   std::size_t begin = 0;
   while (begin + 1 < points.size()) {
-    const int band = band_of(points[begin].share);
+    const int band = colour_band(points[begin].share);
     std::vector<Point2> piece{points[begin].at};
     std::size_t end = begin;
-    while (end + 1 < points.size() && band_of(points[end].share) == band) piece.push_back(points[++end].at);
+    while (end + 1 < points.size() && colour_band(points[end].share) == band) piece.push_back(points[++end].at);
     const double share = band == kNoBand ? std::numeric_limits<double>::quiet_NaN() : (band + 0.5) / kPathBands;
     canvas.polyline(std::move(piece), {.colour = colour_at(share), .width = width});
     begin = end;
@@ -60,10 +60,10 @@ struct Cluster {
   std::size_t count = 0;
   [[nodiscard]] Point2 centre() const { return sum / static_cast<double>(count); }
 };
-std::vector<Cluster> clusters_of(const MapFrame& frame, const PathOverlay& overlay, double reach_px) {
+std::vector<Cluster> find_clusters(const MapFrame& frame, const PathOverlay& overlay, double reach_px) {
   std::vector<Cluster> clusters;
   for (const std::size_t index : overlay.doubtful) {
-    const Point2 at = frame.pixel_of(overlay.trajectory[index].T_map_base.translation());
+    const Point2 at = frame.to_pixel(overlay.trajectory[index].T_map_base.translation());
     if (!is_on_sheet(at)) continue;
     auto near = std::find_if(clusters.begin(), clusters.end(),
                              [&](const Cluster& cluster) { return (cluster.centre() - at).norm() < reach_px; });
@@ -104,7 +104,7 @@ void draw_doubtful_scans(Canvas& canvas, const MapFrame& frame, const PathOverla
                           .is_bold = true,
                           .has_halo = true,
                           .halo = colours.halo};
-  for (const Cluster& cluster : clusters_of(frame, overlay, 1.6 * radius)) {
+  for (const Cluster& cluster : find_clusters(frame, overlay, 1.6 * radius)) {
     draw_doubtful(canvas, cluster.centre(), colours, sizes);
     const Point2 beside = cluster.centre() + Point2(radius + 0.3 * sizes.small_px, -0.5 * radius);
     if (cluster.count > 1) canvas.text(beside, std::to_string(cluster.count), letters);
@@ -267,7 +267,7 @@ std::vector<SeenPose> seen_poses(const MapFrame& frame, const Trajectory& trajec
                                  std::size_t end, double least_px) {
   std::vector<SeenPose> seen;
   for (std::size_t i = begin; i < end; ++i) {
-    const Point2 at = frame.pixel_of(trajectory[i].T_map_base.translation());
+    const Point2 at = frame.to_pixel(trajectory[i].T_map_base.translation());
     if (!is_on_sheet(at)) continue;
     if (seen.empty() || i + 1 == end || (at - seen.back().at).norm() >= least_px) seen.push_back({at, i});
   }
@@ -276,13 +276,13 @@ std::vector<SeenPose> seen_poses(const MapFrame& frame, const Trajectory& trajec
 
 void draw_dots(Canvas& canvas, const MapFrame& frame, const Trajectory& trajectory,
                const std::vector<std::size_t>& indices, double radius,
-               const std::function<Colour(std::size_t)>& colour_of) {
+               const std::function<Colour(std::size_t)>& dot_colour) {
   std::set<std::pair<long, long>> taken;
   for (const std::size_t index : indices) {
-    const Point2 at = frame.pixel_of(trajectory[index].T_map_base.translation());
+    const Point2 at = frame.to_pixel(trajectory[index].T_map_base.translation());
     if (!is_on_sheet(at)) continue;
     const std::pair key{std::lround(0.5 * at.x() / radius), std::lround(0.5 * at.y() / radius)};
-    if (taken.insert(key).second) canvas.circle(at, radius, Fill{colour_of(index)});
+    if (taken.insert(key).second) canvas.circle(at, radius, Fill{dot_colour(index)});
   }
 }
 

@@ -35,7 +35,7 @@ void describe_ends(const calib::LinkageCycle& cycle, Json& about) {
   about["dead_points"] = std::move(dead_points);
 }
 
-Json place_of(const Point2& place) { return Json::array({place.x(), place.y()}); }
+Json json_place(const Point2& place) { return Json::array({place.x(), place.y()}); }
 
 /// State of the cells that one pixel stands for.
 CellState shown_state(const OccupancyMap& map, std::int32_t x, std::int32_t y, std::int32_t factor) {
@@ -176,9 +176,9 @@ void write_linkage(const calib::SweepModel& model, PageData& page) {
              {"offset", model.elevation_offset_rad},
              {"height", model.mount.height_m},
              {"beam", beam_m},
-             {"rocker_pivot", place_of(rocker_pivot)},
-             {"least", place_of(covered.min())},
-             {"most", place_of(covered.max())}};
+             {"rocker_pivot", json_place(rocker_pivot)},
+             {"least", json_place(covered.min())},
+             {"most", json_place(covered.max())}};
   describe_ends(cycle, about);
   page.description["linkage"] = std::move(about);
 }

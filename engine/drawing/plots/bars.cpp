@@ -14,7 +14,7 @@ constexpr int kBands = 128;
 Ticks ticks_along(const ColourBar& bar) {
   const double room = bar.is_upright ? 2.4 * bar.text_size : 4.5 * bar.text_size;
   const int most = static_cast<int>(std::clamp(bar.length / room, 1.0, 8.0));
-  return ticks_of(bar.from, bar.to, most, bar.steps);
+  return make_ticks(bar.from, bar.to, most, bar.steps);
 }
 
 struct BarMark {
@@ -44,7 +44,7 @@ double least_gap(const ColourBar& bar, const BarMark& one, const BarMark& other)
 }
 
 /// Both ends, and between them the round values that find room.
-std::vector<BarMark> marks_of(const ColourBar& bar) {
+std::vector<BarMark> bar_marks(const ColourBar& bar) {
   const double range = bar.to - bar.from;
   std::vector<BarMark> marks{end_mark(bar.from, range)};
   const BarMark last = end_mark(bar.to, range);
@@ -72,7 +72,7 @@ double title_room(const ColourBar& bar) { return bar.title.empty() ? 0.0 : 1.7 *
 
 /// Room at both ends for half a tick's letters, and the pixel that whole pixels may take.
 double end_room(const ColourBar& bar) {
-  return bar.is_upright ? 0.5 * bar.text_size : 1.0 + 0.5 * widest(marks_of(bar), bar.text_size);
+  return bar.is_upright ? 0.5 * bar.text_size : 1.0 + 0.5 * widest(bar_marks(bar), bar.text_size);
 }
 
 void draw_colours(Canvas& canvas, const ColourBar& bar, const Point2& corner) {
@@ -91,8 +91,8 @@ void draw_colours(Canvas& canvas, const ColourBar& bar, const Point2& corner) {
 
 }  // namespace
 
-DrawingArea room_of(const ColourBar& bar) {
-  const double letters = widest(marks_of(bar), bar.text_size);
+DrawingArea colour_bar_room(const ColourBar& bar) {
+  const double letters = widest(bar_marks(bar), bar.text_size);
   const double title = text_width(bar.title, bar.text_size);
   if (bar.is_upright) {
     return {Point2::Zero(), std::max(title, bar.thickness + kTick_px + 4.0 + letters),
@@ -116,7 +116,7 @@ void draw_colour_bar(Canvas& canvas, const ColourBar& bar, const Point2& corner,
   Lettering letters = title;
   letters.size = kTickLetters * bar.text_size;
   letters.anchor = bar.is_upright ? Anchor::kStart : Anchor::kMiddle;
-  for (const BarMark& mark : marks_of(bar)) {
+  for (const BarMark& mark : bar_marks(bar)) {
     const double share = (mark.value - bar.from) / (bar.to - bar.from);
     const Point2 at = bar.is_upright ? start + Point2(bar.thickness, bar.length * (1.0 - share))
                                      : start + Point2(bar.length * share, bar.thickness);

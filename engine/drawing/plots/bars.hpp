@@ -29,7 +29,7 @@ struct ColourBar {
   bool has_halo = false;  ///< letters over a picture
 };
 /// Room that it takes, words included: to place it by. Only width and height are filled in.
-DrawingArea room_of(const ColourBar& bar);
+DrawingArea colour_bar_room(const ColourBar& bar);
 /// Both ends are labelled, and the round values between them that find room.
 /// With the upper left corner of its room at `corner`; upright: the title above, the largest value at the top; lying:
 /// the title above, the largest value at the right.

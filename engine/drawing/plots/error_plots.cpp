@@ -23,7 +23,7 @@ constexpr double kMarginPx = 24.0;
 /// Draws on a page of natural size and gives it back in the size that is asked for.
 Canvas plot_sheet(const std::string& title, const PictureSize& size,
                   const std::function<void(Canvas&, const DrawingArea&)>& draw) {
-  const double unit = picture::proportions_of(size).unit;
+  const double unit = picture::picture_proportions(size).unit;
   const double width = size.width / unit;
   const double height = size.height / unit;
   Canvas canvas(width, height, title.empty() ? "Plot" : title);
@@ -38,7 +38,7 @@ Canvas plot_sheet(const std::string& title, const PictureSize& size,
 PlotLook plot_look(const std::string& title) { return {.title = title, .text_size = kTextPx}; }
 
 /// From one value to another, outwards to whole ticks where it grows.
-Axis axis_of(const std::string& title, double from, double to, bool is_grown) {
+Axis make_axis(const std::string& title, double from, double to, bool is_grown) {
   Axis axis;
   axis.title = title;
   axis.from = from;
@@ -87,7 +87,7 @@ Range padded(double least, double most) {
 }
 
 /// From whisker to whisker: a few values far out would press all boxes to the floor. Each box tells how many they are.
-Range range_of(const std::vector<SortedGroup>& groups) {
+Range value_range(const std::vector<SortedGroup>& groups) {
   double least = 0.0;
   double most = 0.0;
   for (const SortedGroup& group : groups) {
@@ -143,7 +143,7 @@ void draw_beyond(Plot& plot, double x, const SortedGroup& group, const std::stri
 }
 
 /// Value and share of the values up to it.
-std::vector<Point2> distribution_of(const std::vector<double>& ascending, double to) {
+std::vector<Point2> distribution_steps(const std::vector<double>& ascending, double to) {
   std::vector<Point2> steps{{0.0, 0.0}};
   if (ascending.front() < 0.0) steps.front().x() = ascending.front();
   const auto count = static_cast<double>(ascending.size());
@@ -181,7 +181,7 @@ void draw_distribution(Plot& plot, const SortedGroup& group, std::size_t number,
                            ", 95 % " + rounded_text(most, unit) + ", largest " +
                            rounded_text(group.values.back(), unit) +
                            (group.without_value == 0 ? "" : ", " + std::to_string(group.without_value) + " not finite");
-  plot.steps(distribution_of(group.values, to), {.colour = kLightTheme.curve(number), .width = 2.2}, name);
+  plot.steps(distribution_steps(group.values, to), {.colour = kLightTheme.curve(number), .width = 2.2}, name);
   plot.markers(std::array{Point2(median, 0.5), Point2(most, 0.95)}, Fill{kLightTheme.card}, 6.0);
   plot.markers(std::array{Point2(median, 0.5), Point2(most, 0.95)}, Fill{kLightTheme.curve(number)}, 4.5);
 }
@@ -194,7 +194,7 @@ struct Extent {
   double most = -std::numeric_limits<double>::infinity();
   [[nodiscard]] bool is_empty() const { return !(first_s <= last_s); }
 };
-Extent extent_of(const std::vector<TimeSeries>& series) {
+Extent find_extent(const std::vector<TimeSeries>& series) {
   Extent extent;
   for (const TimeSeries& one : series) {
     for (const auto& [time_s, value] : one.points) {
@@ -237,7 +237,7 @@ TimeUnit time_unit(const Extent& extent) {
 }
 
 Axis time_axis(const Extent& extent, const TimeUnit& unit) {
-  Axis axis = axis_of(unit.title, unit.of(extent.first_s), unit.of(extent.last_s), false);
+  Axis axis = make_axis(unit.title, unit.of(extent.first_s), unit.of(extent.last_s), false);
   if (axis.from == axis.to) axis.to = axis.from + 1.0;
   return axis;
 }
@@ -253,7 +253,7 @@ Axis value_axis(const Extent& extent, const std::string& title) {
     from -= half;
     to += half > 0.0 ? half : 1.0;  // all values are zero: there are no errors
   }
-  return axis_of(title, from, to, true);
+  return make_axis(title, from, to, true);
 }
 
 }  // namespace
@@ -261,15 +261,15 @@ Axis value_axis(const Extent& extent, const std::string& title) {
 Canvas box_plot(const ErrorPlot& plot, const PictureSize& size) {
   const std::vector<SortedGroup> groups = sorted_groups(plot);
   return plot_sheet(plot.title, size, [&](Canvas& canvas, const DrawingArea& area) {
-    const Range range = range_of(groups);
-    Axis x = axis_of("", 0.5, static_cast<double>(std::max<std::size_t>(1, groups.size())) + 0.5, false);
+    const Range range = value_range(groups);
+    Axis x = make_axis("", 0.5, static_cast<double>(std::max<std::size_t>(1, groups.size())) + 0.5, false);
     x.has_grid = false;
     for (std::size_t i = 0; i < groups.size(); ++i) {
       x.names.emplace_back(static_cast<double>(i + 1), groups[i].name);
       x.remarks.push_back(" (" + count_text(groups[i]) + ")");
     }
     const PlotLook look = plot_look(plot.title);
-    Plot drawn(canvas, area, x, axis_of(axis_title(plot.quantity, plot.unit), range.from, range.to, true), look);
+    Plot drawn(canvas, area, x, make_axis(axis_title(plot.quantity, plot.unit), range.from, range.to, true), look);
     for (std::size_t i = 0; i < groups.size(); ++i) {
       if (groups[i].values.empty()) continue;  // its name says so
       const double at = static_cast<double>(i + 1);
@@ -285,8 +285,8 @@ Canvas distribution_plot(const ErrorPlot& plot, const PictureSize& size) {
   const std::vector<SortedGroup> groups = sorted_groups(plot);
   return plot_sheet(plot.title, size, [&](Canvas& canvas, const DrawingArea& area) {
     const Range range = distribution_range(groups);
-    Plot drawn(canvas, area, axis_of(axis_title(plot.quantity, plot.unit), range.from, range.to, true),
-               axis_of("Share of values up to this one", 0.0, 1.0, false), plot_look(plot.title));
+    Plot drawn(canvas, area, make_axis(axis_title(plot.quantity, plot.unit), range.from, range.to, true),
+               make_axis("Share of values up to this one", 0.0, 1.0, false), plot_look(plot.title));
     for (const double level : {0.5, 0.95}) {
       drawn.level(level, {.colour = kLightTheme.quiet, .width = 1.0, .dashes = "5 4"});
     }
@@ -301,7 +301,7 @@ Canvas distribution_plot(const ErrorPlot& plot, const PictureSize& size) {
 
 Canvas time_plot(const std::string& title, const std::string& quantity, const std::string& unit,
                  const std::vector<TimeSeries>& series, const PictureSize& size) {
-  const Extent extent = extent_of(series);
+  const Extent extent = find_extent(series);
   const TimeUnit times = time_unit(extent);
   return plot_sheet(title, size, [&](Canvas& canvas, const DrawingArea& area) {
     Plot plot(canvas, area, time_axis(extent, times), value_axis(extent, axis_title(quantity, unit)), plot_look(title));

@@ -28,7 +28,7 @@ void mend(Axis& axis) {
 }
 
 Ticks ticks_for(Axis& axis, int most) {
-  if (!axis.is_grown || !axis.names.empty()) return ticks_of(axis.from, axis.to, most, axis.steps);
+  if (!axis.is_grown || !axis.names.empty()) return make_ticks(axis.from, axis.to, most, axis.steps);
   const Ticks ticks = ticks_around(axis.from, axis.to, most, axis.steps);
   axis.from = ticks.value(0);
   axis.to = ticks.value(ticks.count - 1);
@@ -70,7 +70,7 @@ Plot::Plot(Canvas& canvas, const DrawingArea& area, Axis x, Axis y, PlotLook loo
 
 double Plot::letters() const { return kTickLetters * look_.text_size; }
 
-std::vector<Plot::Label> Plot::labels_of(const Axis& axis, const Ticks& ticks) {
+std::vector<Plot::Label> Plot::make_labels(const Axis& axis, const Ticks& ticks) {
   std::vector<Label> labels;
   for (std::size_t i = 0; i < axis.names.size(); ++i) {
     const std::string remark = i < axis.remarks.size() ? axis.remarks[i] : std::string();
@@ -93,7 +93,7 @@ void Plot::lay_out_y() {
   const double below = 1.8 * size + (x_.title.empty() ? 0.0 : 1.6 * size);
   inside_.height = std::max(1.0, area_.height - above - below);
   const int most = static_cast<int>(std::clamp(inside_.height / (2.6 * size), 1.0, 1.0 * kMostTicks));
-  y_labels_ = labels_of(y_, ticks_for(y_, most));
+  y_labels_ = make_labels(y_, ticks_for(y_, most));
   keep_apart(
       y_labels_, [&](const Label& label) { return at(0.0, label.value).y(); }, [&](const Label&) { return size; });
   const double left = widest(y_labels_) + kTick_px + 0.5 * size + (y_.title.empty() ? 0.0 : 1.7 * size);
@@ -107,7 +107,7 @@ void Plot::lay_out_x() {
   const Axis asked = x_;
   for (int most = kMostTicks; most >= 1; --most) {
     x_ = asked;
-    x_labels_ = labels_of(x_, ticks_for(x_, most));
+    x_labels_ = make_labels(x_, ticks_for(x_, most));
     // Half of the last label stands beyond the frame.
     const double half = x_labels_.empty() ? 0.0 : 0.5 * text_width(x_labels_.back().text, letters());
     inside_.width = std::max(1.0, room - (x_.names.empty() ? std::max(0.7 * size, half) : 0.7 * size));

@@ -88,7 +88,7 @@ CairoFace font_face(bool is_bold) {
                                               is_bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL));
 }
 
-double start_of(Anchor anchor, double advance) {
+double text_start(Anchor anchor, double advance) {
   switch (anchor) {
     case Anchor::kMiddle:
       return -0.5 * advance;
@@ -182,7 +182,7 @@ void CairoPainter::operator()(const shape::Words& words) {
   cairo_save(context_);
   cairo_translate(context_, words.at.x(), words.at.y());
   if (words.is_upright) cairo_rotate(context_, -0.5 * kPi);
-  const double start = start_of(lettering.anchor, text_width(words.text, lettering.size, lettering.is_bold));
+  const double start = text_start(lettering.anchor, text_width(words.text, lettering.size, lettering.is_bold));
   if (lettering.has_halo) {
     cairo_new_path(context_);
     cairo_move_to(context_, start, 0.0);
@@ -198,7 +198,7 @@ void CairoPainter::operator()(const shape::Words& words) {
 void CairoPainter::operator()(const shape::Picture& picture) {
   const RgbaImage& image = *picture.image;
   if (image.width == 0 || image.height == 0) return;
-  const CairoSurface surface = surface_of(image);
+  const CairoSurface surface = make_surface(image);
   cairo_save(context_);
   cairo_translate(context_, picture.corner.x(), picture.corner.y());
   cairo_new_path(context_);

@@ -85,9 +85,9 @@ TEST(MapPicture, legends_are_made_for_the_scale_that_is_drawn) {
     const PictureSize size{200 + static_cast<std::uint32_t>(random.below(700)),
                            200 + static_cast<std::uint32_t>(random.below(700))};
     const picture::MapArea area{0.0, 0.0, random.uniform(0.5, 60.0), random.uniform(0.5, 60.0)};
-    const picture::LegendLook legend{kLightTheme, picture::proportions_of(size)};
+    const picture::LegendLook legend{kLightTheme, picture::picture_proportions(size)};
     double px_per_m = 0.0;
-    const picture::Sheet sheet = picture::sheet_of(area, {}, size, kLightTheme, [&](double scale) {
+    const picture::Sheet sheet = picture::lay_out_sheet(area, {}, size, kLightTheme, [&](double scale) {
       px_per_m = scale;
       return std::vector{picture::scale_bar_item(scale, legend), picture::axes_item(legend),
                          picture::swatch_item("never observed", ink::kText, legend),
@@ -96,7 +96,7 @@ TEST(MapPicture, legends_are_made_for_the_scale_that_is_drawn) {
     ASSERT_EQ(sheet.frame.px_per_m, px_per_m) << size.width << "x" << size.height << ", round " << round;
     const picture::Panel& panel = sheet.frame.panel;
     for (const Point2& corner : {Point2(area.min_x_m, area.min_y_m), Point2(area.max_x_m, area.max_y_m)}) {
-      const Point2 at = sheet.frame.pixel_of(corner) - Point2(panel.left_px, panel.top_px);
+      const Point2 at = sheet.frame.to_pixel(corner) - Point2(panel.left_px, panel.top_px);
       EXPECT_GE(at.minCoeff(), -1e-6) << "round " << round;
       EXPECT_LE(at.x(), panel.width_px + 1e-6) << "round " << round;
       EXPECT_LE(at.y(), panel.height_px + 1e-6) << "round " << round;

@@ -160,7 +160,7 @@ TEST(ColourBar, HasItsColoursItsTicksAndItsRoom) {
     Canvas canvas(600, 600, "");
     const ColourBar bar{
         .map = &colour_map("lagoon"), .from = -0.3, .to = 2.7, .title = "height in m", .is_upright = is_upright};
-    DrawingArea room = room_of(bar);
+    DrawingArea room = colour_bar_room(bar);
     room.corner = {100, 50};
     draw_colour_bar(canvas, bar, room.corner);
     expect_tidy(canvas, room);

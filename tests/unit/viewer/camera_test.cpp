@@ -37,7 +37,7 @@ Point2 matrix_pixel(const Camera& camera, const PictureSize& size, const Point3&
   return {0.5 * size.width * (1.0 + clip.x() / clip.w()), 0.5 * size.height * (1.0 - clip.y() / clip.w())};
 }
 
-std::vector<Point3> corners_of(const Bounds& box) {
+std::vector<Point3> box_corners(const Bounds& box) {
   std::vector<Point3> corners;
   for (int k = 0; k < 8; ++k) {
     corners.emplace_back((k & 1 ? box.highest : box.lowest).x(), (k & 2 ? box.highest : box.lowest).y(),
@@ -49,7 +49,7 @@ std::vector<Point3> corners_of(const Bounds& box) {
 // Least distance of the box's corners to each edge of the picture, as a share of its side: left, right, top, bottom.
 std::array<double, 4> margins(const Camera& camera, const PictureSize& size, const Bounds& box) {
   std::array<double, 4> least{1.0, 1.0, 1.0, 1.0};
-  for (const Point3& corner : corners_of(box)) {
+  for (const Point3& corner : box_corners(box)) {
     const Point2 at = matrix_pixel(camera, size, corner);
     const double x = at.x() / size.width;
     const double y = at.y() / size.height;
@@ -79,7 +79,7 @@ TEST(Camera, PixelsAreThoseOfTheProjectionMatrix) {
     const PictureSize size = kSizes[static_cast<std::size_t>(k) % kSizes.size()];
     const Point3 point = anywhere();
     const double depth_m = (camera.target - camera.eye).normalized().dot(point - camera.eye);
-    const auto seen = pixel_of(camera, size, point);
+    const auto seen = project(camera, size, point);
     ASSERT_EQ(seen.has_value(), depth_m > 0.0);
     if (!seen) continue;
     ++seen_count;

@@ -18,7 +18,7 @@ TEST(Bands, KeepEveryRowOnce) {
       for (const std::uint32_t margin : {0U, 8U, 96U}) {
         const std::uint32_t height = 600 * samples;
         std::uint32_t next = 0;
-        const std::vector<PictureBand> bands = bands_of(width, height, {samples, margin});
+        const std::vector<PictureBand> bands = cut_into_bands(width, height, {samples, margin});
         for (const PictureBand& band : bands) {
           ASSERT_EQ(band.first_kept, next) << width << " " << samples << " " << margin;
           ASSERT_EQ(band.kept % samples, 0U);
@@ -67,7 +67,7 @@ TEST(Dots, BandsTogetherAreThePictureInOne) {
     RawPicture picture = blank(view.width, band.rows);
     const DotPainter painter(view, Point3::Zero(), {1.5, 40.0}, {});
     for (const Dot& dot : dots) {
-      const auto [begin, end] = painter.rows_of(dot);
+      const auto [begin, end] = painter.touched_rows(dot);
       if (begin < band.first_row + band.rows && end > band.first_row) painter.paint(dot, band, picture);
     }
     return picture;

@@ -47,8 +47,8 @@ TEST(LinkageFilm, ends_where_it_began_without_a_jump) {
     const auto film = linkage_film(scene, model, kSize, kFrames);
     ASSERT_EQ(film->frames(), kFrames);
     std::vector<RgbaImage> frames;
-    for (std::size_t k = 0; k < kFrames; ++k) frames.push_back(raster_of(film->frame(k)));
-    EXPECT_EQ(raster_of(film->frame(kFrames)).pixels, frames.front().pixels) << model.name;
+    for (std::size_t k = 0; k < kFrames; ++k) frames.push_back(rasterise(film->frame(k)));
+    EXPECT_EQ(rasterise(film->frame(kFrames)).pixels, frames.front().pixels) << model.name;
     double most = 0.0;
     for (std::size_t k = 1; k < kFrames; ++k) {
       const double step = difference_of(frames[k - 1], frames[k]).mean;

@@ -66,16 +66,16 @@ TEST(Page, RefusesWhatItCannotShow) {
   PageInput input;
   input.cloud = &no_points;
   input.trajectory = &no_poses;
-  EXPECT_THROW(page_of({}), InputError);
-  EXPECT_THROW(page_of(input), InputError);
+  EXPECT_THROW(make_page({}), InputError);
+  EXPECT_THROW(make_page(input), InputError);
   Cloud cloud = slope();
   const std::vector<float> distances(cloud.size() - 1);
   input.cloud = &cloud;
   input.distances_m = &distances;
-  EXPECT_THROW(page_of(input), InputError) << "another number of distances";
+  EXPECT_THROW(make_page(input), InputError) << "another number of distances";
   input.distances_m = nullptr;
   for (CloudPoint& point : cloud) point.y_m = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_THROW(page_of(input), InputError) << "no finite point";
+  EXPECT_THROW(make_page(input), InputError) << "no finite point";
 }
 
 TEST(Page, PointsThatAreNotFiniteAreLeftOutAndCounted) {
@@ -84,7 +84,7 @@ TEST(Page, PointsThatAreNotFiniteAreLeftOutAndCounted) {
   cloud[9].stamp_s = std::numeric_limits<double>::quiet_NaN();
   PageInput input;
   input.cloud = &cloud;
-  const std::string page = page_of(input);
+  const std::string page = make_page(input);
   EXPECT_THAT(page, HasSubstr("\"count\":498,\"of\":500"));
   EXPECT_EQ(decoded(element_of(page, "points-0")).size(), 12U * 498U);
 }
@@ -101,7 +101,7 @@ TEST(Page, DrivesFollowEachOtherAndNoWayLeadsFromOneToTheNext) {
   PageInput input;
   input.trajectory = &trajectory;
   input.drives = {3, 5};
-  const std::string page = page_of(input);
+  const std::string page = make_page(input);
   const nlohmann::json about = path_description_of(page);
   EXPECT_EQ(about.at("drives"), nlohmann::json({3, 5}));
   EXPECT_EQ(about.at("length"), 5.0);
@@ -149,7 +149,7 @@ TEST(Page, TimeOfAPathNeverStepsBack) {
     }
     PageInput input;
     input.trajectory = &trajectory;
-    const std::string page = page_of(input);
+    const std::string page = make_page(input);
     const nlohmann::json about = path_description_of(page);
     EXPECT_EQ(path_times_s(page), one.times_s) << one.what;
     EXPECT_EQ(about.at("log_times"), one.log_times) << one.what;
@@ -168,7 +168,7 @@ TEST(Page, AMapOfManyCellsIsMadeSmaller) {
   map.cells.set(5, CellState::kFree);
   PageInput input;
   input.map = &map;
-  const std::string page = page_of(input);
+  const std::string page = make_page(input);
   EXPECT_THAT(page, HasSubstr("\"width\":3001,\"height\":2,"));
   // Three by three cells: nothing of the first three, occupied beats free in the second.
   EXPECT_EQ(decoded(element_of(page, "map")).front(), (0U | 2U << 2U));

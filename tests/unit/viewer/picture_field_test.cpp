@@ -42,7 +42,7 @@ std::vector<Colour> colours_along(const RgbaImage& image) {
 double brightness_of(Colour colour) { return 0.2126 * colour.red + 0.7152 * colour.green + 0.0722 * colour.blue; }
 
 TEST(FieldPicture, intensity_falls_from_obstacles_and_ends_before_the_unknown) {
-  const std::vector<Colour> colours = colours_along(raster_of(field_picture(ramp(), {}, {}, kBare)));
+  const std::vector<Colour> colours = colours_along(rasterise(field_picture(ramp(), {}, {}, kBare)));
   // Unknown beside the field, 20 cells with a distance of 0 to 19, unknown again.
   ASSERT_EQ(colours.size(), 22U);
   EXPECT_EQ(colours.front(), colours.back());
@@ -64,9 +64,9 @@ TEST(FieldPicture, an_obstacle_survives_ten_to_one) {
     set_at(0, y);
     set_at(1499, y);
   }
-  const RgbaImage without = raster_of(field_picture(field, {}, {}, kBare));
+  const RgbaImage without = rasterise(field_picture(field, {}, {}, kBare));
   set_at(700, 503);
-  const RgbaImage with = raster_of(field_picture(field, {}, {}, kBare));
+  const RgbaImage with = rasterise(field_picture(field, {}, {}, kBare));
   int pixels = 0;
   for (std::uint32_t y = 0; y < with.height; ++y) {
     for (std::uint32_t x = 0; x < with.width; ++x) {

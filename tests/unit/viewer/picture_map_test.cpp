@@ -26,9 +26,9 @@ OccupancyMap room() {
 /// Where a single occupied cell darkens the picture of the room.
 Point2 seen_at(CellIndex cell) {
   OccupancyMap map = room();
-  const RgbaImage without = raster_of(map_picture(map, {}, {}, kBareMap));
+  const RgbaImage without = rasterise(map_picture(map, {}, {}, kBareMap));
   set(map, cell.x, cell.y, CellState::kOccupied);
-  const RgbaImage with = raster_of(map_picture(map, {}, {}, kBareMap));
+  const RgbaImage with = rasterise(map_picture(map, {}, {}, kBareMap));
   Point2 sum = Point2::Zero();
   double count = 0.0;
   for (std::uint32_t y = 0; y < with.height; ++y) {
@@ -55,7 +55,7 @@ TEST(MapPicture, cells_and_path_lie_where_three_known_cells_put_them) {
 
   const Point2 start{-1.63, -0.61};
   const Blob disc =
-      blob_of(raster_of(map_picture(room(), straight_path(start, {-1.2, -0.4}), {}, kBareMap)), kPathStart);
+      blob_of(rasterise(map_picture(room(), straight_path(start, {-1.2, -0.4}), {}, kBareMap)), kPathStart);
   ASSERT_GT(disc.pixels, 20U);
   const Point2 expected = first + (start.x() + 1.85) / 0.1 * per_cell_x + (start.y() + 0.85) / 0.1 * per_cell_y;
   EXPECT_LT((disc.centre - expected).norm(), 0.6) << disc.centre.transpose() << " for " << expected.transpose();
@@ -64,9 +64,9 @@ TEST(MapPicture, cells_and_path_lie_where_three_known_cells_put_them) {
 TEST(MapPicture, a_lone_cell_survives_ten_to_one) {
   OccupancyMap map = free_map(1500, 1500, 0.02);
   set_border(map);
-  const RgbaImage without = raster_of(map_picture(map, {}, {}, kBareMap));
+  const RgbaImage without = rasterise(map_picture(map, {}, {}, kBareMap));
   set(map, 700, 903, CellState::kOccupied);
-  const RgbaImage with = raster_of(map_picture(map, {}, {}, kBareMap));
+  const RgbaImage with = rasterise(map_picture(map, {}, {}, kBareMap));
   double darker = 0.0;
   int pixels = 0;
   for (std::uint32_t y = 0; y < with.height; ++y) {
@@ -86,7 +86,7 @@ TEST(MapPicture, a_thin_wall_has_no_gaps) {
   OccupancyMap map = free_map(1100, 1100, 0.02);
   set_border(map);
   for (std::int32_t i = 100; i < 1000; ++i) set(map, i, i / 3 + 100, CellState::kOccupied);
-  const RgbaImage image = raster_of(map_picture(map, {}, {}, kBareMap));
+  const RgbaImage image = rasterise(map_picture(map, {}, {}, kBareMap));
   const auto pixel_x = [](double cell) { return 95.0 + (cell - 550.0) / 7.6; };
   for (auto x = static_cast<std::uint32_t>(pixel_x(130)); x < pixel_x(970); ++x) {
     double darkest = 255.0;
@@ -100,7 +100,7 @@ TEST(MapPicture, nothing_seen_is_still_a_picture) {
   map.geometry = {0.05, 0.0, 0.0, 1, 1};
   map.cells = CellStates(1);
   for (const PictureSize size : {PictureSize{480, 270}, PictureSize{1, 1}, kBareMap}) {
-    const RgbaImage image = raster_of(map_picture(map, {}, {}, size));
+    const RgbaImage image = rasterise(map_picture(map, {}, {}, size));
     EXPECT_EQ(image.width, size.width);
     EXPECT_EQ(image.height, size.height);
   }
@@ -152,7 +152,7 @@ TEST(MapPicture, poses_of_no_sense_do_not_shrink_it) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   overlay.trajectory.insert(overlay.trajectory.begin() + 1, {{0.2, {kNan, 4.0, 0.0}}, {0.4, {1e300, -1e300, 0.0}}});
   overlay.keyframes = overlay.doubtful = {1, 2};
-  expect_building_fills(raster_of(map_picture(building(), overlay, {}, kBareMap)));
+  expect_building_fills(rasterise(map_picture(building(), overlay, {}, kBareMap)));
 }
 
 }  // namespace

@@ -115,7 +115,7 @@ TEST(TimePlot, loses_no_spike_and_stays_small) {
     if (line.points.size() > 2) points = line.points;
   }
   EXPECT_LT(points.size(), 4U * kPlotSize.width);
-  EXPECT_LT(svg_of(canvas).size(), 300000U);
+  EXPECT_LT(draw_svg(canvas).size(), 300000U);
   ASSERT_FALSE(points.empty());
   const auto ends =
       std::minmax_element(points.begin(), points.end(), [](const Point2& a, const Point2& b) { return a.y() < b.y(); });
@@ -140,8 +140,8 @@ TEST(TimePlot, times_are_those_that_people_read) {
   EXPECT_TRUE(says(plot(0.0, 3000.0), "50")) << "minutes at the end of the axis";
   EXPECT_TRUE(says(plot(0.0, 30000.0), "Time (h)"));
   EXPECT_TRUE(says(plot(976052857.0, 976052900.0), "Time since the start (s)")) << "a clock's stamps";
-  EXPECT_NO_THROW(raster_of(time_plot("", "error", "m", {}, kPlotSize)));
-  EXPECT_NO_THROW(raster_of(plot(1.0, 1.0)));
+  EXPECT_NO_THROW(rasterise(time_plot("", "error", "m", {}, kPlotSize)));
+  EXPECT_NO_THROW(rasterise(plot(1.0, 1.0)));
 }
 
 }  // namespace

@@ -104,12 +104,12 @@ TEST(ScanningFilm, runs_through_the_stretch) {
   EXPECT_TRUE(shows_words(first, "1")) << "the beam at 0 s";
   EXPECT_TRUE(shows_words(last, "57,920")) << "320 scans of 181 beams";
   EXPECT_TRUE(shows_words(last, "8.0 s"));
-  const RgbaImage start = raster_of(first);
-  const RgbaImage end = raster_of(last);
+  const RgbaImage start = rasterise(first);
+  const RgbaImage end = rasterise(last);
   EXPECT_EQ(start.width, 640U);
   EXPECT_EQ(start.height, 360U);
   EXPECT_GT(difference_of(start, end).share_clear, 0.05);
-  EXPECT_EQ(raster_of(film->frame(0)).pixels, start.pixels) << "any order of frames gives the same";
+  EXPECT_EQ(rasterise(film->frame(0)).pixels, start.pixels) << "any order of frames gives the same";
 }
 
 TEST(ScanningFilm, words_are_legible_and_apart) {

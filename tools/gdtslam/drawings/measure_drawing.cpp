@@ -51,7 +51,7 @@ struct Outline {
   bool has_depth = false;
 };
 
-Outline outline_of(const MeasuredBox& box) {
+Outline box_outline(const MeasuredBox& box) {
   Outline outline;
   const Point2 normal(box.face_normal.x(), box.face_normal.y());
   outline.out = normal.normalized();
@@ -67,14 +67,14 @@ Outline outline_of(const MeasuredBox& box) {
   return outline;
 }
 
-std::vector<Point2> corners_of(const Outline& outline) {
+std::vector<Point2> box_corners(const Outline& outline) {
   return {outline.left, outline.right, outline.back_right, outline.back_left};
 }
 
-TopView view_of(const Measurement& measured, std::span<const CloudPoint> cloud, const DrawingArea& card) {
+TopView top_view(const Measurement& measured, std::span<const CloudPoint> cloud, const DrawingArea& card) {
   Eigen::AlignedBox2d shown;
   for (const MeasuredBox& box : measured.boxes) {
-    for (const Point2& corner : corners_of(outline_of(box))) shown.extend(corner);
+    for (const Point2& corner : box_corners(box_outline(box))) shown.extend(corner);
   }
   if (measured.viewpoint) shown.extend(Point2(measured.viewpoint->head<2>()));
   if (measured.boxes.empty()) {
@@ -88,7 +88,7 @@ TopView view_of(const Measurement& measured, std::span<const CloudPoint> cloud, 
   return view;
 }
 
-double grid_step_of(const TopView& view) { return round_length_m(120.0 / view.pixels_per_m); }
+double grid_step(const TopView& view) { return round_length_m(120.0 / view.pixels_per_m); }
 
 // By pixels, however far the view reaches.
 void draw_grid(Canvas& canvas, const TopView& view, double step_m) {
@@ -158,9 +158,9 @@ void draw_dimension(Canvas& canvas, const TopView& view, const Point2& from_m, c
 
 void draw_box(Canvas& canvas, const TopView& view, const MeasuredBox& box, std::size_t number) {
   const Colour colour = kFills[number % kFills.size()];
-  const Outline outline = outline_of(box);
+  const Outline outline = box_outline(box);
   std::vector<Point2> corners;
-  for (const Point2& corner : corners_of(outline)) corners.push_back(view.at(corner.x(), corner.y()));
+  for (const Point2& corner : box_corners(outline)) corners.push_back(view.at(corner.x(), corner.y()));
   canvas.polygon(corners, Fill{colour, outline.has_depth ? 0.16 : 0.08});
   const std::string_view dashes = outline.has_depth ? "" : "5 5";
   canvas.polyline({corners[1], corners[2], corners[3], corners[0]}, {.colour = colour, .width = 1.5, .dashes = dashes});
@@ -238,7 +238,7 @@ void draw_table(Canvas& canvas, const Measurement& measured, const DrawingArea& 
 
 }  // namespace
 
-Canvas drawing_of(const Measurement& measured, std::span<const CloudPoint> cloud) {
+Canvas draw_measurement(const Measurement& measured, std::span<const CloudPoint> cloud) {
   Canvas canvas(kWidth, kHeight, "Boxes of " + measured.cloud);
   canvas.rectangle({0.0, 0.0}, kWidth, kHeight, Fill{ink::kPage});
   const std::size_t count = measured.boxes.size();
@@ -250,8 +250,8 @@ Canvas drawing_of(const Measurement& measured, std::span<const CloudPoint> cloud
   for (const DrawingArea& card : {plan, table}) {
     canvas.rectangle(card.corner, card.width, card.height, Fill{ink::kCard}, Pen{.colour = ink::kEdge}, kRadius);
   }
-  const TopView view = view_of(measured, cloud, plan);
-  const double step_m = grid_step_of(view);
+  const TopView view = top_view(measured, cloud, plan);
+  const double step_m = grid_step(view);
   draw_grid(canvas, view, step_m);
   draw_points(canvas, measured, cloud, view);
   for (std::size_t k = 0; k < count; ++k) draw_box(canvas, view, measured.boxes[k], k);

@@ -60,14 +60,14 @@ std::string as_text(const RenderResult& result) {
 
 // Mistakes that need no input to be read.
 void check_options(const RenderOptions& options) {
-  if (!options.output.empty()) output_kind_of(options.output);
+  if (!options.output.empty()) read_output_kind(options.output);
   if (!options.view.empty()) render_view(options.view, options.as);
-  if (!options.size.empty()) size_of(options.size);
-  if (!options.seconds.empty()) seconds_of(options.seconds);
-  viewpoint_of(options.from);
-  hidden_of(options.hide);
-  time_range_of(options.time);
-  cloud_look_of(options);
+  if (!options.size.empty()) read_size(options.size);
+  if (!options.seconds.empty()) read_seconds(options.seconds);
+  read_viewpoint(options.from);
+  read_hidden(options.hide);
+  read_time_range(options.time);
+  read_cloud_look(options);
 }
 
 int list_views(const RenderOptions& options, const std::vector<RenderSource>& sources) {

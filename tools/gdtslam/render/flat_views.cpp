@@ -32,7 +32,7 @@ PictureSize plot_size(const std::optional<PictureSize>& wanted) {
 }
 
 // In the order of time, which relations need not be in.
-std::vector<TrajectoryError> errors_of(RenderSource& source, const RenderOptions& options) {
+std::vector<TrajectoryError> read_errors(RenderSource& source, const RenderOptions& options) {
   if (!options.relations.empty()) {
     const std::vector<Relation> relations = read_relations(options.relations);
     std::vector<TrajectoryError> errors = errors_against(source.trajectory(), relations);
@@ -64,9 +64,9 @@ MapLook RenderStudio::map_look() const {
     look.title = title();
     look.subtitle = subtitle();
   }
-  look.colour_map = cloud_look_of(options_).colour_map;
+  look.colour_map = read_cloud_look(options_).colour_map;
   look.with_path = look.with_keyframes = !hidden_.path;
-  look.is_transparent = background_of(options_.background) == Background::kNone;
+  look.is_transparent = read_background(options_.background) == Background::kNone;
   return look;
 }
 
@@ -117,7 +117,7 @@ RenderStudio::Errors RenderStudio::errors() {
   std::vector<std::vector<TrajectoryError>> errors;
   double first_s = std::numeric_limits<double>::infinity();
   for (RenderSource& source : sources_) {
-    errors.push_back(errors_of(source, options_));
+    errors.push_back(read_errors(source, options_));
     for (const TrajectoryError& error : errors.back()) first_s = std::min(first_s, error.stamp_s);
   }
   for (std::size_t k = 0; k < sources_.size(); ++k) {
@@ -196,7 +196,7 @@ Canvas RenderStudio::errors_path(const Wanted& wanted) {
   }
   MapLook look = map_look();
   if (!hidden_.caption) look.subtitle = error_words(errors);
-  const ScaleRange range = scale_range_of(options_.range, CloudColour::kHeight);
+  const ScaleRange range = read_scale_range(options_.range, CloudColour::kHeight);
   const PathErrors path{.trajectory = aligned.trajectory,
                         .drives = overlay.drives,
                         .errors = errors,

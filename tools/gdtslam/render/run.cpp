@@ -44,7 +44,7 @@ std::string views_instead(unsigned parts, bool moves) {
 }
 
 // The view that was asked for or suits, checked against input and output.
-const RenderView& view_of(const RenderOptions& options, const std::vector<RenderSource>& sources, OutputKind kind) {
+const RenderView& choose_view(const RenderOptions& options, const std::vector<RenderSource>& sources, OutputKind kind) {
   const RenderSource& source = sources.front();
   const unsigned parts = render_parts(options, sources);
   const bool moves = is_film(kind);
@@ -87,7 +87,7 @@ Cloud filtered(Cloud cloud, const Hidden& hidden) {
   look.with_floor = !hidden.floor;
   look.with_ceiling = !hidden.ceiling;
   Cloud kept;
-  for (const std::uint32_t k : drawn_points(cloud, level_surfaces_of(cloud), look)) kept.push_back(cloud[k]);
+  for (const std::uint32_t k : drawn_points(cloud, sampled_level_surfaces(cloud), look)) kept.push_back(cloud[k]);
   return kept;
 }
 
@@ -112,7 +112,7 @@ class Render {
       : options_(options), sources_(sources), studio_(options_, sources) {}
 
   RenderResult run() {
-    result_.kind = options_.output.empty() ? OutputKind::kPng : output_kind_of(options_.output);
+    result_.kind = options_.output.empty() ? OutputKind::kPng : read_output_kind(options_.output);
     result_.file = options_.output;
     if (const RunReader* const run = sources_.front().run();
         run != nullptr && !run->has_trajectory() && !options_.quiet) {
@@ -124,7 +124,7 @@ class Render {
       refuse_idle_options(options_, nullptr, result_.kind, is_linkage_model());
       result_.kind == OutputKind::kPage ? write_page() : write_model();
     } else {
-      const RenderView& view = view_of(options_, sources_, result_.kind);
+      const RenderView& view = choose_view(options_, sources_, result_.kind);
       require_one_input(&view);
       refuse_idle_options(options_, &view, result_.kind);
       result_.view = view.name;
@@ -159,7 +159,7 @@ class Render {
     return result_.kind == OutputKind::kGlb && parts == part::kLinkage;
   }
   [[nodiscard]] PictureSize film_size() const {
-    if (!options_.size.empty()) return size_of(options_.size);
+    if (!options_.size.empty()) return read_size(options_.size);
     return result_.kind == OutputKind::kGif ? kGifSize : kFilmSize;
   }
   void write_still(const RenderView& view);
@@ -176,7 +176,7 @@ class Render {
 
 void Render::write_still(const RenderView& view) {
   std::optional<PictureSize> wanted;
-  if (!options_.size.empty()) wanted = size_of(options_.size);
+  if (!options_.size.empty()) wanted = read_size(options_.size);
   Canvas drawing = (studio_.*view.draw)(wanted);
   // Plots are drawn small and scaled up to the pixels that were asked for.
   const bool is_pixels = result_.kind == OutputKind::kPng;
@@ -191,11 +191,11 @@ void Render::write_still(const RenderView& view) {
 }
 
 void Render::write_film(const RenderView& view) {
-  if (background_of(options_.background) == Background::kNone && result_.kind != OutputKind::kFrames) {
+  if (read_background(options_.background) == Background::kNone && result_.kind != OutputKind::kFrames) {
     throw UsageError(fmt::format("--background none: not for {}; .png and frames can be", to_string(result_.kind)));
   }
   const PictureSize wanted = film_size();
-  const FilmLength length = studio_.length_of(view);
+  const FilmLength length = studio_.film_length(view);
   const FilmKind film_kind = result_.kind == OutputKind::kFrames ? FilmKind::kFrames
                              : result_.kind == OutputKind::kGif  ? FilmKind::kGif
                                                                  : FilmKind::kMp4;
@@ -210,7 +210,7 @@ void Render::write_film(const RenderView& view) {
           fmt::format("interrupted after {} of {} frames; {}", k, film->frames(),
                       result_.kind == OutputKind::kFrames ? "they are in " + result_.file : "nothing is written"));
     }
-    writer->add(raster_of(film->frame(k)));
+    writer->add(rasterise(film->frame(k)));
     if (result_.kind == OutputKind::kFrames) result_.bytes += size_of_file(frame_path(result_.file, k));
     progress.update(k + 1, static_cast<double>(k + 1) / static_cast<double>(film->frames()));
   }
@@ -258,7 +258,7 @@ void Render::write_page() {
   if ((source.parts() & part::kLinkage) != 0) page.linkage = &source.linkage();
   page.subtitle = studio_.subtitle(cloud.size());
   add_facts(page);
-  write_file_atomically(result_.file, page_of(page));
+  write_file_atomically(result_.file, make_page(page));
   result_.points = cloud.size();
 }
 
@@ -273,9 +273,9 @@ void Render::write_model() {
     throw UsageError(fmt::format("{}: has no 3D cloud{}, so {} cannot be made of it", source.input(),
                                  result_.kind == OutputKind::kGlb ? " and no linkage" : "", to_string(result_.kind)));
   }
-  const CloudLook look = cloud_look_of(options_);
+  const CloudLook look = read_cloud_look(options_);
   source.require_values(look.colour);
-  const Hidden hidden = hidden_of(options_.hide);
+  const Hidden hidden = read_hidden(options_.hide);
   const Cloud cloud = filtered(studio_.read_cloud(result_.kind == OutputKind::kGlb ? kMostGlbPoints : 0), hidden);
   result_.points = cloud.size();
   if (result_.kind == OutputKind::kCloud) {

@@ -60,7 +60,7 @@ bool is_preset(const std::string& name) {
 }
 
 // The beginning of a file, unpacked.
-std::string head_of(const std::string& path) {
+std::string read_head(const std::string& path) {
   constexpr std::size_t kHeadBytes = 65536;
   const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(::gzopen(path.c_str(), "rb"), ::gzclose);
   if (!file) throw FileError(path, "cannot be opened: " + errno_text(errno));
@@ -97,7 +97,7 @@ bool is_tum(std::string_view text) {
 }
 
 RenderKind kind_of_file(const std::string& path) {
-  const std::string head = head_of(path);
+  const std::string head = read_head(path);
   if (head.starts_with("ply\n") || head.starts_with("ply\r") || head.starts_with("# .PCD") ||
       head.starts_with("VERSION")) {
     return RenderKind::kCloud;
@@ -124,7 +124,7 @@ bool is_near(const CloudPoint& point) {
 }
 
 // "cloud" from "out/cloud.ply.gz".
-std::string stem_of(const std::string& path) {
+std::string file_stem(const std::string& path) {
   fs::path name = fs::path(path).filename();
   if (name.extension() == ".gz") name = name.stem();
   return name.stem().string();
@@ -178,7 +178,7 @@ RenderKind kind_of_input(const std::string& input) {
 }
 
 RenderSource::RenderSource(std::string input)
-    : input_(std::move(input)), name_(stem_of(input_)), kind_(kind_of_input(input_)) {
+    : input_(std::move(input)), name_(file_stem(input_)), kind_(kind_of_input(input_)) {
   switch (kind_) {
     case RenderKind::kRun:
       run_.emplace(input_);

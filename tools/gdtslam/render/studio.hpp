@@ -67,7 +67,7 @@ class RenderStudio {
   static constexpr double kLongestScan_s = 20.0;
 
   /// By --seconds and --fps, else what suits the view.
-  [[nodiscard]] FilmLength length_of(const RenderView& view);
+  [[nodiscard]] FilmLength film_length(const RenderView& view);
 
   /// Name of the renderer: "EGL, llvmpipe ..." or, without OpenGL, "Cairo".
   [[nodiscard]] std::string renderer() const;
@@ -101,7 +101,7 @@ class RenderStudio {
   std::unique_ptr<Film> follow(const PictureSize& size, std::size_t frames, std::uint64_t most);
   std::unique_ptr<Film> scan(const PictureSize& size, std::size_t frames, std::uint64_t most);
   LinkageScene& linkage_scene(const PictureSize& size);
-  [[nodiscard]] CloudLook look_of(CameraPreset from, bool is_film) const;
+  [[nodiscard]] CloudLook cloud_look(CameraPreset from, bool is_film) const;
   [[nodiscard]] bool is_huge() const;
   [[nodiscard]] CloudCaption caption() const;
   /// "62.8 m of path, 48 % of the points drawn".

@@ -49,7 +49,7 @@ constexpr std::array<Ending, 9> kEndings{{{".png", OutputKind::kPng},
                                           {".pcd", OutputKind::kCloud}}};
 
 /// Effects that options have on a view in this form; for a file without a view the form alone decides.
-unsigned effects_of(const RenderView* view, OutputKind output, bool is_linkage) {
+unsigned output_effects(const RenderView* view, OutputKind output, bool is_linkage) {
   if (is_linkage) return kTitle | kLinkage;
   if (output == OutputKind::kPage) return kTitle | kDistances | kPoints | kLinkage;
   if (output == OutputKind::kCloud) return kLevels | kPoints;
@@ -69,8 +69,8 @@ struct GivenOption {
 std::vector<GivenOption> given_options(const RenderOptions& o, OutputKind output) {
   const bool colours_by_distance = o.colour.empty() || o.colour == "distance" || output == OutputKind::kPage;
   const unsigned reference = has_true_path(o) ? kReference : colours_by_distance ? kDistances : 0U;
-  const Background background = background_of(o.background);
-  const Hidden hidden = hidden_of(o.hide);
+  const Background background = read_background(o.background);
+  const Hidden hidden = read_hidden(o.hide);
   return {
       {"--from", !o.from.empty(), kFrom, "the view cloud"},
       {"--colour", !o.colour.empty(), kColour, "clouds"},
@@ -182,7 +182,7 @@ std::string views_there_are(unsigned parts, bool is_film) {
   return listed(names);
 }
 
-OutputKind output_kind_of(const std::string& path) {
+OutputKind read_output_kind(const std::string& path) {
   std::error_code ignored;
   if (path.ends_with('/')) return OutputKind::kFrames;
   const bool is_folder = std::filesystem::is_directory(path, ignored);
@@ -213,7 +213,7 @@ void require_writable(const RenderOptions& options, const std::string& file) {
   std::vector<std::string> inputs = options.inputs;
   inputs.insert(inputs.end(), {options.reference, options.relations, linkage_file_of(options.linkage)});
   WrittenFiles written(inputs, options.force);
-  const bool are_frames = output_kind_of(file) == OutputKind::kFrames;
+  const bool are_frames = read_output_kind(file) == OutputKind::kFrames;
   const std::string first = are_frames ? frame_path(file, 0) : file;
   std::error_code ignored;
   if (!are_frames || std::filesystem::exists(first, ignored))
@@ -221,7 +221,7 @@ void require_writable(const RenderOptions& options, const std::string& file) {
 }
 
 void refuse_idle_options(const RenderOptions& options, const RenderView* view, OutputKind output, bool is_linkage) {
-  const unsigned effects = effects_of(view, output, is_linkage);
+  const unsigned effects = output_effects(view, output, is_linkage);
   for (const GivenOption& option : given_options(options, output)) {
     if (!option.is_given || (option.effects & effects) != 0) continue;
     const std::string made = view == nullptr ? std::string(to_string(output))

@@ -76,7 +76,7 @@ enum class OutputKind : std::uint8_t { kPng, kSvg, kPdf, kMp4, kGif, kFrames, kP
 
 /// By extension, in small or capital letters; a folder, or a name that ends in /, takes the frames of a film. Throws
 /// UsageError with the endings there are.
-OutputKind output_kind_of(const std::string& path);
+OutputKind read_output_kind(const std::string& path);
 /// "a film in .mp4".
 std::string_view to_string(OutputKind kind);
 

@@ -32,7 +32,7 @@ constexpr double kTriadShare = 0.35;     // share of the picture's height, at mo
 constexpr double kSeenEndOn = 0.25;      // an axis shorter than this share of its length says nothing
 
 // Nobody knows what a transparent picture will lie on: dark words with a light halo can be read on white and on dark.
-Theme theme_of(const CloudLook& look) {
+Theme scene_theme(const CloudLook& look) {
   if (!look.is_transparent) return look.is_dark ? kDarkTheme : kLightTheme;
   Theme theme = kLightTheme;
   theme.quiet = theme.text;
@@ -68,7 +68,7 @@ class CloudLayout {
 
 CloudLayout::CloudLayout(Canvas& canvas, const CloudLook& look)
     : canvas_(canvas),
-      theme_(theme_of(look)),
+      theme_(scene_theme(look)),
       letter_(std::max(kLeastLetter_px, kLetterShare * std::min(canvas.height(), 0.75 * canvas.width()))),
       margin_(kMarginLetters * letter_),
       has_ground_(!look.is_transparent) {}
@@ -140,7 +140,7 @@ void CloudLayout::draw_colour_bar(const ColourScale& scale) {
   bar.thickness = 0.9 * letter_;
   bar.has_halo = true;
   for (bar.length = kBarShare * canvas_.width(); bar.length >= kShortestBarLetters * letter_; bar.length *= 0.85) {
-    DrawingArea room = room_of(bar);
+    DrawingArea room = colour_bar_room(bar);
     room.corner = {canvas_.width() - margin_ - room.width, canvas_.height() - margin_ - room.height};
     if (!is_free(room)) continue;
     take(room);
@@ -156,7 +156,7 @@ void CloudLayout::draw_axes(const Camera& camera) {
   const DrawingArea room{centre - Point2(reach, reach), 2.0 * reach, 2.0 * reach};
   if (!is_free(room) || room.height > kTriadShare * canvas_.height()) return;
   take(room);
-  const CameraBasis basis = basis_of(camera);
+  const CameraBasis basis = camera_basis(camera);
   struct Axis {
     const char* name;
     Point3 direction;

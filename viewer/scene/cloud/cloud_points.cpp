@@ -36,17 +36,17 @@ struct PieceTimes {
       return;
     }
     ticks.resize(count);
-    for (std::size_t k = 0; k < count; ++k) ticks[k] = tick_of(cloud[drawn[k]].stamp_s);
+    for (std::size_t k = 0; k < count; ++k) ticks[k] = to_tick(cloud[drawn[k]].stamp_s);
   }
 
-  [[nodiscard]] std::uint32_t tick_of(double stamp_s) const {
+  [[nodiscard]] std::uint32_t to_tick(double stamp_s) const {
     constexpr auto kMost = static_cast<double>(std::numeric_limits<std::uint32_t>::max());
     return static_cast<std::uint32_t>(std::floor((stamp_s - first_s) / span_s * kMost));
   }
   [[nodiscard]] std::size_t count_until(double stamp_s) const {
     if (stamp_s < first_s) return 0;
     if (ticks.empty() || stamp_s >= first_s + span_s) return count;
-    return static_cast<std::size_t>(std::upper_bound(ticks.begin(), ticks.end(), tick_of(stamp_s)) - ticks.begin());
+    return static_cast<std::size_t>(std::upper_bound(ticks.begin(), ticks.end(), to_tick(stamp_s)) - ticks.begin());
   }
 
   std::size_t count = 0;
@@ -79,7 +79,7 @@ DotPainter::DotPainter(const PictureView& view, const Point3& origin, const DotS
       sizes_(sizes) {
   const Camera& camera = view.camera;
   const double metre_px = view.height / (is_parallel_ ? camera.parallel_height_m : 2.0 * half_height_slope(camera));
-  const CameraBasis basis = basis_of(camera);
+  const CameraBasis basis = camera_basis(camera);
   const Point3 from_eye = origin - camera.eye;
   right_ = (metre_px * basis.right).cast<float>();
   up_ = (metre_px * basis.up).cast<float>();
@@ -108,7 +108,7 @@ bool DotPainter::hides_what_is_kept(const Dot& dot, float x, float y, float dist
   return off_x * off_x + off_y * off_y < kept_->radius * kept_->radius;
 }
 
-DotPainter::Disc DotPainter::disc_of(const Dot& dot) const {
+DotPainter::Disc DotPainter::seen_disc(const Dot& dot) const {
   const Eigen::Vector3f place(dot.place[0], dot.place[1], dot.place[2]);
   const float distance_m = ahead_.dot(place) + ahead_at_;
   if (!(distance_m >= nearest_m_ && distance_m <= farthest_m_)) return {};
@@ -125,8 +125,8 @@ DotPainter::Disc DotPainter::disc_of(const Dot& dot) const {
                              static_cast<float>(sizes_.largest_px))};
 }
 
-DotPainter::RowRange DotPainter::rows_of(const Dot& dot) const {
-  const Disc disc = disc_of(dot);
+DotPainter::RowRange DotPainter::touched_rows(const Dot& dot) const {
+  const Disc disc = seen_disc(dot);
   if (!(disc.size > 0.0F)) return {};
   const float half = 0.5F * disc.size;
   const float low = std::max(std::ceil(disc.y - half - 0.5F), 0.0F);
@@ -135,7 +135,7 @@ DotPainter::RowRange DotPainter::rows_of(const Dot& dot) const {
 }
 
 void DotPainter::paint(const Dot& dot, const PictureBand& band, RawPicture& picture) const {
-  const Disc disc = disc_of(dot);
+  const Disc disc = seen_disc(dot);
   if (!(disc.size > 0.0F)) return;
   const float half = 0.5F * disc.size;
   const float sq_radius = kSqRadius * disc.size * disc.size;
@@ -183,7 +183,7 @@ struct CloudPoints::State {
 void CloudPoints::State::sort_into_bands() {
   for (std::size_t p = 0; p < pieces.size(); ++p) {
     for (std::size_t k = 0; k < pieces[p].shown; ++k) {
-      const auto [begin, end] = painter->rows_of(pieces[p].dots[k]);
+      const auto [begin, end] = painter->touched_rows(pieces[p].dots[k]);
       for (std::size_t b = 0; b < bands.size(); ++b) {
         if (begin < bands[b].first_row + bands[b].rows && end > bands[b].first_row) {
           of_band[b].push_back(static_cast<std::uint32_t>(p * kPiece + k));
@@ -197,7 +197,7 @@ CloudPoints::CloudPoints() : state_(std::make_unique<State>()) {}
 
 CloudPoints::~CloudPoints() = default;
 
-void CloudPoints::set(std::span<const CloudPoint> cloud, std::vector<std::uint32_t> drawn, const LookOf& look_of) {
+void CloudPoints::set(std::span<const CloudPoint> cloud, std::vector<std::uint32_t> drawn, const LookOf& point_look) {
   State& s = *state_;
   sort_by_time(cloud, drawn);
   s.origin = position_of(cloud[drawn.front()]);
@@ -208,7 +208,7 @@ void CloudPoints::set(std::span<const CloudPoint> cloud, std::vector<std::uint32
     std::vector<Dot> dots;
     dots.reserve(part.size());
     for (const std::uint32_t k : part) {
-      const Look look = look_of(k);
+      const Look look = point_look(k);
       const Point3 at = position_of(cloud[k]);
       s.bounds.add(at);
       const Eigen::Vector3f place = (at - s.origin).cast<float>();

@@ -56,7 +56,7 @@ class DotPainter {
     std::uint32_t begin = 0;
     std::uint32_t end = 0;
   };
-  [[nodiscard]] RowRange rows_of(const Dot& dot) const;
+  [[nodiscard]] RowRange touched_rows(const Dot& dot) const;
   /// Into the picture of a band.
   void paint(const Dot& dot, const PictureBand& band, RawPicture& picture) const;
 
@@ -68,7 +68,7 @@ class DotPainter {
     float depth = 0.0F;
     float size = 0.0F;  ///< 0: not seen
   };
-  [[nodiscard]] Disc disc_of(const Dot& dot) const;
+  [[nodiscard]] Disc seen_disc(const Dot& dot) const;
   [[nodiscard]] bool hides_what_is_kept(const Dot& dot, float x, float y, float distance_m) const;
 
   // x = right . place + right_at, pixels at one metre's distance, and so on.
@@ -114,7 +114,7 @@ class CloudPoints : public PictureLayer {
   };
   using LookOf = std::function<Look(std::uint32_t)>;
   /// `drawn` are indices into the cloud; they are put into the order of time.
-  void set(std::span<const CloudPoint> cloud, std::vector<std::uint32_t> drawn, const LookOf& look_of);
+  void set(std::span<const CloudPoint> cloud, std::vector<std::uint32_t> drawn, const LookOf& point_look);
   /// Points up to this stamp; equal stamps together, times within a piece to 2^-32 of its length. Points without a
   /// stamp that is a number are shown always.
   void show_until(double stamp_s);

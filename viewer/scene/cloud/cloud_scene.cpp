@@ -108,7 +108,7 @@ void CloudScene::set_cloud(std::span<const CloudPoint> cloud, std::span<const fl
     throw InputError("colours by distance need one distance for each of the " + std::to_string(cloud.size()) +
                      " points, not " + std::to_string(distances_m.size()));
   }
-  s.surfaces = level_surfaces_of(cloud);
+  s.surfaces = sampled_level_surfaces(cloud);
   std::vector<std::uint32_t> drawn = drawn_points(cloud, s.surfaces, s.look);
   s.cloud_bounds = robust_bounds(cloud, drawn);
   const CloudValues values(s.look.colour, cloud, distances_m);

@@ -52,7 +52,7 @@ constexpr double kGapsPerMedian = 2.0;  // but for clouds that are all sparse
 constexpr int kBits =
     21;  // width of a coordinate in a key; farther cubes fall together, which only makes points smaller
 
-std::uint64_t cell_of(float coordinate_m, double cube_m) {
+std::uint64_t cube_index(float coordinate_m, double cube_m) {
   const auto cell = static_cast<std::int64_t>(std::floor(static_cast<double>(coordinate_m) / cube_m));
   return static_cast<std::uint64_t>(cell) & ((std::uint64_t{1} << kBits) - 1);
 }
@@ -150,7 +150,7 @@ std::vector<float> distances_to(std::span<const CloudPoint> cloud, std::span<con
   return distances;
 }
 
-LevelSurfaces level_surfaces_of(std::span<const CloudPoint> cloud) {
+LevelSurfaces sampled_level_surfaces(std::span<const CloudPoint> cloud) {
   Cloud sample;
   const std::size_t step = std::max<std::size_t>(1, (cloud.size() + kLevelSample - 1) / kLevelSample);
   sample.reserve(cloud.size() / step + 1);
@@ -201,18 +201,18 @@ Bounds robust_bounds(std::span<const CloudPoint> cloud, std::span<const std::uin
   return bounds;
 }
 
-std::uint64_t CloudDensity::key_of(const CloudPoint& point) const {
-  return cell_of(point.x_m, cube_m_) << (2 * kBits) | cell_of(point.y_m, cube_m_) << kBits |
-         cell_of(point.z_m, cube_m_);
+std::uint64_t CloudDensity::cube_key(const CloudPoint& point) const {
+  return cube_index(point.x_m, cube_m_) << (2 * kBits) | cube_index(point.y_m, cube_m_) << kBits |
+         cube_index(point.z_m, cube_m_);
 }
 
 CloudDensity::CloudDensity(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> drawn, double cube_m)
     : cube_m_(cube_m) {
-  for (const std::uint32_t k : drawn) ++counts_[key_of(cloud[k])];
+  for (const std::uint32_t k : drawn) ++counts_[cube_key(cloud[k])];
 }
 
 float CloudDensity::spacing_m(const CloudPoint& point) const {
-  const auto cube = counts_.find(key_of(point));
+  const auto cube = counts_.find(cube_key(point));
   return static_cast<float>(cube_m_ / std::sqrt(static_cast<double>(cube == counts_.end() ? 1U : cube->second)));
 }
 

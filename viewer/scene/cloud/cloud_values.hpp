@@ -63,7 +63,7 @@ inline constexpr double kFloorMargin_m = 0.06;
 inline constexpr double kCeilingMargin_m = 0.25;
 
 /// Found on at most a quarter million points spread over the cloud. O(points).
-LevelSurfaces level_surfaces_of(std::span<const CloudPoint> cloud);
+LevelSurfaces sampled_level_surfaces(std::span<const CloudPoint> cloud);
 /// Height of a level plane at a place of the map.
 double height_m(const Plane& plane, const Point2& at);
 /// Indices of the points with finite coordinates that the look does not take away as floor (and below) or ceiling (and
@@ -82,7 +82,7 @@ class CloudDensity {
   [[nodiscard]] float spacing_m(const CloudPoint& point) const;
 
  private:
-  [[nodiscard]] std::uint64_t key_of(const CloudPoint& point) const;
+  [[nodiscard]] std::uint64_t cube_key(const CloudPoint& point) const;
 
   double cube_m_;
   std::unordered_map<std::uint64_t, std::uint32_t> counts_;

@@ -30,7 +30,7 @@ class CloudFilm : public Film {
 
  protected:
   /// 0 to 1 from the first frame to the last.
-  [[nodiscard]] double share_of(std::size_t k) const {
+  [[nodiscard]] double film_share(std::size_t k) const {
     return frames_ > 1 ? static_cast<double>(k) / static_cast<double>(frames_ - 1) : 1.0;
   }
   Canvas picture(const Camera& camera) {
@@ -125,8 +125,8 @@ class FollowFilm : public CloudFilm {
   Canvas frame(std::size_t k) override {
     const double first_s = trajectory_.front().stamp_s;
     // The last frame's time is the last pose's to the bit, so that the film ends with all that was measured till then.
-    const double stamp_s =
-        k + 1 == frames() ? trajectory_.back().stamp_s : first_s + share_of(k) * (trajectory_.back().stamp_s - first_s);
+    const double stamp_s = k + 1 == frames() ? trajectory_.back().stamp_s
+                                             : first_s + film_share(k) * (trajectory_.back().stamp_s - first_s);
     const Pose2 pose = pose_at(trajectory_, stamp_s);
     scene_.show_until(stamp_s);
     scene_.set_robot(pose);

@@ -28,7 +28,7 @@ Pose3 planar(const Point2& place, double y, double angle_rad) {
 
 }  // namespace
 
-vtkSmartPointer<vtkActor> actor_of(const Mesh& mesh, Colour colour, Finish finish, double opacity) {
+vtkSmartPointer<vtkActor> make_actor(const Mesh& mesh, Colour colour, Finish finish, double opacity) {
   const auto mapper = vtkSmartPointer<vtkPolyDataMapper>::New();
   mapper->SetInputData(mesh);
   mapper->ScalarVisibilityOff();
@@ -47,7 +47,7 @@ vtkSmartPointer<vtkActor> actor_of(const Mesh& mesh, Colour colour, Finish finis
 }
 
 void Part::add(const Mesh& mesh, Colour colour, Finish finish, double opacity) {
-  actors.push_back(actor_of(mesh, colour, finish, opacity));
+  actors.push_back(make_actor(mesh, colour, finish, opacity));
 }
 
 void Part::move(const Pose3& T_world_part) {

@@ -24,8 +24,8 @@ namespace gdtslam {
 
 /// How a prop's surface answers light.
 enum class Finish : std::uint8_t { kPaint, kSteel, kGlass, kFlat };
-vtkSmartPointer<vtkActor> actor_of(const Mesh& mesh, Colour colour, Finish finish = Finish::kPaint,
-                                   double opacity = 1.0);
+vtkSmartPointer<vtkActor> make_actor(const Mesh& mesh, Colour colour, Finish finish = Finish::kPaint,
+                                     double opacity = 1.0);
 /// Props that move together.
 struct Part {
   std::vector<vtkSmartPointer<vtkActor>> actors;

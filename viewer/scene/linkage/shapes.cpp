@@ -23,7 +23,7 @@ namespace {
 constexpr double kArcStep_rad = 0.05 * kPi;
 constexpr double kEdge_rad = 0.5;  ///< faces that meet at more have an edge
 
-Mesh triangles_of(vtkAlgorithm& last) {
+Mesh to_triangles(vtkAlgorithm& last) {
   vtkNew<vtkTriangleFilter> triangles;
   triangles->SetInputConnection(last.GetOutputPort());
   triangles->PassLinesOff();
@@ -36,7 +36,7 @@ Mesh with_normals(vtkAlgorithm& last, bool is_closed) {
   normals->SetInputConnection(last.GetOutputPort());
   normals->SetFeatureAngle(deg_from_rad(kEdge_rad));
   normals->SetAutoOrientNormals(is_closed ? 1 : 0);
-  return triangles_of(*normals);
+  return to_triangles(*normals);
 }
 
 double positive_turn(double angle_rad) { return angle_rad - kTwoPi * std::floor(angle_rad / kTwoPi); }
@@ -59,7 +59,7 @@ std::vector<Point2> outline_around(const std::vector<Point2>& corners, double ra
   return outline;
 }
 
-vtkSmartPointer<vtkPoints> points_of(const std::vector<Point3>& places) {
+vtkSmartPointer<vtkPoints> make_points(const std::vector<Point3>& places) {
   auto points = vtkSmartPointer<vtkPoints>::New();
   points->SetDataTypeToDouble();
   for (const Point3& place : places) points->InsertNextPoint(place.data());
@@ -82,7 +82,7 @@ Mesh extruded(std::vector<Point2> corners, double radius, double front_y, double
   vtkNew<vtkCellArray> polygon;
   polygon->InsertNextCell(static_cast<int>(places.size()));
   for (std::size_t i = 0; i < places.size(); ++i) polygon->InsertCellPoint(static_cast<vtkIdType>(i));
-  outline->SetPoints(points_of(places));
+  outline->SetPoints(make_points(places));
   outline->SetPolys(polygon);
   vtkNew<vtkLinearExtrusionFilter> extrusion;
   extrusion->SetInputData(outline);
@@ -97,7 +97,7 @@ Mesh upright(const std::vector<Point2>& corners, double radius, double low_z, do
   vtkNew<vtkTransformPolyDataFilter> turned;
   turned->SetTransform(turn);
   turned->SetInputData(extruded(corners, radius, -high_z, -low_z));
-  return triangles_of(*turned);
+  return to_triangles(*turned);
 }
 
 Mesh tubes(const std::vector<std::vector<Point3>>& paths, double radius) {
@@ -113,13 +113,13 @@ Mesh tubes(const std::vector<std::vector<Point3>>& paths, double radius) {
     for (std::size_t i = first; i < places.size(); ++i) lines->InsertCellPoint(static_cast<vtkIdType>(i));
   }
   vtkNew<vtkPolyData> data;
-  data->SetPoints(points_of(places));
+  data->SetPoints(make_points(places));
   data->SetLines(lines);
   vtkNew<vtkTubeFilter> tube;
   tube->SetInputData(data);
   tube->SetRadius(radius);
   tube->SetNumberOfSides(8);
-  return triangles_of(*tube);
+  return to_triangles(*tube);
 }
 
 Mesh band(const std::vector<Point3>& inner, const std::vector<Point3>& outer) {
@@ -129,7 +129,7 @@ Mesh band(const std::vector<Point3>& inner, const std::vector<Point3>& outer) {
   vtkNew<vtkCellArray> polygons;
   for (vtkIdType i = 0; i + 1 < count; ++i) polygons->InsertNextCell({i, i + 1, count + i + 1, count + i});
   vtkNew<vtkPolyData> data;
-  data->SetPoints(points_of(places));
+  data->SetPoints(make_points(places));
   data->SetPolys(polygons);
   vtkNew<vtkTriangleFilter> triangles;
   triangles->SetInputData(data);
@@ -142,7 +142,7 @@ Mesh ball(const Point3& centre, double radius) {
   sphere->SetRadius(radius);
   sphere->SetThetaResolution(20);
   sphere->SetPhiResolution(12);
-  return triangles_of(*sphere);
+  return to_triangles(*sphere);
 }
 
 }  // namespace gdtslam

@@ -148,7 +148,7 @@ void ScanningOverlay::draw_figures(Canvas& canvas, const ScanningMoment& moment,
   bar.length = width - 3.4 * text_;
   bar.thickness = 0.8 * text_;
   bar.text_size = 0.95 * text_;
-  const DrawingArea room = room_of(bar);
+  const DrawingArea room = colour_bar_room(bar);
   draw_colour_bar(canvas, bar, card.corner + Point2(0.5 * (width - room.width), 2.7 * text_), theme_);
 }
 

@@ -177,7 +177,7 @@ struct ScanningScene::State {
 
   void set_points() {
     const std::span<const CloudPoint> cloud = track.points();
-    const LevelSurfaces surfaces = level_surfaces_of(cloud);
+    const LevelSurfaces surfaces = sampled_level_surfaces(cloud);
     std::vector<std::uint32_t> drawn = drawn_points(cloud, surfaces, look);
     Bounds bounds = robust_bounds(cloud, drawn);
     const CloudValues values(look.colour, cloud, {});
@@ -194,7 +194,7 @@ struct ScanningScene::State {
       const Pose2 pose = track.T_map_base(stamp_s);
       bounds.add({pose.x_m, pose.y_m, 0.0});
     }
-    const auto grid = actor_of(floor_grid(bounds), look.is_dark ? colour_for(0x2a3039) : ink::kEdge, Finish::kFlat);
+    const auto grid = make_actor(floor_grid(bounds), look.is_dark ? colour_for(0x2a3039) : ink::kEdge, Finish::kFlat);
     view.renderer().AddActor(grid);
   }
 

@@ -149,7 +149,7 @@ std::string Ffmpeg::complaint() const {
 }
 
 // Red, green and blue of opaque pixels.
-std::string rgb_of(const RgbaImage& frame) {
+std::string to_rgb(const RgbaImage& frame) {
   std::string rgb(frame.pixels.size() / 4 * 3, '\0');
   for (std::size_t from = 0, to = 0; from < frame.pixels.size(); from += 4, to += 3) {
     std::copy_n(frame.pixels.begin() + static_cast<std::ptrdiff_t>(from), 3,
@@ -206,7 +206,7 @@ class FfmpegFilm : public FilmWriter {
       : path_(target.path), file_(target.path), ffmpeg_(ffmpeg_command(target, file_.written_path())) {}
 
   void add(const RgbaImage& frame) override {
-    if (!ffmpeg_.write(rgb_of(frame))) fail(ffmpeg_.wait());
+    if (!ffmpeg_.write(to_rgb(frame))) fail(ffmpeg_.wait());
   }
   void finish() override {
     const std::string failure = ffmpeg_.wait();

@@ -182,7 +182,7 @@ class LinkageDocument {
     const std::size_t node = json_["nodes"].size();
     GltfJson primitives = GltfJson::array();
     for (const Solid& solid : part.solids) {
-      if (!solid.triangles.empty()) primitives.push_back(primitive_of(solid));
+      if (!solid.triangles.empty()) primitives.push_back(make_primitive(solid));
     }
     json_["nodes"][0]["children"].push_back(node);
     json_["nodes"].push_back({{"name", part.name},
@@ -201,7 +201,7 @@ class LinkageDocument {
   }
 
  private:
-  GltfJson primitive_of(const Solid& solid) {
+  GltfJson make_primitive(const Solid& solid) {
     const std::size_t places = document_.add_places(solid.places);
     const std::size_t normals = document_.add_accessor(solid.normals, kGltfFloat, "VEC3");
     std::vector<std::uint32_t> corners;
@@ -209,11 +209,11 @@ class LinkageDocument {
     const std::size_t indices = document_.add_accessor(corners, kGltfUnsignedInt, "SCALAR");
     return {{"attributes", {{"POSITION", places}, {"NORMAL", normals}}},
             {"indices", indices},
-            {"material", material_of(solid)}};
+            {"material", find_material(solid)}};
   }
 
   /// One for all solids of a look.
-  std::size_t material_of(const Solid& solid) {
+  std::size_t find_material(const Solid& solid) {
     const auto key = std::tuple(hex_text(solid.colour), solid.opacity, solid.is_lit);
     const auto [found, is_new] = materials_.try_emplace(key, materials_.size());
     if (!is_new) return found->second;
@@ -237,7 +237,7 @@ class LinkageDocument {
     const bool is_still = std::all_of(part.poses.begin(), part.poses.end(),
                                       [&part](const Pose3& pose) { return pose == part.poses.front(); });
     if (is_still) return;
-    if (!times_) times_ = times_of(part.poses.size());
+    if (!times_) times_ = add_times(part.poses.size());
     std::vector<Vector3f> places;
     std::vector<Vector4f> rotations;
     for (const Pose3& pose : part.poses) {
@@ -255,7 +255,7 @@ class LinkageDocument {
     add_channel(node, "rotation", document_.add_accessor(rotations, kGltfFloat, "VEC4"));
   }
 
-  std::size_t times_of(std::size_t count) {
+  std::size_t add_times(std::size_t count) {
     std::vector<float> times_s;
     for (std::size_t k = 0; k < count; ++k) {
       times_s.push_back(static_cast<float>(turn_s_ * static_cast<double>(k) / static_cast<double>(count - 1)));

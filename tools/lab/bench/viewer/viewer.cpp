@@ -46,7 +46,7 @@ void add_frames(const BenchTarget& cpu) {
     const calib::SweepModel model = calib::sweep_model_of_preset(calib::kDefaultLinkage);
     LinkageScene linkage(graphics(), model, {});
     double crank_rad = 0.0;
-    const auto frame = [&] { (void)raster_of(linkage.picture(crank_rad += 0.01, kSize)); };
+    const auto frame = [&] { (void)rasterise(linkage.picture(crank_rad += 0.01, kSize)); };
     time_work(state, {.step = frame}, 1.0, "frame");
   });
 }

@@ -61,7 +61,7 @@ struct Seen {
   double y_px = 0.0;
   double depth_m = 0.0;
 };
-std::optional<Seen> pixel_of(const Camera& camera, const PictureSize& size, const Point3& point);
+std::optional<Seen> project(const Camera& camera, const PictureSize& size, const Point3& point);
 /// How many pixels a metre across the line of sight is at this point; 0 behind a camera.
 double pixels_per_metre(const Camera& camera, const PictureSize& size, const Point3& point);
 
@@ -74,7 +74,7 @@ struct CameraBasis {
   Point3 forward;
 };
 /// Also where the camera's up is along the line of sight: then another direction is up.
-CameraBasis basis_of(const Camera& camera);
+CameraBasis camera_basis(const Camera& camera);
 /// Half of the vertical view angle as a slope.
 double half_height_slope(const Camera& camera);
 

@@ -37,6 +37,6 @@ struct PageInput {
 
 /// Throws InputError where there is nothing to show, for a cloud of which no point is finite or which has more than
 /// 2^24 points, and for another number of distances than of points; ConfigError for a linkage that closes nowhere.
-std::string page_of(const PageInput& input);
+std::string make_page(const PageInput& input);
 
 }  // namespace gdtslam

@@ -147,11 +147,11 @@ double text_width(std::string_view words, double size, bool is_bold = false);
 // UnavailableError if the drawing has words and there is no font, and Error if Cairo fails.
 
 /// `scale` pixels for each pixel of the drawing. Throws Error too for a side that has not 1 to 32767 pixels.
-RgbaImage raster_of(const Canvas& drawing, double scale = 1.0);
+RgbaImage rasterise(const Canvas& drawing, double scale = 1.0);
 /// Letters are outlines; the words stand in the description, for screen readers and searches. The same bytes for the
 /// same drawing and fonts.
-std::string svg_of(const Canvas& drawing);
+std::string draw_svg(const Canvas& drawing);
 /// One page, 96 pixels an inch, words stay words. The same bytes for the same drawing (no time of day).
-std::string pdf_of(const Canvas& drawing);
+std::string draw_pdf(const Canvas& drawing);
 
 }  // namespace gdtslam

@@ -95,7 +95,7 @@ class Plot {
     std::string text;
     std::size_t kept = 0;  ///< bytes at its end that are its remark
   };
-  static std::vector<Label> labels_of(const Axis& axis, const Ticks& ticks);
+  static std::vector<Label> make_labels(const Axis& axis, const Ticks& ticks);
   [[nodiscard]] double letters() const;
   [[nodiscard]] double widest(const std::vector<Label>& labels) const;
   void lay_out_y();

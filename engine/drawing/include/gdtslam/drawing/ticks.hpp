@@ -25,7 +25,7 @@ struct Ticks {
 
 /// The least round step of which at most `most` steps (at least one) lie within the range; the ticks are those within
 /// it. `from` < `to`, both finite.
-Ticks ticks_of(double from, double to, int most, TickSteps steps = TickSteps::kDecimal);
+Ticks make_ticks(double from, double to, int most, TickSteps steps = TickSteps::kDecimal);
 /// The same for the range grown outwards to whole steps.
 Ticks ticks_around(double from, double to, int most, TickSteps steps = TickSteps::kDecimal);
 
