@@ -17,37 +17,8 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
+using test::expect_tidy;
 using test::shapes_of;
-
-/// Of level or upright words, from text_width() and the usual height of letters.
-DrawingArea extent(const shape::Words& words) {
-  const double width = text_width(words.text, words.lettering.size, words.lettering.is_bold);
-  const double start = words.lettering.anchor == Anchor::kStart ? 0.0
-                       : words.lettering.anchor == Anchor::kEnd ? 1.0
-                                                                : 0.5;
-  const double height = 0.76 * words.lettering.size;
-  if (words.is_upright) return {words.at + Point2(-height, -(1.0 - start) * width), height, width};
-  return {words.at + Point2(-start * width, -height), width, height};
-}
-
-bool overlap(const DrawingArea& one, const DrawingArea& other) {
-  return one.corner.x() < other.corner.x() + other.width && other.corner.x() < one.corner.x() + one.width &&
-         one.corner.y() < other.corner.y() + other.height && other.corner.y() < one.corner.y() + one.height;
-}
-
-void expect_tidy(const Canvas& canvas, const DrawingArea& area) {
-  const std::vector<shape::Words> words = shapes_of<shape::Words>(canvas);
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const DrawingArea one = extent(words[i]);
-    EXPECT_GE(one.corner.x(), area.corner.x() - 0.5) << words[i].text;
-    EXPECT_GE(one.corner.y(), area.corner.y() - 0.5) << words[i].text;
-    EXPECT_LE(one.corner.x() + one.width, area.corner.x() + area.width + 0.5) << words[i].text;
-    EXPECT_LE(one.corner.y() + one.height, area.corner.y() + area.height + 0.5) << words[i].text;
-    for (std::size_t j = 0; j < i; ++j) {
-      EXPECT_FALSE(overlap(one, extent(words[j]))) << words[i].text << " over " << words[j].text;
-    }
-  }
-}
 
 TEST(Plot, AnyRangeInAnySizeIsTidy) {
   for (const double text_size : {9.0, 13.0, 22.0}) {

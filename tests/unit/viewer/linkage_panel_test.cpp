@@ -7,17 +7,12 @@
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/viewer/linkage_scene.hpp"
-#include "linkage_words.hpp"
+#include "support/picture_scene.hpp"
 
 namespace gdtslam {
 namespace {
 
 using namespace test;
-
-bool has_words(const Canvas& canvas, const std::string& text) {
-  const std::vector<WordBox> boxes = word_boxes(canvas);
-  return std::any_of(boxes.begin(), boxes.end(), [&](const WordBox& box) { return box.text == text; });
-}
 
 std::vector<calib::SweepModel> models() {
   std::vector<calib::SweepModel> models;
@@ -42,8 +37,8 @@ TEST(LinkagePanel, words_are_legible_and_apart) {
          {PictureSize{1280, 720}, PictureSize{640, 360}, PictureSize{600, 800}, PictureSize{480, 270}}) {
       for (const double turn : {0.0, 2.3}) {
         const Canvas canvas = scene.picture(scene.shown_crank_rad() + turn, size);
-        EXPECT_GT(word_boxes(canvas).size(), 10U);
-        expect_legible(canvas, model.name + " " + std::to_string(size.width));
+        EXPECT_GT(shapes_of<shape::Words>(canvas).size(), 10U);
+        expect_tidy(canvas, model.name + " " + std::to_string(size.width));
       }
     }
   }
