@@ -14,7 +14,6 @@
 #include "engine/cloud/position_of.hpp"
 #include "engine/core/base64.hpp"
 #include "engine/drawing/letters.hpp"
-#include "engine/drawing/page/page_layers.hpp"
 #include "engine/drawing/page/page_writer.hpp"
 #include "gdtslam/cloud/plane.hpp"
 #include "gdtslam/core/cloud.hpp"

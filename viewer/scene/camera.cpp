@@ -232,14 +232,13 @@ double pixels_per_metre(const Camera& camera, const PictureSize& size, const Poi
   return 0.5 * size.height / (half_height_slope(camera) * depth_m);
 }
 
-std::optional<Seen> project(const Camera& camera, const PictureSize& size, const Point3& point) {
+std::optional<Point2> project(const Camera& camera, const PictureSize& size, const Point3& point) {
   const double scale_px = pixels_per_metre(camera, size, point);
   if (scale_px <= 0.0) return std::nullopt;
   const CameraBasis basis = camera_basis(camera);
   const Point3 from_eye = point - camera.eye;
-  return Seen{.x_px = 0.5 * size.width + scale_px * basis.right.dot(from_eye),
-              .y_px = 0.5 * size.height - scale_px * basis.up.dot(from_eye),
-              .depth_m = basis.forward.dot(from_eye)};
+  return Point2(0.5 * size.width + scale_px * basis.right.dot(from_eye),
+                0.5 * size.height - scale_px * basis.up.dot(from_eye));
 }
 
 Camera nearest_camera(const Point3& forward, double view_angle_rad, const Point3& centre,

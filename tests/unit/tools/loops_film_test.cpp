@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "gdtslam/core/angle.hpp"
-#include "tools/gdtslam/render/loops_path.hpp"
+#include "tools/gdtslam/render/loops_film.hpp"
 
 namespace gdtslam {
 namespace {

@@ -71,7 +71,7 @@ TEST(CloudPicture, ScaleBarIsAsLongAsItsLengthAtTheTarget) {
     // Two points 5 m apart at the target, across the line of sight, are as far apart in the picture as the bar is long.
     const Point3 across = (camera.target - camera.eye).cross(camera.up).normalized();
     const double expected =
-        project(camera, size, camera.target + 5.0 * across)->x_px - project(camera, size, camera.target)->x_px;
+        project(camera, size, camera.target + 5.0 * across)->x() - project(camera, size, camera.target)->x();
     std::vector<double> level_lengths;
     for (const Shape& shape : canvas.shapes()) {
       const auto* line = std::get_if<shape::Line>(&shape);

@@ -49,8 +49,8 @@ TEST_F(CloudSceneTest, APointAppearsAtItsPixelForEveryKindOfCamera) {
         ASSERT_GT(weight, 0.0);
         const auto expected = project(camera, kSceneSize, place);
         ASSERT_TRUE(expected.has_value());
-        EXPECT_NEAR(x / weight, expected->x_px, 0.75 / samples);
-        EXPECT_NEAR(y / weight, expected->y_px, 0.75 / samples);
+        EXPECT_NEAR(x / weight, expected->x(), 0.75 / samples);
+        EXPECT_NEAR(y / weight, expected->y(), 0.75 / samples);
       }
     }
   }
@@ -112,7 +112,7 @@ TEST_F(CloudSceneTest, FloorAndCeilingAreTakenAwayAsAsked) {
   const ColourMap& map = colour_map("lagoon");
   const auto pixel = [](const RgbaImage& image, const Point3& at) {
     const auto seen = project(over_the_room(), kSceneSize, at);
-    return image.at(static_cast<std::uint32_t>(seen->x_px), static_cast<std::uint32_t>(seen->y_px));
+    return image.at(static_cast<std::uint32_t>(seen->x()), static_cast<std::uint32_t>(seen->y()));
   };
   const Point3 free_place(2.5, 2.5, 0.0);
   EXPECT_TRUE(is_colour(pixel(all.second, free_place), map.at(1.0), 6));
@@ -149,7 +149,7 @@ TEST_F(CloudSceneTest, ShowUntilDrawsWhatWasMeasuredTillThenInAnyOrder) {
   EXPECT_EQ(scene.points_drawn(), floor_count);
   const RgbaImage half = scene.render(over_the_room(), kSceneSize);
   const auto at = project(over_the_room(), kSceneSize, {5.5, 3.0, 0.0});
-  EXPECT_TRUE(is_colour(half.at(static_cast<std::uint32_t>(at->x_px), static_cast<std::uint32_t>(at->y_px)),
+  EXPECT_TRUE(is_colour(half.at(static_cast<std::uint32_t>(at->x()), static_cast<std::uint32_t>(at->y())),
                         colour_map("lagoon").at(0.0), 6));
   scene.show_until(0.0);
   EXPECT_EQ(covered(scene.render(over_the_room(), kSceneSize), ink::kNight), 0U);

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/drawing/plots/bars.hpp"
 #include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/ticks.hpp"
 
@@ -22,7 +23,8 @@ constexpr double kMargin_m = 0.4;  // around the boxes and the viewpoint
 constexpr double kLeastView_m = 1.5;
 constexpr double kAside_px = 30.0;  // distance of a dimension line from the edge that it measures
 constexpr double kTick_px = 6.0;
-constexpr int kDotsAcross = 170;  // squares across the view, each with one dot for its points
+constexpr double kGrid_px = 120.0;  // widest square of the grid, and longest scale bar
+constexpr int kDotsAcross = 170;    // squares across the view, each with one dot for its points
 constexpr std::array kFills{ink::kCoupler, ink::kRocker, ink::kCrank, ink::kCurve};
 constexpr std::size_t kMostRows = 4;  // boxes in the table
 
@@ -88,7 +90,7 @@ TopView top_view(const Measurement& measured, std::span<const CloudPoint> cloud,
   return view;
 }
 
-double grid_step(const TopView& view) { return round_length_m(120.0 / view.pixels_per_m); }
+double grid_step(const TopView& view) { return round_length_m(kGrid_px / view.pixels_per_m); }
 
 // By pixels, however far the view reaches.
 void draw_grid(Canvas& canvas, const TopView& view, double step_m) {
@@ -185,17 +187,6 @@ void draw_scanner(Canvas& canvas, const TopView& view, const Point3& viewpoint) 
   canvas.text(at + Point2(24.0, 5.0), "scanner", {.size = 13.0, .colour = ink::kQuiet, .has_halo = true});
 }
 
-void draw_scale(Canvas& canvas, const TopView& view, double step_m) {
-  const Point2 left = view.card.corner + Point2(24.0, view.card.height - 24.0);
-  const Point2 right = left + Point2(step_m * view.pixels_per_m, 0.0);
-  const Pen pen{.colour = ink::kText, .width = 2.0};
-  canvas.line(left, right, pen);
-  canvas.line(left - Point2(0.0, 5.0), left + Point2(0.0, 5.0), pen);
-  canvas.line(right - Point2(0.0, 5.0), right + Point2(0.0, 5.0), pen);
-  canvas.text(0.5 * (left + right) - Point2(0.0, 10.0), length_text(step_m),
-              {.size = 12.0, .colour = ink::kQuiet, .anchor = Anchor::kMiddle, .has_halo = true});
-}
-
 void draw_row(Canvas& canvas, const Point2& at, std::string_view name, const Dimension& dimension) {
   const bool is_known = std::isfinite(dimension.sigma_m);
   canvas.text(at, name, {.size = 13.0, .colour = ink::kQuiet});
@@ -256,7 +247,8 @@ Canvas draw_measurement(const Measurement& measured, std::span<const CloudPoint>
   draw_points(canvas, measured, cloud, view);
   for (std::size_t k = 0; k < count; ++k) draw_box(canvas, view, measured.boxes[k], k);
   if (measured.viewpoint) draw_scanner(canvas, view, *measured.viewpoint);
-  draw_scale(canvas, view, step_m);
+  draw_scale_bar(canvas, {.pixels_per_m = view.pixels_per_m, .most = kGrid_px, .text_size = 12.0},
+                 plan.corner + Point2(24.0, plan.height - 24.0));
   canvas.text(plan.corner + Point2(20.0, 28.0), "From above", {.size = 15.0, .is_bold = true, .has_halo = true});
   canvas.text(table.corner + Point2(20.0, 28.0), "Dimensions", {.size = 15.0, .is_bold = true});
   draw_table(canvas, measured, table);

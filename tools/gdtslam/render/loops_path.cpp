@@ -1,4 +1,4 @@
-#include "loops_path.hpp"
+#include "loops_film.hpp"
 
 #include <algorithm>
 

@@ -160,8 +160,8 @@ bool RenderStudio::is_huge() const {
 }
 
 CloudCaption RenderStudio::caption() const {
-  if (hidden_.caption) return {"", "", false, false, false};
-  return {title(), subtitle(points_drawn_), true, true, true};
+  if (hidden_.caption) return {"", "", false};
+  return {title(), subtitle(points_drawn_), true};
 }
 
 std::string RenderStudio::scan_subtitle() const {

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "viewer/scene/linkage/shapes.hpp"
+#include "viewer/scene/linkage/linkage_parts.hpp"
 
 namespace gdtslam {
 namespace {

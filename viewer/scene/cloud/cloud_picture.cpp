@@ -191,9 +191,10 @@ Canvas cloud_picture(std::shared_ptr<const RgbaImage> scene, const ColourScale& 
   canvas.picture({0.0, 0.0}, size.width, size.height, std::move(scene));
   CloudLayout layout(canvas, look);
   layout.write_title(caption);
-  if (caption.with_scale_bar) layout.draw_scale_bar(camera, size);
-  if (caption.with_colour_bar) layout.draw_colour_bar(scale);
-  if (caption.with_axes) layout.draw_axes(camera);
+  if (!caption.with_bars) return canvas;
+  layout.draw_scale_bar(camera, size);
+  layout.draw_colour_bar(scale);
+  layout.draw_axes(camera);
   return canvas;
 }
 

@@ -108,12 +108,11 @@ struct LinkageScene::State {
     const Camera seen_from = camera(size);
     if (cycle.sweeps_all_around()) return;
     for (const double elevation_rad : {cycle.lowest_rad(), cycle.highest_rad()}) {
-      const std::optional<Seen> rim = project(seen_from, size, surroundings.sweep_rim(elevation_rad, 1.0));
-      const std::optional<Seen> inner = project(seen_from, size, surroundings.sweep_rim(elevation_rad, 0.9));
+      const std::optional<Point2> rim = project(seen_from, size, surroundings.sweep_rim(elevation_rad, 1.0));
+      const std::optional<Point2> inner = project(seen_from, size, surroundings.sweep_rim(elevation_rad, 0.9));
       if (!rim || !inner) continue;
       const Point2& corner = sheet.scene.corner;
-      panel.draw_sweep_label(canvas, sheet, corner + Point2(rim->x_px, rim->y_px),
-                             corner + Point2(inner->x_px, inner->y_px), elevation_rad);
+      panel.draw_sweep_label(canvas, sheet, corner + *rim, corner + *inner, elevation_rad);
     }
   }
 

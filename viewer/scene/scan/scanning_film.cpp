@@ -126,7 +126,7 @@ void ScanningOverlay::draw_title(Canvas& canvas) const {
 }
 
 void ScanningOverlay::draw_figures(Canvas& canvas, const ScanningMoment& moment, const ColourScale& scale) const {
-  const bool has_bar = caption_.with_colour_bar && look_.colour != CloudColour::kPlain;
+  const bool has_bar = caption_.with_bars && look_.colour != CloudColour::kPlain;
   const double margin = std::round(1.4 * text_);
   const double width = std::round(19.0 * text_);
   const DrawingArea card{{size_.width - margin - width, margin}, width, std::round((has_bar ? 7.2 : 2.9) * text_)};

@@ -54,14 +54,9 @@ Camera turned(const Camera& camera, double angle_rad);
 /// or down. Throws UsageError.
 Camera parse_camera(const std::string& text);
 
-/// Place of a point in the picture: pixels from the upper left corner, and its distance before the camera. Empty behind
-/// it.
-struct Seen {
-  double x_px = 0.0;
-  double y_px = 0.0;
-  double depth_m = 0.0;
-};
-std::optional<Seen> project(const Camera& camera, const PictureSize& size, const Point3& point);
+/// Place of a point in the picture: pixels from the upper left corner. Empty behind the camera.
+std::optional<Point2> project(const Camera& camera, const PictureSize& size, const Point3& point);
+
 /// How many pixels a metre across the line of sight is at this point; 0 behind a camera.
 double pixels_per_metre(const Camera& camera, const PictureSize& size, const Point3& point);
 

@@ -31,7 +31,7 @@ struct CloudLook {
   std::string colour_map;       ///< empty: the one that suits colour and background
   std::optional<double> least;  ///< lower end of the scale (m, rad, s from the first point on, scans, m); empty: the
                                 ///< 1st percentile of the drawn points, for distances 0
-  std::optional<double> most;  ///< upper end; empty: the 99th percentile
+  std::optional<double> most;   ///< upper end; empty: the 99th percentile
   bool with_floor = true;
   bool with_ceiling = true;  ///< false by default in tools for views from above: a ceiling hides the rooms
   bool with_eye_dome = true;
@@ -86,11 +86,9 @@ class CloudScene {
 
 /// Words and bars beside the scene.
 struct CloudCaption {
-  std::string title;     ///< name of the cloud
-  std::string subtitle;  ///< "2,612,034 points, 63 m of path"
-  bool with_scale_bar = true;
-  bool with_axes = true;
-  bool with_colour_bar = true;
+  std::string title;      ///< name of the cloud
+  std::string subtitle;   ///< "2,612,034 points, 63 m of path"
+  bool with_bars = true;  ///< scale bar, axes and colour bar
 };
 /// The scene's picture with title, scale bar (of a perspective camera at its target, and said so), colour bar and axes
 /// drawn over it, in the order of need: a part that finds no room is left out.

@@ -6,7 +6,6 @@
 #include <new>
 
 #include "engine/drawing/letters.hpp"
-#include "engine/drawing/page/page_layers.hpp"
 #include "engine/drawing/page/page_writer.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 
