@@ -21,7 +21,6 @@ struct ColourBar {
   double from = 0.0;  ///< value at the map's first colour
   double to = 1.0;
   std::string title = {};  ///< with the unit: "height in m"
-  bool is_upright = true;
   TickSteps steps = TickSteps::kDecimal;
   double length = 240.0;    ///< pixels, along the colours
   double thickness = 14.0;  ///< across them
@@ -30,9 +29,8 @@ struct ColourBar {
 };
 /// Room that it takes, words included: to place it by. Only width and height are filled in.
 DrawingArea colour_bar_room(const ColourBar& bar);
+/// A lying bar with the upper left corner of its room at `corner`, the title above, the largest value at the right.
 /// Both ends are labelled, and the round values between them that find room.
-/// With the upper left corner of its room at `corner`; upright: the title above, the largest value at the top; lying:
-/// the title above, the largest value at the right.
 void draw_colour_bar(Canvas& canvas, const ColourBar& bar, const Point2& corner, const Theme& theme = kLightTheme);
 
 struct ScaleBar {

@@ -14,10 +14,10 @@ namespace gdtslam {
 namespace {
 
 TEST(RenderOptionWords, ScaleHasTheEndsThatAreStated) {
-  const ScaleRange both = read_scale_range("-50cm:2.5m", CloudColour::kHeight);
+  const OpenRange both = read_scale_range("-50cm:2.5m", CloudColour::kHeight);
   EXPECT_EQ(both.least, -0.5);
   EXPECT_EQ(both.most, 2.5);
-  const ScaleRange below = read_scale_range(":90deg", CloudColour::kElevation);
+  const OpenRange below = read_scale_range(":90deg", CloudColour::kElevation);
   EXPECT_FALSE(below.least);
   EXPECT_DOUBLE_EQ(below.most.value(), rad_from_deg(90.0));
   // Ticks of a scale whose ends are farther apart than numbers reach have no end.
@@ -35,9 +35,9 @@ TEST(RenderOptionWords, PartsPlacesAndTimes) {
   EXPECT_EQ(read_viewpoint("robot").preset, CameraPreset::kFollow);
   EXPECT_EQ(read_viewpoint("1,2,3,4,5,6").camera->eye, Point3(1, 2, 3));
   EXPECT_THROW(read_viewpoint("roof"), UsageError);
-  const TimeRange time = read_time_range("20s:");
-  EXPECT_EQ(time.from_s, 20.0);
-  EXPECT_FALSE(time.to_s);
+  const OpenRange time = read_time_range("20s:");
+  EXPECT_EQ(time.least, 20.0);
+  EXPECT_FALSE(time.most);
 }
 
 TEST(RenderViews, WrongNamesAreAnsweredWithTheNearest) {

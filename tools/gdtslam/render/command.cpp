@@ -63,7 +63,7 @@ void check_options(const RenderOptions& options) {
   if (!options.output.empty()) read_output_kind(options.output);
   if (!options.view.empty()) render_view(options.view, options.as);
   if (!options.size.empty()) read_size(options.size);
-  if (!options.seconds.empty()) read_seconds(options.seconds);
+  if (!options.seconds.empty()) quantity_of("--seconds", options.seconds, Unit::kSecond);
   read_viewpoint(options.from);
   read_hidden(options.hide);
   read_time_range(options.time);
@@ -146,30 +146,30 @@ void add_look_options(CLI::App& command, RenderOptions& chosen) {
       "WxH");
   add(command, kLook, "--title", chosen.title, "Title of the picture [the input's name]", "TEXT");
   offer_words(add(command, kLook, "--from", chosen.from,
-                  "Place of the camera of a cloud: " + listed(viewpoint_names()) +
+                  "Place of the camera of a cloud: " + listed(option_words("--from")) +
                       ", or eye and target in metres\nand the view angle in degrees, X,Y,Z,X,Y,Z[,ANGLE] [iso]",
                   "PLACE"),
-              viewpoint_names());
-  offer_words(
-      add(command, kLook, "--colour", chosen.colour,
-          "Colour of a cloud's points: " + listed(colour_names()) + "\n[height; with --reference CLOUD distance]",
-          "NAME"),
-      colour_names());
+              option_words("--from"));
+  offer_words(add(command, kLook, "--colour", chosen.colour,
+                  "Colour of a cloud's points: " + listed(option_words("--colour")) +
+                      "\n[height; with --reference CLOUD distance]",
+                  "NAME"),
+              option_words("--colour"));
   offer_words(add(command, kLook, "--colour-map", chosen.colour_map,
                   "Colours from low to high: " + listed(colour_map_names()), "NAME"),
               colour_map_names());
   add(command, kLook, "--range", chosen.range,
       "Ends of the colours with their units, as 0m:2.5m [1st and 99th percentile]", "MIN:MAX");
-  offer_words(
-      add(command, kLook, "--background", chosen.background,
-          "Background: " + listed(background_names()) + " (.png, .svg, .pdf and frames) [clouds dark, all else light]",
-          "NAME"),
-      background_names());
+  offer_words(add(command, kLook, "--background", chosen.background,
+                  "Background: " + listed(option_words("--background")) +
+                      " (.png, .svg, .pdf and frames) [clouds dark, all else light]",
+                  "NAME"),
+              option_words("--background"));
   offer_words(add(command, kLook, "--hide", chosen.hide,
-                  "Parts to leave out, with commas between them: " + listed(hidden_names()) +
+                  "Parts to leave out, with commas between them: " + listed(option_words("--hide")) +
                       "\n[from above the ceiling, unless none]",
                   "PARTS"),
-              hidden_names());
+              option_words("--hide"));
 }
 
 void add_film_options(CLI::App& command, RenderOptions& chosen) {

@@ -196,7 +196,7 @@ Canvas RenderStudio::errors_path(const Wanted& wanted) {
   }
   MapLook look = map_look();
   if (!hidden_.caption) look.subtitle = error_words(errors);
-  const ScaleRange range = read_scale_range(options_.range, CloudColour::kHeight);
+  const OpenRange range = read_scale_range(options_.range, CloudColour::kHeight);
   const PathErrors path{.trajectory = aligned.trajectory,
                         .drives = overlay.drives,
                         .errors = errors,

@@ -77,8 +77,7 @@ Unit scale_unit(CloudColour colour) {
 }
 
 /// The two sides of "MIN:MAX"; a side that is empty stays open.
-std::pair<std::optional<double>, std::optional<double>> read_ends(const std::string& option, const std::string& text,
-                                                                  Unit unit, std::string_view example) {
+OpenRange read_ends(const std::string& option, const std::string& text, Unit unit, std::string_view example) {
   const std::size_t middle = text.find(':');
   if (middle == std::string::npos) {
     throw UsageError(fmt::format("{}: '{}' is not MIN:MAX, for example {}", option, text, example));
@@ -105,11 +104,11 @@ std::string listed(const std::vector<std::string>& names) {
   return text;
 }
 
-std::vector<std::string> viewpoint_names() { return names_in(kViewpoints); }
-std::vector<std::string> background_names() { return names_in(kBackgrounds); }
-std::vector<std::string> hidden_names() { return names_in(kHidden); }
-std::vector<std::string> colour_names() { return names_in(kColours); }
-
+std::vector<std::string> option_words(std::string_view option) {
+  if (option == "--from") return names_in(kViewpoints);
+  if (option == "--background") return names_in(kBackgrounds);
+  return option == "--hide" ? names_in(kHidden) : names_in(kColours);
+}
 std::vector<std::string> colour_map_names() {
   std::vector<std::string> names;
   for (const ColourMap& map : colour_maps()) names.emplace_back(map.name());
@@ -167,20 +166,16 @@ Hidden read_hidden(const std::string& text) {
   return hidden;
 }
 
-ScaleRange read_scale_range(const std::string& text, CloudColour colour) {
+OpenRange read_scale_range(const std::string& text, CloudColour colour) {
   if (text.empty()) return {};
   if (colour == CloudColour::kPlain) throw UsageError("--range: points of one colour have no scale");
-  const auto [least, most] = read_ends("--range", text, scale_unit(colour), "0m:2.5m or -10deg:80deg");
-  return {least, most};
+  return read_ends("--range", text, scale_unit(colour), "0m:2.5m or -10deg:80deg");
 }
 
-TimeRange read_time_range(const std::string& text) {
+OpenRange read_time_range(const std::string& text) {
   if (text.empty()) return {};
-  const auto [from_s, to_s] = read_ends("--time", text, Unit::kSecond, "20s:60s");
-  return {from_s, to_s};
+  return read_ends("--time", text, Unit::kSecond, "20s:60s");
 }
-
-double read_seconds(const std::string& text) { return quantity_of("--seconds", text, Unit::kSecond); }
 
 CloudLook read_cloud_look(const RenderOptions& options) {
   CloudLook look;
@@ -193,7 +188,7 @@ CloudLook read_cloud_look(const RenderOptions& options) {
   if (!look.colour_map.empty() && std::find(maps.begin(), maps.end(), look.colour_map) == maps.end()) {
     fail_word("--colour-map", look.colour_map, maps);
   }
-  const ScaleRange range = read_scale_range(options.range, look.colour);
+  const OpenRange range = read_scale_range(options.range, look.colour);
   look.least = range.least;
   look.most = range.most;
   const Background background = read_background(options.background);

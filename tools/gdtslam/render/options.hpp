@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gdtslam/viewer/camera.hpp"
@@ -69,31 +70,21 @@ struct Hidden {
 };
 Hidden read_hidden(const std::string& text);
 
-/// "MIN:MAX" with the units of the colour's quantity; either side may be empty.
-struct ScaleRange {
+/// Two ends, either of which may be left open.
+struct OpenRange {
   std::optional<double> least;
   std::optional<double> most;
 };
-ScaleRange read_scale_range(const std::string& text, CloudColour colour);
-
-/// "FROM:TO", seconds from the first pose of a log; either side may be empty.
-struct TimeRange {
-  std::optional<double> from_s;
-  std::optional<double> to_s;
-};
-TimeRange read_time_range(const std::string& text);
-
-/// A time, in seconds.
-double read_seconds(const std::string& text);
+/// "MIN:MAX" with the units of the colour's quantity.
+OpenRange read_scale_range(const std::string& text, CloudColour colour);
+/// "FROM:TO", seconds from the first pose of a log.
+OpenRange read_time_range(const std::string& text);
 
 /// Everything about a cloud's look but floor and ceiling, which depend on the view.
 CloudLook read_cloud_look(const RenderOptions& options);
 
-// The words that options can have.
-std::vector<std::string> viewpoint_names();
-std::vector<std::string> background_names();
-std::vector<std::string> hidden_names();
-std::vector<std::string> colour_names();
+/// The words that --from, --background, --hide or --colour can have.
+std::vector<std::string> option_words(std::string_view option);
 std::vector<std::string> colour_map_names();
 /// "height, elevation, time".
 std::string listed(const std::vector<std::string>& names);

@@ -12,6 +12,7 @@
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/drawings/drawing_file.hpp"
 #include "tools/gdtslam/shell/console.hpp"
+#include "tools/gdtslam/shell/options.hpp"
 #include "viewer/scene/cloud/cloud_values.hpp"
 
 namespace gdtslam {
@@ -299,7 +300,7 @@ FilmLength RenderStudio::film_length(const RenderView& view) {
     const Stretch time = stretch();
     seconds = std::min(time.to_s - time.from_s, view.film_s);
   }
-  if (!options_.seconds.empty()) seconds = read_seconds(options_.seconds);
+  if (!options_.seconds.empty()) seconds = quantity_of("--seconds", options_.seconds, Unit::kSecond);
   if (!(seconds > 0.0)) throw UsageError("--seconds: " + options_.seconds + " is not above 0");
   const double frames = std::max(1.0, std::floor(seconds * length.frames_per_s + 0.5));
   if (!(frames <= kMostFrames)) throw UsageError(fmt::format("a film has at most {:.0f} frames", kMostFrames));
@@ -314,9 +315,9 @@ RenderStudio::Stretch RenderStudio::stretch() {
     first_s = std::min(first_s, pose.stamp_s);
     last_s = std::max(last_s, pose.stamp_s);
   }
-  const TimeRange time = read_time_range(options_.time);
-  const double from_s = first_s + time.from_s.value_or(0.0);
-  const double to_s = std::min(time.to_s ? first_s + *time.to_s : from_s + kLongestScan_s, last_s);
+  const OpenRange time = read_time_range(options_.time);
+  const double from_s = first_s + time.least.value_or(0.0);
+  const double to_s = std::min(time.most ? first_s + *time.most : from_s + kLongestScan_s, last_s);
   if (from_s < first_s || from_s >= to_s) {
     throw UsageError(fmt::format("--time {}: leaves nothing of a log of {:.1f} s; it counts from the first pose",
                                  options_.time, last_s - first_s));

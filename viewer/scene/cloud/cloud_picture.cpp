@@ -134,7 +134,6 @@ void CloudLayout::draw_colour_bar(const ColourScale& scale) {
   bar.from = scale.least;
   bar.to = scale.most;
   bar.title = scale.unit.empty() ? scale.quantity : fmt::format("{} ({})", scale.quantity, scale.unit);
-  bar.is_upright = false;
   bar.steps = scale.unit == "°" ? TickSteps::kDegrees : TickSteps::kDecimal;
   bar.text_size = letter_;
   bar.thickness = 0.9 * letter_;

@@ -144,7 +144,6 @@ void ScanningOverlay::draw_figures(Canvas& canvas, const ScanningMoment& moment,
   bar.from = scale.least;
   bar.to = scale.most;
   bar.title = scale.unit.empty() ? scale.quantity : scale.quantity + " (" + scale.unit + ")";
-  bar.is_upright = false;
   bar.length = width - 3.4 * text_;
   bar.thickness = 0.8 * text_;
   bar.text_size = 0.95 * text_;
