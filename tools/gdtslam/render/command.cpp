@@ -12,13 +12,13 @@
 
 #include "engine/io/json_file.hpp"
 #include "gdtslam/core/error.hpp"
-#include "run.hpp"
 #include "studio.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/help/offers.hpp"
 #include "tools/gdtslam/shell/options.hpp"
 #include "tools/gdtslam/shell/written_files.hpp"
+#include "views.hpp"
 
 namespace gdtslam {
 namespace {

@@ -1,4 +1,4 @@
-#include "run.hpp"
+#include "views.hpp"
 
 #include <fmt/format.h>
 
