@@ -136,7 +136,8 @@ TEST(ColourBar, HasItsColoursItsTicksAndItsRoom) {
   const std::vector<shape::Rectangle> colours = shapes_of<shape::Rectangle>(canvas);
   const shape::Rectangle& frame = colours.back();
   for (const shape::Words& words : shapes_of<shape::Words>(canvas)) {
-    if (words.text == "2.0") EXPECT_NEAR(words.at.x(), frame.corner.x() + (2.0 + 0.3) / 3.0 * frame.width, 1e-6);
+    if (words.text != "2.0") continue;
+    EXPECT_NEAR(words.at.x(), frame.corner.x() + (2.0 + 0.3) / 3.0 * frame.width, 1e-6);
   }
   // Each covers the rest of the one before: the first is seen at the left.
   const shape::Rectangle& last = colours[colours.size() - 2];

@@ -149,150 +149,144 @@ class Render {
         "which needs --reference or --relations FILE",
         view == nullptr ? std::string(to_string(result_.kind)) : "--view " + view->words(), sources_.size()));
   }
+
   void refuse_view() const {
     if (options_.view.empty() && options_.as.empty() && options_.size.empty()) return;
     throw UsageError(fmt::format("--view, --as and --size are for pictures, not for {}", to_string(result_.kind)));
   }
+
   /// A .glb of an input that has a linkage and no cloud.
   [[nodiscard]] bool is_linkage_model() const {
     const unsigned parts = sources_.front().parts() & (part::kCloud | part::kLinkage);
     return result_.kind == OutputKind::kGlb && parts == part::kLinkage;
   }
+
   [[nodiscard]] PictureSize film_size() const {
     if (!options_.size.empty()) return read_size(options_.size);
     return result_.kind == OutputKind::kGif ? kGifSize : kFilmSize;
   }
-  void write_still(const RenderView& view);
-  void write_film(const RenderView& view);
-  void write_page();
-  void write_model();
-  void add_facts(PageInput& page) const;
+
+  void write_still(const RenderView& view) {
+    std::optional<PictureSize> wanted;
+    if (!options_.size.empty()) wanted = read_size(options_.size);
+    Canvas drawing = (studio_.*view.draw)(wanted);
+    // Plots are drawn small and scaled up to the pixels that were asked for.
+    const bool is_pixels = result_.kind == OutputKind::kPng;
+    const PictureSize target = wanted.value_or(kStillSize);
+    const double fit = std::min(target.width / drawing.width(), target.height / drawing.height());
+    const double scale = (view.effects & effect::kPlot) != 0 && is_pixels ? fit : 1.0;
+    if (wanted && is_pixels) drawing = on_page(drawing, target.width / scale, target.height / scale);
+    write_file_atomically(result_.file, drawing_bytes(drawing, result_.file, scale));
+    result_.width = static_cast<std::uint32_t>(std::lround(drawing.width() * scale));
+    result_.height = static_cast<std::uint32_t>(std::lround(drawing.height() * scale));
+    result_.points = studio_.points_drawn();
+  }
+  void write_film(const RenderView& view) {
+    if (read_background(options_.background) == Background::kNone && result_.kind != OutputKind::kFrames) {
+      throw UsageError(fmt::format("--background none: not for {}; .png and frames can be", to_string(result_.kind)));
+    }
+    const PictureSize wanted = film_size();
+    const FilmLength length = studio_.film_length(view);
+    const FilmKind film_kind = result_.kind == OutputKind::kFrames ? FilmKind::kFrames
+                               : result_.kind == OutputKind::kGif  ? FilmKind::kGif
+                                                                   : FilmKind::kMp4;
+    const std::unique_ptr<FilmWriter> writer =
+        open_film({film_kind, result_.file, wanted.width, wanted.height, length.frames_per_s});
+    const std::unique_ptr<Film> film = (studio_.*view.film)(wanted, length.frames);
+    ProgressLine progress("frames", options_.quiet);
+    for (std::size_t k = 0; k < film->frames(); ++k) {
+      if (interrupted()) {
+        throw Error(
+            ExitCode::kInterrupted,
+            fmt::format("interrupted after {} of {} frames; {}", k, film->frames(),
+                        result_.kind == OutputKind::kFrames ? "they are in " + result_.file : "nothing is written"));
+      }
+      writer->add(rasterise(film->frame(k)));
+      if (result_.kind == OutputKind::kFrames) result_.bytes += size_of_file(frame_path(result_.file, k));
+      progress.update(k + 1, static_cast<double>(k + 1) / static_cast<double>(film->frames()));
+    }
+    writer->finish();
+    result_.width = wanted.width;
+    result_.height = wanted.height;
+    result_.frames = film->frames();
+    result_.film_s = static_cast<double>(film->frames()) / length.frames_per_s;
+    result_.points = studio_.points_drawn();
+  }
+  void write_page() {
+    RenderSource& source = sources_.front();
+    PageInput page;
+    page.title = studio_.title();
+    Cloud cloud;
+    std::vector<float> distances_m;
+    if ((source.parts() & part::kCloud) != 0) {
+      cloud = studio_.read_cloud(kPagePoints);
+      page.cloud = &cloud;
+      if (!options_.reference.empty()) {
+        distances_m = studio_.distances(cloud);
+        page.distances_m = &distances_m;
+      }
+    }
+    if ((source.parts() & part::kTrajectory) != 0) page.trajectory = &source.trajectory();
+    if (source.run() != nullptr) page.drives = source.run()->summary().drives;
+    if ((source.parts() & part::kMap) != 0) page.map = &source.map();
+    if ((source.parts() & part::kLinkage) != 0) page.linkage = &source.linkage();
+    page.subtitle = studio_.subtitle(cloud.size());
+    add_facts(page);
+    write_file_atomically(result_.file, make_page(page));
+    result_.points = cloud.size();
+  }
+  void write_model() {
+    RenderSource& source = sources_.front();
+    if (is_linkage_model()) {
+      constexpr int kSteps = 120;  // steps of 3 degrees, between which a straight line is 0.04 % of the crank off
+      write_linkage_glb(result_.file, studio_.title(), linkage_solids(source.linkage(), kSteps), kTurn_s);
+      return;
+    }
+    if ((source.parts() & part::kCloud) == 0) {
+      throw UsageError(fmt::format("{}: has no 3D cloud{}, so {} cannot be made of it", source.input(),
+                                   result_.kind == OutputKind::kGlb ? " and no linkage" : "", to_string(result_.kind)));
+    }
+    const CloudLook look = read_cloud_look(options_);
+    source.require_values(look.colour);
+    const Hidden hidden = read_hidden(options_.hide);
+    const Cloud cloud = filtered(studio_.read_cloud(result_.kind == OutputKind::kGlb ? kMostGlbPoints : 0), hidden);
+    result_.points = cloud.size();
+    if (result_.kind == OutputKind::kCloud) {
+      CloudWriter writer(result_.file, cloud_format_of(result_.file));
+      writer.add(cloud);
+      writer.finish();
+      return;
+    }
+    const bool has_path = (source.parts() & part::kTrajectory) != 0 && !hidden.path;
+    const std::vector<Colour> colours = point_colours(
+        cloud, look, look.colour == CloudColour::kDistance ? studio_.distances(cloud) : std::vector<float>());
+    const CloudModel model{.name = studio_.title(),
+                           .cloud = cloud,
+                           .colours = colours,
+                           .trajectory = has_path ? &source.trajectory() : nullptr};
+    write_cloud_glb(result_.file, model);
+  }
+  void add_facts(PageInput& page) const {
+    const RunReader* const run = sources_.front().run();
+    if (page.cloud != nullptr) {
+      const std::uint64_t count = page.cloud->size();
+      const std::uint64_t whole = studio_.whole_points();
+      page.facts.emplace_back("Points", with_commas(count) + (count < whole ? " of " + with_commas(whole) : ""));
+    }
+    if (const std::string path = studio_.path_text(); !path.empty()) page.facts.emplace_back("Path", path);
+    if (run == nullptr) return;
+    const RunSummary& summary = run->summary();
+    page.facts.emplace_back("Scans", with_commas(summary.scans));
+    page.facts.emplace_back("Matched", with_commas(summary.matched));
+    page.facts.emplace_back("Doubtful", with_commas(summary.doubtful.size()));
+    page.facts.emplace_back("Keyframes", with_commas(summary.keyframe_count));
+  }
 
   RenderOptions options_;
   std::vector<RenderSource>& sources_;
   RenderStudio studio_;
   RenderResult result_;
 };
-
-void Render::write_still(const RenderView& view) {
-  std::optional<PictureSize> wanted;
-  if (!options_.size.empty()) wanted = read_size(options_.size);
-  Canvas drawing = (studio_.*view.draw)(wanted);
-  // Plots are drawn small and scaled up to the pixels that were asked for.
-  const bool is_pixels = result_.kind == OutputKind::kPng;
-  const PictureSize target = wanted.value_or(kStillSize);
-  const double fit = std::min(target.width / drawing.width(), target.height / drawing.height());
-  const double scale = (view.effects & effect::kPlot) != 0 && is_pixels ? fit : 1.0;
-  if (wanted && is_pixels) drawing = on_page(drawing, target.width / scale, target.height / scale);
-  write_file_atomically(result_.file, drawing_bytes(drawing, result_.file, scale));
-  result_.width = static_cast<std::uint32_t>(std::lround(drawing.width() * scale));
-  result_.height = static_cast<std::uint32_t>(std::lround(drawing.height() * scale));
-  result_.points = studio_.points_drawn();
-}
-
-void Render::write_film(const RenderView& view) {
-  if (read_background(options_.background) == Background::kNone && result_.kind != OutputKind::kFrames) {
-    throw UsageError(fmt::format("--background none: not for {}; .png and frames can be", to_string(result_.kind)));
-  }
-  const PictureSize wanted = film_size();
-  const FilmLength length = studio_.film_length(view);
-  const FilmKind film_kind = result_.kind == OutputKind::kFrames ? FilmKind::kFrames
-                             : result_.kind == OutputKind::kGif  ? FilmKind::kGif
-                                                                 : FilmKind::kMp4;
-  const std::unique_ptr<FilmWriter> writer =
-      open_film({film_kind, result_.file, wanted.width, wanted.height, length.frames_per_s});
-  const std::unique_ptr<Film> film = (studio_.*view.film)(wanted, length.frames);
-  ProgressLine progress("frames", options_.quiet);
-  for (std::size_t k = 0; k < film->frames(); ++k) {
-    if (interrupted()) {
-      throw Error(
-          ExitCode::kInterrupted,
-          fmt::format("interrupted after {} of {} frames; {}", k, film->frames(),
-                      result_.kind == OutputKind::kFrames ? "they are in " + result_.file : "nothing is written"));
-    }
-    writer->add(rasterise(film->frame(k)));
-    if (result_.kind == OutputKind::kFrames) result_.bytes += size_of_file(frame_path(result_.file, k));
-    progress.update(k + 1, static_cast<double>(k + 1) / static_cast<double>(film->frames()));
-  }
-  writer->finish();
-  result_.width = wanted.width;
-  result_.height = wanted.height;
-  result_.frames = film->frames();
-  result_.film_s = static_cast<double>(film->frames()) / length.frames_per_s;
-  result_.points = studio_.points_drawn();
-}
-
-void Render::add_facts(PageInput& page) const {
-  const RunReader* const run = sources_.front().run();
-  if (page.cloud != nullptr) {
-    const std::uint64_t count = page.cloud->size();
-    const std::uint64_t whole = studio_.whole_points();
-    page.facts.emplace_back("Points", with_commas(count) + (count < whole ? " of " + with_commas(whole) : ""));
-  }
-  if (const std::string path = studio_.path_text(); !path.empty()) page.facts.emplace_back("Path", path);
-  if (run == nullptr) return;
-  const RunSummary& summary = run->summary();
-  page.facts.emplace_back("Scans", with_commas(summary.scans));
-  page.facts.emplace_back("Matched", with_commas(summary.matched));
-  page.facts.emplace_back("Doubtful", with_commas(summary.doubtful.size()));
-  page.facts.emplace_back("Keyframes", with_commas(summary.keyframe_count));
-}
-
-void Render::write_page() {
-  RenderSource& source = sources_.front();
-  PageInput page;
-  page.title = studio_.title();
-  Cloud cloud;
-  std::vector<float> distances_m;
-  if ((source.parts() & part::kCloud) != 0) {
-    cloud = studio_.read_cloud(kPagePoints);
-    page.cloud = &cloud;
-    if (!options_.reference.empty()) {
-      distances_m = studio_.distances(cloud);
-      page.distances_m = &distances_m;
-    }
-  }
-  if ((source.parts() & part::kTrajectory) != 0) page.trajectory = &source.trajectory();
-  if (source.run() != nullptr) page.drives = source.run()->summary().drives;
-  if ((source.parts() & part::kMap) != 0) page.map = &source.map();
-  if ((source.parts() & part::kLinkage) != 0) page.linkage = &source.linkage();
-  page.subtitle = studio_.subtitle(cloud.size());
-  add_facts(page);
-  write_file_atomically(result_.file, make_page(page));
-  result_.points = cloud.size();
-}
-
-void Render::write_model() {
-  RenderSource& source = sources_.front();
-  if (is_linkage_model()) {
-    constexpr int kSteps = 120;  // steps of 3 degrees, between which a straight line is 0.04 % of the crank off
-    write_linkage_glb(result_.file, studio_.title(), linkage_solids(source.linkage(), kSteps), kTurn_s);
-    return;
-  }
-  if ((source.parts() & part::kCloud) == 0) {
-    throw UsageError(fmt::format("{}: has no 3D cloud{}, so {} cannot be made of it", source.input(),
-                                 result_.kind == OutputKind::kGlb ? " and no linkage" : "", to_string(result_.kind)));
-  }
-  const CloudLook look = read_cloud_look(options_);
-  source.require_values(look.colour);
-  const Hidden hidden = read_hidden(options_.hide);
-  const Cloud cloud = filtered(studio_.read_cloud(result_.kind == OutputKind::kGlb ? kMostGlbPoints : 0), hidden);
-  result_.points = cloud.size();
-  if (result_.kind == OutputKind::kCloud) {
-    CloudWriter writer(result_.file, cloud_format_of(result_.file));
-    writer.add(cloud);
-    writer.finish();
-    return;
-  }
-  const bool has_path = (source.parts() & part::kTrajectory) != 0 && !hidden.path;
-  const std::vector<Colour> colours = point_colours(
-      cloud, look, look.colour == CloudColour::kDistance ? studio_.distances(cloud) : std::vector<float>());
-  const CloudModel model{.name = studio_.title(),
-                         .cloud = cloud,
-                         .colours = colours,
-                         .trajectory = has_path ? &source.trajectory() : nullptr};
-  write_cloud_glb(result_.file, model);
-}
 
 }  // namespace
 

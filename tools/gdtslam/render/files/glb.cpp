@@ -52,7 +52,14 @@ constexpr int kGltfLineStrip = 3;
 class GlbDocument {
  public:
   /// A document with one scene of that name, without nodes yet.
-  explicit GlbDocument(const std::string& name);
+  explicit GlbDocument(const std::string& name) {
+    json_["asset"] = {{"version", "2.0"}, {"generator", "gdtslam " GDTSLAM_VERSION}};
+    json_["extensionsUsed"] = GltfJson::array({"KHR_materials_unlit"});
+    json_["scene"] = 0;
+    json_["scenes"].push_back({{"name", name}, {"nodes", GltfJson::array()}});
+    // All of them now: a new key moves the others, and with them what a reference to one of them refers to.
+    for (const char* key : {"nodes", "meshes", "materials", "accessors", "bufferViews"}) json_[key] = GltfJson::array();
+  }
   [[nodiscard]] GltfJson& json() { return json_; }
   /// Index of a new accessor of these values, whose size is a multiple of 4 bytes.
   template <class Value>
@@ -60,13 +67,48 @@ class GlbDocument {
     static_assert(sizeof(Value) % 4 == 0);
     return add_bytes(std::as_bytes(std::span(values)), values.size(), component, type);
   }
+
   /// An accessor of places, with the bounds that the format wants.
-  std::size_t add_places(const std::vector<std::array<float, 3>>& places);
+  std::size_t add_places(const std::vector<std::array<float, 3>>& places) {
+    std::array<float, 3> least = places.front();
+    std::array<float, 3> most = least;
+    for (const std::array<float, 3>& place : places) {
+      for (std::size_t axis = 0; axis < place.size(); ++axis) {
+        least[axis] = std::min(least[axis], place[axis]);
+        most[axis] = std::max(most[axis], place[axis]);
+      }
+    }
+    const std::size_t accessor = add_accessor(places, kGltfFloat, "VEC3");
+    json_["accessors"][accessor]["min"] = least;
+    json_["accessors"][accessor]["max"] = most;
+    return accessor;
+  }
   /// Throws FileError; InputError beyond 4 GiB, where a .glb ends.
-  void write(const std::string& path);
+  void write(const std::string& path) {
+    if (bytes_.size() > kMostBytes) {
+      throw InputError({path, 0}, "is not written: a .glb ends at 4 GiB; --points thins the cloud");
+    }
+    json_["buffers"] = GltfJson::array({GltfJson::object({{"byteLength", bytes_.size()}})});
+    std::string text = json_.dump(-1, ' ', true, GltfJson::error_handler_t::replace);
+    text.resize((text.size() + 3) / 4 * 4, ' ');
+    AtomicFile file(path);
+    const std::size_t whole = kHeaderBytes + 2 * kChunkHeaderBytes + text.size() + bytes_.size();
+    write_numbers(file, std::array{kMagic, kVersion, static_cast<std::uint32_t>(whole),
+                                   static_cast<std::uint32_t>(text.size()), kTextChunk});
+    file.write(text);
+    write_numbers(file, std::array{static_cast<std::uint32_t>(bytes_.size()), kBytesChunk});
+    file.write(std::span<const std::byte>(bytes_));
+    file.commit();
+  }
 
  private:
-  std::size_t add_bytes(std::span<const std::byte> bytes, std::size_t count, int component, const char* type);
+  std::size_t add_bytes(std::span<const std::byte> bytes, std::size_t count, int component, const char* type) {
+    json_["accessors"].push_back(
+        {{"bufferView", json_["bufferViews"].size()}, {"componentType", component}, {"count", count}, {"type", type}});
+    json_["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", bytes.size()}});
+    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+    return json_["accessors"].size() - 1;
+  }
 
   GltfJson json_;
   std::vector<std::byte> bytes_;
@@ -86,56 +128,6 @@ GltfJson gltf_unlit_material(const std::string& name, Colour colour) {
             {"metallicFactor", 0},
             {"roughnessFactor", 1}}},
           {"extensions", GltfJson::object({{"KHR_materials_unlit", GltfJson::object()}})}};
-}
-
-GlbDocument::GlbDocument(const std::string& name) {
-  json_["asset"] = {{"version", "2.0"}, {"generator", "gdtslam " GDTSLAM_VERSION}};
-  json_["extensionsUsed"] = GltfJson::array({"KHR_materials_unlit"});
-  json_["scene"] = 0;
-  json_["scenes"].push_back({{"name", name}, {"nodes", GltfJson::array()}});
-  // All of them now: a new key moves the others, and with them what a reference to one of them refers to.
-  for (const char* key : {"nodes", "meshes", "materials", "accessors", "bufferViews"}) json_[key] = GltfJson::array();
-}
-
-std::size_t GlbDocument::add_bytes(std::span<const std::byte> bytes, std::size_t count, int component,
-                                   const char* type) {
-  json_["accessors"].push_back(
-      {{"bufferView", json_["bufferViews"].size()}, {"componentType", component}, {"count", count}, {"type", type}});
-  json_["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", bytes.size()}});
-  bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
-  return json_["accessors"].size() - 1;
-}
-
-std::size_t GlbDocument::add_places(const std::vector<std::array<float, 3>>& places) {
-  std::array<float, 3> least = places.front();
-  std::array<float, 3> most = least;
-  for (const std::array<float, 3>& place : places) {
-    for (std::size_t axis = 0; axis < place.size(); ++axis) {
-      least[axis] = std::min(least[axis], place[axis]);
-      most[axis] = std::max(most[axis], place[axis]);
-    }
-  }
-  const std::size_t accessor = add_accessor(places, kGltfFloat, "VEC3");
-  json_["accessors"][accessor]["min"] = least;
-  json_["accessors"][accessor]["max"] = most;
-  return accessor;
-}
-
-void GlbDocument::write(const std::string& path) {
-  if (bytes_.size() > kMostBytes) {
-    throw InputError({path, 0}, "is not written: a .glb ends at 4 GiB; --points thins the cloud");
-  }
-  json_["buffers"] = GltfJson::array({GltfJson::object({{"byteLength", bytes_.size()}})});
-  std::string text = json_.dump(-1, ' ', true, GltfJson::error_handler_t::replace);
-  text.resize((text.size() + 3) / 4 * 4, ' ');
-  AtomicFile file(path);
-  const std::size_t whole = kHeaderBytes + 2 * kChunkHeaderBytes + text.size() + bytes_.size();
-  write_numbers(file, std::array{kMagic, kVersion, static_cast<std::uint32_t>(whole),
-                                 static_cast<std::uint32_t>(text.size()), kTextChunk});
-  file.write(text);
-  write_numbers(file, std::array{static_cast<std::uint32_t>(bytes_.size()), kBytesChunk});
-  file.write(std::span<const std::byte>(bytes_));
-  file.commit();
 }
 
 // The light of an sRGB value as 16 bits.
