@@ -367,6 +367,5 @@ void LinkageParts::show(bool is_visible) {
   for (Part& part : parts_) part.show(is_visible);
 }
 
-void LinkageParts::show_fan(bool is_visible) { fan_.show(is_visible); }
 
 }  // namespace gdtslam

@@ -93,7 +93,6 @@ class LinkageParts {
   [[nodiscard]] std::optional<Poses> poses_at(const Pose3& T_world_axis, double crank_rad) const;
   [[nodiscard]] const Part& part(std::size_t number) const { return parts_.at(number); }
   void show(bool is_visible);
-  void show_fan(bool is_visible);
   /// Middle of a layer: 0 ground, 1 rocker, 2 crank, 3 coupler.
   [[nodiscard]] double layer_y(int layer) const;
   [[nodiscard]] const PartSizes& sizes() const { return sizes_; }
