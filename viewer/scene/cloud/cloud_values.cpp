@@ -166,9 +166,6 @@ double height_m(const Plane& plane, const Point2& at) {
 
 std::vector<std::uint32_t> drawn_points(std::span<const CloudPoint> cloud, const LevelSurfaces& surfaces,
                                         const CloudLook& look) {
-  if (cloud.size() > std::numeric_limits<std::uint32_t>::max()) {
-    throw InputError("the cloud has " + std::to_string(cloud.size()) + " points; a picture takes at most 4294967295");
-  }
   std::vector<std::uint32_t> drawn;
   drawn.reserve(cloud.size());
   bool has_any = false;

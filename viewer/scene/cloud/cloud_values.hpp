@@ -67,7 +67,7 @@ LevelSurfaces sampled_level_surfaces(std::span<const CloudPoint> cloud);
 /// Height of a level plane at a place of the map.
 double height_m(const Plane& plane, const Point2& at);
 /// Indices of the points with finite coordinates that the look does not take away as floor (and below) or ceiling (and
-/// above). Throws InputError where the cloud has none with finite coordinates, or more than 2^32 - 1.
+/// above). Throws InputError where the cloud has none with finite coordinates.
 std::vector<std::uint32_t> drawn_points(std::span<const CloudPoint> cloud, const LevelSurfaces& surfaces,
                                         const CloudLook& look);
 /// The box of the drawn points without 0.1 % at each end of each axis.

@@ -10,7 +10,6 @@
 #include "engine/core/elementary.hpp"
 #include "engine/drawing/linkage/linkage_drawing.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "gdtslam/core/error.hpp"
 #include "gdtslam/viewer/camera.hpp"
 #include "linkage_parts.hpp"
 #include "viewer/graphics/offscreen_view.hpp"
@@ -48,9 +47,7 @@ std::vector<Point3> places_reached(const calib::LinkageCycle& cycle, LinkagePart
 class LinkageFilm : public Film {
  public:
   LinkageFilm(LinkageScene& scene, const calib::SweepModel& model, const PictureSize& size, std::size_t frames)
-      : scene_(scene), cycle_(model), size_(size), frames_(frames) {
-    if (frames == 0) throw UsageError("a film has at least one frame");
-  }
+      : scene_(scene), cycle_(model), size_(size), frames_(frames) {}
   [[nodiscard]] std::size_t frames() const override { return frames_; }
   Canvas frame(std::size_t k) override {
     return scene_.picture(cycle_.crank_at(static_cast<double>(k) / static_cast<double>(frames_)), size_);

@@ -14,7 +14,6 @@
 #include "engine/drawing/linkage/linkage_drawing.hpp"
 #include "engine/drawing/plots/bars.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/plot.hpp"
 #include "gdtslam/viewer/cloud_scene.hpp"
@@ -215,25 +214,17 @@ Camera camera_beside(const Pose2& T_map_base, double distance_m, double sway_rad
   return camera;
 }
 
-const ScanningFilmInput& checked(const ScanningFilmInput& input) {
-  if (input.cloud == nullptr || input.trajectory == nullptr || input.model == nullptr) {
-    throw UsageError("a film of the scanning needs a cloud with times, the robot's path and the linkage");
-  }
-  return input;
-}
-
 class ScanningFilm : public Film {
  public:
   ScanningFilm(const GraphicsContext& graphics, const ScanningFilmInput& input, const CloudLook& look,
                const CloudCaption& caption, const PictureSize& size, std::size_t frames)
-      : model_(*checked(input).model),
+      : model_(*input.model),
         size_(size),
         frames_(frames),
         track_(*input.cloud, *input.trajectory, input.from_s, input.to_s),
         scene_(graphics, track_, model_, input.has_linkage, *input.trajectory, look),
         overlay_(track_, input.zero_s.value_or(input.from_s), look, caption, size),
         distance_m_(std::clamp(kDistanceShare * track_.usual_range_m(), kLeastDistance_m, kMostDistance_m)) {
-    if (frames == 0) throw UsageError("a film has at least one frame");
     if (!input.has_linkage) return;
     cycle_.emplace(model_);
     if (overlay_.inset().width <= 0.0) return;

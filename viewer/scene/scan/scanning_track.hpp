@@ -14,8 +14,7 @@ namespace gdtslam {
 
 class ScanningTrack {
  public:
-  /// O(n log n). Throws UsageError for an empty stretch, InputError where the cloud has no points in it, or without
-  /// poses; each says what there is.
+  /// `from_s` is before `to_s`, and the cloud has points between. O(n log n). Throws InputError without poses.
   ScanningTrack(std::span<const CloudPoint> cloud, const Trajectory& trajectory, double from_s, double to_s);
 
   [[nodiscard]] double from_s() const { return from_s_; }

@@ -26,7 +26,6 @@ class Film {
 };
 
 /// Once around the cloud; the last frame is followed by the first without a jump. The scene must outlive the film.
-/// Throws UsageError for no frames.
 std::unique_ptr<Film> orbit_film(CloudScene& scene, const CloudLook& look, const CloudCaption& caption,
                                  const PictureSize& size, std::size_t frames);
 /// Behind the robot along its path, time running evenly; points appear when they are measured. Afterwards the scene
