@@ -1,4 +1,5 @@
-// Words as letters: UTF-8 taken apart, what is no UTF-8 replaced. Thread-safe; O(bytes).
+// Words as letters: UTF-8 taken apart, broken bytes replaced. Names come from logs and files of others, so none is
+// trusted. Thread-safe; O(bytes).
 #pragma once
 
 #include <cstddef>
@@ -12,7 +13,7 @@ inline constexpr std::string_view kUnknownLetterBytes = "\xEF\xBF\xBD";
 
 struct Letter {
   char32_t code = kUnknownLetter;  ///< also where the bytes are no UTF-8: one for each longest beginning of a letter
-  std::string_view bytes;          ///< as they stand in the words
+  std::string_view bytes;          ///< the same bytes as in the words
 };
 /// The letter that begins at byte `at`, which moves to the next one; `at` < words.size().
 Letter next_letter(std::string_view words, std::size_t& at);
@@ -20,15 +21,18 @@ Letter next_letter(std::string_view words, std::size_t& at);
 /// Whether the words are UTF-8 from end to end.
 bool is_utf8(std::string_view words);
 
-/// The words as every form can hold them: valid UTF-8 of one line; control characters become spaces, broken bytes
-/// U+FFFD.
+/// The words as pictures and pages can hold them: valid UTF-8 of one line; control characters become spaces, broken
+/// bytes U+FFFD.
 std::string legible(std::string_view words);
+
+/// Legible words with & < > " ' as references: for text of HTML and SVG and for attributes in either kind of quotes.
+std::string markup_text(std::string_view text);
 
 /// Cut to a width in pixels, with three dots where letters are missing.
 std::string shortened(const std::string& words, double size, double room, bool is_bold = false);
 
-/// Likewise, but cut in the middle: names of runs often differ at their ends only. The last `kept` bytes, what is said
-/// of the name, stay whole where they leave the name two thirds of the room, and go where they do not.
+/// Cut in the middle instead, because names of runs often differ at their ends only. The last `kept` bytes, a remark
+/// about the name, stay whole if they leave the name a third of the room; otherwise they go.
 std::string shortened_within(const std::string& words, double size, double room, std::size_t kept = 0);
 
 }  // namespace gdtslam

@@ -2,6 +2,8 @@
 // code under test where something should be.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -29,6 +31,46 @@ inline bool says(const Canvas& canvas, const std::string& words) {
   const auto all = shapes_of<shape::Words>(canvas);
   return std::any_of(all.begin(), all.end(),
                      [&](const shape::Words& one) { return one.text.find(words) != std::string::npos; });
+}
+
+/// Whether these are the whole words of one text.
+inline bool has_words(const Canvas& canvas, const std::string& words) {
+  const auto all = shapes_of<shape::Words>(canvas);
+  return std::any_of(all.begin(), all.end(), [&](const shape::Words& one) { return one.text == words; });
+}
+
+/// The room of level or upright words, from text_width() and the usual height of letters.
+inline DrawingArea room_for(const shape::Words& words) {
+  const double width = text_width(words.text, words.lettering.size, words.lettering.is_bold);
+  const double start = words.lettering.anchor == Anchor::kStart ? 0.0
+                       : words.lettering.anchor == Anchor::kEnd ? 1.0
+                                                                : 0.5;
+  const double height = 0.76 * words.lettering.size;
+  if (words.is_upright) return {words.at + Point2(-height, -(1.0 - start) * width), height, width};
+  return {words.at + Point2(-start * width, -height), width, height};
+}
+
+/// Every word lies within the area, and none over another.
+inline void expect_tidy(const Canvas& canvas, const DrawingArea& area, const std::string& what = "") {
+  const std::vector<shape::Words> words = shapes_of<shape::Words>(canvas);
+  const auto overlap = [](const DrawingArea& one, const DrawingArea& other) {
+    return one.corner.x() < other.corner.x() + other.width && other.corner.x() < one.corner.x() + one.width &&
+           one.corner.y() < other.corner.y() + other.height && other.corner.y() < one.corner.y() + one.height;
+  };
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const DrawingArea one = room_for(words[i]);
+    const std::string where = what + ": " + words[i].text;
+    EXPECT_GE(one.corner.x(), area.corner.x() - 0.5) << where;
+    EXPECT_GE(one.corner.y(), area.corner.y() - 0.5) << where;
+    EXPECT_LE(one.corner.x() + one.width, area.corner.x() + area.width + 0.5) << where;
+    EXPECT_LE(one.corner.y() + one.height, area.corner.y() + area.height + 0.5) << where;
+    for (std::size_t j = 0; j < i; ++j) {
+      EXPECT_FALSE(overlap(one, room_for(words[j]))) << where << " over " << words[j].text;
+    }
+  }
+}
+inline void expect_tidy(const Canvas& canvas, const std::string& what) {
+  expect_tidy(canvas, {Point2::Zero(), canvas.width(), canvas.height()}, what);
 }
 
 /// Middle of the pixels of exactly this colour, in pixels (the middle of the upper left one is 0.5, 0.5).

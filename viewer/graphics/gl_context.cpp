@@ -1,19 +1,22 @@
 #include "gl_context.hpp"
 
-#include <GL/glew.h>
-
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
+#include <GL/glew.h>
 #include <fmt/format.h>
+#include <vtkLogger.h>
+#include <vtkOutputWindow.h>
+#include <vtkSmartPointer.h>
+#include <vtkTimerLog.h>
 
 #include <array>
 #include <memory>
 #include <mutex>
+#include <sstream>
 #include <utility>
 #include <vector>
 
 #include "gdtslam/core/error.hpp"
-#include "vtk_messages.hpp"
 
 namespace gdtslam {
 namespace {
@@ -86,7 +89,7 @@ std::vector<Candidate> egl_candidates() {
   return candidates;
 }
 
-EGLDisplay display_of(const Candidate& candidate) {
+EGLDisplay get_display(const Candidate& candidate) {
   if (candidate.platform == 0) return eglGetDisplay(EGL_DEFAULT_DISPLAY);
   const auto get = egl_function<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
   return get == nullptr ? EGL_NO_DISPLAY : get(candidate.platform, candidate.native, nullptr);
@@ -112,7 +115,7 @@ void prove(GlDisplay& display) {
 }
 
 GlDisplay open_display(const Candidate& candidate) {
-  GlDisplay display{.name = candidate.name, .display = display_of(candidate)};
+  GlDisplay display{.name = candidate.name, .display = get_display(candidate)};
   if (display.display == EGL_NO_DISPLAY) throw DeviceError(display.name, "eglGetDisplay", "no display");
   if (eglInitialize(display.display, nullptr, nullptr) == EGL_FALSE) fail_egl(display.name, "eglInitialize");
   display.has_surface = choose_config(display, EGL_PBUFFER_BIT);
@@ -125,6 +128,33 @@ GlDisplay open_display(const Candidate& candidate) {
   prove(display);
   return display;
 }
+
+std::vector<std::string>& errors_of_this_thread() {
+  thread_local std::vector<std::string> errors;
+  return errors;
+}
+
+// "ERROR: In FILE, line 12 vtkClass (0x55d0): text" over several lines becomes one.
+std::string one_line(const char* text) {
+  std::istringstream words(text == nullptr ? "" : text);
+  std::string line;
+  for (std::string word; words >> word;) line += (line.empty() ? "" : " ") + word;
+  return line;
+}
+
+class Collector : public vtkOutputWindow {
+ public:
+  static Collector* New() {
+    auto* collector = new Collector;
+    collector->InitializeObjectBase();
+    return collector;
+  }
+  void DisplayText(const char* /*text*/) override {}
+  void DisplayErrorText(const char* text) override { errors_of_this_thread().push_back(one_line(text)); }
+  void DisplayWarningText(const char* /*text*/) override {}
+  void DisplayGenericWarningText(const char* /*text*/) override {}
+  void DisplayDebugText(const char* /*text*/) override {}
+};
 
 }  // namespace
 
@@ -198,5 +228,17 @@ std::string GraphicsContext::description() const {
   const GlDisplay& display = state_->display;
   return display.name + ", " + display.renderer + ", OpenGL " + display.version;
 }
+
+void collect_vtk_messages() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
+    const auto collector = vtkSmartPointer<Collector>::New();
+    vtkOutputWindow::SetInstance(collector);
+    vtkTimerLog::LoggingOff();  // VTK keeps one log of its events for all threads that draw, without a lock
+  });
+}
+
+std::vector<std::string> take_vtk_errors() { return std::exchange(errors_of_this_thread(), {}); }
 
 }  // namespace gdtslam

@@ -10,16 +10,15 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <string>
 
 #include "engine/core/elementary.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/viewer/camera.hpp"
 #include "gl_context.hpp"
-#include "shading.hpp"
-#include "viewer/scene/camera_basis.hpp"
-#include "vtk_messages.hpp"
 
 namespace gdtslam {
 namespace {
@@ -70,7 +69,7 @@ RenderWindow::RenderWindow() {
   this->SetIsDirect(1);
 }
 
-// As VTK's own, but for the one code of glewInit that says "no X display" after everything was loaded.
+// VTK's own code, but for the result of glewInit that says "no X display" after everything was loaded.
 void RenderWindow::OpenGLInitContext() {
   this->ContextCreationTime.Modified();
   if (this->Initialized) return;
@@ -122,7 +121,6 @@ std::uint32_t largest_side_of_context() {
 
 void check_size(const PictureSize& size, std::uint32_t samples, std::uint32_t largest) {
   const std::string text = std::to_string(size.width) + "x" + std::to_string(size.height);
-  if (size.width == 0 || size.height == 0) throw UsageError("a picture of " + text + " pixels has nothing to show");
   if (std::max(size.width, size.height) <= largest / samples) return;
   throw UsageError("a picture of " + text + " pixels with " + std::to_string(samples) +
                    " samples a side is beyond what OpenGL can draw here, " + std::to_string(largest / samples) +
@@ -135,7 +133,7 @@ void throw_errors_of_vtk() {
 }
 
 /// Nearest and farthest distance along the view of the corners of what is shown.
-std::array<double, 2> span_of(const std::array<double, 6>& bounds, const Point3& eye, const Point3& ahead) {
+std::array<double, 2> depth_span(const std::array<double, 6>& bounds, const Point3& eye, const Point3& ahead) {
   std::array<double, 2> span{1e300, -1e300};
   for (std::size_t corner = 0; corner < 8; ++corner) {
     const Point3 point(bounds.at(corner & 1U), bounds.at(2 + (corner >> 1U & 1U)), bounds.at(4 + (corner >> 2U)));
@@ -145,24 +143,8 @@ std::array<double, 2> span_of(const std::array<double, 6>& bounds, const Point3&
   return span;
 }
 
-void check_camera(const Camera& camera) {
-  if (!camera.eye.allFinite() || !camera.target.allFinite() || !camera.up.allFinite()) {
-    throw UsageError("the camera's eye, target and up must be finite");
-  }
-  const Point3 view = camera.target - camera.eye;
-  if (!(view.norm() > 0.0)) throw UsageError("the camera's eye and target are the same point");
-  if (!(view.cross(camera.up).norm() > 1e-9 * view.norm() * camera.up.norm())) {
-    throw UsageError("the camera looks along its own up direction");
-  }
-  const double size = camera.is_parallel ? camera.parallel_height_m : camera.view_angle_rad;
-  if (!(size > 0.0) || !(size < (camera.is_parallel ? 1e9 : kPi))) {
-    throw UsageError(camera.is_parallel ? "the height that a parallel camera shows must be positive"
-                                        : "a camera's view angle must lie between 0 and pi");
-  }
-}
-
-/// Of the props and the layer, as VTK has them.
-std::array<double, 6> bounds_of(vtkRenderer& renderer, const PictureLayer* layer) {
+/// Bounds of the props and the layer, in VTK's order.
+std::array<double, 6> visible_bounds(vtkRenderer& renderer, const PictureLayer* layer) {
   std::array<double, 6> all{};
   renderer.ComputeVisiblePropBounds(all.data());
   if (layer == nullptr || layer->bounds().is_empty()) return all;
@@ -178,12 +160,11 @@ std::array<double, 6> bounds_of(vtkRenderer& renderer, const PictureLayer* layer
 /// The view's camera and range so that nothing before the eye (of a parallel camera: nothing at all) is cut off.
 void set_range(PictureView& view, const std::array<double, 6>& bounds) {
   Camera& camera = view.camera;
-  check_camera(camera);
   const double distance = (camera.target - camera.eye).norm();
   const Point3 ahead = (camera.target - camera.eye) / distance;
   DepthRange range{0.1 * distance, 2.0 * distance, camera.is_parallel, 1.0};
   if (bounds[0] <= bounds[1]) {
-    std::array<double, 2> span = span_of(bounds, camera.eye, ahead);
+    std::array<double, 2> span = depth_span(bounds, camera.eye, ahead);
     const double margin = 0.01 * (span[1] - span[0]) + 1e-3 * distance;
     if (camera.is_parallel && span[0] < 2.0 * margin) {
       const double back = 2.0 * margin - span[0];
@@ -272,6 +253,22 @@ RawPicture drawn_over_nothing(RenderWindow& window, vtkRenderer& renderer, bool 
 
 }  // namespace
 
+std::vector<PictureBand> cut_into_bands(std::uint32_t width, std::uint32_t height, const BandShape& shape) {
+  const auto& [samples, margin, most_pixels] = shape;
+  if (width * std::uint64_t{height} <= most_pixels) return {{0, height, 0, height}};
+  // At least as many rows are kept as are drawn for their sake alone.
+  const std::uint32_t wanted = std::max(most_pixels / width, 4 * margin + samples);
+  const std::uint32_t kept = std::max((wanted - std::min(wanted, 2 * margin)) / samples, 1U) * samples;
+  const std::uint32_t rows = std::min(height, kept + 2 * margin);
+  std::vector<PictureBand> bands;
+  bands.reserve(height / kept + 1);
+  for (std::uint32_t row = 0; row < height; row += kept) {
+    const std::uint32_t first = std::min(row - std::min(row, margin), height - rows);
+    bands.push_back({first, rows, row, std::min(kept, height - row)});
+  }
+  return bands;
+}
+
 OffscreenView::OffscreenView(const GraphicsContext& graphics) : state_(std::make_unique<State>(graphics)) {
   State& s = *state_;
   s.context.make_current();
@@ -292,9 +289,7 @@ void OffscreenView::set_background(Colour colour, bool is_transparent) {
 void OffscreenView::set_eye_dome(bool is_on) { state_->has_eye_dome = is_on; }
 
 void OffscreenView::set_samples(std::uint32_t samples) {
-  if (samples < 1 || samples > 4) {
-    throw UsageError("samples per pixel side must be 1 to 4, not " + std::to_string(samples));
-  }
+  assert(samples >= 1 && samples <= 4);
   state_->samples = samples;
 }
 
@@ -311,9 +306,9 @@ RgbaImage OffscreenView::render(const Camera& camera, const PictureSize& size) {
   const std::uint32_t margin = std::max(s.has_eye_dome ? shading_reach(radius) : 0, kBandMargin * s.samples);
   PictureView view{
       .camera = camera, .range = {}, .width = size.width * s.samples, .height = size.height * s.samples, .bands = {}};
-  view.bands = bands_of(view.width, view.height,
-                        {s.samples, margin, s.layer == nullptr ? kShapesBandPixels : kPointsBandPixels});
-  set_range(view, bounds_of(*s.renderer, s.layer));
+  view.bands = cut_into_bands(view.width, view.height,
+                              {s.samples, margin, s.layer == nullptr ? kShapesBandPixels : kPointsBandPixels});
+  set_range(view, visible_bounds(*s.renderer, s.layer));
   if (s.layer != nullptr) s.layer->begin(view);
   s.window->SetSize(static_cast<int>(view.width), static_cast<int>(view.bands.front().rows));
   const bool with_depth = s.has_eye_dome || s.layer != nullptr;

@@ -23,8 +23,8 @@ class OffscreenView {
 
   [[nodiscard]] vtkRenderer& renderer();
   void set_background(Colour colour, bool is_transparent);
-  /// What is drawn beside VTK's props; it must live while pictures are drawn. None by default. VTK's translucent props,
-  /// which have no depth, stay behind it.
+  /// A layer is drawn beside VTK's props; it must live while pictures are drawn. None by default. VTK's translucent
+  /// props, which have no depth, stay behind it.
   void set_layer(PictureLayer* layer);
   /// Eye-dome lighting, so that the depth of clouds reads [Boucheny2009]; off by default.
   void set_eye_dome(bool is_on);
@@ -32,10 +32,10 @@ class OffscreenView {
   void set_samples(std::uint32_t samples);
   /// Point sizes and line widths count in pixels of what is rendered: multiply those of the picture by this.
   [[nodiscard]] std::uint32_t samples() const;
-  /// Throws UsageError for a camera that sees nothing and for a side of 0 or beyond what OpenGL can do (samples
-  /// included), with the limit; DeviceError for what VTK or OpenGL fail at; std::bad_alloc. Nothing before the camera
-  /// is cut off, and nothing at all by a parallel one. Costs a millisecond for each 100 000 pixels, samples counted,
-  /// twice that with eye-dome lighting; what VTK draws comes on top.
+  /// Throws UsageError for a side beyond what OpenGL can do (samples included), with the limit; DeviceError for what
+  /// VTK or OpenGL fail at; std::bad_alloc. Nothing before the camera is cut off, and nothing at all by a parallel one.
+  /// Costs a millisecond for each 100 000 pixels, samples counted, twice that with eye-dome lighting; what VTK draws
+  /// comes on top.
   RgbaImage render(const Camera& camera, const PictureSize& size);
 
  private:

@@ -1,4 +1,4 @@
-#include "shading.hpp"
+#include "picture_view.hpp"
 
 #include <algorithm>
 #include <array>
@@ -82,7 +82,7 @@ void shade_eye_dome(RawPicture& picture, const DepthRange& range, std::uint32_t 
   std::vector<float> shade;
   shade.reserve(picture.width);
   for (std::uint32_t y = 0; y < picture.height; ++y) {
-    // Nothing changes where nothing was drawn.
+    // Pixels outside the drawn stretch stay the same.
     const float* row = nearness.row(y);
     std::size_t first = 0;
     std::size_t end = picture.width;

@@ -11,11 +11,10 @@
 #include "calib/linkage/linkage_cycle.hpp"
 #include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/plot.hpp"
-#include "gdtslam/drawing/theme.hpp"
 
 namespace gdtslam {
 
-/// Where everything is in a picture; an area without width is left out.
+/// Places of all parts in a picture; an area without width is left out.
 struct LinkageSheet {
   double text = 13.0;  ///< letter size of plain words
   DrawingArea header = {};
@@ -64,10 +63,10 @@ class LinkagePanel {
   const calib::LinkageCycle& cycle_;
   bool is_transparent_;
   Theme theme_;
-  Colour laser_;                           ///< of the elevation's curve
+  Colour laser_;                           ///< the elevation's curve
   Colour laser_text_;                      ///< and of words on the laser
   std::vector<Point2> elevations_deg_;     ///< over the axis
-  std::vector<Point2> transmissions_deg_;  ///< likewise
+  std::vector<Point2> transmissions_deg_;  ///< over the axis, too
 };
 
 /// The linkage as a drawing (1280 by 800): positions over the lift, the curve of the coupler's middle, the rocker's

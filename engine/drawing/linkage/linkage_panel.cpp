@@ -12,12 +12,12 @@ namespace gdtslam {
 namespace {
 
 constexpr double kLeastText = 10.5;
-constexpr double kTextShare = 0.0182;  ///< of the picture's height: 13 pixels of 720
-constexpr double kPanelShare = 0.39;   ///< of a wide picture's width
+constexpr double kTextShare = 0.0182;  ///< share of the picture's height: 13 pixels of 720
+constexpr double kPanelShare = 0.39;   ///< share of a wide picture's width
 /// Below these a panel would leave no room for the linkage.
 constexpr double kLeastWidth = 360.0;
 constexpr double kLeastHeight = 240.0;
-constexpr double kRoomyHeight = 38.0;  ///< of the panel, in letters: enough for a plot of the transmission angle
+constexpr double kRoomyHeight = 38.0;  ///< height of the panel, in letters: enough for a plot of the transmission angle
 constexpr double kPoor_deg = 40.0;     ///< calib::kPoorTransmission_rad as people write it
 constexpr Fill kLift{.colour = ink::kRocker, .opacity = 0.10};
 constexpr Fill kReturn{.colour = ink::kCrank, .opacity = 0.09};

@@ -43,7 +43,7 @@ struct Axes {
   PixelAxis y;  ///< upwards: pixel 0 is the lowest row
 };
 
-Axes axes_of(const GridGeometry& geometry, const MapFrame& frame) {
+Axes pixel_axes(const GridGeometry& geometry, const MapFrame& frame) {
   const double cell_m = geometry.resolution_m;
   const double step = 1.0 / (frame.px_per_m * cell_m);
   const double bottom_m = frame.y_m - frame.panel.height_px / frame.px_per_m;
@@ -62,7 +62,7 @@ CellBox shown_cells(const Axes& axes) {
 /// One pixel a cell.
 PlacedImage square_cells(const GridGeometry& geometry, const MapFrame& frame,
                          const std::function<CellColour(CellIndex)>& colour_of_cell) {
-  const CellBox box = shown_cells(axes_of(geometry, frame));
+  const CellBox box = shown_cells(pixel_axes(geometry, frame));
   if (box.empty()) return {};
   auto image =
       std::make_shared<RgbaImage>(static_cast<std::uint32_t>(box.width()), static_cast<std::uint32_t>(box.height()));
@@ -72,8 +72,8 @@ PlacedImage square_cells(const GridGeometry& geometry, const MapFrame& frame,
           colour_of_cell({x, y}));
     }
   }
-  const MapArea area = area_of(geometry, box);
-  const Point2 corner = frame.pixel_of({area.min_x_m, area.max_y_m});
+  const MapArea area = map_area(geometry, box);
+  const Point2 corner = frame.to_pixel({area.min_x_m, area.max_y_m});
   return {{corner.x(), corner.y(), area.width_m() * frame.px_per_m, area.height_m() * frame.px_per_m}, image};
 }
 
@@ -83,18 +83,18 @@ struct Areas {
   std::vector<double> occupied;
 };
 
-/// What a pixel spans of its axis, and the cells that it meets.
+/// Stretch of a pixel on its axis, and the cells that it meets.
 struct PixelSpan {
   double begin = 0.0;
   double end = 0.0;
   std::int32_t first = 0;
   std::int32_t last = 0;  ///< one behind
-  [[nodiscard]] double share_of(std::int32_t cell) const {
+  [[nodiscard]] double covered_share(std::int32_t cell) const {
     return std::min(end, cell + 1.0) - std::max(begin, static_cast<double>(cell));
   }
 };
 
-std::vector<PixelSpan> spans_of(const PixelAxis& axis) {
+std::vector<PixelSpan> pixel_spans(const PixelAxis& axis) {
   std::vector<PixelSpan> spans;
   spans.reserve(axis.pixels);
   for (std::uint32_t k = 0; k < axis.pixels; ++k) {
@@ -111,13 +111,13 @@ void add_row(std::span<const CellState> row, const std::vector<PixelSpan>& spans
     for (std::int32_t x = spans[k].first; x < spans[k].last; ++x) {
       const CellState state = row[static_cast<std::size_t>(x)];
       if (state == CellState::kUnknown) continue;
-      (state == CellState::kFree ? areas.free : areas.occupied)[k] += weight * spans[k].share_of(x);
+      (state == CellState::kFree ? areas.free : areas.occupied)[k] += weight * spans[k].covered_share(x);
     }
   }
 }
 
 /// Walls count more than their area: a wall of one cell would fade to nothing among ten free ones.
-double darkness_of(double occupied_cells, double pixel_cells) {
+double wall_darkness(double occupied_cells, double pixel_cells) {
   const double share = std::min(1.0, occupied_cells / pixel_cells);
   return (1.0 - kLoneCellDarkness) * std::sqrt(share) +
          kLoneCellDarkness * std::max(share, std::min(1.0, occupied_cells));
@@ -126,7 +126,7 @@ double darkness_of(double occupied_cells, double pixel_cells) {
 CellColour mean_colour(double free, double occupied, double all, const MapColours& colours) {
   const double open = std::max(1e-12, all - occupied);
   const double free_share = std::clamp(free / open, 0.0, 1.0);
-  const double darkness = darkness_of(occupied, all);
+  const double darkness = wall_darkness(occupied, all);
   // The wall over what is free over nothing.
   const double alpha = darkness + (1.0 - darkness) * free_share;
   const double wall_share = alpha > 0.0 ? darkness / alpha : 0.0;
@@ -134,13 +134,13 @@ CellColour mean_colour(double free, double occupied, double all, const MapColour
 }
 
 PlacedImage filtered_map(const OccupancyMap& map, const MapFrame& frame, const MapColours& colours) {
-  const Axes axes = axes_of(map.geometry, frame);
+  const Axes axes = pixel_axes(map.geometry, frame);
   auto image = std::make_shared<RgbaImage>(axes.x.pixels, axes.y.pixels);
   const double all = axes.x.step * axes.y.step;
   const CellColour unknown = mean_colour(0.0, 0.0, all, colours);
   const auto width = static_cast<std::size_t>(map.geometry.width);
-  const std::vector<PixelSpan> columns = spans_of(axes.x);
-  const std::vector<PixelSpan> rows = spans_of(axes.y);
+  const std::vector<PixelSpan> columns = pixel_spans(axes.x);
+  const std::vector<PixelSpan> rows = pixel_spans(axes.y);
   Areas areas;
   std::vector<CellState> cells(width);
   for (std::uint32_t row = 0; row < axes.y.pixels; ++row) {
@@ -148,7 +148,7 @@ PlacedImage filtered_map(const OccupancyMap& map, const MapFrame& frame, const M
     areas.occupied.assign(axes.x.pixels, 0.0);
     for (std::int32_t y = rows[row].first; y < rows[row].last; ++y) {
       map.read_row(y, cells);
-      add_row(cells, columns, rows[row].share_of(y), areas);
+      add_row(cells, columns, rows[row].covered_share(y), areas);
     }
     for (std::uint32_t k = 0; k < axes.x.pixels; ++k) {
       const bool is_unknown = areas.free[k] == 0.0 && areas.occupied[k] == 0.0;
@@ -163,7 +163,7 @@ PlacedImage filtered_map(const OccupancyMap& map, const MapFrame& frame, const M
 std::int32_t first_centre(const PixelAxis& axis, double border) { return axis.held(std::ceil(border - 0.5)); }
 
 PlacedImage least_of_cells(const FieldPicture& field, const MapFrame& frame, const FieldColours& colours) {
-  const Axes axes = axes_of(field.geometry, frame);
+  const Axes axes = pixel_axes(field.geometry, frame);
   auto image = std::make_shared<RgbaImage>(axes.x.pixels, axes.y.pixels);
   std::vector<std::uint16_t> least;
   for (std::uint32_t row = 0; row < axes.y.pixels; ++row) {
@@ -187,7 +187,7 @@ PlacedImage least_of_cells(const FieldPicture& field, const MapFrame& frame, con
 }  // namespace
 
 void draw(Canvas& canvas, const PlacedImage& placed) {
-  if (placed.image == nullptr) return;  // nothing of the grid lies in the panel
+  if (placed.image == nullptr) return;  // the panel shows no part of the grid
   canvas.picture({placed.at.left_px, placed.at.top_px}, placed.at.width_px, placed.at.height_px, placed.image, false);
 }
 

@@ -12,7 +12,7 @@
 #include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/colour.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
-#include "map_frame.hpp"
+#include "gdtslam/core/grids.hpp"
 #include "map_sheet.hpp"
 
 namespace gdtslam::picture {
@@ -40,7 +40,7 @@ struct CellColour {
   std::uint8_t alpha = 255;
 };
 using FieldColours = std::function<CellColour(std::uint16_t)>;
-/// What every picture of a field relies on: throws InputError where cells are missing or the cap says nothing.
+/// Throws InputError if the field lacks cells or has cap 0; every picture of a field relies on it.
 void check(const FieldPicture& field);
 /// A pixel shows the least distance of the cells whose centres lie under it.
 PlacedImage field_image(const FieldPicture& field, const MapFrame& frame, const FieldColours& colours);

@@ -1,4 +1,4 @@
-#include "map_frame.hpp"
+#include "map_sheet.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +23,7 @@ std::pair<std::int32_t, std::int32_t> trimmed(const std::vector<std::uint64_t>& 
 
 }  // namespace
 
-Proportions proportions_of(const PictureSize& size) {
+Proportions picture_proportions(const PictureSize& size) {
   const double width = static_cast<double>(size.width);
   const double height = static_cast<double>(size.height);
   const double by_area = std::sqrt(width * height / (1600.0 * 1200.0));
@@ -51,7 +51,7 @@ MapFrame fitted(const MapArea& area, const Panel& panel) {
   return frame;
 }
 
-CellBox box_of(const GridGeometry& geometry, const CellTest& test) {
+CellBox bounding_cells(const GridGeometry& geometry, const CellTest& test) {
   std::vector<std::uint64_t> columns(static_cast<std::size_t>(geometry.width));
   std::vector<std::uint64_t> rows(static_cast<std::size_t>(geometry.height));
   std::uint64_t total = 0;
@@ -69,14 +69,14 @@ CellBox box_of(const GridGeometry& geometry, const CellTest& test) {
   return {{left, bottom}, {right, top}};
 }
 
-MapArea area_of(const GridGeometry& geometry, const CellBox& box) {
+MapArea map_area(const GridGeometry& geometry, const CellBox& box) {
   const double cell_m = geometry.resolution_m;
   return {geometry.origin_x_m + cell_m * box.min.x, geometry.origin_y_m + cell_m * box.min.y,
           geometry.origin_x_m + cell_m * box.end.x, geometry.origin_y_m + cell_m * box.end.y};
 }
 
 MapArea with_path(const MapArea& area, const GridGeometry& geometry, const Trajectory& trajectory, double margin_m) {
-  const MapArea grid = area_of(geometry, {{0, 0}, {geometry.width, geometry.height}});
+  const MapArea grid = map_area(geometry, {{0, 0}, {geometry.width, geometry.height}});
   const double reach_m = std::max(grid.width_m(), grid.height_m());
   MapArea all = area;
   for (const StampedPose& pose : trajectory) {
@@ -95,13 +95,14 @@ MapArea with_path(const MapArea& area, const GridGeometry& geometry, const Traje
 
 // Free cells do not count: beams through windows reach far and would shrink the building.
 MapArea shown_area(const OccupancyMap& map, const Trajectory& trajectory) {
-  CellBox box = box_of(map.geometry, [&](CellIndex cell) { return map.at(cell) == CellState::kOccupied; });
-  const CellBox known = box_of(map.geometry, [&](CellIndex cell) { return map.at(cell) != CellState::kUnknown; });
+  CellBox box = bounding_cells(map.geometry, [&](CellIndex cell) { return map.at(cell) == CellState::kOccupied; });
+  const CellBox known =
+      bounding_cells(map.geometry, [&](CellIndex cell) { return map.at(cell) != CellState::kUnknown; });
   // A post in an open hall is not what the picture is about.
   constexpr std::int32_t kPost = 4;
   if (kPost * box.width() < known.width() && kPost * box.height() < known.height()) box = known;
   if (box.empty()) box = {{0, 0}, {map.geometry.width, map.geometry.height}};
-  const MapArea area = area_of(map.geometry, box);
+  const MapArea area = map_area(map.geometry, box);
   constexpr double kMarginShare = 0.02;
   return with_path(area, map.geometry, trajectory,
                    std::max(2.0 * map.geometry.resolution_m, kMarginShare * std::max(area.width_m(), area.height_m())));

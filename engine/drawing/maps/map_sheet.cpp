@@ -1,5 +1,7 @@
 #include "map_sheet.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -10,10 +12,10 @@
 namespace gdtslam::picture {
 namespace {
 
-constexpr double kTitleLine = 1.35;  // of the size of the letters
+constexpr double kTitleLine = 1.35;  // in sizes of the letters
 constexpr double kSubtitleLine = 1.5;
-constexpr double kRowGap = 0.75;           // of body_px, between rows of the legend
-constexpr double kLongestScalePx = 190.0;  // as the scale bar
+constexpr double kRowGap = 0.75;           // in body_px, between rows of the legend
+constexpr double kLongestScalePx = 190.0;  // the same as for the scale bar
 constexpr int kRounds = 3;                 // until the scale bar, which depends on the map's size, should stand still
 
 double title_height(const MapLook& look, const Proportions& sizes) {
@@ -23,7 +25,7 @@ double title_height(const MapLook& look, const Proportions& sizes) {
   return height > 0.0 ? height + 0.4 * sizes.body_px : 0.0;
 }
 
-/// Where the items go, relative to the legend's upper left corner, and what room they take.
+/// Places of the items, relative to the legend's upper left corner, and the room that they take.
 struct Arrangement {
   std::vector<Point2> places;
   double width_px = 0.0;
@@ -31,8 +33,8 @@ struct Arrangement {
 };
 
 /// Row after row, as words on a page.
-Arrangement rows_of(const LegendItems& items, double room_px, double gap_px, const Proportions& sizes,
-                    bool keeps_groups = false) {
+Arrangement arrange_rows(const LegendItems& items, double room_px, double gap_px, const Proportions& sizes,
+                         bool keeps_groups = false) {
   Arrangement all;
   double top = 0.0;
   for (std::size_t begin = 0; begin < items.size();) {
@@ -57,20 +59,20 @@ Arrangement rows_of(const LegendItems& items, double room_px, double gap_px, con
 }
 
 /// In as few rows as smaller gaps allow.
-Arrangement fewest_rows_of(const LegendItems& items, double room_px, const Proportions& sizes) {
-  Arrangement best = rows_of(items, room_px, sizes.gap_px, sizes);
+Arrangement fewest_rows(const LegendItems& items, double room_px, const Proportions& sizes) {
+  Arrangement best = arrange_rows(items, room_px, sizes.gap_px, sizes);
   for (const double share : {0.8, 0.6}) {
-    Arrangement closer = rows_of(items, room_px, share * sizes.gap_px, sizes);
+    Arrangement closer = arrange_rows(items, room_px, share * sizes.gap_px, sizes);
     if (closer.height_px < best.height_px) best = std::move(closer);
   }
-  Arrangement grouped = rows_of(items, room_px, sizes.gap_px, sizes, true);
+  Arrangement grouped = arrange_rows(items, room_px, sizes.gap_px, sizes, true);
   const bool is_one_row = best.height_px <= 2.0 * sizes.body_px;
   if (!is_one_row && grouped.height_px <= best.height_px + 1e-9) best = std::move(grouped);
   return best;
 }
 
-Arrangement column_of(const LegendItems& items, const Proportions& sizes) {
-  return rows_of(items, 0.0, sizes.gap_px, sizes);
+Arrangement one_column(const LegendItems& items, const Proportions& sizes) {
+  return arrange_rows(items, 0.0, sizes.gap_px, sizes);
 }
 
 struct Layout {
@@ -89,7 +91,7 @@ Layout with_legend_below(const MapArea& area, const PictureSize& size, const Pro
                          const LegendItems& items) {
   const double margin = sizes.margin_px;
   Layout layout;
-  layout.legend = fewest_rows_of(items, size.width - 2.0 * margin, sizes);
+  layout.legend = fewest_rows(items, size.width - 2.0 * margin, sizes);
   const double bottom = size.height - 0.7 * margin - layout.legend.height_px;
   layout.corner = {margin, bottom};
   layout.frame = fitted(area, panel_between(margin, top, size.width - margin, bottom - 0.5 * margin));
@@ -100,7 +102,7 @@ Layout with_legend_beside(const MapArea& area, const PictureSize& size, const Pr
                           const LegendItems& items) {
   const double margin = sizes.margin_px;
   Layout layout;
-  layout.legend = column_of(items, sizes);
+  layout.legend = one_column(items, sizes);
   const double right = size.width - margin - layout.legend.width_px;
   layout.corner = {right, size.height - margin - layout.legend.height_px};
   layout.frame = fitted(area, panel_between(margin, top, right - margin, size.height - margin));
@@ -170,11 +172,35 @@ MapFrame whole_sheet(const Sheet& sheet) {
   return whole;
 }
 
+constexpr double kGap = 0.5;           // in body_px, between a mark and its words
+constexpr double kBarPx = 150.0;       // all of one unit
+constexpr double kLinePiecePx = 42.0;  // length of a line in the legend
+constexpr double kLongestScaleItemPx = 190.0;
+constexpr int kBarSteps = 64;
+
+void draw_axes(Canvas& canvas, const Point2& origin, double arm, const LegendLook& look) {
+  const Colour colour = look.theme.text;
+  const double head = 0.28 * look.sizes.body_px;
+  const Point2 x_end = origin + Point2(arm, 0.0);
+  const Point2 y_end = origin + Point2(0.0, -arm);
+  canvas.polyline({y_end, origin, x_end}, {.colour = colour, .width = 1.6 * look.sizes.unit});
+  canvas.polygon(
+      {x_end + Point2(head, 0.0), x_end + Point2(-0.4 * head, -0.6 * head), x_end + Point2(-0.4 * head, 0.6 * head)},
+      Fill{colour});
+  canvas.polygon(
+      {y_end + Point2(0.0, -head), y_end + Point2(-0.6 * head, 0.4 * head), y_end + Point2(0.6 * head, 0.4 * head)},
+      Fill{colour});
+  const double size = look.sizes.small_px;
+  const Lettering letters{.size = size, .colour = look.theme.quiet};
+  canvas.text(x_end + Point2(2.0 * head, 0.3 * size), "x", letters);
+  canvas.text(y_end + Point2(1.8 * head, 0.5 * size), "y", letters);
+}
+
 }  // namespace
 
-Sheet sheet_of(const MapArea& area, const MapLook& look, const PictureSize& size, const Theme& theme,
-               const LegendOf& legend) {
-  Sheet sheet{.size = size, .sizes = proportions_of(size), .theme = theme, .frame = {}, .items = {}, .places = {}};
+Sheet lay_out_sheet(const MapArea& area, const MapLook& look, const PictureSize& size, const Theme& theme,
+                    const LegendOf& legend) {
+  Sheet sheet{.size = size, .sizes = picture_proportions(size), .theme = theme, .frame = {}, .items = {}, .places = {}};
   const double width = static_cast<double>(size.width);
   const double height = static_cast<double>(size.height);
   sheet.frame = fitted(area, {0.0, 0.0, width, height});
@@ -205,9 +231,15 @@ FittedWords fitted_words(const std::string& words, double size_px, double least_
   return {shortened(words, smaller_px, room_px, is_bold), smaller_px};
 }
 
+Theme light_theme(Colour page) {
+  Theme theme = kLightTheme;
+  theme.page = page;
+  return theme;
+}
+
 Canvas drawn(const MapSheet& content, const MapLook& look, const PictureSize& size) {
-  const LegendLook legend{content.theme, proportions_of(size)};
-  const Sheet sheet = sheet_of(content.area, look, size, content.theme, [&](double px_per_m) {
+  const LegendLook legend{content.theme, picture_proportions(size)};
+  const Sheet sheet = lay_out_sheet(content.area, look, size, content.theme, [&](double px_per_m) {
     LegendItems items{scale_bar_item(px_per_m, legend), axes_item(legend)};
     for (const MapLayer& layer : content.layers) {
       if (!layer.explain) continue;
@@ -239,7 +271,7 @@ MapLayer grid_layer(Colour colour) {
             const Pen pen{.colour = colour, .width = sizes.unit};
             const double step_px = step_m * frame.px_per_m;
             const Point2 first =
-                frame.pixel_of({std::ceil(frame.x_m / step_m) * step_m, std::floor(frame.y_m / step_m) * step_m});
+                frame.to_pixel({std::ceil(frame.x_m / step_m) * step_m, std::floor(frame.y_m / step_m) * step_m});
             for (double x = first.x(); x < frame.panel.width_px; x += step_px) {
               canvas.line({x, 0.0}, {x, frame.panel.height_px}, pen);
             }
@@ -248,6 +280,92 @@ MapLayer grid_layer(Colour colour) {
             }
           },
           {}};
+}
+
+std::string duration_text(double seconds) {
+  if (!(std::fabs(seconds) < 1e15)) return fmt::format("{:.3g} s", seconds);  // stamps of no sense
+  const auto whole = static_cast<long long>(std::floor(seconds + 0.5));
+  if (whole < 120) return fmt::format("{} s", whole);
+  const bool is_long = whole >= 7200;
+  const long long large = whole / (is_long ? 3600 : 60);
+  const long long small = is_long ? whole % 3600 / 60 : whole % 60;
+  const std::string text = fmt::format("{} {}", large, is_long ? "h" : "min");
+  return small == 0 ? text : fmt::format("{} {} {}", text, small, is_long ? "min" : "s");
+}
+
+LegendItem legend_item(const std::string& before, double mark_px, std::function<void(Canvas&, const Point2&)> draw_mark,
+                       const std::string& after, const LegendLook& look) {
+  const double size = look.sizes.body_px;
+  const double mark = before.empty() ? 0.0 : text_width(before, size) + kGap * size;
+  const double words = mark + mark_px + kGap * size;
+  return {words + text_width(after, size), size,
+          [=, draw_mark = std::move(draw_mark)](Canvas& canvas, const Point2& left) {
+            const Point2 base = left + Point2(0.0, 0.36 * size);
+            const Lettering letters{.size = size, .colour = look.theme.text};
+            if (!before.empty()) canvas.text(base, before, letters);
+            draw_mark(canvas, left + Point2(mark, 0.0));
+            if (!after.empty()) canvas.text(base + Point2(words, 0.0), after, letters);
+          }};
+}
+
+LegendItem scale_bar_item(double px_per_m, const LegendLook& look) {
+  const double length_m = round_length_m(kLongestScaleItemPx * look.sizes.unit / px_per_m);
+  const double length = length_m * px_per_m;
+  const Pen pen{.colour = look.theme.text, .width = 2.0 * look.sizes.unit};
+  const Point2 tall(0.0, 0.35 * look.sizes.body_px);
+  return legend_item(
+      "", length,
+      [=](Canvas& canvas, const Point2& left) {
+        const Point2 right = left + Point2(length, 0.0);
+        canvas.polyline({left - tall, left + tall, right + tall, right - tall}, pen);
+      },
+      length_text(length_m), look);
+}
+
+LegendItem axes_item(const LegendLook& look) {
+  const double arm = 1.5 * look.sizes.body_px;
+  return {arm + 1.6 * look.sizes.small_px, 1.9 * look.sizes.body_px, [=](Canvas& canvas, const Point2& left) {
+            draw_axes(canvas, {left.x() + 0.2 * look.sizes.small_px, left.y() + 0.5 * arm}, arm, look);
+          }};
+}
+
+LegendItem swatch_item(const std::string& words, Colour colour, const LegendLook& look) {
+  const double side = 0.95 * look.sizes.body_px;
+  const Pen edge{.colour = look.theme.quiet, .width = look.sizes.unit};
+  return legend_item(
+      "", side,
+      [=](Canvas& canvas, const Point2& left) {
+        canvas.rectangle(left - Point2(0.0, 0.5 * side), side, side, Fill{colour}, edge);
+      },
+      words, look);
+}
+
+LegendItem line_item(const std::string& words, const Pen& pen, const LegendLook& look) {
+  const double piece = kLinePiecePx * look.sizes.unit;
+  return legend_item(
+      "", piece, [=](Canvas& canvas, const Point2& left) { canvas.line(left, left + Point2(piece, 0.0), pen); }, words,
+      look);
+}
+
+LegendItem colour_bar_item(const std::string& before, const std::string& after, std::function<Colour(double)> colour_at,
+                           const LegendLook& look) {
+  const double bar = kBarPx * look.sizes.unit;
+  const double height = 0.8 * look.sizes.body_px;
+  return legend_item(
+      before, bar,
+      [=, colour_at = std::move(colour_at)](Canvas& canvas, const Point2& left) {
+        // Rectangles that reach to the bar's end each, so that no seam shows between them.
+        for (int i = 0; i < kBarSteps; ++i) {
+          const double from = bar * i / kBarSteps;
+          canvas.rectangle(left + Point2(from, -0.5 * height), bar - from, height,
+                           Fill{colour_at((i + 0.5) / kBarSteps)});
+        }
+      },
+      after, look);
+}
+
+MapLayer swatch_layer(const std::string& words, Colour colour) {
+  return {{}, [=](const LegendLook& look, double) { return LegendItems{swatch_item(words, colour, look)}; }};
 }
 
 }  // namespace gdtslam::picture

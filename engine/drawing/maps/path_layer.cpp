@@ -13,7 +13,7 @@
 namespace gdtslam::picture {
 namespace {
 
-constexpr int kPathBands = 64;      ///< of colours along a path
+constexpr int kPathBands = 64;      ///< bands of colour along a path
 constexpr double kEndRadius = 8.0;  // all of one unit
 constexpr double kRingRadius = 9.0;
 constexpr double kKeyframeRadius = 2.1;
@@ -24,8 +24,8 @@ struct PathPoint {
   double share = 0.0;
 };
 
-constexpr int kNoBand = -1;  ///< of what has no value
-int band_of(double share) {
+constexpr int kNoBand = -1;  ///< band of a pose without a value
+int colour_band(double share) {
   return std::isfinite(share) ? static_cast<int>(std::clamp(share * kPathBands, 0.0, kPathBands - 1.0)) : kNoBand;
 }
 
@@ -34,10 +34,10 @@ void draw_line(Canvas& canvas, const std::vector<PathPoint>& points, const std::
                double width) {
   std::size_t begin = 0;
   while (begin + 1 < points.size()) {
-    const int band = band_of(points[begin].share);
+    const int band = colour_band(points[begin].share);
     std::vector<Point2> piece{points[begin].at};
     std::size_t end = begin;
-    while (end + 1 < points.size() && band_of(points[end].share) == band) piece.push_back(points[++end].at);
+    while (end + 1 < points.size() && colour_band(points[end].share) == band) piece.push_back(points[++end].at);
     const double share = band == kNoBand ? std::numeric_limits<double>::quiet_NaN() : (band + 0.5) / kPathBands;
     canvas.polyline(std::move(piece), {.colour = colour_at(share), .width = width});
     begin = end;
@@ -60,10 +60,10 @@ struct Cluster {
   std::size_t count = 0;
   [[nodiscard]] Point2 centre() const { return sum / static_cast<double>(count); }
 };
-std::vector<Cluster> clusters_of(const MapFrame& frame, const PathOverlay& overlay, double reach_px) {
+std::vector<Cluster> find_clusters(const MapFrame& frame, const PathOverlay& overlay, double reach_px) {
   std::vector<Cluster> clusters;
   for (const std::size_t index : overlay.doubtful) {
-    const Point2 at = frame.pixel_of(overlay.trajectory[index].T_map_base.translation());
+    const Point2 at = frame.to_pixel(overlay.trajectory[index].T_map_base.translation());
     if (!is_on_sheet(at)) continue;
     auto near = std::find_if(clusters.begin(), clusters.end(),
                              [&](const Cluster& cluster) { return (cluster.centre() - at).norm() < reach_px; });
@@ -104,7 +104,7 @@ void draw_doubtful_scans(Canvas& canvas, const MapFrame& frame, const PathOverla
                           .is_bold = true,
                           .has_halo = true,
                           .halo = colours.halo};
-  for (const Cluster& cluster : clusters_of(frame, overlay, 1.6 * radius)) {
+  for (const Cluster& cluster : find_clusters(frame, overlay, 1.6 * radius)) {
     draw_doubtful(canvas, cluster.centre(), colours, sizes);
     const Point2 beside = cluster.centre() + Point2(radius + 0.3 * sizes.small_px, -0.5 * radius);
     if (cluster.count > 1) canvas.text(beside, std::to_string(cluster.count), letters);
@@ -254,7 +254,7 @@ std::vector<double> time_shares(const Trajectory& trajectory) {
   const double whole_s = duration_s(trajectory);
   double elapsed_s = 0.0;
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
-    // Where stamps say nothing, the order does.
+    // If stamps say nothing, the order does.
     if (whole_s > 0.0) elapsed_s = std::max(elapsed_s, trajectory[i].stamp_s - trajectory.front().stamp_s);
     const double by_order =
         static_cast<double>(i) / static_cast<double>(std::max<std::size_t>(1, trajectory.size() - 1));
@@ -267,7 +267,7 @@ std::vector<SeenPose> seen_poses(const MapFrame& frame, const Trajectory& trajec
                                  std::size_t end, double least_px) {
   std::vector<SeenPose> seen;
   for (std::size_t i = begin; i < end; ++i) {
-    const Point2 at = frame.pixel_of(trajectory[i].T_map_base.translation());
+    const Point2 at = frame.to_pixel(trajectory[i].T_map_base.translation());
     if (!is_on_sheet(at)) continue;
     if (seen.empty() || i + 1 == end || (at - seen.back().at).norm() >= least_px) seen.push_back({at, i});
   }
@@ -276,19 +276,19 @@ std::vector<SeenPose> seen_poses(const MapFrame& frame, const Trajectory& trajec
 
 void draw_dots(Canvas& canvas, const MapFrame& frame, const Trajectory& trajectory,
                const std::vector<std::size_t>& indices, double radius,
-               const std::function<Colour(std::size_t)>& colour_of) {
+               const std::function<Colour(std::size_t)>& dot_colour) {
   std::set<std::pair<long, long>> taken;
   for (const std::size_t index : indices) {
-    const Point2 at = frame.pixel_of(trajectory[index].T_map_base.translation());
+    const Point2 at = frame.to_pixel(trajectory[index].T_map_base.translation());
     if (!is_on_sheet(at)) continue;
     const std::pair key{std::lround(0.5 * at.x() / radius), std::lround(0.5 * at.y() / radius)};
-    if (taken.insert(key).second) canvas.circle(at, radius, Fill{colour_of(index)});
+    if (taken.insert(key).second) canvas.circle(at, radius, Fill{dot_colour(index)});
   }
 }
 
 void draw_line_of_values(Canvas& canvas, const MapFrame& frame, const PathOfValues& path,
                          const std::function<Colour(double)>& colour_at, const ValueLine& line) {
-  constexpr double kLeastStep = 0.35;  // of the line's width
+  constexpr double kLeastStep = 0.35;  // in widths of the line
   const std::vector<std::size_t> ends = ends_of_drives(path.drives, path.trajectory.size());
   for (std::size_t k = 1; k < ends.size(); ++k) {
     std::vector<Point2> whole;

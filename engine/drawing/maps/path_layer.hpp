@@ -11,7 +11,6 @@
 
 #include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
-#include "map_frame.hpp"
 #include "map_sheet.hpp"
 
 namespace gdtslam::picture {
@@ -50,7 +49,7 @@ std::vector<SeenPose> seen_poses(const MapFrame& frame, const Trajectory& trajec
 /// Dots at poses; those that would hide each other are one.
 void draw_dots(Canvas& canvas, const MapFrame& frame, const Trajectory& trajectory,
                const std::vector<std::size_t>& indices, double radius,
-               const std::function<Colour(std::size_t)>& colour_of);
+               const std::function<Colour(std::size_t)>& dot_colour);
 
 /// A path and a value at each of its poses, as share of a scale; what has no number has no value. No values: all are 0.
 struct PathOfValues {

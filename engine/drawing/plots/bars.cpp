@@ -12,9 +12,8 @@ namespace {
 constexpr int kBands = 128;
 
 Ticks ticks_along(const ColourBar& bar) {
-  const double room = bar.is_upright ? 2.4 * bar.text_size : 4.5 * bar.text_size;
-  const int most = static_cast<int>(std::clamp(bar.length / room, 1.0, 8.0));
-  return ticks_of(bar.from, bar.to, most, bar.steps);
+  const int most = static_cast<int>(std::clamp(bar.length / (4.5 * bar.text_size), 1.0, 8.0));
+  return make_ticks(bar.from, bar.to, most, bar.steps);
 }
 
 struct BarMark {
@@ -39,12 +38,11 @@ BarMark end_mark(double value, double range) {
 /// Room between the middles of two marks that keeps their letters apart.
 double least_gap(const ColourBar& bar, const BarMark& one, const BarMark& other) {
   const double size = kTickLetters * bar.text_size;
-  if (bar.is_upright) return 1.15 * size;
   return 0.5 * (text_width(one.text, size) + text_width(other.text, size)) + 0.6 * size;
 }
 
 /// Both ends, and between them the round values that find room.
-std::vector<BarMark> marks_of(const ColourBar& bar) {
+std::vector<BarMark> bar_marks(const ColourBar& bar) {
   const double range = bar.to - bar.from;
   std::vector<BarMark> marks{end_mark(bar.from, range)};
   const BarMark last = end_mark(bar.to, range);
@@ -71,33 +69,21 @@ double widest(const std::vector<BarMark>& marks, double text_size) {
 double title_room(const ColourBar& bar) { return bar.title.empty() ? 0.0 : 1.7 * bar.text_size; }
 
 /// Room at both ends for half a tick's letters, and the pixel that whole pixels may take.
-double end_room(const ColourBar& bar) {
-  return bar.is_upright ? 0.5 * bar.text_size : 1.0 + 0.5 * widest(marks_of(bar), bar.text_size);
-}
+double end_room(const ColourBar& bar) { return 1.0 + 0.5 * widest(bar_marks(bar), bar.text_size); }
 
 void draw_colours(Canvas& canvas, const ColourBar& bar, const Point2& corner) {
   const double step = bar.length / kBands;
   for (int band = 0; band < kBands; ++band) {
     const Fill fill{bar.map->at((band + 0.5) / kBands)};
     // Each reaches to the end: the next one covers the rest, and no seam shows.
-    const double rest = bar.length - band * step;
-    if (bar.is_upright) {
-      canvas.rectangle(corner, bar.thickness, rest, fill);
-    } else {
-      canvas.rectangle(corner + Point2(band * step, 0.0), rest, bar.thickness, fill);
-    }
+    canvas.rectangle(corner + Point2(band * step, 0.0), bar.length - band * step, bar.thickness, fill);
   }
 }
 
 }  // namespace
 
-DrawingArea room_of(const ColourBar& bar) {
-  const double letters = widest(marks_of(bar), bar.text_size);
+DrawingArea colour_bar_room(const ColourBar& bar) {
   const double title = text_width(bar.title, bar.text_size);
-  if (bar.is_upright) {
-    return {Point2::Zero(), std::max(title, bar.thickness + kTick_px + 4.0 + letters),
-            title_room(bar) + 2.0 * end_room(bar) + bar.length};
-  }
   return {Point2::Zero(), std::max(title, bar.length + 2.0 * end_room(bar)),
           title_room(bar) + bar.thickness + kTick_px + 1.4 * bar.text_size};
 }
@@ -106,24 +92,20 @@ void draw_colour_bar(Canvas& canvas, const ColourBar& bar, const Point2& corner,
   assert(bar.map != nullptr && bar.from < bar.to);
   Lettering title{.size = bar.text_size, .colour = theme.text, .has_halo = bar.has_halo, .halo = theme.page};
   if (!bar.title.empty()) canvas.text(corner + Point2(0.0, bar.text_size), bar.title, title);
-  const Point2 along = bar.is_upright ? Point2(0.0, end_room(bar)) : Point2(end_room(bar), 0.0);
-  const Point2 place = corner + Point2(0.0, title_room(bar)) + along;
+  const Point2 place = corner + Point2(end_room(bar), title_room(bar));
   const Point2 start(std::floor(place.x()), std::floor(place.y()));  // on whole pixels: no rim of colours below
   draw_colours(canvas, bar, start);
-  const double width = bar.is_upright ? bar.thickness : bar.length;
-  const double height = bar.is_upright ? bar.length : bar.thickness;
-  canvas.rectangle(start, width, height, std::nullopt, Pen{.colour = theme.quiet, .width = 1.0, .opacity = 0.6});
+  canvas.rectangle(start, bar.length, bar.thickness, std::nullopt,
+                   Pen{.colour = theme.quiet, .width = 1.0, .opacity = 0.6});
   Lettering letters = title;
   letters.size = kTickLetters * bar.text_size;
-  letters.anchor = bar.is_upright ? Anchor::kStart : Anchor::kMiddle;
-  for (const BarMark& mark : marks_of(bar)) {
+  letters.anchor = Anchor::kMiddle;
+  for (const BarMark& mark : bar_marks(bar)) {
     const double share = (mark.value - bar.from) / (bar.to - bar.from);
-    const Point2 at = bar.is_upright ? start + Point2(bar.thickness, bar.length * (1.0 - share))
-                                     : start + Point2(bar.length * share, bar.thickness);
-    const Point2 end = bar.is_upright ? at + Point2(kTick_px, 0.0) : at + Point2(0.0, kTick_px);
+    const Point2 at = start + Point2(bar.length * share, bar.thickness);
+    const Point2 end = at + Point2(0.0, kTick_px);
     canvas.line(at, end, {.colour = theme.quiet});
-    const Point2 by = bar.is_upright ? Point2(4.0, kHalfFigure * letters.size) : Point2(0.0, 1.2 * letters.size);
-    canvas.text(end + by, mark.text, letters);
+    canvas.text(end + Point2(0.0, 1.2 * letters.size), mark.text, letters);
   }
 }
 

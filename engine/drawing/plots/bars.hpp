@@ -1,11 +1,10 @@
-// What explains a picture's scale: a colour bar with ticks and a scale bar of round length. Sizes follow the text size.
-// O(1) shapes.
+// Bars that explain a picture's scale: a colour bar with ticks and a scale bar of round length. Sizes follow the text
+// size. O(1) shapes.
 #pragma once
 
 #include <string>
 
 #include "gdtslam/drawing/canvas.hpp"
-#include "gdtslam/drawing/theme.hpp"
 #include "gdtslam/drawing/ticks.hpp"
 
 namespace gdtslam {
@@ -22,7 +21,6 @@ struct ColourBar {
   double from = 0.0;  ///< value at the map's first colour
   double to = 1.0;
   std::string title = {};  ///< with the unit: "height in m"
-  bool is_upright = true;
   TickSteps steps = TickSteps::kDecimal;
   double length = 240.0;    ///< pixels, along the colours
   double thickness = 14.0;  ///< across them
@@ -30,10 +28,9 @@ struct ColourBar {
   bool has_halo = false;  ///< letters over a picture
 };
 /// Room that it takes, words included: to place it by. Only width and height are filled in.
-DrawingArea room_of(const ColourBar& bar);
+DrawingArea colour_bar_room(const ColourBar& bar);
+/// A lying bar with the upper left corner of its room at `corner`, the title above, the largest value at the right.
 /// Both ends are labelled, and the round values between them that find room.
-/// With the upper left corner of its room at `corner`; upright: the title above, the largest value at the top; lying:
-/// the title above, the largest value at the right.
 void draw_colour_bar(Canvas& canvas, const ColourBar& bar, const Point2& corner, const Theme& theme = kLightTheme);
 
 struct ScaleBar {

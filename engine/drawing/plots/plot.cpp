@@ -24,7 +24,7 @@ Point2 bounded(const Point2& place) {
   return {std::clamp(place.x(), -kFarthest_px, kFarthest_px), std::clamp(place.y(), -kFarthest_px, kFarthest_px)};
 }
 
-/// Of the points of one column: the first, the lowest and highest in their order, the last.
+/// Adds the points of one column that matter: the first, the lowest and highest in their order, the last.
 void add_column(const std::vector<Point2>& points, std::size_t begin, std::size_t end, std::vector<Point2>& kept) {
   if (end - begin <= kMostInColumn) {
     kept.insert(kept.end(), points.begin() + static_cast<std::ptrdiff_t>(begin),

@@ -1,4 +1,4 @@
-// The frame of a plot: room for its words, ticks, grid, titles.
+// The frame of a plot: room for its words, ticks, grid, titles; and its legend, where it hides least.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -28,7 +28,7 @@ void mend(Axis& axis) {
 }
 
 Ticks ticks_for(Axis& axis, int most) {
-  if (!axis.is_grown || !axis.names.empty()) return ticks_of(axis.from, axis.to, most, axis.steps);
+  if (!axis.is_grown || !axis.names.empty()) return make_ticks(axis.from, axis.to, most, axis.steps);
   const Ticks ticks = ticks_around(axis.from, axis.to, most, axis.steps);
   axis.from = ticks.value(0);
   axis.to = ticks.value(ticks.count - 1);
@@ -50,6 +50,13 @@ void keep_apart(std::vector<Label>& labels, const Place& place_of, const Size& s
 /// On the middle of a pixel, where a thin line is sharp.
 double sharp(double pixel) { return std::floor(pixel) + 0.5; }
 
+/// All of the text size.
+constexpr double kRow = 1.6;
+constexpr double kSwatch = 1.9;
+constexpr double kPadding = 0.7;
+constexpr double kFromFrame = 0.8;
+constexpr double kSmallestShare = 0.7;  // least size of the legend's letters, in sizes of the plot's
+
 }  // namespace
 
 Plot::Plot(Canvas& canvas, const DrawingArea& area, Axis x, Axis y, PlotLook look)
@@ -63,7 +70,7 @@ Plot::Plot(Canvas& canvas, const DrawingArea& area, Axis x, Axis y, PlotLook loo
 
 double Plot::letters() const { return kTickLetters * look_.text_size; }
 
-std::vector<Plot::Label> Plot::labels_of(const Axis& axis, const Ticks& ticks) {
+std::vector<Plot::Label> Plot::make_labels(const Axis& axis, const Ticks& ticks) {
   std::vector<Label> labels;
   for (std::size_t i = 0; i < axis.names.size(); ++i) {
     const std::string remark = i < axis.remarks.size() ? axis.remarks[i] : std::string();
@@ -86,7 +93,7 @@ void Plot::lay_out_y() {
   const double below = 1.8 * size + (x_.title.empty() ? 0.0 : 1.6 * size);
   inside_.height = std::max(1.0, area_.height - above - below);
   const int most = static_cast<int>(std::clamp(inside_.height / (2.6 * size), 1.0, 1.0 * kMostTicks));
-  y_labels_ = labels_of(y_, ticks_for(y_, most));
+  y_labels_ = make_labels(y_, ticks_for(y_, most));
   keep_apart(
       y_labels_, [&](const Label& label) { return at(0.0, label.value).y(); }, [&](const Label&) { return size; });
   const double left = widest(y_labels_) + kTick_px + 0.5 * size + (y_.title.empty() ? 0.0 : 1.7 * size);
@@ -100,7 +107,7 @@ void Plot::lay_out_x() {
   const Axis asked = x_;
   for (int most = kMostTicks; most >= 1; --most) {
     x_ = asked;
-    x_labels_ = labels_of(x_, ticks_for(x_, most));
+    x_labels_ = make_labels(x_, ticks_for(x_, most));
     // Half of the last label stands beyond the frame.
     const double half = x_labels_.empty() ? 0.0 : 0.5 * text_width(x_labels_.back().text, letters());
     inside_.width = std::max(1.0, room - (x_.names.empty() ? std::max(0.7 * size, half) : 0.7 * size));
@@ -191,6 +198,67 @@ void Plot::draw_titles() {
   if (look_.title.empty()) return;
   canvas_.text({inside_.corner.x(), area_.corner.y() + 1.15 * size}, look_.title,
                {.size = 1.1 * size, .colour = look_.theme.text, .is_bold = true});
+}
+
+Point2 Plot::place_of_legend(double width, double height) const {
+  const double margin = kFromFrame * look_.text_size;
+  const double left = inside_.corner.x() + margin;
+  const double right = inside_.corner.x() + inside_.width - margin - width;
+  const double top = inside_.corner.y() + margin;
+  const double bottom = inside_.corner.y() + inside_.height - margin - height;
+  const double middle = 0.5 * (left + right);
+  const double centre = 0.5 * (top + bottom);
+  Point2 best(right, top);
+  std::size_t fewest = std::numeric_limits<std::size_t>::max();
+  for (const Point2& place :
+       {Point2(right, top), Point2(left, top), Point2(right, bottom), Point2(left, bottom), Point2(middle, top),
+        Point2(middle, bottom), Point2(right, centre), Point2(left, centre)}) {
+    const auto hidden = static_cast<std::size_t>(std::count_if(covered_.begin(), covered_.end(), [&](const Point2& at) {
+      return at.x() >= place.x() && at.x() <= place.x() + width && at.y() >= place.y() && at.y() <= place.y() + height;
+    }));
+    if (hidden >= fewest) continue;
+    fewest = hidden;
+    best = place;
+  }
+  return best;
+}
+
+void Plot::draw_entry(const Entry& entry, const Point2& at, double size) {
+  const double letter_px = kTickLetters * size;
+  const double swatch = kSwatch * size;
+  const Point2 middle = at + Point2(0.5 * swatch, -0.36 * letter_px);
+  switch (entry.mark) {
+    case Mark::kLine:
+      canvas_.line(middle - Point2(0.5 * swatch, 0.0), middle + Point2(0.5 * swatch, 0.0), entry.pen);
+      break;
+    case Mark::kDot:
+      canvas_.circle(middle, 0.3 * size, entry.fill);
+      break;
+    case Mark::kArea:
+      canvas_.rectangle(middle - Point2(0.5 * swatch, 0.4 * size), swatch, 0.8 * size, entry.fill);
+      break;
+  }
+  canvas_.text(at + Point2(swatch + 0.6 * size, 0.0), entry.name, {.size = letter_px, .colour = look_.theme.text});
+}
+
+void Plot::legend() {
+  if (entries_.empty()) return;
+  double words = 0.0;
+  for (const Entry& entry : entries_) words = std::max(words, text_width(entry.name, kTickLetters));
+  const double wide = kSwatch + 0.6 + 2.0 * kPadding;
+  // In a small picture smaller letters, and in the end fewer of them.
+  const double room = std::max(1.0, inside_.width - 2.0 * kFromFrame * look_.text_size);
+  const double size = look_.text_size * std::clamp(room / ((wide + words) * look_.text_size), kSmallestShare, 1.0);
+  const double width = std::min(room, (wide + words) * size);
+  for (Entry& entry : entries_) entry.name = shortened(entry.name, kTickLetters * size, width - wide * size + 1e-6);
+  const double height = (kRow * static_cast<double>(entries_.size()) + kPadding) * size;
+  const Point2 corner = place_of_legend(width, height);
+  canvas_.rectangle(corner, width, height, Fill{look_.theme.card, 0.88}, Pen{.colour = look_.theme.edge}, 0.4 * size);
+  Point2 at = corner + Point2(kPadding * size, (kPadding + 0.85) * size);
+  for (const Entry& entry : entries_) {
+    draw_entry(entry, at, size);
+    at.y() += kRow * size;
+  }
 }
 
 }  // namespace gdtslam

@@ -9,7 +9,7 @@
 namespace gdtslam {
 namespace {
 
-/// Of a step, by which a tick may lie beyond its range: sums of steps are not exact.
+/// Share of a step by which a tick may lie beyond its range: sums of steps are not exact.
 constexpr double kSlack = 1e-6;
 constexpr int kMostDecimals = 9;
 constexpr double kPlainMost = 1e7;
@@ -34,7 +34,7 @@ double round_up(double least) {
   return power_of_ten(exponent + 1);
 }
 
-double step_of(double from, double to, int most, TickSteps steps) {
+double round_step(double from, double to, int most, TickSteps steps) {
   const double least = (to - from) / std::max(1, most);
   constexpr std::array kAngles{15.0, 30.0, 45.0, 90.0, 180.0, 360.0};
   const double round = round_up(least);
@@ -43,7 +43,7 @@ double step_of(double from, double to, int most, TickSteps steps) {
   return angle == kAngles.end() ? 360.0 * std::ceil(least / 360.0) : *angle;
 }
 
-int decimals_of(double step) {
+int count_decimals(double step) {
   double scaled = step;
   for (int decimals = 0; decimals < kMostDecimals; ++decimals, scaled *= 10.0) {
     if (std::fabs(scaled - std::floor(scaled + 0.5)) < 1e-6 * scaled) return decimals;
@@ -57,14 +57,14 @@ std::string Ticks::text(int number) const {
   const double exact = value(number);
   const double shown = std::fabs(exact) < kSlack * step ? 0.0 : exact;
   const bool is_plain = std::fabs(shown) < kPlainMost && step >= 1e-6;
-  std::string text =
-      is_plain ? fmt::format("{:.{}f}", std::fabs(shown), decimals_of(step)) : fmt::format("{:.6g}", std::fabs(shown));
+  std::string text = is_plain ? fmt::format("{:.{}f}", std::fabs(shown), count_decimals(step))
+                              : fmt::format("{:.6g}", std::fabs(shown));
   return shown < 0.0 ? "\xE2\x88\x92" + text : text;
 }
 
-Ticks ticks_of(double from, double to, int most, TickSteps steps) {
+Ticks make_ticks(double from, double to, int most, TickSteps steps) {
   Ticks ticks;
-  ticks.step = step_of(from, to, most, steps);
+  ticks.step = round_step(from, to, most, steps);
   const double first = std::ceil(from / ticks.step - kSlack);
   const double last = std::floor(to / ticks.step + kSlack);
   ticks.first = first * ticks.step;
@@ -74,7 +74,7 @@ Ticks ticks_of(double from, double to, int most, TickSteps steps) {
 
 Ticks ticks_around(double from, double to, int most, TickSteps steps) {
   Ticks ticks;
-  ticks.step = step_of(from, to, most, steps);
+  ticks.step = round_step(from, to, most, steps);
   const double first = std::floor(from / ticks.step + kSlack);
   const double last = std::ceil(to / ticks.step - kSlack);
   ticks.first = first * ticks.step;
@@ -92,6 +92,18 @@ double round_length_m(double most_m) {
     if (below <= most_m) return below;
   }
   return 0.0;
+}
+
+std::string axis_title(const std::string& quantity, const std::string& unit) {
+  return unit.empty() ? quantity : quantity + " (" + unit + ")";
+}
+
+std::string rounded_text(double value, const std::string& unit) {
+  const double size = std::fabs(value);
+  std::string number = size < 1000.0 ? fmt::format("{:#.3g}", size) : fmt::format("{:.0f}", size);
+  if (number.ends_with('.')) number.pop_back();
+  // The sign as the axes write it.
+  return (value < 0.0 ? "\xE2\x88\x92" : "") + number + (unit.empty() ? "" : " " + unit);
 }
 
 std::string with_commas(std::uint64_t value) {

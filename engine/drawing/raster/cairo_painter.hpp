@@ -27,7 +27,7 @@ using CairoFont = std::unique_ptr<cairo_scaled_font_t, CairoDeleter>;
 void check_cairo(cairo_status_t status, const std::string& what);
 
 /// An image with its colours multiplied by their alpha as Cairo wants them.
-CairoSurface surface_of(const RgbaImage& image);
+CairoSurface make_surface(const RgbaImage& image);
 /// The face of all drawings. Throws UnavailableError if there is no font.
 CairoFont scaled_font(bool is_bold, double size);
 

@@ -1,4 +1,4 @@
-#include "gdtslam/drawing/raster.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
@@ -11,7 +11,7 @@
 #include <string_view>
 
 #include "cairo_painter.hpp"
-#include "engine/drawing/markup.hpp"
+#include "engine/drawing/letters.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kMostPixels = 32768.0;
 
-std::uint32_t pixels_of(double length, double scale) {
+std::uint32_t count_pixels(double length, double scale) {
   const double pixels = std::ceil(length * scale - 1e-6);
   if (!(pixels >= 1.0 && pixels < kMostPixels)) {
     throw Error(ExitCode::kFailed, "a picture has 1 to 32767 pixels a side, not " + std::to_string(length * scale));
@@ -35,7 +35,7 @@ std::uint32_t times(std::uint32_t colour, std::uint32_t alpha) {
   return (product + (product >> 8U)) >> 8U;  // colour * alpha / 255, rounded
 }
 
-std::uint32_t word_of(const std::uint8_t* pixel) {
+std::uint32_t to_word(const std::uint8_t* pixel) {
   const std::uint32_t alpha = pixel[3];
   if (alpha == 255U) {
     return 0xFF000000U | static_cast<std::uint32_t>(pixel[0]) << 16U | static_cast<std::uint32_t>(pixel[1]) << 8U |
@@ -48,7 +48,7 @@ std::uint8_t colour_for(std::uint32_t premultiplied, std::uint32_t alpha) {
   return static_cast<std::uint8_t>((premultiplied * 255U + alpha / 2U) / alpha);
 }
 
-// Where the words lie, so that a picture is in memory once.
+// Converts in place, so that a picture is in memory once.
 void become_pixels(RgbaImage& image) {
   const std::uint8_t* const end = image.pixels.data() + image.pixels.size();
   for (std::uint8_t* at = image.pixels.data(); at < end; at += 4) {
@@ -121,7 +121,7 @@ bool has_square_pixels(const Canvas& drawing) {
 
 }  // namespace
 
-CairoSurface surface_of(const RgbaImage& image) {
+CairoSurface make_surface(const RgbaImage& image) {
   assert(image.pixels.size() == std::size_t{4} * image.width * image.height);
   CairoSurface surface(
       cairo_image_surface_create(CAIRO_FORMAT_ARGB32, static_cast<int>(image.width), static_cast<int>(image.height)));
@@ -133,7 +133,7 @@ CairoSurface surface_of(const RgbaImage& image) {
     const std::uint8_t* from = image.at(0, y);
     std::uint8_t* to = rows + row_bytes * y;
     for (std::uint32_t x = 0; x < image.width; ++x, from += 4, to += 4) {
-      const std::uint32_t word = word_of(from);
+      const std::uint32_t word = to_word(from);
       std::memcpy(to, &word, sizeof(word));
     }
   }
@@ -141,8 +141,8 @@ CairoSurface surface_of(const RgbaImage& image) {
   return surface;
 }
 
-RgbaImage raster_of(const Canvas& drawing, double scale) {
-  RgbaImage image(pixels_of(drawing.width(), scale), pixels_of(drawing.height(), scale));
+RgbaImage rasterise(const Canvas& drawing, double scale) {
+  RgbaImage image(count_pixels(drawing.width(), scale), count_pixels(drawing.height(), scale));
   const std::size_t row_bytes = std::size_t{4} * image.width;
   const CairoSurface surface(
       cairo_image_surface_create_for_data(image.pixels.data(), CAIRO_FORMAT_ARGB32, static_cast<int>(image.width),
@@ -154,7 +154,7 @@ RgbaImage raster_of(const Canvas& drawing, double scale) {
   return image;
 }
 
-std::string svg_of(const Canvas& drawing) {
+std::string draw_svg(const Canvas& drawing) {
   std::string bytes;
   const CairoSurface surface(cairo_svg_surface_create_for_stream(&append, &bytes, drawing.width(), drawing.height()));
   check_cairo(cairo_surface_status(surface.get()), "making an SVG");
@@ -167,7 +167,7 @@ std::string svg_of(const Canvas& drawing) {
   return svg.insert(svg.find(' '), " role=\"img\"" + style);  // inherited by every image
 }
 
-std::string pdf_of(const Canvas& drawing) {
+std::string draw_pdf(const Canvas& drawing) {
   std::string bytes;
   const CairoSurface surface(cairo_pdf_surface_create_for_stream(&append, &bytes, drawing.width() * kPointsPerPixel,
                                                                  drawing.height() * kPointsPerPixel));

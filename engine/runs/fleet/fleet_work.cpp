@@ -17,8 +17,8 @@
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "engine/runs/transaction/folder_lock.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
-#include "gdtslam/drawing/raster.hpp"
 
 namespace gdtslam {
 namespace {
@@ -160,7 +160,7 @@ void write_thumbnail(const std::string& folder, const MapOutcome& outcome) {
     MapLook look;
     look.with_keyframes = false;
     const RgbaImage image =
-        raster_of(map_picture(outcome.occupancy, {outcome.trajectory, {}, {}, {}}, look, kThumbnailSize), 2.0);
+        rasterise(map_picture(outcome.occupancy, {outcome.trajectory, {}, {}, {}}, look, kThumbnailSize), 2.0);
     bytes = encode_png(image.width, image.height, image.pixels);
   } catch (const Error&) {  // the page does without
     return;

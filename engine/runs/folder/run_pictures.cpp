@@ -16,8 +16,8 @@
 #include "engine/io/maps/png.hpp"
 #include "engine/io/message_text.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
-#include "gdtslam/drawing/raster.hpp"
 #include "gdtslam/drawing/ticks.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
 
@@ -60,7 +60,7 @@ struct EncodedPicture {
 EncodedPicture encoded_picture(const std::string& name, const std::function<Canvas()>& draw) {
   EncodedPicture file;
   try {
-    const RgbaImage image = raster_of(draw());
+    const RgbaImage image = rasterise(draw());
     file.png = encode_png(image.width, image.height, image.pixels);
   } catch (const std::exception& error) {
     file.warnings.push_back({kNoPicture + name, 1, error.what()});

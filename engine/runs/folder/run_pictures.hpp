@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/drawing/maps/graph_picture.hpp"
+#include "engine/drawing/maps/map_pictures.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/loops/loops_report.hpp"
 #include "engine/runs/mapping/map_run.hpp"

@@ -7,14 +7,14 @@
 #include <utility>
 #include <vector>
 
-#include "engine/drawing/maps/graph_picture.hpp"
+#include "engine/drawing/maps/map_pictures.hpp"
 #include "engine/io/did_you_mean.hpp"
 #include "engine/io/maps/png.hpp"
 #include "engine/runs/folder/run_doubts.hpp"
 #include "engine/runs/folder/run_pictures.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
-#include "gdtslam/drawing/raster.hpp"
 #include "gdtslam/drawing/ticks.hpp"
 
 namespace gdtslam {
@@ -95,12 +95,12 @@ Canvas run_view(const RunReader& run, const RunViewRequest& request) {
 }
 
 std::string picture_bytes(const Canvas& drawing, const std::string& format) {
-  if (format == "svg") return svg_of(drawing);
-  if (format == "pdf") return pdf_of(drawing);
+  if (format == "svg") return draw_svg(drawing);
+  if (format == "pdf") return draw_pdf(drawing);
   if (format != "png") {
     throw UsageError(fmt::format("there is no format '{}' of pictures (png, svg, pdf)", format));
   }
-  const RgbaImage image = raster_of(drawing);
+  const RgbaImage image = rasterise(drawing);
   return encode_png(image.width, image.height, image.pixels);
 }
 

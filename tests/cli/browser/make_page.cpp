@@ -74,7 +74,7 @@ int main(int argc, char** argv) {
     if (argc < 2) throw gdtslam::UsageError("make_page OUT.html [OPTION VALUE]...");
     Holder holder;
     for (int k = 2; k + 1 < argc; k += 2) take_option(holder, argv[k], argv[k + 1]);
-    const std::string page = gdtslam::page_of(holder.input);
+    const std::string page = gdtslam::make_page(holder.input);
     std::ofstream file(argv[1], std::ios::binary);
     file << page;
     file.close();

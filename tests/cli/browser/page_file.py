@@ -1,5 +1,5 @@
-# Reads a page as page_of writes it, without any of its code; the layout is that of viewer/page/page_cloud.hpp and
-# page_layers.hpp.
+# Reads a page as make_page writes it, without any of its code; the layout is that of viewer/page/page.cpp and
+# engine/drawing/page/page_writer.hpp.
 import base64
 import json
 import re

@@ -54,12 +54,6 @@ class FlatAndNarrow:
             self.assertAlmostEqual(pose["y"], place[1], places=4)
         self.assert_quiet(browser)
 
-    def test_on_a_telephone_time_has_a_slider(self):
-        browser = self.open_room(width=390, height=844)
-        self.assertGreater(browser.value("document.getElementById('time').getBoundingClientRect().width"), 300)
-        edges = browser.value("[...document.querySelectorAll('#timeline > *')].map(e => e.getBoundingClientRect().right)")
-        self.assertLessEqual(max(edges), 390)
-
     def test_the_first_view_fits_any_window(self):
         """Until somebody looks elsewhere, all of a wide map is in the picture, also when the window becomes another."""
         points = [(x, y, 0.0, 0.0, 0.0, 0) for x in (0.0, 40.0) for y in (0.0, 3.0) for _ in range(3)]

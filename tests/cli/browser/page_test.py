@@ -97,7 +97,7 @@ class DataTest(Case):
         self.assertNotIn("<img", page.text)
         self.assertEqual(len(re.findall("</script", page.text)), len(re.findall("<script", page.text)))
         self.assertTrue(page.description["title"].startswith(HOSTILE))
-        self.assertEqual(page.description["title"].count("\ufffd"), 1 + 6)
+        self.assertEqual(page.description["title"].count("\ufffd"), 6)
 
     def test_only_its_own_script_may_run(self):
         make_page(self.path("p.html"), "--linkage", "paper-b", "--title", HOSTILE)

@@ -3,12 +3,11 @@
 #include <iostream>
 
 #include "gdtslam/drawing/canvas.hpp"
-#include "gdtslam/drawing/raster.hpp"
 
 int main() {
   gdtslam::Canvas drawing(40.0, 30.0, "square");
   drawing.rectangle({10.0, 5.0}, 20.0, 20.0, gdtslam::Fill{gdtslam::colour_for(0x2060a0)});
-  const gdtslam::RgbaImage image = gdtslam::raster_of(drawing);
+  const gdtslam::RgbaImage image = gdtslam::rasterise(drawing);
   const std::uint8_t* const inside = image.at(20, 15);
   const std::uint8_t* const outside = image.at(2, 2);
   std::cout << image.width << " by " << image.height << " pixels\n";

@@ -1,5 +1,5 @@
 // The graph over a map as shapes, without pixels: loops, ellipses, what is not to be trusted, what the legend says.
-#include "engine/drawing/maps/graph_picture.hpp"
+#include "engine/drawing/maps/map_pictures.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,6 @@
 #include <cmath>
 #include <vector>
 
-#include "engine/drawing/maps/graph_layer.hpp"
 #include "gdtslam/core/error.hpp"
 #include "support/picture_scene.hpp"
 
@@ -39,25 +38,6 @@ TEST(GraphPicture, LegendCountsWhatThereIs) {
   path.trajectory = overlay.trajectory;
   const Canvas bare = graph_picture(two_rooms(), path, {}, {1600, 1200});
   for (const char* words : {"loop", "keyframe", "sigma", "trusted"}) EXPECT_FALSE(says(bare, words)) << words;
-}
-
-TEST(GraphPicture, LegendOfASmallPictureIsNotCut) {
-  const Canvas canvas = graph_picture(two_rooms(), graph_of_round_trip(), {}, {300, 200});
-  EXPECT_TRUE(says(canvas, "3 sigma"));
-  for (const shape::Words& words : shapes_of<shape::Words>(canvas)) {
-    EXPECT_LE(words.at.x() + text_width(words.text, words.lettering.size), 300.0) << words.text;
-  }
-}
-
-TEST(GraphPicture, OnlyLoopsThatAreSwitchedOffAreDashed) {
-  GraphOverlay overlay = graph_of_round_trip();
-  const auto dashed = [&] {
-    const auto lines = shapes_of<shape::Line>(graph_picture(two_rooms(), overlay, {}, {1600, 1200}));
-    return std::count_if(lines.begin(), lines.end(), [](const shape::Line& line) { return !line.pen.dashes.empty(); });
-  };
-  EXPECT_EQ(dashed(), 2) << "the loop and its mark in the legend";
-  overlay.loops[1].is_on = true;
-  EXPECT_EQ(dashed(), 0);
 }
 
 // Half as wide as three deviations of 0.2 m along x, times what the legend says: read off the shapes.

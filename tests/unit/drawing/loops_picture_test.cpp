@@ -1,5 +1,5 @@
-// Walls that are seen from a pose, by a beam-free definition; moments of closing loops as shapes, without pixels.
-#include "engine/drawing/maps/loops_picture.hpp"
+// Moments of closing loops as shapes, without pixels.
+#include "engine/drawing/maps/map_pictures.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,71 +10,12 @@
 #include <utility>
 #include <vector>
 
-#include "engine/drawing/maps/seen_walls.hpp"
 #include "support/picture_scene.hpp"
 
 namespace gdtslam {
 namespace {
 
 using namespace test;
-
-/// Whether the straight line to a point of a cell meets anything before that cell, by many points along it.
-bool is_hidden(const OccupancyMap& map, const Point2& from_m, const Point2& to_m) {
-  constexpr int kPoints = 4000;
-  const CellIndex end = map.geometry.cell_at(to_m);
-  for (int k = 0; k <= kPoints; ++k) {
-    const CellIndex cell = map.geometry.cell_at(from_m + static_cast<double>(k) / kPoints * (to_m - from_m));
-    if (cell == end) return false;
-    if (map.at(cell) != CellState::kFree) return true;
-  }
-  return false;
-}
-
-/// How many of some points along the borders of a cell are in sight.
-int points_in_sight(const OccupancyMap& map, const Point2& from_m, CellIndex cell) {
-  constexpr int kSide = 8;
-  const double half_m = 0.499 * map.geometry.resolution_m;
-  int count = 0;
-  for (int k = 0; k <= kSide; ++k) {
-    const double along_m = (2.0 * k / kSide - 1.0) * half_m;
-    for (const Point2& at :
-         {Point2(along_m, half_m), Point2(along_m, -half_m), Point2(half_m, along_m), Point2(-half_m, along_m)}) {
-      count += is_hidden(map, from_m, map.geometry.cell_centre(cell) + at) ? 0 : 1;
-    }
-  }
-  return count;
-}
-
-TEST(SeenWalls, AreThoseThatNoOtherWallHides) {
-  const OccupancyMap map = two_rooms();
-  const Pose2 T_map_pose{-0.7, 0.33, 0.7};
-  const std::vector<Point2> seen = picture::walls_seen_from(map, T_map_pose, 10.0, 3600);
-  std::size_t found = 0;
-  for (const CellIndex cell : obstacles_of(map)) {
-    const Point2 middle = map.geometry.cell_centre(cell);
-    const bool is_seen = std::any_of(seen.begin(), seen.end(),
-                                     [&](const Point2& at) { return ((T_map_pose * at) - middle).norm() < 1e-9; });
-    const int in_sight = points_in_sight(map, T_map_pose.translation(), cell);
-    EXPECT_TRUE(!is_seen || in_sight > 0) << cell.x << ' ' << cell.y;
-    EXPECT_TRUE(is_seen || in_sight < 9) << cell.x << ' ' << cell.y;
-    found += is_seen ? 1U : 0U;
-  }
-  EXPECT_EQ(found, seen.size()) << "walls that the map does not have";
-  EXPECT_GT(found, 60U);
-}
-
-TEST(SeenWalls, EndAtTheReachAndAtWhatIsUnknown) {
-  const OccupancyMap map = two_rooms();
-  const Pose2 pose{-1.0, 0.5, 0.0};
-  for (const Point2& wall : picture::walls_seen_from(map, pose, 1.5, 720)) EXPECT_LT(wall.norm(), 1.5 + 0.1);
-  EXPECT_TRUE(picture::walls_seen_from(map, {100.0, 0.0, 0.0}, 10.0, 360).empty());
-  EXPECT_TRUE(picture::walls_seen_from(map, {std::nan(""), 0.0, 0.0}, 10.0, 360).empty());
-  OccupancyMap dark = map;
-  for (std::size_t cell = 0; cell < dark.cells.size(); ++cell) {
-    if (dark.cells[cell] == CellState::kFree) dark.cells.set(cell, CellState::kUnknown);
-  }
-  EXPECT_TRUE(picture::walls_seen_from(dark, pose, 10.0, 360).empty());
-}
 
 class LoopsMoments : public testing::Test {
  protected:
@@ -119,28 +60,6 @@ TEST_F(LoopsMoments, LegendIsTheSameWhateverTheMoment) {
   scene_.largest_sigma_m = 0.0;
   EXPECT_FALSE(says(drawn(), "switched off"));
   EXPECT_FALSE(says(drawn(), "sigma"));
-}
-
-TEST_F(LoopsMoments, ALoopThatWasJustFoundGlowsUntilItDoesNot) {
-  const auto widest = [this] {
-    double width = 0.0;
-    for (const shape::Line& line : shapes_of<shape::Line>(drawn())) width = std::max(width, line.pen.width);
-    return width;
-  };
-  const double calm = widest();
-  moment_.loops[0].glow = 1.0;
-  EXPECT_GT(widest(), 2.0 * calm);
-  moment_.loops[0].glow = 0.0;
-  EXPECT_EQ(widest(), calm);
-}
-
-TEST_F(LoopsMoments, WallsGiveWayToTheMap) {
-  const auto pictures = [this] { return shapes_of<shape::Picture>(drawn()).size(); };
-  EXPECT_EQ(pictures(), 1U) << "walls alone";
-  moment_.map_share = 0.5;
-  EXPECT_EQ(pictures(), 2U) << "both";
-  moment_.map_share = 1.0;
-  EXPECT_EQ(pictures(), 1U) << "the map alone";
 }
 
 TEST_F(LoopsMoments, WhatIsNotFiniteIsLeftOut) {

@@ -46,14 +46,6 @@ TEST(MapPicture, legend_counts) {
   EXPECT_FALSE(says(canvas, "keyframe"));
 }
 
-TEST(MapPicture, doubtful_scans_in_one_place_are_one_ring_with_their_number) {
-  PathOverlay overlay = round_trip();
-  for (int i = 0; i < 5; ++i) overlay.trajectory.push_back({60.0 + i, {1.0 + 0.001 * i, 1.0, 0.0}});
-  overlay.doubtful = {5, 100, 101, 102, 103, 104};
-  const auto words = shapes_of<shape::Words>(map_picture(two_rooms(), overlay, {}, {1600, 1200}));
-  EXPECT_EQ(std::count_if(words.begin(), words.end(), [](const shape::Words& one) { return one.text == "5"; }), 1);
-}
-
 /// Length of the scale bar against the distance between start and end, which are 4 m apart.
 TEST(MapPicture, scale_bar_is_as_long_as_it_says) {
   for (const PictureSize size : {PictureSize{480, 270}, PictureSize{1600, 1200}, PictureSize{1080, 1920}}) {
@@ -93,9 +85,9 @@ TEST(MapPicture, legends_are_made_for_the_scale_that_is_drawn) {
     const PictureSize size{200 + static_cast<std::uint32_t>(random.below(700)),
                            200 + static_cast<std::uint32_t>(random.below(700))};
     const picture::MapArea area{0.0, 0.0, random.uniform(0.5, 60.0), random.uniform(0.5, 60.0)};
-    const picture::LegendLook legend{kLightTheme, picture::proportions_of(size)};
+    const picture::LegendLook legend{kLightTheme, picture::picture_proportions(size)};
     double px_per_m = 0.0;
-    const picture::Sheet sheet = picture::sheet_of(area, {}, size, kLightTheme, [&](double scale) {
+    const picture::Sheet sheet = picture::lay_out_sheet(area, {}, size, kLightTheme, [&](double scale) {
       px_per_m = scale;
       return std::vector{picture::scale_bar_item(scale, legend), picture::axes_item(legend),
                          picture::swatch_item("never observed", ink::kText, legend),
@@ -104,7 +96,7 @@ TEST(MapPicture, legends_are_made_for_the_scale_that_is_drawn) {
     ASSERT_EQ(sheet.frame.px_per_m, px_per_m) << size.width << "x" << size.height << ", round " << round;
     const picture::Panel& panel = sheet.frame.panel;
     for (const Point2& corner : {Point2(area.min_x_m, area.min_y_m), Point2(area.max_x_m, area.max_y_m)}) {
-      const Point2 at = sheet.frame.pixel_of(corner) - Point2(panel.left_px, panel.top_px);
+      const Point2 at = sheet.frame.to_pixel(corner) - Point2(panel.left_px, panel.top_px);
       EXPECT_GE(at.minCoeff(), -1e-6) << "round " << round;
       EXPECT_LE(at.x(), panel.width_px + 1e-6) << "round " << round;
       EXPECT_LE(at.y(), panel.height_px + 1e-6) << "round " << round;

@@ -9,49 +9,6 @@ namespace {
 
 using namespace test;
 
-struct Box {
-  double left = 0.0;
-  double top = 0.0;
-  double right = 0.0;
-  double bottom = 0.0;
-  std::string text;
-};
-
-/// From the base line up by the height of capitals; a tenth of the width less, which text_width may be off.
-std::vector<Box> boxes_of(const Canvas& canvas) {
-  std::vector<Box> boxes;
-  for (const shape::Words& words : shapes_of<shape::Words>(canvas)) {
-    const double width = 0.9 * text_width(words.text, words.lettering.size, words.lettering.is_bold);
-    const double tall = 0.7 * words.lettering.size;
-    const double share = words.lettering.anchor == Anchor::kStart ? 0.0
-                         : words.lettering.anchor == Anchor::kEnd ? 1.0
-                                                                  : 0.5;
-    const Point2& at = words.at;
-    if (words.is_upright) {
-      boxes.push_back({at.x() - tall, at.y() - (1.0 - share) * width, at.x(), at.y() + share * width, words.text});
-    } else {
-      boxes.push_back({at.x() - share * width, at.y() - tall, at.x() + (1.0 - share) * width, at.y(), words.text});
-    }
-  }
-  return boxes;
-}
-
-void expect_tidy(const Canvas& canvas, const std::string& what) {
-  const std::vector<Box> boxes = boxes_of(canvas);
-  for (std::size_t i = 0; i < boxes.size(); ++i) {
-    const Box& a = boxes[i];
-    EXPECT_GE(a.left, 0.0) << what << ": " << a.text;
-    EXPECT_GE(a.top, 0.0) << what << ": " << a.text;
-    EXPECT_LE(a.right, canvas.width()) << what << ": " << a.text;
-    EXPECT_LE(a.bottom, canvas.height()) << what << ": " << a.text;
-    for (std::size_t k = 0; k < i; ++k) {
-      const Box& b = boxes[k];
-      const bool is_apart = a.right <= b.left || b.right <= a.left || a.bottom <= b.top || b.bottom <= a.top;
-      EXPECT_TRUE(is_apart) << what << ": " << a.text << " over " << b.text;
-    }
-  }
-}
-
 class Words : public ::testing::TestWithParam<PictureSize> {};
 
 TEST_P(Words, of_maps_and_fields_are_tidy) {

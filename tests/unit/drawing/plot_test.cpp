@@ -17,37 +17,8 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
+using test::expect_tidy;
 using test::shapes_of;
-
-/// Of level or upright words, from text_width() and the usual height of letters.
-DrawingArea extent(const shape::Words& words) {
-  const double width = text_width(words.text, words.lettering.size, words.lettering.is_bold);
-  const double start = words.lettering.anchor == Anchor::kStart ? 0.0
-                       : words.lettering.anchor == Anchor::kEnd ? 1.0
-                                                                : 0.5;
-  const double height = 0.76 * words.lettering.size;
-  if (words.is_upright) return {words.at + Point2(-height, -(1.0 - start) * width), height, width};
-  return {words.at + Point2(-start * width, -height), width, height};
-}
-
-bool overlap(const DrawingArea& one, const DrawingArea& other) {
-  return one.corner.x() < other.corner.x() + other.width && other.corner.x() < one.corner.x() + one.width &&
-         one.corner.y() < other.corner.y() + other.height && other.corner.y() < one.corner.y() + one.height;
-}
-
-void expect_tidy(const Canvas& canvas, const DrawingArea& area) {
-  const std::vector<shape::Words> words = shapes_of<shape::Words>(canvas);
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const DrawingArea one = extent(words[i]);
-    EXPECT_GE(one.corner.x(), area.corner.x() - 0.5) << words[i].text;
-    EXPECT_GE(one.corner.y(), area.corner.y() - 0.5) << words[i].text;
-    EXPECT_LE(one.corner.x() + one.width, area.corner.x() + area.width + 0.5) << words[i].text;
-    EXPECT_LE(one.corner.y() + one.height, area.corner.y() + area.height + 0.5) << words[i].text;
-    for (std::size_t j = 0; j < i; ++j) {
-      EXPECT_FALSE(overlap(one, extent(words[j]))) << words[i].text << " over " << words[j].text;
-    }
-  }
-}
 
 TEST(Plot, AnyRangeInAnySizeIsTidy) {
   for (const double text_size : {9.0, 13.0, 22.0}) {
@@ -156,30 +127,23 @@ TEST(BoxFigures, AreTukeysWithQuartilesBetweenValues) {  // R: quantile(c(1:9, 1
 }
 
 TEST(ColourBar, HasItsColoursItsTicksAndItsRoom) {
-  for (const bool is_upright : {true, false}) {
-    Canvas canvas(600, 600, "");
-    const ColourBar bar{
-        .map = &colour_map("lagoon"), .from = -0.3, .to = 2.7, .title = "height in m", .is_upright = is_upright};
-    DrawingArea room = room_of(bar);
-    room.corner = {100, 50};
-    draw_colour_bar(canvas, bar, room.corner);
-    expect_tidy(canvas, room);
-    const shape::Rectangle frame = shapes_of<shape::Rectangle>(canvas).back();
-    for (const shape::Words& words : shapes_of<shape::Words>(canvas)) {
-      if (words.text != "2.0") continue;
-      const double share = (2.0 + 0.3) / 3.0;
-      const double expected =
-          is_upright ? frame.corner.y() + (1.0 - share) * frame.height : frame.corner.x() + share * frame.width;
-      EXPECT_NEAR(is_upright ? words.at.y() - 0.36 * words.lettering.size : words.at.x(), expected, 1e-6);
-    }
-    // Each covers the rest of the one before: the first is seen at the bottom or at the left.
-    const std::vector<shape::Rectangle> colours = shapes_of<shape::Rectangle>(canvas);
-    const shape::Rectangle& top = colours[colours.size() - 2];
-    EXPECT_EQ(colours.front().fill->colour, colour_map("lagoon").at(0.5 / 128.0));
-    EXPECT_EQ(top.fill->colour, colour_map("lagoon").at(127.5 / 128.0));
-    const Point2 end = is_upright ? frame.corner : frame.corner + Point2(frame.width - top.width, 0.0);
-    EXPECT_TRUE(top.corner.isApprox(end));
+  Canvas canvas(600, 600, "");
+  const ColourBar bar{.map = &colour_map("lagoon"), .from = -0.3, .to = 2.7, .title = "height in m"};
+  DrawingArea room = colour_bar_room(bar);
+  room.corner = {100, 50};
+  draw_colour_bar(canvas, bar, room.corner);
+  expect_tidy(canvas, room);
+  const std::vector<shape::Rectangle> colours = shapes_of<shape::Rectangle>(canvas);
+  const shape::Rectangle& frame = colours.back();
+  for (const shape::Words& words : shapes_of<shape::Words>(canvas)) {
+    if (words.text != "2.0") continue;
+    EXPECT_NEAR(words.at.x(), frame.corner.x() + (2.0 + 0.3) / 3.0 * frame.width, 1e-6);
   }
+  // Each covers the rest of the one before: the first is seen at the left.
+  const shape::Rectangle& last = colours[colours.size() - 2];
+  EXPECT_EQ(colours.front().fill->colour, colour_map("lagoon").at(0.5 / 128.0));
+  EXPECT_EQ(last.fill->colour, colour_map("lagoon").at(127.5 / 128.0));
+  EXPECT_TRUE(last.corner.isApprox(frame.corner + Point2(frame.width - last.width, 0.0)));
 }
 
 TEST(ScaleBar, IsAsLongAsItSays) {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "gdtslam/drawing/raster.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 
 namespace gdtslam {
 namespace {
@@ -25,7 +25,7 @@ Canvas drawing_with_image(bool is_smooth) {
 }
 
 TEST(Svg, HasSizeTitleAndWords) {
-  const std::string svg = svg_of(drawing_with_image(true));
+  const std::string svg = draw_svg(drawing_with_image(true));
   EXPECT_THAT(svg, testing::StartsWith("<svg "));
   EXPECT_THAT(svg, HasSubstr("viewBox=\"0 0 100 50\""));
   EXPECT_THAT(svg, HasSubstr("<title>a &lt; b &amp; &quot;c&quot; </title>"));
@@ -35,11 +35,11 @@ TEST(Svg, HasSizeTitleAndWords) {
 
 // Cairo names images by a count of the process.
 TEST(Svg, IsTheSameTextEachTime) {
-  const std::string first = svg_of(drawing_with_image(false));
-  EXPECT_EQ(svg_of(drawing_with_image(false)), first);
+  const std::string first = draw_svg(drawing_with_image(false));
+  EXPECT_EQ(draw_svg(drawing_with_image(false)), first);
   EXPECT_THAT(first, HasSubstr("xlink:href=\"data:image/png;base64,"));
   EXPECT_THAT(first, HasSubstr("image-rendering:pixelated"));
-  EXPECT_THAT(svg_of(drawing_with_image(true)), Not(HasSubstr("pixelated")));
+  EXPECT_THAT(draw_svg(drawing_with_image(true)), Not(HasSubstr("pixelated")));
 }
 
 TEST(Canvas, APlacedDrawingIsScaledAndMovedAsAWhole) {
@@ -57,7 +57,7 @@ TEST(Canvas, APlacedDrawingIsScaledAndMovedAsAWhole) {
   expected.text({16, 26}, "x", {.size = 20.0});
   expected.circle({18, 28}, 2, std::nullopt);
   expected.end_clip();
-  EXPECT_EQ(svg_of(outer), svg_of(expected));
+  EXPECT_EQ(draw_svg(outer), draw_svg(expected));
 }
 
 }  // namespace

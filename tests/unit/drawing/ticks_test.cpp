@@ -19,22 +19,22 @@ std::vector<std::string> texts(const Ticks& ticks) {
 using Texts = std::vector<std::string>;
 
 TEST(Ticks, AreRoundAndWithin) {
-  EXPECT_EQ(texts(ticks_of(0.0, 1.0, 5)), (Texts{"0.0", "0.2", "0.4", "0.6", "0.8", "1.0"}));
-  EXPECT_EQ(texts(ticks_of(-0.3, 2.7, 4)), (Texts{"0", "1", "2"}));
-  EXPECT_EQ(texts(ticks_of(0.0, 137.0, 10)), (Texts{"0", "20", "40", "60", "80", "100", "120"}));
-  EXPECT_EQ(texts(ticks_of(-25.0, 25.0, 2)), (Texts{"0"}));  // of 50
-  EXPECT_EQ(texts(ticks_of(1.0, 1.004, 4)), (Texts{"1.000", "1.001", "1.002", "1.003", "1.004"}));
-  EXPECT_EQ(texts(ticks_of(0.0, 4e-8, 4)), (Texts{"0", "1e-08", "2e-08", "3e-08", "4e-08"}));
+  EXPECT_EQ(texts(make_ticks(0.0, 1.0, 5)), (Texts{"0.0", "0.2", "0.4", "0.6", "0.8", "1.0"}));
+  EXPECT_EQ(texts(make_ticks(-0.3, 2.7, 4)), (Texts{"0", "1", "2"}));
+  EXPECT_EQ(texts(make_ticks(0.0, 137.0, 10)), (Texts{"0", "20", "40", "60", "80", "100", "120"}));
+  EXPECT_EQ(texts(make_ticks(-25.0, 25.0, 2)), (Texts{"0"}));  // of 50
+  EXPECT_EQ(texts(make_ticks(1.0, 1.004, 4)), (Texts{"1.000", "1.001", "1.002", "1.003", "1.004"}));
+  EXPECT_EQ(texts(make_ticks(0.0, 4e-8, 4)), (Texts{"0", "1e-08", "2e-08", "3e-08", "4e-08"}));
 }
 
-TEST(Ticks, HaveATrueMinusSign) { EXPECT_EQ(texts(ticks_of(-0.1, 0.1, 2)), (Texts{"\u22120.1", "0.0", "0.1"})); }
+TEST(Ticks, HaveATrueMinusSign) { EXPECT_EQ(texts(make_ticks(-0.1, 0.1, 2)), (Texts{"\u22120.1", "0.0", "0.1"})); }
 
 TEST(Ticks, OfAnglesAreRoundAngles) {
-  EXPECT_EQ(ticks_of(0.0, 360.0, 10, TickSteps::kDegrees).step, 45.0);
-  EXPECT_EQ(ticks_of(0.0, 360.0, 4, TickSteps::kDegrees).step, 90.0);
-  EXPECT_EQ(ticks_of(-45.0, 45.0, 8, TickSteps::kDegrees).step, 15.0);
-  EXPECT_EQ(ticks_of(0.0, 9.0, 5, TickSteps::kDegrees).step, 2.0);
-  EXPECT_EQ(ticks_of(0.0, 3600.0, 4, TickSteps::kDegrees).step, 1080.0);
+  EXPECT_EQ(make_ticks(0.0, 360.0, 10, TickSteps::kDegrees).step, 45.0);
+  EXPECT_EQ(make_ticks(0.0, 360.0, 4, TickSteps::kDegrees).step, 90.0);
+  EXPECT_EQ(make_ticks(-45.0, 45.0, 8, TickSteps::kDegrees).step, 15.0);
+  EXPECT_EQ(make_ticks(0.0, 9.0, 5, TickSteps::kDegrees).step, 2.0);
+  EXPECT_EQ(make_ticks(0.0, 3600.0, 4, TickSteps::kDegrees).step, 1080.0);
 }
 
 TEST(Ticks, AroundCoverTheRange) {
@@ -47,7 +47,7 @@ RC_GTEST_PROP(Ticks, AreFewRoundAndAsManyAsFit, ()) {
   const double from = static_cast<double>(*rc::gen::inRange<int>(-100000, 100000)) / 97.0;
   const double span = static_cast<double>(*rc::gen::inRange<int>(1, 10000000)) / 9973.0;
   const int most = *rc::gen::inRange(1, 12);
-  const Ticks ticks = ticks_of(from, from + span, most);
+  const Ticks ticks = make_ticks(from, from + span, most);
   RC_ASSERT(ticks.count <= most + 1);
   const double digit = ticks.step / std::pow(10.0, std::floor(std::log10(ticks.step) + 1e-9));
   RC_ASSERT(std::fabs(digit - 1.0) < 1e-9 || std::fabs(digit - 2.0) < 1e-9 || std::fabs(digit - 5.0) < 1e-9);

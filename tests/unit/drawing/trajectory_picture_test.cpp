@@ -1,5 +1,5 @@
 // Paths without a map: their colours, what lies over what, and scales that fit what is shown.
-#include "engine/drawing/maps/path_pictures.hpp"
+#include "engine/drawing/maps/map_pictures.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/colour.hpp"
-#include "gdtslam/drawing/theme.hpp"
 #include "support/picture_scene.hpp"
 
 namespace gdtslam {
@@ -88,20 +88,6 @@ TEST(TrajectoryPicture, PathsOfNoLengthAndNoNumbersAreDrawn) {
   EXPECT_NO_THROW(trajectory_picture({standing, {}, {}}, {}, size_for_paths({&standing})));
   const Trajectory lost{{1.0, {std::nan(""), 0.0, 0.0}}};
   EXPECT_NO_THROW(trajectory_picture({lost, {}, {}}, {}, size_for_paths({&lost})));
-}
-
-/// 1000 errors below a centimetre and one of a metre: the axis ends near the boxes, and says what it leaves out.
-TEST(BoxPlot, IsAsLargeAsItsBoxes) {
-  ErrorGroup group{"run", {1.0}};
-  for (int k = 0; k < 1000; ++k) group.values.push_back(0.01 * k / 1000.0);
-  const Canvas canvas = box_plot({"", "Position error", "m", {group}}, kSheet);
-  double box_height = 0.0;
-  for (const shape::Rectangle& box : shapes_of<shape::Rectangle>(canvas)) {
-    if (box.fill && box.fill->colour == kLightTheme.curve(0)) box_height = box.height;
-  }
-  EXPECT_GT(box_height, 0.25 * kSheet.height);
-  EXPECT_TRUE(says(canvas, "1 value beyond, up to 1.00 m"));
-  EXPECT_TRUE(says(canvas, "Position error (m)"));
 }
 
 }  // namespace

@@ -102,15 +102,6 @@ TEST_F(FilmWriterTest, FramesReachTheProgramAsRowsOfRedGreenBlue) {
   EXPECT_EQ(files(), 1U);
 }
 
-TEST_F(FilmWriterTest, TheProgramIsToldSizeRateAndKind) {
-  replace_ffmpeg("cat > /dev/null; echo \"$@\" > \"$out\"\n");
-  write_film({FilmKind::kGif, film("f.gif"), 6, 3, 12.5}, 1);
-  const std::string words = film_content(film("f.gif"));
-  for (const char* part : {"-pixel_format rgb24", "-video_size 6x3", "-framerate 12.5", "-f gif"}) {
-    EXPECT_NE(words.find(part), std::string::npos) << part << " is not in " << words;
-  }
-}
-
 TEST_F(FilmWriterTest, AFailureIsReportedAndLeavesTheOldFilm) {
   std::ofstream(film()) << "old";
   struct Failure {

@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "gdtslam/core/angle.hpp"
-#include "tools/gdtslam/render/loops_path.hpp"
-#include "tools/gdtslam/render/loops_timeline.hpp"
+#include "tools/gdtslam/render/loops_film.hpp"
 
 namespace gdtslam {
 namespace {
@@ -52,17 +51,6 @@ TEST(LoopsTimeline, BendsWhereTheLoopsWereFound) {
     EXPECT_TRUE(!bends || frame.driven_m == stages_m[frame.stage - 1]);
     EXPECT_TRUE(frame.driven_m >= 30.0 || frame.stage == 0);
     EXPECT_TRUE(frame.driven_m <= 70.0 || frame.stage >= 2);
-  }
-}
-
-TEST(LoopsTimeline, AShortFilmHasItsEnd) {
-  for (const std::size_t count : {1U, 2U, 3U, 5U, 11U, 30U}) {
-    const LoopsFilmLength length{count, 1};
-    const std::vector<LoopsInstant> frames = loops_timeline({50.0}, 100.0, length);
-    ASSERT_EQ(frames.size(), count);
-    EXPECT_EQ(frames.back().map_share, 1.0);
-    EXPECT_EQ(frames.back().stage, 2U);
-    EXPECT_GE(most_loop_stages(length), 1U);
   }
 }
 

@@ -15,8 +15,7 @@ namespace gdtslam::test {
 namespace {
 
 const PictureSize kFilmSize{160, 90};
-const CloudCaption kBareCaption{
-    .title = "", .subtitle = "", .with_scale_bar = false, .with_axes = false, .with_colour_bar = false};
+const CloudCaption kBareCaption{.title = "", .subtitle = "", .with_bars = false};
 
 std::shared_ptr<const RgbaImage> scene_of(const Canvas& frame) {
   for (const Shape& shape : frame.shapes()) {

@@ -47,10 +47,10 @@ TEST_F(CloudSceneTest, APointAppearsAtItsPixelForEveryKindOfCamera) {
           }
         }
         ASSERT_GT(weight, 0.0);
-        const auto expected = pixel_of(camera, kSceneSize, place);
+        const auto expected = project(camera, kSceneSize, place);
         ASSERT_TRUE(expected.has_value());
-        EXPECT_NEAR(x / weight, expected->x_px, 0.75 / samples);
-        EXPECT_NEAR(y / weight, expected->y_px, 0.75 / samples);
+        EXPECT_NEAR(x / weight, expected->x(), 0.75 / samples);
+        EXPECT_NEAR(y / weight, expected->y(), 0.75 / samples);
       }
     }
   }
@@ -111,8 +111,8 @@ TEST_F(CloudSceneTest, FloorAndCeilingAreTakenAwayAsAsked) {
   // From above: the ceiling is yellow, the floor blue, without both the background is seen.
   const ColourMap& map = colour_map("lagoon");
   const auto pixel = [](const RgbaImage& image, const Point3& at) {
-    const auto seen = pixel_of(over_the_room(), kSceneSize, at);
-    return image.at(static_cast<std::uint32_t>(seen->x_px), static_cast<std::uint32_t>(seen->y_px));
+    const auto seen = project(over_the_room(), kSceneSize, at);
+    return image.at(static_cast<std::uint32_t>(seen->x()), static_cast<std::uint32_t>(seen->y()));
   };
   const Point3 free_place(2.5, 2.5, 0.0);
   EXPECT_TRUE(is_colour(pixel(all.second, free_place), map.at(1.0), 6));
@@ -125,22 +125,6 @@ TEST_F(CloudSceneTest, FloorAndCeilingAreTakenAwayAsAsked) {
   const double lost = static_cast<double>(covered(no_ceiling.second, ink::kNight)) -
                       static_cast<double>(covered(neither.second, ink::kNight));
   EXPECT_NEAR(lost, floor_px, 0.06 * floor_px);
-}
-
-TEST_F(CloudSceneTest, ColoursAreThoseOfTheScale) {
-  const Cloud cloud = room_cloud();
-  CloudLook look = plain_look();
-  look.least = 0.0;
-  look.most = 2.5;
-  CloudScene scene(graphics_, look);
-  scene.set_cloud(cloud);
-  EXPECT_EQ(scene.scale().least, 0.0);
-  EXPECT_EQ(scene.scale().most, 2.5);
-  const RgbaImage image = scene.render(over_the_room(), kSceneSize);
-  const auto at = pixel_of(over_the_room(), kSceneSize, {5.5, 3.0, 0.9});
-  const Colour expected = colour_map(scene.scale().colour_map).at(0.9 / 2.5);
-  EXPECT_TRUE(
-      is_colour(image.at(static_cast<std::uint32_t>(at->x_px), static_cast<std::uint32_t>(at->y_px)), expected, 4));
 }
 
 TEST_F(CloudSceneTest, ShowUntilDrawsWhatWasMeasuredTillThenInAnyOrder) {
@@ -164,8 +148,8 @@ TEST_F(CloudSceneTest, ShowUntilDrawsWhatWasMeasuredTillThenInAnyOrder) {
   scene.show_until(floor_end_s);
   EXPECT_EQ(scene.points_drawn(), floor_count);
   const RgbaImage half = scene.render(over_the_room(), kSceneSize);
-  const auto at = pixel_of(over_the_room(), kSceneSize, {5.5, 3.0, 0.0});
-  EXPECT_TRUE(is_colour(half.at(static_cast<std::uint32_t>(at->x_px), static_cast<std::uint32_t>(at->y_px)),
+  const auto at = project(over_the_room(), kSceneSize, {5.5, 3.0, 0.0});
+  EXPECT_TRUE(is_colour(half.at(static_cast<std::uint32_t>(at->x()), static_cast<std::uint32_t>(at->y())),
                         colour_map("lagoon").at(0.0), 6));
   scene.show_until(0.0);
   EXPECT_EQ(covered(scene.render(over_the_room(), kSceneSize), ink::kNight), 0U);
@@ -184,29 +168,6 @@ TEST_F(CloudSceneTest, BoundsLeaveStrayPointsOutAndTakeThePathIn) {
   EXPECT_NEAR((scene.bounds().highest - kRoomSize).cwiseAbs().maxCoeff(), 0.0, 0.05);
   scene.set_trajectory({{.stamp_s = 0.0, .T_map_base = {.x_m = -9.0, .y_m = 2.0, .theta_rad = 0.0}}});
   EXPECT_NEAR(scene.bounds().lowest.x(), -9.0, 1e-9);
-}
-
-TEST_F(CloudSceneTest, ThePathLiesOnTheFloorAndIsSeen) {
-  CloudLook look = plain_look();
-  CloudScene scene(graphics_, look);
-  scene.set_cloud(room_cloud());
-  const RgbaImage without = scene.render(over_the_room(), kSceneSize);
-  scene.set_trajectory(room_path());
-  const RgbaImage with = scene.render(over_the_room(), kSceneSize);
-  std::size_t lit = 0;
-  for (double x_m = 1.2; x_m < 3.8; x_m += 0.05) {
-    const auto at = pixel_of(over_the_room(), kSceneSize, {x_m, kPathY, 0.0});
-    const auto x = static_cast<std::uint32_t>(at->x_px);
-    const auto y = static_cast<std::uint32_t>(at->y_px);
-    if (with.at(x, y)[0] > without.at(x, y)[0] + 60) ++lit;
-  }
-  EXPECT_GE(lit, 52U) << "without a gap";
-  scene.show_until(150.0);
-  const RgbaImage half = scene.render(over_the_room(), kSceneSize);
-  const auto late = pixel_of(over_the_room(), kSceneSize, {3.5, kPathY, 0.0});
-  const auto x = static_cast<std::uint32_t>(late->x_px);
-  const auto y = static_cast<std::uint32_t>(late->y_px);
-  EXPECT_LT(half.at(x, y)[0], with.at(x, y)[0]) << "not driven yet";
 }
 
 TEST_F(CloudSceneTest, WallsHideTheRobotButOpenToACameraNearIt) {
@@ -229,16 +190,6 @@ TEST_F(CloudSceneTest, WallsHideTheRobotButOpenToACameraNearIt) {
   EXPECT_LE(changed(parse_camera("3,-9,0.6,3,2.5,0.3,35"), inside), 4U) << "behind the wall, but for its gaps";
   EXPECT_GT(changed(parse_camera("3,-9,30,3,2.5,0.3,12"), inside), 25U) << "over the wall";
   EXPECT_GT(changed(parse_camera("3,-4,0.6,3,2.5,0.3,35"), inside), 500U) << "through the wall";
-}
-
-TEST_F(CloudSceneTest, ATransparentBackgroundIsOne) {
-  CloudLook look = plain_look();
-  look.is_transparent = true;
-  CloudScene scene(graphics_, look);
-  scene.set_cloud(room_cloud());
-  const RgbaImage image = scene.render(over_the_room(), kSceneSize);
-  EXPECT_EQ(image.at(1, 1)[3], 0);
-  EXPECT_EQ(image.at(160, 90)[3], 255);
 }
 
 TEST_F(CloudSceneTest, WhatCannotBeShownIsSaid) {

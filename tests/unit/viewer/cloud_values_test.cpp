@@ -12,8 +12,7 @@
 #include "gdtslam/core/random.hpp"
 #include "gdtslam/viewer/cloud_scene.hpp"
 #include "support/cloud_scenes.hpp"
-#include "viewer/scene/cloud/cloud_colours.hpp"
-#include "viewer/scene/cloud/cloud_density.hpp"
+#include "viewer/scene/cloud/cloud_values.hpp"
 
 namespace gdtslam::test {
 namespace {
@@ -216,14 +215,6 @@ TEST(PointLimit, CoarsensForPointsThatComeFromFarAway) {
   EXPECT_THAT(kept, ::testing::Contains(CloudPoint{.y_m = -70'000.0F}));
   EXPECT_EQ(kept.back(), CloudPoint{.y_m = 1'000'000.0F});
   EXPECT_LE(kept.size(), 8U);  // voxels of a metre at the end, the two centimetres in one of them
-}
-
-TEST(PointLimit, LeavesSmallCloudsAlone) {
-  const Cloud cloud{{.x_m = 1.0F}, {.x_m = 2.0F}, {.x_m = 3.0F}};
-  PointLimit thinning(3);
-  thinning.add(cloud);
-  EXPECT_EQ(thinning.take(), cloud);
-  EXPECT_TRUE(thinning.take().empty());
 }
 
 }  // namespace

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "gdtslam/core/random.hpp"
-#include "viewer/graphics/dot_painter.hpp"
 #include "viewer/graphics/picture_view.hpp"
+#include "viewer/scene/cloud/cloud_points.hpp"
 
 namespace gdtslam {
 namespace {
@@ -18,7 +18,7 @@ TEST(Bands, KeepEveryRowOnce) {
       for (const std::uint32_t margin : {0U, 8U, 96U}) {
         const std::uint32_t height = 600 * samples;
         std::uint32_t next = 0;
-        const std::vector<PictureBand> bands = bands_of(width, height, {samples, margin});
+        const std::vector<PictureBand> bands = cut_into_bands(width, height, {samples, margin});
         for (const PictureBand& band : bands) {
           ASSERT_EQ(band.first_kept, next) << width << " " << samples << " " << margin;
           ASSERT_EQ(band.kept % samples, 0U);
@@ -35,8 +35,6 @@ TEST(Bands, KeepEveryRowOnce) {
     }
   }
 }
-
-TEST(Bands, SmallPicturesHaveOne) { EXPECT_EQ(bands_of(1280, 720, {.samples = 1, .margin = 8}).size(), 1U); }
 
 /// A view of 200 x 160 pixels in the bands that are given.
 PictureView small_view(std::vector<PictureBand> bands) {
@@ -69,7 +67,7 @@ TEST(Dots, BandsTogetherAreThePictureInOne) {
     RawPicture picture = blank(view.width, band.rows);
     const DotPainter painter(view, Point3::Zero(), {1.5, 40.0}, {});
     for (const Dot& dot : dots) {
-      const auto [begin, end] = painter.rows_of(dot);
+      const auto [begin, end] = painter.touched_rows(dot);
       if (begin < band.first_row + band.rows && end > band.first_row) painter.paint(dot, band, picture);
     }
     return picture;
@@ -85,31 +83,6 @@ TEST(Dots, BandsTogetherAreThePictureInOne) {
       for (std::size_t c = 0; c < 4; ++c) ASSERT_EQ(part.rgba[4 * i + c], expected.rgba[4 * (skipped + i) + c]);
     }
   }
-}
-
-// A disc of 1 m, 10 m before a camera whose picture is 160 pixels high at a slope of tan(0.3): its area and centre, and
-// the depth 1/near - 1/z over 1/near - 1/far.
-TEST(Dots, ADiscHasItsSizePlaceAndDepth) {
-  const PictureBand whole{0, 160, 0, 160};
-  const PictureView view = small_view({whole});
-  const DotPainter painter(view, {0.0, -1.0, 0.0}, {1.0, 1000.0}, {});
-  const Dot dot{.place = {0.5F, 1.0F, 0.25F}, .colour = {1, 2, 3}, .size_code = diameter_code(1.0)};
-  RawPicture picture = blank(200, 160);
-  painter.paint(dot, whole, picture);
-  constexpr double kMetre_px = 160.0 / (2.0 * 10.0 * 0.30933625);
-  double count = 0.0;
-  double x = 0.0;
-  double y = 0.0;
-  for (std::size_t i = 0; i < picture.depth.size(); ++i) {
-    if (picture.depth[i] >= 1.0F) continue;
-    EXPECT_NEAR(picture.depth[i], (1.0 - 1.0 / 10.0) / (1.0 - 1.0 / 30.0), 1e-5);
-    count += 1.0;
-    x += static_cast<double>(i % 200) + 0.5;
-    y += static_cast<double>(i / 200) + 0.5;
-  }
-  EXPECT_NEAR(count, 0.25 * 3.14159265 * kMetre_px * kMetre_px, 0.08 * count);
-  EXPECT_NEAR(x / count, 100.0 + 0.5 * kMetre_px, 0.3);
-  EXPECT_NEAR(y / count, 80.0 + 0.25 * kMetre_px, 0.3);
 }
 
 }  // namespace

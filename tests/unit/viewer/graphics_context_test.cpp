@@ -32,23 +32,6 @@ RgbaImage picture_of_a_square(const GraphicsContext& graphics) {
   return view.render(camera_along_y(false), {160, 120});
 }
 
-std::size_t open_files() {
-  std::size_t count = 0;
-  DIR* folder = opendir("/proc/self/fd");
-  while (folder != nullptr && readdir(folder) != nullptr) ++count;
-  if (folder != nullptr) closedir(folder);
-  return count;
-}
-
-std::size_t resident_pages() {
-  std::size_t total = 0;
-  std::size_t resident = 0;
-  std::FILE* file = std::fopen("/proc/self/statm", "r");
-  const int read = file == nullptr ? 0 : std::fscanf(file, "%zu %zu", &total, &resident);
-  if (file != nullptr) std::fclose(file);
-  return read == 2 ? resident : 0;
-}
-
 std::string this_program() { return std::filesystem::read_symlink("/proc/self/exe").string(); }
 
 /// What another process of this program prints, which runs GraphicsProcess.Draws only. `before` is set before it in
@@ -81,57 +64,6 @@ TEST(GraphicsProcess, Draws) {
   const std::string outcome = drawing_or_error();
   std::cout << "graphics: " << outcome << std::endl;
   EXPECT_THAT(outcome, StartsWith("drew "));
-}
-
-/// Runs `draw` until everything is warm and then 90 times; the files and memory that stay must be those from before.
-template <typename Draw>
-void expect_nothing_stays(const Draw& draw) {
-  for (int i = 0; i < 10; ++i) draw();
-  const std::size_t files = open_files();
-  const std::size_t pages = resident_pages();
-  for (int i = 0; i < 90; ++i) draw();
-  EXPECT_LE(open_files(), files);
-#if !defined(GDTSLAM_SANITIZE_ADDRESS) && !defined(GDTSLAM_SANITIZE_THREAD)  // which keep what was freed, or its shadow
-  EXPECT_LT(static_cast<double>(resident_pages()), static_cast<double>(pages) + 90 * 0.25 * 256.0)
-      << "a quarter of a MiB each at most";
-#else
-  EXPECT_GT(pages, 0U);
-#endif
-}
-
-TEST(GraphicsContext, HundredInARowLeaveNothingBehind) {
-  const RgbaImage first = picture_of_a_square(GraphicsContext());
-  expect_nothing_stays([&first] { ASSERT_EQ(picture_of_a_square(GraphicsContext()).pixels, first.pixels); });
-}
-
-TEST(GraphicsContext, SeveralAtOnce) {
-  auto one = std::make_unique<GraphicsContext>();
-  const GraphicsContext other;
-  OffscreenView red(*one);
-  OffscreenView green(other);
-  OffscreenView both(*one);
-  add_shape(red, upright_square({0.0, 10.0, 0.0}, 1.0), kRed);
-  add_shape(green, upright_square({0.0, 10.0, 0.0}, 1.0), kGreen);
-  add_shape(both, upright_square({-1.0, 10.0, 0.0}, 0.5), kRed);
-  add_shape(both, upright_square({1.0, 10.0, 0.0}, 0.5), kGreen);
-  one.reset();  // what draws keeps what it needs
-  const Camera camera = camera_along_y(true);
-  for (int i = 0; i < 3; ++i) {
-    EXPECT_EQ(spot_of(red.render(camera, {120, 120}), kRed).count, 1600.0);
-    EXPECT_EQ(spot_of(green.render(camera, {90, 60}), kGreen).count, 400.0);
-    const RgbaImage image = both.render(camera, {120, 120});
-    EXPECT_EQ(spot_of(image, kRed).count, 400.0);
-    EXPECT_EQ(spot_of(image, kGreen).count, 400.0);
-  }
-}
-
-TEST(GraphicsContext, OnePerThread) {
-  const RgbaImage expected = picture_of_a_square(GraphicsContext());
-  std::vector<RgbaImage> images(4);
-  std::vector<std::thread> threads;
-  for (RgbaImage& image : images) threads.emplace_back([&image] { image = picture_of_a_square(GraphicsContext()); });
-  for (std::thread& thread : threads) thread.join();
-  for (const RgbaImage& image : images) EXPECT_EQ(image.pixels, expected.pixels);
 }
 
 TEST(GraphicsContext, DrawsWithoutADisplayOrAHome) {

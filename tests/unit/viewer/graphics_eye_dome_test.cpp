@@ -87,34 +87,6 @@ TEST_P(EyeDome, KeepsTheColoursOfTiltedPlanes) {
   EXPECT_GT(compared, 2000);
 }
 
-// Neither background nor what stands alone before it changes.
-TEST_P(EyeDome, LeavesWhatStandsBeforeNothing) {
-  add_shape(view_, upright_square({0.0, 10.0, 0.0}, 1.0), kRed);
-  const Pictures pictures = both(view_, camera(), kDomeSize);
-  EXPECT_EQ(pictures.lit.pixels, pictures.plain.pixels);
-}
-
-// A parallel camera's steps of depth count against what its picture shows: those of a perspective camera that shows as
-// much. Beside a straight edge three of four pairs of neighbours see the step, in each of three rings, and the light is
-// the product's fourth power: 1.1 m behind 100 m leave (1.011)^-36 = 0.67, 0.11 m leave 0.96.
-TEST(EyeDomeStrength, ParallelAsPerspective) {
-  const GraphicsContext graphics;
-  for (const bool is_parallel : {false, true}) {
-    for (const double step_m : {0.11, 1.1}) {
-      Camera camera = camera_along_y(is_parallel);
-      camera.parallel_height_m = 200.0 * 0.3093362496;  // tan 0.3: what the other camera shows 100 m away
-      OffscreenView view(graphics);
-      add_shape(view, upright_square({0.0, 100.0, 0.0}, 10.0), kRed);
-      add_shape(view, upright_square({0.0, 100.0 + step_m, 0.0}, 25.0), Colour{200, 200, 200});
-      add_shape(view, {{28.0, 300.0, 28.0}}, kGreen);  // what else there is must not matter
-      const Pictures pictures = both(view, camera, kDomeSize);
-      const auto beside = static_cast<std::uint32_t>(expected_pixel(camera, kDomeSize, {10.0, 100.0, 0.0}).x()) + 1U;
-      ASSERT_EQ(pictures.plain.at(beside, 120)[2], 200);
-      EXPECT_NEAR(pictures.lit.at(beside, 120)[2] / 200.0, step_m > 1.0 ? 0.67 : 0.96, 0.02) << is_parallel;
-    }
-  }
-}
-
 std::string case_name(const ::testing::TestParamInfo<EyeDome::ParamType>& info) {
   return std::string(std::get<0>(info.param) ? "Parallel" : "Perspective") + "Samples" +
          std::to_string(std::get<1>(info.param)) + (std::get<2>(info.param) ? "Transparent" : "");

@@ -7,17 +7,12 @@
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/viewer/linkage_scene.hpp"
-#include "linkage_words.hpp"
+#include "support/picture_scene.hpp"
 
 namespace gdtslam {
 namespace {
 
 using namespace test;
-
-bool has_words(const Canvas& canvas, const std::string& text) {
-  const std::vector<WordBox> boxes = word_boxes(canvas);
-  return std::any_of(boxes.begin(), boxes.end(), [&](const WordBox& box) { return box.text == text; });
-}
 
 std::vector<calib::SweepModel> models() {
   std::vector<calib::SweepModel> models;
@@ -42,8 +37,8 @@ TEST(LinkagePanel, words_are_legible_and_apart) {
          {PictureSize{1280, 720}, PictureSize{640, 360}, PictureSize{600, 800}, PictureSize{480, 270}}) {
       for (const double turn : {0.0, 2.3}) {
         const Canvas canvas = scene.picture(scene.shown_crank_rad() + turn, size);
-        EXPECT_GT(word_boxes(canvas).size(), 10U);
-        expect_legible(canvas, model.name + " " + std::to_string(size.width));
+        EXPECT_GT(shapes_of<shape::Words>(canvas).size(), 10U);
+        expect_tidy(canvas, model.name + " " + std::to_string(size.width));
       }
     }
   }
@@ -66,20 +61,6 @@ TEST(LinkagePanel, reads_out_the_angles_as_they_are) {
   for (const char* words : {"paper-b", "3.6 cm", "8.5 cm", "8.8 cm", "5 cm", "lift 266.4°", "return 93.6°"}) {
     EXPECT_TRUE(has_words(canvas, words)) << words;
   }
-}
-
-TEST(LinkagePanel, warns_of_a_poor_transmission_angle) {
-  const GraphicsContext graphics;
-  LinkageScene scene(graphics, calib::sweep_model_of_preset("paper-b"), {.samples = 1});
-  const auto warning_words = [&](double crank_rad) {
-    const Canvas canvas = scene.picture(crank_rad, {1280, 720});
-    return std::count_if(canvas.shapes().begin(), canvas.shapes().end(), [](const Shape& shape) {
-      const auto* words = std::get_if<shape::Words>(&shape);
-      return words != nullptr && words->lettering.colour == ink::kWarning;
-    });
-  };
-  // 9.1 degrees with the crank on the ground line, 59.6 on the other side.
-  EXPECT_EQ(warning_words(0.0), warning_words(kPi) + 1);
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/drawing/raster.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/viewer/linkage_scene.hpp"
 #include "support/image_compare.hpp"
 
@@ -20,22 +20,6 @@ calib::SweepModel double_rocker() {
   model.name = "swings";
   model.bars = {.crank_m = 0.08, .coupler_m = 0.04, .rocker_m = 0.07, .ground_m = 0.09};
   return model;
-}
-
-TEST(LinkageScene, sizes_from_millimetres_to_metres_look_alike) {
-  const GraphicsContext graphics;
-  constexpr PictureSize kSize{320, 240};
-  std::vector<RgbaImage> images;
-  for (const double scale : {0.1, 1.0, 60.0}) {
-    calib::SweepModel model = calib::sweep_model_of_preset("paper-b");
-    for (double* bar : {&model.bars.crank_m, &model.bars.coupler_m, &model.bars.rocker_m, &model.bars.ground_m}) {
-      *bar *= scale;
-    }
-    LinkageScene scene(graphics, model, {.with_panel = false});
-    images.push_back(scene.render(2.0, kSize));
-  }
-  EXPECT_TRUE(is_alike(images[0], images[1]));
-  EXPECT_TRUE(is_alike(images[2], images[1]));
 }
 
 TEST(LinkageScene, goldens) {
@@ -63,8 +47,8 @@ TEST(LinkageFilm, ends_where_it_began_without_a_jump) {
     const auto film = linkage_film(scene, model, kSize, kFrames);
     ASSERT_EQ(film->frames(), kFrames);
     std::vector<RgbaImage> frames;
-    for (std::size_t k = 0; k < kFrames; ++k) frames.push_back(raster_of(film->frame(k)));
-    EXPECT_EQ(raster_of(film->frame(kFrames)).pixels, frames.front().pixels) << model.name;
+    for (std::size_t k = 0; k < kFrames; ++k) frames.push_back(rasterise(film->frame(k)));
+    EXPECT_EQ(rasterise(film->frame(kFrames)).pixels, frames.front().pixels) << model.name;
     double most = 0.0;
     for (std::size_t k = 1; k < kFrames; ++k) {
       const double step = difference_of(frames[k - 1], frames[k]).mean;
@@ -73,13 +57,6 @@ TEST(LinkageFilm, ends_where_it_began_without_a_jump) {
     }
     EXPECT_LE(difference_of(frames.back(), frames.front()).mean, 1.5 * most) << model.name;
   }
-}
-
-TEST(LinkageFilm, without_frames_is_refused) {
-  const GraphicsContext graphics;
-  const calib::SweepModel model = calib::sweep_model_of_preset("paper-b");
-  LinkageScene scene(graphics, model, {});
-  EXPECT_THROW(static_cast<void>(linkage_film(scene, model, {640, 360}, 0)), UsageError);
 }
 
 }  // namespace

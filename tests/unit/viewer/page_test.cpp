@@ -60,31 +60,22 @@ Cloud slope() {
   return cloud;
 }
 
-TEST(Page, NothingToShowIsAnInputError) {
+TEST(Page, RefusesWhatItCannotShow) {
   const Cloud no_points;
   const Trajectory no_poses;
   PageInput input;
   input.cloud = &no_points;
   input.trajectory = &no_poses;
-  EXPECT_THROW(page_of({}), InputError);
-  EXPECT_THROW(page_of(input), InputError);
-}
-
-TEST(Page, ACloudWithoutAFinitePointIsAnInputError) {
+  EXPECT_THROW(make_page({}), InputError);
+  EXPECT_THROW(make_page(input), InputError);
   Cloud cloud = slope();
-  for (CloudPoint& point : cloud) point.y_m = std::numeric_limits<float>::quiet_NaN();
-  PageInput input;
-  input.cloud = &cloud;
-  EXPECT_THROW(page_of(input), InputError);
-}
-
-TEST(Page, AnotherNumberOfDistancesIsAnInputError) {
-  const Cloud cloud = slope();
   const std::vector<float> distances(cloud.size() - 1);
-  PageInput input;
   input.cloud = &cloud;
   input.distances_m = &distances;
-  EXPECT_THROW(page_of(input), InputError);
+  EXPECT_THROW(make_page(input), InputError) << "another number of distances";
+  input.distances_m = nullptr;
+  for (CloudPoint& point : cloud) point.y_m = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THROW(make_page(input), InputError) << "no finite point";
 }
 
 TEST(Page, PointsThatAreNotFiniteAreLeftOutAndCounted) {
@@ -93,7 +84,7 @@ TEST(Page, PointsThatAreNotFiniteAreLeftOutAndCounted) {
   cloud[9].stamp_s = std::numeric_limits<double>::quiet_NaN();
   PageInput input;
   input.cloud = &cloud;
-  const std::string page = page_of(input);
+  const std::string page = make_page(input);
   EXPECT_THAT(page, HasSubstr("\"count\":498,\"of\":500"));
   EXPECT_EQ(decoded(element_of(page, "points-0")).size(), 12U * 498U);
 }
@@ -110,7 +101,7 @@ TEST(Page, DrivesFollowEachOtherAndNoWayLeadsFromOneToTheNext) {
   PageInput input;
   input.trajectory = &trajectory;
   input.drives = {3, 5};
-  const std::string page = page_of(input);
+  const std::string page = make_page(input);
   const nlohmann::json about = path_description_of(page);
   EXPECT_EQ(about.at("drives"), nlohmann::json({3, 5}));
   EXPECT_EQ(about.at("length"), 5.0);
@@ -158,41 +149,13 @@ TEST(Page, TimeOfAPathNeverStepsBack) {
     }
     PageInput input;
     input.trajectory = &trajectory;
-    const std::string page = page_of(input);
+    const std::string page = make_page(input);
     const nlohmann::json about = path_description_of(page);
     EXPECT_EQ(path_times_s(page), one.times_s) << one.what;
     EXPECT_EQ(about.at("log_times"), one.log_times) << one.what;
     EXPECT_EQ(about.at("last").get<double>() - about.at("first").get<double>(), one.times_s.back()) << one.what;
     EXPECT_EQ(about.at("length").get<double>(), static_cast<double>(trajectory.size() - 1)) << one.what;
     EXPECT_TRUE(about.at("drives").empty()) << one.what;
-  }
-}
-
-TEST(Page, LinkageIsThatOfTheCalibration) {
-  for (const char* name : {"paper-a", "paper-b", "paper-c"}) {
-    calib::SweepModel model = calib::sweep_model_of_preset(name);
-    for (const int sign : {1, -1}) {
-      model.elevation_sign = sign;
-      PageInput input;
-      input.linkage = &model;
-      const std::vector<float> table = floats_of(decoded(element_of(page_of(input), "linkage")));
-      ASSERT_EQ(table.size(), 8U * 720U);
-      for (std::size_t step = 0; step < 720; ++step) {
-        const double crank_rad = kTwoPi * static_cast<double>(step) / 720.0;
-        const float* row = &table[8 * step];
-        const auto elevation = calib::elevation_rad(model, crank_rad);
-        ASSERT_TRUE(elevation.has_value());
-        EXPECT_EQ(row[6], static_cast<float>(*elevation));
-        EXPECT_EQ(row[7], static_cast<float>(calib::solve(model.bars, model.assembly, crank_rad)->transmission_rad));
-        // Drawn upright: from its pivot the rocker points along the elevation.
-        const SinCos<double> along = sin_cos(*elevation);
-        const SinCos<double> ground = sin_cos(model.elevation_offset_rad);
-        const double rocker = model.bars.rocker_m;
-        EXPECT_NEAR(static_cast<double>(row[2]), model.bars.ground_m * ground.cos + rocker * along.cos, 1e-8);
-        EXPECT_NEAR(static_cast<double>(row[3]), model.bars.ground_m * ground.sin + rocker * along.sin, 1e-8);
-        EXPECT_NEAR(std::sqrt(static_cast<double>(row[0] * row[0] + row[1] * row[1])), model.bars.crank_m, 1e-8);
-      }
-    }
   }
 }
 
@@ -205,7 +168,7 @@ TEST(Page, AMapOfManyCellsIsMadeSmaller) {
   map.cells.set(5, CellState::kFree);
   PageInput input;
   input.map = &map;
-  const std::string page = page_of(input);
+  const std::string page = make_page(input);
   EXPECT_THAT(page, HasSubstr("\"width\":3001,\"height\":2,"));
   // Three by three cells: nothing of the first three, occupied beats free in the second.
   EXPECT_EQ(decoded(element_of(page, "map")).front(), (0U | 2U << 2U));

@@ -6,8 +6,8 @@
 
 #include "engine/drawing/maps/path_layer.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
-#include "gdtslam/drawing/raster.hpp"
 #include "support/picture_scene.hpp"
 
 namespace gdtslam {
@@ -41,32 +41,14 @@ std::vector<Colour> colours_along(const RgbaImage& image) {
 
 double brightness_of(Colour colour) { return 0.2126 * colour.red + 0.7152 * colour.green + 0.0722 * colour.blue; }
 
-double distance_of(Colour a, Colour b) {
-  const double red = a.red - b.red;
-  const double green = a.green - b.green;
-  const double blue = a.blue - b.blue;
-  return std::sqrt(red * red + green * green + blue * blue);
-}
-
 TEST(FieldPicture, intensity_falls_from_obstacles_and_ends_before_the_unknown) {
-  const std::vector<Colour> colours = colours_along(raster_of(field_picture(ramp(), {}, {}, kBare)));
+  const std::vector<Colour> colours = colours_along(rasterise(field_picture(ramp(), {}, {}, kBare)));
   // Unknown beside the field, 20 cells with a distance of 0 to 19, unknown again.
   ASSERT_EQ(colours.size(), 22U);
   EXPECT_EQ(colours.front(), colours.back());
   EXPECT_GT(brightness_of(colours[1]), 230.0) << "obstacles shine";
   for (std::size_t i = 2; i < 21; ++i) EXPECT_LT(brightness_of(colours[i]), brightness_of(colours[i - 1])) << i;
   EXPECT_GT(brightness_of(colours[20]), brightness_of(colours[21]) + 15.0) << "seen, though far";
-}
-
-TEST(FieldPicture, every_distance_has_a_colour_of_its_own_and_unknown_is_none_of_them) {
-  MapLook look;
-  look.is_intensity = false;
-  const std::vector<Colour> colours = colours_along(raster_of(field_picture(ramp(), {}, look, kBare)));
-  ASSERT_EQ(colours.size(), 22U);
-  for (std::size_t i = 1; i < 21; ++i) {
-    EXPECT_GT(distance_of(colours[i], colours.front()), 40.0) << i;
-    EXPECT_GT(distance_of(colours[i], colours[i - 1]), 4.0) << i;
-  }
 }
 
 TEST(FieldPicture, an_obstacle_survives_ten_to_one) {
@@ -82,9 +64,9 @@ TEST(FieldPicture, an_obstacle_survives_ten_to_one) {
     set_at(0, y);
     set_at(1499, y);
   }
-  const RgbaImage without = raster_of(field_picture(field, {}, {}, kBare));
+  const RgbaImage without = rasterise(field_picture(field, {}, {}, kBare));
   set_at(700, 503);
-  const RgbaImage with = raster_of(field_picture(field, {}, {}, kBare));
+  const RgbaImage with = rasterise(field_picture(field, {}, {}, kBare));
   int pixels = 0;
   for (std::uint32_t y = 0; y < with.height; ++y) {
     for (std::uint32_t x = 0; x < with.width; ++x) {
@@ -97,14 +79,6 @@ TEST(FieldPicture, an_obstacle_survives_ten_to_one) {
   EXPECT_EQ(pixels, 1);
 }
 
-TEST(FieldPicture, transparent_where_nothing_is_known) {
-  MapLook look;
-  look.is_transparent = true;
-  const RgbaImage image = raster_of(field_picture(ramp(60), {}, look, kBare));
-  EXPECT_EQ(image.at(0, 0)[3], 0);
-  EXPECT_EQ(image.at(kBare.width - 1, kBare.height / 2)[3], 0) << "beyond the cap";
-}
-
 TEST(FieldPicture, what_cannot_be_drawn_is_refused) {
   FieldPicture field = ramp();
   field.cells.pop_back();
@@ -113,28 +87,6 @@ TEST(FieldPicture, what_cannot_be_drawn_is_refused) {
   field.cap = 0;
   EXPECT_THROW(field_picture(field, {}, {}, kBare), InputError);
   EXPECT_THROW(field_picture(FieldPicture{}, {}, {}, kBare), InputError);
-}
-
-/// How people without red or green cones see a colour [Vienot1999], in linear light.
-Point2 seen_without_red_or_green(Colour colour, bool lacks_red) {
-  // Both see red and green as one; what is left are that one and blue.
-  const auto light = [](std::uint8_t channel) { return channel / 255.0 * channel / 255.0; };
-  const double red = lacks_red ? 0.11238 : 0.29275;
-  return {red * light(colour.red) + (1.0 - red) * light(colour.green),
-          (lacks_red ? 0.00401 : -0.02234) * (light(colour.red) - light(colour.green)) + light(colour.blue)};
-}
-
-TEST(PathColours, order_shows_without_telling_red_from_green) {
-  for (const bool is_dark : {false, true}) {
-    const picture::PathColours& colours = picture::path_colours(is_dark);
-    for (const bool lacks_red : {false, true}) {
-      for (double from = 0.0; from <= 0.66; from += 0.01) {
-        const Point2 a = seen_without_red_or_green(picture::time_colour(colours, from), lacks_red);
-        const Point2 b = seen_without_red_or_green(picture::time_colour(colours, from + 0.34), lacks_red);
-        EXPECT_GT((a - b).norm(), 0.09) << is_dark << lacks_red << " from " << from;
-      }
-    }
-  }
 }
 
 }  // namespace

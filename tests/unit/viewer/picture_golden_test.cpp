@@ -1,8 +1,8 @@
 // Pictures of a map and its field against goldens without words, and faults that must not pass for them.
 #include <gtest/gtest.h>
 
+#include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
-#include "gdtslam/drawing/raster.hpp"
 #include "support/image_compare.hpp"
 #include "support/picture_scene.hpp"
 
@@ -22,14 +22,14 @@ FieldPicture field() {
 }
 
 RgbaImage map_image(const OccupancyMap& map, const PathOverlay& overlay) {
-  return raster_of(map_picture(map, overlay, {}, kMapSize));
+  return rasterise(map_picture(map, overlay, {}, kMapSize));
 }
 
 RgbaImage field_image(const PathOverlay& overlay, bool is_intensity, const std::string& colour_map = "") {
   MapLook look;
   look.is_intensity = is_intensity;
   look.colour_map = colour_map;
-  return raster_of(field_picture(field(), overlay, look, kMapSize));
+  return rasterise(field_picture(field(), overlay, look, kMapSize));
 }
 
 TEST(PictureGolden, map) {

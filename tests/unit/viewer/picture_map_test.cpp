@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
-#include "gdtslam/drawing/raster.hpp"
 #include "support/picture_scene.hpp"
 
 namespace gdtslam {
@@ -26,9 +26,9 @@ OccupancyMap room() {
 /// Where a single occupied cell darkens the picture of the room.
 Point2 seen_at(CellIndex cell) {
   OccupancyMap map = room();
-  const RgbaImage without = raster_of(map_picture(map, {}, {}, kBareMap));
+  const RgbaImage without = rasterise(map_picture(map, {}, {}, kBareMap));
   set(map, cell.x, cell.y, CellState::kOccupied);
-  const RgbaImage with = raster_of(map_picture(map, {}, {}, kBareMap));
+  const RgbaImage with = rasterise(map_picture(map, {}, {}, kBareMap));
   Point2 sum = Point2::Zero();
   double count = 0.0;
   for (std::uint32_t y = 0; y < with.height; ++y) {
@@ -55,7 +55,7 @@ TEST(MapPicture, cells_and_path_lie_where_three_known_cells_put_them) {
 
   const Point2 start{-1.63, -0.61};
   const Blob disc =
-      blob_of(raster_of(map_picture(room(), straight_path(start, {-1.2, -0.4}), {}, kBareMap)), kPathStart);
+      blob_of(rasterise(map_picture(room(), straight_path(start, {-1.2, -0.4}), {}, kBareMap)), kPathStart);
   ASSERT_GT(disc.pixels, 20U);
   const Point2 expected = first + (start.x() + 1.85) / 0.1 * per_cell_x + (start.y() + 0.85) / 0.1 * per_cell_y;
   EXPECT_LT((disc.centre - expected).norm(), 0.6) << disc.centre.transpose() << " for " << expected.transpose();
@@ -64,9 +64,9 @@ TEST(MapPicture, cells_and_path_lie_where_three_known_cells_put_them) {
 TEST(MapPicture, a_lone_cell_survives_ten_to_one) {
   OccupancyMap map = free_map(1500, 1500, 0.02);
   set_border(map);
-  const RgbaImage without = raster_of(map_picture(map, {}, {}, kBareMap));
+  const RgbaImage without = rasterise(map_picture(map, {}, {}, kBareMap));
   set(map, 700, 903, CellState::kOccupied);
-  const RgbaImage with = raster_of(map_picture(map, {}, {}, kBareMap));
+  const RgbaImage with = rasterise(map_picture(map, {}, {}, kBareMap));
   double darker = 0.0;
   int pixels = 0;
   for (std::uint32_t y = 0; y < with.height; ++y) {
@@ -86,7 +86,7 @@ TEST(MapPicture, a_thin_wall_has_no_gaps) {
   OccupancyMap map = free_map(1100, 1100, 0.02);
   set_border(map);
   for (std::int32_t i = 100; i < 1000; ++i) set(map, i, i / 3 + 100, CellState::kOccupied);
-  const RgbaImage image = raster_of(map_picture(map, {}, {}, kBareMap));
+  const RgbaImage image = rasterise(map_picture(map, {}, {}, kBareMap));
   const auto pixel_x = [](double cell) { return 95.0 + (cell - 550.0) / 7.6; };
   for (auto x = static_cast<std::uint32_t>(pixel_x(130)); x < pixel_x(970); ++x) {
     double darkest = 255.0;
@@ -100,7 +100,7 @@ TEST(MapPicture, nothing_seen_is_still_a_picture) {
   map.geometry = {0.05, 0.0, 0.0, 1, 1};
   map.cells = CellStates(1);
   for (const PictureSize size : {PictureSize{480, 270}, PictureSize{1, 1}, kBareMap}) {
-    const RgbaImage image = raster_of(map_picture(map, {}, {}, size));
+    const RgbaImage image = rasterise(map_picture(map, {}, {}, size));
     EXPECT_EQ(image.width, size.width);
     EXPECT_EQ(image.height, size.height);
   }
@@ -147,56 +147,12 @@ void expect_building_fills(const RgbaImage& image) {
   EXPECT_NEAR(columns.last + 1.0, 190.0 - 3.7, 1.0);
 }
 
-TEST(MapPicture, is_cropped_to_the_building_though_beams_leave_it) {
-  OccupancyMap map = building();
-  expect_building_fills(raster_of(map_picture(map, {}, {}, kBareMap)));
-  // A fan of free cells to the edge of the grid, and one return.
-  for (std::int32_t x = 500; x < 600; ++x) {
-    for (std::int32_t y = 270; y < 330; ++y) set(map, x, y, CellState::kFree);
-  }
-  set(map, 599, 300, CellState::kOccupied);
-  expect_building_fills(raster_of(map_picture(map, {}, {}, kBareMap)));
-}
-
 TEST(MapPicture, poses_of_no_sense_do_not_shrink_it) {
   PathOverlay overlay = straight_path({30.0, 30.0}, {30.5, 30.0});
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   overlay.trajectory.insert(overlay.trajectory.begin() + 1, {{0.2, {kNan, 4.0, 0.0}}, {0.4, {1e300, -1e300, 0.0}}});
   overlay.keyframes = overlay.doubtful = {1, 2};
-  expect_building_fills(raster_of(map_picture(building(), overlay, {}, kBareMap)));
-}
-
-/// The robot has been 6 m beyond the right wall and 6 m beyond the upper one, at (56, 46): shown are 46 x 26 m and a
-/// margin of 2 % of 46 m on each side, so the width decides the scale and (33, 33) is in the middle.
-TEST(MapPicture, shows_where_the_robot_has_been_beyond_the_walls) {
-  PathOverlay overlay = straight_path({30.0, 30.0}, {56.0, 46.0});
-  overlay.trajectory.push_back({2.0, {52.0, 44.0, 0.0}});
-  const RgbaImage image = raster_of(map_picture(building(), overlay, {}, kBareMap));
-  const double px_per_m = kBareMap.width / (46.0 * 1.04);
-  const auto pixel_of = [&](double x_m, double y_m) {
-    return Point2(0.5 * kBareMap.width + px_per_m * (x_m - 33.0), 0.5 * kBareMap.height - px_per_m * (y_m - 33.0));
-  };
-  const Blob start = blob_of(image, kPathStart);
-  const Blob end = blob_of(image, kPathEnd);
-  ASSERT_GT(start.pixels, 20U);
-  ASSERT_GT(end.pixels, 5U);
-  EXPECT_LT((start.centre - pixel_of(30.0, 30.0)).norm(), 0.6) << start.centre.transpose();
-  // A ring of whole pixels of its very colour; a metre is four pixels.
-  EXPECT_LT((end.centre - pixel_of(52.0, 44.0)).norm(), 1.0) << end.centre.transpose();
-  EXPECT_NEAR(dark_columns(image).first, pixel_of(10.0, 30.0).x(), 1.0);
-}
-
-TEST(MapPicture, transparent_where_nothing_is_known) {
-  OccupancyMap map = two_rooms();
-  MapLook look;
-  look.is_transparent = true;
-  const RgbaImage image = raster_of(map_picture(map, {}, look, kBareMap));
-  EXPECT_EQ(image.at(0, 0)[3], 0) << "beyond the map";
-  // The unknown corner is the last 14 of 64 columns and the upper 12 of 40 rows, at nearly 3 pixels a cell.
-  EXPECT_EQ(image.at(175, 30)[3], 0) << "in the map, unknown";
-  look.is_transparent = false;
-  EXPECT_EQ(raster_of(map_picture(map, {}, look, kBareMap)).at(175, 30)[3], 255);
-  EXPECT_EQ(image.at(kBareMap.width / 4, kBareMap.height / 2)[3], 255) << "free";
+  expect_building_fills(rasterise(map_picture(building(), overlay, {}, kBareMap)));
 }
 
 }  // namespace

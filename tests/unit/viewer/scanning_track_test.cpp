@@ -15,16 +15,6 @@ namespace gdtslam {
 namespace {
 
 using namespace test;
-using ::testing::HasSubstr;
-
-std::string error_of(const Cloud& cloud, const Trajectory& trajectory, double from_s, double to_s) {
-  try {
-    const ScanningTrack track(cloud, trajectory, from_s, to_s);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "none";
-}
 
 TEST(ScanningTrack, crank_is_the_one_that_turned) {
   for (const char* preset : {"paper-a", "paper-b", "paper-c"}) {
@@ -50,24 +40,6 @@ TEST(ScanningTrack, crank_is_the_one_that_turned) {
   }
 }
 
-TEST(ScanningTrack, counts_what_was_measured) {
-  const ScanningRoom room;
-  Cloud cloud = room.cloud();
-  std::reverse(cloud.begin(), cloud.end());  // no order is asked for
-  const ScanningTrack track(cloud, room.trajectory(), 2.0, 5.0);
-  for (const double stamp_s : {1.0, 2.0, 2.0001, 3.3, 4.9999, 5.0, 9.0}) {
-    const auto truth = std::count_if(cloud.begin(), cloud.end(), [&](const CloudPoint& point) {
-      return point.stamp_s >= 2.0 && point.stamp_s <= std::min(stamp_s, 5.0);
-    });
-    EXPECT_EQ(track.count_until(stamp_s), static_cast<std::size_t>(truth)) << stamp_s;
-  }
-  EXPECT_TRUE(track.measured_between(3.0, 3.0).empty());
-  for (const CloudPoint& point : track.measured_between(3.0, 3.3)) {
-    EXPECT_GT(point.stamp_s, 3.0);
-    EXPECT_LE(point.stamp_s, 3.3);
-  }
-}
-
 TEST(ScanningTrack, last_scan_is_whole) {
   const ScanningRoom room;
   const ScanningTrack track(room.cloud(), room.trajectory(), 0.0, room.length_s);
@@ -88,29 +60,6 @@ TEST(ScanningTrack, finds_where_the_sensor_sits) {
     const ScanningTrack track(room.cloud(), room.trajectory(), 0.0, room.length_s);
     EXPECT_NEAR(track.sensor_forward_m(room.model.mount), forward_m, 1e-4);
   }
-}
-
-TEST(ScanningTrack, poses_lie_between_those_of_the_log) {
-  const ScanningRoom room;
-  const ScanningTrack track(room.cloud(), room.trajectory(), 0.0, room.length_s);
-  for (const double stamp_s : {0.0, 0.4, 3.75, 8.0}) {
-    const Pose2 truth = room.T_map_base(stamp_s);
-    const Pose2 pose = track.T_map_base(stamp_s);
-    EXPECT_NEAR(pose.x_m, truth.x_m, 1e-9);
-    EXPECT_NEAR(pose.y_m, truth.y_m, 1e-9);
-    EXPECT_NEAR(pose.theta_rad, truth.theta_rad, 1e-9);
-  }
-  EXPECT_NEAR(track.T_map_base_smooth(4.0).x_m, room.T_map_base(4.0).x_m, 1e-9);
-  EXPECT_NEAR(track.usual_range_m(), 2.2, 0.6);
-}
-
-TEST(ScanningTrack, says_what_is_missing) {
-  const ScanningRoom room;
-  const Cloud cloud = room.cloud();
-  EXPECT_THAT(error_of(cloud, room.trajectory(), 3.0, 3.0), HasSubstr("has no length"));
-  EXPECT_THAT(error_of(cloud, room.trajectory(), 20.0, 30.0), HasSubstr("times go from 0.000 to 7.9"));
-  EXPECT_THAT(error_of({}, room.trajectory(), 0.0, 1.0), HasSubstr("no points"));
-  EXPECT_THAT(error_of(cloud, {}, 0.0, 1.0), HasSubstr("trajectory is empty"));
 }
 
 }  // namespace

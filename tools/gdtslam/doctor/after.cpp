@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "doctor.hpp"
-#include "engine/drawing/maps/graph_picture.hpp"
+#include "engine/drawing/maps/map_pictures.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/runs/folder/run_pictures.hpp"

@@ -5,7 +5,7 @@
 #include "engine/io/maps/png.hpp"
 #include "engine/io/referenced_file.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/drawing/raster.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 
 namespace gdtslam {
 
@@ -19,9 +19,9 @@ void check_drawing_file(std::string_view option, const std::string& file) {
 std::string drawing_bytes(const Canvas& drawing, const std::string& file, double scale) {
   check_drawing_file("", file);
   const std::string extension = extension_of(file);
-  if (extension == ".svg") return svg_of(drawing);
-  if (extension == ".pdf") return pdf_of(drawing);
-  return png_bytes(raster_of(drawing, scale));
+  if (extension == ".svg") return draw_svg(drawing);
+  if (extension == ".pdf") return draw_pdf(drawing);
+  return png_bytes(rasterise(drawing, scale));
 }
 
 std::string png_bytes(const RgbaImage& image) { return encode_png(image.width, image.height, image.pixels); }

@@ -17,7 +17,7 @@ void check_drawing_file(std::string_view option, const std::string& file);
 /// By the extension, in small or capital letters. A PNG has `scale` pixels for each of the drawing. Throws as above.
 std::string drawing_bytes(const Canvas& drawing, const std::string& file, double scale = 1.0);
 
-/// Of a PNG file.
+/// The bytes of a PNG file.
 std::string png_bytes(const RgbaImage& image);
 
 }  // namespace gdtslam

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/drawing/plots/bars.hpp"
 #include "gdtslam/drawing/canvas.hpp"
-#include "gdtslam/drawing/theme.hpp"
 #include "gdtslam/drawing/ticks.hpp"
 
 namespace gdtslam {
@@ -21,11 +21,12 @@ constexpr double kHeight = 800.0;
 constexpr double kRadius = 10.0;
 constexpr double kMargin_m = 0.4;  // around the boxes and the viewpoint
 constexpr double kLeastView_m = 1.5;
-constexpr double kAside_px = 30.0;  // of a dimension line from what it measures
+constexpr double kAside_px = 30.0;  // distance of a dimension line from the edge that it measures
 constexpr double kTick_px = 6.0;
-constexpr int kDotsAcross = 170;  // of the points, one to a square of the view
+constexpr double kGrid_px = 120.0;  // widest square of the grid, and longest scale bar
+constexpr int kDotsAcross = 170;    // squares across the view, each with one dot for its points
 constexpr std::array kFills{ink::kCoupler, ink::kRocker, ink::kCrank, ink::kCurve};
-constexpr std::size_t kMostRows = 4;  // of boxes in the table
+constexpr std::size_t kMostRows = 4;  // boxes in the table
 
 /// From the map's plane to the page: x up, y to the left.
 struct TopView {
@@ -48,11 +49,11 @@ struct Outline {
   Point2 right;
   Point2 back_right;
   Point2 back_left;
-  Point2 out;  ///< of the face, a unit vector of the map
+  Point2 out;  ///< normal of the face, a unit vector of the map
   bool has_depth = false;
 };
 
-Outline outline_of(const MeasuredBox& box) {
+Outline box_outline(const MeasuredBox& box) {
   Outline outline;
   const Point2 normal(box.face_normal.x(), box.face_normal.y());
   outline.out = normal.normalized();
@@ -68,14 +69,14 @@ Outline outline_of(const MeasuredBox& box) {
   return outline;
 }
 
-std::vector<Point2> corners_of(const Outline& outline) {
+std::vector<Point2> box_corners(const Outline& outline) {
   return {outline.left, outline.right, outline.back_right, outline.back_left};
 }
 
-TopView view_of(const Measurement& measured, std::span<const CloudPoint> cloud, const DrawingArea& card) {
+TopView top_view(const Measurement& measured, std::span<const CloudPoint> cloud, const DrawingArea& card) {
   Eigen::AlignedBox2d shown;
   for (const MeasuredBox& box : measured.boxes) {
-    for (const Point2& corner : corners_of(outline_of(box))) shown.extend(corner);
+    for (const Point2& corner : box_corners(box_outline(box))) shown.extend(corner);
   }
   if (measured.viewpoint) shown.extend(Point2(measured.viewpoint->head<2>()));
   if (measured.boxes.empty()) {
@@ -89,7 +90,7 @@ TopView view_of(const Measurement& measured, std::span<const CloudPoint> cloud, 
   return view;
 }
 
-double grid_step_of(const TopView& view) { return round_length_m(120.0 / view.pixels_per_m); }
+double grid_step(const TopView& view) { return round_length_m(kGrid_px / view.pixels_per_m); }
 
 // By pixels, however far the view reaches.
 void draw_grid(Canvas& canvas, const TopView& view, double step_m) {
@@ -159,9 +160,9 @@ void draw_dimension(Canvas& canvas, const TopView& view, const Point2& from_m, c
 
 void draw_box(Canvas& canvas, const TopView& view, const MeasuredBox& box, std::size_t number) {
   const Colour colour = kFills[number % kFills.size()];
-  const Outline outline = outline_of(box);
+  const Outline outline = box_outline(box);
   std::vector<Point2> corners;
-  for (const Point2& corner : corners_of(outline)) corners.push_back(view.at(corner.x(), corner.y()));
+  for (const Point2& corner : box_corners(outline)) corners.push_back(view.at(corner.x(), corner.y()));
   canvas.polygon(corners, Fill{colour, outline.has_depth ? 0.16 : 0.08});
   const std::string_view dashes = outline.has_depth ? "" : "5 5";
   canvas.polyline({corners[1], corners[2], corners[3], corners[0]}, {.colour = colour, .width = 1.5, .dashes = dashes});
@@ -184,17 +185,6 @@ void draw_scanner(Canvas& canvas, const TopView& view, const Point3& viewpoint) 
   canvas.circle(at, 16.0, std::nullopt, Pen{.colour = ink::kLaser, .width = 1.0, .opacity = 0.5});
   canvas.circle(at, 7.0, Fill{ink::kLaser}, Pen{.colour = colour_for(0xffffff), .width = 2.0});
   canvas.text(at + Point2(24.0, 5.0), "scanner", {.size = 13.0, .colour = ink::kQuiet, .has_halo = true});
-}
-
-void draw_scale(Canvas& canvas, const TopView& view, double step_m) {
-  const Point2 left = view.card.corner + Point2(24.0, view.card.height - 24.0);
-  const Point2 right = left + Point2(step_m * view.pixels_per_m, 0.0);
-  const Pen pen{.colour = ink::kText, .width = 2.0};
-  canvas.line(left, right, pen);
-  canvas.line(left - Point2(0.0, 5.0), left + Point2(0.0, 5.0), pen);
-  canvas.line(right - Point2(0.0, 5.0), right + Point2(0.0, 5.0), pen);
-  canvas.text(0.5 * (left + right) - Point2(0.0, 10.0), length_text(step_m),
-              {.size = 12.0, .colour = ink::kQuiet, .anchor = Anchor::kMiddle, .has_halo = true});
 }
 
 void draw_row(Canvas& canvas, const Point2& at, std::string_view name, const Dimension& dimension) {
@@ -239,7 +229,7 @@ void draw_table(Canvas& canvas, const Measurement& measured, const DrawingArea& 
 
 }  // namespace
 
-Canvas drawing_of(const Measurement& measured, std::span<const CloudPoint> cloud) {
+Canvas draw_measurement(const Measurement& measured, std::span<const CloudPoint> cloud) {
   Canvas canvas(kWidth, kHeight, "Boxes of " + measured.cloud);
   canvas.rectangle({0.0, 0.0}, kWidth, kHeight, Fill{ink::kPage});
   const std::size_t count = measured.boxes.size();
@@ -251,13 +241,14 @@ Canvas drawing_of(const Measurement& measured, std::span<const CloudPoint> cloud
   for (const DrawingArea& card : {plan, table}) {
     canvas.rectangle(card.corner, card.width, card.height, Fill{ink::kCard}, Pen{.colour = ink::kEdge}, kRadius);
   }
-  const TopView view = view_of(measured, cloud, plan);
-  const double step_m = grid_step_of(view);
+  const TopView view = top_view(measured, cloud, plan);
+  const double step_m = grid_step(view);
   draw_grid(canvas, view, step_m);
   draw_points(canvas, measured, cloud, view);
   for (std::size_t k = 0; k < count; ++k) draw_box(canvas, view, measured.boxes[k], k);
   if (measured.viewpoint) draw_scanner(canvas, view, *measured.viewpoint);
-  draw_scale(canvas, view, step_m);
+  draw_scale_bar(canvas, {.pixels_per_m = view.pixels_per_m, .most = kGrid_px, .text_size = 12.0},
+                 plan.corner + Point2(24.0, plan.height - 24.0));
   canvas.text(plan.corner + Point2(20.0, 28.0), "From above", {.size = 15.0, .is_bold = true, .has_halo = true});
   canvas.text(table.corner + Point2(20.0, 28.0), "Dimensions", {.size = 15.0, .is_bold = true});
   draw_table(canvas, measured, table);

@@ -9,6 +9,6 @@
 
 namespace gdtslam {
 
-Canvas drawing_of(const Measurement& measured, std::span<const CloudPoint> cloud);
+Canvas draw_measurement(const Measurement& measured, std::span<const CloudPoint> cloud);
 
 }  // namespace gdtslam

@@ -151,7 +151,7 @@ int measure_boxes_and_planes(const EvaluateOptions& options) {
   AtomicFileSet files;
   if (!options.csv.empty()) files.add(options.csv).write(as_csv(measured));
   if (!chosen.picture.empty()) {
-    files.add(chosen.picture).write(drawing_bytes(drawing_of(measured, cloud), chosen.picture, kDensePng));
+    files.add(chosen.picture).write(drawing_bytes(draw_measurement(measured, cloud), chosen.picture, kDensePng));
   }
   files.commit();
   print_result(options.json ? json_text(as_json(measured)) : as_text(measured));

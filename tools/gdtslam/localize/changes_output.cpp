@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "engine/drawing/maps/changes_picture.hpp"
+#include "engine/drawing/maps/map_pictures.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "tools/gdtslam/drawings/drawing_file.hpp"
 

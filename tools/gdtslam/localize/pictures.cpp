@@ -60,9 +60,9 @@ void draw_arrows(Canvas& canvas, const MapFrame& frame, const PosesOverlay& over
   const double length = kArrowLines * line_px;
   for (const ShownPose& pose : overlay.poses) {
     if (pose.kind != kind) continue;
-    const Point2 at = frame.pixel_of(pose.T_map_base.translation());
+    const Point2 at = frame.to_pixel(pose.T_map_base.translation());
     if (pose.other) {
-      const Point2 there = frame.pixel_of(pose.other->translation());
+      const Point2 there = frame.to_pixel(pose.other->translation());
       canvas.line(at, there, {.colour = colour_of_kind(kind), .width = 0.5 * line_px, .dashes = "4 3"});
       draw_arrow(canvas, there, pose.other->theta_rad, length, kind, true);
     }
@@ -83,8 +83,8 @@ void draw_steps(Canvas& canvas, const MapFrame& frame, const PosesOverlay& overl
     const bool is_near = before != nullptr && (before->T_map_base.translation() - at_m).norm() < kLeap_m;
     if (pose.kind != kind || !is_near) close();
     if (pose.kind == kind && is_near) {
-      if (line.empty()) line.push_back(frame.pixel_of(before->T_map_base.translation()));
-      line.push_back(frame.pixel_of(at_m));
+      if (line.empty()) line.push_back(frame.to_pixel(before->T_map_base.translation()));
+      line.push_back(frame.to_pixel(at_m));
     }
     before = &pose;
   }

@@ -26,7 +26,7 @@
 #include "tools/gdtslam/shell/settings_options.hpp"
 #include "tools/gdtslam/shell/written_files.hpp"
 #ifdef GDTSLAM_HAS_VIEWER
-#include "tools/gdtslam/render/cloud_picture.hpp"
+#include "tools/gdtslam/render/studio.hpp"
 #endif
 
 namespace gdtslam {

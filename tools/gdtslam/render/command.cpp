@@ -12,13 +12,13 @@
 
 #include "engine/io/json_file.hpp"
 #include "gdtslam/core/error.hpp"
-#include "run.hpp"
 #include "studio.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/help/offers.hpp"
 #include "tools/gdtslam/shell/options.hpp"
 #include "tools/gdtslam/shell/written_files.hpp"
+#include "views.hpp"
 
 namespace gdtslam {
 namespace {
@@ -60,14 +60,14 @@ std::string as_text(const RenderResult& result) {
 
 // Mistakes that need no input to be read.
 void check_options(const RenderOptions& options) {
-  if (!options.output.empty()) output_kind_of(options.output);
+  if (!options.output.empty()) read_output_kind(options.output);
   if (!options.view.empty()) render_view(options.view, options.as);
-  if (!options.size.empty()) size_of(options.size);
-  if (!options.seconds.empty()) seconds_of(options.seconds);
-  viewpoint_of(options.from);
-  hidden_of(options.hide);
-  time_range_of(options.time);
-  cloud_look_of(options);
+  if (!options.size.empty()) read_size(options.size);
+  if (!options.seconds.empty()) quantity_of("--seconds", options.seconds, Unit::kSecond);
+  read_viewpoint(options.from);
+  read_hidden(options.hide);
+  read_time_range(options.time);
+  read_cloud_look(options);
 }
 
 int list_views(const RenderOptions& options, const std::vector<RenderSource>& sources) {
@@ -146,30 +146,30 @@ void add_look_options(CLI::App& command, RenderOptions& chosen) {
       "WxH");
   add(command, kLook, "--title", chosen.title, "Title of the picture [the input's name]", "TEXT");
   offer_words(add(command, kLook, "--from", chosen.from,
-                  "Place of the camera of a cloud: " + listed(viewpoint_names()) +
+                  "Place of the camera of a cloud: " + listed(option_words("--from")) +
                       ", or eye and target in metres\nand the view angle in degrees, X,Y,Z,X,Y,Z[,ANGLE] [iso]",
                   "PLACE"),
-              viewpoint_names());
-  offer_words(
-      add(command, kLook, "--colour", chosen.colour,
-          "Colour of a cloud's points: " + listed(colour_names()) + "\n[height; with --reference CLOUD distance]",
-          "NAME"),
-      colour_names());
+              option_words("--from"));
+  offer_words(add(command, kLook, "--colour", chosen.colour,
+                  "Colour of a cloud's points: " + listed(option_words("--colour")) +
+                      "\n[height; with --reference CLOUD distance]",
+                  "NAME"),
+              option_words("--colour"));
   offer_words(add(command, kLook, "--colour-map", chosen.colour_map,
                   "Colours from low to high: " + listed(colour_map_names()), "NAME"),
               colour_map_names());
   add(command, kLook, "--range", chosen.range,
       "Ends of the colours with their units, as 0m:2.5m [1st and 99th percentile]", "MIN:MAX");
-  offer_words(
-      add(command, kLook, "--background", chosen.background,
-          "Background: " + listed(background_names()) + " (.png, .svg, .pdf and frames) [clouds dark, all else light]",
-          "NAME"),
-      background_names());
+  offer_words(add(command, kLook, "--background", chosen.background,
+                  "Background: " + listed(option_words("--background")) +
+                      " (.png, .svg, .pdf and frames) [clouds dark, all else light]",
+                  "NAME"),
+              option_words("--background"));
   offer_words(add(command, kLook, "--hide", chosen.hide,
-                  "Parts to leave out, with commas between them: " + listed(hidden_names()) +
+                  "Parts to leave out, with commas between them: " + listed(option_words("--hide")) +
                       "\n[from above the ceiling, unless none]",
                   "PARTS"),
-              hidden_names());
+              option_words("--hide"));
 }
 
 void add_film_options(CLI::App& command, RenderOptions& chosen) {
@@ -199,36 +199,6 @@ void add_data_options(CLI::App& command, RenderOptions& chosen) {
       ->check(whole_number_from(1));
   add(command, kData, "--linkage", chosen.linkage, "How the laser nods if the input does not say: preset or file",
       "NAME|FILE");
-}
-
-/// Options of earlier versions: not shown, and each tells how it is spelt now.
-void add_old_options(CLI::App& command) {
-  constexpr std::array<std::pair<const char*, const char*>, 18> kOld{{
-      {"--camera", "--from X,Y,Z,X,Y,Z[,ANGLE]"},
-      {"--dark", "--background dark"},
-      {"--light", "--background light"},
-      {"--transparent", "--background none"},
-      {"--no-floor", "--hide floor"},
-      {"--no-ceiling", "--hide ceiling"},
-      {"--with-ceiling", "--hide none"},
-      {"--no-path", "--hide path"},
-      {"--no-caption", "--hide caption"},
-      {"--colors", "--colour-map NAME"},
-      {"--frames", "--seconds TIME, times --fps"},
-      {"--to", "--time FROM:TO"},
-      {"--run", "gdtslam map LOG -o DIR, then gdtslam render DIR"},
-      {"--topic,--odom,--crank,--mount", "gdtslam map, which takes this option and makes a run to render"},
-      {"--ffmpeg", "PATH, in which ffmpeg is looked for"},
-      {"--point-size", "--size: points are as large as the gaps between them"},
-      {"--angle", "gdtslam evaluate, which has the errors of the heading"},
-      {"--at,--cells,--squared", "--view field"},
-  }};
-  for (const auto& [old, now] : kOld) {
-    const auto refuse = [old = std::string(old), now = std::string(now)] {
-      throw UsageError(fmt::format("{} has gone; instead: {}", old, now));
-    };
-    command.add_flag_callback(old, refuse)->group("");
-  }
 }
 
 }  // namespace
@@ -269,7 +239,6 @@ void add_render_command(CLI::App& app, CommandContext& context) {
   add_film_options(*command, *chosen);
   add_data_options(*command, *chosen);
   add_force_option(*command, chosen->force);
-  add_old_options(*command);
   command->add_flag("--json", chosen->json, "Print what was written as JSON");
   command->add_flag("-q,--quiet", chosen->quiet, "Print errors only");
   command->footer(

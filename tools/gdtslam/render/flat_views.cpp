@@ -8,12 +8,12 @@
 #include <set>
 #include <utility>
 
-#include "engine/drawing/maps/path_pictures.hpp"
-#include "engine/drawing/plots/plot_sheet.hpp"
+#include "engine/drawing/maps/map_pictures.hpp"
 #include "engine/runs/evaluation/errors.hpp"
 #include "engine/runs/inputs/given_files.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
+#include "gdtslam/drawing/ticks.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
 #include "loops_film.hpp"
@@ -32,7 +32,7 @@ PictureSize plot_size(const std::optional<PictureSize>& wanted) {
 }
 
 // In the order of time, which relations need not be in.
-std::vector<TrajectoryError> errors_of(RenderSource& source, const RenderOptions& options) {
+std::vector<TrajectoryError> read_errors(RenderSource& source, const RenderOptions& options) {
   if (!options.relations.empty()) {
     const std::vector<Relation> relations = read_relations(options.relations);
     std::vector<TrajectoryError> errors = errors_against(source.trajectory(), relations);
@@ -52,8 +52,8 @@ std::string error_words(const std::vector<double>& errors) {
     if (std::isfinite(error)) known.push_back(error);
   }
   const ErrorSummary summary = summarise(known);
-  return fmt::format("RMSE {}, largest {}, {} of {}", picture::value_text(summary.rmse, "m"),
-                     picture::value_text(summary.max, "m"), with_commas(known.size()), counted(errors.size(), "pose"));
+  return fmt::format("RMSE {}, largest {}, {} of {}", rounded_text(summary.rmse, "m"), rounded_text(summary.max, "m"),
+                     with_commas(known.size()), counted(errors.size(), "pose"));
 }
 
 }  // namespace
@@ -64,9 +64,9 @@ MapLook RenderStudio::map_look() const {
     look.title = title();
     look.subtitle = subtitle();
   }
-  look.colour_map = cloud_look_of(options_).colour_map;
+  look.colour_map = read_cloud_look(options_).colour_map;
   look.with_path = look.with_keyframes = !hidden_.path;
-  look.is_transparent = background_of(options_.background) == Background::kNone;
+  look.is_transparent = read_background(options_.background) == Background::kNone;
   return look;
 }
 
@@ -92,7 +92,7 @@ Canvas RenderStudio::before_and_after_loops(const Wanted& wanted) {
 }
 
 std::unique_ptr<Film> RenderStudio::loops(const PictureSize& size, std::size_t frames) {
-  constexpr std::size_t kHeldShare = 5;  // of a short film
+  constexpr std::size_t kHeldShare = 5;  // divides a short film
   const auto second = static_cast<std::size_t>(std::lround(frames_per_s()));
   const LoopsFilmLength length{frames,
                                std::clamp<std::size_t>(second, 1, std::max<std::size_t>(frames / kHeldShare, 1))};
@@ -117,7 +117,7 @@ RenderStudio::Errors RenderStudio::errors() {
   std::vector<std::vector<TrajectoryError>> errors;
   double first_s = std::numeric_limits<double>::infinity();
   for (RenderSource& source : sources_) {
-    errors.push_back(errors_of(source, options_));
+    errors.push_back(read_errors(source, options_));
     for (const TrajectoryError& error : errors.back()) first_s = std::min(first_s, error.stamp_s);
   }
   for (std::size_t k = 0; k < sources_.size(); ++k) {
@@ -196,11 +196,11 @@ Canvas RenderStudio::errors_path(const Wanted& wanted) {
   }
   MapLook look = map_look();
   if (!hidden_.caption) look.subtitle = error_words(errors);
-  const ScaleRange range = scale_range_of(options_.range, CloudColour::kHeight);
+  const OpenRange range = read_scale_range(options_.range, CloudColour::kHeight);
   const PathErrors path{.trajectory = aligned.trajectory,
                         .drives = overlay.drives,
                         .errors = errors,
-                        .quantity = picture::axis_title("Position error", "m"),
+                        .quantity = axis_title("Position error", "m"),
                         .least = range.least,
                         .most = range.most};
   return path_errors_picture(path, truth, look, wanted.value_or(size_for_paths({&aligned.trajectory, &truth})));

@@ -8,13 +8,12 @@
 #include <utility>
 #include <vector>
 
-#include "engine/drawing/maps/loops_picture.hpp"
+#include "engine/drawing/maps/map_pictures.hpp"
 #include "engine/drawing/maps/map_sheet.hpp"
 #include "engine/mapping/graph/graph_replay.hpp"
 #include "engine/runs/folder/run_graph.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/drawing/ticks.hpp"
-#include "loops_path.hpp"
 
 namespace gdtslam {
 namespace {
@@ -64,15 +63,84 @@ class LoopsReplay {
   /// The last one is the adjusted path.
   [[nodiscard]] const std::vector<ReplayStage>& stages() const { return stages_; }
   /// `glow`: of the loops of each stage.
-  [[nodiscard]] LoopsMoment moment(const LoopsInstant& instant, const std::vector<double>& glow) const;
+  [[nodiscard]] LoopsMoment moment(const LoopsInstant& instant, const std::vector<double>& glow) const {
+    const std::vector<Pose2> places = places_at(instant);
+    LoopsMoment moment;
+    moment.path_m = path_.bent(places, instant.driven_m);
+    if (instant.map_share < 1.0) moment.walls_m = path_.walls(places, instant.driven_m);
+    moment.map_share = instant.map_share;
+    for (std::size_t stage = 0; stage <= instant.stage; ++stage) {
+      for (const std::size_t index : stages_[stage].loops) {
+        const Loop& loop = run_.graph.loops[index];
+        moment.loops.push_back({.from_m = places[loop.relation.from].translation(),
+                                .to_m = places[loop.relation.to].translation(),
+                                .weight = loop.weight,
+                                .is_on = run_.is_on[index],
+                                .glow = glow[stage]});
+      }
+    }
+
+    // Loops that are switched off lie on top: there are few.
+    std::stable_sort(moment.loops.begin(), moment.loops.end(),
+                     [](const MovedLoop& a, const MovedLoop& b) { return a.is_on && !b.is_on; });
+    if (instant.is_over) return moment;
+    moment.robot_m = moment.path_m.back();
+    moment.robot_covariance = covariance_in(stages_[instant.stage], instant.driven_m);
+    if (instant.stage > 0 && instant.bent < 1.0) {
+      moment.robot_covariance = covariance_between(covariance_in(stages_[instant.stage - 1], instant.driven_m),
+                                                   moment.robot_covariance, instant.bent);
+    }
+    return moment;
+  }
   /// "12 min 5 s, 340 m, 3 of 4 loops on"; before the first loop nothing of loops.
-  [[nodiscard]] std::string read_out(const LoopsInstant& instant) const;
+  [[nodiscard]] std::string read_out(const LoopsInstant& instant) const {
+    std::size_t found = 0;
+    std::size_t on = 0;
+    for (std::size_t stage = 0; stage <= instant.stage; ++stage) {
+      for (const std::size_t index : stages_[stage].loops) {
+        ++found;
+        on += run_.is_on[index] ? 1U : 0U;
+      }
+    }
+    const std::string loops = found > 0 || instant.is_over ? ", " + loops_text(found, on) : "";
+    return fmt::format("{}, {:.0f} m{}", picture::duration_text(path_.stamp_at(instant.driven_m) - start_s_),
+                       instant.driven_m, loops);
+  }
 
  private:
-  void make_scene(RenderSource& source);
-  [[nodiscard]] std::vector<Pose2> places_at(const LoopsInstant& instant) const;
-  /// Of the robot, in a stage that has come as far as this.
-  [[nodiscard]] PoseCovariance covariance_in(const ReplayStage& stage, double driven_m) const;
+  void make_scene(RenderSource& source) {
+    scene_.map = &source.map();
+    for (std::size_t k = 0; k < stages_.size(); ++k) {
+      const ReplayStage& stage = stages_[k];
+      const std::size_t end = k + 1 < stages_.size() ? stages_[k + 1].place : stage.place;
+      for (std::size_t i = 0; i <= end; ++i) scene_.extent.push_back({0.0, stage.poses[i]});
+      for (std::size_t i = 0; i < stage.covariances.size(); ++i) {
+        const double sigma_m = along_map(stage.covariances[i], stage.poses[stage.place + i]).sigma_m();
+        if (std::isfinite(sigma_m)) scene_.largest_sigma_m = std::max(scene_.largest_sigma_m, sigma_m);
+      }
+    }
+    for (const StampedPose& pose : source.trajectory()) scene_.extent.push_back(pose);
+    for (const bool is_on : run_.is_on) (is_on ? scene_.has_loops_on : scene_.has_loops_off) = true;
+  }
+  [[nodiscard]] std::vector<Pose2> places_at(const LoopsInstant& instant) const {
+    const std::vector<Pose2>& to = stages_[instant.stage].poses;
+    if (instant.bent >= 1.0 || instant.stage == 0) return to;
+    const std::vector<Pose2>& from = stages_[instant.stage - 1].poses;
+    std::vector<Pose2> places;
+    places.reserve(to.size());
+    for (std::size_t i = 0; i < to.size(); ++i) places.push_back(pose_between(from[i], to[i], instant.bent));
+    return places;
+  }
+  /// Covariance of the robot's pose, in a stage that has come this far.
+  [[nodiscard]] PoseCovariance covariance_in(const ReplayStage& stage, double driven_m) const {
+    const std::size_t last = stage.place + stage.covariances.size() - 1;
+    const std::size_t place = std::clamp(path_.place_at(driven_m), stage.place, last);
+    const std::size_t next = std::min(place + 1, last);
+    const double way_m = path_.place_m(next) - path_.place_m(place);
+    const double share = way_m > 0.0 ? std::clamp((driven_m - path_.place_m(place)) / way_m, 0.0, 1.0) : 0.0;
+    return covariance_between(along_map(stage.covariances[place - stage.place], stage.poses[place]),
+                              along_map(stage.covariances[next - stage.place], stage.poses[next]), share);
+  }
 
   RunGraph run_;
   LoopsPath path_;
@@ -80,84 +148,6 @@ class LoopsReplay {
   double start_s_;
   LoopsScene scene_;
 };
-
-void LoopsReplay::make_scene(RenderSource& source) {
-  scene_.map = &source.map();
-  for (std::size_t k = 0; k < stages_.size(); ++k) {
-    const ReplayStage& stage = stages_[k];
-    const std::size_t end = k + 1 < stages_.size() ? stages_[k + 1].place : stage.place;
-    for (std::size_t i = 0; i <= end; ++i) scene_.extent.push_back({0.0, stage.poses[i]});
-    for (std::size_t i = 0; i < stage.covariances.size(); ++i) {
-      const double sigma_m = along_map(stage.covariances[i], stage.poses[stage.place + i]).sigma_m();
-      if (std::isfinite(sigma_m)) scene_.largest_sigma_m = std::max(scene_.largest_sigma_m, sigma_m);
-    }
-  }
-  for (const StampedPose& pose : source.trajectory()) scene_.extent.push_back(pose);
-  for (const bool is_on : run_.is_on) (is_on ? scene_.has_loops_on : scene_.has_loops_off) = true;
-}
-
-std::vector<Pose2> LoopsReplay::places_at(const LoopsInstant& instant) const {
-  const std::vector<Pose2>& to = stages_[instant.stage].poses;
-  if (instant.bent >= 1.0 || instant.stage == 0) return to;
-  const std::vector<Pose2>& from = stages_[instant.stage - 1].poses;
-  std::vector<Pose2> places;
-  places.reserve(to.size());
-  for (std::size_t i = 0; i < to.size(); ++i) places.push_back(pose_between(from[i], to[i], instant.bent));
-  return places;
-}
-
-PoseCovariance LoopsReplay::covariance_in(const ReplayStage& stage, double driven_m) const {
-  const std::size_t last = stage.place + stage.covariances.size() - 1;
-  const std::size_t place = std::clamp(path_.place_at(driven_m), stage.place, last);
-  const std::size_t next = std::min(place + 1, last);
-  const double way_m = path_.place_m(next) - path_.place_m(place);
-  const double share = way_m > 0.0 ? std::clamp((driven_m - path_.place_m(place)) / way_m, 0.0, 1.0) : 0.0;
-  return covariance_between(along_map(stage.covariances[place - stage.place], stage.poses[place]),
-                            along_map(stage.covariances[next - stage.place], stage.poses[next]), share);
-}
-
-LoopsMoment LoopsReplay::moment(const LoopsInstant& instant, const std::vector<double>& glow) const {
-  const std::vector<Pose2> places = places_at(instant);
-  LoopsMoment moment;
-  moment.path_m = path_.bent(places, instant.driven_m);
-  if (instant.map_share < 1.0) moment.walls_m = path_.walls(places, instant.driven_m);
-  moment.map_share = instant.map_share;
-  for (std::size_t stage = 0; stage <= instant.stage; ++stage) {
-    for (const std::size_t index : stages_[stage].loops) {
-      const Loop& loop = run_.graph.loops[index];
-      moment.loops.push_back({.from_m = places[loop.relation.from].translation(),
-                              .to_m = places[loop.relation.to].translation(),
-                              .weight = loop.weight,
-                              .is_on = run_.is_on[index],
-                              .glow = glow[stage]});
-    }
-  }
-  // Those that nobody believes on top: there are few.
-  std::stable_sort(moment.loops.begin(), moment.loops.end(),
-                   [](const MovedLoop& a, const MovedLoop& b) { return a.is_on && !b.is_on; });
-  if (instant.is_over) return moment;
-  moment.robot_m = moment.path_m.back();
-  moment.robot_covariance = covariance_in(stages_[instant.stage], instant.driven_m);
-  if (instant.stage > 0 && instant.bent < 1.0) {
-    moment.robot_covariance = covariance_between(covariance_in(stages_[instant.stage - 1], instant.driven_m),
-                                                 moment.robot_covariance, instant.bent);
-  }
-  return moment;
-}
-
-std::string LoopsReplay::read_out(const LoopsInstant& instant) const {
-  std::size_t found = 0;
-  std::size_t on = 0;
-  for (std::size_t stage = 0; stage <= instant.stage; ++stage) {
-    for (const std::size_t index : stages_[stage].loops) {
-      ++found;
-      on += run_.is_on[index] ? 1U : 0U;
-    }
-  }
-  const std::string loops = found > 0 || instant.is_over ? ", " + loops_text(found, on) : "";
-  return fmt::format("{}, {:.0f} m{}", picture::duration_text(path_.stamp_at(instant.driven_m) - start_s_),
-                     instant.driven_m, loops);
-}
 
 class LoopsFilm : public Film {
  public:

@@ -1,17 +1,130 @@
-#include "loops_path.hpp"
+#include "loops_film.hpp"
 
 #include <algorithm>
 
-#include "engine/drawing/maps/seen_walls.hpp"
+#include "engine/core/elementary.hpp"
+#include "gdtslam/core/angle.hpp"
 
 namespace gdtslam {
 namespace {
+
+constexpr std::size_t kLeastBend = 4;  // frames in which the eye can follow
+constexpr std::size_t kMostBend = 25;
+constexpr std::size_t kFadeShare = 12;  // the map comes up in this fraction of the film
+
+std::size_t fading(const LoopsFilmLength& length) { return length.frames / kFadeShare; }
+
+/// Frames of the drive and of what bends it.
+std::size_t moving(const LoopsFilmLength& length) {
+  const std::size_t still = length.held + fading(length);
+  return length.frames > still ? length.frames - still : 0;
+}
+
+double eased(double share) { return share * share * (3.0 - 2.0 * share); }
+
+class TimelineMaker {
+ public:
+  explicit TimelineMaker(std::vector<LoopsInstant>& frames) : frames_(frames) {}
+  void drive_to(double at_m) {
+    now_.driven_m = at_m;
+    frames_.push_back(now_);
+  }
+  void bend(std::size_t stage, std::size_t count) {
+    now_.stage = stage;
+    for (std::size_t k = 1; k <= count; ++k) {
+      now_.bent = eased(static_cast<double>(k) / static_cast<double>(count));
+      frames_.push_back(now_);
+    }
+    now_.bent = 1.0;
+  }
+  void arrive() { now_.is_over = true; }
+  void come_to(double at_m) { now_.driven_m = at_m; }
+  void bring_up_map(std::size_t count) {
+    for (std::size_t k = 1; k <= count; ++k) {
+      now_.map_share = static_cast<double>(k) / static_cast<double>(count + 1);
+      frames_.push_back(now_);
+    }
+    now_.map_share = 1.0;
+  }
+  void hold(std::size_t count) { frames_.insert(frames_.end(), count, now_); }
+
+ private:
+  std::vector<LoopsInstant>& frames_;
+  LoopsInstant now_;
+};
 
 constexpr double kPointEvery_m = 0.1;
 constexpr double kReach_m = 15.0;  // farther away a degree of heading would cover everything
 constexpr int kBeams = 720;
 
+/// The robot itself stands in no wall, whatever the map says of the cells around it.
+constexpr double kOwnPlace_m = 0.25;
+constexpr double kStepsPerCell = 8.0;  ///< along a beam: a corner that is cut by less hides nothing
+
+std::optional<CellIndex> wall_along(const OccupancyMap& map, const Point2& from_m, const Point2& direction,
+                                    double reach_m) {
+  const double step_m = map.geometry.resolution_m / kStepsPerCell;
+  for (double at_m = kOwnPlace_m; at_m <= reach_m; at_m += step_m) {
+    const CellIndex cell = map.geometry.cell_of(from_m + at_m * direction);
+    if (!map.geometry.contains(cell)) return std::nullopt;
+    const CellState state = map.at(cell);
+    if (state != CellState::kFree) return state == CellState::kOccupied ? std::optional(cell) : std::nullopt;
+  }
+  return std::nullopt;
+}
+
+/// The middle of every occupied cell in which a beam ends that no other wall hides, each once, by row and column of the
+/// map; in the frame of the pose. A beam ends where the map is unknown, too, without a wall.
+std::vector<Point2> walls_seen_from(const OccupancyMap& map, const Pose2& T_map_pose) {
+  std::vector<CellIndex> cells;
+  const Point2 from_m = T_map_pose.translation();
+  if (!T_map_pose.is_finite() || !map.geometry.contains(map.geometry.cell_of(from_m))) return {};
+  for (int k = 0; k < kBeams; ++k) {
+    const SinCos<double> turn = sin_cos(2.0 * kPi * k / kBeams);
+    const std::optional<CellIndex> wall = wall_along(map, from_m, {turn.cos, turn.sin}, kReach_m);
+    if (wall) cells.push_back(*wall);
+  }
+  const auto is_before = [](CellIndex a, CellIndex b) { return a.y != b.y ? a.y < b.y : a.x < b.x; };
+  std::sort(cells.begin(), cells.end(), is_before);
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  const Pose2 T_pose_map = inverse(T_map_pose);
+  std::vector<Point2> walls;
+  walls.reserve(cells.size());
+  for (const CellIndex cell : cells) walls.push_back(T_pose_map * map.geometry.centre_of(cell));
+  return walls;
+}
+
 }  // namespace
+
+std::size_t most_loop_stages(const LoopsFilmLength& length) {
+  return std::max<std::size_t>(2, moving(length) / (2 * kLeastBend)) - 1;
+}
+
+std::vector<LoopsInstant> loops_timeline(const std::vector<double>& stages_m, double path_m,
+                                         const LoopsFilmLength& length) {
+  const std::size_t bends = stages_m.size() + 1;
+  const std::size_t bend = std::clamp<std::size_t>(moving(length) / (2 * bends), 1, kMostBend);
+  const std::size_t drive = std::max(moving(length), bend * bends + 1) - bend * bends;
+  std::vector<LoopsInstant> frames;
+  TimelineMaker maker(frames);
+  std::size_t stage = 0;
+  for (std::size_t k = 1; k <= drive; ++k) {
+    const double at_m = path_m * static_cast<double>(k) / static_cast<double>(drive);
+    for (; stage < stages_m.size() && (stages_m[stage] <= at_m || k == drive); ++stage) {
+      maker.come_to(stages_m[stage]);
+      maker.bend(stage + 1, bend);
+    }
+    maker.drive_to(at_m);
+  }
+  maker.arrive();
+  maker.bend(bends, bend);
+  maker.bring_up_map(fading(length));
+  maker.hold(length.held);
+  // A film too short for everything keeps its end.
+  const std::size_t count = std::max<std::size_t>(length.frames, 1);
+  if (frames.size() > count) frames.erase(frames.begin(), frames.end() - static_cast<std::ptrdiff_t>(count));
+  return frames;
+}
 
 LoopsPath::LoopsPath(const Trajectory& trajectory, const std::vector<std::size_t>& scans, const OccupancyMap& map) {
   std::vector<double> driven_m(trajectory.size(), 0.0);
@@ -25,7 +138,7 @@ LoopsPath::LoopsPath(const Trajectory& trajectory, const std::vector<std::size_t
   for (const std::size_t scan : scans) {
     T_map_places_.push_back(trajectory[scan].T_map_base);
     places_m_.push_back(driven_m[scan]);
-    walls_.push_back(picture::walls_seen_from(map, trajectory[scan].T_map_base, kReach_m, kBeams));
+    walls_.push_back(walls_seen_from(map, trajectory[scan].T_map_base));
   }
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
     const bool is_last = i + 1 == trajectory.size();

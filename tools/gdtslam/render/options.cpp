@@ -19,7 +19,7 @@ namespace gdtslam {
 namespace {
 
 constexpr std::uint32_t kMostSide_px = 16384;
-constexpr double kLargestEnd = 1e12;  // of a scale: beyond it the two ends could be one number in degrees
+constexpr double kLargestEnd = 1e12;  // farthest end of a scale: beyond it the two ends could be one number in degrees
 
 constexpr std::array<std::pair<std::string_view, CloudColour>, 6> kColours{{{"height", CloudColour::kHeight},
                                                                             {"elevation", CloudColour::kElevation},
@@ -53,7 +53,7 @@ std::vector<std::string> names_in(const Table& table) {
 }
 
 template <class Table>
-auto value_of(std::string_view option, std::string_view word, const Table& table) {
+auto read_word(std::string_view option, std::string_view word, const Table& table) {
   for (const auto& [name, value] : table) {
     if (name == word) return value;
   }
@@ -77,8 +77,7 @@ Unit scale_unit(CloudColour colour) {
 }
 
 /// The two sides of "MIN:MAX"; a side that is empty stays open.
-std::pair<std::optional<double>, std::optional<double>> ends_of(const std::string& option, const std::string& text,
-                                                                Unit unit, std::string_view example) {
+OpenRange read_ends(const std::string& option, const std::string& text, Unit unit, std::string_view example) {
   const std::size_t middle = text.find(':');
   if (middle == std::string::npos) {
     throw UsageError(fmt::format("{}: '{}' is not MIN:MAX, for example {}", option, text, example));
@@ -105,11 +104,11 @@ std::string listed(const std::vector<std::string>& names) {
   return text;
 }
 
-std::vector<std::string> viewpoint_names() { return names_in(kViewpoints); }
-std::vector<std::string> background_names() { return names_in(kBackgrounds); }
-std::vector<std::string> hidden_names() { return names_in(kHidden); }
-std::vector<std::string> colour_names() { return names_in(kColours); }
-
+std::vector<std::string> option_words(std::string_view option) {
+  if (option == "--from") return names_in(kViewpoints);
+  if (option == "--background") return names_in(kBackgrounds);
+  return option == "--hide" ? names_in(kHidden) : names_in(kColours);
+}
 std::vector<std::string> colour_map_names() {
   std::vector<std::string> names;
   for (const ColourMap& map : colour_maps()) names.emplace_back(map.name());
@@ -127,7 +126,7 @@ bool has_true_path(const RenderOptions& options) {
          RunReader(options.reference).summary().cloud_points == 0;
 }
 
-PictureSize size_of(const std::string& text) {
+PictureSize read_size(const std::string& text) {
   PictureSize size;
   const char* const end = text.data() + text.size();
   const auto width = std::from_chars(text.data(), end, size.width);
@@ -142,50 +141,46 @@ PictureSize size_of(const std::string& text) {
   return size;
 }
 
-Viewpoint viewpoint_of(const std::string& text) {
+Viewpoint read_viewpoint(const std::string& text) {
   Viewpoint viewpoint;
   if (text.find(',') != std::string::npos) {
     viewpoint.camera = parse_camera(text);
   } else if (!text.empty()) {
-    viewpoint.preset = value_of("--from", text, kViewpoints);
+    viewpoint.preset = read_word("--from", text, kViewpoints);
   }
   return viewpoint;
 }
 
-Background background_of(const std::string& text) {
-  return text.empty() ? Background::kDefault : value_of("--background", text, kBackgrounds);
+Background read_background(const std::string& text) {
+  return text.empty() ? Background::kDefault : read_word("--background", text, kBackgrounds);
 }
 
-Hidden hidden_of(const std::string& text) {
+Hidden read_hidden(const std::string& text) {
   Hidden hidden;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
-    hidden.*value_of("--hide", std::string_view(text).substr(begin, end - begin), kHidden) = true;
+    hidden.*read_word("--hide", std::string_view(text).substr(begin, end - begin), kHidden) = true;
     begin = end + 1;
   }
   if (hidden.nothing && text != "none") throw UsageError("--hide: none stands alone");
   return hidden;
 }
 
-ScaleRange scale_range_of(const std::string& text, CloudColour colour) {
+OpenRange read_scale_range(const std::string& text, CloudColour colour) {
   if (text.empty()) return {};
   if (colour == CloudColour::kPlain) throw UsageError("--range: points of one colour have no scale");
-  const auto [least, most] = ends_of("--range", text, scale_unit(colour), "0m:2.5m or -10deg:80deg");
-  return {least, most};
+  return read_ends("--range", text, scale_unit(colour), "0m:2.5m or -10deg:80deg");
 }
 
-TimeRange time_range_of(const std::string& text) {
+OpenRange read_time_range(const std::string& text) {
   if (text.empty()) return {};
-  const auto [from_s, to_s] = ends_of("--time", text, Unit::kSecond, "20s:60s");
-  return {from_s, to_s};
+  return read_ends("--time", text, Unit::kSecond, "20s:60s");
 }
 
-double seconds_of(const std::string& text) { return quantity_of("--seconds", text, Unit::kSecond); }
-
-CloudLook cloud_look_of(const RenderOptions& options) {
+CloudLook read_cloud_look(const RenderOptions& options) {
   CloudLook look;
   const bool has_reference = !options.reference.empty() && !has_truth(options);
-  look.colour = !options.colour.empty() ? value_of("--colour", options.colour, kColours)
+  look.colour = !options.colour.empty() ? read_word("--colour", options.colour, kColours)
                 : has_reference         ? CloudColour::kDistance
                                         : CloudColour::kHeight;
   const std::vector<std::string> maps = colour_map_names();
@@ -193,10 +188,10 @@ CloudLook cloud_look_of(const RenderOptions& options) {
   if (!look.colour_map.empty() && std::find(maps.begin(), maps.end(), look.colour_map) == maps.end()) {
     fail_word("--colour-map", look.colour_map, maps);
   }
-  const ScaleRange range = scale_range_of(options.range, look.colour);
+  const OpenRange range = read_scale_range(options.range, look.colour);
   look.least = range.least;
   look.most = range.most;
-  const Background background = background_of(options.background);
+  const Background background = read_background(options.background);
   look.is_dark = background != Background::kLight;
   look.is_transparent = background == Background::kNone;
   return look;

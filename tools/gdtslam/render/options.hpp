@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gdtslam/viewer/camera.hpp"
@@ -46,7 +47,7 @@ bool has_true_path(const RenderOptions& options);
 // Each of these throws UsageError for a text that it cannot read.
 
 /// "1280x720".
-PictureSize size_of(const std::string& text);
+PictureSize read_size(const std::string& text);
 
 /// Place of the camera: one of the presets, or a camera of the user.
 struct Viewpoint {
@@ -54,10 +55,10 @@ struct Viewpoint {
   std::optional<Camera> camera;
 };
 /// "iso", "top", "front", "side", "robot", or a camera (parse_camera). Empty is iso.
-Viewpoint viewpoint_of(const std::string& text);
+Viewpoint read_viewpoint(const std::string& text);
 
 enum class Background : std::uint8_t { kDefault, kDark, kLight, kNone };
-Background background_of(const std::string& text);
+Background read_background(const std::string& text);
 
 /// Parts that are left out of a picture, "floor,path".
 struct Hidden {
@@ -67,33 +68,23 @@ struct Hidden {
   bool caption = false;
   bool nothing = false;  ///< "none": the ceiling is drawn from above, too
 };
-Hidden hidden_of(const std::string& text);
+Hidden read_hidden(const std::string& text);
 
-/// "MIN:MAX" with the units of the colour's quantity; either side may be empty.
-struct ScaleRange {
+/// Two ends, either of which may be left open.
+struct OpenRange {
   std::optional<double> least;
   std::optional<double> most;
 };
-ScaleRange scale_range_of(const std::string& text, CloudColour colour);
-
-/// "FROM:TO", seconds from the first pose of a log; either side may be empty.
-struct TimeRange {
-  std::optional<double> from_s;
-  std::optional<double> to_s;
-};
-TimeRange time_range_of(const std::string& text);
-
-/// A time, in seconds.
-double seconds_of(const std::string& text);
+/// "MIN:MAX" with the units of the colour's quantity.
+OpenRange read_scale_range(const std::string& text, CloudColour colour);
+/// "FROM:TO", seconds from the first pose of a log.
+OpenRange read_time_range(const std::string& text);
 
 /// Everything about a cloud's look but floor and ceiling, which depend on the view.
-CloudLook cloud_look_of(const RenderOptions& options);
+CloudLook read_cloud_look(const RenderOptions& options);
 
-// The words that options can have.
-std::vector<std::string> viewpoint_names();
-std::vector<std::string> background_names();
-std::vector<std::string> hidden_names();
-std::vector<std::string> colour_names();
+/// The words that --from, --background, --hide or --colour can have.
+std::vector<std::string> option_words(std::string_view option);
 std::vector<std::string> colour_map_names();
 /// "height, elevation, time".
 std::string listed(const std::vector<std::string>& names);

@@ -60,13 +60,13 @@ bool is_preset(const std::string& name) {
 }
 
 // The beginning of a file, unpacked.
-std::string head_of(const std::string& path) {
+std::string read_head(const std::string& path) {
   constexpr std::size_t kHeadBytes = 65536;
   const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(::gzopen(path.c_str(), "rb"), ::gzclose);
   if (!file) throw FileError(path, "cannot be opened: " + errno_text(errno));
   std::string head(kHeadBytes, '\0');
   const int count = ::gzread(file.get(), head.data(), static_cast<unsigned>(head.size()));
-  head.resize(count > 0 ? static_cast<std::size_t>(count) : 0);  // what is damaged shows when it is read in full
+  head.resize(count > 0 ? static_cast<std::size_t>(count) : 0);  // damage shows when the file is read in full
   return head;
 }
 
@@ -97,7 +97,7 @@ bool is_tum(std::string_view text) {
 }
 
 RenderKind kind_of_file(const std::string& path) {
-  const std::string head = head_of(path);
+  const std::string head = read_head(path);
   if (head.starts_with("ply\n") || head.starts_with("ply\r") || head.starts_with("# .PCD") ||
       head.starts_with("VERSION")) {
     return RenderKind::kCloud;
@@ -124,7 +124,7 @@ bool is_near(const CloudPoint& point) {
 }
 
 // "cloud" from "out/cloud.ply.gz".
-std::string stem_of(const std::string& path) {
+std::string file_stem(const std::string& path) {
   fs::path name = fs::path(path).filename();
   if (name.extension() == ".gz") name = name.stem();
   return name.stem().string();
@@ -132,7 +132,7 @@ std::string stem_of(const std::string& path) {
 
 struct PointsRead {
   std::uint64_t read = 0;
-  std::uint64_t near = 0;  ///< of them, that can be drawn
+  std::uint64_t near = 0;  ///< points among them that can be drawn
 };
 // Throws InputError if no point can be drawn.
 void report_strays(const std::string& path, const CloudReader& reader, const PointsRead& points,
@@ -178,7 +178,7 @@ RenderKind kind_of_input(const std::string& input) {
 }
 
 RenderSource::RenderSource(std::string input)
-    : input_(std::move(input)), name_(stem_of(input_)), kind_(kind_of_input(input_)) {
+    : input_(std::move(input)), name_(file_stem(input_)), kind_(kind_of_input(input_)) {
   switch (kind_) {
     case RenderKind::kRun:
       run_.emplace(input_);
@@ -275,7 +275,7 @@ PointsOfCloud RenderSource::cloud(const CloudReading& reading) const {
     PointsOfCloud points = read_cloud(run_ ? run_->files().path(kCloudName) : cloud_file_, reading);
     finish();
     return points;
-  } catch (const Error&) {  // of a file that is not the run's that is the fault
+  } catch (const Error&) {  // a file that is not the run's own is reported first
     finish();
     throw;
   }

@@ -1,5 +1,5 @@
-// What `gdtslam render` draws: the kind of its input, told by content, and the data that it holds, read when a view
-// asks for them and once. One source belongs to one thread.
+// Inputs of `gdtslam render`: the kind of each, recognised by content, and its data, read once when a view needs them.
+// One source belongs to one thread.
 #pragma once
 
 #include <array>
@@ -29,7 +29,7 @@ std::string_view to_string(RenderKind kind);
 /// there (with the nearest preset), InputError for what is no input, a log among it.
 RenderKind kind_of_input(const std::string& input);
 
-/// What a view needs; a set of them as bits.
+/// Parts that a view needs; a set of them as bits.
 namespace part {
 inline constexpr unsigned kMap = 1U;
 inline constexpr unsigned kField = 2U;
@@ -37,10 +37,11 @@ inline constexpr unsigned kTrajectory = 4U;
 inline constexpr unsigned kCloud = 8U;
 inline constexpr unsigned kLinkage = 16U;
 inline constexpr unsigned kTruth = 32U;      ///< --reference or --relations of a trajectory
-inline constexpr unsigned kMount = 64U;      ///< of a linkage or of a laser that tilts by itself
-inline constexpr unsigned kGraph = 128U;     ///< of a run that closed loops
+inline constexpr unsigned kMount = 64U;      ///< the mount of a linkage or of a laser that tilts by itself
+inline constexpr unsigned kGraph = 128U;     ///< the graph of a run that closed loops
 inline constexpr unsigned kTruePath = 256U;  ///< --reference of a trajectory, itself one
-inline constexpr unsigned kReplay = 512U;    ///< of a run that closed loops in one drive, so of no merged site
+inline constexpr unsigned kReplay =
+    512U;  ///< the graph of a run that closed loops in one drive, so not of a merged site
 }  // namespace part
 
 /// How a cloud is read.
@@ -48,7 +49,7 @@ struct CloudReading {
   std::uint64_t most = 0;                                 ///< points; more are thinned (PointLimit); 0: all are kept
   std::function<bool(const CloudPoint&)> is_wanted{};     ///< empty: all are
   std::function<void(std::uint64_t, double)> progress{};  ///< points that are read and their share; below 0: unknown
-  std::function<void(const std::string&)> remark{};       ///< what is left out
+  std::function<void(const std::string&)> remark{};       ///< receives a line about points that are left out
 };
 struct PointsOfCloud {
   Cloud cloud;
@@ -75,7 +76,7 @@ class RenderSource {
   const FieldPicture& field();
   /// Beside a cloud that is no run's relative to what was taken off its points (origin_of_cloud), as cloud() is.
   const Trajectory& trajectory();
-  /// Of what has kMount alone only the mount counts.
+  /// The model of the mount; of an input with kMount alone only the mount counts.
   const calib::SweepModel& linkage();
   /// Read anew at each call, because a scene keeps what it draws.
   [[nodiscard]] PointsOfCloud cloud(const CloudReading& reading) const;
@@ -85,7 +86,7 @@ class RenderSource {
   void require_values(CloudColour colour) const;
   /// Path, keyframes and doubtful scans; empty where there is no trajectory.
   PathOverlay overlay();
-  /// Of what has kGraph: loops, covariances and what is not to be trusted, and a line that counts them.
+  /// The graph of an input that has kGraph: loops, covariances, doubtful stretches, and a line that counts them.
   struct Graph {
     GraphOverlay overlay;
     std::string subtitle;
@@ -113,7 +114,7 @@ class RenderSource {
 /// coarser than 6 cm, are left out, and `remark` hears how many. Throws InputError or FileError, also when no points
 /// are left.
 PointsOfCloud read_cloud(const std::string& path, const CloudReading& reading);
-/// What was taken off the points of that cloud when it was read (CloudReader::make_relative).
+/// The origin that was taken off the points of that cloud when it was read (CloudReader::make_relative).
 std::array<double, 3> origin_of_cloud(const std::string& path);
 /// The own name of a file or folder, whatever the path to it looks like.
 std::string name_of_place(const std::string& path);

@@ -10,8 +10,10 @@
 #include "engine/runs/folder/run_pictures.hpp"
 #include "engine/runs/inputs/given_files.hpp"
 #include "gdtslam/core/error.hpp"
+#include "tools/gdtslam/drawings/drawing_file.hpp"
 #include "tools/gdtslam/shell/console.hpp"
-#include "viewer/scene/cloud/cloud_level.hpp"
+#include "tools/gdtslam/shell/options.hpp"
+#include "viewer/scene/cloud/cloud_values.hpp"
 
 namespace gdtslam {
 namespace {
@@ -19,7 +21,7 @@ namespace {
 constexpr double kFramesPerSecond = 25.0;
 constexpr double kMostFrames = 100'000.0;
 constexpr double kFarDistance_m = 1.0;     // to a reference: what is farther counts as that, or as what is shown
-constexpr std::size_t kStillFrames = 101;  // of the film that a still is taken from
+constexpr std::size_t kStillFrames = 101;  // frames of the film that a still is taken from
 constexpr std::uint64_t kFilmPoints = 500'000;
 constexpr std::uint64_t kFollowPoints = 1'000'000;  // seen from near
 
@@ -60,7 +62,10 @@ std::uint64_t points_of_still(const PictureSize& size) {
 }
 
 RenderStudio::RenderStudio(const RenderOptions& options, std::vector<RenderSource>& sources)
-    : options_(options), sources_(sources), hidden_(hidden_of(options.hide)), viewpoint_(viewpoint_of(options.from)) {}
+    : options_(options),
+      sources_(sources),
+      hidden_(read_hidden(options.hide)),
+      viewpoint_(read_viewpoint(options.from)) {}
 
 GraphicsContext& RenderStudio::graphics() {
   if (!graphics_) graphics_ = std::make_unique<GraphicsContext>();
@@ -132,14 +137,14 @@ std::vector<float> RenderStudio::distances(const Cloud& cloud) {
     point.y_m += static_cast<float>(from[1] - to[1]);
     point.z_m += static_cast<float>(from[2] - to[2]);
   }
-  const CloudLook look = cloud_look_of(options_);
+  const CloudLook look = read_cloud_look(options_);
   const double shown_m = look.colour == CloudColour::kDistance ? look.most.value_or(0.0) : 0.0;
   return distances_to(cloud, reference, std::max(kFarDistance_m, shown_m));
 }
 
 // A ceiling hides the rooms from above; seen from the side it belongs to the picture.
-CloudLook RenderStudio::look_of(CameraPreset from, bool is_film) const {
-  CloudLook look = cloud_look_of(options_);
+CloudLook RenderStudio::cloud_look(CameraPreset from, bool is_film) const {
+  CloudLook look = read_cloud_look(options_);
   const bool is_from_side = from == CameraPreset::kFront || from == CameraPreset::kSide;
   look.with_ceiling = hidden_.nothing || (is_from_side && !hidden_.ceiling);
   look.with_floor = !hidden_.floor;
@@ -151,13 +156,13 @@ CloudLook RenderStudio::look_of(CameraPreset from, bool is_film) const {
 bool RenderStudio::is_huge() const {
   constexpr std::uint32_t kMostSmooth_px = 8192;
   if (options_.size.empty()) return false;
-  const PictureSize size = size_of(options_.size);
+  const PictureSize size = read_size(options_.size);
   return size.width > kMostSmooth_px || size.height > kMostSmooth_px;
 }
 
 CloudCaption RenderStudio::caption() const {
-  if (hidden_.caption) return {"", "", false, false, false};
-  return {title(), subtitle(points_drawn_), true, true, true};
+  if (hidden_.caption) return {"", "", false};
+  return {title(), subtitle(points_drawn_), true};
 }
 
 std::string RenderStudio::scan_subtitle() const {
@@ -169,7 +174,7 @@ std::string RenderStudio::scan_subtitle() const {
 }
 
 CloudScene& RenderStudio::cloud_scene(CameraPreset from, std::uint64_t most, bool is_film) {
-  look_ = look_of(from, is_film);
+  look_ = cloud_look(from, is_film);
   first().require_values(look_.colour);
   drawn_ = read_cloud(most);
   const bool by_distance = look_.colour == CloudColour::kDistance;
@@ -201,8 +206,8 @@ Canvas RenderStudio::cloud(const Wanted& wanted) {
 
 LinkageScene& RenderStudio::linkage_scene(const PictureSize& size) {
   constexpr std::uint32_t kNarrowest = 640;  // beside the scene a panel needs room
-  const LinkageLook look{.is_dark = background_of(options_.background) == Background::kDark,
-                         .is_transparent = background_of(options_.background) == Background::kNone,
+  const LinkageLook look{.is_dark = read_background(options_.background) == Background::kDark,
+                         .is_transparent = read_background(options_.background) == Background::kNone,
                          .with_panel = !hidden_.caption && size.width >= kNarrowest,
                          .samples = is_huge() ? 1U : 2U};
   linkage_scene_ = std::make_unique<LinkageScene>(graphics(), first().linkage(), look);
@@ -264,12 +269,12 @@ Canvas RenderStudio::poster_of_scan(const Wanted& wanted) {
 
 // Only points of the stretch are read and thinned, so that it has as many as are drawn.
 std::unique_ptr<Film> RenderStudio::scan(const PictureSize& size, std::size_t frames, std::uint64_t most) {
-  look_ = look_of(CameraPreset::kFollow, most > 0);
+  look_ = cloud_look(CameraPreset::kFollow, most > 0);
   first().require_values(look_.colour);
   const Stretch time = stretch();
   drawn_ = read_stretch(most, time);
   if (drawn_.empty()) throw InputError({first().input(), 0}, "has no points of that time");
-  points_drawn_ = drawn_points(drawn_, level_surfaces_of(drawn_), look_).size();
+  points_drawn_ = drawn_points(drawn_, sampled_level_surfaces(drawn_), look_).size();
   const ScanningFilmInput input{.cloud = &drawn_,
                                 .trajectory = &first().trajectory(),
                                 .model = &first().linkage(),
@@ -287,7 +292,7 @@ double RenderStudio::frames_per_s() const {
   return options_.frames_per_s > 0.0 ? options_.frames_per_s : kFramesPerSecond;
 }
 
-FilmLength RenderStudio::length_of(const RenderView& view) {
+FilmLength RenderStudio::film_length(const RenderView& view) {
   FilmLength length{0, frames_per_s()};
   double seconds = view.film_s;
   if (viewpoint_.preset == CameraPreset::kFollow) seconds = kFollow_s;
@@ -295,7 +300,7 @@ FilmLength RenderStudio::length_of(const RenderView& view) {
     const Stretch time = stretch();
     seconds = std::min(time.to_s - time.from_s, view.film_s);
   }
-  if (!options_.seconds.empty()) seconds = seconds_of(options_.seconds);
+  if (!options_.seconds.empty()) seconds = quantity_of("--seconds", options_.seconds, Unit::kSecond);
   if (!(seconds > 0.0)) throw UsageError("--seconds: " + options_.seconds + " is not above 0");
   const double frames = std::max(1.0, std::floor(seconds * length.frames_per_s + 0.5));
   if (!(frames <= kMostFrames)) throw UsageError(fmt::format("a film has at most {:.0f} frames", kMostFrames));
@@ -310,14 +315,36 @@ RenderStudio::Stretch RenderStudio::stretch() {
     first_s = std::min(first_s, pose.stamp_s);
     last_s = std::max(last_s, pose.stamp_s);
   }
-  const TimeRange time = time_range_of(options_.time);
-  const double from_s = first_s + time.from_s.value_or(0.0);
-  const double to_s = std::min(time.to_s ? first_s + *time.to_s : from_s + kLongestScan_s, last_s);
+  const OpenRange time = read_time_range(options_.time);
+  const double from_s = first_s + time.least.value_or(0.0);
+  const double to_s = std::min(time.most ? first_s + *time.most : from_s + kLongestScan_s, last_s);
   if (from_s < first_s || from_s >= to_s) {
     throw UsageError(fmt::format("--time {}: leaves nothing of a log of {:.1f} s; it counts from the first pose",
                                  options_.time, last_s - first_s));
   }
   return {from_s, to_s, first_s};
+}
+
+std::string draw_run_cloud(const std::string& cloud_file, const std::string& log, const Trajectory& trajectory,
+                           const calib::SweepModel* linkage) {
+  constexpr PictureSize kSize{1600, 900};
+  const GraphicsContext graphics;
+  CloudLook look;
+  look.with_ceiling = false;
+  CloudScene scene(graphics, look);
+  std::uint64_t points = 0;
+  {
+    const PointsOfCloud still = read_cloud(cloud_file, {.most = points_of_still(kSize)});
+    points = still.points;
+    scene.set_cloud(still.cloud);
+  }
+  scene.set_trajectory(trajectory);
+  scene.set_robot(trajectory.back().T_map_base, linkage);
+  const Camera camera = fitting_camera(CameraPreset::kIso, scene.bounds(), kSize);
+  const CloudCaption caption{.title = run_title({log}),
+                             .subtitle = cloud_subtitle(scene.points_drawn(), points, path_length_text(trajectory))};
+  const auto image = std::make_shared<const RgbaImage>(scene.render(camera, kSize));
+  return png_bytes(rasterise(cloud_picture(image, scene.scale(), camera, look, caption)));
 }
 
 }  // namespace gdtslam

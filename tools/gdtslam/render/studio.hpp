@@ -67,12 +67,12 @@ class RenderStudio {
   static constexpr double kLongestScan_s = 20.0;
 
   /// By --seconds and --fps, else what suits the view.
-  [[nodiscard]] FilmLength length_of(const RenderView& view);
+  [[nodiscard]] FilmLength film_length(const RenderView& view);
 
-  /// What drew: "EGL, llvmpipe ..." or, without OpenGL, "Cairo".
+  /// Name of the renderer: "EGL, llvmpipe ..." or, without OpenGL, "Cairo".
   [[nodiscard]] std::string renderer() const;
   [[nodiscard]] std::uint64_t points_drawn() const { return points_drawn_; }
-  /// Of the cloud before it was thinned and without floor or ceiling; of a scan those of its stretch of time.
+  /// Points of the cloud before it was thinned and lost floor or ceiling; in a scan, those of its stretch of time.
   [[nodiscard]] std::uint64_t whole_points() const { return whole_points_; }
   /// The cloud of the first source, thinned to --points or else `most` (0: all).
   Cloud read_cloud(std::uint64_t most);
@@ -92,7 +92,7 @@ class RenderStudio {
   struct Stretch {
     double from_s = 0.0;
     double to_s = 0.0;
-    double first_s = 0.0;  ///< of the log, from which --time counts
+    double first_s = 0.0;  ///< begin of the log, from which --time counts
   };
   Stretch stretch();
   Cloud read_stretch(std::uint64_t most, const std::optional<Stretch>& stretch);
@@ -101,7 +101,7 @@ class RenderStudio {
   std::unique_ptr<Film> follow(const PictureSize& size, std::size_t frames, std::uint64_t most);
   std::unique_ptr<Film> scan(const PictureSize& size, std::size_t frames, std::uint64_t most);
   LinkageScene& linkage_scene(const PictureSize& size);
-  [[nodiscard]] CloudLook look_of(CameraPreset from, bool is_film) const;
+  [[nodiscard]] CloudLook cloud_look(CameraPreset from, bool is_film) const;
   [[nodiscard]] bool is_huge() const;
   [[nodiscard]] CloudCaption caption() const;
   /// "62.8 m of path, 48 % of the points drawn".
@@ -131,6 +131,12 @@ class RenderStudio {
   std::uint64_t whole_points_ = 0;
   std::uint64_t points_drawn_ = 0;
 };
+
+/// The picture of its cloud that `gdtslam map` leaves beside it: the iso view, 1600 by 900 pixels, as the bytes of a
+/// PNG file. `linkage` may be null: the laser has none. Throws UnavailableError if nothing can draw, InputError,
+/// FileError.
+std::string draw_run_cloud(const std::string& cloud_file, const std::string& log, const Trajectory& trajectory,
+                           const calib::SweepModel* linkage);
 
 /// "1,771,492 of 2,612,366 points", or the points if those are all.
 std::string points_text(std::uint64_t drawn, std::uint64_t whole);

@@ -1,6 +1,9 @@
-// The views of `gdtslam render`: one table that the command, its help and --list-views read. Thread-safe.
+// The views of `gdtslam render`, one table that the command, its help and --list-views read; its outputs, by the name
+// of the file; the options that have an effect on them; and one run of it, from inputs and options to a file.
+// Thread-safe apart from the files.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,6 +12,7 @@
 
 #include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/viewer/film.hpp"
+#include "options.hpp"
 #include "source.hpp"
 
 namespace gdtslam {
@@ -59,14 +63,60 @@ struct RenderView {
 };
 const std::vector<RenderView>& render_views();
 
-/// Throws UsageError with the nearest name, for a view of earlier versions with how it is spelt now.
+/// Throws UsageError with the nearest name.
 const RenderView& render_view(const std::string& name, const std::string& as);
 /// The view that an input is drawn as when none is named; the one that moves best for a film. Null if no view can be a
 /// film.
 const RenderView* default_view(unsigned parts, bool is_film);
-/// Those of these parts that the view lacks, "map and 3D cloud", with the joint between them; else empty.
+/// Names of the needed parts that are missing, "map and 3D cloud", with the joint between them; else empty.
 std::string missing_parts(const RenderView& view, unsigned parts, std::string_view joint = " and ");
 /// Names of the views that these parts allow, "map, field".
 std::string views_there_are(unsigned parts, bool is_film);
+
+enum class OutputKind : std::uint8_t { kPng, kSvg, kPdf, kMp4, kGif, kFrames, kPage, kGlb, kCloud };
+
+/// By extension, in small or capital letters; a folder, or a name that ends in /, takes the frames of a film. Throws
+/// UsageError with the endings there are.
+OutputKind read_output_kind(const std::string& path);
+/// "a film in .mp4".
+std::string_view to_string(OutputKind kind);
+
+constexpr bool is_film(OutputKind kind) {
+  return kind == OutputKind::kMp4 || kind == OutputKind::kGif || kind == OutputKind::kFrames;
+}
+/// Files that no view belongs to: points or parts for other programs, and pages.
+constexpr bool has_no_view(OutputKind kind) {
+  return kind == OutputKind::kPage || kind == OutputKind::kGlb || kind == OutputKind::kCloud;
+}
+
+/// Throws UsageError if the file is one that is read or another that is written, FileError if it has no folder.
+void require_writable(const RenderOptions& options, const std::string& file);
+
+/// Throws UsageError that names the first option that was given and changes nothing: a mistake, reported before
+/// anything is drawn. `view`: null for pages and models; `is_linkage`: the model is one of a linkage.
+void refuse_idle_options(const RenderOptions& options, const RenderView* view, OutputKind output,
+                         bool is_linkage = false);
+
+/// Description of the file that was written.
+struct RenderResult {
+  std::string file;
+  OutputKind kind = OutputKind::kPng;
+  std::string view;  ///< empty for pages and models
+  std::string as;
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  std::uint64_t frames = 0;     ///< films only
+  double film_s = 0.0;          ///< how long it plays
+  std::uint64_t points = 0;     ///< drawn, or in the page or model
+  std::uint64_t points_of = 0;  ///< before thinning, with floor and ceiling
+  std::uint64_t bytes = 0;      ///< size of the file, or of all frames
+  std::string renderer;
+};
+
+/// The parts that views may use: those of the first source and of the options.
+unsigned render_parts(const RenderOptions& options, const std::vector<RenderSource>& sources);
+
+/// Draws and writes. Throws every typed error; nothing is left behind then but the frames of a folder.
+RenderResult render(const RenderOptions& options, std::vector<RenderSource>& sources);
 
 }  // namespace gdtslam

@@ -9,12 +9,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "viewer/scene/linkage/shapes.hpp"
+#include "viewer/scene/linkage/linkage_parts.hpp"
 
 namespace gdtslam {
 namespace {
 
-constexpr double kClearance_m = 0.04;      // of the tube above the floor, for the noise of the floor's points
+constexpr double kClearance_m = 0.04;      // distance of the tube above the floor, for the noise of the floor's points
 constexpr double kStepWidths = 0.7;        // between the tube's rings
 constexpr double kMarkWidths = 1.6;        // radius of the marks
 constexpr double kLargestMark_m = 0.12;    // radius: none hides a robot,

@@ -4,11 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "cloud_colours.hpp"
-#include "cloud_density.hpp"
-#include "cloud_level.hpp"
 #include "cloud_path.hpp"
 #include "cloud_points.hpp"
+#include "cloud_values.hpp"
 #include "gdtslam/core/error.hpp"
 #include "viewer/graphics/offscreen_view.hpp"
 #include "viewer/scene/linkage/mount_model.hpp"
@@ -16,7 +14,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kPathWidthShare = 1.0 / 260.0;  // of the picture's height
+constexpr double kPathWidthShare = 1.0 / 260.0;  // in heights of the picture
 constexpr double kLeastPathWidth_px = 1.6;
 constexpr double kLeastPathWidth_m = 0.03;
 constexpr double kLargestPathWidth_m = 2.0;
@@ -28,10 +26,10 @@ constexpr double kKept_m = 0.45;  // around its middle
 // A point is as large as the gaps around it, but no blot.
 constexpr double kCoverage = 1.7;  // diameters per mean distance of neighbours, so that discs overlap
 constexpr double kLeastPoint_px = 1.5;
-constexpr double kLargestPointShare = 1.0 / 16.0;  // of the picture's height,
+constexpr double kLargestPointShare = 1.0 / 16.0;  // in heights of the picture,
 constexpr double kNearPointShare = 1.0 / 110.0;    // and where the robot is near, among the points
 
-constexpr double kLeastShareFramed = 0.99;  // of the points that are drawn, within the box that a camera shows
+constexpr double kLeastShareFramed = 0.99;  // share of the drawn points within the box that a camera shows
 
 // The box of what looks like surfaces: a few beams that went far through a door or a window should not make all else
 // small. It has to hold nearly all that is drawn; in an open or sparse cloud, whose far points are no strays, it does
@@ -110,7 +108,7 @@ void CloudScene::set_cloud(std::span<const CloudPoint> cloud, std::span<const fl
     throw InputError("colours by distance need one distance for each of the " + std::to_string(cloud.size()) +
                      " points, not " + std::to_string(distances_m.size()));
   }
-  s.surfaces = level_surfaces_of(cloud);
+  s.surfaces = sampled_level_surfaces(cloud);
   std::vector<std::uint32_t> drawn = drawn_points(cloud, s.surfaces, s.look);
   s.cloud_bounds = robust_bounds(cloud, drawn);
   const CloudValues values(s.look.colour, cloud, distances_m);

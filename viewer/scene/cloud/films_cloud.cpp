@@ -23,14 +23,12 @@ constexpr double kJitter_s = 1.0;          // back, beyond which a clock was set
 class CloudFilm : public Film {
  public:
   CloudFilm(CloudScene& scene, const CloudLook& look, CloudCaption caption, const PictureSize& size, std::size_t frames)
-      : scene_(scene), look_(look), caption_(std::move(caption)), size_(size), frames_(frames) {
-    if (frames == 0) throw UsageError("a film needs at least one frame");
-  }
+      : scene_(scene), look_(look), caption_(std::move(caption)), size_(size), frames_(frames) {}
   [[nodiscard]] std::size_t frames() const override { return frames_; }
 
  protected:
   /// 0 to 1 from the first frame to the last.
-  [[nodiscard]] double share_of(std::size_t k) const {
+  [[nodiscard]] double film_share(std::size_t k) const {
     return frames_ > 1 ? static_cast<double>(k) / static_cast<double>(frames_ - 1) : 1.0;
   }
   Canvas picture(const Camera& camera) {
@@ -80,8 +78,8 @@ Pose2 pose_at(const Trajectory& trajectory, double stamp_s) {
   return before.T_map_base * exp_se2(share * log_se2(between(before.T_map_base, next->T_map_base)));
 }
 
-// Where the robot was when it was last as far away as the camera stands: the eye travels along the robot's own path,
-// where no wall is. Before the path began there is but the way straight back.
+// The robot's last place that is as far away as the camera stands: the eye travels along the robot's own path, which
+// has no walls. Before the path began there is only the way straight back.
 Point2 place_behind(const Trajectory& trajectory, double stamp_s) {
   const Point2 robot = pose_at(trajectory, stamp_s).translation();
   const auto past = [stamp_s](const StampedPose& pose) { return pose.stamp_s > stamp_s; };
@@ -125,8 +123,8 @@ class FollowFilm : public CloudFilm {
   Canvas frame(std::size_t k) override {
     const double first_s = trajectory_.front().stamp_s;
     // The last frame's time is the last pose's to the bit, so that the film ends with all that was measured till then.
-    const double stamp_s =
-        k + 1 == frames() ? trajectory_.back().stamp_s : first_s + share_of(k) * (trajectory_.back().stamp_s - first_s);
+    const double stamp_s = k + 1 == frames() ? trajectory_.back().stamp_s
+                                             : first_s + film_share(k) * (trajectory_.back().stamp_s - first_s);
     const Pose2 pose = pose_at(trajectory_, stamp_s);
     scene_.show_until(stamp_s);
     scene_.set_robot(pose);

@@ -39,7 +39,7 @@ double farthest_m(const Cloud& cloud) {
 // Voxels are counted from the origin with 20 bits: far away they cannot be small.
 double least_voxel_m(const Cloud& cloud) { return std::max(kLeastVoxel_m, farthest_m(cloud) / (1U << 20U) * 1.01); }
 
-// Of the box of the points, the longest.
+// Longest side of the box of the points.
 double side_m(const Cloud& cloud) {
   Bounds bounds;
   for (const CloudPoint& point : cloud) bounds.add(to_position(point));
@@ -71,7 +71,7 @@ struct PointLimit::State {
   std::size_t most;
   std::uint64_t expected = 0;
   std::uint64_t seen = 0;
-  Cloud finite;  // of a piece
+  Cloud finite;  // points of the current piece
   CompactingKeeper keeper;
   std::unique_ptr<VoxelThinning> thinning;  // empty while all are kept
   double voxel_m = 0.0;

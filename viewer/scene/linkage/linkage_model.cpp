@@ -16,23 +16,23 @@
 namespace gdtslam {
 namespace {
 
-std::uint8_t byte_of(double share) { return static_cast<std::uint8_t>(std::lround(share * 255.0)); }
+std::uint8_t to_byte(double share) { return static_cast<std::uint8_t>(std::lround(share * 255.0)); }
 
-std::array<float, 3> floats_of(const double* xyz) {
+std::array<float, 3> to_floats(const double* xyz) {
   return {static_cast<float>(xyz[0]), static_cast<float>(xyz[1]), static_cast<float>(xyz[2])};
 }
 
-Solid solid_of(vtkActor& actor) {
+Solid make_solid(vtkActor& actor) {
   vtkProperty& look = *actor.GetProperty();
   Solid solid;
-  solid.colour = {byte_of(look.GetColor()[0]), byte_of(look.GetColor()[1]), byte_of(look.GetColor()[2])};
+  solid.colour = {to_byte(look.GetColor()[0]), to_byte(look.GetColor()[1]), to_byte(look.GetColor()[2])};
   solid.opacity = look.GetOpacity();
   solid.is_lit = look.GetDiffuse() > 0.0;
   vtkPolyData& data = *static_cast<vtkPolyDataMapper*>(actor.GetMapper())->GetInput();
   vtkDataArray& normals = *data.GetPointData()->GetNormals();
   for (vtkIdType k = 0; k < data.GetNumberOfPoints(); ++k) {
-    solid.places.push_back(floats_of(data.GetPoint(k)));
-    solid.normals.push_back(floats_of(normals.GetTuple3(k)));
+    solid.places.push_back(to_floats(data.GetPoint(k)));
+    solid.normals.push_back(to_floats(normals.GetTuple3(k)));
   }
   for (vtkIdType k = 0; k < data.GetNumberOfCells(); ++k) {
     vtkCell& cell = *data.GetCell(k);
@@ -52,12 +52,12 @@ std::vector<SolidPart> linkage_solids(const calib::SweepModel& model, int steps)
   std::vector<SolidPart> solids;
   for (std::size_t k = 0; k < LinkageParts::kCount; ++k) {
     SolidPart part{.name = std::string(LinkageParts::kNames.at(k)), .solids = {}, .poses = {}, .shown = shown.at(k)};
-    for (const auto& actor : parts.part(k).actors) part.solids.push_back(solid_of(*actor));
+    for (const auto& actor : parts.part(k).actors) part.solids.push_back(make_solid(*actor));
     solids.push_back(std::move(part));
   }
   LinkageParts::Poses last = parts.poses_at(Pose3{}, cycle.begin().crank_rad).value_or(shown);
   for (int step = 0; step <= steps; ++step) {
-    // Where the loop does not close for want of a digit, nothing moves.
+    // A pose is repeated if rounding keeps the loop from closing.
     last = parts.poses_at(Pose3{}, cycle.crank_at(static_cast<double>(step) / steps)).value_or(last);
     for (std::size_t k = 0; k < LinkageParts::kCount; ++k) solids[k].poses.push_back(last.at(k));
   }

@@ -28,7 +28,7 @@ struct SolidPart {
   std::string name;
   std::vector<Solid> solids;
   std::vector<Pose3> poses;  ///< at equal steps of the crank through one turn, the last as the first
-  Pose3 shown;               ///< where a still has it
+  Pose3 shown;               ///< pose in a still
 };
 /// Throws ConfigError where the loop closes nowhere.
 std::vector<SolidPart> linkage_solids(const calib::SweepModel& model, int steps);

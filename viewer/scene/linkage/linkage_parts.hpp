@@ -1,10 +1,13 @@
-// The nodding linkage as VTK props: four bars with their joints, ground, laser in its cradle, fan of beams. Built once
-// for a model, then only moved. Frame `axis`: origin on the nodding axis (the rocker's pivot) in the laser's middle, x
-// forward, y left, z up; the linkage lies in planes of x and z on the right, drawn so that the rocker's direction is
-// the laser's elevation. And what stands still around it, with the lights that scenes of a mount share. Metres,
-// radians. One object belongs to one thread.
+// Shapes of the mount and the robot, from VTK's sources, and the nodding linkage as VTK props: four bars with their
+// joints, ground, laser in its cradle, fan of beams. Built once for a model, then only moved. Shapes are triangles with
+// normals; outlines lie in the plane of x and z and are extruded along y, where the viewer stands at negative y. Frame
+// `axis`: origin on the nodding axis (the rocker's pivot) in the laser's middle, x forward, y left, z up; the linkage
+// lies in planes of x and z on the right, drawn so that the rocker's direction is the laser's elevation. The still
+// surroundings of the linkage and the lights that scenes of a mount share are here, too. Metres, radians. One object
+// belongs to one thread; O(vertices).
 #pragma once
 
+#include <vtkPolyData.h>
 #include <vtkSmartPointer.h>
 
 #include <array>
@@ -15,17 +18,36 @@
 #include "calib/linkage/linkage_cycle.hpp"
 #include "gdtslam/core/pose3.hpp"
 #include "gdtslam/drawing/colour.hpp"
-#include "shapes.hpp"
 
 class vtkActor;
 class vtkRenderer;
 
 namespace gdtslam {
 
+using Mesh = vtkSmartPointer<vtkPolyData>;
+
+/// All that lies within `radius` of a convex polygon, its corners counter-clockwise as seen from negative y: of one
+/// corner a disc, of two a bar with round ends.
+Mesh extruded(std::vector<Point2> corners, double radius, double front_y, double back_y);
+/// The same for a polygon of x and y, from one height to another.
+Mesh upright(const std::vector<Point2>& corners, double radius, double low_z, double high_z);
+/// A rectangle whose corners are rounded, by its lowest and its highest place.
+struct RoundedBox {
+  Point2 lowest;
+  Point2 highest;
+  double radius = 0.0;
+  [[nodiscard]] std::vector<Point2> corners() const;
+};
+/// Tubes along paths; consecutive points of a path that coincide are one.
+Mesh tubes(const std::vector<std::vector<Point3>>& paths, double radius);
+/// A flat band between two curves of equally many points.
+Mesh band(const std::vector<Point3>& inner, const std::vector<Point3>& outer);
+Mesh ball(const Point3& centre, double radius);
+
 /// How a prop's surface answers light.
 enum class Finish : std::uint8_t { kPaint, kSteel, kGlass, kFlat };
-vtkSmartPointer<vtkActor> actor_of(const Mesh& mesh, Colour colour, Finish finish = Finish::kPaint,
-                                   double opacity = 1.0);
+vtkSmartPointer<vtkActor> make_actor(const Mesh& mesh, Colour colour, Finish finish = Finish::kPaint,
+                                     double opacity = 1.0);
 /// Props that move together.
 struct Part {
   std::vector<vtkSmartPointer<vtkActor>> actors;
@@ -56,7 +78,7 @@ class LinkageParts {
   static constexpr std::size_t kCount = 7;
   static constexpr std::array<std::string_view, kCount> kNames{"ground", "crank", "coupler", "rocker",
                                                                "cradle", "laser", "fan"};
-  /// Of the parts, in the order of their names.
+  /// Poses of the parts, in the order of their names.
   using Poses = std::array<Pose3, kCount>;
 
   LinkageParts(const calib::SweepModel& model, const PartSizes& sizes);
@@ -67,11 +89,10 @@ class LinkageParts {
   void add_to(vtkRenderer& renderer) const;
   /// False, and nothing moves, where the loop does not close.
   bool pose(const Pose3& T_world_axis, double crank_rad);
-  /// Nothing where the loop does not close.
+  /// Empty if the loop does not close.
   [[nodiscard]] std::optional<Poses> poses_at(const Pose3& T_world_axis, double crank_rad) const;
   [[nodiscard]] const Part& part(std::size_t number) const { return parts_.at(number); }
   void show(bool is_visible);
-  void show_fan(bool is_visible);
   /// Middle of a layer: 0 ground, 1 rocker, 2 crank, 3 coupler.
   [[nodiscard]] double layer_y(int layer) const;
   [[nodiscard]] const PartSizes& sizes() const { return sizes_; }
@@ -103,7 +124,7 @@ class LinkageParts {
 /// A key light from the upper left, a soft one from the right, the rest from the camera.
 void add_lights(vtkRenderer& renderer);
 
-/// What stands still around a moving linkage: the paths of its joints, the coupler's curve, the laser's sweep, the dead
+/// Still surroundings of a moving linkage: the paths of its joints, the coupler's curve, the laser's sweep, the dead
 /// points. In the frame of the axis.
 class LinkageSurroundings {
  public:

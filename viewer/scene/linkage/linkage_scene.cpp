@@ -1,5 +1,7 @@
 #include "gdtslam/viewer/linkage_scene.hpp"
 
+#include <vtkActor.h>
+#include <vtkLight.h>
 #include <vtkRenderer.h>
 
 #include <algorithm>
@@ -7,10 +9,10 @@
 
 #include "engine/core/elementary.hpp"
 #include "engine/drawing/linkage/linkage_drawing.hpp"
-#include "gdtslam/core/error.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/viewer/camera.hpp"
 #include "linkage_parts.hpp"
 #include "viewer/graphics/offscreen_view.hpp"
-#include "viewer/scene/camera_basis.hpp"
 
 namespace gdtslam {
 namespace {
@@ -45,9 +47,7 @@ std::vector<Point3> places_reached(const calib::LinkageCycle& cycle, LinkagePart
 class LinkageFilm : public Film {
  public:
   LinkageFilm(LinkageScene& scene, const calib::SweepModel& model, const PictureSize& size, std::size_t frames)
-      : scene_(scene), cycle_(model), size_(size), frames_(frames) {
-    if (frames == 0) throw UsageError("a film has at least one frame");
-  }
+      : scene_(scene), cycle_(model), size_(size), frames_(frames) {}
   [[nodiscard]] std::size_t frames() const override { return frames_; }
   Canvas frame(std::size_t k) override {
     return scene_.picture(cycle_.crank_at(static_cast<double>(k) / static_cast<double>(frames_)), size_);
@@ -59,6 +59,23 @@ class LinkageFilm : public Film {
   PictureSize size_;
   std::size_t frames_;
 };
+
+Point3 at_layer(const Point2& place, double y) { return {place.x(), y, place.y()}; }
+
+/// A path as dashes of about `dash_m` with gaps of the same length.
+Mesh dashed(const std::vector<Point3>& path, double radius, double dash_m) {
+  std::vector<std::vector<Point3>> dashes(1);
+  double length_m = 0.0;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    if (i > 0) length_m += (path[i] - path[i - 1]).norm();
+    if (std::fmod(length_m, 2.0 * dash_m) < dash_m) {
+      dashes.back().push_back(path[i]);
+    } else if (!dashes.back().empty()) {
+      dashes.emplace_back();
+    }
+  }
+  return tubes(dashes, radius);
+}
 
 }  // namespace
 
@@ -88,12 +105,11 @@ struct LinkageScene::State {
     const Camera seen_from = camera(size);
     if (cycle.sweeps_all_around()) return;
     for (const double elevation_rad : {cycle.lowest_rad(), cycle.highest_rad()}) {
-      const std::optional<Seen> rim = pixel_of(seen_from, size, surroundings.sweep_rim(elevation_rad, 1.0));
-      const std::optional<Seen> inner = pixel_of(seen_from, size, surroundings.sweep_rim(elevation_rad, 0.9));
+      const std::optional<Point2> rim = project(seen_from, size, surroundings.sweep_rim(elevation_rad, 1.0));
+      const std::optional<Point2> inner = project(seen_from, size, surroundings.sweep_rim(elevation_rad, 0.9));
       if (!rim || !inner) continue;
       const Point2& corner = sheet.scene.corner;
-      panel.draw_sweep_label(canvas, sheet, corner + Point2(rim->x_px, rim->y_px),
-                             corner + Point2(inner->x_px, inner->y_px), elevation_rad);
+      panel.draw_sweep_label(canvas, sheet, corner + *rim, corner + *inner, elevation_rad);
     }
   }
 
@@ -103,7 +119,7 @@ struct LinkageScene::State {
   LinkagePanel panel;
   LinkageSurroundings surroundings;
   OffscreenView view;
-  std::vector<Point3> reach;  ///< of the whole motion
+  std::vector<Point3> reach;  ///< corners of the whole motion
   double crank_rad = 0.0;
 };
 
@@ -140,6 +156,78 @@ double LinkageScene::shown_crank_rad() const { return state_->cycle.shown_crank_
 std::unique_ptr<Film> linkage_film(LinkageScene& scene, const calib::SweepModel& model, const PictureSize& size,
                                    std::size_t frames) {
   return std::make_unique<LinkageFilm>(scene, model, size, frames);
+}
+
+void add_lights(vtkRenderer& renderer) {
+  renderer.AutomaticLightCreationOff();
+  const auto add = [&](double x, double y, double z, double intensity) {
+    const auto light = vtkSmartPointer<vtkLight>::New();
+    light->SetLightTypeToCameraLight();
+    light->SetPosition(x, y, z);
+    light->SetFocalPoint(0.0, 0.0, 0.0);
+    light->SetIntensity(intensity);
+    renderer.AddLight(light);
+  };
+  add(-0.7, 1.0, 0.9, 0.75);
+  add(0.9, 0.1, 0.8, 0.25);
+  add(0.0, 0.0, 1.0, 0.25);
+}
+
+LinkageSurroundings::LinkageSurroundings(const calib::LinkageCycle& cycle, const LinkageParts& parts, Colour marks)
+    : thin_m_(0.085 * parts.sizes().bar_m),
+      sweep_m_(parts.sizes().fan_m),
+      sweep_y_(parts.layer_y(0) + parts.sizes().bar_m) {
+  add_sweep(cycle);
+  add_paths(cycle, parts);
+  for (const calib::LinkagePosition* dead_point : {&cycle.begin(), &cycle.end()}) {
+    still_.add(ball(at_layer(dead_point->joints[2], parts.layer_y(1)), 0.55 * parts.sizes().bar_m), marks);
+  }
+}
+
+Point3 LinkageSurroundings::sweep_rim(double elevation_rad, double share) const {
+  return at_layer(share * sweep_m_ * calib::unit_at(elevation_rad), sweep_y_);
+}
+
+void LinkageSurroundings::add_paths(const calib::LinkageCycle& cycle, const LinkageParts& parts) {
+  std::vector<Point3> curve;
+  std::vector<Point3> arc;
+  std::vector<Point3> circle;
+  for (const calib::LinkagePosition& position : cycle.positions()) {
+    curve.push_back(at_layer(position.middle, parts.layer_y(3)));
+    arc.push_back(at_layer(position.joints[2], parts.layer_y(1)));
+    circle.push_back(at_layer(position.joints[1], parts.layer_y(2)));
+  }
+  still_.add(tubes({curve}, 1.5 * thin_m_), ink::kCurve);
+  const double dash_m = 0.5 * parts.sizes().bar_m;
+  // The lift's part alone: the return runs over it again.
+  const auto lift = static_cast<std::size_t>(static_cast<double>(arc.size() - 1) *
+                                             std::fabs(cycle.lift_span_rad() / cycle.span_rad()));
+  arc.resize(std::min(arc.size(), lift + 1));
+  still_.add(dashed(arc, thin_m_, dash_m), ink::kRocker);
+  still_.add(dashed(circle, thin_m_, dash_m), ink::kCrank);
+}
+
+void LinkageSurroundings::add_sweep(const calib::LinkageCycle& cycle) {
+  constexpr int kSteps = 96;
+  constexpr double kClearOfLaser = 0.24;
+  const double from_rad = cycle.lowest_rad();
+  const double to_rad = std::min(cycle.highest_rad(), from_rad + kTwoPi);
+  std::vector<Point3> hub;
+  std::vector<Point3> rim;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double elevation_rad = from_rad + (to_rad - from_rad) * i / kSteps;
+    hub.push_back(sweep_rim(elevation_rad, kClearOfLaser));
+    rim.push_back(sweep_rim(elevation_rad, 1.0));
+  }
+  still_.add(band(hub, rim), ink::kLaser, Finish::kFlat, 0.10);
+  if (cycle.sweeps_all_around()) return;
+  for (const double elevation_rad : {from_rad, to_rad}) {
+    std::vector<Point3> edge;
+    for (int i = 0; i <= kSteps; ++i) {
+      edge.push_back(sweep_rim(elevation_rad, kClearOfLaser + (1.0 - kClearOfLaser) * i / kSteps));
+    }
+    still_.add(dashed(edge, 0.8 * thin_m_, 0.035 * sweep_m_), ink::kLaser, Finish::kFlat);
+  }
 }
 
 }  // namespace gdtslam

@@ -18,7 +18,7 @@ constexpr Colour kFrame = colour_for(0x707884);
 constexpr double kLevelHeight_m = 0.3;
 constexpr double kLaser_m = 0.07;
 
-/// Of the robot under a sensor at this height.
+/// Body of the robot under a sensor at this height.
 struct Body {
   double wheel_m = 0.09;  ///< radius
   double length_m = 0.42;

@@ -12,7 +12,7 @@ namespace gdtslam {
 
 struct MountLook {
   bool with_linkage = true;  ///< false: the laser tilts by itself, and of the model only the mount counts
-  Pose2 T_base_level = {};   ///< of the laser at elevation 0, as the log gives it
+  Pose2 T_base_level = {};   ///< pose of the laser at elevation 0, from the log
 };
 
 class MountModel {
@@ -25,7 +25,7 @@ class MountModel {
   /// The props belong to the renderer as well from now on; they follow every later call.
   void add_to(vtkRenderer& renderer);
   void place(const Pose2& T_map_base);
-  /// Where the loop does not close, nothing moves.
+  /// The parts stay if the loop does not close.
   void set_crank(double crank_rad);
   /// The linkage as it stands at this elevation while that rises or falls; the nearest that it can reach. Without a
   /// linkage the laser alone.
@@ -48,7 +48,7 @@ class MountModel {
   std::optional<LinkageParts> linkage_;
   Part robot_;
   Part mast_;
-  Part lone_laser_;             ///< of a robot without a linkage,
+  Part lone_laser_;             ///< laser of a robot without a linkage,
   double elevation_rad_ = 0.0;  ///< and where it looks
   Pose2 T_map_base_;
   double crank_rad_ = 0.0;

@@ -16,18 +16,16 @@
 #include <limits>
 
 #include "viewer/graphics/offscreen_view.hpp"
-#include "viewer/scene/cloud/cloud_colours.hpp"
-#include "viewer/scene/cloud/cloud_density.hpp"
-#include "viewer/scene/cloud/cloud_level.hpp"
 #include "viewer/scene/cloud/cloud_path.hpp"
 #include "viewer/scene/cloud/cloud_points.hpp"
+#include "viewer/scene/cloud/cloud_values.hpp"
 #include "viewer/scene/linkage/mount_model.hpp"
 
 namespace gdtslam {
 namespace {
 
 constexpr double kCube_m = 0.08;          ///< in which the density of points is measured
-constexpr double kMostDiameter_m = 0.03;  ///< of a point that lies alone
+constexpr double kMostDiameter_m = 0.03;  ///< diameter of a point that lies alone
 constexpr double kFades_s = 0.3;
 constexpr double kPathWidth_m = 0.014;
 constexpr double kGridStep_m = 1.0;
@@ -69,74 +67,68 @@ struct Fading {
 /// call.
 class ScanningBeams {
  public:
-  explicit ScanningBeams(vtkRenderer& renderer);
+  explicit ScanningBeams(vtkRenderer& renderer)
+      : sheet_(new_actor(renderer)), lines_(new_actor(renderer)), fresh_(new_actor(renderer)) {
+    paint(*sheet_, kSheet);
+    sheet_->GetProperty()->SetOpacity(kSheetOpacity);
+    paint(*lines_, kBeam);
+  }
   /// A sheet through all the scan's points in the order of its beams, torn where beams are missing, and some of the
   /// beams as lines.
-  void set_scan(const Point3& sensor_m, std::span<const CloudPoint> scan);
+  void set_scan(const Point3& sensor_m, std::span<const CloudPoint> scan) {
+    const auto points = vtkSmartPointer<vtkPoints>::New();
+    const auto triangles = vtkSmartPointer<vtkCellArray>::New();
+    const auto lines = vtkSmartPointer<vtkCellArray>::New();
+    points->InsertNextPoint(sensor_m.data());
+    Point3 last = Point3::Zero();
+    const std::size_t step = std::max<std::size_t>(1, scan.size() / kLines);
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      const Point3 place(scan[i].x_m, scan[i].y_m, scan[i].z_m);
+      const auto now = points->InsertNextPoint(place.data());
+      const Point3 along = (place - sensor_m).normalized();
+      if (i > 0 && along.dot(last) > kNeighbours) {
+        triangles->InsertNextCell({vtkIdType{0}, now - 1, now});
+      }
+      if (i % step == step / 2) lines->InsertNextCell({vtkIdType{0}, now});
+      last = along;
+    }
+    const auto sheet = vtkSmartPointer<vtkPolyData>::New();
+    sheet->SetPoints(points);
+    sheet->SetPolys(triangles);
+    set_data(*sheet_, sheet);
+    const auto beams = vtkSmartPointer<vtkPolyData>::New();
+    beams->SetPoints(points);
+    beams->SetLines(lines);
+    set_data(*lines_, beams);
+  }
   /// Points of the last moments; the older the nearer to the colour of the beams.
-  void set_fresh(const Point3& sensor_m, std::span<const CloudPoint> points, const Fading& fading);
+  void set_fresh(const Point3& sensor_m, std::span<const CloudPoint> points, const Fading& fading) {
+    const auto places = vtkSmartPointer<vtkPoints>::New();
+    const auto cells = vtkSmartPointer<vtkCellArray>::New();
+    const auto colours = vtkSmartPointer<vtkUnsignedCharArray>::New();
+    colours->SetNumberOfComponents(3);
+    for (const CloudPoint& point : points) {
+      const double age = std::clamp((fading.now_s - point.stamp_s) / fading.fades_s, 0.0, 1.0);
+      // Before the same point of the cloud, which is a disc of some size.
+      const Point3 place(point.x_m, point.y_m, point.z_m);
+      const Point3 before = place - kBefore_m * (place - sensor_m).normalized();
+      const auto id = places->InsertNextPoint(before.data());
+      cells->InsertNextCell({id});
+      colours->InsertNextTuple3(255.0, 255.0 - 35.0 * age, 245.0 - 115.0 * age);
+    }
+    const auto data = vtkSmartPointer<vtkPolyData>::New();
+    data->SetPoints(places);
+    data->SetVerts(cells);
+    data->GetPointData()->SetScalars(colours);
+    set_data(*fresh_, data);
+    fresh_->GetProperty()->SetPointSize(static_cast<float>(fading.size_px));
+  }
 
  private:
   vtkSmartPointer<vtkActor> sheet_;
   vtkSmartPointer<vtkActor> lines_;
   vtkSmartPointer<vtkActor> fresh_;
 };
-
-ScanningBeams::ScanningBeams(vtkRenderer& renderer)
-    : sheet_(new_actor(renderer)), lines_(new_actor(renderer)), fresh_(new_actor(renderer)) {
-  paint(*sheet_, kSheet);
-  sheet_->GetProperty()->SetOpacity(kSheetOpacity);
-  paint(*lines_, kBeam);
-}
-
-void ScanningBeams::set_scan(const Point3& sensor_m, std::span<const CloudPoint> scan) {
-  const auto points = vtkSmartPointer<vtkPoints>::New();
-  const auto triangles = vtkSmartPointer<vtkCellArray>::New();
-  const auto lines = vtkSmartPointer<vtkCellArray>::New();
-  points->InsertNextPoint(sensor_m.data());
-  Point3 last = Point3::Zero();
-  const std::size_t step = std::max<std::size_t>(1, scan.size() / kLines);
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    const Point3 place(scan[i].x_m, scan[i].y_m, scan[i].z_m);
-    const auto now = points->InsertNextPoint(place.data());
-    const Point3 along = (place - sensor_m).normalized();
-    if (i > 0 && along.dot(last) > kNeighbours) {
-      triangles->InsertNextCell({vtkIdType{0}, now - 1, now});
-    }
-    if (i % step == step / 2) lines->InsertNextCell({vtkIdType{0}, now});
-    last = along;
-  }
-  const auto sheet = vtkSmartPointer<vtkPolyData>::New();
-  sheet->SetPoints(points);
-  sheet->SetPolys(triangles);
-  set_data(*sheet_, sheet);
-  const auto beams = vtkSmartPointer<vtkPolyData>::New();
-  beams->SetPoints(points);
-  beams->SetLines(lines);
-  set_data(*lines_, beams);
-}
-
-void ScanningBeams::set_fresh(const Point3& sensor_m, std::span<const CloudPoint> points, const Fading& fading) {
-  const auto places = vtkSmartPointer<vtkPoints>::New();
-  const auto cells = vtkSmartPointer<vtkCellArray>::New();
-  const auto colours = vtkSmartPointer<vtkUnsignedCharArray>::New();
-  colours->SetNumberOfComponents(3);
-  for (const CloudPoint& point : points) {
-    const double age = std::clamp((fading.now_s - point.stamp_s) / fading.fades_s, 0.0, 1.0);
-    // Before the same point of the cloud, which is a disc of some size.
-    const Point3 place(point.x_m, point.y_m, point.z_m);
-    const Point3 before = place - kBefore_m * (place - sensor_m).normalized();
-    const auto id = places->InsertNextPoint(before.data());
-    cells->InsertNextCell({id});
-    colours->InsertNextTuple3(255.0, 255.0 - 35.0 * age, 245.0 - 115.0 * age);
-  }
-  const auto data = vtkSmartPointer<vtkPolyData>::New();
-  data->SetPoints(places);
-  data->SetVerts(cells);
-  data->GetPointData()->SetScalars(colours);
-  set_data(*fresh_, data);
-  fresh_->GetProperty()->SetPointSize(static_cast<float>(fading.size_px));
-}
 
 /// Lines a metre apart on the floor, under all that is shown.
 Mesh floor_grid(const Bounds& bounds) {
@@ -179,7 +171,7 @@ struct ScanningScene::State {
 
   void set_points() {
     const std::span<const CloudPoint> cloud = track.points();
-    const LevelSurfaces surfaces = level_surfaces_of(cloud);
+    const LevelSurfaces surfaces = sampled_level_surfaces(cloud);
     std::vector<std::uint32_t> drawn = drawn_points(cloud, surfaces, look);
     Bounds bounds = robust_bounds(cloud, drawn);
     const CloudValues values(look.colour, cloud, {});
@@ -196,7 +188,7 @@ struct ScanningScene::State {
       const Pose2 pose = track.T_map_base(stamp_s);
       bounds.add({pose.x_m, pose.y_m, 0.0});
     }
-    const auto grid = actor_of(floor_grid(bounds), look.is_dark ? colour_for(0x2a3039) : ink::kEdge, Finish::kFlat);
+    const auto grid = make_actor(floor_grid(bounds), look.is_dark ? colour_for(0x2a3039) : ink::kEdge, Finish::kFlat);
     view.renderer().AddActor(grid);
   }
 
@@ -228,7 +220,7 @@ void ScanningScene::show(double stamp_s, double crank_rad) {
     s.robot.set_elevation(s.track.elevation_rad(stamp_s));
   }
   const Point3 sensor_m = s.robot.T_map_laser().translation_m;
-  // What stands before the robot is cut away as a whole: a hole in a wall would wander over it.
+  // Everything that stands before the robot is cut away: a hole in a wall would wander over it.
   s.points.keep_in_view(KeptInView{{sensor_m.x(), sensor_m.y(), 0.5 * sensor_m.z()}, kCutAway_m});
   s.beams.set_scan(sensor_m, s.track.last_scan(stamp_s));
   s.beams.set_fresh(sensor_m, s.track.measured_between(stamp_s - kFades_s, stamp_s),

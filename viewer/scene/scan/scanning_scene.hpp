@@ -21,7 +21,7 @@ class ScanningScene {
   ScanningScene(const ScanningScene&) = delete;
   ScanningScene& operator=(const ScanningScene&) = delete;
 
-  /// What was there at that moment, the crank of a linkage as given.
+  /// Shows the scene at that moment, with the crank of a linkage at this angle.
   void show(double stamp_s, double crank_rad);
   [[nodiscard]] std::uint64_t points_drawn() const;
   [[nodiscard]] const ColourScale& scale() const;

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
+#include <iterator>
 
 #include "engine/core/elementary.hpp"
 #include "engine/core/quantile.hpp"
@@ -16,7 +18,7 @@ namespace {
 constexpr double kSlope_s = 0.04;       ///< to each side: the elevation's slope, well above one scan's time
 constexpr double kSmooth_s = 1.5;       ///< to each side: the camera's average
 constexpr int kSmoothSteps = 12;        ///< to each side
-constexpr std::size_t kSamples = 4000;  ///< of the points that figures are read off
+constexpr std::size_t kSamples = 4000;  ///< points that figures are estimated from
 
 bool is_before(const CloudPoint& point, double stamp_s) { return point.stamp_s < stamp_s; }
 bool is_after(double stamp_s, const CloudPoint& point) { return stamp_s < point.stamp_s; }
@@ -35,36 +37,17 @@ Pose2 blended(const StampedPose& before, const StampedPose& after, double stamp_
           wrap_angle(a.theta_rad + share * wrap_angle(b.theta_rad - a.theta_rad))};
 }
 
-Cloud points_between(std::span<const CloudPoint> cloud, double from_s, double to_s) {
-  Cloud points;
-  double first_s = 0.0;
-  double last_s = 0.0;
-  for (const CloudPoint& point : cloud) {
-    first_s = &point == cloud.data() ? point.stamp_s : std::min(first_s, point.stamp_s);
-    last_s = &point == cloud.data() ? point.stamp_s : std::max(last_s, point.stamp_s);
-    if (point.stamp_s >= from_s && point.stamp_s <= to_s) points.push_back(point);
-  }
-  if (points.empty()) {
-    throw InputError(cloud.empty()
-                         ? std::string("a film of the scanning needs a cloud, and this one has no points")
-                         : fmt::format("the cloud has no points between {:.3f} and {:.3f} s; its times go from {:.3f} "
-                                       "to {:.3f} s",
-                                       from_s, to_s, first_s, last_s));
-  }
-  std::stable_sort(points.begin(), points.end(),
-                   [](const CloudPoint& a, const CloudPoint& b) { return a.stamp_s < b.stamp_s; });
-  return points;
-}
-
 }  // namespace
 
 ScanningTrack::ScanningTrack(std::span<const CloudPoint> cloud, const Trajectory& trajectory, double from_s,
                              double to_s)
     : from_s_(from_s), to_s_(to_s) {
-  if (!(to_s > from_s)) {
-    throw UsageError(fmt::format("a film from {:.3f} to {:.3f} s has no length", from_s, to_s));
-  }
-  points_ = points_between(cloud, from_s, to_s);
+  assert(to_s > from_s);
+  std::copy_if(cloud.begin(), cloud.end(), std::back_inserter(points_),
+               [&](const CloudPoint& point) { return point.stamp_s >= from_s && point.stamp_s <= to_s; });
+  assert(!points_.empty());
+  std::stable_sort(points_.begin(), points_.end(),
+                   [](const CloudPoint& a, const CloudPoint& b) { return a.stamp_s < b.stamp_s; });
   for (const StampedPose& pose : trajectory) {
     if (pose.T_map_base.is_finite() && std::isfinite(pose.stamp_s)) poses_.push_back(pose);
   }

@@ -1,5 +1,5 @@
-// What happened when, in a stretch of a log with a nodding laser: points in the order of time, the elevation and
-// whether it rises, the robot's pose. Times in the log's clock, seconds; frame map. Thread-safe after construction.
+// Course of a stretch of a log with a nodding laser: points in the order of time, the elevation and whether it rises,
+// the robot's pose. Times in the log's clock, seconds; frame map. Thread-safe after construction.
 #pragma once
 
 #include <cstddef>
@@ -14,13 +14,12 @@ namespace gdtslam {
 
 class ScanningTrack {
  public:
-  /// O(n log n). Throws UsageError for an empty stretch, InputError where the cloud has no points in it, or without
-  /// poses; each says what there is.
+  /// `from_s` is before `to_s`, and the cloud has points between. O(n log n). Throws InputError without poses.
   ScanningTrack(std::span<const CloudPoint> cloud, const Trajectory& trajectory, double from_s, double to_s);
 
   [[nodiscard]] double from_s() const { return from_s_; }
   [[nodiscard]] double to_s() const { return to_s_; }
-  /// Of the stretch, by time.
+  /// Points of the stretch, by time.
   [[nodiscard]] std::span<const CloudPoint> points() const { return points_; }
   /// Measured until then, that moment included.
   [[nodiscard]] std::size_t count_until(double stamp_s) const;

@@ -93,7 +93,7 @@ class CloudView {
 
   upload() {
     const gl = this.gl;
-    this.grid = new Grid(gl, this.least, this.most, this.floor - 0.03);
+    this.grid = makeGrid(gl, this.least, this.most, this.floor - 0.03);
     if (description.map) this.map = new MapPicture(gl, description.map, this.floor - 0.02);
     this.path?.upload(gl);
   }
@@ -246,7 +246,7 @@ class CloudView {
     const gl = this.gl;
     const pixels = [this.canvas.width, this.canvas.height];
     gl.enable(gl.BLEND);
-    if (view.layers.grid) this.grid.draw(matrix, this.colour_quiet);
+    if (view.layers.grid) this.grid.draw(matrix, [...this.colour_quiet, 0.28]);
     if (this.map && view.layers.map) {
       this.map.draw(matrix, this.colour_free, this.colour_wall);
     }
@@ -256,7 +256,7 @@ class CloudView {
       this.path?.draw(matrix, pixels, this.floor + 0.03, this.colour_crank, shownTime(), stops);
       this.trail?.draw(matrix, pixels, this.floor + 0.03, this.colour_crank, 2, stops);
     }
-    if (view.layers.scan) this.scan?.draw(matrix, this.colour_laser);
+    if (view.layers.scan) this.scan?.draw(matrix, [...this.colour_laser, 1], 3 * pixelRatio());
     const pose = description.live ? this.pose : this.path?.poseAt(shownTime());
     if (view.layers.robot && pose) {
       const seen = this.camera.pixelOf([pose.x, pose.y, this.floor]);

@@ -23,9 +23,9 @@ function cssOfMap(map, share) {
 /// Properties of the style: a path from its start to its end, as pictures of maps have it.
 const kTimeStops = ['time-0', 'time-1', 'time-2', 'time-3', 'time-4'];
 
-/// The map that suits a quantity on the page's ground, as pictures of clouds have it.
-function defaultMapOf(quantity) {
-  const named = description.default_maps[theme.isDark() ? 'dark' : 'light'][quantity];
+/// The map that suits the page's ground, as pictures of clouds have it.
+function defaultMap() {
+  const named = description.default_maps[theme.isDark() ? 'dark' : 'light'];
   return Math.max(colourMaps.findIndex((map) => map.name === named), 0);
 }
 

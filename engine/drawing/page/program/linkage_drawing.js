@@ -1,7 +1,5 @@
 // Draws the linkage, its elevation and its transmission angle on canvases of two dimensions.
 
-const inkOf = (name) => hexColour(name);
-
 /// A canvas that is as sharp as the screen; its context counts in CSS pixels.
 function sharpContext(canvas) {
   const ratio = Math.min(devicePixelRatio || 1, 3);
@@ -85,13 +83,13 @@ class MechanismDrawing {
     this.drawLaser(context, pose);
     const [crankPivot, rockerPivot] = [this.at([0, 0]), this.at(this.linkage.rockerPivot)];
     const [a, b] = [this.at(pose.a), this.at(pose.b)];
-    stroke(context, [crankPivot, rockerPivot], inkOf('ground'), 0.8 * this.unit, [], 0.55);
+    stroke(context, [crankPivot, rockerPivot], hexColour('ground'), 0.8 * this.unit, [], 0.55);
     for (const [from, to, name] of [[rockerPivot, b, 'rocker'], [a, b, 'coupler'], [crankPivot, a, 'crank']]) {
-      stroke(context, [from, to], inkOf(name), 1.9 * this.unit);
+      stroke(context, [from, to], hexColour(name), 1.9 * this.unit);
     }
     for (const pivot of [crankPivot, rockerPivot]) this.drawPivot(context, pivot);
-    for (const joint of [a, b]) disc(context, joint, 1.2 * this.unit, inkOf('card'), inkOf('ground'), 0.5 * this.unit);
-    disc(context, this.at(pose.middle), 0.8 * this.unit, inkOf('curve'));
+    for (const joint of [a, b]) disc(context, joint, 1.2 * this.unit, hexColour('card'), hexColour('ground'), 0.5 * this.unit);
+    disc(context, this.at(pose.middle), 0.8 * this.unit, hexColour('curve'));
     this.drawNames(context, crankPivot, rockerPivot, a, b);
   }
 
@@ -107,12 +105,12 @@ class MechanismDrawing {
     }
     const circle = Array.from({length: 91}, (_, k) => this.at([this.linkage.about.crank * Math.cos(k * Math.PI / 45),
                                                               this.linkage.about.crank * Math.sin(k * Math.PI / 45)]));
-    stroke(context, circle, inkOf('crank'), 1.5, [2, 5], 0.7);
-    stroke(context, arc, inkOf('rocker'), 1.5, [2, 5], 0.7);
-    stroke(context, curve, inkOf('curve'), 2);
+    stroke(context, circle, hexColour('crank'), 1.5, [2, 5], 0.7);
+    stroke(context, arc, hexColour('rocker'), 1.5, [2, 5], 0.7);
+    stroke(context, curve, hexColour('curve'), 2);
     // Where the rocker turns back, on its arc.
     for (const dead of this.deadPoints) {
-      disc(context, this.at(this.linkage.beamEnd(dead, this.linkage.about.rocker)), 0.9 * this.unit, inkOf('text'));
+      disc(context, this.at(this.linkage.beamEnd(dead, this.linkage.about.rocker)), 0.9 * this.unit, hexColour('text'));
     }
   }
 
@@ -145,8 +143,8 @@ class MechanismDrawing {
     items.forEach(({name, text}, k) => {
       const x = (width - columns * item) / 2 + (k % columns) * item;
       const y = height - (lines - Math.floor(k / columns) - 0.2) * 1.8 * size;
-      stroke(context, [[x + 0.3 * size, y], [x + 1.8 * size, y]], inkOf(name), 0.4 * size);
-      context.fillStyle = inkOf('text');
+      stroke(context, [[x + 0.3 * size, y], [x + 1.8 * size, y]], hexColour(name), 0.4 * size);
+      context.fillStyle = hexColour('text');
       context.fillText(text, x + 2.6 * size, y);
     });
     return lines * 1.8 * size;
@@ -158,7 +156,7 @@ class MechanismDrawing {
     const pivot = this.at(this.linkage.rockerPivot);
     context.save();
     context.globalAlpha = opacity;
-    context.fillStyle = inkOf('laser');
+    context.fillStyle = hexColour('laser');
     context.beginPath();
     context.moveTo(...pivot);
     context.arc(...pivot, this.beam * this.scale, -from, -(from + by), by > 0);
@@ -174,8 +172,8 @@ class MechanismDrawing {
     lettering(context, this.size, 'center', 600);
     for (const dead of this.deadPoints) {
       const out = (away) => this.at(this.linkage.beamEnd(dead, this.beam + away / this.scale));
-      stroke(context, [pivot, out(0)], inkOf('laser'), 1.5, [7, 6]);
-      this.words(context, `${fixed(degrees(dead.elevation), 1)}°`, out(1.9 * this.size), inkOf('laser-text'));
+      stroke(context, [pivot, out(0)], hexColour('laser'), 1.5, [7, 6]);
+      this.words(context, `${fixed(degrees(dead.elevation), 1)}°`, out(1.9 * this.size), hexColour('laser-text'));
     }
   }
 
@@ -187,14 +185,14 @@ class MechanismDrawing {
       return [x + aside * Math.sin(pose.elevation), y + aside * Math.cos(pose.elevation)];
     };
     this.drawSector(context, pose.elevation + kHalfFan, pose.elevation - kHalfFan, 0.3);
-    stroke(context, [this.at(this.linkage.rockerPivot), on(-arrow)], inkOf('laser'), 2.5);
-    polygon(context, [on(0), on(-arrow, 0.5 * arrow), on(-arrow, -0.5 * arrow)], inkOf('laser'));
+    stroke(context, [this.at(this.linkage.rockerPivot), on(-arrow)], hexColour('laser'), 2.5);
+    polygon(context, [on(0), on(-arrow, 0.5 * arrow), on(-arrow, -0.5 * arrow)], hexColour('laser'));
   }
 
   drawPivot(context, [x, y]) {
     const u = this.unit;
-    polygon(context, [[x, y], [x - 2 * u, y + 3.2 * u], [x + 2 * u, y + 3.2 * u]], inkOf('ground'));
-    disc(context, [x, y], 1.2 * u, inkOf('card'), inkOf('ground'), 0.5 * u);
+    polygon(context, [[x, y], [x - 2 * u, y + 3.2 * u], [x + 2 * u, y + 3.2 * u]], hexColour('ground'));
+    disc(context, [x, y], 1.2 * u, hexColour('card'), hexColour('ground'), 0.5 * u);
   }
 
   /// Each bar's name beside its middle, away from the loop.
@@ -212,7 +210,7 @@ class MechanismDrawing {
       const half = context.measureText(name).width / 2;
       const away = half * Math.abs(normal[0]) + 0.5 * size * Math.abs(normal[1]) + 1.9 * this.unit;
       const at = [0, 1].map((axis) => middle[axis] + away * normal[axis]);
-      this.words(context, name, at, inkOf(name));
+      this.words(context, name, at, hexColour(name));
     }
   }
 }
@@ -248,31 +246,31 @@ class PlotDrawing {
     this.drawFrame(context, size, width);
     this.drawCurve(context);
     for (const dead of this.curve.key === 'elevation' ? this.linkage.about.dead_points : []) {
-      disc(context, this.at(dead.step, degrees(dead.elevation)), 5, inkOf('text'), inkOf('card'));
+      disc(context, this.at(dead.step, degrees(dead.elevation)), 5, hexColour('text'), hexColour('card'));
     }
     if (!pose) return;
     const mark = this.at(step, degrees(pose[this.curve.key]));
-    stroke(context, [[mark[0], this.bottom], [mark[0], this.top]], inkOf('quiet'), 1);
-    disc(context, mark, 6.5, inkOf(this.curve.ink), inkOf('card'));
+    stroke(context, [[mark[0], this.bottom], [mark[0], this.top]], hexColour('quiet'), 1);
+    disc(context, mark, 6.5, hexColour(this.curve.ink), hexColour('card'));
   }
 
   drawFrame(context, size, width) {
     lettering(context, size, 'right');
     if (this.curve.poor) this.drawPoor(context, size);
-    context.fillStyle = inkOf('quiet');
+    context.fillStyle = hexColour('quiet');
     for (let value = this.least; value <= this.most + 1e-6; value += this.step) {
       const y = this.at(0, value)[1];
-      stroke(context, [[this.left, y], [this.right, y]], inkOf('grid'), 1);
+      stroke(context, [[this.left, y], [this.right, y]], hexColour('grid'), 1);
       context.fillText(`${fixed(value, 0)}°`, this.left - 7, y);
     }
     context.textAlign = 'center';
     for (let turn = 0; turn <= 360; turn += width > 26 * size ? 45 : 90) {
       const x = this.at(turn / 360 * this.linkage.about.steps, this.least)[0];
-      stroke(context, [[x, this.bottom], [x, this.bottom + 4]], inkOf('quiet'), 1);
+      stroke(context, [[x, this.bottom], [x, this.bottom + 4]], hexColour('quiet'), 1);
       context.fillText(`${turn}°`, x, this.bottom + size);
     }
     context.fillText('Crank angle θ input (°)', (this.left + this.right) / 2, this.bottom + 2.3 * size);
-    context.fillStyle = inkOf(this.curve.inkOfTitle);
+    context.fillStyle = hexColour(this.curve.inkOfTitle);
     context.textAlign = 'left';
     context.fillText(this.curve.title, this.left, 0.9 * size);
   }
@@ -282,11 +280,11 @@ class PlotDrawing {
     const y = this.at(0, this.curve.poor)[1];
     context.save();
     context.globalAlpha = 0.1;
-    context.fillStyle = inkOf('crank');
+    context.fillStyle = hexColour('crank');
     context.fillRect(this.left, y, this.right - this.left, this.bottom - y);
     context.restore();
-    stroke(context, [[this.left, y], [this.right, y]], inkOf('crank'), 1.2, [5, 4]);
-    context.fillStyle = inkOf('crank');
+    stroke(context, [[this.left, y], [this.right, y]], hexColour('crank'), 1.2, [5, 4]);
+    context.fillStyle = hexColour('crank');
     const words = `poor below ${this.curve.poor}°`;
     const isBeside = context.measureText(words).width + context.measureText(this.curve.title).width + size <= this.right - this.left;
     if (isBeside) context.fillText(words, this.right, 0.9 * size);
@@ -298,7 +296,7 @@ class PlotDrawing {
     let stretch = [];
     let before = null;
     const flush = () => {
-      if (stretch.length > 1) stroke(context, stretch, inkOf(this.curve.ink), 2.5);
+      if (stretch.length > 1) stroke(context, stretch, hexColour(this.curve.ink), 2.5);
       stretch = [];
     };
     for (let k = 0; k <= steps; ++k) {

@@ -71,7 +71,7 @@ class Drive {
       places.push(scan.points[k] / 100 - x0, scan.points[k + 1] / 100 - y0, cloudView.floor + 0.04);
     }
     release(cloudView.gl, cloudView.scan);
-    cloudView.scan = new ScanDots(cloudView.gl, places);
+    cloudView.scan = new FlatShape(cloudView.gl, cloudView.gl.POINTS, places);
     this.followTrail(scan.pose && [cloudView.pose.x, cloudView.pose.y, scan.pose[2], scan.scan]);
     followRobot(cloudView, cloudView.pose);
     this.showFigures();

@@ -75,8 +75,12 @@ function showBriefly(text) {
 }
 
 function save() {
-  if (page.cloudView && !byId('cloud-stage').hidden) savePicture(page.cloudView, page.overlay);
-  else saveDrawing(byId('mechanism'));
+  if (!page.cloudView || byId('cloud-stage').hidden) {
+    savePicture(byId('mechanism'));
+    return;
+  }
+  page.cloudView.draw(1);  // in this same turn, while the picture is still there
+  savePicture(page.cloudView.canvas, page.overlay.canvas);
 }
 
 /// Buttons of the top, and the keys that do the same.

@@ -141,28 +141,14 @@ function shownScale(quantity) {
   return view.scale[quantity].map((value) => (quantity === 'time' ? value - cloudBegin : value) * factor);
 }
 
-/// The scene with what is written over it, as PNG.
-function savePicture(cloudView, overlay) {
-  cloudView.draw(1);  // in this same turn, while the picture is still there
-  const picture = element('canvas', {width: cloudView.canvas.width, height: cloudView.canvas.height});
-  const context = picture.getContext('2d');
-  context.drawImage(cloudView.canvas, 0, 0);
-  context.drawImage(overlay.canvas, 0, 0);
-  saveCanvas(picture);
-}
-
-/// A drawing on the ground that it has on the page; its own canvas has none.
-function saveDrawing(canvas) {
-  const picture = element('canvas', {width: canvas.width, height: canvas.height});
+/// Canvases of one size over each other as PNG, on the ground that they have on the page.
+function savePicture(...canvases) {
+  const picture = element('canvas', {width: canvases[0].width, height: canvases[0].height});
   const context = picture.getContext('2d');
   context.fillStyle = cssOf(colourOf('scene'));
   context.fillRect(0, 0, picture.width, picture.height);
-  context.drawImage(canvas, 0, 0);
-  saveCanvas(picture);
-}
-
-function saveCanvas(canvas) {
-  canvas.toBlob((blob) => {
+  for (const canvas of canvases) context.drawImage(canvas, 0, 0);
+  picture.toBlob((blob) => {
     const url = URL.createObjectURL(blob);
     element('a', {href: url, download: 'gdtslam.png'}).click();
     setTimeout(() => URL.revokeObjectURL(url), 10000);

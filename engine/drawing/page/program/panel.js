@@ -81,7 +81,7 @@ class Panel {
   /// Dark and light grounds have maps of their own, unless the user has chosen one.
   suitMaps(keys) {
     for (const key of keys) {
-      if (!this.chosenMaps.has(key)) view.colourMap[key] = defaultMapOf(key);
+      if (!this.chosenMaps.has(key)) view.colourMap[key] = defaultMap();
     }
   }
 

@@ -1,47 +1,32 @@
 // Surroundings of the cloud: grid, map, path and the scan of a drive, each with its buffers.
 
-class Grid {
-  constructor(gl, least, most, height) {
-    this.gl = gl;
-    const side = Math.max(most[0] - least[0], most[1] - least[1], 0.5);
-    this.step = roundStep(side / 12);
-    const origin = description.origin;
-    const lines = [];
-    const range = (axis) => {
-      const from = Math.floor((least[axis] + origin[axis]) / this.step) - 1;
-      const to = Math.ceil((most[axis] + origin[axis]) / this.step) + 1;
-      return [from, to];
-    };
-    const [[x0, x1], [y0, y1]] = [range(0), range(1)];
-    const at = (k, axis) => k * this.step - origin[axis];
-    for (let k = x0; k <= x1; ++k) lines.push(at(k, 0), at(y0, 1), height, at(k, 0), at(y1, 1), height);
-    for (let k = y0; k <= y1; ++k) lines.push(at(x0, 0), at(k, 1), height, at(x1, 0), at(k, 1), height);
-    this.count = lines.length / 3;
-    this.array = vertexArray(gl, bufferOf(gl, new Float32Array(lines)), [[0, 3, gl.FLOAT, false, 12, 0]]);
-    this.program = programOf(gl, kFlatVertex, kFlatFragment);
-  }
-
-  draw(matrix, colour) {
-    this.program.use({clip_from_page: matrix, colour: [...colour, 0.28]});
-    this.gl.bindVertexArray(this.array);
-    this.gl.drawArrays(this.gl.LINES, 0, this.count);
-  }
-}
-
-/// The scan of a drive that goes on: places in the page's frame.
-class ScanDots {
-  constructor(gl, places) {
-    this.gl = gl;
-    this.count = places.length / 3;
+/// Lines or points of one colour; places in the page's frame.
+class FlatShape {
+  constructor(gl, mode, places) {
+    [this.gl, this.mode, this.count] = [gl, mode, places.length / 3];
     this.array = vertexArray(gl, bufferOf(gl, new Float32Array(places)), [[0, 3, gl.FLOAT, false, 12, 0]]);
     this.program = programOf(gl, kFlatVertex, kFlatFragment);
   }
 
-  draw(matrix, colour) {
-    this.program.use({clip_from_page: matrix, colour: [...colour, 1], size: 3 * pixelRatio()});
+  draw(matrix, colour, size = 1) {
+    this.program.use({clip_from_page: matrix, colour, size});
     this.gl.bindVertexArray(this.array);
-    this.gl.drawArrays(this.gl.POINTS, 0, this.count);
+    this.gl.drawArrays(this.mode, 0, this.count);
   }
+}
+
+/// Lines on the floor at round coordinates of the map; `step` is how far they are apart.
+function makeGrid(gl, least, most, height) {
+  const side = Math.max(most[0] - least[0], most[1] - least[1], 0.5);
+  const step = roundStep(side / 12);
+  const origin = description.origin;
+  const range = (axis) => [Math.floor((least[axis] + origin[axis]) / step) - 1, Math.ceil((most[axis] + origin[axis]) / step) + 1];
+  const [[x0, x1], [y0, y1]] = [range(0), range(1)];
+  const at = (k, axis) => k * step - origin[axis];
+  const lines = [];
+  for (let k = x0; k <= x1; ++k) lines.push(at(k, 0), at(y0, 1), height, at(k, 0), at(y1, 1), height);
+  for (let k = y0; k <= y1; ++k) lines.push(at(x0, 0), at(k, 1), height, at(x1, 0), at(k, 1), height);
+  return Object.assign(new FlatShape(gl, gl.LINES, lines), {step});
 }
 
 class MapPicture {

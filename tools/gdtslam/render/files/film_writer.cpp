@@ -31,30 +31,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The program ffmpeg as a child: raw frames go in at its standard input, its complaints are kept. It has a process
-/// group of its own, so that Ctrl-C in a terminal comes to us alone.
-class Ffmpeg {
- public:
-  /// Throws UnavailableError if the program cannot be run.
-  explicit Ffmpeg(std::vector<std::string> command);
-  Ffmpeg(const Ffmpeg&) = delete;
-  Ffmpeg& operator=(const Ffmpeg&) = delete;
-  /// Ends the child if it still runs.
-  ~Ffmpeg();
-
-  /// False if the child no longer reads. Throws Error (exit 130) if an interrupt came while it did not.
-  bool write(std::string_view bytes) const;
-  /// Ends the input and waits. Empty if the child ended well, else how it ended: "exit 1", "signal 9".
-  std::string wait();
-  /// The last lines that the child wrote to standard error, as one.
-  [[nodiscard]] std::string complaint() const;
-
- private:
-  int input_ = -1;
-  int errors_ = -1;
-  pid_t child_ = -1;
-};
-
 // A signal can be handled by another thread or just before a call that blocks, so no call blocks for longer.
 constexpr int kGlance_ms = 20;
 
@@ -62,94 +38,111 @@ void throw_if_interrupted() {
   if (interrupted()) throw Error(ExitCode::kInterrupted, "interrupted; nothing is written");
 }
 
-Ffmpeg::Ffmpeg(std::vector<std::string> command) : errors_(::memfd_create("ffmpeg", MFD_CLOEXEC)) {
-  int ends[2] = {-1, -1};
-  int code = errors_ < 0 || ::pipe2(ends, O_CLOEXEC) != 0 ? errno : 0;
-  input_ = ends[1];
-  posix_spawn_file_actions_t files{};
-  posix_spawnattr_t attributes{};
-  ::posix_spawn_file_actions_init(&files);
-  ::posix_spawn_file_actions_adddup2(&files, ends[0], STDIN_FILENO);
-  ::posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  ::posix_spawn_file_actions_adddup2(&files, errors_, STDERR_FILENO);
-  ::posix_spawnattr_init(&attributes);
-  sigset_t defaults{};
-  ::sigemptyset(&defaults);
-  ::sigaddset(&defaults, SIGPIPE);
-  ::posix_spawnattr_setsigdefault(&attributes, &defaults);
-  ::posix_spawnattr_setpgroup(&attributes, 0);
-  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
-  std::vector<char*> words;
-  words.reserve(command.size() + 1);
-  for (std::string& word : command) words.push_back(word.data());
-  words.push_back(nullptr);
-  if (code == 0) code = ::posix_spawn(&child_, words[0], &files, &attributes, words.data(), ::environ);
-  ::posix_spawn_file_actions_destroy(&files);
-  ::posix_spawnattr_destroy(&attributes);
-  if (ends[0] >= 0) ::close(ends[0]);
-  if (code == 0) {
-    ::fcntl(input_, F_SETFL, O_NONBLOCK);
-    return;
-  }
-  ::close(input_);
-  ::close(errors_);
-  throw UnavailableError(fmt::format("{}: cannot be run: {}", command.front(), errno_text(code)));
-}
-
-Ffmpeg::~Ffmpeg() {
-  if (child_ > 0) {
-    ::kill(child_, SIGKILL);
-    while (::waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
+/// The program ffmpeg as a child: raw frames go in at its standard input, its complaints are kept. It has a process
+/// group of its own, so that Ctrl-C in a terminal comes to us alone.
+class Ffmpeg {
+ public:
+  /// Throws UnavailableError if the program cannot be run.
+  explicit Ffmpeg(std::vector<std::string> command) : errors_(::memfd_create("ffmpeg", MFD_CLOEXEC)) {
+    int ends[2] = {-1, -1};
+    int code = errors_ < 0 || ::pipe2(ends, O_CLOEXEC) != 0 ? errno : 0;
+    input_ = ends[1];
+    posix_spawn_file_actions_t files{};
+    posix_spawnattr_t attributes{};
+    ::posix_spawn_file_actions_init(&files);
+    ::posix_spawn_file_actions_adddup2(&files, ends[0], STDIN_FILENO);
+    ::posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    ::posix_spawn_file_actions_adddup2(&files, errors_, STDERR_FILENO);
+    ::posix_spawnattr_init(&attributes);
+    sigset_t defaults{};
+    ::sigemptyset(&defaults);
+    ::sigaddset(&defaults, SIGPIPE);
+    ::posix_spawnattr_setsigdefault(&attributes, &defaults);
+    ::posix_spawnattr_setpgroup(&attributes, 0);
+    ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+    std::vector<char*> words;
+    words.reserve(command.size() + 1);
+    for (std::string& word : command) words.push_back(word.data());
+    words.push_back(nullptr);
+    if (code == 0) code = ::posix_spawn(&child_, words[0], &files, &attributes, words.data(), ::environ);
+    ::posix_spawn_file_actions_destroy(&files);
+    ::posix_spawnattr_destroy(&attributes);
+    if (ends[0] >= 0) ::close(ends[0]);
+    if (code == 0) {
+      ::fcntl(input_, F_SETFL, O_NONBLOCK);
+      return;
     }
+    ::close(input_);
+    ::close(errors_);
+    throw UnavailableError(fmt::format("{}: cannot be run: {}", command.front(), errno_text(code)));
   }
-  if (input_ >= 0) ::close(input_);
-  ::close(errors_);
-}
 
-bool Ffmpeg::write(std::string_view bytes) const {
-  while (!bytes.empty()) {
-    const ssize_t count = ::write(input_, bytes.data(), bytes.size());
-    if (count >= 0) {
-      bytes.remove_prefix(static_cast<std::size_t>(count));
-      continue;
+  Ffmpeg(const Ffmpeg&) = delete;
+  Ffmpeg& operator=(const Ffmpeg&) = delete;
+  /// Ends the child if it still runs.
+  ~Ffmpeg() {
+    if (child_ > 0) {
+      ::kill(child_, SIGKILL);
+      while (::waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
+      }
     }
-    if (errno == EPIPE) return false;
-    if (errno != EINTR && errno != EAGAIN) {
-      throw FileError("the pipe to ffmpeg", "cannot be written: " + errno_text(errno));
+    if (input_ >= 0) ::close(input_);
+    ::close(errors_);
+  }
+
+  /// False if the child no longer reads. Throws Error (exit 130) if an interrupt came while it did not.
+  bool write(std::string_view bytes) const {
+    while (!bytes.empty()) {
+      const ssize_t count = ::write(input_, bytes.data(), bytes.size());
+      if (count >= 0) {
+        bytes.remove_prefix(static_cast<std::size_t>(count));
+        continue;
+      }
+      if (errno == EPIPE) return false;
+      if (errno != EINTR && errno != EAGAIN) {
+        throw FileError("the pipe to ffmpeg", "cannot be written: " + errno_text(errno));
+      }
+      throw_if_interrupted();
+      pollfd room{.fd = input_, .events = POLLOUT, .revents = 0};
+      ::poll(&room, 1, kGlance_ms);
     }
-    throw_if_interrupted();
-    pollfd room{.fd = input_, .events = POLLOUT, .revents = 0};
-    ::poll(&room, 1, kGlance_ms);
+    return true;
   }
-  return true;
-}
 
-std::string Ffmpeg::wait() {
-  ::close(std::exchange(input_, -1));
-  int status = 0;
-  while (::waitpid(child_, &status, WNOHANG) <= 0) {
-    throw_if_interrupted();
-    ::poll(nullptr, 0, kGlance_ms);
+  /// Ends the input and waits. Empty if the child ended well, else how it ended: "exit 1", "signal 9".
+  std::string wait() {
+    ::close(std::exchange(input_, -1));
+    int status = 0;
+    while (::waitpid(child_, &status, WNOHANG) <= 0) {
+      throw_if_interrupted();
+      ::poll(nullptr, 0, kGlance_ms);
+    }
+    child_ = -1;
+    if (WIFSIGNALED(status)) return fmt::format("signal {}", WTERMSIG(status));
+    return WEXITSTATUS(status) == 0 ? std::string() : fmt::format("exit {}", WEXITSTATUS(status));
   }
-  child_ = -1;
-  if (WIFSIGNALED(status)) return fmt::format("signal {}", WTERMSIG(status));
-  return WEXITSTATUS(status) == 0 ? std::string() : fmt::format("exit {}", WEXITSTATUS(status));
-}
 
-std::string Ffmpeg::complaint() const {
-  constexpr std::size_t kMostComplaint = 300;
-  const off_t size = ::lseek(errors_, 0, SEEK_END);
-  std::string text(kMostComplaint, '\0');
-  const auto from = std::max<off_t>(0, size - static_cast<off_t>(kMostComplaint));
-  const ssize_t count = ::pread(errors_, text.data(), text.size(), from);
-  text.resize(static_cast<std::size_t>(std::max<ssize_t>(0, count)));
-  while (text.ends_with('\n')) text.pop_back();
-  std::replace(text.begin(), text.end(), '\n', ';');
-  return one_line((from > 0 ? "..." : "") + text, kMostComplaint + 3);
-}
+  /// The last lines that the child wrote to standard error, as one.
+  [[nodiscard]] std::string complaint() const {
+    constexpr std::size_t kMostComplaint = 300;
+    const off_t size = ::lseek(errors_, 0, SEEK_END);
+    std::string text(kMostComplaint, '\0');
+    const auto from = std::max<off_t>(0, size - static_cast<off_t>(kMostComplaint));
+    const ssize_t count = ::pread(errors_, text.data(), text.size(), from);
+    text.resize(static_cast<std::size_t>(std::max<ssize_t>(0, count)));
+    while (text.ends_with('\n')) text.pop_back();
+    std::replace(text.begin(), text.end(), '\n', ';');
+    return one_line((from > 0 ? "..." : "") + text, kMostComplaint + 3);
+  }
+
+ private:
+  int input_ = -1;
+  int errors_ = -1;
+  pid_t child_ = -1;
+};
 
 // Red, green and blue of opaque pixels.
-std::string rgb_of(const RgbaImage& frame) {
+std::string to_rgb(const RgbaImage& frame) {
   std::string rgb(frame.pixels.size() / 4 * 3, '\0');
   for (std::size_t from = 0, to = 0; from < frame.pixels.size(); from += 4, to += 3) {
     std::copy_n(frame.pixels.begin() + static_cast<std::ptrdiff_t>(from), 3,
@@ -206,7 +199,7 @@ class FfmpegFilm : public FilmWriter {
       : path_(target.path), file_(target.path), ffmpeg_(ffmpeg_command(target, file_.written_path())) {}
 
   void add(const RgbaImage& frame) override {
-    if (!ffmpeg_.write(rgb_of(frame))) fail(ffmpeg_.wait());
+    if (!ffmpeg_.write(to_rgb(frame))) fail(ffmpeg_.wait());
   }
   void finish() override {
     const std::string failure = ffmpeg_.wait();

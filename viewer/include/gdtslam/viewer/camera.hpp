@@ -1,4 +1,4 @@
-// Where a 3D scene is seen from. Frame: map, z up, metres. Thread-safe, constant time.
+// Cameras of 3D scenes. Frame: map, z up, metres. Thread-safe, constant time.
 #pragma once
 
 #include <cstdint>
@@ -20,17 +20,17 @@ struct Bounds {
   [[nodiscard]] bool holds(const Point3& point) const;
 };
 
-/// Where a picture is taken from, and how.
+/// Place and kind of the camera that takes a picture.
 struct Camera {
   Point3 eye{0.0, -10.0, 10.0};
   Point3 target = Point3::Zero();
   Point3 up{0.0, 0.0, 1.0};
   double view_angle_rad = 0.6;  ///< vertical; not used by a parallel camera
   bool is_parallel = false;
-  double parallel_height_m = 10.0;  ///< of what the picture shows from bottom to top
+  double parallel_height_m = 10.0;  ///< height of the scene from the picture's bottom to its top
 };
 
-/// Where a camera stands when nobody says.
+/// Default places of a camera.
 enum class CameraPreset : std::uint8_t {
   kIso,     ///< from the south-west, the longer side turned to the picture's longer side, 38 degrees down
   kTop,     ///< straight down, parallel, the map's y up, or its x where that fills the picture better
@@ -54,14 +54,28 @@ Camera turned(const Camera& camera, double angle_rad);
 /// or down. Throws UsageError.
 Camera parse_camera(const std::string& text);
 
-/// Where a point is seen: pixels from the upper left corner, and how far before the camera; nothing behind it.
-struct Seen {
-  double x_px = 0.0;
-  double y_px = 0.0;
-  double depth_m = 0.0;
-};
-std::optional<Seen> pixel_of(const Camera& camera, const PictureSize& size, const Point3& point);
+/// Place of a point in the picture: pixels from the upper left corner. Empty behind the camera.
+std::optional<Point2> project(const Camera& camera, const PictureSize& size, const Point3& point);
+
 /// How many pixels a metre across the line of sight is at this point; 0 behind a camera.
 double pixels_per_metre(const Camera& camera, const PictureSize& size, const Point3& point);
+
+// The axes of a camera's picture, in the map.
+
+/// Unit vectors: right and up in the picture, forward along the line of sight.
+struct CameraBasis {
+  Point3 right;
+  Point3 up;
+  Point3 forward;
+};
+/// Also where the camera's up is along the line of sight: then another direction is up.
+CameraBasis camera_basis(const Camera& camera);
+/// Half of the vertical view angle as a slope.
+double half_height_slope(const Camera& camera);
+
+/// The nearest perspective camera with this line of sight that has all points in its picture, but for a margin of this
+/// share on each side. `centre` is any place among the points.
+Camera nearest_camera(const Point3& forward, double view_angle_rad, const Point3& centre,
+                      const std::vector<Point3>& points, const PictureSize& size, double margin_share);
 
 }  // namespace gdtslam

@@ -29,9 +29,9 @@ enum class CloudColour : std::uint8_t { kHeight, kElevation, kTime, kScan, kDist
 struct CloudLook {
   CloudColour colour = CloudColour::kHeight;
   std::string colour_map;       ///< empty: the one that suits colour and background
-  std::optional<double> least;  ///< of the scale (m, rad, s from the first point on, scans, m); nothing: the 1st
-                                ///< percentile of what is drawn, for distances 0
-  std::optional<double> most;   ///< likewise the 99th
+  std::optional<double> least;  ///< lower end of the scale (m, rad, s from the first point on, scans, m); empty: the
+                                ///< 1st percentile of the drawn points, for distances 0
+  std::optional<double> most;   ///< upper end; empty: the 99th percentile
   bool with_floor = true;
   bool with_ceiling = true;  ///< false by default in tools for views from above: a ceiling hides the rooms
   bool with_eye_dome = true;
@@ -40,7 +40,7 @@ struct CloudLook {
   std::uint32_t samples = 2;    ///< per pixel side, for smooth edges; 1 in films of clouds
 };
 
-/// What a picture of the cloud needs to be read: what the colours mean.
+/// Meaning of the colours, for the reader of a picture.
 struct ColourScale {
   std::string quantity;  ///< "Height"
   std::string unit;      ///< "m", "s", degrees as "°"; empty: a number, no quantity: nothing to explain
@@ -70,8 +70,8 @@ class CloudScene {
   /// Only points (and path) up to this stamp are drawn; infinity: all. Points need not be in the order of time.
   void show_until(double stamp_s);
 
-  /// Of what is drawn without stray points: 0.1 % at each end of an axis, and points that lie alone while all of those
-  /// are less than 1 %.
+  /// Bounds of the drawn points without strays: 0.1 % at each end of an axis, and points that lie alone while all of
+  /// those are less than 1 %.
   [[nodiscard]] const Bounds& bounds() const;
   [[nodiscard]] const ColourScale& scale() const;
   [[nodiscard]] std::uint64_t points_drawn() const;
@@ -84,13 +84,11 @@ class CloudScene {
   std::unique_ptr<State> state_;
 };
 
-/// What stands beside the scene.
+/// Words and bars beside the scene.
 struct CloudCaption {
-  std::string title;     ///< name of the cloud
-  std::string subtitle;  ///< "2,612,034 points, 63 m of path"
-  bool with_scale_bar = true;
-  bool with_axes = true;
-  bool with_colour_bar = true;
+  std::string title;      ///< name of the cloud
+  std::string subtitle;   ///< "2,612,034 points, 63 m of path"
+  bool with_bars = true;  ///< scale bar, axes and colour bar
 };
 /// The scene's picture with title, scale bar (of a perspective camera at its target, and said so), colour bar and axes
 /// drawn over it, in the order of need: a part that finds no room is left out.

@@ -26,7 +26,6 @@ class Film {
 };
 
 /// Once around the cloud; the last frame is followed by the first without a jump. The scene must outlive the film.
-/// Throws UsageError for no frames.
 std::unique_ptr<Film> orbit_film(CloudScene& scene, const CloudLook& look, const CloudCaption& caption,
                                  const PictureSize& size, std::size_t frames);
 /// Behind the robot along its path, time running evenly; points appear when they are measured. Afterwards the scene
@@ -34,7 +33,7 @@ std::unique_ptr<Film> orbit_film(CloudScene& scene, const CloudLook& look, const
 std::unique_ptr<Film> follow_film(CloudScene& scene, const Trajectory& trajectory, const CloudLook& look,
                                   const CloudCaption& caption, const PictureSize& size, std::size_t frames);
 
-/// What the film of a scanning robot shows.
+/// Input of the film of a scanning robot.
 struct ScanningFilmInput {
   const Cloud* cloud = nullptr;  ///< with times and elevations
   const Trajectory* trajectory = nullptr;
@@ -42,7 +41,7 @@ struct ScanningFilmInput {
   bool has_linkage = true;  ///< false: the laser tilts by itself, and of the model only the mount counts
   double from_s = 0.0;      ///< stretch of the log, in its clock
   double to_s = 0.0;
-  std::optional<double> zero_s = {};  ///< what its words count from; without: from_s
+  std::optional<double> zero_s = {};  ///< zero of the times in its words; empty: from_s
 };
 /// The mount on the robot scanning: robot, linkage and fan of beams in 3D, points appearing as they are measured, the
 /// elevation over time running along. Time runs evenly from from_s to to_s.

@@ -20,12 +20,12 @@
 
 namespace gdtslam {
 
-/// What goes into a page; null: not there.
+/// Content of a page; null: not there.
 struct PageInput {
   std::string title;
   std::string subtitle;
   const Cloud* cloud = nullptr;  ///< may be null, as all below; thinned by the caller to what a page can hold
-  const std::vector<float>* distances_m = nullptr;  ///< of each point to a reference
+  const std::vector<float>* distances_m = nullptr;  ///< distance of each point to a reference
   const Trajectory* trajectory = nullptr;
   /// Poses at which another drive begins, ascending: no line leads there, and its time goes on where the one before
   /// ends. A cloud's times stay as they are.
@@ -37,6 +37,6 @@ struct PageInput {
 
 /// Throws InputError where there is nothing to show, for a cloud of which no point is finite or which has more than
 /// 2^24 points, and for another number of distances than of points; ConfigError for a linkage that closes nowhere.
-std::string page_of(const PageInput& input);
+std::string make_page(const PageInput& input);
 
 }  // namespace gdtslam

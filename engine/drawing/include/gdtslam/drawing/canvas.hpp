@@ -1,5 +1,5 @@
 // Vector drawings: shapes, words and pictures in the order in which they are drawn. Cairo makes PNG pixels, SVG and PDF
-// of them (raster.hpp). Pixels, x right, y down, all of them finite. One object belongs to one thread; O(shapes).
+// of them. Pixels, x right, y down, all of them finite. One object belongs to one thread; O(shapes).
 #pragma once
 
 #include <memory>
@@ -15,17 +15,24 @@
 
 namespace gdtslam {
 
+/// A rectangle of the page, pixels.
+struct DrawingArea {
+  Point2 corner = Point2::Zero();  ///< upper left
+  double width = 0.0;
+  double height = 0.0;
+};
+
 /// How a line or an edge is drawn.
 struct Pen {
   Colour colour = ink::kText;
   double width = 1.0;
   double opacity = 1.0;
-  std::string_view dashes = "";  ///< as SVG has them: "4 3"; of static storage
+  std::string_view dashes = "";  ///< pattern in the form of SVG, "4 3"; of static storage
 };
 
 enum class Anchor : std::uint8_t { kStart, kMiddle, kEnd };
 
-/// Nothing is drawn farther from the origin than this, in pixels: Cairo's coordinates end at 2^23.
+/// Farthest place from the origin that is drawn, in pixels: Cairo's coordinates end at 2^23.
 inline constexpr double kFarthest_px = 1e6;
 
 /// How words are drawn.
@@ -87,7 +94,7 @@ struct Picture {
   std::shared_ptr<const RgbaImage> image;
   bool is_smooth = true;  ///< false: each pixel of the image stays a square, as a map's cells should
 };
-/// What comes until the matching End is seen within the rectangle only.
+/// Shapes from here to the matching ClipEnd are seen within the rectangle only.
 struct ClipBegin {
   Point2 corner;
   double width = 0.0;
@@ -111,7 +118,7 @@ class Canvas {
   void polygon(std::vector<Point2> points, const Fill& fill);
   void circle(const Point2& centre, double radius, const std::optional<Fill>& fill,
               const std::optional<Pen>& edge = std::nullopt);
-  /// What is no UTF-8 becomes U+FFFD, control characters become spaces.
+  /// Bytes that are not UTF-8 become U+FFFD, control characters become spaces.
   void text(const Point2& at, std::string_view words, const Lettering& lettering = {});
   void upright_text(const Point2& at, std::string_view words, const Lettering& lettering = {});
   void picture(const Point2& corner, double width, double height, std::shared_ptr<const RgbaImage> image,
@@ -135,5 +142,16 @@ class Canvas {
 
 /// Width of a line of words in the face that Cairo draws with.
 double text_width(std::string_view words, double size, bool is_bold = false);
+
+// Drawings as pixels, SVG and PDF, by Cairo: no display, no OpenGL. Thread-safe; O(pixels + shapes). All throw
+// UnavailableError if the drawing has words and there is no font, and Error if Cairo fails.
+
+/// `scale` pixels for each pixel of the drawing. Throws Error too for a side that has not 1 to 32767 pixels.
+RgbaImage rasterise(const Canvas& drawing, double scale = 1.0);
+/// Letters are outlines; the words stand in the description, for screen readers and searches. The same bytes for the
+/// same drawing and fonts.
+std::string draw_svg(const Canvas& drawing);
+/// One page, 96 pixels an inch, words stay words. The same bytes for the same drawing (no time of day).
+std::string draw_pdf(const Canvas& drawing);
 
 }  // namespace gdtslam

@@ -3,6 +3,8 @@
 // equally large. Thread-safe.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -66,5 +68,33 @@ class ColourMap {
 const std::vector<ColourMap>& colour_maps();
 /// Throws ConfigError with the names there are.
 const ColourMap& colour_map(std::string_view name);
+
+/// The colours of a page.
+struct Theme {
+  Colour page;
+  Colour card;  ///< under a plot or a legend
+  Colour edge;  ///< around a card
+  Colour text;
+  Colour quiet;  ///< words that explain
+  Colour grid;
+  Colour warning;
+  std::array<Colour, 6> series;  ///< colours of curves, distinct for people with any colour vision, in this order
+  [[nodiscard]] Colour curve(std::size_t number) const { return series[number % series.size()]; }
+};
+
+inline constexpr Theme kLightTheme{
+    ink::kPage,    ink::kCard,
+    ink::kEdge,    ink::kText,
+    ink::kQuiet,   ink::kGrid,
+    ink::kWarning, {ink::kCoupler, ink::kCrank, ink::kRocker, ink::kCurve, ink::kLaser, ink::kGround}};
+inline constexpr Theme kDarkTheme{ink::kNight,
+                                  colour_for(0x1d2128),
+                                  colour_for(0x363c46),
+                                  colour_for(0xe9e7e1),
+                                  colour_for(0xa3abb6),
+                                  colour_for(0x2c313a),
+                                  colour_for(0xff8f86),
+                                  {colour_for(0x62b4f0), colour_for(0xff8b5c), colour_for(0x4fcb9d),
+                                   colour_for(0xdb9dd6), colour_for(0xffc455), colour_for(0xb2bac5)}};
 
 }  // namespace gdtslam

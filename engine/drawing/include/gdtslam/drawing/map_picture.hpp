@@ -28,26 +28,26 @@ struct FieldPicture {
   std::uint16_t cap = 0;
 };
 
-/// What lies over a map.
+/// Path and marks that lie over a map.
 struct PathOverlay {
   Trajectory trajectory;
   std::vector<std::size_t> keyframes;  ///< indices into the trajectory
-  std::vector<std::size_t> doubtful;   ///< likewise
-  std::vector<std::size_t> drives{};   ///< likewise, at which another drive begins: no line leads there
+  std::vector<std::size_t> doubtful;   ///< indices, too
+  std::vector<std::size_t> drives{};   ///< indices at which another drive begins: no line leads there
 };
 
-/// What a picture of a map or a field shows, and in which colours.
+/// Content and colours of a picture of a map or a field.
 struct MapLook {
   std::string title;
   std::string subtitle;
-  std::string colour_map;  ///< of the field; empty: "glow" for intensity, else "lagoon" (drawing/colour.hpp)
+  std::string colour_map;  ///< colours of the field; empty: "glow" for intensity, else "lagoon" (drawing/colour.hpp)
   bool with_path = true;
   bool with_keyframes = true;
-  bool is_intensity = true;  ///< of the field: bright near obstacles, as figures 4 and 7 print it; else distance in m
+  bool is_intensity = true;  ///< field bright near obstacles, as figures 4 and 7 print it; else distance in m
   bool is_transparent = false;
 };
 
-/// Of a still whose size nobody asks for: 1600 pixels wide, as high as content of these proportions needs, from 500 to
+/// Size of a still without a stated size: 1600 pixels wide, as high as content of these proportions needs, from 500 to
 /// 1600. `width` and `height` in any one unit: only their ratio counts.
 PictureSize size_for_content(double width, double height);
 /// The occupancy map: walls, what was seen free, and the path in the colours of time. Cropped to walls and path,

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "gdtslam/drawing/canvas.hpp"
-#include "gdtslam/drawing/theme.hpp"
 #include "gdtslam/drawing/ticks.hpp"
 
 namespace gdtslam {
@@ -48,7 +47,7 @@ struct BoxFigures {
   double high_whisker = 0.0;
   std::vector<double> beyond;  ///< the whiskers, ascending
 };
-/// Of at least one value, all finite, in any order. O(n log n).
+/// Figures of at least one value, all finite, in any order. O(n log n).
 BoxFigures box_figures(std::vector<double> values);
 
 /// Draws the axes when it is made, then what is asked for, within the frame. Values that are not finite leave a gap.
@@ -58,7 +57,7 @@ class Plot {
   /// `area` has the room for everything: words, frame, ticks.
   Plot(Canvas& canvas, const DrawingArea& area, Axis x, Axis y, PlotLook look = {});
 
-  /// Where a value lies on the page; outside the frame as well.
+  /// Place of a value on the page; outside the frame as well.
   [[nodiscard]] Point2 at(double x, double y) const;
   /// The frame.
   [[nodiscard]] const DrawingArea& inside() const { return inside_; }
@@ -90,13 +89,13 @@ class Plot {
     Pen pen;
     Fill fill;
   };
-  /// What stands beside an axis.
+  /// Words beside an axis.
   struct Label {
     double value = 0.0;
     std::string text;
     std::size_t kept = 0;  ///< bytes at its end that are its remark
   };
-  static std::vector<Label> labels_of(const Axis& axis, const Ticks& ticks);
+  static std::vector<Label> make_labels(const Axis& axis, const Ticks& ticks);
   [[nodiscard]] double letters() const;
   [[nodiscard]] double widest(const std::vector<Label>& labels) const;
   void lay_out_y();

@@ -25,10 +25,14 @@ struct Ticks {
 
 /// The least round step of which at most `most` steps (at least one) lie within the range; the ticks are those within
 /// it. `from` < `to`, both finite.
-Ticks ticks_of(double from, double to, int most, TickSteps steps = TickSteps::kDecimal);
+Ticks make_ticks(double from, double to, int most, TickSteps steps = TickSteps::kDecimal);
 /// The same for the range grown outwards to whole steps.
 Ticks ticks_around(double from, double to, int most, TickSteps steps = TickSteps::kDecimal);
 
+/// "Position error (m)"; without a unit the quantity alone.
+std::string axis_title(const std::string& quantity, const std::string& unit);
+/// "0.0210 m": three figures that count.
+std::string rounded_text(double value, const std::string& unit);
 /// A whole number with a comma at every third digit.
 std::string with_commas(std::uint64_t value);
 /// "1 point", "2,839 points".

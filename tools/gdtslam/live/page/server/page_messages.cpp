@@ -5,8 +5,7 @@
 #include <cmath>
 #include <new>
 
-#include "engine/drawing/markup.hpp"
-#include "engine/drawing/page/page_layers.hpp"
+#include "engine/drawing/letters.hpp"
 #include "engine/drawing/page/page_writer.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 
@@ -41,8 +40,8 @@ std::string compressed(const std::string& text) {
 
 std::string live_page_text(const PageDrive& drive, const std::string& title) {
   page::PageData data;
-  data.description = {{"title", clean_utf8(title)}, {"subtitle", ""},     {"facts", Json::array()}, {"live", true},
-                      {"drive", drive.name},        {"origin", {0, 0, 0}}};
+  data.description = {{"title", legible(title)}, {"subtitle", ""},     {"facts", Json::array()}, {"live", true},
+                      {"drive", drive.name},     {"origin", {0, 0, 0}}};
   return page::page_text(data, "img-src data: blob:; connect-src 'self'");
 }
 

@@ -1,4 +1,6 @@
-#include "cloud_colours.hpp"
+#include "cloud_values.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -6,8 +8,6 @@
 #include <iterator>
 #include <limits>
 #include <numeric>
-
-#include <fmt/format.h>
 
 #include "engine/cloud/neighbours.hpp"
 #include "engine/cloud/to_position.hpp"
@@ -38,6 +38,24 @@ constexpr std::array<Meaning, 6> kMeanings{
 
 // Sequential, the least value nearest to the background, so that what is high, late or far off stands out.
 const char* suitable_map(const CloudLook& look) { return look.is_dark ? "lagoon" : "tide"; }
+
+constexpr std::size_t kLevelSample = 250000;
+constexpr double kStrayLevelShare = 0.001;
+
+constexpr std::size_t kDensitySample = 20000;  // number of points from which the common spacing is estimated
+constexpr double kCubesAlong = 400.0;          // the finest measure: cubes along the cloud's longest side
+constexpr double kLeastCube_m = 0.02;
+constexpr double kCoarsestCubesAlong = 10.0;
+constexpr double kGapsPerCube = 3.0;    // at least, along a cube's edge, so that counting says something
+constexpr double kLargestGap_m = 0.05;  // beyond it points lie alone, and are shown so,
+constexpr double kGapsPerMedian = 2.0;  // but for clouds that are all sparse
+constexpr int kBits =
+    21;  // width of a coordinate in a key; farther cubes fall together, which only makes points smaller
+
+std::uint64_t cube_index(float coordinate_m, double cube_m) {
+  const auto cell = static_cast<std::int64_t>(std::floor(static_cast<double>(coordinate_m) / cube_m));
+  return static_cast<std::uint64_t>(cell) & ((std::uint64_t{1} << kBits) - 1);
+}
 
 }  // namespace
 
@@ -130,6 +148,89 @@ std::vector<float> distances_to(std::span<const CloudPoint> cloud, std::span<con
     if (nearest) distances[k] = static_cast<float>((neighbours.point(*nearest) - at).norm());
   }
   return distances;
+}
+
+LevelSurfaces sampled_level_surfaces(std::span<const CloudPoint> cloud) {
+  Cloud sample;
+  const std::size_t step = std::max<std::size_t>(1, (cloud.size() + kLevelSample - 1) / kLevelSample);
+  sample.reserve(cloud.size() / step + 1);
+  for (std::size_t k = 0; k < cloud.size(); k += step) {
+    if (is_finite(cloud[k])) sample.push_back(cloud[k]);
+  }
+  return find_level_surfaces(sample, {});
+}
+
+double height_m(const Plane& plane, const Point2& at) {
+  return (plane.offset_m - plane.normal.x() * at.x() - plane.normal.y() * at.y()) / plane.normal.z();
+}
+
+std::vector<std::uint32_t> drawn_points(std::span<const CloudPoint> cloud, const LevelSurfaces& surfaces,
+                                        const CloudLook& look) {
+  std::vector<std::uint32_t> drawn;
+  drawn.reserve(cloud.size());
+  bool has_any = false;
+  for (std::uint32_t k = 0; k < cloud.size(); ++k) {
+    if (!is_finite(cloud[k])) continue;
+    has_any = true;
+    const Point3 place = position_of(cloud[k]);
+    if (!look.with_floor && surfaces.floor && surfaces.floor->plane.distance_m(place) <= kFloorMargin_m) continue;
+    if (!look.with_ceiling && surfaces.ceiling && surfaces.ceiling->plane.distance_m(place) >= -kCeilingMargin_m) {
+      continue;
+    }
+    drawn.push_back(k);
+  }
+  if (!has_any) throw InputError("the cloud has no points to show");
+  if (drawn.empty()) throw InputError("the cloud is nothing but floor and ceiling; draw it with them");
+  return drawn;
+}
+
+Bounds robust_bounds(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> drawn) {
+  Bounds bounds;
+  std::vector<float> along(drawn.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t k = 0; k < drawn.size(); ++k) {
+      const CloudPoint& point = cloud[drawn[k]];
+      along[k] = axis == 0 ? point.x_m : axis == 1 ? point.y_m : point.z_m;
+    }
+    bounds.lowest[axis] = static_cast<double>(percentile(along, kStrayLevelShare));
+    bounds.highest[axis] = static_cast<double>(percentile(along, 1.0 - kStrayLevelShare));
+  }
+  return bounds;
+}
+
+std::uint64_t CloudDensity::cube_key(const CloudPoint& point) const {
+  return cube_index(point.x_m, cube_m_) << (2 * kBits) | cube_index(point.y_m, cube_m_) << kBits |
+         cube_index(point.z_m, cube_m_);
+}
+
+CloudDensity::CloudDensity(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> drawn, double cube_m)
+    : cube_m_(cube_m) {
+  for (const std::uint32_t k : drawn) ++counts_[cube_key(cloud[k])];
+}
+
+float CloudDensity::spacing_m(const CloudPoint& point) const {
+  const auto cube = counts_.find(cube_key(point));
+  return static_cast<float>(cube_m_ / std::sqrt(static_cast<double>(cube == counts_.end() ? 1U : cube->second)));
+}
+
+CloudGaps::CloudGaps(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> drawn, double longest_side_m) {
+  const std::size_t step = std::max<std::size_t>(1, drawn.size() / kDensitySample);
+  for (double cube_m = std::max(kLeastCube_m, longest_side_m / kCubesAlong);; cube_m *= 2.0) {
+    density_.emplace(cloud, drawn, cube_m);
+    std::vector<float> gaps;
+    for (std::size_t k = 0; k < drawn.size(); k += step) gaps.push_back(density_->spacing_m(cloud[drawn[k]]));
+    const auto median_m = static_cast<double>(percentile(gaps, 0.5));
+    largest_m_ = std::max(kLargestGap_m, kGapsPerMedian * median_m);
+    if (median_m * kGapsPerCube <= cube_m || cube_m * kCoarsestCubesAlong > longest_side_m) return;
+  }
+}
+
+bool CloudGaps::is_alone(const CloudPoint& point) const {
+  return static_cast<double>(density_->spacing_m(point)) > largest_m_;
+}
+
+double CloudGaps::at_m(const CloudPoint& point) const {
+  return std::min(static_cast<double>(density_->spacing_m(point)), largest_m_);
 }
 
 }  // namespace gdtslam
