@@ -7,13 +7,19 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <stdexcept>
 #include <string_view>
 
-#include "carmen_line.hpp"
 #include "engine/io/decimal.hpp"
 #include "engine/io/message_text.hpp"
 
 namespace gdtslam {
+
+/// A line that breaks its format; what() says how.
+class MalformedLine : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 class FieldCursor {
  public:

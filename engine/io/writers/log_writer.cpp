@@ -5,12 +5,10 @@
 #include <algorithm>
 #include <array>
 
-#include "carmen_log.hpp"
 #include "engine/io/did_you_mean.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
-#include "ros_log.hpp"
-#include "table_log.hpp"
+#include "log_formats.hpp"
 
 namespace gdtslam {
 namespace {
@@ -86,15 +84,15 @@ std::unique_ptr<LogWriter> make_log_writer(LogFormat format, const std::string& 
   AtomicFile& file = files.add(path == "-" ? "/dev/stdout" : path);
   switch (format) {
     case LogFormat::kCarmen:
-      return std::make_unique<CarmenLog>(file, options);
+      return make_carmen_log(file, options);
     case LogFormat::kCsv:
-      return std::make_unique<CsvLog>(file);
+      return make_csv_log(file);
     case LogFormat::kJsonLines:
-      return std::make_unique<JsonLinesLog>(file);
+      return make_json_lines_log(file);
     case LogFormat::kMcap:
       break;
   }
-  return std::make_unique<RosLog>(file, packing);
+  return make_ros_log(file, packing);
 }
 
 }  // namespace gdtslam

@@ -20,6 +20,10 @@ enum class LogFormat : std::uint8_t { kCarmen, kCsv, kJsonLines, kMcap };
 
 /// How the chunks of MCAP files are packed.
 enum class ChunkPacking : std::uint8_t { kNone, kLz4, kZstd };
+/// The packing's name, "none", "lz4" or "zstd"; an MCAP file has an empty text for none.
+std::string_view packing_name(ChunkPacking packing);
+/// A whole chunk, packed; lz4 is a frame of independent blocks with a checksum. Throws Error if memory runs out.
+std::string packed_chunk(const std::string& bytes, ChunkPacking packing);
 
 struct LogWriteOptions {
   /// Of CARMEN: fixed numbers, poses with six decimals; as short as reads back the same when empty.
@@ -59,6 +63,9 @@ std::optional<LogFormat> log_format_by_ending(const std::string& path);
 
 /// "carmen, csv, ...": for help and messages.
 std::string log_format_names();
+
+/// A record as a line of JSON, with its end.
+std::string json_line(const LogRecord& record);
 
 /// Adds its files to `files`; "-" as the path is standard output. Throws UsageError where the format
 /// cannot be packed so, FileError.

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "engine/io/recordings/containers/chunk.hpp"
-#include "engine/io/writers/chunk_packer.hpp"
 #include "engine/io/writers/mcap_writer.hpp"
 #include "gdtslam/core/random.hpp"
 #include "io_test_support.hpp"

@@ -2,7 +2,7 @@
 
 #include <variant>
 
-#include "engine/io/logs/carmen_line.hpp"
+#include "engine/io/logs/carmen.hpp"
 
 namespace gdtslam {
 

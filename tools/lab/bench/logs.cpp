@@ -21,7 +21,6 @@
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/byte_source.hpp"
 #include "engine/io/recordings/containers/chunk.hpp"
-#include "engine/io/writers/chunk_packer.hpp"
 #include "engine/io/writers/log_writer.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
