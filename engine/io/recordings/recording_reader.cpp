@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -23,7 +24,6 @@
 #include "gdtslam/core/error.hpp"
 #include "messages.hpp"
 #include "recording_survey.hpp"
-#include "recording_uses.hpp"
 #include "scan_assembler.hpp"
 #include "topics.hpp"
 
@@ -48,6 +48,9 @@ ReadOptions with_topic_names(ReadOptions options) {
   }
   return options;
 }
+
+/// Opens the container of a recording. Throws RecordingFault if it is none.
+using RecordingMaker = std::function<std::unique_ptr<Recording>()>;
 
 class RecordingReader final : public DescribedLog {
  public:
@@ -309,26 +312,23 @@ class RecordingReader final : public DescribedLog {
 
 }  // namespace
 
-std::unique_ptr<DescribedLog> read_recording(const RecordingMaker& make, std::string_view format,
-                                             const std::string& name, const ReadOptions& options) {
-  return std::make_unique<RecordingReader>(make, format, name, options);
-}
-
 std::unique_ptr<DescribedLog> open_bag(std::unique_ptr<ByteSource> unpacked, const std::string& name,
                                        const ReadOptions& options) {
-  return read_recording([&] { return std::make_unique<Ros1Bag>(std::move(unpacked)); }, "ROS 1 bag", name, options);
+  return std::make_unique<RecordingReader>([&] { return std::make_unique<Ros1Bag>(std::move(unpacked)); }, "ROS 1 bag",
+                                           name, options);
 }
 
 std::unique_ptr<DescribedLog> open_mcap(std::unique_ptr<ByteSource> unpacked, const std::string& name,
                                         const ReadOptions& options) {
-  return read_recording([&] { return std::make_unique<McapFile>(std::move(unpacked)); }, "MCAP", name, options);
+  return std::make_unique<RecordingReader>([&] { return std::make_unique<McapFile>(std::move(unpacked)); }, "MCAP",
+                                           name, options);
 }
 
 std::unique_ptr<DescribedLog> open_ros2_bag(const std::string& path, const ReadOptions& options) {
   std::error_code ignored;
   const bool is_folder = std::filesystem::is_directory(path, ignored);
-  return read_recording([&] { return is_folder ? open_ros2_folder(path) : open_ros2_file(path); },
-                        is_folder ? "ROS 2 bag" : "ROS 2 bag, one file", path, options);
+  return std::make_unique<RecordingReader>([&] { return is_folder ? open_ros2_folder(path) : open_ros2_file(path); },
+                                           is_folder ? "ROS 2 bag" : "ROS 2 bag, one file", path, options);
 }
 
 }  // namespace gdtslam

@@ -1,5 +1,3 @@
-#include "recording_uses.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 
 #include "engine/core/ascii.hpp"
 #include "engine/core/one_line.hpp"
+#include "recording_survey.hpp"
 
 namespace gdtslam {
 namespace {

@@ -17,11 +17,10 @@
 #include <vector>
 
 #include "engine/io/log_contents.hpp"
-#include "first_stamp.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "messages.hpp"
 #include "odometry_track.hpp"
-#include "topic_clock.hpp"
+#include "stamps.hpp"
 #include "transform3.hpp"
 
 namespace gdtslam {

@@ -6,7 +6,6 @@
 #include <array>
 #include <utility>
 
-#include "chunk.hpp"
 #include "engine/io/message_text.hpp"
 
 namespace gdtslam {

@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-#include "counted_bytes.hpp"
+#include "chunk.hpp"
 #include "engine/io/byte_source.hpp"
 #include "recording.hpp"
 

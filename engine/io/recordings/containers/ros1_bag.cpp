@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "chunk.hpp"
 #include "engine/io/message_text.hpp"
 
 namespace gdtslam {

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "counted_bytes.hpp"
+#include "chunk.hpp"
 #include "engine/io/byte_source.hpp"
 #include "recording.hpp"
 
