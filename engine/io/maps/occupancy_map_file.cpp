@@ -11,7 +11,6 @@
 #include "engine/io/byte_source.hpp"
 #include "engine/io/yaml/yaml_file.hpp"
 #include "gdtslam/core/error.hpp"
-#include "pgm.hpp"
 #include "png.hpp"
 
 namespace gdtslam {

@@ -1,11 +1,10 @@
-#include "pgm.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <string_view>
 
 #include "gdtslam/core/error.hpp"
+#include "png.hpp"
 
 namespace gdtslam {
 namespace {

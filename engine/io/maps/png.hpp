@@ -11,9 +11,19 @@
 #include <string_view>
 #include <vector>
 
-#include "pgm.hpp"
-
 namespace gdtslam {
+
+/// A grey picture, rows from the top.
+struct Grey8Image {
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  std::uint32_t max_value = 255;  ///< the level that means white
+  std::vector<std::uint8_t> pixels;
+};
+
+/// PGM (P5, one byte a pixel). The stated size must be that of the file, so that no memory is taken on a header's word.
+/// Throws InputError.
+Grey8Image decode_pgm(std::span<const std::byte> data, const std::string& name);
 
 struct Grey16Image {
   std::uint32_t width = 0;

@@ -4,9 +4,9 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "engine/core/shown_quantity.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/units.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 
 namespace gdtslam {

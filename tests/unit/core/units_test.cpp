@@ -7,8 +7,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "engine/core/shown_quantity.hpp"
-#include "engine/core/stated_quantity.hpp"
 #include "gdtslam/core/angle.hpp"
 
 namespace gdtslam {

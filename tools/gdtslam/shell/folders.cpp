@@ -7,7 +7,6 @@
 #include <system_error>
 #include <utility>
 
-#include "engine/core/files/folder_calls.hpp"
 #include "engine/core/files/retried.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
@@ -93,7 +92,7 @@ TemporaryFolder::TemporaryFolder(const std::string& name, std::string below) {
 TemporaryFolder::~TemporaryFolder() {
   without_throwing([this] {
     std::error_code ignored;  // what cannot be removed is the system's to tidy up
-    remove_tree(path_, ignored);
+    fs::remove_all(path_, ignored);
   });
 }
 

@@ -1,4 +1,4 @@
-// What options of the command line name: quantities with their unit, or 0 (core/stated_quantity.hpp), and counts.
+// What options of the command line name: quantities with their unit, or 0 (core/units.hpp), and counts.
 // Thread-safe.
 #pragma once
 
