@@ -10,19 +10,10 @@
 #include <vector>
 
 #include "engine/io/byte_source.hpp"
+#include "engine/io/little_endian.hpp"
 #include "recording.hpp"
 
 namespace gdtslam {
-
-/// The whole number that begins a text of at least its size.
-template <class Whole>
-Whole little_endian(const char* bytes) {
-  Whole value = 0;
-  for (std::size_t k = 0; k < sizeof(Whole); ++k) {
-    value |= static_cast<Whole>(static_cast<Whole>(static_cast<unsigned char>(bytes[k])) << (8U * k));
-  }
-  return value;
-}
 
 /// Bytes of a source with their number: as many as are asked for, or a RecordingCut. Little endian, as all containers
 /// of recordings are.
