@@ -5,7 +5,6 @@
 
 #include "engine/io/sha256.hpp"
 #include "guard.hpp"
-#include "structs.hpp"
 
 namespace gdtslam::c {
 namespace {

@@ -10,7 +10,6 @@
 #include "gdtslam/compute/backend.hpp"
 #include "guard.hpp"
 #include "options.hpp"
-#include "structs.hpp"
 
 /// What a localizer and its trackers share.
 struct gdtslam_localizer {

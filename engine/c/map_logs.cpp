@@ -11,7 +11,6 @@
 #include "guard.hpp"
 #include "options.hpp"
 #include "run.hpp"
-#include "structs.hpp"
 
 namespace {
 

@@ -11,7 +11,6 @@
 #include "gdtslam/mapping/mapper.hpp"
 #include "guard.hpp"
 #include "options.hpp"
-#include "structs.hpp"
 
 struct gdtslam_mapper {
   gdtslam_mapper(const gdtslam::MapperConfig& config, bool with_loops, const gdtslam::c::ThreadChoice& threads);

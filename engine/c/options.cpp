@@ -5,7 +5,6 @@
 #include "convert.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 #include "guard.hpp"
-#include "structs.hpp"
 
 namespace gdtslam::c {
 

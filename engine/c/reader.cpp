@@ -11,7 +11,6 @@
 #include "engine/runs/streams/scan_stream.hpp"
 #include "guard.hpp"
 #include "options.hpp"
-#include "structs.hpp"
 
 namespace gdtslam::c {
 

@@ -37,10 +37,7 @@ struct FilePosition {
 };
 
 /// "file:line: message", or "file: message" where no line is known.
-inline std::string located(const FilePosition& position, const std::string& message) {
-  const std::string line = position.line == 0 ? "" : ":" + std::to_string(position.line);
-  return position.file + line + ": " + message;
-}
+std::string located(const FilePosition& position, const std::string& message);
 
 /// Input data that cannot be used (exit 65).
 class InputError : public Error {
