@@ -20,9 +20,9 @@
 struct gdtslam_grid {
   gdtslam::GridGeometry geometry;
   std::variant<std::vector<std::uint16_t>, std::vector<std::uint8_t>> cells;
-  std::uint32_t cap = 0;  ///< of a distance field
+  std::uint32_t cap = 0;  ///< cap of a distance field; 0 for a map
 
-  /// Of a distance field, once it was asked for; any thread may ask.
+  /// Hash of a distance field, made when it is first asked for; any thread may ask.
   mutable std::once_flag hashed{};
   mutable std::string sha256{};
 };

@@ -11,7 +11,7 @@
 #include "guard.hpp"
 #include "options.hpp"
 
-/// What a localizer and its trackers share.
+/// The parts that a localizer and its trackers share.
 struct gdtslam_localizer {
   struct Shared {
     Shared(const std::string& map, const gdtslam::MapperConfig& mapper_config, const gdtslam::LocalizeLimits& limits)

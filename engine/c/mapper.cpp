@@ -47,7 +47,7 @@ void require_open(const gdtslam_mapper& mapper, const char* what) {
   if (mapper.is_closed) throw UsageError(std::string(what) + ": the mapper is closed");
 }
 
-// What is missing of the motion during the scan is taken of the map, as a whole log does.
+// The motion during the scan is completed from the map if the scan does not state it, as for a whole log.
 MatchResult process(gdtslam_mapper& mapper, ScanRecord record) {
   mapper.speed.complete(record);
   const MatchResult result = mapper.mapper->process(record.scan, record.T_odom_base);

@@ -16,7 +16,7 @@ struct gdtslam_options {
   ~gdtslam_options() = default;
 
   gdtslam::Settings settings;
-  std::vector<gdtslam::Option> table;  ///< of the settings
+  std::vector<gdtslam::Option> table;  ///< rows for the settings above
   std::string path, doc, value;        ///< that were last given out
 };
 

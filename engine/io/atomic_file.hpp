@@ -16,7 +16,7 @@
 
 namespace gdtslam {
 
-/// Whoever read the pipe that is written has gone away, as `head` does once it has enough.
+/// The reader of the pipe that is written has gone away, as `head` does once it has enough.
 class NoReaderError : public FileError {
  public:
   using FileError::FileError;
@@ -40,8 +40,8 @@ class AtomicFile {
   /// The file takes its name; the last call.
   void commit();
   [[nodiscard]] const std::string& path() const { return path_; }
-  /// Where the bytes are until the file takes its name, for a library that writes them itself. Throws FileError where
-  /// that is a pipe or a device.
+  /// The path of the bytes until the file takes its name, for a library that writes them itself. Throws FileError for a
+  /// pipe or a device.
   [[nodiscard]] const std::string& written_path() const;
 
  private:
@@ -52,7 +52,7 @@ class AtomicFile {
   void write_through(const char* data, std::size_t size);
   [[noreturn]] void fail(const char* what, int code) const;
 
-  std::string path_;       ///< as given, for messages
+  std::string path_;       ///< the path that the caller gave, for messages
   std::string target_;     ///< links resolved
   std::string temporary_;  ///< empty when the target is written directly
   int descriptor_ = -1;

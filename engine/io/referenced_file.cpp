@@ -45,7 +45,7 @@ std::string fault_of_reference(const std::string& referrer, const std::string& n
     return in_quotes(name) +
            " is an absolute name, of which the last part counts; no such file lies in the folder of this file";
   }
-  if (error) return {};  // nothing there: the message of opening it says so
+  if (error) return {};  // the message of opening it names the missing file
   const fs::path parent = fs::path(referrer).parent_path();
   const fs::path folder = fs::canonical(parent.empty() ? fs::path(".") : parent, error);
   if (error || !is_below(path, folder)) return leads_out;

@@ -104,7 +104,7 @@ class TextLog : public DescribedLog {
  private:
   std::string_view format_;
   WarningCounter warnings_;
-  std::map<std::size_t, ScanSequence> sequences_;  ///< of each laser
+  std::map<std::size_t, ScanSequence> sequences_;  ///< by laser
   bool is_finished_ = false;
 };
 

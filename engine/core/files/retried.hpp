@@ -12,7 +12,7 @@
 
 namespace gdtslam {
 
-/// What the call returns, below 0 with errno where it failed of anything else than a signal.
+/// Returns the result of the call, below 0 with errno if it failed for another reason than a signal.
 template <typename Call>
 auto retried(const Call& call) {
   auto result = call();

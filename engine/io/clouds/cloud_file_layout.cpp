@@ -28,7 +28,7 @@ double decoded(const char* data, bool is_big_endian) {
 struct ScalarKind {
   std::size_t size;
   double (*decode)(const char* data, bool is_big_endian);
-  std::array<std::string_view, 3> names;  ///< of PLY, its other one, and PCD's
+  std::array<std::string_view, 3> names;  ///< two names in PLY and one in PCD
 };
 constexpr std::array<ScalarKind, 10> kScalars{{{1, decoded<std::int8_t>, {"char", "int8", "I1"}},
                                                {1, decoded<std::uint8_t>, {"uchar", "uint8", "U1"}},

@@ -22,7 +22,7 @@ std::size_t size_of(Scalar type);
 /// The value of a scalar that begins at `data`.
 double decode(Scalar type, const char* data, bool is_big_endian);
 
-/// What a column means to us.
+/// The meaning of a column for this program.
 enum class CloudRole : std::uint8_t { kX, kY, kZ, kElevation, kTime, kScan, kIgnored };
 CloudRole role_of(std::string_view column);
 /// The column's name; of the ignored ones "".

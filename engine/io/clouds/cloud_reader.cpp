@@ -26,7 +26,7 @@ bool has(const CloudFileLayout& layout, CloudRole role) {
                      [role](const CloudColumn& column) { return column.role == role; });
 }
 
-// What every layout must have, whatever its format says it in.
+// Checks the columns that every layout must have, in each format.
 void check_columns(CloudFileLayout& layout, const std::string& name) {
   std::array<int, kRoles> times{};
   for (CloudColumn& column : layout.vertex.columns) {
@@ -127,14 +127,14 @@ struct CloudReader::State {
   RowValues row{input, layout.is_ascii, layout.is_big_endian};
   std::uint64_t point_bytes = 0;
   std::vector<PlacedColumn> placed;
-  std::string unpacked;  // of binary_compressed: column after column
+  std::string unpacked;  // data of binary_compressed, column after column
   std::uint64_t done = 0;
   std::uint64_t skipped = 0;
   bool is_end_checked = false;
   bool is_relative = false;
   bool has_origin = false;
   std::array<double, 3> origin_m{};
-  std::array<double, kRoles> values{};  // of the point at hand; what the file lacks is 0
+  std::array<double, kRoles> values{};  // the current point; columns that the file lacks are 0
 };
 
 void CloudReader::State::ends_early() const {

@@ -40,8 +40,8 @@ class CloudNumbers {
  public:
   explicit CloudNumbers(std::string_view line) : at_(line.data()), end_(line.data() + line.size()) {}
 
-  /// Nothing at the end of the line, or where something else than a number stands. A float is rounded once, from its
-  /// digits: by way of double the last bit may differ.
+  /// The next number; nothing at the end of the line or before another word. A float is rounded once, from its digits:
+  /// by way of double the last bit may differ.
   std::optional<double> next(Scalar type) {
     skip_blanks();
     if (at_ == end_) return std::nullopt;

@@ -22,7 +22,7 @@ void append_binary(std::string& bytes, const CloudPoint& point) {
   append_little_endian(bytes, point.scan);
 }
 
-// As long for any count: blanks in a comment make up for its missing digits.
+// The header has the same length for any count: blanks in a comment replace the missing digits.
 std::string header_of(CloudFormat format, std::uint64_t points) {
   const std::string count = std::to_string(points);
   const bool is_ply = format == CloudFormat::kPlyBinary;

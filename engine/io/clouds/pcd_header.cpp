@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMostColumns = 1000;
 constexpr std::uint64_t kMostLines = 10'000;
-constexpr std::uint64_t kMostColumnValues = 8000;  // of a column of a point
+constexpr std::uint64_t kMostColumnValues = 8000;  // in one column of a point
 
 using Words = std::vector<std::string>;
 

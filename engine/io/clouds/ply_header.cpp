@@ -64,7 +64,7 @@ void sort_elements(std::vector<CloudElement> elements, CloudFileLayout& layout, 
   throw InputError({name, 0}, "has no element 'vertex', so it holds no points");
 }
 
-// What a line between "ply" and "end_header" says.
+// Reads one line between "ply" and "end_header".
 void take(const LineWords& words, PlyHeader& header, const FilePosition& at) {
   std::vector<CloudElement>& elements = header.elements;
   if (words[0] == "format") {

@@ -211,7 +211,7 @@ class CarmenReader final : public TextLog {
     if (head.empty()) {
       throw InputError({name_, 0}, "is empty" + give_a_log());
     }
-    // Of a pipe more than a line may have come or not, and that must make no difference.
+    // A pipe may have given more than a line or not, and that must make no difference.
     const std::string_view first = head.substr(0, head.find('\n'));
     if (const std::string fault = fault_of_foreign_line(first); !fault.empty()) throw InputError({name_, 0}, fault);
     if (first.find('\0') != std::string_view::npos) {
@@ -305,7 +305,7 @@ class CarmenReader final : public TextLog {
     }
   }
 
-  std::array<SteadyMount, 2> mounts_;  ///< of each laser
+  std::array<SteadyMount, 2> mounts_;  ///< one for each laser
   double stated_max_range_m_ = 0.0;
   bool is_begun_ = false;
 };

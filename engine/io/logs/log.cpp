@@ -21,7 +21,7 @@
 namespace gdtslam {
 namespace {
 
-// What every refusal ends with.
+// The end of every refusal.
 std::string supported() {
   return fmt::format("supported are {} logs, plain or packed by gzip, bzip2, xz or zstd", kLogFormats);
 }
@@ -138,7 +138,8 @@ std::unique_ptr<DescribedLog> open_source(std::unique_ptr<ByteSource> packed, co
     if (magic.open != nullptr) return magic.open(std::move(source), name, options);
     throw InputError({name, 0}, fmt::format("is {}; {}", magic.kind, supported()));
   }
-  if (!head.empty()) refuse_topics(options.topics, name, "a CARMEN log");  // what ended before it began is none
+  if (!head.empty())
+    refuse_topics(options.topics, name, "a CARMEN log");  // a log that ended before it began has no kind
   return open_carmen(std::move(source), name, options);
 }
 

@@ -74,7 +74,7 @@ int whole_level(const DescriptionFile& file, const char* key) {
   return static_cast<int>(value);
 }
 
-/// What the description says of the levels.
+/// The statements of the description about levels.
 struct Levels {
   int scale = 1;  ///< per 1/256 cell
   int cap = 1;

@@ -59,7 +59,7 @@ class PngWriter {
 /// The file's bytes. Throws Error for a side of 0 or beyond 2^31 - 1 pixels, for another number of pixels than that,
 /// and where libpng has no memory.
 std::string encode_png(const Grey16Image& image);
-/// Of red, green, blue and alpha.
+/// The same for red, green, blue and alpha.
 std::string encode_png(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba);
 
 /// Grey of 16 bits (8-bit and colour images are refused). Throws InputError for what is damaged or has more than

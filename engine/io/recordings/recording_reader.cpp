@@ -32,7 +32,7 @@ namespace {
 
 constexpr std::string_view kAllTopics = "all";
 
-/// As recordings have them, with a slash before.
+/// The name of a topic in recordings, with a slash before.
 std::string topic_name(const std::string& text) {
   return text.empty() || text.starts_with('/') || text == kAllTopics ? text : "/" + text;
 }
@@ -123,7 +123,7 @@ class RecordingReader final : public DescribedLog {
     return channel->kind != MessageKind::kOther && topic == crank_topic_;
   }
 
-  /// Nothing at the end, also of a recording that was cut or, where that is tolerated, damaged.
+  /// Returns nothing at the end, and for a recording that was cut or, if that is tolerated, damaged.
   std::optional<RecordingItem> next_item() {
     try {
       return recording_->next([this](std::uint32_t channel) { return is_wanted(channel); },
@@ -239,7 +239,7 @@ class RecordingReader final : public DescribedLog {
                     name_, topics_.text(has_scans)));
   }
 
-  /// What was asked for by name and is not there. Of several recordings each may have some of the lasers alone.
+  /// Checks that everything asked for by name is there. Each of several recordings may have some of the lasers alone.
   void check_choice() {
     const TopicChoice& choice = options_.topics;
     for (const std::string& topic : choice.scans) {
@@ -296,7 +296,7 @@ class RecordingReader final : public DescribedLog {
   std::unique_ptr<Recording> recording_;
   ScanAssembler assembler_;
   WarningCounter warnings_;
-  std::vector<ScanSequence> sequences_;  ///< of each laser
+  std::vector<ScanSequence> sequences_;  ///< one for each laser
   TopicTable topics_;
   std::optional<RecordingSurvey> survey_;
   std::map<std::string, std::size_t, std::less<>> lasers_;  ///< numbers of lasers by their topics

@@ -18,7 +18,7 @@ constexpr std::size_t kMostJoints = 16;
 constexpr std::size_t kLongestNameKept = 256;  // bytes; names that are longer are not kept
 constexpr double kMoved = 1e-4;                // metres, or of a rotation's matrix
 
-// Of those messages that begin with a header, the small ones: pictures and clouds are not unpacked for their frames.
+// Small messages that begin with a header: pictures and clouds are not unpacked for their frames.
 constexpr std::array<std::string_view, 16> kHeadedTypes{"sensor_msgs/Imu",
                                                         "sensor_msgs/MagneticField",
                                                         "sensor_msgs/NavSatFix",

@@ -1,6 +1,6 @@
-// What a recording has, seen in passing: its topics with rates, frames, clocks and numbers, and the tree of its frames.
-// What of it is used, its reader knows. Not thread-safe; memory is bounded: kMostSurveyed topics of each use and
-// FrameTree::kMostFrames frames are kept, and of messages no names that are longer than any that people give.
+// Contents of a recording, collected in passing: its topics with rates, frames, clocks and numbers, and the tree of its
+// frames; and which of them its reader uses. Not thread-safe; memory is bounded: kMostSurveyed topics of each use and
+// FrameTree::kMostFrames frames are kept, without names that are longer than people give.
 #pragma once
 
 #include <algorithm>

@@ -14,7 +14,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kLevelSine = 0.0523;  // of 3 degrees, by which ranges are 0.14 % too long
+constexpr double kLevelSine = 0.0523;  // sine of 3 degrees, by which ranges are 0.14 % too long
 constexpr double kMostSweep_s = 10.0;  // a longer one is no sweep, but a field that nobody filled
 
 /// From the first beam to the last; 0 where the message does not say.

@@ -46,7 +46,7 @@ class ScanAssembler {
   /// A laser's number for the scans of a topic; call once a topic, in the order of their first scans.
   std::size_t add_laser(const std::string& topic);
   void add_scan(std::size_t laser, ScanMessage scan, double received_s);
-  /// Of an odometry topic, which counts for more than transforms.
+  /// Takes a message of an odometry topic, which counts for more than transforms.
   void add_odometry(const TransformMessage& pose, double received_s);
   /// A transform from an odometry frame, or from the one that was chosen, is odometry unless it is static; all others
   /// say how frames lie to each other. Returns whether it was taken as odometry.
@@ -57,12 +57,12 @@ class ScanAssembler {
   /// known, or too many wait, or it is the end.
   std::optional<LogRecord> next(bool at_end);
 
-  // What was found so far, for those who want to know.
+  // Findings so far, for reports.
   [[nodiscard]] bool has_odometry() const { return !poses_.empty(); }
   [[nodiscard]] const std::string& odometry_frame() const { return odometry_frame_; }
   [[nodiscard]] const std::string& base_frame() const { return base_; }
   [[nodiscard]] std::string frames_text() const { return frames_.text(); }
-  /// What is added to stamps; nothing before it is settled.
+  /// The shift that is added to stamps; nothing before it is settled.
   [[nodiscard]] std::optional<double> odometry_shift_s() const { return pose_shift_s_; }
   [[nodiscard]] std::optional<double> crank_shift_s() const { return crank_shift_s_; }
   /// The frame of the laser's scans, and who says where it sits; topic is left empty.
@@ -73,18 +73,18 @@ class ScanAssembler {
   enum class PoseSource : std::uint8_t { kUnknown, kOdometry, kTransforms };
   struct Laser {
     std::optional<Pose2> T_base_laser;  ///< stated
-    std::string frame{};                ///< of its last scan
+    std::string frame{};                ///< frame of its last scan
     double last_stamp_s = 0.0;
     FirstStamp<ScanMessage> stamps{};
   };
   struct HeldScan {
     std::size_t laser = 0;
     ScanMessage scan;
-    std::uint64_t stretch = 0;  ///< of the odometry's clock
+    std::uint64_t stretch = 0;  ///< stretch of the odometry's clock
     std::uint64_t due = 0;      ///< it waits for so many poses
   };
   using Held = std::variant<HeldScan, NumberMessage>;
-  /// Of a number that keeps its place among those that wait until its stamp is known.
+  /// A number that keeps its place in the queue until its stamp is known.
   struct WaitingStamp {
     double stamp_s = 0.0;
     NumberMessage* number = nullptr;
@@ -95,7 +95,7 @@ class ScanAssembler {
   void add_pose(const TransformMessage& pose, double received_s);
   void take_scan(std::size_t laser, ScanMessage scan, double received_s);
   void take_pose(const Odometry& pose, double received_s);
-  /// What takes messages once their stamps are known.
+  /// Receivers of messages whose stamps are known.
   auto scan_taker(std::size_t laser);
   auto pose_taker();
   auto crank_taker();
@@ -129,8 +129,8 @@ class ScanAssembler {
   std::optional<double> pose_shift_s_;  ///< from the odometry's clock to the laser's, once it is settled
   std::optional<double> crank_shift_s_;
   FrameTree frames_;
-  std::map<std::string, Transform3, std::less<>> mounts_;    ///< of each frame that scans have
-  std::set<std::string, std::less<>> frames_without_mount_;  ///< of those, where no transform had come in time
+  std::map<std::string, Transform3, std::less<>> mounts_;    ///< by the frames that scans have
+  std::set<std::string, std::less<>> frames_without_mount_;  ///< frames of scans whose transform had not come in time
 };
 
 }  // namespace gdtslam

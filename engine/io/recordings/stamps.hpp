@@ -34,7 +34,7 @@ class FirstStamp {
     give(std::pair(std::move(message), received_s), take);
   }
 
-  /// Where no second message comes, or nobody can wait for it: a first stamp of 0 is none.
+  /// Called if no second message comes, or nobody can wait for it: a first stamp of 0 is none then.
   template <class Take>
   void settle(const Take& take) {
     if (!first_) return;
@@ -45,11 +45,12 @@ class FirstStamp {
   [[nodiscard]] bool is_waiting() const { return first_.has_value(); }
 
  private:
-  /// Of a simulator's clock from that of receipts, which may be slower or faster, between two messages.
+  /// The largest difference of a simulator's clock, which may be slower or faster, from that of receipts, between two
+  /// messages.
   static constexpr double kMostOff_s = 10.0;
 
   using Received = std::pair<Message, double>;
-  /// What a stamp of 0 is.
+  /// The meaning of a stamp of 0.
   enum class Zero : std::uint8_t { kUnknown, kNone, kTime };
 
   template <class Take>

@@ -26,10 +26,10 @@ std::string_view packing_name(ChunkPacking packing);
 std::string packed_chunk(const std::string& bytes, ChunkPacking packing);
 
 struct LogWriteOptions {
-  /// Of CARMEN: fixed numbers, poses with six decimals; as short as reads back the same when empty.
+  /// For CARMEN: fixed numbers, poses with six decimals; as short as reads back the same when empty.
   std::optional<int> range_decimals{};
-  std::string host = "gdtslam";           ///< of CARMEN: what stands as the computer's name
-  std::optional<ChunkPacking> packing{};  ///< of MCAP: zstd when empty
+  std::string host = "gdtslam";           ///< for CARMEN: the name of the computer
+  std::optional<ChunkPacking> packing{};  ///< for MCAP: zstd when empty
 };
 
 class LogWriter {
@@ -44,7 +44,7 @@ class LogWriter {
   virtual void finish() = 0;
   /// Bytes so far, before a .gz around them.
   [[nodiscard]] virtual std::uint64_t bytes() const = 0;
-  /// What the format cannot carry, counted by kind.
+  /// Data that the format cannot carry, counted by kind.
   [[nodiscard]] const std::vector<LogReader::Warning>& left_out() const { return left_out_.list(); }
 
  protected:

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kMostTextBytes = std::size_t{1} << 16;  // an alias may repeat a text a hundred thousand times
 constexpr std::size_t kMostNumberBytes = 200;
 
-// What a message quotes from a file may hold anything; the message stays one line of readable text.
+// A message that quotes a file stays one line of readable text of this length.
 constexpr std::size_t kMostShown = 400;
 
 std::string_view without_suffix(std::string_view text, std::string_view suffix) {

@@ -128,7 +128,7 @@ std::string unknown_name(const std::string& path, std::span<const Option> option
                  : fmt::format("unknown option {}; `gdtslam config show --all` lists all", in_quotes(path));
 }
 
-// Of a section that there is not: the name of one that resembles it.
+// Names the section that an unknown one resembles.
 std::string unknown_section(const std::string& path, std::span<const Option> options) {
   std::vector<std::string_view> sections;
   for (const Option& option : options) {

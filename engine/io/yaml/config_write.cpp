@@ -23,7 +23,7 @@ SplitPath split(std::string_view path) {
   return dot == std::string_view::npos ? SplitPath{{}, path} : SplitPath{path.substr(0, dot), path.substr(dot + 1)};
 }
 
-/// What may stand there, for people: the bounds, the names, nothing for a switch.
+/// The allowed values of an option, for people: the bounds, the names, nothing for a switch.
 std::string bounds_text(const Option& option) {
   if (const auto* choice = std::get_if<Choice>(&option.value)) {
     return fmt::format(" ({})", fmt::join(choice->names(), ", "));

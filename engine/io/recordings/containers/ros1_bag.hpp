@@ -53,7 +53,7 @@ class Ros1Bag final : public Recording {
   std::optional<CountedBytes> chunk_;
   std::uint64_t chunk_end_ = 0;  ///< in the file
   std::string header_;
-  std::string data_;  ///< of the message that was given last
+  std::string data_;  ///< bytes of the message that was given last
 };
 
 }  // namespace gdtslam

@@ -222,8 +222,8 @@ class FileSequence final : public Recording {
   bool has_files_ = false;
   std::size_t next_file_ = 0;
   std::unique_ptr<Recording> file_;
-  std::map<std::uint32_t, std::uint32_t> numbers_;                 ///< of the file's channels
-  std::map<RecordingChannel, std::uint32_t, ChannelOrder> known_;  ///< of the channels of all files
+  std::map<std::uint32_t, std::uint32_t> numbers_;                 ///< by the file's channels
+  std::map<RecordingChannel, std::uint32_t, ChannelOrder> known_;  ///< numbers over all files
 };
 
 }  // namespace

@@ -42,7 +42,7 @@ std::string text_of(sqlite3_stmt* statement, int column) {
   return {text, std::min(static_cast<std::size_t>(size), kMostHeaderBytes)};
 }
 
-// Of the disk or the system, whatever the file holds.
+// True for a fault of the disk or the system, whatever the file holds.
 bool is_of_disk(sqlite3* database) {
   const int kind = sqlite3_errcode(database) & 0xff;
   return kind == SQLITE_CANTOPEN ||

@@ -40,7 +40,7 @@ class CloudWriter : public CloudSink {
   std::unique_ptr<State> state_;
 };
 
-/// What the header of a cloud says. Nothing of it is trusted for an allocation.
+/// The statements of a cloud's header. None of them is trusted for an allocation.
 struct CloudHeader {
   std::uint64_t points = 0;
   bool has_elevation = false;

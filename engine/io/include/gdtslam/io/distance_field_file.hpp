@@ -35,14 +35,14 @@ struct DistanceFieldRows {
   std::function<void(std::int32_t y, std::span<std::uint16_t> row)> read;  ///< row y, of the geometry's width
 };
 DistanceFieldRows rows_of(const DistanceFieldView& field);
-/// Of a field on the CPU, which must outlive it.
+/// The rows of a field on the CPU, which must outlive them.
 DistanceFieldRows rows_of(const GlobalField& field);
 
 /// Writes the YAML at `yaml_path` and the PNG beside it (the same stem), the YAML last. Throws FileError;
 /// InputError when the field has no cells, its cap is 0 or a value lies above the cap.
 void write_distance_field(const std::string& yaml_path, const DistanceFieldRows& field);
 
-/// What was read back; stride = width.
+/// A distance field read from a file; stride = width.
 struct DistanceFieldFile {
   GridGeometry geometry;
   std::vector<std::uint16_t> cells;
