@@ -42,7 +42,7 @@ void require_result(Handle** result, const char* what) {
 }
 
 /// "" for NULL.
-inline std::string text_of(const char* text) { return text == nullptr ? std::string() : std::string(text); }
+inline std::string to_text(const char* text) { return text == nullptr ? std::string() : std::string(text); }
 
 /// The request of a caller, whose struct may be of an older or a newer gdtslam.h: it states its size. Members that an
 /// older program does not have are 0; what a newer one has beyond ours must be 0, for it would be left out in silence.

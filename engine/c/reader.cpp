@@ -84,7 +84,7 @@ void open_reader(const gdtslam_reader_request& given, gdtslam_reader** reader, c
     require(given.logs[k], (call + ": a log").c_str());
     logs.emplace_back(given.logs[k]);
   }
-  const ReadOptions options = read_options_of(settings_of(given.options).log, (given.flags & GDTSLAM_LENIENT) != 0);
+  const ReadOptions options = read_options_of(read_settings(given.options).log, (given.flags & GDTSLAM_LENIENT) != 0);
   *reader = std::make_unique<gdtslam_reader>(given, std::move(logs), options).release();
 }
 

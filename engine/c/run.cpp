@@ -69,7 +69,7 @@ gdtslam_status gdtslam_run_map(const gdtslam_run* run, gdtslam_grid** map, gdtsl
   return guarded(error, [&] {
     require_result(map, "gdtslam_run_map: map");
     require(run, "gdtslam_run_map: run");
-    *map = grid_of(run->reader.map()).release();
+    *map = make_grid(run->reader.map()).release();
   });
 }
 
@@ -78,7 +78,7 @@ gdtslam_status gdtslam_run_field(const gdtslam_run* run, gdtslam_grid** field, g
     require_result(field, "gdtslam_run_field: field");
     require(run, "gdtslam_run_field: run");
     const gdtslam::DistanceFieldFile file = run->reader.field();
-    *field = grid_of(gdtslam::rows_of(file.view())).release();
+    *field = make_grid(gdtslam::rows_of(file.view())).release();
   });
 }
 
@@ -92,7 +92,7 @@ gdtslam_status gdtslam_run_render(const gdtslam_run* run, const gdtslam_picture_
     gdtslam::RunViewRequest wanted;
     if (given.view != nullptr) wanted.view = given.view;
     if (given.title != nullptr) wanted.title = given.title;
-    wanted.colour_map = text_of(given.colour_map);
+    wanted.colour_map = to_text(given.colour_map);
     if (given.width != 0 || given.height != 0) wanted.size = gdtslam::PictureSize{given.width, given.height};
     const std::string format = given.format == nullptr ? "png" : given.format;
     auto made = std::make_unique<gdtslam_bytes>();

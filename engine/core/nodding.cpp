@@ -17,7 +17,7 @@ constexpr std::uint32_t kMostBits = 20;
 Eigen::Quaterniond rotation_about(const Eigen::Vector3d& axis, double angle_rad) { return exp_so3(axis * angle_rad); }
 
 // The k of 2^k + 1 values; more than kMostBits when there is none.
-std::uint32_t bits_of(std::size_t count) {
+std::uint32_t count_bits(std::size_t count) {
   std::uint32_t bits = 0;
   while (bits <= kMostBits && (std::size_t{1} << bits) + 1 != count) ++bits;
   return bits;
@@ -52,7 +52,7 @@ Phase phase_of_turns(double turns) {
 double turns_of_phase(Phase phase) { return static_cast<double>(phase) / kTurn; }
 
 ElevationTable::ElevationTable(std::vector<double> elevations_rad)
-    : bits_(bits_of(elevations_rad.size())), values_rad_(std::move(elevations_rad)) {
+    : bits_(count_bits(elevations_rad.size())), values_rad_(std::move(elevations_rad)) {
   if (bits_ > kMostBits) {
     throw ConfigError("an elevation table has 2^k + 1 values, k from 0 to 20, not " +
                       std::to_string(values_rad_.size()));

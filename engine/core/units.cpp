@@ -109,7 +109,7 @@ std::optional<double> to_double(std::string_view mantissa, int exponent) {
   return value;
 }
 
-std::string symbols_of(Unit unit) {
+std::string list_symbols(Unit unit) {
   std::string list;
   for (const Symbol& symbol : kSymbols) {
     if (symbol.unit == unit) {
@@ -167,7 +167,7 @@ std::optional<double> parse_quantity(std::string_view text, Unit unit, std::stri
       }
     }
     if (found == nullptr) {
-      const std::string known = symbols_of(unit);
+      const std::string known = list_symbols(unit);
       const std::string cure = known.empty() ? "write a bare number" : std::string("write one of ").append(known);
       return refuse(why, std::string("unit ").append(quoted(name)).append(" does not fit here; ").append(cure));
     }

@@ -24,7 +24,7 @@ namespace {
 constexpr std::size_t kBufferBytes = std::size_t{1} << 16;
 constexpr mode_t kNewFileMode = 0666;  // the umask takes away what the user does not want
 
-std::string folder_of(const std::string& file) {
+std::string parent_folder(const std::string& file) {
   const std::string folder = fs::path(file).parent_path().string();
   return folder.empty() ? "." : folder;
 }
@@ -78,7 +78,7 @@ void AtomicFile::open_temporary() {
   static std::atomic<unsigned> counter{0};
   constexpr int kAttempts = 100;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    std::string name = fmt::format("{}/.{}.{}-{}.tmp", folder_of(target_), fs::path(target_).filename().string(),
+    std::string name = fmt::format("{}/.{}.{}-{}.tmp", parent_folder(target_), fs::path(target_).filename().string(),
                                    ::getpid(), counter.fetch_add(1));
     descriptor_ = retried([&] { return ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kNewFileMode); });
     if (descriptor_ >= 0) {
@@ -162,7 +162,7 @@ void AtomicFile::take_name() {
   temporary_.clear();
   const int descriptor = std::exchange(descriptor_, -1);
   if (::close(descriptor) != 0 && errno != EINTR) fail("cannot be closed", errno);
-  if (is_renamed) sync_folder(folder_of(target_));
+  if (is_renamed) sync_folder(parent_folder(target_));
 }
 
 void AtomicFile::commit() {

@@ -14,11 +14,11 @@ from typing import Any, Mapping, Sequence
 import numpy as np
 
 from . import _library
-from ._arrays import Grid, grid_of, poses_view
+from ._arrays import Grid, make_grid, poses_view
 from ._callers import Caller, ProgressFunction, WarnFunction
 from ._errors import BY_STATUS, Error, Interrupted, UsageError
 from ._library import CError, CMapRequest, CPictureRequest, Handle, call, encoded, library, make, plain, when_gone
-from ._scans import MOST_WHOLE, Options, Path, log_list, options_of, whole
+from ._scans import MOST_WHOLE, Options, Path, log_list, make_options, whole
 
 
 def _absolute(folder: Path) -> "bytes | None":
@@ -75,12 +75,12 @@ class Run:
     @functools.cached_property
     def map(self) -> Grid:
         """The occupancy map, shape (height, width), uint8: 0 occupied, 254 free, 205 unknown."""
-        return grid_of(make("grid", "run_map", self._handle))
+        return make_grid(make("grid", "run_map", self._handle))
 
     @functools.cached_property
     def field(self) -> Grid:
         """The distance field, shape (height, width), uint16: 1/256 cell to the nearest obstacle."""
-        return grid_of(make("grid", "run_field", self._handle))
+        return make_grid(make("grid", "run_field", self._handle))
 
     def render(
         self,
@@ -187,7 +187,7 @@ def map(  # noqa: A001 - the word of the field, as gdtslam.map
     folder = temporary.path / "run" if temporary is not None else pathlib.Path(out)  # type: ignore[arg-type]
     whole_path = _absolute(folder)
     paths = log_list(logs)
-    options_handle = options_of(options, topics, odometry, crank, mount)
+    options_handle = make_options(options, topics, odometry, crank, mount)
     caller = Caller(progress, warn)
     request = CMapRequest(
         logs=_library.text_list(paths),

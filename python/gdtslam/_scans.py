@@ -38,7 +38,7 @@ class Option(NamedTuple):
     doc: str
 
 
-def _pose_of(pose: CPose) -> Pose:
+def _to_pose(pose: CPose) -> Pose:
     return Pose(pose.x_m, pose.y_m, pose.theta_rad)
 
 
@@ -62,7 +62,7 @@ def _value_text(value: Any) -> str:
     return str(value)
 
 
-def options_of(
+def make_options(
     options: Options,
     topics: "Sequence[str] | str" = (),
     odometry: "str | None" = None,
@@ -92,7 +92,7 @@ def options_of(
 
 def options(changed: Options = None) -> dict[str, Option]:
     """Every option, by its path, as it stands with these changes."""
-    handle = options_of(changed)
+    handle = make_options(changed)
     rows = {}
     for index in range(plain("options_count", handle)):
         row = COption()
@@ -272,12 +272,12 @@ class Scans:
             first=read.first_bearing_rad,
             step=read.bearing_step_rad,
             stamp=read.stamp_s,
-            odometry=_pose_of(read.T_odom_base) if read.has_odometry else None,
+            odometry=_to_pose(read.T_odom_base) if read.has_odometry else None,
             max_range=read.max_range_m,
-            mount=_pose_of(read.T_base_laser),
+            mount=_to_pose(read.T_base_laser),
             first_beam_after=read.first_beam_after_s,
             beam_period=read.beam_period_s,
-            speed=_pose_of(read.speed) if read.has_speed else None,
+            speed=_to_pose(read.speed) if read.has_speed else None,
             laser=read.laser,
         )
 
@@ -326,5 +326,5 @@ def scans(
         mount: x, y, theta of the laser on the robot, or of several {topic: (x, y, theta)}.
         lenient: count and skip what is malformed.
     """
-    handle = options_of(options, topics, odometry, None, mount)
+    handle = make_options(options, topics, odometry, None, mount)
     return Scans(log_list(logs), handle, _library.LENIENT if lenient else 0)

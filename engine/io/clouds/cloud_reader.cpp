@@ -76,7 +76,7 @@ std::vector<PlacedColumn> placed_columns(const CloudFileLayout& layout) {
   std::uint64_t offset = 0;
   for (const CloudColumn& column : layout.vertex.columns) {
     if (column.list_count) return {};
-    const std::uint64_t bytes = size_of(column.type) * column.repeat;
+    const std::uint64_t bytes = byte_size(column.type) * column.repeat;
     if (column.role != CloudRole::kIgnored) {
       placed.push_back({column.type, column.role, offset, layout.is_compressed ? bytes : 0});
     }
@@ -89,7 +89,7 @@ std::vector<PlacedColumn> placed_columns(const CloudFileLayout& layout) {
 std::uint64_t least_bytes(const CloudFileLayout& layout) {
   std::uint64_t bytes = 0;
   for (const CloudColumn& column : layout.vertex.columns) {
-    bytes += column.list_count ? size_of(*column.list_count) : size_of(column.type) * column.repeat;
+    bytes += column.list_count ? byte_size(*column.list_count) : byte_size(column.type) * column.repeat;
   }
   return bytes;
 }

@@ -16,7 +16,7 @@
 namespace gdtslam {
 
 /// The words of a line, which blanks separate.
-inline std::vector<std::string_view> words_of(std::string_view line) {
+inline std::vector<std::string_view> split_words(std::string_view line) {
   std::vector<std::string_view> words;
   std::size_t begin = line.find_first_not_of(" \t");
   while (begin != std::string_view::npos) {
@@ -28,7 +28,7 @@ inline std::vector<std::string_view> words_of(std::string_view line) {
 }
 
 /// A whole number from 0; nothing when the word is none or does not fit.
-inline std::optional<std::uint64_t> count_of(std::string_view word) {
+inline std::optional<std::uint64_t> parse_count(std::string_view word) {
   std::uint64_t value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error != std::errc{} || end != word.data() + word.size()) return std::nullopt;
@@ -89,7 +89,7 @@ class RowValues {
   /// The next number; none at the end of the line or the input, or before another word.
   std::optional<double> next(Scalar type) {
     if (is_ascii_) return numbers_.next(type);
-    const char* const data = input_.bytes(size_of(type));
+    const char* const data = input_.bytes(byte_size(type));
     return data == nullptr ? std::nullopt : std::optional(decode(type, data, is_big_endian_));
   }
   /// Whether nothing is left of the row's line.

@@ -23,7 +23,7 @@ void append_binary(std::string& bytes, const CloudPoint& point) {
 }
 
 // The header has the same length for any count: blanks in a comment replace the missing digits.
-std::string header_of(CloudFormat format, std::uint64_t points) {
+std::string format_header(CloudFormat format, std::uint64_t points) {
   const std::string count = std::to_string(points);
   const bool is_ply = format == CloudFormat::kPlyBinary;
   const std::string blanks((kCountDigits - count.size()) * (is_ply ? 1 : 2), ' ');
@@ -56,7 +56,7 @@ const std::string& seekable(const std::string& path) {
 
 }  // namespace
 
-CloudFormat cloud_format_of(const std::string& path) {
+CloudFormat find_cloud_format(const std::string& path) {
   const std::string extension = extension_of(path);
   if (extension == ".ply") return CloudFormat::kPlyBinary;
   if (extension == ".pcd") return CloudFormat::kPcdBinary;
@@ -74,7 +74,7 @@ struct CloudWriter::State {
 
 CloudWriter::CloudWriter(const std::string& path, CloudFormat format)
     : state_(new State{.file = AtomicFile(seekable(path)), .format = format, .hash = {}, .sha256 = {}, .binary = {}}) {
-  state_->file.write(header_of(format, 0));
+  state_->file.write(format_header(format, 0));
 }
 
 CloudWriter::~CloudWriter() = default;
@@ -94,7 +94,7 @@ void CloudWriter::add(std::span<const CloudPoint> points) {
 
 void CloudWriter::finish() {
   State& s = *state_;
-  s.file.rewrite_begin(header_of(s.format, s.points));
+  s.file.rewrite_begin(format_header(s.format, s.points));
   s.file.commit();
   s.sha256 = s.hash.hex();
 }

@@ -77,7 +77,7 @@ double read_stamp(FieldCursor& cursor) {
 }
 
 /// Two poses that agree digit for digit are one place: no rounding noise for robots whose log knows no mount.
-Pose2 mount_of(const Pose2& T_odom_base, const Pose2& T_odom_laser, const ReadOptions& options) {
+Pose2 compute_mount(const Pose2& T_odom_base, const Pose2& T_odom_laser, const ReadOptions& options) {
   if (options.T_base_laser) {
     return *options.T_base_laser;
   }
@@ -101,7 +101,7 @@ ScanRecord parse_flaser(FieldCursor& cursor, const ReadOptions& options, CarmenL
   const BearingRule rule = bearing_rule(beams);
   scan.first_bearing_rad = rule.first_rad;
   scan.bearing_step_rad = rule.step_rad;
-  scan.T_base_laser = mount_of(T_odom_base, T_odom_laser, options);
+  scan.T_base_laser = compute_mount(T_odom_base, T_odom_laser, options);
   record.T_odom_base = T_odom_base;
   apply(options, scan);
   return record;
@@ -162,7 +162,7 @@ ScanRecord parse_robotlaser(FieldCursor& cursor, const ReadOptions& options, Car
     cursor.number(name);
   }
   scan.stamp_s = read_stamp(cursor);
-  scan.T_base_laser = mount_of(T_odom_base, T_odom_laser, options);
+  scan.T_base_laser = compute_mount(T_odom_base, T_odom_laser, options);
   record.T_odom_base = T_odom_base;
   apply(options, scan);
   return record;
@@ -221,7 +221,7 @@ class CarmenReader final : public TextLog {
 
   std::optional<LogRecord> next() override {
     while (const std::optional<TextLine> line = next_line()) {
-      if (std::optional<LogRecord> record = record_of(*line)) {
+      if (std::optional<LogRecord> record = parse_record(*line)) {
         ++records_;
         return record;
       }
@@ -231,7 +231,7 @@ class CarmenReader final : public TextLog {
   }
 
  private:
-  std::optional<LogRecord> record_of(const TextLine& line) {
+  std::optional<LogRecord> parse_record(const TextLine& line) {
     if (!is_begun_) look_at_start(line);
     try {
       if (line.is_too_long) throw MalformedLine(fmt::format("is longer than {} bytes", kMaxLogLineBytes));

@@ -107,7 +107,7 @@ class PngReader {
   png_infop info_ = png_create_info_struct(png_);
 };
 
-std::size_t bytes_of_pixel(PngWriter::Pixels pixels) {
+std::size_t pixel_bytes(PngWriter::Pixels pixels) {
   switch (pixels) {
     case PngWriter::Pixels::kGrey16:
       return 2;
@@ -132,7 +132,7 @@ void set_packing(png_structp png, PngWriter::Pixels pixels) {
 
 std::string encode(std::uint32_t width, std::uint32_t height, PngWriter::Pixels pixels,
                    std::span<const std::byte> bytes) {
-  const std::size_t row_bytes = bytes_of_pixel(pixels) * width;
+  const std::size_t row_bytes = pixel_bytes(pixels) * width;
   if (width == 0 || height == 0 || bytes.size() != row_bytes * height) {
     throw Error(ExitCode::kFailed, fmt::format("an image of {} x {} pixels in {} bytes cannot be made a PNG", width,
                                                height, bytes.size()));

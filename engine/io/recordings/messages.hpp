@@ -16,7 +16,7 @@ namespace gdtslam {
 enum class MessageKind : std::uint8_t { kOther, kScan, kEchoScan, kOdometry, kTransforms, kJoints, kNumber };
 /// By the type's name, with or without /msg/, or by its MD5 sum where a bag has no name; kOther in an encoding that is
 /// not read.
-MessageKind kind_of(const RecordingChannel& channel);
+MessageKind message_kind(const RecordingChannel& channel);
 /// The topic of transforms that move.
 inline constexpr std::string_view kTransformTopic = "/tf";
 inline constexpr std::string_view kStaticTransforms =

@@ -102,13 +102,13 @@ class ScanAssembler {
   void settle_stamps();
   void place_held_scans();
   [[nodiscard]] bool is_clock_known(bool must_go);
-  [[nodiscard]] double shift_of(const TopicClock& clock, std::string_view what);
+  [[nodiscard]] double measure_shift(const TopicClock& clock, std::string_view what);
   [[nodiscard]] bool is_complete(const HeldScan& held) const;
   [[nodiscard]] std::optional<Pose2> odometry_at(std::uint64_t stretch, double stamp_s) const;
   void warn_of_tilt(const std::string& frame, const Transform3& mount);
-  [[nodiscard]] const Transform3& mount_of(const std::string& frame);
-  [[nodiscard]] ScanRecord record_of(HeldScan held);
-  [[nodiscard]] LogRecord record_of(const NumberMessage& number) const;
+  [[nodiscard]] const Transform3& find_mount(const std::string& frame);
+  [[nodiscard]] ScanRecord make_record(HeldScan held);
+  [[nodiscard]] LogRecord make_record(const NumberMessage& number) const;
 
   ReadOptions options_;
   OdometryChoice choice_;

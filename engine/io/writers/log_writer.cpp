@@ -44,7 +44,7 @@ void refuse_bags(const std::string& path) {
   }
 }
 
-ChunkPacking packing_of(LogFormat format, const LogWriteOptions& options) {
+ChunkPacking choose_packing(LogFormat format, const LogWriteOptions& options) {
   if (options.packing && format != LogFormat::kMcap) {
     throw UsageError("--compression: MCAP files take none, lz4 and zstd, other formats nothing");
   }
@@ -63,7 +63,7 @@ std::optional<LogFormat> log_format_by_ending(const std::string& path) {
   return std::nullopt;
 }
 
-LogFormat log_format_of(const std::string& path, const std::string& name) {
+LogFormat find_log_format(const std::string& path, const std::string& name) {
   if (const auto format = name.empty() ? log_format_by_ending(path) : std::nullopt) return *format;
   if (!name.empty()) {
     const auto* const found = std::find_if(kLogEndings.begin(), kLogEndings.end(),
@@ -80,7 +80,7 @@ LogFormat log_format_of(const std::string& path, const std::string& name) {
 
 std::unique_ptr<LogWriter> make_log_writer(LogFormat format, const std::string& path, const LogWriteOptions& options,
                                            AtomicFileSet& files) {
-  const ChunkPacking packing = packing_of(format, options);
+  const ChunkPacking packing = choose_packing(format, options);
   AtomicFile& file = files.add(path == "-" ? "/dev/stdout" : path);
   switch (format) {
     case LogFormat::kCarmen:

@@ -56,7 +56,7 @@ class LogWriter {
 
 /// The format by its name (`carmen`, `csv`, ...) where one is given, else by the ending of the file's name, before
 /// which .gz is passed over. Throws UsageError that lists what there is.
-LogFormat log_format_of(const std::string& path, const std::string& name);
+LogFormat find_log_format(const std::string& path, const std::string& name);
 
 /// The same by the ending alone; nothing where it is none of these. Throws UsageError for the ending of a bag.
 std::optional<LogFormat> log_format_by_ending(const std::string& path);

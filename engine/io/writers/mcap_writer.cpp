@@ -43,7 +43,7 @@ std::string mcap_record(McapWritten opcode, std::string_view content) {
   return record.append(content);
 }
 
-unsigned long checksum_of(std::string_view bytes, unsigned long before = 0) {
+unsigned long update_checksum(std::string_view bytes, unsigned long before = 0) {
   return crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
 }
 
@@ -105,7 +105,7 @@ McapWriter::McapWriter(AtomicFile& file, ChunkPacking packing) : sink_(file), pa
 }
 
 void McapWriter::write(std::string_view bytes) {
-  checksum_ = checksum_of(bytes, checksum_);
+  checksum_ = update_checksum(bytes, checksum_);
   sink_.write(bytes);
 }
 
@@ -159,7 +159,7 @@ void McapWriter::write_chunk() {
   append_little_endian(chunk, chunk_times_.first_ns);
   append_little_endian(chunk, chunk_times_.last_ns);
   append_little_endian(chunk, static_cast<std::uint64_t>(chunk_.size()));
-  append_little_endian(chunk, static_cast<std::uint32_t>(checksum_of(chunk_)));
+  append_little_endian(chunk, static_cast<std::uint32_t>(update_checksum(chunk_)));
   append_mcap_text(chunk, name);
   append_little_endian(chunk, static_cast<std::uint64_t>(records.size()));
   chunk += records;
@@ -250,7 +250,7 @@ void McapWriter::write_summary() {
   // The checksum of the summary reaches into the footer, up to itself.
   std::string record = mcap_record(McapWritten::kFooter, footer + std::string(4, '\0'));
   record.resize(record.size() - 4);
-  append_little_endian(record, static_cast<std::uint32_t>(checksum_of(record, checksum_of(summary))));
+  append_little_endian(record, static_cast<std::uint32_t>(update_checksum(record, update_checksum(summary))));
   write(summary);
   write(record);
 }

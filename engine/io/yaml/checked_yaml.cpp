@@ -34,7 +34,7 @@ YamlValue::YamlValue(const YAML::Node& node, std::string file, std::string name)
     : node_(node), file_(std::move(file)), name_(std::move(name)) {}
 
 void YamlValue::refuse(const std::string& fault) const {
-  throw ConfigError({file_, line_of(node_)}, one_line(name_.empty() ? fault : name_ + ": " + fault, kMostShown));
+  throw ConfigError({file_, find_line(node_)}, one_line(name_.empty() ? fault : name_ + ": " + fault, kMostShown));
 }
 
 void YamlValue::require_none(const std::vector<std::string>& faults) const {

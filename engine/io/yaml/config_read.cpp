@@ -175,7 +175,7 @@ class ConfigDocument {
 
   void add_fault(const YAML::Node& where, const std::string& message) {
     if (has_room()) {
-      faults_.push_back(located({name_, line_of(where)}, message));
+      faults_.push_back(located({name_, find_line(where)}, message));
     } else {
       ++faults_not_told_;
     }
@@ -265,7 +265,7 @@ std::vector<std::string> read_config_text(std::string_view text, const std::stri
   if (root.IsMap()) {
     document.visit(root, "");
   } else if (root.IsDefined() && !root.IsNull()) {
-    throw ConfigError({name, line_of(root)}, "a configuration is a map of sections, options and values");
+    throw ConfigError({name, find_line(root)}, "a configuration is a map of sections, options and values");
   }
   return document.apply();
 }

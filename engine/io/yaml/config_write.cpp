@@ -41,7 +41,7 @@ std::string degrees_text(const Option& option) {
 }
 
 /// Sections in the order in which they first occur; the options at the top first.
-std::vector<std::string_view> sections_of(std::span<const Option> options) {
+std::vector<std::string_view> list_sections(std::span<const Option> options) {
   std::vector<std::string_view> sections = {std::string_view()};
   for (const Option& option : options) {
     const std::string_view section = split(option.path).section;
@@ -66,7 +66,7 @@ void append_section(std::string& text, std::string_view section, std::span<const
   }
 }
 
-Json schema_of(const Option& option) {
+Json make_schema(const Option& option) {
   Json schema = {{"description", option.doc}, {"default", value_text(option)}};
   if (const auto* choice = std::get_if<Choice>(&option.value)) {
     for (const std::string_view name : choice->names()) {
@@ -106,7 +106,7 @@ Json& object_at(Json& root, std::string_view section) {
 
 std::string config_text(std::span<const Option> options) {
   std::string text = "# Configuration of gdtslam. Values carry their units: 5 cm, 2 deg, 250 ms.\nversion: 1\n";
-  for (const std::string_view section : sections_of(options)) {
+  for (const std::string_view section : list_sections(options)) {
     append_section(text, section, options);
   }
   return text;
@@ -124,7 +124,7 @@ std::string config_schema(std::span<const Option> options) {
   schema["properties"]["version"] = {{"description", "Version of the format of configuration files"}, {"const", 1}};
   for (const Option& option : options) {
     const SplitPath path = split(option.path);
-    object_at(schema, path.section)["properties"][std::string(path.name)] = schema_of(option);
+    object_at(schema, path.section)["properties"][std::string(path.name)] = make_schema(option);
   }
   return schema.dump(2) + "\n";
 }

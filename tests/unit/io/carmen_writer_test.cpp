@@ -51,7 +51,7 @@ TEST(CarmenWriter, SpeedsAreThoseSinceTheOdometryBefore) {
 TEST(CarmenWriter, AFlaserTellsItsBearingsByTheNumberOfItsBeams) {
   const double degree_rad = rad_from_deg(1.0);
   CarmenWriter writer(2, "h");
-  const auto kind_of = [&writer](std::size_t beams, double first_rad, double step_rad) {
+  const auto message_kind = [&writer](std::size_t beams, double first_rad, double step_rad) {
     const ScanRecord record = carmen_scan(beams, first_rad, step_rad);
     const std::string line = writer.scan(record);
     const std::string kind = line.substr(0, line.find(' '));
@@ -59,15 +59,15 @@ TEST(CarmenWriter, AFlaserTellsItsBearingsByTheNumberOfItsBeams) {
     return kind;
   };
   for (const auto& [beams, parts] : {std::pair(180U, 1), {181U, 1}, {360U, 2}, {361U, 2}}) {
-    EXPECT_EQ(kind_of(beams, -kPi / 2, degree_rad / parts), "FLASER") << beams;
-    EXPECT_EQ(kind_of(beams, -kPi / 2 + 9e-10, degree_rad / parts - 9e-10), "FLASER") << beams;
-    EXPECT_EQ(kind_of(beams, -kPi / 2 - 1.1e-9, degree_rad / parts), "ROBOTLASER1") << beams;
-    EXPECT_EQ(kind_of(beams, -kPi / 2, degree_rad / parts + 1.1e-9), "ROBOTLASER1") << beams;
-    EXPECT_EQ(kind_of(beams, kPi / 2, degree_rad / parts), "ROBOTLASER1") << beams;
+    EXPECT_EQ(message_kind(beams, -kPi / 2, degree_rad / parts), "FLASER") << beams;
+    EXPECT_EQ(message_kind(beams, -kPi / 2 + 9e-10, degree_rad / parts - 9e-10), "FLASER") << beams;
+    EXPECT_EQ(message_kind(beams, -kPi / 2 - 1.1e-9, degree_rad / parts), "ROBOTLASER1") << beams;
+    EXPECT_EQ(message_kind(beams, -kPi / 2, degree_rad / parts + 1.1e-9), "ROBOTLASER1") << beams;
+    EXPECT_EQ(message_kind(beams, kPi / 2, degree_rad / parts), "ROBOTLASER1") << beams;
   }
   for (const std::size_t beams : {179U, 182U, 359U, 362U}) {
     const BearingRule rule = bearing_rule(beams);
-    EXPECT_EQ(kind_of(beams, rule.first_rad, rule.step_rad), "ROBOTLASER1") << beams;
+    EXPECT_EQ(message_kind(beams, rule.first_rad, rule.step_rad), "ROBOTLASER1") << beams;
   }
   CarmenWriter exact(CarmenWriter::kAsNeeded);
   const BearingRule rule = bearing_rule(180);

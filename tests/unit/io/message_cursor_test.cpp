@@ -149,12 +149,12 @@ TEST(Messages, AreTheirTypesInEncodingsThatAreRead) {
                                                         {"sensor_msgs/LaserScan2", Kind::kOther},
                                                         {"*", Kind::kOther}};
   for (const auto& [type, kind] : types) {
-    EXPECT_EQ(kind_of(channel_of(type, MessageEncoding::kCdr)), kind) << type;
-    EXPECT_EQ(kind_of(channel_of(type, MessageEncoding::kRos1)), kind) << type;
-    EXPECT_EQ(kind_of(channel_of(type, MessageEncoding::kOther)), Kind::kOther) << type;
+    EXPECT_EQ(message_kind(channel_of(type, MessageEncoding::kCdr)), kind) << type;
+    EXPECT_EQ(message_kind(channel_of(type, MessageEncoding::kRos1)), kind) << type;
+    EXPECT_EQ(message_kind(channel_of(type, MessageEncoding::kOther)), Kind::kOther) << type;
   }
   // The sum that `rosmsg md5 sensor_msgs/LaserScan` gives.
-  EXPECT_EQ(kind_of(channel_of("*", MessageEncoding::kRos1, "90c7ef2dc6895d81024acba2ac42f369")), Kind::kScan);
+  EXPECT_EQ(message_kind(channel_of("*", MessageEncoding::kRos1, "90c7ef2dc6895d81024acba2ac42f369")), Kind::kScan);
 }
 
 // A laser made in degrees: a step of 0.25 deg is told as the nearest float of it in radians.

@@ -28,7 +28,7 @@ RecordingChannel told_channel(const std::string& topic, const std::string& type)
 /// A survey of one topic, fed with messages of ROS 1.
 struct SurveyOf {
   SurveyOf(const std::string& topic, const std::string& type)
-      : channel{.definition = told_channel(topic, type), .kind = kind_of(told_channel(topic, type))} {
+      : channel{.definition = told_channel(topic, type), .kind = message_kind(told_channel(topic, type))} {
     survey.add_channel(channel.definition);
   }
   void add(const std::string& message, double received_s) {

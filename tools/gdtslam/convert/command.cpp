@@ -129,7 +129,7 @@ void require_scans(const ConvertOptions& options, const ConvertCounts& counts, c
 }
 
 int convert(const ConvertOptions& options) {
-  const LogFormat format = log_format_of(options.output, options.format);
+  const LogFormat format = find_log_format(options.output, options.format);
   const LogWriteOptions write{.packing = packing_named(options.compression)};
   WrittenFiles({options.log, options.settings.file}, options.force).add("--output", options.output);
   Settings settings = load_settings(options.settings);

@@ -113,7 +113,7 @@ void McapFile::take_schema(const std::string& content) {
   if (number != 0 && name.size() <= kMostHeaderBytes) schemas_.emplace(number, name);
 }
 
-RecordingItem McapFile::channel_of(const std::string& content) const {
+RecordingItem McapFile::read_channel(const std::string& content) const {
   McapFields fields(content);
   RecordingItem item{.channel = fields.whole<std::uint16_t>()};
   const auto schema = schemas_.find(fields.whole<std::uint16_t>());
@@ -126,7 +126,7 @@ RecordingItem McapFile::channel_of(const std::string& content) const {
   return item;
 }
 
-RecordingItem McapFile::message_of(std::uint64_t size, CountedBytes& bytes, const Wanted& wanted) {
+RecordingItem McapFile::read_message(std::uint64_t size, CountedBytes& bytes, const Wanted& wanted) {
   if (size < kMessageHeadBytes) throw RecordingFault("has a message shorter than its own fields");
   std::array<char, kMessageHeadBytes> head{};
   bytes.read(head);
@@ -163,7 +163,7 @@ std::optional<RecordingItem> McapFile::next(const Wanted& wanted, const Warn& /*
     if (chunk_ && size > chunk_->stated_bytes - std::min(chunk_->stated_bytes, bytes.offset())) {
       throw RecordingFault("has a record that is longer than its chunk");
     }
-    if (op == kMcapMessage) return message_of(size, bytes, wanted);
+    if (op == kMcapMessage) return read_message(size, bytes, wanted);
     if (op == kMcapChunk) {
       open_chunk(size);
     } else if (op == kMcapSchema) {
@@ -171,7 +171,7 @@ std::optional<RecordingItem> McapFile::next(const Wanted& wanted, const Warn& /*
       take_schema(content_);
     } else if (op == kMcapChannel) {
       bytes.read_into(content_, size, kMostMessageBytes, "a channel");
-      return channel_of(content_);
+      return read_channel(content_);
     } else if (op == kMcapDataEnd && !chunk_ && size == kDataEndBytes) {
       end_data(crc);
     } else if (op == kMcapFooter && !chunk_) {

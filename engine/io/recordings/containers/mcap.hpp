@@ -38,8 +38,8 @@ class McapFile final : public Recording {
   void open_chunk(std::uint64_t size);
   void close_chunk();
   void take_schema(const std::string& content);
-  RecordingItem channel_of(const std::string& content) const;
-  RecordingItem message_of(std::uint64_t size, CountedBytes& bytes, const Wanted& wanted);
+  RecordingItem read_channel(const std::string& content) const;
+  RecordingItem read_message(std::uint64_t size, CountedBytes& bytes, const Wanted& wanted);
   void end_data(std::uint32_t crc);
 
   CountedBytes file_;

@@ -79,7 +79,7 @@ void Ros1Bag::close_chunk() {
   file_.skip(chunk_end_ - file_.offset());
 }
 
-RecordingItem Ros1Bag::connection_of(const BagFields& fields, std::uint32_t size, CountedBytes& bytes) {
+RecordingItem Ros1Bag::read_connection(const BagFields& fields, std::uint32_t size, CountedBytes& bytes) {
   const std::string text = bytes.read_text(size, kMostMessageBytes, "a connection");
   const BagFields described(text);
   RecordingItem item{.channel = fields.u32("conn")};
@@ -94,8 +94,8 @@ RecordingItem Ros1Bag::connection_of(const BagFields& fields, std::uint32_t size
   return item;
 }
 
-RecordingItem Ros1Bag::message_of(const BagFields& fields, std::uint32_t size, CountedBytes& bytes,
-                                  const Wanted& wanted) {
+RecordingItem Ros1Bag::read_message(const BagFields& fields, std::uint32_t size, CountedBytes& bytes,
+                                    const Wanted& wanted) {
   RecordingItem item{.channel = fields.u32("conn")};
   const std::string_view time = fields.find("time").value_or("");
   if (time.size() != 8) throw RecordingFault("has a message without its time");
@@ -123,9 +123,9 @@ std::optional<RecordingItem> Ros1Bag::next(const Wanted& wanted, const Warn& war
     } else if (op == kIndexOp) {
       skip_index(fields, size, bytes, warn);
     } else if (op == kConnectionOp) {
-      return connection_of(fields, size, bytes);
+      return read_connection(fields, size, bytes);
     } else if (op == kMessageOp) {
-      return message_of(fields, size, bytes, wanted);
+      return read_message(fields, size, bytes, wanted);
     } else {
       bytes.skip(size);  // the bag's header, chunk information, and what later versions may add
     }

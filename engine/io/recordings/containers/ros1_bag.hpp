@@ -46,8 +46,8 @@ class Ros1Bag final : public Recording {
  private:
   void open_chunk(const BagFields& fields, std::uint32_t size);
   void close_chunk();
-  static RecordingItem connection_of(const BagFields& fields, std::uint32_t size, CountedBytes& bytes);
-  RecordingItem message_of(const BagFields& fields, std::uint32_t size, CountedBytes& bytes, const Wanted& wanted);
+  static RecordingItem read_connection(const BagFields& fields, std::uint32_t size, CountedBytes& bytes);
+  RecordingItem read_message(const BagFields& fields, std::uint32_t size, CountedBytes& bytes, const Wanted& wanted);
 
   CountedBytes file_;
   std::optional<CountedBytes> chunk_;

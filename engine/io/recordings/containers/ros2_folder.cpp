@@ -195,17 +195,17 @@ class FileSequence final : public Recording {
   }
 
   std::optional<RecordingItem> next_of_file(const Wanted& wanted, const Warn& warn) {
-    const auto number_of = [this](std::uint32_t channel) {
+    const auto find_number = [this](std::uint32_t channel) {
       const auto known = numbers_.find(channel);
       return known == numbers_.end() ? kNoChannel : known->second;
     };
     std::optional<RecordingItem> item =
-        file_->next([&](std::uint32_t channel) { return wanted(number_of(channel)); }, warn);
+        file_->next([&](std::uint32_t channel) { return wanted(find_number(channel)); }, warn);
     if (!item) return item;
     if (item->definition && !numbers_.contains(item->channel)) {
       numbers_.emplace(item->channel, number_over_files(*item->definition));
     }
-    item->channel = number_of(item->channel);
+    item->channel = find_number(item->channel);
     return item;
   }
 

@@ -19,7 +19,7 @@ namespace gdtslam {
 enum class CloudFormat : std::uint8_t { kPlyBinary, kPcdBinary };
 
 /// By the name's extension, .ply or .pcd in small or capital letters. Throws UsageError for any other.
-CloudFormat cloud_format_of(const std::string& path);
+CloudFormat find_cloud_format(const std::string& path);
 
 /// A cloud file that is being written.
 class CloudWriter : public CloudSink {
