@@ -88,12 +88,6 @@ TEST(ParseQuantity, SaysWhyNot) {
   EXPECT_THAT(reason("1e99999999999999999999", Unit::kNone), HasSubstr("range"));
 }
 
-TEST(ParseQuantity, KeepsTheReasonUntouchedWhenAllIsWell) {
-  std::string why = "before";
-  EXPECT_TRUE(parse_quantity("1 m", Unit::kMetre, &why));
-  EXPECT_EQ(why, "before");
-}
-
 TEST(ParseStatedQuantity, RefusesABareNumberWhereUnitsDiffer) {
   std::string why;
   EXPECT_EQ(parse_stated_quantity("50", Unit::kMetre, &why), std::nullopt);

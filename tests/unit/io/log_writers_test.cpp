@@ -309,17 +309,5 @@ TEST_P(TableFormats, TextsKeepTheirLetters) {
   }
 }
 
-TEST(LogWriters, OnlyMcapHasPackings) {
-  for (const std::string name : {"a.mcap", "a.log", "a.csv", "a.jsonl"}) {
-    for (const ChunkPacking packing : {ChunkPacking::kNone, ChunkPacking::kLz4, ChunkPacking::kZstd}) {
-      const TemporaryFolder folder;
-      AtomicFileSet files;
-      const std::string refusal = told_by<UsageError>(
-          [&] { make_log_writer(find_log_format(name, ""), folder / name, {.packing = packing}, files); });
-      EXPECT_EQ(refusal.empty(), name == "a.mcap") << name << ' ' << static_cast<int>(packing);
-    }
-  }
-}
-
 }  // namespace
 }  // namespace gdtslam
