@@ -187,15 +187,12 @@ void write_file_atomically(const std::string& path, std::string_view text) {
   file.commit();
 }
 
-void copy_file_atomically(const std::string& from, const std::string& to, const std::function<void()>& before_piece) {
+void copy_file_atomically(const std::string& from, const std::string& to) {
   constexpr std::size_t kPieceBytes = std::size_t{1} << 20U;
   const std::unique_ptr<ByteSource> source = open_file_source(from);
   AtomicFile copy(to);
   std::vector<char> piece(kPieceBytes);
-  for (std::size_t count = 0; (count = source->read(piece)) > 0;) {
-    if (before_piece) before_piece();
-    copy.write(std::string_view(piece.data(), count));
-  }
+  while (const std::size_t count = source->read(piece)) copy.write(std::string_view(piece.data(), count));
   std::error_code ignored;  // a file system may know no permissions
   fs::permissions(copy.written_path(), fs::status(from, ignored).permissions(), ignored);
   copy.commit();

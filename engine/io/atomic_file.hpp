@@ -5,7 +5,6 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -74,10 +73,8 @@ class AtomicFileSet {
 /// A whole file at once.
 void write_file_atomically(const std::string& path, std::string_view text);
 
-/// The bytes and the permissions of a file, under another name. `before_piece` is called before each MiB; where it
-/// throws nothing is written. Throws FileError.
-void copy_file_atomically(const std::string& from, const std::string& to,
-                          const std::function<void()>& before_piece = {});
+/// The bytes and the permissions of a file, under another name. Throws FileError.
+void copy_file_atomically(const std::string& from, const std::string& to);
 
 /// The names in the folder to the disk, where its file system knows of such a thing. Throws FileError.
 void sync_folder(const std::string& path);

@@ -9,7 +9,6 @@
 
 #include "engine/io/decimal.hpp"
 #include "engine/io/message_text.hpp"
-#include "engine/io/tables/foreign_file.hpp"
 #include "engine/io/text_log.hpp"
 #include "field_cursor.hpp"
 #include "gdtslam/core/angle.hpp"

@@ -9,7 +9,6 @@
 #include <variant>
 
 #include "engine/io/text_log.hpp"
-#include "foreign_file.hpp"
 #include "gdtslam/core/error.hpp"
 #include "row_parser.hpp"
 #include "row_records.hpp"

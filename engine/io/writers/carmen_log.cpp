@@ -29,8 +29,7 @@ bool is_one_word(std::string_view text) {
 
 class CarmenLog final : public LogWriter {
  public:
-  CarmenLog(AtomicFile& file, const LogWriteOptions& options)
-      : sink_(file), writer_(options.range_decimals.value_or(CarmenWriter::kAsNeeded), options.host) {}
+  explicit CarmenLog(AtomicFile& file) : sink_(file), writer_(CarmenWriter::kAsNeeded, "gdtslam") {}
   bool write(const LogRecord& record) override {
     if (const auto* scan = std::get_if<ScanRecord>(&record)) {
       return write_scan(*scan);
@@ -126,8 +125,6 @@ class CarmenLog final : public LogWriter {
 
 }  // namespace
 
-std::unique_ptr<LogWriter> make_carmen_log(AtomicFile& file, const LogWriteOptions& options) {
-  return std::make_unique<CarmenLog>(file, options);
-}
+std::unique_ptr<LogWriter> make_carmen_log(AtomicFile& file) { return std::make_unique<CarmenLog>(file); }
 
 }  // namespace gdtslam

@@ -6,7 +6,7 @@
 namespace gdtslam {
 
 /// Lines of CARMEN. A scan without odometry gets the pose of the odometry record before it.
-std::unique_ptr<LogWriter> make_carmen_log(AtomicFile& file, const LogWriteOptions& options);
+std::unique_ptr<LogWriter> make_carmen_log(AtomicFile& file);
 /// Rows of CSV. Every number is as short as reads back the same, so that a log gives the same map.
 std::unique_ptr<LogWriter> make_csv_log(AtomicFile& file);
 /// Lines of JSON, with the same numbers.

@@ -44,13 +44,6 @@ void refuse_bags(const std::string& path) {
   }
 }
 
-ChunkPacking choose_packing(LogFormat format, const LogWriteOptions& options) {
-  if (options.packing && format != LogFormat::kMcap) {
-    throw UsageError("--compression: MCAP files take none, lz4 and zstd, other formats nothing");
-  }
-  return options.packing.value_or(ChunkPacking::kZstd);
-}
-
 }  // namespace
 
 std::string log_format_names() { return fmt::format("{}", fmt::join(format_names(), ", ")); }
@@ -78,13 +71,15 @@ LogFormat find_log_format(const std::string& path, const std::string& name) {
                   one_line(path)));
 }
 
-std::unique_ptr<LogWriter> make_log_writer(LogFormat format, const std::string& path, const LogWriteOptions& options,
-                                           AtomicFileSet& files) {
-  const ChunkPacking packing = choose_packing(format, options);
+std::unique_ptr<LogWriter> make_log_writer(LogFormat format, const std::string& path,
+                                           std::optional<ChunkPacking> packing, AtomicFileSet& files) {
+  if (packing && format != LogFormat::kMcap) {
+    throw UsageError("--compression: MCAP files take none, lz4 and zstd, other formats nothing");
+  }
   AtomicFile& file = files.add(path == "-" ? "/dev/stdout" : path);
   switch (format) {
     case LogFormat::kCarmen:
-      return make_carmen_log(file, options);
+      return make_carmen_log(file);
     case LogFormat::kCsv:
       return make_csv_log(file);
     case LogFormat::kJsonLines:
@@ -92,7 +87,7 @@ std::unique_ptr<LogWriter> make_log_writer(LogFormat format, const std::string& 
     case LogFormat::kMcap:
       break;
   }
-  return make_ros_log(file, packing);
+  return make_ros_log(file, packing.value_or(ChunkPacking::kZstd));
 }
 
 }  // namespace gdtslam

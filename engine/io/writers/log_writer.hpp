@@ -25,13 +25,6 @@ std::string_view packing_name(ChunkPacking packing);
 /// A whole chunk, packed; lz4 is a frame of independent blocks with a checksum. Throws Error if memory runs out.
 std::string packed_chunk(const std::string& bytes, ChunkPacking packing);
 
-struct LogWriteOptions {
-  /// For CARMEN: fixed numbers, poses with six decimals; as short as reads back the same when empty.
-  std::optional<int> range_decimals{};
-  std::string host = "gdtslam";           ///< for CARMEN: the name of the computer
-  std::optional<ChunkPacking> packing{};  ///< for MCAP: zstd when empty
-};
-
 class LogWriter {
  public:
   LogWriter() = default;
@@ -67,9 +60,9 @@ std::string log_format_names();
 /// A record as a line of JSON, with its end.
 std::string json_line(const LogRecord& record);
 
-/// Adds its files to `files`; "-" as the path is standard output. Throws UsageError where the format
-/// cannot be packed so, FileError.
-std::unique_ptr<LogWriter> make_log_writer(LogFormat format, const std::string& path, const LogWriteOptions& options,
-                                           AtomicFileSet& files);
+/// Adds its files to `files`; "-" as the path is standard output. `packing` is for MCAP alone, zstd if empty. Throws
+/// UsageError for another format with a packing, FileError.
+std::unique_ptr<LogWriter> make_log_writer(LogFormat format, const std::string& path,
+                                           std::optional<ChunkPacking> packing, AtomicFileSet& files);
 
 }  // namespace gdtslam

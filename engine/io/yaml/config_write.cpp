@@ -4,7 +4,6 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "engine/io/atomic_file.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/units.hpp"
 #include "gdtslam/io/config_yaml.hpp"
@@ -110,10 +109,6 @@ std::string config_text(std::span<const Option> options) {
     append_section(text, section, options);
   }
   return text;
-}
-
-void write_config(const std::string& path, std::span<const Option> options) {
-  write_file_atomically(path, config_text(options));
 }
 
 std::string config_schema(std::span<const Option> options) {

@@ -87,12 +87,5 @@ TEST(SideThread, DropsWhatIsNotBegunWhenItGoes) {
   EXPECT_LE(done.load(), 100);
 }
 
-/// Policy and slice in ns of this thread, by sched_getattr(2); the slice is 0 where the system has none for it.
-std::pair<std::uint32_t, std::uint64_t> policy_and_slice() {
-  std::array<std::uint64_t, 6> attributes{};  // size and policy, flags, nice and priority, runtime, deadline, period
-  EXPECT_EQ(::syscall(SYS_sched_getattr, 0, attributes.data(), sizeof attributes, 0U), 0);
-  return {static_cast<std::uint32_t>(attributes[0] >> 32U), attributes[3]};
-}
-
 }  // namespace
 }  // namespace gdtslam::test

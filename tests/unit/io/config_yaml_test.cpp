@@ -173,7 +173,7 @@ TEST(ConfigYaml, SetOptionTakesAssignments) {
 TEST(ConfigYaml, WhatIsWrittenReadsBackAsTheSameBits) {
   const TemporaryFolder folder;
   Sample written{0.123456789012345678, -1.0 / 3.0, 9, true, Colour::kGreen, 1e-7};
-  write_config(folder / "c.yaml", written.options());
+  put_file(folder / "c.yaml", config_text(written.options()));
   Sample read;
   EXPECT_EQ(read_config(folder / "c.yaml", read.options()).size(), 6U);
   EXPECT_EQ(read.length_m, written.length_m);

@@ -133,7 +133,7 @@ class LogFiles {
     std::size_t ruler = 0;
     for (const LogKind& kind : kLogKinds) {
       if (kind.file == "none.mcap") ruler = writers.size();
-      writers.push_back(make_log_writer(kind.format, path(kind.file), {.packing = kind.chunks}, files));
+      writers.push_back(make_log_writer(kind.format, path(kind.file), kind.chunks, files));
     }
     BenchDrive drive;
     for (; static_cast<double>(writers[ruler]->bytes()) < kMega * megabytes || scans_ == 0; ++scans_) {
