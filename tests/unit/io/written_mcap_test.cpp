@@ -132,6 +132,12 @@ TEST(WrittenMcap, EveryByteIsThatOfTheSpecification) {
   const auto sha256 = [](const std::string& bytes) { return Sha256().update(std::string_view(bytes)).hex(); };
   EXPECT_EQ(sha256(three_chunks()), "THREE");
   EXPECT_EQ(sha256(mcap_of({}, ChunkPacking::kNone)), "EMPTY");
+  std::string definitions;
+  for (const RosType type : {RosType::kLaserScan, RosType::kOdometry, RosType::kTransforms, RosType::kInt32,
+                             RosType::kJointState, RosType::kPoseStamped, RosType::kOccupancyGrid}) {
+    definitions += ros_type_name(type) + "\n" + ros_definition(type);
+  }
+  EXPECT_EQ(sha256(definitions), "DEFS") << "once compared with the published MD5 sums of the types";
 }
 
 void expect_chunk_index(const McapSpecRecord& index, const std::vector<McapSpecRecord>& records, std::size_t chunk,
