@@ -112,8 +112,6 @@ struct CloudReader::State {
   void choose_origin();
   void read_placed();
   void read_row(const CloudElement& element);
-  double next_value(Scalar type);
-  [[nodiscard]] double list_length(double count) const;
   void check_end();
   [[nodiscard]] double value(CloudRole role) const { return values[static_cast<std::size_t>(role)]; }
   void set(const CloudColumn& column, double number) {
@@ -148,29 +146,13 @@ void CloudReader::State::fail(const std::string& message) const {
   throw InputError({input.name(), 0}, fmt::format("point {}: {}", done, message));
 }
 
-double CloudReader::State::next_value(Scalar type) {
-  const std::optional<double> value = row.next(type);
-  if (value) return *value;
-  if (!layout.is_ascii) ends_early();
-  fail("has fewer numbers than columns, or a word among them");
-}
-
-double CloudReader::State::list_length(double count) const {
-  if (!(count >= 0.0)) fail("the length of a list is not a number from 0");
-  return count;
-}
-
 void CloudReader::State::read_row(const CloudElement& element) {
   if (!row.begin_row()) ends_early();
-  for (const CloudColumn& column : element.columns) {
-    const auto count = static_cast<double>(column.repeat);
-    const double items = column.list_count ? list_length(next_value(*column.list_count)) : count;
-    for (double item = 0.0; item < items; ++item) {
-      const double number = next_value(column.type);
-      if (element.is_vertex && !column.list_count) set(column, number);
-    }
-  }
-  if (!row.at_end()) fail("has more numbers than columns, or a word among them");
+  const std::string_view fault = row.read(element, [&](const CloudColumn& column, double number) {
+    if (element.is_vertex && !column.list_count) set(column, number);
+  });
+  if (fault == RowValues::kEndsEarly) ends_early();
+  if (!fault.empty()) fail(std::string(fault));
 }
 
 void CloudReader::State::read_placed() {

@@ -86,17 +86,39 @@ class RowValues {
     numbers_ = CloudNumbers(line.value_or(""));
     return line.has_value();
   }
+  /// Calls take(column, number) for each value of a row of the element. Returns the fault of the row: kEndsEarly if its
+  /// bytes are not there, empty if there is none.
+  template <class Take>
+  std::string_view read(const CloudElement& element, const Take& take) {
+    const std::string_view missing = is_ascii_ ? "has fewer numbers than columns, or a word among them" : kEndsEarly;
+    for (const CloudColumn& column : element.columns) {
+      auto items = static_cast<double>(column.repeat);
+      if (column.list_count) {
+        const std::optional<double> count = next(*column.list_count);
+        if (!count) return missing;
+        if (!(*count >= 0.0)) return "the length of a list is not a number from 0";
+        items = *count;
+      }
+      for (double item = 0.0; item < items; ++item) {
+        const std::optional<double> number = next(column.type);
+        if (!number) return missing;
+        take(column, *number);
+      }
+    }
+    const bool is_at_end = !is_ascii_ || numbers_.at_end();
+    return is_at_end ? std::string_view() : "has more numbers than columns, or a word among them";
+  }
+  static constexpr std::string_view kEndsEarly = "ends early";
+  [[nodiscard]] bool is_ascii() const { return is_ascii_; }
+
+ private:
   /// The next number; none at the end of the line or the input, or before another word.
   std::optional<double> next(Scalar type) {
     if (is_ascii_) return numbers_.next(type);
     const char* const data = input_.bytes(byte_size(type));
     return data == nullptr ? std::nullopt : std::optional(decode(type, data, is_big_endian_));
   }
-  /// Whether nothing is left of the row's line.
-  bool at_end() { return !is_ascii_ || numbers_.at_end(); }
-  [[nodiscard]] bool is_ascii() const { return is_ascii_; }
 
- private:
   CloudInput& input_;
   bool is_ascii_;
   bool is_big_endian_;

@@ -85,4 +85,24 @@ std::string_view unpacked_message(std::string_view bytes, std::string& buffer);
 std::unique_ptr<ByteSource> unpacked_chunk(std::unique_ptr<ByteSource> packed, std::string_view compression,
                                            std::string_view supported);
 
+/// A container that is read forwards, so that a pipe will do.
+class ForwardRecording : public Recording {
+ public:
+  explicit ForwardRecording(std::unique_ptr<ByteSource> source) : file_(std::move(source)) {}
+  [[nodiscard]] std::string place() const override { return "before byte " + std::to_string(file_.offset()); }
+  [[nodiscard]] double progress() const override { return file_.source().progress(); }
+  [[nodiscard]] std::string defect() const override { return file_.source().defect(); }
+
+ protected:
+  /// The bytes of a message if its channel is wanted; others are passed over.
+  void take_message(CountedBytes& bytes, std::uint64_t size, const Wanted& wanted, RecordingItem& item) {
+    if (!wanted(item.channel)) return bytes.skip(size);
+    bytes.read_into(content_, size, kMostMessageBytes, "a message");
+    item.bytes = content_;
+  }
+
+  CountedBytes file_;
+  std::string content_;  ///< bytes of the last message
+};
+
 }  // namespace gdtslam

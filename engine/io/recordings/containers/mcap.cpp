@@ -58,15 +58,13 @@ MessageEncoding mcap_encoding(std::string_view name) {
 
 }  // namespace
 
-McapFile::McapFile(std::unique_ptr<ByteSource> source) : file_(std::move(source)) {
+McapFile::McapFile(std::unique_ptr<ByteSource> source) : ForwardRecording(std::move(source)) {
   file_.start_crc();
   const std::string magic = file_.read_text(kMcapMagic.size(), kMcapMagic.size(), "a first line");
   if (magic != kMcapMagic) {
     throw RecordingFault(fmt::format("begins with {}, which is no MCAP file of version 0", in_quotes(magic)));
   }
 }
-
-std::string McapFile::place() const { return fmt::format("before byte {}", file_.offset()); }
 
 void McapFile::open_chunk(std::uint64_t size) {
   if (chunk_) throw RecordingFault("has a chunk within a chunk");
@@ -132,12 +130,7 @@ RecordingItem McapFile::read_message(std::uint64_t size, CountedBytes& bytes, co
   bytes.read(head);
   RecordingItem item{.channel = little_endian<std::uint16_t>(head.data())};
   item.received_s = mcap_seconds(little_endian<std::uint64_t>(head.data() + 2 + 4));
-  if (wanted(item.channel)) {
-    bytes.read_into(content_, size - kMessageHeadBytes, kMostMessageBytes, "a message");
-    item.bytes = content_;
-  } else {
-    bytes.skip(size - kMessageHeadBytes);
-  }
+  take_message(bytes, size - kMessageHeadBytes, wanted, item);
   return item;
 }
 

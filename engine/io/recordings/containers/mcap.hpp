@@ -18,15 +18,12 @@ namespace gdtslam {
 
 inline constexpr std::string_view kMcapMagic = "\x89MCAP0\r\n";
 
-class McapFile final : public Recording {
+class McapFile final : public ForwardRecording {
  public:
   /// The source is before the first byte of the file. Throws RecordingFault where it is no MCAP file of version 0.
   explicit McapFile(std::unique_ptr<ByteSource> source);
 
   std::optional<RecordingItem> next(const Wanted& wanted, const Warn& warn) override;
-  [[nodiscard]] std::string place() const override;
-  [[nodiscard]] double progress() const override { return file_.source().progress(); }
-  [[nodiscard]] std::string defect() const override { return file_.source().defect(); }
 
  private:
   struct Chunk {
@@ -42,11 +39,9 @@ class McapFile final : public Recording {
   RecordingItem read_message(std::uint64_t size, CountedBytes& bytes, const Wanted& wanted);
   void end_data(std::uint32_t crc);
 
-  CountedBytes file_;
   std::optional<Chunk> chunk_;
   bool is_over_ = false;
   std::map<std::uint16_t, std::string> schemas_;  ///< names of types
-  std::string content_;
 };
 
 }  // namespace gdtslam

@@ -57,15 +57,13 @@ std::uint8_t BagFields::u8(std::string_view name) const {
   return static_cast<std::uint8_t>(value->front());
 }
 
-Ros1Bag::Ros1Bag(std::unique_ptr<ByteSource> source) : file_(std::move(source)) {
+Ros1Bag::Ros1Bag(std::unique_ptr<ByteSource> source) : ForwardRecording(std::move(source)) {
   const std::string magic = file_.read_text(kBagMagic.size(), kBagMagic.size(), "a first line");
   if (magic != kBagMagic) {
     throw RecordingFault(fmt::format("begins with {}, which is no bag of version 2.0; 'rosbag migrate' makes one",
                                      in_quotes(std::string_view(magic).substr(0, magic.size() - 1))));
   }
 }
-
-std::string Ros1Bag::place() const { return fmt::format("before byte {}", file_.offset()); }
 
 void Ros1Bag::open_chunk(const BagFields& fields, std::uint32_t size) {
   if (chunk_) throw RecordingFault("has a chunk within a chunk");
@@ -100,12 +98,7 @@ RecordingItem Ros1Bag::read_message(const BagFields& fields, std::uint32_t size,
   const std::string_view time = fields.find("time").value_or("");
   if (time.size() != 8) throw RecordingFault("has a message without its time");
   item.received_s = little_endian<std::uint32_t>(time.data()) + 1.0e-9 * little_endian<std::uint32_t>(time.data() + 4);
-  if (wanted(item.channel)) {
-    bytes.read_into(data_, size, kMostMessageBytes, "a message");
-    item.bytes = data_;
-  } else {
-    bytes.skip(size);
-  }
+  take_message(bytes, size, wanted, item);
   return item;
 }
 
