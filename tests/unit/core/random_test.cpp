@@ -1,9 +1,10 @@
-// Expected numbers: make_random_vectors.py, an implementation of its own in Python's integers.
+// The expected numbers are those of the published algorithms, computed with Python's integers and mpmath.
 #include "gdtslam/core/random.hpp"
 
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 #include <gtest/gtest.h>
 
