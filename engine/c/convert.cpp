@@ -5,14 +5,13 @@
 
 #include "engine/io/sha256.hpp"
 #include "guard.hpp"
-#include "structs.hpp"
 
 namespace gdtslam::c {
 namespace {
 
 constexpr std::size_t kMostBeams = std::size_t{1} << 30U;
 
-std::uint8_t pixel_of(CellState state) {
+std::uint8_t to_pixel(CellState state) {
   switch (state) {
     case CellState::kFree:
       return GDTSLAM_FREE;
@@ -23,9 +22,9 @@ std::uint8_t pixel_of(CellState state) {
   }
 }
 
-std::size_t bytes_of_cell(const gdtslam_grid& grid) { return grid.cells.index() == 0 ? 2 : 1; }
+std::size_t cell_bytes(const gdtslam_grid& grid) { return grid.cells.index() == 0 ? 2 : 1; }
 
-const void* cells_of(const gdtslam_grid& grid) {
+const void* cell_data(const gdtslam_grid& grid) {
   return std::visit([](const auto& cells) { return static_cast<const void*>(cells.data()); }, grid.cells);
 }
 
@@ -38,7 +37,7 @@ std::vector<gdtslam_stamped_pose> to_c(const Trajectory& trajectory) {
   return poses;
 }
 
-ScanRecord scan_of(const gdtslam_scan* scan, const char* what) {
+ScanRecord to_scan_record(const gdtslam_scan* scan, const char* what) {
   const gdtslam_scan given = read_struct(scan, GDTSLAM_SIZE_WITH(gdtslam_scan, range_count), what);
   if (given.range_count > kMostBeams) {
     throw InputError(std::string(what) + ": a scan of " + std::to_string(given.range_count) + " beams");
@@ -52,10 +51,10 @@ ScanRecord scan_of(const gdtslam_scan* scan, const char* what) {
   s.max_range_m = given.max_range_m;
   s.first_beam_after_s = given.first_beam_after_s;
   s.beam_period_s = given.beam_period_s;
-  s.T_base_laser = pose_of(given.T_base_laser);
+  s.T_base_laser = to_pose(given.T_base_laser);
   s.ranges_m.assign(given.ranges_m, given.ranges_m + given.range_count);
   if (given.has_speed != 0) s.speed = {given.speed.x_m, given.speed.y_m, given.speed.theta_rad};
-  if (given.has_odometry != 0) record.T_odom_base = pose_of(given.T_odom_base);
+  if (given.has_odometry != 0) record.T_odom_base = to_pose(given.T_odom_base);
   record.laser = static_cast<std::size_t>(given.laser);
   for (const double value :
        {s.stamp_s, s.first_bearing_rad, s.bearing_step_rad, s.max_range_m, s.first_beam_after_s, s.beam_period_s}) {
@@ -86,7 +85,7 @@ gdtslam_scan to_c(const ScanRecord& record) {
           .laser = record.laser};
 }
 
-std::unique_ptr<gdtslam_grid> grid_of(const DistanceFieldRows& field) {
+std::unique_ptr<gdtslam_grid> make_grid(const DistanceFieldRows& field) {
   const auto width = static_cast<std::size_t>(field.geometry.width);
   std::vector<std::uint16_t> cells(field.geometry.cell_count());
   for (std::int32_t y = 0; y < field.geometry.height; ++y) {
@@ -99,13 +98,13 @@ std::unique_ptr<gdtslam_grid> grid_of(const DistanceFieldRows& field) {
   return grid;
 }
 
-std::unique_ptr<gdtslam_grid> grid_of(const OccupancyMap& map) {
+std::unique_ptr<gdtslam_grid> make_grid(const OccupancyMap& map) {
   std::vector<std::uint8_t> cells;
   cells.reserve(map.geometry.cell_count());
   std::vector<CellState> row(static_cast<std::size_t>(map.geometry.width));
   for (std::int32_t y = 0; y < map.geometry.height; ++y) {
     map.read_row(y, row);
-    for (const CellState state : row) cells.push_back(pixel_of(state));
+    for (const CellState state : row) cells.push_back(to_pixel(state));
   }
   auto grid = std::make_unique<gdtslam_grid>();
   grid->geometry = map.geometry;
@@ -121,11 +120,11 @@ gdtslam_status gdtslam_grid_look(const gdtslam_grid* grid, gdtslam_grid_view* vi
   return guarded(error, [&] {
     require(grid, "gdtslam_grid_look: grid");
     const gdtslam::GridGeometry& g = grid->geometry;
-    const std::size_t cell_bytes = bytes_of_cell(*grid);
+    const std::size_t bytes = cell_bytes(*grid);
     write_struct<gdtslam_grid_view>({.size = 0,
-                                     .cells = cells_of(*grid),
-                                     .row_bytes = cell_bytes * static_cast<std::size_t>(g.width),
-                                     .cell_bytes = cell_bytes,
+                                     .cells = cell_data(*grid),
+                                     .row_bytes = bytes * static_cast<std::size_t>(g.width),
+                                     .cell_bytes = bytes,
                                      .width = g.width,
                                      .height = g.height,
                                      .resolution_m = g.resolution_m,

@@ -20,16 +20,16 @@
 struct gdtslam_grid {
   gdtslam::GridGeometry geometry;
   std::variant<std::vector<std::uint16_t>, std::vector<std::uint8_t>> cells;
-  std::uint32_t cap = 0;  ///< of a distance field
+  std::uint32_t cap = 0;  ///< cap of a distance field; 0 for a map
 
-  /// Of a distance field, once it was asked for; any thread may ask.
+  /// Hash of a distance field, made when it is first asked for; any thread may ask.
   mutable std::once_flag hashed{};
   mutable std::string sha256{};
 };
 
 namespace gdtslam::c {
 
-inline Pose2 pose_of(const gdtslam_pose& pose) { return {pose.x_m, pose.y_m, pose.theta_rad}; }
+inline Pose2 to_pose(const gdtslam_pose& pose) { return {pose.x_m, pose.y_m, pose.theta_rad}; }
 inline gdtslam_pose to_c(const Pose2& pose) { return {pose.x_m, pose.y_m, pose.theta_rad}; }
 inline gdtslam_stamped_pose to_c(const StampedPose& pose) {
   return {pose.stamp_s, pose.T_map_base.x_m, pose.T_map_base.y_m, pose.T_map_base.theta_rad};
@@ -37,11 +37,11 @@ inline gdtslam_stamped_pose to_c(const StampedPose& pose) {
 std::vector<gdtslam_stamped_pose> to_c(const Trajectory& trajectory);
 
 /// Throws UsageError, and InputError for bearings or a mount that are not finite. `what` names the call.
-ScanRecord scan_of(const gdtslam_scan* scan, const char* what);
+ScanRecord to_scan_record(const gdtslam_scan* scan, const char* what);
 /// The ranges stay those of the record.
 gdtslam_scan to_c(const ScanRecord& record);
 
-std::unique_ptr<gdtslam_grid> grid_of(const DistanceFieldRows& field);
-std::unique_ptr<gdtslam_grid> grid_of(const OccupancyMap& map);
+std::unique_ptr<gdtslam_grid> make_grid(const DistanceFieldRows& field);
+std::unique_ptr<gdtslam_grid> make_grid(const OccupancyMap& map);
 
 }  // namespace gdtslam::c

@@ -10,9 +10,8 @@
 #include "gdtslam/compute/backend.hpp"
 #include "guard.hpp"
 #include "options.hpp"
-#include "structs.hpp"
 
-/// What a localizer and its trackers share.
+/// The parts that a localizer and its trackers share.
 struct gdtslam_localizer {
   struct Shared {
     Shared(const std::string& map, const gdtslam::MapperConfig& mapper_config, const gdtslam::LocalizeLimits& limits)
@@ -41,7 +40,7 @@ namespace {
 using namespace gdtslam;
 using namespace gdtslam::c;
 
-LocalizeLimits limits_of(const gdtslam_localizer_request& given) {
+LocalizeLimits read_limits(const gdtslam_localizer_request& given) {
   for (const double value : {given.gap_m, given.max_seconds, given.good_fit_m}) {
     if (!(value >= 0.0) || !std::isfinite(value))
       throw UsageError("gdtslam_localizer_new: a limit is negative or not finite");
@@ -95,8 +94,8 @@ gdtslam_status gdtslam_localizer_new(const gdtslam_localizer_request* request, g
       throw UsageError("gdtslam_localizer_new: a flag that means nothing here");
     }
     auto made = std::make_unique<gdtslam_localizer>();
-    made->shared = std::make_shared<const gdtslam_localizer::Shared>(given.map, settings_of(given.options).mapper,
-                                                                     limits_of(given));
+    made->shared = std::make_shared<const gdtslam_localizer::Shared>(given.map, read_settings(given.options).mapper,
+                                                                     read_limits(given));
     *localizer = made.release();
   });
 }
@@ -107,7 +106,7 @@ gdtslam_status gdtslam_localizer_find(const gdtslam_localizer* localizer, const 
                                       gdtslam_location* location, gdtslam_error* error) {
   return guarded(error, [&] {
     require(localizer, "gdtslam_localizer_find: localizer");
-    const ScanRecord record = scan_of(scan, "gdtslam_localizer_find: scan");
+    const ScanRecord record = to_scan_record(scan, "gdtslam_localizer_find: scan");
     write_struct(gdtslam_location{}, location, "gdtslam_localizer_find: location");  // before the work
     write_struct(location_to_c(localizer->shared->localizer.localize(record.scan, 0)), location,
                  "gdtslam_localizer_find: location");
@@ -129,7 +128,7 @@ gdtslam_status gdtslam_tracker_follow(gdtslam_tracker* tracker, const gdtslam_sc
                                       gdtslam_error* error) {
   return guarded(error, [&] {
     require(tracker, "gdtslam_tracker_follow: tracker");
-    const ScanRecord record = scan_of(scan, "gdtslam_tracker_follow: scan");
+    const ScanRecord record = to_scan_record(scan, "gdtslam_tracker_follow: scan");
     write_struct(gdtslam_tracked{}, tracked, "gdtslam_tracker_follow: tracked");  // before the scan counts
     write_struct(tracked_to_c(tracker->tracker.follow(record.scan, record.T_odom_base)), tracked,
                  "gdtslam_tracker_follow: tracked");

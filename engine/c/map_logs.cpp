@@ -11,7 +11,6 @@
 #include "guard.hpp"
 #include "options.hpp"
 #include "run.hpp"
-#include "structs.hpp"
 
 namespace {
 
@@ -47,17 +46,17 @@ class Watcher {
   bool ended_ = false;
 };
 
-MapRequest request_of(const gdtslam_map_request& given, Watcher& watcher) {
+MapRequest make_request(const gdtslam_map_request& given, Watcher& watcher) {
   const auto has = [&given](uint32_t flag) { return (given.flags & flag) != 0; };
-  const ThreadChoice threads = threads_of(given.threads);
-  MapRequest request{.folder = given.folder, .settings = settings_of(given.options)};
+  const ThreadChoice threads = choose_threads(given.threads);
+  MapRequest request{.folder = given.folder, .settings = read_settings(given.options)};
   for (std::size_t k = 0; k < given.log_count; ++k) {
     require(given.logs[k], "gdtslam_map_logs: a log");
     request.logs.emplace_back(given.logs[k]);
   }
   request.lenient = has(GDTSLAM_LENIENT);
   request.range = {given.skip, given.scan_count == 0 ? std::numeric_limits<std::uint64_t>::max() : given.scan_count};
-  request.linkage = text_of(given.linkage);
+  request.linkage = to_text(given.linkage);
   request.replace_foreign_files = has(GDTSLAM_REPLACE_FOREIGN);
   request.with_cloud = !has(GDTSLAM_NO_CLOUD);
   request.with_map = !has(GDTSLAM_NO_MAP);
@@ -89,8 +88,9 @@ void check(const gdtslam_map_request& given) {
 void map_into(const gdtslam_map_request& given, gdtslam_run** run) {
   check(given);
   Watcher watcher(given);
-  const MapRequest request = request_of(given, watcher);
-  const std::unique_ptr<Backend> backend = make_cpu_backend({.threads = threads_of(given.threads).count, .isa = {}});
+  const MapRequest request = make_request(given, watcher);
+  const std::unique_ptr<Backend> backend =
+      make_cpu_backend({.threads = choose_threads(given.threads).count, .isa = {}});
   const AskedAfterSignals asked([&watcher] { return watcher.wants_end_of_wait(); });
   const MapResult result = map_logs(request, *backend);
   if (request.warn) {

@@ -11,7 +11,6 @@
 #include "gdtslam/mapping/mapper.hpp"
 #include "guard.hpp"
 #include "options.hpp"
-#include "structs.hpp"
 
 struct gdtslam_mapper {
   gdtslam_mapper(const gdtslam::MapperConfig& config, bool with_loops, const gdtslam::c::ThreadChoice& threads);
@@ -48,7 +47,7 @@ void require_open(const gdtslam_mapper& mapper, const char* what) {
   if (mapper.is_closed) throw UsageError(std::string(what) + ": the mapper is closed");
 }
 
-// What is missing of the motion during the scan is taken of the map, as a whole log does.
+// The motion during the scan is completed from the map if the scan does not state it, as for a whole log.
 MatchResult process(gdtslam_mapper& mapper, ScanRecord record) {
   mapper.speed.complete(record);
   const MatchResult result = mapper.mapper->process(record.scan, record.T_odom_base);
@@ -72,11 +71,11 @@ void close_loops(gdtslam_mapper& mapper, gdtslam_progress progress, void* user_d
   }
 }
 
-std::unique_ptr<gdtslam_grid> field_of(gdtslam_mapper& mapper) {
-  if (mapper.loops == nullptr) return grid_of(rows_of(mapper.mapper->field()));
-  if (mapper.is_closed) return grid_of(rows_of(mapper.loops->field()));
+std::unique_ptr<gdtslam_grid> copy_field(gdtslam_mapper& mapper) {
+  if (mapper.loops == nullptr) return make_grid(rows_of(mapper.mapper->field()));
+  if (mapper.is_closed) return make_grid(rows_of(mapper.loops->field()));
   const FrozenMap frozen = mapper.loops->request_map().get();
-  return grid_of(rows_of(*frozen.field));
+  return make_grid(rows_of(*frozen.field));
 }
 
 }  // namespace
@@ -100,8 +99,8 @@ gdtslam_status gdtslam_mapper_new(const gdtslam_mapper_request* request, gdtslam
     if ((given.flags & ~static_cast<uint32_t>(GDTSLAM_NO_LOOPS)) != 0) {
       throw UsageError("gdtslam_mapper_new: a flag that means nothing here");
     }
-    *mapper = std::make_unique<gdtslam_mapper>(settings_of(given.options).mapper, (given.flags & GDTSLAM_NO_LOOPS) == 0,
-                                               threads_of(given.threads))
+    *mapper = std::make_unique<gdtslam_mapper>(read_settings(given.options).mapper,
+                                               (given.flags & GDTSLAM_NO_LOOPS) == 0, choose_threads(given.threads))
                   .release();
   });
 }
@@ -117,7 +116,7 @@ gdtslam_status gdtslam_mapper_process(gdtslam_mapper* mapper, const gdtslam_scan
     unread.size = sizeof(unread);
     if (match == nullptr) match = &unread;
     write_struct(gdtslam_match{}, match, "gdtslam_mapper_process: match");  // before the scan counts
-    const MatchResult result = process(*mapper, scan_of(scan, "gdtslam_mapper_process: scan"));
+    const MatchResult result = process(*mapper, to_scan_record(scan, "gdtslam_mapper_process: scan"));
     write_struct(match_to_c(result, mapper->loops ? mapper->loops->correction() : Pose2()), match,
                  "gdtslam_mapper_process: match");
   });
@@ -149,6 +148,6 @@ gdtslam_status gdtslam_mapper_field(gdtslam_mapper* mapper, gdtslam_grid** field
   return guarded(error, [&] {
     require_result(field, "gdtslam_mapper_field: field");
     require(mapper, "gdtslam_mapper_field: mapper");
-    *field = field_of(*mapper).release();
+    *field = copy_field(*mapper).release();
   });
 }

@@ -5,11 +5,10 @@
 #include "convert.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 #include "guard.hpp"
-#include "structs.hpp"
 
 namespace gdtslam::c {
 
-Settings settings_of(const gdtslam_options* options) {
+Settings read_settings(const gdtslam_options* options) {
   Settings settings = options == nullptr ? Settings() : options->settings;
   require_valid(settings);
   return settings;
@@ -78,14 +77,14 @@ gdtslam_status gdtslam_options_add_topic(gdtslam_options* options, const char* t
 gdtslam_status gdtslam_options_set_odometry(gdtslam_options* options, const char* topic, gdtslam_error* error) {
   return guarded(error, [&] {
     require(options, "gdtslam_options_set_odometry: options");
-    options->settings.log.topics.odometry = text_of(topic);
+    options->settings.log.topics.odometry = to_text(topic);
   });
 }
 
 gdtslam_status gdtslam_options_set_crank(gdtslam_options* options, const char* topic, gdtslam_error* error) {
   return guarded(error, [&] {
     require(options, "gdtslam_options_set_crank: options");
-    options->settings.log.topics.crank = text_of(topic);
+    options->settings.log.topics.crank = to_text(topic);
   });
 }
 
@@ -94,7 +93,7 @@ gdtslam_status gdtslam_options_add_mount(gdtslam_options* options, const char* t
   return guarded(error, [&] {
     require(options, "gdtslam_options_add_mount: options");
     require(T_base_laser, "gdtslam_options_add_mount: T_base_laser");
-    const gdtslam::Pose2 mount = pose_of(*T_base_laser);
+    const gdtslam::Pose2 mount = to_pose(*T_base_laser);
     if (!mount.is_finite()) throw gdtslam::InputError("gdtslam_options_add_mount: T_base_laser is not finite");
     gdtslam::LogConfig& log = options->settings.log;
     if (topic == nullptr) {

@@ -16,14 +16,14 @@ struct gdtslam_options {
   ~gdtslam_options() = default;
 
   gdtslam::Settings settings;
-  std::vector<gdtslam::Option> table;  ///< of the settings
+  std::vector<gdtslam::Option> table;  ///< rows for the settings above
   std::string path, doc, value;        ///< that were last given out
 };
 
 namespace gdtslam::c {
 
 /// The defaults for NULL. Throws ConfigError where they contradict each other or are out of their bounds.
-Settings settings_of(const gdtslam_options* options);
+Settings read_settings(const gdtslam_options* options);
 
 /// Throws UsageError. As the command without --threads: one, and another one looks for loops; UINT32_MAX: one per
 /// processor.
@@ -32,7 +32,7 @@ struct ThreadChoice {
   bool loops_beside = true;
 };
 inline constexpr uint32_t kMostThreads = 1024;
-inline ThreadChoice threads_of(uint32_t threads) {
+inline ThreadChoice choose_threads(uint32_t threads) {
   if (threads == 0) return {};
   if (threads != UINT32_MAX && threads > kMostThreads) {
     throw UsageError(std::to_string(threads) + " threads: at most " + std::to_string(kMostThreads));

@@ -11,7 +11,6 @@
 #include "engine/runs/streams/scan_stream.hpp"
 #include "guard.hpp"
 #include "options.hpp"
-#include "structs.hpp"
 
 namespace gdtslam::c {
 
@@ -21,8 +20,9 @@ class ReaderCaller {
   explicit ReaderCaller(const gdtslam_reader_request& request)
       : progress_(request.progress), user_data_(request.user_data) {}
 
-  /// What the work gives, which may wait. Where the caller ends that, or throws, the log seems to end there, perhaps in
-  /// the middle of a scan; so nothing is read of it any more: throws Error(kInterrupted), then and later.
+  /// Returns the result of the work, which may wait. If the caller ends the wait, or throws, the log seems to end
+  /// there, perhaps in the middle of a scan. Nothing is read from it any more then: throws Error(kInterrupted), now and
+  /// later.
   template <class Work>
   auto unless_interrupted(std::uint64_t scans, const Work& work) {
     const AskedAfterSignals asked([this, scans] { return wants_end(scans); });
@@ -65,7 +65,7 @@ struct gdtslam_reader {
   gdtslam::c::ReaderCaller caller;
   gdtslam::ScanStream scans;
   gdtslam::ScanRecord last;
-  std::vector<gdtslam::LogReader::Warning> warnings;  ///< those that were last given out
+  std::vector<gdtslam::LogReader::Warning> warnings;  ///< the warnings that were last given out
 };
 
 namespace {
@@ -84,7 +84,7 @@ void open_reader(const gdtslam_reader_request& given, gdtslam_reader** reader, c
     require(given.logs[k], (call + ": a log").c_str());
     logs.emplace_back(given.logs[k]);
   }
-  const ReadOptions options = read_options_of(settings_of(given.options).log, (given.flags & GDTSLAM_LENIENT) != 0);
+  const ReadOptions options = read_options_of(read_settings(given.options).log, (given.flags & GDTSLAM_LENIENT) != 0);
   *reader = std::make_unique<gdtslam_reader>(given, std::move(logs), options).release();
 }
 

@@ -2,11 +2,17 @@
 
 #include <memory>
 #include <mutex>
+#include <string>
 
 #include "convert.hpp"
 #include "engine/io/byte_source.hpp"
 #include "engine/runs/folder/report_reader.hpp"
+#include "engine/runs/views/run_views.hpp"
 #include "guard.hpp"
+
+struct gdtslam_bytes {
+  std::string bytes;
+};
 
 namespace {
 
@@ -63,7 +69,7 @@ gdtslam_status gdtslam_run_map(const gdtslam_run* run, gdtslam_grid** map, gdtsl
   return guarded(error, [&] {
     require_result(map, "gdtslam_run_map: map");
     require(run, "gdtslam_run_map: run");
-    *map = grid_of(run->reader.map()).release();
+    *map = make_grid(run->reader.map()).release();
   });
 }
 
@@ -72,6 +78,31 @@ gdtslam_status gdtslam_run_field(const gdtslam_run* run, gdtslam_grid** field, g
     require_result(field, "gdtslam_run_field: field");
     require(run, "gdtslam_run_field: run");
     const gdtslam::DistanceFieldFile file = run->reader.field();
-    *field = grid_of(gdtslam::rows_of(file.view())).release();
+    *field = make_grid(gdtslam::rows_of(file.view())).release();
   });
 }
+
+gdtslam_status gdtslam_run_render(const gdtslam_run* run, const gdtslam_picture_request* request,
+                                  gdtslam_bytes** picture, gdtslam_error* error) {
+  return guarded(error, [&] {
+    require_result(picture, "gdtslam_run_render: picture");
+    require(run, "gdtslam_run_render: run");
+    gdtslam_picture_request given{};
+    if (request != nullptr) given = read_struct(request, sizeof(given.size), "gdtslam_run_render: request");
+    gdtslam::RunViewRequest wanted;
+    if (given.view != nullptr) wanted.view = given.view;
+    if (given.title != nullptr) wanted.title = given.title;
+    wanted.colour_map = to_text(given.colour_map);
+    if (given.width != 0 || given.height != 0) wanted.size = gdtslam::PictureSize{given.width, given.height};
+    const std::string format = given.format == nullptr ? "png" : given.format;
+    auto made = std::make_unique<gdtslam_bytes>();
+    made->bytes = gdtslam::picture_bytes(gdtslam::run_view(run->reader, wanted), format);
+    *picture = made.release();
+  });
+}
+
+const void* gdtslam_bytes_data(const gdtslam_bytes* bytes) { return bytes == nullptr ? nullptr : bytes->bytes.data(); }
+
+size_t gdtslam_bytes_count(const gdtslam_bytes* bytes) { return bytes == nullptr ? 0 : bytes->bytes.size(); }
+
+void gdtslam_bytes_free(gdtslam_bytes* bytes) { delete bytes; }

@@ -11,7 +11,7 @@ inline bool is_digits(std::string_view text) {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-/// As it is, but for A to Z.
+/// The text with A to Z as small letters.
 inline std::string in_small_letters(std::string_view text) {
   std::string small(text);
   for (char& c : small) {

@@ -8,6 +8,12 @@
 namespace gdtslam {
 
 /// The text with '?' for everything that is no printable ASCII; cut at `limit` characters.
-std::string one_line(std::string_view text, std::size_t limit = 200);
+inline std::string one_line(std::string_view text, std::size_t limit = 200) {
+  std::string shown;
+  for (const char c : text.substr(0, limit)) {
+    shown += c >= ' ' && c <= '~' ? c : '?';
+  }
+  return text.size() > limit ? shown + "..." : shown;
+}
 
 }  // namespace gdtslam

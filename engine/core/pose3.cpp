@@ -44,7 +44,7 @@ Vector3d rotate(const Quaterniond& q, const Vector3d& v) {
   return v + q.w() * turn + cross(axis, turn);
 }
 
-// What the rotation by an angle a makes of the translation along a screw.
+// Factors by which the rotation by an angle a changes the translation along a screw.
 struct ScrewFactors {
   double once;   ///< (1 - cos a) / a^2
   double twice;  ///< (a - sin a) / a^3
@@ -96,7 +96,7 @@ Quaterniond exp_so3(const Vector3d& rotation_vector_rad) {
 }
 
 Vector3d log_so3(const Quaterniond& rotation) {
-  // Of q and -q, which are one rotation, the one with the smaller angle.
+  // q and -q are one rotation; this takes the one with the smaller angle.
   const double sign = rotation.w() < 0.0 ? -1.0 : 1.0;
   const Vector3d axis = sign * vector_part(rotation);
   const double sine = norm(axis);

@@ -9,8 +9,8 @@
 
 namespace gdtslam {
 
-/// Of ascending values, at least one: between the two nearest ones by their distance (definition 7 of [Hyndman1996],
-/// which NumPy and R use by default). `share` is 0 to 1. O(1).
+/// The quantile of ascending values, at least one: interpolated between the two nearest ones (definition 7 of
+/// [Hyndman1996], which NumPy and R use by default). `share` is 0 to 1. O(1).
 inline double quantile_of_sorted(std::span<const double> ascending, double share) {
   assert(!ascending.empty() && share >= 0.0 && share <= 1.0);
   const double place = share * static_cast<double>(ascending.size() - 1);

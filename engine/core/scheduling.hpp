@@ -23,7 +23,7 @@ inline void run_in_background() {
 /// for time in short pieces, and so get the core soon after they wake up. Linux from 6.12 on heeds it (EEVDF's slices).
 inline void answer_promptly() {
   if (::sched_getscheduler(0) != SCHED_OTHER) return;
-  struct Attributes {  // of sched_setattr(2), in its first version
+  struct Attributes {  // argument of sched_setattr(2), in its first version
     std::uint32_t size = sizeof(Attributes), policy = SCHED_OTHER;
     std::uint64_t flags = 0;
     std::int32_t nice = 0;

@@ -9,8 +9,6 @@
 
 #include "gdtslam/core/angle.hpp"
 #include "one_line.hpp"
-#include "shown_quantity.hpp"
-#include "stated_quantity.hpp"
 
 namespace gdtslam {
 namespace {

@@ -25,7 +25,7 @@ WorkerPool::WorkerPool(unsigned threads) {
   workers_.reserve(threads);
   try {
     while (workers_.size() + 1 < threads) workers_.emplace_back([this] { work(); });
-  } catch (const std::system_error&) {  // those that are there do it
+  } catch (const std::system_error&) {  // the workers so far do the work
     return;
   } catch (const std::bad_alloc&) {
     return;

@@ -22,7 +22,7 @@ class WorkerPool {
   WorkerPool& operator=(const WorkerPool&) = delete;
   ~WorkerPool();
 
-  /// Of indices, the end not included.
+  /// The work on indices from begin to end, the end not included.
   using Body = std::function<void(std::uint64_t begin, std::uint64_t end)>;
   /// Calls body on disjoint slices of [0, count), each but the last a multiple of `grain`, and waits for all. Of what
   /// slices throw one is rethrown; slices that were not begun by then are left out.

@@ -24,7 +24,7 @@ namespace {
 constexpr std::size_t kBufferBytes = std::size_t{1} << 16;
 constexpr mode_t kNewFileMode = 0666;  // the umask takes away what the user does not want
 
-std::string folder_of(const std::string& file) {
+std::string parent_folder(const std::string& file) {
   const std::string folder = fs::path(file).parent_path().string();
   return folder.empty() ? "." : folder;
 }
@@ -78,7 +78,7 @@ void AtomicFile::open_temporary() {
   static std::atomic<unsigned> counter{0};
   constexpr int kAttempts = 100;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    std::string name = fmt::format("{}/.{}.{}-{}.tmp", folder_of(target_), fs::path(target_).filename().string(),
+    std::string name = fmt::format("{}/.{}.{}-{}.tmp", parent_folder(target_), fs::path(target_).filename().string(),
                                    ::getpid(), counter.fetch_add(1));
     descriptor_ = retried([&] { return ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kNewFileMode); });
     if (descriptor_ >= 0) {
@@ -162,7 +162,7 @@ void AtomicFile::take_name() {
   temporary_.clear();
   const int descriptor = std::exchange(descriptor_, -1);
   if (::close(descriptor) != 0 && errno != EINTR) fail("cannot be closed", errno);
-  if (is_renamed) sync_folder(folder_of(target_));
+  if (is_renamed) sync_folder(parent_folder(target_));
 }
 
 void AtomicFile::commit() {
@@ -187,15 +187,12 @@ void write_file_atomically(const std::string& path, std::string_view text) {
   file.commit();
 }
 
-void copy_file_atomically(const std::string& from, const std::string& to, const std::function<void()>& before_piece) {
+void copy_file_atomically(const std::string& from, const std::string& to) {
   constexpr std::size_t kPieceBytes = std::size_t{1} << 20U;
   const std::unique_ptr<ByteSource> source = open_file_source(from);
   AtomicFile copy(to);
   std::vector<char> piece(kPieceBytes);
-  for (std::size_t count = 0; (count = source->read(piece)) > 0;) {
-    if (before_piece) before_piece();
-    copy.write(std::string_view(piece.data(), count));
-  }
+  while (const std::size_t count = source->read(piece)) copy.write(std::string_view(piece.data(), count));
   std::error_code ignored;  // a file system may know no permissions
   fs::permissions(copy.written_path(), fs::status(from, ignored).permissions(), ignored);
   copy.commit();

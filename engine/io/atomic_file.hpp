@@ -5,7 +5,6 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -16,7 +15,7 @@
 
 namespace gdtslam {
 
-/// Whoever read the pipe that is written has gone away, as `head` does once it has enough.
+/// The reader of the pipe that is written has gone away, as `head` does once it has enough.
 class NoReaderError : public FileError {
  public:
   using FileError::FileError;
@@ -40,8 +39,8 @@ class AtomicFile {
   /// The file takes its name; the last call.
   void commit();
   [[nodiscard]] const std::string& path() const { return path_; }
-  /// Where the bytes are until the file takes its name, for a library that writes them itself. Throws FileError where
-  /// that is a pipe or a device.
+  /// The path of the bytes until the file takes its name, for a library that writes them itself. Throws FileError for a
+  /// pipe or a device.
   [[nodiscard]] const std::string& written_path() const;
 
  private:
@@ -52,7 +51,7 @@ class AtomicFile {
   void write_through(const char* data, std::size_t size);
   [[noreturn]] void fail(const char* what, int code) const;
 
-  std::string path_;       ///< as given, for messages
+  std::string path_;       ///< the path that the caller gave, for messages
   std::string target_;     ///< links resolved
   std::string temporary_;  ///< empty when the target is written directly
   int descriptor_ = -1;
@@ -74,10 +73,8 @@ class AtomicFileSet {
 /// A whole file at once.
 void write_file_atomically(const std::string& path, std::string_view text);
 
-/// The bytes and the permissions of a file, under another name. `before_piece` is called before each MiB; where it
-/// throws nothing is written. Throws FileError.
-void copy_file_atomically(const std::string& from, const std::string& to,
-                          const std::function<void()>& before_piece = {});
+/// The bytes and the permissions of a file, under another name. Throws FileError.
+void copy_file_atomically(const std::string& from, const std::string& to);
 
 /// The names in the folder to the disk, where its file system knows of such a thing. Throws FileError.
 void sync_folder(const std::string& path);

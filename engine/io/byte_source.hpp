@@ -21,7 +21,7 @@ class ByteSource {
   [[nodiscard]] virtual double progress() const = 0;
   /// Bytes that came from the file so far, before they were unpacked.
   [[nodiscard]] virtual std::uint64_t bytes_from_file() const = 0;
-  /// What is wrong with the end of the input (a gzip stream that stops early), else empty; known once read() gave 0.
+  /// The defect at the end of the input (a gzip stream that stops early), else empty; known once read() gave 0.
   [[nodiscard]] virtual std::string defect() const { return {}; }
 };
 

@@ -1,4 +1,5 @@
-// What reading one file may cost, whatever the file says about itself. docs/formats.md lists these numbers for users.
+// Limits on the cost of reading one file, whatever the file states about itself. docs/formats.md lists these numbers
+// for users.
 #pragma once
 
 #include <cstddef>
@@ -31,7 +32,7 @@ inline constexpr const char* kFreeKeptVariable = "GDTSLAM_UNPACKED_MIB";
 /// ConfigError where the variable is no whole number of MiB from 1 to 1,048,576.
 void check_kept_bytes(std::uint64_t kept, std::uint64_t from_disk, const std::string& name);
 
-/// What is computed from a file and kept beside it, tables of a map say, may be so many times what is free above.
+/// Data computed from a file and kept beside it, such as tables of a map, may be this many times the free amount above.
 inline constexpr std::uint64_t kDerivedPerFree = 16;
 
 /// The same for `derived` bytes that would be made of such a file, to be asked before they are allocated; `what` begins

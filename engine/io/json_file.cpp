@@ -21,10 +21,12 @@ constexpr std::size_t kMostValues = 2'500'000;
 // has some forty, and 2.5 million values in objects of 256 take a second.
 constexpr std::size_t kMostMembers = 256;
 
-// What the parser would make values of, without making them. Text that is no JSON is counted as if it were.
-std::string excess_of(std::string_view text) {
+// Counts the values that the parser would make, without making them, even in text that is no JSON. Returns the limit
+// that is exceeded, or nothing.
+std::string find_excess(std::string_view text) {
   int depth = 0;
-  std::array<std::size_t, kMostDepth + 1> members{};  // of the object that is open at a depth; lists have none
+  std::array<std::size_t, kMostDepth + 1>
+      members{};  // number in the object that is open at each depth; lists have none
   std::size_t values = 1;
   bool is_quoted = false;
   for (std::size_t k = 0; k < text.size(); ++k) {
@@ -116,7 +118,7 @@ void write_json(const std::string& path, const nlohmann::ordered_json& value) {
 }
 
 nlohmann::ordered_json parse_json(std::string_view text, const std::string& name, const std::string& advice) {
-  const std::string excess = excess_of(text);
+  const std::string excess = find_excess(text);
   if (!excess.empty()) throw InputError({name, 0}, excess + advice);
   try {
     return nlohmann::ordered_json::parse(text);

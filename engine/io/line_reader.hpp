@@ -27,7 +27,7 @@ class LineReader {
   /// Goes past lines without any byte at the current position, at the speed of memory, and returns the number of the
   /// last line so far. Waits for bytes of a live source as next() does.
   std::uint64_t skip_empty_lines();
-  /// What there is from the current position, without consuming it: at least a line or `bytes` bytes, less only at the
+  /// The bytes from the current position, without consuming them: at least a line or `bytes` bytes, less only at the
   /// end. Asks a live source for no more than that.
   std::string_view peek(std::size_t bytes);
   /// The next `count` bytes as they are, valid until the next call; nullptr where the input ends before.

@@ -1,6 +1,6 @@
-// What a log has beside its records: the kinds of its lines or, of a recording, its topics, frames and clocks, and what
-// of them is used for a map. Metres, radians, seconds. Memory is bounded, whatever the log's length. One log belongs to
-// one thread.
+// Contents of a log beside its records: the kinds of its lines or, in a recording, its topics, frames and clocks, and
+// which of them are used for a map. Metres, radians, seconds. Memory is bounded, whatever the log's length. One log
+// belongs to one thread.
 #pragma once
 
 #include <cstddef>
@@ -47,10 +47,10 @@ class LineCounter {
   std::vector<LineKind> list_;
 };
 
-/// What a topic is used for, or could be.
+/// The use of a topic, or its possible use.
 enum class TopicUse : std::uint8_t { kNone, kScans, kOdometry, kFrames, kCrank };
 
-/// What is between the stamps of messages and their times of receipt: receipt minus stamp. Quantiles of up to 512
+/// The delay from the stamps of messages to their times of receipt: receipt minus stamp. Quantiles of up to 512
 /// messages, evenly over those that were read.
 struct TopicDelay {
   std::uint64_t messages = 0;  ///< with a stamp
@@ -68,12 +68,12 @@ struct TopicNumbers {
 struct TopicContents {
   std::string name{};
   std::string type{};      ///< pkg/Type
-  std::string encoding{};  ///< as the container says it
+  std::string encoding{};  ///< name in the container
   bool is_readable = true;
   std::uint64_t messages = 0;
   double first_s = 0.0;               ///< receipt of the first message, and of the last one
-  double last_s = 0.0;                ///< likewise
-  std::vector<std::string> frames{};  ///< of the headers, a few
+  double last_s = 0.0;                ///< receipt of the last message
+  std::vector<std::string> frames{};  ///< a few frames of the headers
   TopicUse can_be = TopicUse::kNone;
   TopicUse use = TopicUse::kNone;
   std::string why{};  ///< it is used, or not
@@ -95,15 +95,15 @@ struct FrameLink {
   bool moves = false;      ///< by more than 0.1 mm or 0.1 mrad
   std::uint64_t messages = 0;
   double first_s = 0.0;  ///< receipt of the first transform, and of the last one
-  double last_s = 0.0;   ///< likewise
-  double x_m = 0.0;      ///< of the last one, like what follows: points of the child in the parent
+  double last_s = 0.0;   ///< receipt of the last transform
+  double x_m = 0.0;      ///< the last transform, here and below: points of the child in the parent
   double y_m = 0.0;
   double z_m = 0.0;
   double roll_rad = 0.0;
   double pitch_rad = 0.0;
   double yaw_rad = 0.0;
 
-  /// As of a topic.
+  /// Transforms a second, by their receipt; 0 if that is not known.
   [[nodiscard]] double rate_hz() const {
     return messages > 1 && last_s > first_s ? static_cast<double>(messages - 1) / (last_s - first_s) : 0.0;
   }
@@ -116,23 +116,23 @@ struct LaserContents {
   std::string topic{};
   std::string frame{};
   MountSource mount = MountSource::kUnknown;
-  std::vector<std::string> chain{};  ///< of frames, from the laser's to the robot's
+  std::vector<std::string> chain{};  ///< frames from the laser's to the robot's
 };
 
 struct LogContents {
   std::string format{};  ///< "ROS 1 bag"
   bool is_recording = false;
-  std::vector<LineKind> lines{};        ///< of a text log, in the order in which they were met
-  std::vector<TopicContents> topics{};  ///< of a recording, by name
+  std::vector<LineKind> lines{};        ///< for text logs, in the order in which they were met
+  std::vector<TopicContents> topics{};  ///< for recordings, by name
   std::uint64_t topics_left_out = 0;    ///< beyond those that are told
   std::vector<FrameLink> frames{};      ///< by child
-  std::vector<LaserContents> lasers{};  ///< those that are read, by their numbers
+  std::vector<LaserContents> lasers{};  ///< the lasers that are read, by their numbers
   std::string odometry{};               ///< its topic; empty: none
   std::string odometry_why{};           ///< it is that one
   std::string odometry_frame{};
   std::string base_frame{};                      ///< the odometry's child
-  std::optional<double> odometry_clock_shift{};  ///< what is added to its stamps; not 0 where clocks differ
-  std::optional<double> crank_clock_shift{};     ///< likewise
+  std::optional<double> odometry_clock_shift{};  ///< added to its stamps; not 0 if clocks differ
+  std::optional<double> crank_clock_shift{};     ///< added to the crank's stamps
 };
 
 /// A log that tells what it has, as far as it was read.

@@ -10,7 +10,10 @@
 namespace gdtslam {
 
 /// A short piece in quotation marks.
-std::string in_quotes(std::string_view text);
+inline std::string in_quotes(std::string_view text) {
+  constexpr std::size_t kMaxShown = 48;
+  return '"' + one_line(text, kMaxShown) + '"';
+}
 
 /// The system's text of an error number, independent of the locale's thread-unsafe strerror.
 inline std::string errno_text(int code) { return std::generic_category().message(code); }

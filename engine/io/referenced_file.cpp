@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "engine/core/ascii.hpp"
 #include "message_text.hpp"
 
 namespace gdtslam {
@@ -17,11 +18,7 @@ bool is_below(const fs::path& path, const fs::path& folder) {
 
 }  // namespace
 
-std::string extension_of(const std::string& path) {
-  std::string extension = fs::path(path).extension().string();
-  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return extension;
-}
+std::string extension_of(const std::string& path) { return in_small_letters(fs::path(path).extension().string()); }
 
 std::string referenced_path(const std::string& referrer, const std::string& name) {
   const fs::path path(name);
@@ -48,7 +45,7 @@ std::string fault_of_reference(const std::string& referrer, const std::string& n
     return in_quotes(name) +
            " is an absolute name, of which the last part counts; no such file lies in the folder of this file";
   }
-  if (error) return {};  // nothing there: the message of opening it says so
+  if (error) return {};  // the message of opening it names the missing file
   const fs::path parent = fs::path(referrer).parent_path();
   const fs::path folder = fs::canonical(parent.empty() ? fs::path(".") : parent, error);
   if (error || !is_below(path, folder)) return leads_out;

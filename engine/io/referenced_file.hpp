@@ -11,7 +11,7 @@ namespace gdtslam {
 /// or when nothing is there.
 std::string fault_of_reference(const std::string& referrer, const std::string& name);
 
-/// What the name of a file ends in, ".png", in small letters.
+/// The ending of a file's name, ".png", in small letters.
 std::string extension_of(const std::string& path);
 
 /// The path of a file that another one names. Names are relative to the folder of `referrer`; of an absolute one the

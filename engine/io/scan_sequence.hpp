@@ -1,4 +1,4 @@
-// What is odd about a scan beside the one before. One object belongs to one thread.
+// Finds oddities of a scan compared with the one before. One object belongs to one thread.
 #pragma once
 
 #include <cstddef>

@@ -3,12 +3,11 @@
 #include <fmt/format.h>
 #include <openssl/evp.h>
 
-#include <algorithm>
 #include <array>
-#include <bit>
 #include <new>
 #include <vector>
 
+#include "engine/io/little_endian.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
@@ -20,13 +19,10 @@ void require(int done) {
   if (done != 1) throw Error(ExitCode::kFailed, "OpenSSL's libcrypto cannot compute a SHA-256");
 }
 
-template <class Integer>
-std::array<std::byte, sizeof(Integer)> little_endian(Integer value) {
-  std::array<std::byte, sizeof(Integer)> bytes{};
-  for (std::byte& byte : bytes) {
-    byte = static_cast<std::byte>(value & 0xffU);
-    value = static_cast<Integer>(value >> 8U);
-  }
+template <class Number>
+std::string little_endian_bytes(Number value) {
+  std::string bytes;
+  append_little_endian(bytes, value);
   return bytes;
 }
 
@@ -46,9 +42,9 @@ Sha256& Sha256::update(std::span<const std::byte> data) {
 }
 
 Sha256& Sha256::update(std::string_view text) { return update(std::as_bytes(std::span(text.data(), text.size()))); }
-Sha256& Sha256::update(double value) { return update(little_endian(std::bit_cast<std::uint64_t>(value))); }
-Sha256& Sha256::update(std::int32_t value) { return update(little_endian(std::bit_cast<std::uint32_t>(value))); }
-Sha256& Sha256::update(std::uint16_t value) { return update(little_endian(value)); }
+Sha256& Sha256::update(double value) { return update(little_endian_bytes(value)); }
+Sha256& Sha256::update(std::int32_t value) { return update(little_endian_bytes(value)); }
+Sha256& Sha256::update(std::uint16_t value) { return update(little_endian_bytes(value)); }
 
 std::string Sha256::hex() {
   std::array<unsigned char, 32> digest{};
@@ -82,13 +78,11 @@ std::string sha256_of(const DistanceFieldRows& field) {
   hash.update(geometry.resolution_m).update(geometry.origin_x_m).update(geometry.origin_y_m);
   hash.update(geometry.width).update(geometry.height);
   std::vector<std::uint16_t> row(static_cast<std::size_t>(geometry.width));
-  std::vector<std::byte> text(2 * row.size());
+  std::string text;
   for (std::int32_t y = 0; y < geometry.height; ++y) {
     field.read(y, row);
-    for (std::size_t x = 0; x < row.size(); ++x) {
-      const auto bytes = little_endian(row[x]);
-      std::copy(bytes.begin(), bytes.end(), text.begin() + static_cast<std::ptrdiff_t>(2 * x));
-    }
+    text.clear();
+    for (const std::uint16_t value : row) append_little_endian(text, value);
     hash.update(text);
   }
   return hash.hex();

@@ -15,7 +15,7 @@
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
 
-struct evp_md_ctx_st;  // of OpenSSL
+struct evp_md_ctx_st;  // a type of OpenSSL
 
 namespace gdtslam {
 
@@ -42,15 +42,15 @@ struct HashedBytes {
   std::string sha256;
   std::uint64_t bytes = 0;
 };
-/// Of all that comes, in constant memory. `before_piece` is called before each piece, and where it throws nothing more
-/// is read. Throws FileError.
+/// The hash of a whole source, in constant memory. `before_piece` is called before each piece; if it throws nothing
+/// more is read. Throws FileError.
 HashedBytes sha256_of(ByteSource& source, const std::function<void()>& before_piece = {});
 HashedBytes sha256_of_file(const std::string& path, const std::function<void()>& before_piece = {});
 
-/// Of the GDT: resolution, origin x and y (doubles), width and height (int32), then its cells row by row (uint16),
-/// without the padding of the rows; all little-endian.
+/// The hash of the GDT: resolution, origin x and y (doubles), width and height (int32), then its cells row by row
+/// (uint16), without the padding of the rows; all little-endian.
 std::string sha256_of(const DistanceFieldRows& field);
-/// Of the poses: x, y and theta of each (doubles, little-endian).
+/// The hash of the poses: x, y and theta of each (doubles, little-endian).
 std::string sha256_of(const Trajectory& trajectory);
 
 }  // namespace gdtslam

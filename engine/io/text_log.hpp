@@ -26,6 +26,13 @@ namespace gdtslam {
 /// The longest line that is read; a longer one is malformed.
 inline constexpr std::size_t kMaxLogLineBytes = std::size_t{4} << 20U;
 
+/// The kind of a file, by its first line or the first behind comments, and what to do: "is a PNG picture, not a log;
+/// give ...". Empty if the line is not known.
+std::string fault_of_foreign_line(std::string_view line);
+
+/// "; give a CARMEN, CSV, JSON lines, ROS bag or MCAP log".
+std::string give_a_log();
+
 class TextLog : public DescribedLog {
  public:
   [[nodiscard]] double progress() const override { return lines_.source().progress(); }
@@ -104,7 +111,7 @@ class TextLog : public DescribedLog {
  private:
   std::string_view format_;
   WarningCounter warnings_;
-  std::map<std::size_t, ScanSequence> sequences_;  ///< of each laser
+  std::map<std::size_t, ScanSequence> sequences_;  ///< by laser
   bool is_finished_ = false;
 };
 

@@ -29,8 +29,8 @@ constexpr const char* kDamagedBlock = "a block whose checksum or structure is wr
 struct UnpackStep {
   std::size_t taken = 0;
   std::size_t given = 0;
-  bool is_end = false;          ///< of the stream
-  const char* fault = nullptr;  ///< what is wrong with the data
+  bool is_end = false;          ///< the stream has ended
+  const char* fault = nullptr;  ///< the fault of the data; null if there is none
 };
 
 /// A library that unpacks one stream after the other.
@@ -155,7 +155,7 @@ class Lz4Unpacker final : public Unpacker {
 /// In the order of StreamPacking.
 struct PackingFormat {
   std::string_view name;          ///< also of the program that unpacks it
-  std::optional<char> beginning;  ///< of every stream; the library finds out where it is not stated
+  std::optional<char> beginning;  ///< first byte of every stream; if it is not stated the library finds out
   std::unique_ptr<Unpacker> (*make)();
 };
 template <class T>

@@ -24,7 +24,7 @@ inline constexpr std::string_view kZstdMagic = "\x28\xb5\x2f\xfd";
 /// data are damaged.
 std::unique_ptr<ByteSource> unpack_source(StreamPacking packing, std::unique_ptr<ByteSource> packed, std::string name);
 
-/// What a warning about the end of a packed input is called.
+/// The kind of a warning about the end of a packed input.
 inline std::string_view defect_kind(std::string_view defect) {
   return defect.find("gzip") != std::string_view::npos ? "gzip stream" : "packed stream";
 }

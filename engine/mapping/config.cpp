@@ -1,4 +1,5 @@
 #include "gdtslam/mapping/config.hpp"
+#include "gdtslam/core/units.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +8,6 @@
 #include <optional>
 
 #include "engine/compute/kernels/pose_lattice/pose_lattice.hpp"
-#include "engine/core/shown_quantity.hpp"
 #include "engine/mapping/match/matchers.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/mapping/nodding_mapper.hpp"

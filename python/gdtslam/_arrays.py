@@ -65,7 +65,7 @@ class Grid(np.ndarray):
         return np.where(cells < self.cap, cells * np.float32(self.resolution / 256.0), np.float32(np.nan))
 
 
-def grid_of(handle: Handle) -> Grid:
+def make_grid(handle: Handle) -> Grid:
     view = CGridView()
     call("grid_look", handle, ctypes.byref(view))
     kind = "<u2" if view.cell_bytes == 2 else "|u1"

@@ -12,12 +12,12 @@ from typing import Any, Iterator, Sequence
 import numpy as np
 
 from . import _library
-from ._arrays import Grid, grid_of, poses_view
+from ._arrays import Grid, make_grid, poses_view
 from ._callers import Caller, ProgressFunction
 from ._errors import UsageError
 from ._library import CLocalizerRequest, CLocation, CMapperRequest, CMatch, CTracked, call, encoded, make, plain
 from ._runs import Run, thread_count
-from ._scans import Options, Path, Pose, _pose_of, c_scan, have_same_fields, options_of, scan_from
+from ._scans import Options, Path, Pose, _to_pose, c_scan, have_same_fields, make_options, scan_from
 
 VERDICTS = ("found", "ambiguous", "poor fit", "no pose")
 WHEREABOUTS = ("unknown", "found", "tracked", "predicted")
@@ -64,7 +64,7 @@ class Mapper:
     """
 
     def __init__(self, options: Options = None, *, loops: bool = True, threads: "int | None" = None) -> None:
-        handle = options_of(options)
+        handle = make_options(options)
         request = CMapperRequest(
             options=handle.pointer, flags=0 if loops else _library.NO_LOOPS, threads=thread_count(threads)
         )
@@ -104,9 +104,9 @@ class Mapper:
         with self._turn():
             call("mapper_process", self._handle, ctypes.byref(given), ctypes.byref(match))
         return Match(
-            pose=_pose_of(match.T_map_base),
-            predicted=_pose_of(match.T_map_predicted),
-            correction=_pose_of(match.correction),
+            pose=_to_pose(match.T_map_base),
+            predicted=_to_pose(match.T_map_predicted),
+            correction=_to_pose(match.correction),
             accepted=bool(match.is_accepted),
             keyframe=bool(match.is_keyframe),
             doubt=plain("doubt_name", match.doubt).decode(),
@@ -140,7 +140,7 @@ class Mapper:
         A view of the library's memory, which stays as it is whatever becomes of the mapper.
         """
         with self._turn():
-            return grid_of(make("grid", "mapper_field", self._handle))
+            return make_grid(make("grid", "mapper_field", self._handle))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -205,7 +205,7 @@ class Localizer:
         good_fit: "float | None" = None,
         runner_up: bool = True,
     ) -> None:
-        handle = options_of(options)
+        handle = make_options(options)
         request = CLocalizerRequest(
             map=encoded(map.folder if isinstance(map, Run) else map),
             options=handle.pointer,
@@ -232,10 +232,10 @@ class Localizer:
         verdict = VERDICTS[found.verdict]
         return Location(
             verdict=verdict,
-            pose=None if verdict == "no pose" else _pose_of(found.T_map_base),
+            pose=None if verdict == "no pose" else _to_pose(found.T_map_base),
             mean_distance=found.mean_distance_m,
             gap=found.proven_gap_m,
-            runner_up=_pose_of(found.runner_up) if found.has_runner_up else None,
+            runner_up=_to_pose(found.runner_up) if found.has_runner_up else None,
             runner_up_mean_distance=found.runner_up_mean_distance_m,
             points=found.points,
         )
@@ -288,7 +288,7 @@ class Tracker:
         xx, xy, xt, yy, yt, tt = tracked.covariance
         return Tracked(
             whereabouts=whereabouts,
-            pose=None if whereabouts == "unknown" else _pose_of(tracked.T_map_base),
+            pose=None if whereabouts == "unknown" else _to_pose(tracked.T_map_base),
             ambiguous=bool(tracked.is_ambiguous),
             explained=tracked.explained,
             mean_distance=tracked.mean_distance_m,

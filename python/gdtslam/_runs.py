@@ -14,12 +14,11 @@ from typing import Any, Mapping, Sequence
 import numpy as np
 
 from . import _library
-from ._arrays import Grid, grid_of, poses_view
+from ._arrays import Grid, make_grid, poses_view
 from ._callers import Caller, ProgressFunction, WarnFunction
 from ._errors import BY_STATUS, Error, Interrupted, UsageError
-from ._files import require_not_of_run, write_whole
 from ._library import CError, CMapRequest, CPictureRequest, Handle, call, encoded, library, make, plain, when_gone
-from ._scans import MOST_WHOLE, Options, Path, log_list, options_of, whole
+from ._scans import MOST_WHOLE, Options, Path, log_list, make_options, whole
 
 
 def _absolute(folder: Path) -> "bytes | None":
@@ -76,12 +75,12 @@ class Run:
     @functools.cached_property
     def map(self) -> Grid:
         """The occupancy map, shape (height, width), uint8: 0 occupied, 254 free, 205 unknown."""
-        return grid_of(make("grid", "run_map", self._handle))
+        return make_grid(make("grid", "run_map", self._handle))
 
     @functools.cached_property
     def field(self) -> Grid:
         """The distance field, shape (height, width), uint16: 1/256 cell to the nearest obstacle."""
-        return grid_of(make("grid", "run_field", self._handle))
+        return make_grid(make("grid", "run_field", self._handle))
 
     def render(
         self,
@@ -188,7 +187,7 @@ def map(  # noqa: A001 - the word of the field, as gdtslam.map
     folder = temporary.path / "run" if temporary is not None else pathlib.Path(out)  # type: ignore[arg-type]
     whole_path = _absolute(folder)
     paths = log_list(logs)
-    options_handle = options_of(options, topics, odometry, crank, mount)
+    options_handle = make_options(options, topics, odometry, crank, mount)
     caller = Caller(progress, warn)
     request = CMapRequest(
         logs=_library.text_list(paths),
@@ -223,6 +222,33 @@ def map(  # noqa: A001 - the word of the field, as gdtslam.map
     raise problem
 
 
+def _require_not_of_run(file: pathlib.Path, folder: pathlib.Path, names: "set[str]") -> None:
+    """Raises UsageError for a file of the run in that folder, by whatever links or `..` it is named."""
+    place, run = pathlib.Path(os.path.realpath(file)), pathlib.Path(os.path.realpath(folder))
+    if run not in place.parents:
+        return
+    name = place.relative_to(run).parts[0]
+    if name in names or name in ("report.json", "tiles") or name.startswith(".gdtslam-staging-"):
+        raise UsageError(f"'{file}' is a file of '{folder}', which is read; give another file")
+
+
+def _write_whole(file: pathlib.Path, data: bytes) -> None:
+    """Where writing fails the old file stays as it was. A link is followed; a device or a pipe is written directly."""
+    target = pathlib.Path(os.path.realpath(file))
+    if target.exists() and not target.is_file():
+        file.write_bytes(data)
+        return
+    temporary = target.with_name(f".{target.name}.{os.getpid()}.tmp")
+    try:
+        temporary.write_bytes(data)
+        if target.exists():
+            shutil.copymode(target, temporary)
+        temporary.replace(target)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+
+
 def render(run: "Run | Path", file: "Path | None" = None, view: str = "map", **how: Any) -> bytes:
     """A picture of a run or of its folder, written to a file by its ending (.png, .svg, .pdf) where one is named.
 
@@ -233,8 +259,8 @@ def render(run: "Run | Path", file: "Path | None" = None, view: str = "map", **h
     if file is None:
         return opened.render(view, **how)
     path = pathlib.Path(file)
-    require_not_of_run(path, opened.folder, {name for name, *_ in opened.report.get("files", ())})
+    _require_not_of_run(path, opened.folder, {name for name, *_ in opened.report.get("files", ())})
     how.setdefault("format", path.suffix.lstrip(".").lower())
     picture = opened.render(view, **how)
-    write_whole(path, picture)
+    _write_whole(path, picture)
     return picture

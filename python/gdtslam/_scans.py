@@ -38,7 +38,7 @@ class Option(NamedTuple):
     doc: str
 
 
-def _pose_of(pose: CPose) -> Pose:
+def _to_pose(pose: CPose) -> Pose:
     return Pose(pose.x_m, pose.y_m, pose.theta_rad)
 
 
@@ -62,7 +62,7 @@ def _value_text(value: Any) -> str:
     return str(value)
 
 
-def options_of(
+def make_options(
     options: Options,
     topics: "Sequence[str] | str" = (),
     odometry: "str | None" = None,
@@ -92,7 +92,7 @@ def options_of(
 
 def options(changed: Options = None) -> dict[str, Option]:
     """Every option, by its path, as it stands with these changes."""
-    handle = options_of(changed)
+    handle = make_options(changed)
     rows = {}
     for index in range(plain("options_count", handle)):
         row = COption()
@@ -205,25 +205,34 @@ def _may_wait(log: bytes) -> bool:
     return log == b"-" or not (os.path.isfile(log) or os.path.isdir(log))
 
 
-class _Kept(threading.local):
-    """Each thread keeps the scan that it has read until it gives it: the handler of a signal may raise in between."""
-
-    scan: "Scan | None" = None
+def _scan_read(read: CScan) -> Scan:
+    ranges = np.empty(read.range_count, dtype=np.float32)
+    ctypes.memmove(ranges.ctypes.data, read.ranges_m, ranges.nbytes)  # the library's change with the next scan
+    return Scan(
+        ranges=ranges,
+        first=read.first_bearing_rad,
+        step=read.bearing_step_rad,
+        stamp=read.stamp_s,
+        odometry=_to_pose(read.T_odom_base) if read.has_odometry else None,
+        max_range=read.max_range_m,
+        mount=_to_pose(read.T_base_laser),
+        first_beam_after=read.first_beam_after_s,
+        beam_period=read.beam_period_s,
+        speed=_to_pose(read.speed) if read.has_speed else None,
+        laser=read.laser,
+    )
 
 
 class Scans:
     """The scans of logs, one after the other, each with the odometry that belongs to it; made by scans().
 
-    What the handler of a signal raises while a pipe gives nothing comes out, and no more is read then. Raised at another
-    moment it costs no scan: the one in hand is the next that is given. While a scan is read such a handler may ask for
-    the progress alone.
+    What the handler of a signal raises while a pipe gives nothing comes out, and no more is read then. While a scan is
+    read such a handler may ask for the progress alone.
     """
 
     def __init__(self, logs: "list[bytes]", options: Handle, flags: int) -> None:
         self._lock = threading.RLock()
         self._is_reading = False
-        self._read, self._has_scan = CScan(), ctypes.c_int32()  # the library's, 0 once a Scan is made of it
-        self._kept = _Kept()
         self._caller = Caller() if any(_may_wait(log) for log in logs) else None
         request = CReaderRequest(
             logs=_library.text_list(logs), log_count=len(logs), options=options.pointer, flags=flags
@@ -250,36 +259,13 @@ class Scans:
         return self
 
     def __next__(self) -> Scan:
-        while self._kept.scan is None:
-            with self._turn():
-                if not self._has_scan.value:
-                    call("reader_next", self._handle, ctypes.byref(self._read), ctypes.byref(self._has_scan))
-                is_end = not self._has_scan.value
-                if not is_end:
-                    self._kept.scan = self._scan_read()
-                    self._has_scan.value = 0
-            if is_end:
-                raise StopIteration
-        scan, self._kept.scan = self._kept.scan, None
+        read, has_scan = CScan(), ctypes.c_int32()
+        with self._turn():
+            call("reader_next", self._handle, ctypes.byref(read), ctypes.byref(has_scan))
+            scan = _scan_read(read) if has_scan.value else None
+        if scan is None:
+            raise StopIteration
         return scan
-
-    def _scan_read(self) -> Scan:
-        read = self._read
-        ranges = np.empty(read.range_count, dtype=np.float32)
-        ctypes.memmove(ranges.ctypes.data, read.ranges_m, ranges.nbytes)  # the library's change with the next scan
-        return Scan(
-            ranges=ranges,
-            first=read.first_bearing_rad,
-            step=read.bearing_step_rad,
-            stamp=read.stamp_s,
-            odometry=_pose_of(read.T_odom_base) if read.has_odometry else None,
-            max_range=read.max_range_m,
-            mount=_pose_of(read.T_base_laser),
-            first_beam_after=read.first_beam_after_s,
-            beam_period=read.beam_period_s,
-            speed=_pose_of(read.speed) if read.has_speed else None,
-            laser=read.laser,
-        )
 
     @property
     def progress(self) -> "float | None":
@@ -326,5 +312,5 @@ def scans(
         mount: x, y, theta of the laser on the robot, or of several {topic: (x, y, theta)}.
         lenient: count and skip what is malformed.
     """
-    handle = options_of(options, topics, odometry, None, mount)
+    handle = make_options(options, topics, odometry, None, mount)
     return Scans(log_list(logs), handle, _library.LENIENT if lenient else 0)

@@ -14,7 +14,6 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/io/maps/pgm.hpp"
 #include "engine/io/maps/png.hpp"
 #include "engine/io/meshes/mesh_file.hpp"
 #include "gdtslam/io/cloud_file.hpp"

@@ -21,8 +21,6 @@ TWINS = {
     "MapOfKeyframesTest.APublicLogGivesTheSameMap": "MapOfKeyframesTest.WholeMillimetresGiveTheSameMap",
     "RelationsRealData.HaveTheirKnownCounts": "Relations.ReadsRows",
     "CarmenRealData.IntelHasItsKnownCounts": "CarmenSample.HasItsKnownCounts",
-    "CarmenRealData.Freiburg079HasItsLaserFourCentimetresBehind": "Carmen.MountIsTheLaserSeenFromTheRobot",
-    "CarmenRealData.CsailCarriesItsOdometryInItsScans": "Carmen.ReadsFlaser",
     "BagRealData.TheSameDriveAsItsCarmenLog": "Bag.ScansGetTheOdometryOfTheirOwnStampInEveryPacking",
     "BagRealData.AnIndexThatStatesAWrongLength": "Bag.AnIndexOfAWrongLengthIsPassedByItsEntries",
     "RealBeamTimes.ARealLaserThatSweepsInMillisecondsIsNotAccused": "SweptLog.MapPutsReversedTimesRight",

@@ -1,4 +1,4 @@
-// What becomes another one where a file is replaced, moved or written to. Linux.
+// The state of a file, which changes if the file is replaced, moved or written to. Linux.
 #pragma once
 
 #include <sys/stat.h>
@@ -18,7 +18,7 @@ struct FileState {
   bool operator==(const FileState&) const = default;
 };
 
-/// Of a file of that kind, S_IFREG or S_IFDIR, whatever links lead to it; nothing where there is none.
+/// The state of a file of that kind, S_IFREG or S_IFDIR, behind any links; nothing if there is none.
 inline std::optional<FileState> state_of_file(const std::filesystem::path& path, mode_t kind = S_IFREG) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0 || (status.st_mode & S_IFMT) != kind) return std::nullopt;

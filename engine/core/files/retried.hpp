@@ -12,7 +12,7 @@
 
 namespace gdtslam {
 
-/// What the call returns, below 0 with errno where it failed of anything else than a signal.
+/// Returns the result of the call, below 0 with errno if it failed for another reason than a signal.
 template <typename Call>
 auto retried(const Call& call) {
   auto result = call();
@@ -30,18 +30,13 @@ inline bool write_whole(int descriptor, std::string_view text) {
   return true;
 }
 
-/// For destructors, which let nothing through: what throws is done once more, as memory may have been short for a
-/// moment.
+/// For destructors and threads, which let no exception through.
 template <typename Call>
 void without_throwing(const Call& call) noexcept {
-  constexpr int kTries = 2;
-  for (int tries = 0; tries < kTries; ++tries) {
-    try {
-      call();
-      return;
-    } catch (const std::exception&) {
-      continue;
-    }
+  try {
+    call();
+  } catch (const std::exception&) {  // the next call reports what lasts
+    return;
   }
 }
 

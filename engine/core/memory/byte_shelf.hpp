@@ -1,5 +1,6 @@
-// What nobody needs before the end of a long work, in the order in which it came: in memory at first, beyond that in a
-// file without a name, so that memory does not grow with it. Not thread-safe. Cost: a copy each way.
+// Records that are not needed before the end of a long run, in the order in which they came. They stay in memory up to
+// a limit and go into a file without a name beyond it, so that memory does not grow with the run. Not thread-safe.
+// Cost: a copy each way.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// What was freed piece by piece goes back to the system, where the C library can do that: it keeps pages between blocks
-// that are still used, more of them with each thread. Milliseconds; for moments at which much was freed. Thread-safe.
+// Returns freed memory to the system if the C library can do that: it keeps pages between blocks that are still used,
+// more of them with each thread. Milliseconds; for moments at which much was freed. Thread-safe.
 #pragma once
 
 #include <cstdlib>

@@ -1,5 +1,5 @@
-// What a process keeps on disk while it runs: a file without a name, which is gone with its object, however the process
-// ends. Places in it are bytes from its beginning. One object belongs to one thread.
+// A file without a name for data that a process keeps on disk while it runs. It disappears with its object, however the
+// process ends. Places in it are bytes from its beginning. One object belongs to one thread.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ class ScratchFile {
 
   /// Throws FileError where the disk is full.
   void write(std::uint64_t place, std::span<const std::byte> bytes);
-  /// What was written there. Throws FileError.
+  /// Reads the bytes that were written at this place. Throws FileError.
   void read(std::uint64_t place, std::span<std::byte> bytes) const;
 
  private:

@@ -2,33 +2,17 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <bit>
 #include <cmath>
 #include <utility>
 
+#include "engine/io/little_endian.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
 namespace {
 
 constexpr std::size_t kMostVarintBytes = 9;  // 63 bits, which a signed number holds
-
-template <class Whole>
-void put_little_endian(std::string& bytes, Whole value) {
-  std::array<char, sizeof(Whole)> piece{};
-  for (std::size_t i = 0; i < sizeof(Whole); ++i) piece[i] = static_cast<char>(value >> (8U * i) & 0xffU);
-  bytes.append(piece.data(), piece.size());
-}
-
-template <class Whole>
-Whole from_little_endian(std::string_view bytes) {
-  Whole value = 0;
-  for (std::size_t i = 0; i < sizeof(Whole); ++i) {
-    value |= static_cast<Whole>(static_cast<Whole>(static_cast<std::uint8_t>(bytes[i])) << (8U * i));
-  }
-  return value;
-}
 
 }  // namespace
 
@@ -38,21 +22,18 @@ BytesOut& BytesOut::byte(std::uint8_t value) {
 }
 
 BytesOut& BytesOut::whole(std::uint32_t value) {
-  put_little_endian(bytes_, value);
+  append_little_endian(bytes_, value);
   return *this;
 }
 
 BytesOut& BytesOut::number(double value) {
-  put_little_endian(bytes_, std::bit_cast<std::uint64_t>(value));
+  append_little_endian(bytes_, value);
   return *this;
 }
 
 BytesOut& BytesOut::varint(std::uint64_t value) {
-  std::array<char, 10> piece{};
-  std::size_t size = 0;
-  for (; value >= 0x80U; value >>= 7U) piece[size++] = static_cast<char>((value & 0x7fU) | 0x80U);
-  piece[size++] = static_cast<char>(value);
-  bytes_.append(piece.data(), size);
+  for (; value >= 0x80U; value >>= 7U) bytes_ += static_cast<char>((value & 0x7fU) | 0x80U);
+  bytes_ += static_cast<char>(value);
   return *this;
 }
 
@@ -75,10 +56,10 @@ std::string_view BytesIn::next(std::size_t size) {
 }
 
 std::uint8_t BytesIn::byte() { return static_cast<std::uint8_t>(next(1).front()); }
-std::uint32_t BytesIn::whole() { return from_little_endian<std::uint32_t>(next(sizeof(std::uint32_t))); }
+std::uint32_t BytesIn::whole() { return little_endian<std::uint32_t>(next(sizeof(std::uint32_t)).data()); }
 
 double BytesIn::number(const char* what) {
-  const auto value = std::bit_cast<double>(from_little_endian<std::uint64_t>(next(sizeof(double))));
+  const auto value = std::bit_cast<double>(little_endian<std::uint64_t>(next(sizeof(double)).data()));
   if (!std::isfinite(value)) refuse(fmt::format("has {} that is not finite", what));
   return value;
 }

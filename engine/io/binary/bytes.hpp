@@ -17,11 +17,7 @@ class BytesOut {
   /// Seven bits a byte, the lowest first, the eighth where more follow.
   BytesOut& varint(std::uint64_t value);
   BytesOut& text(std::string_view value);
-  [[nodiscard]] std::size_t size() const { return bytes_.size(); }
-  /// All so far, which stay.
-  [[nodiscard]] const std::string& bytes() const { return bytes_; }
-  /// Begins again, and keeps the memory.
-  void clear() { bytes_.clear(); }
+  /// All bytes so far; the object is empty then.
   [[nodiscard]] std::string take();
 
  private:

@@ -28,7 +28,7 @@ double decoded(const char* data, bool is_big_endian) {
 struct ScalarKind {
   std::size_t size;
   double (*decode)(const char* data, bool is_big_endian);
-  std::array<std::string_view, 3> names;  ///< of PLY, its other one, and PCD's
+  std::array<std::string_view, 3> names;  ///< two names in PLY and one in PCD
 };
 constexpr std::array<ScalarKind, 10> kScalars{{{1, decoded<std::int8_t>, {"char", "int8", "I1"}},
                                                {1, decoded<std::uint8_t>, {"uchar", "uint8", "U1"}},
@@ -42,7 +42,7 @@ constexpr std::array<ScalarKind, 10> kScalars{{{1, decoded<std::int8_t>, {"char"
                                                {8, decoded<double>, {"double", "float64", "F8"}}}};
 static_assert(kScalars.size() == static_cast<std::size_t>(Scalar::kDouble) + 1);
 
-const ScalarKind& kind_of(Scalar type) { return kScalars[static_cast<std::size_t>(type)]; }
+const ScalarKind& scalar_kind(Scalar type) { return kScalars[static_cast<std::size_t>(type)]; }
 
 }  // namespace
 
@@ -54,11 +54,13 @@ std::optional<Scalar> scalar_named(std::string_view name) {
   return std::nullopt;
 }
 
-std::size_t size_of(Scalar type) { return kind_of(type).size; }
+std::size_t byte_size(Scalar type) { return scalar_kind(type).size; }
 
-double decode(Scalar type, const char* data, bool is_big_endian) { return kind_of(type).decode(data, is_big_endian); }
+double decode(Scalar type, const char* data, bool is_big_endian) {
+  return scalar_kind(type).decode(data, is_big_endian);
+}
 
-CloudRole role_of(std::string_view column) {
+CloudRole column_role(std::string_view column) {
   for (const auto& [name, role] : kNames) {
     if (column == name) return role;
   }

@@ -18,13 +18,13 @@ enum class Scalar : std::uint8_t { kInt8, kUint8, kInt16, kUint16, kInt32, kUint
 
 /// The type that PLY names so ("uchar", "uint8"), or PCD by its TYPE and SIZE ("U1").
 std::optional<Scalar> scalar_named(std::string_view name);
-std::size_t size_of(Scalar type);
+std::size_t byte_size(Scalar type);
 /// The value of a scalar that begins at `data`.
 double decode(Scalar type, const char* data, bool is_big_endian);
 
-/// What a column means to us.
+/// The meaning of a column for this program.
 enum class CloudRole : std::uint8_t { kX, kY, kZ, kElevation, kTime, kScan, kIgnored };
-CloudRole role_of(std::string_view column);
+CloudRole column_role(std::string_view column);
 /// The column's name; of the ignored ones "".
 std::string_view to_string(CloudRole role);
 

@@ -38,7 +38,7 @@ class CloudInput {
   std::string_view some(std::size_t most) { return lines_.some(most); }
   [[nodiscard]] std::uint64_t line_number() const { return line_number_; }
   [[nodiscard]] const std::string& name() const { return name_; }
-  /// What is wrong with the end of the input, known once it has been met.
+  /// The defect at the end of the input, known once it was reached.
   [[nodiscard]] std::string defect() const { return lines_.source().defect(); }
   [[nodiscard]] std::uint64_t bytes_from_file() const { return lines_.source().bytes_from_file(); }
 

@@ -26,7 +26,7 @@ bool has(const CloudFileLayout& layout, CloudRole role) {
                      [role](const CloudColumn& column) { return column.role == role; });
 }
 
-// What every layout must have, whatever its format says it in.
+// Checks the columns that every layout must have, in each format.
 void check_columns(CloudFileLayout& layout, const std::string& name) {
   std::array<int, kRoles> times{};
   for (CloudColumn& column : layout.vertex.columns) {
@@ -76,7 +76,7 @@ std::vector<PlacedColumn> placed_columns(const CloudFileLayout& layout) {
   std::uint64_t offset = 0;
   for (const CloudColumn& column : layout.vertex.columns) {
     if (column.list_count) return {};
-    const std::uint64_t bytes = size_of(column.type) * column.repeat;
+    const std::uint64_t bytes = byte_size(column.type) * column.repeat;
     if (column.role != CloudRole::kIgnored) {
       placed.push_back({column.type, column.role, offset, layout.is_compressed ? bytes : 0});
     }
@@ -89,7 +89,7 @@ std::vector<PlacedColumn> placed_columns(const CloudFileLayout& layout) {
 std::uint64_t least_bytes(const CloudFileLayout& layout) {
   std::uint64_t bytes = 0;
   for (const CloudColumn& column : layout.vertex.columns) {
-    bytes += column.list_count ? size_of(*column.list_count) : size_of(column.type) * column.repeat;
+    bytes += column.list_count ? byte_size(*column.list_count) : byte_size(column.type) * column.repeat;
   }
   return bytes;
 }
@@ -112,8 +112,6 @@ struct CloudReader::State {
   void choose_origin();
   void read_placed();
   void read_row(const CloudElement& element);
-  double next_value(Scalar type);
-  [[nodiscard]] double list_length(double count) const;
   void check_end();
   [[nodiscard]] double value(CloudRole role) const { return values[static_cast<std::size_t>(role)]; }
   void set(const CloudColumn& column, double number) {
@@ -127,14 +125,14 @@ struct CloudReader::State {
   RowValues row{input, layout.is_ascii, layout.is_big_endian};
   std::uint64_t point_bytes = 0;
   std::vector<PlacedColumn> placed;
-  std::string unpacked;  // of binary_compressed: column after column
+  std::string unpacked;  // data of binary_compressed, column after column
   std::uint64_t done = 0;
   std::uint64_t skipped = 0;
   bool is_end_checked = false;
   bool is_relative = false;
   bool has_origin = false;
   std::array<double, 3> origin_m{};
-  std::array<double, kRoles> values{};  // of the point at hand; what the file lacks is 0
+  std::array<double, kRoles> values{};  // the current point; columns that the file lacks are 0
 };
 
 void CloudReader::State::ends_early() const {
@@ -148,29 +146,13 @@ void CloudReader::State::fail(const std::string& message) const {
   throw InputError({input.name(), 0}, fmt::format("point {}: {}", done, message));
 }
 
-double CloudReader::State::next_value(Scalar type) {
-  const std::optional<double> value = row.next(type);
-  if (value) return *value;
-  if (!layout.is_ascii) ends_early();
-  fail("has fewer numbers than columns, or a word among them");
-}
-
-double CloudReader::State::list_length(double count) const {
-  if (!(count >= 0.0)) fail("the length of a list is not a number from 0");
-  return count;
-}
-
 void CloudReader::State::read_row(const CloudElement& element) {
   if (!row.begin_row()) ends_early();
-  for (const CloudColumn& column : element.columns) {
-    const auto count = static_cast<double>(column.repeat);
-    const double items = column.list_count ? list_length(next_value(*column.list_count)) : count;
-    for (double item = 0.0; item < items; ++item) {
-      const double number = next_value(column.type);
-      if (element.is_vertex && !column.list_count) set(column, number);
-    }
-  }
-  if (!row.at_end()) fail("has more numbers than columns, or a word among them");
+  const std::string_view fault = row.read(element, [&](const CloudColumn& column, double number) {
+    if (element.is_vertex && !column.list_count) set(column, number);
+  });
+  if (fault == RowValues::kEndsEarly) ends_early();
+  if (!fault.empty()) fail(std::string(fault));
 }
 
 void CloudReader::State::read_placed() {

@@ -16,7 +16,7 @@
 namespace gdtslam {
 
 /// The words of a line, which blanks separate.
-inline std::vector<std::string_view> words_of(std::string_view line) {
+inline std::vector<std::string_view> split_words(std::string_view line) {
   std::vector<std::string_view> words;
   std::size_t begin = line.find_first_not_of(" \t");
   while (begin != std::string_view::npos) {
@@ -28,7 +28,7 @@ inline std::vector<std::string_view> words_of(std::string_view line) {
 }
 
 /// A whole number from 0; nothing when the word is none or does not fit.
-inline std::optional<std::uint64_t> count_of(std::string_view word) {
+inline std::optional<std::uint64_t> parse_count(std::string_view word) {
   std::uint64_t value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error != std::errc{} || end != word.data() + word.size()) return std::nullopt;
@@ -40,8 +40,8 @@ class CloudNumbers {
  public:
   explicit CloudNumbers(std::string_view line) : at_(line.data()), end_(line.data() + line.size()) {}
 
-  /// Nothing at the end of the line, or where something else than a number stands. A float is rounded once, from its
-  /// digits: by way of double the last bit may differ.
+  /// The next number; nothing at the end of the line or before another word. A float is rounded once, from its digits:
+  /// by way of double the last bit may differ.
   std::optional<double> next(Scalar type) {
     skip_blanks();
     if (at_ == end_) return std::nullopt;
@@ -86,17 +86,39 @@ class RowValues {
     numbers_ = CloudNumbers(line.value_or(""));
     return line.has_value();
   }
-  /// The next number; none at the end of the line or the input, or before another word.
-  std::optional<double> next(Scalar type) {
-    if (is_ascii_) return numbers_.next(type);
-    const char* const data = input_.bytes(size_of(type));
-    return data == nullptr ? std::nullopt : std::optional(decode(type, data, is_big_endian_));
+  /// Calls take(column, number) for each value of a row of the element. Returns the fault of the row: kEndsEarly if its
+  /// bytes are not there, empty if there is none.
+  template <class Take>
+  std::string_view read(const CloudElement& element, const Take& take) {
+    const std::string_view missing = is_ascii_ ? "has fewer numbers than columns, or a word among them" : kEndsEarly;
+    for (const CloudColumn& column : element.columns) {
+      auto items = static_cast<double>(column.repeat);
+      if (column.list_count) {
+        const std::optional<double> count = next(*column.list_count);
+        if (!count) return missing;
+        if (!(*count >= 0.0)) return "the length of a list is not a number from 0";
+        items = *count;
+      }
+      for (double item = 0.0; item < items; ++item) {
+        const std::optional<double> number = next(column.type);
+        if (!number) return missing;
+        take(column, *number);
+      }
+    }
+    const bool is_at_end = !is_ascii_ || numbers_.at_end();
+    return is_at_end ? std::string_view() : "has more numbers than columns, or a word among them";
   }
-  /// Whether nothing is left of the row's line.
-  bool at_end() { return !is_ascii_ || numbers_.at_end(); }
+  static constexpr std::string_view kEndsEarly = "ends early";
   [[nodiscard]] bool is_ascii() const { return is_ascii_; }
 
  private:
+  /// The next number; none at the end of the line or the input, or before another word.
+  std::optional<double> next(Scalar type) {
+    if (is_ascii_) return numbers_.next(type);
+    const char* const data = input_.bytes(byte_size(type));
+    return data == nullptr ? std::nullopt : std::optional(decode(type, data, is_big_endian_));
+  }
+
   CloudInput& input_;
   bool is_ascii_;
   bool is_big_endian_;

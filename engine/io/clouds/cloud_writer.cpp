@@ -1,12 +1,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
-#include <cstring>
 #include <filesystem>
 
 #include "engine/io/atomic_file.hpp"
+#include "engine/io/little_endian.hpp"
 #include "engine/io/referenced_file.hpp"
 #include "engine/io/sha256.hpp"
 #include "gdtslam/core/error.hpp"
@@ -16,29 +14,16 @@ namespace gdtslam {
 namespace {
 
 constexpr std::size_t kPiece = 4096;
-constexpr std::size_t kPointBytes = 28;
 constexpr std::size_t kCountDigits = 20;
 
-// Little-endian, whatever the host; returns where the next value begins.
-template <class T>
-char* put(char* at, T value) {
-  auto bytes = std::bit_cast<std::array<char, sizeof(T)>>(value);
-  if constexpr (std::endian::native == std::endian::big) std::reverse(bytes.begin(), bytes.end());
-  std::memcpy(at, bytes.data(), sizeof(T));
-  return at + sizeof(T);
+void append_binary(std::string& bytes, const CloudPoint& point) {
+  for (const float value : {point.x_m, point.y_m, point.z_m, point.elevation_rad}) append_little_endian(bytes, value);
+  append_little_endian(bytes, point.stamp_s);
+  append_little_endian(bytes, point.scan);
 }
 
-void put_binary(char* at, const CloudPoint& point) {
-  at = put(at, point.x_m);
-  at = put(at, point.y_m);
-  at = put(at, point.z_m);
-  at = put(at, point.elevation_rad);
-  at = put(at, point.stamp_s);
-  put(at, point.scan);
-}
-
-// As long for any count: blanks in a comment make up for its missing digits.
-std::string header_of(CloudFormat format, std::uint64_t points) {
+// The header has the same length for any count: blanks in a comment replace the missing digits.
+std::string format_header(CloudFormat format, std::uint64_t points) {
   const std::string count = std::to_string(points);
   const bool is_ply = format == CloudFormat::kPlyBinary;
   const std::string blanks((kCountDigits - count.size()) * (is_ply ? 1 : 2), ' ');
@@ -71,7 +56,7 @@ const std::string& seekable(const std::string& path) {
 
 }  // namespace
 
-CloudFormat cloud_format_of(const std::string& path) {
+CloudFormat find_cloud_format(const std::string& path) {
   const std::string extension = extension_of(path);
   if (extension == ".ply") return CloudFormat::kPlyBinary;
   if (extension == ".pcd") return CloudFormat::kPcdBinary;
@@ -88,12 +73,8 @@ struct CloudWriter::State {
 };
 
 CloudWriter::CloudWriter(const std::string& path, CloudFormat format)
-    : state_(new State{.file = AtomicFile(seekable(path)),
-                       .format = format,
-                       .hash = {},
-                       .sha256 = {},
-                       .binary = std::string(kPiece * kPointBytes, '\0')}) {
-  state_->file.write(header_of(format, 0));
+    : state_(new State{.file = AtomicFile(seekable(path)), .format = format, .hash = {}, .sha256 = {}, .binary = {}}) {
+  state_->file.write(format_header(format, 0));
 }
 
 CloudWriter::~CloudWriter() = default;
@@ -103,17 +84,17 @@ void CloudWriter::add(std::span<const CloudPoint> points) {
   while (!points.empty()) {
     const std::span<const CloudPoint> piece = points.first(std::min(points.size(), kPiece));
     points = points.subspan(piece.size());
-    for (std::size_t k = 0; k < piece.size(); ++k) put_binary(s.binary.data() + k * kPointBytes, piece[k]);
-    const std::string_view binary(s.binary.data(), piece.size() * kPointBytes);
-    s.hash.update(binary);
-    s.file.write(binary);
+    s.binary.clear();
+    for (const CloudPoint& point : piece) append_binary(s.binary, point);
+    s.hash.update(s.binary);
+    s.file.write(s.binary);
     s.points += piece.size();
   }
 }
 
 void CloudWriter::finish() {
   State& s = *state_;
-  s.file.rewrite_begin(header_of(s.format, s.points));
+  s.file.rewrite_begin(format_header(s.format, s.points));
   s.file.commit();
   s.sha256 = s.hash.hex();
 }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMostColumns = 1000;
 constexpr std::uint64_t kMostLines = 10'000;
-constexpr std::uint64_t kMostColumnValues = 8000;  // of a column of a point
+constexpr std::uint64_t kMostColumnValues = 8000;  // in one column of a point
 
 using Words = std::vector<std::string>;
 
@@ -27,7 +27,7 @@ struct PcdHeader {
   std::string data;
 };
 
-Scalar scalar_of(std::string_view type, std::string_view size, const FilePosition& at) {
+Scalar find_scalar(std::string_view type, std::string_view size, const FilePosition& at) {
   const std::optional<Scalar> found =
       type == "I" || type == "U" || type == "F" ? scalar_named(std::string(type) + std::string(size)) : std::nullopt;
   if (!found)
@@ -35,8 +35,8 @@ Scalar scalar_of(std::string_view type, std::string_view size, const FilePositio
   return *found;
 }
 
-std::uint64_t number_of(const Words& words, const FilePosition& at) {
-  const std::optional<std::uint64_t> value = words.size() == 2 ? count_of(words[1]) : std::nullopt;
+std::uint64_t read_number(const Words& words, const FilePosition& at) {
+  const std::optional<std::uint64_t> value = words.size() == 2 ? parse_count(words[1]) : std::nullopt;
   if (!value) throw InputError(at, fmt::format("{} needs one whole number", words[0]));
   return *value;
 }
@@ -48,14 +48,14 @@ bool take(const Words& words, PcdHeader& header, const FilePosition& at) {
   if (words[0] == "SIZE") return header.sizes = values, true;
   if (words[0] == "TYPE") return header.types = values, true;
   if (words[0] == "COUNT") return header.counts = values, true;
-  if (words[0] == "WIDTH") return header.width = number_of(words, at), true;
-  if (words[0] == "HEIGHT") return header.height = number_of(words, at), true;
-  if (words[0] == "POINTS") return header.points = number_of(words, at), true;
+  if (words[0] == "WIDTH") return header.width = read_number(words, at), true;
+  if (words[0] == "HEIGHT") return header.height = read_number(words, at), true;
+  if (words[0] == "POINTS") return header.points = read_number(words, at), true;
   if (words[0] == "DATA") return header.data = values.empty() ? "" : values[0], true;
   return words[0] == "VERSION" || words[0] == "VIEWPOINT";
 }
 
-std::uint64_t points_of(const PcdHeader& header, const FilePosition& at) {
+std::uint64_t read_point_count(const PcdHeader& header, const FilePosition& at) {
   if (!header.width && !header.points) throw InputError(at, "the header has neither POINTS nor WIDTH");
   const std::uint64_t height = header.height.value_or(1);
   const std::uint64_t width = header.width.value_or(header.points.value_or(0));
@@ -68,15 +68,15 @@ std::uint64_t points_of(const PcdHeader& header, const FilePosition& at) {
 }
 
 // One column; before version 0.6 files have no SIZE and TYPE, and all columns are floats.
-CloudColumn column_of(const PcdHeader& header, std::size_t k, const FilePosition& at) {
+CloudColumn read_column(const PcdHeader& header, std::size_t k, const FilePosition& at) {
   const std::string_view type = header.types.empty() ? std::string_view("F") : header.types[k];
   const std::string_view size = header.sizes.empty() ? std::string_view("4") : header.sizes[k];
-  const std::optional<std::uint64_t> repeat = header.counts.empty() ? 1 : count_of(header.counts[k]);
+  const std::optional<std::uint64_t> repeat = header.counts.empty() ? 1 : parse_count(header.counts[k]);
   if (!repeat || *repeat > kMostColumnValues) throw InputError(at, "COUNT has a value that is not a number up to 8000");
-  return {.type = scalar_of(type, size, at), .role = role_of(header.fields[k]), .repeat = *repeat};
+  return {.type = find_scalar(type, size, at), .role = column_role(header.fields[k]), .repeat = *repeat};
 }
 
-CloudFileLayout layout_of(const PcdHeader& header, const FilePosition& at) {
+CloudFileLayout make_layout(const PcdHeader& header, const FilePosition& at) {
   const std::size_t fields = header.fields.size();
   if (fields == 0 || fields > kMostColumns) throw InputError(at, "FIELDS names no column, or more than 1000");
   for (const Words* words : {&header.sizes, &header.types, &header.counts}) {
@@ -86,8 +86,8 @@ CloudFileLayout layout_of(const PcdHeader& header, const FilePosition& at) {
   }
   CloudFileLayout layout;
   layout.vertex.is_vertex = true;
-  layout.vertex.count = points_of(header, at);
-  for (std::size_t k = 0; k < fields; ++k) layout.vertex.columns.push_back(column_of(header, k, at));
+  layout.vertex.count = read_point_count(header, at);
+  for (std::size_t k = 0; k < fields; ++k) layout.vertex.columns.push_back(read_column(header, k, at));
   layout.is_ascii = header.data == "ascii";
   layout.is_compressed = header.data == "binary_compressed";
   if (!layout.is_ascii && header.data != "binary" && !layout.is_compressed) {
@@ -105,11 +105,11 @@ CloudFileLayout read_pcd_header(CloudInput& input, const std::string& first_line
   while (line && input.line_number() <= kMostLines) {
     const FilePosition at{input.name(), input.line_number()};
     Words words;
-    for (const std::string_view word : words_of(*line)) words.emplace_back(word);
+    for (const std::string_view word : split_words(*line)) words.emplace_back(word);
     if (!words.empty() && !words[0].starts_with('#') && !take(words, header, at)) {
       throw InputError(at, fmt::format("{} is no keyword of a PCD header", in_quotes(words[0])));
     }
-    if (!words.empty() && words[0] == "DATA") return layout_of(header, at);
+    if (!words.empty() && words[0] == "DATA") return make_layout(header, at);
     const std::optional<std::string_view> next = input.line();
     line = next ? std::optional<std::string>(*next) : std::nullopt;
   }

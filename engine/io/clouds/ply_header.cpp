@@ -16,7 +16,7 @@ constexpr std::uint64_t kMostHeaderLines = 100'000;
 
 using LineWords = std::vector<std::string_view>;
 
-Scalar scalar_of(std::string_view word, const FilePosition& at) {
+Scalar find_scalar(std::string_view word, const FilePosition& at) {
   const bool is_of_pcd = !word.empty() && word[0] <= 'Z';
   const std::optional<Scalar> type = is_of_pcd ? std::nullopt : scalar_named(word);
   if (!type) throw InputError(at, fmt::format("{} is no type of PLY", in_quotes(word)));
@@ -33,20 +33,20 @@ void set_format(const LineWords& words, PlyHeader& header, const FilePosition& a
   }
 }
 
-CloudElement element_of(const LineWords& words, const FilePosition& at) {
-  const std::optional<std::uint64_t> count = words.size() == 3 ? count_of(words[2]) : std::nullopt;
+CloudElement read_element(const LineWords& words, const FilePosition& at) {
+  const std::optional<std::uint64_t> count = words.size() == 3 ? parse_count(words[2]) : std::nullopt;
   if (!count) throw InputError(at, "expected 'element NAME COUNT'");
   return {.count = *count, .is_vertex = words[1] == "vertex", .is_face = words[1] == "face", .columns = {}};
 }
 
-CloudColumn column_of(const LineWords& words, const FilePosition& at) {
-  if (words.size() == 3) return {.type = scalar_of(words[1], at), .role = role_of(words[2])};
+CloudColumn read_column(const LineWords& words, const FilePosition& at) {
+  if (words.size() == 3) return {.type = find_scalar(words[1], at), .role = column_role(words[2])};
   if (words.size() == 5 && words[1] == "list") {
-    const Scalar count = scalar_of(words[2], at);
+    const Scalar count = find_scalar(words[2], at);
     if (count == Scalar::kFloat || count == Scalar::kDouble)
       throw InputError(at, "the length of a list is a whole number");
     const bool is_corner_list = words[4] == "vertex_indices" || words[4] == "vertex_index";
-    return {.type = scalar_of(words[3], at), .list_count = count, .is_corner_list = is_corner_list};
+    return {.type = find_scalar(words[3], at), .list_count = count, .is_corner_list = is_corner_list};
   }
   throw InputError(at, "expected 'property TYPE NAME' or 'property list TYPE TYPE NAME'");
 }
@@ -64,18 +64,18 @@ void sort_elements(std::vector<CloudElement> elements, CloudFileLayout& layout, 
   throw InputError({name, 0}, "has no element 'vertex', so it holds no points");
 }
 
-// What a line between "ply" and "end_header" says.
+// Reads one line between "ply" and "end_header".
 void take(const LineWords& words, PlyHeader& header, const FilePosition& at) {
   std::vector<CloudElement>& elements = header.elements;
   if (words[0] == "format") {
     set_format(words, header, at);
   } else if (words[0] == "element") {
     if (elements.size() == kMostElements) throw InputError(at, "more than 100 elements");
-    elements.push_back(element_of(words, at));
+    elements.push_back(read_element(words, at));
   } else if (words[0] == "property") {
     if (elements.empty()) throw InputError(at, "a property before the first element");
     if (elements.back().columns.size() == kMostProperties) throw InputError(at, "more than 1000 properties");
-    elements.back().columns.push_back(column_of(words, at));
+    elements.back().columns.push_back(read_column(words, at));
   } else {
     throw InputError(at, fmt::format("{} is no keyword of a PLY header", in_quotes(words[0])));
   }
@@ -89,7 +89,7 @@ PlyHeader read_ply_elements(CloudInput& input) {
   while (const std::optional<std::string_view> line = input.line()) {
     const FilePosition at{input.name(), input.line_number()};
     if (at.line > kMostHeaderLines) throw InputError(at, "the PLY header has more than 100000 lines");
-    const LineWords words = words_of(*line);
+    const LineWords words = split_words(*line);
     if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
     if (words[0] != "end_header") {
       take(words, header, at);

@@ -9,10 +9,13 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "engine/io/byte_source.hpp"
 #include "engine/io/log_contents.hpp"
+#include "engine/io/scan_sequence.hpp"
 #include "gdtslam/core/stream.hpp"
 
 namespace gdtslam {
@@ -20,6 +23,18 @@ namespace gdtslam {
 /// A log out of a source that was unpacked already. Throws InputError when it is empty or not text.
 std::unique_ptr<DescribedLog> open_carmen(std::unique_ptr<ByteSource> unpacked, const std::string& name,
                                           const ReadOptions& options);
+
+/// The content of one line.
+struct CarmenLine {
+  std::optional<LogRecord> record;  ///< empty for comments, blank lines and message kinds that are not read
+  std::string_view skipped_kind;    ///< kind of a message that is not read
+  RangeRepairs repairs;
+  int pose_decimals = 0;  ///< most digits behind the point of the poses of a scan, from which its mount was computed
+  bool is_whole = true;   ///< the fields after the ones we use are there, so nothing we use was cut off
+};
+
+/// One line to one record, without state between lines. Throws MalformedLine (field_cursor.hpp).
+CarmenLine parse_carmen_line(std::string_view text, const ReadOptions& options);
 
 /// Bearings of a scan of which only the number of beams is known.
 struct BearingRule {

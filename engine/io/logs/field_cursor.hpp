@@ -7,13 +7,19 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <stdexcept>
 #include <string_view>
 
-#include "carmen_line.hpp"
 #include "engine/io/decimal.hpp"
 #include "engine/io/message_text.hpp"
 
 namespace gdtslam {
+
+/// A line that breaks its format; what() says how.
+class MalformedLine : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 class FieldCursor {
  public:
@@ -55,7 +61,9 @@ class FieldCursor {
     return value;
   }
   /// Digits behind the point of the number that was read last, as far as its exponent leaves them there.
-  [[nodiscard]] int decimals() const { return decimals_of({number_, static_cast<std::size_t>(position_ - number_)}); }
+  [[nodiscard]] int decimals() const {
+    return count_decimals({number_, static_cast<std::size_t>(position_ - number_)});
+  }
   std::int64_t integer(std::string_view name) {
     skip_blanks();
     std::int64_t value = 0;
@@ -88,7 +96,7 @@ class FieldCursor {
     }
     return {start, static_cast<std::size_t>(position_ - start)};
   }
-  static int decimals_of(std::string_view number) {
+  static int count_decimals(std::string_view number) {
     const std::size_t exponent = std::min(number.find_first_of("eE"), number.size());
     const std::size_t point = std::min(number.find('.'), exponent);
     int decimals = std::max(0, static_cast<int>(exponent) - static_cast<int>(point) - 1);

@@ -22,7 +22,7 @@ class TextSink {
   void write(std::string_view text);
   /// Ends the stream; the last call. The file still has to be committed.
   void finish();
-  /// Of text, before compression.
+  /// The length of the text, before compression.
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
 
  private:

@@ -21,7 +21,7 @@
 namespace gdtslam {
 namespace {
 
-// What every refusal ends with.
+// The end of every refusal.
 std::string supported() {
   return fmt::format("supported are {} logs, plain or packed by gzip, bzip2, xz or zstd", kLogFormats);
 }
@@ -51,7 +51,7 @@ bool may_be_magic(std::string_view head) {
 }
 
 /// The first bytes, as many as tell the kind, and no more: those of a pipe come only once, and late.
-std::string head_of(ByteSource& source) {
+std::string read_magic(ByteSource& source) {
   std::string head;
   for (char byte = 0; may_be_magic(head) && source.read({&byte, 1}) == 1;) head.push_back(byte);
   return head;
@@ -63,18 +63,18 @@ bool is_name_character(char c) {
 
 /// A line of JSON begins with a brace; a header of CSV with a name and a comma, where CARMEN has a blank. Reads up to
 /// there.
-std::optional<TableKind> table_kind_of(ByteSource& source, std::string& head) {
+std::optional<TableKind> detect_table(ByteSource& source, std::string& head) {
   static constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   static constexpr std::size_t kLongestName = 64;
-  const auto text_of = [&head] {
+  const auto text_behind_mark = [&head] {
     const std::string_view text = head;
     return text.starts_with(kByteOrderMark) ? text.substr(kByteOrderMark.size()) : text;
   };
   const auto goes_on = [](std::string_view text) {
     return kByteOrderMark.starts_with(text) || (text.size() < kLongestName && is_name_character(text.back()));
   };
-  for (char byte = 0; goes_on(text_of()) && source.read({&byte, 1}) == 1;) head.push_back(byte);
-  const std::string_view text = text_of();
+  for (char byte = 0; goes_on(text_behind_mark()) && source.read({&byte, 1}) == 1;) head.push_back(byte);
+  const std::string_view text = text_behind_mark();
   if (text.starts_with('{')) return TableKind::kJsonLines;
   const bool has_name = text.size() > 1 && is_name_character(text[text.size() - 2]);
   return has_name && (text.ends_with(',') || text.ends_with(';')) ? std::optional(TableKind::kCsv) : std::nullopt;
@@ -83,11 +83,11 @@ std::optional<TableKind> table_kind_of(ByteSource& source, std::string& head) {
 /// Unpacks what is packed, once: packed data in packed data are nobody's log. `head` is what was read to know.
 std::unique_ptr<ByteSource> unpacked(std::unique_ptr<ByteSource> source, const std::string& name, std::string& head) {
   source = gunzip_if_packed(std::move(source), name);
-  head = head_of(*source);
+  head = read_magic(*source);
   for (const Magic& magic : kMagics) {
     if (!magic.packing || !head.starts_with(magic.bytes)) continue;
     source = unpack_source(*magic.packing, with_head(head, std::move(source)), name);
-    head = head_of(*source);
+    head = read_magic(*source);
     break;
   }
   return source;
@@ -126,7 +126,7 @@ std::unique_ptr<DescribedLog> open_source(std::unique_ptr<ByteSource> packed, co
                                           const std::string& path, const ReadOptions& options) {
   std::string head;
   std::unique_ptr<ByteSource> source = unpacked(std::move(packed), name, head);
-  const std::optional<TableKind> table = table_kind_of(*source, head);
+  const std::optional<TableKind> table = detect_table(*source, head);
   source = with_head(head, std::move(source));
   if (table) {
     refuse_topics(options.topics, name, *table == TableKind::kCsv ? "a CSV file" : "a file of JSON lines");
@@ -138,7 +138,8 @@ std::unique_ptr<DescribedLog> open_source(std::unique_ptr<ByteSource> packed, co
     if (magic.open != nullptr) return magic.open(std::move(source), name, options);
     throw InputError({name, 0}, fmt::format("is {}; {}", magic.kind, supported()));
   }
-  if (!head.empty()) refuse_topics(options.topics, name, "a CARMEN log");  // what ended before it began is none
+  if (!head.empty())
+    refuse_topics(options.topics, name, "a CARMEN log");  // a log that ended before it began has no kind
   return open_carmen(std::move(source), name, options);
 }
 

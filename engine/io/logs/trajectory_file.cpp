@@ -74,7 +74,7 @@ void check_turn(double yaw_rad, const FilePosition& position) {
 }
 
 /// Yaw of a quaternion of any length; rotations about z and others alike.
-double yaw_of(double x, double y, double z, double w) {
+double quaternion_yaw(double x, double y, double z, double w) {
   return atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z);
 }
 
@@ -90,7 +90,7 @@ Trajectory read_tum(std::unique_ptr<ByteSource> source, const std::string& name)
                                              sq_norm));
     }
     check_place(x_m, y_m, position);
-    trajectory.push_back({stamp_s, {x_m, y_m, yaw_of(qx, qy, qz, qw)}});
+    trajectory.push_back({stamp_s, {x_m, y_m, quaternion_yaw(qx, qy, qz, qw)}});
   });
   return trajectory;
 }

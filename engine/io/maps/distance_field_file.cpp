@@ -54,7 +54,7 @@ void write_image(AtomicFile& file, const std::string& yaml_path, const DistanceF
   png.finish();
 }
 
-std::string description_of(const DistanceFieldRows& field, const std::string& image) {
+std::string describe(const DistanceFieldRows& field, const std::string& image) {
   const GridGeometry& geometry = field.geometry;
   const int scale = levels_per_unit(field.cap);
   return fmt::format(
@@ -74,12 +74,12 @@ int whole_level(const DescriptionFile& file, const char* key) {
   return static_cast<int>(value);
 }
 
-/// What the description says of the levels.
+/// The statements of the description about levels.
 struct Levels {
   int scale = 1;  ///< per 1/256 cell
   int cap = 1;
 };
-Levels levels_of(const DescriptionFile& file, double resolution_m) {
+Levels read_levels(const DescriptionFile& file, double resolution_m) {
   const double version = file.number("version");
   if (version != 1.0 && version != kFieldVersion) {
     file.fail("version", fmt::format("only versions 1 and {} are read", kFieldVersion));
@@ -97,7 +97,7 @@ Levels levels_of(const DescriptionFile& file, double resolution_m) {
   return levels;
 }
 
-std::uint16_t value_of(std::uint16_t level, const Levels& levels, const std::string& image_path) {
+std::uint16_t decode_level(std::uint16_t level, const Levels& levels, const std::string& image_path) {
   if (level % levels.scale != 0 || level > levels.cap) {
     throw InputError(
         {image_path, 0},
@@ -117,7 +117,7 @@ void write_distance_field(const std::string& yaml_path, const DistanceFieldRows&
   const std::filesystem::path image_path = std::filesystem::path(yaml_path).replace_extension(".png");
   AtomicFileSet files;
   write_image(files.add(image_path.string()), yaml_path, field);
-  files.add(yaml_path).write(description_of(field, image_path.filename().string()));
+  files.add(yaml_path).write(describe(field, image_path.filename().string()));
   files.commit();
 }
 
@@ -125,7 +125,7 @@ DistanceFieldFile read_distance_field(const std::string& yaml_path) {
   const DescriptionFile file(yaml_path);
   DistanceFieldFile field;
   field.geometry = file.geometry();
-  const Levels levels = levels_of(file, field.geometry.resolution_m);
+  const Levels levels = read_levels(file, field.geometry.resolution_m);
   field.cap = static_cast<std::uint16_t>(levels.cap / levels.scale);
   const std::string image_path = file.image_path();
   const Grey16Image image = read_png_grey16(image_path);
@@ -134,7 +134,7 @@ DistanceFieldFile read_distance_field(const std::string& yaml_path) {
   field.cells.reserve(image.pixels.size());
   for (std::size_t rows = image.height; rows > 0; --rows) {
     const auto pixels = std::span(image.pixels).subspan((rows - 1) * image.width, image.width);
-    for (const std::uint16_t level : pixels) field.cells.push_back(value_of(level, levels, image_path));
+    for (const std::uint16_t level : pixels) field.cells.push_back(decode_level(level, levels, image_path));
   }
   return field;
 }

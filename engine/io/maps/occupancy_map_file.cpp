@@ -11,7 +11,6 @@
 #include "engine/io/byte_source.hpp"
 #include "engine/io/yaml/yaml_file.hpp"
 #include "gdtslam/core/error.hpp"
-#include "pgm.hpp"
 #include "png.hpp"
 
 namespace gdtslam {
@@ -25,7 +24,7 @@ constexpr std::uint8_t kUnknownLevel = 205;
 constexpr double kOccupiedThreshold = 0.65;
 constexpr double kFreeThreshold = 0.196;
 
-std::uint8_t level_of(CellState state) {
+std::uint8_t to_level(CellState state) {
   switch (state) {
     case CellState::kFree:
       return kFreeLevel;
@@ -45,7 +44,7 @@ void for_each_row(const OccupancyMap& map, const Take& take) {
   std::vector<std::uint8_t> levels(width);
   for (std::int32_t y = map.geometry.height; y-- > 0;) {
     map.read_row(y, row);
-    std::transform(row.begin(), row.end(), levels.begin(), level_of);
+    std::transform(row.begin(), row.end(), levels.begin(), to_level);
     take(std::as_bytes(std::span(levels)));
   }
 }
@@ -78,7 +77,7 @@ struct Thresholds {
   bool negate = false;
 };
 
-Thresholds thresholds_of(const DescriptionFile& file) {
+Thresholds read_thresholds(const DescriptionFile& file) {
   Thresholds thresholds;
   thresholds.occupied = file.number_or("occupied_thresh", kOccupiedThreshold);
   thresholds.free = file.number_or("free_thresh", kFreeThreshold);
@@ -100,7 +99,7 @@ Thresholds thresholds_of(const DescriptionFile& file) {
   return thresholds;
 }
 
-CellState state_of(std::uint8_t level, std::uint32_t max_value, const Thresholds& thresholds) {
+CellState decode_state(std::uint8_t level, std::uint32_t max_value, const Thresholds& thresholds) {
   const double brightness = static_cast<double>(level) / static_cast<double>(max_value);
   const double occupancy = thresholds.negate ? brightness : 1.0 - brightness;
   if (occupancy > thresholds.occupied) {
@@ -128,7 +127,7 @@ OccupancyMap read_occupancy_map(const std::string& yaml_path) {
   const DescriptionFile file(yaml_path);
   OccupancyMap map;
   map.geometry = file.geometry();
-  const Thresholds thresholds = thresholds_of(file);
+  const Thresholds thresholds = read_thresholds(file);
   const Grey8Image image = read_image(file.image_path());
   map.geometry.width = static_cast<std::int32_t>(image.width);
   map.geometry.height = static_cast<std::int32_t>(image.height);
@@ -137,7 +136,7 @@ OccupancyMap read_occupancy_map(const std::string& yaml_path) {
   for (std::size_t rows = image.height; rows > 0; --rows) {
     const std::size_t begin = (rows - 1) * image.width;
     for (std::uint32_t x = 0; x < image.width; ++x, ++cell) {
-      map.cells.set(cell, state_of(image.pixels[begin + x], image.max_value, thresholds));
+      map.cells.set(cell, decode_state(image.pixels[begin + x], image.max_value, thresholds));
     }
   }
   return map;

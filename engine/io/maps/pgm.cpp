@@ -1,11 +1,10 @@
-#include "pgm.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <string_view>
 
 #include "gdtslam/core/error.hpp"
+#include "png.hpp"
 
 namespace gdtslam {
 namespace {
@@ -30,7 +29,7 @@ class HeaderReader {
     }
     return static_cast<std::uint32_t>(value);
   }
-  /// What follows the one white-space character after the header.
+  /// The bytes behind the one white-space character after the header.
   std::string_view rest() {
     if (position_ >= text_.size() || !is_space(text_[position_])) {
       throw InputError({name_, 0}, "its PGM header does not end in white space");

@@ -27,7 +27,7 @@ namespace {
 [[noreturn]] void fail_to_write(png_structp /*png*/, png_const_charp text) {
   throw Error(ExitCode::kFailed, fmt::format("libpng cannot encode an image: {}", text));
 }
-void ignore_warning(png_structp /*png*/, png_const_charp /*text*/) {}  // what is only odd is still readable
+void ignore_warning(png_structp /*png*/, png_const_charp /*text*/) {}  // a picture that is only odd is readable
 
 /// A PNG in memory: its header, then its rows from the top. Every member throws InputError for what is damaged.
 class PngReader {
@@ -73,7 +73,7 @@ class PngReader {
   }
   /// All kinds of pixels become one byte.
   void set_grey8() {
-    constexpr int kThird = 33333;  // of the weights of red and green, of 100,000
+    constexpr int kThird = 33333;  // weight of red and of green, in 100,000ths
     png_set_expand(png_);
     png_set_strip_16(png_);
     png_set_strip_alpha(png_);
@@ -107,7 +107,7 @@ class PngReader {
   png_infop info_ = png_create_info_struct(png_);
 };
 
-std::size_t bytes_of_pixel(PngWriter::Pixels pixels) {
+std::size_t pixel_bytes(PngWriter::Pixels pixels) {
   switch (pixels) {
     case PngWriter::Pixels::kGrey16:
       return 2;
@@ -132,7 +132,7 @@ void set_packing(png_structp png, PngWriter::Pixels pixels) {
 
 std::string encode(std::uint32_t width, std::uint32_t height, PngWriter::Pixels pixels,
                    std::span<const std::byte> bytes) {
-  const std::size_t row_bytes = bytes_of_pixel(pixels) * width;
+  const std::size_t row_bytes = pixel_bytes(pixels) * width;
   if (width == 0 || height == 0 || bytes.size() != row_bytes * height) {
     throw Error(ExitCode::kFailed, fmt::format("an image of {} x {} pixels in {} bytes cannot be made a PNG", width,
                                                height, bytes.size()));

@@ -11,9 +11,19 @@
 #include <string_view>
 #include <vector>
 
-#include "pgm.hpp"
-
 namespace gdtslam {
+
+/// A grey picture, rows from the top.
+struct Grey8Image {
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  std::uint32_t max_value = 255;  ///< the level that means white
+  std::vector<std::uint8_t> pixels;
+};
+
+/// PGM (P5, one byte a pixel). The stated size must be that of the file, so that no memory is taken on a header's word.
+/// Throws InputError.
+Grey8Image decode_pgm(std::span<const std::byte> data, const std::string& name);
 
 struct Grey16Image {
   std::uint32_t width = 0;
@@ -49,7 +59,7 @@ class PngWriter {
 /// The file's bytes. Throws Error for a side of 0 or beyond 2^31 - 1 pixels, for another number of pixels than that,
 /// and where libpng has no memory.
 std::string encode_png(const Grey16Image& image);
-/// Of red, green, blue and alpha.
+/// The same for red, green, blue and alpha.
 std::string encode_png(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba);
 
 /// Grey of 16 bits (8-bit and colour images are refused). Throws InputError for what is damaged or has more than

@@ -1,4 +1,4 @@
-// What the readers of meshes share: bounds on vertices and triangles, faces of any number of corners, and being
+// Common parts of the readers of meshes: bounds on vertices and triangles, faces of any number of corners, and being
 // stopped. One object belongs to one thread.
 #pragma once
 
@@ -17,8 +17,8 @@ class MeshBuilder {
   /// A face of more corners than this is refused.
   static constexpr std::size_t kMostCorners = 256;
 
-  /// Where the next faults are: a line of the file, or what a binary file has there ("triangle") and its number from 0.
-  /// To be called for each row: throws when the reading is to stop.
+  /// Sets the place of the next faults: a line of the file, or the kind of item in a binary file ("triangle") and its
+  /// number from 0. To be called for each row: throws when the reading is to stop.
   void begin_row(const char* kind, std::uint64_t number);
   void begin_line(std::uint64_t line) { begin_row(nullptr, line); }
   void add_vertex(const std::array<float, 3>& vertex);

@@ -19,7 +19,6 @@ class PlyMeshReader {
       begin_row(element, k);
       if (row_.is_ascii() && !element.is_vertex && !element.is_face) continue;
       read_row(element);
-      if (!row_.at_end()) mesh_.fail("has more numbers than properties, or something else");
       if (element.is_vertex) mesh_.add_vertex(vertex_);
       if (element.is_face) mesh_.add_face(corners_);
     }
@@ -45,20 +44,13 @@ class PlyMeshReader {
   }
 
   void read_row(const CloudElement& element) {
-    for (const CloudColumn& column : element.columns) {
-      if (!column.list_count) {
-        const double number = next(column.type);
-        const auto axis = static_cast<std::size_t>(column.role);
-        if (element.is_vertex && axis < vertex_.size()) vertex_[axis] = static_cast<float>(number);
-        continue;
-      }
-      const double count = next(*column.list_count);
-      if (!(count >= 0.0)) mesh_.fail("the length of a list is not a number from 0");
-      for (double item = 0.0; item < count; ++item) {
-        const double number = next(column.type);
-        if (column.is_corner_list) add_corner(number);
-      }
-    }
+    const std::string_view fault = row_.read(element, [&](const CloudColumn& column, double number) {
+      const auto axis = static_cast<std::size_t>(column.role);
+      if (column.is_corner_list) add_corner(number);
+      if (!column.list_count && element.is_vertex && axis < vertex_.size()) vertex_[axis] = static_cast<float>(number);
+    });
+    if (fault == RowValues::kEndsEarly) ends_early();
+    if (!fault.empty()) mesh_.fail(std::string(fault));
   }
 
   void add_corner(double number) {
@@ -67,13 +59,6 @@ class PlyMeshReader {
       mesh_.fail("a face names a vertex that the mesh does not have: export the mesh again");
     }
     if (corners_.size() <= MeshBuilder::kMostCorners) corners_.push_back(static_cast<std::uint32_t>(number));
-  }
-
-  double next(Scalar type) {
-    const std::optional<double> number = row_.next(type);
-    if (number) return *number;
-    if (!row_.is_ascii()) ends_early();
-    mesh_.fail("has fewer numbers than properties, or a word among them");
   }
 
   [[noreturn]] void ends_early() const { mesh_.fail("the file ends before all that its header names; is it whole?"); }

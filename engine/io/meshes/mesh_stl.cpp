@@ -47,7 +47,7 @@ void read_text(CloudInput& input, MeshBuilder& mesh) {
   std::vector<std::uint32_t> corners;
   while (const std::optional<std::string_view> line = input.line()) {
     mesh.begin_line(input.line_number());
-    const std::vector<std::string_view> words = words_of(*line);
+    const std::vector<std::string_view> words = split_words(*line);
     const std::string word = words.empty() ? "" : in_small_letters(words[0]);
     if (word == "vertex") {
       if (corners.size() == MeshBuilder::kMostCorners) mesh.fail("the facet has no 'endfacet'");

@@ -34,7 +34,7 @@ class MessageCursor {
   double real() { return std::bit_cast<double>(whole<std::uint64_t>()); }
   /// Seconds.
   double time();
-  /// Of a message with a header: its sequence number in ROS 1, then its time.
+  /// The start of a header: a sequence number in ROS 1, then the time.
   double header_time();
   std::string_view text();
   /// A frame's name without a leading slash.

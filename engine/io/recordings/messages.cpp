@@ -53,7 +53,7 @@ bool is_number_type(std::string_view type) {
 }
 
 // Translation, then the quaternion x, y, z, w.
-Transform3 transform_of(MessageCursor& cursor) {
+Transform3 read_transform(MessageCursor& cursor) {
   Transform3 T;
   for (double& value : T.shift_m) value = cursor.real();
   const double x = cursor.real();
@@ -73,7 +73,7 @@ TransformMessage stamped_transform(MessageCursor& cursor) {
   transform.stamp_s = cursor.header_time();
   transform.parent = cursor.frame();
   transform.child = cursor.frame();
-  transform.T_parent_child = transform_of(cursor);
+  transform.T_parent_child = read_transform(cursor);
   if (!transform.T_parent_child.is_finite()) throw RecordingFault("has a pose that is not finite");
   return transform;
 }
@@ -113,7 +113,7 @@ std::string short_type(std::string_view type) {
   return text;
 }
 
-MessageKind kind_of(const RecordingChannel& channel) {
+MessageKind message_kind(const RecordingChannel& channel) {
   if (channel.encoding == MessageEncoding::kOther) return MessageKind::kOther;
   const std::string type = short_type(channel.type);
   for (const KnownType& known : kKnownTypes) {

@@ -16,10 +16,11 @@ namespace gdtslam {
 enum class MessageKind : std::uint8_t { kOther, kScan, kEchoScan, kOdometry, kTransforms, kJoints, kNumber };
 /// By the type's name, with or without /msg/, or by its MD5 sum where a bag has no name; kOther in an encoding that is
 /// not read.
-MessageKind kind_of(const RecordingChannel& channel);
-/// Where transforms that move are.
+MessageKind message_kind(const RecordingChannel& channel);
+/// The topic of transforms that move.
 inline constexpr std::string_view kTransformTopic = "/tf";
-inline constexpr std::string_view kStaticTransforms = "tf_static";  ///< as such topics end
+inline constexpr std::string_view kStaticTransforms =
+    "tf_static";  ///< end of the names of topics with static transforms
 /// pkg/Type of pkg/msg/Type.
 std::string short_type(std::string_view type);
 
@@ -37,7 +38,7 @@ struct ScanMessage {
   double beam_period_s = 0.0;     ///< from beam to beam; 0 where it is not said
   double min_range_m = 0.0;
   double max_range_m = 0.0;
-  std::vector<float> ranges_m;  ///< as the message has them
+  std::vector<float> ranges_m;  ///< unchanged from the message
 };
 struct TransformMessage {
   double stamp_s = 0.0;

@@ -17,7 +17,7 @@ class OdometryTrack {
   static constexpr std::size_t kMostPoses = 4096;
   /// So many poses in a row that go forward in the past are right, and what was before is not, or of another stretch.
   static constexpr std::size_t kSetBack = 5;
-  /// What is longer than this, and than kLeapSteps usual steps, is a leap: the next pose says whether it is true.
+  /// A step longer than this, and than kLeapSteps usual steps, is a leap: the next pose says whether it is true.
   static constexpr double kLeap_s = 1.0;
   static constexpr double kLeapSteps = 5.0;
   /// Across what is longer than this, and than kLeapSteps usual steps, nothing is interpolated.
@@ -25,7 +25,7 @@ class OdometryTrack {
 
   enum class Taken : std::uint8_t {
     kNext,      ///< later than the last
-    kRepeated,  ///< of the stamp of the one before it, and left out
+    kRepeated,  ///< has the stamp of the one before it, and is left out
     kPast,      ///< earlier, and left out so far
     kForgot,    ///< the last of kSetBack in the past: poses far ahead, fewer than those, were wild and are left out
     kSetBack,   ///< the same: a new stretch begins with the first of them
@@ -35,7 +35,7 @@ class OdometryTrack {
   [[nodiscard]] bool empty() const { return entries_.empty(); }
   /// The latest pose of the stretch in hand.
   [[nodiscard]] const Odometry& back() const { return entries_.back().pose; }
-  /// Of the pose taken last, counted from 0.
+  /// The stretch of the pose taken last, counted from 0.
   [[nodiscard]] std::uint64_t stretch() const { return stretch_; }
   /// When it last set back or forgot: the last stamp until then, and the first that counts from then on.
   [[nodiscard]] double last_before_set_back_s() const { return last_before_s_; }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -23,7 +24,6 @@
 #include "gdtslam/core/error.hpp"
 #include "messages.hpp"
 #include "recording_survey.hpp"
-#include "recording_uses.hpp"
 #include "scan_assembler.hpp"
 #include "topics.hpp"
 
@@ -32,7 +32,7 @@ namespace {
 
 constexpr std::string_view kAllTopics = "all";
 
-/// As recordings have them, with a slash before.
+/// The name of a topic in recordings, with a slash before.
 std::string topic_name(const std::string& text) {
   return text.empty() || text.starts_with('/') || text == kAllTopics ? text : "/" + text;
 }
@@ -48,6 +48,9 @@ ReadOptions with_topic_names(ReadOptions options) {
   }
   return options;
 }
+
+/// Opens the container of a recording. Throws RecordingFault if it is none.
+using RecordingMaker = std::function<std::unique_ptr<Recording>()>;
 
 class RecordingReader final : public DescribedLog {
  public:
@@ -120,7 +123,7 @@ class RecordingReader final : public DescribedLog {
     return channel->kind != MessageKind::kOther && topic == crank_topic_;
   }
 
-  /// Nothing at the end, also of a recording that was cut or, where that is tolerated, damaged.
+  /// Returns nothing at the end, and for a recording that was cut or, if that is tolerated, damaged.
   std::optional<RecordingItem> next_item() {
     try {
       return recording_->next([this](std::uint32_t channel) { return is_wanted(channel); },
@@ -236,7 +239,7 @@ class RecordingReader final : public DescribedLog {
                     name_, topics_.text(has_scans)));
   }
 
-  /// What was asked for by name and is not there. Of several recordings each may have some of the lasers alone.
+  /// Checks that everything asked for by name is there. Each of several recordings may have some of the lasers alone.
   void check_choice() {
     const TopicChoice& choice = options_.topics;
     for (const std::string& topic : choice.scans) {
@@ -293,7 +296,7 @@ class RecordingReader final : public DescribedLog {
   std::unique_ptr<Recording> recording_;
   ScanAssembler assembler_;
   WarningCounter warnings_;
-  std::vector<ScanSequence> sequences_;  ///< of each laser
+  std::vector<ScanSequence> sequences_;  ///< one for each laser
   TopicTable topics_;
   std::optional<RecordingSurvey> survey_;
   std::map<std::string, std::size_t, std::less<>> lasers_;  ///< numbers of lasers by their topics
@@ -309,26 +312,23 @@ class RecordingReader final : public DescribedLog {
 
 }  // namespace
 
-std::unique_ptr<DescribedLog> read_recording(const RecordingMaker& make, std::string_view format,
-                                             const std::string& name, const ReadOptions& options) {
-  return std::make_unique<RecordingReader>(make, format, name, options);
-}
-
 std::unique_ptr<DescribedLog> open_bag(std::unique_ptr<ByteSource> unpacked, const std::string& name,
                                        const ReadOptions& options) {
-  return read_recording([&] { return std::make_unique<Ros1Bag>(std::move(unpacked)); }, "ROS 1 bag", name, options);
+  return std::make_unique<RecordingReader>([&] { return std::make_unique<Ros1Bag>(std::move(unpacked)); }, "ROS 1 bag",
+                                           name, options);
 }
 
 std::unique_ptr<DescribedLog> open_mcap(std::unique_ptr<ByteSource> unpacked, const std::string& name,
                                         const ReadOptions& options) {
-  return read_recording([&] { return std::make_unique<McapFile>(std::move(unpacked)); }, "MCAP", name, options);
+  return std::make_unique<RecordingReader>([&] { return std::make_unique<McapFile>(std::move(unpacked)); }, "MCAP",
+                                           name, options);
 }
 
 std::unique_ptr<DescribedLog> open_ros2_bag(const std::string& path, const ReadOptions& options) {
   std::error_code ignored;
   const bool is_folder = std::filesystem::is_directory(path, ignored);
-  return read_recording([&] { return is_folder ? open_ros2_folder(path) : open_ros2_file(path); },
-                        is_folder ? "ROS 2 bag" : "ROS 2 bag, one file", path, options);
+  return std::make_unique<RecordingReader>([&] { return is_folder ? open_ros2_folder(path) : open_ros2_file(path); },
+                                           is_folder ? "ROS 2 bag" : "ROS 2 bag, one file", path, options);
 }
 
 }  // namespace gdtslam

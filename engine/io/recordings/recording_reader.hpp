@@ -4,32 +4,21 @@
 // One reader belongs to one thread.
 #pragma once
 
-#include <cstddef>
-#include <functional>
 #include <memory>
 #include <string>
-#include <string_view>
 
-#include "containers/recording.hpp"
 #include "engine/io/byte_source.hpp"
 #include "engine/io/log_contents.hpp"
 #include "gdtslam/core/stream.hpp"
 
 namespace gdtslam {
 
-/// Opens the container of a recording. Throws RecordingFault where it is none.
-using RecordingMaker = std::function<std::unique_ptr<Recording>()>;
-
-/// Whatever container it is in, `format` in words; `name` stands in messages. next() throws UsageError where several
-/// topics have scans and ReadOptions::topics names none of them; InputError where the recording is damaged (with
-/// ReadOptions::lenient a damaged message is left out, and other damage ends the log) or has no scan.
-std::unique_ptr<DescribedLog> read_recording(const RecordingMaker& make, std::string_view format,
-                                             const std::string& name, const ReadOptions& options);
-
-/// A ROS 1 bag out of a source that was unpacked already, from its first byte.
+/// A ROS 1 bag out of a source that was unpacked already, from its first byte; `name` stands in messages. next() throws
+/// UsageError if several topics have scans and ReadOptions::topics names none of them; InputError if the recording is
+/// damaged (with ReadOptions::lenient a damaged message is left out, and other damage ends the log) or has no scan.
 std::unique_ptr<DescribedLog> open_bag(std::unique_ptr<ByteSource> unpacked, const std::string& name,
                                        const ReadOptions& options);
-/// An MCAP file, likewise.
+/// An MCAP file, read in the same way.
 std::unique_ptr<DescribedLog> open_mcap(std::unique_ptr<ByteSource> unpacked, const std::string& name,
                                         const ReadOptions& options);
 

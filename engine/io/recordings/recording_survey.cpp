@@ -18,7 +18,7 @@ constexpr std::size_t kMostJoints = 16;
 constexpr std::size_t kLongestNameKept = 256;  // bytes; names that are longer are not kept
 constexpr double kMoved = 1e-4;                // metres, or of a rotation's matrix
 
-// Of those messages that begin with a header, the small ones: pictures and clouds are not unpacked for their frames.
+// Small messages that begin with a header: pictures and clouds are not unpacked for their frames.
 constexpr std::array<std::string_view, 16> kHeadedTypes{"sensor_msgs/Imu",
                                                         "sensor_msgs/MagneticField",
                                                         "sensor_msgs/NavSatFix",
@@ -41,7 +41,7 @@ bool is_headed(const RecordingChannel& channel) {
   return std::find(kHeadedTypes.begin(), kHeadedTypes.end(), short_type(channel.type)) != kHeadedTypes.end();
 }
 
-TopicUse use_of(MessageKind kind) {
+TopicUse topic_use(MessageKind kind) {
   switch (kind) {
     case MessageKind::kScan:
     case MessageKind::kEchoScan:
@@ -80,7 +80,7 @@ void set_transform(FrameLink& link, const Transform3& T) {
 
 void RecordingSurvey::add_channel(const RecordingChannel& channel) {
   if (topics_.contains(channel.topic)) return;
-  std::size_t& kept = kept_.at(static_cast<std::size_t>(use_of(kind_of(channel))));
+  std::size_t& kept = kept_.at(static_cast<std::size_t>(topic_use(message_kind(channel))));
   if (kept == kMostSurveyed) {
     ++left_out_;
     return;
@@ -102,7 +102,7 @@ void RecordingSurvey::add(const TopicChannel& channel, const MessageBytes& messa
   if (found == topics_.end()) return;
   Topic& topic = found->second;
   TopicContents& contents = topic.contents;
-  contents.can_be = use_of(channel.kind);
+  contents.can_be = topic_use(channel.kind);
   if (contents.messages++ == 0) contents.first_s = received_s;
   contents.last_s = received_s;
   if (message.bytes.empty() || !wants(channel)) return;

@@ -1,22 +1,55 @@
-// What a recording has, seen in passing: its topics with rates, frames, clocks and numbers, and the tree of its frames.
-// What of it is used, its reader knows. Not thread-safe; memory is bounded: kMostSurveyed topics of each use and
-// FrameTree::kMostFrames frames are kept, and of messages no names that are longer than any that people give.
+// Contents of a recording, collected in passing: its topics with rates, frames, clocks and numbers, and the tree of its
+// frames; and which of them its reader uses. Not thread-safe; memory is bounded: kMostSurveyed topics of each use and
+// FrameTree::kMostFrames frames are kept, without names that are longer than people give.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "engine/io/log_contents.hpp"
-#include "even_sample.hpp"
 #include "messages.hpp"
+#include "scan_assembler.hpp"
 #include "topics.hpp"
 
 namespace gdtslam {
+
+/// Quantiles of a stream of numbers of any length, out of at most kMost of them: it keeps every k-th one, where k is
+/// the least power of two of which not too many come.
+class EvenSample {
+ public:
+  static constexpr std::size_t kMost = 512;  // even
+  void add(double value) {
+    if (seen_++ % every_ != 0) return;
+    if (values_.size() == kMost) {
+      for (std::size_t k = 0; k < kMost / 2; ++k) values_[k] = values_[2 * k];
+      values_.resize(kMost / 2);
+      every_ *= 2;
+    }
+    values_.push_back(value);
+  }
+  [[nodiscard]] std::uint64_t seen() const { return seen_; }
+  /// The kept number with that share of the others below it; 0 if there is none.
+  [[nodiscard]] double quantile(double share) const {
+    if (values_.empty()) return 0.0;
+    std::vector<double> sorted = values_;
+    const auto rank = static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1) + 0.5);
+    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(rank), sorted.end());
+    return sorted[rank];
+  }
+
+ private:
+  std::vector<double> values_;
+  std::uint64_t seen_ = 0;
+  std::uint64_t every_ = 1;
+};
 
 class RecordingSurvey {
  public:
@@ -49,5 +82,16 @@ class RecordingSurvey {
   std::array<std::size_t, 5> kept_{};               ///< by TopicUse
   std::uint64_t left_out_ = 0;
 };
+
+/// The choice that was asked for, and the topics that were taken.
+struct RecordingUses {
+  const TopicChoice& choice;
+  const std::string& odometry;                                    ///< empty: none, or transforms
+  const std::string& crank;                                       ///< empty: none
+  const std::map<std::string, std::size_t, std::less<>>& lasers;  ///< numbers by their topics
+};
+
+/// Fills in why a topic of a recording is used for a map or not, in words: uses, reasons, lasers, odometry and clocks.
+void tell_uses(const RecordingUses& uses, const ScanAssembler& assembler, LogContents& contents);
 
 }  // namespace gdtslam

@@ -1,5 +1,3 @@
-#include "recording_uses.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 
 #include "engine/core/ascii.hpp"
 #include "engine/core/one_line.hpp"
+#include "recording_survey.hpp"
 
 namespace gdtslam {
 namespace {
@@ -59,8 +58,8 @@ Reason frames_reason(const TopicContents& topic, const RecordingUses& uses, cons
   return {TopicUse::kFrames, "where lasers sit"};
 }
 
-Reason reason_of(const TopicContents& topic, const RecordingUses& uses, const ScanAssembler& assembler,
-                 const LogContents& contents) {
+Reason explain_use(const TopicContents& topic, const RecordingUses& uses, const ScanAssembler& assembler,
+                   const LogContents& contents) {
   if (topic.messages == 0) return {TopicUse::kNone, "no messages"};
   switch (topic.can_be) {
     case TopicUse::kScans:
@@ -96,7 +95,7 @@ void tell_uses(const RecordingUses& uses, const ScanAssembler& assembler, LogCon
     if (topic.can_be == TopicUse::kCrank && topic.name != uses.crank && is_of_drive(topic)) {
       topic.can_be = TopicUse::kNone;
     }
-    std::tie(topic.use, topic.why) = reason_of(topic, uses, assembler, contents);
+    std::tie(topic.use, topic.why) = explain_use(topic, uses, assembler, contents);
     if (topic.use != TopicUse::kOdometry) continue;
     contents.odometry = topic.name;
     contents.odometry_why = topic.why;

@@ -14,7 +14,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kLevelSine = 0.0523;  // of 3 degrees, by which ranges are 0.14 % too long
+constexpr double kLevelSine = 0.0523;  // sine of 3 degrees, by which ranges are 0.14 % too long
 constexpr double kMostSweep_s = 10.0;  // a longer one is no sweep, but a field that nobody filled
 
 /// From the first beam to the last; 0 where the message does not say.
@@ -122,7 +122,7 @@ void ScanAssembler::start_odometry() {
 int ScanAssembler::fit_to_laser(const std::string& odometry, const std::string& base) const {
   const std::string laser = lasers_.empty() ? "" : lasers_.front().frame;
   if (frames_.find(laser, base)) return 3;
-  return (namespace_of(laser) == namespace_of(base) ? 2 : 0) +
+  return (frame_namespace(laser) == frame_namespace(base) ? 2 : 0) +
          (name_in_namespace(odometry).starts_with("odom") ? 1 : 0);
 }
 
@@ -219,7 +219,7 @@ bool ScanAssembler::is_clock_known(bool must_go) {
     } else {
       const double apart_s = clock.offset_s() - scan_clock_.offset_s();
       if (std::fabs(apart_s) > TopicClock::kMostDelay_s && !must_go) return false;
-      shift_s = shift_of(clock, what);
+      shift_s = measure_shift(clock, what);
     }
     return true;
   };
@@ -227,7 +227,7 @@ bool ScanAssembler::is_clock_known(bool must_go) {
   return settle(crank_shift_s_, crank_clock_, "the crank") && is_pose_clock_known;
 }
 
-double ScanAssembler::shift_of(const TopicClock& clock, std::string_view what) {
+double ScanAssembler::measure_shift(const TopicClock& clock, std::string_view what) {
   const double apart_s = clock.offset_s() - scan_clock_.offset_s();
   if (std::fabs(apart_s) <= TopicClock::kMostDelay_s) return 0.0;
   warn_("clocks differ", fmt::format("by when they were received, the stamps of {} are moved by {:.6f} s into the "
@@ -266,7 +266,7 @@ void ScanAssembler::warn_of_tilt(const std::string& frame, const Transform3& mou
                                           in_quotes(frame), deg_from_rad(atan2(sine, std::fabs(mount.rotation[8])))));
 }
 
-const Transform3& ScanAssembler::mount_of(const std::string& frame) {
+const Transform3& ScanAssembler::find_mount(const std::string& frame) {
   if (const auto known = mounts_.find(frame); known != mounts_.end()) return known->second;
   std::optional<Transform3> mount = frames_.find(frame, base_);
   if (!mount) mount = frames_.find(frame, "");
@@ -294,7 +294,7 @@ LaserContents ScanAssembler::laser_contents(std::size_t laser) const {
   return contents;
 }
 
-ScanRecord ScanAssembler::record_of(HeldScan held) {
+ScanRecord ScanAssembler::make_record(HeldScan held) {
   ScanMessage& scan = held.scan;
   const std::optional<Pose2>& stated = lasers_[held.laser].T_base_laser;
   if (!stated && !mounts_.contains(scan.frame) && !frames_.find(scan.frame, base_) && !frames_.find(scan.frame, "")) {
@@ -303,7 +303,7 @@ ScanRecord ScanAssembler::record_of(HeldScan held) {
                       "--mount x,y,yaw (or log.mount) says better",
                       in_quotes(scan.frame), base_.empty() ? "a base_link" : in_quotes(base_), frames_.text()));
   }
-  const Transform3& mount = mount_of(scan.frame);
+  const Transform3& mount = find_mount(scan.frame);
   ScanRecord record;
   record.laser = held.laser;
   record.scan.stamp_s = scan.stamp_s;
@@ -321,7 +321,7 @@ ScanRecord ScanAssembler::record_of(HeldScan held) {
   return record;
 }
 
-LogRecord ScanAssembler::record_of(const NumberMessage& number) const {
+LogRecord ScanAssembler::make_record(const NumberMessage& number) const {
   const CrankOptions& crank = options_.crank;
   const double stamp_s = number.stamp_s + crank_shift_s_.value_or(0.0);
   if (crank.kind == CrankKind::kTilt) {
@@ -341,7 +341,7 @@ std::optional<LogRecord> ScanAssembler::next(bool at_end) {
   if (!is_clock_known(must_go)) return std::nullopt;
   if (const auto* const number = std::get_if<NumberMessage>(&waiting_.front())) {
     if (crank_stamps_.is_waiting()) return std::nullopt;  // for this one, if it is the first
-    const LogRecord record = record_of(*number);
+    const LogRecord record = make_record(*number);
     waiting_.pop_front();
     return record;
   }
@@ -355,7 +355,7 @@ std::optional<LogRecord> ScanAssembler::next(bool at_end) {
   HeldScan scan = std::move(held);
   waiting_.pop_front();
   --held_scans_;
-  return record_of(std::move(scan));
+  return make_record(std::move(scan));
 }
 
 }  // namespace gdtslam

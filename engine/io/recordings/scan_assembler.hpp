@@ -17,11 +17,10 @@
 #include <vector>
 
 #include "engine/io/log_contents.hpp"
-#include "first_stamp.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "messages.hpp"
 #include "odometry_track.hpp"
-#include "topic_clock.hpp"
+#include "stamps.hpp"
 #include "transform3.hpp"
 
 namespace gdtslam {
@@ -47,7 +46,7 @@ class ScanAssembler {
   /// A laser's number for the scans of a topic; call once a topic, in the order of their first scans.
   std::size_t add_laser(const std::string& topic);
   void add_scan(std::size_t laser, ScanMessage scan, double received_s);
-  /// Of an odometry topic, which counts for more than transforms.
+  /// Takes a message of an odometry topic, which counts for more than transforms.
   void add_odometry(const TransformMessage& pose, double received_s);
   /// A transform from an odometry frame, or from the one that was chosen, is odometry unless it is static; all others
   /// say how frames lie to each other. Returns whether it was taken as odometry.
@@ -58,12 +57,12 @@ class ScanAssembler {
   /// known, or too many wait, or it is the end.
   std::optional<LogRecord> next(bool at_end);
 
-  // What was found so far, for those who want to know.
+  // Findings so far, for reports.
   [[nodiscard]] bool has_odometry() const { return !poses_.empty(); }
   [[nodiscard]] const std::string& odometry_frame() const { return odometry_frame_; }
   [[nodiscard]] const std::string& base_frame() const { return base_; }
   [[nodiscard]] std::string frames_text() const { return frames_.text(); }
-  /// What is added to stamps; nothing before it is settled.
+  /// The shift that is added to stamps; nothing before it is settled.
   [[nodiscard]] std::optional<double> odometry_shift_s() const { return pose_shift_s_; }
   [[nodiscard]] std::optional<double> crank_shift_s() const { return crank_shift_s_; }
   /// The frame of the laser's scans, and who says where it sits; topic is left empty.
@@ -74,18 +73,18 @@ class ScanAssembler {
   enum class PoseSource : std::uint8_t { kUnknown, kOdometry, kTransforms };
   struct Laser {
     std::optional<Pose2> T_base_laser;  ///< stated
-    std::string frame{};                ///< of its last scan
+    std::string frame{};                ///< frame of its last scan
     double last_stamp_s = 0.0;
     FirstStamp<ScanMessage> stamps{};
   };
   struct HeldScan {
     std::size_t laser = 0;
     ScanMessage scan;
-    std::uint64_t stretch = 0;  ///< of the odometry's clock
+    std::uint64_t stretch = 0;  ///< stretch of the odometry's clock
     std::uint64_t due = 0;      ///< it waits for so many poses
   };
   using Held = std::variant<HeldScan, NumberMessage>;
-  /// Of a number that keeps its place among those that wait until its stamp is known.
+  /// A number that keeps its place in the queue until its stamp is known.
   struct WaitingStamp {
     double stamp_s = 0.0;
     NumberMessage* number = nullptr;
@@ -96,20 +95,20 @@ class ScanAssembler {
   void add_pose(const TransformMessage& pose, double received_s);
   void take_scan(std::size_t laser, ScanMessage scan, double received_s);
   void take_pose(const Odometry& pose, double received_s);
-  /// What takes messages once their stamps are known.
+  /// Receivers of messages whose stamps are known.
   auto scan_taker(std::size_t laser);
   auto pose_taker();
   auto crank_taker();
   void settle_stamps();
   void place_held_scans();
   [[nodiscard]] bool is_clock_known(bool must_go);
-  [[nodiscard]] double shift_of(const TopicClock& clock, std::string_view what);
+  [[nodiscard]] double measure_shift(const TopicClock& clock, std::string_view what);
   [[nodiscard]] bool is_complete(const HeldScan& held) const;
   [[nodiscard]] std::optional<Pose2> odometry_at(std::uint64_t stretch, double stamp_s) const;
   void warn_of_tilt(const std::string& frame, const Transform3& mount);
-  [[nodiscard]] const Transform3& mount_of(const std::string& frame);
-  [[nodiscard]] ScanRecord record_of(HeldScan held);
-  [[nodiscard]] LogRecord record_of(const NumberMessage& number) const;
+  [[nodiscard]] const Transform3& find_mount(const std::string& frame);
+  [[nodiscard]] ScanRecord make_record(HeldScan held);
+  [[nodiscard]] LogRecord make_record(const NumberMessage& number) const;
 
   ReadOptions options_;
   OdometryChoice choice_;
@@ -130,8 +129,8 @@ class ScanAssembler {
   std::optional<double> pose_shift_s_;  ///< from the odometry's clock to the laser's, once it is settled
   std::optional<double> crank_shift_s_;
   FrameTree frames_;
-  std::map<std::string, Transform3, std::less<>> mounts_;    ///< of each frame that scans have
-  std::set<std::string, std::less<>> frames_without_mount_;  ///< of those, where no transform had come in time
+  std::map<std::string, Transform3, std::less<>> mounts_;    ///< by the frames that scans have
+  std::set<std::string, std::less<>> frames_without_mount_;  ///< frames of scans whose transform had not come in time
 };
 
 }  // namespace gdtslam

@@ -32,7 +32,8 @@ std::string told_topic(const TopicChannel& topic) {
 
 const TopicChannel* TopicTable::add(std::uint32_t number, const RecordingChannel& definition) {
   if (channels_.size() >= kMostChannels || channels_.contains(number)) return nullptr;
-  return &channels_.emplace(number, TopicChannel{.definition = definition, .kind = kind_of(definition)}).first->second;
+  return &channels_.emplace(number, TopicChannel{.definition = definition, .kind = message_kind(definition)})
+              .first->second;
 }
 
 const TopicChannel* TopicTable::find(std::uint32_t number) const {

@@ -24,7 +24,7 @@ struct TopicChannel {
 
 class TopicTable {
  public:
-  /// Nothing where the channel is known already, or there are too many.
+  /// Returns null if the channel is known already, or there are too many.
   const TopicChannel* add(std::uint32_t number, const RecordingChannel& definition);
   [[nodiscard]] const TopicChannel* find(std::uint32_t number) const;
   /// Counts a message; its channel, null where it is not known.

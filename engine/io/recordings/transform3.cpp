@@ -56,7 +56,7 @@ Pose2 seen_from_above(const Transform3& transform) {
 
 std::string_view name_in_namespace(std::string_view frame) { return frame.substr(frame.rfind('/') + 1); }
 
-std::string_view namespace_of(std::string_view frame) { return frame.substr(0, frame.rfind('/') + 1); }
+std::string_view frame_namespace(std::string_view frame) { return frame.substr(0, frame.rfind('/') + 1); }
 
 bool is_odometry_frame(std::string_view frame) {
   return in_small_letters(name_in_namespace(frame)).find("odom") != std::string::npos;
@@ -78,7 +78,7 @@ std::optional<Transform3> FrameTree::find(const std::string& frame, const std::s
 }
 
 std::vector<std::string> FrameTree::chain(const std::string& frame, const std::string& base) const {
-  const std::string in_namespace = std::string(namespace_of(base)) + frame;
+  const std::string in_namespace = std::string(frame_namespace(base)) + frame;
   std::vector<std::string> frames{!edges_.contains(frame) && edges_.contains(in_namespace) ? in_namespace : frame};
   for (int step = 0; step < kMostSteps; ++step) {
     if (is_base(frames.back(), base)) return frames;

@@ -20,12 +20,12 @@ struct Transform3 {
   [[nodiscard]] bool is_finite() const;
 };
 Transform3 operator*(const Transform3& a, const Transform3& b);
-/// As seen from above: position, and where the x axis points. What is within 2e-15 rad of an angle of nine decimals,
-/// which is what a quaternion takes of it, is that angle.
+/// The pose seen from above: position, and the direction of the x axis. An angle within 2e-15 rad of one of nine
+/// decimals, which is the loss of a quaternion, is that angle.
 Pose2 seen_from_above(const Transform3& transform);
 
 /// Frame names may have the namespace of their robot before them: "robot1/" and "base_link" in "robot1/base_link".
-std::string_view namespace_of(std::string_view frame);
+std::string_view frame_namespace(std::string_view frame);
 std::string_view name_in_namespace(std::string_view frame);
 /// Whether a frame is called as those that odometry drifts in: odom, robot1/odom, odom_combined, camera_odom_frame.
 bool is_odometry_frame(std::string_view frame);

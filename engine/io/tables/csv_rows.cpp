@@ -1,5 +1,3 @@
-#include "csv_rows.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include "engine/core/ascii.hpp"
 #include "engine/io/decimal.hpp"
 #include "engine/io/message_text.hpp"
+#include "row_parser.hpp"
 
 namespace gdtslam {
 namespace {
@@ -73,7 +72,7 @@ bool CsvRows::next_cell(std::string_view& rest, std::string& cell) const {
   return true;
 }
 
-CsvRows::Column CsvRows::column_of(const std::string& name, const Warn& warn) {
+CsvRows::Column CsvRows::make_column(const std::string& name, const RowWarn& warn) {
   if (const auto number = table_number(name)) return {name, *number};
   if (const auto list = table_list(name)) return {name, *list};
   if (const auto text = table_text(name)) return {name, *text};
@@ -92,7 +91,7 @@ CsvRows::Column CsvRows::column_of(const std::string& name, const Warn& warn) {
   return {name, Unused{}};
 }
 
-void CsvRows::read_header(std::string_view line, const Warn& warn) {
+void CsvRows::read_header(std::string_view line, const RowWarn& warn) {
   if (line.find(',') == std::string_view::npos) throw MalformedRow("has no comma: separate columns by commas");
   std::vector<Column> columns;
   std::unordered_set<std::string> names;  // looked up alone: a header may name a hundred thousand
@@ -103,7 +102,7 @@ void CsvRows::read_header(std::string_view line, const Warn& warn) {
     if (!is_new && !table_hint(name).empty()) {
       throw MalformedRow(fmt::format("names the column {} twice", in_quotes(name)));
     }
-    columns.push_back(column_of(name, warn));
+    columns.push_back(make_column(name, warn));
   }
   const auto has = [&columns](auto meaning) {
     return std::any_of(columns.begin(), columns.end(), [meaning](const Column& one) {
@@ -139,7 +138,7 @@ void CsvRows::take(const Column& column, const std::string& cell, TableRow& row)
   }
 }
 
-bool CsvRows::parse(std::string_view line, TableRow& row, const Warn& warn) {
+bool CsvRows::parse(std::string_view line, TableRow& row, const RowWarn& warn) {
   if (wants_header()) {
     read_header(line, warn);
     return false;

@@ -1,5 +1,3 @@
-#include "foreign_file.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <cstddef>
 
 #include "engine/io/decimal.hpp"
+#include "engine/io/text_log.hpp"
 #include "gdtslam/io/log.hpp"
 
 namespace gdtslam {

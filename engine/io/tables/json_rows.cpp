@@ -1,197 +1,145 @@
-#include "json_rows.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "engine/io/decimal.hpp"
 #include "engine/io/message_text.hpp"
+#include "row_parser.hpp"
 
 namespace gdtslam {
 namespace {
 
-constexpr int kDeepestSkipped = 16;
-constexpr double kNullInList = std::numeric_limits<double>::infinity();  // as which null is read in a list
+using Json = nlohmann::json;
 
-/// Reads what it expects, and says what is there instead.
-class JsonCursor {
- public:
-  explicit JsonCursor(std::string_view text) : position_(text.data()), end_(text.data() + text.size()) {}
+constexpr int kDeepest = 18;  // brackets in brackets; a value that is not used may have them
+constexpr std::string_view kNan = "NaN";
+constexpr std::string_view kInfinity = "Infinity";
 
-  /// True where the next character is this one, which is then behind.
-  bool takes(char wanted) {
-    skip_blanks();
-    if (position_ == end_ || *position_ != wanted) return false;
-    ++position_;
-    return true;
-  }
-  void expect(char wanted) {
-    if (!takes(wanted)) fail(fmt::format("'{}'", wanted));
-  }
-  [[nodiscard]] bool at_end() {
-    skip_blanks();
-    return position_ == end_;
-  }
-  /// Also null, NaN and Infinity.
-  double number(std::string_view key) {
-    if (takes_word("null")) return std::numeric_limits<double>::quiet_NaN();
-    double value = 0.0;
-    const char* const stop = parse_double(position_, end_, value);
-    if (stop == nullptr) fail(fmt::format("a number as its {}", key));
-    position_ = stop;
-    return value;
-  }
-  std::int64_t whole(std::string_view key) {
-    skip_blanks();
-    std::int64_t value = 0;
-    const char* const stop = parse_int64(position_, end_, value);
-    if (stop == nullptr || (stop != end_ && (*stop == '.' || *stop == 'e' || *stop == 'E'))) {
-      fail(fmt::format("a whole number as its {}", key));
+/// The line as strict JSON: NaN and Infinity become texts, and -0 keeps its sign as a fraction.
+std::string strict_json(std::string_view line) {
+  std::string text;
+  text.reserve(line.size());
+  int depth = 0;
+  bool is_quoted = false;
+  for (std::size_t k = 0; k < line.size(); ++k) {
+    const std::string_view rest = line.substr(k);
+    text += rest.front();
+    if (is_quoted && rest.front() == '\\' && rest.size() > 1) {
+      text += rest[1];
+      ++k;
+      continue;
     }
-    position_ = stop;
-    return value;
-  }
-  std::string text() {
-    expect('"');
-    std::string text;
-    while (position_ != end_ && *position_ != '"') {
-      text += *position_ == '\\' ? escaped() : std::string(1, *position_);
-      ++position_;
+    is_quoted = is_quoted != (rest.front() == '"');
+    if (is_quoted) continue;
+    depth += rest.front() == '[' || rest.front() == '{' ? 1 : 0;
+    depth -= rest.front() == ']' || rest.front() == '}' ? 1 : 0;
+    if (depth > kDeepest) throw MalformedRow("has too many brackets in brackets");
+    if (rest.starts_with("-0") && rest.substr(2, 1).find_first_of("0123456789.eE") == std::string_view::npos) {
+      text += "0.0";
+      ++k;
     }
-    expect('"');
-    return text;
-  }
-  /// Numbers in arrays, however deep these are nested.
-  void numbers(std::string_view key, std::vector<double>& values, int depth = 0) {
-    if (depth > 1) fail(fmt::format("numbers or pairs of them in its {}", key));
-    expect('[');
-    if (takes(']')) return;
-    do {
-      skip_blanks();
-      if (position_ != end_ && *position_ == '[') {
-        numbers(key, values, depth + 1);
-      } else {
-        values.push_back(takes_word("null") ? kNullInList : number(key));
-      }
-    } while (takes(','));
-    expect(']');
-  }
-  /// A value of any kind, which nobody wants.
-  void skip_value(int depth = 0) {
-    if (depth > kDeepestSkipped) fail("fewer brackets in brackets");
-    skip_blanks();
-    const char next = position_ == end_ ? '\0' : *position_;
-    if (next == '"') {
-      (void)text();
-    } else if (next == '[' || next == '{') {
-      ++position_;
-      skip_members(next == '{', depth);
-    } else if (!takes_word("true") && !takes_word("false")) {
-      (void)number("value");
+    for (const std::string_view word : {kNan, kInfinity}) {
+      if (!rest.starts_with(word)) continue;
+      text.pop_back();
+      const bool is_negative = text.ends_with('-');
+      if (is_negative) text.pop_back();
+      text += fmt::format("\"{}{}\"", is_negative ? "-" : "", word);
+      k += word.size() - 1;
     }
   }
-  [[noreturn]] void fail(const std::string& wanted) {
-    skip_blanks();
-    if (position_ == end_) throw MalformedRow(fmt::format("ends where {} should be", wanted));
-    const auto left = static_cast<std::size_t>(end_ - position_);
-    throw MalformedRow(
-        fmt::format("has {} where {} should be", in_quotes({position_, std::min<std::size_t>(left, 24)}), wanted));
-  }
+  return text;
+}
 
- private:
-  void skip_blanks() {
-    while (position_ != end_ && (*position_ == ' ' || *position_ == '\t' || *position_ == '\r')) ++position_;
-  }
-  bool takes_word(std::string_view word) {
-    skip_blanks();
-    if (!std::string_view(position_, static_cast<std::size_t>(end_ - position_)).starts_with(word)) return false;
-    position_ += word.size();
-    return true;
-  }
-  void skip_members(bool is_object, int depth) {
-    const char close = is_object ? '}' : ']';
-    if (takes(close)) return;
-    do {
-      if (is_object) {
-        (void)text();
-        expect(':');
-      }
-      skip_value(depth + 1);
-    } while (takes(','));
-    expect(close);
-  }
-  /// What stands for the character behind a backslash; position_ ends on the last of it.
-  std::string escaped() {
-    if (++position_ == end_) fail("a character behind the backslash");
-    constexpr std::string_view kLetters = "ntrbf";
-    constexpr std::string_view kMeanings = "\n\t\r\b\f";
-    if (*position_ != 'u') {
-      const std::size_t at = kLetters.find(*position_);
-      return std::string(1, at == std::string_view::npos ? *position_ : kMeanings[at]);
+[[noreturn]] void refuse(const Json& value, const std::string& wanted) {
+  const std::string shown = value.dump(-1, ' ', true, Json::error_handler_t::replace);
+  throw MalformedRow(fmt::format("has {} where {} should be", in_quotes(shown.substr(0, 24)), wanted));
+}
+
+double read_number(const Json& value, std::string_view key, double of_null) {
+  constexpr double kMost = std::numeric_limits<double>::infinity();
+  if (value.is_number()) return value.get<double>();
+  if (value.is_null()) return of_null;
+  if (value == kNan) return std::numeric_limits<double>::quiet_NaN();
+  if (value == kInfinity) return kMost;
+  if (value == "-Infinity") return -kMost;
+  refuse(value, fmt::format("a number as its {}", key));
+}
+
+std::int64_t read_whole(const Json& value, std::string_view key) {
+  const bool is_too_large = value.is_number_unsigned() && value.get<std::uint64_t>() > INT64_MAX;
+  if (!value.is_number_integer() || is_too_large) refuse(value, fmt::format("a whole number as its {}", key));
+  return value.get<std::int64_t>();
+}
+
+std::string read_text(const Json& value, std::string_view key) {
+  if (!value.is_string()) refuse(value, fmt::format("a text as its {}", key));
+  return value.get<std::string>();
+}
+
+/// Numbers, or pairs of them. A null in a list is no return.
+void append_numbers(const Json& value, std::string_view key, std::vector<double>& numbers, int depth = 0) {
+  if (!value.is_array() || depth > 1) refuse(value, fmt::format("numbers or pairs of them in its {}", key));
+  for (const Json& entry : value) {
+    if (entry.is_array()) {
+      append_numbers(entry, key, numbers, depth + 1);
+    } else {
+      numbers.push_back(read_number(entry, key, std::numeric_limits<double>::infinity()));
     }
-    for (int digit = 0; digit < 4; ++digit) {
-      if (++position_ == end_) fail("four digits behind \\u");
-    }
-    return "?";  // names and values of parameters are ASCII in every log known
   }
+}
 
-  const char* position_;
-  const char* end_;
-};
-
-void read_pose(JsonCursor& cursor, std::string_view key, std::array<TableNumber, 3> numbers, TableRow& row) {
+void read_pose(const Json& value, std::string_view key, std::array<TableNumber, 3> numbers, TableRow& row) {
   std::vector<double> values;
-  cursor.numbers(key, values);
+  append_numbers(value, key, values);
   if (values.size() != numbers.size()) {
     throw MalformedRow(fmt::format("has {} numbers as its {}, which is x, y and theta", values.size(), key));
   }
   for (std::size_t k = 0; k < numbers.size(); ++k) row[numbers[k]] = values[k];
 }
 
-void read_member(JsonCursor& cursor, const std::string& key, TableRow& row, const RowParser::Warn& warn) {
+void read_member(const Json& value, const std::string& key, TableRow& row, const RowWarn& warn) {
   if (key == kOdomKey) {
-    read_pose(cursor, key, {TableNumber::kX, TableNumber::kY, TableNumber::kTheta}, row);
+    read_pose(value, key, {TableNumber::kX, TableNumber::kY, TableNumber::kTheta}, row);
   } else if (key == kMountKey) {
-    read_pose(cursor, key, {TableNumber::kLaserX, TableNumber::kLaserY, TableNumber::kLaserTheta}, row);
+    read_pose(value, key, {TableNumber::kLaserX, TableNumber::kLaserY, TableNumber::kLaserTheta}, row);
   } else if (const auto list = table_list(key)) {
     const bool is_ranges = *list == TableList::kRanges;
     (is_ranges ? row.has_ranges : row.has_points) = true;
-    cursor.numbers(key, is_ranges ? row.ranges_m : row.points_m);
+    append_numbers(value, key, is_ranges ? row.ranges_m : row.points_m);
   } else if (const auto text = table_text(key)) {
-    (*text == TableText::kName ? row.name.emplace() : row.value) = cursor.text();
+    (*text == TableText::kName ? row.name.emplace() : row.value) = read_text(value, key);
   } else if (const auto number = table_number(key)) {
     if (*number == TableNumber::kTicks) {
-      row.ticks = cursor.whole(key);
+      row.ticks = read_whole(value, key);
     } else {
-      row[*number] = cursor.number(key);
+      row[*number] = read_number(value, key, std::numeric_limits<double>::quiet_NaN());
     }
   } else if (const std::string hint = table_hint(key); !hint.empty()) {
     throw MalformedRow(fmt::format("has a key {}{}", in_quotes(key), hint));
   } else {
     warn("key not used", in_quotes(key));
-    cursor.skip_value();
   }
 }
 
 }  // namespace
 
-bool JsonRows::parse(std::string_view line, TableRow& row, const Warn& warn) {
-  JsonCursor cursor(line);
-  cursor.expect('{');
-  if (!cursor.takes('}')) {
-    do {
-      const std::string key = cursor.text();
-      cursor.expect(':');
-      read_member(cursor, key, row, warn);
-    } while (cursor.takes(','));
-    cursor.expect('}');
+void parse_json_row(std::string_view line, TableRow& row, const RowWarn& warn) {
+  const std::string text = strict_json(line);
+  try {
+    const Json object = Json::parse(text);
+    if (!object.is_object()) refuse(object, "a JSON object");
+    for (const auto& [key, value] : object.items()) read_member(value, key, row, warn);
+  } catch (const Json::parse_error& error) {
+    const std::size_t at = std::max<std::size_t>(error.byte, 1) - 1;
+    if (at >= text.size()) throw MalformedRow("ends before its JSON is complete");
+    throw MalformedRow(fmt::format("is no JSON at {}", in_quotes(text.substr(at, 24))));
+  } catch (const Json::out_of_range&) {
+    throw MalformedRow("has a number that no double can hold");
   }
-  if (!cursor.at_end()) cursor.fail("the end of the line");
-  return true;
 }
 
 }  // namespace gdtslam

@@ -1,28 +1,49 @@
-// A line of a table to what it says. One object belongs to one thread.
+// A line of a table to the values that it states. Thread-safe, except that a CsvRows belongs to one thread.
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <string>
 #include <string_view>
+#include <variant>
+#include <vector>
 
 #include "table_row.hpp"
 
 namespace gdtslam {
 
-class RowParser {
+using RowWarn = std::function<void(std::string_view kind, std::string_view detail)>;
+
+/// A JSON object, in which only the arrays of numbers are nested. NaN and Infinity are read too, as Python writes them.
+/// Throws MalformedRow.
+void parse_json_row(std::string_view line, TableRow& row, const RowWarn& warn);
+
+/// Rows of CSV (RFC 4180, one line each); the first line names the columns.
+class CsvRows {
  public:
-  using Warn = std::function<void(std::string_view kind, std::string_view detail)>;
-  RowParser() = default;
-  RowParser(const RowParser&) = delete;
-  RowParser& operator=(const RowParser&) = delete;
-  virtual ~RowParser() = default;
-  /// False where the line has no row: it is the header. Throws MalformedRow; one with a wrong header cannot go on.
-  virtual bool parse(std::string_view line, TableRow& row, const Warn& warn) = 0;
-  /// True while nothing makes sense without this line.
-  [[nodiscard]] virtual bool wants_header() const = 0;
-  /// True where a line that was cut off could still be taken for a whole one.
-  [[nodiscard]] virtual bool can_hide_cut() const = 0;
-  /// "a CSV file", for messages.
-  [[nodiscard]] virtual std::string_view kind() const = 0;
+  /// False for the header, which holds no row. Throws MalformedRow; nothing can be read after a wrong header.
+  bool parse(std::string_view line, TableRow& row, const RowWarn& warn);
+  [[nodiscard]] bool wants_header() const { return columns_.empty(); }
+
+ private:
+  enum class Member : std::uint8_t { kRange, kCoordinate };  ///< r0, r1, ...; x0, y0, x1, ...
+  struct Unused {};
+  struct Column {
+    std::string name;
+    std::variant<Unused, TableNumber, TableList, TableText, Member> meaning;
+  };
+  void read_header(std::string_view line, const RowWarn& warn);
+  Column make_column(const std::string& name, const RowWarn& warn);
+  /// The next cell, without its quotes. False at the end of the line.
+  bool next_cell(std::string_view& rest, std::string& cell) const;
+  void take(const Column& column, const std::string& cell, TableRow& row) const;
+
+  std::vector<Column> columns_;
+  std::size_t ranges_ = 0;       ///< columns r0, r1, ... so far
+  std::size_t coordinates_ = 0;  ///< columns x0, y0, ... so far
 };
+
+/// Appends numbers separated by blanks, commas, semicolons or brackets. Throws MalformedRow.
+void append_listed_numbers(std::string_view text, std::string_view column, std::vector<double>& numbers);
 
 }  // namespace gdtslam

@@ -105,7 +105,7 @@ void RowRecords::set_bearings(LaserScan& scan) const {
   if (beams > 1 && scan.bearing_step_rad == 0.0) throw MalformedRow("has an angle_increment of 0 for several ranges");
 }
 
-ScanRecord RowRecords::scan_of(TableRow& row, RangeRepairs& repairs) {
+ScanRecord RowRecords::make_scan(TableRow& row, RangeRepairs& repairs) {
   ScanRecord record;
   LaserScan& scan = record.scan;
   scan.stamp_s = *row[TableNumber::kStamp];
@@ -153,7 +153,7 @@ std::vector<LogRecord> RowRecords::records(TableRow& row, RangeRepairs& repairs)
   if (row.ticks) records.emplace_back(Encoder{stamp_s, *row.ticks});
   if (row[TableNumber::kElevation]) records.emplace_back(Tilt{stamp_s, *row[TableNumber::kElevation]});
   if (has_scan) {
-    ScanRecord scan = scan_of(row, repairs);
+    ScanRecord scan = make_scan(row, repairs);
     scan.T_odom_base = pose;
     records.emplace_back(std::move(scan));
   } else if (pose) {

@@ -24,7 +24,7 @@ class RowRecords {
   std::vector<LogRecord> records(TableRow& row, RangeRepairs& repairs);
 
  private:
-  ScanRecord scan_of(TableRow& row, RangeRepairs& repairs);
+  ScanRecord make_scan(TableRow& row, RangeRepairs& repairs);
   void set_bearings(LaserScan& scan) const;
   [[nodiscard]] Pose2 mount() const;
 

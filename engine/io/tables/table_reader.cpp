@@ -8,11 +8,9 @@
 #include <utility>
 #include <variant>
 
-#include "csv_rows.hpp"
 #include "engine/io/text_log.hpp"
-#include "foreign_file.hpp"
 #include "gdtslam/core/error.hpp"
-#include "json_rows.hpp"
+#include "row_parser.hpp"
 #include "row_records.hpp"
 
 namespace gdtslam {
@@ -24,16 +22,17 @@ constexpr std::array<std::string_view, std::variant_size_v<LogRecord>> kRecordNa
 
 class TableReader final : public TextLog {
  public:
-  TableReader(std::unique_ptr<RowParser> parser, std::string_view format, std::unique_ptr<ByteSource> source,
-              std::string name, const ReadOptions& options)
-      : TextLog(format, std::move(source), std::move(name), options), parser_(std::move(parser)), rows_(options) {}
+  TableReader(TableKind kind, std::unique_ptr<ByteSource> source, std::string name, const ReadOptions& options)
+      : TextLog(kind == TableKind::kCsv ? "CSV" : "JSON lines", std::move(source), std::move(name), options),
+        is_csv_(kind == TableKind::kCsv),
+        rows_(options) {}
 
   std::optional<LogRecord> next() override {
     while (ready_.empty()) {
       const std::optional<TextLine> line = next_line();
       if (!line) {
         finish(fmt::format("is {} of {} lines without a complete row; docs/formats.md shows how a log looks",
-                           parser_->kind(), last_line_));
+                           is_csv_ ? "a CSV file" : "a file of JSON lines", last_line_));
         return std::nullopt;
       }
       take(*line);
@@ -57,9 +56,9 @@ class TableReader final : public TextLog {
       if (line.is_too_long) throw MalformedRow(fmt::format("is longer than {} bytes", kMaxLogLineBytes));
       TableRow row;
       RangeRepairs repairs;
-      if (!parser_->parse(text, row, warner())) return;
+      if (!parse(text, row)) return;
       std::vector<LogRecord> records = rows_.records(row, repairs);
-      if (!line.has_newline && parser_->can_hide_cut()) throw MalformedRow("may be cut off: no line end is behind it");
+      if (!line.has_newline && is_csv_) throw MalformedRow("may be cut off: no line end is behind it");
       note_repairs(repairs);
       for (LogRecord& record : records) {
         if (const auto* scan = std::get_if<ScanRecord>(&record)) note_scan(*scan);
@@ -69,7 +68,7 @@ class TableReader final : public TextLog {
       }
     } catch (const MalformedRow& error) {
       const bool is_cut = !line.has_newline && !line.is_too_long;
-      if (!is_cut && parser_->wants_header()) {
+      if (!is_cut && is_csv_ && csv_.wants_header()) {
         throw InputError({name_, line.number},
                          fmt::format("the header {}; docs/formats.md lists the columns", error.what()));
       }
@@ -77,11 +76,15 @@ class TableReader final : public TextLog {
     }
   }
 
-  RowParser::Warn warner() {
-    return [this](std::string_view kind, std::string_view detail) { warn(kind, detail); };
+  bool parse(std::string_view text, TableRow& row) {
+    const RowWarn warned = [this](std::string_view kind, std::string_view detail) { warn(kind, detail); };
+    if (is_csv_) return csv_.parse(text, row, warned);
+    parse_json_row(text, row, warned);
+    return true;
   }
 
-  std::unique_ptr<RowParser> parser_;
+  bool is_csv_;
+  CsvRows csv_;
   RowRecords rows_;
   std::deque<LogRecord> ready_;
 };
@@ -90,14 +93,7 @@ class TableReader final : public TextLog {
 
 std::unique_ptr<DescribedLog> open_table(TableKind kind, std::unique_ptr<ByteSource> unpacked, const std::string& name,
                                          const ReadOptions& options) {
-  std::unique_ptr<RowParser> parser;
-  if (kind == TableKind::kCsv) {
-    parser = std::make_unique<CsvRows>();
-  } else {
-    parser = std::make_unique<JsonRows>();
-  }
-  return std::make_unique<TableReader>(std::move(parser), kind == TableKind::kCsv ? "CSV" : "JSON lines",
-                                       std::move(unpacked), name, options);
+  return std::make_unique<TableReader>(kind, std::move(unpacked), name, options);
 }
 
 }  // namespace gdtslam

@@ -1,4 +1,4 @@
-// What one row of a CSV file or one JSON line says, before it is known what it means. The names are those of
+// The values that one row of a CSV file or one JSON line states, before their meaning is known. The names are those of
 // docs/formats.md; metres, radians, seconds. Thread-safe.
 #pragma once
 
@@ -39,7 +39,7 @@ enum class TableNumber : std::uint8_t {
 };
 inline constexpr std::size_t kTableNumbers = static_cast<std::size_t>(TableNumber::kTicks) + 1;
 
-/// What is no number: lists, and the name and value of a parameter; poses in one, which JSON has.
+/// Names of columns that are no numbers: lists, name and value of a parameter, and poses, which only JSON has.
 inline constexpr std::string_view kRangesColumn = "ranges";
 inline constexpr std::string_view kPointsColumn = "points";
 inline constexpr std::string_view kNameColumn = "name";

@@ -5,12 +5,10 @@
 #include <algorithm>
 #include <array>
 
-#include "carmen_log.hpp"
 #include "engine/io/did_you_mean.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
-#include "ros_log.hpp"
-#include "table_log.hpp"
+#include "log_formats.hpp"
 
 namespace gdtslam {
 namespace {
@@ -46,13 +44,6 @@ void refuse_bags(const std::string& path) {
   }
 }
 
-ChunkPacking packing_of(LogFormat format, const LogWriteOptions& options) {
-  if (options.packing && format != LogFormat::kMcap) {
-    throw UsageError("--compression: MCAP files take none, lz4 and zstd, other formats nothing");
-  }
-  return options.packing.value_or(ChunkPacking::kZstd);
-}
-
 }  // namespace
 
 std::string log_format_names() { return fmt::format("{}", fmt::join(format_names(), ", ")); }
@@ -65,7 +56,7 @@ std::optional<LogFormat> log_format_by_ending(const std::string& path) {
   return std::nullopt;
 }
 
-LogFormat log_format_of(const std::string& path, const std::string& name) {
+LogFormat find_log_format(const std::string& path, const std::string& name) {
   if (const auto format = name.empty() ? log_format_by_ending(path) : std::nullopt) return *format;
   if (!name.empty()) {
     const auto* const found = std::find_if(kLogEndings.begin(), kLogEndings.end(),
@@ -80,21 +71,23 @@ LogFormat log_format_of(const std::string& path, const std::string& name) {
                   one_line(path)));
 }
 
-std::unique_ptr<LogWriter> make_log_writer(LogFormat format, const std::string& path, const LogWriteOptions& options,
-                                           AtomicFileSet& files) {
-  const ChunkPacking packing = packing_of(format, options);
+std::unique_ptr<LogWriter> make_log_writer(LogFormat format, const std::string& path,
+                                           std::optional<ChunkPacking> packing, AtomicFileSet& files) {
+  if (packing && format != LogFormat::kMcap) {
+    throw UsageError("--compression: MCAP files take none, lz4 and zstd, other formats nothing");
+  }
   AtomicFile& file = files.add(path == "-" ? "/dev/stdout" : path);
   switch (format) {
     case LogFormat::kCarmen:
-      return std::make_unique<CarmenLog>(file, options);
+      return make_carmen_log(file);
     case LogFormat::kCsv:
-      return std::make_unique<CsvLog>(file);
+      return make_csv_log(file);
     case LogFormat::kJsonLines:
-      return std::make_unique<JsonLinesLog>(file);
+      return make_json_lines_log(file);
     case LogFormat::kMcap:
       break;
   }
-  return std::make_unique<RosLog>(file, packing);
+  return make_ros_log(file, packing.value_or(ChunkPacking::kZstd));
 }
 
 }  // namespace gdtslam

@@ -20,13 +20,10 @@ enum class LogFormat : std::uint8_t { kCarmen, kCsv, kJsonLines, kMcap };
 
 /// How the chunks of MCAP files are packed.
 enum class ChunkPacking : std::uint8_t { kNone, kLz4, kZstd };
-
-struct LogWriteOptions {
-  /// Of CARMEN: fixed numbers, poses with six decimals; as short as reads back the same when empty.
-  std::optional<int> range_decimals{};
-  std::string host = "gdtslam";           ///< of CARMEN: what stands as the computer's name
-  std::optional<ChunkPacking> packing{};  ///< of MCAP: zstd when empty
-};
+/// The packing's name, "none", "lz4" or "zstd"; an MCAP file has an empty text for none.
+std::string_view packing_name(ChunkPacking packing);
+/// A whole chunk, packed; lz4 is a frame of independent blocks with a checksum. Throws Error if memory runs out.
+std::string packed_chunk(const std::string& bytes, ChunkPacking packing);
 
 class LogWriter {
  public:
@@ -40,7 +37,7 @@ class LogWriter {
   virtual void finish() = 0;
   /// Bytes so far, before a .gz around them.
   [[nodiscard]] virtual std::uint64_t bytes() const = 0;
-  /// What the format cannot carry, counted by kind.
+  /// Data that the format cannot carry, counted by kind.
   [[nodiscard]] const std::vector<LogReader::Warning>& left_out() const { return left_out_.list(); }
 
  protected:
@@ -52,7 +49,7 @@ class LogWriter {
 
 /// The format by its name (`carmen`, `csv`, ...) where one is given, else by the ending of the file's name, before
 /// which .gz is passed over. Throws UsageError that lists what there is.
-LogFormat log_format_of(const std::string& path, const std::string& name);
+LogFormat find_log_format(const std::string& path, const std::string& name);
 
 /// The same by the ending alone; nothing where it is none of these. Throws UsageError for the ending of a bag.
 std::optional<LogFormat> log_format_by_ending(const std::string& path);
@@ -60,9 +57,12 @@ std::optional<LogFormat> log_format_by_ending(const std::string& path);
 /// "carmen, csv, ...": for help and messages.
 std::string log_format_names();
 
-/// Adds its files to `files`; "-" as the path is standard output. Throws UsageError where the format
-/// cannot be packed so, FileError.
-std::unique_ptr<LogWriter> make_log_writer(LogFormat format, const std::string& path, const LogWriteOptions& options,
-                                           AtomicFileSet& files);
+/// A record as a line of JSON, with its end.
+std::string json_line(const LogRecord& record);
+
+/// Adds its files to `files`; "-" as the path is standard output. `packing` is for MCAP alone, zstd if empty. Throws
+/// UsageError for another format with a packing, FileError.
+std::unique_ptr<LogWriter> make_log_writer(LogFormat format, const std::string& path,
+                                           std::optional<ChunkPacking> packing, AtomicFileSet& files);
 
 }  // namespace gdtslam

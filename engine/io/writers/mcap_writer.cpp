@@ -1,12 +1,16 @@
 #include "mcap_writer.hpp"
 
 #include <fmt/format.h>
+#include <lz4frame.h>
 #include <zlib.h>
+#include <zstd.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
-#include "chunk_packer.hpp"
+#include "engine/io/little_endian.hpp"
+#include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
 namespace {
@@ -28,26 +32,18 @@ enum class McapWritten : unsigned char {
   kDataEnd = 0x0f
 };
 
-/// Little endian, on every host.
-template <class Whole>
-void append_whole(std::string& bytes, Whole value) {
-  for (std::size_t k = 0; k < sizeof(Whole); ++k) {
-    bytes += static_cast<char>((static_cast<std::uint64_t>(value) >> (8U * k)) & 0xffU);
-  }
-}
-
 void append_mcap_text(std::string& bytes, std::string_view text) {
-  append_whole(bytes, static_cast<std::uint32_t>(text.size()));
+  append_little_endian(bytes, static_cast<std::uint32_t>(text.size()));
   bytes += text;
 }
 
 std::string mcap_record(McapWritten opcode, std::string_view content) {
   std::string record(1, static_cast<char>(opcode));
-  append_whole(record, static_cast<std::uint64_t>(content.size()));
+  append_little_endian(record, static_cast<std::uint64_t>(content.size()));
   return record.append(content);
 }
 
-unsigned long checksum_of(std::string_view bytes, unsigned long before = 0) {
+unsigned long update_checksum(std::string_view bytes, unsigned long before = 0) {
   return crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
 }
 
@@ -60,7 +56,40 @@ std::string ros2_service_quality(bool is_latched) {
       is_latched ? 1 : 10, is_latched ? 1 : 2, kForever, kForever, kForever);
 }
 
+[[noreturn]] void refuse_packing(ChunkPacking packing) {
+  throw Error(ExitCode::kFailed, std::string(packing_name(packing)) + " cannot pack a chunk (out of memory)");
+}
+
+std::string lz4_packed(const std::string& bytes) {
+  LZ4F_preferences_t preferences{};
+  preferences.frameInfo.blockMode = LZ4F_blockIndependent;
+  preferences.frameInfo.contentChecksumFlag = LZ4F_contentChecksumEnabled;
+  std::string packed(LZ4F_compressFrameBound(bytes.size(), &preferences), '\0');
+  const std::size_t size = LZ4F_compressFrame(packed.data(), packed.size(), bytes.data(), bytes.size(), &preferences);
+  if (LZ4F_isError(size) != 0U) refuse_packing(ChunkPacking::kLz4);
+  packed.resize(size);
+  return packed;
+}
+
+std::string zstd_packed(const std::string& bytes) {
+  std::string packed(ZSTD_compressBound(bytes.size()), '\0');
+  const std::size_t size = ZSTD_compress(packed.data(), packed.size(), bytes.data(), bytes.size(), ZSTD_CLEVEL_DEFAULT);
+  if (ZSTD_isError(size) != 0U) refuse_packing(ChunkPacking::kZstd);
+  packed.resize(size);
+  return packed;
+}
+
 }  // namespace
+
+std::string_view packing_name(ChunkPacking packing) {
+  constexpr std::array<std::string_view, 3> kPackingNames{"none", "lz4", "zstd"};
+  return kPackingNames[static_cast<std::size_t>(packing)];
+}
+
+std::string packed_chunk(const std::string& bytes, ChunkPacking packing) {
+  if (packing == ChunkPacking::kLz4) return lz4_packed(bytes);
+  return packing == ChunkPacking::kZstd ? zstd_packed(bytes) : bytes;
+}
 
 void McapWriter::Times::widen(std::uint64_t ns, bool is_first) {
   first_ns = is_first ? ns : std::min(first_ns, ns);
@@ -76,14 +105,14 @@ McapWriter::McapWriter(AtomicFile& file, ChunkPacking packing) : sink_(file), pa
 }
 
 void McapWriter::write(std::string_view bytes) {
-  checksum_ = checksum_of(bytes, checksum_);
+  checksum_ = update_checksum(bytes, checksum_);
   sink_.write(bytes);
 }
 
 std::uint32_t McapWriter::add_channel(const std::string& topic, RosType type, bool is_latched) {
   if (!schemas_.contains(type)) {
     std::string schema;
-    append_whole(schema, static_cast<std::uint16_t>(static_cast<unsigned>(type) + 1));  // 0 means none
+    append_little_endian(schema, static_cast<std::uint16_t>(static_cast<unsigned>(type) + 1));  // 0 means none
     append_mcap_text(schema, ros_type_name(type));
     append_mcap_text(schema, "ros2msg");
     append_mcap_text(schema, ros_definition(type));
@@ -94,8 +123,8 @@ std::uint32_t McapWriter::add_channel(const std::string& topic, RosType type, bo
   append_mcap_text(quality, "offered_qos_profiles");
   append_mcap_text(quality, ros2_service_quality(is_latched));
   std::string channel;
-  append_whole(channel, static_cast<std::uint16_t>(number));
-  append_whole(channel, static_cast<std::uint16_t>(static_cast<unsigned>(type) + 1));
+  append_little_endian(channel, static_cast<std::uint16_t>(number));
+  append_little_endian(channel, static_cast<std::uint16_t>(static_cast<unsigned>(type) + 1));
   append_mcap_text(channel, topic);
   append_mcap_text(channel, "cdr");
   append_mcap_text(channel, quality);
@@ -110,10 +139,10 @@ void McapWriter::add(std::uint32_t channel, std::int64_t received_ns, std::strin
   times_.widen(time_ns, messages_ == 0);
   chunk_index_[channel].push_back({time_ns, chunk_.size()});
   std::string content;
-  append_whole(content, static_cast<std::uint16_t>(channel));
-  append_whole(content, static_cast<std::uint32_t>(channels_[channel].messages));
-  append_whole(content, time_ns);
-  append_whole(content, time_ns);
+  append_little_endian(content, static_cast<std::uint16_t>(channel));
+  append_little_endian(content, static_cast<std::uint32_t>(channels_[channel].messages));
+  append_little_endian(content, time_ns);
+  append_little_endian(content, time_ns);
   content += message;
   chunk_ += mcap_record(McapWritten::kMessage, content);
   ++channels_[channel].messages;
@@ -127,24 +156,24 @@ void McapWriter::write_chunk() {
   const std::string_view name = packing_ == ChunkPacking::kNone ? "" : packing_name(packing_);
   const std::string records = packed_chunk(chunk_, packing_);
   std::string chunk;
-  append_whole(chunk, chunk_times_.first_ns);
-  append_whole(chunk, chunk_times_.last_ns);
-  append_whole(chunk, static_cast<std::uint64_t>(chunk_.size()));
-  append_whole(chunk, static_cast<std::uint32_t>(checksum_of(chunk_)));
+  append_little_endian(chunk, chunk_times_.first_ns);
+  append_little_endian(chunk, chunk_times_.last_ns);
+  append_little_endian(chunk, static_cast<std::uint64_t>(chunk_.size()));
+  append_little_endian(chunk, static_cast<std::uint32_t>(update_checksum(chunk_)));
   append_mcap_text(chunk, name);
-  append_whole(chunk, static_cast<std::uint64_t>(records.size()));
+  append_little_endian(chunk, static_cast<std::uint64_t>(records.size()));
   chunk += records;
   const std::string record = mcap_record(McapWritten::kChunk, chunk);
   std::string index;
-  append_whole(index, chunk_times_.first_ns);
-  append_whole(index, chunk_times_.last_ns);
-  append_whole(index, sink_.bytes());
-  append_whole(index, static_cast<std::uint64_t>(record.size()));
+  append_little_endian(index, chunk_times_.first_ns);
+  append_little_endian(index, chunk_times_.last_ns);
+  append_little_endian(index, sink_.bytes());
+  append_little_endian(index, static_cast<std::uint64_t>(record.size()));
   write(record);
   write_message_indexes(index);
   append_mcap_text(index, name);
-  append_whole(index, static_cast<std::uint64_t>(records.size()));
-  append_whole(index, static_cast<std::uint64_t>(chunk_.size()));
+  append_little_endian(index, static_cast<std::uint64_t>(records.size()));
+  append_little_endian(index, static_cast<std::uint64_t>(chunk_.size()));
   chunk_records_.push_back(mcap_record(McapWritten::kChunkIndex, index));
   chunk_.clear();
   chunk_messages_ = 0;
@@ -155,37 +184,37 @@ void McapWriter::write_message_indexes(std::string& chunk_index) {
   const std::uint64_t begin = sink_.bytes();
   std::string places;
   for (const auto& [channel, entries] : chunk_index_) {
-    append_whole(places, static_cast<std::uint16_t>(channel));
-    append_whole(places, sink_.bytes());
+    append_little_endian(places, static_cast<std::uint16_t>(channel));
+    append_little_endian(places, sink_.bytes());
     std::string rows;
     for (const IndexEntry& entry : entries) {
-      append_whole(rows, entry.received_ns);
-      append_whole(rows, entry.offset);
+      append_little_endian(rows, entry.received_ns);
+      append_little_endian(rows, entry.offset);
     }
     std::string content;
-    append_whole(content, static_cast<std::uint16_t>(channel));
+    append_little_endian(content, static_cast<std::uint16_t>(channel));
     append_mcap_text(content, rows);
     write(mcap_record(McapWritten::kMessageIndex, content));
   }
   chunk_index_.clear();
   append_mcap_text(chunk_index, places);
-  append_whole(chunk_index, sink_.bytes() - begin);
+  append_little_endian(chunk_index, sink_.bytes() - begin);
 }
 
 std::string McapWriter::statistics() const {
   std::string content;
-  append_whole(content, messages_);
-  append_whole(content, static_cast<std::uint16_t>(schemas_.size()));
-  append_whole(content, static_cast<std::uint32_t>(channels_.size()));
-  append_whole(content, std::uint32_t{0});  // attachments
-  append_whole(content, std::uint32_t{0});  // metadata
-  append_whole(content, static_cast<std::uint32_t>(chunk_records_.size()));
-  append_whole(content, times_.first_ns);
-  append_whole(content, times_.last_ns);
+  append_little_endian(content, messages_);
+  append_little_endian(content, static_cast<std::uint16_t>(schemas_.size()));
+  append_little_endian(content, static_cast<std::uint32_t>(channels_.size()));
+  append_little_endian(content, std::uint32_t{0});  // attachments
+  append_little_endian(content, std::uint32_t{0});  // metadata
+  append_little_endian(content, static_cast<std::uint32_t>(chunk_records_.size()));
+  append_little_endian(content, times_.first_ns);
+  append_little_endian(content, times_.last_ns);
   std::string counts;
   for (std::size_t channel = 0; channel < channels_.size(); ++channel) {
-    append_whole(counts, static_cast<std::uint16_t>(channel));
-    append_whole(counts, channels_[channel].messages);
+    append_little_endian(counts, static_cast<std::uint16_t>(channel));
+    append_little_endian(counts, channels_[channel].messages);
   }
   append_mcap_text(content, counts);
   return mcap_record(McapWritten::kStatistics, content);
@@ -200,8 +229,8 @@ void McapWriter::write_summary() {
     add_records();
     if (summary.size() == before) return;
     std::string content(1, static_cast<char>(opcode));
-    append_whole(content, begin + before);
-    append_whole(content, static_cast<std::uint64_t>(summary.size() - before));
+    append_little_endian(content, begin + before);
+    append_little_endian(content, static_cast<std::uint64_t>(summary.size() - before));
     offsets += mcap_record(McapWritten::kSummaryOffset, content);
   };
   add_group(McapWritten::kSchema, [&] {
@@ -215,13 +244,13 @@ void McapWriter::write_summary() {
     for (const std::string& record : chunk_records_) summary += record;
   });
   std::string footer;
-  append_whole(footer, begin);
-  append_whole(footer, begin + summary.size());
+  append_little_endian(footer, begin);
+  append_little_endian(footer, begin + summary.size());
   summary += offsets;
   // The checksum of the summary reaches into the footer, up to itself.
   std::string record = mcap_record(McapWritten::kFooter, footer + std::string(4, '\0'));
   record.resize(record.size() - 4);
-  append_whole(record, static_cast<std::uint32_t>(checksum_of(record, checksum_of(summary))));
+  append_little_endian(record, static_cast<std::uint32_t>(update_checksum(record, update_checksum(summary))));
   write(summary);
   write(record);
 }
@@ -229,7 +258,7 @@ void McapWriter::write_summary() {
 void McapWriter::finish() {
   write_chunk();
   std::string content;
-  append_whole(content, static_cast<std::uint32_t>(checksum_));
+  append_little_endian(content, static_cast<std::uint32_t>(checksum_));
   write(mcap_record(McapWritten::kDataEnd, content));
   write_summary();
   write(kWrittenMcapMagic);

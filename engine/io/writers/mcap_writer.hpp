@@ -58,7 +58,7 @@ class McapWriter {
   Times times_;
   std::uint64_t messages_ = 0;
   std::uint64_t chunk_messages_ = 0;
-  unsigned long checksum_ = 0;  ///< of the data so far
+  unsigned long checksum_ = 0;  ///< sum of the data so far
 };
 
 }  // namespace gdtslam

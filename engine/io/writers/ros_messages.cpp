@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "engine/core/elementary.hpp"
+#include "engine/io/little_endian.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/nodding.hpp"
 
@@ -21,7 +22,7 @@ class WrittenMessage {
   template <class Whole>
   void whole(Whole value) {
     while ((bytes_.size() - kEncapsulation) % sizeof(Whole) != 0) bytes_ += '\0';
-    for (std::size_t k = 0; k < sizeof(Whole); ++k) bytes_ += static_cast<char>((value >> (8U * k)) & 0xffU);
+    append_little_endian(bytes_, value);
   }
   void count(std::size_t value) { whole(static_cast<std::uint32_t>(value)); }
   void single(float value) { whole(std::bit_cast<std::uint32_t>(value)); }

@@ -52,7 +52,7 @@ struct RosGrid {
   double resolution_m = 0.0;
   std::uint32_t width = 0;
   std::uint32_t height = 0;
-  Pose2 T_map_origin;  ///< of the corner of its first cell
+  Pose2 T_map_origin;  ///< pose of the corner of its first cell
   std::span<const std::int8_t> cells;
 };
 

@@ -1,5 +1,3 @@
-#include "table_log.hpp"
-
 #include <fmt/format.h>
 
 #include <array>
@@ -9,7 +7,9 @@
 #include <string>
 #include <string_view>
 
+#include "engine/io/logs/gzip_file.hpp"
 #include "engine/io/tables/table_row.hpp"
+#include "log_formats.hpp"
 
 namespace gdtslam {
 namespace {
@@ -84,7 +84,7 @@ void append_numbers(std::string& line, std::string_view key, std::initializer_li
   fmt::format_to(std::back_inserter(line), ",\"{}\":[{}]", key, fmt::join(numbers, ","));
 }
 
-void append_pose_of(std::string& line, std::string_view key, const Pose2& pose) {
+void append_pose(std::string& line, std::string_view key, const Pose2& pose) {
   append_numbers(line, key, {pose.x_m, pose.y_m, pose.theta_rad});
 }
 
@@ -100,8 +100,8 @@ std::string json_line_at(double stamp_s) {
 std::string scan_line(const ScanRecord& record) {
   const LaserScan& scan = record.scan;
   std::string line = json_line_at(scan.stamp_s);
-  if (record.T_odom_base) append_pose_of(line, kOdomKey, *record.T_odom_base);
-  append_pose_of(line, kMountKey, scan.T_base_laser);
+  if (record.T_odom_base) append_pose(line, kOdomKey, *record.T_odom_base);
+  append_pose(line, kMountKey, scan.T_base_laser);
   append_number(line, TableNumber::kLaser, record.laser);
   append_number(line, TableNumber::kAngleMin, scan.first_bearing_rad);
   append_number(line, TableNumber::kAngleIncrement, scan.bearing_step_rad);
@@ -120,11 +120,7 @@ std::string json_string(const std::string& text) {
   return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-}  // namespace
-
-CsvLog::CsvLog(AtomicFile& file) : sink_(file) { sink_.write(csv_header()); }
-
-bool CsvLog::write(const LogRecord& record) {
+std::string csv_line(const LogRecord& record) {
   CsvCells cells;
   if (const auto* scan = std::get_if<ScanRecord>(&record)) {
     fill_scan(cells, *scan);
@@ -141,9 +137,29 @@ bool CsvLog::write(const LogRecord& record) {
     cells.name = csv_text(parameter->name);
     cells.value = csv_text(parameter->value);
   }
-  sink_.write(cells.line());
-  return true;
+  return cells.line();
 }
+
+/// Every record is a line.
+class LinesLog final : public LogWriter {
+ public:
+  LinesLog(AtomicFile& file, std::string (*line)(const LogRecord&), const std::string& header)
+      : sink_(file), line_(line) {
+    sink_.write(header);
+  }
+  bool write(const LogRecord& record) override {
+    sink_.write(line_(record));
+    return true;
+  }
+  void finish() override { sink_.finish(); }
+  [[nodiscard]] std::uint64_t bytes() const override { return sink_.bytes(); }
+
+ private:
+  TextSink sink_;
+  std::string (*line_)(const LogRecord&);
+};
+
+}  // namespace
 
 std::string json_line(const LogRecord& record) {
   std::string line;
@@ -151,7 +167,7 @@ std::string json_line(const LogRecord& record) {
     line = scan_line(*scan);
   } else if (const auto* odometry = std::get_if<Odometry>(&record)) {
     line = json_line_at(odometry->stamp_s);
-    append_pose_of(line, kOdomKey, odometry->T_odom_base);
+    append_pose(line, kOdomKey, odometry->T_odom_base);
   } else if (const auto* encoder = std::get_if<Encoder>(&record)) {
     line = json_line_at(encoder->stamp_s);
     append_number(line, TableNumber::kTicks, encoder->ticks);
@@ -163,6 +179,14 @@ std::string json_line(const LogRecord& record) {
                        json_string(parameter->value));
   }
   return line + "}\n";
+}
+
+std::unique_ptr<LogWriter> make_csv_log(AtomicFile& file) {
+  return std::make_unique<LinesLog>(file, csv_line, csv_header());
+}
+
+std::unique_ptr<LogWriter> make_json_lines_log(AtomicFile& file) {
+  return std::make_unique<LinesLog>(file, json_line, "");
 }
 
 }  // namespace gdtslam

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kMostTextBytes = std::size_t{1} << 16;  // an alias may repeat a text a hundred thousand times
 constexpr std::size_t kMostNumberBytes = 200;
 
-// What a message quotes from a file may hold anything; the message stays one line of readable text.
+// A message that quotes a file stays one line of readable text of this length.
 constexpr std::size_t kMostShown = 400;
 
 std::string_view without_suffix(std::string_view text, std::string_view suffix) {
@@ -34,7 +34,7 @@ YamlValue::YamlValue(const YAML::Node& node, std::string file, std::string name)
     : node_(node), file_(std::move(file)), name_(std::move(name)) {}
 
 void YamlValue::refuse(const std::string& fault) const {
-  throw ConfigError({file_, line_of(node_)}, one_line(name_.empty() ? fault : name_ + ": " + fault, kMostShown));
+  throw ConfigError({file_, find_line(node_)}, one_line(name_.empty() ? fault : name_ + ": " + fault, kMostShown));
 }
 
 void YamlValue::require_none(const std::vector<std::string>& faults) const {

@@ -21,7 +21,7 @@
 
 namespace gdtslam {
 
-/// What a number measures: a unit and what it is counted per, for example {Unit::kRadian, "/s"} or {Unit::kNone, "Hz"}.
+/// The kind of a number: a unit and what it is counted per, for example {Unit::kRadian, "/s"} or {Unit::kNone, "Hz"}.
 struct Quantity {
   Unit unit = Unit::kNone;
   std::string_view suffix = "";  ///< may be left out of a bare number

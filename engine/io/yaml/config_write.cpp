@@ -4,9 +4,8 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "engine/core/shown_quantity.hpp"
-#include "engine/io/atomic_file.hpp"
 #include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/units.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 
 namespace gdtslam {
@@ -23,7 +22,7 @@ SplitPath split(std::string_view path) {
   return dot == std::string_view::npos ? SplitPath{{}, path} : SplitPath{path.substr(0, dot), path.substr(dot + 1)};
 }
 
-/// What may stand there, for people: the bounds, the names, nothing for a switch.
+/// The allowed values of an option, for people: the bounds, the names, nothing for a switch.
 std::string bounds_text(const Option& option) {
   if (const auto* choice = std::get_if<Choice>(&option.value)) {
     return fmt::format(" ({})", fmt::join(choice->names(), ", "));
@@ -41,7 +40,7 @@ std::string degrees_text(const Option& option) {
 }
 
 /// Sections in the order in which they first occur; the options at the top first.
-std::vector<std::string_view> sections_of(std::span<const Option> options) {
+std::vector<std::string_view> list_sections(std::span<const Option> options) {
   std::vector<std::string_view> sections = {std::string_view()};
   for (const Option& option : options) {
     const std::string_view section = split(option.path).section;
@@ -66,7 +65,7 @@ void append_section(std::string& text, std::string_view section, std::span<const
   }
 }
 
-Json schema_of(const Option& option) {
+Json make_schema(const Option& option) {
   Json schema = {{"description", option.doc}, {"default", value_text(option)}};
   if (const auto* choice = std::get_if<Choice>(&option.value)) {
     for (const std::string_view name : choice->names()) {
@@ -106,14 +105,10 @@ Json& object_at(Json& root, std::string_view section) {
 
 std::string config_text(std::span<const Option> options) {
   std::string text = "# Configuration of gdtslam. Values carry their units: 5 cm, 2 deg, 250 ms.\nversion: 1\n";
-  for (const std::string_view section : sections_of(options)) {
+  for (const std::string_view section : list_sections(options)) {
     append_section(text, section, options);
   }
   return text;
-}
-
-void write_config(const std::string& path, std::span<const Option> options) {
-  write_file_atomically(path, config_text(options));
 }
 
 std::string config_schema(std::span<const Option> options) {
@@ -124,7 +119,7 @@ std::string config_schema(std::span<const Option> options) {
   schema["properties"]["version"] = {{"description", "Version of the format of configuration files"}, {"const", 1}};
   for (const Option& option : options) {
     const SplitPath path = split(option.path);
-    object_at(schema, path.section)["properties"][std::string(path.name)] = schema_of(option);
+    object_at(schema, path.section)["properties"][std::string(path.name)] = make_schema(option);
   }
   return schema.dump(2) + "\n";
 }

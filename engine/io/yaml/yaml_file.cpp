@@ -28,7 +28,7 @@ YAML::Node DescriptionFile::node(const char* key) const {
 }
 
 void DescriptionFile::fail(const char* key, const std::string& message) const {
-  const std::uint64_t line = has(key) ? line_of(node(key)) : 0;
+  const std::uint64_t line = has(key) ? find_line(node(key)) : 0;
   throw InputError({path_, line}, fmt::format("{}: {}", key, message));
 }
 
@@ -42,7 +42,7 @@ std::string DescriptionFile::text(const char* key) const {
   return node(key).Scalar();
 }
 
-double DescriptionFile::number_of(const YAML::Node& node, const char* key) const {
+double DescriptionFile::parse_number(const YAML::Node& node, const char* key) const {
   double value = 0.0;
   const std::string text = node.IsScalar() ? node.Scalar() : std::string();
   const char* const end = text.data() + text.size();
@@ -54,7 +54,7 @@ double DescriptionFile::number_of(const YAML::Node& node, const char* key) const
 
 double DescriptionFile::number(const char* key) const {
   static_cast<void>(text(key));
-  return number_of(node(key), key);
+  return parse_number(node(key), key);
 }
 
 GridGeometry DescriptionFile::geometry() const {
@@ -69,10 +69,10 @@ GridGeometry DescriptionFile::geometry() const {
   if (!list.IsSequence() || list.size() != 3) {
     fail("origin", "must be [x, y, yaw]");
   }
-  if (number_of(list[2], "origin") != 0.0) {
+  if (parse_number(list[2], "origin") != 0.0) {
     fail("origin", "a map that is turned (yaw other than 0) cannot be read; turn its picture and state a yaw of 0");
   }
-  return {resolution_m, number_of(list[0], "origin"), number_of(list[1], "origin"), 0, 0};
+  return {resolution_m, parse_number(list[0], "origin"), parse_number(list[1], "origin"), 0, 0};
 }
 
 std::string DescriptionFile::image_path() const {

@@ -12,7 +12,7 @@
 namespace gdtslam {
 
 /// Counted from 1; 0 where it is unknown.
-inline std::uint64_t line_of(const YAML::Node& node) {
+inline std::uint64_t find_line(const YAML::Node& node) {
   const YAML::Mark mark = node.Mark();
   return mark.line < 0 ? 0 : static_cast<std::uint64_t>(mark.line) + 1;
 }
@@ -33,7 +33,7 @@ class DescriptionFile {
 
  private:
   [[nodiscard]] YAML::Node node(const char* key) const;
-  [[nodiscard]] double number_of(const YAML::Node& node, const char* key) const;
+  [[nodiscard]] double parse_number(const YAML::Node& node, const char* key) const;
 
   std::string path_;
   YAML::Node root_;

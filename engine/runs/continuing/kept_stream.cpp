@@ -14,8 +14,7 @@
 #include "engine/core/files/retried.hpp"
 #include "engine/core/signals_blocked.hpp"
 #include "engine/io/message_text.hpp"
-#include "engine/io/writers/chunk_packer.hpp"
-#include "engine/io/writers/table_log.hpp"
+#include "engine/io/writers/log_writer.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {

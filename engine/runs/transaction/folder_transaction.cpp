@@ -78,7 +78,7 @@ FolderTransaction::FolderTransaction(const std::string& path, const BeforeRemova
   const std::vector<fs::path> left = list_folder(staging_, failed);
   if (!left.empty() && before_removal) before_removal(staging_);
   for (const fs::path& file : left) {
-    if (!failed) remove_tree(file, failed);
+    if (!failed) fs::remove_all(file, failed);
   }
   if (failed)
     throw FileError(path_, fmt::format("cannot be written to: '{}': {}", staging_.string(), failed.message()));
@@ -104,7 +104,7 @@ FolderTransaction::~FolderTransaction() {
   if (!lock_) return;
   without_throwing([this] {
     std::error_code ignored;
-    remove_tree(staging_, ignored);
+    fs::remove_all(staging_, ignored);
     for (const fs::path& above : made_) fs::remove(above, ignored);  // succeeds only where it is empty
   });
 }
@@ -132,7 +132,7 @@ void FolderTransaction::commit() {
   made_.clear();
   sync_folder(target_.parent_path().string());
   std::error_code ignored;  // without an old folder the name is free, and may be another writer's by now
-  if (of_old && of_old->is_of(staging_)) remove_tree(staging_, ignored);
+  if (of_old && of_old->is_of(staging_)) fs::remove_all(staging_, ignored);
   lock_.reset();
 }
 

@@ -9,7 +9,6 @@
 
 #include "engine/io/decimal.hpp"
 #include "engine/io/logs/carmen.hpp"
-#include "engine/io/maps/pgm.hpp"
 #include "engine/io/maps/png.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/units.hpp"

@@ -71,18 +71,6 @@ TEST_F(CErrors, what_frees_and_tells_takes_null) {
   EXPECT_EQ(gdtslam_options_count(nullptr), 0U);
 }
 
-TEST_F(CErrors, bad_input_says_what_and_what_to_do) {
-  gdtslam_run* run = nullptr;
-  EXPECT_EQ(gdtslam_run_open(temp_.path().c_str(), &run, &error_), GDTSLAM_BAD_INPUT);
-  EXPECT_THAT(error_.text, AllOf(StartsWith(temp_.path().string()), HasSubstr("is no folder of a run")));
-  EXPECT_EQ(run, nullptr);
-}
-
-TEST_F(CErrors, files_that_cannot_be_read) {
-  EXPECT_EQ(gdtslam_map_log("no/such.log", temp_.path().c_str(), nullptr, &error_), GDTSLAM_INPUT_OUTPUT);
-  EXPECT_STREQ(error_.text, "no/such.log: cannot be opened: No such file or directory");
-}
-
 TEST_F(CErrors, bad_configuration_has_the_words_of_the_command) {
   gdtslam_options* made_options = nullptr;
   ASSERT_EQ(gdtslam_options_new(&made_options, &error_), GDTSLAM_OK);
@@ -115,15 +103,6 @@ TEST_F(CErrors, the_caller_interrupts_and_gets_what_there_is) {
   std::size_t count = 0;
   EXPECT_EQ(gdtslam_run_trajectory(run_.get(), &poses, &count, nullptr), GDTSLAM_OK);
   EXPECT_EQ(count, 40U);
-}
-
-TEST_F(CErrors, what_the_callers_function_throws_is_a_failure) {
-  EXPECT_EQ(map_with(+[](void*, const char*, uint64_t, double) -> int32_t { throw std::runtime_error("the caller"); }),
-            GDTSLAM_FAILED);
-  EXPECT_STREQ(error_.text, "the caller");
-  EXPECT_EQ(map_with(+[](void*, const char*, uint64_t, double) -> int32_t { throw 7; }), GDTSLAM_FAILED);
-  EXPECT_THAT(error_.text, HasSubstr("no exception"));
-  EXPECT_FALSE(std::filesystem::exists(temp_.path() / "run" / "report.json"));
 }
 
 #if !defined(GDTSLAM_SANITIZE_ADDRESS) && !defined(GDTSLAM_SANITIZE_THREAD)  // whose new does not fail
@@ -168,18 +147,6 @@ TEST_F(CErrors, texts_are_cut_between_characters_to_the_room_that_there_is) {
   small.text[0] = '!';
   EXPECT_EQ(gdtslam_map_log(nullptr, "f", nullptr, &small), GDTSLAM_USAGE);
   EXPECT_EQ(small.text[0], '!') << "no room for a text";
-}
-
-TEST_F(CErrors, every_status_has_a_name) {
-  for (const gdtslam_status status :
-       {GDTSLAM_OK, GDTSLAM_FAILED, GDTSLAM_USAGE, GDTSLAM_BAD_INPUT, GDTSLAM_UNAVAILABLE, GDTSLAM_OUT_OF_MEMORY,
-        GDTSLAM_INPUT_OUTPUT, GDTSLAM_BAD_CONFIG, GDTSLAM_INTERRUPTED}) {
-    EXPECT_STRNE(gdtslam_status_name(status), "unknown status") << status;
-  }
-  EXPECT_STREQ(gdtslam_status_name(12345), "unknown status");
-  EXPECT_STREQ(gdtslam_doubt_name(GDTSLAM_DOUBT_FAR), "far-from-prediction");
-  EXPECT_STREQ(gdtslam_doubt_name(-1), "unknown doubt");
-  EXPECT_STREQ(gdtslam_doubt_name(6), "unknown doubt");
 }
 
 }  // namespace

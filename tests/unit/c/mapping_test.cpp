@@ -3,9 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <limits>
 #include <string>
 #include <thread>
 #include <vector>
@@ -92,21 +89,6 @@ TEST(CMapper, is_closed_once) {
   EXPECT_THAT(error.text, HasSubstr("is closed"));
 }
 
-TEST(CMapper, closing_ends_when_the_caller_wants) {
-  const Owned<gdtslam_mapper> mapper = new_mapper(0);
-  auto error = made<gdtslam_error>();
-  for (const KeptScan& kept : sample_scans()) {
-    const gdtslam_scan scan = kept.view();
-    ASSERT_EQ(gdtslam_mapper_process(mapper.get(), &scan, nullptr, &error), GDTSLAM_OK) << error.text;
-  }
-  const auto end = [](void*, const char*, uint64_t, double) -> int32_t { return 1; };
-  EXPECT_EQ(gdtslam_mapper_close(mapper.get(), +end, nullptr, &error), GDTSLAM_INTERRUPTED);
-  const gdtslam_stamped_pose* poses = nullptr;
-  std::size_t count = 0;
-  EXPECT_EQ(gdtslam_mapper_trajectory(mapper.get(), &poses, &count, nullptr), GDTSLAM_OK);
-  EXPECT_EQ(count, 350U);
-}
-
 // The field of one wall, by hand: cells of the wall hold little, cells far from it the cap.
 TEST(CMapper, gives_its_field_while_it_maps_and_a_field_outlives_the_mapper) {
   for (const uint32_t flags : {0U, uint32_t{GDTSLAM_NO_LOOPS}}) {
@@ -140,30 +122,6 @@ TEST(CMapper, gives_its_field_while_it_maps_and_a_field_outlives_the_mapper) {
     EXPECT_NEAR(value_at(2.8125, 0.0), 8 * 256, 256);
     EXPECT_EQ(value_at(2.3, 0.0), view.cap);
   }
-}
-
-TEST(CMapLogs, tells_what_was_skipped_in_the_log_as_the_command_prints_it) {
-  const TempDir folder;
-  const std::string log = (folder.path() / "bad.log").string();
-  std::string scan = "FLASER 30 ";
-  for (int beam = 0; beam < 30; ++beam) scan += "2.0 ";
-  scan += "0 0 0 0 0 0 ";
-  std::ofstream(log) << scan + "1.0 host 1.0\nFLASER none 1.0\nFLASER few 1.0\n" + scan + "2.0 host 2.0\n";
-  const std::string place = (folder.path() / "run").string();
-  const char* const logs = log.c_str();
-  std::vector<std::string> told;
-  auto request = made<gdtslam_map_request>();
-  request.logs = &logs;
-  request.log_count = 1;
-  request.folder = place.c_str();
-  request.flags = GDTSLAM_LENIENT | GDTSLAM_NO_LOOPS | GDTSLAM_NO_PICTURES;
-  request.user_data = &told;
-  request.warn = [](void* user, const char* text) { static_cast<std::vector<std::string>*>(user)->emplace_back(text); };
-  auto error = made<gdtslam_error>();
-  ASSERT_EQ(gdtslam_map_logs(&request, nullptr, &error), GDTSLAM_OK) << error.text;
-  ASSERT_EQ(told.size(), 1U);
-  EXPECT_EQ(told[0], "warning: malformed line (2 times; first: " + log +
-                         ":2: has \"none\" as its number of beams, which is not a whole number)");
 }
 
 class CWholeLog : public ::testing::Test {
@@ -206,51 +164,6 @@ TEST_F(CWholeLog, gives_poses_in_full_and_those_of_the_file_when_it_is_opened) {
   ASSERT_EQ(gdtslam_run_trajectory(opened, &read, &read_count, nullptr), GDTSLAM_OK);
   ASSERT_EQ(read_count, count);
   for (std::size_t k = 0; k < count; ++k) EXPECT_NEAR(read[k].x_m, poses[k].x_m, 1e-9);
-}
-
-TEST_F(CWholeLog, refuses_a_file_that_is_not_the_runs) {
-  const std::string copy = place() + "-changed";
-  std::filesystem::copy(place(), copy);
-  std::ofstream(copy + "/trajectory.tum", std::ios::app) << "# mine\n";
-  gdtslam_run* opened = nullptr;
-  ASSERT_EQ(gdtslam_run_open(copy.c_str(), &opened, nullptr), GDTSLAM_OK);
-  const Owned<gdtslam_run> run(opened);
-  const gdtslam_stamped_pose* poses = nullptr;
-  std::size_t count = 0;
-  auto error = made<gdtslam_error>();
-  EXPECT_EQ(gdtslam_run_trajectory(opened, &poses, &count, &error), GDTSLAM_BAD_INPUT);
-  EXPECT_THAT(error.text, HasSubstr("trajectory.tum: has "));
-  EXPECT_THAT(error.text, HasSubstr("but report.json names"));
-  gdtslam_grid* grid = nullptr;
-  EXPECT_EQ(gdtslam_run_map(opened, &grid, nullptr), GDTSLAM_OK);
-  const Owned<gdtslam_grid> map(grid);
-  std::filesystem::remove_all(copy);
-}
-
-// map.pgm has the highest row first.
-TEST_F(CWholeLog, gives_the_pixels_of_its_map) {
-  gdtslam_grid* grid = nullptr;
-  ASSERT_EQ(gdtslam_run_map(whole_run, &grid, nullptr), GDTSLAM_OK);
-  const Owned<gdtslam_grid> owned(grid);
-  auto view = made<gdtslam_grid_view>();
-  ASSERT_EQ(gdtslam_grid_look(grid, &view, nullptr), GDTSLAM_OK);
-  std::ifstream file(place() + "/map.pgm", std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
-  const std::size_t pixels = static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
-  ASSERT_GT(bytes.size(), pixels);
-  const auto width = static_cast<std::size_t>(view.width);
-  for (std::size_t y = 0; y < static_cast<std::size_t>(view.height); ++y) {
-    const std::string row(static_cast<const char*>(view.cells) + y * view.row_bytes, width);
-    ASSERT_EQ(row, bytes.substr(bytes.size() - (y + 1) * width, width)) << y;
-  }
-  EXPECT_STREQ(gdtslam_grid_sha256(grid), "");
-}
-
-TEST_F(CWholeLog, gives_its_field) {
-  gdtslam_grid* grid = nullptr;
-  ASSERT_EQ(gdtslam_run_field(whole_run, &grid, nullptr), GDTSLAM_OK);
-  const Owned<gdtslam_grid> owned(grid);
-  EXPECT_EQ(gdtslam_grid_sha256(grid), sample_hashes(true).map);
 }
 
 TEST_F(CWholeLog, is_drawn_by_the_names_of_views) {
@@ -311,34 +224,6 @@ TEST_F(CWholeLog, is_where_scans_are_found_by_several_threads_at_once) {
   auto none = made<gdtslam_location>();
   EXPECT_EQ(gdtslam_localizer_find(localizer.get(), &empty, &none, &error), GDTSLAM_OK) << error.text;
   EXPECT_EQ(none.verdict, GDTSLAM_NO_POSE);
-}
-
-TEST_F(CWholeLog, is_searched_within_limits_that_are_numbers) {
-  const std::string map = place();
-  for (double gdtslam_localizer_request::*const limit :
-       {&gdtslam_localizer_request::gap_m, &gdtslam_localizer_request::max_seconds,
-        &gdtslam_localizer_request::good_fit_m}) {
-    for (const double value : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
-      auto request = made<gdtslam_localizer_request>();
-      request.map = map.c_str();
-      request.*limit = value;
-      gdtslam_localizer* opened = nullptr;
-      EXPECT_EQ(gdtslam_localizer_new(&request, &opened, nullptr), GDTSLAM_USAGE) << value;
-      EXPECT_EQ(opened, nullptr);
-    }
-  }
-  auto request = made<gdtslam_localizer_request>();
-  request.map = map.c_str();
-  request.gap_m = 1.0e28;  // more than any pose can be off
-  gdtslam_localizer* opened = nullptr;
-  ASSERT_EQ(gdtslam_localizer_new(&request, &opened, nullptr), GDTSLAM_OK);
-  const Owned<gdtslam_localizer> localizer(opened);
-  const std::vector<KeptScan> scans = sample_scans();
-  const gdtslam_scan scan = scans[100].view();
-  auto found = made<gdtslam_location>();
-  EXPECT_EQ(gdtslam_localizer_find(localizer.get(), &scan, &found, nullptr), GDTSLAM_OK);
-  EXPECT_NE(found.verdict, GDTSLAM_NO_POSE);
-  EXPECT_TRUE(std::isfinite(found.T_map_base.x_m) && std::isfinite(found.T_map_base.y_m));
 }
 
 TEST_F(CWholeLog, is_where_a_robot_is_followed_and_a_tracker_outlives_its_localizer) {

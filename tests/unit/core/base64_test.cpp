@@ -27,12 +27,5 @@ TEST(Base64, IsThatOfTheStandard) {
   EXPECT_EQ(base64("\xFB\xEF\xFF"), "++//");
 }
 
-TEST(Base64, IsAppended) {
-  std::string out = "=";
-  append_base64(std::as_bytes(std::span(std::string_view("foo"))), out);
-  append_base64(std::as_bytes(std::span(std::string_view("ba"))), out);
-  EXPECT_EQ(out, "=Zm9vYmE=");
-}
-
 }  // namespace
 }  // namespace gdtslam

@@ -46,25 +46,6 @@ TEST(GridGeometry, ClampsWhatNoIndexCanSay) {
   EXPECT_EQ(unit.cell_at({2147483648.0, -2147483649.0}), (CellIndex{kHighest, kLowest}));
 }
 
-TEST(GridGeometry, ContainsItsCellsAndNoOthers) {
-  EXPECT_TRUE(kGrid.contains({0, 0}));
-  EXPECT_TRUE(kGrid.contains({7, 3}));
-  EXPECT_FALSE(kGrid.contains({8, 3}));
-  EXPECT_FALSE(kGrid.contains({7, 4}));
-  EXPECT_FALSE(kGrid.contains({-1, 0}));
-  EXPECT_FALSE(kGrid.contains({0, -1}));
-  EXPECT_EQ(kGrid.cell_count(), 32U);
-  EXPECT_EQ((GridGeometry{.width = 100000, .height = 100000}.cell_count()), 10000000000U);
-}
-
-TEST(GridGeometry, IndexAndOffsetAreAnAffineSpace) {
-  const CellIndex a{3, -4};
-  const CellOffset d{-1, 7};
-  EXPECT_EQ(a + d, (CellIndex{2, 3}));
-  EXPECT_EQ((a + d) - d, a);
-  EXPECT_EQ((a + d) - a, d);
-}
-
 TEST(CellBox, IsHalfOpen) {
   const CellBox box{{1, 2}, {4, 4}};
   EXPECT_EQ(box.width(), 3);

@@ -13,9 +13,6 @@
 #include <cstddef>
 #include <filesystem>
 #include <string>
-#include <system_error>
-
-#include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
 namespace {
@@ -45,15 +42,6 @@ TEST_F(ScratchFileTest, HasNoNameAtAnyMoment) {
   EXPECT_EQ(::read(watch, events.data(), events.size()), -1);
   EXPECT_EQ(errno, EAGAIN) << "something had a name";
   ::close(watch);
-}
-
-TEST_F(ScratchFileTest, AFolderThatIsNotThereIsNamed) {
-  try {
-    const ScratchFile file(folder_ + "/none");
-    FAIL() << "it has a file";
-  } catch (const FileError& error) {
-    EXPECT_NE(std::string(error.what()).find("/none: takes no file"), std::string::npos) << error.what();
-  }
 }
 
 }  // namespace

@@ -1,19 +1,13 @@
 #include <gtest/gtest.h>
-#include <sched.h>
-#include <sys/syscall.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <chrono>
-#include <cstdint>
 #include <stdexcept>
 #include <thread>
 #include <utility>
 #include <vector>
 
-#include "engine/core/scheduling.hpp"
 #include "engine/core/side_thread.hpp"
 
 namespace gdtslam::test {
@@ -91,43 +85,6 @@ TEST(SideThread, DropsWhatIsNotBegunWhenItGoes) {
     for (int k = 0; k < 100; ++k) side.give([&done] { ++done; });
   }
   EXPECT_LE(done.load(), 100);
-}
-
-/// Policy and slice in ns of this thread, by sched_getattr(2); the slice is 0 where the system has none for it.
-std::pair<std::uint32_t, std::uint64_t> policy_and_slice() {
-  std::array<std::uint64_t, 6> attributes{};  // size and policy, flags, nice and priority, runtime, deadline, period
-  EXPECT_EQ(::syscall(SYS_sched_getattr, 0, attributes.data(), sizeof attributes, 0U), 0);
-  return {static_cast<std::uint32_t>(attributes[0] >> 32U), attributes[3]};
-}
-
-TEST(SideThread, DoesNotTakeTheCoreWhenItWakes) {
-  const int own = ::sched_getscheduler(0);
-  int policy = -1;
-  SideThread side(true, 1);
-  side.give([&policy] { policy = ::sched_getscheduler(0); });
-  side.finish();
-  EXPECT_EQ(policy, own == SCHED_OTHER ? SCHED_BATCH : own);
-  EXPECT_EQ(::sched_getscheduler(0), own) << "the caller's";
-}
-
-TEST(Scheduling, APromptThreadKeepsItsPolicyAndAsksForShortSlices) {
-  std::thread([] {
-    const auto before = policy_and_slice();
-    answer_promptly();
-    const auto [policy, slice_ns] = policy_and_slice();
-    EXPECT_EQ(policy, before.first);
-    EXPECT_EQ(slice_ns, before.second == 0 ? 0U : 500'000U);
-  }).join();
-}
-
-TEST(Scheduling, APolicyThatTheUserGaveStays) {
-  std::thread([] {
-    const sched_param no_priority{};
-    ASSERT_EQ(::sched_setscheduler(0, SCHED_IDLE, &no_priority), 0);
-    run_in_background();
-    answer_promptly();
-    EXPECT_EQ(::sched_getscheduler(0), SCHED_IDLE);
-  }).join();
 }
 
 }  // namespace

@@ -24,11 +24,5 @@ TEST(Sparing, HasRoomForAnEighthMoreAtMost) {
   EXPECT_LE(moves, 80U);  // 8 until 128, then log(100,000 / 128) / log(9 / 8) = 57
 }
 
-TEST(Sparing, TakesWhatCannotBeCopied) {
-  std::vector<std::unique_ptr<int>> values;
-  for (int i = 0; i < 50; ++i) push_sparingly(values, std::make_unique<int>(i));
-  for (int i = 0; i < 50; ++i) EXPECT_EQ(*values[static_cast<std::size_t>(i)], i);
-}
-
 }  // namespace
 }  // namespace gdtslam

@@ -144,17 +144,6 @@ TEST(AtomicFileSet, NamesAppearOnlyWhenAllIsOnTheDisk) {
   EXPECT_THAT(folder.names(), UnorderedElementsAre("map.pgm", "map.yaml"));
 }
 
-TEST(AtomicFileSet, LeavesNothingOfTheOldFiles) {
-  const TemporaryFolder folder;
-  put_file(folder / "a", "old");
-  put_file(folder / "b", "old");
-  AtomicFileSet files;
-  for (const char* name : {"a", "b", "c"}) files.add(folder / name).write(name);
-  files.commit();
-  EXPECT_EQ(get_file(folder / "a") + get_file(folder / "b") + get_file(folder / "c"), "abc");
-  EXPECT_THAT(folder.names(), UnorderedElementsAre("a", "b", "c"));
-}
-
 TEST(CopyFileAtomically, CopiesBytesAndPermissions) {
   const TemporaryFolder folder;
   put_file(folder / "a", std::string(3000000, 'x'));

@@ -80,17 +80,6 @@ TEST(CarmenDamage, GigabyteLineIsAnErrorWithoutReadingIt) {
   expect_bounded(run);
 }
 
-TEST(CarmenDamage, LongestLineIsRead) {
-  std::string ranges;
-  std::size_t beams = 0;
-  while (ranges.size() < kMaxLogLineBytes - 100) {
-    ranges += beams == 0 ? "1" : " 1";
-    ++beams;
-  }
-  const WholeLog log = read_text(scan_line(ranges, static_cast<int>(beams)));
-  EXPECT_EQ(log.of<ScanRecord>().at(0).scan.ranges_m.size(), beams);
-}
-
 TEST(CarmenDamage, NotANumberAndNegativeRangesAreNoReturns) {
   const WholeLog log = read_text(scan_line("1.5 nan -1 NaN -0.25 inf 2.5 -inf", 8));
   constexpr float kInfinity = std::numeric_limits<float>::infinity();

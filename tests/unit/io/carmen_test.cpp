@@ -249,25 +249,5 @@ TEST(Carmen, CountsEmptyLines) {
   EXPECT_EQ(read_text(many + flaser(3) + many + flaser(4) + many).of<ScanRecord>().size(), 2U);
 }
 
-TEST(CarmenRealData, Freiburg079HasItsLaserFourCentimetresBehind) {
-  GDTSLAM_REAL_DATA(path, "slam2d/fr079.clf.gz");
-  const auto scans = drain(*open_log(path, {})).of<ScanRecord>();
-  EXPECT_EQ(scans.size(), 4934U);
-  for (const ScanRecord& record : scans) {
-    ASSERT_EQ(record.scan.ranges_m.size(), 360U);
-    ASSERT_EQ(record.scan.T_base_laser, (Pose2{-0.04, 0.0, 0.0}));
-  }
-  EXPECT_EQ(scans.back().scan.max_range_m, 80.99);
-}
-
-TEST(CarmenRealData, CsailCarriesItsOdometryInItsScans) {
-  GDTSLAM_REAL_DATA(path, "slam2d/mit-csail.clf.gz");
-  const WholeLog log = drain(*open_log(path, {}));
-  EXPECT_EQ(log.of<ScanRecord>().size(), 1988U);
-  EXPECT_TRUE(log.of<Odometry>().empty());
-  EXPECT_TRUE(log.of<ScanRecord>().at(0).T_odom_base.has_value());
-  EXPECT_NEAR(log.of<ScanRecord>().at(0).scan.bearing_step_rad, 0.5 * kDeg, 1e-15);
-}
-
 }  // namespace
 }  // namespace gdtslam

@@ -51,7 +51,7 @@ TEST(CarmenWriter, SpeedsAreThoseSinceTheOdometryBefore) {
 TEST(CarmenWriter, AFlaserTellsItsBearingsByTheNumberOfItsBeams) {
   const double degree_rad = rad_from_deg(1.0);
   CarmenWriter writer(2, "h");
-  const auto kind_of = [&writer](std::size_t beams, double first_rad, double step_rad) {
+  const auto message_kind = [&writer](std::size_t beams, double first_rad, double step_rad) {
     const ScanRecord record = carmen_scan(beams, first_rad, step_rad);
     const std::string line = writer.scan(record);
     const std::string kind = line.substr(0, line.find(' '));
@@ -59,15 +59,15 @@ TEST(CarmenWriter, AFlaserTellsItsBearingsByTheNumberOfItsBeams) {
     return kind;
   };
   for (const auto& [beams, parts] : {std::pair(180U, 1), {181U, 1}, {360U, 2}, {361U, 2}}) {
-    EXPECT_EQ(kind_of(beams, -kPi / 2, degree_rad / parts), "FLASER") << beams;
-    EXPECT_EQ(kind_of(beams, -kPi / 2 + 9e-10, degree_rad / parts - 9e-10), "FLASER") << beams;
-    EXPECT_EQ(kind_of(beams, -kPi / 2 - 1.1e-9, degree_rad / parts), "ROBOTLASER1") << beams;
-    EXPECT_EQ(kind_of(beams, -kPi / 2, degree_rad / parts + 1.1e-9), "ROBOTLASER1") << beams;
-    EXPECT_EQ(kind_of(beams, kPi / 2, degree_rad / parts), "ROBOTLASER1") << beams;
+    EXPECT_EQ(message_kind(beams, -kPi / 2, degree_rad / parts), "FLASER") << beams;
+    EXPECT_EQ(message_kind(beams, -kPi / 2 + 9e-10, degree_rad / parts - 9e-10), "FLASER") << beams;
+    EXPECT_EQ(message_kind(beams, -kPi / 2 - 1.1e-9, degree_rad / parts), "ROBOTLASER1") << beams;
+    EXPECT_EQ(message_kind(beams, -kPi / 2, degree_rad / parts + 1.1e-9), "ROBOTLASER1") << beams;
+    EXPECT_EQ(message_kind(beams, kPi / 2, degree_rad / parts), "ROBOTLASER1") << beams;
   }
   for (const std::size_t beams : {179U, 182U, 359U, 362U}) {
     const BearingRule rule = bearing_rule(beams);
-    EXPECT_EQ(kind_of(beams, rule.first_rad, rule.step_rad), "ROBOTLASER1") << beams;
+    EXPECT_EQ(message_kind(beams, rule.first_rad, rule.step_rad), "ROBOTLASER1") << beams;
   }
   CarmenWriter exact(CarmenWriter::kAsNeeded);
   const BearingRule rule = bearing_rule(180);
@@ -89,7 +89,7 @@ TEST(CarmenWriter, ARobotlaserHasItsSensor) {
   record.laser = 1;
   EXPECT_THAT(writer.scan(record), StartsWith("ROBOTLASER2 0 "));
   record.scan.ranges_m.clear();
-  EXPECT_THAT(writer.scan(record), StartsWith("ROBOTLASER2 0 -0.500000000000 0.000000000000 0.250000000000"));
+  EXPECT_THAT(writer.scan(record), StartsWith("ROBOTLASER2 0 -0.5 0 0.25"));
 }
 
 TEST(CarmenWriter, AFlaserHasRangesAndPoses) {
@@ -107,10 +107,10 @@ TEST(CarmenWriter, AFlaserHasRangesAndPoses) {
   EXPECT_THAT(writer.scan(record), HasSubstr(" 1.000000 2.000000 7.000000 1.000000 2.000000 7.000000 2.000000"));
 }
 
-std::vector<std::string> lines_written(const std::vector<LogRecord>& records, const LogWriteOptions& options = {}) {
+std::vector<std::string> lines_written(const std::vector<LogRecord>& records) {
   const TemporaryFolder folder;
   AtomicFileSet files;
-  const auto writer = make_log_writer(LogFormat::kCarmen, folder / "a.log", options, files);
+  const auto writer = make_log_writer(LogFormat::kCarmen, folder / "a.log", {}, files);
   for (const LogRecord& record : records) writer->write(record);
   writer->finish();
   files.commit();
@@ -198,11 +198,11 @@ TEST(CarmenLogs, ALimitIsThatOfItsOwnLaser) {
 
 TEST(CarmenLogs, StepsAreAboveZero) {
   const auto sensor_of = [](std::size_t beams, double step_rad) {
-    return first_words(lines_written({carmen_scan(beams, 0.5, step_rad)}, {.range_decimals = 1}), 5).at(0);
+    return first_words(lines_written({carmen_scan(beams, 0.5, step_rad)}), 5).at(0);
   };
   // A laser of one beam has no step: one degree stands for it.
-  EXPECT_EQ(sensor_of(1, 0.0), "ROBOTLASER1 0 0.500000000000 0.000000000000 0.017453292520");
-  EXPECT_EQ(sensor_of(1, 0.25), "ROBOTLASER1 0 0.500000000000 0.000000000000 0.250000000000");
+  EXPECT_EQ(sensor_of(1, 0.0), "ROBOTLASER1 0 0.5 0 0.017453292519943295");
+  EXPECT_EQ(sensor_of(1, 0.25), "ROBOTLASER1 0 0.5 0 0.25");
   EXPECT_EQ(sensor_of(2, -0.25), "ROBOTLASER1 0 0.250000000000 0.250000000000 0.250000000000");
   EXPECT_EQ(sensor_of(3, -0.25), "ROBOTLASER1 0 0.000000000000 0.500000000000 0.250000000000");
 }

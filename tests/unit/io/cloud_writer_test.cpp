@@ -91,10 +91,10 @@ TEST(CloudWriter, PipesAreRefusedBeforeAnythingIsWritten) {
 }
 
 TEST(CloudWriter, TheNameTellsTheFormat) {
-  EXPECT_EQ(cloud_format_of("a/b.ply"), CloudFormat::kPlyBinary);
-  EXPECT_EQ(cloud_format_of("B.PCD"), CloudFormat::kPcdBinary);
-  EXPECT_THROW(cloud_format_of("ply"), UsageError);
-  EXPECT_THROW(cloud_format_of("a.ply.gz"), UsageError);
+  EXPECT_EQ(find_cloud_format("a/b.ply"), CloudFormat::kPlyBinary);
+  EXPECT_EQ(find_cloud_format("B.PCD"), CloudFormat::kPcdBinary);
+  EXPECT_THROW(find_cloud_format("ply"), UsageError);
+  EXPECT_THROW(find_cloud_format("a.ply.gz"), UsageError);
 }
 
 }  // namespace

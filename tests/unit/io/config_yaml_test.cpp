@@ -170,25 +170,10 @@ TEST(ConfigYaml, SetOptionTakesAssignments) {
   EXPECT_EQ(sample.length_m, 0.5);
 }
 
-TEST(ConfigYaml, WritesDocumentedValues) {
-  Sample sample;
-  EXPECT_EQ(config_text(sample.options()),
-            "# Configuration of gdtslam. Values carry their units: 5 cm, 2 deg, 250 ms.\n"
-            "version: 1\n"
-            "# at the top (0 to 2)\ntop: 1\n"
-            "\nmap:\n"
-            "  # a length (0.01 m to 1 m)\n  length: 0.05 m\n"
-            "  # an angle (-229.183 deg to 229.183 deg)\n  angle: 0.5 rad  # 28.6479 deg\n"
-            "  # a colour (red, green)\n  colour: red\n"
-            "\ngate:\n"
-            "  # a count (1 to 10)\n  count: 3\n"
-            "  # a switch\n  on: false\n");
-}
-
 TEST(ConfigYaml, WhatIsWrittenReadsBackAsTheSameBits) {
   const TemporaryFolder folder;
   Sample written{0.123456789012345678, -1.0 / 3.0, 9, true, Colour::kGreen, 1e-7};
-  write_config(folder / "c.yaml", written.options());
+  put_file(folder / "c.yaml", config_text(written.options()));
   Sample read;
   EXPECT_EQ(read_config(folder / "c.yaml", read.options()).size(), 6U);
   EXPECT_EQ(read.length_m, written.length_m);
@@ -239,14 +224,6 @@ TEST(NearestName, FindsOnlyWhatResembles) {
   EXPECT_EQ(nearest_name("banana", kNames), std::nullopt);
   EXPECT_EQ(nearest_name("", kNames), std::nullopt);
   EXPECT_EQ(nearest_name(std::string(100000, 'x'), kNames), std::nullopt);
-}
-
-TEST(NearestName, TheNearestCountsAndOfSeveralTheFirst) {
-  EXPECT_EQ(nearest_name("simplex", std::array<std::string_view, 2>{"simplen", "simplex"}), "simplex");
-  EXPECT_EQ(nearest_name("aaa", std::array<std::string_view, 2>{"aab", "aac"}), "aab");
-  EXPECT_EQ(nearest_name("lenght", std::array<std::string_view, 2>{"map.width", "map.length"}), "map.length");
-  EXPECT_EQ(did_you_mean("simplx", {"other", "simplex"}), "; did you mean 'simplex'?");
-  EXPECT_EQ(did_you_mean("banana", {"other", "simplex"}), "");
 }
 
 }  // namespace

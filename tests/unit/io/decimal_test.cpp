@@ -22,21 +22,6 @@ double parsed(const std::string& text) {
   return value;
 }
 
-TEST(Decimal, AgreesWithTheCLibraryOnRandomNumbers) {
-  Random random(7);
-  for (int i = 0; i < 200000; ++i) {
-    const double any = std::bit_cast<double>(random.bits());
-    if (std::isfinite(any)) {
-      const std::string exact = fmt::format("{:.17g}", any);
-      ASSERT_EQ(std::bit_cast<std::uint64_t>(parsed(exact)), std::bit_cast<std::uint64_t>(any)) << exact;
-    }
-    // Up to 20 digits with a point somewhere: both sides of the fast path's limits.
-    const int decimals = static_cast<int>(random.below(20));
-    const std::string fixed = fmt::format("{:.{}f}", random.uniform(-1e6, 1e6), decimals);
-    ASSERT_EQ(parsed(fixed), std::strtod(fixed.c_str(), nullptr)) << fixed;
-  }
-}
-
 TEST(Decimal, ReadsPlusInfinityAndNan) {
   EXPECT_EQ(parsed("+1.5"), 1.5);
   EXPECT_EQ(parsed("inf"), std::numeric_limits<double>::infinity());

@@ -75,7 +75,7 @@ std::string small_log(const CutKind& kind) {
   const TemporaryFolder folder;
   AtomicFileSet files;
   const std::string path = folder / kind.file;
-  const auto writer = make_log_writer(log_format_of(path, ""), path, LogWriteOptions{.packing = kind.packing}, files);
+  const auto writer = make_log_writer(find_log_format(path, ""), path, kind.packing, files);
   for (int k = 0; k < 4; ++k) {
     const double stamp_s = 10.0 + k;
     const Pose2 pose{0.25 * k, 0.5, 0.125};

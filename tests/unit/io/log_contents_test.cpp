@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "engine/io/recordings/even_sample.hpp"
+#include "engine/io/recordings/recording_survey.hpp"
 
 namespace gdtslam {
 namespace {

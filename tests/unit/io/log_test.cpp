@@ -25,12 +25,6 @@ TEST(OpenLog, ReadsCarmenPlainAndPackedWhateverTheName) {
   EXPECT_EQ(drain(*open_log(folder / "b", {})).records.size(), 1U);
 }
 
-TEST(OpenLog, ADamagedDatabaseIsNamed) {
-  const TemporaryFolder folder;
-  put_file(folder / "ros2.db3", std::string("SQLite format 3\0rest", 20));
-  EXPECT_THAT(refusal(folder / "ros2.db3"), HasSubstr("ros2.db3"));
-}
-
 TEST(OpenLog, NamesWhatIsDamagedAroundALog) {
   const TemporaryFolder folder;
   put_file(folder / "x.bz2", "BZh91AY&SYdamaged, for it goes on like nothing that bzip2 writes");
@@ -54,17 +48,6 @@ TEST(OpenLog, AFolderWithoutFilesOfABagIsNamed) {
 }
 
 TEST(OpenLog, MissingFileIsAFileError) { EXPECT_THROW(open_log("/nowhere/log", {}), FileError); }
-
-TEST(OpenLog, BagsAreToldByTheirFirstLinePlainAndPacked) {
-  const TemporaryFolder folder;
-  const std::string empty = "#ROSBAG V2.0\n";
-  put_file(folder / "a.log", empty);
-  put_file(folder / "b", gzip(empty));
-  for (const char* const name : {"a.log", "b"}) {
-    EXPECT_THROW(drain(*open_log(folder / name, {})), InputError);
-    EXPECT_NO_THROW(open_log(folder / name, {})) << "a bag without scans is one all the same";
-  }
-}
 
 constexpr std::string_view kFirstRow = ",stamp,x,y,theta\n7,1,2,3,4\n";
 

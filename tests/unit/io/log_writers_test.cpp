@@ -45,7 +45,7 @@ std::vector<LogRecord> some_records() {
 
 std::vector<LogReader::Warning> write_records(const std::string& path, const std::vector<LogRecord>& records) {
   AtomicFileSet files;
-  const auto writer = make_log_writer(log_format_of(path, ""), path, {}, files);
+  const auto writer = make_log_writer(find_log_format(path, ""), path, {}, files);
   for (const LogRecord& record : records) writer->write(record);
   writer->finish();
   EXPECT_GT(writer->bytes(), 0U);
@@ -179,14 +179,14 @@ TEST(LogFormats, AreToldByTheirEndings) {
       {"a.mcap", LogFormat::kMcap}};
   for (const auto& [path, format] : endings) EXPECT_EQ(log_format_by_ending(path), format) << path;
   EXPECT_FALSE(log_format_by_ending("a.txt"));
-  EXPECT_EQ(log_format_of("a.txt", "csv"), LogFormat::kCsv);
-  EXPECT_EQ(log_format_of("a.log", "mcap"), LogFormat::kMcap) << "what is said counts";
-  EXPECT_THROW(log_format_of("a.txt", ""), UsageError);
+  EXPECT_EQ(find_log_format("a.txt", "csv"), LogFormat::kCsv);
+  EXPECT_EQ(find_log_format("a.log", "mcap"), LogFormat::kMcap) << "what is said counts";
+  EXPECT_THROW(find_log_format("a.txt", ""), UsageError);
   for (const char* bag : {"a.bag", "a.bag.gz", "a.db3", "folder/"}) {
-    EXPECT_THAT(told_by<UsageError>([bag] { (void)log_format_of(bag, ""); }), HasSubstr("rosbags-convert")) << bag;
+    EXPECT_THAT(told_by<UsageError>([bag] { (void)find_log_format(bag, ""); }), HasSubstr("rosbags-convert")) << bag;
   }
   try {
-    log_format_of("a.log", "carmem");
+    find_log_format("a.log", "carmem");
     FAIL();
   } catch (const UsageError& error) {
     EXPECT_THAT(error.what(), HasSubstr("carmen"));
@@ -306,18 +306,6 @@ TEST_P(TableFormats, TextsKeepTheirLetters) {
     for (char& c : expected) c = is_csv && (c == '\n' || c == '\r') ? ' ' : c;
     EXPECT_EQ(parameter.value, expected) << text;
     EXPECT_EQ(parameter.name, "n" + expected) << text;
-  }
-}
-
-TEST(LogWriters, OnlyMcapHasPackings) {
-  for (const std::string name : {"a.mcap", "a.log", "a.csv", "a.jsonl"}) {
-    for (const ChunkPacking packing : {ChunkPacking::kNone, ChunkPacking::kLz4, ChunkPacking::kZstd}) {
-      const TemporaryFolder folder;
-      AtomicFileSet files;
-      const std::string refusal = told_by<UsageError>(
-          [&] { make_log_writer(log_format_of(name, ""), folder / name, {.packing = packing}, files); });
-      EXPECT_EQ(refusal.empty(), name == "a.mcap") << name << ' ' << static_cast<int>(packing);
-    }
   }
 }
 

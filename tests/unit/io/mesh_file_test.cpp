@@ -148,7 +148,7 @@ TEST(MeshFile, SaysWhatIsWrongAndWhere) {
   for (const char* name : {"empty.ply", "empty.stl"}) EXPECT_NE(refusal("", name), "accepted");
   // The header of ply_of() has 9 lines.
   EXPECT_THAT(refusal(ply_of({"0 0 0", "1 0 0"}, {}), "a.ply"), HasSubstr("holds no triangle"));
-  EXPECT_THAT(refusal(ply_of({"0 0"}, {}), "a.ply"), StartsWith(":10: has fewer numbers than properties"));
+  EXPECT_THAT(refusal(ply_of({"0 0"}, {}), "a.ply"), StartsWith(":10: has fewer numbers than columns"));
   EXPECT_THAT(refusal(ply_of({"0 0 nan"}, {}), "a.ply"), StartsWith(":10: "));
   EXPECT_THAT(refusal(ply_of({"0 0 1e99"}, {}), "a.ply"), StartsWith(":10: a vertex needs three finite numbers"));
   for (const char* corner : {"3", "-1", "9999999999"}) {

@@ -84,50 +84,6 @@ TEST(MessageCursor, ACountOfMoreThanCanBeThereIsRefused) {
   }
 }
 
-// Negative seconds are in ROS 2 only, where they are signed; the sequence number in ROS 1 only.
-TEST(MessageCursor, TimesAreSecondsAndTheirParts) {
-  const std::string parts = raw(std::uint32_t{600'000'000});
-  const std::string minus_two = raw(std::int32_t{-2}) + parts;
-  EXPECT_EQ(MessageCursor(cdr_head(1) + minus_two, MessageEncoding::kCdr).time(), -1.4);
-  EXPECT_EQ(MessageCursor(minus_two, MessageEncoding::kRos1).time(), 4294967294.6);
-  const std::string ten = raw(std::uint32_t{10}) + parts;
-  EXPECT_EQ(MessageCursor(raw(std::uint32_t{99}) + ten, MessageEncoding::kRos1).header_time(), 10.6);
-  EXPECT_EQ(MessageCursor(cdr_head(1) + ten, MessageEncoding::kCdr).header_time(), 10.6);
-}
-
-// CDR counts the zero that ends a text; writers that left it out are read too.
-TEST(MessageCursor, TextsLoseTheirZeroAndFramesTheirSlash) {
-  const auto in_cdr = [](std::string_view text) {
-    return cdr_head(1) + raw(static_cast<std::uint32_t>(text.size())) + std::string(text);
-  };
-  using namespace std::string_view_literals;
-  EXPECT_EQ(MessageCursor(in_cdr("ab\0"sv), MessageEncoding::kCdr).text(), "ab");
-  EXPECT_EQ(MessageCursor(in_cdr("ab"sv), MessageEncoding::kCdr).text(), "ab");
-  EXPECT_EQ(MessageCursor(in_cdr("\0"sv), MessageEncoding::kCdr).text(), "");
-  EXPECT_EQ(MessageCursor(sized(std::string("ab\0"sv)), MessageEncoding::kRos1).text(), "ab\0"sv);
-  EXPECT_EQ(MessageCursor(sized("/laser"), MessageEncoding::kRos1).frame(), "laser");
-  EXPECT_EQ(MessageCursor(sized("//laser"), MessageEncoding::kRos1).frame(), "/laser");
-  EXPECT_EQ(MessageCursor(sized("/"), MessageEncoding::kRos1).frame(), "");
-}
-
-TEST(MessageCursor, SinglesOfBothByteOrdersAndNone) {
-  const std::vector<float> expected{1.5F, -2.25F, 0.0F};
-  for (const bool is_big : {false, true}) {
-    CdrWriter cdr(is_big);
-    cdr.put(static_cast<std::uint32_t>(expected.size()));
-    for (const float value : expected) cdr.put(value);
-    cdr.put(std::uint32_t{0}).put(std::uint32_t{77});
-    const std::string bytes = cdr.bytes();
-    std::vector<float> values(9, 1.0F);
-    MessageCursor cursor(bytes, MessageEncoding::kCdr);
-    cursor.singles(values);
-    EXPECT_EQ(values, expected);
-    cursor.singles(values);
-    EXPECT_TRUE(values.empty());
-    EXPECT_EQ(cursor.whole<std::uint32_t>(), 77U);
-  }
-}
-
 RecordingChannel channel_of(const std::string& type, MessageEncoding encoding, const std::string& md5 = "") {
   return {.topic = "/t", .type = type, .md5 = md5, .encoding_name = "", .encoding = encoding};
 }
@@ -149,12 +105,12 @@ TEST(Messages, AreTheirTypesInEncodingsThatAreRead) {
                                                         {"sensor_msgs/LaserScan2", Kind::kOther},
                                                         {"*", Kind::kOther}};
   for (const auto& [type, kind] : types) {
-    EXPECT_EQ(kind_of(channel_of(type, MessageEncoding::kCdr)), kind) << type;
-    EXPECT_EQ(kind_of(channel_of(type, MessageEncoding::kRos1)), kind) << type;
-    EXPECT_EQ(kind_of(channel_of(type, MessageEncoding::kOther)), Kind::kOther) << type;
+    EXPECT_EQ(message_kind(channel_of(type, MessageEncoding::kCdr)), kind) << type;
+    EXPECT_EQ(message_kind(channel_of(type, MessageEncoding::kRos1)), kind) << type;
+    EXPECT_EQ(message_kind(channel_of(type, MessageEncoding::kOther)), Kind::kOther) << type;
   }
   // The sum that `rosmsg md5 sensor_msgs/LaserScan` gives.
-  EXPECT_EQ(kind_of(channel_of("*", MessageEncoding::kRos1, "90c7ef2dc6895d81024acba2ac42f369")), Kind::kScan);
+  EXPECT_EQ(message_kind(channel_of("*", MessageEncoding::kRos1, "90c7ef2dc6895d81024acba2ac42f369")), Kind::kScan);
 }
 
 // A laser made in degrees: a step of 0.25 deg is told as the nearest float of it in radians.

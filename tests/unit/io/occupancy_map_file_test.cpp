@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "engine/io/maps/pgm.hpp"
+#include "engine/io/maps/png.hpp"
 #include "gdtslam/core/error.hpp"
 #include "io_test_support.hpp"
 

@@ -28,7 +28,7 @@ RecordingChannel told_channel(const std::string& topic, const std::string& type)
 /// A survey of one topic, fed with messages of ROS 1.
 struct SurveyOf {
   SurveyOf(const std::string& topic, const std::string& type)
-      : channel{.definition = told_channel(topic, type), .kind = kind_of(told_channel(topic, type))} {
+      : channel{.definition = told_channel(topic, type), .kind = message_kind(told_channel(topic, type))} {
     survey.add_channel(channel.definition);
   }
   void add(const std::string& message, double received_s) {
@@ -63,23 +63,6 @@ TEST(RecordingSurvey, CountsMessagesAndTellsTheirTimesAndDelays) {
   EXPECT_NEAR(topic.delay->median_s, 2.5, 1e-12);
   EXPECT_NEAR(topic.delay->high_s, 4.75, 1e-12);
   EXPECT_THAT(topic.frames, ElementsAre("laser"));
-}
-
-TEST(RecordingSurvey, KeepsSixteenJointsAndTheRangeOfTheFirst) {
-  SurveyOf joints("/joints", "sensor_msgs/JointState");
-  std::vector<std::string> names;
-  for (int k = 0; k < 15; ++k) names.push_back(fmt::format("joint_{}", k));
-  joints.add(ros_joints(names, {0.5}), 1.0);
-  joints.add(ros_joints({"joint_3", std::string(257, 'n'), std::string(256, 'n'), "last"}, {-0.25}), 2.0);
-  joints.add(ros_joints({"joint_0"}, {std::nan("")}), 3.0);
-  joints.add(ros_joints({"joint_0"}, {std::numeric_limits<double>::infinity()}), 4.0);
-  const TopicContents topic = joints.topic();
-  EXPECT_EQ(topic.can_be, TopicUse::kCrank);
-  ASSERT_EQ(topic.joints.size(), 16U);
-  EXPECT_EQ(topic.joints.back(), std::string(256, 'n'));
-  ASSERT_TRUE(topic.numbers);
-  EXPECT_EQ(topic.numbers->least, -0.25);
-  EXPECT_EQ(topic.numbers->most, 0.5);
 }
 
 // Of each use 256 topics are kept, the others are counted.

@@ -60,16 +60,6 @@ TEST(Bag, ScansGetTheOdometryOfTheirOwnStampInEveryPacking) {
   }
 }
 
-TEST(Bag, ThePackingAndWhereChunksEndChangeNothing) {
-  const std::string drive = bag_drive();
-  const WholeLog plain = drained_bag(bag_file(drive));  // messages outside of chunks
-  const WholeLog packed = drained_bag(gzip(bag_file(bag_chunk(drive, "bz2"))));
-  ASSERT_EQ(plain.records.size(), packed.records.size());
-  for (std::size_t i = 0; i < plain.records.size(); ++i) {
-    EXPECT_EQ(std::get<ScanRecord>(plain.records[i]).T_odom_base, std::get<ScanRecord>(packed.records[i]).T_odom_base);
-  }
-}
-
 // A real bag states 1,640 bytes for 82 entries.
 TEST(Bag, AnIndexOfAWrongLengthIsPassedByItsEntries) {
   const std::string chunk = bag_chunk(bag_drive(), "none");

@@ -10,7 +10,8 @@
 #include <vector>
 
 #include "engine/io/atomic_file.hpp"
-#include "engine/io/writers/ros_log.hpp"
+#include "engine/io/writers/log_writer.hpp"
+#include "engine/io/writers/ros_messages.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/io/log.hpp"
 #include "io_test_support.hpp"

@@ -9,8 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/io/tables/csv_rows.hpp"
-#include "engine/io/tables/json_rows.hpp"
+#include "engine/io/tables/row_parser.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "io_test_support.hpp"
 
@@ -168,7 +167,7 @@ TEST(RowRecords, ARowSaysSomethingAndOnlyWhole) {
 
 TableRow json_row(const std::string& line) {
   TableRow row;
-  JsonRows().parse(line, row, [](std::string_view, std::string_view) {});
+  parse_json_row(line, row, [](std::string_view, std::string_view) {});
   return row;
 }
 
@@ -180,13 +179,16 @@ std::string json_refusal(const std::string& line) {
 TEST(JsonRows, ArraysOfPairsAndTextsWithEscapes) {
   EXPECT_THAT(json_row("{\"stamp\":1,\"points\":[[1,2],[3,4]]}").points_m, ElementsAre(1.0, 2.0, 3.0, 4.0));
   EXPECT_THAT(json_row("{\"stamp\":1,\"points\":[]}").points_m, ElementsAre());
-  EXPECT_EQ(json_row(R"({"name":"a\n\t\"\\\/b\u00e4c","value":""})").name, "a\n\t\"\\/b?c");
+  EXPECT_EQ(json_row(R"({"name":"a\n\t\"\\\/b\u00e4c","value":""})").name, "a\n\t\"\\/b\u00e4c");
   EXPECT_EQ(json_row(R"({"stamp":1,"ticks":-9007199254740993})").ticks, -9007199254740993);
   EXPECT_THAT(json_refusal(R"({"ticks":1.5})"), HasSubstr("a whole number as its ticks"));
   EXPECT_THAT(json_refusal(R"({"ticks":1e3})"), HasSubstr("a whole number as its ticks"));
-  EXPECT_THAT(json_refusal(R"({"name":"a\)"), HasSubstr("ends where a character behind the backslash should be"));
-  EXPECT_THAT(json_refusal(R"({"name":"a\u12)"), HasSubstr("ends where four digits behind \\u should be"));
+  EXPECT_THAT(json_refusal(R"({"name":"a\)"), HasSubstr("ends before its JSON is complete"));
+  EXPECT_THAT(json_refusal(R"({"name":"a\u12)"), HasSubstr("is no JSON at"));
   EXPECT_EQ(json_refusal("{}"), "");
+  EXPECT_TRUE(std::signbit(*json_row(R"({"x":-0})")[TableNumber::kX])) << "a sign is a bit of the pose";
+  EXPECT_EQ(json_row(R"({"x":-0.5,"y":-Infinity})")[TableNumber::kX], -0.5);
+  EXPECT_EQ(json_row(R"({"y":-Infinity})")[TableNumber::kY], -std::numeric_limits<double>::infinity());
 }
 
 TEST(ListedNumbers, StandBetweenBlanksCommasSemicolonsAndBrackets) {

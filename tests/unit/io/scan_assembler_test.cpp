@@ -229,36 +229,5 @@ TEST(ScanAssembler, AMountOnWhatIsCalledLikeABaseCountsWhereOdometryIsOfAnother)
   EXPECT_THAT(contents.chain, ElementsAre("laser", "base_link"));
 }
 
-TEST(ScanAssembler, AScanWaitsForItsMountAndGoesWithoutOneAtTheEnd) {
-  Assembly assembly;
-  assembly.assembler.add_laser("/scan");
-  assembly.pose(1.0, {});
-  ScanMessage scan = scan_at(1.0);
-  scan.frame = "laser";
-  assembly.scan(scan);
-  EXPECT_FALSE(assembly.next());
-  EXPECT_EQ(assembly.next(true)->scan.T_base_laser, Pose2{});
-  EXPECT_EQ(assembly.warned["laser mount unknown"], 1);
-  EXPECT_EQ(assembly.assembler.laser_contents(0).mount, MountSource::kUnknown);
-  EXPECT_THAT(assembly.assembler.laser_contents(0).chain, IsEmpty());
-}
-
-// Two clocks are the same where their messages come within a second of their stamps.
-TEST(ScanAssembler, ClocksThatAreMoreThanASecondApartAreBroughtTogether) {
-  for (const double apart_s : {0.99, -0.99, 1.0, 1.01, -1.01, 40.0}) {
-    Assembly assembly;
-    assembly.assembler.add_laser("/scan");
-    assembly.scan(scan_at(100.0));
-    for (int k = 0; k <= 10; ++k) assembly.pose(99.5 + 0.1 * k - apart_s, {1.0 * k, 0.0, 0.0}, apart_s);
-    const std::optional<ScanRecord> record = assembly.next(true);
-    ASSERT_TRUE(record);
-    const bool is_other = std::fabs(apart_s) > 1.0;
-    EXPECT_EQ(assembly.warned["clocks differ"], is_other ? 1 : 0) << apart_s;
-    EXPECT_NEAR(assembly.assembler.odometry_shift_s().value(), is_other ? apart_s : 0.0, 1e-9);
-    if (!is_other) continue;
-    EXPECT_NEAR(record->T_odom_base.value().x_m, 5.0, 1e-6);
-  }
-}
-
 }  // namespace
 }  // namespace gdtslam

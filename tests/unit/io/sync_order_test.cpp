@@ -24,23 +24,6 @@ TEST(SyncOrder, AFileIsOnTheDiskBeforeItTakesItsNameAndThenItsFolderIs) {
   EXPECT_THAT(calls.all(), ElementsAre("sync ~", "rename ~ to a.txt", "sync ."));
 }
 
-TEST(SyncOrder, ASyncOfWhatHasNotChangedIsMadeOnce) {
-  const TemporaryFolder folder;
-  const RecordedCalls calls(folder / "");
-  AtomicFile file(folder / "a.txt");
-  file.write("one");
-  file.sync();
-  file.sync();
-  EXPECT_THAT(calls.all(), ElementsAre("sync ~"));
-  file.write("two");
-  file.sync();
-  EXPECT_THAT(calls.all(), ElementsAre("sync ~", "sync ~"));
-  file.rewrite_begin("ONE");
-  file.commit();
-  EXPECT_THAT(calls.all(), ElementsAre("sync ~", "sync ~", "sync ~", "rename ~ to a.txt", "sync ."));
-  EXPECT_EQ(get_file(folder / "a.txt"), "ONEtwo");
-}
-
 TEST(SyncOrder, OfASetAllAreOnTheDiskBeforeTheFirstTakesItsName) {
   const TemporaryFolder folder;
   put_file(folder / "a", "old");
@@ -62,14 +45,6 @@ TEST(SyncOrder, OfASetAllAreOnTheDiskBeforeTheFirstTakesItsName) {
   EXPECT_EQ(synced, 2U);
   EXPECT_GE(named, 2U);
   EXPECT_EQ(made.back(), "sync .");
-}
-
-TEST(SyncOrder, ACopyOfAFileIsOnTheDiskToo) {
-  const TemporaryFolder folder;
-  put_file(folder / "from", "text");
-  const RecordedCalls calls(folder / "");
-  copy_file_atomically(folder / "from", folder / "to");
-  EXPECT_THAT(calls.all(), ElementsAre("sync ~", "rename ~ to to", "sync ."));
 }
 
 }  // namespace

@@ -129,8 +129,8 @@ void require_scans(const ConvertOptions& options, const ConvertCounts& counts, c
 }
 
 int convert(const ConvertOptions& options) {
-  const LogFormat format = log_format_of(options.output, options.format);
-  const LogWriteOptions write{.packing = packing_named(options.compression)};
+  const LogFormat format = find_log_format(options.output, options.format);
+  const std::optional<ChunkPacking> packing = packing_named(options.compression);
   WrittenFiles({options.log, options.settings.file}, options.force).add("--output", options.output);
   Settings settings = load_settings(options.settings);
   require_useful(settings);
@@ -138,7 +138,7 @@ int convert(const ConvertOptions& options) {
   const ReadOptions read = read_options_of(settings.log, options.lenient);
   const std::unique_ptr<LogReader> reader = open_log(options.log, read);
   AtomicFileSet files;
-  const std::unique_ptr<LogWriter> writer = make_log_writer(format, options.output, write, files);
+  const std::unique_ptr<LogWriter> writer = make_log_writer(format, options.output, packing, files);
   const ConvertCounts counts = copy_records(*reader, read, *writer, options.quiet);
   require_scans(options, counts, *writer);
   writer->finish();

@@ -7,7 +7,6 @@
 #include <system_error>
 #include <utility>
 
-#include "engine/core/files/folder_calls.hpp"
 #include "engine/core/files/retried.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"

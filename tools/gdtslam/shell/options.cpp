@@ -8,8 +8,8 @@
 #include <optional>
 #include <system_error>
 
-#include "engine/core/stated_quantity.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/core/units.hpp"
 
 namespace gdtslam {
 namespace {

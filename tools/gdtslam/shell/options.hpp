@@ -1,4 +1,4 @@
-// Options of the command line that are quantities with their unit, or 0 (core/stated_quantity.hpp), or counts.
+// Options of the command line that are quantities with their unit, or 0 (core/units.hpp), or counts.
 // Thread-safe.
 #pragma once
 

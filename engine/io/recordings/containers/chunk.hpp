@@ -1,16 +1,66 @@
-// Chunks of a recording, unpacked as they are read. One source belongs to one thread.
+// Bytes of a recording and of its chunks, which are unpacked as they are read. One object belongs to one thread.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
-#include "counted_bytes.hpp"
 #include "engine/io/byte_source.hpp"
-#include "engine/io/unpack_source.hpp"
+#include "engine/io/little_endian.hpp"
+#include "recording.hpp"
 
 namespace gdtslam {
+
+/// Bytes of a source with their number: as many as are asked for, or a RecordingCut. Little endian, as all containers
+/// of recordings are.
+class CountedBytes {
+ public:
+  explicit CountedBytes(std::unique_ptr<ByteSource> source) : source_(std::move(source)) {}
+  /// Bytes consumed so far.
+  [[nodiscard]] std::uint64_t offset() const { return offset_; }
+  [[nodiscard]] const ByteSource& source() const { return *source_; }
+  [[nodiscard]] bool at_end() { return begin_ == end_ && !fill(); }
+  /// Up to so many bytes, 0 at the end only.
+  std::size_t read_some(std::span<char> target);
+  void read(std::span<char> target);
+  template <class Whole>
+  Whole read_whole() {
+    char bytes[sizeof(Whole)];
+    read(bytes);
+    return little_endian<Whole>(bytes);
+  }
+  /// `count` bytes into `text`, which grows only as they arrive; `limit` is what is refused.
+  void read_into(std::string& text, std::uint64_t count, std::size_t limit, const char* what);
+  std::string read_text(std::uint64_t count, std::size_t limit, const char* what);
+  void skip(std::uint64_t count);
+  /// From here on crc() is known, at the price of a pass over the bytes.
+  void start_crc();
+  /// CRC-32 of the bytes consumed since start_crc().
+  [[nodiscard]] std::uint32_t crc();
+
+ private:
+  bool fill();
+  void consume(std::size_t count) {
+    begin_ += count;
+    offset_ += count;
+  }
+
+  // Small at first, for what is short, and doubled while reads fill it.
+  static constexpr std::size_t kFirstPieceBytes = std::size_t{1} << 12U;
+  static constexpr std::size_t kPieceBytes = std::size_t{1} << 16U;
+  std::unique_ptr<ByteSource> source_;
+  std::vector<char> buffer_ = std::vector<char>(kFirstPieceBytes);
+  std::size_t begin_ = 0;
+  std::size_t end_ = 0;
+  std::uint64_t offset_ = 0;
+  bool has_crc_ = false;
+  std::uint32_t crc_ = 0;      ///< up to crc_begin_
+  std::size_t crc_begin_ = 0;  ///< in the buffer
+};
 
 /// The bytes of a file up to an end within it. Reading throws RecordingCut where the file ends before.
 class ChunkBytes final : public ByteSource {
@@ -34,5 +84,25 @@ std::string_view unpacked_message(std::string_view bytes, std::string& buffer);
 /// early. Memory: up to 128 MiB, the largest window of zstd that is accepted, as far as it is filled.
 std::unique_ptr<ByteSource> unpacked_chunk(std::unique_ptr<ByteSource> packed, std::string_view compression,
                                            std::string_view supported);
+
+/// A container that is read forwards, so that a pipe will do.
+class ForwardRecording : public Recording {
+ public:
+  explicit ForwardRecording(std::unique_ptr<ByteSource> source) : file_(std::move(source)) {}
+  [[nodiscard]] std::string place() const override { return "before byte " + std::to_string(file_.offset()); }
+  [[nodiscard]] double progress() const override { return file_.source().progress(); }
+  [[nodiscard]] std::string defect() const override { return file_.source().defect(); }
+
+ protected:
+  /// The bytes of a message if its channel is wanted; others are passed over.
+  void take_message(CountedBytes& bytes, std::uint64_t size, const Wanted& wanted, RecordingItem& item) {
+    if (!wanted(item.channel)) return bytes.skip(size);
+    bytes.read_into(content_, size, kMostMessageBytes, "a message");
+    item.bytes = content_;
+  }
+
+  CountedBytes file_;
+  std::string content_;  ///< bytes of the last message
+};
 
 }  // namespace gdtslam

@@ -6,7 +6,6 @@
 #include <array>
 #include <utility>
 
-#include "chunk.hpp"
 #include "engine/io/message_text.hpp"
 
 namespace gdtslam {
@@ -59,15 +58,13 @@ MessageEncoding mcap_encoding(std::string_view name) {
 
 }  // namespace
 
-McapFile::McapFile(std::unique_ptr<ByteSource> source) : file_(std::move(source)) {
+McapFile::McapFile(std::unique_ptr<ByteSource> source) : ForwardRecording(std::move(source)) {
   file_.start_crc();
   const std::string magic = file_.read_text(kMcapMagic.size(), kMcapMagic.size(), "a first line");
   if (magic != kMcapMagic) {
     throw RecordingFault(fmt::format("begins with {}, which is no MCAP file of version 0", in_quotes(magic)));
   }
 }
-
-std::string McapFile::place() const { return fmt::format("before byte {}", file_.offset()); }
 
 void McapFile::open_chunk(std::uint64_t size) {
   if (chunk_) throw RecordingFault("has a chunk within a chunk");
@@ -114,7 +111,7 @@ void McapFile::take_schema(const std::string& content) {
   if (number != 0 && name.size() <= kMostHeaderBytes) schemas_.emplace(number, name);
 }
 
-RecordingItem McapFile::channel_of(const std::string& content) const {
+RecordingItem McapFile::read_channel(const std::string& content) const {
   McapFields fields(content);
   RecordingItem item{.channel = fields.whole<std::uint16_t>()};
   const auto schema = schemas_.find(fields.whole<std::uint16_t>());
@@ -127,18 +124,13 @@ RecordingItem McapFile::channel_of(const std::string& content) const {
   return item;
 }
 
-RecordingItem McapFile::message_of(std::uint64_t size, CountedBytes& bytes, const Wanted& wanted) {
+RecordingItem McapFile::read_message(std::uint64_t size, CountedBytes& bytes, const Wanted& wanted) {
   if (size < kMessageHeadBytes) throw RecordingFault("has a message shorter than its own fields");
   std::array<char, kMessageHeadBytes> head{};
   bytes.read(head);
   RecordingItem item{.channel = little_endian<std::uint16_t>(head.data())};
   item.received_s = mcap_seconds(little_endian<std::uint64_t>(head.data() + 2 + 4));
-  if (wanted(item.channel)) {
-    bytes.read_into(content_, size - kMessageHeadBytes, kMostMessageBytes, "a message");
-    item.bytes = content_;
-  } else {
-    bytes.skip(size - kMessageHeadBytes);
-  }
+  take_message(bytes, size - kMessageHeadBytes, wanted, item);
   return item;
 }
 
@@ -164,7 +156,7 @@ std::optional<RecordingItem> McapFile::next(const Wanted& wanted, const Warn& /*
     if (chunk_ && size > chunk_->stated_bytes - std::min(chunk_->stated_bytes, bytes.offset())) {
       throw RecordingFault("has a record that is longer than its chunk");
     }
-    if (op == kMcapMessage) return message_of(size, bytes, wanted);
+    if (op == kMcapMessage) return read_message(size, bytes, wanted);
     if (op == kMcapChunk) {
       open_chunk(size);
     } else if (op == kMcapSchema) {
@@ -172,7 +164,7 @@ std::optional<RecordingItem> McapFile::next(const Wanted& wanted, const Warn& /*
       take_schema(content_);
     } else if (op == kMcapChannel) {
       bytes.read_into(content_, size, kMostMessageBytes, "a channel");
-      return channel_of(content_);
+      return read_channel(content_);
     } else if (op == kMcapDataEnd && !chunk_ && size == kDataEndBytes) {
       end_data(crc);
     } else if (op == kMcapFooter && !chunk_) {

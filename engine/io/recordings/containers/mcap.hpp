@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-#include "counted_bytes.hpp"
+#include "chunk.hpp"
 #include "engine/io/byte_source.hpp"
 #include "recording.hpp"
 
@@ -18,15 +18,12 @@ namespace gdtslam {
 
 inline constexpr std::string_view kMcapMagic = "\x89MCAP0\r\n";
 
-class McapFile final : public Recording {
+class McapFile final : public ForwardRecording {
  public:
   /// The source is before the first byte of the file. Throws RecordingFault where it is no MCAP file of version 0.
   explicit McapFile(std::unique_ptr<ByteSource> source);
 
   std::optional<RecordingItem> next(const Wanted& wanted, const Warn& warn) override;
-  [[nodiscard]] std::string place() const override;
-  [[nodiscard]] double progress() const override { return file_.source().progress(); }
-  [[nodiscard]] std::string defect() const override { return file_.source().defect(); }
 
  private:
   struct Chunk {
@@ -38,15 +35,13 @@ class McapFile final : public Recording {
   void open_chunk(std::uint64_t size);
   void close_chunk();
   void take_schema(const std::string& content);
-  RecordingItem channel_of(const std::string& content) const;
-  RecordingItem message_of(std::uint64_t size, CountedBytes& bytes, const Wanted& wanted);
+  RecordingItem read_channel(const std::string& content) const;
+  RecordingItem read_message(std::uint64_t size, CountedBytes& bytes, const Wanted& wanted);
   void end_data(std::uint32_t crc);
 
-  CountedBytes file_;
   std::optional<Chunk> chunk_;
   bool is_over_ = false;
   std::map<std::uint16_t, std::string> schemas_;  ///< names of types
-  std::string content_;
 };
 
 }  // namespace gdtslam

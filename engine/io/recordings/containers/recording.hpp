@@ -1,5 +1,5 @@
-// What the containers of recorded messages have in common: channels and messages one after the other, in the order of
-// the file, and without going back wherever the format allows it. One recording belongs to one thread.
+// The interface of the containers of recorded messages: channels and messages one after the other, in the order of the
+// file, and without going back if the format allows it. One recording belongs to one thread.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ inline constexpr std::size_t kMostHeaderBytes = std::size_t{1} << 16U;
 /// So many channels are known at a time.
 inline constexpr std::size_t kMostChannels = 65536;
 
-/// What is wrong with a recording, without its name and the place.
+/// A fault of a recording, without its name and the place.
 class RecordingFault : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -33,21 +33,21 @@ class RecordingCut : public RecordingFault {
 /// How the fields of a message lie in its bytes.
 enum class MessageEncoding : std::uint8_t { kOther, kRos1, kCdr };
 
-/// What the messages of a topic are. A topic may have several channels.
+/// Type and encoding of the messages of a topic. A topic may have several channels.
 struct RecordingChannel {
   std::string topic;
   std::string type;           ///< pkg/Type or pkg/msg/Type
-  std::string md5{};          ///< of the type's definition, where the container has it
-  std::string encoding_name;  ///< as the container says it
+  std::string md5{};          ///< sum of the type's definition, if the container has it
+  std::string encoding_name;  ///< name in the container
   MessageEncoding encoding = MessageEncoding::kOther;
 };
 
 /// A channel or a message.
 struct RecordingItem {
   std::uint32_t channel = 0;
-  std::optional<RecordingChannel> definition{};  ///< of a channel; a message has none
-  double received_s = 0.0;                       ///< of a message: when it was recorded, seconds since 1970
-  std::string_view bytes{};                      ///< of a message that was wanted; until the next call
+  std::optional<RecordingChannel> definition{};  ///< set for a channel; a message has none
+  double received_s = 0.0;                       ///< for a message: when it was recorded, seconds since 1970
+  std::string_view bytes{};                      ///< for a wanted message; valid until the next call
 };
 
 class Recording {
@@ -63,11 +63,11 @@ class Recording {
   /// The next channel or message; nothing at the end. Throws RecordingCut, or RecordingFault for what is damaged:
   /// nothing can be read after that.
   virtual std::optional<RecordingItem> next(const Wanted& wanted, const Warn& warn) = 0;
-  /// Where the reading is, for messages: "before byte 120".
+  /// The current place of the reading, for messages: "before byte 120".
   [[nodiscard]] virtual std::string place() const = 0;
   /// Share of the input consumed, 0 to 1; negative when unknown.
   [[nodiscard]] virtual double progress() const = 0;
-  /// What is wrong with the end of a packed input, else empty; known at the end.
+  /// The defect at the end of a packed input, else empty; known at the end.
   [[nodiscard]] virtual std::string defect() const { return {}; }
 };
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "chunk.hpp"
 #include "engine/io/message_text.hpp"
 
 namespace gdtslam {
@@ -58,15 +57,13 @@ std::uint8_t BagFields::u8(std::string_view name) const {
   return static_cast<std::uint8_t>(value->front());
 }
 
-Ros1Bag::Ros1Bag(std::unique_ptr<ByteSource> source) : file_(std::move(source)) {
+Ros1Bag::Ros1Bag(std::unique_ptr<ByteSource> source) : ForwardRecording(std::move(source)) {
   const std::string magic = file_.read_text(kBagMagic.size(), kBagMagic.size(), "a first line");
   if (magic != kBagMagic) {
     throw RecordingFault(fmt::format("begins with {}, which is no bag of version 2.0; 'rosbag migrate' makes one",
                                      in_quotes(std::string_view(magic).substr(0, magic.size() - 1))));
   }
 }
-
-std::string Ros1Bag::place() const { return fmt::format("before byte {}", file_.offset()); }
 
 void Ros1Bag::open_chunk(const BagFields& fields, std::uint32_t size) {
   if (chunk_) throw RecordingFault("has a chunk within a chunk");
@@ -80,7 +77,7 @@ void Ros1Bag::close_chunk() {
   file_.skip(chunk_end_ - file_.offset());
 }
 
-RecordingItem Ros1Bag::connection_of(const BagFields& fields, std::uint32_t size, CountedBytes& bytes) {
+RecordingItem Ros1Bag::read_connection(const BagFields& fields, std::uint32_t size, CountedBytes& bytes) {
   const std::string text = bytes.read_text(size, kMostMessageBytes, "a connection");
   const BagFields described(text);
   RecordingItem item{.channel = fields.u32("conn")};
@@ -95,18 +92,13 @@ RecordingItem Ros1Bag::connection_of(const BagFields& fields, std::uint32_t size
   return item;
 }
 
-RecordingItem Ros1Bag::message_of(const BagFields& fields, std::uint32_t size, CountedBytes& bytes,
-                                  const Wanted& wanted) {
+RecordingItem Ros1Bag::read_message(const BagFields& fields, std::uint32_t size, CountedBytes& bytes,
+                                    const Wanted& wanted) {
   RecordingItem item{.channel = fields.u32("conn")};
   const std::string_view time = fields.find("time").value_or("");
   if (time.size() != 8) throw RecordingFault("has a message without its time");
   item.received_s = little_endian<std::uint32_t>(time.data()) + 1.0e-9 * little_endian<std::uint32_t>(time.data() + 4);
-  if (wanted(item.channel)) {
-    bytes.read_into(data_, size, kMostMessageBytes, "a message");
-    item.bytes = data_;
-  } else {
-    bytes.skip(size);
-  }
+  take_message(bytes, size, wanted, item);
   return item;
 }
 
@@ -124,9 +116,9 @@ std::optional<RecordingItem> Ros1Bag::next(const Wanted& wanted, const Warn& war
     } else if (op == kIndexOp) {
       skip_index(fields, size, bytes, warn);
     } else if (op == kConnectionOp) {
-      return connection_of(fields, size, bytes);
+      return read_connection(fields, size, bytes);
     } else if (op == kMessageOp) {
-      return message_of(fields, size, bytes, wanted);
+      return read_message(fields, size, bytes, wanted);
     } else {
       bytes.skip(size);  // the bag's header, chunk information, and what later versions may add
     }

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "counted_bytes.hpp"
+#include "chunk.hpp"
 #include "engine/io/byte_source.hpp"
 #include "recording.hpp"
 
@@ -33,27 +33,22 @@ class BagFields {
   std::vector<std::pair<std::string_view, std::string_view>> fields_;
 };
 
-class Ros1Bag final : public Recording {
+class Ros1Bag final : public ForwardRecording {
  public:
   /// The source is before the first line of the bag. Throws RecordingFault where it is no bag.
   explicit Ros1Bag(std::unique_ptr<ByteSource> source);
 
   std::optional<RecordingItem> next(const Wanted& wanted, const Warn& warn) override;
-  [[nodiscard]] std::string place() const override;
-  [[nodiscard]] double progress() const override { return file_.source().progress(); }
-  [[nodiscard]] std::string defect() const override { return file_.source().defect(); }
 
  private:
   void open_chunk(const BagFields& fields, std::uint32_t size);
   void close_chunk();
-  static RecordingItem connection_of(const BagFields& fields, std::uint32_t size, CountedBytes& bytes);
-  RecordingItem message_of(const BagFields& fields, std::uint32_t size, CountedBytes& bytes, const Wanted& wanted);
+  static RecordingItem read_connection(const BagFields& fields, std::uint32_t size, CountedBytes& bytes);
+  RecordingItem read_message(const BagFields& fields, std::uint32_t size, CountedBytes& bytes, const Wanted& wanted);
 
-  CountedBytes file_;
   std::optional<CountedBytes> chunk_;
   std::uint64_t chunk_end_ = 0;  ///< in the file
   std::string header_;
-  std::string data_;  ///< of the message that was given last
 };
 
 }  // namespace gdtslam

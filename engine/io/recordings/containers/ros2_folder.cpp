@@ -19,6 +19,7 @@
 
 #include "engine/core/files/folder_calls.hpp"
 #include "engine/core/files/interruption.hpp"
+#include "engine/core/files/retried.hpp"
 #include "engine/io/byte_source.hpp"
 #include "engine/io/file_limits.hpp"
 #include "engine/io/message_text.hpp"
@@ -75,7 +76,7 @@ std::vector<std::string> names_in_metadata(const std::string& file) {
   return names;
 }
 
-/// A temporary file of what a source unpacks to, within the bound on kept bytes (io/file_limits.hpp).
+/// A temporary file for the unpacked bytes of a source, within the bound on kept bytes (io/file_limits.hpp).
 class SpooledFile {
  public:
   SpooledFile() : folder_(fs::temp_directory_path().string()), name_(folder_ + "/gdtslam-bag-XXXXXX") {
@@ -97,7 +98,7 @@ class SpooledFile {
       bytes += count;
       check_kept_bytes(bytes, source.bytes_from_file(), name);
       if (is_asked_to_end()) throw Error(ExitCode::kInterrupted, "interrupted while a bag was unpacked");
-      write({piece.data(), count});
+      if (!write_whole(descriptor_, {piece.data(), count})) fail();
     }
     if (const std::string defect = source.defect(); !defect.empty()) throw RecordingFault(defect);
   }
@@ -108,19 +109,12 @@ class SpooledFile {
     throw FileError(folder_,
                     fmt::format("cannot hold what a bag unpacks to: {}; TMPDIR names another folder", errno_text(why)));
   }
-  void write(std::string_view bytes) {
-    while (!bytes.empty()) {
-      const ssize_t count = ::write(descriptor_, bytes.data(), bytes.size());
-      if (count < 0 && errno != EINTR) fail();
-      if (count > 0) bytes.remove_prefix(static_cast<std::size_t>(count));
-    }
-  }
   std::string folder_;
   std::string name_;
   int descriptor_ = -1;
 };
 
-/// Of channels that differ in anything.
+/// The order of channels that differ in anything.
 struct ChannelOrder {
   bool operator()(const RecordingChannel& a, const RecordingChannel& b) const {
     const auto fields = [](const RecordingChannel& channel) {
@@ -130,6 +124,34 @@ struct ChannelOrder {
   }
 };
 
+// The files of a folder in their order.
+std::vector<std::string> list_bag_files(const std::string& folder, const Recording::Warn& warn) {
+  const std::vector<std::string> names = names_in(folder);
+  std::vector<std::string> files;
+  for (const std::string& stated : names_in_metadata((fs::path(folder) / "metadata.yaml").string())) {
+    const std::string name = fs::path(stated).filename().string();  // early versions put the bag's name before it
+    if (std::find(names.begin(), names.end(), name) == names.end()) {
+      warn("missing file of the bag", fmt::format("metadata.yaml names {}", in_quotes(stated)));
+    } else if (std::find(files.begin(), files.end(), name) == files.end()) {
+      files.push_back(name);
+    }
+  }
+  if (files.empty() && names.size() == 1) files = names;
+  if (files.empty() && !names.empty()) {
+    throw InputError({folder, 0},
+                     fmt::format("has {} files and no metadata.yaml that names them in their order; 'ros2 bag "
+                                 "reindex' writes it, or give one file",
+                                 names.size()));
+  }
+  if (files.empty()) {
+    if (std::filesystem::exists(std::filesystem::path(folder) / "report.json")) {
+      throw InputError({folder, 0}, "is a folder of results and no log; gdtslam map --continue maps its logs again");
+    }
+    throw InputError({folder, 0}, "is a folder without .db3 and .mcap files, so no ROS 2 bag");
+  }
+  return files;
+}
+
 /// Several files one after the other. Each has its own numbers; channels that are the same in all have one number here,
 /// so that a bag may have files without end.
 class FileSequence final : public Recording {
@@ -137,7 +159,7 @@ class FileSequence final : public Recording {
   explicit FileSequence(std::string folder) : folder_(std::move(folder)) {}
 
   std::optional<RecordingItem> next(const Wanted& wanted, const Warn& warn) override {
-    if (!has_files_) files_ = files_of_ros2_folder(folder_, warn);
+    if (!has_files_) files_ = list_bag_files(folder_, warn);
     has_files_ = true;
     while (true) {
       if (!file_ && !open_next()) return std::nullopt;
@@ -173,17 +195,17 @@ class FileSequence final : public Recording {
   }
 
   std::optional<RecordingItem> next_of_file(const Wanted& wanted, const Warn& warn) {
-    const auto number_of = [this](std::uint32_t channel) {
+    const auto find_number = [this](std::uint32_t channel) {
       const auto known = numbers_.find(channel);
       return known == numbers_.end() ? kNoChannel : known->second;
     };
     std::optional<RecordingItem> item =
-        file_->next([&](std::uint32_t channel) { return wanted(number_of(channel)); }, warn);
+        file_->next([&](std::uint32_t channel) { return wanted(find_number(channel)); }, warn);
     if (!item) return item;
     if (item->definition && !numbers_.contains(item->channel)) {
       numbers_.emplace(item->channel, number_over_files(*item->definition));
     }
-    item->channel = number_of(item->channel);
+    item->channel = find_number(item->channel);
     return item;
   }
 
@@ -200,38 +222,11 @@ class FileSequence final : public Recording {
   bool has_files_ = false;
   std::size_t next_file_ = 0;
   std::unique_ptr<Recording> file_;
-  std::map<std::uint32_t, std::uint32_t> numbers_;                 ///< of the file's channels
-  std::map<RecordingChannel, std::uint32_t, ChannelOrder> known_;  ///< of the channels of all files
+  std::map<std::uint32_t, std::uint32_t> numbers_;                 ///< by the file's channels
+  std::map<RecordingChannel, std::uint32_t, ChannelOrder> known_;  ///< numbers over all files
 };
 
 }  // namespace
-
-std::vector<std::string> files_of_ros2_folder(const std::string& folder, const Recording::Warn& warn) {
-  const std::vector<std::string> names = names_in(folder);
-  std::vector<std::string> files;
-  for (const std::string& stated : names_in_metadata((fs::path(folder) / "metadata.yaml").string())) {
-    const std::string name = fs::path(stated).filename().string();  // early versions put the bag's name before it
-    if (std::find(names.begin(), names.end(), name) == names.end()) {
-      warn("missing file of the bag", fmt::format("metadata.yaml names {}", in_quotes(stated)));
-    } else if (std::find(files.begin(), files.end(), name) == files.end()) {
-      files.push_back(name);
-    }
-  }
-  if (files.empty() && names.size() == 1) files = names;
-  if (files.empty() && !names.empty()) {
-    throw InputError({folder, 0},
-                     fmt::format("has {} files and no metadata.yaml that names them in their order; 'ros2 bag "
-                                 "reindex' writes it, or give one file",
-                                 names.size()));
-  }
-  if (files.empty()) {
-    if (std::filesystem::exists(std::filesystem::path(folder) / "report.json")) {
-      throw InputError({folder, 0}, "is a folder of results and no log; gdtslam map --continue maps its logs again");
-    }
-    throw InputError({folder, 0}, "is a folder without .db3 and .mcap files, so no ROS 2 bag");
-  }
-  return files;
-}
 
 std::unique_ptr<Recording> open_ros2_file(const std::string& path) {
   const std::string packed_head = read_head(*open_file_source(path), kMostHeadBytes);

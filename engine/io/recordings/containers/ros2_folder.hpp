@@ -5,20 +5,16 @@
 
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "recording.hpp"
 
 namespace gdtslam {
 
-/// The files of a folder in their order. `warn` gets files that metadata.yaml names and that are not there. Throws
-/// InputError for a folder without files, or with several in no known order; FileError.
-std::vector<std::string> files_of_ros2_folder(const std::string& folder, const Recording::Warn& warn);
-
 /// The file with that content, packed or not. Throws RecordingFault, InputError or FileError.
 std::unique_ptr<Recording> open_ros2_file(const std::string& path);
 
-/// The folder as one recording.
+/// The folder as one recording, whose first call of next() throws InputError for a folder without files, or with
+/// several in no known order; FileError. Files that metadata.yaml names and that are missing are a warning.
 std::unique_ptr<Recording> open_ros2_folder(const std::string& folder);
 
 }  // namespace gdtslam

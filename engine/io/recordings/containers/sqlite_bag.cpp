@@ -35,15 +35,15 @@ std::string sqlite_uri(const std::string& path, std::string_view parameters) {
   return uri + std::string(parameters);
 }
 
-std::string text_of(sqlite3_stmt* statement, int column) {
+std::string column_text(sqlite3_stmt* statement, int column) {
   const auto* const text = reinterpret_cast<const char*>(sqlite3_column_text(statement, column));
   const int size = sqlite3_column_bytes(statement, column);
   if (text == nullptr) return {};
   return {text, std::min(static_cast<std::size_t>(size), kMostHeaderBytes)};
 }
 
-// Of the disk or the system, whatever the file holds.
-bool is_of_disk(sqlite3* database) {
+// True for a fault of the disk or the system, whatever the file holds.
+bool is_disk_fault(sqlite3* database) {
   const int kind = sqlite3_errcode(database) & 0xff;
   return kind == SQLITE_CANTOPEN ||
          (kind == SQLITE_IOERR && sqlite3_extended_errcode(database) != SQLITE_IOERR_SHORT_READ);
@@ -140,7 +140,7 @@ void SqliteBag::require_plain_table(const std::string& name) {
     if (sqlite3_column_int(columns.get(), 6) != 0) {
       throw RecordingFault(fmt::format("has a computed column in its table '{}', which no recorder writes", name));
     }
-    const bool is_number = text_of(columns.get(), 1) == "id" && text_of(columns.get(), 2) == "INTEGER";
+    const bool is_number = column_text(columns.get(), 1) == "id" && column_text(columns.get(), 2) == "INTEGER";
     has_key = has_key || (is_number && sqlite3_column_int(columns.get(), 5) == 1);
   }
   if (!has_key) throw RecordingFault(kNoBag);
@@ -150,7 +150,7 @@ void SqliteBag::require_plain_table(const std::string& name) {
 int SqliteBag::disk_errno() const {
   int reason = 0;
   if (database_) (void)sqlite3_file_control(database_.get(), "main", SQLITE_FCNTL_LAST_ERRNO, &reason);
-  if (reason == 0 && database_ && is_of_disk(database_.get())) reason = sqlite3_system_errno(database_.get());
+  if (reason == 0 && database_ && is_disk_fault(database_.get())) reason = sqlite3_system_errno(database_.get());
   return reason;
 }
 
@@ -191,9 +191,9 @@ void SqliteBag::read_topics() {
   Statement topics = prepare("SELECT id, name, type, serialization_format FROM topics ORDER BY id DESC");
   while (step(topics) && channels_.size() < kMostChannels) {
     RecordingChannel channel;
-    channel.topic = text_of(topics.get(), 1);
-    channel.type = text_of(topics.get(), 2);
-    channel.encoding_name = text_of(topics.get(), 3);
+    channel.topic = column_text(topics.get(), 1);
+    channel.type = column_text(topics.get(), 2);
+    channel.encoding_name = column_text(topics.get(), 3);
     channel.encoding = sqlite_encoding(channel.encoding_name);
     const auto number = static_cast<std::uint32_t>(sqlite3_column_int64(topics.get(), 0));
     channels_.push_back({.channel = number, .definition = std::move(channel)});

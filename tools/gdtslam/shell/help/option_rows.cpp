@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <string_view>
 
-#include "engine/core/shown_quantity.hpp"
+#include "gdtslam/core/units.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 
 namespace gdtslam {

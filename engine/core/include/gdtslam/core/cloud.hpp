@@ -13,7 +13,7 @@ struct CloudPoint {
   float x_m = 0.0F;
   float y_m = 0.0F;
   float z_m = 0.0F;
-  float elevation_rad = 0.0F;  ///< of the scan plane when the beam was fired, upwards positive
+  float elevation_rad = 0.0F;  ///< elevation of the scan plane when the beam was fired, upwards positive
   double stamp_s = 0.0;        ///< when the beam was fired, in the log's clock
   std::uint32_t scan = 0;      ///< index of its scan in the log, from 0
   friend bool operator==(const CloudPoint&, const CloudPoint&) = default;
@@ -21,7 +21,7 @@ struct CloudPoint {
 
 using Cloud = std::vector<CloudPoint>;
 
-/// What takes the points of a cloud, in order, piece by piece.
+/// Receiver of the points of a cloud, in order, piece by piece.
 class CloudSink {
  public:
   CloudSink() = default;

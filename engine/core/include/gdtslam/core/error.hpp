@@ -30,7 +30,7 @@ class Error : public std::runtime_error {
   ExitCode code_;
 };
 
-/// Where in a file something stands; line 0 means the file as a whole.
+/// A place in a file; line 0 means the file as a whole.
 struct FilePosition {
   std::string file;
   std::uint64_t line = 0;

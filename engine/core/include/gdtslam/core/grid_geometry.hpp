@@ -1,4 +1,4 @@
-// Where the cells of a grid lie. Frame: map; x right, y up; cell (0, 0) is the lower left one and its centre is the
+// Geometry of a grid of cells. Frame: map; x right, y up; cell (0, 0) is the lower left one and its centre is the
 // origin plus half a cell. An index and a displacement are two types, so that one cannot stand for the other.
 // Thread-safe, constant time.
 #pragma once

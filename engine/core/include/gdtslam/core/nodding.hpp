@@ -19,11 +19,11 @@ namespace gdtslam {
 
 /// How the sensor sits on the nodding axis, and how high.
 struct NoddingMount {
-  double height_m = 0.3;         ///< of the sensor's centre over the floor at elevation zero
+  double height_m = 0.3;         ///< height of the sensor's centre over the floor at elevation zero
   double lever_forward_m = 0.0;  ///< from the axis to the sensor's centre, in the nodding frame; zero in the paper
   double lever_up_m = 0.0;
-  double sensor_roll_rad = 0.0;  ///< of the sensor in the nodding frame, about its forward direction
-  double sensor_yaw_rad = 0.0;   ///< likewise, about its up direction; a pitch is an offset of the elevation
+  double sensor_roll_rad = 0.0;  ///< roll of the sensor in the nodding frame, about its forward direction
+  double sensor_yaw_rad = 0.0;   ///< yaw, about its up direction; a pitch is an offset of the elevation
 };
 
 /// T_level_laser: level frame's origin is the sensor's centre at elevation zero. Equation (12).
@@ -79,7 +79,7 @@ struct BeamTiming {
   double step_s = 0.0;
   [[nodiscard]] double of_beam_s(std::size_t beam) const { return first_s + static_cast<double>(beam) * step_s; }
 };
-/// What the scan itself says of it; nothing where it says nothing.
+/// The timing that the scan itself states; nothing if it states none.
 inline std::optional<BeamTiming> stated_timing(const LaserScan& scan) {
   if (scan.first_beam_after_s == 0.0 && scan.beam_period_s == 0.0) return std::nullopt;
   return BeamTiming{scan.first_beam_after_s, scan.beam_period_s};

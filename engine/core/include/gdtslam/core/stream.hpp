@@ -1,4 +1,4 @@
-// What a log is made of, whatever file it came from. Times are seconds since the epoch of the log, in the log's own
+// The records of a log, whatever file it came from. Times are seconds since the epoch of the log, in the log's own
 // clock; the order of the records is the truth, not their stamps.
 #pragma once
 
@@ -118,7 +118,7 @@ class LogReader {
   struct Warning {
     std::string kind;
     std::uint64_t count = 0;
-    std::string first;  ///< where and what the first one was
+    std::string first;  ///< place and text of the first one
   };
   [[nodiscard]] virtual const std::vector<Warning>& warnings() const = 0;
 };

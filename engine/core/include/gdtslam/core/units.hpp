@@ -9,7 +9,7 @@
 
 namespace gdtslam {
 
-/// What a number measures.
+/// The kind of quantity that a number measures.
 enum class Unit { kNone, kMetre, kRadian, kSecond, kCell, kShare };
 
 /// The symbol of the base unit: "m", "rad", "s", "cells"; empty for a pure number and a share.
@@ -24,5 +24,14 @@ std::optional<double> parse_quantity(std::string_view text, Unit unit, std::stri
 /// The shortest text that parse_quantity reads back as the same bits, with the base unit's symbol: "0.05 m"; angles in
 /// degrees where that is shorter: "10 deg".
 std::string format_quantity(double value, Unit unit);
+
+/// parse_quantity() for a command line: a bare number other than 0 is refused where the unit is metre, radian or
+/// second, because nobody knows which unit a typed 90 or 5 means. Counts, cells and shares have one unit and stay
+/// numbers.
+std::optional<double> parse_stated_quantity(std::string_view text, Unit unit, std::string* why);
+
+/// Text for people, which nothing reads back: an angle in degrees to six digits; else as format_quantity(), but never
+/// "1e+05".
+std::string show_quantity(double value, Unit unit);
 
 }  // namespace gdtslam

@@ -19,7 +19,7 @@ namespace gdtslam {
 enum class CloudFormat : std::uint8_t { kPlyBinary, kPcdBinary };
 
 /// By the name's extension, .ply or .pcd in small or capital letters. Throws UsageError for any other.
-CloudFormat cloud_format_of(const std::string& path);
+CloudFormat find_cloud_format(const std::string& path);
 
 /// A cloud file that is being written.
 class CloudWriter : public CloudSink {
@@ -40,7 +40,7 @@ class CloudWriter : public CloudSink {
   std::unique_ptr<State> state_;
 };
 
-/// What the header of a cloud says. Nothing of it is trusted for an allocation.
+/// The statements of a cloud's header. None of them is trusted for an allocation.
 struct CloudHeader {
   std::uint64_t points = 0;
   bool has_elevation = false;

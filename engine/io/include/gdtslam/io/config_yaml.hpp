@@ -27,8 +27,6 @@ std::string value_text(const Option& option);
 
 /// The whole table as YAML, each value under its documentation; reads back as the same bits.
 std::string config_text(std::span<const Option> options);
-/// Atomic. Throws FileError.
-void write_config(const std::string& path, std::span<const Option> options);
 
 /// JSON schema (draft 2020-12) of the files that read_config takes.
 std::string config_schema(std::span<const Option> options);

@@ -18,7 +18,7 @@ namespace gdtslam {
 /// InputError when the field has no cells, its cap is 0 or a value lies above the cap.
 void write_distance_field(const std::string& yaml_path, const DistanceFieldRows& field);
 
-/// What was read back; stride = width.
+/// A distance field read from a file; stride = width.
 struct DistanceFieldFile {
   GridGeometry geometry;
   std::vector<std::uint16_t> cells;

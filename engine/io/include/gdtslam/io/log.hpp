@@ -19,7 +19,7 @@
 
 namespace gdtslam {
 
-/// What open_log() reads, as it stands before "log" or "logs" in help and messages.
+/// The formats that open_log() reads, as they stand before "log" or "logs" in help and messages.
 inline constexpr std::string_view kLogFormats = "CARMEN, CSV, JSON lines, ROS bag or MCAP";
 
 /// A laser's place on the robot, by the topic of its scans.
@@ -32,8 +32,8 @@ struct TopicMount {
 struct TopicChoice {
   std::vector<std::string> scans{};  ///< the only one that has any when empty; "all" are all of them
   std::string odometry{};            ///< a topic or tf[:FRAME[:BASE]]; the first one, then transforms, when empty
-  std::string crank{};               ///< of a nodding mount, "TOPIC" or "TOPIC:JOINT"; none when empty
-  std::vector<TopicMount> mounts{};  ///< what the frames of the recording say of the others
+  std::string crank{};               ///< topic of a nodding mount's crank, "TOPIC" or "TOPIC:JOINT"; none when empty
+  std::vector<TopicMount> mounts{};  ///< the frames of the recording give the others
 };
 
 /// At the end of a recording: a topic that was named is not in it. All that is there was given before.
@@ -45,7 +45,7 @@ class MissingTopic : public UsageError {
 /// Ticks of the crank, or the elevation of the scan plane itself.
 enum class CrankKind : std::uint8_t { kTicks, kTilt };
 
-/// What the crank's messages of a recording count.
+/// The quantity that the crank's messages of a recording count.
 struct CrankOptions {
   CrankKind kind = CrankKind::kTicks;
   double step_rad = 0.0;  ///< one unit of the message; 0: one tick, or one radian of a joint
@@ -55,7 +55,7 @@ struct CrankOptions {
 /// How a log is read. The defaults suit every log whose lines follow docs/formats.md.
 struct ReadOptions {
   bool lenient = false;                        ///< count and skip malformed lines instead of throwing
-  std::optional<double> first_bearing_rad{};   ///< of beam 0; by the number of beams or by the line when empty
+  std::optional<double> first_bearing_rad{};   ///< bearing of beam 0; by the number of beams or by the line when empty
   std::optional<double> bearing_step_rad{};    ///< between beams; likewise
   std::optional<double> max_range_m{};         ///< the sensor's limit; what the log says when empty
   std::optional<Pose2> T_base_laser{};         ///< the mount; from the two poses of each scan line when empty
@@ -65,9 +65,9 @@ struct ReadOptions {
       true;  ///< tell with each scan how the robot moved meanwhile, where its beams were not all measured at once
   TopicChoice topics{};
   CrankOptions crank{};
-  std::optional<double> clock_offset_s{};  ///< of a recording: added to stamps of odometry and crank; measured if empty
-  bool all_lasers = false;                 ///< of CARMEN: the second laser too, as ScanRecord::laser 1
-  bool survey = false;                     ///< of a recording: look at all that is there (log_contents.hpp)
+  std::optional<double> clock_offset_s{};  ///< for recordings: added to stamps of odometry and crank; measured if empty
+  bool all_lasers = false;                 ///< for CARMEN: the second laser too, as ScanRecord::laser 1
+  bool survey = false;                     ///< for recordings: look at all that is there (log_contents.hpp)
 };
 
 /// Which part of the logs is wanted.

@@ -4,10 +4,13 @@
 // Seconds. Not thread-safe; one message is kept.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace gdtslam {
 
@@ -31,7 +34,7 @@ class FirstStamp {
     give(std::pair(std::move(message), received_s), take);
   }
 
-  /// Where no second message comes, or nobody can wait for it: a first stamp of 0 is none.
+  /// Called if no second message comes, or nobody can wait for it: a first stamp of 0 is none then.
   template <class Take>
   void settle(const Take& take) {
     if (!first_) return;
@@ -42,11 +45,12 @@ class FirstStamp {
   [[nodiscard]] bool is_waiting() const { return first_.has_value(); }
 
  private:
-  /// Of a simulator's clock from that of receipts, which may be slower or faster, between two messages.
+  /// The largest difference of a simulator's clock, which may be slower or faster, from that of receipts, between two
+  /// messages.
   static constexpr double kMostOff_s = 10.0;
 
   using Received = std::pair<Message, double>;
-  /// What a stamp of 0 is.
+  /// The meaning of a stamp of 0.
   enum class Zero : std::uint8_t { kUnknown, kNone, kTime };
 
   template <class Take>
@@ -59,6 +63,33 @@ class FirstStamp {
 
   std::optional<Received> first_;
   Zero zero_ = Zero::kUnknown;
+};
+
+/// The clock of one topic: how far the stamps of two topics are apart is measured by the times at which their messages
+/// were received. At most kMostSamples numbers are kept.
+class TopicClock {
+ public:
+  static constexpr std::size_t kMostSamples = 64;
+  /// Messages of one clock are received within this time after their stamps.
+  static constexpr double kMostDelay_s = 1.0;
+
+  /// `duration_s`: how long after its stamp a message can have been sent at the earliest.
+  void add(double received_s, double stamp_s, double duration_s) {
+    if (delays_s_.size() < kMostSamples) delays_s_.push_back(received_s - stamp_s - duration_s);
+  }
+  [[nodiscard]] bool is_known() const { return !delays_s_.empty(); }
+  /// Receipt minus stamp, by the message that was received fastest: the receiver's delays vary, and only ever add.
+  /// What is far from the median is a wrong stamp and does not count.
+  [[nodiscard]] double offset_s() const {
+    std::vector<double> sorted = delays_s_;
+    std::sort(sorted.begin(), sorted.end());
+    const double median_s = sorted[sorted.size() / 2];
+    return *std::find_if(sorted.begin(), sorted.end(),
+                         [median_s](double delay_s) { return delay_s > median_s - kMostDelay_s; });
+  }
+
+ private:
+  std::vector<double> delays_s_;
 };
 
 }  // namespace gdtslam
