@@ -1,4 +1,4 @@
-// What a run finds out about its logs besides the map: before the first scan from a second reading of files, and at the
+// Faults of logs that a run finds besides the map: before the first scan by a second reading of files, and at the
 // end for what could be read only once. Each look belongs to one thread.
 #pragma once
 

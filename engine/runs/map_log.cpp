@@ -15,12 +15,11 @@
 #include "engine/io/message_text.hpp"
 #include "engine/mapping/match/matchers.hpp"
 #include "engine/runs/continuing/continue_file.hpp"
-#include "engine/runs/continuing/kept_stream.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/run_report.hpp"
-#include "engine/runs/folder/run_times.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "engine/runs/mapping/map_run.hpp"
+#include "engine/runs/mapping/stopwatch.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/error.hpp"
@@ -39,7 +38,7 @@ std::string default_linkage_warning(NodKind kind, const NoddingJob& job) {
       job.model.mount.height_m);
 }
 
-// What was given, else the file that lies beside the log, else the default.
+// Takes the linkage that was given, else the file that lies beside the log, else the default.
 NoddingJob nodding_job(const MapRequest& request, NodKind kind) {
   NoddingJob job;
   job.kind = kind;
@@ -50,7 +49,7 @@ NoddingJob nodding_job(const MapRequest& request, NodKind kind) {
   if (is_default) job.linkage = calib::kDefaultLinkage;
   job.model = resolve_linkage(job.linkage);
   if (is_default && kind == NodKind::kTilt) {
-    job.model.mirror_rate_hz = 0.0;  // of another laser; nobody knows when its beams fire
+    job.model.mirror_rate_hz = 0.0;  // the preset's rate is that of another laser; nobody knows when its beams fire
   }
   if (is_default && request.warn) request.warn(default_linkage_warning(kind, job));
   return job;
@@ -66,7 +65,7 @@ std::string no_crank_warning(const std::string& linkage) {
 // How the laser nods, by the log.
 NodKind nod_kind_of_start(const MapRequest& request, ScanStream& scans) {
   if (request.scan_mapped) return NodKind::kNone;
-  // Where there is a linkage the mount's messages may be late in the log; else a live log is not kept waiting for them.
+  // With a linkage the mount's messages may be late in the log; without one a live log is not kept waiting for them.
   const std::string beside = linkage_sidecar(request.logs.front());
   const bool has_linkage = !request.linkage.empty() || !beside.empty();
   const NodKind kind = scans.nod_kind(has_linkage ? ScanStream::kMostAhead : ScanStream::kScansAhead);
@@ -263,7 +262,7 @@ class LogRun {
       if (!streams_[log] || !streams_[log]->has_scan()) continue;
       try {
         streams_[log]->sync();
-      } catch (const FileError&) {  // as if the disk is full: there is what was written before
+      } catch (const FileError&) {  // same as with a full disk: everything written before is there
       }
       text += "; what was read is kept: gdtslam map " + folder_->keep_log(kept_log_name(log)) + " makes a map of it";
     }
@@ -288,7 +287,7 @@ class LogRun {
   MapRequest request_;
   const BackendOfRun& backend_of_;
   RunTimes times_;
-  std::vector<std::optional<FileState>> states_;  ///< of the logs when the run began
+  std::vector<std::optional<FileState>> states_;  ///< each log when the run began
   MapJob job_;
   std::unique_ptr<RunFolder> folder_;
   std::vector<std::shared_ptr<StreamFile>>
@@ -312,13 +311,6 @@ MapResult map_logs(const MapRequest& request, const BackendOfRun& backend) {
     require_not_stopped(request);
     throw;
   }
-}
-
-NodKind nod_kind_of(const std::vector<std::string>& logs, const ReadOptions& options) {
-  ScanStream scans(logs, options, {});
-  const NodKind kind = scans.nod_kind(ScanStream::kMostAhead);
-  scans.expect_readable();
-  return kind;
 }
 
 }  // namespace gdtslam

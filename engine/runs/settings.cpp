@@ -79,7 +79,7 @@ std::vector<Option> timing_options(LogConfig& config) {
        Unit::kSecond, -kLongestScan_s, kLongestScan_s, &config.odometry_delay_s}};
 }
 
-/// What counts for recordings of messages only.
+/// Options for recordings of messages only.
 std::vector<Option> recording_options(LogConfig& config) {
   return {{"log.clock",
            "How far the clocks of odometry and crank of a recording are off the laser's: by when their messages were "

@@ -1,4 +1,4 @@
-#include "georeference.hpp"
+#include "engine/runs/edits/edit_steps.hpp"
 
 #include <fmt/format.h>
 
@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kLeastExtent_m = 1.0;
 constexpr double kMostResidual_m = 1.0;
-constexpr double kMostResidualShare = 0.01;  // of the extent
+constexpr double kMostResidualShare = 0.01;  // share of the extent
 
 struct Centroids {
   Point2 map_m{0.0, 0.0};
@@ -49,7 +49,7 @@ double extent_m_of(const std::vector<PointPair>& points) {
   return most;
 }
 
-// What somebody who took the numbers from a map or a receiver mostly did.
+// The usual mistake of somebody who took the numbers from a map or a receiver.
 std::string advice_for(double scale) {
   if (scale < 0.01) return "the world has to be metres (easting, northing), not degrees";
   return "measure them again, or swap easting and northing if they are the wrong way round";

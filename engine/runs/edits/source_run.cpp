@@ -48,7 +48,7 @@ std::vector<std::size_t> refused_scans(const RunReader& reader) {
   return refused;
 }
 
-// What pictures and files of the run need.
+// The part of an outcome that pictures and files of the run need.
 MapOutcome outcome_of(const RunReader& reader, const RunKeyframes& kept) {
   const RunSummary& summary = reader.summary();
   MapOutcome outcome;

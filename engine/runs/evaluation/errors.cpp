@@ -1,10 +1,13 @@
 #include "errors.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
 
 namespace gdtslam {
@@ -53,6 +56,21 @@ std::vector<TrajectoryError> errors_against(const Trajectory& estimate, const st
                       degrees_of(T_1_2.theta_rad - relation.T_1_2.theta_rad)});
   }
   return errors;
+}
+
+RelationCheck check_relations(const Trajectory& trajectory, std::span<const Relation> given,
+                              const std::string& relations_file, const std::string& name, double tolerance_s) {
+  RelationCheck check{.relations = without_repeated_stamps(given, trajectory, tolerance_s), .report = {}};
+  if (!given.empty() && check.relations.empty()) {
+    throw InputError(
+        {name, 0},
+        fmt::format("has the stamps of all {} relations twice, a clock stepped back: cut it there", given.size()));
+  }
+  check.report = evaluate_relations(trajectory, check.relations, tolerance_s);
+  if (check.report.all.translation_m.count > 0) return check;
+  throw InputError({relations_file, 0},
+                   fmt::format("none of its {} relations has stamps of {}; do both belong to the same log?",
+                               check.relations.size(), name));
 }
 
 }  // namespace gdtslam

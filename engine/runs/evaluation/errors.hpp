@@ -6,6 +6,8 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "gdtslam/core/cloud.hpp"
@@ -41,12 +43,24 @@ std::vector<TrajectoryError> errors_against(const Trajectory& estimate, const st
 /// cloud as a whole. Heights need none: both frames have the floor's.
 struct CloudFrame {
   Pose2 T_truth_map;
-  std::optional<ReferenceReport> trajectory{};  ///< of the alignment; nothing where the frames are said to agree
+  std::optional<ReferenceReport> trajectory{};  ///< figures of the alignment; none if the frames are said to agree
 
   [[nodiscard]] Eigen::Vector3d in_truth(const CloudPoint& point) const {
     const Point2 place_m = T_truth_map * Point2(static_cast<double>(point.x_m), static_cast<double>(point.y_m));
     return {place_m.x(), place_m.y(), static_cast<double>(point.z_m)};
   }
 };
+
+// A trajectory held against relations that somebody verified.
+
+struct RelationCheck {
+  std::vector<Relation> relations;  ///< whose stamps tell which poses are meant
+  RelationReport report;            ///< on these
+};
+
+/// `name` is what the trajectory is of. Throws InputError at `name` where the stamps of all relations occur twice, at
+/// `relations_file` where the trajectory has those of none.
+RelationCheck check_relations(const Trajectory& trajectory, std::span<const Relation> given,
+                              const std::string& relations_file, const std::string& name, double tolerance_s = 1e-4);
 
 }  // namespace gdtslam

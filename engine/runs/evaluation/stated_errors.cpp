@@ -58,7 +58,7 @@ class StatedErrors {
   std::uint64_t unstated_ = 0;
 };
 
-/// Of the second pose in the frame of the first, by first-order propagation: how it moves with each of them.
+/// Covariance of the second pose in the frame of the first, by first-order propagation from both.
 Matrix3 relation_covariance(const Pose2& first, const Matrix3& of_first, const Pose2& T_1_2, const Matrix3& of_second) {
   const SinCos<double> turn = sin_cos(first.theta_rad);
   const Matrix3 to_first{{turn.cos, turn.sin, 0.0, -turn.sin, turn.cos, 0.0, 0.0, 0.0, 1.0}};

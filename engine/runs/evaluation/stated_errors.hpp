@@ -24,7 +24,7 @@ inline constexpr std::size_t kStatedSigmas = 3;
 struct StatedShares {
   std::uint64_t count = 0;
   std::array<std::uint64_t, kStatedSigmas> within{};  ///< one, two, three standard deviations
-  double factor = 0.0;  ///< of the median error from the one that the stated deviations give; nothing where count is 0
+  double factor = 0.0;                                ///< ratio of the median error to the stated one; 0 if count is 0
   [[nodiscard]] double share(std::size_t sigmas) const {
     return count == 0 ? 0.0 : static_cast<double>(within[sigmas - 1]) / static_cast<double>(count);
   }
@@ -51,10 +51,10 @@ struct TruthNoise {
   double sigma_rad = 0.0;
 };
 
-/// Of relations whose stamps the trajectory has, as evaluate_relations() matches them; one covariance a pose.
+/// Judges relations whose stamps the trajectory has, as evaluate_relations() matches them; one covariance a pose.
 StatedReport stated_errors(const Trajectory& trajectory, std::span<const PoseCovariance> covariances,
                            std::span<const Relation> relations, const TruthNoise& noise, double tolerance_s = 1e-4);
-/// Of poses against those of a reference, moved by the alignment that evaluate_reference() found: what a covariance
+/// Judges poses against a reference, moved by the alignment that evaluate_reference() found: a covariance
 /// within the map states, and no sum.
 StatedReport stated_errors(const Trajectory& trajectory, std::span<const PoseCovariance> covariances,
                            const Trajectory& reference, const Pose2& T_reference_estimate, const TruthNoise& noise,

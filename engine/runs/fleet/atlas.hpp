@@ -33,9 +33,9 @@ struct FleetRecord {
   double wall_s = 0.0;
   std::string host{};
   std::string device{};
-  std::string log_sha256{};      ///< of the file; of a folder, of its files' names and hashes
-  std::string options_sha256{};  ///< of program and options, and of the linkage beside the log
-  std::string result_sha256{};   ///< of the results that do not depend on the machine
+  std::string log_sha256{};      ///< hash of the file; for a folder, of its files' names and hashes
+  std::string options_sha256{};  ///< hash of program and options, and of the linkage beside the log
+  std::string result_sha256{};   ///< hash of the results that do not depend on the machine
   [[nodiscard]] bool is_mapped() const { return outcome == "mapped"; }
   friend bool operator==(const FleetRecord&, const FleetRecord&) = default;
 };

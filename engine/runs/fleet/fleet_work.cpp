@@ -15,7 +15,7 @@
 #include "engine/io/sha256.hpp"
 #include "engine/runs/folder/report_reader.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
-#include "engine/runs/transaction/folder_lock.hpp"
+#include "engine/runs/transaction/folder_transaction.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/drawing/raster.hpp"
@@ -39,7 +39,7 @@ bool is_fault_of_the_log(ExitCode code) {
 
 /// The files of a log as they are now.
 struct LogFiles {
-  std::vector<std::string> paths;  ///< of a ROS 2 bag those in its folder, sorted
+  std::vector<std::string> paths;  ///< the file; for a ROS 2 bag the files in its folder, sorted
   std::vector<std::optional<FileState>> states;
 };
 

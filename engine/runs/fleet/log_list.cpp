@@ -58,7 +58,7 @@ FleetLog log_at(const fs::path& path) {
 void search(const fs::path& folder, std::vector<FleetLog>& logs) {
   std::error_code failed;
   for (const fs::path& entry : list_folder(folder, failed)) {
-    std::error_code ignored;  // what cannot be asked about is no log
+    std::error_code ignored;  // an entry that cannot be examined is no log
     const std::string name = entry.filename().string();
     if (name.starts_with('.')) continue;
     if (fs::is_regular_file(entry, ignored)) {

@@ -43,7 +43,7 @@ class ReportReader {
   [[nodiscard]] std::vector<double> numbers(const char* key, std::size_t count, double most) const;
   /// A list of such lists.
   [[nodiscard]] std::vector<std::vector<double>> rows(const char* key, std::size_t count, double most) const;
-  /// Nothing for null, which stands for what was not measured.
+  /// Returns no number for null, which stands for a value that was not measured.
   [[nodiscard]] std::optional<double> number_or_null(const char* key) const;
   [[nodiscard]] bool truth(const char* key) const;
   [[nodiscard]] std::string text(const char* key) const;
@@ -71,7 +71,7 @@ class ReportReader {
 
   std::string file_;
   std::string advice_;
-  std::string path_;  // of this object within the report, with a dot at its end
+  std::string path_;  // path of this object within the report, with a dot at its end
   std::shared_ptr<const Value> report_;
   const Value* object_;
 };

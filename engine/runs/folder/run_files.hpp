@@ -37,23 +37,23 @@ class RunFiles {
   [[nodiscard]] bool is_told() const { return told_.has_value(); }
   /// Whether the run has such a file: what the report tells; what lies there, where it tells of none.
   [[nodiscard]] bool has(const std::string& name) const;
-  /// Where the file is, which has the bytes that the report tells of. Throws InputError where they are others or there
+  /// Path of the file, whose bytes are compared with the report. Throws InputError if they are others or there
   /// is none.
   [[nodiscard]] std::string checked(const std::string& name) const;
-  /// Of a checked file. Throws what checked() throws.
+  /// Hash of a checked file. Throws what checked() throws.
   [[nodiscard]] std::string sha256(const std::string& name) const;
   /// Throws InputError if the run was replaced.
   void expect_unchanged() const;
   /// The report once more. Throws what expect_unchanged() throws.
   [[nodiscard]] ReportReader report() const;
 
-  /// What `read` makes of the checked file.
+  /// Returns the result of `read` for the checked file.
   template <class Read>
   auto read(const std::string& name, const Read& read) const {
     const std::string file = checked(name);
     return unless_changed([&] { return read(file); });
   }
-  /// What `read` gives. Where something was changed meanwhile, that is said, whatever became of reading.
+  /// Returns the result of `read`. Throws if the run was changed meanwhile, even if reading failed for another reason.
   template <class Read>
   auto unless_changed(const Read& read) const {
     try {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "engine/runs/folder/report_reader.hpp"
-#include "engine/runs/loops/graph_file.hpp"
+#include "engine/runs/loops/loop_files.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {

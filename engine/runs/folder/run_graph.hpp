@@ -14,8 +14,8 @@ struct RunGraph {
   /// The places' poses as the graph came to, what was measured along the path, by the front end before the wheels, and
   /// the loops with what each was worth by itself and its weight; indices are places.
   PoseGraph graph;
-  std::vector<std::size_t> scans;  ///< of each place, ascending: an index into the trajectory
-  std::vector<bool> is_on;         ///< of each loop, as the report has it
+  std::vector<std::size_t> scans;  ///< for each place, ascending: an index into the trajectory
+  std::vector<bool> is_on;         ///< for each loop, as the report has it
 };
 
 /// Throws InputError where the run has no graph, is a site of several drives, or its graph is not of one run with its

@@ -35,7 +35,7 @@ Canvas overview_of(const MapJob& job, const MapOutcome& outcome) {
   return map_view(outcome.occupancy, overlay, look);
 }
 
-// Where loops hold the path, and where it is not to be trusted.
+// Picture of the loops that hold the path, and of the stretches that are not reliable.
 Canvas graph_of(const MapJob& job, const MapOutcome& outcome) {
   const ClosedPath& closed = *outcome.closed;
   const std::vector<UncertainStretch> uncertain = uncertain_stretches(closed.covariances);

@@ -18,7 +18,7 @@ namespace gdtslam {
 
 /// "office-7f" of "logs/office-7f.log.gz": what pictures of a run have as their title.
 std::string run_title(const std::vector<std::string>& logs);
-/// What is counted below that.
+/// Counts in the subtitle of a picture.
 struct RunCounts {
   std::uint64_t scans = 0;
   std::uint64_t keyframes = 0;
@@ -33,7 +33,7 @@ std::string path_length_text(const Trajectory& trajectory, std::span<const std::
 Canvas map_view(const OccupancyMap& map, const PathOverlay& overlay, const MapLook& look,
                 const std::optional<PictureSize>& size = {});
 
-/// What graph_picture() shows of a run with closed loops.
+/// Overlay of graph_picture() for a run with closed loops.
 GraphOverlay graph_overlay(const Trajectory& trajectory, const std::vector<std::size_t>& keyframes,
                            std::span<const ClosedLoop> loops, const std::vector<PoseCovariance>& covariances,
                            std::span<const UncertainStretch> uncertain, const std::vector<std::size_t>& drives);

@@ -8,11 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "engine/runs/folder/run_doubts.hpp"
 #include "engine/runs/folder/run_files.hpp"
+#include "engine/runs/folder/run_review.hpp"
 #include "engine/runs/keyframes/keyframe_file.hpp"
-#include "engine/runs/loops/covariance_file.hpp"
-#include "engine/runs/loops/graph_file.hpp"
+#include "engine/runs/loops/loop_files.hpp"
 #include "gdtslam/calib/sweep_model.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
@@ -21,24 +20,24 @@
 
 namespace gdtslam {
 
-/// What report.json says that a picture needs.
+/// The part of report.json that a picture needs.
 struct RunSummary {
   std::vector<std::string> logs;
   std::uint64_t scans = 0;
   std::uint64_t matched = 0;
   std::uint64_t keyframe_count = 0;
-  double path_m = 0.0;  ///< as the mapper counted it; pictures tell the length of what they draw
+  double path_m = 0.0;  ///< length as the mapper counted it; pictures show the length of the path they draw
   std::uint64_t cloud_points = 0;
-  std::optional<GridGeometry> map;              ///< of map.pgm; nothing where it was left out
+  std::optional<GridGeometry> map;              ///< geometry of map.pgm; none if it was left out
   std::uint64_t tiles = 0;                      ///< in place of gdt.png and of all cells in map.pgm; 0: in one piece
-  std::string map_sha256;                       ///< of the distance field
-  std::optional<std::string> keyframes_sha256;  ///< nothing where the laser nods or the report is of an older version
+  std::string map_sha256;                       ///< hash of the distance field
+  std::optional<std::string> keyframes_sha256;  ///< none if the laser nods or the report is of an older version
   bool nods = false;
   bool has_loops = false;              ///< closed ones, perhaps none of them found: doubts() tells of them
   bool tilts = false;                  ///< nods without a linkage: the log told the elevation itself
   std::vector<std::size_t> doubtful;   ///< indices into the trajectory
-  std::vector<std::size_t> keyframes;  ///< likewise; empty where the report is of an older version
-  std::vector<std::size_t> drives;     ///< likewise, at which another drive begins
+  std::vector<std::size_t> keyframes;  ///< indices too; empty if the report is of an older version
+  std::vector<std::size_t> drives;     ///< indices at which another drive begins
 };
 
 class RunReader {
@@ -52,7 +51,7 @@ class RunReader {
   [[nodiscard]] const RunFiles& files() const { return files_; }
   /// The first log's name without folder and endings: "office-7f".
   [[nodiscard]] std::string name() const;
-  /// As the other members: throws InputError or FileError.
+  /// Throws InputError or FileError, like the other members.
   [[nodiscard]] Trajectory trajectory() const;
   [[nodiscard]] bool has_trajectory() const;
   /// How sure each pose of the trajectory is; nothing where the run closed no loops or is of an older version. Throws
@@ -60,15 +59,15 @@ class RunReader {
   [[nodiscard]] std::optional<std::vector<PoseCovariance>> covariances() const;
   /// Its places and relations; throws where the run closed no loops.
   [[nodiscard]] GraphLines graph() const;
-  /// What the report says against the map; reads it again.
+  /// Doubts that the report has about the map; reads it again.
   [[nodiscard]] RunDoubts doubts() const;
-  /// Of a run in tiles the small map of all of them. Throws InputError too where the run was told to make none.
+  /// For a run in tiles the small map of all of them. Also throws InputError if the run was asked to make none.
   [[nodiscard]] OccupancyMap map() const;
   /// Throws InputError too where the run is in tiles.
   [[nodiscard]] DistanceFieldFile field() const;
   /// The configuration that it was mapped with. Throws ConfigError too.
   [[nodiscard]] Settings settings() const;
-  /// What the map was merged from; nothing where the run tells of no such file. Throws InputError too where scans or
+  /// The keyframes that the map was merged from; none if the run has no such file. Also throws InputError if scans or
   /// config.yaml are others than those of the report and the file.
   [[nodiscard]] std::optional<RunKeyframes> keyframes() const;
   /// The file of the 3D cloud; nothing where the run made none. Whoever has read it asks files() whether it is

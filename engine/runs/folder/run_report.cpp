@@ -12,14 +12,13 @@
 #include "engine/io/json_file.hpp"
 #include "engine/io/sha256.hpp"
 #include "engine/mapping/map/store/field_store.hpp"
-#include "engine/runs/folder/run_doubts.hpp"
 #include "engine/runs/folder/run_files.hpp"
 #include "engine/runs/folder/run_pictures.hpp"
+#include "engine/runs/folder/run_review.hpp"
 #include "engine/runs/keyframes/keyframe_file.hpp"
-#include "engine/runs/loops/covariance_file.hpp"
-#include "engine/runs/loops/graph_file.hpp"
+#include "engine/runs/loops/loop_files.hpp"
 #include "engine/runs/loops/loops_report.hpp"
-#include "engine/runs/tiles/tile_folder.hpp"
+#include "engine/runs/tiles/map_tiles.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
@@ -143,7 +142,7 @@ void add_match_distances(Json& report, std::vector<double> distances_m) {
   report["match_p99_m"] = quantile_of_sorted(distances_m, 0.99);
 }
 
-// What is known of the path besides its poses; nothing where its loops were not closed.
+// Writes covariances and graph of the path if its loops were closed.
 void write_path_facts(RunFolder& folder, const MapOutcome& outcome, const GraphLines* graph) {
   if (!outcome.closed) return;
   write_file_atomically(folder.staged("covariance.csv"),

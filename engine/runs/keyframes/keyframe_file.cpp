@@ -20,14 +20,14 @@ namespace {
 
 constexpr std::string_view kMagic = "gdtslam-keyframe";
 constexpr std::uint32_t kKeyframeVersion = 1;
-constexpr std::uint8_t kInSinglePrecision = 1;  // of the file
-constexpr std::uint8_t kHasCovariance = 1;      // of a keyframe
+constexpr std::uint8_t kInSinglePrecision = 1;  // flag of the file
+constexpr std::uint8_t kHasCovariance = 1;      // flag of a keyframe
 constexpr std::uint8_t kHasSpeed = 2;
 constexpr std::size_t kDigestDigits = 64;
 constexpr std::uint32_t kMostRange_mm = 100'000'000;  // farther away no point counts
-constexpr double kFarthestPose_m = 2.0e7;             // of two places on earth
+constexpr double kFarthestPose_m = 2.0e7;             // distance of two places on earth
 constexpr std::size_t kMostKeyframeBytes = std::size_t{4} << 30U;
-constexpr double kNoVariance = -1.0e-12;  // what differences of large numbers leave of zero
+constexpr double kNoVariance = -1.0e-12;  // rounding of a zero in differences of large numbers
 constexpr double kMmInMetre = 1000.0;
 
 void append_pose(BytesOut& out, const Pose2& pose) { out.number(pose.x_m).number(pose.y_m).number(pose.theta_rad); }

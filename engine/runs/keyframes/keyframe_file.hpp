@@ -23,14 +23,15 @@ inline constexpr const char* kKeyframeFile = "keyframes.bin.gz";
 /// A scan that was merged into the map.
 struct RunKeyframe {
   std::size_t scan = 0;                      ///< by its number: an index into the trajectory
-  Pose2 T_map_base;                          ///< where the map has it
-  std::optional<PoseCovariance> covariance;  ///< where the run closed loops
-  LaserScan laser;  ///< as it was mapped; once read back, ranges are whole millimetres, and infinite without a return
+  Pose2 T_map_base;                          ///< pose in the map
+  std::optional<PoseCovariance> covariance;  ///< present if the run closed loops
+  LaserScan
+      laser;  ///< the scan that was mapped; once read back, ranges are whole millimetres, and infinite without a return
 };
 
 /// All of a run, in the order in which they were merged.
 struct RunKeyframes {
-  std::string config_sha256;         ///< of config.yaml of the run, 64 hexadecimal digits
+  std::string config_sha256;         ///< hash of config.yaml of the run, 64 hexadecimal digits
   bool in_single_precision = false;  ///< the map took the points as floats: runs that close loops do
   std::vector<RunKeyframe> keyframes;
 };
@@ -38,7 +39,7 @@ struct RunKeyframes {
 /// A range in whole millimetres, to the nearest, at least 1; 0 is no return: not finite, below zero, 100 km and more.
 std::uint32_t range_in_mm(float range_m);
 
-/// What the file holds, unpacked, without its checksum at the end. Scans ascend.
+/// Content of the file, unpacked, without its checksum at the end. Scans ascend.
 std::string keyframe_bytes(const RunKeyframes& run);
 /// Back again; `name` stands in messages. Throws InputError with the byte where something does not fit: no memory is
 /// taken for a number that the bytes state.

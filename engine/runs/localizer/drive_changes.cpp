@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "engine/runs/folder/run_reader.hpp"
-#include "fit_limit.hpp"
+#include "engine/runs/localizer/map_field.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/occupancy_map_file.hpp"
 

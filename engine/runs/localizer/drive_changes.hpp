@@ -1,4 +1,4 @@
-// What a drive that was followed in a map tells of changes there. Only scans count that were matched well where the
+// Changes in a map that a drive in it shows. Only scans count that were matched well while the
 // robot was followed, in no doubt about where that is. Frame: the map's, metres. One object belongs to one thread.
 // Cost: engine/mapping/changes.
 #pragma once
@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "drive.hpp"
 #include "engine/mapping/changes/map_changes.hpp"
 #include "engine/mapping/changes/view_counts.hpp"
+#include "engine/runs/localizer/localize_log.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/mapping/config.hpp"
 #include "gdtslam/mapping/occupancy.hpp"
@@ -29,7 +29,7 @@ class DriveChanges {
   [[nodiscard]] const OccupancyMap& map() const { return map_; }
   [[nodiscard]] const ChangeLimits& limits() const { return limits_; }
   [[nodiscard]] std::size_t views() const { return views_.views(); }
-  /// Where they were taken, in stretches without a gap.
+  /// Places where they were taken, in stretches without a gap.
   [[nodiscard]] const std::vector<Trajectory>& stretches() const { return stretches_; }
   [[nodiscard]] MapChanges found() const { return find_changes(map_, views_, before_ ? &*before_ : nullptr, limits_); }
 

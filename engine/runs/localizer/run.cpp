@@ -152,7 +152,7 @@ std::uint32_t Localizer::units_of(double distance_m, std::size_t points) const {
   return static_cast<std::uint32_t>(std::min(units, kMostUnits));
 }
 
-// What the map does not explain lies at most as far from it as distances are kept.
+// Points that the map does not explain lie at most as far from it as distances are kept.
 double Localizer::worst_of_changed_m() const {
   const double truncation_m = resolution_m() * static_cast<double>(field_.file.cap) / kFieldOne;
   const double share = LocalizeLimits::kLeastExplained;
@@ -221,7 +221,7 @@ LocalizedScan Localizer::find(const LaserScan& scan, std::uint64_t index, bool w
   }
   found.verdict = verdict_of(found, accepted_m);
   if (found.is_changed && found.verdict != Verdict::kFound) {
-    found.verdict = Verdict::kPoorFit;  // what fits elsewhere as well has not changed here
+    found.verdict = Verdict::kPoorFit;  // a scan that fits elsewhere as well does not show a change here
     found.is_changed = false;
   }
   found.cpu_s = thread_cpu_s() - begin_s;

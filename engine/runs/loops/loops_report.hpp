@@ -1,4 +1,4 @@
-// What report.json says of the path with its loops closed: each loop, what the wheels get wrong, and the stretches that
+// The report of a path with closed loops: each loop, the errors of the wheels, and the stretches that
 // are not to be trusted. Thread-safe; linear in scans and loops.
 #pragma once
 

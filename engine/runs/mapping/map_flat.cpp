@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "engine/runs/streams/next_unless_stopped.hpp"
+#include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/error.hpp"
 #include "map_run.hpp"
 
@@ -77,7 +77,7 @@ void MapRun::end_with(const std::exception_ptr& problem) {
   }
 }
 
-// What was read before a stop that ends the log is in the copy of the log, so it is mapped.
+// Scans that were read before a stop that ends the log are in the kept log, so they are mapped.
 void MapRun::map_flat(const Progress& progress) {
   ScanAhead ahead(scans_, has_threads_ && !job_.scan_mapped && are_plain_files(job_.logs));
   NextObservation next;
@@ -89,14 +89,14 @@ void MapRun::map_flat(const Progress& progress) {
     std::vector<ObservedScan> places = observation_points_.place(observation);
     const MatchResult result = match(observation, places, ahead, next);
     take_observation(observation, places, result);
-    progress(mapped_.size(), ahead.progress());
+    progress(poses_.size(), ahead.progress());
     watch_.add_cpu_to(outcome_.occupancy_cpu_s);
     if (next.problem && !stop_()) end_with(next.problem);
   }
-  if (job_.stop_ends_log && mapped_.size() > 0) stop_ = [] { return false; };
+  if (job_.stop_ends_log && poses_.size() > 0) stop_ = [] { return false; };
   outcome_.interrupted = stop_();
   ahead.stop();
-  outcome_.mapper_cpu_s -= ahead.cpu_s();  // where it was counted, going on meanwhile
+  outcome_.mapper_cpu_s -= ahead.cpu_s();  // the thread counted it meanwhile
   outcome_.read_cpu_s += ahead.cpu_s();
 }
 
@@ -118,7 +118,7 @@ void MapRun::close_loops() {
   scans_kept_.reset();
   watch_.add_cpu_to(outcome_.occupancy_cpu_s);
   const double beside_s = loops_->finish_field();
-  outcome_.occupancy_cpu_s -= beside_s;  // where it was counted, going on meanwhile
+  outcome_.occupancy_cpu_s -= beside_s;  // the thread counted it meanwhile
   outcome_.loops_cpu_s += beside_s;
   take_closed(std::move(path));
 }

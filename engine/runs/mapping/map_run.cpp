@@ -11,7 +11,7 @@
 #include "engine/core/worker_pool.hpp"
 #include "engine/mapping/nodding/level_scan.hpp"
 #include "engine/runs/streams/log_check.hpp"
-#include "engine/runs/streams/next_unless_stopped.hpp"
+#include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
 
@@ -40,7 +40,7 @@ OccupancyBuilder::Limits occupancy_limits(const MapperConfig& config) {
           .max_cells = static_cast<std::uint64_t>(config.map.max_megacells) << 20U};
 }
 
-/// What there is besides where the laser nods. Points go to the cloud, where there is one, and to the check of the
+/// Additional state for a nodding laser. Points go to the cloud, if there is one, and to the check of the
 /// sweeps.
 struct MapRun::Nodding : CloudSink {
   Nodding(const NoddingJob& job, std::unique_ptr<CloudOutput> output, Backend& backend, MapRun& run)
@@ -91,7 +91,8 @@ MapRun::MapRun(const MapJob& job, Backend& backend, ScanStream scans, const Nodd
                std::unique_ptr<CloudOutput> cloud)
     : job_(job),
       scans_(std::move(scans)),
-      mapped_(job.on_failure.scratch_folder),
+      poses_(job.on_failure.scratch_folder, ByteShelf::kFewBytes),
+      match_distances_m_(job.on_failure.scratch_folder, ByteShelf::kFewBytes),
       merged_scans_(job.on_failure.scratch_folder),
       observation_points_(job.mapper.scan),
       observed_(job.on_failure.scratch_folder, ByteShelf::kFewBytes),
@@ -130,16 +131,16 @@ void MapRun::take_match(const MatchResult& result, const Pose2& T_map_base, cons
   if (!is_final && is_kept_.back() && job_.with_occupancy) scans_kept_->put(scan);
   if (result.doubt != Doubt::kNone) {
     const Pose2 off = between(result.T_map_predicted, result.T_map_base);
-    outcome_.doubtful.push_back({mapped_.size(), result.stamp_s, result.doubt, result.accepted,
-                                 off.translation().norm(), std::fabs(off.theta_rad)});
+    outcome_.doubtful.push_back({poses_.size(), result.stamp_s, result.doubt, result.accepted, off.translation().norm(),
+                                 std::fabs(off.theta_rad)});
   }
-  if (result.accepted && result.evaluations > 0) mapped_.add_distance(result.mean_cost_m);
-  // Where loops are closed the path begins with a keyframe, whatever its scan.
-  const bool is_first = loops_ && mapped_.size() == 0;
+  if (result.accepted && result.evaluations > 0) match_distances_m_.put(result.mean_cost_m);
+  // With loops closed the path begins with a keyframe, whatever its scan.
+  const bool is_first = loops_ && poses_.size() == 0;
   is_merged_.push_back(!nodding_ && (result.merged || is_first));
   if (is_merged_.back()) merged_scans_.put(scan);
-  if (result.merged && is_final) push_sparingly(outcome_.keyframes, mapped_.size());
-  mapped_.add({result.stamp_s, T_map_base});
+  if (result.merged && is_final) push_sparingly(outcome_.keyframes, poses_.size());
+  poses_.put({result.stamp_s, T_map_base});
 }
 
 // A map that becomes too large for one piece is made in tiles, once it is known where all keyframes are. That of a
@@ -163,7 +164,7 @@ void MapRun::cast(const LaserScan& scan, const Pose2& T_map_base) {
   casting_->give([this, scan, T_map_base] { occupancy_->add(scan, T_map_base); });
 }
 
-// What the thread spent has been counted to what went on meanwhile.
+// The CPU time of the thread was added to the stage that ran meanwhile.
 void MapRun::finish_casting() {
   if (!casting_) return;
   casting_->finish();
@@ -189,7 +190,7 @@ void MapRun::take(const NoddingPose& pose, const NoddingScan& scan) {
   if (pose.match) {
     take_match(*pose.match, pose.T_map_base, level_scan(scan, nodding_->scanner));
   } else {
-    mapped_.add({pose.stamp_s, pose.T_map_base});
+    poses_.put({pose.stamp_s, pose.T_map_base});
   }
 }
 
@@ -284,12 +285,12 @@ MapOutcome MapRun::run(const Progress& progress, const std::function<bool()>& st
   Stopwatch whole;
   try {
     nodding_ ? map_nodding(progress) : map_flat(progress);
-    outcome_.trajectory = mapped_.trajectory();
-    outcome_.match_distances_m = mapped_.distances_m();
+    outcome_.trajectory = poses_.all();
+    outcome_.match_distances_m = match_distances_m_.all();
     if (loops_ && !nodding_) close_loops();
     finish();
   } catch (...) {
-    // What was wrong with an earlier scan was wrong first.
+    // A fault of an earlier scan is reported first.
     if (casting_) casting_->finish();
     if (loops_) loops_->finish_field();
     throw;

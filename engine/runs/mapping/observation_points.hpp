@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/runs/streams/observation.hpp"
+#include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/mapping/mapper.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 
@@ -24,7 +24,7 @@ class ObservationPoints {
  public:
   explicit ObservationPoints(const ScanConfig& valid) : valid_(valid) {}
 
-  /// Where the robot was at each of its scans.
+  /// The robot's pose at each of its scans.
   [[nodiscard]] std::vector<ObservedScan> place(const Observation& observation);
   /// All returns as one scan. Lasers none of whose scans are in the map yet come last, as its unknown points.
   [[nodiscard]] PointScan points(const Observation& observation, const std::vector<ObservedScan>& places);

@@ -80,7 +80,7 @@ void SweepSampler::close_sweep() {
     options.max_points = kMostPoints;
     const RegistrationResult found = register_clouds(means, previous_means_, options);
     if (found.converged && found.weakest_share >= kLeastWeakest) {
-      // Of the sweep's centre: about the map's origin a turn would count as a shift.
+      // The shift is that of the sweep's centre: about the map's origin a turn would count as a shift.
       const Point3 centre = centre_of(current_);
       const Point3 shift = found.T_target_source * centre - centre;
       const Eigen::Vector3d turn = log_so3(found.T_target_source.rotation);

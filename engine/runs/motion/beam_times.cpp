@@ -21,13 +21,14 @@ constexpr std::size_t kFewestPairs = 40;  // four a tenth
 constexpr double kRateChange_rad_per_s = 0.3;
 constexpr std::size_t kPairTenths = 10;
 constexpr std::size_t kFewestBetter = 9;
-constexpr double kLeastGain = 0.02;           // of the share of points
+constexpr double kLeastGain = 0.02;           // gain in the share of points
 constexpr double kLeastOff_s = 0.02;          // a degree at 1 rad/s
 constexpr double kSigmas = 5.0;               // beyond chance
 constexpr double kLeastSweepSigma_s = 0.002;  // the speed is not constant within a sweep
-constexpr double kRoundShare = 0.1;   // of the log's sweep: so near to its reverse, or to none, the best one is that
-constexpr int kCoarse = 3;            // half periods of the scans to each side
-constexpr int kHalvings = 4;          // of that step: to a 32nd of a period
+constexpr double kRoundShare =
+    0.1;                    // share of the log's sweep: a result so near to its reverse, or to none, is taken for that
+constexpr int kCoarse = 3;  // half periods of the scans to each side
+constexpr int kHalvings = 4;          // halvings of that step: to a 32nd of a period
 constexpr double kFewestLaid = 15.0;  // points that lay a scan on another
 constexpr double kHold = 0.01;        // information that a point adds along what no surface shows
 

@@ -1,18 +1,136 @@
 #include "site_outcome.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 
+#include "engine/mapping/changes/session_changes.hpp"
 #include "engine/mapping/cost/fit.hpp"
+#include "engine/mapping/map/scan_beams.hpp"
 #include "engine/runs/folder/report_reader.hpp"
+#include "engine/runs/folder/run_reader.hpp"
+#include "engine/runs/keyframes/map_of_keyframes.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 
 namespace gdtslam {
+namespace {
+
+std::vector<SiteDrive> drives_of(const std::vector<RunSession*>& runs) {
+  std::vector<SiteDrive> drives;
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    const RunSession& run = *runs[k];
+    for (const DriveStretch& stretch : drive_stretches_of({run.kept.keyframes, run.trajectory, run.drives})) {
+      drives.push_back({k, run.folder, stretch.first_keyframe, stretch.end_keyframe, stretch.first_s, stretch.last_s});
+    }
+  }
+  return drives;
+}
+
+std::vector<DriveViews> views_of(const std::vector<SiteDrive>& drives, const MergedSite& site,
+                                 const std::vector<RunSession*>& runs, const ViewCounts::Limits& limits) {
+  std::vector<DriveViews> all;
+  for (const SiteDrive& drive : drives) {
+    all.push_back({ViewCounts(limits), drive.first_s, drive.last_s});
+    for (std::size_t i = drive.first_keyframe; i < drive.end_keyframe; ++i) {
+      all.back().views.add(runs[drive.run]->kept.keyframes[i].laser, site.poses[drive.run][i]);
+    }
+  }
+  return all;
+}
+
+// Its beams become such without return; says how many.
+std::size_t take_out(const SessionChanges& found, std::size_t drive, const Pose2& T_site_base, const RayLimits& limits,
+                     LaserScan& scan) {
+  std::vector<ScanRay> rays;
+  collect_rays(scan, T_site_base, beam_directions(scan), limits, rays);
+  std::size_t taken = 0;
+  for (const ScanRay& ray : rays) {
+    if (!ray.is_return || !found.is_overruled(drive, ray.end.cell())) continue;
+    scan.ranges_m[ray.beam] = std::numeric_limits<float>::infinity();
+    ++taken;
+  }
+  return taken;
+}
+
+ChangesLayer layer_of(const std::vector<ChangedCell>& cells, CellOffset offset) {
+  ChangesLayer layer;
+  layer.cells.reserve(cells.size());
+  for (const ChangedCell& changed : cells) layer.cells.push_back({changed.cell + offset, changed.patch});
+  layer.patches = static_cast<std::uint32_t>(patches_of(cells));
+  return layer;
+}
+
+}  // namespace
+
+SiteChanges take_out_changes(const MergedSite& site, const std::vector<RunSession*>& runs) {
+  const ChangeLimits limits;
+  const MapperConfig& config = runs.front()->settings.mapper;
+  const ViewCounts::Limits counted = change_view_limits(config, limits);
+  SiteChanges changes{.resolution_m = config.map.resolution_m, .drives = drives_of(runs), .by_drive = {}, .last = {}};
+  const std::vector<DriveViews> views = views_of(changes.drives, site, runs, counted);
+  const SessionChanges found(views, changes.resolution_m, limits);
+  changes.by_drive = found.by_drive();
+  changes.last = found.last();
+  if (changes.last.gone.empty()) return changes;
+  for (std::size_t k = 0; k < changes.drives.size(); ++k) {
+    const SiteDrive& drive = changes.drives[k];
+    RunSession& run = *runs[drive.run];
+    ScanPoints points(run.settings.mapper.scan);
+    for (std::size_t i = drive.first_keyframe; i < drive.end_keyframe; ++i) {
+      LaserScan& scan = run.kept.keyframes[i].laser;
+      const std::size_t taken = take_out(found, k, site.poses[drive.run][i], counted.rays, scan);
+      if (taken > 0) run.session.scans[i] = keep_scan(points.of(scan));
+      changes.readings += taken;
+    }
+  }
+  return changes;
+}
+
+Canvas changes_picture_of(const SiteChanges& changes, const OccupancyMap& map, const MergedSite& site,
+                          const std::vector<const RunSession*>& runs) {
+  const CellOffset offset = cells_from_origin(map.geometry);
+  ChangesOverlay overlay{layer_of(changes.last.appeared, offset), layer_of(changes.last.gone, offset), {}};
+  for (const SiteDrive& drive : changes.drives) {
+    Trajectory path;
+    for (std::size_t i = drive.first_keyframe; i < drive.end_keyframe; ++i) {
+      path.push_back({runs[drive.run]->kept.keyframes[i].laser.stamp_s, site.poses[drive.run][i]});
+    }
+    overlay.drives.push_back(std::move(path));
+  }
+  MapLook look;
+  look.title = "What changed between the drives";
+  look.subtitle = fmt::format("{} drives; what is gone is not in the map, and what is new is", changes.drives.size());
+  return changes_picture(map, overlay, look, size_for_content(map.geometry.width, map.geometry.height));
+}
+
+nlohmann::ordered_json changes_json(const SiteChanges& changes) {
+  const auto cells_json = [&](const std::vector<ChangedCell>& cells) {
+    return nlohmann::ordered_json{
+        {"places", patches_of(cells)},
+        {"cells", cells.size()},
+        {"area_m2", changes.resolution_m * changes.resolution_m * static_cast<double>(cells.size())}};
+  };
+  nlohmann::ordered_json drives = nlohmann::ordered_json::array();
+  for (std::size_t k = 0; k < changes.drives.size(); ++k) {
+    drives.push_back({{"run", changes.drives[k].folder},
+                      {"first_stamp_s", changes.drives[k].first_s},
+                      {"last_stamp_s", changes.drives[k].last_s},
+                      {"new", cells_json(changes.by_drive[k].appeared)},
+                      {"gone", cells_json(changes.by_drive[k].gone)}});
+  }
+  return {{"drives", std::move(drives)},
+          {"new", cells_json(changes.last.appeared)},
+          {"gone", cells_json(changes.last.gone)},
+          {"readings_taken_out", changes.readings}};
+}
+
 namespace {
 
 constexpr std::size_t kMostMatched = 4000;  // points of a keyframe
@@ -27,7 +145,7 @@ PoseCovariance covariance_of(const Matrix3& m) {
   return {.xx = m(0, 0), .xy = m(0, 1), .xt = m(0, 2), .yy = m(1, 1), .yt = m(1, 2), .tt = m(2, 2)};
 }
 
-// What the run's report says of its doubtful scans, numbered anew.
+// Adds the doubtful scans of a run's report, numbered anew.
 void add_doubtful(const ReportReader& report, const RunSession& run, std::size_t before,
                   std::vector<DoubtfulScan>& doubtful) {
   for (const ReportReader& entry : report.entries("doubtful_scans")) {
@@ -51,7 +169,7 @@ void add_counts(const ReportReader& report, const RunSession& run, MapperStatist
   sum.restarts += report.whole("restarts");
 }
 
-// Of its drives, each from its first stamp to its last; the days between them do not count.
+// Sum over the drives, each from its first stamp to its last; the days between them do not count.
 double duration_s_of(const Trajectory& path, const std::vector<std::size_t>& drives) {
   double duration_s = 0.0;
   for (std::size_t k = 0; k <= drives.size(); ++k) {

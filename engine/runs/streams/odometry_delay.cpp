@@ -18,15 +18,15 @@ constexpr double kDelayStep_s = 0.01;
 constexpr double kLongestStep_s = 1.0;      // between scans
 constexpr double kSlip_rad = 0.05;          // beyond which a difference counts as this much, or as
 constexpr double kSlipNoises = 3.0;         // deviations of the differences
-constexpr double kMedianOfNormal = 0.6745;  // of the absolute value of a normal variable
-constexpr double kLeastTurn_rad = 3.0;      // of all steps, to tell anything
+constexpr double kMedianOfNormal = 0.6745;  // median of the absolute value of a normal variable
+constexpr double kLeastTurn_rad = 3.0;      // sum over all steps that suffices for an estimate
 constexpr std::size_t kMostShifted = 512;
 constexpr double kAround = 1.5;           // periods of the odometry on each side of the best shift: a parabola
 constexpr std::size_t kFewestAround = 4;  // shifts
 constexpr std::size_t kMostAround = 40;
-constexpr std::size_t kTenths = 10;      // of the log, each of which is left out once
-constexpr double kLeastSigma_s = 0.002;  // what straight lines between stamps leave
-constexpr double kLeastWalk_s = 1.0e-6;  // what its smoothing varies by, to be told from the parabola
+constexpr std::size_t kTenths = 10;      // parts of the log, each of which is left out once
+constexpr double kLeastSigma_s = 0.002;  // error of straight lines between stamps
+constexpr double kLeastWalk_s = 1.0e-6;  // least variation of its smoothing that is distinguishable from the parabola
 
 /// Headings by odometry over time, unwrapped; along straight lines between the stamps.
 class HeadingTrack {
@@ -41,10 +41,10 @@ class HeadingTrack {
   /// A heading on the track.
   struct Place {
     double heading_rad = 0.0;
-    std::size_t after = 0;  ///< of the two points that it lies between
-    double share = 0.0;     ///< of the way from the one before
+    std::size_t after = 0;  ///< index of the later of the two points that it lies between
+    double share = 0.0;     ///< share of the way from the one before
   };
-  /// Nothing outside of the track, and where it has a gap.
+  /// Returns none outside of the track and in its gaps.
   [[nodiscard]] std::optional<Place> at(double stamp_s) const {
     const auto after = std::lower_bound(points_.begin(), points_.end(), std::pair(stamp_s, -1e300));
     if (after == points_.begin() || after == points_.end()) return std::nullopt;
@@ -72,8 +72,8 @@ class HeadingTrack {
 
 /// How badly turns by scans and by odometry agree at a shift.
 struct Agreement {
-  double sum = 0.0;   ///< of squared differences, those of slips capped, rad^2
-  double walk = 0.0;  ///< of HeadingTrack::walk_s()
+  double sum = 0.0;   ///< sum of squared differences, those of slips capped, rad^2
+  double walk = 0.0;  ///< sum of HeadingTrack::walk_s()
   std::size_t steps = 0;
   [[nodiscard]] double mean() const {
     return steps > 0 ? sum / static_cast<double>(steps) : std::numeric_limits<double>::infinity();
@@ -86,7 +86,7 @@ struct Agreement {
   }
 };
 
-/// Of the parts of a log one after the other, and of all.
+/// Agreement in the parts of a log one after the other, and in all.
 struct Agreements {
   std::array<Agreement, kTenths> of_parts;
   Agreement all;
@@ -185,9 +185,9 @@ double turned_rad(std::span<const TimedHeading> headings) {
   return sum;
 }
 
-// Where a parabola through what the shifts around the best one leave is lowest, in shifts from the first. Least squares
-// with four unknowns: constant, slope, bend, and the share of what is left that is a random walk of the odometry.
-// Between two of its stamps that walk is smoothed, which looks like a better shift by up to half a period.
+// The minimum of a parabola through the disagreement at shifts around the best one, in shifts from the first. Least
+// squares with four unknowns: constant, slope, bend, and the share of what is left that is a random walk of the
+// odometry. Between two of its stamps that walk is smoothed, which looks like a better shift by up to half a period.
 std::optional<double> lowest_of(std::span<const Agreement> around) {
   const auto count = static_cast<double>(around.size());
   const double middle = 0.5 * (count - 1.0);

@@ -22,9 +22,9 @@ namespace {
 constexpr double kEnoughTurn_rad = 20.0;
 constexpr std::size_t kMostScans = 3000;
 constexpr double kWindow_s = 2.0;       // longer than odometry is late
-constexpr double kTurn_rad = 0.1;       // of a window, to count as a turn
-constexpr double kStraight_m = 0.3;     // of a stretch, more than scans are off
-constexpr double kStraight_rad = 0.15;  // of all turns in it
+constexpr double kTurn_rad = 0.1;       // turn of a window, to count as one
+constexpr double kStraight_m = 0.3;     // length of a stretch, more than scans are off
+constexpr double kStraight_rad = 0.15;  // sum of all turns in it
 constexpr double kSnap_rad = 5.0 * kPi / 180.0;
 
 // Turns are wanted, and not the best map: a scan that lies wrongly is one of many. Nothing but the last motion says
@@ -165,7 +165,7 @@ bool DirectionAgreement::is_turned() const {
 
 DirectionAgreement direction_agreement(std::span<const TimedMotion> motions) {
   DirectionAgreement found;
-  Point2 sum = Point2::Zero();  // of the path by the scans, the x axis along that by the wheels
+  Point2 sum = Point2::Zero();  // path by the scans, the x axis along that by the wheels
   double scans_m = 0.0;
   double turned_rad = 0.0;
   std::size_t from = 0;

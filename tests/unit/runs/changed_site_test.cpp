@@ -11,7 +11,7 @@
 #include "engine/runs/folder/run_reader.hpp"
 #include "engine/runs/mapping/map_run.hpp"
 #include "engine/runs/sites/merge_runs.hpp"
-#include "engine/runs/tiles/tile_maker.hpp"
+#include "engine/runs/tiles/map_tiles.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/io/occupancy_map_file.hpp"
 #include "ring_run.hpp"

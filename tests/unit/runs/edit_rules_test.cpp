@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/runs/edits/edit_arguments.hpp"
+#include "engine/runs/edits/edit_run.hpp"
 #include "engine/runs/edits/edit_steps.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "engine/runs/edits/map_region.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/random.hpp"

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "engine/runs/edits/edit_steps.hpp"
-#include "engine/runs/edits/resolve_steps.hpp"
 #include "engine/runs/edits/source_run.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"

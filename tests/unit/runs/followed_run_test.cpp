@@ -8,11 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/runs/localizer/drive.hpp"
 #include "engine/runs/localizer/drive_changes.hpp"
-#include "engine/runs/localizer/fit_limit.hpp"
-#include "engine/runs/localizer/scans.hpp"
-#include "engine/runs/localizer/tables.hpp"
+#include "engine/runs/localizer/localize_log.hpp"
+#include "engine/runs/localizer/map_field.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "ring_run.hpp"

@@ -1,6 +1,6 @@
 // Which scans of several lasers are one observation: expected values follow from the stamps of lasers with steady
 // rates.
-#include "engine/runs/streams/observation.hpp"
+#include "engine/runs/streams/scan_stream.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

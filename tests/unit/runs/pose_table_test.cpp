@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/runs/localizer/tables.hpp"
+#include "engine/runs/localizer/localize_log.hpp"
 #include "gdtslam/core/error.hpp"
 #include "ring_run.hpp"
 

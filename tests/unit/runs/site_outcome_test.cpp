@@ -1,6 +1,6 @@
 // What a site has of its runs: paths that follow their keyframes, counts, doubts and the graph, all by hand.
 #include "engine/runs/sites/site_outcome.hpp"
-#include "engine/runs/keyframes/changes_of_keyframes.hpp"
+#include "engine/runs/keyframes/map_of_keyframes.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "engine/mapping/map/separate_map.hpp"
-#include "engine/runs/sites/site_changes.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 #include "support/pose_matchers.hpp"

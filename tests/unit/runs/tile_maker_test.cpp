@@ -1,5 +1,5 @@
 // Tiles of a map: each has the cells of the map of all keyframes, alone and with others.
-#include "engine/runs/tiles/tile_maker.hpp"
+#include "engine/runs/tiles/map_tiles.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Maps placed in the world by points: against motions that are known, and against a search that knows no formula.
-#include "engine/runs/edits/georeference.hpp"
+#include "engine/runs/edits/edit_steps.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

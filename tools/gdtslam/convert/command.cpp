@@ -43,7 +43,7 @@ struct ConvertOptions {
   bool quiet = false;
 };
 
-/// Of what is written, and how many scans were read.
+/// Counts of records written, and of scans read.
 struct ConvertCounts {
   std::uint64_t scans_read = 0;
   std::uint64_t scans = 0;
@@ -62,7 +62,7 @@ std::optional<ChunkPacking> packing_named(const std::string& name) {
   throw UsageError(fmt::format("--compression: {} is none of none, lz4, zstd", in_quotes(name)));
 }
 
-// What would change nothing of the log that is written.
+// Refuses settings that would change nothing of the log that is written.
 void require_useful(const Settings& settings) {
   for (const std::string& path : settings.from_sets) {
     if (path.starts_with("log.") && !path.starts_with("log.odometry_")) continue;
@@ -168,7 +168,7 @@ int convert(const ConvertOptions& options) {
   return static_cast<int>(ExitCode::kInterrupted);
 }
 
-// Whoever reads standard output may have enough, as `head` has.
+// The reader of standard output may have enough, as `head` has.
 int convert_for_reader(const ConvertOptions& options) {
   try {
     return convert(options);

@@ -6,17 +6,15 @@
 #include <optional>
 #include <string>
 
-#include "contents.hpp"
-#include "doctor.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/io/log_contents.hpp"
 #include "engine/runs/streams/log_check.hpp"
 #include "engine/runs/streams/odometry_delay.hpp"
 #include "engine/runs/streams/scan_motion.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
-#include "findings.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/runs/settings.hpp"
+#include "tools/gdtslam/doctor/doctor.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/options.hpp"
@@ -47,8 +45,8 @@ Findings findings_of(const DoctorOptions& options) {
     found.faults.push_back(no_return_finding(*value, constants.beams));
     read.max_range_m = value->range_m;
   }
-  const bool is_measured =
-      settings.log.odometry_stamps == OdometryStamps::kMeasured && !found.check.nod.has_records();  // as in map
+  const bool is_measured = settings.log.odometry_stamps == OdometryStamps::kMeasured &&
+                           !found.check.nod.has_records();  // the same rule as in map
   if (is_measured && !interrupted() && found.check.obstacle().empty()) {
     const MotionLook look =
         look_at_motion_by_scans(options.log, read, {}, settings.mapper, [] { return interrupted(); });

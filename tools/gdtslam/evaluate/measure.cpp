@@ -51,7 +51,7 @@ Point3 viewpoint_of(const std::string& text) {
   return point;
 }
 
-// What the command line asks for, checked before the cloud is read.
+// The job of the command line, checked before the cloud is read.
 MeasureJob job_of(const EvaluateOptions& options) {
   const MeasureOptions& chosen = options.measure;
   MeasureJob job = chosen.job;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "engine/io/json_file.hpp"
-#include "engine/runs/evaluation/known_relations.hpp"
+#include "engine/runs/evaluation/errors.hpp"
 #include "engine/runs/evaluation/stated_errors.hpp"
 #include "engine/runs/folder/run_reader.hpp"
 #include "engine/runs/inputs/given_files.hpp"
@@ -32,7 +32,7 @@ Json as_json(const RelationErrors& e) {
   return {{"translation_m", errors_json(e.translation_m)}, {"rotation_deg", errors_json(e.rotation_deg)}};
 }
 
-// Of the relations, as many as have stamps that do not tell which pose is meant.
+// `repeated` relations have stamps that do not say which pose is meant.
 std::string relation_text(const RelationReport& report, std::size_t repeated) {
   std::string text = errors_heading();
   text += errors_row("all", report.all.translation_m, "m") + errors_row("", report.all.rotation_deg, "deg");
@@ -167,7 +167,7 @@ Json reference_json(const ReferenceReport& report, const ReferenceOptions& optio
       {"unmatched", report.unmatched}};
 }
 
-// Where stamps do not meet, one of the files may have them in another unit.
+// If no stamps meet, one of the files may have them in another unit.
 ReferenceReport reference_report(const EvaluateOptions& options, const Trajectory& estimate,
                                  const Trajectory& reference, const ReferenceOptions& how) {
   try {

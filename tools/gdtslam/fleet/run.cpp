@@ -82,7 +82,7 @@ FleetWork work_of(const RunOptions& options) {
   work.request.linkage = options.linkage;
   work.request.with_continue_file = false;
   DeviceOptions device = options.device;
-  device.are_threads_given = true;  // as many processes as processors fill them
+  device.are_threads_given = true;  // the processes alone fill the processors
   work.request.on_failure = on_failure_of(device);
   work.request.stop = [] { return interrupted(); };
   work.map = [device](const MapRequest& request) {
@@ -188,7 +188,7 @@ class FleetRun {
   FleetWork work_;
   std::vector<FleetLog> logs_;
   TerminalLine line_;
-  std::map<std::size_t, double> shares_;  ///< of the logs in hand
+  std::map<std::size_t, double> shares_;  ///< share done of each log in hand
   double all_bytes_ = 0.0;
   double left_bytes_ = 0.0;
   std::size_t mapped_ = 0;

@@ -8,16 +8,14 @@
 #include <thread>
 #include <vector>
 
-#include "changes_output.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
-#include "engine/runs/localizer/tables.hpp"
+#include "engine/runs/localizer/localize_log.hpp"
 #include "engine/runs/mapping/stopwatch.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
-#include "options.hpp"
-#include "output.hpp"
 #include "tools/gdtslam/drawings/drawing_file.hpp"
+#include "tools/gdtslam/localize/localize.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/device/device_option.hpp"
@@ -25,7 +23,6 @@
 #include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
 #include "tools/gdtslam/shell/written_files.hpp"
-#include "tracking.hpp"
 
 namespace gdtslam {
 namespace {

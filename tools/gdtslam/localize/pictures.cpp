@@ -10,7 +10,7 @@
 #include "engine/core/elementary.hpp"
 #include "engine/drawing/maps/cell_image.hpp"
 #include "engine/drawing/maps/map_sheet.hpp"
-#include "output.hpp"
+#include "tools/gdtslam/localize/localize.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 
 namespace gdtslam {
@@ -34,8 +34,8 @@ struct ShownPose {
 
 struct PosesOverlay {
   std::vector<ShownPose> poses;
-  bool are_path = false;             ///< of one robot, in order
-  std::array<std::string, 3> words;  ///< what each kind is called in the legend, which counts them
+  bool are_path = false;             ///< poses of one robot, in order
+  std::array<std::string, 3> words;  ///< name of each kind in the legend, which counts them
 };
 
 Colour colour_of_kind(PoseKind kind) {

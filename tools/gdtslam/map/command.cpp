@@ -181,7 +181,7 @@ void write_mcap(const MapOptions& options, const MapRequest& request, const MapO
   }
 }
 
-// What determines the result is that of the run.
+// Options that determine the result are those of the run.
 void check_continued(const CLI::App& command, const MapOptions& options) {
   if (options.continued.empty()) {
     if (options.logs.empty()) throw CLI::RequiredError("log");

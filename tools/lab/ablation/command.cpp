@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "engine/io/atomic_file.hpp"
-#include "engine/runs/evaluation/known_relations.hpp"
+#include "engine/runs/evaluation/errors.hpp"
 #include "engine/runs/mapping/map_run.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <functional>
 
-#include "engine/runs/evaluation/known_relations.hpp"
+#include "engine/runs/evaluation/errors.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "run.hpp"
 
