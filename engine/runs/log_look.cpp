@@ -31,7 +31,7 @@ bool is_motion_known(const MapRequest& request) {
 std::optional<OdometryDelay> odometry_delay(const MapRequest& request, std::span<const TimedMotion> motions) {
   const LogConfig& log = request.settings.log;
   if (log.odometry_stamps == OdometryStamps::kStated) return OdometryDelay{.delay_s = log.odometry_delay_s};
-  std::optional<OdometryDelay> delay = delay_of(headings_of(motions));
+  std::optional<OdometryDelay> delay = estimate_delay(to_headings(motions));
   if (!delay || !delay->stands_out()) return std::nullopt;
   if (request.warn) {
     request.warn(

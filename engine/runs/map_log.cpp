@@ -85,7 +85,7 @@ void require_not_stopped(const MapRequest& request) {
   throw Error(ExitCode::kInterrupted, "interrupted before the first scan; nothing is written");
 }
 
-MapJob job_of(const MapRequest& request) {
+MapJob make_job(const MapRequest& request) {
   return {.logs = request.logs,
           .read = read_options_of(request.settings.log, request.lenient),
           .range = request.range,
@@ -122,7 +122,7 @@ class LogRun {
     require_logs_elsewhere(request_);
     for (const std::string& log : request_.logs) states_.push_back(state_of_file(log));
     std::vector<LogFinding> findings = look_at_ranges(request_);
-    job_ = job_of(request_);
+    job_ = make_job(request_);
     job_.findings = std::move(findings);
     folder_ = std::make_unique<RunFolder>(request_.folder, request_.replace_foreign_files);
     streams_.resize(request_.logs.size());

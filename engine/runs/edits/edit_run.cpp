@@ -34,7 +34,7 @@ namespace {
 constexpr double kFarthestFromOrigin_m =
     10'000.0;  // from the origin: beyond that, cells in single precision lose their fractions
 
-std::vector<EditStep> steps_of(const std::string& file, const SourceRun& run) {
+std::vector<EditStep> recorded_steps(const std::string& file, const SourceRun& run) {
   if (run.earlier) {
     throw InputError(
         {run.reader.folder(), 0},
@@ -52,7 +52,7 @@ std::vector<EditStep> steps_of(const std::string& file, const SourceRun& run) {
 }
 
 // The direction of the walls, in the frame after the steps so far.
-WallDirection walls_of(const SourceRun& run, const Pose2& T_edited_run) {
+WallDirection find_walls(const SourceRun& run, const Pose2& T_edited_run) {
   WallDirectionFinder finder;
   ScanPoints points(run.settings.mapper.scan);
   for (const RunKeyframe& keyframe : run.kept.keyframes) {
@@ -69,7 +69,7 @@ std::optional<FrameEdit> frame_edit(const EditRequest& request, const SourceRun&
   FrameEdit edit;
   if (request.origin) edit.T_before_after = request.origin->pose;
   if (request.along_walls) {
-    const WallDirection walls = walls_of(run, so_far.T_edited_run);
+    const WallDirection walls = find_walls(run, so_far.T_edited_run);
     edit.by = FrameEdit::By::kWalls;
     edit.T_before_after.theta_rad = walls.angle_rad;
     edit.walls_share = walls.share;
@@ -121,14 +121,15 @@ void check_request(const EditRequest& request) {
 
 std::vector<EditStep> resolved_steps(const EditRequest& request, const SourceRun& run) {
   std::vector<EditStep> steps;
-  if (!request.again.empty()) steps = steps_of(request.again, run);
-  const EditPlan earlier = run.earlier ? plan_of(run.earlier->steps) : EditPlan{};
+  if (!request.again.empty()) steps = recorded_steps(request.again, run);
+  const EditPlan earlier = run.earlier ? combine_steps(run.earlier->steps) : EditPlan{};
   if (!request.points.empty()) {
     GeoreferenceEdit edit{request.points, {}};
     edit.fit = fit_georeference(request.points);
     steps.emplace_back(std::move(edit));
   }
-  if (std::optional<FrameEdit> frame = frame_edit(request, run, plan_of(steps, earlier))) steps.emplace_back(*frame);
+  if (std::optional<FrameEdit> frame = frame_edit(request, run, combine_steps(steps, earlier)))
+    steps.emplace_back(*frame);
   for (const MapRegion& region : request.erased) steps.emplace_back(EraseEdit{region});
   if (request.crop) steps.emplace_back(CropEdit{request.crop->low_m, request.crop->high_m});
   if (request.with_world_file) steps.emplace_back(WorldFileEdit{});
@@ -137,7 +138,7 @@ std::vector<EditStep> resolved_steps(const EditRequest& request, const SourceRun
         "nothing is to be done: name a step, as --rotate-to-walls, --origin, --crop, --erase, --georeference or "
         "--tiles");
   }
-  check_distance(run, plan_of(steps, earlier));
+  check_distance(run, combine_steps(steps, earlier));
   return steps;
 }
 
@@ -179,7 +180,7 @@ bool may_reach(const std::vector<MapRegion>& kept, const ScanConfig& valid, cons
     reach_m += scan.speed->head<2>().norm() * std::fmax(std::fabs(scan.first_beam_after_s), std::fabs(last_after_s));
   }
   return std::all_of(kept.begin(), kept.end(), [&](const MapRegion& region) {
-    const RegionBounds bounds = bounds_of(region);
+    const RegionBounds bounds = region_bounds(region);
     return T.x_m + reach_m >= bounds.low_m.x() && T.x_m - reach_m <= bounds.high_m.x() &&
            T.y_m + reach_m >= bounds.low_m.y() && T.y_m - reach_m <= bounds.high_m.y();
   });
@@ -335,7 +336,7 @@ EditOutcome edit_run(const EditRequest& request) {
   SourceRun run = read_source_run(request.run);
   EditOutcome outcome;
   outcome.steps = resolved_steps(request, run);
-  outcome.plan = plan_of(outcome.steps, run.earlier ? plan_of(run.earlier->steps) : EditPlan{});
+  outcome.plan = combine_steps(outcome.steps, run.earlier ? combine_steps(run.earlier->steps) : EditPlan{});
   if (outcome.plan.with_world_file && !run.reader.summary().map) {
     throw InputError({request.run, 0}, "has no occupancy map, as it was mapped with --no-map: --world-file needs one");
   }

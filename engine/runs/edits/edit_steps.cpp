@@ -37,7 +37,7 @@ CellIndex first_cell_from(const GridGeometry& map, const Point2& low_m) {
 CellBox cells_within(const GridGeometry& map, const std::vector<MapRegion>& kept) {
   CellBox box{{0, 0}, {map.width, map.height}};
   for (const MapRegion& region : kept) {
-    const RegionBounds bounds = bounds_of(region);
+    const RegionBounds bounds = region_bounds(region);
     const CellIndex low = first_cell_from(map, bounds.low_m);
     const CellIndex end = first_cell_from(map, bounds.high_m);
     box.min = {std::max(box.min.x, low.x), std::max(box.min.y, low.y)};
@@ -76,7 +76,7 @@ MapRegion in_frame(const Pose2& T_a_b, const MapRegion& region_b) {
   return region_a;
 }
 
-RegionBounds bounds_of(const MapRegion& region) {
+RegionBounds region_bounds(const MapRegion& region) {
   RegionBounds bounds{region.corners_m.front(), region.corners_m.front()};
   for (const Point2& corner : region.corners_m) {
     bounds.low_m = bounds.low_m.cwiseMin(corner);
@@ -262,7 +262,7 @@ EditStep step_from(const ReportReader& step) {
 
 }  // namespace
 
-EditPlan plan_of(const std::vector<EditStep>& steps, const EditPlan& earlier) {
+EditPlan combine_steps(const std::vector<EditStep>& steps, const EditPlan& earlier) {
   PlanMaker maker;
   maker.plan.T_world_edited = earlier.T_world_edited;
   maker.plan.with_world_file = earlier.with_world_file;
@@ -271,7 +271,7 @@ EditPlan plan_of(const std::vector<EditStep>& steps, const EditPlan& earlier) {
 }
 
 std::string edits_text(const RecordedEdits& edits, std::size_t readings) {
-  const EditPlan plan = plan_of(edits.steps);
+  const EditPlan plan = combine_steps(edits.steps);
   Json json{{"format", kEditsVersion},
             {"version", GDTSLAM_VERSION},
             {"run", edits.run},

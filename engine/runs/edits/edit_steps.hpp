@@ -38,7 +38,7 @@ struct RegionBounds {
   Point2 low_m;
   Point2 high_m;
 };
-RegionBounds bounds_of(const MapRegion& region);
+RegionBounds region_bounds(const MapRegion& region);
 
 /// Regions in which readings may not end, and regions in which they have to.
 struct EndRules {
@@ -134,7 +134,7 @@ struct EditPlan {
 };
 
 /// Goes on with what earlier steps came to, whose regions have been dealt with.
-EditPlan plan_of(const std::vector<EditStep>& steps, const EditPlan& earlier = {});
+EditPlan combine_steps(const std::vector<EditStep>& steps, const EditPlan& earlier = {});
 
 struct RecordedEdits {
   std::string run;              ///< the folder that was edited, as it was named

@@ -13,7 +13,7 @@
 namespace gdtslam {
 namespace {
 
-double degrees_of(double angle_rad) { return std::fabs(deg_from_rad(wrap_angle(angle_rad))); }
+double absolute_degrees(double angle_rad) { return std::fabs(deg_from_rad(wrap_angle(angle_rad))); }
 
 }  // namespace
 
@@ -30,7 +30,7 @@ AlignedPath aligned_path(const Trajectory& estimate, const Trajectory& reference
     if (!matches[i]) continue;
     const Pose2& T_reference_base = reference[*matches[i]].T_map_base;
     path.errors.back() = TrajectoryError{pose.stamp_s, (aligned.translation() - T_reference_base.translation()).norm(),
-                                         degrees_of(aligned.theta_rad - T_reference_base.theta_rad)};
+                                         absolute_degrees(aligned.theta_rad - T_reference_base.theta_rad)};
   }
   return path;
 }
@@ -53,7 +53,7 @@ std::vector<TrajectoryError> errors_against(const Trajectory& estimate, const st
     if (!first || !second) continue;
     const Pose2 T_1_2 = between(*first, *second);
     errors.push_back({relation.t2_s, (T_1_2.translation() - relation.T_1_2.translation()).norm(),
-                      degrees_of(T_1_2.theta_rad - relation.T_1_2.theta_rad)});
+                      absolute_degrees(T_1_2.theta_rad - relation.T_1_2.theta_rad)});
   }
   return errors;
 }

@@ -12,9 +12,9 @@
 namespace gdtslam {
 namespace {
 
-Matrix3 matrix_of(const PoseCovariance& c) { return {{c.xx, c.xy, c.xt, c.xy, c.yy, c.yt, c.xt, c.yt, c.tt}}; }
+Matrix3 to_matrix(const PoseCovariance& c) { return {{c.xx, c.xy, c.xt, c.xy, c.yy, c.yt, c.xt, c.yt, c.tt}}; }
 
-Matrix3 matrix_of(const TruthNoise& noise) {
+Matrix3 to_matrix(const TruthNoise& noise) {
   return Matrix3::diagonal(square(noise.sigma_m), square(noise.sigma_m), square(noise.sigma_rad));
 }
 
@@ -36,11 +36,11 @@ class StatedErrors {
     position_.push_back(of_position);
   }
   [[nodiscard]] StatedReport report() && {
-    return {shares_of(pose_, kPoseTheory), shares_of(position_, kPositionTheory), unstated_};
+    return {count_shares(pose_, kPoseTheory), count_shares(position_, kPositionTheory), unstated_};
   }
 
  private:
-  static StatedShares shares_of(std::vector<double>& squares, const StatedTheory& theory) {
+  static StatedShares count_shares(std::vector<double>& squares, const StatedTheory& theory) {
     StatedShares shares{.count = squares.size()};
     if (squares.empty()) return shares;
     std::sort(squares.begin(), squares.end());
@@ -83,8 +83,8 @@ StatedReport stated_errors(const Trajectory& trajectory, std::span<const PoseCov
     const Tangent2 error{T_1_2.x_m - relation.T_1_2.x_m, T_1_2.y_m - relation.T_1_2.y_m,
                          wrap_angle(T_1_2.theta_rad - relation.T_1_2.theta_rad)};
     errors.add(error,
-               relation_covariance(T_map_1, matrix_of(covariances[*first]), T_1_2, matrix_of(covariances[*second])) +
-                   matrix_of(noise));
+               relation_covariance(T_map_1, to_matrix(covariances[*first]), T_1_2, to_matrix(covariances[*second])) +
+                   to_matrix(noise));
   }
   return std::move(errors).report();
 }
@@ -100,7 +100,7 @@ StatedReport stated_errors(const Trajectory& trajectory, std::span<const PoseCov
     const Pose2 in_map = T_estimate_reference * reference[*matches[i]].T_map_base;
     const Pose2& stated = trajectory[i].T_map_base;
     errors.add({stated.x_m - in_map.x_m, stated.y_m - in_map.y_m, wrap_angle(stated.theta_rad - in_map.theta_rad)},
-               matrix_of(covariances[i]) + matrix_of(noise));
+               to_matrix(covariances[i]) + to_matrix(noise));
   }
   return std::move(errors).report();
 }

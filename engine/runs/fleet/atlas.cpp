@@ -90,7 +90,7 @@ std::vector<FleetRecord> read_atlas(const std::string& atlas) {
   return records;
 }
 
-AtlasSummary summary_of(const std::vector<FleetRecord>& records) {
+AtlasSummary summarise_atlas(const std::vector<FleetRecord>& records) {
   AtlasSummary summary{.logs = records.size()};
   std::vector<std::string> lines;
   std::set<std::string> hosts;

@@ -102,7 +102,7 @@ struct AtlasSummary {
   /// and order of the logs, shards, machines, instruction sets or devices.
   std::string sha256{};
 };
-AtlasSummary summary_of(const std::vector<FleetRecord>& records);
+AtlasSummary summarise_atlas(const std::vector<FleetRecord>& records);
 
 /// atlas.json; its atlas_sha256 is null instead of empty.
 nlohmann::ordered_json atlas_json(const AtlasSummary& summary);

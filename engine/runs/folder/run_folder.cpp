@@ -105,7 +105,7 @@ std::string kept_beside(const fs::path& folder, const fs::path& log) {
 }
 
 // "intel" from "../data/intel.clf.gz".
-std::string stem_of(const std::string& log) {
+std::string log_stem(const std::string& log) {
   if (log == "-") return "stdin";
   fs::path name = fs::path(log).filename();
   if (name.extension() == ".gz") name = name.stem();
@@ -202,7 +202,7 @@ bool is_site(const std::string& folder) {
 }
 
 std::string default_run_folder(const std::string& log) {
-  const std::string name = fmt::format("{}-{}", stem_of(log), utc_time());
+  const std::string name = fmt::format("{}-{}", log_stem(log), utc_time());
   const auto is_taken = [](const std::string& free) {  // by a run, or by one that is being written
     return lies_there("runs/" + free) || lies_there("runs/" + staging_name(free));
   };

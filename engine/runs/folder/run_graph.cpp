@@ -24,7 +24,7 @@ struct GraphOfRun {
   }
 };
 
-Matrix3 matrix_of(const PoseInformation& i, double factor) {
+Matrix3 to_matrix(const PoseInformation& i, double factor) {
   return factor * Matrix3{{i.xx, i.xy, i.xt, i.xy, i.yy, i.yt, i.xt, i.yt, i.tt}};
 }
 
@@ -40,7 +40,7 @@ PoseRelation relation_of_line(const PathRelation& line, double factor, const std
   return {.from = place_of_scan(scans, line.from, source),
           .to = place_of_scan(scans, line.to, source),
           .T_from_to = line.T_from_to,
-          .information = matrix_of(line.information, factor)};
+          .information = to_matrix(line.information, factor)};
 }
 
 void check_path(const PoseGraph& graph, const GraphOfRun& source) {

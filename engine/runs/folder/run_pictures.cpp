@@ -25,7 +25,7 @@ namespace gdtslam {
 namespace {
 
 // The map with the path on it, to look at: the view `map` of the run.
-Canvas overview_of(const MapJob& job, const MapOutcome& outcome) {
+Canvas draw_overview(const MapJob& job, const MapOutcome& outcome) {
   PathOverlay overlay{outcome.trajectory, outcome.keyframes, {}, outcome.drives};
   for (const DoubtfulScan& scan : outcome.doubtful) overlay.doubtful.push_back(scan.index);
   MapLook look;
@@ -36,7 +36,7 @@ Canvas overview_of(const MapJob& job, const MapOutcome& outcome) {
 }
 
 // Picture of the loops that hold the path, and of the stretches that are not reliable.
-Canvas graph_of(const MapJob& job, const MapOutcome& outcome) {
+Canvas draw_graph(const MapJob& job, const MapOutcome& outcome) {
   const ClosedPath& closed = *outcome.closed;
   const std::vector<UncertainStretch> uncertain = uncertain_stretches(closed.covariances);
   const GridGeometry& geometry = outcome.occupancy.geometry;
@@ -163,8 +163,8 @@ void write_run_pictures(RunFolder& folder, const MapJob& job, MapOutcome& outcom
   const unsigned most = has_graph ? 2 : 1;
   WorkerPool workers(std::min(threads_meant(job.on_failure.cpu.threads), most));
   workers.run(has_overview ? most : 0, 1, [&](std::uint64_t begin, std::uint64_t end) {
-    if (begin == 0) overview = encoded_picture("overview", [&] { return overview_of(job, outcome); });
-    if (end == 2) graph = encoded_picture("graph", [&] { return graph_of(job, outcome); });
+    if (begin == 0) overview = encoded_picture("overview", [&] { return draw_overview(job, outcome); });
+    if (end == 2) graph = encoded_picture("graph", [&] { return draw_graph(job, outcome); });
   });
   if (has_overview) write_encoded(folder, "overview", overview, outcome.warnings);
   if (has_graph) write_encoded(folder, "graph", graph, outcome.warnings);

@@ -36,7 +36,7 @@ constexpr const char* kConfig = "config.yaml";
 constexpr const char* kTrajectory = "trajectory.tum";
 constexpr const char* kGraph = "graph.g2o";
 
-RunSummary summary_of(const ReportReader& report) {
+RunSummary read_summary(const ReportReader& report) {
   RunSummary summary;
   summary.logs = report.texts("log");
   summary.scans = report.whole("scans");
@@ -90,9 +90,9 @@ bool RunReader::is_gdtslam_run(const std::string& path) {
 }
 
 RunReader::RunReader(std::string folder)
-    : files_(std::move(folder), [this](const ReportReader& report) { summary_ = summary_of(report); }) {}
+    : files_(std::move(folder), [this](const ReportReader& report) { summary_ = read_summary(report); }) {}
 
-RunDoubts RunReader::doubts() const { return doubts_of(files_.report(), summary_.scans); }
+RunDoubts RunReader::doubts() const { return read_doubts(files_.report(), summary_.scans); }
 
 std::string RunReader::name() const { return run_title(summary_.logs); }
 

@@ -271,7 +271,7 @@ WrittenField write_run_tiles(RunFolder& folder, const MapJob& job, Settings sett
                                });
   outcome.occupancy = std::move(made.overview);
   times.add("write_tiles");
-  return {.geometry = geometry_of(made.index), .sha256 = sha256_of(made.index), .tiles = made.index.tiles.size()};
+  return {.geometry = tiles_geometry(made.index), .sha256 = sha256_of(made.index), .tiles = made.index.tiles.size()};
 }
 
 WrittenHashes write_run_files(RunFolder& folder, const MapJob& job, Settings settings, RunTimes& times,

@@ -79,7 +79,7 @@ std::vector<LogFinding> findings_from(const ReportReader& object) {
   return findings;
 }
 
-RunDoubts doubts_of(const ReportReader& report, std::uint64_t scans) {
+RunDoubts read_doubts(const ReportReader& report, std::uint64_t scans) {
   const ReportReader matches = report.section("matches");
   RunDoubts doubts{.was_interrupted = report.truth("interrupted"),
                    .scans = scans,
@@ -106,7 +106,7 @@ constexpr double kWorthFactor = 4.0;              // factor of a variance: twice
 constexpr double kKnownFactor = 0.1 * (1.0 + 1.0e-9);
 
 // The least sure pose of a stretch.
-std::size_t worst_of(const UncertainStretch& stretch, std::span<const PoseCovariance> covariances) {
+std::size_t find_worst(const UncertainStretch& stretch, std::span<const PoseCovariance> covariances) {
   if (covariances.empty()) return stretch.from + (stretch.to - stretch.from) / 2;
   std::size_t worst = stretch.from;
   for (std::size_t i = stretch.from; i <= stretch.to; ++i) {
@@ -166,15 +166,15 @@ void add_run_notes(const RunDoubts& doubts, std::vector<ReviewNote>& notes) {
   }
 }
 
-ReviewNote note_of(const UncertainStretch& stretch, const Trajectory& trajectory,
-                   std::span<const PoseCovariance> covariances) {
+ReviewNote make_note(const UncertainStretch& stretch, const Trajectory& trajectory,
+                     std::span<const PoseCovariance> covariances) {
   const bool is_first = stretch.from == 0;
   const bool is_last = stretch.to + 1 == trajectory.size();
   std::string advice = "drive there again, from a place that is sure and back to one";
   if (is_first) advice = "come back to where the drive began, before it ends";
   if (is_last) advice = "end the drive at a place that it has seen before";
   if (is_first && is_last) advice = "drive the way again in loops: places that are seen twice hold it";
-  const Point2 at_m = trajectory[worst_of(stretch, covariances)].T_map_base.translation();
+  const Point2 at_m = trajectory[find_worst(stretch, covariances)].T_map_base.translation();
   return {"stretch",
           fmt::format("scans {} to {} ({:.1f} s to {:.1f} s), worst at {}: standard deviation up to {:.2g} m",
                       stretch.from, stretch.to, trajectory[stretch.from].stamp_s, trajectory[stretch.to].stamp_s,
@@ -182,7 +182,7 @@ ReviewNote note_of(const UncertainStretch& stretch, const Trajectory& trajectory
           std::move(advice), at_m};
 }
 
-ReviewNote note_of(const ClosedLoop& loop, const Trajectory& trajectory) {
+ReviewNote make_note(const ClosedLoop& loop, const Trajectory& trajectory) {
   const Point2 from_m = trajectory[loop.from].T_map_base.translation();
   const Point2 to_m = trajectory[loop.to].T_map_base.translation();
   const char* const advice = loop.off_m < kFarOff_m
@@ -245,10 +245,10 @@ std::vector<ReviewNote> review_notes(const RunDoubts& doubts, const Trajectory& 
   add_run_notes(doubts, notes);
   if (!doubts.loops) return notes;
   for (const UncertainStretch& stretch : doubts.loops->uncertain) {
-    notes.push_back(note_of(stretch, trajectory, covariances));
+    notes.push_back(make_note(stretch, trajectory, covariances));
   }
   for (const ClosedLoop& loop : doubts.loops->loops) {
-    if (!loop.is_on) notes.push_back(note_of(loop, trajectory));
+    if (!loop.is_on) notes.push_back(make_note(loop, trajectory));
   }
   add_wheel_notes(doubts.loops->wheels, notes);
   return notes;

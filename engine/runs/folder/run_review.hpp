@@ -51,7 +51,7 @@ nlohmann::ordered_json findings_json(const std::vector<LogFinding>& findings);
 std::vector<LogFinding> findings_from(const ReportReader& object);
 
 /// Throws InputError where a key is missing or of another type, or names a scan beyond `scans`.
-RunDoubts doubts_of(const ReportReader& report, std::uint64_t scans);
+RunDoubts read_doubts(const ReportReader& report, std::uint64_t scans);
 
 // Doubtful things in the map of a run, their places, and advice: `gdtslam doctor --after`. Frame: map.
 // Thread-safe; linear in poses and loops.

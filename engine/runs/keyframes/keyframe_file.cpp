@@ -137,7 +137,7 @@ void read_start(BytesIn& in) {
   }
 }
 
-std::string digest_of(std::string_view bytes) { return Sha256().update(bytes).hex(); }
+std::string digest_text(std::string_view bytes) { return Sha256().update(bytes).hex(); }
 
 // All of the file, unpacked.
 std::string unpacked(const std::string& path) {
@@ -192,7 +192,7 @@ RunKeyframes parse_keyframes(std::string_view bytes, const std::string& name) {
 
 std::string write_keyframes(const std::string& path, const RunKeyframes& run) {
   const std::string bytes = keyframe_bytes(run);
-  std::string digest = digest_of(bytes);
+  std::string digest = digest_text(bytes);
   AtomicFile file(path);
   TextSink sink(file);
   sink.write(bytes);
@@ -208,7 +208,7 @@ KeyframeFile read_keyframes(const std::string& path) {
   read_start(start);
   if (start.left() < kDigestDigits) start.refuse("ends within its header");
   const std::string_view body = std::string_view(bytes).substr(0, bytes.size() - kDigestDigits);
-  std::string digest = digest_of(body);
+  std::string digest = digest_text(body);
   if (bytes.compare(body.size(), kDigestDigits, digest) != 0) {
     throw InputError({path, 0}, "is damaged: its checksum is that of other bytes");
   }

@@ -54,7 +54,7 @@ void mark_cells(const std::vector<ChangedCell>& cells, CellState state, Occupanc
 
 }  // namespace
 
-std::vector<DriveStretch> drive_stretches_of(const DrivenKeyframes& run) {
+std::vector<DriveStretch> split_drives(const DrivenKeyframes& run) {
   std::vector<std::size_t> starts{0};
   starts.insert(starts.end(), run.drives.begin(), run.drives.end());
   std::vector<DriveStretch> stretches;
@@ -88,7 +88,7 @@ MapChanges changes_after_all(const DrivenKeyframes& run, const MapperConfig& con
   if (run.drives.empty()) return {};
   const ChangeLimits limits;
   std::vector<DriveViews> all;
-  for (const DriveStretch& stretch : drive_stretches_of(run)) {
+  for (const DriveStretch& stretch : split_drives(run)) {
     all.push_back({ViewCounts(change_view_limits(config, limits)), stretch.first_s, stretch.last_s});
     for (std::size_t i = stretch.first_keyframe; i < stretch.end_keyframe; ++i) {
       all.back().views.add(run.keyframes[i].laser, run.keyframes[i].T_map_base);

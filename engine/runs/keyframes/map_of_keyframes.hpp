@@ -42,7 +42,7 @@ struct DriveStretch {
   double first_s = 0.0;  ///< stamps of its scans
   double last_s = 0.0;
 };
-std::vector<DriveStretch> drive_stretches_of(const DrivenKeyframes& run);
+std::vector<DriveStretch> split_drives(const DrivenKeyframes& run);
 
 /// How views are counted that tell what changed in maps of that configuration.
 ViewCounts::Limits change_view_limits(const MapperConfig& config, const ChangeLimits& limits);

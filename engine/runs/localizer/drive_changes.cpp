@@ -14,7 +14,7 @@ namespace gdtslam {
 namespace {
 
 // Which cells of the map that the field belongs to are free and occupied.
-OccupancyMap cells_of(const MapField& field) {
+OccupancyMap read_cells(const MapField& field) {
   if (field.source == MapField::Source::kOccupiedCells) return read_occupancy_map(field.path);
   if (field.run && field.run->summary().map) return field.run->map();
   const std::filesystem::path file = std::filesystem::path(field.path).parent_path() / "map.yaml";
@@ -47,12 +47,12 @@ void add_rows(const GridGeometry& grid, const std::vector<ChangedCell>& cells, c
 }  // namespace
 
 DriveChanges::DriveChanges(const MapField& field, const MapperConfig& config, const ChangeLimits& limits)
-    : map_(cells_of(field)), limits_(limits), views_(views_in(map_, config, limits)) {
+    : map_(read_cells(field)), limits_(limits), views_(views_in(map_, config, limits)) {
   see_what_was_before(field, config);
 }
 
 void DriveChanges::see_what_was_before(const MapField& field, const MapperConfig& config) {
-  const std::optional<std::string> folder = run_folder_of(field.path);
+  const std::optional<std::string> folder = find_run_folder(field.path);
   if (field.source == MapField::Source::kOccupiedCells || !folder) return;
   const std::optional<RunKeyframes> kept = (field.run ? *field.run : RunReader(*folder)).keyframes();
   if (!kept) return;

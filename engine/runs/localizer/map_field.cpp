@@ -20,14 +20,14 @@
 
 namespace gdtslam {
 
-std::optional<std::string> run_folder_of(const std::string& map) {
+std::optional<std::string> find_run_folder(const std::string& map) {
   namespace fs = std::filesystem;
   if (RunReader::is_run(map)) return map;
   const std::string parent = fs::path(map).has_parent_path() ? fs::path(map).parent_path().string() : ".";
   return RunReader::is_run(parent) ? std::optional(parent) : std::nullopt;
 }
 
-FitLimit fit_limit_of(std::vector<double> own_m, double resolution_m) {
+FitLimit make_fit_limit(std::vector<double> own_m, double resolution_m) {
   const FitLimit of_cells{2.0 * resolution_m, FitLimit::Source::kResolution, resolution_m};
   if (own_m.empty()) return of_cells;
   std::sort(own_m.begin(), own_m.end());
@@ -40,7 +40,7 @@ FitLimit fit_limit_of(std::vector<double> own_m, double resolution_m) {
 namespace {
 
 // The description of a map: the file itself, or in its folder.
-std::string description_file_of(const std::string& map) {
+std::string find_description(const std::string& map) {
   namespace fs = std::filesystem;
   std::error_code ignored;
   if (fs::is_directory(map, ignored)) {
@@ -257,7 +257,7 @@ OccupancyMap shown_map(const MapField& field) {
 }
 
 MapField read_map_field(const std::string& map, const MapConfig& config) {
-  const std::string path = description_file_of(map);
+  const std::string path = find_description(map);
   std::optional<RunReader> run = told_run_in(map);
   if (!run && is_occupancy_map(path)) return field_of_occupied(path, config);
   require_one_piece(path);

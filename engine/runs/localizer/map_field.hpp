@@ -17,7 +17,7 @@
 namespace gdtslam {
 
 /// The run folder that a map belongs to: itself, or the folder of its gdt.yaml; none where that is none.
-std::optional<std::string> run_folder_of(const std::string& map);
+std::optional<std::string> find_run_folder(const std::string& map);
 
 /// How well a scan of the mapped place fits: mean distances of its points to the map's obstacles.
 struct FitLimit {
@@ -30,7 +30,7 @@ struct FitLimit {
 /// From the mean distances that the run's own scans leave in the finished map. Two cells are always a good fit: the
 /// most that rounding to cells in the scan and in the map can account for, while scans that a map was made of fit it
 /// better than others. Without scans one cell is usual.
-FitLimit fit_limit_of(std::vector<double> own_m, double resolution_m);
+FitLimit make_fit_limit(std::vector<double> own_m, double resolution_m);
 
 // The distance field that scans are searched in: of a run, or of an occupancy map that any program made. Frame: the
 // map's own, metres. Thread-safe once read; O(cells).

@@ -105,7 +105,7 @@ class Localizer {
   [[nodiscard]] CertifiedResult search(std::span<const PointCells> points, PoseWindow window,
                                        CertifiedOptions options) const;
   [[nodiscard]] CertifiedOptions options_with(double gap_m) const;
-  [[nodiscard]] std::uint32_t units_of(double distance_m, std::size_t points) const;
+  [[nodiscard]] std::uint32_t to_units(double distance_m, std::size_t points) const;
   [[nodiscard]] std::vector<double> own_distances_m() const;
   [[nodiscard]] std::uint32_t least_lead(const CertifiedResult& best, std::size_t points) const;
   [[nodiscard]] std::optional<CertifiedResult> look_everywhere(std::span<const PointCells> points, double good_m,

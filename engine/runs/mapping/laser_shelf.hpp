@@ -17,7 +17,7 @@ using LaserShelf = Shelf<LaserScan>;
 
 /// Reads the wanted scans from a shelf that has the scans marked in `is_there`: numbers among all,
 /// ascending. Throws FileError.
-std::vector<LaserScan> scans_of(const LaserShelf& shelf, const std::vector<bool>& is_there,
-                                std::span<const std::size_t> wanted);
+std::vector<LaserScan> read_scans(const LaserShelf& shelf, const std::vector<bool>& is_there,
+                                  std::span<const std::size_t> wanted);
 
 }  // namespace gdtslam

@@ -182,7 +182,7 @@ void MapRun::take_closed(ClosedPath path) {
 }
 
 void MapRun::take_keyframe_scans() {
-  outcome_.keyframe_scans = scans_of(merged_scans_, is_merged_, outcome_.keyframes);
+  outcome_.keyframe_scans = read_scans(merged_scans_, is_merged_, outcome_.keyframes);
   is_merged_ = {};
 }
 

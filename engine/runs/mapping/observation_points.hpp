@@ -37,7 +37,7 @@ class ObservationPoints {
     std::optional<ScanPoints> points;
     bool is_in_map = false;
   };
-  Laser& laser_of(std::size_t number);
+  Laser& find_laser(std::size_t number);
   [[nodiscard]] Pose2 T_last_scan(const ScanRecord& last, const ScanRecord& scan) const;
   void see_odometry(const Observation& observation);
 

@@ -76,7 +76,7 @@ struct Around {
   }
 };
 
-double sweep_of(const LaserScan& scan) {
+double logged_sweep(const LaserScan& scan) {
   return scan.beam_period_s * std::max(0.0, static_cast<double>(scan.ranges_m.size()) - 1.0);
 }
 
@@ -233,8 +233,8 @@ std::optional<BeamTimes> BeamTimesFit::fit(const ScanConfig& valid) const {
   std::nth_element(periods_s.begin(), median, periods_s.end());
   const LaserScan& scan = pairs_.back().moving.scan;
   Search search(pairs_, valid);
-  if (search.is_best(sweep_of(scan)) || !search.find(*median)) return std::nullopt;
-  BeamTimes found = search.compared_with(sweep_of(scan));
+  if (search.is_best(logged_sweep(scan)) || !search.find(*median)) return std::nullopt;
+  BeamTimes found = search.compared_with(logged_sweep(scan));
   if (!std::isfinite(found.sigma_s)) return std::nullopt;
   const double begin_s = scan.first_beam_after_s + std::min(0.0, found.logged_sweep_s);
   const double stated_s = rounded(found);

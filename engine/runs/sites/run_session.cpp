@@ -20,7 +20,7 @@ using PlaceOfScan = std::map<std::size_t, std::size_t>;
 
 [[noreturn]] void refuse(const std::string& folder, const std::string& fault) { throw InputError({folder, 0}, fault); }
 
-Matrix3 matrix_of(const PoseInformation& p) { return {{p.xx, p.xy, p.xt, p.xy, p.yy, p.yt, p.xt, p.yt, p.tt}}; }
+Matrix3 to_matrix(const PoseInformation& p) { return {{p.xx, p.xy, p.xt, p.xy, p.yy, p.yt, p.xt, p.yt, p.tt}}; }
 
 void take_keyframes(const RunKeyframes& kept, const MapperConfig& config, const std::vector<std::size_t>& drives,
                     Session& session) {
@@ -59,7 +59,7 @@ void take_graph(const RunReader& run, const RunKeyframes& kept, Session& session
     const auto from = place_of.find(line.from);
     const auto to = place_of.find(line.to);
     if (from == place_of.end() || to == place_of.end()) refuse(file, "has an edge of a place that it does not have");
-    const PoseRelation relation{from->second, to->second, line.T_from_to, matrix_of(line.information)};
+    const PoseRelation relation{from->second, to->second, line.T_from_to, to_matrix(line.information)};
     if (relation.to == relation.from + 1) {
       session.path.push_back(relation);
     } else {
@@ -71,7 +71,7 @@ void take_graph(const RunReader& run, const RunKeyframes& kept, Session& session
 constexpr float kTooNear_m = 0.001F;  // a range that no run counts; keyframes.bin.gz has none that is shorter
 constexpr double kLeastMinRange_m = 0.002;
 
-ScanConfig widest_of(const std::vector<RunSession>& runs) {
+ScanConfig find_widest(const std::vector<RunSession>& runs) {
   ScanConfig widest = runs.front().settings.mapper.scan;
   bool is_one = true;
   for (const RunSession& run : runs) {
@@ -125,7 +125,7 @@ RunSession read_run_session(const std::string& folder) {
 }
 
 void share_range_limits(std::vector<RunSession>& runs) {
-  const ScanConfig widest = widest_of(runs);
+  const ScanConfig widest = find_widest(runs);
   for (RunSession& run : runs) {
     ScanConfig& own = run.settings.mapper.scan;
     for (RunKeyframe& keyframe : run.kept.keyframes) limit_ranges(own, widest, keyframe.laser);

@@ -22,19 +22,19 @@
 namespace gdtslam {
 namespace {
 
-std::vector<SiteDrive> drives_of(const std::vector<RunSession*>& runs) {
+std::vector<SiteDrive> list_drives(const std::vector<RunSession*>& runs) {
   std::vector<SiteDrive> drives;
   for (std::size_t k = 0; k < runs.size(); ++k) {
     const RunSession& run = *runs[k];
-    for (const DriveStretch& stretch : drive_stretches_of({run.kept.keyframes, run.trajectory, run.drives})) {
+    for (const DriveStretch& stretch : split_drives({run.kept.keyframes, run.trajectory, run.drives})) {
       drives.push_back({k, run.folder, stretch.first_keyframe, stretch.end_keyframe, stretch.first_s, stretch.last_s});
     }
   }
   return drives;
 }
 
-std::vector<DriveViews> views_of(const std::vector<SiteDrive>& drives, const MergedSite& site,
-                                 const std::vector<RunSession*>& runs, const ViewCounts::Limits& limits) {
+std::vector<DriveViews> count_views(const std::vector<SiteDrive>& drives, const MergedSite& site,
+                                    const std::vector<RunSession*>& runs, const ViewCounts::Limits& limits) {
   std::vector<DriveViews> all;
   for (const SiteDrive& drive : drives) {
     all.push_back({ViewCounts(limits), drive.first_s, drive.last_s});
@@ -59,7 +59,7 @@ std::size_t take_out(const SessionChanges& found, std::size_t drive, const Pose2
   return taken;
 }
 
-ChangesLayer layer_of(const std::vector<ChangedCell>& cells, CellOffset offset) {
+ChangesLayer make_layer(const std::vector<ChangedCell>& cells, CellOffset offset) {
   ChangesLayer layer;
   layer.cells.reserve(cells.size());
   for (const ChangedCell& changed : cells) layer.cells.push_back({changed.cell + offset, changed.patch});
@@ -73,8 +73,8 @@ SiteChanges take_out_changes(const MergedSite& site, const std::vector<RunSessio
   const ChangeLimits limits;
   const MapperConfig& config = runs.front()->settings.mapper;
   const ViewCounts::Limits counted = change_view_limits(config, limits);
-  SiteChanges changes{.resolution_m = config.map.resolution_m, .drives = drives_of(runs), .by_drive = {}, .last = {}};
-  const std::vector<DriveViews> views = views_of(changes.drives, site, runs, counted);
+  SiteChanges changes{.resolution_m = config.map.resolution_m, .drives = list_drives(runs), .by_drive = {}, .last = {}};
+  const std::vector<DriveViews> views = count_views(changes.drives, site, runs, counted);
   const SessionChanges found(views, changes.resolution_m, limits);
   changes.by_drive = found.by_drive();
   changes.last = found.last();
@@ -93,10 +93,10 @@ SiteChanges take_out_changes(const MergedSite& site, const std::vector<RunSessio
   return changes;
 }
 
-Canvas changes_picture_of(const SiteChanges& changes, const OccupancyMap& map, const MergedSite& site,
-                          const std::vector<const RunSession*>& runs) {
+Canvas draw_changes_picture(const SiteChanges& changes, const OccupancyMap& map, const MergedSite& site,
+                            const std::vector<const RunSession*>& runs) {
   const CellOffset offset = cells_from_origin(map.geometry);
-  ChangesOverlay overlay{layer_of(changes.last.appeared, offset), layer_of(changes.last.gone, offset), {}};
+  ChangesOverlay overlay{make_layer(changes.last.appeared, offset), make_layer(changes.last.gone, offset), {}};
   for (const SiteDrive& drive : changes.drives) {
     Trajectory path;
     for (std::size_t i = drive.first_keyframe; i < drive.end_keyframe; ++i) {
@@ -137,11 +137,11 @@ constexpr std::size_t kMostMatched = 4000;  // points of a keyframe
 constexpr std::array kDoubts{Doubt::kFewPoints, Doubt::kLowOverlap, Doubt::kContradiction, Doubt::kWeakEvidence,
                              Doubt::kFarFromPrediction};
 
-PoseInformation information_of(const Matrix3& m) {
+PoseInformation to_information(const Matrix3& m) {
   return {.xx = m(0, 0), .xy = m(0, 1), .xt = m(0, 2), .yy = m(1, 1), .yt = m(1, 2), .tt = m(2, 2)};
 }
 
-PoseCovariance covariance_of(const Matrix3& m) {
+PoseCovariance to_covariance(const Matrix3& m) {
   return {.xx = m(0, 0), .xy = m(0, 1), .xt = m(0, 2), .yy = m(1, 1), .yt = m(1, 2), .tt = m(2, 2)};
 }
 
@@ -170,7 +170,7 @@ void add_counts(const ReportReader& report, const RunSession& run, MapperStatist
 }
 
 // Sum over the drives, each from its first stamp to its last; the days between them do not count.
-double duration_s_of(const Trajectory& path, const std::vector<std::size_t>& drives) {
+double sum_durations_s(const Trajectory& path, const std::vector<std::size_t>& drives) {
   double duration_s = 0.0;
   for (std::size_t k = 0; k <= drives.size(); ++k) {
     const auto begin = path.begin() + static_cast<std::ptrdiff_t>(k == 0 ? 0 : drives[k - 1]);
@@ -196,7 +196,7 @@ ClosedPath closed_path(const MergedSite& site, const std::vector<std::size_t>& k
     closed.path.push_back({.from = scan_of(relation.from),
                            .to = scan_of(relation.to),
                            .T_from_to = relation.T_from_to,
-                           .information = information_of(relation.information)});
+                           .information = to_information(relation.information)});
   }
   for (const Loop& loop : site.graph.loops) {
     const PoseRelation& relation = loop.relation;
@@ -204,7 +204,7 @@ ClosedPath closed_path(const MergedSite& site, const std::vector<std::size_t>& k
     closed.loops.push_back({.from = scan_of(relation.from),
                             .to = scan_of(relation.to),
                             .T_from_to = relation.T_from_to,
-                            .information = information_of(relation.information),
+                            .information = to_information(relation.information),
                             .weight = loop.weight,
                             .off_m = std::sqrt(square(off[0]) + square(off[1])),
                             .off_rad = std::fabs(off[2]),
@@ -214,7 +214,7 @@ ClosedPath closed_path(const MergedSite& site, const std::vector<std::size_t>& k
   std::size_t keyframe = 0;
   for (std::size_t scan = 0; scan < outcome.trajectory.size(); ++scan) {
     while (keyframe + 1 < keyframes.size() && keyframes[keyframe + 1] <= scan) ++keyframe;
-    closed.covariances.push_back(covariance_of(site.covariances[keyframe]));
+    closed.covariances.push_back(to_covariance(site.covariances[keyframe]));
   }
   return closed;
 }
@@ -257,7 +257,7 @@ MapOutcome site_outcome(const MergedSite& site, const std::vector<const RunSessi
     add_counts(report, *runs[k], outcome.statistics);
     for (const std::size_t drive : runs[k]->drives) outcome.drives.push_back(before + drive);
     outcome.statistics.path_m += length_m_of(paths[k], runs[k]->drives);
-    outcome.log_duration_s += duration_s_of(paths[k], runs[k]->drives);
+    outcome.log_duration_s += sum_durations_s(paths[k], runs[k]->drives);
   }
   outcome.closed = closed_path(site, outcome.keyframes, outcome);
   return outcome;

@@ -40,8 +40,8 @@ struct SiteChanges {
 SiteChanges take_out_changes(const MergedSite& site, const std::vector<RunSession*>& runs);
 
 /// For changes.png of the site.
-Canvas changes_picture_of(const SiteChanges& changes, const OccupancyMap& map, const MergedSite& site,
-                          const std::vector<const RunSession*>& runs);
+Canvas draw_changes_picture(const SiteChanges& changes, const OccupancyMap& map, const MergedSite& site,
+                            const std::vector<const RunSession*>& runs);
 
 /// For merge.json: of each drive, in the order of the site's runs.
 nlohmann::ordered_json changes_json(const SiteChanges& changes);

@@ -166,7 +166,7 @@ void LogChecker::add(const LogRecord& record) {
 }
 
 void LogChecker::add_scan(const ScanRecord& record) {
-  const std::size_t place = place_of(record);
+  const std::size_t place = find_laser(record);
   LastScan& last = last_scans_[place];
   add_time(record.scan.stamp_s, last.stamp_s);
   if (record.T_odom_base) {
@@ -181,7 +181,7 @@ void LogChecker::add_scan(const ScanRecord& record) {
 }
 
 // In the lists that have an entry a laser.
-std::size_t LogChecker::place_of(const ScanRecord& record) {
+std::size_t LogChecker::find_laser(const ScanRecord& record) {
   std::vector<LaserMount>& lasers = check_.lasers;
   const auto same = std::find_if(lasers.begin(), lasers.end(),
                                  [&record](const LaserMount& mount) { return mount.laser == record.laser; });
@@ -214,7 +214,7 @@ void LogChecker::add_step(LogEvent event, double step_s) {
     check_.repeated_stamps.add(event, 0.0);
   } else {
     steps_ms_.resize(kStepBins);
-    const std::size_t bin = bin_of(step_s * 1e3, kStepBins);
+    const std::size_t bin = find_bin(step_s * 1e3, kStepBins);
     ++steps_ms_[bin];
     if (bin + 1 == kStepBins) long_steps_s_ += std::min(step_s, kMostStep_s);
   }
@@ -224,7 +224,7 @@ void LogChecker::add_pause(LogEvent event, double pause_s) {
   if (!(pause_s > 0.0)) return;
   event.time_step_s = pause_s;
   pauses_ms_.resize(kStepBins);
-  ++pauses_ms_[bin_of(pause_s * 1e3, kStepBins)];
+  ++pauses_ms_[find_bin(pause_s * 1e3, kStepBins)];
   const auto place = std::find_if(longest_pauses_.begin(), longest_pauses_.end(),
                                   [pause_s](const LogEvent& e) { return e.time_step_s < pause_s; });
   longest_pauses_.insert(place, event);
@@ -297,7 +297,7 @@ void LogChecker::finish_times(LogCheck& check) const {
   check.usual_step_s = is_long ? long_steps_s_ / static_cast<double>(steps_ms_.back()) : check.median_step_s;
   const double longest_s = static_cast<double>(kStepBins - 1) * 1e-3;
   check.gap_bound_s = std::min(std::max(kShortestGap_s, kGapSteps * check.median_step_s), longest_s);
-  for (std::size_t bin = bin_of(check.gap_bound_s * 1e3, kStepBins); bin < pauses_ms_.size(); ++bin) {
+  for (std::size_t bin = find_bin(check.gap_bound_s * 1e3, kStepBins); bin < pauses_ms_.size(); ++bin) {
     check.gaps.count += pauses_ms_[bin];
   }
   for (const LogEvent& event : longest_pauses_) {
@@ -315,7 +315,7 @@ void LogChecker::finish_ranges(LogCheck& check) const {
   ranges.no_return_m = check.no_returns.at_limit_m;
   ranges.no_return_count = std::accumulate(at_limit.begin(), at_limit.end(), std::uint64_t{0});
   for (const NoReturnValue& value : check.no_returns.below) {
-    const std::size_t bin = bin_of(static_cast<double>(static_cast<float>(value.range_m)) * 100.0, returns.size());
+    const std::size_t bin = find_bin(static_cast<double>(static_cast<float>(value.range_m)) * 100.0, returns.size());
     if (bin + 1 == returns.size() && units_.are_ranges_doubtful()) continue;  // ranges of another unit, no constant
     ranges.no_return_m.push_back(static_cast<double>(bin) / 100.0);
     ranges.no_return_count += returns[bin];

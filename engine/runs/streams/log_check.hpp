@@ -171,7 +171,7 @@ class LogChecker {
     std::optional<double> stamp_s;
     std::optional<Pose2> T_odom_base;
   };
-  std::size_t place_of(const ScanRecord& record);
+  std::size_t find_laser(const ScanRecord& record);
   void add_time(double stamp_s, std::optional<double>& before_s);
   void add_step(LogEvent event, double step_s);
   void add_pause(LogEvent event, double pause_s);

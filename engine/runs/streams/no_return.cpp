@@ -56,7 +56,7 @@ double shortest_decimal(float range_m) {
   return value;
 }
 
-std::size_t bin_of_range(float range_m) { return bin_of(static_cast<double>(range_m) * 100.0, kRangeBins); }
+std::size_t bin_of_range(float range_m) { return find_bin(static_cast<double>(range_m) * 100.0, kRangeBins); }
 
 }  // namespace
 

@@ -22,7 +22,7 @@
 namespace gdtslam {
 
 /// The bin of a value, rounded to the nearest unit; values below zero are in the first bin.
-inline std::size_t bin_of(double value, std::size_t bins) {
+inline std::size_t find_bin(double value, std::size_t bins) {
   const double bin = std::floor(value + 0.5);
   return bin < static_cast<double>(bins - 1) ? static_cast<std::size_t>(std::max(bin, 0.0)) : bins - 1;
 }

@@ -39,7 +39,7 @@ MapperConfig config_of_look(MapperConfig config) {
   return config;
 }
 
-bool has_layout_of(const LaserScan& scan, const LaserScan& first) {
+bool has_same_layout(const LaserScan& scan, const LaserScan& first) {
   return scan.first_bearing_rad == first.first_bearing_rad && scan.bearing_step_rad == first.bearing_step_rad &&
          scan.T_base_laser == first.T_base_laser;
 }
@@ -110,7 +110,7 @@ MotionByScans motion_by_scans(const std::string& log, const ReadOptions& options
         motion.first_scan = record->scan;
         motion.first_scan.ranges_m.clear();
       }
-      motion.has_one_layout = motion.has_one_layout && has_layout_of(record->scan, motion.first_scan);
+      motion.has_one_layout = motion.has_one_layout && has_same_layout(record->scan, motion.first_scan);
       if (record->laser != *laser) continue;
       const MatchResult result = by_scans.process(record->scan, std::nullopt);
       if (result.accepted) beam_times.add(record->scan, result.T_map_base);

@@ -21,7 +21,7 @@ bool ObservationCollector::is_active(const Laser& laser) const {
   return count_ - laser.last_observation <= kActiveObservations;
 }
 
-bool ObservationCollector::has_scan_of(std::size_t laser) const {
+bool ObservationCollector::has_scan_from(std::size_t laser) const {
   return std::any_of(scans_.begin(), scans_.end(), [laser](const ScanRecord& scan) { return scan.laser == laser; });
 }
 
@@ -32,10 +32,10 @@ bool ObservationCollector::has_room_for(const ScanRecord& scan) const {
 
 bool ObservationCollector::is_complete() const {
   return std::all_of(lasers_.begin(), lasers_.end(),
-                     [this](const auto& laser) { return !is_active(laser.second) || has_scan_of(laser.first); });
+                     [this](const auto& laser) { return !is_active(laser.second) || has_scan_from(laser.first); });
 }
 
-ObservationCollector::Laser& ObservationCollector::laser_of(std::size_t number) {
+ObservationCollector::Laser& ObservationCollector::find_laser(std::size_t number) {
   const auto known =
       std::find_if(lasers_.begin(), lasers_.end(), [number](const auto& laser) { return laser.first == number; });
   if (known != lasers_.end()) return known->second;
@@ -45,8 +45,8 @@ ObservationCollector::Laser& ObservationCollector::laser_of(std::size_t number) 
 
 void ObservationCollector::take(ScanRecord scan) {
   const double stamp_s = scan.scan.stamp_s;
-  if (!scans_.empty() && (!has_room_for(scan) || has_scan_of(scan.laser) || first_ == scan.laser)) finish();
-  Laser& laser = laser_of(scan.laser);
+  if (!scans_.empty() && (!has_room_for(scan) || has_scan_from(scan.laser) || first_ == scan.laser)) finish();
+  Laser& laser = find_laser(scan.laser);
   laser.last_observation = count_;
   const double gap_s = last_stamp_s_ ? std::fabs(stamp_s - *last_stamp_s_) : kLongest_s;
   if (gap_s < kLongest_s) laser.gap_s = laser.gap_s ? *laser.gap_s + kShareOfNewGap * (gap_s - *laser.gap_s) : gap_s;

@@ -53,10 +53,10 @@ class ObservationCollector {
     std::optional<double> gap_s;  ///< mean time from the scan before, of whichever laser, to one of this laser
   };
   [[nodiscard]] bool is_active(const Laser& laser) const;
-  [[nodiscard]] bool has_scan_of(std::size_t laser) const;
+  [[nodiscard]] bool has_scan_from(std::size_t laser) const;
   [[nodiscard]] bool has_room_for(const ScanRecord& scan) const;
   [[nodiscard]] bool is_complete() const;
-  Laser& laser_of(std::size_t number);
+  Laser& find_laser(std::size_t number);
   void finish();
   void choose_first();
 

@@ -64,7 +64,7 @@ CellBox tiles_around(const RunKeyframe& keyframe, const MapperConfig& mapper, do
 
 bool by_row(const CellIndex& a, const CellIndex& b) { return std::pair(a.y, a.x) < std::pair(b.y, b.x); }
 
-GridGeometry geometry_of(const CellIndex& place, double resolution_m) {
+GridGeometry tile_geometry(const CellIndex& place, double resolution_m) {
   return {.resolution_m = resolution_m,
           .origin_x_m = std::int64_t{place.x} * kMapTileSide * resolution_m,
           .origin_y_m = std::int64_t{place.y} * kMapTileSide * resolution_m,
@@ -187,7 +187,7 @@ void TileMaker::make_piece(const CellBox& tiles, std::span<const CellIndex> plac
                  .keyframes = keyframes_that_touch({place, place + CellOffset{1, 1}}).size(),
                  .distances = {},
                  .cap = map->field().cap(),
-                 .occupancy = {geometry_of(place, mapper_.map.resolution_m), {}}};
+                 .occupancy = {tile_geometry(place, mapper_.map.resolution_m), {}}};
     const CellIndex first{place.x * kMapTileSide, place.y * kMapTileSide};
     bool has_states = false;
     CellStates states = states_at(first, occupancy, has_states);
@@ -202,11 +202,11 @@ namespace {
 constexpr int kTilesVersion = 1;
 constexpr std::size_t kMostIndexBytes = std::size_t{64} << 20U;
 
-std::string file_of(const std::string& folder, const char* what, CellIndex place) {
+std::string tile_path(const std::string& folder, const char* what, CellIndex place) {
   return fmt::format("{}/{}_{}_{}.yaml", folder, what, place.x, place.y);
 }
 
-CellBox hull_of(std::span<const CellIndex> places) {
+CellBox tile_hull(std::span<const CellIndex> places) {
   CellBox hull{places.front(), places.front() + CellOffset{1, 1}};
   for (const CellIndex& place : places) {
     hull.min = {std::min(hull.min.x, place.x), std::min(hull.min.y, place.y)};
@@ -227,7 +227,7 @@ GridGeometry geometry_of_tiles(const CellBox& tiles, double resolution_m) {
 /// where any is. At most 8192 cells a side.
 class TileOverview {
  public:
-  TileOverview(std::span<const CellIndex> places, double resolution_m) : tiles_(hull_of(places)) {
+  TileOverview(std::span<const CellIndex> places, double resolution_m) : tiles_(tile_hull(places)) {
     constexpr std::int64_t kMostOverviewCells = 8192;
     const std::int64_t side = std::int64_t{std::max(tiles_.width(), tiles_.height())} * kMapTileSide;
     while (side / scale_ > kMostOverviewCells && scale_ < kMapTileSide) scale_ *= 2;
@@ -265,9 +265,9 @@ class TileOverview {
 TileRecord write_tile(const std::string& folder, const MapTile& tile) {
   const DistanceFieldRows rows =
       rows_of(DistanceFieldView{tile.occupancy.geometry, std::size_t{kMapTileSide}, tile.distances, tile.cap});
-  write_distance_field(file_of(folder, "gdt", tile.place), rows);
+  write_distance_field(tile_path(folder, "gdt", tile.place), rows);
   if (tile.occupancy.cells.size() > 0) {
-    write_occupancy_map(file_of(folder, "map", tile.place), tile.occupancy, MapImage::kPng);
+    write_occupancy_map(tile_path(folder, "map", tile.place), tile.occupancy, MapImage::kPng);
   }
   return {tile.place, tile.keyframes, sha256_of(rows)};
 }
@@ -315,10 +315,10 @@ std::string sha256_of(const TileIndex& index) {
   return hash.hex();
 }
 
-GridGeometry geometry_of(const TileIndex& index) {
+GridGeometry tiles_geometry(const TileIndex& index) {
   std::vector<CellIndex> places;
   for (const TileRecord& tile : index.tiles) places.push_back(tile.place);
-  return geometry_of_tiles(hull_of(places), index.resolution_m);
+  return geometry_of_tiles(tile_hull(places), index.resolution_m);
 }
 
 MadeTiles write_tiles(const std::string& folder, const TileMaker& maker, const std::string& keyframes_sha256,

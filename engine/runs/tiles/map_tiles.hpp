@@ -89,7 +89,7 @@ bool is_tile_folder(const std::string& folder);
 /// Hash of all cells of all tiles.
 std::string sha256_of(const TileIndex& index);
 /// Around all tiles.
-GridGeometry geometry_of(const TileIndex& index);
+GridGeometry tiles_geometry(const TileIndex& index);
 
 /// Result of making tiles.
 struct MadeTiles {

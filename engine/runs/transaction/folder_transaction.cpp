@@ -34,7 +34,7 @@ FolderLock::FolderLock(const std::filesystem::path& folder, Taken taken, const s
       fmt::format("another process is writing to '{}': wait until it has ended, or give another folder", name));
 }
 
-bool FolderLock::is_of(const std::filesystem::path& folder) const {
+bool FolderLock::is_on(const std::filesystem::path& folder) const {
   struct stat held {};
   struct stat named {};
   if (descriptor_ < 0) return true;
@@ -124,7 +124,7 @@ void FolderTransaction::lock_staging() {
                                          is_made ? "something else has that name" : errno_text(errno)));
     }
     lock_.emplace(staging_, FolderLock::Taken::kRefuse, path_);
-  } while (!lock_->is_of(staging_));
+  } while (!lock_->is_on(staging_));
   struct stat old {};
   if (::stat(target_.c_str(), &old) == 0) ::chmod(staging_.c_str(), old.st_mode & kAllModes);
 }
@@ -161,7 +161,7 @@ void FolderTransaction::commit() {
   made_.clear();
   sync_folder(target_.parent_path().string());
   std::error_code ignored;  // without an old folder the name is free, and may be another writer's by now
-  if (of_old && of_old->is_of(staging_)) remove_tree(staging_, ignored);
+  if (of_old && of_old->is_on(staging_)) remove_tree(staging_, ignored);
   lock_.reset();
 }
 

@@ -26,7 +26,7 @@ class FolderLock {
   /// False where the file system knows no such lock, or does not let the folder be read: there may be other writers.
   [[nodiscard]] bool is_held() const { return is_held_; }
   /// Whether that is still the name of the folder.
-  [[nodiscard]] bool is_of(const std::filesystem::path& folder) const;
+  [[nodiscard]] bool is_on(const std::filesystem::path& folder) const;
 
  private:
   int descriptor_;

@@ -30,7 +30,7 @@ TEST(EditPlan, FollowsPointsThroughEveryFrame) {
   const std::vector<EditStep> steps{EraseEdit{{{{3, 1}, {4, 1}, {4, 2}}}},
                                     FrameEdit{.T_before_after = {2, 1, kQuarter}}, CropEdit{{-1, -1}, {5, 5}},
                                     FrameEdit{.T_before_after = {1, 0, -kQuarter}}};
-  const EditPlan plan = plan_of(steps);
+  const EditPlan plan = combine_steps(steps);
   ASSERT_TRUE(plan.has_other_frame);
   // (3, 1) is (0, -1) after the first, so one to the right of and one below (1, 0), whose x axis points down -y.
   expect_near(plan.erased.at(0).corners_m.at(0), {1.0, -1.0});
@@ -42,16 +42,16 @@ TEST(EditPlan, FollowsPointsThroughEveryFrame) {
 
 TEST(EditPlan, KeepsTheWorldWhereItIs) {
   GeoreferenceEdit world{{}, {.T_world_map = {1000, 2000, 0.3}}};
-  const EditPlan before = plan_of({world});
-  const EditPlan after = plan_of({FrameEdit{.T_before_after = {5, -2, 1.1}}, WorldFileEdit{}}, before);
+  const EditPlan before = combine_steps({world});
+  const EditPlan after = combine_steps({FrameEdit{.T_before_after = {5, -2, 1.1}}, WorldFileEdit{}}, before);
   ASSERT_TRUE(after.T_world_edited && after.with_world_file);
   const Point2 place{7.5, 3.25};
   expect_near(*after.T_world_edited * (after.T_edited_run * place), Pose2{1000, 2000, 0.3} * place);
 }
 
 TEST(EditPlan, AnOriginWhereItWasIsNoOtherFrame) {
-  EXPECT_FALSE(plan_of({FrameEdit{}}).has_other_frame);
-  EXPECT_TRUE(plan_of({FrameEdit{.T_before_after = {0, 0, 1e-9}}}).has_other_frame);
+  EXPECT_FALSE(combine_steps({FrameEdit{}}).has_other_frame);
+  EXPECT_TRUE(combine_steps({FrameEdit{.T_before_after = {0, 0, 1e-9}}}).has_other_frame);
 }
 
 // An L; and against the sum of the angles at which its sides are seen, which is a whole turn inside.

@@ -146,15 +146,15 @@ TEST_F(FollowedRun, ADriveThatIsStoppedOrEmpty) {
 TEST(FitLimit, IsTwoCellsAtLeast) {
   std::vector<double> own_m;
   for (int k = 100; k >= 0; --k) own_m.push_back(0.001 * k);
-  const FitLimit fine = fit_limit_of(own_m, 0.01);
+  const FitLimit fine = make_fit_limit(own_m, 0.01);
   EXPECT_EQ(fine.source, FitLimit::Source::kRun);
   EXPECT_DOUBLE_EQ(fine.distance_m, 0.099);
   EXPECT_DOUBLE_EQ(fine.usual_m, 0.050);
-  const FitLimit coarse = fit_limit_of(own_m, 0.06);
+  const FitLimit coarse = make_fit_limit(own_m, 0.06);
   EXPECT_EQ(coarse.source, FitLimit::Source::kResolution);
   EXPECT_DOUBLE_EQ(coarse.distance_m, 0.12);
   EXPECT_DOUBLE_EQ(coarse.usual_m, 0.050) << "however coarse the cells are";
-  const FitLimit alone = fit_limit_of({}, 0.03);
+  const FitLimit alone = make_fit_limit({}, 0.03);
   EXPECT_EQ(alone.source, FitLimit::Source::kResolution);
   EXPECT_EQ(alone.distance_m, 0.06);
   EXPECT_EQ(alone.usual_m, 0.03);
@@ -168,8 +168,8 @@ TEST(FitLimit, IsThatOfTheScansInTheFinishedMap) {
   EXPECT_GT(in_run.good_fit().usual_m, 0.0);
   EXPECT_LT(in_run.good_fit().usual_m, 0.025) << "walls without noise, rounded to cells of 25 mm";
   EXPECT_EQ(in_run.good_fit().usual_m, in_field.good_fit().usual_m);
-  EXPECT_EQ(run_folder_of(folder + "/gdt.yaml"), folder);
-  EXPECT_EQ(run_folder_of("/gdtslam/nowhere/gdt.yaml"), std::nullopt);
+  EXPECT_EQ(find_run_folder(folder + "/gdt.yaml"), folder);
+  EXPECT_EQ(find_run_folder("/gdtslam/nowhere/gdt.yaml"), std::nullopt);
 }
 
 TEST(DriveChanges, TheTableOfChangesHasCentresAndPlaces) {

@@ -22,10 +22,10 @@ using testing::Not;
 std::vector<std::string> faults_after(const std::function<void(LogConfig&)>& change) {
   LogConfig config;
   change(config);
-  return faults_of(config);
+  return find_faults(config);
 }
 
-TEST(LogSettings, AsTheyAreThereIsNoFault) { EXPECT_THAT(faults_of(LogConfig{}), IsEmpty()); }
+TEST(LogSettings, AsTheyAreThereIsNoFault) { EXPECT_THAT(find_faults(LogConfig{}), IsEmpty()); }
 
 TEST(LogSettings, EachValueThatNothingWouldUseIsAFault) {
   using Change = std::function<void(LogConfig&)>;

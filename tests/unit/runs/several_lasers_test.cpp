@@ -145,7 +145,7 @@ TEST_F(TwoLasers, KeyframesHaveTheScansOfBoth) {
 std::optional<OdometryDelay> delay_by_scans(const std::string& log) {
   ReadOptions options;
   options.all_lasers = true;
-  return delay_of(headings_of(motion_by_scans(log, options, {}, {}, [] { return false; }).motions));
+  return estimate_delay(to_headings(motion_by_scans(log, options, {}, {}, [] { return false; }).motions));
 }
 
 TEST_F(TwoLasers, ShowHowLateTheOdometryIs) {

@@ -45,7 +45,7 @@ class Fleet : public testing::Test {
     write("atlas/" + record.run + "/report.json");
     write_record(path("atlas"), record);
   }
-  [[nodiscard]] AtlasSummary summary() const { return summary_of(read_atlas(path("atlas"))); }
+  [[nodiscard]] AtlasSummary summary() const { return summarise_atlas(read_atlas(path("atlas"))); }
 
   const TemporaryFolder folder_{"gdtslam-fleet-test"};
 };

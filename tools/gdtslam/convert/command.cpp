@@ -110,7 +110,7 @@ void print_left_out(const std::vector<LogReader::Warning>& left_out) {
   }
 }
 
-std::string text_of(const ConvertCounts& counts, std::uint64_t bytes, const std::string& output) {
+std::string counts_text(const ConvertCounts& counts, std::uint64_t bytes, const std::string& output) {
   return fmt::format("{}, {} odometry, {} of the crank, {}; {:.1f} MB in {}\n", plural(counts.scans, "scan"),
                      counts.odometry, counts.crank, plural(counts.parameters, "parameter"),
                      1e-6 * static_cast<double>(bytes), output);
@@ -160,7 +160,7 @@ int convert(const ConvertOptions& options) {
                             {"left_out", warnings_json(writer->left_out())},
                             {"interrupted", !counts.is_whole}}));
   } else if (!options.quiet && is_stdout_free) {
-    print_result(text_of(counts, writer->bytes(), printable(options.output)));
+    print_result(counts_text(counts, writer->bytes(), printable(options.output)));
   }
   if (counts.is_whole) return static_cast<int>(ExitCode::kDone);
   print_remark(fmt::format("interrupted after {}, which {} written", plural(counts.scans, "scan"),

@@ -22,7 +22,7 @@
 namespace gdtslam {
 namespace {
 
-Findings findings_of(const DoctorOptions& options) {
+Findings examine_log(const DoctorOptions& options) {
   Settings settings = load_settings(options.settings);
   state_recording(options.recording, settings.log);
   ReadOptions read = read_options_of(settings.log, true);
@@ -50,7 +50,7 @@ Findings findings_of(const DoctorOptions& options) {
   if (is_measured && !interrupted() && found.check.obstacle().empty()) {
     const MotionLook look =
         look_at_motion_by_scans(options.log, read, {}, settings.mapper, [] { return interrupted(); });
-    found.delay = delay_of(headings_of(look.faultless()));
+    found.delay = estimate_delay(to_headings(look.faultless()));
     found.faults.insert(found.faults.end(), look.faults.begin(), look.faults.end());
   }
   found.commands = map_commands(options, found.contents, found.check, found.faults);
@@ -58,7 +58,7 @@ Findings findings_of(const DoctorOptions& options) {
 }
 
 int doctor(const DoctorOptions& options) {
-  const Findings found = findings_of(options);
+  const Findings found = examine_log(options);
   print_result(options.json ? json_text(findings_json(found, options.log)) : findings_text(found, options.log));
   if (interrupted())
     throw Error(ExitCode::kInterrupted, "interrupted; the figures are those of the part that was read");

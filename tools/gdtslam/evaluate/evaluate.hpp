@@ -48,7 +48,7 @@ struct EvaluateOptions {
 ReferenceOptions reference_options(const EvaluateOptions& options);
 
 /// The alignment of --trajectory, or of the run that is evaluated, to the reference.
-CloudFrame frame_of(const EvaluateOptions& options);
+CloudFrame align_cloud(const EvaluateOptions& options);
 std::string frame_text(const CloudFrame& frame, const std::string& what, bool no_align);
 nlohmann::ordered_json frame_json(const CloudFrame& frame);
 

@@ -33,7 +33,7 @@ std::size_t common_folder(const std::vector<FleetRecord>& records) {
   return common.find_last_of('/') + 1;
 }
 
-Json row_of(const std::string& atlas, const FleetRecord& record, const std::string& log) {
+Json make_row(const std::string& atlas, const FleetRecord& record, const std::string& log) {
   const auto if_there = [&atlas](const std::string& file) {
     std::error_code ignored;
     return fs::exists(atlas + "/" + file, ignored) ? file : std::string();
@@ -60,7 +60,7 @@ std::string atlas_page(const std::string& atlas, const std::vector<FleetRecord>&
   Json unmapped = Json::array();
   for (const FleetRecord& record : records) {
     if (record.is_mapped()) {
-      rows.push_back(row_of(atlas, record, record.log.substr(common_folder(records))));
+      rows.push_back(make_row(atlas, record, record.log.substr(common_folder(records))));
     } else {
       unmapped.push_back({clean_utf8(record.log), record.outcome, clean_utf8(record.reason), record.exit_code});
     }
@@ -84,7 +84,7 @@ struct FinishOptions {
   bool quiet = false;
 };
 
-std::string text_of(const std::vector<FleetRecord>& records, const AtlasSummary& summary, const std::string& atlas) {
+std::string atlas_text(const std::vector<FleetRecord>& records, const AtlasSummary& summary, const std::string& atlas) {
   std::string text;
   for (const FleetRecord& record : records) {
     if (record.is_mapped()) continue;
@@ -99,7 +99,7 @@ std::string text_of(const std::vector<FleetRecord>& records, const AtlasSummary&
 
 int finish(const FinishOptions& options) {
   const std::vector<FleetRecord> records = read_atlas(options.atlas);
-  const AtlasSummary summary = summary_of(records);
+  const AtlasSummary summary = summarise_atlas(records);
   const std::string json = json_text(atlas_json(summary));
   write_file_atomically(options.atlas + "/summary.csv", summary_csv(records));
   write_file_atomically(options.atlas + "/index.html", atlas_page(options.atlas, records, summary));
@@ -107,7 +107,7 @@ int finish(const FinishOptions& options) {
   if (options.json) {
     print_result(json);
   } else if (!options.quiet) {
-    print_result(text_of(records, summary, options.atlas));
+    print_result(atlas_text(records, summary, options.atlas));
   }
   if (summary.mapped == summary.logs) return static_cast<int>(ExitCode::kDone);
   throw InputError(

@@ -31,7 +31,7 @@ constexpr double kMostSeconds = 1.0e5;  // 28 hours
 constexpr double kMostGap_m = 1.0;
 constexpr double kMostFit_m = 10.0;
 
-LocalizeJob job_of(const LocalizeOptions& options, const Settings& settings) {
+LocalizeJob make_job(const LocalizeOptions& options, const Settings& settings) {
   LocalizeJob job;
   job.log = options.log;
   LogConfig log = settings.log;
@@ -89,7 +89,7 @@ void require_found(const Localized& all) {
 }
 
 // Threads take scans, so none are left for the kernels of one.
-std::unique_ptr<Backend> backend_of(DeviceOptions options) {
+std::unique_ptr<Backend> make_search_backend(DeviceOptions options) {
   options.threads = 1;
   return make_backend(options);
 }
@@ -103,8 +103,8 @@ struct Work {
 Work work_with(const LocalizeOptions& options, const Settings& settings, const LocalizeJob& job,
                const DeviceOptions& device) {
   Work work;
-  work.backend = backend_of(device);
-  work.localizer = std::make_unique<Localizer>(options.map, settings.mapper, limits_of(options), *work.backend);
+  work.backend = make_search_backend(device);
+  work.localizer = std::make_unique<Localizer>(options.map, settings.mapper, search_limits(options), *work.backend);
   ProgressLine progress("scans", options.quiet);
   work.all = localize_scans(
       job, *work.localizer, [&progress](std::uint64_t scans, double share) { progress.update(scans, share); },
@@ -117,7 +117,7 @@ int localize(const LocalizeOptions& options) {
   Stopwatch watch;
   LocalizeTimes times;
   const Settings settings = load_settings(options.settings);
-  const LocalizeJob job = job_of(options, settings);
+  const LocalizeJob job = make_job(options, settings);
   if (options.track) return track(options, settings, job);
   const Work work = with_device(options.device,
                                 [&](const DeviceOptions& device) { return work_with(options, settings, job, device); });
@@ -191,7 +191,7 @@ void add_output_options(CLI::App& command, LocalizeOptions& chosen) {
 
 }  // namespace
 
-LocalizeLimits limits_of(const LocalizeOptions& options) {
+LocalizeLimits search_limits(const LocalizeOptions& options) {
   LocalizeLimits limits{.gap_m = options.gap_m, .max_seconds = {}, .with_runner_up = !options.no_runner_up};
   if (options.poor_fit_m >= 0.0) limits.good_fit_m = options.poor_fit_m;
   if (options.max_seconds > 0.0) limits.max_seconds = options.max_seconds;

@@ -43,7 +43,7 @@ struct LocalizeOptions {
 };
 
 /// Limits of each search, as the options say.
-LocalizeLimits limits_of(const LocalizeOptions& options);
+LocalizeLimits search_limits(const LocalizeOptions& options);
 
 /// Does work(device options), and again with the CPU where the device fails: the CPU gives the same, so a device that
 /// fails costs the time spent and nothing else. Throws what work() throws.

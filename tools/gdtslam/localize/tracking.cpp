@@ -18,7 +18,7 @@
 namespace gdtslam {
 namespace {
 
-ChangesLayer layer_of(const std::vector<ChangedCell>& cells) {
+ChangesLayer make_layer(const std::vector<ChangedCell>& cells) {
   ChangesLayer layer;
   layer.cells.reserve(cells.size());
   for (const ChangedCell& changed : cells) layer.cells.push_back({changed.cell, changed.patch});
@@ -35,7 +35,7 @@ nlohmann::ordered_json cells_json(const DriveChanges& seen, const std::vector<Ch
   return {{"places", patches_of(cells)}, {"cells", cells.size()}, {"area_m2", area_m2(seen, cells)}};
 }
 
-PictureSize size_of(const OccupancyMap& map) { return size_for_content(map.geometry.width, map.geometry.height); }
+PictureSize picture_size(const OccupancyMap& map) { return size_for_content(map.geometry.width, map.geometry.height); }
 
 }  // namespace
 
@@ -51,9 +51,9 @@ void write_changes(const std::string& picture, const LocalizeJob& job, const Dri
       "{} views from {:g} cm apart; new: at least {} of them end there, gone: as many pass through; away from walls by "
       "{:g} cm",
       seen.views(), 100.0 * seen.limits().spacing_m, seen.limits().least_views, 100.0 * seen.limits().tolerance_m);
-  const ChangesOverlay overlay{layer_of(changes.appeared), layer_of(changes.gone), seen.stretches()};
+  const ChangesOverlay overlay{make_layer(changes.appeared), make_layer(changes.gone), seen.stretches()};
   write_file_atomically(picture,
-                        drawing_bytes(changes_picture(seen.map(), overlay, look, size_of(seen.map())), picture));
+                        drawing_bytes(changes_picture(seen.map(), overlay, look, picture_size(seen.map())), picture));
   write_file_atomically(changes_table_file(picture), changes_table(seen.map().geometry, changes));
 }
 
@@ -93,7 +93,7 @@ TrackWork track_with(const LocalizeOptions& options, const Settings& settings, c
   work.backend = make_backend(device);
   device.device = "cpu";
   work.cpu = make_backend(device);
-  work.localizer = std::make_unique<Localizer>(options.map, settings.mapper, limits_of(options), *work.backend);
+  work.localizer = std::make_unique<Localizer>(options.map, settings.mapper, search_limits(options), *work.backend);
   if (!options.changes.empty()) {
     work.changes = std::make_unique<DriveChanges>(work.localizer->field(), settings.mapper, ChangeLimits{});
   }

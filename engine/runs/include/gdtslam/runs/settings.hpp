@@ -61,7 +61,7 @@ struct LogConfig {
 std::vector<Option> option_table(LogConfig& config);
 
 /// Faults that the bounds of the options do not show: values that nothing would use, and a step of zero.
-std::vector<std::string> faults_of(const LogConfig& config);
+std::vector<std::string> find_faults(const LogConfig& config);
 
 /// Options for the reader of a log: only stated ones, the rest is as the log has it.
 ReadOptions read_options_of(const LogConfig& config, bool lenient);
