@@ -117,8 +117,6 @@ void check_request(const EditRequest& request) {
   }
 }
 
-}  // namespace
-
 std::vector<EditStep> resolved_steps(const EditRequest& request, const SourceRun& run) {
   std::vector<EditStep> steps;
   if (!request.again.empty()) steps = recorded_steps(request.again, run);
@@ -141,8 +139,6 @@ std::vector<EditStep> resolved_steps(const EditRequest& request, const SourceRun
   check_distance(run, combine_steps(steps, earlier));
   return steps;
 }
-
-namespace {
 
 using Json = nlohmann::ordered_json;
 

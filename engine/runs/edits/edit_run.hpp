@@ -1,5 +1,7 @@
-// Places as a user writes them: poses, rectangles, polygons and points that are known in the world, on the command line
-// or in a file. Metres; angles in degrees. Thread-safe; linear in the text.
+// A run whose map is turned, cropped, cleaned and georeferenced: what `gdtslam edit` does. The run itself is left
+// alone; its keyframes are moved and all outputs made anew from them, so that nothing is blurred by turning pictures.
+// The same bytes on every run. One call belongs to one thread. Cost: as reading the copies of the logs and casting
+// their scans, then some 0.5 ms a keyframe.
 #pragma once
 
 #include <cstddef>
@@ -32,11 +34,6 @@ MapRegion parse_region(const std::string& text_or_file);
 
 /// "x,y=E,N", a point; or a file with a point a line, "x,y=E,N", "x,y,E,N" or "x y E N". Throws likewise.
 std::vector<PointPair> parse_point_pairs(const std::string& text_or_file);
-
-// A run whose map is turned, cropped, cleaned and georeferenced: what `gdtslam edit` does. The run itself is left
-// alone; its keyframes are moved and all outputs made anew from them, so that nothing is blurred by turning pictures.
-// The same bytes on every run. One call belongs to one thread. Cost: as reading the copies of the logs and casting
-// their scans, then some 0.5 ms a keyframe.
 
 struct EditRequest {
   std::string run{};     ///< folder of `map` or `merge`, or one that was edited
@@ -75,11 +72,5 @@ struct EditOutcome {
 /// Throws UsageError where the steps make no sense together, InputError where the run cannot be edited, FileError, and
 /// Error(kInterrupted) where stop() became true: then nothing is written.
 EditOutcome edit_run(const EditRequest& request);
-
-struct SourceRun;
-/// The steps with their numbers, those of `again` first. Throws InputError if its steps are of a run that begins at
-/// another time, if the run was edited already, or if points contradict each other or walls have no direction;
-/// UsageError if there is no step at all, or none that says where north is.
-std::vector<EditStep> resolved_steps(const EditRequest& request, const SourceRun& run);
 
 }  // namespace gdtslam

@@ -157,30 +157,5 @@ TEST(EditsFile, ReadsBackWhatItWrote) {
   EXPECT_THAT(text, HasSubstr("\"readings_taken_out\": 17"));
 }
 
-TEST(EditsFile, RefusesWhatItDoesNotKnow) {
-  const auto refusal = [](const std::string& steps) -> std::string {
-    try {
-      (void)parse_edits(R"({"format": 1, "run": "r", "begins_at_s": 0, "steps": [)" + steps + "]}", "edits.json");
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
-  };
-  EXPECT_EQ(refusal(R"({"step": "world-file"})"), "");
-  EXPECT_THAT(refusal("7"), HasSubstr("'steps[0]' is not an object"));
-  EXPECT_THAT(refusal(R"({"step": "world-file"}, {"step": "paint"})"), HasSubstr("'steps[1].step' is \"paint\""));
-  EXPECT_THAT(refusal(R"({"step": "frame", "direction_by": "taste", "origin": [0, 0, 0]})"), HasSubstr("direction_by"));
-  EXPECT_THAT(refusal(R"({"step": "frame", "direction_by": "stated", "origin": [0, 0]})"),
-              HasSubstr("is not 3 numbers"));
-  EXPECT_THAT(refusal(R"({"step": "frame", "direction_by": "stated", "origin": [0, 0, 1e7]})"),
-              HasSubstr("is not 3 numbers from"));
-  EXPECT_THAT(refusal(R"({"step": "erase", "polygon": [[0, 0], [1, 1]]})"), HasSubstr("fewer than 3 corners"));
-  EXPECT_THAT(refusal(R"({"step": "crop", "low": [0, 0], "high": [1, 0]})"), HasSubstr("is not above 'low'"));
-  EXPECT_THAT(refusal(R"({"step": "georeference", "points": [{"map": [0, 0]}, {}]})"),
-              HasSubstr("has no 'steps[0].points[0].world'"));
-  EXPECT_THROW((void)parse_edits(R"({"format": 2, "run": "r", "begins_at_s": 0, "steps": []})", "e"), InputError);
-  EXPECT_THROW((void)parse_edits("[", "e"), InputError);
-}
-
 }  // namespace
 }  // namespace gdtslam

@@ -100,7 +100,5 @@ TEST(GraphFile, RefusesWhatIsNoGraphWithItsLine) {
   EXPECT_THROW((void)read_graph("/nowhere/graph.g2o"), FileError);
 }
 
-TEST(GraphFile, IsEmptyWithoutPlaces) { EXPECT_EQ(graph_text({}), ""); }
-
 }  // namespace
 }  // namespace gdtslam

@@ -116,13 +116,6 @@ TEST_F(RunFilesTest, FilesOfOlderVersionsAreTakenAsTheyAre) {
   EXPECT_THAT(fault_of([&] { (void)run.checked("d.txt"); }), HasSubstr("is missing in this run"));
 }
 
-TEST_F(RunFilesTest, AListThatIsNone) {
-  for (const char* files : {"7", "[7]", "[[\"a.txt\", 3]]", "[[\"a.txt\", \"3\", \"\"]]", "[[3, 3, \"\"]]"}) {
-    write("report.json", std::string(R"({"format": 1, "map_sha256": "", "files": )") + files + "}");
-    EXPECT_THAT(fault_of_one(), HasSubstr("'files' is not a list")) << files;
-  }
-}
-
 TEST_F(RunFilesTest, AFolderOfTilesOfSomebodyElseIsNotReplaced) {
   write_run("one", "two");  // those that a run wrote are
   write("tiles/index.json", R"({"tiles": ["https://example.org/{z}/{x}/{y}.png"]})");

@@ -88,34 +88,12 @@ TEST_F(RunReaderTest, ReadsWhatARunHolds) {
   EXPECT_EQ(run.linkage().value().name, "paper-a");
 }
 
-// A run of map --no-map.
-TEST_F(RunReaderTest, ARunWithoutAMapHasNone) {
-  EXPECT_TRUE(reader().summary().map.has_value());
-  edit("\"map\": {", "\"xmap\": {");
-  EXPECT_FALSE(reader().summary().map.has_value());
-}
-
 TEST_F(RunReaderTest, RunsOfEarlierVersionsDoWithoutKeyframesAndLinkage) {
   edit(", \"keyframe_scans\": [0]", "");
   fs::remove(path("linkage.yaml"));
   EXPECT_TRUE(reader().summary().keyframes.empty());
   EXPECT_FALSE(reader().keyframes().has_value());
   EXPECT_FALSE(reader().linkage().has_value());
-}
-
-TEST_F(RunReaderTest, TellsALaserThatTiltsFromALinkage) {
-  EXPECT_FALSE(reader().summary().tilts);  // a report of an older version does not say
-  edit("\"linkage\": \"paper-a\"", "\"told_by\": \"ENCODER\"");
-  EXPECT_FALSE(reader().summary().tilts);
-  edit("\"linkage\": \"paper-a\"", "\"told_by\": \"TILT\"");
-  EXPECT_TRUE(reader().summary().tilts);
-  edit("{\"linkage\": \"paper-a\"}", "[]");
-  expect_refused([this] { reader(); }, path("report.json"), "'nodding' is not an object");
-}
-
-TEST_F(RunReaderTest, ARunWithoutACloudHasNone) {
-  edit("\"cloud_points\": 1", "\"cloud_points\": 0");
-  EXPECT_FALSE(reader().cloud_file().has_value());
 }
 
 TEST_F(RunReaderTest, CovariancesAreThoseOfTheTrajectory) {
@@ -188,21 +166,6 @@ TEST_F(RunReaderTest, ARunIsToldByItsReport) {
   }
   fs::remove(path("report.json"));
   EXPECT_FALSE(RunReader::is_gdtslam_run(folder_.string()));
-}
-
-TEST_F(RunReaderTest, FilesThatAreMissing) {
-  const std::pair<const char*, std::function<void()>> files[]{
-      {"trajectory.tum", [this] { static_cast<void>(reader().trajectory()); }},
-      {"map.yaml", [this] { static_cast<void>(reader().map()); }},
-      {"map.pgm", [this] { static_cast<void>(reader().map()); }},
-      {"gdt.yaml", [this] { static_cast<void>(reader().field()); }},
-      {"gdt.png", [this] { static_cast<void>(reader().field()); }},
-      {"cloud.ply", [this] { static_cast<void>(reader().cloud_file()); }}};
-  for (const auto& [name, read] : files) {
-    fs::rename(path(name), path("kept"));
-    expect_refused(read, path(name), "is missing in this run; map the log again");
-    fs::rename(path("kept"), path(name));
-  }
 }
 
 TEST_F(RunReaderTest, FilesThatAreDamagedOrOfAnotherRun) {

@@ -40,22 +40,6 @@ TEST(LoopsReport, NeighboursThatAreUnsureAreOneStretch) {
   EXPECT_TRUE(uncertain_stretches({}).empty());
 }
 
-TEST(LoopsReport, SaysHowMuchOfThePathIsUnsure) {
-  EXPECT_EQ(uncertain_line(covariances_of({0.1, 0.25, 0.3, 0.1, 0.6})),
-            "not to be trusted: 3 of 5 scans in 2 stretches, standard deviation up to 0.6 m; report.json has them\n");
-  EXPECT_EQ(uncertain_line(covariances_of({0.25})),
-            "not to be trusted: 1 of 1 scans in 1 stretch, standard deviation up to 0.25 m; report.json has them\n");
-  EXPECT_EQ(uncertain_line(covariances_of({0.1, 0.19})), "");
-}
-
-TEST(LoopsReport, WithoutPairsThereIsNoFit) {
-  ClosedPath closed;
-  EXPECT_TRUE(loops_json(closed)["rms_m"].is_null());
-  closed.pairs = 3;
-  closed.rms_m = 0.012;
-  EXPECT_EQ(loops_json(closed)["rms_m"], 0.012);
-}
-
 TEST(LoopsReport, CountsTheScansOfAllStretches) {
   ClosedPath closed;
   closed.covariances = covariances_of({0.1, 0.25, 0.3, 0.1, 0.6});

@@ -216,27 +216,6 @@ TEST(OdometryShift, AStampThatIsWildIsLeftOut) {
   }
 }
 
-// Where each stamp occurs twice, the first of it counts, whatever the clock did.
-TEST(OdometryShift, StampsThatOccurTwiceHideNoClockThatIsSetBack) {
-  const auto clock = [](int k) { return 100.0 + 0.1 * (k - k % 2) - (k < 100 ? 0.0 : 20.0); };
-  const std::vector<double> x_m = shifted(0.3, 200, clock);
-  ASSERT_EQ(x_m.size(), 200U);
-  for (int k = 0; k < 200; ++k) {
-    const double expected = std::min(100.0 + 0.1 * (k - k % 2) + 0.3, k < 100 ? 109.8 : 119.8);
-    EXPECT_NEAR(x_m[static_cast<std::size_t>(k)], expected, 1e-6) << k;
-  }
-}
-
-// A clock that is set ahead goes on: nothing of the hour between is made up.
-TEST(OdometryShift, AClockThatIsSetAheadGoesOn) {
-  const std::vector<double> x_m = shifted(0.3, 200, [](int k) { return 100.0 + 0.1 * k + (k < 100 ? 0.0 : 3600.0); });
-  ASSERT_EQ(x_m.size(), 200U);
-  for (int k = 0; k < 200; ++k) {
-    const double expected = std::min(100.0 + 0.1 * k + 0.3, k < 100 ? 109.9 : 119.9);
-    EXPECT_NEAR(x_m[static_cast<std::size_t>(k)], expected, 1e-6) << k;
-  }
-}
-
 TEST(OdometryDelay, IsFoundThoughTheClockWasSetBackOrOneStampIsWild) {
   for (const double back_s : {20.0, 3600.0}) {
     std::vector<TimedHeading> headings = drive(0.31, 0.003, 0.004, 3);
@@ -250,24 +229,6 @@ TEST(OdometryDelay, IsFoundThoughTheClockWasSetBackOrOneStampIsWild) {
   const auto found = estimate_delay(headings);
   ASSERT_TRUE(found && found->stands_out());
   EXPECT_NEAR(found->delay_s, 0.31, 0.02);
-}
-
-TEST(OdometryDelay, AnInterruptEndsTheMeasurementWithTheScanInHand) {
-  int asked = 0;
-  const auto stop_at_the_tenth = [&asked] { return ++asked == 10; };
-  const MotionByScans motion =
-      motion_by_scans(GDTSLAM_SOURCE_DIR "/assets/logs/office-start.log.gz", {}, {}, {}, stop_at_the_tenth);
-  EXPECT_FALSE(estimate_delay(to_headings(motion.motions)));
-  EXPECT_EQ(asked, 10);
-}
-
-TEST(OdometryDelay, IsMeasuredWithinTheRangeThatIsMapped) {
-  int asked = 0;
-  const auto count = [&asked] { return ++asked == 0; };
-  const MotionByScans motion =
-      motion_by_scans(GDTSLAM_SOURCE_DIR "/assets/logs/office-start.log.gz", {}, {.skip = 20, .count = 30}, {}, count);
-  EXPECT_FALSE(estimate_delay(to_headings(motion.motions)));
-  EXPECT_EQ(asked, 31);  // the last time there is no scan left
 }
 
 TEST(OdometryShift, ScansWithoutOdometryPass) {
