@@ -147,12 +147,11 @@ void tell_step(const EditRequest& request, std::string_view step, double share) 
   if (request.stop && request.stop()) throw Error(ExitCode::kInterrupted, "interrupted; nothing was written");
 }
 
-MapJob job_of_edit(const EditRequest& request, const SourceRun& run) {
-  MapJob job;
+MapRequest make_map_request(const EditRequest& request, const SourceRun& run) {
+  MapRequest job;
   job.logs = run.reader.summary().logs;
-  job.mapper = run.settings.mapper;
-  job.occupancy = run.settings.occupancy;
-  job.with_occupancy = run.reader.summary().map.has_value();
+  job.settings = run.settings;
+  job.with_map = run.reader.summary().map.has_value();
   job.with_pictures = request.with_pictures;
   job.with_loops = run.kept.in_single_precision;
   job.finishing = [&request](std::string_view what) { tell_step(request, what, 1.0); };
@@ -302,9 +301,9 @@ void write_edited_tiles(const EditRequest& request, const SourceRun& run, const 
 
 void write_edited(const EditRequest& request, SourceRun& run, RunFolder& folder, EditOutcome& outcome) {
   RunTimes times;
-  const MapJob job = job_of_edit(request, run);
+  const MapRequest job = make_map_request(request, run);
   take_out_of_keyframes({.erased = outcome.plan.erased}, run, outcome);
-  if (job.with_occupancy) run.outcome.occupancy = edited_map(request, run, outcome);
+  if (job.with_map) run.outcome.occupancy = edited_map(request, run, outcome);
   take_out_of_keyframes({.kept = outcome.plan.kept}, run, outcome);
   keep_keyframe_scans(run);
   tell_step(request, "the distance field", 0.0);
@@ -312,7 +311,7 @@ void write_edited(const EditRequest& request, SourceRun& run, RunFolder& folder,
   const WrittenField field = write_run_field(folder, job, map->field(), times);
   write_sessions(run, folder);
   if (outcome.plan.with_world_file) write_map_for_gis(outcome.plan, run.outcome.occupancy, folder);
-  const WrittenHashes hashes = write_run_files(folder, job, run.settings, times, run.outcome, &run.graph);
+  const WrittenHashes hashes = write_run_files(folder, job, times, run.outcome, &run.graph);
   if (request.with_tiles) write_edited_tiles(request, run, hashes.keyframes, folder, outcome);
   outcome.edits = recorded_edits(request, run, outcome);
   write_file_atomically(folder.staged(kEditsFile), outcome.edits);

@@ -51,6 +51,6 @@ void write_picture(RunFolder& folder, const std::string& name, const Canvas& pic
 bool is_picture_warning(const std::string& kind);
 
 /// Both, as far as the job wants pictures and a map, and loops were closed; old ones go. Throws FileError.
-void write_run_pictures(RunFolder& folder, const MapJob& job, MapOutcome& outcome);
+void write_run_pictures(RunFolder& folder, const MapRequest& request, MapOutcome& outcome);
 
 }  // namespace gdtslam

@@ -26,20 +26,18 @@ struct WrittenField {
   std::size_t tiles = 0;  ///< that it was written in; 0: in one piece
 };
 /// Writes gdt.png and gdt.yaml. Throws FileError.
-WrittenField write_run_field(RunFolder& folder, const MapJob& job, const GlobalField& field, RunTimes& times);
+WrittenField write_run_field(RunFolder& folder, const MapRequest& request, const GlobalField& field, RunTimes& times);
 
 /// Writes a map in tiles, which are in the run's folder `tiles` then; an outcome's small map of them comes with
 /// it. Throws what making tiles throws.
-WrittenField write_run_tiles(RunFolder& folder, const MapJob& job, Settings settings, RunTimes& times,
-                             MapOutcome& outcome);
+WrittenField write_run_tiles(RunFolder& folder, const MapRequest& request, RunTimes& times, MapOutcome& outcome);
 
 /// Request and products of a run, besides its outcome.
 struct RunFacts {
-  const MapJob& job;
+  const MapRequest& request;
   const NoddingJob* nodding = nullptr;  ///< null where the laser does not nod; its cloud has been written by now
   const WrittenField& field;
   const DeviceInfo& device;
-  Settings settings;
 };
 
 /// Hashes of written files.
@@ -50,8 +48,8 @@ struct WrittenHashes {
 /// Writes map, trajectory, graph, pictures, configuration and keyframes of a run, whose names they get when the caller
 /// has written the report too. `graph`: as the run's file shall have it, in place of the outcome's; null: that one.
 /// Throws FileError. A picture that fails is added to the outcome's warnings.
-WrittenHashes write_run_files(RunFolder& folder, const MapJob& job, Settings settings, RunTimes& times,
-                              MapOutcome& outcome, const GraphLines* graph = nullptr);
+WrittenHashes write_run_files(RunFolder& folder, const MapRequest& request, RunTimes& times, MapOutcome& outcome,
+                              const GraphLines* graph = nullptr);
 
 /// Writes the rest of what a run made into its folder: map, trajectory, graph, pictures, configuration and report, all
 /// or nothing; returns the text of report.json. Throws FileError. A picture that fails is added to the outcome's

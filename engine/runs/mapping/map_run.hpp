@@ -83,26 +83,7 @@ class MapExtent {
 // well consecutive sweeps agree. One run belongs to one thread; where it may have more, scans are read ahead and cast
 // into the occupancy map by threads of its own, and the result is the same.
 
-/// Logs and options of a mapping run.
-struct MapJob {
-  std::vector<std::string> logs;
-  ReadOptions read;
-  ScanRange range;
-  MapperConfig mapper;
-  OccupancyConfig occupancy;
-  bool with_occupancy = true;
-  std::optional<OdometryDelay> odometry_delay{};           ///< that the scans' stream makes up for
-  std::vector<LogFinding> findings{};                      ///< by now, of the logs
-  bool with_pictures = true;                               ///< the overview of the map
-  bool with_loops = false;                                 ///< closed once the log has ended
-  ScanMapped scan_mapped{};                                ///< called for each scan before the next one is read
-  bool stop_ends_log = false;                              ///< everything after the stop happens as after a log's end
-  LoopClosing::Progress closing{};                         ///< called while loops are closed; may be empty
-  std::function<void(std::string_view what)> finishing{};  ///< before each of what is made after that, likewise
-  MapperOptions on_failure;                                ///< reaction to a failing device
-};
-
-/// Needs of a nodding log besides a MapJob.
+/// Needs of a nodding log besides a MapRequest.
 struct NoddingJob {
   NodKind kind = NodKind::kEncoder;
   calib::SweepModel model;
@@ -118,9 +99,11 @@ OccupancyBuilder::Limits occupancy_limits(const MapperConfig& config);
 class MapRun {
  public:
   /// Opens the first log and prepares the mapper. Throws ConfigError, InputError or FileError.
-  MapRun(const MapJob& job, Backend& backend) : MapRun(job, backend, {job.logs, job.read, job.range}) {}
+  MapRun(const MapRequest& request, Backend& backend)
+      : MapRun(request, backend,
+               {request.logs, read_options_of(request.settings.log, request.lenient), request.range}) {}
   /// With the logs open already. For a laser that nods its job, and where the points go, if anywhere.
-  MapRun(const MapJob& job, Backend& backend, ScanStream scans, const NoddingJob* nodding = nullptr,
+  MapRun(const MapRequest& request, Backend& backend, ScanStream scans, const NoddingJob* nodding = nullptr,
          std::unique_ptr<CloudOutput> cloud = nullptr);
   ~MapRun();
 
@@ -164,7 +147,7 @@ class MapRun {
   void require_a_map() const;
   void finish();
 
-  MapJob job_;
+  MapRequest request_;
   ScanStream scans_;
   std::unique_ptr<Mapper> mapper_;
   LoopClosing* loops_ = nullptr;  ///< its own, where it closes loops

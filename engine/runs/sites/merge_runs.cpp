@@ -94,12 +94,11 @@ OccupancyMap cast_occupancy(const std::vector<const RunSession*>& runs, const Me
   return builder.build();
 }
 
-MapJob make_map_job(const MergeRequest& request, const std::vector<const RunSession*>& runs) {
-  MapJob job;
+MapRequest make_map_request(const MergeRequest& request, const std::vector<const RunSession*>& runs) {
+  MapRequest job;
   for (const RunSession* run : runs) job.logs.push_back(run->folder);
-  job.mapper = runs.front()->settings.mapper;
-  job.occupancy = runs.front()->settings.occupancy;
-  job.with_occupancy = request.with_map;
+  job.settings = runs.front()->settings;
+  job.with_map = request.with_map;
   job.with_pictures = request.with_pictures;
   job.with_loops = true;
   if (request.progress) job.finishing = [&request](std::string_view what) { request.progress(what, 1.0); };
@@ -129,13 +128,13 @@ JoinedSite write_site(const MergeRequest& request, const MergedSite& site, const
   }
   joined.changes = take_out_changes(site, joined_runs);
   MapOutcome outcome = site_outcome(site, runs, paths);
-  const MapJob job = make_map_job(request, runs);
+  const MapRequest job = make_map_request(request, runs);
   times.add("prepare");
   tell(request, "the map", 0.0);
   const std::unique_ptr<SeparateMap> map = merge_map(runs, site);
   outcome.match_distances_m = distances_from(map->field(), runs, site.poses);
   const WrittenField field = write_run_field(folder, job, map->field(), times);
-  if (job.with_occupancy) {
+  if (job.with_map) {
     outcome.occupancy = cast_occupancy(runs, site);
     mark_changes(joined.changes.last, outcome.occupancy);
   }
@@ -143,7 +142,7 @@ JoinedSite write_site(const MergeRequest& request, const MergedSite& site, const
   times.skip();
   check(request);
   const std::unique_ptr<Backend> cpu = make_cpu_backend({});
-  write_run(folder, {job, nullptr, field, cpu->device(), runs.front()->settings}, times, outcome);
+  write_run(folder, {job, nullptr, field, cpu->device()}, times, outcome);
   joined.keyframes = outcome.keyframes.size();
   joined.loops_between = site.loops_between;
   joined.loops_off = site.loops_off;

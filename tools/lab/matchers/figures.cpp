@@ -48,16 +48,14 @@ void evaluate(const MapOutcome& outcome, const CompareTruth& truth, const Compar
 /// The log mapped from end to end by a matcher.
 MapOutcome map_with(MatcherKind matcher, const CompareJob& job, Backend& backend, const CompareProgress& progress,
                     const std::function<bool()>& stop) {
-  MapJob whole{.logs = job.logs,
-               .read = job.read,
-               .range = job.range,
-               .mapper = job.mapper,
-               .occupancy = {},
-               .with_occupancy = false,
-               .with_pictures = false,
-               .on_failure = {.fall_back = false, .cpu = {}, .warn = {}}};
-  whole.mapper.match.matcher = matcher;
-  MapOutcome outcome = MapRun(whole, backend).run(progress, stop);
+  MapRequest whole{.logs = job.logs,
+                   .with_map = false,
+                   .with_loops = false,
+                   .with_pictures = false,
+                   .on_failure = {.fall_back = false, .cpu = {}, .warn = {}}};
+  whole.settings.mapper = job.mapper;
+  whole.settings.mapper.match.matcher = matcher;
+  MapOutcome outcome = MapRun(whole, backend, {job.logs, job.read, job.range}).run(progress, stop);
   if (outcome.interrupted) throw Error(ExitCode::kInterrupted, "interrupted; nothing is written");
   return outcome;
 }

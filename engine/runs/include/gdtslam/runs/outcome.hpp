@@ -113,7 +113,8 @@ struct MapOutcome {
   bool is_in_tiles = false;
   MapperStatistics statistics;
   std::vector<LogReader::Warning> warnings;
-  std::vector<LogFinding> findings{};     ///< faults of the logs whose causes are known
+  std::vector<LogFinding> findings{};             ///< faults of the logs whose causes are known
+  std::optional<OdometryDelay> odometry_delay{};  ///< corrected before the scans were mapped
   ExitCode broken_off = ExitCode::kDone;  ///< reason for the log's early end, if that is no error (warning_of_end)
   std::string device_loss;                ///< the error of the device that failed; empty when none did
   double log_duration_s = 0.0;            ///< between the earliest and the latest stamp
