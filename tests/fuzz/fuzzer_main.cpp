@@ -14,7 +14,6 @@
 #include "map_targets.hpp"
 #include "packed_targets.hpp"
 #include "recording_targets.hpp"
-#include "run_folder_targets.hpp"
 #include "run_targets.hpp"
 #include "scene_targets.hpp"
 
@@ -30,8 +29,8 @@ std::vector<FuzzTarget> all_targets() {
   for (const std::span<const FuzzTarget> part :
        {std::span<const FuzzTarget>(kLogTargets), std::span<const FuzzTarget>(kRecordingTargets),
         std::span<const FuzzTarget>(kPackedTargets), std::span<const FuzzTarget>(kMapTargets),
-        std::span<const FuzzTarget>(kRunTargets), std::span<const FuzzTarget>(kRunFolderTargets),
-        std::span<const FuzzTarget>(kSceneTargets), std::span<const FuzzTarget>(kCTargets)}) {
+        std::span<const FuzzTarget>(kRunTargets), std::span<const FuzzTarget>(kSceneTargets),
+        std::span<const FuzzTarget>(kCTargets)}) {
     all.insert(all.end(), part.begin(), part.end());
   }
   return all;

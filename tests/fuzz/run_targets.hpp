@@ -1,4 +1,4 @@
-// Linkages.
+// Linkages, and maps that are searched in.
 #pragma once
 
 #include <array>
@@ -7,8 +7,11 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "engine/runs/linkage/linkage_file.hpp"
+#include "engine/runs/localizer/map_field.hpp"
+#include "gdtslam/io/distance_field_file.hpp"
 #include "target.hpp"
 
 namespace gdtslam::fuzz {
@@ -26,8 +29,26 @@ inline void read_linkage_description(std::span<const std::byte> data) {
   });
 }
 
-inline constexpr std::array kRunTargets{
-    FuzzTarget{"linkage", read_linkage_description, 12},
-};
+/// A map as `localize` takes it, of this or another program: what it makes of it, beside an image or a field.
+inline void read_localizer_map(std::span<const std::byte> data) {
+  static const ScratchFolder folder;
+  static const bool is_ready = [] {
+    folder.put("map.pgm", std::string_view("P5\n3 2\n255\n\x00\xfe\xcd\xfe\xfe\x00", 17));
+    const std::vector<std::uint16_t> cells{0, 256, 5120};
+    write_distance_field(folder.file("gdt.yaml"), rows_of(DistanceFieldView{{0.05, 1.0, 2.0, 3, 1}, 3, cells, 5120}));
+    return true;
+  }();
+  require(is_ready);
+  expect_typed<InputError, FileError>([&] {
+    const MapField field = read_map_field(folder.put("map.yaml", text_of(data)), MapConfig());
+    const FieldView view = field.view();
+    require(view.width > 0 && view.height > 0 && view.stride >= view.width && field.kernel_origin_m.allFinite());
+    const PoseWindow window = field.known_window();
+    require(window.centre.is_finite() && window.half_x_m > 0.0 && window.half_y_m > 0.0);
+  });
+}
+
+inline constexpr std::array kRunTargets{FuzzTarget{"linkage", read_linkage_description, 12},
+                                        FuzzTarget{"localizer_map", read_localizer_map, 4}};
 
 }  // namespace gdtslam::fuzz

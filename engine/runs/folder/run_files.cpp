@@ -91,11 +91,6 @@ std::string RunFiles::checked(const std::string& name) const {
   return path(name);
 }
 
-std::string RunFiles::sha256(const std::string& name) const {
-  const std::string file = checked(name);
-  return told_ ? told_->at(name).sha256 : sha256_of_file(file).sha256;
-}
-
 bool RunFiles::is_checked(const std::string& name, const FileState& state) const {
   const std::lock_guard lock(checked_->mutex);
   const auto found = checked_->states.find(name);

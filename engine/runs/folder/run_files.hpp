@@ -40,8 +40,6 @@ class RunFiles {
   /// Path of the file, whose bytes are compared with the report. Throws InputError if they are others or there
   /// is none.
   [[nodiscard]] std::string checked(const std::string& name) const;
-  /// Hash of a checked file. Throws what checked() throws.
-  [[nodiscard]] std::string sha256(const std::string& name) const;
   /// Throws InputError if the run was replaced.
   void expect_unchanged() const;
   /// The report once more. Throws what expect_unchanged() throws.

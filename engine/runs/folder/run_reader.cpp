@@ -12,7 +12,6 @@
 #include "engine/core/files/folder_calls.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/io/message_text.hpp"
-#include "engine/io/sha256.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/config_yaml.hpp"
@@ -114,19 +113,13 @@ Trajectory RunReader::trajectory() const {
 std::optional<std::vector<PoseCovariance>> RunReader::covariances() const {
   if (!files_.has(kCovariances)) return std::nullopt;
   const std::vector<StampedCovariance> rows = files_.read(kCovariances, read_covariances);
-  const Trajectory poses = trajectory();
-  if (rows.size() != poses.size()) {
-    refuse(kCovariances, fmt::format("has {} rows, but trajectory.tum has {} poses", rows.size(), poses.size()));
+  if (rows.size() != summary_.scans) {
+    refuse(kCovariances,
+           fmt::format("has {} rows, but {} tells of {} scans", rows.size(), kReportFile, summary_.scans));
   }
   std::vector<PoseCovariance> covariances;
   covariances.reserve(rows.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (rows[i].stamp_s != poses[i].stamp_s) {
-      refuse(kCovariances, fmt::format("row {} is of {} s, but pose {} of trajectory.tum is of {} s", i + 1,
-                                       rows[i].stamp_s, i + 1, poses[i].stamp_s));
-    }
-    covariances.push_back(rows[i].covariance);
-  }
+  for (const StampedCovariance& row : rows) covariances.push_back(row.covariance);
   return covariances;
 }
 
@@ -141,16 +134,7 @@ OccupancyMap RunReader::map() const {
                      "has no occupancy map: it was mapped with --no-map; map the log again without that option");
   }
   (void)files_.checked("map.pgm");
-  OccupancyMap map = files_.read("map.yaml", [](const std::string& file) { return read_occupancy_map(file); });
-  const auto as_text = [](const GridGeometry& grid) {
-    return fmt::format("{} x {} cells of {} m from ({}, {})", grid.width, grid.height, grid.resolution_m,
-                       grid.origin_x_m, grid.origin_y_m);
-  };
-  if (map.geometry != *summary_.map) {
-    refuse("map.yaml",
-           fmt::format("has {}, but {} tells of {}", as_text(map.geometry), kReportFile, as_text(*summary_.map)));
-  }
-  return map;
+  return files_.read("map.yaml", [](const std::string& file) { return read_occupancy_map(file); });
 }
 
 DistanceFieldFile RunReader::field() const {
@@ -160,11 +144,7 @@ DistanceFieldFile RunReader::field() const {
                      "--crop X0,Y0,X1,Y1 -o PART'");
   }
   (void)files_.checked("gdt.png");
-  DistanceFieldFile field = files_.read("gdt.yaml", [](const std::string& file) { return read_distance_field(file); });
-  if (sha256_of(rows_of(field.view())) != summary_.map_sha256) {
-    refuse("gdt.png", fmt::format("is not the distance field that {} tells of", kReportFile));
-  }
-  return field;
+  return files_.read("gdt.yaml", [](const std::string& file) { return read_distance_field(file); });
 }
 
 Settings RunReader::settings() const {
@@ -176,18 +156,12 @@ Settings RunReader::settings() const {
 
 std::optional<RunKeyframes> RunReader::keyframes() const {
   if (!summary_.keyframes_sha256) return std::nullopt;
-  KeyframeFile read = files_.read(kKeyframeFile, [](const std::string& file) { return read_keyframes(file); });
-  if (read.sha256 != *summary_.keyframes_sha256) {
-    refuse(kKeyframeFile, fmt::format("holds other keyframes than {} tells of", kReportFile));
-  }
+  RunKeyframes read = files_.read(kKeyframeFile, read_keyframes);
   const auto is_scan = [](const RunKeyframe& keyframe, std::size_t scan) { return keyframe.scan == scan; };
-  if (!std::ranges::equal(read.run.keyframes, summary_.keyframes, is_scan)) {
+  if (!std::ranges::equal(read.keyframes, summary_.keyframes, is_scan)) {
     refuse(kReportFile, fmt::format("has other keyframe_scans than {}", kKeyframeFile));
   }
-  if (files_.sha256(kConfig) != read.run.config_sha256) {
-    refuse(kConfig, fmt::format("is not the configuration that {} was mapped with", kKeyframeFile));
-  }
-  return std::move(read.run);
+  return read;
 }
 
 std::optional<std::string> RunReader::cloud_file() const {

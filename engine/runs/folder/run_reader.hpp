@@ -67,8 +67,8 @@ class RunReader {
   [[nodiscard]] DistanceFieldFile field() const;
   /// The configuration that it was mapped with. Throws ConfigError too.
   [[nodiscard]] Settings settings() const;
-  /// The keyframes that the map was merged from; none if the run has no such file. Also throws InputError if scans or
-  /// config.yaml are others than those of the report and the file.
+  /// The keyframes that the map was merged from; none if the run has no such file. Also throws InputError if their
+  /// scans are others than those of the report.
   [[nodiscard]] std::optional<RunKeyframes> keyframes() const;
   /// The file of the 3D cloud; nothing where the run made none. Whoever has read it asks files() whether it is
   /// unchanged. Throws InputError where it is missing or another one.

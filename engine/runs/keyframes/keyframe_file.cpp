@@ -202,17 +202,16 @@ std::string write_keyframes(const std::string& path, const RunKeyframes& run) {
   return digest;
 }
 
-KeyframeFile read_keyframes(const std::string& path) {
+RunKeyframes read_keyframes(const std::string& path) {
   const std::string bytes = unpacked(path);
   BytesIn start(bytes, path);  // first: in another version the checksum may be another, too
   read_start(start);
   if (start.left() < kDigestDigits) start.refuse("ends within its header");
   const std::string_view body = std::string_view(bytes).substr(0, bytes.size() - kDigestDigits);
-  std::string digest = digest_text(body);
-  if (bytes.compare(body.size(), kDigestDigits, digest) != 0) {
+  if (bytes.compare(body.size(), kDigestDigits, digest_text(body)) != 0) {
     throw InputError({path, 0}, "is damaged: its checksum is that of other bytes");
   }
-  return {parse_keyframes(body, path), std::move(digest)};
+  return parse_keyframes(body, path);
 }
 
 }  // namespace gdtslam

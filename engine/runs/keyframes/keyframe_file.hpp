@@ -49,11 +49,7 @@ RunKeyframes parse_keyframes(std::string_view bytes, const std::string& name);
 /// FileError.
 std::string write_keyframes(const std::string& path, const RunKeyframes& run);
 
-struct KeyframeFile {
-  RunKeyframes run;
-  std::string sha256;
-};
 /// Throws InputError where the file is cut, damaged, of another version or no such file; FileError.
-KeyframeFile read_keyframes(const std::string& path);
+RunKeyframes read_keyframes(const std::string& path);
 
 }  // namespace gdtslam

@@ -90,13 +90,6 @@ TEST(ObservationCollector, ASlowLaserJoinsAFastOne) {
   EXPECT_THAT(observations(scans), ElementsAre("0", "0", "0", "0", "10", "0", "0", "01", "0", "0", "0", "01"));
 }
 
-TEST(ObservationCollector, APauseEndsAnObservation) {
-  std::vector<Fired> scans = steady({0.0, 0.05}, 2);
-  scans.push_back({5.0, 0});
-  scans.push_back({5.05, 1});
-  EXPECT_THAT(observations(scans), ElementsAre("0", "10", "1", "01"));
-}
-
 // A column of numbers that never repeat, taken for lasers.
 TEST(ObservationCollector, NoObservationLastsLong) {
   std::vector<Fired> scans;

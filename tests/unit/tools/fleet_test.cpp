@@ -126,31 +126,5 @@ TEST_F(Fleet, TheTableQuotesWhatIsAnybodys) {
   EXPECT_THAT(table, HasSubstr("\n\"/a,b.log\",refused,65,\"no \"\"x\"\"\nhere\",,0,"));
 }
 
-class FleetLogWork : public Fleet {
- protected:
-  FleetLogWork() {
-    write("a.log");
-    begin_atlas(work_.atlas, work_.options, {});
-  }
-  FleetWork work_{.atlas = path("atlas"), .options = "options\n"};
-  const std::string log_ = path("a.log");
-};
-
-TEST_F(FleetLogWork, ALogThatChangesMeanwhileHasFailed) {
-  const auto reason_after = [this](const std::function<void()>& change) {
-    work_.map = [&](const MapRequest&) {
-      change();
-      return MapResult{};
-    };
-    const FleetRecord record = map_fleet_log(work_, log_).record;
-    return record.outcome == "failed" && record.exit_code == 74 ? record.reason : "";
-  };
-  const std::string changed = "was changed while it was mapped; run the command again";
-  EXPECT_EQ(reason_after([&] { write("a.log", "more\n"); }), changed);
-  EXPECT_EQ(reason_after([&] { fs::remove(log_); }), changed);
-  write("a.log");
-  EXPECT_EQ(reason_after([&] { write("a.linkage.yaml"); }), changed);
-}
-
 }  // namespace
 }  // namespace gdtslam

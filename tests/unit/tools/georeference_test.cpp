@@ -67,28 +67,6 @@ TEST(Georeference, NoMotionNearbyIsBetter) {
   }
 }
 
-TEST(Georeference, PointsThatContradictEachOtherAreRefused) {
-  const auto refusal = [](const std::vector<PointPair>& points) -> std::string {
-    try {
-      (void)fit_georeference(points);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
-  };
-  using testing::HasSubstr;
-  EXPECT_THAT(refusal({{{0, 0}, {5, 5}}}), HasSubstr("two or more"));
-  EXPECT_THAT(refusal({{{0, 0}, {5, 5}}, {{0.5, 0.5}, {9, 9}}}), HasSubstr("too near"));
-  EXPECT_THAT(refusal({{{0, 0}, {100, 100}}, {{10, 0}, {123, 100}}}), HasSubstr("contradict"));
-  // The world seen in a mirror: easting and northing the wrong way round.
-  EXPECT_THAT(refusal({{{0, 0}, {0, 0}}, {{20, 0}, {0, 20}}, {{0, 30}, {30, 0}}}), HasSubstr("swap easting"));
-  EXPECT_THAT(refusal({{{0, 0}, {11.001, 48.0}}, {{20, 0}, {11.0012, 48.0}}}), HasSubstr("not degrees"));
-  // A metre is what a receiver is off by, and a hundredth what a map of 500 m may be.
-  EXPECT_EQ(refusal({{{0, 0}, {0, 0}}, {{10, 0}, {11.5, 0}}}), "");
-  EXPECT_EQ(refusal({{{0, 0}, {0, 0}}, {{500, 0}, {508, 0}}}), "");
-  EXPECT_THAT(refusal({{{0, 0}, {0, 0}}, {{500, 0}, {512, 0}}}), HasSubstr("6.00 m from"));
-}
-
 TEST(WorldFile, PutsPixelsWhereTheirCellsAre) {
   const GridGeometry map{.resolution_m = 0.05, .origin_x_m = -3.2, .origin_y_m = 1.5, .width = 40, .height = 30};
   const double theta_rad = rad_from_deg(25.0);

@@ -40,19 +40,6 @@ std::string refusal(const std::string& lines) {
   return "accepted";
 }
 
-class LinkageFileOnDisk : public testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = std::filesystem::path(testing::TempDir()) /
-              ("linkage_file_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-  [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
-
-  std::filesystem::path folder_;
-};
-
 TEST(LinkageFile, ReadsEveryKey) {
   const LinkageFile file = read_linkage_text(R"(
 gdtslam_linkage: 1
@@ -115,15 +102,6 @@ TEST(LinkageFile, APresetWithOverrides) {
   EXPECT_NE(model.encoder.zero_rad, calib::sweep_model_of_preset("paper-c").encoder.zero_rad);
 }
 
-TEST(LinkageFile, AMissingLengthIsNamed) {
-  EXPECT_EQ(refusal("bars:\n  crank: 3.6 cm\n  coupler: 8.5 cm\n  ground: 5 cm\n"),
-            "3: bars.rocker is missing; give its length with its unit, as in 'rocker: 8.5 cm'");
-  EXPECT_THAT(refusal("name: x\n"), HasSubstr("bars is missing"));
-  EXPECT_THAT(refusal("bars: {crank: 3.6 cm, coupler: 8.5 cm, rockr: 8.8 cm, ground: 5 cm}\n"),
-              HasSubstr("unknown key 'rockr'; did you mean 'rocker'?"));
-  EXPECT_THAT(refusal("bars:\n  crank:\n"), HasSubstr("the key 'crank' has no value"));
-}
-
 TEST(LinkageFile, AUnitMistakeIsNamed) {
   EXPECT_EQ(refusal("bars:\n  coupler: 8.5 cm\n  crank: 3.6\n  rocker: 8.8 cm\n  ground: 5 cm\n"),
             "4: bars.crank = 3.6 m is longer than 1 m; did you mean 3.6 cm?");
@@ -135,11 +113,6 @@ TEST(LinkageFile, AUnitMistakeIsNamed) {
               HasSubstr("unit 'deg' does not fit here"));
   EXPECT_THAT(refusal(std::string(kBars) + "encoder: {zero: 90}\n"), HasSubstr("an angle needs its unit"));
   EXPECT_THAT(refusal(std::string(kBars) + "mount: {lever_up: 5}\n"), HasSubstr("mount.lever_up = 5 m"));
-}
-
-TEST(LinkageFile, BarsThatCannotCloseAreRefusedWithTheInequality) {
-  EXPECT_THAT(refusal("bars:\n  crank: 3.6 cm\n  coupler: 8.5 cm\n  rocker: 8.8 cm\n  ground: 25 cm\n"),
-              AllOf(StartsWith("3: bars: "), HasSubstr("25 > 3.6 + 8.5 + 8.8 = 20.9 cm")));
 }
 
 TEST(LinkageFile, ACrankThatCannotTurnIsRefusedUnlessAllIsStated) {
@@ -211,28 +184,6 @@ TEST(LinkageFile, AssetsAreThePresets) {
     const std::string file = (folder / (std::string(preset.name) + ".yaml")).string();
     EXPECT_EQ(linkage_text(read_linkage(file)), linkage_text(calib::sweep_model_of_preset(preset.name))) << file;
   }
-}
-
-TEST_F(LinkageFileOnDisk, ResolvesPresetsAndFiles) {
-  calib::SweepModel mine = calib::sweep_model_of_preset("paper-c");
-  mine.name = "mine";
-  write_linkage(path("mine.yaml"), mine, {{"zero", 0.5}});
-  EXPECT_EQ(resolve_linkage(path("mine.yaml")).name, "mine");
-  EXPECT_THAT(read_linkage_file(path("mine.yaml")).uncertainty, ElementsAre(ParameterSigma{"zero", 0.5}));
-  EXPECT_EQ(resolve_linkage("paper-a").name, "paper-a");
-}
-
-TEST_F(LinkageFileOnDisk, SaysWhatIsNeitherPresetNorFile) {
-  try {
-    static_cast<void>(resolve_linkage("paper-bb"));
-    ADD_FAILURE() << "accepted";
-  } catch (const FileError& error) {
-    EXPECT_THAT(error.what(), AllOf(HasSubstr("neither a file nor a linkage preset"), HasSubstr("'paper-b'?")));
-  }
-  EXPECT_THROW(static_cast<void>(resolve_linkage(folder_.string())), FileError);  // a folder
-  std::ofstream(path("long.yaml")) << std::string((std::size_t{1} << 20) + 1, '#');
-  EXPECT_THROW(static_cast<void>(resolve_linkage(path("long.yaml"))), ConfigError);
-  EXPECT_THROW(write_linkage(path("no/such/folder.yaml"), calib::SweepModel{}), FileError);
 }
 
 }  // namespace

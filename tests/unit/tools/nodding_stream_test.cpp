@@ -155,13 +155,6 @@ TEST_F(NoddingStreamOfLines, BehindTheLastWantedScanTheMessagesAreStillHeard) {
   EXPECT_THAT(outcome.warnings, IsEmpty());
 }
 
-TEST_F(NoddingStreamOfLines, WhatIsSkippedIsHeardToo) {
-  const std::string path = write("a.log", {encoder(1.0), scan(1.02), encoder(1.1), scan(1.15), encoder(1.2)});
-  const Outcome outcome = read(std::vector{path}, ScanRange{.skip = 1, .count = 9});
-  EXPECT_THAT(outcome.stamps_s, ElementsAre(1.15));
-  EXPECT_NEAR(outcome.turns.at(0), 0.25 * 1.15, 1e-4);
-}
-
 // The second log begins again at time 1 with the counter elsewhere.
 TEST_F(NoddingStreamOfLines, EachLogHasAClockOfItsOwn) {
   const std::string a = write("a.log", {encoder(1.0), scan(1.05), encoder(1.1), scan(1.15)});
@@ -229,25 +222,11 @@ TEST_F(NoddingStreamOfLines, AScanStampedFarAheadCostsItself) {
   EXPECT_EQ(outcome.turns[50], -1.0);
 }
 
-TEST_F(NoddingStreamOfLines, MessagesOfTheOtherKindAreCounted) {
-  const std::string tilt = fmt_line("TILT 0.3", 1.05);
-  const Outcome outcome = read_lines({encoder(1.0), tilt, scan(1.05), encoder(1.1)});
-  EXPECT_EQ(outcome.count_of("nodding message not used"), 1U);
-  EXPECT_NEAR(outcome.turns.at(0), 0.25 * 1.05, 1e-4);
-}
-
 TEST_F(NoddingStreamOfLines, ATiltIsItsOwnElevation) {
   const std::string path = write("a.log", {fmt_line("TILT 0.2", 1.0), scan(1.05), fmt_line("TILT 0.3", 1.1)});
   const Outcome outcome = read(std::vector{path}, ScanRange{}, NodKind::kTilt);
   // ElevationTable::identity(): half a turn is level.
   EXPECT_NEAR(outcome.turns.at(0), 0.5 + 0.25 / (2.0 * 3.14159265358979), 1e-6);
-}
-
-TEST_F(NoddingStreamOfLines, FaultsOfAllLogsAddUp) {
-  const std::string a = write("a.log", {encoder(1.0), encoder(1.0), scan(1.05), encoder(1.1)});
-  const Outcome outcome = read(std::vector{a, a, a}, ScanRange{});
-  EXPECT_EQ(outcome.count_of(kPast), 3U);
-  EXPECT_EQ(outcome.count_of(kUncovered), 0U);
 }
 
 // Half a turn of the mirror, at five turns a second, the stamp in its middle: beams from 50 ms before to 50 ms after.

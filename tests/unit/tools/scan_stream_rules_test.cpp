@@ -76,18 +76,6 @@ TEST(ScanStreamRules, AMountIsLookedForSoManyScansAhead) {
   }
 }
 
-TEST(ScanStreamRules, WhatIsWrongAheadShowsWhereItStands) {
-  ScanStream stream = stream_of({{listed_scan(0.0), listed_scan(1.0), kFault, Encoder{1.5, 7}}});
-  EXPECT_EQ(stream.nod_kind(), NodKind::kNone);
-  EXPECT_THROW(stream.expect_readable(), InputError);
-  EXPECT_TRUE(stream.next() && stream.next());
-  EXPECT_THROW(static_cast<void>(stream.next()), InputError);
-  EXPECT_FALSE(stream.next()) << "it is told of once; behind it there is no scan";
-  ScanStream sound = stream_of({{listed_scan(0.0)}});
-  EXPECT_EQ(sound.nod_kind(), NodKind::kNone);
-  EXPECT_NO_THROW(sound.expect_readable());
-}
-
 TEST(ScanStreamRules, MessagesThatNobodyTakesAreCounted) {
   const Logs logs{{Tilt{0.5, 0.1}, Odometry{0.6, {}}, listed_scan(1.0), Encoder{1.5, 7}, Parameter{"a", "b"}}};
   ScanStream unheard = stream_of(logs);

@@ -231,10 +231,6 @@ void add_input_options(CLI::App& command, MapOptions& options) {
           "its configuration, and then these; the same results as all logs in one go. Results replace those in\n"
           "DIR, or go to -o")
       ->type_name("DIR");
-  const auto refuse_frozen = [] {
-    throw UsageError("--frozen: a log is followed in a map that stays as it is by: gdtslam localize MAP LOG --track");
-  };
-  command.add_flag_callback("--frozen", refuse_frozen)->group("");
   command.add_flag("--lenient", options.lenient, "Count and skip malformed lines instead of failing");
   add_recording_options(command, options.recording);
   add_count_option(command, "--skip", options.range.skip, 0, "Leave out the first N scans");
