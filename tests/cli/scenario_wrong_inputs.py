@@ -4,7 +4,6 @@ import gzip
 import shutil
 
 from cli_support import LOG, RUN, TRUTH, command, expect, expect_exit, fresh_folder, one_error_line
-from scenario_doctor import two_lasers
 
 
 def refused(code, words, *arguments):
@@ -51,16 +50,6 @@ def live_tells_of_a_laser_that_nods():
             expect(("the laser of this log nods" in process.stderr) == nods, process.stderr)
 
 
-def options_that_would_be_idle():
-    """A word that would change nothing is refused and told what it needs."""
-    folder = fresh_folder("options_that_would_be_idle")
-    (folder / "two.bag").write_bytes(two_lasers())
-    tilting = ("--topic", "/scan", "--set", "log.crank=tilt", "--set", "log.crank_step=1deg", "--set", "log.crank_zero=90")
-    refused(2, '"/servo" has numbers and no joint "tilt"; give "/servo" alone', "convert", folder / "two.bag", "--crank",
-            "/servo:tilt", *tilting, "-o", folder / "new.log")
-    expect_exit(command("convert", folder / "two.bag", "--crank", "/servo", *tilting, "-o", folder / "new.log"), 0)
-
-
 def files_of_another_kind():
     """What is packed, what holds poses in place of relations, a run's folder in place of a log."""
     folder = fresh_folder("files_of_another_kind")
@@ -72,10 +61,3 @@ def files_of_another_kind():
     for force in ((), ("--force",)):
         refused(2, "is a folder; give the name of a file", "convert", LOG, "--format", "mcap", *force, "-o", folder / "run")
     expect({file.name: file.read_bytes() for file in (folder / "run").iterdir() if file.is_file()} == before, "the run is another")
-
-
-def a_search_that_was_cut_short_says_so():
-    """Only where its time was limited."""
-    for limit in ((), ("--max-time", "1us")):
-        process = command("localize", RUN, LOG, "--track", *limit)
-        expect(("Or --max-time is too short" in process.stderr) == bool(limit), process.stderr)
