@@ -5,7 +5,7 @@
 
 #include "convert.hpp"
 #include "engine/io/byte_source.hpp"
-#include "engine/runs/folder/report_reader.hpp"
+#include "engine/runs/folder/run_files.hpp"
 #include "guard.hpp"
 
 namespace {

@@ -23,7 +23,7 @@
 #include "engine/io/sha256.hpp"
 #include "engine/io/writers/chunk_packer.hpp"
 #include "engine/io/writers/table_log.hpp"
-#include "engine/runs/folder/report_reader.hpp"
+#include "engine/runs/folder/run_files.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/config_yaml.hpp"

@@ -21,7 +21,7 @@
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/run_pictures.hpp"
 #include "engine/runs/folder/run_report.hpp"
-#include "engine/runs/keyframes/map_of_keyframes.hpp"
+#include "engine/runs/keyframes/run_keyframes.hpp"
 #include "engine/runs/tiles/map_tiles.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"

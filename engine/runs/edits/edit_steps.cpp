@@ -14,7 +14,7 @@
 #include "engine/io/json_file.hpp"
 #include "engine/io/message_text.hpp"
 #include "engine/mapping/map/scan_beams.hpp"
-#include "engine/runs/folder/report_reader.hpp"
+#include "engine/runs/folder/run_files.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {

@@ -11,7 +11,7 @@
 #include "engine/core/elementary.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/runs/continuing/continue_file.hpp"
-#include "engine/runs/folder/report_reader.hpp"
+#include "engine/runs/folder/run_files.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/motion/scan_speed.hpp"
 #include "engine/runs/streams/scan_stream.hpp"

@@ -13,7 +13,6 @@
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
 #include "gdtslam/mapping/mapper.hpp"
-#include "stated_errors.hpp"
 
 namespace gdtslam {
 

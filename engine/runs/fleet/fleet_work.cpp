@@ -13,7 +13,7 @@
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/maps/png.hpp"
 #include "engine/io/sha256.hpp"
-#include "engine/runs/folder/report_reader.hpp"
+#include "engine/runs/folder/run_files.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "engine/runs/transaction/folder_transaction.hpp"
 #include "gdtslam/core/error.hpp"

@@ -11,7 +11,7 @@
 
 #include "engine/drawing/maps/graph_picture.hpp"
 #include "engine/runs/folder/run_folder.hpp"
-#include "engine/runs/loops/loops_report.hpp"
+#include "engine/runs/loops/loop_files.hpp"
 #include "engine/runs/mapping/map_run.hpp"
 
 namespace gdtslam {

@@ -8,9 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "engine/mapping/graph/pose_graph.hpp"
 #include "engine/runs/folder/run_files.hpp"
 #include "engine/runs/folder/run_review.hpp"
-#include "engine/runs/keyframes/keyframe_file.hpp"
+#include "engine/runs/keyframes/run_keyframes.hpp"
 #include "engine/runs/loops/loop_files.hpp"
 #include "gdtslam/calib/sweep_model.hpp"
 #include "gdtslam/core/stream.hpp"
@@ -91,5 +92,37 @@ class RunReader {
   RunSummary summary_;
   RunFiles files_;  // whose constructor gives the summary
 };
+
+// The graph of a run that closed loops, put together from graph.g2o and report.json. Frame: map. Thread-safe; linear in
+// places and relations.
+
+struct RunGraph {
+  /// The places' poses as the graph came to, what was measured along the path, by the front end before the wheels, and
+  /// the loops with what each was worth by itself and its weight; indices are places.
+  PoseGraph graph;
+  std::vector<std::size_t> scans;  ///< for each place, ascending: an index into the trajectory
+  std::vector<bool> is_on;         ///< for each loop, as the report has it
+};
+
+/// Throws InputError where the run has no graph, is a site of several drives, or its graph is not of one run with its
+/// report: other scans, a step of the path that is missing, other loops; FileError.
+RunGraph read_run_graph(const RunReader& run);
+
+// Trajectories and clouds that a command was given: the file itself, or the folder of the run that wrote it, whose
+// report is checked as RunReader does. Another program's folder will do if it has a file of that name. Thread-safe.
+
+/// Throws InputError where the folder has what is left of a run without its report (RunReader::is_broken_run): the file
+/// `name` of it would be of nobody knows which run. The same where it holds the sites of a merge.
+void refuse_broken_run(const std::string& folder, const char* name);
+
+/// The poses of a TUM file, or of trajectory.tum in a folder. Throws FileError, and InputError that says what to give.
+Trajectory given_trajectory(const std::string& given);
+
+/// The file of a cloud: `given` unless that is a folder, then its cloud.ply. Nothing is said of the file itself, which
+/// its reader checks. Throws InputError where the folder has none, with the reason that its run gives; FileError.
+std::string given_cloud(const std::string& given);
+/// The same, and the run that the cloud is of, for whoever has read it to ask its files() whether they are unchanged;
+/// nothing where it is of none.
+std::string given_cloud(const std::string& given, std::optional<RunReader>& run);
 
 }  // namespace gdtslam

@@ -12,7 +12,6 @@
 #include "engine/io/file_limits.hpp"
 #include "engine/io/yaml/yaml_file.hpp"
 #include "engine/runs/folder/run_reader.hpp"
-#include "engine/runs/inputs/given_files.hpp"
 #include "engine/runs/localizer/obstacle_field.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"

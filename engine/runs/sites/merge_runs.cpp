@@ -15,7 +15,7 @@
 #include "engine/runs/folder/run_pictures.hpp"
 #include "engine/runs/folder/run_reader.hpp"
 #include "engine/runs/folder/run_report.hpp"
-#include "engine/runs/keyframes/map_of_keyframes.hpp"
+#include "engine/runs/keyframes/run_keyframes.hpp"
 #include "engine/runs/sites/run_session.hpp"
 #include "engine/runs/sites/site_outcome.hpp"
 #include "gdtslam/core/error.hpp"

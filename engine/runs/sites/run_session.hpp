@@ -8,7 +8,7 @@
 
 #include "engine/mapping/sessions/session.hpp"
 #include "engine/runs/folder/run_reader.hpp"
-#include "engine/runs/keyframes/keyframe_file.hpp"
+#include "engine/runs/keyframes/run_keyframes.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/runs/settings.hpp"
 

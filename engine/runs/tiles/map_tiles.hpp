@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "engine/mapping/changes/map_changes.hpp"
-#include "engine/runs/keyframes/keyframe_file.hpp"
+#include "engine/runs/keyframes/run_keyframes.hpp"
 #include "gdtslam/core/grid_geometry.hpp"
 #include "gdtslam/mapping/config.hpp"
 #include "gdtslam/mapping/occupancy.hpp"

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "engine/runs/localizer/drive_changes.hpp"
 #include "engine/runs/localizer/localize_log.hpp"
 #include "engine/runs/localizer/map_field.hpp"
 #include "gdtslam/core/angle.hpp"

@@ -1,5 +1,5 @@
 // The graph of a run out of its two files: of a robot that stood still, and of files that do not belong together.
-#include "engine/runs/folder/run_graph.hpp"
+#include "engine/runs/folder/run_reader.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,6 +1,6 @@
 // What a site has of its runs: paths that follow their keyframes, counts, doubts and the graph, all by hand.
 #include "engine/runs/sites/site_outcome.hpp"
-#include "engine/runs/keyframes/map_of_keyframes.hpp"
+#include "engine/runs/keyframes/run_keyframes.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -10,7 +10,7 @@
 #include <numbers>
 #include <vector>
 
-#include "engine/runs/keyframes/map_of_keyframes.hpp"
+#include "engine/runs/keyframes/run_keyframes.hpp"
 #include "engine/runs/mapping/map_run.hpp"
 #include "gdtslam/core/random.hpp"
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "engine/runs/edits/source_run.hpp"
-#include "engine/runs/folder/run_graph.hpp"
+#include "engine/runs/folder/run_reader.hpp"
 #include "engine/runs/sites/run_session.hpp"
 #include "engine/runs/views/run_views.hpp"
 #include "gdtslam/core/angle.hpp"

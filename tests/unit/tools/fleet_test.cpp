@@ -11,7 +11,6 @@
 
 #include "engine/runs/fleet/atlas.hpp"
 #include "engine/runs/fleet/fleet_work.hpp"
-#include "engine/runs/fleet/log_list.hpp"
 #include "engine/runs/transaction/folder_transaction.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/folders.hpp"

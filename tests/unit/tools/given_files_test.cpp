@@ -1,6 +1,6 @@
 // What a command takes for a trajectory or a cloud: files, runs, folders of other programs, and what it says of folders
 // that have none.
-#include "engine/runs/inputs/given_files.hpp"
+#include "engine/runs/folder/run_reader.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

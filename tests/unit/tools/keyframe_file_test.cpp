@@ -1,6 +1,6 @@
 // keyframes.bin.gz: the bytes that Python's struct makes of the same numbers, back again what went in, and one line for
 // whatever is cut, damaged or does not fit.
-#include "engine/runs/keyframes/keyframe_file.hpp"
+#include "engine/runs/keyframes/run_keyframes.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,6 +1,6 @@
 // A run's distance field made anew from the keyframes in its folder: bit for bit where the log gives whole millimetres,
 // and how much differs where it gives more.
-#include "engine/runs/keyframes/map_of_keyframes.hpp"
+#include "engine/runs/keyframes/run_keyframes.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,5 +1,5 @@
 // Whether errors are as large as is stated: poses drawn from known covariances, theory from closed forms.
-#include "engine/runs/evaluation/stated_errors.hpp"
+#include "engine/runs/evaluation/errors.hpp"
 
 #include <gtest/gtest.h>
 

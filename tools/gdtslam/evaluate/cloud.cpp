@@ -9,7 +9,6 @@
 #include "engine/io/json_file.hpp"
 #include "engine/runs/evaluation/hit_errors.hpp"
 #include "engine/runs/folder/run_reader.hpp"
-#include "engine/runs/inputs/given_files.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "evaluate.hpp"
 #include "gdtslam/core/angle.hpp"

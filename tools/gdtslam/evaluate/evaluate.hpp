@@ -6,7 +6,6 @@
 
 #include "engine/runs/evaluation/errors.hpp"
 #include "engine/runs/evaluation/measure_table.hpp"
-#include "engine/runs/evaluation/stated_errors.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
 #include "tools/gdtslam/shell/cli.hpp"
 

@@ -10,7 +10,7 @@
 
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
-#include "engine/runs/inputs/given_files.hpp"
+#include "engine/runs/folder/run_reader.hpp"
 #include "evaluate.hpp"
 #include "gdtslam/cloud/box.hpp"
 #include "gdtslam/core/error.hpp"

@@ -8,7 +8,6 @@
 #include "engine/io/json_file.hpp"
 #include "engine/runs/evaluation/pose_table.hpp"
 #include "engine/runs/folder/run_reader.hpp"
-#include "engine/runs/inputs/given_files.hpp"
 #include "evaluate.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"

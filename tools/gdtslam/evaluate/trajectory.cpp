@@ -10,9 +10,7 @@
 
 #include "engine/io/json_file.hpp"
 #include "engine/runs/evaluation/errors.hpp"
-#include "engine/runs/evaluation/stated_errors.hpp"
 #include "engine/runs/folder/run_reader.hpp"
-#include "engine/runs/inputs/given_files.hpp"
 #include "engine/runs/streams/log_check.hpp"
 #include "evaluate.hpp"
 #include "gdtslam/core/angle.hpp"

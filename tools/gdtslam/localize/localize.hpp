@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "engine/runs/localizer/drive_changes.hpp"
 #include "engine/runs/localizer/localize_log.hpp"
 #include "engine/runs/localizer/run.hpp"
 #include "gdtslam/core/error.hpp"

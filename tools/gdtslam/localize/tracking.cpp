@@ -7,7 +7,6 @@
 #include "engine/drawing/maps/changes_picture.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
-#include "engine/runs/localizer/drive_changes.hpp"
 #include "engine/runs/localizer/localize_log.hpp"
 #include "engine/runs/mapping/stopwatch.hpp"
 #include "gdtslam/io/trajectory_file.hpp"

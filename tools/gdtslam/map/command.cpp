@@ -11,7 +11,7 @@
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/run_recording.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
-#include "engine/runs/loops/loops_report.hpp"
+#include "engine/runs/loops/loop_files.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"

@@ -11,7 +11,7 @@
 #include "engine/drawing/maps/path_pictures.hpp"
 #include "engine/drawing/plots/plot_sheet.hpp"
 #include "engine/runs/evaluation/errors.hpp"
-#include "engine/runs/inputs/given_files.hpp"
+#include "engine/runs/folder/run_reader.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/io/trajectory_file.hpp"

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "engine/runs/folder/run_pictures.hpp"
-#include "engine/runs/inputs/given_files.hpp"
+#include "engine/runs/folder/run_reader.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "viewer/scene/cloud/cloud_level.hpp"

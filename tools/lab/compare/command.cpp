@@ -9,7 +9,7 @@
 
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
-#include "engine/runs/inputs/given_files.hpp"
+#include "engine/runs/folder/run_reader.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
