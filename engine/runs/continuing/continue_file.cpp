@@ -163,7 +163,7 @@ std::string sha256_of_log(const std::string& log) {
   return hash.hex();
 }
 
-std::string absolute_path(const std::string& log) {
+std::string full_path(const std::string& log) {
   std::error_code failed;
   const fs::path path = fs::absolute(log, failed);
   return failed ? log : path.string();
@@ -253,7 +253,7 @@ KeptLog kept_log(const std::string& log, const std::optional<FileState>& before,
   if (!kept_file.empty()) {
     return {log, fs::path(kept_file).filename().string(), sha256_of_file(kept_file).sha256};
   }
-  KeptLog kept{log, absolute_path(log), {}};
+  KeptLog kept{log, full_path(log), {}};
   if (is_stream(log) || state_of_file(log) != before) return kept;
   try {
     kept.sha256 = sha256_of_log(log);
@@ -277,7 +277,7 @@ std::string log_of_run(const KeptLog& log, const std::string& folder) {
                                             "log its place again, or map the logs that there are",
                                             folder));
   }
-  return !is_of_run(log) && absolute_path(log.name) == path ? log.name : path;
+  return !is_of_run(log) && full_path(log.name) == path ? log.name : path;
 }
 
 MapRequest continued_request(const MapRequest& request) {
