@@ -58,27 +58,12 @@ void check(const LocalizeOptions& options) {
   written.add("--changes", changes_table_file(options.changes));
 }
 
-void write_files(const LocalizeOptions& options, const Localizer& localizer, const Localized& all) {
-  if (!options.trajectory.empty()) {
-    Trajectory trajectory;
-    for (const LocalizedScan& scan : all.scans) {
-      if (scan.best) trajectory.push_back({scan.stamp_s, scan.best->T_map_base});
-    }
-    write_tum(options.trajectory, trajectory);
+Trajectory found_poses(const Localized& all) {
+  Trajectory trajectory;
+  for (const LocalizedScan& scan : all.scans) {
+    if (scan.best) trajectory.push_back({scan.stamp_s, scan.best->T_map_base});
   }
-  if (!options.table.empty()) write_file_atomically(options.table, table_text(all.scans));
-  if (!options.picture.empty()) {
-    write_file_atomically(options.picture,
-                          drawing_bytes(localize_picture(options.log, localizer, all), options.picture));
-  }
-}
-
-void print_remarks(const Localized& all) {
-  print_warnings(all.warnings);
-  if (all.nods) {
-    print_remark("warning: the laser of this log nods; a scan is found where it was taken nearly level only");
-  }
-  if (all.interrupted) print_remark("interrupted after " + plural(all.scans.size(), "scan"));
+  return trajectory;
 }
 
 void require_found(const Localized& all) {
@@ -123,7 +108,7 @@ int localize(const LocalizeOptions& options) {
                                 [&](const DeviceOptions& device) { return work_with(options, settings, job, device); });
   const Localized& all = work.all;
   watch.add_to(times.wall_s, times.cpu_s);
-  write_files(options, *work.localizer, all);
+  write_results(options, *work.localizer, all, found_poses(all), table_text(all.scans));
   print_remarks(all);
   if (options.json) {
     times.device = work.backend->device().name;

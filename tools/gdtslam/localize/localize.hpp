@@ -6,11 +6,14 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "engine/io/atomic_file.hpp"
 #include "engine/runs/localizer/localize_log.hpp"
 #include "engine/runs/localizer/run.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/canvas.hpp"
+#include "gdtslam/io/trajectory_file.hpp"
 #include "gdtslam/runs/settings.hpp"
+#include "tools/gdtslam/drawings/drawing_file.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/device/device_option.hpp"
 #include "tools/gdtslam/shell/recording_options.hpp"
@@ -85,18 +88,28 @@ std::string verdicts_text(const std::vector<LocalizedScan>& scans);
 Canvas localize_picture(const std::string& log, const Localizer& localizer, const Localized& all);
 Canvas localize_picture(const std::string& log, const Localizer& localizer, const TrackedDrive& drive);
 
-// Output of `gdtslam localize --track --changes`: a picture, a table beside it, a line for
-// people and JSON for programs. Everything depends on the input alone. Thread-safe; O(cells + pixels).
+/// Writes what is asked for: the poses, the table, the picture. `Found` is Localized or TrackedDrive.
+template <class Found>
+void write_results(const LocalizeOptions& options, const Localizer& localizer, const Found& found,
+                   const Trajectory& trajectory, const std::string& table) {
+  if (!options.trajectory.empty()) write_tum(options.trajectory, trajectory);
+  if (!options.table.empty()) write_file_atomically(options.table, table);
+  if (options.picture.empty()) return;
+  write_file_atomically(options.picture,
+                        drawing_bytes(localize_picture(options.log, localizer, found), options.picture));
+}
 
-/// "office.csv" for "office.png".
+template <class Found>
+void print_remarks(const Found& found) {
+  print_warnings(found.warnings);
+  if (found.nods) {
+    print_remark("warning: the laser of this log nods; a scan is found where it was taken nearly level only");
+  }
+  if (found.interrupted) print_remark("interrupted after " + plural(found.scans.size(), "scan"));
+}
+
+/// "office.csv" for "office.png": the table beside the picture of --changes.
 std::string changes_table_file(const std::string& picture);
-
-/// Writes the picture, and the table beside it. Throws FileError, UnavailableError.
-void write_changes(const std::string& picture, const LocalizeJob& job, const DriveChanges& seen,
-                   const MapChanges& changes);
-
-std::string as_text(const DriveChanges& seen, const MapChanges& changes);
-nlohmann::ordered_json as_json(const DriveChanges& seen, const MapChanges& changes);
 
 // `gdtslam localize --track`: a robot followed through a log, in a map that stays as it is.
 

@@ -36,12 +36,6 @@ nlohmann::ordered_json cells_json(const DriveChanges& seen, const std::vector<Ch
 
 PictureSize picture_size(const OccupancyMap& map) { return size_for_content(map.geometry.width, map.geometry.height); }
 
-}  // namespace
-
-std::string changes_table_file(const std::string& picture) {
-  return std::filesystem::path(picture).replace_extension(".csv").string();
-}
-
 void write_changes(const std::string& picture, const LocalizeJob& job, const DriveChanges& seen,
                    const MapChanges& changes) {
   MapLook look;
@@ -72,8 +66,6 @@ nlohmann::ordered_json as_json(const DriveChanges& seen, const MapChanges& chang
           {"new", cells_json(seen, changes.appeared)},
           {"gone", cells_json(seen, changes.gone)}};
 }
-
-namespace {
 
 struct TrackWork {
   std::unique_ptr<Backend> backend;
@@ -107,28 +99,13 @@ TrackWork track_with(const LocalizeOptions& options, const Settings& settings, c
   return work;
 }
 
-void write_track_files(const LocalizeOptions& options, const Localizer& localizer, const TrackedDrive& drive) {
-  if (!options.trajectory.empty()) {
-    Trajectory trajectory;
-    trajectory.reserve(drive.scans.size());
-    for (const TrackedScan& scan : drive.scans) {
-      if (scan.pose.whereabouts != Whereabouts::kUnknown) trajectory.push_back({scan.stamp_s, scan.pose.T_map_base});
-    }
-    write_tum(options.trajectory, trajectory);
+Trajectory tracked_poses(const TrackedDrive& drive) {
+  Trajectory trajectory;
+  trajectory.reserve(drive.scans.size());
+  for (const TrackedScan& scan : drive.scans) {
+    if (scan.pose.whereabouts != Whereabouts::kUnknown) trajectory.push_back({scan.stamp_s, scan.pose.T_map_base});
   }
-  if (!options.table.empty()) write_file_atomically(options.table, table_text(drive));
-  if (!options.picture.empty()) {
-    write_file_atomically(options.picture,
-                          drawing_bytes(localize_picture(options.log, localizer, drive), options.picture));
-  }
-}
-
-void print_track_remarks(const TrackedDrive& drive) {
-  print_warnings(drive.warnings);
-  if (drive.nods) {
-    print_remark("warning: the laser of this log nods; a scan is matched where it was taken nearly level only");
-  }
-  if (drive.interrupted) print_remark("interrupted after " + plural(drive.scans.size(), "scan"));
+  return trajectory;
 }
 
 void require_known(const TrackedDrive& drive, std::uint64_t unknown) {
@@ -141,6 +118,10 @@ void require_known(const TrackedDrive& drive, std::uint64_t unknown) {
 
 }  // namespace
 
+std::string changes_table_file(const std::string& picture) {
+  return std::filesystem::path(picture).replace_extension(".csv").string();
+}
+
 int track(const LocalizeOptions& options, const Settings& settings, const LocalizeJob& job) {
   Stopwatch watch;
   LocalizeTimes times;
@@ -148,9 +129,9 @@ int track(const LocalizeOptions& options, const Settings& settings, const Locali
       options.device, [&](const DeviceOptions& device) { return track_with(options, settings, job, device); });
   const TrackedDrive& drive = work.drive;
   watch.add_to(times.wall_s, times.cpu_s);
-  write_track_files(options, *work.localizer, drive);
+  write_results(options, *work.localizer, drive, tracked_poses(drive), table_text(drive));
   if (work.changes) write_changes(options.changes, job, *work.changes, work.found);
-  print_track_remarks(drive);
+  print_remarks(drive);
   if (options.json) {
     times.device = work.backend->device().name;
     nlohmann::ordered_json report = as_json(job, *work.localizer, drive, times);
