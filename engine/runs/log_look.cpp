@@ -31,7 +31,7 @@ bool is_motion_known(const MapRequest& request) {
 std::optional<OdometryDelay> odometry_delay(const MapRequest& request, std::span<const TimedMotion> motions) {
   const LogConfig& log = request.settings.log;
   if (log.odometry_stamps == OdometryStamps::kStated) return OdometryDelay{.delay_s = log.odometry_delay_s};
-  std::optional<OdometryDelay> delay = delay_of(headings_of(motions));
+  std::optional<OdometryDelay> delay = estimate_delay(to_headings(motions));
   if (!delay || !delay->stands_out()) return std::nullopt;
   if (request.warn) {
     request.warn(
@@ -58,17 +58,19 @@ std::vector<LogFinding> look_at_ranges(MapRequest& request) {
                         [&request] { return has_stopped(request); });
 }
 
-void look_at_motion(MapRequest& request, MapJob& job, const std::string& log, RunPreparation& prepared) {
-  MotionLook look;
-  if (!request.live_log && request.with_loops && request.settings.log.odometry_stamps == OdometryStamps::kMeasured) {
-    look = look_at_motion_by_scans(log, job.read, job.range, job.mapper, [&request] { return has_stopped(request); });
-    state_times(job.read, request.settings.log);
+RunPreparation look_at_motion(MapRequest& request, const std::string& log) {
+  LogConfig& config = request.settings.log;
+  if (request.live_log || !request.with_loops || config.odometry_stamps != OdometryStamps::kMeasured) {
+    return {.delay = odometry_delay(request, {}), .findings = {}};
   }
-  add(prepared.findings, look.faults);
-  prepared.delay = odometry_delay(request, look.faultless());
+  ReadOptions read = read_options_of(config, request.lenient);
+  const MotionLook look = look_at_motion_by_scans(log, read, request.range, request.settings.mapper,
+                                                  [&request] { return has_stopped(request); });
+  state_times(read, config);
+  return {.delay = odometry_delay(request, look.faultless()), .findings = look.faults};
 }
 
-void look_afterwards(const MapRequest& request, const MapJob& job, const std::string& log, MapOutcome& outcome) {
+void look_afterwards(const MapRequest& request, const std::string& log, MapOutcome& outcome) {
   if (outcome.interrupted) return;
   const auto stop = [&request] { return !request.stop_ends_log && has_stopped(request); };
   if (request.live_log || !are_plain_files(request.logs)) {
@@ -82,7 +84,8 @@ void look_afterwards(const MapRequest& request, const MapJob& job, const std::st
   }
   const bool is_doubtful = kDoubtfulShare * outcome.doubtful.size() >= scans_of(outcome);
   if (is_motion_known(request) || !is_doubtful) return;
-  add(outcome.findings, motion_findings(motion_by_scans(log, job.read, job.range, job.mapper, stop)));
+  add(outcome.findings, motion_findings(motion_by_scans(log, read_options_of(request.settings.log, request.lenient),
+                                                        request.range, request.settings.mapper, stop)));
 }
 
 }  // namespace gdtslam

@@ -1,4 +1,4 @@
-// What a run finds out about its logs besides the map: before the first scan from a second reading of files, and at the
+// Faults of logs that a run finds besides the map: before the first scan by a second reading of files, and at the
 // end for what could be read only once. Each look belongs to one thread.
 #pragma once
 
@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "engine/runs/mapping/map_run.hpp"
 #include "gdtslam/runs/map_log.hpp"
 
 namespace gdtslam {
@@ -22,12 +21,12 @@ struct RunPreparation {
 /// moved between 1,000 scans.
 std::vector<LogFinding> look_at_ranges(MapRequest& request);
 
-/// Adds faults that the motion shows, and the odometry's delay; warns of a delay. Wrong times of beams are put right in
-/// log.beam_times of the request, and in the job. Cost: up to 3,000 scans are matched, twice if times are wrong.
-void look_at_motion(MapRequest& request, MapJob& job, const std::string& log, RunPreparation& prepared);
+/// Faults that the motion shows, and the odometry's delay; warns of a delay. Wrong times of beams are put right in
+/// log.beam_times of the request. Cost: up to 3,000 scans are matched, twice if times are wrong.
+RunPreparation look_at_motion(MapRequest& request, const std::string& log);
 
 /// Adds faults of a log that could not be looked at before. `log` is the log, or the file in which its stream is kept.
 /// Its motion counts if many of its scans are in doubt.
-void look_afterwards(const MapRequest& request, const MapJob& job, const std::string& log, MapOutcome& outcome);
+void look_afterwards(const MapRequest& request, const std::string& log, MapOutcome& outcome);
 
 }  // namespace gdtslam

@@ -15,12 +15,11 @@
 #include "engine/io/message_text.hpp"
 #include "engine/mapping/match/matchers.hpp"
 #include "engine/runs/continuing/continue_file.hpp"
-#include "engine/runs/continuing/kept_stream.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/run_report.hpp"
-#include "engine/runs/folder/run_times.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "engine/runs/mapping/map_run.hpp"
+#include "engine/runs/mapping/stopwatch.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/error.hpp"
@@ -39,7 +38,7 @@ std::string default_linkage_warning(NodKind kind, const NoddingJob& job) {
       job.model.mount.height_m);
 }
 
-// What was given, else the file that lies beside the log, else the default.
+// Takes the linkage that was given, else the file that lies beside the log, else the default.
 NoddingJob nodding_job(const MapRequest& request, NodKind kind) {
   NoddingJob job;
   job.kind = kind;
@@ -50,7 +49,7 @@ NoddingJob nodding_job(const MapRequest& request, NodKind kind) {
   if (is_default) job.linkage = calib::kDefaultLinkage;
   job.model = resolve_linkage(job.linkage);
   if (is_default && kind == NodKind::kTilt) {
-    job.model.mirror_rate_hz = 0.0;  // of another laser; nobody knows when its beams fire
+    job.model.mirror_rate_hz = 0.0;  // the preset's rate is that of another laser; nobody knows when its beams fire
   }
   if (is_default && request.warn) request.warn(default_linkage_warning(kind, job));
   return job;
@@ -66,7 +65,7 @@ std::string no_crank_warning(const std::string& linkage) {
 // How the laser nods, by the log.
 NodKind nod_kind_of_start(const MapRequest& request, ScanStream& scans) {
   if (request.scan_mapped) return NodKind::kNone;
-  // Where there is a linkage the mount's messages may be late in the log; else a live log is not kept waiting for them.
+  // With a linkage the mount's messages may be late in the log; without one a live log is not kept waiting for them.
   const std::string beside = linkage_sidecar(request.logs.front());
   const bool has_linkage = !request.linkage.empty() || !beside.empty();
   const NodKind kind = scans.nod_kind(has_linkage ? ScanStream::kMostAhead : ScanStream::kScansAhead);
@@ -84,22 +83,6 @@ NodKind nod_kind_of_start(const MapRequest& request, ScanStream& scans) {
 void require_not_stopped(const MapRequest& request) {
   if (!request.stop || !request.stop()) return;
   throw Error(ExitCode::kInterrupted, "interrupted before the first scan; nothing is written");
-}
-
-MapJob job_of(const MapRequest& request) {
-  return {.logs = request.logs,
-          .read = read_options_of(request.settings.log, request.lenient),
-          .range = request.range,
-          .mapper = request.settings.mapper,
-          .occupancy = request.settings.occupancy,
-          .with_occupancy = request.with_map,
-          .with_pictures = request.with_pictures,
-          .with_loops = request.with_loops,
-          .scan_mapped = request.scan_mapped,
-          .stop_ends_log = request.stop_ends_log,
-          .closing = request.closing,
-          .finishing = request.finishing,
-          .on_failure = request.on_failure};
 }
 
 // The log of a run that is continued comes along.
@@ -122,9 +105,7 @@ class LogRun {
       : asked_{.request = request, .logs = {}}, request_(std::move(request)), backend_of_(backend_of) {
     require_logs_elsewhere(request_);
     for (const std::string& log : request_.logs) states_.push_back(state_of_file(log));
-    std::vector<LogFinding> findings = look_at_ranges(request_);
-    job_ = job_of(request_);
-    job_.findings = std::move(findings);
+    findings_ = look_at_ranges(request_);
     folder_ = std::make_unique<RunFolder>(request_.folder, request_.replace_foreign_files);
     streams_.resize(request_.logs.size());
     for (const std::string& log : folder_->left_logs()) {
@@ -136,10 +117,10 @@ class LogRun {
 
   MapResult run() {
     try {
-      ScanStream scans(job_.logs, job_.read, job_.range, [this](std::size_t log) { return open(log); });
+      ScanStream scans(request_.logs, read_options(), request_.range, [this](std::size_t log) { return open(log); });
       const NodKind kind = nod_kind_of_start(request_, scans);
       const bool has_work =
-          kind != NodKind::kNone || matcher_info(job_.mapper.match.matcher).place == MatcherPlace::kDevice;
+          kind != NodKind::kNone || matcher_info(request_.settings.mapper.match.matcher).place == MatcherPlace::kDevice;
       Backend& backend = backend_of_(has_work);
       prepare(kind, scans);
       return write(map(std::move(scans), backend), backend.device());
@@ -152,9 +133,13 @@ class LogRun {
   }
 
  private:
+  // Anew each time, as times of beams and the limit of ranges may be put right.
+  [[nodiscard]] ReadOptions read_options() const { return read_options_of(request_.settings.log, request_.lenient); }
+
   std::unique_ptr<LogReader> open(std::size_t log) {
     const std::string& name = request_.logs[log];
-    std::unique_ptr<LogReader> reader = request_.live_log ? request_.live_log(job_.read) : open_log(name, job_.read);
+    std::unique_ptr<LogReader> reader =
+        request_.live_log ? request_.live_log(read_options()) : open_log(name, read_options());
     if (!request_.with_continue_file || !(request_.live_log || is_stream(name))) return reader;
     streams_[log] = std::make_shared<StreamFile>(folder_->staged_path(kept_log_name(log)));
     return std::make_unique<KeptStream>(std::move(reader), streams_[log]);
@@ -163,15 +148,14 @@ class LogRun {
   // Reads what mapping needs before the first scan: the linkage of a laser that nods, else times of beams and odometry.
   void prepare(NodKind kind, ScanStream& scans) {
     if (kind == NodKind::kNone) {
-      RunPreparation prepared{.delay = {}, .findings = job_.findings};
-      look_at_motion(request_, job_, request_.logs.front(), prepared);
-      if (prepared.delay) scans.set_odometry_delay(prepared.delay->delay_s);
-      job_.odometry_delay = prepared.delay;
-      job_.findings = prepared.findings;
+      const RunPreparation prepared = look_at_motion(request_, request_.logs.front());
+      delay_ = prepared.delay;
+      if (delay_) scans.set_odometry_delay(delay_->delay_s);
+      findings_.insert(findings_.end(), prepared.findings.begin(), prepared.findings.end());
     } else {
       nodding_ = nodding_job(request_, kind);
     }
-    scans.set_beam_times(job_.read);
+    scans.set_beam_times(read_options());
   }
 
   MapResult map(ScanStream scans, Backend& backend) {
@@ -179,7 +163,8 @@ class LogRun {
     if (nodding_ && request_.with_cloud) {
       cloud = std::make_unique<CloudOutput>(request_.settings.cloud, folder_->staged("cloud.ply"));
     }
-    run_ = std::make_unique<MapRun>(job_, backend, std::move(scans), nodding_ ? &*nodding_ : nullptr, std::move(cloud));
+    run_ = std::make_unique<MapRun>(request_, backend, std::move(scans), nodding_ ? &*nodding_ : nullptr,
+                                    std::move(cloud));
     MapResult result;
     times_.add("prepare");
     const auto progress = [this](std::uint64_t mapped, double share) {
@@ -191,10 +176,11 @@ class LogRun {
     for (const auto& stream : streams_) {
       if (stream) stream->sync();
     }
-    result.outcome.findings = job_.findings;
+    result.outcome.findings = findings_;
+    result.outcome.odometry_delay = delay_;
     if (!nodding_) {
       const auto& stream = streams_.front();
-      look_afterwards(request_, job_, stream ? stream->path() : request_.logs.front(), result.outcome);
+      look_afterwards(request_, stream ? stream->path() : request_.logs.front(), result.outcome);
     }
     return result;
   }
@@ -207,8 +193,8 @@ class LogRun {
       write_linkage(folder_->staged("linkage.yaml"), nodding_->model);
     }
     if (request_.with_continue_file) write_inputs();
-    result.report = write_run(*folder_, {job_, nodding_ ? &*nodding_ : nullptr, field, device, request_.settings},
-                              times_, result.outcome);
+    result.report =
+        write_run(*folder_, {request_, nodding_ ? &*nodding_ : nullptr, field, device}, times_, result.outcome);
     return result;
   }
 
@@ -220,9 +206,9 @@ class LogRun {
     };
     if (outcome.is_in_tiles) {
       end_mapping();
-      return write_run_tiles(*folder_, job_, request_.settings, times_, outcome);
+      return write_run_tiles(*folder_, request_, times_, outcome);
     }
-    WrittenField field = write_run_field(*folder_, job_, run_->field(), times_);
+    WrittenField field = write_run_field(*folder_, request_, run_->field(), times_);
     end_mapping();
     return field;
   }
@@ -263,7 +249,7 @@ class LogRun {
       if (!streams_[log] || !streams_[log]->has_scan()) continue;
       try {
         streams_[log]->sync();
-      } catch (const FileError&) {  // as if the disk is full: there is what was written before
+      } catch (const FileError&) {  // same as with a full disk: everything written before is there
       }
       text += "; what was read is kept: gdtslam map " + folder_->keep_log(kept_log_name(log)) + " makes a map of it";
     }
@@ -288,8 +274,9 @@ class LogRun {
   MapRequest request_;
   const BackendOfRun& backend_of_;
   RunTimes times_;
-  std::vector<std::optional<FileState>> states_;  ///< of the logs when the run began
-  MapJob job_;
+  std::vector<std::optional<FileState>> states_;  ///< each log when the run began
+  std::vector<LogFinding> findings_;
+  std::optional<OdometryDelay> delay_;
   std::unique_ptr<RunFolder> folder_;
   std::vector<std::shared_ptr<StreamFile>>
       streams_;  ///< for each log the file that keeps it; null: it can be read again
@@ -312,13 +299,6 @@ MapResult map_logs(const MapRequest& request, const BackendOfRun& backend) {
     require_not_stopped(request);
     throw;
   }
-}
-
-NodKind nod_kind_of(const std::vector<std::string>& logs, const ReadOptions& options) {
-  ScanStream scans(logs, options, {});
-  const NodKind kind = scans.nod_kind(ScanStream::kMostAhead);
-  scans.expect_readable();
-  return kind;
 }
 
 }  // namespace gdtslam

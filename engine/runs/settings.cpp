@@ -50,7 +50,7 @@ std::vector<Option> option_table(Settings& settings) {
 void require_valid(Settings& settings) {
   std::vector<std::string> faults = validate(settings.mapper);
   for (std::string& fault : violations(options_besides_mapper(settings))) faults.push_back(std::move(fault));
-  for (std::string& fault : faults_of(settings.log)) faults.push_back(std::move(fault));
+  for (std::string& fault : find_faults(settings.log)) faults.push_back(std::move(fault));
   std::string all;
   for (const std::string& fault : faults) all += (all.empty() ? "" : "; ") + fault;
   if (!all.empty()) throw ConfigError(all);
@@ -79,7 +79,7 @@ std::vector<Option> timing_options(LogConfig& config) {
        Unit::kSecond, -kLongestScan_s, kLongestScan_s, &config.odometry_delay_s}};
 }
 
-/// What counts for recordings of messages only.
+/// Options for recordings of messages only.
 std::vector<Option> recording_options(LogConfig& config) {
   return {{"log.clock",
            "How far the clocks of odometry and crank of a recording are off the laser's: by when their messages were "
@@ -132,7 +132,7 @@ std::vector<Option> option_table(LogConfig& config) {
   return rows;
 }
 
-std::vector<std::string> faults_of(const LogConfig& config) {
+std::vector<std::string> find_faults(const LogConfig& config) {
   std::vector<std::string> faults;
   const Pose2& mount = config.T_base_laser;
   if (config.mount == LogSource::kLog && (mount.x_m != 0.0 || mount.y_m != 0.0 || mount.theta_rad != 0.0)) {

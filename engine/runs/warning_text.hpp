@@ -1,4 +1,4 @@
-// What was skipped or mended in a log, and faults whose causes are known, as users read them: one line each, which the
+// Warnings about skipped or mended parts of a log, and faults whose causes are known, one line each, which the
 // command prints and the C interface gives out.
 #pragma once
 

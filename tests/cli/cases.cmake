@@ -37,7 +37,6 @@ gdtslam_cli_test(usage.compare_method ARGS compare {log} --matchers simplx EXIT 
 gdtslam_cli_test(usage.compare_level ARGS compare {log} --starts-at 5cm EXIT 2 STDERR "--starts-at: '5cm' is not DISTANCE/ANGLE")
 gdtslam_cli_test(usage.compare_over_log ARGS compare {log} --csv {log} EXIT 2 STDERR "--csv: .* is what is read. give another file")
 gdtslam_cli_test(usage.localize_no_log ARGS localize {run} EXIT 2 STDERR "log is required")
-gdtslam_cli_test(usage.map_frozen ARGS map --frozen {run} {log} EXIT 2 STDERR "--frozen: a log is followed in a map that stays as it is by: gdtslam localize MAP LOG --track")
 gdtslam_cli_test(usage.localize_track_over_log ARGS localize {run} {log} --track --table {log} EXIT 2 STDERR "--table: .* is what is read. give another file")
 gdtslam_cli_test(usage.localize_gap ARGS localize {run} {log} --gap 5m EXIT 2 STDERR "--gap: 5m is not between 0 and 1 m")
 gdtslam_cli_test(usage.localize_poor_fit ARGS localize {run} {log} --poor-fit=-1m EXIT 2 STDERR "--poor-fit: -1m is not between 0 and 10 m")

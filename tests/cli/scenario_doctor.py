@@ -162,36 +162,6 @@ def doctor_without_scans():
     expect({topic["name"] for topic in found["topics"]} == {"/scan", "/odom", "/tf_static"}, found["topics"])
 
 
-def doctor_of_odd_recordings():
-    """More topics than are told, a mount that comes too late, a frame that creeps, names that nobody would give."""
-    folder = cli.fresh_folder("doctor_of_odd_recordings")
-    texts = b"".join(bags.connection(10 + k, f"/text{k}", "std_msgs/String") for k in range(300))
-    (folder / "many.bag").write_bytes(bags.bag(bags.chunk(texts), bags.chunk(texts), bags.chunk(bags.drive_records())))
-    found = examined(folder / "many.bag")
-    expect(found["topics_left_out"] == 300 - 256 and len(found["topics"]) == 256 + 3, len(found["topics"]))
-    expect(found["odometry"]["topic"] == "/odom" and len(found["commands"]) == 1, found["odometry"])
-
-    data = bags.connection(0, "/scan", bags.SCAN) + bags.connection(1, "/odom", bags.ODOMETRY)
-    data += bags.connection(2, "/tf", bags.TRANSFORM) + bags.connection(3, "/imu", "sensor_msgs/Imu")
-    for k in range(100):
-        seconds = 100.0 + 0.1 * k
-        data += bags.message(0, seconds, bags.scan(seconds, cli.room_ranges(1.0 + 0.005 * k, 1.5, 0.0)))
-        data += bags.message(1, seconds, bags.odometry(seconds, 1.0 + 0.005 * k, 1.5, 0.0))
-        data += bags.message(2, seconds, bags.transform(seconds, "base_link", "arm", 8e-5 * k, 0.0, 0.0))
-        data += bags.message(3, seconds, bags.header(seconds, "i" * 300))
-    data += bags.message(2, 110.0, bags.transform(110.0, "base_link", "laser", 0.5, 0.1, 0.2))
-    (folder / "late.bag").write_bytes(bags.bag(bags.chunk(data)))
-    found = examined(folder / "late.bag")
-    expect([laser["mount"] for laser in found["lasers"]] == ["unknown"], found["lasers"])
-    expect(found["warnings"]["laser mount unknown"]["count"] == 1, found["warnings"])
-    expect({link["child"]: link["moves"] for link in found["frames"]} == {"arm": True, "laser": False}, found["frames"])
-    expect({topic["name"]: topic["frames"] for topic in found["topics"]}["/imu"] == [], found["topics"])
-    expect("--mount x,y,yaw" in command("doctor", folder / "late.bag").stdout, "no advice")
-    process = command("doctor", "--after", folder, "--set", "map.resolution=1")
-    expect_exit(process, 2)
-    cli.one_error_line(process.stderr)
-
-
 def doctor_of_text_logs():
     """Kinds of lines, topics that a text log has none of, and several lasers in one."""
     folder = cli.fresh_folder("doctor_of_text_logs")

@@ -157,19 +157,6 @@ def merge_of_a_site_and_another_run():
     expect(f"have {shared['keyframes']} scans in common, which count twice" in process.stdout, process.stdout)
 
 
-def merge_of_cropped_runs():
-    """Keyframes that an edit left without a return join nothing and disturb nobody."""
-    folder = fresh_folder("merge_cropped")
-    early, late, scans, part = parts_of_the_log(folder)
-    for run, outside in ((early, "-2,-9,99,99"), (late, "-99,-99,9,99")):
-        expect_exit(command("edit", run, "-o", folder / f"{run.name}_cropped", "--crop", outside, "-q"), 0)
-    for runs in ((folder / "early_cropped", folder / "late_cropped"), (folder / "early_cropped", late)):
-        process = command("merge", *runs, "-o", folder / "site", "--force")
-        expect_exit(process, 0)
-        sites = json.loads((folder / "site/merge.json").read_text())["sites"]
-        expect(sum(run["scans"] for site in sites for run in site["runs"]) == 2 * part, f"{sites} of {scans}")
-
-
 def two_places(folder):
     """Runs of two places, which are a site each, and another run of the first."""
     mapped(folder / "first", "--first", 60)

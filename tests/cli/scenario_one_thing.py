@@ -174,23 +174,3 @@ def two_writers():
     killed.wait()
     mapped(folder, "--first", 50)
     expect(told_files(folder) == lying_files(folder), "the run after a killed one is not whole")
-
-
-def removed_folder():
-    """The folder that is written is taken away, or its disk fails: 74 and one line. An old run that is taken away meanwhile is
-    not missed."""
-    folder = cli.fresh_folder("removed_folder") / "run"
-    process = start_writer(folder)
-    shutil.rmtree(folder.parent / ".run.gdtslam-new")
-    stdout, stderr = process.communicate(timeout=60 * cli.SLOWNESS)
-    expect(process.returncode == 74, f"exit {process.returncode}: {stderr}")
-    one_error_line(stderr)
-    expect(not folder.exists(), f"{list(folder.rglob('*')) if folder.exists() else ''}")
-    if cli.IS_SANITIZED:
-        skip("the library that lets calls fail is not preloaded into a sanitized program")
-    mapped(folder, "--first", 40)
-    before = digests(folder)
-    process = command("map", LOG, "-o", folder, "--force", "--first", 50, "-q", env=cli.failing_calls("write,sync,rename", 1, "EIO", on=True))
-    expect_exit(process, 74)
-    one_error_line(process.stderr)
-    expect(digests(folder) == before, "the folder changed")

@@ -5,7 +5,7 @@ import json
 import math
 
 import cli_support as cli
-from cli_support import LOG, RUN, command, expect, expect_exit, fresh_folder, one_error_line
+from cli_support import LOG, RUN, command, expect, expect_exit, fresh_folder
 from scenario_localize import POSES, poses_of, turned, without_times
 
 COLUMNS = ("scan,stamp_s,whereabouts,ambiguous,x_m,y_m,theta_rad,xx_m2,xy_m2,xt_m_rad,yy_m2,yt_m_rad,tt_rad2,explained,"
@@ -52,17 +52,3 @@ def track_follows_the_simulated_drive():
         expect(abs(float(row["y_m"]) - y) < 1e-5 and turned(float(row["theta_rad"]), theta) < 1e-6, f"{row}, {y}, {theta}")
     again, _ = tracked(folder, "--threads", 3)
     expect(without_times(again) == without_times(report), "another number of threads, another drive")
-
-
-def track_refuses_what_does_not_go_together():
-    """Options of single scans, a log of another place."""
-    for words, code, arguments in (("--every excludes --track", 2, ("--every", 5)),
-                                   ("--no-runner-up excludes --track", 2, ("--no-runner-up",)),
-                                   ("has no scan 99999", 65, ("--scan", 99999))):
-        process = command("localize", RUN, LOG, "--track", *arguments)
-        expect_exit(process, code)
-        one_error_line(process.stderr)
-        expect(words in process.stderr, process.stderr)
-    process = command("localize", RUN, cli.DATA / "no_return.log", "--track", "-q")
-    expect_exit(process, 65)
-    expect("the robot was found at none of its scans" in process.stderr, process.stderr)

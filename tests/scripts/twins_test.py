@@ -28,7 +28,7 @@ TWINS = {
     "RecordingsRealData.BagsOfRos2AreReadWhole": "SqliteBags.FilesOfAFolderFollowEachOther",
     "OccupancyMapFileRealData.WillowGarageLoads": "OccupancyMapFile.PngHasTheSameMap",
     "CertifiedIntel.NoBoundLiesAboveWhatBruteForceFinds": "CertifiedSample.NoBoundLiesAboveWhatBruteForceFinds",
-    "doctor_of_real_bags": "doctor_of_odd_recordings",
+    "doctor_of_real_bags": "doctor_of_several_lasers",
     "tilting_laser_of_others": "nodding_tilt",
 }
 # The scenarios of the command that look for such data: they are told by the folder that their file names.

@@ -1,24 +1,104 @@
 #include "continue_file.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstddef>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <system_error>
 #include <utility>
+#include <variant>
 
 #include "engine/core/files/folder_calls.hpp"
+#include "engine/core/files/retried.hpp"
+#include "engine/core/signals_blocked.hpp"
 #include "engine/io/json_file.hpp"
+#include "engine/io/message_text.hpp"
 #include "engine/io/sha256.hpp"
-#include "engine/runs/folder/report_reader.hpp"
+#include "engine/io/writers/chunk_packer.hpp"
+#include "engine/io/writers/table_log.hpp"
+#include "engine/runs/folder/run_files.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/config_yaml.hpp"
-#include "kept_stream.hpp"
 
 namespace gdtslam {
+namespace {
+
+constexpr std::size_t kMostWaitingBytes = std::size_t{1} << 20U;
+constexpr std::chrono::seconds kLongestWait{1};
+
+}  // namespace
+
+bool is_stream(const std::string& log) {
+  std::error_code ignored;  // opening says what is wrong with a file that is not there
+  const std::filesystem::file_status status = std::filesystem::status(log, ignored);
+  return log == "-" || std::filesystem::is_other(status) || std::filesystem::is_fifo(status) ||
+         std::filesystem::is_socket(status) || std::filesystem::is_character_file(status);
+}
+
+StreamFile::StreamFile(std::string file) : path_(std::move(file)), file_(path_, std::ios::binary) {
+  if (!file_) throw FileError(path_, "cannot be created: " + errno_text(errno));
+  const SignalsBlocked blocked;
+  thread_ = std::thread([this] { work(); });
+}
+
+StreamFile::~StreamFile() {
+  {
+    const std::lock_guard lock(mutex_);
+    is_over_ = true;
+  }
+  over_.notify_one();
+  thread_.join();
+}
+
+void StreamFile::add(const LogRecord& record) {
+  std::string line = json_line(record);
+  has_scan_ = has_scan_ || std::holds_alternative<ScanRecord>(record);
+  const std::lock_guard lock(mutex_);
+  lines_ += line;
+  if (lines_.size() >= kMostWaitingBytes || !file_) write();
+}
+
+// The next add() or sync() reports what cannot be written.
+void StreamFile::work() {
+  std::unique_lock lock(mutex_);
+  while (!over_.wait_for(lock, kLongestWait, [this] { return is_over_; })) {
+    without_throwing([this] { write(); });
+  }
+}
+
+void StreamFile::write() {
+  if (!file_) throw FileError(path_, "cannot be written: " + errno_text(EIO));
+  if (lines_.empty()) return;
+  file_ << packed_chunk(lines_, ChunkPacking::kZstd) << std::flush;
+  const int why = errno;
+  if (!file_) throw FileError(path_, "cannot be written: " + errno_text(why));
+  lines_.clear();
+}
+
+void StreamFile::sync() {
+  const std::lock_guard lock(mutex_);
+  write();
+  const int descriptor = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
+  const bool is_synced = descriptor >= 0 && ::fsync(descriptor) == 0;
+  const int why = errno;
+  if (descriptor >= 0) ::close(descriptor);
+  if (!is_synced) throw FileError(path_, "cannot be written: " + errno_text(why));
+}
+
+std::optional<LogRecord> KeptStream::next() {
+  std::optional<LogRecord> record = log_->next();
+  if (record) file_->add(*record);
+  return record;
+}
+
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -83,7 +163,7 @@ std::string sha256_of_log(const std::string& log) {
   return hash.hex();
 }
 
-std::string absolute_path_of(const std::string& log) {
+std::string full_path(const std::string& log) {
   std::error_code failed;
   const fs::path path = fs::absolute(log, failed);
   return failed ? log : path.string();
@@ -173,7 +253,7 @@ KeptLog kept_log(const std::string& log, const std::optional<FileState>& before,
   if (!kept_file.empty()) {
     return {log, fs::path(kept_file).filename().string(), sha256_of_file(kept_file).sha256};
   }
-  KeptLog kept{log, absolute_path_of(log), {}};
+  KeptLog kept{log, full_path(log), {}};
   if (is_stream(log) || state_of_file(log) != before) return kept;
   try {
     kept.sha256 = sha256_of_log(log);
@@ -197,7 +277,7 @@ std::string log_of_run(const KeptLog& log, const std::string& folder) {
                                             "log its place again, or map the logs that there are",
                                             folder));
   }
-  return !is_of_run(log) && absolute_path_of(log.name) == path ? log.name : path;
+  return !is_of_run(log) && full_path(log.name) == path ? log.name : path;
 }
 
 MapRequest continued_request(const MapRequest& request) {

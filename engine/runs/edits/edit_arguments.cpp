@@ -1,4 +1,4 @@
-#include "edit_arguments.hpp"
+#include "engine/runs/edits/edit_run.hpp"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@
 
 #include "engine/io/line_reader.hpp"
 #include "engine/io/message_text.hpp"
-#include "engine/runs/loops/number_list.hpp"
+#include "engine/runs/loops/loop_files.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 

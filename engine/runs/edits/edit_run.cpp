@@ -1,32 +1,144 @@
 #include "edit_run.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <system_error>
 #include <utility>
 
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/mapping/map/scan_beams.hpp"
-#include "engine/runs/edits/resolve_steps.hpp"
+#include "engine/mapping/surface/wall_direction.hpp"
 #include "engine/runs/edits/source_run.hpp"
 #include "engine/runs/folder/run_files.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/run_pictures.hpp"
 #include "engine/runs/folder/run_report.hpp"
-#include "engine/runs/keyframes/changes_of_keyframes.hpp"
-#include "engine/runs/keyframes/map_of_keyframes.hpp"
-#include "engine/runs/tiles/tile_folder.hpp"
+#include "engine/runs/keyframes/run_keyframes.hpp"
+#include "engine/runs/tiles/map_tiles.hpp"
+#include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 
 namespace gdtslam {
 namespace {
+
+constexpr double kFarthestFromOrigin_m =
+    10'000.0;  // from the origin: beyond that, cells in single precision lose their fractions
+
+std::vector<EditStep> recorded_steps(const std::string& file, const SourceRun& run) {
+  if (run.earlier) {
+    throw InputError(
+        {run.reader.folder(), 0},
+        "was edited already: --again takes the run before its edits, as 'gdtslam map' or 'merge' wrote it");
+  }
+  const RecordedEdits recorded = read_edits(file);
+  const double begins_at_s = run.outcome.trajectory.front().stamp_s;
+  if (recorded.begins_at_s != begins_at_s) {
+    throw InputError({file, 0},
+                     fmt::format("is of a run that begins at {:.3f} s, and {} begins at {:.3f} s: another frame, in "
+                                 "which these steps would be elsewhere",
+                                 recorded.begins_at_s, run.reader.folder(), begins_at_s));
+  }
+  return recorded.steps;
+}
+
+// The direction of the walls, in the frame after the steps so far.
+WallDirection find_walls(const SourceRun& run, const Pose2& T_edited_run) {
+  WallDirectionFinder finder;
+  ScanPoints points(run.settings.mapper.scan);
+  for (const RunKeyframe& keyframe : run.kept.keyframes) {
+    finder.add(points.of(keyframe.laser), T_edited_run * keyframe.T_map_base);
+  }
+  if (const std::optional<WallDirection> found = finder.direction()) return *found;
+  throw InputError(
+      {run.reader.folder(), 0},
+      "has no direction in which most of its walls run; --origin X,Y,THETA turns the map by a stated angle");
+}
+
+std::optional<FrameEdit> frame_edit(const EditRequest& request, const SourceRun& run, const EditPlan& so_far) {
+  if (!request.along_walls && !request.north_up && !request.origin) return std::nullopt;
+  FrameEdit edit;
+  if (request.origin) edit.T_before_after = request.origin->pose;
+  if (request.along_walls) {
+    const WallDirection walls = find_walls(run, so_far.T_edited_run);
+    edit.by = FrameEdit::By::kWalls;
+    edit.T_before_after.theta_rad = walls.angle_rad;
+    edit.walls_share = walls.share;
+  } else if (request.north_up) {
+    if (!so_far.T_world_edited) {
+      throw UsageError("--north-up: nothing says where north is: give --georeference points with it");
+    }
+    edit.by = FrameEdit::By::kNorth;
+    edit.T_before_after.theta_rad = wrap_angle(-so_far.T_world_edited->theta_rad);
+  }
+  return edit;
+}
+
+// An edit must not put the map so far from the origin that it loses its precision. A run that goes that far itself may
+// stay where it is, be turned, and come nearer.
+void check_distance(const SourceRun& run, const EditPlan& plan) {
+  constexpr double kRounding_m = 1.0e-3;
+  double before_m = 0.0;
+  double after_m = 0.0;
+  double along_axis_m = 0.0;
+  for (const StampedPose& pose : run.outcome.trajectory) {
+    const Point2 at_m = plan.T_edited_run * pose.T_map_base.translation();
+    before_m = std::fmax(before_m, pose.T_map_base.translation().norm());
+    after_m = std::fmax(after_m, at_m.norm());
+    along_axis_m = std::fmax(along_axis_m, at_m.cwiseAbs().maxCoeff());
+  }
+  if (along_axis_m <= kFarthestFromOrigin_m || after_m <= before_m + kRounding_m) return;
+  throw UsageError(
+      fmt::format("--origin: puts the map {:.0f} m from its origin, and {:.0f} m is the most; coordinates "
+                  "of a country go into --georeference and --world-file",
+                  along_axis_m, kFarthestFromOrigin_m));
+}
+
+void check_request(const EditRequest& request) {
+  std::error_code ignored;
+  if (std::filesystem::equivalent(request.run, request.folder, ignored)) {
+    throw UsageError("--output: is the run itself, which is left alone: give another folder");
+  }
+  if (request.along_walls && request.north_up) {
+    throw UsageError("--rotate-to-walls and --north-up each turn the map: give one of them");
+  }
+  if (request.origin && request.origin->has_angle && (request.along_walls || request.north_up)) {
+    throw UsageError(fmt::format("--origin: its THETA turns the map, and so does {}: leave one of them out",
+                                 request.along_walls ? "--rotate-to-walls" : "--north-up"));
+  }
+}
+
+std::vector<EditStep> resolved_steps(const EditRequest& request, const SourceRun& run) {
+  std::vector<EditStep> steps;
+  if (!request.again.empty()) steps = recorded_steps(request.again, run);
+  const EditPlan earlier = run.earlier ? combine_steps(run.earlier->steps) : EditPlan{};
+  if (!request.points.empty()) {
+    GeoreferenceEdit edit{request.points, {}};
+    edit.fit = fit_georeference(request.points);
+    steps.emplace_back(std::move(edit));
+  }
+  if (std::optional<FrameEdit> frame = frame_edit(request, run, combine_steps(steps, earlier)))
+    steps.emplace_back(*frame);
+  for (const MapRegion& region : request.erased) steps.emplace_back(EraseEdit{region});
+  if (request.crop) steps.emplace_back(CropEdit{request.crop->low_m, request.crop->high_m});
+  if (request.with_world_file) steps.emplace_back(WorldFileEdit{});
+  if (steps.empty() && !request.with_tiles) {
+    throw UsageError(
+        "nothing is to be done: name a step, as --rotate-to-walls, --origin, --crop, --erase, --georeference or "
+        "--tiles");
+  }
+  check_distance(run, combine_steps(steps, earlier));
+  return steps;
+}
 
 using Json = nlohmann::ordered_json;
 
@@ -35,12 +147,11 @@ void tell_step(const EditRequest& request, std::string_view step, double share) 
   if (request.stop && request.stop()) throw Error(ExitCode::kInterrupted, "interrupted; nothing was written");
 }
 
-MapJob job_of_edit(const EditRequest& request, const SourceRun& run) {
-  MapJob job;
+MapRequest make_map_request(const EditRequest& request, const SourceRun& run) {
+  MapRequest job;
   job.logs = run.reader.summary().logs;
-  job.mapper = run.settings.mapper;
-  job.occupancy = run.settings.occupancy;
-  job.with_occupancy = run.reader.summary().map.has_value();
+  job.settings = run.settings;
+  job.with_map = run.reader.summary().map.has_value();
   job.with_pictures = request.with_pictures;
   job.with_loops = run.kept.in_single_precision;
   job.finishing = [&request](std::string_view what) { tell_step(request, what, 1.0); };
@@ -64,7 +175,7 @@ bool may_reach(const std::vector<MapRegion>& kept, const ScanConfig& valid, cons
     reach_m += scan.speed->head<2>().norm() * std::fmax(std::fabs(scan.first_beam_after_s), std::fabs(last_after_s));
   }
   return std::all_of(kept.begin(), kept.end(), [&](const MapRegion& region) {
-    const RegionBounds bounds = bounds_of(region);
+    const RegionBounds bounds = region_bounds(region);
     return T.x_m + reach_m >= bounds.low_m.x() && T.x_m - reach_m <= bounds.high_m.x() &&
            T.y_m + reach_m >= bounds.low_m.y() && T.y_m - reach_m <= bounds.high_m.y();
   });
@@ -106,7 +217,7 @@ OccupancyMap edited_map(const EditRequest& request, const SourceRun& run, EditOu
   return cropped(std::move(map), plan.kept);
 }
 
-// Those of the run's logs stay true; what could not be drawn is told of the pictures that there are now.
+// Warnings about the run's logs stay true; those about pictures are replaced by the ones of this edit.
 void tell_of_pictures(const std::vector<LogReader::Warning>& warnings, Json& report) {
   Json told = Json::object();
   const Json before = report.value("warnings", Json::object());
@@ -126,7 +237,7 @@ std::string edited_report(const EditRequest& request, const SourceRun& run, cons
   report["trajectory_sha256"] = hashes.trajectory;
   report["keyframes_sha256"] = hashes.keyframes;
   report["gdt"] = geometry_json(field.geometry);
-  report.erase("tiles");  // what is left is in one piece
+  report.erase("tiles");  // the result is in one piece
   report["files"] = files_json(folder);
   tell_of_pictures(run.outcome.warnings, report);
   if (report.contains("map")) report["map"] = geometry_json(run.outcome.occupancy.geometry);
@@ -190,9 +301,9 @@ void write_edited_tiles(const EditRequest& request, const SourceRun& run, const 
 
 void write_edited(const EditRequest& request, SourceRun& run, RunFolder& folder, EditOutcome& outcome) {
   RunTimes times;
-  const MapJob job = job_of_edit(request, run);
+  const MapRequest job = make_map_request(request, run);
   take_out_of_keyframes({.erased = outcome.plan.erased}, run, outcome);
-  if (job.with_occupancy) run.outcome.occupancy = edited_map(request, run, outcome);
+  if (job.with_map) run.outcome.occupancy = edited_map(request, run, outcome);
   take_out_of_keyframes({.kept = outcome.plan.kept}, run, outcome);
   keep_keyframe_scans(run);
   tell_step(request, "the distance field", 0.0);
@@ -200,7 +311,7 @@ void write_edited(const EditRequest& request, SourceRun& run, RunFolder& folder,
   const WrittenField field = write_run_field(folder, job, map->field(), times);
   write_sessions(run, folder);
   if (outcome.plan.with_world_file) write_map_for_gis(outcome.plan, run.outcome.occupancy, folder);
-  const WrittenHashes hashes = write_run_files(folder, job, run.settings, times, run.outcome, &run.graph);
+  const WrittenHashes hashes = write_run_files(folder, job, times, run.outcome, &run.graph);
   if (request.with_tiles) write_edited_tiles(request, run, hashes.keyframes, folder, outcome);
   outcome.edits = recorded_edits(request, run, outcome);
   write_file_atomically(folder.staged(kEditsFile), outcome.edits);
@@ -220,7 +331,7 @@ EditOutcome edit_run(const EditRequest& request) {
   SourceRun run = read_source_run(request.run);
   EditOutcome outcome;
   outcome.steps = resolved_steps(request, run);
-  outcome.plan = plan_of(outcome.steps, run.earlier ? plan_of(run.earlier->steps) : EditPlan{});
+  outcome.plan = combine_steps(outcome.steps, run.earlier ? combine_steps(run.earlier->steps) : EditPlan{});
   if (outcome.plan.with_world_file && !run.reader.summary().map) {
     throw InputError({request.run, 0}, "has no occupancy map, as it was mapped with --no-map: --world-file needs one");
   }

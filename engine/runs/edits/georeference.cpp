@@ -1,4 +1,4 @@
-#include "georeference.hpp"
+#include "engine/runs/edits/edit_steps.hpp"
 
 #include <fmt/format.h>
 
@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kLeastExtent_m = 1.0;
 constexpr double kMostResidual_m = 1.0;
-constexpr double kMostResidualShare = 0.01;  // of the extent
+constexpr double kMostResidualShare = 0.01;  // share of the extent
 
 struct Centroids {
   Point2 map_m{0.0, 0.0};
@@ -27,7 +27,7 @@ struct Centroids {
 };
 
 // Relative to the first point, so that nothing is lost in sums of seven digits before the point.
-Centroids centroids_of(const std::vector<PointPair>& points) {
+Centroids find_centroids(const std::vector<PointPair>& points) {
   Centroids sum;
   for (const PointPair& p : points) {
     sum.map_m += p.map_m - points.front().map_m;
@@ -37,7 +37,7 @@ Centroids centroids_of(const std::vector<PointPair>& points) {
   return {points.front().map_m + share * sum.map_m, points.front().world_m + share * sum.world_m};
 }
 
-double extent_m_of(const std::vector<PointPair>& points) {
+double find_extent_m(const std::vector<PointPair>& points) {
   double most = 0.0;
   for (const PointPair& a : points) {
     for (const PointPair& b : points) {
@@ -49,7 +49,7 @@ double extent_m_of(const std::vector<PointPair>& points) {
   return most;
 }
 
-// What somebody who took the numbers from a map or a receiver mostly did.
+// The usual mistake of somebody who took the numbers from a map or a receiver.
 std::string advice_for(double scale) {
   if (scale < 0.01) return "the world has to be metres (easting, northing), not degrees";
   return "measure them again, or swap easting and northing if they are the wrong way round";
@@ -71,14 +71,14 @@ Georeference fit_georeference(const std::vector<PointPair>& points) {
   if (points.size() < 2) {
     throw InputError("--georeference: one point says where the map lies, not how it is turned: give two or more");
   }
-  const double extent_m = extent_m_of(points);
+  const double extent_m = find_extent_m(points);
   if (extent_m < kLeastExtent_m) {
     throw InputError(
         fmt::format("--georeference: all points lie within {:.2f} m of the map, too near each other to "
                     "tell how it is turned: take some that are far apart",
                     extent_m));
   }
-  const Centroids centre = centroids_of(points);
+  const Centroids centre = find_centroids(points);
   double dot = 0.0;
   double cross = 0.0;
   double squared = 0.0;

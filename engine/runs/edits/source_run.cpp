@@ -11,7 +11,7 @@
 #include "engine/core/elementary.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/runs/continuing/continue_file.hpp"
-#include "engine/runs/folder/report_reader.hpp"
+#include "engine/runs/folder/run_files.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/motion/scan_speed.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
@@ -25,7 +25,7 @@ std::string path_in(const std::string& folder, const std::string& name) {
   return (std::filesystem::path(folder) / name).string();
 }
 
-RunKeyframes keyframes_of(const RunReader& reader) {
+RunKeyframes require_keyframes(const RunReader& reader) {
   if (reader.summary().nods) {
     throw InputError({reader.folder(), 0},
                      "is a run of a laser that nods, whose scans are not kept; only flat lasers' runs can be edited");
@@ -48,8 +48,8 @@ std::vector<std::size_t> refused_scans(const RunReader& reader) {
   return refused;
 }
 
-// What pictures and files of the run need.
-MapOutcome outcome_of(const RunReader& reader, const RunKeyframes& kept) {
+// The part of an outcome that pictures and files of the run need.
+MapOutcome read_outcome(const RunReader& reader, const RunKeyframes& kept) {
   const RunSummary& summary = reader.summary();
   MapOutcome outcome;
   outcome.trajectory = reader.trajectory();
@@ -157,8 +157,8 @@ void take_from_logs(const SourceRun& run, const RunLogs& logs, const TakeScan& t
 
 SourceRun read_source_run(const std::string& folder) {
   RunReader reader(folder);
-  RunKeyframes kept = keyframes_of(reader);
-  MapOutcome outcome = outcome_of(reader, kept);
+  RunKeyframes kept = require_keyframes(reader);
+  MapOutcome outcome = read_outcome(reader, kept);
   SourceRun run{.reader = reader,
                 .report = read_json(path_in(folder, kReportFile), kMostReportBytes),
                 .settings = reader.settings(),

@@ -11,7 +11,7 @@
 
 #include "engine/runs/edits/edit_steps.hpp"
 #include "engine/runs/folder/run_reader.hpp"
-#include "engine/runs/loops/graph_file.hpp"
+#include "engine/runs/loops/loop_files.hpp"
 #include "gdtslam/runs/outcome.hpp"
 
 namespace gdtslam {
@@ -25,8 +25,8 @@ struct SourceRun {
   /// Trajectory (keyframes with all digits), keyframes, drives, doubts, counts, and what is known of the closed path.
   MapOutcome outcome;
   GraphLines graph;                      ///< empty where the run closed no loops
-  std::vector<std::size_t> sessions;     ///< of a merged site: how many scans the path of each of its runs has
-  std::optional<RecordedEdits> earlier;  ///< where the run was edited already
+  std::vector<std::size_t> sessions;     ///< number of scans of each run of a merged site
+  std::optional<RecordedEdits> earlier;  ///< steps of earlier edits of the run
 };
 
 /// Throws InputError with what to do where the folder is no run, its laser nods, or its files do not belong together;

@@ -28,7 +28,7 @@ class DistanceHistogram {
   [[nodiscard]] double max_m() const { return max_m_; }
   /// The distance that this share of the points does not pass, rounded up to 10 um; beyond 10 m the largest one.
   [[nodiscard]] double quantile_m(double share) const;
-  /// Of the points that are further away than kLimits_m[limit].
+  /// Share of the points that are farther away than kLimits_m[limit].
   [[nodiscard]] double share_beyond(std::size_t limit) const;
 
   /// Rows `from_m,to_m,points,share` a millimetre wide up to 1 m, then one for all beyond.
@@ -38,7 +38,7 @@ class DistanceHistogram {
   [[nodiscard]] std::string text() const;
 
  private:
-  std::vector<std::uint64_t> bins_;  ///< of 10 um, the last for all beyond
+  std::vector<std::uint64_t> bins_;  ///< bins of 10 um, the last for all beyond
   std::array<std::uint64_t, kLimits_m.size()> beyond_{};
   std::uint64_t count_ = 0;
   double sum_m_ = 0.0;

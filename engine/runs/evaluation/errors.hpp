@@ -4,13 +4,18 @@
 
 #include <Eigen/Core>
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "gdtslam/core/cloud.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
+#include "gdtslam/mapping/mapper.hpp"
 
 namespace gdtslam {
 
@@ -41,12 +46,73 @@ std::vector<TrajectoryError> errors_against(const Trajectory& estimate, const st
 /// cloud as a whole. Heights need none: both frames have the floor's.
 struct CloudFrame {
   Pose2 T_truth_map;
-  std::optional<ReferenceReport> trajectory{};  ///< of the alignment; nothing where the frames are said to agree
+  std::optional<ReferenceReport> trajectory{};  ///< figures of the alignment; none if the frames are said to agree
 
   [[nodiscard]] Eigen::Vector3d in_truth(const CloudPoint& point) const {
     const Point2 place_m = T_truth_map * Point2(static_cast<double>(point.x_m), static_cast<double>(point.y_m));
     return {place_m.x(), place_m.y(), static_cast<double>(point.z_m)};
   }
 };
+
+// A trajectory held against relations that somebody verified.
+
+struct RelationCheck {
+  std::vector<Relation> relations;  ///< whose stamps tell which poses are meant
+  RelationReport report;            ///< on these
+};
+
+/// `name` is what the trajectory is of. Throws InputError at `name` where the stamps of all relations occur twice, at
+/// `relations_file` where the trajectory has those of none.
+RelationCheck check_relations(const Trajectory& trajectory, std::span<const Relation> given,
+                              const std::string& relations_file, const std::string& name, double tolerance_s = 1e-4);
+
+// Whether errors are as large as a run says they may be: how many lie within one, two and three of the standard
+// deviations that covariance.csv states, and how many would if it were right. Thread-safe; O(n log n).
+//
+// The covariances of two poses do not say how the poses err together, so that of a relation between them is taken for
+// the sum of both. Poses near each other err alike, and then the sum is too large; two that err against each other, as
+// the ends of a map may, err by at most the square root of two more than it says.
+
+inline constexpr std::size_t kStatedSigmas = 3;
+
+/// Errors of some kind by how many of their standard deviations they are long.
+struct StatedShares {
+  std::uint64_t count = 0;
+  std::array<std::uint64_t, kStatedSigmas> within{};  ///< one, two, three standard deviations
+  double factor = 0.0;                                ///< ratio of the median error to the stated one; 0 if count is 0
+  [[nodiscard]] double share(std::size_t sigmas) const {
+    return count == 0 ? 0.0 : static_cast<double>(within[sigmas - 1]) / static_cast<double>(count);
+  }
+};
+
+/// Shares of chi-square within 1, 4 and 9, and its median.
+struct StatedTheory {
+  std::array<double, kStatedSigmas> shares{};
+  double median = 0.0;
+};
+inline constexpr StatedTheory kPoseTheory{{0.198748, 0.738536, 0.970709}, 2.365974};      ///< three degrees of freedom
+inline constexpr StatedTheory kPositionTheory{{0.393469, 0.864665, 0.988891}, 1.386294};  ///< two
+
+/// Errors of position and heading together, and of the position alone.
+struct StatedReport {
+  StatedShares pose;
+  StatedShares position;
+  std::uint64_t unstated = 0;  ///< errors whose deviation is nothing: no direction in which they could be too long
+};
+
+/// Standard deviation of what the errors are measured against: along each axis, and of the heading.
+struct TruthNoise {
+  double sigma_m = 0.0;
+  double sigma_rad = 0.0;
+};
+
+/// Judges relations whose stamps the trajectory has, as evaluate_relations() matches them; one covariance a pose.
+StatedReport stated_errors(const Trajectory& trajectory, std::span<const PoseCovariance> covariances,
+                           std::span<const Relation> relations, const TruthNoise& noise, double tolerance_s = 1e-4);
+/// Judges poses against a reference, moved by the alignment that evaluate_reference() found: a covariance
+/// within the map states, and no sum.
+StatedReport stated_errors(const Trajectory& trajectory, std::span<const PoseCovariance> covariances,
+                           const Trajectory& reference, const Pose2& T_reference_estimate, const TruthNoise& noise,
+                           double tolerance_s);
 
 }  // namespace gdtslam

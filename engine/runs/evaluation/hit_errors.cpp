@@ -71,7 +71,7 @@ bool read_line(std::istream& file, std::string& line) {
   return true;
 }
 
-/// What one returned beam really met; frame of the scene.
+/// The place that one returned beam really met; frame of the scene.
 struct TrueHit {
   Eigen::Vector3d place_m{0.0, 0.0, 0.0};
   double stamp_s = 0.0;  ///< when the beam was fired
@@ -85,7 +85,7 @@ class HitReader {
  public:
   /// Throws FileError, or InputError for a file that is none of those, cut off or too long.
   explicit HitReader(const std::string& path);
-  /// Nothing at the end. Throws InputError.
+  /// Returns no hit at the end. Throws InputError.
   std::optional<TrueHit> next();
   [[nodiscard]] std::uint64_t hits() const { return hits_; }
 
@@ -165,7 +165,7 @@ class HitsByScan {
  public:
   explicit HitsByScan(const std::string& path) : reader_(path), ahead_(reader_.next()) {}
 
-  /// Of the beam fired then; nothing when that beam has none. Scans must not go back.
+  /// Finds the hit of the beam fired then; null if that beam has none. Scans must not go back.
   const TrueHit* find(std::uint32_t scan, double stamp_s) {
     while (ahead_ && ahead_->scan <= scan) read_scan();
     if (hits_.empty() || hits_.front().scan != scan) return nullptr;

@@ -14,7 +14,7 @@
 
 namespace gdtslam {
 
-/// What encoder and ranges were rounded to, for calib::quantisation_bound_m.
+/// Steps that encoder and ranges were rounded to, for calib::quantisation_bound_m.
 struct Quantisation {
   calib::SweepModel model;
   double range_resolution_m = 0.0;
@@ -22,7 +22,7 @@ struct Quantisation {
 
 struct HitErrorsJob {
   std::string cloud;
-  std::string hits;  ///< of simulate --truth-hits
+  std::string hits;  ///< file of simulate --truth-hits
   CloudFrame frame;
   std::optional<Quantisation> quantisation{};
   std::function<void(std::uint64_t, double)> progress{};
@@ -32,7 +32,7 @@ struct HitErrorsJob {
 /// The points against the bound, each at its own true range rounded up to 10 cm.
 struct BoundCheck {
   std::uint64_t beyond = 0;    ///< points further off than their bound
-  double largest_share = 0.0;  ///< of a distance in its bound
+  double largest_share = 0.0;  ///< largest ratio of a distance to its bound
   double largest_bound_m = 0.0;
 };
 

@@ -117,7 +117,7 @@ Json as_json(const MeasuredPlane& plane) {
 }
 
 // A number, or nothing where nothing was seen.
-std::string cells_of(const Dimension& dimension) {
+std::string csv_cells(const Dimension& dimension) {
   const int is_seen = dimension.is_observed ? 1 : 0;
   return is_known(dimension) ? fmt::format("{},{},{}", dimension.value_m, dimension.sigma_m, is_seen) : ",,0";
 }
@@ -174,8 +174,8 @@ std::string as_csv(const Measurement& measured) {
         "centre_x_m,centre_y_m,centre_z_m,yaw_deg,face_points,face_rms_m\n";
     std::size_t number = 0;
     for (const MeasuredBox& box : measured.boxes) {
-      text += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", ++number, cells_of(box.width), cells_of(box.depth),
-                          cells_of(box.height), box.centre.x(), box.centre.y(), box.centre.z(),
+      text += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", ++number, csv_cells(box.width), csv_cells(box.depth),
+                          csv_cells(box.height), box.centre.x(), box.centre.y(), box.centre.z(),
                           deg_from_rad(box.yaw_rad), box.points, box.face_rms_m);
     }
     return text;

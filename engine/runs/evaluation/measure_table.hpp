@@ -18,7 +18,7 @@
 
 namespace gdtslam {
 
-/// Where the viewpoint comes from.
+/// Source of the viewpoint.
 enum class ViewpointSource : std::uint8_t { kNone, kFound, kGiven };
 
 struct Measurement {
@@ -46,9 +46,9 @@ struct MeasureJob {
   bool planes = false;
   BoxSearch box_search{};  ///< without the viewpoint
   PlaneSearch plane_search{};
-  bool finds_viewpoint = true;        ///< where none is given
+  bool finds_viewpoint = true;        ///< searches for one if none is given
   std::optional<Point3> viewpoint{};  ///< given, in the coordinates of the file
-  /// What was taken off the coordinates of the file (read_cloud()); all places measured are relative to it.
+  /// Offset that was taken off the coordinates of the file (read_cloud()); all places measured are relative to it.
   std::array<double, 3> origin_m{};
 };
 

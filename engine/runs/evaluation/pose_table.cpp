@@ -22,7 +22,7 @@ constexpr std::string_view kFirstColumns = "scan,stamp_s,";
 constexpr std::string_view kPoseColumns = ",ambiguous,x_m,y_m,theta_rad,";
 constexpr std::string_view kCovarianceColumns = "xx_m2,xy_m2,xt_m_rad,yy_m2,yt_m_rad,tt_rad2,";
 constexpr std::size_t kMostLineBytes = 4096;
-constexpr double kZ = 1.959963984540054;  // of 95 %, both sides
+constexpr double kZ = 1.959963984540054;  // two-sided, for 95 %
 
 /// Cells of a line, one after the other.
 class TableCells {

@@ -13,7 +13,6 @@
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
 #include "gdtslam/mapping/mapper.hpp"
-#include "stated_errors.hpp"
 
 namespace gdtslam {
 
@@ -51,17 +50,17 @@ struct PoseLimits {
 struct WrongPose {
   std::uint64_t scan = 0;
   std::string state;
-  std::optional<TrajectoryError> error;  ///< nothing where no pose was found
+  std::optional<TrajectoryError> error;  ///< none if no pose was found
 };
 
 struct PosesReport {
-  Share within;                         ///< of all with a true pose, those that were not found among them
+  Share within;                         ///< share of all scans with a true pose, those without a found one among them
   std::map<std::string, Share> states;  ///< the same by state
   std::uint64_t unmatched = 0;          ///< scans whose stamps the truth does not have, or has twice
   std::vector<WrongPose> wrong;         ///< in the order of the table
-  ErrorSummary distance_m;              ///< of those within
+  ErrorSummary distance_m;              ///< errors of poses within the limits
   ErrorSummary angle_deg;
-  std::optional<StatedReport> stated;  ///< of those within, where the table has covariances
+  std::optional<StatedReport> stated;  ///< statistics of poses within the limits, if the table has covariances
 };
 /// `T_truth_map` moves the poses into the frame of the truth. Throws InputError, without a file, where none has a true
 /// pose.

@@ -1,17 +1,46 @@
-// The folder of a fleet's maps (docs/formats.md#atlas): options.txt, lists of logs, a record and a run folder for each
-// log, and what `gdtslam fleet finish` makes of them. Thread-safe.
+// Which logs a fleet command maps, and which of them are those of a shard. No log is opened. Thread-safe.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "log_list.hpp"
-
 namespace gdtslam {
+
+/// A log to be mapped: a file, or the folder of a ROS 2 bag.
+struct FleetLog {
+  std::string path;  ///< absolute
+  std::uint64_t bytes = 0;
+  friend bool operator==(const FleetLog&, const FleetLog&) = default;
+};
+
+/// Whether a file's name ends as those of logs do: .log, .clf, .csv, .jsonl, .bag, .mcap or .db3, each plain or packed
+/// (.gz, .bz2, .xz, .zst).
+bool has_name_of_a_log(const std::filesystem::path& file);
+
+/// The logs that are named and those in folders that are named, each once: the largest first, then by path. A folder is
+/// searched with all below it, except hidden folders, links to folders, run folders and atlases. Throws FileError for
+/// what is not there; InputError for a folder without a log, and for a path that is no UTF-8 or has control characters.
+std::vector<FleetLog> find_logs(const std::vector<std::string>& named);
+
+/// One of `count` parts of the logs, which may be mapped anywhere and at any time.
+struct Shard {
+  std::size_t number = 1;  ///< from 1
+  std::size_t count = 1;
+};
+
+/// "3/20". Throws UsageError.
+Shard parse_shard(const std::string& text);
+
+/// Every count-th log, so that shards are about even.
+std::vector<FleetLog> logs_of_shard(const std::vector<FleetLog>& logs, const Shard& shard);
+
+// The folder of a fleet's maps (docs/formats.md#atlas): options.txt, lists of logs, a record and a run folder for each
+// log, and what `gdtslam fleet finish` makes of them. Thread-safe.
 
 /// The record of a log, logs/NAME/record.json, which is written last and is the only thing that says that the log is
 /// done.
@@ -33,9 +62,9 @@ struct FleetRecord {
   double wall_s = 0.0;
   std::string host{};
   std::string device{};
-  std::string log_sha256{};      ///< of the file; of a folder, of its files' names and hashes
-  std::string options_sha256{};  ///< of program and options, and of the linkage beside the log
-  std::string result_sha256{};   ///< of the results that do not depend on the machine
+  std::string log_sha256{};      ///< hash of the file; for a folder, of its files' names and hashes
+  std::string options_sha256{};  ///< hash of program and options, and of the linkage beside the log
+  std::string result_sha256{};   ///< hash of the results that do not depend on the machine
   [[nodiscard]] bool is_mapped() const { return outcome == "mapped"; }
   friend bool operator==(const FleetRecord&, const FleetRecord&) = default;
 };
@@ -102,7 +131,7 @@ struct AtlasSummary {
   /// and order of the logs, shards, machines, instruction sets or devices.
   std::string sha256{};
 };
-AtlasSummary summary_of(const std::vector<FleetRecord>& records);
+AtlasSummary summarise_atlas(const std::vector<FleetRecord>& records);
 
 /// atlas.json; its atlas_sha256 is null instead of empty.
 nlohmann::ordered_json atlas_json(const AtlasSummary& summary);

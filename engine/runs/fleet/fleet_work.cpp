@@ -13,9 +13,9 @@
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/maps/png.hpp"
 #include "engine/io/sha256.hpp"
-#include "engine/runs/folder/report_reader.hpp"
+#include "engine/runs/folder/run_files.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
-#include "engine/runs/transaction/folder_lock.hpp"
+#include "engine/runs/transaction/folder_transaction.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
@@ -39,11 +39,11 @@ bool is_fault_of_the_log(ExitCode code) {
 
 /// The files of a log as they are now.
 struct LogFiles {
-  std::vector<std::string> paths;  ///< of a ROS 2 bag those in its folder, sorted
+  std::vector<std::string> paths;  ///< the file; for a ROS 2 bag the files in its folder, sorted
   std::vector<std::optional<FileState>> states;
 };
 
-LogFiles files_of(const std::string& log, const std::string& sidecar) {
+LogFiles list_files(const std::string& log, const std::string& sidecar) {
   LogFiles files{.paths = {log}, .states = {}};
   std::error_code failed;
   if (fs::is_directory(log, failed)) {
@@ -104,7 +104,7 @@ void take_results(const std::string& report_text, FleetRecord& record) {
 }
 
 // Without the name of the log, which stands beside it.
-std::string reason_of(std::string message, const std::string& log) {
+std::string clean_reason(std::string message, const std::string& log) {
   if (!message.starts_with(log + ":")) return message;
   message.erase(0, log.size() + 1);
   return message.starts_with(' ') ? message.substr(1) : "line " + message;
@@ -128,7 +128,7 @@ MappedFleetLog map_fleet_log(const FleetWork& work, const std::string& log) {
   };
   try {
     const std::string sidecar = request.linkage.empty() ? sidecar_path(log, kLinkageSidecar) : std::string();
-    const LogFiles files = files_of(log, sidecar);
+    const LogFiles files = list_files(log, sidecar);
     Sha256 options;
     options.update(work.options);
     if (files.states.back()) options.update(sha256_of_file(sidecar).sha256);
@@ -138,7 +138,7 @@ MappedFleetLog map_fleet_log(const FleetWork& work, const std::string& log) {
     if (const std::optional<FleetRecord> before = read_record(work.atlas, log); is_done(before, record, work.atlas))
       return {.record = *before, .was_done = true};
     const MapResult result = work.map(request);
-    if (const LogFiles now = files_of(log, sidecar); now.paths != files.paths || now.states != files.states)
+    if (const LogFiles now = list_files(log, sidecar); now.paths != files.paths || now.states != files.states)
       throw FileError(log, "was changed while it was mapped; run the command again");
     write_thumbnail(folder, result.outcome);
     take_results(result.report, record);
@@ -147,7 +147,7 @@ MappedFleetLog map_fleet_log(const FleetWork& work, const std::string& log) {
     if (error.code() == ExitCode::kInterrupted) throw;
     record.outcome = is_fault_of_the_log(error.code()) ? "refused" : "failed";
     record.exit_code = static_cast<int>(error.code());
-    record.reason = reason_of(error.what(), log);
+    record.reason = clean_reason(error.what(), log);
   }
   write_record(work.atlas, record);
   return {.record = record};

@@ -13,7 +13,7 @@ namespace gdtslam {
 struct FleetWork {
   std::string atlas;
   std::string options;   ///< the text of options.txt
-  MapRequest request{};  ///< what all logs have in common: neither logs nor folder
+  MapRequest request{};  ///< the part that all logs have in common: neither logs nor folder
   std::function<MapResult(const MapRequest&)> map{};
   std::string host{};
 };

@@ -8,17 +8,18 @@
 #include <ctime>
 #include <filesystem>
 #include <optional>
+#include <string_view>
 #include <system_error>
+#include <vector>
 
 #include "engine/core/ascii.hpp"
 #include "engine/core/files/folder_calls.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
-#include "engine/runs/tiles/tile_folder.hpp"
+#include "engine/runs/folder/run_files.hpp"
+#include "engine/runs/folder/run_reader.hpp"
+#include "engine/runs/tiles/map_tiles.hpp"
 #include "gdtslam/core/error.hpp"
-#include "run_files.hpp"
-#include "run_reader.hpp"
-#include "snapshot_folder.hpp"
 
 namespace gdtslam {
 namespace {
@@ -40,7 +41,7 @@ bool is_merge_report(const fs::path& file) {
   try {
     const nlohmann::ordered_json report = read_json(file.string(), kMostReportBytes);
     return report.is_object() && report.contains("format") && report.contains("sites") && report.contains("searches");
-  } catch (const Error&) {  // of somebody else
+  } catch (const Error&) {  // the file of another program
     return false;
   }
 }
@@ -84,7 +85,7 @@ std::vector<fs::path> foreign_entries(const fs::path& folder) {
 
 // NOLINTNEXTLINE(misc-no-recursion): as deep as sites lie in a merge
 bool OwnEntries::is_own_folder(const fs::path& entry, const std::string& name) const {
-  if (name == staging_name(kSnapshotFolder)) return true;  // of a drive that was killed
+  if (name == staging_name(kSnapshotFolder)) return true;  // left by a drive that was killed
   if (name == kSnapshotFolder) return is_snapshot(entry.string());
   if (name == kTileFolder) return is_tile_folder(entry.string());
   return is_merge_ && is_digits(name) && is_site(entry.string()) && foreign_entries(entry).empty();
@@ -104,7 +105,7 @@ std::string kept_beside(const fs::path& folder, const fs::path& log) {
 }
 
 // "intel" from "../data/intel.clf.gz".
-std::string stem_of(const std::string& log) {
+std::string log_stem(const std::string& log) {
   if (log == "-") return "stdin";
   fs::path name = fs::path(log).filename();
   if (name.extension() == ".gz") name = name.stem();
@@ -121,7 +122,7 @@ std::string utc_time() {
 
 // weakly_canonical() leaves a link alone whose file is not there yet, and the file would be made behind it.
 fs::path behind_links(fs::path file) {
-  constexpr int kMostLinks = 40;  // as the system follows
+  constexpr int kMostLinks = 40;  // the limit of the system
   std::error_code failed;
   for (int k = 0; k < kMostLinks && fs::is_symlink(fs::symlink_status(file, failed)); ++k) {
     const fs::path target = fs::read_symlink(file, failed);
@@ -151,7 +152,7 @@ void RunFolder::require_replaceable() const {
 
 // The log of a stream that a killed process read cannot be had again.
 void RunFolder::keep_logs(const fs::path& left) {
-  std::error_code ignored;  // what cannot be listed shows when it cannot be removed
+  std::error_code ignored;  // a folder that cannot be listed shows when it cannot be removed
   for (const fs::path& file : list_folder(left, ignored)) {
     const bool is_log = is_kept_log(file.filename().string()) && fs::is_regular_file(file, ignored);
     if (is_log && !fs::is_empty(file, ignored)) left_logs_.push_back(kept_beside(path_, file));
@@ -201,7 +202,7 @@ bool is_site(const std::string& folder) {
 }
 
 std::string default_run_folder(const std::string& log) {
-  const std::string name = fmt::format("{}-{}", stem_of(log), utc_time());
+  const std::string name = fmt::format("{}-{}", log_stem(log), utc_time());
   const auto is_taken = [](const std::string& free) {  // by a run, or by one that is being written
     return lies_there("runs/" + free) || lies_there("runs/" + staging_name(free));
   };
@@ -242,6 +243,44 @@ bool is_run_file_in(const std::string& folder, const std::string& file) {
   if (is_file_of_a_run(name)) return true;
   const std::optional<RunFiles> run = told_files_in(folder);
   return run && run->has(name);
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 3> kSnapshotFiles{kSnapshotMap, "map.pgm", kSnapshotTrajectory};
+
+bool is_file_of_a_snapshot(const fs::path& path) {
+  const std::string name = path.filename().string();
+  std::error_code ignored;
+  return std::find(kSnapshotFiles.begin(), kSnapshotFiles.end(), name) != kSnapshotFiles.end() &&
+         fs::is_regular_file(fs::symlink_status(path, ignored));
+}
+
+}  // namespace
+
+// A folder that cannot be listed belongs to somebody else.
+bool is_snapshot(const std::string& folder) {
+  std::error_code failed;
+  if (!fs::is_directory(fs::symlink_status(folder, failed))) return false;
+  const std::vector<fs::path> files = list_folder(folder, failed);
+  return !failed && files.size() == kSnapshotFiles.size() &&
+         std::all_of(files.begin(), files.end(), is_file_of_a_snapshot);
+}
+
+void remove_snapshot(const std::string& folder) {
+  std::error_code ignored;
+  for (const std::string_view name : kSnapshotFiles) fs::remove(fs::path(folder) / name, ignored);
+  fs::remove(folder, ignored);
+}
+
+void require_no_foreign_snapshot(const std::string& run_folder) {
+  const std::string folder = (fs::path(run_folder) / kSnapshotFolder).string();
+  std::error_code ignored;  // a place that cannot be examined cannot be replaced either
+  if (!fs::exists(fs::symlink_status(folder, ignored)) || is_snapshot(folder)) return;
+  throw UsageError(fmt::format(
+      "--output: '{}' is no snapshot of a drive, and one would have its name; give another folder", folder));
 }
 
 }  // namespace gdtslam

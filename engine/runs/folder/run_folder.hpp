@@ -19,9 +19,9 @@ class RunFolder {
   /// what FolderTransaction throws, and UsageError if the folder holds anything else that no run wrote.
   explicit RunFolder(const std::string& path, bool replaces_files = false);
 
-  /// Where to write the file of that name until commit().
+  /// Path for writing the file of that name until commit().
   std::string staged(std::string_view name);
-  /// Where to write the files of a folder of that name, which is made.
+  /// Path for writing the files of a folder of that name, which is made.
   std::string staged_folder(std::string_view name);
   [[nodiscard]] std::string staged_path(std::string_view name) const;
   /// The run fails, and this staged log cannot be had again: it stays beside the folder. Returns its path. Throws
@@ -33,7 +33,7 @@ class RunFolder {
   /// may not be replaced.
   void commit();
 
-  /// Of all that is staged, in the order in which they were asked for.
+  /// Names of all that is staged, in the order in which they were asked for.
   [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
   [[nodiscard]] const std::string& path() const { return path_; }
   /// The file's name once it is committed.
@@ -79,5 +79,21 @@ bool lies_in(const std::string& folder, const std::string& file);
 
 /// Whether `file` is, or would be, one that a run of this program writes into `folder`.
 bool is_run_file_in(const std::string& folder, const std::string& file);
+
+// Map and path so far of a `gdtslam live` run that is not finished, in the folder `snapshot` of the
+// run's. It bears no mark, so it is known by what lies in it: its files, all of them, and nothing else.
+
+inline constexpr const char* kSnapshotFolder = "snapshot";
+inline constexpr const char* kSnapshotMap = "map.yaml";
+inline constexpr const char* kSnapshotTrajectory = "trajectory.tum";
+
+/// Whether that is a snapshot, which may be replaced and removed. A link to one is none.
+bool is_snapshot(const std::string& folder);
+
+/// Removes the files of a snapshot, and the folder if nothing else lies in it.
+void remove_snapshot(const std::string& folder);
+
+/// Throws UsageError where something else has the name of the run folder's snapshot.
+void require_no_foreign_snapshot(const std::string& run_folder);
 
 }  // namespace gdtslam

@@ -25,23 +25,23 @@ namespace gdtslam {
 namespace {
 
 // The map with the path on it, to look at: the view `map` of the run.
-Canvas overview_of(const MapJob& job, const MapOutcome& outcome) {
+Canvas draw_overview(const MapRequest& request, const MapOutcome& outcome) {
   PathOverlay overlay{outcome.trajectory, outcome.keyframes, {}, outcome.drives};
   for (const DoubtfulScan& scan : outcome.doubtful) overlay.doubtful.push_back(scan.index);
   MapLook look;
-  look.title = run_title(job.logs);
+  look.title = run_title(request.logs);
   look.subtitle = run_subtitle({scans_of(outcome), outcome.keyframes.size(), outcome.doubtful.size()},
                                outcome.trajectory, outcome.drives);
   return map_view(outcome.occupancy, overlay, look);
 }
 
-// Where loops hold the path, and where it is not to be trusted.
-Canvas graph_of(const MapJob& job, const MapOutcome& outcome) {
+// Picture of the loops that hold the path, and of the stretches that are not reliable.
+Canvas draw_graph(const MapRequest& request, const MapOutcome& outcome) {
   const ClosedPath& closed = *outcome.closed;
   const std::vector<UncertainStretch> uncertain = uncertain_stretches(closed.covariances);
   const GridGeometry& geometry = outcome.occupancy.geometry;
   MapLook look;
-  look.title = run_title(job.logs);
+  look.title = run_title(request.logs);
   look.subtitle = graph_subtitle(closed.loops, uncertain, scans_of(outcome));
   return graph_picture(
       outcome.occupancy,
@@ -150,21 +150,21 @@ void write_picture(RunFolder& folder, const std::string& name, const Canvas& pic
   write_encoded(folder, name, encoded_picture(name, [&] { return picture; }), warnings);
 }
 
-void write_run_pictures(RunFolder& folder, const MapJob& job, MapOutcome& outcome) {
-  const auto tell = [&job](const char* what) {
-    if (job.finishing) job.finishing(what);
+void write_run_pictures(RunFolder& folder, const MapRequest& request, MapOutcome& outcome) {
+  const auto tell = [&request](const char* what) {
+    if (request.finishing) request.finishing(what);
   };
-  const bool has_overview = job.with_pictures && job.with_occupancy;
+  const bool has_overview = request.with_pictures && request.with_map;
   const bool has_graph = has_overview && outcome.closed;
   if (has_overview) tell("overview.png");
   if (has_graph) tell("graph.png");
   EncodedPicture overview;
   EncodedPicture graph;
   const unsigned most = has_graph ? 2 : 1;
-  WorkerPool workers(std::min(threads_meant(job.on_failure.cpu.threads), most));
+  WorkerPool workers(std::min(threads_meant(request.on_failure.cpu.threads), most));
   workers.run(has_overview ? most : 0, 1, [&](std::uint64_t begin, std::uint64_t end) {
-    if (begin == 0) overview = encoded_picture("overview", [&] { return overview_of(job, outcome); });
-    if (end == 2) graph = encoded_picture("graph", [&] { return graph_of(job, outcome); });
+    if (begin == 0) overview = encoded_picture("overview", [&] { return draw_overview(request, outcome); });
+    if (end == 2) graph = encoded_picture("graph", [&] { return draw_graph(request, outcome); });
   });
   if (has_overview) write_encoded(folder, "overview", overview, outcome.warnings);
   if (has_graph) write_encoded(folder, "graph", graph, outcome.warnings);

@@ -11,14 +11,14 @@
 
 #include "engine/drawing/maps/map_pictures.hpp"
 #include "engine/runs/folder/run_folder.hpp"
-#include "engine/runs/loops/loops_report.hpp"
+#include "engine/runs/loops/loop_files.hpp"
 #include "engine/runs/mapping/map_run.hpp"
 
 namespace gdtslam {
 
 /// "office-7f" of "logs/office-7f.log.gz": what pictures of a run have as their title.
 std::string run_title(const std::vector<std::string>& logs);
-/// What is counted below that.
+/// Counts in the subtitle of a picture.
 struct RunCounts {
   std::uint64_t scans = 0;
   std::uint64_t keyframes = 0;
@@ -33,7 +33,7 @@ std::string path_length_text(const Trajectory& trajectory, std::span<const std::
 Canvas map_view(const OccupancyMap& map, const PathOverlay& overlay, const MapLook& look,
                 const std::optional<PictureSize>& size = {});
 
-/// What graph_picture() shows of a run with closed loops.
+/// Overlay of graph_picture() for a run with closed loops.
 GraphOverlay graph_overlay(const Trajectory& trajectory, const std::vector<std::size_t>& keyframes,
                            std::span<const ClosedLoop> loops, const std::vector<PoseCovariance>& covariances,
                            std::span<const UncertainStretch> uncertain, const std::vector<std::size_t>& drives);
@@ -51,6 +51,6 @@ void write_picture(RunFolder& folder, const std::string& name, const Canvas& pic
 bool is_picture_warning(const std::string& kind);
 
 /// Both, as far as the job wants pictures and a map, and loops were closed; old ones go. Throws FileError.
-void write_run_pictures(RunFolder& folder, const MapJob& job, MapOutcome& outcome);
+void write_run_pictures(RunFolder& folder, const MapRequest& request, MapOutcome& outcome);
 
 }  // namespace gdtslam

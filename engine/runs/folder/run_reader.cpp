@@ -6,22 +6,24 @@
 #include <array>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 #include <system_error>
 #include <utility>
 
 #include "engine/core/files/folder_calls.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/io/message_text.hpp"
-#include "engine/io/sha256.hpp"
+#include "engine/runs/folder/run_files.hpp"
+#include "engine/runs/folder/run_folder.hpp"
+#include "engine/runs/folder/run_pictures.hpp"
+#include "engine/runs/folder/run_report.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
+#include "engine/runs/loops/loop_files.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 #include "gdtslam/io/occupancy_map_file.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
-#include "report_reader.hpp"
-#include "run_folder.hpp"
-#include "run_pictures.hpp"
-#include "run_report.hpp"
 
 namespace gdtslam {
 namespace {
@@ -36,7 +38,7 @@ constexpr const char* kConfig = "config.yaml";
 constexpr const char* kTrajectory = "trajectory.tum";
 constexpr const char* kGraph = "graph.g2o";
 
-RunSummary summary_of(const ReportReader& report) {
+RunSummary read_summary(const ReportReader& report) {
   RunSummary summary;
   summary.logs = report.texts("log");
   summary.scans = report.whole("scans");
@@ -90,9 +92,9 @@ bool RunReader::is_gdtslam_run(const std::string& path) {
 }
 
 RunReader::RunReader(std::string folder)
-    : files_(std::move(folder), [this](const ReportReader& report) { summary_ = summary_of(report); }) {}
+    : files_(std::move(folder), [this](const ReportReader& report) { summary_ = read_summary(report); }) {}
 
-RunDoubts RunReader::doubts() const { return doubts_of(files_.report(), summary_.scans); }
+RunDoubts RunReader::doubts() const { return read_doubts(files_.report(), summary_.scans); }
 
 std::string RunReader::name() const { return run_title(summary_.logs); }
 
@@ -114,19 +116,13 @@ Trajectory RunReader::trajectory() const {
 std::optional<std::vector<PoseCovariance>> RunReader::covariances() const {
   if (!files_.has(kCovariances)) return std::nullopt;
   const std::vector<StampedCovariance> rows = files_.read(kCovariances, read_covariances);
-  const Trajectory poses = trajectory();
-  if (rows.size() != poses.size()) {
-    refuse(kCovariances, fmt::format("has {} rows, but trajectory.tum has {} poses", rows.size(), poses.size()));
+  if (rows.size() != summary_.scans) {
+    refuse(kCovariances,
+           fmt::format("has {} rows, but {} tells of {} scans", rows.size(), kReportFile, summary_.scans));
   }
   std::vector<PoseCovariance> covariances;
   covariances.reserve(rows.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (rows[i].stamp_s != poses[i].stamp_s) {
-      refuse(kCovariances, fmt::format("row {} is of {} s, but pose {} of trajectory.tum is of {} s", i + 1,
-                                       rows[i].stamp_s, i + 1, poses[i].stamp_s));
-    }
-    covariances.push_back(rows[i].covariance);
-  }
+  for (const StampedCovariance& row : rows) covariances.push_back(row.covariance);
   return covariances;
 }
 
@@ -141,16 +137,7 @@ OccupancyMap RunReader::map() const {
                      "has no occupancy map: it was mapped with --no-map; map the log again without that option");
   }
   (void)files_.checked("map.pgm");
-  OccupancyMap map = files_.read("map.yaml", [](const std::string& file) { return read_occupancy_map(file); });
-  const auto as_text = [](const GridGeometry& grid) {
-    return fmt::format("{} x {} cells of {} m from ({}, {})", grid.width, grid.height, grid.resolution_m,
-                       grid.origin_x_m, grid.origin_y_m);
-  };
-  if (map.geometry != *summary_.map) {
-    refuse("map.yaml",
-           fmt::format("has {}, but {} tells of {}", as_text(map.geometry), kReportFile, as_text(*summary_.map)));
-  }
-  return map;
+  return files_.read("map.yaml", [](const std::string& file) { return read_occupancy_map(file); });
 }
 
 DistanceFieldFile RunReader::field() const {
@@ -160,11 +147,7 @@ DistanceFieldFile RunReader::field() const {
                      "--crop X0,Y0,X1,Y1 -o PART'");
   }
   (void)files_.checked("gdt.png");
-  DistanceFieldFile field = files_.read("gdt.yaml", [](const std::string& file) { return read_distance_field(file); });
-  if (sha256_of(rows_of(field.view())) != summary_.map_sha256) {
-    refuse("gdt.png", fmt::format("is not the distance field that {} tells of", kReportFile));
-  }
-  return field;
+  return files_.read("gdt.yaml", [](const std::string& file) { return read_distance_field(file); });
 }
 
 Settings RunReader::settings() const {
@@ -176,18 +159,12 @@ Settings RunReader::settings() const {
 
 std::optional<RunKeyframes> RunReader::keyframes() const {
   if (!summary_.keyframes_sha256) return std::nullopt;
-  KeyframeFile read = files_.read(kKeyframeFile, [](const std::string& file) { return read_keyframes(file); });
-  if (read.sha256 != *summary_.keyframes_sha256) {
-    refuse(kKeyframeFile, fmt::format("holds other keyframes than {} tells of", kReportFile));
-  }
+  RunKeyframes read = files_.read(kKeyframeFile, read_keyframes);
   const auto is_scan = [](const RunKeyframe& keyframe, std::size_t scan) { return keyframe.scan == scan; };
-  if (!std::ranges::equal(read.run.keyframes, summary_.keyframes, is_scan)) {
+  if (!std::ranges::equal(read.keyframes, summary_.keyframes, is_scan)) {
     refuse(kReportFile, fmt::format("has other keyframe_scans than {}", kKeyframeFile));
   }
-  if (files_.sha256(kConfig) != read.run.config_sha256) {
-    refuse(kConfig, fmt::format("is not the configuration that {} was mapped with", kKeyframeFile));
-  }
-  return std::move(read.run);
+  return read;
 }
 
 std::optional<std::string> RunReader::cloud_file() const {
@@ -198,6 +175,165 @@ std::optional<std::string> RunReader::cloud_file() const {
 std::optional<calib::SweepModel> RunReader::linkage() const {
   if (!summary_.nods || !files_.has(kLinkage)) return std::nullopt;
   return files_.read(kLinkage, [](const std::string& file) { return read_linkage(file); });
+}
+
+namespace {
+
+/// Which file of which run is read: for messages.
+struct GraphOfRun {
+  std::string file;
+  std::string folder;
+  [[noreturn]] void refuse(const std::string& fault) const {
+    throw InputError({file, 0}, fmt::format("{}: not of one run{}{}", fault, kMapAgain, folder));
+  }
+};
+
+Matrix3 to_matrix(const PoseInformation& i, double factor) {
+  return factor * Matrix3{{i.xx, i.xy, i.xt, i.xy, i.yy, i.yt, i.xt, i.yt, i.tt}};
+}
+
+std::size_t place_of_scan(const std::vector<std::size_t>& scans, std::size_t scan, const GraphOfRun& source) {
+  const auto found = std::lower_bound(scans.begin(), scans.end(), scan);
+  if (found == scans.end() || *found != scan)
+    source.refuse(fmt::format("has an edge of scan {}, but no such vertex", scan));
+  return static_cast<std::size_t>(found - scans.begin());
+}
+
+PoseRelation relation_of_line(const PathRelation& line, double factor, const std::vector<std::size_t>& scans,
+                              const GraphOfRun& source) {
+  return {.from = place_of_scan(scans, line.from, source),
+          .to = place_of_scan(scans, line.to, source),
+          .T_from_to = line.T_from_to,
+          .information = to_matrix(line.information, factor)};
+}
+
+void check_path(const PoseGraph& graph, const GraphOfRun& source) {
+  std::vector<bool> is_known(graph.poses.size(), false);
+  for (const PoseRelation& step : graph.path) {
+    if (step.to != step.from + 1)
+      source.refuse("has an edge that is neither a step of the path nor a loop of the report");
+    is_known[step.from] = true;
+  }
+  if (std::find(is_known.begin(), is_known.end() - 1, false) != is_known.end() - 1) {
+    source.refuse("has no edge from one of its places to the next");
+  }
+}
+
+std::vector<std::size_t> scans_of_places(const GraphLines& lines, const RunReader& run, const GraphOfRun& source) {
+  std::vector<std::size_t> scans;
+  scans.reserve(lines.places.size());
+  for (const GraphPlace& place : lines.places) {
+    if (place.scan >= run.summary().scans || (!scans.empty() && place.scan <= scans.back())) {
+      source.refuse(
+          fmt::format("has vertex {} of {} scans, or not in the order of the path", place.scan, run.summary().scans));
+    }
+    scans.push_back(place.scan);
+  }
+  return scans;
+}
+
+}  // namespace
+
+RunGraph read_run_graph(const RunReader& run) {
+  const GraphOfRun source{(std::filesystem::path(run.folder()) / "graph.g2o").string(), run.folder()};
+  if (!run.files().has("graph.g2o")) {
+    throw InputError({source.file, 0}, fmt::format("is missing in this run{}{}", kMapAgain, source.folder));
+  }
+  if (!run.summary().drives.empty()) {
+    throw InputError({source.file, 0}, "is of a site, whose drives do not make up one path");
+  }
+  const std::vector<ClosedLoop> told = run.doubts().loops.value_or(LoopFindings()).loops;
+  const GraphLines lines = run.graph();
+  if (lines.places.empty()) source.refuse("has no places");
+  if (lines.relations.size() < told.size()) source.refuse("has fewer edges than the report has loops");
+  RunGraph result;
+  result.scans = scans_of_places(lines, run, source);
+  result.graph.poses.reserve(lines.places.size());
+  for (const GraphPlace& place : lines.places) result.graph.poses.push_back(place.T_map_base);
+  const std::size_t steps = lines.relations.size() - told.size();
+  result.graph.path.reserve(steps);
+  result.graph.loops.reserve(told.size());
+  result.is_on.reserve(told.size());
+  for (std::size_t i = 0; i < lines.relations.size(); ++i) {
+    const PathRelation& line = lines.relations[i];
+    if (i < steps) {
+      result.graph.path.push_back(relation_of_line(line, 1.0, result.scans, source));
+      continue;
+    }
+    const ClosedLoop& loop = told[i - steps];
+    if (line.from != loop.from || line.to != loop.to) {
+      source.refuse(fmt::format("has an edge from scan {} to {} where the report has a loop from {} to {}", line.from,
+                                line.to, loop.from, loop.to));
+    }
+    const double by_itself = loop.weight > 0.0 ? 1.0 / loop.weight : 0.0;
+    result.graph.loops.push_back({relation_of_line(line, by_itself, result.scans, source), loop.weight});
+    result.is_on.push_back(loop.is_on);
+  }
+  check_path(result.graph, source);
+  return result;
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_folder(const std::string& path) {
+  std::error_code ignored;
+  return fs::is_directory(path, ignored);
+}
+
+// The file of that name in a folder that is no run, as other programs leave it.
+std::string file_of_folder(const std::string& folder, const char* name, const char* instead) {
+  refuse_broken_run(folder, name);
+  const fs::path file = fs::path(folder) / name;
+  std::error_code ignored;
+  if (fs::is_regular_file(file, ignored)) return file.string();
+  throw InputError({folder, 0}, fmt::format("is a folder without report.json, so no run of 'gdtslam map', and has no "
+                                            "{}; give the folder of a run or {}",
+                                            name, instead));
+}
+
+std::string why_no_cloud(const RunSummary& summary) {
+  return summary.nods ? "it was mapped with --no-cloud; map the log again without that option"
+                      : "'map' makes one where the laser nods, and 'merge' and 'edit' leave it out; give a run with "
+                        "cloud.ply, or a cloud, .ply or .pcd";
+}
+
+Trajectory trajectory_in(const std::string& given) {
+  if (!is_folder(given)) return read_tum(given);
+  if (RunReader::is_run(given)) return RunReader(given).trajectory();
+  return read_tum(file_of_folder(given, "trajectory.tum", "a trajectory, TUM"));
+}
+
+}  // namespace
+
+void refuse_broken_run(const std::string& folder, const char* name) {
+  refuse_folder_of_sites(folder);
+  if (!RunReader::is_broken_run(folder)) return;
+  throw InputError({folder, 0},
+                   fmt::format("is a folder without report.json, so no run of 'gdtslam map', though files of one are "
+                               "there: map again, or name {} in it itself if that is meant",
+                               name));
+}
+
+Trajectory given_trajectory(const std::string& given) {
+  Trajectory trajectory = trajectory_in(given);
+  if (trajectory.empty()) throw InputError({given, 0}, "holds no pose; give a trajectory, TUM");
+  return trajectory;
+}
+
+std::string given_cloud(const std::string& given) {
+  std::optional<RunReader> ignored;
+  return given_cloud(given, ignored);
+}
+
+std::string given_cloud(const std::string& given, std::optional<RunReader>& run) {
+  run.reset();
+  if (!is_folder(given)) return given;
+  if (!RunReader::is_run(given)) return file_of_folder(given, "cloud.ply", "a cloud, .ply or .pcd");
+  run.emplace(given);
+  if (std::optional<std::string> file = run->cloud_file()) return *file;
+  throw InputError({given, 0}, "this run has no cloud: " + why_no_cloud(run->summary()));
 }
 
 }  // namespace gdtslam

@@ -17,14 +17,14 @@ namespace {
 constexpr std::string_view kMapFrame = "map";
 constexpr std::string_view kRobotFrame = "base_link";
 
-std::int8_t occupancy_of(CellState state) {
+std::int8_t ros_occupancy(CellState state) {
   if (state == CellState::kUnknown) return -1;
   return state == CellState::kOccupied ? 100 : 0;
 }
 
 std::string grid_message(const OccupancyMap& map, double stamp_s) {
   std::vector<std::int8_t> cells(map.cells.size());
-  for (std::size_t cell = 0; cell < cells.size(); ++cell) cells[cell] = occupancy_of(map.cells[cell]);
+  for (std::size_t cell = 0; cell < cells.size(); ++cell) cells[cell] = ros_occupancy(map.cells[cell]);
   const GridGeometry& geometry = map.geometry;
   return ros_occupancy_grid({stamp_s, kMapFrame}, {.resolution_m = geometry.resolution_m,
                                                    .width = static_cast<std::uint32_t>(geometry.width),

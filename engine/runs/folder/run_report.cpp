@@ -12,14 +12,12 @@
 #include "engine/io/json_file.hpp"
 #include "engine/io/sha256.hpp"
 #include "engine/mapping/map/store/field_store.hpp"
-#include "engine/runs/folder/run_doubts.hpp"
 #include "engine/runs/folder/run_files.hpp"
 #include "engine/runs/folder/run_pictures.hpp"
-#include "engine/runs/keyframes/keyframe_file.hpp"
-#include "engine/runs/loops/covariance_file.hpp"
-#include "engine/runs/loops/graph_file.hpp"
-#include "engine/runs/loops/loops_report.hpp"
-#include "engine/runs/tiles/tile_folder.hpp"
+#include "engine/runs/folder/run_review.hpp"
+#include "engine/runs/keyframes/run_keyframes.hpp"
+#include "engine/runs/loops/loop_files.hpp"
+#include "engine/runs/tiles/map_tiles.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
@@ -143,7 +141,7 @@ void add_match_distances(Json& report, std::vector<double> distances_m) {
   report["match_p99_m"] = quantile_of_sorted(distances_m, 0.99);
 }
 
-// What is known of the path besides its poses; nothing where its loops were not closed.
+// Writes covariances and graph of the path if its loops were closed.
 void write_path_facts(RunFolder& folder, const MapOutcome& outcome, const GraphLines* graph) {
   if (!outcome.closed) return;
   write_file_atomically(folder.staged("covariance.csv"),
@@ -152,10 +150,15 @@ void write_path_facts(RunFolder& folder, const MapOutcome& outcome, const GraphL
                         graph != nullptr ? graph_lines_text(*graph) : graph_text(*outcome.closed));
 }
 
+std::string config_yaml(const MapRequest& request) {
+  Settings settings = request.settings;
+  return config_text(option_table(settings));
+}
+
 // The scans that the map was merged from.
-RunKeyframes kept_keyframes(const std::string& config, const MapJob& job, const MapOutcome& outcome) {
+RunKeyframes kept_keyframes(const std::string& config, const MapRequest& request, const MapOutcome& outcome) {
   RunKeyframes run{
-      .config_sha256 = Sha256().update(config).hex(), .in_single_precision = job.with_loops, .keyframes = {}};
+      .config_sha256 = Sha256().update(config).hex(), .in_single_precision = request.with_loops, .keyframes = {}};
   run.keyframes.reserve(outcome.keyframes.size());
   for (std::size_t k = 0; k < outcome.keyframes.size(); ++k) {
     const std::size_t scan = outcome.keyframes[k];
@@ -172,10 +175,10 @@ RunKeyframes kept_keyframes(const std::string& config, const MapJob& job, const 
 }
 
 // Writes them, where they are ranges of one plane; returns their hash. A nodding laser's are points.
-std::string write_merged_scans(RunFolder& folder, const std::string& config, const MapJob& job,
+std::string write_merged_scans(RunFolder& folder, const std::string& config, const MapRequest& request,
                                const MapOutcome& outcome) {
   if (outcome.keyframe_scans.size() != outcome.keyframes.size()) return {};
-  return write_keyframes(folder.staged(kKeyframeFile), kept_keyframes(config, job, outcome));
+  return write_keyframes(folder.staged(kKeyframeFile), kept_keyframes(config, request, outcome));
 }
 
 Json run_report(const RunFacts& facts, const MapOutcome& outcome, const WrittenHashes& hashes, Json files,
@@ -187,7 +190,7 @@ Json run_report(const RunFacts& facts, const MapOutcome& outcome, const WrittenH
   report["version"] = GDTSLAM_VERSION;
   report["device"] = device_json(facts.device);
   if (!outcome.device_loss.empty()) report["device_lost"] = outcome.device_loss;
-  report["log"] = facts.job.logs;
+  report["log"] = facts.request.logs;
   report["interrupted"] = outcome.interrupted;
   report["scans"] = scans_of(outcome);
   report["matched"] = statistics.matched;
@@ -215,10 +218,10 @@ Json run_report(const RunFacts& facts, const MapOutcome& outcome, const WrittenH
   if (!hashes.keyframes.empty()) report["keyframes_sha256"] = hashes.keyframes;
   report["gdt"] = geometry_json(facts.field.geometry);
   if (facts.field.tiles > 0) report["tiles"] = facts.field.tiles;
-  if (facts.job.with_occupancy) report["map"] = geometry_json(outcome.occupancy.geometry);
+  if (facts.request.with_map) report["map"] = geometry_json(outcome.occupancy.geometry);
   report["cloud_points"] = outcome.nodding ? outcome.nodding->cloud.written : 0;
   if (facts.nodding != nullptr) report["nodding"] = nodding_json(*facts.nodding, *outcome.nodding);
-  if (const std::optional<OdometryDelay>& delay = facts.job.odometry_delay) {
+  if (const std::optional<OdometryDelay>& delay = outcome.odometry_delay) {
     report["odometry_delay"] = {{"delay_s", delay->delay_s}, {"sigma_s", delay->sigma_s}};
   }
   if (outcome.closed) {
@@ -247,9 +250,9 @@ void require_bounded(const GridGeometry& geometry, std::uint64_t max_cells) {
 
 }  // namespace
 
-WrittenField write_run_field(RunFolder& folder, const MapJob& job, const GlobalField& field, RunTimes& times) {
-  require_bounded(field.geometry(), static_cast<std::uint64_t>(job.mapper.map.max_megacells) << 20U);
-  if (job.finishing) job.finishing("gdt.png");
+WrittenField write_run_field(RunFolder& folder, const MapRequest& request, const GlobalField& field, RunTimes& times) {
+  require_bounded(field.geometry(), static_cast<std::uint64_t>(request.settings.mapper.map.max_megacells) << 20U);
+  if (request.finishing) request.finishing("gdt.png");
   folder.staged("gdt.png");
   write_distance_field(folder.staged("gdt.yaml"), rows_of(field));
   times.add("write_field");
@@ -259,39 +262,39 @@ WrittenField write_run_field(RunFolder& folder, const MapJob& job, const GlobalF
 }
 
 // From the keyframes as their file has them, so that they are the same when they are made again.
-WrittenField write_run_tiles(RunFolder& folder, const MapJob& job, Settings settings, RunTimes& times,
-                             MapOutcome& outcome) {
-  const RunKeyframes kept = kept_keyframes(config_text(option_table(settings)), job, outcome);
+WrittenField write_run_tiles(RunFolder& folder, const MapRequest& request, RunTimes& times, MapOutcome& outcome) {
+  const RunKeyframes kept = kept_keyframes(config_yaml(request), request, outcome);
   const std::string bytes = keyframe_bytes(kept);
   const RunKeyframes run = parse_keyframes(bytes, kKeyframeFile);
-  const TileParts parts = job.with_occupancy ? TileParts::kBoth : TileParts::kDistances;
-  const TileMaker maker(run, job.mapper, job.occupancy, {}, parts);
+  const TileParts parts = request.with_map ? TileParts::kBoth : TileParts::kDistances;
+  const TileMaker maker(run, request.settings.mapper, request.settings.occupancy, {}, parts);
   MadeTiles made = write_tiles(folder.staged_folder(kTileFolder), maker, Sha256().update(bytes).hex(),
-                               job.mapper.map.resolution_m, [&job](double share) {
-                                 if (job.finishing) job.finishing(fmt::format("tiles, {:.0f} %", 100.0 * share));
+                               request.settings.mapper.map.resolution_m, [&request](double share) {
+                                 if (request.finishing)
+                                   request.finishing(fmt::format("tiles, {:.0f} %", 100.0 * share));
                                });
   outcome.occupancy = std::move(made.overview);
   times.add("write_tiles");
-  return {.geometry = geometry_of(made.index), .sha256 = sha256_of(made.index), .tiles = made.index.tiles.size()};
+  return {.geometry = tiles_geometry(made.index), .sha256 = sha256_of(made.index), .tiles = made.index.tiles.size()};
 }
 
-WrittenHashes write_run_files(RunFolder& folder, const MapJob& job, Settings settings, RunTimes& times,
-                              MapOutcome& outcome, const GraphLines* graph) {
-  const auto tell = [&job](const char* what) {
-    if (job.finishing) job.finishing(what);
+WrittenHashes write_run_files(RunFolder& folder, const MapRequest& request, RunTimes& times, MapOutcome& outcome,
+                              const GraphLines* graph) {
+  const auto tell = [&request](const char* what) {
+    if (request.finishing) request.finishing(what);
   };
   tell("trajectory.tum");
   write_tum(folder.staged("trajectory.tum"), outcome.trajectory);
   write_path_facts(folder, outcome, graph);
   times.add("write_path");
-  write_run_pictures(folder, job, outcome);
+  write_run_pictures(folder, request, outcome);
   times.add("write_pictures");
-  const std::string config = config_text(option_table(settings));
+  const std::string config = config_yaml(request);
   write_file_atomically(folder.staged("config.yaml"), config);
   tell(kKeyframeFile);
-  WrittenHashes hashes{sha256_of(outcome.trajectory), write_merged_scans(folder, config, job, outcome)};
+  WrittenHashes hashes{sha256_of(outcome.trajectory), write_merged_scans(folder, config, request, outcome)};
   times.add("write_keyframes");
-  if (!job.with_occupancy) return hashes;
+  if (!request.with_map) return hashes;
   tell("map.pgm");
   folder.staged("map.pgm");
   write_occupancy_map(folder.staged("map.yaml"), outcome.occupancy);
@@ -300,7 +303,7 @@ WrittenHashes write_run_files(RunFolder& folder, const MapJob& job, Settings set
 }
 
 std::string write_run(RunFolder& folder, RunFacts facts, RunTimes& times, MapOutcome& outcome) {
-  const WrittenHashes hashes = write_run_files(folder, facts.job, std::move(facts.settings), times, outcome);
+  const WrittenHashes hashes = write_run_files(folder, facts.request, times, outcome);
   Json files = files_json(folder);
   times.read_whole(outcome.wall_s, outcome.cpu_s);
   std::string report = json_text(run_report(facts, outcome, hashes, std::move(files), times.stages()));

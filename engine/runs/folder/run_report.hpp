@@ -1,4 +1,4 @@
-// What a run leaves in its folder, and report.json: what it did, for programs (docs/formats.md gives every key).
+// Files of a run folder, and report.json, the record of the run for programs (docs/formats.md gives every key).
 // Thread-safe.
 #pragma once
 
@@ -7,42 +7,40 @@
 #include <string>
 #include <vector>
 
-#include "engine/runs/loops/graph_file.hpp"
+#include "engine/runs/loops/loop_files.hpp"
 #include "engine/runs/mapping/map_run.hpp"
+#include "engine/runs/mapping/stopwatch.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/runs/settings.hpp"
 #include "run_folder.hpp"
-#include "run_times.hpp"
 
 namespace gdtslam {
 
 /// The version of the format.
 inline constexpr int kReportVersion = 1;
 
-/// What the report says of a distance field, which may be gone by then.
+/// Description of a distance field in the report; the field itself may be gone by then.
 struct WrittenField {
   GridGeometry geometry;
   std::string sha256;
   std::size_t tiles = 0;  ///< that it was written in; 0: in one piece
 };
 /// Writes gdt.png and gdt.yaml. Throws FileError.
-WrittenField write_run_field(RunFolder& folder, const MapJob& job, const GlobalField& field, RunTimes& times);
+WrittenField write_run_field(RunFolder& folder, const MapRequest& request, const GlobalField& field, RunTimes& times);
 
-/// Likewise of a map in tiles, which are in the run's folder `tiles` then; an outcome's small map of them comes with
+/// Writes a map in tiles, which are in the run's folder `tiles` then; an outcome's small map of them comes with
 /// it. Throws what making tiles throws.
-WrittenField write_run_tiles(RunFolder& folder, const MapJob& job, Settings settings, RunTimes& times,
-                             MapOutcome& outcome);
+WrittenField write_run_tiles(RunFolder& folder, const MapRequest& request, RunTimes& times, MapOutcome& outcome);
 
-/// What a run was asked for and made, besides its outcome.
+/// Request and products of a run, besides its outcome.
 struct RunFacts {
-  const MapJob& job;
+  const MapRequest& request;
   const NoddingJob* nodding = nullptr;  ///< null where the laser does not nod; its cloud has been written by now
   const WrittenField& field;
   const DeviceInfo& device;
-  Settings settings;
 };
 
-/// Of what a run wrote.
+/// Hashes of written files.
 struct WrittenHashes {
   std::string trajectory;
   std::string keyframes;  ///< empty where there is no such file
@@ -50,18 +48,18 @@ struct WrittenHashes {
 /// Writes map, trajectory, graph, pictures, configuration and keyframes of a run, whose names they get when the caller
 /// has written the report too. `graph`: as the run's file shall have it, in place of the outcome's; null: that one.
 /// Throws FileError. A picture that fails is added to the outcome's warnings.
-WrittenHashes write_run_files(RunFolder& folder, const MapJob& job, Settings settings, RunTimes& times,
-                              MapOutcome& outcome, const GraphLines* graph = nullptr);
+WrittenHashes write_run_files(RunFolder& folder, const MapRequest& request, RunTimes& times, MapOutcome& outcome,
+                              const GraphLines* graph = nullptr);
 
 /// Writes the rest of what a run made into its folder: map, trajectory, graph, pictures, configuration and report, all
 /// or nothing; returns the text of report.json. Throws FileError. A picture that fails is added to the outcome's
 /// warnings, and its times are those of all that `times` covers, writing included.
 std::string write_run(RunFolder& folder, RunFacts facts, RunTimes& times, MapOutcome& outcome);
 
-/// What a report says of a grid.
+/// The report's description of a grid.
 nlohmann::ordered_json geometry_json(const GridGeometry& geometry);
 
-/// What a report says of the device that did the work.
+/// The report's description of the device that did the work.
 inline nlohmann::ordered_json device_json(const DeviceInfo& device) {
   return {{"name", device.name}, {"kind", device.kind}, {"driver", device.driver}, {"threads", device.threads}};
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 
 #include "gdtslam/core/angle.hpp"
@@ -11,18 +12,101 @@
 namespace gdtslam {
 namespace {
 
+ClosedLoop reported_loop(const ReportReader& loop, std::uint64_t scans) {
+  return {.from = loop.index("from", scans),
+          .to = loop.index("to", scans),
+          .T_from_to = {},
+          .information = {},
+          .weight = loop.number("weight"),
+          .off_m = loop.number("off_m"),
+          .off_rad = rad_from_deg(loop.number("off_deg")),
+          .is_on = loop.truth("on")};
+}
+
+WheelReport reported_wheels(const ReportReader& wheels) {
+  return {.distance = wheels.number("distance"),
+          .turn = wheels.number("turn"),
+          .turn_rad_per_m = rad_from_deg(wheels.number("turn_deg_per_m")),
+          .sigma_distance = wheels.number("distance_sigma"),
+          .sigma_turn = wheels.number("turn_sigma"),
+          .sigma_rad_per_m = rad_from_deg(wheels.number("turn_deg_per_m_sigma")),
+          .variance_factor = wheels.number("variance_factor"),
+          .variance_factor_of_matches = wheels.number("variance_factor_of_matches")};
+}
+
+LoopFindings loop_findings(const ReportReader& report, std::uint64_t scans) {
+  const ReportReader loops = report.section("loops");
+  const ReportReader uncertain = report.section("uncertain");
+  LoopFindings findings{.searches = loops.whole("searches"),
+                        .rms_m = loops.number_or_null("rms_m"),
+                        .loops = {},
+                        .wheels = reported_wheels(report.section("wheels")),
+                        .above_m = uncertain.number("above_m"),
+                        .sigma_median_m = uncertain.number("sigma_median_m"),
+                        .sigma_max_m = uncertain.number("sigma_max_m"),
+                        .uncertain = {}};
+  const std::vector<ReportReader> closures = loops.entries("closures");
+  findings.loops.reserve(closures.size());
+  for (const ReportReader& loop : closures) findings.loops.push_back(reported_loop(loop, scans));
+  const std::vector<ReportReader> stretches = uncertain.entries("stretches");
+  findings.uncertain.reserve(stretches.size());
+  for (const ReportReader& stretch : stretches) {
+    const std::size_t to = stretch.index("to", scans);
+    findings.uncertain.push_back({stretch.index("from", to + 1), to, stretch.number("sigma_m")});
+  }
+  return findings;
+}
+
+}  // namespace
+
+nlohmann::ordered_json findings_json(const std::vector<LogFinding>& findings) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const LogFinding& finding : findings) {
+    list.push_back({{"what", finding.what},
+                    {"evidence", finding.evidence},
+                    {"options", finding.options},
+                    {"mended", finding.is_mended}});
+  }
+  return list;
+}
+
+std::vector<LogFinding> findings_from(const ReportReader& object) {
+  std::vector<LogFinding> findings;
+  if (!object.has("findings")) return findings;
+  for (const ReportReader& entry : object.entries("findings")) {
+    findings.push_back({entry.text("what"), entry.text("evidence"), entry.text("options"), entry.truth("mended")});
+  }
+  return findings;
+}
+
+RunDoubts read_doubts(const ReportReader& report, std::uint64_t scans) {
+  const ReportReader matches = report.section("matches");
+  RunDoubts doubts{.was_interrupted = report.truth("interrupted"),
+                   .scans = scans,
+                   .accepted = matches.whole("accepted"),
+                   .weak = matches.whole("weak"),
+                   .refused = matches.whole("refused"),
+                   .restarts = report.whole("restarts"),
+                   .findings = findings_from(report),
+                   .loops = {}};
+  if (report.has("loops")) doubts.loops = loop_findings(report, scans);
+  return doubts;
+}
+
+namespace {
+
 constexpr double kStandsOut = 3.0;  // standard deviations, as for what the mapper corrects
-// What makes 15 cm, from which on a pose is not to be trusted, over the 15 m of path that a local map has.
+// Slope that makes 15 cm, from which on a pose is not reliable, over the 15 m of path that a local map has.
 constexpr double kWorthShare = 0.01;
 constexpr double kWorthPull_rad_per_m = 2.0 * kUncertain_m / (15.0 * 15.0);
-constexpr double kFarOff_m = 2.0 * kUncertain_m;  // of a loop: more than poses that are trusted may be off
-constexpr double kWorthFactor = 4.0;              // of a variance: twice the noise that was stated
+constexpr double kFarOff_m = 2.0 * kUncertain_m;  // offset of a loop: more than reliable poses may be off
+constexpr double kWorthFactor = 4.0;              // factor of a variance: twice the noise that was stated
 // Loops tell too little of matches that are far better than they say. Their factor is a tenth then, and that of the
 // wheels is larger in the same ratio and says nothing by itself.
 constexpr double kKnownFactor = 0.1 * (1.0 + 1.0e-9);
 
 // The least sure pose of a stretch.
-std::size_t worst_of(const UncertainStretch& stretch, std::span<const PoseCovariance> covariances) {
+std::size_t find_worst(const UncertainStretch& stretch, std::span<const PoseCovariance> covariances) {
   if (covariances.empty()) return stretch.from + (stretch.to - stretch.from) / 2;
   std::size_t worst = stretch.from;
   for (std::size_t i = stretch.from; i <= stretch.to; ++i) {
@@ -82,15 +166,15 @@ void add_run_notes(const RunDoubts& doubts, std::vector<ReviewNote>& notes) {
   }
 }
 
-ReviewNote note_of(const UncertainStretch& stretch, const Trajectory& trajectory,
-                   std::span<const PoseCovariance> covariances) {
+ReviewNote make_note(const UncertainStretch& stretch, const Trajectory& trajectory,
+                     std::span<const PoseCovariance> covariances) {
   const bool is_first = stretch.from == 0;
   const bool is_last = stretch.to + 1 == trajectory.size();
   std::string advice = "drive there again, from a place that is sure and back to one";
   if (is_first) advice = "come back to where the drive began, before it ends";
   if (is_last) advice = "end the drive at a place that it has seen before";
   if (is_first && is_last) advice = "drive the way again in loops: places that are seen twice hold it";
-  const Point2 at_m = trajectory[worst_of(stretch, covariances)].T_map_base.translation();
+  const Point2 at_m = trajectory[find_worst(stretch, covariances)].T_map_base.translation();
   return {"stretch",
           fmt::format("scans {} to {} ({:.1f} s to {:.1f} s), worst at {}: standard deviation up to {:.2g} m",
                       stretch.from, stretch.to, trajectory[stretch.from].stamp_s, trajectory[stretch.to].stamp_s,
@@ -98,7 +182,7 @@ ReviewNote note_of(const UncertainStretch& stretch, const Trajectory& trajectory
           std::move(advice), at_m};
 }
 
-ReviewNote note_of(const ClosedLoop& loop, const Trajectory& trajectory) {
+ReviewNote make_note(const ClosedLoop& loop, const Trajectory& trajectory) {
   const Point2 from_m = trajectory[loop.from].T_map_base.translation();
   const Point2 to_m = trajectory[loop.to].T_map_base.translation();
   const char* const advice = loop.off_m < kFarOff_m
@@ -161,10 +245,10 @@ std::vector<ReviewNote> review_notes(const RunDoubts& doubts, const Trajectory& 
   add_run_notes(doubts, notes);
   if (!doubts.loops) return notes;
   for (const UncertainStretch& stretch : doubts.loops->uncertain) {
-    notes.push_back(note_of(stretch, trajectory, covariances));
+    notes.push_back(make_note(stretch, trajectory, covariances));
   }
   for (const ClosedLoop& loop : doubts.loops->loops) {
-    if (!loop.is_on) notes.push_back(note_of(loop, trajectory));
+    if (!loop.is_on) notes.push_back(make_note(loop, trajectory));
   }
   add_wheel_notes(doubts.loops->wheels, notes);
   return notes;

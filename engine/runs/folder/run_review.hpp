@@ -1,26 +1,67 @@
-// What is doubtful in the map of a run, where, and what can be done about it: `gdtslam doctor --after`. Frame: map.
-// Thread-safe; linear in poses and loops.
+// Doubts of a run's report about its map: scans that were not matched, loops that are not believed, wheels that
+// are off, stretches that are not to be trusted. Thread-safe; linear in the report.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "engine/runs/folder/run_doubts.hpp"
+#include "engine/runs/folder/run_files.hpp"
+#include "engine/runs/loops/loop_files.hpp"
 #include "gdtslam/core/stream.hpp"
+#include "gdtslam/mapping/mapper.hpp"
+#include "gdtslam/runs/outcome.hpp"
 
 namespace gdtslam {
+
+/// Result of closing the loops, as the report has it.
+struct LoopFindings {
+  std::uint64_t searches = 0;
+  /// Distance of the points of keyframes from the lines of others; none if no keyframe was laid on another.
+  std::optional<double> rms_m;
+  /// Without what was measured, T_from_to and information, which the report does not have; angles in radians.
+  std::vector<ClosedLoop> loops;
+  WheelReport wheels;
+  double above_m = 0.0;  ///< from here on a standard deviation is too large
+  double sigma_median_m = 0.0;
+  double sigma_max_m = 0.0;
+  std::vector<UncertainStretch> uncertain;
+};
+
+/// A report's doubts.
+struct RunDoubts {
+  bool was_interrupted = false;
+  std::uint64_t scans = 0;
+  std::uint64_t accepted = 0;          ///< scans without doubt,
+  std::uint64_t weak = 0;              ///< with weak evidence,
+  std::uint64_t refused = 0;           ///< not at all
+  std::uint64_t restarts = 0;          ///< keyframes where odometry says, after a long stretch without a match
+  std::vector<LogFinding> findings{};  ///< faults of the logs whose causes are known
+  std::optional<LoopFindings> loops;   ///< none if the run closed no loops
+};
+
+/// Faults of logs as reports and continue.json have them.
+nlohmann::ordered_json findings_json(const std::vector<LogFinding>& findings);
+/// The list `findings` of an object; empty in files of versions that had none. Throws InputError.
+std::vector<LogFinding> findings_from(const ReportReader& object);
+
+/// Throws InputError where a key is missing or of another type, or names a scan beyond `scans`.
+RunDoubts read_doubts(const ReportReader& report, std::uint64_t scans);
+
+// Doubtful things in the map of a run, their places, and advice: `gdtslam doctor --after`. Frame: map.
+// Thread-safe; linear in poses and loops.
 
 /// One thing that is doubtful.
 struct ReviewNote {
   std::string_view about;  ///< log, run, loops, stretch, loop, scans or wheels; of static storage
   std::string finding;
   std::string advice;
-  std::optional<Point2> at_m{};  ///< where that is one place
+  std::optional<Point2> at_m{};  ///< the place, if there is one
 };
 
 /// A share of scans: "5.4 %", "0.04 %".

@@ -132,7 +132,7 @@ class LinkageReader {
     linkage_.model = set_up(start);
   }
 
-  // Where the bars are no crank-rocker nothing can be supposed, and the file has to say it all.
+  // Bars that form no crank-rocker have no defaults, so the file has to state everything.
   SweepModel set_up(const SweepModel& start) {
     SweepModel model = start;
     try {
@@ -302,7 +302,7 @@ std::string sidecar_path(const std::string& log, const std::string& suffix) {
 std::string linkage_sidecar(const std::string& log) {
   if (log == "-") return {};
   std::string path = sidecar_path(log, kLinkageSidecar);
-  std::error_code none;  // what cannot be looked at is not there
+  std::error_code none;  // a file that cannot be examined counts as absent
   return std::filesystem::is_regular_file(path, none) ? path : std::string();
 }
 

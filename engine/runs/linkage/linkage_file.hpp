@@ -47,7 +47,7 @@ void write_linkage(const std::string& file, const calib::SweepModel& model,
 
 /// A calibrated parameter that a linkage file may state the uncertainty of.
 struct LinkageParameter {
-  const char* name;  ///< as calib::CalibratedParameter has it
+  const char* name;  ///< name in calib::CalibratedParameter
   Unit unit;
 };
 

@@ -8,19 +8,38 @@
 #include <span>
 #include <utility>
 
+#include "engine/core/quantile.hpp"
 #include "engine/io/file_limits.hpp"
 #include "engine/io/yaml/yaml_file.hpp"
-#include "engine/runs/inputs/given_files.hpp"
+#include "engine/runs/folder/run_reader.hpp"
+#include "engine/runs/localizer/obstacle_field.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/occupancy_map_file.hpp"
-#include "obstacle_field.hpp"
 
 namespace gdtslam {
+
+std::optional<std::string> find_run_folder(const std::string& map) {
+  namespace fs = std::filesystem;
+  if (RunReader::is_run(map)) return map;
+  const std::string parent = fs::path(map).has_parent_path() ? fs::path(map).parent_path().string() : ".";
+  return RunReader::is_run(parent) ? std::optional(parent) : std::nullopt;
+}
+
+FitLimit make_fit_limit(std::vector<double> own_m, double resolution_m) {
+  const FitLimit of_cells{2.0 * resolution_m, FitLimit::Source::kResolution, resolution_m};
+  if (own_m.empty()) return of_cells;
+  std::sort(own_m.begin(), own_m.end());
+  const double usual_m = quantile_of_sorted(own_m, 0.5);
+  const double most_m = quantile_of_sorted(own_m, 0.99);
+  if (most_m < of_cells.distance_m) return {of_cells.distance_m, of_cells.source, usual_m};
+  return {most_m, FitLimit::Source::kRun, usual_m};
+}
+
 namespace {
 
 // The description of a map: the file itself, or in its folder.
-std::string description_file_of(const std::string& map) {
+std::string find_description(const std::string& map) {
   namespace fs = std::filesystem;
   std::error_code ignored;
   if (fs::is_directory(map, ignored)) {
@@ -52,13 +71,13 @@ void check_geometry(const GridGeometry& grid, const std::string& path) {
   }
 }
 
-// What a map takes goes by its cells, whatever its picture packs them to: the field, what searches need besides, and
+// The memory for a map depends on its cells, not on the size of its packed picture: the field, data for searches, and
 // the map that scans are followed in.
 void check_memory(const ObstacleFieldSize& size, const std::string& path) {
   constexpr std::uint64_t kFieldBytesPerCell = 2 * sizeof(std::uint16_t);
   const std::uint64_t derived =
       kFieldBytesPerCell * size.width * size.height + CertifiedMap::most_bytes(size.width, size.height);
-  std::error_code ignored;  // what cannot be asked about counts as nothing
+  std::error_code ignored;  // a file that cannot be examined counts as empty
   const std::uintmax_t picture = std::filesystem::file_size(DescriptionFile(path).image_path(), ignored);
   check_derived_bytes(derived, ignored ? 0 : picture, path, "searching in the map");
 }
@@ -188,32 +207,16 @@ std::optional<RunReader> told_run_in(const std::string& map) {
   return run.files().is_told() ? std::optional(std::move(run)) : std::nullopt;
 }
 
-// One of the tiles that can be searched in, that of the origin where it is there; empty where there is none.
-std::string tile_in(const std::filesystem::path& folder) {
-  std::error_code ignored;
-  for (const char* name : {"map_0_0.yaml", "gdt_0_0.yaml"}) {
-    if (std::filesystem::exists(folder / name, ignored)) return name;
-  }
-  std::string first;
-  for (std::filesystem::directory_iterator at(folder, ignored), end; at != end; at.increment(ignored)) {
-    const std::string name = at->path().filename().string();
-    if (!name.ends_with(".yaml") || !(name.starts_with("map_") || name.starts_with("gdt_"))) continue;
-    if (first.empty() || name < first) first = name;
-  }
-  return first;
-}
-
 // A site in tiles has no field as a whole.
 void require_one_piece(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  std::error_code ignored;  // what cannot be asked about shows when it cannot be read
+  std::error_code ignored;  // a folder that cannot be examined shows when it cannot be read
   if (std::filesystem::exists(path, ignored) || !std::filesystem::exists(folder / "tiles" / "index.json", ignored))
     return;
-  const std::string tile = tile_in(folder / "tiles");
-  throw InputError({folder.string(), 0},
-                   fmt::format("has its map in tiles: {}cut a piece out with 'gdtslam edit RUN --crop X0,Y0,X1,Y1 "
-                               "-o DIR'",
-                               tile.empty() ? "" : fmt::format("name one of them, as tiles/{}, or ", tile)));
+  throw InputError(
+      {folder.string(), 0},
+      "has its map in tiles: name one of them, as tiles/map_0_0.yaml, or cut a piece out with 'gdtslam edit "
+      "RUN --crop X0,Y0,X1,Y1 -o DIR'");
 }
 
 // Distances alone tell of walls, which reach half a cell from an obstacle; what is farther away may be floor or not.
@@ -237,7 +240,7 @@ OccupancyMap shown_map(const MapField& field) {
 }
 
 MapField read_map_field(const std::string& map, const MapConfig& config) {
-  const std::string path = description_file_of(map);
+  const std::string path = find_description(map);
   std::optional<RunReader> run = told_run_in(map);
   if (!run && is_occupancy_map(path)) return field_of_occupied(path, config);
   require_one_piece(path);

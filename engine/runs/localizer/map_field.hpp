@@ -1,10 +1,10 @@
-// The distance field that scans are searched in: of a run, or of an occupancy map that any program made. Frame: the
-// map's own, metres. Thread-safe once read; O(cells).
+// How well a scan of the mapped place fits, and the run that a map belongs to. Thread-safe; O(n log n).
 #pragma once
 
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "engine/runs/folder/run_reader.hpp"
 #include "gdtslam/compute/kernel.hpp"
@@ -16,6 +16,25 @@
 
 namespace gdtslam {
 
+/// The run folder that a map belongs to: itself, or the folder of its gdt.yaml; none where that is none.
+std::optional<std::string> find_run_folder(const std::string& map);
+
+/// How well a scan of the mapped place fits: mean distances of its points to the map's obstacles.
+struct FitLimit {
+  /// The largest comes from an option, from 99 of 100 of the run's own scans, or from the size of the map's cells.
+  enum class Source : std::uint8_t { kOption, kRun, kResolution };
+  double distance_m = 0.0;  ///< the largest that is a good fit
+  Source source = Source::kOption;
+  double usual_m = 0.0;  ///< the median
+};
+/// From the mean distances that the run's own scans leave in the finished map. Two cells are always a good fit: the
+/// most that rounding to cells in the scan and in the map can account for, while scans that a map was made of fit it
+/// better than others. Without scans one cell is usual.
+FitLimit make_fit_limit(std::vector<double> own_m, double resolution_m);
+
+// The distance field that scans are searched in: of a run, or of an occupancy map that any program made. Frame: the
+// map's own, metres. Thread-safe once read; O(cells).
+
 /// A field with the file that it comes from.
 struct MapField {
   enum class Source : std::uint8_t { kDistances, kOccupiedCells };
@@ -24,7 +43,7 @@ struct MapField {
   DistanceFieldFile file;
   /// Whose folder was named, and checked; a file that is named itself is taken as it is, and so is an older run.
   std::optional<RunReader> run{};
-  /// Where the origin of the kernels' frame lies in the map, parallel to it: they count in whole cells from there. The
+  /// Origin of the kernels' frame in the map, parallel to it: they count in whole cells from there. The
   /// map's own origin for a run, whose cells lie on it; the field's corner for an occupancy map, whose cells may not,
   /// and whose origin may be far away.
   Point2 kernel_origin_m = Point2::Zero();

@@ -34,8 +34,8 @@ std::vector<PointCells> points_to_match(const LaserScan& scan, const MapperConfi
 
 // The scans that the map was made of; none for a map without a run. A run's map.yaml counts as one: its occupied cells
 // differ from the obstacles that the run's scans were matched with.
-std::vector<RunKeyframe> own_scans_of(const MapField& field) {
-  const std::optional<std::string> folder = run_folder_of(field.path);
+std::vector<RunKeyframe> read_own_scans(const MapField& field) {
+  const std::optional<std::string> folder = find_run_folder(field.path);
   if (field.source == MapField::Source::kOccupiedCells || !folder) return {};
   std::optional<RunKeyframes> kept = field.run ? field.run->keyframes() : RunReader(*folder).keyframes();
   if (field.run) field.run->files().expect_unchanged();
@@ -93,7 +93,7 @@ Localizer::Localizer(const std::string& map, const MapperConfig& config, const L
   } catch (const InputError& error) {
     throw InputError({field_.path, 0}, error.what());
   }
-  good_fit_ = fit_limit_of(own_distances_m(), resolution_m());
+  good_fit_ = make_fit_limit(own_distances_m(), resolution_m());
   if (limits.good_fit_m) {
     good_fit_.distance_m = *limits.good_fit_m;
     good_fit_.source = FitLimit::Source::kOption;
@@ -103,7 +103,7 @@ Localizer::Localizer(const std::string& map, const MapperConfig& config, const L
 // Scans at poses that the map has little of do not count: it may be a piece that was cut out of the run's.
 std::vector<double> Localizer::own_distances_m() const {
   std::vector<double> own_m;
-  for (const RunKeyframe& own : own_scans_of(field_)) {
+  for (const RunKeyframe& own : read_own_scans(field_)) {
     const std::vector<PointCells> points = points_to_match(own.laser, config_, resolution_m());
     if (points.empty() || known_share(points, own.T_map_base) < LocalizeLimits::kLeastKnown) continue;
     const PoseWindow pose{.centre = own.T_map_base, .half_x_m = 0.0, .half_y_m = 0.0, .half_theta_rad = 0.0};
@@ -146,13 +146,13 @@ LocalizedScan Localizer::begun(const LaserScan& scan, std::uint64_t index, std::
 }
 
 // Costs of points that lie so far off in the mean; what is more than any cost counts as 4e9.
-std::uint32_t Localizer::units_of(double distance_m, std::size_t points) const {
+std::uint32_t Localizer::to_units(double distance_m, std::size_t points) const {
   constexpr double kMostUnits = 4.0e9;
   const double units = distance_m / resolution_m() * kFieldOne * static_cast<double>(points);
   return static_cast<std::uint32_t>(std::min(units, kMostUnits));
 }
 
-// What the map does not explain lies at most as far from it as distances are kept.
+// Points that the map does not explain lie at most as far from it as distances are kept.
 double Localizer::worst_of_changed_m() const {
   const double truncation_m = resolution_m() * static_cast<double>(field_.file.cap) / kFieldOne;
   const double share = LocalizeLimits::kLeastExplained;
@@ -163,7 +163,7 @@ double Localizer::worst_of_changed_m() const {
 // pose at all the middle of the map is tried, so that there is one to show.
 std::optional<CertifiedResult> Localizer::look_everywhere(std::span<const PointCells> points, double good_m,
                                                           CertifiedOptions options) const {
-  options.wanted_bound = units_of(good_m, points.size()) + 1;
+  options.wanted_bound = to_units(good_m, points.size()) + 1;
   const CertifiedResult found = search(points, window_, options);
   if (std::isfinite(found.mean_cost_m) || found.stop != CertifiedStop::kBoundReached) return if_any(found);
   options.starts = {window_.centre};
@@ -221,7 +221,7 @@ LocalizedScan Localizer::find(const LaserScan& scan, std::uint64_t index, bool w
   }
   found.verdict = verdict_of(found, accepted_m);
   if (found.is_changed && found.verdict != Verdict::kFound) {
-    found.verdict = Verdict::kPoorFit;  // what fits elsewhere as well has not changed here
+    found.verdict = Verdict::kPoorFit;  // a scan that fits elsewhere as well does not show a change here
     found.is_changed = false;
   }
   found.cpu_s = thread_cpu_s() - begin_s;
@@ -248,7 +248,7 @@ LocalizedScan Localizer::localize(const LaserScan& scan, std::uint64_t index) co
 // / best.
 std::uint32_t Localizer::least_lead(const CertifiedResult& best, std::size_t points) const {
   const double lead_m = best.mean_cost_m * (best.mean_cost_m / good_fit_.usual_m - 1.0);
-  return units_of(std::max(limits_.gap_m, lead_m), points);
+  return to_units(std::max(limits_.gap_m, lead_m), points);
 }
 
 // A good pose elsewhere, and whether one there may be as good as the best: a short search finds the pose; where it
@@ -256,7 +256,7 @@ std::uint32_t Localizer::least_lead(const CertifiedResult& best, std::size_t poi
 // that ends before it has tried a pose answers nothing.
 void Localizer::look_elsewhere(std::span<const PointCells> points, std::uint64_t most_boxes, std::vector<Pose2> starts,
                                LocalizedScan& found) const {
-  found.as_good = found.is_changed ? units_of(limits_.gap_m, points.size()) : least_lead(*found.best, points.size());
+  found.as_good = found.is_changed ? to_units(limits_.gap_m, points.size()) : least_lead(*found.best, points.size());
   const std::uint32_t as_good_as = found.best->cost + found.as_good;
   CertifiedOptions options = elsewhere_options(found.best->T_map_base, 1.0);
   options.starts = std::move(starts);

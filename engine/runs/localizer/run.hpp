@@ -11,19 +11,18 @@
 #include <string_view>
 #include <vector>
 
-#include "fit_limit.hpp"
+#include "engine/runs/localizer/map_field.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/mapping/certified.hpp"
 #include "gdtslam/mapping/config.hpp"
-#include "map_field.hpp"
 
 namespace gdtslam {
 
-/// What is asked of each scan.
+/// Limits of the search for each scan.
 struct LocalizeLimits {
-  double gap_m = 0.005;                 ///< of the mean distance
+  double gap_m = 0.005;                 ///< gap of the mean distance
   std::optional<double> max_seconds{};  ///< for a pose; none: until it is proven
   bool with_runner_up = true;           ///< the best pose elsewhere
   std::optional<double> good_fit_m{};   ///< the largest mean distance that is one; none: what the map tells
@@ -32,8 +31,8 @@ struct LocalizeLimits {
   static constexpr double kElsewhereGaps = 8.0;
   static constexpr std::uint64_t kRunnerUpBoxes = 50000;  ///< for a pose there
   static constexpr std::uint64_t kElsewhereBoxes = 6000000;
-  static constexpr std::uint64_t kWaitingBoxes = 400000;  ///< of either search where a robot waits
-  static constexpr std::uint64_t kChangedBoxes = 100000;  ///< likewise where much may have changed
+  static constexpr std::uint64_t kWaitingBoxes = 400000;  ///< boxes of either search while a robot waits
+  static constexpr std::uint64_t kChangedBoxes = 100000;  ///< boxes if much may have changed
   /// Share of a scan that the map explains, with which the rest may be what has changed since the map was made.
   static constexpr double kLeastExplained = 0.7;
   static constexpr double kLeastKnown = 0.5;                   ///< share of a scan in the map, for it to be one of it
@@ -41,7 +40,7 @@ struct LocalizeLimits {
   static constexpr double kElsewhereRad = rad_from_deg(20.0);  ///< or turned this far
 };
 
-/// What the search for a scan came to, the proof aside.
+/// Result of the search for a scan, the proof aside.
 enum class Verdict : std::uint8_t {
   kFound,
   kAmbiguous,  ///< a pose elsewhere may be as good, as far as the proof tells
@@ -59,7 +58,7 @@ struct LocalizedScan {
   std::uint32_t points = 0;
   double cpu_s = 0.0;
   bool has_returns = false;             ///< enough to be searched for
-  std::optional<CertifiedResult> best;  ///< nothing without them, or where the search was cut before it had a pose
+  std::optional<CertifiedResult> best;  ///< none without them, or if the search was cut before it had a pose
   std::optional<CertifiedResult> runner_up;
   bool is_elsewhere_open = false;  ///< the search elsewhere ended before it had tried a pose, and tells nothing
   std::uint32_t as_good = 0;  ///< cost units: a pose elsewhere counts as one that may be as good up to this difference
@@ -74,7 +73,7 @@ struct LocalizedScan {
   }
 };
 
-/// Of a scan whose poses are known.
+/// The verdict about a scan whose poses are known.
 Verdict verdict_of(const LocalizedScan& scan, double good_fit_m);
 
 class Localizer {
@@ -106,7 +105,7 @@ class Localizer {
   [[nodiscard]] CertifiedResult search(std::span<const PointCells> points, PoseWindow window,
                                        CertifiedOptions options) const;
   [[nodiscard]] CertifiedOptions options_with(double gap_m) const;
-  [[nodiscard]] std::uint32_t units_of(double distance_m, std::size_t points) const;
+  [[nodiscard]] std::uint32_t to_units(double distance_m, std::size_t points) const;
   [[nodiscard]] std::vector<double> own_distances_m() const;
   [[nodiscard]] std::uint32_t least_lead(const CertifiedResult& best, std::size_t points) const;
   [[nodiscard]] std::optional<CertifiedResult> look_everywhere(std::span<const PointCells> points, double good_m,

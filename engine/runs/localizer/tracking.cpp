@@ -122,7 +122,7 @@ bool RobotTracker::is_here(const Pose2& T_map_base) const {
          std::fabs(apart.theta_rad) < LocalizeLimits::kElsewhereRad;
 }
 
-// Where the robot is followed, and the scan fits this place alone, nothing is ambiguous any more.
+// A place is unambiguous from now on if the robot is followed there and the scan fits it alone.
 void RobotTracker::look_for(const Scan& scan) {
   ++searches_;
   unasked_m_ = 0.0;

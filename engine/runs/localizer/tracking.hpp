@@ -32,9 +32,9 @@ std::string_view to_string(Whereabouts whereabouts);
 
 struct TrackedPose {
   Whereabouts whereabouts = Whereabouts::kUnknown;
-  Pose2 T_map_base;              ///< nothing where it is unknown
+  Pose2 T_map_base;              ///< identity if it is unknown
   double explained = 0.0;        ///< share of the scan's points that lie near an obstacle of the map there
-  double mean_distance_m = 0.0;  ///< of the points to the map's obstacles, capped
+  double mean_distance_m = 0.0;  ///< mean distance of the points to the map's obstacles, capped
   PoseCovariance covariance;     ///< within the map, along its axes; of the place as such `is_ambiguous` tells
   /// Another place of the map fitted as well when the robot was found here, and no search of a scan since then has told
   /// the two apart.
@@ -55,7 +55,7 @@ struct TrackLimits {
   double ask_again_m = 0.5;  ///< while it may be elsewhere, one scan after so much path is searched
   double trial_m =
       1.0;  ///< a place is believed after so much path with good matches; a turn by 90 degrees counts as a metre
-  double changed_trial_m = 3.0;      ///< likewise where it was found though much has changed there
+  double changed_trial_m = 3.0;      ///< path for a place that was found though much has changed there
   std::uint32_t plain_searches = 1;  ///< that must fail before a place may be one that has changed
   std::uint32_t trial_faults = 3;    ///< so many scans in a row that are none refute it
   double better =
@@ -77,8 +77,8 @@ class RobotTracker {
   /// A place where the robot may be, and how its scans have matched there.
   struct Place {
     MapTracker tracker;
-    MatchResult match;        // of the last scan; poses from the kernels' origin
-    bool is_good = false;     // of the last scan, as are the next two
+    MatchResult match;        // match of the last scan; poses from the kernels' origin
+    bool is_good = false;     // about the last scan, like the next two
     bool is_whole = false;    // good without anything that has changed
     bool is_outside = false;  // too little of the scan lies in the map to say anything
     bool is_ambiguous = false;
@@ -86,7 +86,7 @@ class RobotTracker {
     double path = 0.0;            // metres and quarter turns since it was found
     double unmatched_m = 0.0;     // path in the map since a good match
     std::uint32_t faults = 0;     // scans in a row without a good match, whole unless it was found as changed
-    double distance_sum_m = 0.0;  // of the scans since the trial began, as the next
+    double distance_sum_m = 0.0;  // sum over the scans since the trial began, like the next
   };
   struct Scan {
     const LaserScan& scan;

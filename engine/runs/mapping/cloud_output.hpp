@@ -1,4 +1,4 @@
-// Where the points of a 3D map go: thinned, floor and ceiling taken out where that is asked for, into a file. Memory
+// Writes the points of a 3D map: thinned, floor and ceiling taken out if that is asked for, into a file. Memory
 // does not grow with the cloud; what has to be seen as a whole goes through a spool file. One object, one thread.
 #pragma once
 

@@ -19,7 +19,7 @@ class CloudSample {
   explicit CloudSample(std::size_t most = 400'000) : most_(most) {}
   void add(std::span<const CloudPoint> points) {
     for (const CloudPoint& point : points) {
-      const std::uint64_t rank = rank_of(seen_++);
+      const std::uint64_t rank = mixed(seen_++);
       while (rank <= limit_ && points_.size() == most_) halve();
       if (rank > limit_) continue;
       points_.push_back(point);
@@ -31,7 +31,7 @@ class CloudSample {
 
  private:
   /// splitmix64 [Steele2014].
-  static std::uint64_t rank_of(std::uint64_t number) {
+  static std::uint64_t mixed(std::uint64_t number) {
     std::uint64_t z = (number + 1) * 0x9e3779b97f4a7c15U;
     z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
     z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;

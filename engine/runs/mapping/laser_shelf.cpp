@@ -54,8 +54,8 @@ void take_from(std::span<const std::byte> record, LaserScan& scan) {
   take_values(record, std::span(scan.ranges_m));
 }
 
-std::vector<LaserScan> scans_of(const LaserShelf& shelf, const std::vector<bool>& is_there,
-                                std::span<const std::size_t> wanted) {
+std::vector<LaserScan> read_scans(const LaserShelf& shelf, const std::vector<bool>& is_there,
+                                  std::span<const std::size_t> wanted) {
   std::vector<LaserScan> chosen;
   chosen.reserve(wanted.size());
   LaserShelf::Reader scans(shelf);

@@ -15,9 +15,9 @@ void take_from(std::span<const std::byte> record, LaserScan& scan);
 
 using LaserShelf = Shelf<LaserScan>;
 
-/// Of the scans on a shelf, which are those of all that are there, the ones that are wanted: their numbers among all,
+/// Reads the wanted scans from a shelf that has the scans marked in `is_there`: numbers among all,
 /// ascending. Throws FileError.
-std::vector<LaserScan> scans_of(const LaserShelf& shelf, const std::vector<bool>& is_there,
-                                std::span<const std::size_t> wanted);
+std::vector<LaserScan> read_scans(const LaserShelf& shelf, const std::vector<bool>& is_there,
+                                  std::span<const std::size_t> wanted);
 
 }  // namespace gdtslam

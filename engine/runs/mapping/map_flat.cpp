@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "engine/runs/streams/next_unless_stopped.hpp"
+#include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/error.hpp"
 #include "map_run.hpp"
 
@@ -26,7 +26,7 @@ MatchResult MapRun::match(const Observation& observation, std::vector<ObservedSc
                                  ? mapper_->process(last.scan, last.T_odom_base)
                                  : mapper_->process(observation_points_.points(observation, places), last.T_odom_base);
   observation_points_.take(observation, result, places);
-  if (job_.scan_mapped) report_scans(observation, places, result);
+  if (request_.scan_mapped) report_scans(observation, places, result);
   watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
   read_next(ahead, next);
   return result;
@@ -40,8 +40,8 @@ void MapRun::report_scans(const Observation& observation, const std::vector<Obse
   for (std::size_t i = 0; i < observation.size(); ++i) {
     const MatchResult of_scan = match_of_scan(match, observation[i], places[i]);
     const bool is_last = places[i].is_last;
-    job_.scan_mapped({observation[i].scan, of_scan, T_closed_front_,
-                      is_moved && is_last ? loops_->request_keyframes() : ClosedKeyframesSoon(), is_last});
+    request_.scan_mapped({observation[i].scan, of_scan, T_closed_front_,
+                          is_moved && is_last ? loops_->request_keyframes() : ClosedKeyframesSoon(), is_last});
   }
 }
 
@@ -66,7 +66,7 @@ void MapRun::take_observation(const Observation& observation, const std::vector<
 
 // A live log that breaks off has been mapped so far, which is not lost with its sender.
 void MapRun::end_with(const std::exception_ptr& problem) {
-  if (!job_.stop_ends_log) std::rethrow_exception(problem);
+  if (!request_.stop_ends_log) std::rethrow_exception(problem);
   try {
     std::rethrow_exception(problem);
   } catch (const Error& error) {
@@ -77,36 +77,36 @@ void MapRun::end_with(const std::exception_ptr& problem) {
   }
 }
 
-// What was read before a stop that ends the log is in the copy of the log, so it is mapped.
+// Scans that were read before a stop that ends the log are in the kept log, so they are mapped.
 void MapRun::map_flat(const Progress& progress) {
-  ScanAhead ahead(scans_, has_threads_ && !job_.scan_mapped && are_plain_files(job_.logs));
+  ScanAhead ahead(scans_, has_threads_ && !request_.scan_mapped && are_plain_files(request_.logs));
   NextObservation next;
   if (!stop_()) next.observation = next_unless_stopped(ahead, stop_);
   watch_.add_cpu_to(outcome_.read_cpu_s);
-  while (next.observation && (job_.stop_ends_log || !stop_())) {
+  while (next.observation && (request_.stop_ends_log || !stop_())) {
     Observation observation = *std::exchange(next.observation, std::nullopt);
     for (ScanRecord& scan : observation) speed_.complete(scan);
     std::vector<ObservedScan> places = observation_points_.place(observation);
     const MatchResult result = match(observation, places, ahead, next);
     take_observation(observation, places, result);
-    progress(mapped_.size(), ahead.progress());
+    progress(poses_.size(), ahead.progress());
     watch_.add_cpu_to(outcome_.occupancy_cpu_s);
     if (next.problem && !stop_()) end_with(next.problem);
   }
-  if (job_.stop_ends_log && mapped_.size() > 0) stop_ = [] { return false; };
+  if (request_.stop_ends_log && poses_.size() > 0) stop_ = [] { return false; };
   outcome_.interrupted = stop_();
   ahead.stop();
-  outcome_.mapper_cpu_s -= ahead.cpu_s();  // where it was counted, going on meanwhile
+  outcome_.mapper_cpu_s -= ahead.cpu_s();  // the thread counted it meanwhile
   outcome_.read_cpu_s += ahead.cpu_s();
 }
 
 // Poses, keyframes and occupancy are those of the path with its loops closed.
 void MapRun::close_loops() {
   if (mapper_->statistics().keyframes == 0) return;
-  ClosedPath path = loops_->close(job_.closing, stop_);
+  ClosedPath path = loops_->close(request_.closing, stop_);
   if (beside_.scans > 0) path = path_of_scans(std::move(path), observed_.all());
   watch_.add_cpu_to(outcome_.loops_cpu_s);
-  if (job_.with_occupancy) job_.finishing("the occupancy map");
+  if (request_.with_map) request_.finishing("the occupancy map");
   for (std::size_t i = 0; i < path.T_map_base.size(); ++i) {
     outcome_.trajectory[i].T_map_base = path.T_map_base[i];
     if (is_kept_[i]) count_in(path.T_map_base[i]);
@@ -118,7 +118,7 @@ void MapRun::close_loops() {
   scans_kept_.reset();
   watch_.add_cpu_to(outcome_.occupancy_cpu_s);
   const double beside_s = loops_->finish_field();
-  outcome_.occupancy_cpu_s -= beside_s;  // where it was counted, going on meanwhile
+  outcome_.occupancy_cpu_s -= beside_s;  // the thread counted it meanwhile
   outcome_.loops_cpu_s += beside_s;
   take_closed(std::move(path));
 }

@@ -11,7 +11,7 @@
 #include "engine/core/worker_pool.hpp"
 #include "engine/mapping/nodding/horizontal_scans.hpp"
 #include "engine/runs/streams/log_check.hpp"
-#include "engine/runs/streams/next_unless_stopped.hpp"
+#include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
 
@@ -40,7 +40,7 @@ OccupancyBuilder::Limits occupancy_limits(const MapperConfig& config) {
           .max_cells = static_cast<std::uint64_t>(config.map.max_megacells) << 20U};
 }
 
-/// What there is besides where the laser nods. Points go to the cloud, where there is one, and to the check of the
+/// Additional state for a nodding laser. Points go to the cloud, if there is one, and to the check of the
 /// sweeps.
 struct MapRun::Nodding : CloudSink {
   Nodding(const NoddingJob& job, std::unique_ptr<CloudOutput> output, Backend& backend, MapRun& run)
@@ -49,9 +49,9 @@ struct MapRun::Nodding : CloudSink {
         cloud(std::move(output)),
         sampler(job.check) {
     const auto take = [&run](const NoddingPose& pose, const NoddingScan& scan) { run.take(pose, scan); };
-    const MapperOptions& on_failure = run.job_.on_failure;
+    const MapperOptions& on_failure = run.request_.on_failure;
     NoddingConfig config = job.nodding;
-    config.max_step_m = run.job_.mapper.odometry.max_step_m;
+    config.max_step_m = run.request_.settings.mapper.odometry.max_step_m;
     mapper.emplace(config, scanner, *run.mapper_, backend, *this, take, on_failure);
   }
 
@@ -87,28 +87,30 @@ NoddingOutcome MapRun::Nodding::finish(std::vector<LogReader::Warning>& warnings
   return outcome;
 }
 
-MapRun::MapRun(const MapJob& job, Backend& backend, ScanStream scans, const NoddingJob* nodding,
+MapRun::MapRun(const MapRequest& request, Backend& backend, ScanStream scans, const NoddingJob* nodding,
                std::unique_ptr<CloudOutput> cloud)
-    : job_(job),
+    : request_(request),
       scans_(std::move(scans)),
-      mapped_(job.on_failure.scratch_folder),
-      merged_scans_(job.on_failure.scratch_folder),
-      observation_points_(job.mapper.scan),
-      observed_(job.on_failure.scratch_folder, ByteShelf::kFewBytes),
-      extent_(job.mapper, job.occupancy.no_return_free_m),
-      has_threads_(threads_meant(job.on_failure.cpu.threads) > 1),
+      poses_(request.on_failure.scratch_folder, ByteShelf::kFewBytes),
+      match_distances_m_(request.on_failure.scratch_folder, ByteShelf::kFewBytes),
+      merged_scans_(request.on_failure.scratch_folder),
+      observation_points_(request.settings.mapper.scan),
+      observed_(request.on_failure.scratch_folder, ByteShelf::kFewBytes),
+      extent_(request.settings.mapper, request.settings.occupancy.no_return_free_m),
+      has_threads_(threads_meant(request.on_failure.cpu.threads) > 1),
       first_s_(kNever),
       last_s_(-kNever) {
-  if (!job_.closing) job_.closing = [](std::string_view, double) {};
-  if (!job_.finishing) job_.finishing = [](std::string_view) {};
-  const MapperConfig config = nodding != nullptr ? nodding_mapper_config(job.mapper, nodding->nodding) : job.mapper;
-  MapperOptions options = job.on_failure;
-  options.with_covariance = static_cast<bool>(job.scan_mapped);
-  options.with_loops = job.with_loops;
+  if (!request_.closing) request_.closing = [](std::string_view, double) {};
+  if (!request_.finishing) request_.finishing = [](std::string_view) {};
+  const MapperConfig config =
+      nodding != nullptr ? nodding_mapper_config(request.settings.mapper, nodding->nodding) : request.settings.mapper;
+  MapperOptions options = request.on_failure;
+  options.with_covariance = static_cast<bool>(request.scan_mapped);
+  options.with_loops = request.with_loops;
   mapper_ = std::make_unique<Mapper>(config, backend, options);
   loops_ = mapper_->loops();
   if (loops_) scans_kept_.emplace(options.scratch_folder);
-  if (job.with_occupancy) occupancy_.emplace(job.occupancy, occupancy_limits(job.mapper));
+  if (request.with_map) occupancy_.emplace(request.settings.occupancy, occupancy_limits(request.settings.mapper));
   if (nodding != nullptr) nodding_ = std::make_unique<Nodding>(*nodding, std::move(cloud), backend, *this);
 }
 
@@ -127,19 +129,19 @@ void MapRun::take_match(const MatchResult& result, const Pose2& T_map_base, cons
   if (result.accepted) extent_.see(scan);
   if (result.accepted && is_final) cast(scan, T_map_base);
   if (!is_final) is_kept_.push_back(result.accepted);
-  if (!is_final && is_kept_.back() && job_.with_occupancy) scans_kept_->put(scan);
+  if (!is_final && is_kept_.back() && request_.with_map) scans_kept_->put(scan);
   if (result.doubt != Doubt::kNone) {
     const Pose2 off = between(result.T_map_predicted, result.T_map_base);
-    outcome_.doubtful.push_back({mapped_.size(), result.stamp_s, result.doubt, result.accepted,
-                                 off.translation().norm(), std::fabs(off.theta_rad)});
+    outcome_.doubtful.push_back({poses_.size(), result.stamp_s, result.doubt, result.accepted, off.translation().norm(),
+                                 std::fabs(off.theta_rad)});
   }
-  if (result.accepted && result.evaluations > 0) mapped_.add_distance(result.mean_cost_m);
-  // Where loops are closed the path begins with a keyframe, whatever its scan.
-  const bool is_first = loops_ && mapped_.size() == 0;
+  if (result.accepted && result.evaluations > 0) match_distances_m_.put(result.mean_cost_m);
+  // With loops closed the path begins with a keyframe, whatever its scan.
+  const bool is_first = loops_ && poses_.size() == 0;
   is_merged_.push_back(!nodding_ && (result.merged || is_first));
   if (is_merged_.back()) merged_scans_.put(scan);
-  if (result.merged && is_final) push_sparingly(outcome_.keyframes, mapped_.size());
-  mapped_.add({result.stamp_s, T_map_base});
+  if (result.merged && is_final) push_sparingly(outcome_.keyframes, poses_.size());
+  poses_.put({result.stamp_s, T_map_base});
 }
 
 // A map that becomes too large for one piece is made in tiles, once it is known where all keyframes are. That of a
@@ -163,7 +165,7 @@ void MapRun::cast(const LaserScan& scan, const Pose2& T_map_base) {
   casting_->give([this, scan, T_map_base] { occupancy_->add(scan, T_map_base); });
 }
 
-// What the thread spent has been counted to what went on meanwhile.
+// The CPU time of the thread was added to the stage that ran meanwhile.
 void MapRun::finish_casting() {
   if (!casting_) return;
   casting_->finish();
@@ -181,7 +183,7 @@ void MapRun::take_closed(ClosedPath path) {
 }
 
 void MapRun::take_keyframe_scans() {
-  outcome_.keyframe_scans = scans_of(merged_scans_, is_merged_, outcome_.keyframes);
+  outcome_.keyframe_scans = read_scans(merged_scans_, is_merged_, outcome_.keyframes);
   is_merged_ = {};
 }
 
@@ -189,7 +191,7 @@ void MapRun::take(const NoddingPose& pose, const NoddingScan& scan) {
   if (pose.match) {
     take_match(*pose.match, pose.T_map_base, level_scan(scan, nodding_->scanner));
   } else {
-    mapped_.add({pose.stamp_s, pose.T_map_base});
+    poses_.put({pose.stamp_s, pose.T_map_base});
   }
 }
 
@@ -216,7 +218,7 @@ void MapRun::map_nodding(const Progress& progress) {
 
 // With loops only now poses and points come, from the closed path.
 void MapRun::finish_nodding() {
-  std::optional<ClosedPath> path = nodding_->mapper->finish(job_.closing, stop_);
+  std::optional<ClosedPath> path = nodding_->mapper->finish(request_.closing, stop_);
   if (!path) return watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
   take_closed(std::move(*path));
   outcome_.interrupted = outcome_.interrupted || stop_();
@@ -225,19 +227,20 @@ void MapRun::finish_nodding() {
 // Without one merged scan there is no map to write.
 void MapRun::require_a_map() const {
   if (outcome_.statistics.keyframes > 0) return;
-  const FilePosition place{log_name(job_.logs.front()), 0};
+  const FilePosition place{log_name(request_.logs.front()), 0};
   if (outcome_.interrupted) {
     throw Error(ExitCode::kInterrupted, outcome_.trajectory.empty()
                                             ? "interrupted before the first scan; nothing is written"
                                             : "interrupted before a scan could be mapped; nothing is written");
   }
   if (!outcome_.trajectory.empty()) {
-    std::string text = nothing_mappable(outcome_.trajectory.size(), job_.mapper.scan);
+    std::string text = nothing_mappable(outcome_.trajectory.size(), request_.settings.mapper.scan);
     for (const std::string& question : scans_.questions_of_units()) text += "; " + question;
     throw InputError(place, text);
   }
   if (scans_.scans_read() > 0) {
-    throw InputError(place, fmt::format("--skip {} leaves none of its {} scans", job_.range.skip, scans_.scans_read()));
+    throw InputError(place,
+                     fmt::format("--skip {} leaves none of its {} scans", request_.range.skip, scans_.scans_read()));
   }
   throw InputError(place, "holds no laser scan to map; 'gdtslam doctor' says what is in it");
 }
@@ -273,7 +276,7 @@ void MapRun::finish() {
   take_keyframe_scans();
   outcome_.log_duration_s = last_s_ - first_s_;
   if (!nodding_) return;
-  job_.finishing("the cloud");
+  request_.finishing("the cloud");
   outcome_.nodding = nodding_->finish(outcome_.warnings);
   watch_.add_cpu_to(outcome_.cloud_cpu_s);
 }
@@ -284,12 +287,12 @@ MapOutcome MapRun::run(const Progress& progress, const std::function<bool()>& st
   Stopwatch whole;
   try {
     nodding_ ? map_nodding(progress) : map_flat(progress);
-    outcome_.trajectory = mapped_.trajectory();
-    outcome_.match_distances_m = mapped_.distances_m();
+    outcome_.trajectory = poses_.all();
+    outcome_.match_distances_m = match_distances_m_.all();
     if (loops_ && !nodding_) close_loops();
     finish();
   } catch (...) {
-    // What was wrong with an earlier scan was wrong first.
+    // A fault of an earlier scan is reported first.
     if (casting_) casting_->finish();
     if (loops_) loops_->finish_field();
     throw;

@@ -4,6 +4,7 @@
 // into the occupancy map by threads of its own, and the result is the same.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
@@ -14,66 +15,95 @@
 #include <string_view>
 #include <vector>
 
-#include "cloud_output.hpp"
+#include "engine/core/memory/byte_shelf.hpp"
 #include "engine/core/side_thread.hpp"
+#include "engine/mapping/map/scan_beams.hpp"
+#include "engine/runs/mapping/cloud_output.hpp"
+#include "engine/runs/mapping/laser_shelf.hpp"
+#include "engine/runs/mapping/observation_points.hpp"
+#include "engine/runs/mapping/stopwatch.hpp"
+#include "engine/runs/mapping/sweep_check.hpp"
 #include "engine/runs/streams/nodding_stream.hpp"
 #include "engine/runs/streams/scan_ahead.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/calib/nod_track.hpp"
 #include "gdtslam/calib/sweep_model.hpp"
 #include "gdtslam/compute/backend.hpp"
+#include "gdtslam/core/grid_geometry.hpp"
+#include "gdtslam/core/pose.hpp"
+#include "gdtslam/core/stream.hpp"
+#include "gdtslam/mapping/config.hpp"
 #include "gdtslam/mapping/mapper.hpp"
 #include "gdtslam/mapping/nodding_mapper.hpp"
 #include "gdtslam/mapping/occupancy.hpp"
 #include "gdtslam/runs/map_log.hpp"
 #include "gdtslam/runs/outcome.hpp"
-#include "laser_shelf.hpp"
-#include "map_extent.hpp"
-#include "mapped_scans.hpp"
-#include "observation_points.hpp"
-#include "stopwatch.hpp"
-#include "sweep_check.hpp"
 
 namespace gdtslam {
 
-/// What to map, and how.
-struct MapJob {
-  std::vector<std::string> logs;
-  ReadOptions read;
-  ScanRange range;
-  MapperConfig mapper;
-  OccupancyConfig occupancy;
-  bool with_occupancy = true;
-  std::optional<OdometryDelay> odometry_delay{};           ///< that the scans' stream makes up for
-  std::vector<LogFinding> findings{};                      ///< by now, of the logs
-  bool with_pictures = true;                               ///< the overview of the map
-  bool with_loops = false;                                 ///< closed once the log has ended
-  ScanMapped scan_mapped{};                                ///< as soon as a scan is, before the next one is read
-  bool stop_ends_log = false;                              ///< what comes after the stop goes on as after a log's end
-  LoopClosing::Progress closing{};                         ///< as that goes on; empty: nobody is told
-  std::function<void(std::string_view what)> finishing{};  ///< before each of what is made after that, likewise
-  MapperOptions on_failure;                                ///< of the device
+/// 580 m x 580 m of 25 mm cells: as many as read_distance_field() takes.
+inline constexpr double kMostCellsInOnePiece = static_cast<double>(std::uint64_t{1} << 29U);
+
+class MapExtent {
+ public:
+  /// Beams without a return count as far as they are taken to be free.
+  MapExtent(const MapperConfig& config, double no_return_free_m)
+      : limit_m_(config.scan.max_range_m), reach_m_(no_return_free_m), resolution_m_(config.map.resolution_m) {}
+  /// How far it sees. O(beams).
+  void see(const LaserScan& scan) {
+    const double limit_m = range_limit_m(scan, limit_m_);
+    for (const float range : scan.ranges_m) {
+      const auto range_m = static_cast<double>(range);
+      if (range_m < limit_m) reach_m_ = std::max(reach_m_, range_m);
+    }
+  }
+  void add(const Point2& robot_m) {
+    low_m_ = is_empty_ ? robot_m : Point2(low_m_.cwiseMin(robot_m));
+    high_m_ = is_empty_ ? robot_m : Point2(high_m_.cwiseMax(robot_m));
+    is_empty_ = false;
+  }
+  /// Whether all that the laser may have seen from there is in one piece.
+  [[nodiscard]] bool is_one_piece() const {
+    if (is_empty_) return true;
+    const Point2 side_m = high_m_ - low_m_ + Point2(2.0 * reach_m_, 2.0 * reach_m_);
+    return side_m.x() / resolution_m_ * (side_m.y() / resolution_m_) <= kMostCellsInOnePiece;
+  }
+
+ private:
+  double limit_m_;
+  double reach_m_;
+  double resolution_m_;
+  bool is_empty_ = true;
+  Point2 low_m_ = Point2::Zero();
+  Point2 high_m_ = Point2::Zero();
 };
 
-/// What a nodding log needs besides a MapJob.
+// Maps whole logs: feeds every scan to a Mapper, keeps the trajectory, the evidence against doubtful scans and the
+// occupancy map; where the laser nods also the poses of the scans between the horizontal ones, the 3D cloud, and how
+// well consecutive sweeps agree. One run belongs to one thread; where it may have more, scans are read ahead and cast
+// into the occupancy map by threads of its own, and the result is the same.
+
+/// Needs of a nodding log besides a MapRequest.
 struct NoddingJob {
   NodKind kind = NodKind::kEncoder;
   calib::SweepModel model;
-  std::string linkage;  ///< where the model comes from: a preset's name or a file
+  std::string linkage;  ///< source of the model: a preset's name or a file
   NoddingConfig nodding;
   calib::NodTrackLimits limits;
   SweepCheckConfig check;
 };
 
-/// Of the occupancy map of a run with that configuration.
+/// Limits of the occupancy map of a run with that configuration.
 OccupancyBuilder::Limits occupancy_limits(const MapperConfig& config);
 
 class MapRun {
  public:
   /// Opens the first log and prepares the mapper. Throws ConfigError, InputError or FileError.
-  MapRun(const MapJob& job, Backend& backend) : MapRun(job, backend, {job.logs, job.read, job.range}) {}
+  MapRun(const MapRequest& request, Backend& backend)
+      : MapRun(request, backend,
+               {request.logs, read_options_of(request.settings.log, request.lenient), request.range}) {}
   /// With the logs open already. For a laser that nods its job, and where the points go, if anywhere.
-  MapRun(const MapJob& job, Backend& backend, ScanStream scans, const NoddingJob* nodding = nullptr,
+  MapRun(const MapRequest& request, Backend& backend, ScanStream scans, const NoddingJob* nodding = nullptr,
          std::unique_ptr<CloudOutput> cloud = nullptr);
   ~MapRun();
 
@@ -117,13 +147,14 @@ class MapRun {
   void require_a_map() const;
   void finish();
 
-  MapJob job_;
+  MapRequest request_;
   ScanStream scans_;
   std::unique_ptr<Mapper> mapper_;
   LoopClosing* loops_ = nullptr;  ///< its own, where it closes loops
   MapSpeed speed_;
-  MappedScans mapped_;
-  std::optional<LaserShelf> scans_kept_;  ///< of a flat laser, for the occupancy of a path that will still change
+  Shelf<StampedPose> poses_;              ///< poses of scans that have one, in log order
+  Shelf<double> match_distances_m_;       ///< mean distance of the points to the map for each match that was taken
+  std::optional<LaserShelf> scans_kept_;  ///< scans of a flat laser, for the occupancy of a path that will still change
   std::vector<bool> is_kept_;             ///< a scan each
   std::vector<bool> is_merged_;           ///< a scan each: of a flat laser, whether it went into the map,
   LaserShelf merged_scans_;               ///< and what the laser gave
@@ -131,13 +162,13 @@ class MapRun {
   Shelf<ObservedScan> observed_;  ///< with loops, a scan each
   MapperStatistics beside_;       ///< scans that are not the last one of their observation
   MapExtent extent_;
-  std::optional<OccupancyBuilder> occupancy_;  ///< nothing once the map is too large for one piece
+  std::optional<OccupancyBuilder> occupancy_;  ///< absent once the map is too large for one piece
   bool has_threads_;
   std::optional<SideThread> casting_;  ///< into occupancy_, once there is something to cast
   std::unique_ptr<Nodding> nodding_;   ///< null: the laser does not nod
-  Pose2 T_closed_front_;               ///< as those who follow the run heard of it
+  Pose2 T_closed_front_;               ///< last one that was reported to listeners
   std::function<bool()> stop_;
-  std::string broken_off_;  // what could not be read behind the last scan
+  std::string broken_off_;  // problem that ended the log early
   Stopwatch watch_;
   double first_s_;
   double last_s_;

@@ -7,7 +7,7 @@
 
 namespace gdtslam {
 
-ObservationPoints::Laser& ObservationPoints::laser_of(std::size_t number) {
+ObservationPoints::Laser& ObservationPoints::find_laser(std::size_t number) {
   constexpr std::size_t kMostLasers = 64;
   const std::size_t place = number % kMostLasers;
   if (place >= lasers_.size()) lasers_.resize(place + 1);
@@ -47,7 +47,7 @@ PointScan ObservationPoints::points(const Observation& observation, const std::v
   PointScan all{.stamp_s = observation.back().scan.stamp_s, .points_base_m = {}};
   std::vector<Point2> unknown_m;
   for (std::size_t i = 0; i < observation.size(); ++i) {
-    Laser& laser = laser_of(observation[i].laser);
+    Laser& laser = find_laser(observation[i].laser);
     std::vector<Point2> points_m = laser.points->of(observation[i].scan);
     if (!places[i].is_last) points_m = in_map(points_m, places[i].T_last_scan);
     std::vector<Point2>& place = laser.is_in_map ? all.points_base_m : unknown_m;
@@ -61,7 +61,7 @@ PointScan ObservationPoints::points(const Observation& observation, const std::v
 void ObservationPoints::take(const Observation& observation, const MatchResult& match,
                              std::vector<ObservedScan>& places) {
   for (const ScanRecord& scan : observation) {
-    Laser& laser = laser_of(scan.laser);
+    Laser& laser = find_laser(scan.laser);
     laser.is_in_map = laser.is_in_map || match.merged;
   }
   const Odometry now{match.stamp_s, match.T_map_base};

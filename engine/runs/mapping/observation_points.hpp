@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/runs/streams/observation.hpp"
+#include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/mapping/mapper.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 
@@ -24,7 +24,7 @@ class ObservationPoints {
  public:
   explicit ObservationPoints(const ScanConfig& valid) : valid_(valid) {}
 
-  /// Where the robot was at each of its scans.
+  /// The robot's pose at each of its scans.
   [[nodiscard]] std::vector<ObservedScan> place(const Observation& observation);
   /// All returns as one scan. Lasers none of whose scans are in the map yet come last, as its unknown points.
   [[nodiscard]] PointScan points(const Observation& observation, const std::vector<ObservedScan>& places);
@@ -37,7 +37,7 @@ class ObservationPoints {
     std::optional<ScanPoints> points;
     bool is_in_map = false;
   };
-  Laser& laser_of(std::size_t number);
+  Laser& find_laser(std::size_t number);
   [[nodiscard]] Pose2 T_last_scan(const ScanRecord& last, const ScanRecord& scan) const;
   void see_odometry(const Observation& observation);
 

@@ -4,6 +4,10 @@
 
 #include <chrono>
 #include <ctime>
+#include <string>
+#include <vector>
+
+#include "gdtslam/runs/outcome.hpp"
 
 namespace gdtslam {
 
@@ -37,6 +41,35 @@ class Stopwatch {
 
   Clock::time_point start_ = Clock::now();
   double cpu_start_s_ = process_cpu_s();
+};
+
+// CPU time of a run by stage: the time of all threads of the process, handed to one stage after the other, so that
+// nothing falls between two. One object belongs to one thread.
+
+class RunTimes {
+ public:
+  /// Adds the time since the last call to the stage of that name, or to none.
+  void add(const char* name) {
+    StageTime stage{name, 0.0};
+    watch_.add_cpu_to(stage.cpu_s);
+    stages_.push_back(std::move(stage));
+  }
+  void skip() {
+    double elsewhere_s = 0.0;
+    watch_.add_cpu_to(elsewhere_s);
+  }
+  [[nodiscard]] const std::vector<StageTime>& stages() const { return stages_; }
+  /// Since the object was made.
+  void read_whole(double& wall_s, double& cpu_s) const {
+    Stopwatch whole = whole_;
+    wall_s = cpu_s = 0.0;
+    whole.add_to(wall_s, cpu_s);
+  }
+
+ private:
+  Stopwatch whole_;
+  Stopwatch watch_;
+  std::vector<StageTime> stages_;
 };
 
 }  // namespace gdtslam

@@ -17,7 +17,7 @@ constexpr double kCell_m = 0.08;          // sweeps are compared by the means of
 constexpr std::uint32_t kMostPoints = 1500;
 constexpr double kMostNoise = 3.0;  // standard deviations of the surfaces' noise that sweeps may be apart
 
-Point3 centre_of(const Cloud& cloud) {
+Point3 find_centre(const Cloud& cloud) {
   Point3 sum = Point3::Zero();
   for (const CloudPoint& point : cloud) {
     sum += Point3(static_cast<double>(point.x_m), static_cast<double>(point.y_m), static_cast<double>(point.z_m));
@@ -80,8 +80,8 @@ void SweepSampler::close_sweep() {
     options.max_points = kMostPoints;
     const RegistrationResult found = register_clouds(means, previous_means_, options);
     if (found.converged && found.weakest_share >= kLeastWeakest) {
-      // Of the sweep's centre: about the map's origin a turn would count as a shift.
-      const Point3 centre = centre_of(current_);
+      // The shift is that of the sweep's centre: about the map's origin a turn would count as a shift.
+      const Point3 centre = find_centre(current_);
       const Point3 shift = found.T_target_source * centre - centre;
       const Eigen::Vector3d turn = log_so3(found.T_target_source.rotation);
       const double shift_m = shift.norm();

@@ -34,7 +34,7 @@ class SweepSampler {
 
   SweepCheckConfig config_;
   Cloud current_;
-  Cloud previous_means_;            ///< of the sweep before, in cubes
+  Cloud previous_means_;            ///< means of the sweep before, in cubes
   bool is_previous_large_ = false;  ///< enough points to be compared
   std::uint64_t every_ = 1;
   std::uint64_t seen_ = 0;

@@ -21,13 +21,14 @@ constexpr std::size_t kFewestPairs = 40;  // four a tenth
 constexpr double kRateChange_rad_per_s = 0.3;
 constexpr std::size_t kPairTenths = 10;
 constexpr std::size_t kFewestBetter = 9;
-constexpr double kLeastGain = 0.02;           // of the share of points
+constexpr double kLeastGain = 0.02;           // gain in the share of points
 constexpr double kLeastOff_s = 0.02;          // a degree at 1 rad/s
 constexpr double kSigmas = 5.0;               // beyond chance
 constexpr double kLeastSweepSigma_s = 0.002;  // the speed is not constant within a sweep
-constexpr double kRoundShare = 0.1;   // of the log's sweep: so near to its reverse, or to none, the best one is that
-constexpr int kCoarse = 3;            // half periods of the scans to each side
-constexpr int kHalvings = 4;          // of that step: to a 32nd of a period
+constexpr double kRoundShare =
+    0.1;                    // share of the log's sweep: a result so near to its reverse, or to none, is taken for that
+constexpr int kCoarse = 3;  // half periods of the scans to each side
+constexpr int kHalvings = 4;          // halvings of that step: to a 32nd of a period
 constexpr double kFewestLaid = 15.0;  // points that lay a scan on another
 constexpr double kHold = 0.01;        // information that a point adds along what no surface shows
 
@@ -75,7 +76,7 @@ struct Around {
   }
 };
 
-double sweep_of(const LaserScan& scan) {
+double logged_sweep(const LaserScan& scan) {
   return scan.beam_period_s * std::max(0.0, static_cast<double>(scan.ranges_m.size()) - 1.0);
 }
 
@@ -232,8 +233,8 @@ std::optional<BeamTimes> BeamTimesFit::fit(const ScanConfig& valid) const {
   std::nth_element(periods_s.begin(), median, periods_s.end());
   const LaserScan& scan = pairs_.back().moving.scan;
   Search search(pairs_, valid);
-  if (search.is_best(sweep_of(scan)) || !search.find(*median)) return std::nullopt;
-  BeamTimes found = search.compared_with(sweep_of(scan));
+  if (search.is_best(logged_sweep(scan)) || !search.find(*median)) return std::nullopt;
+  BeamTimes found = search.compared_with(logged_sweep(scan));
   if (!std::isfinite(found.sigma_s)) return std::nullopt;
   const double begin_s = scan.first_beam_after_s + std::min(0.0, found.logged_sweep_s);
   const double stated_s = rounded(found);

@@ -20,10 +20,10 @@ struct BeamTimes {
   double sweep_s = 0.0;  ///< that lays scans on each other best
   double sigma_s = 0.0;
   double logged_sweep_s = 0.0;
-  double share = 0.0;               ///< of the points that lie on the other scan, each by its weight
-  double logged_share = 0.0;        ///< likewise, with the times of the log
+  double share = 0.0;               ///< weighted share of the points that lie on the other scan
+  double logged_share = 0.0;        ///< the same with the times of the log
   std::size_t better_tenths = 0;    ///< tenths of the pairs that fit better with the sweep that the other nine give
-  double first_beam_after_s = 0.0;  ///< of the best sweep, which begins when that of the log does
+  double first_beam_after_s = 0.0;  ///< start of the best sweep, which begins when that of the log does
   double beam_period_s = 0.0;
 
   /// Whether the times of the log are wrong for certain, and by so much that it matters.
@@ -36,8 +36,8 @@ struct BeamTimes {
 class BeamTimesFit {
  public:
   void add(const LaserScan& scan, const Pose2& T_map_base);
-  /// Nothing if the times of the log fit best, or the robot changed its rate of turn too seldom. Cost: some 0.1 s, for
-  /// up to 200 pairs of scans that are laid on each other for three sweeps, and for 16 more if the log is wrong.
+  /// Returns none if the times of the log fit best, or the robot changed its rate of turn too seldom. Cost: some 0.1 s,
+  /// for up to 200 pairs of scans that are laid on each other for three sweeps, and for 16 more if the log is wrong.
   [[nodiscard]] std::optional<BeamTimes> fit(const ScanConfig& valid) const;
 
  private:

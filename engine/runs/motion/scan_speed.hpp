@@ -18,14 +18,14 @@ std::optional<Eigen::Vector3d> speed_between(const Odometry& before, const Odome
 class OdometrySpeed {
  public:
   void complete(ScanRecord& scan);
-  /// What was odometry so far has ended: another log begins.
+  /// Forgets the odometry so far: another log begins.
   void reset() { before_.clear(); }
 
  private:
   std::vector<std::optional<Odometry>> before_;  ///< by laser
 };
 
-/// Likewise by the map's poses, for scans that still have none: from the middle of one sweep to that of the next of the
+/// Gives scans without a speed one by the map's poses: from the middle of one sweep to that of the next of the
 /// same laser. There a scan is where it is, whatever speed it was given; from stamp to stamp each speed would make the
 /// next one.
 class MapSpeed {

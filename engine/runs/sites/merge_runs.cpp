@@ -15,8 +15,8 @@
 #include "engine/runs/folder/run_pictures.hpp"
 #include "engine/runs/folder/run_reader.hpp"
 #include "engine/runs/folder/run_report.hpp"
-#include "engine/runs/keyframes/changes_of_keyframes.hpp"
-#include "engine/runs/sites/shared_scans.hpp"
+#include "engine/runs/keyframes/run_keyframes.hpp"
+#include "engine/runs/sites/run_session.hpp"
 #include "engine/runs/sites/site_outcome.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
@@ -62,7 +62,7 @@ std::vector<RunSession> read_runs(const MergeRequest& request) {
   return runs;
 }
 
-std::vector<SharedRuns> shared_of(const std::vector<RunSession>& runs) {
+std::vector<SharedRuns> find_shared(const std::vector<RunSession>& runs) {
   std::vector<const RunKeyframes*> kept;
   kept.reserve(runs.size());
   for (const RunSession& run : runs) kept.push_back(&run.kept);
@@ -74,7 +74,7 @@ std::vector<SharedRuns> shared_of(const std::vector<RunSession>& runs) {
 }
 
 // The map of all keyframes, one run after the other, paper equations (1) and (9) to (11).
-std::unique_ptr<SeparateMap> map_of(const std::vector<const RunSession*>& runs, const MergedSite& site) {
+std::unique_ptr<SeparateMap> merge_map(const std::vector<const RunSession*>& runs, const MergedSite& site) {
   auto map = std::make_unique<SeparateMap>(runs.front()->settings.mapper);
   for (std::size_t k = 0; k < runs.size(); ++k) {
     for (std::size_t i = 0; i < runs[k]->session.scans.size(); ++i) {
@@ -84,7 +84,7 @@ std::unique_ptr<SeparateMap> map_of(const std::vector<const RunSession*>& runs, 
   return map;
 }
 
-OccupancyMap occupancy_of(const std::vector<const RunSession*>& runs, const MergedSite& site) {
+OccupancyMap cast_occupancy(const std::vector<const RunSession*>& runs, const MergedSite& site) {
   OccupancyBuilder builder(runs.front()->settings.occupancy, occupancy_limits(runs.front()->settings.mapper));
   for (std::size_t k = 0; k < runs.size(); ++k) {
     for (std::size_t i = 0; i < site.poses[k].size(); ++i) {
@@ -94,12 +94,11 @@ OccupancyMap occupancy_of(const std::vector<const RunSession*>& runs, const Merg
   return builder.build();
 }
 
-MapJob job_of(const MergeRequest& request, const std::vector<const RunSession*>& runs) {
-  MapJob job;
+MapRequest make_map_request(const MergeRequest& request, const std::vector<const RunSession*>& runs) {
+  MapRequest job;
   for (const RunSession* run : runs) job.logs.push_back(run->folder);
-  job.mapper = runs.front()->settings.mapper;
-  job.occupancy = runs.front()->settings.occupancy;
-  job.with_occupancy = request.with_map;
+  job.settings = runs.front()->settings;
+  job.with_map = request.with_map;
   job.with_pictures = request.with_pictures;
   job.with_loops = true;
   if (request.progress) job.finishing = [&request](std::string_view what) { request.progress(what, 1.0); };
@@ -109,7 +108,7 @@ MapJob job_of(const MergeRequest& request, const std::vector<const RunSession*>&
 void draw_changes(const MergeRequest& request, const JoinedSite& joined, const MergedSite& site,
                   const std::vector<const RunSession*>& runs, RunFolder& folder, MapOutcome& outcome) {
   if (request.with_map && request.with_pictures && !joined.changes.last.empty()) {
-    write_picture(folder, "changes", changes_picture_of(joined.changes, outcome.occupancy, site, runs),
+    write_picture(folder, "changes", draw_changes_picture(joined.changes, outcome.occupancy, site, runs),
                   outcome.warnings);
   }
 }
@@ -129,21 +128,21 @@ JoinedSite write_site(const MergeRequest& request, const MergedSite& site, const
   }
   joined.changes = take_out_changes(site, joined_runs);
   MapOutcome outcome = site_outcome(site, runs, paths);
-  const MapJob job = job_of(request, runs);
+  const MapRequest job = make_map_request(request, runs);
   times.add("prepare");
   tell(request, "the map", 0.0);
-  const std::unique_ptr<SeparateMap> map = map_of(runs, site);
+  const std::unique_ptr<SeparateMap> map = merge_map(runs, site);
   outcome.match_distances_m = distances_from(map->field(), runs, site.poses);
   const WrittenField field = write_run_field(folder, job, map->field(), times);
-  if (job.with_occupancy) {
-    outcome.occupancy = occupancy_of(runs, site);
+  if (job.with_map) {
+    outcome.occupancy = cast_occupancy(runs, site);
     mark_changes(joined.changes.last, outcome.occupancy);
   }
   draw_changes(request, joined, site, runs, folder, outcome);
   times.skip();
   check(request);
   const std::unique_ptr<Backend> cpu = make_cpu_backend({});
-  write_run(folder, {job, nullptr, field, cpu->device(), runs.front()->settings}, times, outcome);
+  write_run(folder, {job, nullptr, field, cpu->device()}, times, outcome);
   joined.keyframes = outcome.keyframes.size();
   joined.loops_between = site.loops_between;
   joined.loops_off = site.loops_off;
@@ -182,8 +181,8 @@ nlohmann::ordered_json edge_json(const SessionEdge& edge, const std::vector<RunS
   return {{"run", runs[edge.query].folder}, {"in", runs[edge.reference].folder}, {"fixes", std::move(fixes)}};
 }
 
-std::string report_of(const MergeOutcome& outcome, const std::vector<SessionEdge>& edges,
-                      const std::vector<RunSession>& runs) {
+std::string report_text(const MergeOutcome& outcome, const std::vector<SessionEdge>& edges,
+                        const std::vector<RunSession>& runs) {
   nlohmann::ordered_json report = nlohmann::ordered_json::object();
   report["format"] = kReportVersion;
   report["version"] = GDTSLAM_VERSION;
@@ -226,7 +225,7 @@ MergeOutcome merge_runs(const MergeRequest& request) {
   const MergedSessions merged = merge_sessions(
       sessions, request.options, workers, [&](std::string_view step, double share) { tell(request, step, share); });
   MergeOutcome outcome;
-  outcome.shared = shared_of(runs);
+  outcome.shared = find_shared(runs);
   share_range_limits(runs);
   for (const SessionSearch& search : merged.searches) {
     RunSearch& told = outcome.searches.emplace_back(RunSearch{runs[search.query].folder, {}, search});
@@ -238,7 +237,7 @@ MergeOutcome merge_runs(const MergeRequest& request) {
     for (const std::size_t k : site.sessions) of_site.push_back(&runs[k]);
     outcome.sites.push_back(write_site(request, site, of_site, results, std::to_string(outcome.sites.size() + 1)));
   }
-  outcome.report = report_of(outcome, merged.edges, runs);
+  outcome.report = report_text(outcome, merged.edges, runs);
   check(request);
   write_file_atomically(results.staged(kMergeFile), outcome.report);
   results.commit();

@@ -10,13 +10,13 @@
 #include <vector>
 
 #include "engine/mapping/sessions/session_merge.hpp"
-#include "engine/runs/sites/site_changes.hpp"
+#include "engine/runs/sites/site_outcome.hpp"
 
 namespace gdtslam {
 
 struct MergeRequest {
   std::vector<std::string> runs{};  ///< folders
-  std::string folder{};             ///< of the results; made if need be
+  std::string folder{};             ///< folder of the results; made if need be
   MergeOptions options{};
   bool with_map = true;  ///< the occupancy map, and the pictures of it
   bool with_pictures = true;

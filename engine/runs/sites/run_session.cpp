@@ -5,10 +5,11 @@
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "engine/runs/folder/run_reader.hpp"
-#include "engine/runs/loops/graph_file.hpp"
+#include "engine/runs/loops/loop_files.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 
@@ -19,7 +20,7 @@ using PlaceOfScan = std::map<std::size_t, std::size_t>;
 
 [[noreturn]] void refuse(const std::string& folder, const std::string& fault) { throw InputError({folder, 0}, fault); }
 
-Matrix3 matrix_of(const PoseInformation& p) { return {{p.xx, p.xy, p.xt, p.xy, p.yy, p.yt, p.xt, p.yt, p.tt}}; }
+Matrix3 to_matrix(const PoseInformation& p) { return {{p.xx, p.xy, p.xt, p.xy, p.yy, p.yt, p.xt, p.yt, p.tt}}; }
 
 void take_keyframes(const RunKeyframes& kept, const MapperConfig& config, const std::vector<std::size_t>& drives,
                     Session& session) {
@@ -58,7 +59,7 @@ void take_graph(const RunReader& run, const RunKeyframes& kept, Session& session
     const auto from = place_of.find(line.from);
     const auto to = place_of.find(line.to);
     if (from == place_of.end() || to == place_of.end()) refuse(file, "has an edge of a place that it does not have");
-    const PoseRelation relation{from->second, to->second, line.T_from_to, matrix_of(line.information)};
+    const PoseRelation relation{from->second, to->second, line.T_from_to, to_matrix(line.information)};
     if (relation.to == relation.from + 1) {
       session.path.push_back(relation);
     } else {
@@ -70,7 +71,7 @@ void take_graph(const RunReader& run, const RunKeyframes& kept, Session& session
 constexpr float kTooNear_m = 0.001F;  // a range that no run counts; keyframes.bin.gz has none that is shorter
 constexpr double kLeastMinRange_m = 0.002;
 
-ScanConfig widest_of(const std::vector<RunSession>& runs) {
+ScanConfig find_widest(const std::vector<RunSession>& runs) {
   ScanConfig widest = runs.front().settings.mapper.scan;
   bool is_one = true;
   for (const RunSession& run : runs) {
@@ -124,13 +125,92 @@ RunSession read_run_session(const std::string& folder) {
 }
 
 void share_range_limits(std::vector<RunSession>& runs) {
-  const ScanConfig widest = widest_of(runs);
+  const ScanConfig widest = find_widest(runs);
   for (RunSession& run : runs) {
     ScanConfig& own = run.settings.mapper.scan;
     for (RunKeyframe& keyframe : run.kept.keyframes) limit_ranges(own, widest, keyframe.laser);
     own.min_range_m = widest.min_range_m;
     own.max_range_m = widest.max_range_m;
   }
+}
+
+namespace {
+
+struct OwnedScan {
+  const LaserScan* laser = nullptr;
+  std::size_t run = 0;
+};
+
+bool come_before(const OwnedScan& a, const OwnedScan& b) {
+  if (a.laser->stamp_s != b.laser->stamp_s) return a.laser->stamp_s < b.laser->stamp_s;
+  if (a.run != b.run) return a.run < b.run;
+  return a.laser->ranges_m < b.laser->ranges_m;
+}
+
+bool has_return(const LaserScan& laser) {
+  return std::any_of(laser.ranges_m.begin(), laser.ranges_m.end(),
+                     [](float range_m) { return std::isfinite(range_m); });
+}
+
+// Merges and edits make a reading a beam without return; no reading ever changes to another, and most are still there.
+bool are_one_scan(const LaserScan& a, const LaserScan& b) {
+  if (a.ranges_m.size() != b.ranges_m.size()) return false;
+  std::size_t common = 0;
+  std::size_t taken_out = 0;
+  for (std::size_t beam = 0; beam < a.ranges_m.size(); ++beam) {
+    const bool is_in_a = std::isfinite(a.ranges_m[beam]);
+    const bool is_in_b = std::isfinite(b.ranges_m[beam]);
+    if (is_in_a != is_in_b) ++taken_out;
+    if (!is_in_a || !is_in_b) continue;
+    if (a.ranges_m[beam] != b.ranges_m[beam]) return false;
+    ++common;
+  }
+  return common > taken_out;
+}
+
+// Scans with returns by stamp and run; one that a log repeats is there once.
+std::vector<OwnedScan> all_scans(const std::vector<const RunKeyframes*>& runs) {
+  std::vector<OwnedScan> scans;
+  for (std::size_t run = 0; run < runs.size(); ++run) {
+    for (const RunKeyframe& keyframe : runs[run]->keyframes) {
+      if (has_return(keyframe.laser)) scans.push_back({&keyframe.laser, run});
+    }
+  }
+  std::sort(scans.begin(), scans.end(), come_before);
+  const auto repeats = [](const OwnedScan& a, const OwnedScan& b) { return !come_before(a, b) && !come_before(b, a); };
+  scans.erase(std::unique(scans.begin(), scans.end(), repeats), scans.end());
+  return scans;
+}
+
+using Counts = std::map<std::pair<std::size_t, std::size_t>, std::size_t>;
+
+// Counts for scans with one stamp: how many of a run's are in a later run.
+void count_shared(std::span<const OwnedScan> scans, Counts& counts) {
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    std::size_t last = scans[i].run;
+    for (std::size_t k = i + 1; k < scans.size(); ++k) {
+      if (scans[k].run == last || !are_one_scan(*scans[i].laser, *scans[k].laser)) continue;
+      last = scans[k].run;
+      ++counts[{scans[i].run, last}];
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<SharedScans> shared_scans(const std::vector<const RunKeyframes*>& runs) {
+  const std::vector<OwnedScan> scans = all_scans(runs);
+  Counts counts;
+  for (auto begin = scans.begin(); begin != scans.end();) {
+    const double stamp_s = begin->laser->stamp_s;
+    const auto end = std::find_if(begin, scans.end(), [&](const OwnedScan& s) { return s.laser->stamp_s != stamp_s; });
+    count_shared({begin, end}, counts);
+    begin = end;
+  }
+  std::vector<SharedScans> shared;
+  shared.reserve(counts.size());
+  for (const auto& [pair, count] : counts) shared.push_back({pair.first, pair.second, count});
+  return shared;
 }
 
 }  // namespace gdtslam

@@ -1,3 +1,4 @@
+// Check of the messages of a nodding mount.
 #include "log_check.hpp"
 
 #include <fmt/format.h>
@@ -9,14 +10,81 @@
 #include <utility>
 #include <variant>
 
+#include "gdtslam/calib/nod_track.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 
 namespace gdtslam {
 namespace {
 
+template <class Value>
+void widen(Value& lowest, Value& highest, Value value, bool is_first) {
+  lowest = is_first ? value : std::min(lowest, value);
+  highest = is_first ? value : std::max(highest, value);
+}
+
+}  // namespace
+
+void NodChecker::add_time(double stamp_s) {
+  if (!first_s_) {
+    first_s_ = last_s_ = stamp_s;
+    return;
+  }
+  const double step_s = stamp_s - last_s_;
+  if (step_s < 0.0) {
+    ++check_.backward_stamps;
+    return;
+  }
+  if (step_s > check_.longest_gap_s) {
+    check_.longest_gap_s = step_s;
+    check_.longest_gap_at_s = last_s_;
+  }
+  last_s_ = stamp_s;
+}
+
+void NodChecker::add(const Encoder& message) {
+  add_time(message.stamp_s);
+  widen(check_.lowest_ticks, check_.highest_ticks, message.ticks, check_.encoder_records++ == 0);
+}
+
+void NodChecker::add(const Tilt& message) {
+  add_time(message.stamp_s);
+  widen(check_.lowest_tilt_rad, check_.highest_tilt_rad, message.elevation_rad, check_.tilt_records++ == 0);
+}
+
+NodCheck NodChecker::finish() const {
+  NodCheck check = check_;
+  const double span_s = first_s_ ? last_s_ - *first_s_ : 0.0;
+  const auto records = static_cast<double>(std::max(check.encoder_records, check.tilt_records));
+  check.mean_rate_hz = span_s > 0.0 ? (records - 1.0) / span_s : 0.0;
+  return check;
+}
+
+std::vector<std::string> NodCheck::suggestions() const {
+  std::vector<std::string> list;
+  if (!has_records()) return list;
+  list.emplace_back(encoder_records > 0
+                        ? "the laser nods: 'map --linkage' makes a 3D cloud, 'linkage --list' names linkages"
+                        : "the laser tilts: 'map' makes a 3D cloud");
+  if (longest_gap_s > calib::NodTrackLimits{}.max_gap_s) {
+    list.emplace_back(
+        fmt::format("no message of the mount for {:.3f} s after {:.6f} s: scans there get no points "
+                    "(nod.max_gap)",
+                    longest_gap_s, longest_gap_at_s));
+  }
+  if (backward_stamps > 0) {
+    list.emplace_back("stamps of the mount's messages go backward: those messages are dropped");
+  }
+  if (encoder_records > 1 && highest_ticks == lowest_ticks) {
+    list.emplace_back("the crank never turns, or its encoder is dead");
+  }
+  return list;
+}
+
+namespace {
+
 constexpr std::size_t kStepBins = 10001;  // milliseconds
-constexpr std::size_t kMostLayouts = 16;  // of a laser
+constexpr std::size_t kMostLayouts = 16;  // layouts of a laser
 constexpr std::size_t kMostMounts = 64;   // further lasers count as the last of them
 constexpr double kShortestGap_s = 1.0;
 constexpr double kGapSteps = 5.0;      // a gap is this many usual steps, and at least kShortestGap_s
@@ -98,7 +166,7 @@ void LogChecker::add(const LogRecord& record) {
 }
 
 void LogChecker::add_scan(const ScanRecord& record) {
-  const std::size_t place = place_of(record);
+  const std::size_t place = find_laser(record);
   LastScan& last = last_scans_[place];
   add_time(record.scan.stamp_s, last.stamp_s);
   if (record.T_odom_base) {
@@ -113,7 +181,7 @@ void LogChecker::add_scan(const ScanRecord& record) {
 }
 
 // In the lists that have an entry a laser.
-std::size_t LogChecker::place_of(const ScanRecord& record) {
+std::size_t LogChecker::find_laser(const ScanRecord& record) {
   std::vector<LaserMount>& lasers = check_.lasers;
   const auto same = std::find_if(lasers.begin(), lasers.end(),
                                  [&record](const LaserMount& mount) { return mount.laser == record.laser; });
@@ -146,7 +214,7 @@ void LogChecker::add_step(LogEvent event, double step_s) {
     check_.repeated_stamps.add(event, 0.0);
   } else {
     steps_ms_.resize(kStepBins);
-    const std::size_t bin = bin_of(step_s * 1e3, kStepBins);
+    const std::size_t bin = find_bin(step_s * 1e3, kStepBins);
     ++steps_ms_[bin];
     if (bin + 1 == kStepBins) long_steps_s_ += std::min(step_s, kMostStep_s);
   }
@@ -156,7 +224,7 @@ void LogChecker::add_pause(LogEvent event, double pause_s) {
   if (!(pause_s > 0.0)) return;
   event.time_step_s = pause_s;
   pauses_ms_.resize(kStepBins);
-  ++pauses_ms_[bin_of(pause_s * 1e3, kStepBins)];
+  ++pauses_ms_[find_bin(pause_s * 1e3, kStepBins)];
   const auto place = std::find_if(longest_pauses_.begin(), longest_pauses_.end(),
                                   [pause_s](const LogEvent& e) { return e.time_step_s < pause_s; });
   longest_pauses_.insert(place, event);
@@ -229,7 +297,7 @@ void LogChecker::finish_times(LogCheck& check) const {
   check.usual_step_s = is_long ? long_steps_s_ / static_cast<double>(steps_ms_.back()) : check.median_step_s;
   const double longest_s = static_cast<double>(kStepBins - 1) * 1e-3;
   check.gap_bound_s = std::min(std::max(kShortestGap_s, kGapSteps * check.median_step_s), longest_s);
-  for (std::size_t bin = bin_of(check.gap_bound_s * 1e3, kStepBins); bin < pauses_ms_.size(); ++bin) {
+  for (std::size_t bin = find_bin(check.gap_bound_s * 1e3, kStepBins); bin < pauses_ms_.size(); ++bin) {
     check.gaps.count += pauses_ms_[bin];
   }
   for (const LogEvent& event : longest_pauses_) {
@@ -247,7 +315,7 @@ void LogChecker::finish_ranges(LogCheck& check) const {
   ranges.no_return_m = check.no_returns.at_limit_m;
   ranges.no_return_count = std::accumulate(at_limit.begin(), at_limit.end(), std::uint64_t{0});
   for (const NoReturnValue& value : check.no_returns.below) {
-    const std::size_t bin = bin_of(static_cast<double>(static_cast<float>(value.range_m)) * 100.0, returns.size());
+    const std::size_t bin = find_bin(static_cast<double>(static_cast<float>(value.range_m)) * 100.0, returns.size());
     if (bin + 1 == returns.size() && units_.are_ranges_doubtful()) continue;  // ranges of another unit, no constant
     ranges.no_return_m.push_back(static_cast<double>(bin) / 100.0);
     ranges.no_return_count += returns[bin];
@@ -275,7 +343,7 @@ LogCheck LogChecker::finish(const std::vector<LogReader::Warning>& warnings) con
 
 std::string LogCheck::obstacle() const {
   if (scans == 0) return "it holds no laser scan";
-  if (mappable_scans > 0) return "";  // of one range only, which would stand for no return in another log, too
+  if (mappable_scans > 0) return "";  // even if all ranges are equal, which would stand for no return in another log
   if (ranges.returns == 0) return "no beam of any scan has a return";
   return nothing_mappable(scans, scan);
 }

@@ -1,4 +1,4 @@
-// What is in a log and what is wrong with it, from one pass over its records; the work of `gdtslam doctor`. Metres,
+// Contents and faults of a log, from one pass over its records; the work of `gdtslam doctor`. Metres,
 // radians, seconds. Memory is bounded: faults are counted, the first of each kind are listed, ranges go into a
 // histogram. One check belongs to one thread.
 #pragma once
@@ -8,19 +8,19 @@
 #include <string>
 #include <vector>
 
+#include "engine/runs/streams/no_return.hpp"
+#include "engine/runs/streams/unit_check.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/mapping/config.hpp"
-#include "no_return.hpp"
-#include "unit_check.hpp"
 
 namespace gdtslam {
 
-/// What a log tells of the mount that nods its laser: the messages of the crank, or of the elevation, and what is odd
+/// Messages of the mount that nods the laser: crank or elevation, and oddities in them that
 /// about them, seen without a linkage.
 struct NodCheck {
   std::uint64_t encoder_records = 0;
   std::uint64_t tilt_records = 0;
-  double mean_rate_hz = 0.0;      ///< of the kind that there is more of
+  double mean_rate_hz = 0.0;      ///< rate of the more frequent kind
   double longest_gap_s = 0.0;     ///< between two messages
   double longest_gap_at_s = 0.0;  ///< stamp of the message before it
   std::uint64_t backward_stamps = 0;
@@ -30,7 +30,7 @@ struct NodCheck {
   double highest_tilt_rad = 0.0;
 
   [[nodiscard]] bool has_records() const { return encoder_records + tilt_records > 0; }
-  /// What the user may want to know or do, a sentence each.
+  /// Advice for the user, a sentence each.
   [[nodiscard]] std::vector<std::string> suggestions() const;
 };
 
@@ -84,20 +84,20 @@ struct BeamLayout {
   std::size_t beams = 0;
   double first_bearing_rad = 0.0;
   double step_rad = 0.0;
-  double max_range_m = 0.0;  ///< as the log states it; 0: it does not
+  double max_range_m = 0.0;  ///< limit that the log states; 0: none
   std::uint64_t scans = 0;
   std::size_t laser = 0;  ///< whose scans they are
 };
 
-/// Where one of the lasers sits on the robot.
+/// Place of one of the lasers on the robot.
 struct LaserMount {
   std::size_t laser = 0;  ///< its number in the log
   std::uint64_t scans = 0;
-  Pose2 T_base_laser;         ///< of its first scan
+  Pose2 T_base_laser;         ///< mount of its first scan
   std::uint64_t changes = 0;  ///< its scans whose mount differs from it by more than 1 mm or 0.1 degrees
 };
 
-/// What the ranges look like.
+/// Statistics of the ranges.
 struct RangeStatistics {
   std::uint64_t beams = 0;
   std::uint64_t not_finite = 0;       ///< or zero
@@ -117,7 +117,7 @@ std::string nothing_mappable(std::uint64_t scans, const ScanConfig& config);
 /// Whether stamps are in seconds at all, as a question; empty where there is no doubt.
 std::string question_of_unit(double usual_step_s);
 
-/// Of a log that was mapped.
+/// The same question for a log that was mapped.
 std::string question_of_unit(const Trajectory& trajectory);
 
 struct LogCheck {
@@ -132,7 +132,7 @@ struct LogCheck {
   EventList gaps;              ///< time without a scan of any laser
   EventList backward_stamps;   ///< from scan to scan of a laser, or from any scan by a second and more
   EventList repeated_stamps;   ///< from scan to scan of a laser
-  EventList impossible_steps;  ///< of the odometry
+  EventList impossible_steps;  ///< jumps of the odometry
   double gap_bound_s = 0.0;
   double path_m = 0.0;            ///< by odometry, impossible steps left out
   double turned_rad = 0.0;        ///< sum of the absolute turns, likewise
@@ -151,7 +151,7 @@ struct LogCheck {
   [[nodiscard]] double duration_s() const { return last_stamp_s - first_stamp_s; }
   /// Why the log cannot be mapped at all; empty when it can.
   [[nodiscard]] std::string obstacle() const;
-  /// What the user may want to do about it, a sentence each.
+  /// Advice for the user, a sentence each.
   [[nodiscard]] std::vector<std::string> suggestions() const;
 };
 
@@ -166,12 +166,12 @@ class LogChecker {
 
  private:
   void add_scan(const ScanRecord& record);
-  /// What the next scan of the same laser is compared with.
+  /// Facts of a scan that the next scan of the same laser is compared with.
   struct LastScan {
     std::optional<double> stamp_s;
     std::optional<Pose2> T_odom_base;
   };
-  std::size_t place_of(const ScanRecord& record);
+  std::size_t find_laser(const ScanRecord& record);
   void add_time(double stamp_s, std::optional<double>& before_s);
   void add_step(LogEvent event, double step_s);
   void add_pause(LogEvent event, double pause_s);
@@ -186,12 +186,12 @@ class LogChecker {
   LogCheck check_;
   NodChecker nod_;
   UnitCheck units_;
-  std::vector<LastScan> last_scans_;          ///< of each of check_.lasers
-  std::optional<StampedPose> last_odometry_;  ///< whoever has it
-  std::optional<Pose2> last_record_;          ///< of the odometry's own records
-  std::optional<double> last_scan_s_;         ///< of any laser
+  std::vector<LastScan> last_scans_;          ///< for each of check_.lasers
+  std::optional<StampedPose> last_odometry_;  ///< from either source
+  std::optional<Pose2> last_record_;          ///< from the odometry's own records
+  std::optional<double> last_scan_s_;         ///< for any laser
   std::vector<std::uint64_t> steps_ms_;       ///< histogram of the forward steps of each laser, the last bin open
-  std::vector<std::uint64_t> pauses_ms_;      ///< likewise, from scan to scan of any laser
+  std::vector<std::uint64_t> pauses_ms_;      ///< histogram of the steps from scan to scan of any laser
   double long_steps_s_ = 0.0;                 ///< sum of those in the open bin
   std::vector<LogEvent> longest_pauses_;      ///< the longest first
   NoReturnFinder no_return_;

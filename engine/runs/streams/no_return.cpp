@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kRangeBins = 20001;  // centimetres
 constexpr std::size_t kMostConstants = 3;
-constexpr std::size_t kShortestRow = 3;      // of beams with the same range
+constexpr std::size_t kShortestRow = 3;      // beams with the same range
 constexpr std::uint64_t kLeastScans = 10;    // with such rows
 constexpr std::uint64_t kMostAbove = 100;    // so many times fewer ranges are above a certain constant
 constexpr float kMoved_m = 0.05F;            // more than the noise of a range
@@ -56,7 +56,7 @@ double shortest_decimal(float range_m) {
   return value;
 }
 
-std::size_t bin_of_range(float range_m) { return bin_of(static_cast<double>(range_m) * 100.0, kRangeBins); }
+std::size_t bin_of_range(float range_m) { return find_bin(static_cast<double>(range_m) * 100.0, kRangeBins); }
 
 }  // namespace
 

@@ -22,7 +22,7 @@
 namespace gdtslam {
 
 /// The bin of a value, rounded to the nearest unit; values below zero are in the first bin.
-inline std::size_t bin_of(double value, std::size_t bins) {
+inline std::size_t find_bin(double value, std::size_t bins) {
   const double bin = std::floor(value + 0.5);
   return bin < static_cast<double>(bins - 1) ? static_cast<std::size_t>(std::max(bin, 0.0)) : bins - 1;
 }
@@ -41,7 +41,7 @@ inline std::size_t quantile_bin(const std::vector<std::uint64_t>& histogram, dou
 
 /// A constant below the limit that the log states.
 struct NoReturnValue {
-  double range_m = 0.0;  ///< as the log writes it, to the precision of float32
+  double range_m = 0.0;  ///< value in the log, to the precision of float32
   std::uint64_t beams = 0;
   /// No wall explains it: neighbouring beams have exactly this range while the robot moves, and nothing is farther. No
   /// laser states a lower limit, which log.max_range would replace.
@@ -52,7 +52,7 @@ struct NoReturnValue {
 struct NoReturns {
   std::vector<double> at_limit_m;    ///< at or above the stated limit, to a centimetre
   std::vector<NoReturnValue> below;  ///< ascending
-  std::uint64_t beams = 0;           ///< of all scans
+  std::uint64_t beams = 0;           ///< beams of all scans
   /// The value that `map` takes for no return: the lowest certain one, if the mapper would use such ranges.
   [[nodiscard]] std::optional<NoReturnValue> taken(const ScanConfig& scan) const;
   /// A value that may be one, in too many beams to pass over; the lowest.
@@ -81,7 +81,7 @@ class NoReturnFinder {
   struct Seen {
     std::uint64_t beams = 0;
     std::uint64_t scans = 0;      ///< with such rows
-    std::uint64_t last_scan = 0;  ///< of them, counted from 1
+    std::uint64_t last_scan = 0;  ///< number of that scan, counted from 1
     std::uint64_t repeated = 0;   ///< in rows of beams that all have `range_m`, a lower bound
     float range_m = 0.0F;         ///< the range of most such rows
   };
@@ -91,7 +91,7 @@ class NoReturnFinder {
   [[nodiscard]] bool is_certain(std::size_t bin, const std::vector<std::size_t>& constants) const;
 
   std::uint64_t beams_ = 0;
-  double least_limit_m_ = std::numeric_limits<double>::infinity();  ///< of those that scans state
+  double least_limit_m_ = std::numeric_limits<double>::infinity();  ///< least limit that a scan states
   std::vector<std::uint64_t> below_cm_;
   std::vector<std::uint64_t> at_limit_cm_;
   std::vector<Seen> seen_cm_;

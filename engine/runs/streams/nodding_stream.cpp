@@ -13,7 +13,7 @@ namespace gdtslam {
 namespace {
 
 constexpr double kLatest_s = 1.0;   // messages that come this long after a scan of the log's time come too late
-constexpr double kMemory_s = 10.0;  // of the track, for stamps that step back
+constexpr double kMemory_s = 10.0;  // memory of the track, for stamps that step back
 constexpr int kMostBehind = 1000;   // records that are read behind the last scan for what they tell of it
 
 }  // namespace
@@ -44,7 +44,7 @@ bool NoddingStream::take(const LogRecord& record) {
   return false;
 }
 
-// Where the clock was set back, the scans from before that know all that they will ever know.
+// After a clock was set back, no message will cover the scans from before any better.
 void NoddingStream::expect_set_back(double stamp_s) {
   if (!track_.begins_again_at(stamp_s)) return;
   while (!waiting_.empty() && !waiting_.front().is_set_back) resolve_first();

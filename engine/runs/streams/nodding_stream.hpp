@@ -51,7 +51,7 @@ class NoddingStream {
   calib::SweepModel model_;
   calib::NodTrackLimits limits_;
   calib::NodTrack track_;
-  std::vector<LogReader::Warning> earlier_;  ///< of the logs before
+  std::vector<LogReader::Warning> earlier_;  ///< warnings of the logs before
   std::deque<Waiting> waiting_;
   std::deque<NoddingScan> ready_;
   std::uint64_t given_ = 0;

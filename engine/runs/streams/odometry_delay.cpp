@@ -18,15 +18,15 @@ constexpr double kDelayStep_s = 0.01;
 constexpr double kLongestStep_s = 1.0;      // between scans
 constexpr double kSlip_rad = 0.05;          // beyond which a difference counts as this much, or as
 constexpr double kSlipNoises = 3.0;         // deviations of the differences
-constexpr double kMedianOfNormal = 0.6745;  // of the absolute value of a normal variable
-constexpr double kLeastTurn_rad = 3.0;      // of all steps, to tell anything
+constexpr double kMedianOfNormal = 0.6745;  // median of the absolute value of a normal variable
+constexpr double kLeastTurn_rad = 3.0;      // sum over all steps that suffices for an estimate
 constexpr std::size_t kMostShifted = 512;
 constexpr double kAround = 1.5;           // periods of the odometry on each side of the best shift: a parabola
 constexpr std::size_t kFewestAround = 4;  // shifts
 constexpr std::size_t kMostAround = 40;
-constexpr std::size_t kTenths = 10;      // of the log, each of which is left out once
-constexpr double kLeastSigma_s = 0.002;  // what straight lines between stamps leave
-constexpr double kLeastWalk_s = 1.0e-6;  // what its smoothing varies by, to be told from the parabola
+constexpr std::size_t kTenths = 10;      // parts of the log, each of which is left out once
+constexpr double kLeastSigma_s = 0.002;  // error of straight lines between stamps
+constexpr double kLeastWalk_s = 1.0e-6;  // least variation of its smoothing that is distinguishable from the parabola
 
 /// Headings by odometry over time, unwrapped; along straight lines between the stamps.
 class HeadingTrack {
@@ -41,10 +41,10 @@ class HeadingTrack {
   /// A heading on the track.
   struct Place {
     double heading_rad = 0.0;
-    std::size_t after = 0;  ///< of the two points that it lies between
-    double share = 0.0;     ///< of the way from the one before
+    std::size_t after = 0;  ///< index of the later of the two points that it lies between
+    double share = 0.0;     ///< share of the way from the one before
   };
-  /// Nothing outside of the track, and where it has a gap.
+  /// Returns none outside of the track and in its gaps.
   [[nodiscard]] std::optional<Place> at(double stamp_s) const {
     const auto after = std::lower_bound(points_.begin(), points_.end(), std::pair(stamp_s, -1e300));
     if (after == points_.begin() || after == points_.end()) return std::nullopt;
@@ -72,8 +72,8 @@ class HeadingTrack {
 
 /// How badly turns by scans and by odometry agree at a shift.
 struct Agreement {
-  double sum = 0.0;   ///< of squared differences, those of slips capped, rad^2
-  double walk = 0.0;  ///< of HeadingTrack::walk_s()
+  double sum = 0.0;   ///< sum of squared differences, those of slips capped, rad^2
+  double walk = 0.0;  ///< sum of HeadingTrack::walk_s()
   std::size_t steps = 0;
   [[nodiscard]] double mean() const {
     return steps > 0 ? sum / static_cast<double>(steps) : std::numeric_limits<double>::infinity();
@@ -86,7 +86,7 @@ struct Agreement {
   }
 };
 
-/// Of the parts of a log one after the other, and of all.
+/// Agreement in the parts of a log one after the other, and in all.
 struct Agreements {
   std::array<Agreement, kTenths> of_parts;
   Agreement all;
@@ -101,7 +101,7 @@ struct Agreements {
 struct Stretch {
   std::vector<TimedHeading> headings;
   HeadingTrack odometry;
-  [[nodiscard]] std::size_t part_of(std::size_t step) const { return step * kTenths / headings.size(); }
+  [[nodiscard]] std::size_t part_with(std::size_t step) const { return step * kTenths / headings.size(); }
 };
 
 /// A step between two scans: how much farther it turned by them than by odometry, and HeadingTrack::walk_s() of it.
@@ -125,7 +125,7 @@ std::optional<TurnOff> turn_off(const Stretch& stretch, std::size_t step, double
 double capped_square(double off_rad, double slip_rad) { return std::min(off_rad * off_rad, slip_rad * slip_rad); }
 
 // A turn that the wheels missed must stand out of their noise. Most steps turn little and show that noise.
-double slip_of(const std::vector<Stretch>& stretches) {
+double estimate_slip(const std::vector<Stretch>& stretches) {
   std::vector<double> off_rad;
   for (const Stretch& stretch : stretches) {
     for (std::size_t i = 1; i < stretch.headings.size(); ++i) {
@@ -146,14 +146,14 @@ Agreements agreements_at(const std::vector<Stretch>& stretches, double shift_s, 
       if (!off) continue;
       const Agreement agreement{capped_square(off->rad, slip_rad), off->walk_s, 1};
       agreements.all.add(agreement, 1.0);
-      agreements.of_parts[stretch.part_of(i)].add(agreement, 1.0);
+      agreements.of_parts[stretch.part_with(i)].add(agreement, 1.0);
     }
   }
   return agreements;
 }
 
 // A clock that was set back begins a new stretch; a stamp far ahead of both its neighbours is left out.
-std::vector<std::vector<TimedHeading>> stretches_of(std::span<const TimedHeading> headings) {
+std::vector<std::vector<TimedHeading>> split_stretches(std::span<const TimedHeading> headings) {
   std::vector<std::vector<TimedHeading>> stretches(1);
   double latest_s = -std::numeric_limits<double>::infinity();
   std::size_t past = 0;  // the last ones, in a row, that go forward behind the latest
@@ -185,10 +185,10 @@ double turned_rad(std::span<const TimedHeading> headings) {
   return sum;
 }
 
-// Where a parabola through what the shifts around the best one leave is lowest, in shifts from the first. Least squares
-// with four unknowns: constant, slope, bend, and the share of what is left that is a random walk of the odometry.
-// Between two of its stamps that walk is smoothed, which looks like a better shift by up to half a period.
-std::optional<double> lowest_of(std::span<const Agreement> around) {
+// The minimum of a parabola through the disagreement at shifts around the best one, in shifts from the first. Least
+// squares with four unknowns: constant, slope, bend, and the share of what is left that is a random walk of the
+// odometry. Between two of its stamps that walk is smoothed, which looks like a better shift by up to half a period.
+std::optional<double> find_lowest(std::span<const Agreement> around) {
   const auto count = static_cast<double>(around.size());
   const double middle = 0.5 * (count - 1.0);
   std::vector<Tangent2> rows;
@@ -225,13 +225,13 @@ struct Lowest {
 std::optional<Lowest> lowest_with_sigma(std::span<const Agreements> around) {
   std::vector<Agreement> of_all;
   for (const Agreements& at : around) of_all.push_back(at.all);
-  const std::optional<double> whole = lowest_of(of_all);
+  const std::optional<double> whole = find_lowest(of_all);
   if (!whole) return std::nullopt;
   double squares = 0.0;
   for (std::size_t part = 0; part < kTenths; ++part) {
     std::vector<Agreement> rest;
     for (const Agreements& at : around) rest.push_back(at.without(part));
-    const std::optional<double> without = lowest_of(rest);
+    const std::optional<double> without = find_lowest(rest);
     if (!without) return std::nullopt;
     squares += square(*without - *whole);
   }
@@ -263,7 +263,7 @@ std::size_t shifts_around(std::span<const TimedHeading> headings, std::span<cons
 }
 
 template <class AgreementOf>
-std::size_t best_of(const std::vector<Agreements>& at, const AgreementOf& agreement_of) {
+std::size_t best_shift(const std::vector<Agreements>& at, const AgreementOf& agreement_of) {
   std::size_t best = at.size() / 2;
   for (std::size_t k = 0; k < at.size(); ++k) {
     if (agreement_of(at[k]).mean() < agreement_of(at[best]).mean()) best = k;
@@ -274,8 +274,8 @@ std::size_t best_of(const std::vector<Agreements>& at, const AgreementOf& agreem
 // The delay is judged by scans that it was not found with: each tenth of the log at the delay that the others tell. It
 // is compared with none. Between two stamps the noise of the odometry is smoothed, whichever way it is shifted, and a
 // delay is one way only; so as much the other way stands for none if it leaves less.
-double gain_of(const std::vector<Stretch>& stretches, const std::vector<Agreements>& at, std::size_t best,
-               double slip_rad) {
+double measure_gain(const std::vector<Stretch>& stretches, const std::vector<Agreements>& at, std::size_t best,
+                    double slip_rad) {
   const std::size_t none = at.size() / 2;
   const std::size_t mirrored = at.size() - 1 - best;
   const auto shift_s = [&](std::size_t k) {
@@ -284,13 +284,13 @@ double gain_of(const std::vector<Stretch>& stretches, const std::vector<Agreemen
   const double without_s = shift_s(at[none].all.mean() < at[mirrored].all.mean() ? none : mirrored);
   std::array<double, kTenths> with_s{};
   for (std::size_t part = 0; part < kTenths; ++part) {
-    with_s[part] = shift_s(best_of(at, [&](const Agreements& shift) { return shift.without(part); }));
+    with_s[part] = shift_s(best_shift(at, [&](const Agreements& shift) { return shift.without(part); }));
   }
   double sum = 0.0;
   double squares = 0.0;
   for (const Stretch& stretch : stretches) {
     for (std::size_t i = 1; i < stretch.headings.size(); ++i) {
-      const std::optional<TurnOff> with = turn_off(stretch, i, with_s[stretch.part_of(i)]);
+      const std::optional<TurnOff> with = turn_off(stretch, i, with_s[stretch.part_with(i)]);
       const std::optional<TurnOff> without = turn_off(stretch, i, without_s);
       if (!with || !without) continue;
       const double less = capped_square(without->rad, slip_rad) - capped_square(with->rad, slip_rad);
@@ -303,19 +303,19 @@ double gain_of(const std::vector<Stretch>& stretches, const std::vector<Agreemen
 
 }  // namespace
 
-std::optional<OdometryDelay> delay_of(std::span<const TimedHeading> headings) {
+std::optional<OdometryDelay> estimate_delay(std::span<const TimedHeading> headings) {
   if (turned_rad(headings) < kLeastTurn_rad) return std::nullopt;
   std::vector<Stretch> stretches;
-  for (std::vector<TimedHeading>& stretch : stretches_of(headings)) {
+  for (std::vector<TimedHeading>& stretch : split_stretches(headings)) {
     HeadingTrack odometry(stretch);
     stretches.push_back({std::move(stretch), std::move(odometry)});
   }
-  const double slip_rad = slip_of(stretches);
+  const double slip_rad = estimate_slip(stretches);
   const int most = static_cast<int>(kMostDelay_s / kDelayStep_s);
   std::vector<Agreements> at;
   at.reserve(2 * static_cast<std::size_t>(most) + 1);
   for (int k = -most; k <= most; ++k) at.push_back(agreements_at(stretches, k * kDelayStep_s, slip_rad));
-  const std::size_t best = best_of(at, [](const Agreements& shift) { return shift.all; });
+  const std::size_t best = best_shift(at, [](const Agreements& shift) { return shift.all; });
   const std::size_t around = shifts_around(headings, at, best);
   if (best < around || best + around >= at.size()) return std::nullopt;  // agrees best beyond what is looked for
   const std::optional<Lowest> lowest = lowest_with_sigma(std::span(at).subspan(best - around, 2 * around + 1));
@@ -323,10 +323,10 @@ std::optional<OdometryDelay> delay_of(std::span<const TimedHeading> headings) {
   const double shift = static_cast<double>(best) - static_cast<double>(around) + lowest->at - most;
   return OdometryDelay{.delay_s = shift * kDelayStep_s,
                        .sigma_s = std::sqrt(square(lowest->sigma * kDelayStep_s) + square(kLeastSigma_s)),
-                       .gain = gain_of(stretches, at, best, slip_rad)};
+                       .gain = measure_gain(stretches, at, best, slip_rad)};
 }
 
-std::vector<TimedHeading> headings_of(std::span<const TimedMotion> motions) {
+std::vector<TimedHeading> to_headings(std::span<const TimedMotion> motions) {
   std::vector<TimedHeading> headings;
   headings.reserve(motions.size());
   for (const TimedMotion& motion : motions) {

@@ -17,19 +17,19 @@
 
 namespace gdtslam {
 
-/// Where the robot headed when a scan was taken: by odometry of the same stamp, and by the scans alone. Radians.
+/// The robot's heading when a scan was taken: by odometry of the same stamp, and by the scans alone. Radians.
 struct TimedHeading {
   double stamp_s = 0.0;
   double by_odometry_rad = 0.0;
   double by_scans_rad = 0.0;
 };
 
-/// Nothing where the robot turned too little to tell. A shift of up to 1.5 s either way is looked for; each difference
+/// Returns none if the robot turned too little. Shifts of up to 1.5 s either way are tried; each difference
 /// counts up to some degrees, so that slips and wrong matches are a few of many. Cost: some milliseconds a thousand
 /// headings.
-std::optional<OdometryDelay> delay_of(std::span<const TimedHeading> headings);
+std::optional<OdometryDelay> estimate_delay(std::span<const TimedHeading> headings);
 
-std::vector<TimedHeading> headings_of(std::span<const TimedMotion> motions);
+std::vector<TimedHeading> to_headings(std::span<const TimedMotion> motions);
 
 /// Gives scans the odometry that was stamped a delay later than they, once it has come; of the same stretch of the
 /// clock, where that was set back. A scan whose stamp is wild gets that of where it was read between the others.

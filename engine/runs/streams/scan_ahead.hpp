@@ -28,9 +28,9 @@ class ScanAhead {
   ScanAhead& operator=(const ScanAhead&) = delete;
   ~ScanAhead() { stop(); }
 
-  /// As ScanStream::next_observation().
+  /// Same as ScanStream::next_observation().
   std::optional<Observation> next();
-  /// As ScanStream::progress(), when the last observation given was read.
+  /// Value of ScanStream::progress() when the last observation given was read.
   [[nodiscard]] double progress() const { return has_thread_ ? progress_ : scans_.progress(); }
   /// Ends the thread; what was read ahead is dropped.
   void stop();
@@ -53,7 +53,7 @@ class ScanAhead {
   bool has_thread_;
   double progress_ = -1.0;
   std::deque<Read> taken_;  // the caller's
-  // Of both, under the lock:
+  // Shared by both, under the lock:
   std::mutex mutex_;
   std::condition_variable read_changed_;
   std::condition_variable room_;

@@ -22,9 +22,9 @@ namespace {
 constexpr double kEnoughTurn_rad = 20.0;
 constexpr std::size_t kMostScans = 3000;
 constexpr double kWindow_s = 2.0;       // longer than odometry is late
-constexpr double kTurn_rad = 0.1;       // of a window, to count as a turn
-constexpr double kStraight_m = 0.3;     // of a stretch, more than scans are off
-constexpr double kStraight_rad = 0.15;  // of all turns in it
+constexpr double kTurn_rad = 0.1;       // turn of a window, to count as one
+constexpr double kStraight_m = 0.3;     // length of a stretch, more than scans are off
+constexpr double kStraight_rad = 0.15;  // sum of all turns in it
 constexpr double kSnap_rad = 5.0 * kPi / 180.0;
 
 // Turns are wanted, and not the best map: a scan that lies wrongly is one of many. Nothing but the last motion says
@@ -39,7 +39,7 @@ MapperConfig config_of_look(MapperConfig config) {
   return config;
 }
 
-bool has_layout_of(const LaserScan& scan, const LaserScan& first) {
+bool has_same_layout(const LaserScan& scan, const LaserScan& first) {
   return scan.first_bearing_rad == first.first_bearing_rad && scan.bearing_step_rad == first.bearing_step_rad &&
          scan.T_base_laser == first.T_base_laser;
 }
@@ -110,7 +110,7 @@ MotionByScans motion_by_scans(const std::string& log, const ReadOptions& options
         motion.first_scan = record->scan;
         motion.first_scan.ranges_m.clear();
       }
-      motion.has_one_layout = motion.has_one_layout && has_layout_of(record->scan, motion.first_scan);
+      motion.has_one_layout = motion.has_one_layout && has_same_layout(record->scan, motion.first_scan);
       if (record->laser != *laser) continue;
       const MatchResult result = by_scans.process(record->scan, std::nullopt);
       if (result.accepted) beam_times.add(record->scan, result.T_map_base);
@@ -165,7 +165,7 @@ bool DirectionAgreement::is_turned() const {
 
 DirectionAgreement direction_agreement(std::span<const TimedMotion> motions) {
   DirectionAgreement found;
-  Point2 sum = Point2::Zero();  // of the path by the scans, the x axis along that by the wheels
+  Point2 sum = Point2::Zero();  // path by the scans, the x axis along that by the wheels
   double scans_m = 0.0;
   double turned_rad = 0.0;
   std::size_t from = 0;

@@ -24,17 +24,17 @@ struct TimedMotion {
   Pose2 T_scans_base;
 };
 
-/// What the scans of a log's begin tell: the motion is that by its first laser.
+/// Motion by the scans of a log's begin, those of its first laser.
 struct MotionByScans {
   std::vector<TimedMotion> motions;
   LaserScan first_scan;                   ///< without its ranges
-  bool has_one_layout = true;             ///< of beams and mount, in all scans of all lasers
+  bool has_one_layout = true;             ///< beams and mount agree in all scans of all lasers
   std::optional<BeamTimes> beam_times{};  ///< unless `options` state them
 };
 
-/// Of the begin of a range of a log, until the robot has turned enough, at most 3,000 scans: those of its first laser
-/// are matched as if there were no odometry. No motions if that fails, or of what can be read only once, as a pipe.
-/// Once `stop` returns true, of the scans by then.
+/// Reads the begin of a range of a log, until the robot has turned enough, at most 3,000 scans: those of its first
+/// laser are matched as if there were no odometry. No motions if that fails, or of what can be read only once, as a
+/// pipe. Once `stop` returns true, of the scans by then.
 MotionByScans motion_by_scans(const std::string& log, const ReadOptions& options, const ScanRange& range,
                               const MapperConfig& mapper, const std::function<bool()>& stop);
 
@@ -70,7 +70,7 @@ struct MotionLook {
   [[nodiscard]] std::span<const TimedMotion> faultless() const;
 };
 
-/// As motion_by_scans. Times of the beams that are wrong are put right in `options`, and the motion is that with them.
+/// Same as motion_by_scans, but wrong times of the beams are put right in `options`, and the motion is that with them.
 MotionLook look_at_motion_by_scans(const std::string& log, ReadOptions& options, const ScanRange& range,
                                    const MapperConfig& mapper, const std::function<bool()>& stop);
 

@@ -16,7 +16,7 @@ class UnitCheck {
   void add_ranges(const LaserScan& scan);
   void add_heading(double stamp_s, double heading_rad);
   [[nodiscard]] bool are_ranges_doubtful() const { return 2 * far_ > ranges_; }
-  /// What to ask the user, a sentence each; empty if there is no doubt.
+  /// Questions for the user, a sentence each; empty if there is no doubt.
   [[nodiscard]] std::vector<std::string> questions() const;
 
  private:
@@ -25,7 +25,7 @@ class UnitCheck {
     double angle_rad = 0.0;
   };
   std::uint64_t ranges_ = 0;  ///< finite and positive
-  std::uint64_t far_ = 0;     ///< of them, beyond any laser's reach; each repetition of one constant is left out
+  std::uint64_t far_ = 0;     ///< ranges beyond any laser's reach; each repetition of one constant is left out
   float last_far_m_ = 0.0F;
   std::optional<Heading> last_heading_;
   double turned_rad_ = 0.0;

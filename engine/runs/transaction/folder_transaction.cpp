@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -17,6 +18,34 @@
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
+
+FolderLock::FolderLock(const std::filesystem::path& folder, Taken taken, const std::string& shown)
+    : descriptor_(retried([&] { return ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); })) {
+  const std::string name = shown.empty() ? folder.string() : shown;
+  if (descriptor_ < 0) {
+    if (errno == EACCES) return;  // a folder may allow writing but not reading
+    throw FileError(name, "cannot be written to: " + errno_text(errno));
+  }
+  const int how = taken == Taken::kWait ? LOCK_EX : LOCK_EX | LOCK_NB;
+  is_held_ = retried([&] { return ::flock(descriptor_, how); }) == 0;
+  if (is_held_ || errno != EWOULDBLOCK) return;
+  ::close(descriptor_);
+  throw UsageError(
+      fmt::format("another process is writing to '{}': wait until it has ended, or give another folder", name));
+}
+
+bool FolderLock::is_on(const std::filesystem::path& folder) const {
+  struct stat held {};
+  struct stat named {};
+  if (descriptor_ < 0) return true;
+  return ::fstat(descriptor_, &held) == 0 && ::lstat(folder.c_str(), &named) == 0 && held.st_dev == named.st_dev &&
+         held.st_ino == named.st_ino;
+}
+
+FolderLock::~FolderLock() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -95,7 +124,7 @@ void FolderTransaction::lock_staging() {
                                          is_made ? "something else has that name" : errno_text(errno)));
     }
     lock_.emplace(staging_, FolderLock::Taken::kRefuse, path_);
-  } while (!lock_->is_of(staging_));
+  } while (!lock_->is_on(staging_));
   struct stat old {};
   if (::stat(target_.c_str(), &old) == 0) ::chmod(staging_.c_str(), old.st_mode & kAllModes);
 }
@@ -132,7 +161,7 @@ void FolderTransaction::commit() {
   made_.clear();
   sync_folder(target_.parent_path().string());
   std::error_code ignored;  // without an old folder the name is free, and may be another writer's by now
-  if (of_old && of_old->is_of(staging_)) fs::remove_all(staging_, ignored);
+  if (of_old && of_old->is_on(staging_)) fs::remove_all(staging_, ignored);
   lock_.reset();
 }
 

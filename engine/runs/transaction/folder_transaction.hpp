@@ -1,8 +1,10 @@
-// A folder that takes its name as a whole. It is written beside its place, as `.NAME.gdtslam-new`, synced, and
-// exchanged for the folder of that name, which is removed then. A process that fails or is killed before the exchange
-// leaves the old folder as it was. Linux. One object belongs to one thread.
+// Keeps a second writer out of a folder while the first lives: the kernel holds the lock (flock) for the process and
+// takes it away with it, however that ends, and nothing lies in the folder for it. Where the file system knows no such
+// lock, or several machines share it (NFS), writers on other machines are not kept out. One object belongs to one
+// thread.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -10,9 +12,30 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/runs/transaction/folder_lock.hpp"
-
 namespace gdtslam {
+
+class FolderLock {
+ public:
+  enum class Taken : std::uint8_t { kRefuse, kWait };
+  /// If another process has it, throws UsageError or waits. Throws FileError. `shown` stands in messages, if not
+  /// empty.
+  explicit FolderLock(const std::filesystem::path& folder, Taken taken = Taken::kRefuse, const std::string& shown = {});
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+  ~FolderLock();
+  /// False where the file system knows no such lock, or does not let the folder be read: there may be other writers.
+  [[nodiscard]] bool is_held() const { return is_held_; }
+  /// Whether that is still the name of the folder.
+  [[nodiscard]] bool is_on(const std::filesystem::path& folder) const;
+
+ private:
+  int descriptor_;
+  bool is_held_ = false;
+};
+
+// A folder that takes its name as a whole. It is written beside its place, as `.NAME.gdtslam-new`, synced, and
+// exchanged for the folder of that name, which is removed then. A process that fails or is killed before the exchange
+// leaves the old folder as it was. Linux. One object belongs to one thread.
 
 /// The name under which the folder of that name is written. A killed process leaves it; the next writer removes it.
 std::string staging_name(std::string_view name);
@@ -40,7 +63,7 @@ class FolderTransaction {
   void lock_staging();
   void exchange() const;
 
-  std::string path_;  ///< as it was given, for messages
+  std::string path_;  ///< path that was given, for messages
   std::filesystem::path target_;
   std::filesystem::path staging_;
   std::vector<std::filesystem::path> made_;  ///< folders above the target, the innermost first

@@ -10,8 +10,8 @@
 #include "engine/drawing/maps/map_pictures.hpp"
 #include "engine/io/did_you_mean.hpp"
 #include "engine/io/maps/png.hpp"
-#include "engine/runs/folder/run_doubts.hpp"
 #include "engine/runs/folder/run_pictures.hpp"
+#include "engine/runs/folder/run_review.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
@@ -28,7 +28,7 @@ PathOverlay path_overlay(const RunReader& run) {
   return {run.trajectory(), summary.keyframes, summary.doubtful, summary.drives};
 }
 
-MapLook look_of(const RunReader& run, const RunViewRequest& request, const Trajectory& path) {
+MapLook make_look(const RunReader& run, const RunViewRequest& request, const Trajectory& path) {
   MapLook look;
   look.title = request.title.value_or(run.name());
   const RunSummary& summary = run.summary();
@@ -44,7 +44,7 @@ PictureSize size_of_view(const RunViewRequest& request, const GridGeometry& cont
 
 Canvas map_of_run(const RunReader& run, const RunViewRequest& request) {
   const PathOverlay overlay = path_overlay(run);
-  return map_view(run.map(), overlay, look_of(run, request, overlay.trajectory), request.size);
+  return map_view(run.map(), overlay, make_look(run, request, overlay.trajectory), request.size);
 }
 
 Canvas graph_view(const RunReader& run, const RunViewRequest& request) {
@@ -54,7 +54,7 @@ Canvas graph_view(const RunReader& run, const RunViewRequest& request) {
   const Trajectory trajectory = run.trajectory();
   const RunSummary& summary = run.summary();
   const std::vector<PoseCovariance> covariances = run.covariances().value_or(std::vector<PoseCovariance>());
-  MapLook look = look_of(run, request, trajectory);
+  MapLook look = make_look(run, request, trajectory);
   look.subtitle = graph_subtitle(found->loops, found->uncertain, summary.scans);
   return graph_picture(
       map, graph_overlay(trajectory, summary.keyframes, found->loops, covariances, found->uncertain, summary.drives),
@@ -65,7 +65,7 @@ Canvas field_view(const RunReader& run, const RunViewRequest& request, bool is_i
   DistanceFieldFile file = run.field();
   const FieldPicture field{file.geometry, std::move(file.cells), file.cap};
   const PathOverlay overlay = path_overlay(run);
-  MapLook look = look_of(run, request, overlay.trajectory);
+  MapLook look = make_look(run, request, overlay.trajectory);
   look.is_intensity = is_intensity;
   return field_picture(field, overlay, look, size_of_view(request, field.geometry));
 }

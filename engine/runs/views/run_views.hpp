@@ -11,12 +11,12 @@
 
 namespace gdtslam {
 
-/// What is drawn of a run, and how.
+/// A view of a run, and its looks.
 struct RunViewRequest {
   std::string view = "map";            ///< map, graph, field or distance
-  std::optional<PictureSize> size{};   ///< what suits the content when empty
+  std::optional<PictureSize> size{};   ///< a size that suits the content when empty
   std::optional<std::string> title{};  ///< the log's name when empty
-  std::string colour_map{};            ///< of the field; the view's own when empty
+  std::string colour_map{};            ///< colours of the field; the view's own when empty
 };
 
 /// Throws UsageError for a view that there is not or a size that cannot be; InputError where the run lacks what the

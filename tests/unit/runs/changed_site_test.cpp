@@ -11,7 +11,7 @@
 #include "engine/runs/folder/run_reader.hpp"
 #include "engine/runs/mapping/map_run.hpp"
 #include "engine/runs/sites/merge_runs.hpp"
-#include "engine/runs/tiles/tile_maker.hpp"
+#include "engine/runs/tiles/map_tiles.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/io/occupancy_map_file.hpp"
 #include "ring_run.hpp"
@@ -106,14 +106,6 @@ TEST(ChangedSite, HasWallsThatMostScansSawThrough) {
   EXPECT_GE(centres_of_what_is_new().size(), 5U);
 }
 
-TEST(ChangedSite, KeepsWhatIsNewWhereNothingIsErased) {
-  const test::RunsFolder folder("changed-erase");
-  EditRequest request = edit_of_site(folder);
-  request.erased = {rectangle_between({900.0, 900.0}, {901.0, 901.0})};
-  EXPECT_GT(edit_run(request).scans, 0U) << "its map is cast anew";
-  EXPECT_EQ(test::text_of_file(request.folder + "/map.pgm"), test::text_of_file(request.run + "/map.pgm"));
-}
-
 TEST(ChangedSite, KeepsWhatIsNewInAnotherFrame) {
   const test::RunsFolder folder("changed-turn");
   EditRequest request = edit_of_site(folder);
@@ -126,17 +118,6 @@ TEST(ChangedSite, KeepsWhatIsNewInAnotherFrame) {
     missing += has_wall_near(map, outcome.plan.T_edited_run * centre, 0.05) ? 0U : 1U;
   }
   EXPECT_EQ(missing, 0U) << "of " << centres.size();
-}
-
-TEST(ChangedSite, LosesWhatIsNewWhereItIsErased) {
-  const test::RunsFolder folder("changed-erase-new");
-  const std::vector<Point2> centres = centres_of_what_is_new();
-  ASSERT_FALSE(centres.empty());
-  EditRequest request = edit_of_site(folder);
-  const Point2 around(0.3, 0.3);
-  request.erased = {rectangle_between(centres.front() - around, centres.front() + around)};
-  EXPECT_GT(edit_run(request).readings, 0U);
-  EXPECT_FALSE(has_wall_near(RunReader(request.folder).map(), centres.front(), 0.2));
 }
 
 TEST(ChangedSite, HasTilesWithWhatIsNew) {

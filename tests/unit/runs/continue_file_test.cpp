@@ -47,19 +47,6 @@ class ContinueFileTest : public testing::Test {
   }
   [[nodiscard]] std::string file() const { return (folder_ / "continue.json").string(); }
   [[nodiscard]] KeptRequest read() const { return read_continue_file(file(), folder_.string()); }
-  // The message about a file with one member changed.
-  std::string fault_with(const std::function<void(nlohmann::ordered_json&)>& change) const {
-    write_continue_file(file(), unusual(0));
-    nlohmann::ordered_json json = nlohmann::ordered_json::parse(std::ifstream(file()));
-    change(json);
-    std::ofstream(file()) << json.dump();
-    try {
-      (void)read();
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "it is read";
-  }
 
   const fs::path folder_ = fs::temp_directory_path() / ("gdtslam-continue-" + std::to_string(::getpid()));
 };
@@ -91,30 +78,6 @@ TEST_F(ContinueFileTest, WhatIsKeptComesBack) {
     EXPECT_EQ(topics.mounts[0].topic, "/back");
     EXPECT_EQ(topics.mounts[0].T_base_laser, (Pose2{-0.25, 0.5, -3.0}));
     EXPECT_EQ(topics.mounts[1].T_base_laser, (Pose2{0.125, -0.5, 1.5}));
-  }
-}
-
-TEST_F(ContinueFileTest, WhatIsNotThereIsAsWithoutIt) {
-  KeptRequest kept;
-  kept.logs = {{"a.log", "/a.log", ""}};
-  write_continue_file(file(), kept);
-  const KeptRequest back = read();
-  EXPECT_EQ(back.request.range.count, ScanRange{}.count);
-  EXPECT_EQ(back.request.range.skip, 0U);
-  EXPECT_TRUE(back.request.settings.log.topics.scans.empty());
-}
-
-TEST_F(ContinueFileTest, AFileThatIsNoneIsRefused) {
-  EXPECT_EQ(fault_with([](auto&) {}), "it is read");
-  EXPECT_THAT(fault_with([](auto& json) { json["format"] = 1; }), HasSubstr("has format 1, and this program reads 2"));
-  EXPECT_THAT(fault_with([](auto& json) { json["logs"] = nlohmann::ordered_json::array(); }), HasSubstr("is empty"));
-  for (const char* config :
-       {"map.resolution: 900 m\n", "version: 1\nmap: {resolution: 900 m}\n", "version: 1\nmap: {x: 1}\n"}) {
-    EXPECT_THAT(fault_with([&](auto& json) { json["config_yaml"] = config; }), HasSubstr("; map the log again"));
-  }
-  for (const char* member : {"logs", "lenient", "skip", "linkage", "with_cloud", "with_map", "with_loops",
-                             "with_pictures", "topics", "config_yaml"}) {
-    EXPECT_NE(fault_with([&](auto& json) { json.erase(member); }), "it is read") << member;
   }
 }
 

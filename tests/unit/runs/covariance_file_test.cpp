@@ -1,5 +1,5 @@
 // covariance.csv: what is written comes back bit for bit, and what is no covariance is refused with its line.
-#include "engine/runs/loops/covariance_file.hpp"
+#include "engine/runs/loops/loop_files.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -22,15 +22,6 @@ class CovarianceFileTest : public testing::Test {
     std::ofstream(path_) << text;
     return read_covariances(path_);
   }
-  void expect_refused(const std::string& text, const std::string& fault) const {
-    try {
-      (void)read(text);
-      ADD_FAILURE() << text;
-    } catch (const InputError& error) {
-      EXPECT_NE(std::string(error.what()).find(fault), std::string::npos) << error.what();
-      EXPECT_EQ(std::string(error.what()).find(path_), 0U) << error.what();
-    }
-  }
 
   const std::string path_ =
       std::filesystem::temp_directory_path() / ("gdtslam-covariance-" + std::to_string(::getpid()) + ".csv");
@@ -50,22 +41,6 @@ TEST_F(CovarianceFileTest, GivesBackTheSameBits) {
     EXPECT_EQ(rows[i].stamp_s, trajectory[i].stamp_s);
     EXPECT_EQ(std::memcmp(&rows[i].covariance, &written[i], sizeof(PoseCovariance)), 0) << i;
   }
-}
-
-TEST_F(CovarianceFileTest, ReadsFilesOfOtherHosts) {
-  EXPECT_EQ(read("stamp_s,xx_m2,xy_m2,xt_m_rad,yy_m2,yt_m_rad,tt_rad2\r\n1,1,0,0,1,0,1\r\n").size(), 1U);
-}
-
-TEST_F(CovarianceFileTest, RefusesWhatIsNoCovariance) {
-  expect_refused("", "is empty");
-  expect_refused("1,1,0,0,1,0,1\n", ":1: has no header");
-  expect_refused(header_ + "1,1,0,0,1,0\n", ":2: the row has \"1,1,0,0,1,0\", not 7 numbers");
-  expect_refused(header_ + "1,1,0,0,1,0,1\n2,1,0,0,1,0,1,5\n", ":3: the row has");
-  expect_refused(header_ + "1,1,zero,0,1,0,1\n", "has \"1,1,zero,0,1,0,1\", not 7 numbers");
-  expect_refused(header_ + "1,inf,0,0,1,0,1\n", "not 7 numbers");
-  expect_refused(header_ + "1,1,0,0,1,0,-1\n", "has a variance below zero");
-  expect_refused(header_ + "1,1,2,0,1,0,1\n", "vary together by more than each of them varies");
-  expect_refused(header_ + "\n", "not 7 numbers");
 }
 
 }  // namespace

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "engine/runs/edits/map_region.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/random.hpp"
@@ -31,7 +30,7 @@ TEST(EditPlan, FollowsPointsThroughEveryFrame) {
   const std::vector<EditStep> steps{EraseEdit{{{{3, 1}, {4, 1}, {4, 2}}}},
                                     FrameEdit{.T_before_after = {2, 1, kQuarter}}, CropEdit{{-1, -1}, {5, 5}},
                                     FrameEdit{.T_before_after = {1, 0, -kQuarter}}};
-  const EditPlan plan = plan_of(steps);
+  const EditPlan plan = combine_steps(steps);
   ASSERT_TRUE(plan.has_other_frame);
   // (3, 1) is (0, -1) after the first, so one to the right of and one below (1, 0), whose x axis points down -y.
   expect_near(plan.erased.at(0).corners_m.at(0), {1.0, -1.0});
@@ -43,16 +42,16 @@ TEST(EditPlan, FollowsPointsThroughEveryFrame) {
 
 TEST(EditPlan, KeepsTheWorldWhereItIs) {
   GeoreferenceEdit world{{}, {.T_world_map = {1000, 2000, 0.3}}};
-  const EditPlan before = plan_of({world});
-  const EditPlan after = plan_of({FrameEdit{.T_before_after = {5, -2, 1.1}}, WorldFileEdit{}}, before);
+  const EditPlan before = combine_steps({world});
+  const EditPlan after = combine_steps({FrameEdit{.T_before_after = {5, -2, 1.1}}, WorldFileEdit{}}, before);
   ASSERT_TRUE(after.T_world_edited && after.with_world_file);
   const Point2 place{7.5, 3.25};
   expect_near(*after.T_world_edited * (after.T_edited_run * place), Pose2{1000, 2000, 0.3} * place);
 }
 
 TEST(EditPlan, AnOriginWhereItWasIsNoOtherFrame) {
-  EXPECT_FALSE(plan_of({FrameEdit{}}).has_other_frame);
-  EXPECT_TRUE(plan_of({FrameEdit{.T_before_after = {0, 0, 1e-9}}}).has_other_frame);
+  EXPECT_FALSE(combine_steps({FrameEdit{}}).has_other_frame);
+  EXPECT_TRUE(combine_steps({FrameEdit{.T_before_after = {0, 0, 1e-9}}}).has_other_frame);
 }
 
 // An L; and against the sum of the angles at which its sides are seen, which is a whole turn inside.
@@ -156,31 +155,6 @@ TEST(EditsFile, ReadsBackWhatItWrote) {
   EXPECT_EQ(edits_text(read, 17), text);
   EXPECT_EQ(std::get<FrameEdit>(read.steps[1]).T_before_after, (Pose2{0.1, -0.3, 1.0 / 3.0}));
   EXPECT_THAT(text, HasSubstr("\"readings_taken_out\": 17"));
-}
-
-TEST(EditsFile, RefusesWhatItDoesNotKnow) {
-  const auto refusal = [](const std::string& steps) -> std::string {
-    try {
-      (void)parse_edits(R"({"format": 1, "run": "r", "begins_at_s": 0, "steps": [)" + steps + "]}", "edits.json");
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
-  };
-  EXPECT_EQ(refusal(R"({"step": "world-file"})"), "");
-  EXPECT_THAT(refusal("7"), HasSubstr("'steps[0]' is not an object"));
-  EXPECT_THAT(refusal(R"({"step": "world-file"}, {"step": "paint"})"), HasSubstr("'steps[1].step' is \"paint\""));
-  EXPECT_THAT(refusal(R"({"step": "frame", "direction_by": "taste", "origin": [0, 0, 0]})"), HasSubstr("direction_by"));
-  EXPECT_THAT(refusal(R"({"step": "frame", "direction_by": "stated", "origin": [0, 0]})"),
-              HasSubstr("is not 3 numbers"));
-  EXPECT_THAT(refusal(R"({"step": "frame", "direction_by": "stated", "origin": [0, 0, 1e7]})"),
-              HasSubstr("is not 3 numbers from"));
-  EXPECT_THAT(refusal(R"({"step": "erase", "polygon": [[0, 0], [1, 1]]})"), HasSubstr("fewer than 3 corners"));
-  EXPECT_THAT(refusal(R"({"step": "crop", "low": [0, 0], "high": [1, 0]})"), HasSubstr("is not above 'low'"));
-  EXPECT_THAT(refusal(R"({"step": "georeference", "points": [{"map": [0, 0]}, {}]})"),
-              HasSubstr("has no 'steps[0].points[0].world'"));
-  EXPECT_THROW((void)parse_edits(R"({"format": 2, "run": "r", "begins_at_s": 0, "steps": []})", "e"), InputError);
-  EXPECT_THROW((void)parse_edits("[", "e"), InputError);
 }
 
 }  // namespace

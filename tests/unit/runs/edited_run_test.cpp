@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "engine/runs/edits/edit_steps.hpp"
-#include "engine/runs/edits/resolve_steps.hpp"
 #include "engine/runs/edits/source_run.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
@@ -23,7 +22,6 @@ namespace gdtslam {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::ordered_json;
 using test::ring_run;
 using testing::HasSubstr;
 
@@ -42,65 +40,6 @@ std::string edit_fault(const EditRequest& request) {
     return error.what();
   }
   return "nothing was thrown";
-}
-
-TEST(EditedRun, AStatedOriginTurnsAndShiftsAllOfIt) {
-  const test::RunsFolder folder("edit-origin");
-  EditRequest request = edit_into(folder);
-  request.origin = StatedOrigin{{1.0, -2.0, 0.5 * kPi}, true};
-  const EditOutcome outcome = edit_run(request);
-  EXPECT_EQ(outcome.readings, 0U);
-  EXPECT_EQ(outcome.scans, ring_run().truth.size());
-  EXPECT_FALSE(outcome.is_of_keyframes);
-  const Trajectory was = read_tum(ring_run().folder + "/trajectory.tum");
-  const Trajectory is = read_tum(request.folder + "/trajectory.tum");
-  ASSERT_EQ(is.size(), was.size());
-  for (std::size_t k = 0; k < is.size(); k += 17) {  // x grows to the left of the new axis
-    EXPECT_NEAR(is[k].T_map_base.x_m, was[k].T_map_base.y_m + 2.0, 2e-5);
-    EXPECT_NEAR(is[k].T_map_base.y_m, 1.0 - was[k].T_map_base.x_m, 2e-5);
-    EXPECT_NEAR(wrap_angle(is[k].T_map_base.theta_rad - was[k].T_map_base.theta_rad + 0.5 * kPi), 0.0, 2e-5);
-  }
-  const ordered_json report = ordered_json::parse(test::text_of_file(request.folder + "/report.json"));
-  EXPECT_EQ(report.at("edited").at("run"), request.run);
-  EXPECT_NEAR(report.at("edited").at("T_edited_run").at(0).get<double>(), 2.0, 1e-9);
-  EXPECT_NEAR(report.at("edited").at("T_edited_run").at(1).get<double>(), 1.0, 1e-9);
-  EXPECT_NEAR(report.at("edited").at("T_edited_run").at(2).get<double>(), -0.5 * kPi, 1e-9);
-  // Turned by a quarter the map is as high as it was wide, but for what a cell rounds.
-  const OccupancyMap old_map = RunReader(ring_run().folder).map();
-  const OccupancyMap new_map = RunReader(request.folder).map();
-  EXPECT_NEAR(new_map.geometry.width, old_map.geometry.height, 2);
-  EXPECT_NEAR(new_map.geometry.height, old_map.geometry.width, 2);
-  for (const StampedPose& pose : is)
-    EXPECT_EQ(new_map.at(new_map.geometry.cell_at(pose.T_map_base.translation())), CellState::kFree);
-  const SourceRun edited = read_source_run(request.folder);
-  ASSERT_TRUE(edited.earlier);
-  EXPECT_EQ(edited.earlier->begins_at_s, 1000.0);
-  EXPECT_FALSE(fs::exists(request.folder + "/continue.json")) << "its log has no place in it";
-  EXPECT_THAT(outcome.edits, HasSubstr("\"readings"));
-}
-
-TEST(EditedRun, TheSameStepsAgainGiveTheSameBytes) {
-  const test::RunsFolder folder("edit-again");
-  EditRequest request = edit_into(folder, "first");
-  request.origin = StatedOrigin{{0.5, 0.25, 0.3}, true};
-  static_cast<void>(edit_run(request));
-  EditRequest again = edit_into(folder, "second");
-  again.again = request.folder + "/edits.json";
-  EXPECT_EQ(edit_run(again).steps.size(), 1U);
-  for (const char* name : {"trajectory.tum", "map.pgm", "gdt.png", "covariance.csv", "graph.g2o"}) {
-    EXPECT_EQ(test::text_of_file(folder.path("first/") + name), test::text_of_file(folder.path("second/") + name))
-        << name;
-  }
-  again.run = request.folder;
-  again.folder = folder.path("third");
-  EXPECT_THAT(edit_fault(again), HasSubstr("was edited already: --again takes the run before its edits"));
-  std::string text = test::text_of_file(folder.path("first/edits.json"));
-  const std::size_t at = text.find("1000");
-  ASSERT_NE(at, std::string::npos);
-  std::ofstream(folder.path("other.json")) << text.replace(at, 4, "1001");
-  again = edit_into(folder, "fourth");
-  again.again = folder.path("other.json");
-  EXPECT_THAT(edit_fault(again), HasSubstr("is of a run that begins at 1001.000 s"));
 }
 
 TEST(EditedRun, ACropLeavesTheCellsWithinAndNoOther) {
@@ -196,79 +135,6 @@ TEST(EditedRun, PointsOfTheWorldAndAPictureForAGis) {
   request.with_world_file = true;
   EXPECT_THAT(edit_fault(request), HasSubstr("holds a map.png that no run wrote"));
   EXPECT_EQ(test::text_of_file(folder.path("foreign/map.png")), "mine");
-}
-
-// The walls of the corridor and the drive's first heading are both turned by 0.21 rad: in the map they lie along x.
-TEST(EditedRun, AlongItsWalls) {
-  const test::RunsFolder folder("edit-walls");
-  EditRequest request = edit_into(folder, "turned");
-  request.origin = StatedOrigin{{0.0, 0.0, -0.3}, true};
-  static_cast<void>(edit_run(request));
-  request = edit_into(folder);
-  request.run = folder.path("turned");  // in whose frame walls run at 0.3 rad
-  request.along_walls = true;
-  const EditOutcome outcome = edit_run(request);
-  EXPECT_NEAR(outcome.plan.T_edited_run.theta_rad, -0.3, 0.01) << "beside the first step";
-  EXPECT_TRUE(outcome.is_of_keyframes) << "what was edited names no log";
-  const Trajectory is = read_tum(request.folder + "/trajectory.tum");
-  EXPECT_NEAR(is[20].T_map_base.theta_rad, 0.0, 0.01);
-}
-
-TEST(EditedRun, StepsThatMakeNoSenseTogether) {
-  const test::RunsFolder folder("edit-faults");
-  EXPECT_THAT(edit_fault(edit_into(folder)), HasSubstr("nothing is to be done: name a step"));
-  EditRequest request = edit_into(folder);
-  request.along_walls = true;
-  request.north_up = true;
-  EXPECT_THAT(edit_fault(request), HasSubstr("give one of them"));
-  request.north_up = false;
-  request.origin = StatedOrigin{{0.0, 0.0, 0.1}, true};
-  EXPECT_THAT(edit_fault(request), HasSubstr("its THETA turns the map, and so does --rotate-to-walls"));
-  request.along_walls = false;
-  request.north_up = true;
-  EXPECT_THAT(edit_fault(request), HasSubstr("its THETA turns the map, and so does --north-up"));
-  request = edit_into(folder);
-  request.folder = request.run;
-  request.origin = StatedOrigin{{0.0, 0.0, 0.1}, true};
-  EXPECT_THAT(edit_fault(request), HasSubstr("is the run itself"));
-  // The first scan lies in the origin, so these put it 10 km away and one metre beyond.
-  request = edit_into(folder);
-  request.origin = StatedOrigin{{10040.0, 0.0, 0.0}, false};
-  EXPECT_THAT(edit_fault(request), HasSubstr("m from its origin, and 10000 m is the most"));
-  request.origin = StatedOrigin{{0.0, 10040.0, 0.0}, false};
-  EXPECT_THAT(edit_fault(request), HasSubstr("m from its origin, and 10000 m is the most"));
-  EXPECT_FALSE(fs::exists(request.folder));
-}
-
-// Of a run that went farther than a map may be moved what the edit does counts, not where the run is.
-TEST(EditedRun, ARunThatGoesFarMayBeEdited) {
-  const test::RunsFolder folder("edit-far");
-  SourceRun run = read_source_run(ring_run().folder);
-  move_to_frame({15000.0, 2000.0, 0.0}, run);
-  EditRequest request = edit_into(folder);
-  request.crop = RegionBounds{{14990.0, 1990.0}, {15010.0, 2010.0}};
-  EXPECT_EQ(resolved_steps(request, run).size(), 1U);
-  request.origin = StatedOrigin{{0.0, 0.0, 0.5}, true};
-  EXPECT_EQ(resolved_steps(request, run).size(), 2U) << "turned it is as far as before";
-  request.origin = StatedOrigin{{3000.0, 0.0, 0.0}, false};
-  EXPECT_EQ(resolved_steps(request, run).size(), 2U) << "it comes nearer";
-  request.origin = StatedOrigin{{-100.0, 0.0, 0.0}, false};
-  EXPECT_THROW(static_cast<void>(resolved_steps(request, run)), UsageError);
-}
-
-TEST(EditedRun, AStopLeavesNothing) {
-  const test::RunsFolder folder("edit-stop");
-  EditRequest request = edit_into(folder);
-  request.origin = StatedOrigin{{0.0, 1.0, 0.0}, false};
-  std::vector<std::string> steps;
-  request.progress = [&](std::string_view step, double share) {
-    EXPECT_GE(share, 0.0);
-    EXPECT_LE(share, 1.0);
-    steps.emplace_back(step);
-  };
-  request.stop = [&] { return steps.size() > 3; };
-  EXPECT_THAT(edit_fault(request), HasSubstr("interrupted; nothing was written"));
-  EXPECT_FALSE(fs::exists(request.folder + "/report.json"));
 }
 
 }  // namespace

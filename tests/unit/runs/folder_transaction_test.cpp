@@ -117,16 +117,6 @@ TEST_F(FolderTransactionTest, TheModeOfTheOldFolderStays) {
   EXPECT_EQ(fs::status(run_).permissions(), fs::perms::owner_all);
 }
 
-TEST_F(FolderTransactionTest, OneWriterAtATime) {
-  fs::create_directories(run_);
-  {
-    const FolderTransaction first(run_.string());
-    EXPECT_THAT(fault_of_folder([&] { const FolderTransaction second((run_ / "").string()); }),
-                HasSubstr("another process is writing to '" + run_.string()));
-  }
-  EXPECT_NO_THROW(FolderTransaction(run_.string()));
-}
-
 TEST_F(FolderTransactionTest, WhatCannotBeExchangedIsRefused) {
   EXPECT_THAT(fault_of_folder([] { const FolderTransaction made("."); }), HasSubstr("is the working folder"));
   EXPECT_THAT(fault_of_folder([] { const FolderTransaction made("/proc"); }), HasSubstr("is a mount point"));
@@ -134,20 +124,6 @@ TEST_F(FolderTransactionTest, WhatCannotBeExchangedIsRefused) {
   EXPECT_THAT(fault_of_folder([&] { const FolderTransaction made((base_ / "file").string()); }),
               HasSubstr("Not a directory"));
   EXPECT_EQ(text_in(base_ / "file"), "mine");
-}
-
-TEST_F(FolderTransactionTest, WhatAKilledProcessLeftGoesButForTheLogOfAStream) {
-  fs::create_directories(staging_ / "tiles");
-  write_text(staging_ / "map.pgm", "half");
-  write_text(staging_ / "log-1.jsonl.zst", "a drive");
-  write_text(base_ / "run-left-1.jsonl.zst", "an earlier drive");
-  RunFolder run(run_.string());
-  EXPECT_THAT(run.left_logs(), ElementsAre(run_.string() + "-left-2.jsonl.zst"));
-  EXPECT_EQ(text_in(run.left_logs().front()), "a drive");
-  EXPECT_EQ(text_in(base_ / "run-left-1.jsonl.zst"), "an earlier drive");
-  EXPECT_THAT(names_in(staging_), IsEmpty());
-  write_text(run.staged("log-1.jsonl.zst"), "this drive");
-  EXPECT_EQ(text_in(run.keep_log("log-1.jsonl.zst")), "this drive");
 }
 
 TEST_F(FolderTransactionTest, ARunReplacesARunAndNothingElse) {

@@ -1,5 +1,4 @@
 // Scans found and followed in the map of a run whose poses are known.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,11 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/runs/localizer/drive.hpp"
-#include "engine/runs/localizer/drive_changes.hpp"
-#include "engine/runs/localizer/fit_limit.hpp"
-#include "engine/runs/localizer/scans.hpp"
-#include "engine/runs/localizer/tables.hpp"
+#include "engine/runs/localizer/localize_log.hpp"
+#include "engine/runs/localizer/map_field.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "ring_run.hpp"
@@ -21,23 +17,10 @@ namespace gdtslam {
 namespace {
 
 using test::ring_run;
-using testing::HasSubstr;
 
 class FollowedRun : public testing::Test {
  protected:
   FollowedRun() { job_.log = ring_run().log; }
-  [[nodiscard]] Localized localized() {
-    return localize_scans(
-        job_, localizer_, [](std::uint64_t, double) {}, [] { return false; });
-  }
-  [[nodiscard]] std::string localize_fault() {
-    try {
-      static_cast<void>(localized());
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "nothing was thrown";
-  }
 
   const std::unique_ptr<Backend> cpu_ = make_cpu_backend({});
   const MapperConfig config_;
@@ -45,52 +28,6 @@ class FollowedRun : public testing::Test {
   Localizer localizer_{ring_run().folder, config_, limits_, *cpu_};
   LocalizeJob job_;
 };
-
-TEST_F(FollowedRun, ScansAreFoundWhereTheyWere) {
-  job_.choice = {.first = 5, .every = 90};
-  const Localized found = localized();
-  const std::size_t scans = ring_run().truth.size();
-  ASSERT_EQ(found.scans.size(), (scans - 5 + 89) / 90);
-  EXPECT_FALSE(found.nods);
-  for (std::size_t k = 0; k < found.scans.size(); ++k) {
-    const LocalizedScan& scan = found.scans[k];
-    EXPECT_EQ(scan.index, 5 + 90 * k);
-    ASSERT_TRUE(scan.best) << k;
-    EXPECT_EQ(scan.verdict, Verdict::kFound);
-    const Pose2& truth = ring_run().truth[scan.index];
-    EXPECT_LT((scan.best->T_map_base.translation() - truth.translation()).norm(), 0.15);
-  }
-}
-
-TEST_F(FollowedRun, ScansAreChosenAsAsked) {
-  job_.choice = {.first = 7};
-  ASSERT_EQ(localized().scans.size(), 1U);
-  EXPECT_EQ(localized().scans[0].index, 7U);
-  job_.choice = {.first = 7, .every = 20};
-  const Localized chosen = localized();
-  ASSERT_GT(chosen.scans.size(), 8U) << "more than a batch of one thread";
-  job_.threads = 2;
-  const Localized by_threads = localized();
-  ASSERT_EQ(by_threads.scans.size(), chosen.scans.size());
-  for (std::size_t k = 0; k < chosen.scans.size(); ++k) {
-    EXPECT_EQ(chosen.scans[k].index, 7 + 20 * k);
-    EXPECT_EQ(by_threads.scans[k].index, chosen.scans[k].index);
-    EXPECT_EQ(by_threads.scans[k].best->T_map_base, chosen.scans[k].best->T_map_base);
-  }
-  job_.choice = {.first = 100'000};
-  EXPECT_THAT(localize_fault(),
-              HasSubstr("has no scan 100000: " + std::to_string(ring_run().truth.size()) + " were read"));
-}
-
-TEST_F(FollowedRun, ScansInHandAreFinishedWhenItIsStopped) {
-  job_.choice = {.every = 1};
-  int asked = 0;
-  const Localized part = localize_scans(
-      job_, localizer_, [](std::uint64_t, double) {}, [&] { return ++asked > 12; });
-  EXPECT_TRUE(part.interrupted);
-  EXPECT_LT(part.scans.size(), 12U);
-  for (std::size_t k = 0; k < part.scans.size(); ++k) EXPECT_EQ(part.scans[k].index, k);
-}
 
 TEST_F(FollowedRun, ADriveIsFollowedToItsEnd) {
   job_.choice.first = 3;
@@ -128,50 +65,22 @@ TEST_F(FollowedRun, ADriveIsFollowedToItsEnd) {
   EXPECT_TRUE(changes.found().empty()) << "the run saw the same";
 }
 
-TEST_F(FollowedRun, ADriveThatIsStoppedOrEmpty) {
-  int asked = 0;
-  const TrackedDrive drive = track_drive(
-      job_, localizer_, config_, *cpu_, [](std::uint64_t, double) {}, [&] { return ++asked > 4; });
-  EXPECT_TRUE(drive.interrupted);
-  EXPECT_EQ(drive.followed, 4U);
-  job_.choice.first = 100'000;
-  try {
-    track_drive(
-        job_, localizer_, config_, *cpu_, [](std::uint64_t, double) {}, [] { return false; });
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("has no scan 100000"));
-  }
-}
-
 // Whole cells round the scan and the map: two of them are a good fit however well the run's own scans fit.
 TEST(FitLimit, IsTwoCellsAtLeast) {
   std::vector<double> own_m;
   for (int k = 100; k >= 0; --k) own_m.push_back(0.001 * k);
-  const FitLimit fine = fit_limit_of(own_m, 0.01);
+  const FitLimit fine = make_fit_limit(own_m, 0.01);
   EXPECT_EQ(fine.source, FitLimit::Source::kRun);
   EXPECT_DOUBLE_EQ(fine.distance_m, 0.099);
   EXPECT_DOUBLE_EQ(fine.usual_m, 0.050);
-  const FitLimit coarse = fit_limit_of(own_m, 0.06);
+  const FitLimit coarse = make_fit_limit(own_m, 0.06);
   EXPECT_EQ(coarse.source, FitLimit::Source::kResolution);
   EXPECT_DOUBLE_EQ(coarse.distance_m, 0.12);
   EXPECT_DOUBLE_EQ(coarse.usual_m, 0.050) << "however coarse the cells are";
-  const FitLimit alone = fit_limit_of({}, 0.03);
+  const FitLimit alone = make_fit_limit({}, 0.03);
   EXPECT_EQ(alone.source, FitLimit::Source::kResolution);
   EXPECT_EQ(alone.distance_m, 0.06);
   EXPECT_EQ(alone.usual_m, 0.03);
-}
-
-TEST(FitLimit, IsThatOfTheScansInTheFinishedMap) {
-  const std::string& folder = ring_run().folder;
-  const auto cpu = make_cpu_backend({});
-  const Localizer in_run(folder, MapperConfig{}, {}, *cpu);
-  const Localizer in_field(folder + "/gdt.yaml", MapperConfig{}, {}, *cpu);
-  EXPECT_GT(in_run.good_fit().usual_m, 0.0);
-  EXPECT_LT(in_run.good_fit().usual_m, 0.025) << "walls without noise, rounded to cells of 25 mm";
-  EXPECT_EQ(in_run.good_fit().usual_m, in_field.good_fit().usual_m);
-  EXPECT_EQ(run_folder_of(folder + "/gdt.yaml"), folder);
-  EXPECT_EQ(run_folder_of("/gdtslam/nowhere/gdt.yaml"), std::nullopt);
 }
 
 TEST(DriveChanges, TheTableOfChangesHasCentresAndPlaces) {

@@ -1,5 +1,5 @@
 // graph.g2o: read back word for word, information as weights make it.
-#include "engine/runs/loops/graph_file.hpp"
+#include "engine/runs/loops/loop_files.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -99,8 +99,6 @@ TEST(GraphFile, RefusesWhatIsNoGraphWithItsLine) {
   }
   EXPECT_THROW((void)read_graph("/nowhere/graph.g2o"), FileError);
 }
-
-TEST(GraphFile, IsEmptyWithoutPlaces) { EXPECT_EQ(graph_text({}), ""); }
 
 }  // namespace
 }  // namespace gdtslam

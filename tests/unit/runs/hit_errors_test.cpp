@@ -121,14 +121,6 @@ TEST_F(HitErrorsTest, StampsOfABeamAgreeToAMicrosecond) {
   EXPECT_EQ(errors.distances.max_m(), 0.0);
 }
 
-TEST_F(HitErrorsTest, ScansMustNotGoBack) {
-  write_hits(std::vector<HitRow>{{1.0, 0.0, 0.0, 1.0, 1.0, 1}, {1.0, 0.0, 0.0, 2.0, 1.0, 2}});
-  write_cloud({point(1.0F, 0.0F, 0.0F, 2.0, 2), point(1.0F, 0.0F, 0.0F, 1.0, 1)});
-  EXPECT_THAT(fault(), HasSubstr("cloud.ply: is not in the order of its scans"));
-  write_cloud({point(1.0F, 0.0F, 0.0F, 1.0, 1), point(1.0F, 0.0F, 0.0F, 1.0, 1), point(1.0F, 0.0F, 0.0F, 2.0, 2)});
-  EXPECT_EQ(hit_errors(job_).distances.count(), 3U);
-}
-
 // At a range of 0 only the range's step and the lever are left of the bound; it grows with the range by steps of 10 cm,
 // rounded up (calib::quantisation_bound_m, which has tests of its own).
 TEST_F(HitErrorsTest, DistancesAgainstTheBoundAtTheirRange) {
@@ -152,22 +144,6 @@ TEST_F(HitErrorsTest, DistancesAgainstTheBoundAtTheirRange) {
   EXPECT_DOUBLE_EQ(hit_errors(job_).bound->largest_bound_m, bound_m(3000.0));
 }
 
-TEST_F(HitErrorsTest, ProgressIsTheShareOfTheCloudAndAStopEndsIt) {
-  write_hits(std::vector<HitRow>{{0.0, 0.0, 0.0, 1.0, 1.0, 0}});
-  write_cloud(Cloud(131072, point(0.0F, 0.0F, 0.0F, 1.0, 0)));
-  std::vector<double> shares;
-  job_.progress = [&](std::uint64_t points, double share) {
-    EXPECT_DOUBLE_EQ(share, static_cast<double>(points) / 131072.0);
-    shares.push_back(share);
-  };
-  EXPECT_EQ(hit_errors(job_).distances.count(), 131072U);
-  EXPECT_EQ(shares, (std::vector<double>{0.5, 1.0}));
-  job_.stop = [] { return true; };
-  const HitErrors errors = hit_errors(job_);
-  EXPECT_TRUE(errors.interrupted);
-  EXPECT_EQ(errors.distances.count(), 65536U);
-}
-
 TEST_F(HitErrorsTest, FilesThatDoNotBelongTogether) {
   write_hits(std::vector<HitRow>{{0.0, 0.0, 0.0, 1.0, 1.0, 0}});
   write_cloud({point(0.0F, 0.0F, 0.0F, 7.0, 0)});
@@ -180,42 +156,6 @@ TEST_F(HitErrorsTest, FilesThatDoNotBelongTogether) {
   std::ofstream(job_.cloud) << "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
                                "property float z\nproperty uint scan\nend_header\n0 0 0 1\n";
   EXPECT_THAT(fault(), HasSubstr("does not tell scan and time of its points"));
-}
-
-TEST_F(HitErrorsTest, HitsThatAreCutOrNone) {
-  write_cloud({point(0.0F, 0.0F, 0.0F, 1.0, 0)});
-  EXPECT_THAT(fault(), HasSubstr("hits.ply: cannot be opened"));
-  const std::vector<HitRow> rows{{0.0, 0.0, 0.0, 1.0, 1.0, 0}, {0.0, 0.0, 0.0, 2.0, 1.0, 1}};
-  write_hits(header_for("2") + bytes_of(rows).substr(0, 119));
-  EXPECT_THAT(fault(), HasSubstr("has 119 bytes of hits where its 2 take 60 each; was it cut off?"));
-  write_hits(header_for("3") + bytes_of(rows));
-  EXPECT_THAT(fault(), HasSubstr("has 120 bytes of hits where its 3 take 60 each"));
-  write_hits(header_for("2") + bytes_of(rows) + "x");
-  EXPECT_THAT(fault(), HasSubstr("has 121 bytes of hits"));
-  write_hits(header_for("2x") + bytes_of(rows));
-  EXPECT_THAT(fault(), HasSubstr("hits.ply:4: is no file of true hits"));
-  write_hits(header_for("two") + bytes_of(rows));
-  EXPECT_THAT(fault(), HasSubstr("hits.ply:4: is no file of true hits"));
-  write_hits(std::string("ply\nformat ascii 1.0\n"));
-  EXPECT_THAT(fault(), HasSubstr("hits.ply:2: is no file of true hits"));
-  write_hits(std::string("ply"));
-  EXPECT_THAT(fault(), HasSubstr("hits.ply:1: is no file of true hits"));
-  write_hits(header_for("2").substr(0, 60));
-  EXPECT_THAT(fault(), HasSubstr("hits.ply:3: is no file of true hits"));
-}
-
-TEST_F(HitErrorsTest, ValuesThatAreNoneAreNamedByTheirRow) {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  const HitRow good{0.0, 0.0, 0.0, 1.0, 0.0, 0};
-  write_cloud({point(0.0F, 0.0F, 0.0F, 1.0, 0)});
-  write_hits({good});
-  EXPECT_EQ(fault(), "nothing was thrown") << "a range of zero is one";
-  for (const HitRow& bad : {HitRow{nan, 0.0, 0.0, 1.0, 1.0, 0}, HitRow{0.0, 0.0, -HUGE_VAL, 1.0, 1.0, 0},
-                            HitRow{0.0, 0.0, 0.0, HUGE_VAL, 1.0, 0}, HitRow{0.0, 0.0, 0.0, 1.0, nan, 0},
-                            HitRow{0.0, 0.0, 0.0, 1.0, -1e-9, 0}}) {
-    write_hits({good, bad});
-    EXPECT_THAT(fault(), HasSubstr("hits.ply: hit 2 has a value that is not finite"));
-  }
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // Which scans of several lasers are one observation: expected values follow from the stamps of lasers with steady
 // rates.
-#include "engine/runs/streams/observation.hpp"
+#include "engine/runs/streams/scan_stream.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -88,13 +88,6 @@ TEST(ObservationCollector, ASlowLaserJoinsAFastOne) {
     if (k % 4 == 3) scans.push_back({0.025 * k + 0.012, 1});
   }
   EXPECT_THAT(observations(scans), ElementsAre("0", "0", "0", "0", "10", "0", "0", "01", "0", "0", "0", "01"));
-}
-
-TEST(ObservationCollector, APauseEndsAnObservation) {
-  std::vector<Fired> scans = steady({0.0, 0.05}, 2);
-  scans.push_back({5.0, 0});
-  scans.push_back({5.05, 1});
-  EXPECT_THAT(observations(scans), ElementsAre("0", "10", "1", "01"));
 }
 
 // A column of numbers that never repeat, taken for lasers.

@@ -21,9 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-// printf one | sha256sum
-constexpr const char* kHashOfOne = "7692c3ad3540bb803c020b3aee66cd8887123234ea0c6e7143c0add73ff431ed";
-
 class RunFilesTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -53,40 +50,9 @@ class RunFilesTest : public testing::Test {
     }
     return "nothing was thrown";
   }
-  [[nodiscard]] std::string fault_of_one() const {
-    return fault_of([this] { (void)RunFiles(folder_.string()).checked("a.txt"); });
-  }
 
   const fs::path folder_ = fs::temp_directory_path() / ("gdtslam-run-files-" + std::to_string(::getpid())) / "run";
 };
-
-TEST_F(RunFilesTest, TheReportHasNameBytesAndHashOfEachFile) {
-  const nlohmann::ordered_json files = read_json(path("report.json"), kMostReportBytes).at("files");
-  ASSERT_EQ(files.size(), 2U) << files;
-  EXPECT_EQ(files[0], (nlohmann::ordered_json{"a.txt", 3, kHashOfOne}));
-  EXPECT_EQ(files[1].at(0), "b.txt");
-  const RunFiles run(folder_.string());
-  EXPECT_TRUE(run.is_told() && run.has("a.txt") && !run.has("c.txt"));
-  EXPECT_EQ(run.checked("a.txt"), path("a.txt"));
-  EXPECT_EQ(run.sha256("a.txt"), kHashOfOne);
-}
-
-TEST_F(RunFilesTest, AnotherFileIsRefused) {
-  write("a.txt", "onE");
-  EXPECT_THAT(fault_of_one(), HasSubstr(path("a.txt") +
-                                        ": has another SHA-256 than report.json names: not of one run; "
-                                        "map the log again: gdtslam map LOG -o " +
-                                        folder_.string()));
-  write("a.txt", "on");
-  EXPECT_THAT(fault_of_one(), HasSubstr("has 2 bytes, but report.json names 3: not of one run"));
-  fs::remove(path("a.txt"));
-  EXPECT_THAT(fault_of_one(), HasSubstr("a.txt: is missing in this run; map the log again"));
-  fs::create_directory(path("a.txt"));
-  EXPECT_THAT(fault_of_one(), HasSubstr("a.txt: is missing in this run"));
-  write("c.txt", "one");
-  EXPECT_THAT(fault_of([this] { (void)RunFiles(folder_.string()).checked("c.txt"); }),
-              HasSubstr("c.txt: is none of the files that report.json names"));
-}
 
 TEST_F(RunFilesTest, ARunThatIsReplacedWhileItIsReadIsRefusedWhateverCameOfIt) {
   const char* const replaced = "was changed or replaced while it was read; run the command again";
@@ -102,25 +68,6 @@ TEST_F(RunFilesTest, ARunThatIsReplacedWhileItIsReadIsRefusedWhateverCameOfIt) {
   EXPECT_THAT(fault_of([&] { (void)run.report(); }), HasSubstr(replaced));
   EXPECT_THAT(fault_of([&] { (void)run.checked("b.txt"); }), HasSubstr(replaced))
       << "a file of the new run against the report of the old one";
-}
-
-TEST_F(RunFilesTest, FilesOfOlderVersionsAreTakenAsTheyAre) {
-  write("report.json", R"({"format": 1, "map_sha256": ""})");
-  write("a.txt", "anything");
-  const RunFiles run(folder_.string());
-  EXPECT_FALSE(run.is_told());
-  EXPECT_EQ(run.checked("a.txt"), path("a.txt"));
-  write("c.txt", "one");
-  EXPECT_TRUE(run.has("c.txt"));
-  EXPECT_EQ(run.sha256("c.txt"), kHashOfOne);
-  EXPECT_THAT(fault_of([&] { (void)run.checked("d.txt"); }), HasSubstr("is missing in this run"));
-}
-
-TEST_F(RunFilesTest, AListThatIsNone) {
-  for (const char* files : {"7", "[7]", "[[\"a.txt\", 3]]", "[[\"a.txt\", \"3\", \"\"]]", "[[3, 3, \"\"]]"}) {
-    write("report.json", std::string(R"({"format": 1, "map_sha256": "", "files": )") + files + "}");
-    EXPECT_THAT(fault_of_one(), HasSubstr("'files' is not a list")) << files;
-  }
 }
 
 TEST_F(RunFilesTest, AFolderOfTilesOfSomebodyElseIsNotReplaced) {

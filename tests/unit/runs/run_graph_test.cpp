@@ -1,5 +1,5 @@
 // The graph of a run out of its two files: of a robot that stood still, and of files that do not belong together.
-#include "engine/runs/folder/run_graph.hpp"
+#include "engine/runs/folder/run_reader.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -24,7 +24,6 @@ namespace {
 
 using test::ring_run;
 using testing::HasSubstr;
-using testing::Not;
 
 /// The lines of graph.g2o by their kind.
 struct GraphText {
@@ -88,38 +87,6 @@ TEST(RunGraphFiles, OfARobotThatStoodStillAreOnePlaceWithoutSteps) {
 
 TEST(RunGraphFiles, UnchangedAreRead) {
   EXPECT_EQ(refusal_of_graph([](GraphText&) {}), "");
-}
-
-TEST(RunGraphFiles, OfASiteHaveNoPathAndNoLogToMapAgain) {
-  const test::RunsFolder folder("site-graph");
-  const std::string copy = folder.path("site");
-  std::filesystem::copy(ring_run().folder, copy, std::filesystem::copy_options::recursive);
-  nlohmann::ordered_json report = nlohmann::ordered_json::parse(test::text_of_file(copy + "/report.json"));
-  report["drives"] = {5};
-  std::ofstream(copy + "/report.json", std::ios::binary) << report.dump(2) << '\n';
-  try {
-    read_run_graph(RunReader(copy));
-    ADD_FAILURE() << "it is read";
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("graph.g2o: is of a site, whose drives do not make up one path"));
-    EXPECT_THAT(error.what(), Not(HasSubstr("map the log again")));
-  }
-}
-
-TEST(RunGraphFiles, WithoutPlacesOrWithPlacesOfOtherScansAreRefused) {
-  EXPECT_THAT(refusal_of_graph([](GraphText& text) { text.vertices.clear(); }), HasSubstr("has no places"));
-  EXPECT_THAT(refusal_of_graph([](GraphText& text) { std::swap(text.vertices[2], text.vertices[3]); }),
-              HasSubstr("or not in the order of the path"));
-  EXPECT_THAT(refusal_of_graph([](GraphText& text) { text.vertices[3] = text.vertices[2]; }),
-              HasSubstr("or not in the order of the path"));
-  const std::size_t scans = ring_run().truth.size();
-  const auto with_last_place = [](std::size_t scan) {
-    return refusal_of_graph(
-        [scan](GraphText& text) { text.vertices.push_back(fmt::format("VERTEX_SE2 {} 0 0 0", scan)); });
-  };
-  EXPECT_THAT(with_last_place(scans), HasSubstr(fmt::format("has vertex {} of {} scans", scans, scans)));
-  // The last scan may be a place, but then a step leads to it.
-  EXPECT_THAT(with_last_place(scans - 1), HasSubstr("has no edge from one of its places to the next"));
 }
 
 TEST(RunGraphFiles, WithOtherEdgesThanTheReportTellsOfAreRefused) {

@@ -88,34 +88,12 @@ TEST_F(RunReaderTest, ReadsWhatARunHolds) {
   EXPECT_EQ(run.linkage().value().name, "paper-a");
 }
 
-// A run of map --no-map.
-TEST_F(RunReaderTest, ARunWithoutAMapHasNone) {
-  EXPECT_TRUE(reader().summary().map.has_value());
-  edit("\"map\": {", "\"xmap\": {");
-  EXPECT_FALSE(reader().summary().map.has_value());
-}
-
 TEST_F(RunReaderTest, RunsOfEarlierVersionsDoWithoutKeyframesAndLinkage) {
   edit(", \"keyframe_scans\": [0]", "");
   fs::remove(path("linkage.yaml"));
   EXPECT_TRUE(reader().summary().keyframes.empty());
   EXPECT_FALSE(reader().keyframes().has_value());
   EXPECT_FALSE(reader().linkage().has_value());
-}
-
-TEST_F(RunReaderTest, TellsALaserThatTiltsFromALinkage) {
-  EXPECT_FALSE(reader().summary().tilts);  // a report of an older version does not say
-  edit("\"linkage\": \"paper-a\"", "\"told_by\": \"ENCODER\"");
-  EXPECT_FALSE(reader().summary().tilts);
-  edit("\"linkage\": \"paper-a\"", "\"told_by\": \"TILT\"");
-  EXPECT_TRUE(reader().summary().tilts);
-  edit("{\"linkage\": \"paper-a\"}", "[]");
-  expect_refused([this] { reader(); }, path("report.json"), "'nodding' is not an object");
-}
-
-TEST_F(RunReaderTest, ARunWithoutACloudHasNone) {
-  edit("\"cloud_points\": 1", "\"cloud_points\": 0");
-  EXPECT_FALSE(reader().cloud_file().has_value());
 }
 
 TEST_F(RunReaderTest, CovariancesAreThoseOfTheTrajectory) {
@@ -126,56 +104,6 @@ TEST_F(RunReaderTest, CovariancesAreThoseOfTheTrajectory) {
   EXPECT_EQ(reader().covariances().value().at(1).xx, 0.25);
   write("covariance.csv", header + rows);
   expect_refused([this] { (void)reader().covariances(); }, path("covariance.csv"), "has 2 rows");
-  write("covariance.csv", header + rows + "4.000000000,1,0,0,1,0,1\n");
-  expect_refused([this] { (void)reader().covariances(); }, path("covariance.csv"), "row 3 is of 4 s");
-}
-
-TEST_F(RunReaderTest, ReportsThatCannotBeUsed) {
-  const auto refused = [this](const std::string& fault) {
-    expect_refused([this] { reader(); }, path("report.json"), fault);
-    expect_refused([this] { reader(); }, path("report.json"),
-                   "map the log again: gdtslam map LOG -o " + folder_.string());
-  };
-  const std::pair<const char*, const char*> edits[]{{"\"scans\": 3", "'scans'"},
-                                                    {"\"matched\": 2", "'matched'"},
-                                                    {"\"keyframes\": 1", "'keyframes'"},
-                                                    {"\"path_m\": 1.5", "'path_m'"},
-                                                    {"\"log\": [", "'log'"},
-                                                    {"\"doubtful_scans\": [", "'doubtful_scans'"},
-                                                    {"\"map_sha256\": ", "'map_sha256'"},
-                                                    {"\"cloud_points\": 1", "'cloud_points'"}};
-  for (const auto& [member, name] : edits) {
-    edit(member, "\"x" + std::string(member).substr(1));
-    refused("has no " + std::string(name));
-  }
-  edit("\"scans\": 3", "\"scans\": -3");
-  refused("'scans' is not a whole number");
-  edit("\"scans\": 3", "\"scans\": \"three\"");
-  refused("'scans' is not a whole number");
-  edit("\"path_m\": 1.5", "\"path_m\": null");
-  refused("'path_m' is not a number");
-  edit("[\"../data/drive.log.gz\"]", "[]");
-  refused("'log' is empty");
-  edit("[\"../data/drive.log.gz\"]", "[7]");
-  refused("'log' is not a list of texts");
-  edit("\"index\": 2", "\"index\": 3");
-  refused("'doubtful_scans' names a scan that is none of its 3");
-  edit("\"keyframe_scans\": [0]", "\"keyframe_scans\": [99999999999999999999]");
-  refused("'keyframe_scans' names a scan");
-  edit("\"origin_m\": [1.0, 2.0]", "\"origin_m\": [1.0]");
-  refused("'map.origin_m' is not 2 numbers");
-  edit("\"map_sha256\": \"", "\"map_sha256\": 7, \"x\": \"");
-  refused("'map_sha256' is not a text");
-  edit("\"format\": 1", "\"format\": 2");
-  refused("has format 2, and this program reads format 1");
-  write("report.json", std::string(kReport).substr(0, 60));
-  refused("is no JSON text");
-  write("report.json", "");
-  refused("is no JSON text");
-  write("report.json", "[1, 2]");
-  refused("does not hold a JSON object");
-  fs::remove(path("report.json"));
-  expect_refused([this] { reader(); }, folder_.string(), "it has no report.json; map the log again");
 }
 
 TEST_F(RunReaderTest, ARunIsToldByItsReport) {
@@ -188,45 +116,6 @@ TEST_F(RunReaderTest, ARunIsToldByItsReport) {
   }
   fs::remove(path("report.json"));
   EXPECT_FALSE(RunReader::is_gdtslam_run(folder_.string()));
-}
-
-TEST_F(RunReaderTest, FilesThatAreMissing) {
-  const std::pair<const char*, std::function<void()>> files[]{
-      {"trajectory.tum", [this] { static_cast<void>(reader().trajectory()); }},
-      {"map.yaml", [this] { static_cast<void>(reader().map()); }},
-      {"map.pgm", [this] { static_cast<void>(reader().map()); }},
-      {"gdt.yaml", [this] { static_cast<void>(reader().field()); }},
-      {"gdt.png", [this] { static_cast<void>(reader().field()); }},
-      {"cloud.ply", [this] { static_cast<void>(reader().cloud_file()); }}};
-  for (const auto& [name, read] : files) {
-    fs::rename(path(name), path("kept"));
-    expect_refused(read, path(name), "is missing in this run; map the log again");
-    fs::rename(path("kept"), path(name));
-  }
-}
-
-TEST_F(RunReaderTest, FilesThatAreDamagedOrOfAnotherRun) {
-  write("trajectory.tum", "1 0 0 0 0 0 0 1\n");
-  expect_refused([this] { static_cast<void>(reader().trajectory()); }, path("trajectory.tum"),
-                 "has 1 poses, but report.json tells of 3 scans");
-  write("trajectory.tum", "1 0 0 zero 0 0 0 1\n");
-  expect_refused([this] { static_cast<void>(reader().trajectory()); }, path("trajectory.tum") + ":1", "");
-  write_occupancy_map(path("map.yaml"),
-                      {{0.1, 1.0, 2.0, 2, 1}, CellStates(std::vector{CellState::kFree, CellState::kOccupied})});
-  expect_refused(
-      [this] { static_cast<void>(reader().map()); }, path("map.yaml"),
-      "has 2 x 1 cells of 0.1 m from (1, 2), but report.json tells of 2 x 1 cells of 0.05 m from (1, 2): not of "
-      "one run; map the log again");
-  write_distance_field(path("gdt.yaml"),
-                       rows_of(DistanceFieldView{{0.05, 1.0, 2.0, 2, 1}, 2, std::vector<std::uint16_t>{0, 512}, 5120}));
-  expect_refused([this] { static_cast<void>(reader().field()); }, path("gdt.png"),
-                 "is not the distance field that report.json tells of: not of one run; map the log again");
-  write("map.pgm", "P5\n2 1\n255\n");
-  expect_refused([this] { static_cast<void>(reader().map()); }, path("map.pgm"), "");
-  write("gdt.png", "no picture");
-  expect_refused([this] { static_cast<void>(reader().field()); }, path("gdt.png"), "");
-  write("linkage.yaml", "gdtslam_linkage: 1\nbars: 7\n");
-  EXPECT_THROW(static_cast<void>(reader().linkage()), ConfigError);
 }
 
 }  // namespace

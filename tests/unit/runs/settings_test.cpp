@@ -22,10 +22,10 @@ using testing::Not;
 std::vector<std::string> faults_after(const std::function<void(LogConfig&)>& change) {
   LogConfig config;
   change(config);
-  return faults_of(config);
+  return find_faults(config);
 }
 
-TEST(LogSettings, AsTheyAreThereIsNoFault) { EXPECT_THAT(faults_of(LogConfig{}), IsEmpty()); }
+TEST(LogSettings, AsTheyAreThereIsNoFault) { EXPECT_THAT(find_faults(LogConfig{}), IsEmpty()); }
 
 TEST(LogSettings, EachValueThatNothingWouldUseIsAFault) {
   using Change = std::function<void(LogConfig&)>;
@@ -88,33 +88,6 @@ TEST(LogSettings, OnlyWhatIsStatedIsToldToTheReader) {
   EXPECT_EQ(stated.max_range_m, 0.5);
 }
 
-TEST(LogSettings, AngleTimeAndLengthHaveTheirBounds) {
-  LogConfig config;
-  std::map<std::string, std::pair<double, double>> bounds;
-  for (const Option& option : option_table(config)) bounds[std::string(option.path)] = {option.min, option.max};
-  const auto both = [](double most) { return std::pair(-most, most); };
-  for (const char* name : {"log.mount_x", "log.mount_y"}) EXPECT_EQ(bounds.at(name), both(100.0)) << name;
-  for (const char* name : {"log.mount_angle", "log.first_bearing", "log.bearing_step", "log.crank_step"}) {
-    EXPECT_EQ(bounds.at(name), both(6.3)) << name << ": a whole turn, and a little";
-  }
-  for (const char* name : {"log.first_beam_after", "log.beam_period", "log.odometry_delay"}) {
-    EXPECT_EQ(bounds.at(name), both(10.0)) << name;
-  }
-  EXPECT_EQ(bounds.at("log.max_range"), std::pair(0.0, 1000.0));
-  EXPECT_EQ(bounds.at("log.clock_offset"), both(1e10)) << "of a clock that began in 1970, and one that begins at 0";
-  EXPECT_EQ(bounds.at("log.crank_zero"), both(1e9));
-}
-
-TEST(LogSettings, AllTablesAreOne) {
-  Settings settings;
-  std::map<std::string, int> parts;
-  for (const Option& option : option_table(settings))
-    ++parts[std::string(option.path.substr(0, option.path.find('.')))];
-  for (const char* part : {"search", "occupancy", "nod", "cloud", "log"}) EXPECT_GT(parts[part], 0) << part;
-  LogConfig log;
-  EXPECT_EQ(static_cast<std::size_t>(parts["log"]), option_table(log).size());
-}
-
 TEST(LogSettings, EveryFaultIsNamedAtOnce) {
   Settings settings;
   EXPECT_NO_THROW(require_valid(settings));
@@ -130,22 +103,6 @@ TEST(LogSettings, EveryFaultIsNamedAtOnce) {
     EXPECT_THAT(error.what(), HasSubstr("; log.clock_offset"));
     EXPECT_THAT(error.what(), Not(testing::StartsWith("; ")));
   }
-}
-
-TEST(LogSettings, ACrankHasItsLimits) {
-  const auto is_valid = [](double max_gap_s, double max_turns_per_s) {
-    Settings settings;
-    settings.nod_limits = {.max_gap_s = max_gap_s, .max_turns_per_s = max_turns_per_s};
-    try {
-      require_valid(settings);
-      return true;
-    } catch (const ConfigError&) {
-      return false;
-    }
-  };
-  EXPECT_TRUE(is_valid(0.001, 0.01) && is_valid(3600.0, 1000.0));
-  EXPECT_FALSE(is_valid(0.0009, 1.0) || is_valid(3601.0, 1.0));
-  EXPECT_FALSE(is_valid(1.0, 0.009) || is_valid(1.0, 1001.0));
 }
 
 }  // namespace

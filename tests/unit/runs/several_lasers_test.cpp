@@ -94,9 +94,8 @@ class TwoLasers : public testing::Test {
     return path;
   }
   [[nodiscard]] MapOutcome mapped(const std::string& log, bool with_loops) const {
-    MapJob job{.logs = {log}, .read = {}, .range = {}, .mapper = {}, .occupancy = {}, .on_failure = {}};
-    job.read.all_lasers = true;
-    job.with_loops = with_loops;
+    MapRequest job{.logs = {log}, .with_loops = with_loops};
+    job.settings.log.lasers = LogLasers::kAll;
     const std::unique_ptr<Backend> cpu = make_cpu_backend({});
     return MapRun(job, *cpu).run([](std::uint64_t, double) {}, [] { return false; });
   }
@@ -145,7 +144,7 @@ TEST_F(TwoLasers, KeyframesHaveTheScansOfBoth) {
 std::optional<OdometryDelay> delay_by_scans(const std::string& log) {
   ReadOptions options;
   options.all_lasers = true;
-  return delay_of(headings_of(motion_by_scans(log, options, {}, {}, [] { return false; }).motions));
+  return estimate_delay(to_headings(motion_by_scans(log, options, {}, {}, [] { return false; }).motions));
 }
 
 TEST_F(TwoLasers, ShowHowLateTheOdometryIs) {
@@ -162,8 +161,8 @@ TEST_F(TwoLasers, OdometryThatIsStampedRightHasNoDelay) {
 
 // Whoever follows a live run gets a line for each scan, and the same poses.
 TEST_F(TwoLasers, ALiveRunReportsEachScanInItsOrder) {
-  MapJob job{.logs = {log()}, .read = {}, .range = {}, .mapper = {}, .occupancy = {}, .on_failure = {}};
-  job.read.all_lasers = true;
+  MapRequest job{.logs = {log()}, .with_loops = false};
+  job.settings.log.lasers = LogLasers::kAll;
   std::vector<StampedPose> reported;
   std::size_t ends = 0;
   job.scan_mapped = [&](const MappedScan& mapped) {

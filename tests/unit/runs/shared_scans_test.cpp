@@ -1,5 +1,5 @@
 // Which scans two runs have both, by hand: the stamp and each range have to be the same.
-#include "engine/runs/sites/shared_scans.hpp"
+#include "engine/runs/sites/run_session.hpp"
 
 #include <gtest/gtest.h>
 

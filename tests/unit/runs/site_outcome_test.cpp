@@ -1,6 +1,6 @@
 // What a site has of its runs: paths that follow their keyframes, counts, doubts and the graph, all by hand.
 #include "engine/runs/sites/site_outcome.hpp"
-#include "engine/runs/keyframes/changes_of_keyframes.hpp"
+#include "engine/runs/keyframes/run_keyframes.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "engine/mapping/map/keyframe_map.hpp"
-#include "engine/runs/sites/site_changes.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 #include "support/pose_matchers.hpp"
@@ -189,48 +188,6 @@ TEST_F(SiteOfTwoRuns, TheGraphCountsAllTheirScans) {
   EXPECT_EQ(of_scans, (std::vector<double>{1.0, 1.0, 2.0, 2.0, 3.0, 4.0, 4.0, 5.0, 5.0, 6.0}));
   EXPECT_EQ(closed.covariances[9].yy, 2.0);
   EXPECT_EQ(closed.covariances[9].tt, 3.0);
-}
-
-// The mean over the points of a keyframe, whose field is that of its own scan: half a cell and what a cell rounds.
-TEST_F(SiteOutcomeTest, DistancesAreThoseOfTheField) {
-  RunSession session = run("a", 0.0, "");
-  const std::vector<Pose2> poses{{}, {0.5, 0.2, 0.1}, {}};
-  const auto walls = test::furnished_room();
-  session.kept.keyframes[0].laser = test::scan_of(walls, poses[0], 0.0, 180);
-  session.kept.keyframes[1].laser = test::scan_of(walls, poses[1], 1.0, 180);
-  session.kept.keyframes[2].laser.ranges_m.assign(180, std::numeric_limits<float>::infinity());
-  SeparateMap map(session.settings.mapper);
-  ScanPoints points(session.settings.mapper.scan);
-  for (std::size_t k = 0; k < 2; ++k) map.merge(points.of(session.kept.keyframes[k].laser), poses[k]);
-  std::vector<double> distances = distances_from(map.field(), {&session}, {poses});
-  ASSERT_EQ(distances.size(), 2U) << "a scan without returns has none";
-  for (const double distance_m : distances) EXPECT_LT(distance_m, session.settings.mapper.map.resolution_m);
-  // Where the scan is put 10 cm to the side walls across that lie 10 cm away, and those along it do not move.
-  distances = distances_from(map.field(), {&session}, {{{0.0, 0.1, 0.0}, poses[1], {}}});
-  ASSERT_EQ(distances.size(), 2U);
-  EXPECT_GT(distances[0], 0.02);
-  EXPECT_LT(distances[0], 0.1);
-}
-
-TEST_F(SiteOutcomeTest, ChangedCellsAreMarkedInTheMap) {
-  // Cells count from the frame's origin; the map's corner is cell (-2, 1).
-  OccupancyMap map{{0.05, -0.1, 0.05, 4, 3}, CellStates(12)};
-  SiteChanges changes;
-  changes.resolution_m = 0.05;
-  changes.last.gone = {{{-2, 1}, {}, 0}, {{1, 3}, {}, 0}, {{2, 1}, {}, 0}, {{-2, 0}, {}, 0}};
-  changes.last.appeared = {{{0, 2}, {}, 0}};
-  mark_changes(changes.last, map);
-  std::vector<int> states;
-  for (std::size_t cell = 0; cell < 12; ++cell) states.push_back(static_cast<int>(map.cells[cell]));
-  std::vector<int> expected(12, static_cast<int>(CellState::kUnknown));
-  expected[0] = static_cast<int>(CellState::kFree);
-  expected[2 * 4 + 3] = static_cast<int>(CellState::kFree);
-  expected[1 * 4 + 2] = static_cast<int>(CellState::kOccupied);
-  EXPECT_EQ(states, expected);
-  const nlohmann::ordered_json json = changes_json(changes);
-  EXPECT_EQ(json.at("gone").at("cells"), 4);
-  EXPECT_NEAR(json.at("gone").at("area_m2").get<double>(), 0.01, 1e-12);
-  EXPECT_NEAR(json.at("new").at("area_m2").get<double>(), 0.0025, 1e-12);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // Tiles of a map: each has the cells of the map of all keyframes, alone and with others.
-#include "engine/runs/tiles/tile_maker.hpp"
+#include "engine/runs/tiles/map_tiles.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <numbers>
 #include <vector>
 
-#include "engine/runs/keyframes/map_of_keyframes.hpp"
+#include "engine/runs/keyframes/run_keyframes.hpp"
 #include "engine/runs/mapping/map_run.hpp"
 #include "gdtslam/core/random.hpp"
 

@@ -148,14 +148,6 @@ TEST_F(SweptLog, MapPutsReversedTimesRight) {
   EXPECT_EQ(reversed.trajectory_sha256, right.trajectory_sha256);
 }
 
-TEST_F(SweptLog, StatedTimesAreLeftAlone) {
-  const test::MappedLog stated = drive_.map(write(kSweep_s), [](MapRequest& request) {
-    request.settings.log.beam_times = LogSource::kStated;
-    request.settings.log.beam_period_s = kSweep_s / (kBeams - 1);
-  });
-  EXPECT_THAT(stated.findings, IsEmpty());
-}
-
 TEST_F(SweptLog, ALiveLogIsNamedAfterwardsAndNotMended) {
   const std::string path = write(kSweep_s);
   MapRequest request;

@@ -114,34 +114,5 @@ TEST_F(CloudOutputFile, TakesOnlyWhatItIsAskedFor) {
   EXPECT_EQ(wide.removed, 2 * kPlane + 1);
 }
 
-TEST_F(CloudOutputFile, NoPointsGiveAFileWithoutPoints) {
-  for (const CloudRemoval removal : {CloudRemoval::kNone, CloudRemoval::kBoth}) {
-    CloudOutput output({.remove = removal}, path());
-    const CloudSummary summary = output.finish();
-    EXPECT_EQ(summary.written, 0U);
-    EXPECT_FALSE(summary.surfaces.floor.has_value());
-    EXPECT_TRUE(read_cloud(path()).empty());
-  }
-}
-
-TEST_F(CloudOutputFile, TheSamePointsHaveTheSameDigest) {
-  const std::string digest = write({.voxel_m = 0.05}).sha256;
-  EXPECT_EQ(digest.size(), 64U);
-  EXPECT_EQ(write({.voxel_m = 0.05}).sha256, digest);
-  EXPECT_NE(write({.voxel_m = 0.0}).sha256, digest);
-}
-
-TEST_F(CloudOutputFile, WithoutFinishNothingIsLeft) {
-  for (const CloudRemoval removal : {CloudRemoval::kNone, CloudRemoval::kBoth}) {
-    CloudOutput output({.remove = removal}, path());
-    output.add(room().floor);
-  }
-  EXPECT_TRUE(files().empty());
-}
-
-TEST_F(CloudOutputFile, AFolderThatIsNotThereIsAnError) {
-  EXPECT_THROW(CloudOutput({}, (folder_ / "none" / "cloud.ply").string()), FileError);
-}
-
 }  // namespace
 }  // namespace gdtslam

@@ -11,8 +11,7 @@
 
 #include "engine/runs/fleet/atlas.hpp"
 #include "engine/runs/fleet/fleet_work.hpp"
-#include "engine/runs/fleet/log_list.hpp"
-#include "engine/runs/transaction/folder_lock.hpp"
+#include "engine/runs/transaction/folder_transaction.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/folders.hpp"
 
@@ -45,7 +44,7 @@ class Fleet : public testing::Test {
     write("atlas/" + record.run + "/report.json");
     write_record(path("atlas"), record);
   }
-  [[nodiscard]] AtlasSummary summary() const { return summary_of(read_atlas(path("atlas"))); }
+  [[nodiscard]] AtlasSummary summary() const { return summarise_atlas(read_atlas(path("atlas"))); }
 
   const TemporaryFolder folder_{"gdtslam-fleet-test"};
 };
@@ -65,17 +64,6 @@ TEST_F(Fleet, LogsAreSearchedInFoldersTheLargestFirstAndEachOnce) {
   fs::create_directory_symlink("..", path("logs/b/up"));
   EXPECT_THAT(found({path("logs"), path("logs/a.log"), path("logs/b/../large.log"), path("logs/./b/")}),
               ElementsAre("logs/large.log", "logs/bag", "logs/a.log", "logs/b/small.log"));
-}
-
-TEST_F(Fleet, NamesThatAreNoLogsAreRefused) {
-  write("empty/notes.txt");
-  write("run/report.json");
-  write("a\nb.log");
-  write("\xff.log");
-  EXPECT_THROW(find_logs({path("absent.log")}), FileError);
-  EXPECT_THROW(find_logs({"/dev/null"}), FileError);
-  for (const char* name : {"empty", "run", "a\nb.log", "\xff.log"})
-    EXPECT_THROW(find_logs({path(name)}), InputError) << name;
 }
 
 TEST_F(Fleet, ShardsHoldEveryLogOnce) {
@@ -135,105 +123,6 @@ TEST_F(Fleet, TheTableQuotesWhatIsAnybodys) {
   const std::string table = summary_csv({record});
   EXPECT_THAT(table, StartsWith("log,outcome,exit_code,reason,run,"));
   EXPECT_THAT(table, HasSubstr("\n\"/a,b.log\",refused,65,\"no \"\"x\"\"\nhere\",,0,"));
-}
-
-class FleetLogWork : public Fleet {
- protected:
-  FleetLogWork() {
-    write("a.log");
-    begin_atlas(work_.atlas, work_.options, {});
-  }
-  /// The record of the log if this happens while it is mapped; it is refused if `change` throws nothing.
-  FleetRecord after(const std::function<void()>& change) {
-    work_.map = [&](const MapRequest&) -> MapResult {
-      change();
-      throw InputError({log_, 7}, "is no scan");
-    };
-    return map_fleet_log(work_, log_).record;
-  }
-  FleetWork work_{.atlas = path("atlas"), .options = "options\n"};
-  const std::string log_ = path("a.log");
-};
-
-TEST_F(FleetLogWork, ARefusedLogIsRecordedWithItsReason) {
-  const FleetRecord record = after([] {});
-  EXPECT_EQ(record.outcome, "refused");
-  EXPECT_EQ(record.exit_code, 65);
-  EXPECT_EQ(record.reason, "line 7: is no scan");
-  EXPECT_EQ(record.log_sha256.size(), 64U);
-  EXPECT_EQ(read_record(work_.atlas, log_), record);
-}
-
-TEST_F(FleetLogWork, ALogThatIsMappedIsSkippedUntilItsBytesOrOptionsChange) {
-  int calls = 0;
-  work_.map = [&](const MapRequest& request) {
-    ++calls;
-    write("atlas/runs/" + fs::path(request.folder).filename().string() + "/report.json");
-    MapResult result;
-    result.report = nlohmann::json{{"scans", 3},
-                                   {"doubtful", 0},
-                                   {"keyframes", 1},
-                                   {"path_m", 1.5},
-                                   {"log_duration_s", 2.0},
-                                   {"cpu_s", 1.0},
-                                   {"wall_s", 1.0},
-                                   {"map_sha256", "m"},
-                                   {"trajectory_sha256", "t"},
-                                   {"gdt", {{"resolution_m", 0.5}, {"width", 4}, {"height", 2}}},
-                                   {"device", {{"name", "CPU"}, {"driver", "avx2"}}},
-                                   {"files", {{"map.pgm", 9, "p"}, {"overview.png", 9, "q"}}}}
-                        .dump();
-    return result;
-  };
-  const auto was_done = [&] { return map_fleet_log(work_, log_).was_done; };
-  EXPECT_FALSE(was_done());
-  EXPECT_EQ(read_record(work_.atlas, log_)->device, "CPU, avx2");
-  EXPECT_EQ(read_record(work_.atlas, log_)->width_m, 2.0);
-  EXPECT_TRUE(was_done());
-  write("a.log", "more\n");
-  EXPECT_FALSE(was_done());
-  write("a.linkage.yaml", "gdtslam_linkage: 1\n");
-  EXPECT_FALSE(was_done());
-  work_.request.linkage = "paper-b";  // what lies beside the log does not count
-  EXPECT_FALSE(was_done());
-  write("a.linkage.yaml", "more\n");
-  EXPECT_TRUE(was_done());
-  fs::remove_all(path("atlas/runs"));
-  EXPECT_FALSE(was_done());
-  EXPECT_EQ(calls, 5);
-}
-
-TEST_F(FleetLogWork, ALogThatChangesMeanwhileHasFailed) {
-  const auto reason_after = [this](const std::function<void()>& change) {
-    work_.map = [&](const MapRequest&) {
-      change();
-      return MapResult{};
-    };
-    const FleetRecord record = map_fleet_log(work_, log_).record;
-    return record.outcome == "failed" && record.exit_code == 74 ? record.reason : "";
-  };
-  const std::string changed = "was changed while it was mapped; run the command again";
-  EXPECT_EQ(reason_after([&] { write("a.log", "more\n"); }), changed);
-  EXPECT_EQ(reason_after([&] { fs::remove(log_); }), changed);
-  write("a.log");
-  EXPECT_EQ(reason_after([&] { write("a.linkage.yaml"); }), changed);
-}
-
-TEST_F(FleetLogWork, AnInterruptLeavesNoRecord) {
-  work_.request.stop = [] { return true; };
-  EXPECT_THROW((void)after([] {}), Error);
-  EXPECT_EQ(read_record(work_.atlas, log_), std::nullopt);
-}
-
-TEST_F(FleetLogWork, ALogIsMappedByOneProcessInAnAtlasThatIsThere) {
-  fs::create_directories(record_folder(work_.atlas, log_));
-  {
-    const FolderLock other(record_folder(work_.atlas, log_));
-    EXPECT_THROW((void)after([] {}), UsageError);
-  }
-  fs::rename(work_.atlas, path("moved"));
-  EXPECT_THROW((void)after([] {}), FileError);
-  EXPECT_FALSE(fs::exists(work_.atlas));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // Maps placed in the world by points: against motions that are known, and against a search that knows no formula.
-#include "engine/runs/edits/georeference.hpp"
+#include "engine/runs/edits/edit_steps.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -65,28 +65,6 @@ TEST(Georeference, NoMotionNearbyIsBetter) {
     const double off_m = (placed(T.x_m, T.y_m, T.theta_rad, points[k].map_m) - points[k].world_m).norm();
     EXPECT_NEAR(fit.residuals_m[k], off_m, 1e-8);
   }
-}
-
-TEST(Georeference, PointsThatContradictEachOtherAreRefused) {
-  const auto refusal = [](const std::vector<PointPair>& points) -> std::string {
-    try {
-      (void)fit_georeference(points);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
-  };
-  using testing::HasSubstr;
-  EXPECT_THAT(refusal({{{0, 0}, {5, 5}}}), HasSubstr("two or more"));
-  EXPECT_THAT(refusal({{{0, 0}, {5, 5}}, {{0.5, 0.5}, {9, 9}}}), HasSubstr("too near"));
-  EXPECT_THAT(refusal({{{0, 0}, {100, 100}}, {{10, 0}, {123, 100}}}), HasSubstr("contradict"));
-  // The world seen in a mirror: easting and northing the wrong way round.
-  EXPECT_THAT(refusal({{{0, 0}, {0, 0}}, {{20, 0}, {0, 20}}, {{0, 30}, {30, 0}}}), HasSubstr("swap easting"));
-  EXPECT_THAT(refusal({{{0, 0}, {11.001, 48.0}}, {{20, 0}, {11.0012, 48.0}}}), HasSubstr("not degrees"));
-  // A metre is what a receiver is off by, and a hundredth what a map of 500 m may be.
-  EXPECT_EQ(refusal({{{0, 0}, {0, 0}}, {{10, 0}, {11.5, 0}}}), "");
-  EXPECT_EQ(refusal({{{0, 0}, {0, 0}}, {{500, 0}, {508, 0}}}), "");
-  EXPECT_THAT(refusal({{{0, 0}, {0, 0}}, {{500, 0}, {512, 0}}}), HasSubstr("6.00 m from"));
 }
 
 TEST(WorldFile, PutsPixelsWhereTheirCellsAre) {

@@ -1,6 +1,6 @@
 // What a command takes for a trajectory or a cloud: files, runs, folders of other programs, and what it says of folders
 // that have none.
-#include "engine/runs/inputs/given_files.hpp"
+#include "engine/runs/folder/run_reader.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -31,13 +31,6 @@ class GivenFilesTest : public testing::Test {
 
   [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
   void write(const std::string& name, const std::string& text) const { std::ofstream(path(name)) << text; }
-  // A report of two scans whose laser nods or does not.
-  void write_report(std::uint64_t cloud_points, bool nods) const {
-    write("run/report.json",
-          R"({"format": 1, "log": ["a.log"], "scans": 2, "matched": 2, "keyframes": 1, "path_m": 1, "map_sha256": "00",
-              "doubtful_scans": [], "cloud_points": )" +
-              std::to_string(cloud_points) + (nods ? R"(, "nodding": {"linkage": "paper-b"}})" : "}"));
-  }
   static std::string fault_of(const std::function<void()>& act) {
     try {
       act();
@@ -49,37 +42,6 @@ class GivenFilesTest : public testing::Test {
 
   fs::path folder_;
 };
-
-TEST_F(GivenFilesTest, AFileIsTakenAsItIs) {
-  write("poses.tum", kGivenPoses);
-  EXPECT_EQ(given_trajectory(path("poses.tum")).size(), 2U);
-  EXPECT_EQ(given_cloud(path("a.pcd")), path("a.pcd"));
-  EXPECT_THROW(given_trajectory(path("nowhere.tum")), FileError);
-}
-
-TEST_F(GivenFilesTest, ARunHasBoth) {
-  write_report(3, true);
-  write("run/trajectory.tum", kGivenPoses);
-  write("run/cloud.ply", "ply\n");
-  EXPECT_DOUBLE_EQ(given_trajectory(path("run")).back().T_map_base.x_m, 1.5);
-  EXPECT_EQ(given_cloud(path("run")), path("run/cloud.ply"));
-}
-
-TEST_F(GivenFilesTest, ARunIsCheckedAgainstItsReport) {
-  write_report(3, true);
-  write("run/trajectory.tum", "1 0.5 0 0 0 0 0 1\n");
-  EXPECT_NE(fault_of([&] { given_trajectory(path("run")); }).find("has 1 poses"), std::string::npos);
-  EXPECT_NE(fault_of([&] { given_cloud(path("run")); }).find("cloud.ply: is missing in this run"), std::string::npos);
-}
-
-TEST_F(GivenFilesTest, ARunWithoutACloudSaysWhy) {
-  write_report(0, false);
-  const std::string flat = fault_of([&] { given_cloud(path("run")); });
-  EXPECT_NE(flat.find("this run has no cloud: 'map' makes one where the laser nods"), std::string::npos) << flat;
-  write_report(0, true);
-  const std::string left_out = fault_of([&] { given_cloud(path("run")); });
-  EXPECT_NE(left_out.find("this run has no cloud: it was mapped with --no-cloud"), std::string::npos) << left_out;
-}
 
 TEST_F(GivenFilesTest, AFolderOfAnotherProgramWillDoIfItHasTheFile) {
   write("other/trajectory.tum", kGivenPoses);
@@ -106,21 +68,6 @@ TEST_F(GivenFilesTest, ARunWithoutItsReportIsNone) {
     is_refused(left);
     EXPECT_EQ(given_trajectory(path("run/trajectory.tum")).size(), 2U) << "the file itself";
     fs::remove(path(left));
-  }
-}
-
-TEST_F(GivenFilesTest, AFileWithoutRowsIsToldByName) {
-  write("empty.tum", "# stamp x y z qx qy qz qw\n");
-  EXPECT_NE(fault_of([&] { given_trajectory(path("empty.tum")); }).find("empty.tum: holds no pose"), std::string::npos);
-}
-
-TEST_F(GivenFilesTest, AFolderWithoutTheFileIsRefusedByName) {
-  for (const auto& [file, act] :
-       {std::pair<const char*, std::function<void()>>{"trajectory.tum", [&] { given_trajectory(path("other")); }},
-        {"cloud.ply", [&] { given_cloud(path("other")); }}}) {
-    const std::string fault = fault_of(act);
-    EXPECT_NE(fault.find(path("other") + ": is a folder without report.json"), std::string::npos) << fault;
-    EXPECT_NE(fault.find(std::string("has no ") + file), std::string::npos) << fault;
   }
 }
 

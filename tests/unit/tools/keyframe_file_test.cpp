@@ -1,6 +1,6 @@
 // keyframes.bin.gz: the bytes that Python's struct makes of the same numbers, back again what went in, and one line for
 // whatever is cut, damaged or does not fit.
-#include "engine/runs/keyframes/keyframe_file.hpp"
+#include "engine/runs/keyframes/run_keyframes.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -94,9 +94,6 @@ class KeyframeFileTest : public testing::Test {
       EXPECT_EQ(what.find('\n'), std::string::npos) << what;
     }
   }
-  void expect_unread(const std::string& bytes, const std::string& fault) const {
-    expect_refused([&] { (void)parse_keyframes(bytes, "run"); }, "run", fault);
-  }
   // The same bytes with the checksum that belongs to them, without packing: that is read, too.
   void put_unpacked(const std::string& bytes) const { put(bytes + Sha256().update(bytes).hex()); }
 
@@ -113,14 +110,13 @@ TEST_F(KeyframeFileTest, AreTheBytesOfTheFormat) {
 
 TEST_F(KeyframeFileTest, GivesBackWhatItWasGiven) {
   const RunKeyframes written = two_keyframes();
-  const std::string sha256 = write_keyframes(path_, written);
+  write_keyframes(path_, written);
   EXPECT_TRUE(stored().starts_with("\x1f\x8b"));
-  const KeyframeFile read = read_keyframes(path_);
-  EXPECT_EQ(read.sha256, sha256);
-  EXPECT_EQ(read.run.config_sha256, written.config_sha256);
-  EXPECT_TRUE(read.run.in_single_precision);
-  ASSERT_EQ(read.run.keyframes.size(), 2U);
-  for (std::size_t k = 0; k < 2; ++k) expect_same(read.run.keyframes[k], written.keyframes[k]);
+  const RunKeyframes read = read_keyframes(path_);
+  EXPECT_EQ(read.config_sha256, written.config_sha256);
+  EXPECT_TRUE(read.in_single_precision);
+  ASSERT_EQ(read.keyframes.size(), 2U);
+  for (std::size_t k = 0; k < 2; ++k) expect_same(read.keyframes[k], written.keyframes[k]);
 }
 
 // Half a millimetre is what a whole one leaves, and what a float of 30 m has itself.
@@ -141,20 +137,6 @@ TEST_F(KeyframeFileTest, RangesAreWithinHalfAMillimetre) {
   }
 }
 
-TEST_F(KeyframeFileTest, PosesAreOnEarth) {
-  for (const double sign : {-1.0, 1.0}) {
-    RunKeyframes run = two_keyframes();
-    Pose2& pose = run.keyframes.back().T_map_base;
-    for (double* const side : {&pose.x_m, &pose.y_m}) {
-      *side = sign * 2.0e7;
-      EXPECT_EQ(parse_keyframes(keyframe_bytes(run), "run").keyframes.back().T_map_base, pose);
-      *side = sign * 2.0000001e7;
-      expect_unread(keyframe_bytes(run), "which is no place: metres, 2e+07 at most");
-      *side = 0.0;
-    }
-  }
-}
-
 TEST_F(KeyframeFileTest, WhatIsNoRangeIsNoReturn) {
   EXPECT_EQ(range_in_mm(kNoReturn), 0U);
   EXPECT_EQ(range_in_mm(-kNoReturn), 0U);
@@ -168,19 +150,6 @@ TEST_F(KeyframeFileTest, WhatIsNoRangeIsNoReturn) {
   EXPECT_EQ(range_in_mm(0.0016F), 2U);
 }
 
-TEST_F(KeyframeFileTest, EveryCutIsOneLine) {
-  write_keyframes(path_, two_keyframes());
-  const std::string packed = stored();
-  for (std::size_t size = 0; size < packed.size(); ++size) {
-    put(packed.substr(0, size));
-    expect_refused([this] { (void)read_keyframes(path_); }, path_, "");
-  }
-  put(packed + "more");
-  expect_refused([this] { (void)read_keyframes(path_); }, path_, "ignored");
-  const std::string bytes = keyframe_bytes(two_keyframes());
-  for (std::size_t size = 0; size < bytes.size(); ++size) expect_unread(bytes.substr(0, size), "at byte");
-}
-
 TEST_F(KeyframeFileTest, EveryDamagedByteShows) {
   const std::string bytes = keyframe_bytes(two_keyframes());
   put_unpacked(bytes);
@@ -192,36 +161,6 @@ TEST_F(KeyframeFileTest, EveryDamagedByteShows) {
     put(damaged);
     expect_refused([this] { (void)read_keyframes(path_); }, path_, "");
   }
-}
-
-// Numbers that a file states are believed no further than its bytes go.
-TEST_F(KeyframeFileTest, CountsBeyondTheFileAreOneLine) {
-  const std::string bytes = keyframe_bytes(two_keyframes());
-  const auto with = [&bytes](std::size_t at, const std::string& piece) {
-    std::string edited = bytes;
-    return edited.replace(at, piece.size(), piece);
-  };
-  const std::string all = "\xff\xff\xff\xff";
-  expect_unread(with(16, {2, 0, 0, 0}), "has version 2, and this program reads version 1");
-  expect_unread(with(20, "X"), "a hash of the configuration that is none");
-  expect_unread(with(84, "\x02"), "has flags 2");
-  expect_unread(with(85, all), "has 4294967295 keyframes by its own count, and 296 bytes are left");
-  expect_unread(with(89, all), "has scan 7 after scan 4294967295");
-  expect_unread(with(93, "\x04"), "has flags 4");
-  const std::size_t beams = 94 + 12 * 8;
-  expect_unread(with(beams, all), "has 4294967295 beams by its own count");
-  expect_unread(with(beams + 4, "\x04"), "has a range of -1 mm");
-  expect_unread(with(beams + 4, std::string(10, '\xff')), "has a number of more than nine bytes");
-  expect_unread(bytes + "x", "goes on for 1 bytes after its last keyframe");
-  expect_unread(with(94 + 6, "\xf8\x7f"), "has a stamp that is not finite");
-}
-
-TEST_F(KeyframeFileTest, OtherFilesAreNamed) {
-  put("gdtslam-keyframe");
-  expect_refused([this] { (void)read_keyframes(path_); }, path_, "ends within");
-  put("once upon a time there was a file of another kind");
-  expect_refused([this] { (void)read_keyframes(path_); }, path_, "holds no keyframes of a run");
-  EXPECT_THROW((void)read_keyframes("/nowhere/keyframes.bin.gz"), FileError);
 }
 
 }  // namespace

@@ -40,19 +40,6 @@ std::string refusal(const std::string& lines) {
   return "accepted";
 }
 
-class LinkageFileOnDisk : public testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = std::filesystem::path(testing::TempDir()) /
-              ("linkage_file_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-  [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
-
-  std::filesystem::path folder_;
-};
-
 TEST(LinkageFile, ReadsEveryKey) {
   const LinkageFile file = read_linkage_text(R"(
 gdtslam_linkage: 1
@@ -128,11 +115,6 @@ TEST(LinkageFile, AUnitMistakeIsNamed) {
   EXPECT_THAT(refusal(std::string(kBars) + "mount: {lever_up: 5}\n"), HasSubstr("mount.lever_up = 5 m"));
 }
 
-TEST(LinkageFile, BarsThatCannotCloseAreRefusedWithTheInequality) {
-  EXPECT_THAT(refusal("bars:\n  crank: 3.6 cm\n  coupler: 8.5 cm\n  rocker: 8.8 cm\n  ground: 25 cm\n"),
-              AllOf(StartsWith("3: bars: "), HasSubstr("25 > 3.6 + 8.5 + 8.8 = 20.9 cm")));
-}
-
 TEST(LinkageFile, ACrankThatCannotTurnIsRefusedUnlessAllIsStated) {
   const std::string bars = "bars: {crank: 6 cm, coupler: 8.5 cm, rocker: 8.8 cm, ground: 12 cm}\n";
   EXPECT_THAT(refusal(bars), AllOf(StartsWith("2: bars: the crank cannot turn fully"), HasSubstr("18 > ")));
@@ -202,15 +184,6 @@ TEST(LinkageFile, AssetsAreThePresets) {
     const std::string file = (folder / (std::string(preset.name) + ".yaml")).string();
     EXPECT_EQ(linkage_text(read_linkage(file)), linkage_text(calib::sweep_model_of_preset(preset.name))) << file;
   }
-}
-
-TEST_F(LinkageFileOnDisk, ResolvesPresetsAndFiles) {
-  calib::SweepModel mine = calib::sweep_model_of_preset("paper-c");
-  mine.name = "mine";
-  write_linkage(path("mine.yaml"), mine, {{"zero", 0.5}});
-  EXPECT_EQ(resolve_linkage(path("mine.yaml")).name, "mine");
-  EXPECT_THAT(read_linkage_file(path("mine.yaml")).uncertainty, ElementsAre(ParameterSigma{"zero", 0.5}));
-  EXPECT_EQ(resolve_linkage("paper-a").name, "paper-a");
 }
 
 }  // namespace

@@ -22,7 +22,6 @@ namespace gdtslam {
 namespace {
 
 namespace fs = std::filesystem;
-using test::drawn_building;
 using test::free_pose;
 using test::scan_at;
 
@@ -71,14 +70,6 @@ Tally localize_some(const std::string& yaml, int count, std::uint64_t seed) {
     tally.worst_rad = std::max(tally.worst_rad, off_rad);
   }
   return tally;
-}
-
-TEST_F(LocalizeOccupancy, FindsScansInADrawnBuilding) {
-  write_occupancy_map(file("map.yaml"), drawn_building());
-  const Tally tally = localize_some(file("map.yaml"), 12, 3);
-  EXPECT_GE(tally.found, 9) << tally.ambiguous << " ambiguous";
-  EXPECT_LT(tally.worst_m, 0.05);                 // a cell
-  EXPECT_LT(tally.worst_rad, rad_from_deg(1.0));  // a cell 3 m away
 }
 
 // The map was scaled down in a picture editor: most of its walls are lighter than the threshold that it states.
@@ -133,33 +124,6 @@ TEST(LocalizedScan, IsAmbiguousWhereNothingIsKnownOfElsewhere) {
   EXPECT_EQ(verdict_of(scan, 0.05), Verdict::kAmbiguous);
   scan.best->mean_cost_m = 0.06;
   EXPECT_EQ(verdict_of(scan, 0.05), Verdict::kPoorFit);
-}
-
-std::string refusal_of_map(const std::string& map) {
-  const std::unique_ptr<Backend> backend = make_cpu_backend({});
-  try {
-    const Localizer localizer(map, MapperConfig{}, LocalizeLimits{}, *backend);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
-TEST_F(LocalizeOccupancy, RefusesWhatCannotBeSearched) {
-  using ::testing::HasSubstr;
-  OccupancyMap map = drawn_building();
-  const auto refusal_of = [this](const OccupancyMap& wrong) {
-    write_occupancy_map(file("map.yaml"), wrong);
-    return refusal_of_map(file("map.yaml"));
-  };
-  map.geometry.resolution_m = 5.0;
-  EXPECT_THAT(refusal_of(map), HasSubstr("map.yaml: a resolution of 5 m is not between 0.001 and 1 m"));
-  map.geometry.resolution_m = 0.05;
-  map.geometry.origin_x_m = 1e300;
-  EXPECT_THAT(refusal_of(map), HasSubstr("map.yaml: the origin lies more than 1e+08 m away"));
-  map.geometry.origin_x_m = 0.0;
-  map.cells = CellStates(map.geometry.cell_count());
-  EXPECT_THAT(refusal_of(map), HasSubstr("map.yaml: the map has no occupied cell"));
 }
 
 }  // namespace

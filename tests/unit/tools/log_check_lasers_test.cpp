@@ -10,11 +10,6 @@
 namespace gdtslam {
 namespace {
 
-using testing::Contains;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-
 const Pose2 kFront{0.3, 0.0, 0.0};
 const Pose2 kRear{-0.3, 0.0, kPi};
 
@@ -35,25 +30,6 @@ std::vector<LogRecord> two_lasers(int sweeps) {
 
 ScanRecord& scan_number(std::vector<LogRecord>& records, std::size_t index) {
   return std::get<ScanRecord>(records[index]);
-}
-
-TEST(LogCheckLasers, EachHasItsRateItsBeamsAndItsPlace) {
-  const LogCheck check = checked_log(two_lasers(50));
-  EXPECT_NEAR(check.median_step_s, 0.1, 1e-12);
-  EXPECT_NEAR(check.usual_step_s, 0.1, 1e-12);
-  EXPECT_NEAR(check.duration_s(), 4.905, 1e-9);
-  EXPECT_EQ(check.still_scans, 0U);
-  EXPECT_NEAR(check.path_m, 2.45, 1e-9);
-  ASSERT_EQ(check.lasers.size(), 2U);
-  for (const std::size_t laser : {0U, 1U}) {
-    EXPECT_EQ(check.lasers[laser].laser, laser);
-    EXPECT_EQ(check.lasers[laser].scans, 50U);
-    EXPECT_EQ(check.lasers[laser].changes, 0U);
-    EXPECT_EQ(check.lasers[laser].T_base_laser, laser == 0 ? kFront : kRear);
-    EXPECT_EQ(check.layouts[laser].laser, laser);
-    EXPECT_EQ(check.layouts[laser].scans, 50U);
-  }
-  EXPECT_THAT(check.suggestions(), IsEmpty());
 }
 
 TEST(LogCheckLasers, StampsOfOneSayNothingOfTheOther) {
@@ -81,51 +57,6 @@ TEST(LogCheckLasers, AStampFarBehindAnyIsAStepBack) {
   EXPECT_EQ(backward(5.0).count, 1U);
   EXPECT_EQ(backward(5.0).first[0].scan, 2U);
   EXPECT_EQ(backward(5.0).largest, 5.0);
-}
-
-TEST(LogCheckLasers, AGapIsOneOfAllLasers) {
-  std::vector<LogRecord> records = two_lasers(40);
-  for (std::size_t index = 20; index < records.size(); ++index) scan_number(records, index).scan.stamp_s += 3.0;
-  const LogCheck check = checked_log(records);
-  ASSERT_EQ(check.gaps.count, 1U);
-  EXPECT_EQ(check.gaps.first[0].scan, 20U);
-  EXPECT_NEAR(check.gaps.largest, 3.095, 1e-9);
-  std::vector<LogRecord> silent;
-  const std::vector<LogRecord> all = two_lasers(40);
-  for (std::size_t index = 0; index < all.size(); ++index) {
-    const bool is_silent = index % 2 == 1 && index > 10 && index < 60;
-    if (!is_silent) silent.push_back(all[index]);
-  }
-  EXPECT_EQ(checked_log(silent).gaps.count, 0U) << "the other one went on";
-}
-
-TEST(LogCheckLasers, TheOneThatMovesOrChangesIsNamed) {
-  std::vector<LogRecord> records = two_lasers(10);
-  scan_number(records, 5).scan.T_base_laser = {-0.3, 0.01, kPi};
-  scan_number(records, 9).scan.T_base_laser = {-0.3, 0.0, kPi - rad_from_deg(1.0)};
-  LogCheck check = checked_log(records);
-  EXPECT_EQ(check.lasers[0].changes, 0U);
-  EXPECT_EQ(check.lasers[1].changes, 2U);
-  EXPECT_THAT(check.suggestions(), ElementsAre(HasSubstr("laser 1 moves on the robot")));
-  records = two_lasers(10);
-  scan_number(records, 4).scan.ranges_m.push_back(5.0F);  // as the rear one has, but of the front one
-  check = checked_log(records);
-  EXPECT_EQ(check.layouts.size(), 3U);
-  EXPECT_THAT(check.suggestions(), ElementsAre(HasSubstr("the beams of laser 0 change")));
-}
-
-TEST(LogCheckLasers, NumbersBeyondBoundAreCountedWithTheLast) {
-  std::vector<LogRecord> records;
-  for (std::size_t laser = 0; laser < 1000; ++laser) {
-    ScanRecord scan = fixed_scan(0.1 * static_cast<double>(laser));
-    scan.laser = 7 * laser;
-    records.emplace_back(scan);
-  }
-  const LogCheck check = checked_log(records);
-  ASSERT_EQ(check.lasers.size(), 64U);
-  EXPECT_EQ(check.lasers.back().laser, 7U * 63U);
-  EXPECT_EQ(check.lasers.back().scans, 1000U - 63U);
-  EXPECT_EQ(check.layouts.size(), 64U);
 }
 
 }  // namespace

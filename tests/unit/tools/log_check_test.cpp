@@ -46,24 +46,6 @@ TEST(LogCheck, CountsWhatIsThere) {
   EXPECT_EQ(check.obstacle(), "");
 }
 
-TEST(LogCheck, NothingToMap) {
-  EXPECT_THAT(checked_log({}).obstacle(), HasSubstr("no laser scan"));
-  EXPECT_THAT(checked_log({Odometry{1.0, {}}}).obstacle(), HasSubstr("no laser scan"));
-  const float inf = std::numeric_limits<float>::infinity();
-  EXPECT_THAT(checked_log({driven_scan(1.0, {}, {inf, 0.0F, inf})}).obstacle(), HasSubstr("has a return"));
-  EXPECT_THAT(checked_log({driven_scan(1.0, {}, {})}).obstacle(), HasSubstr("has a return"));
-}
-
-// The rule is the mapper's: enough returns within its limits, in at least one scan.
-TEST(LogCheck, TooFewReturnsInEveryScan) {
-  const LogCheck few = checked_log({driven_scan(1.0, {}, {1.0F, 2.0F}), driven_scan(2.0, {}, {1.0F, 0.05F, 45.0F})});
-  EXPECT_EQ(few.mappable_scans, 0u);
-  EXPECT_THAT(few.obstacle(), HasSubstr("none of the 2 scans has 3 returns (scan.min_points) between 0.1 m"));
-  const LogCheck enough = checked_log({driven_scan(1.0, {}, {1.0F, 2.0F}), driven_scan(2.0, {}, {1.0F, 2.0F, 3.0F})});
-  EXPECT_EQ(enough.mappable_scans, 1u);
-  EXPECT_EQ(enough.obstacle(), "");
-}
-
 TEST(LogCheck, FindsTimeJumps) {
   std::vector<LogRecord> records = drive(20);
   std::get<ScanRecord>(records[5]).scan.stamp_s = std::get<ScanRecord>(records[4]).scan.stamp_s;         // repeated
@@ -83,20 +65,6 @@ TEST(LogCheck, FindsTimeJumps) {
   EXPECT_THAT(check.suggestions(), Contains(HasSubstr("gaps")));
 }
 
-TEST(LogCheck, ListsTheLongestGapsOnly) {
-  std::vector<LogRecord> records;
-  double stamp_s = 0.0;
-  for (int k = 0; k < 100; ++k) {
-    records.emplace_back(driven_scan(stamp_s, {}));
-    stamp_s += k % 3 == 0 ? 2.0 + 0.01 * k : 0.1;
-  }
-  const LogCheck check = checked_log(records);
-  EXPECT_EQ(check.gaps.count, 33u);  // the step after the last scan does not count
-  ASSERT_EQ(check.gaps.first.size(), EventList::kMostListed);
-  EXPECT_NEAR(check.gaps.first.front().time_step_s, 2.96, 1e-9);
-  EXPECT_GT(check.gaps.first[0].time_step_s, check.gaps.first[1].time_step_s);
-}
-
 TEST(LogCheck, StepsBeyondTheHistogramHaveTheirMedian) {
   const auto with_step = [](double step_s, int scans) {
     std::vector<LogRecord> records;
@@ -112,22 +80,6 @@ TEST(LogCheck, StepsBeyondTheHistogramHaveTheirMedian) {
   EXPECT_THAT(nanoseconds.suggestions(), Contains(HasSubstr("are they nanoseconds?")));
   EXPECT_THAT(with_step(1e5, 50).suggestions(), Contains(HasSubstr("are they microseconds?")));
   EXPECT_THAT(with_step(10.0, 50).suggestions(), testing::Not(Contains(HasSubstr("are they"))));
-}
-
-TEST(LogCheck, StampsThatAreNoTimesAreBounded) {
-  std::vector<LogRecord> records{driven_scan(-1e308, {}), driven_scan(1.7e308, {})};
-  EXPECT_TRUE(std::isfinite(checked_log(records).usual_step_s));
-}
-
-TEST(LogCheck, AMappedLogIsAskedForItsUnit) {
-  const auto with_step = [](double step_s) {
-    Trajectory poses;
-    for (int k = 0; k < 50; ++k) poses.push_back({step_s * k, {}});
-    return poses;
-  };
-  EXPECT_EQ(question_of_unit(with_step(19.9)), "");
-  EXPECT_THAT(question_of_unit(with_step(1e8)), HasSubstr("are they nanoseconds?"));
-  EXPECT_EQ(question_of_unit(Trajectory{}), "");
 }
 
 TEST(LogCheck, RangesAndHeadingsOfAnotherUnitAreAskedAbout) {
@@ -186,12 +138,6 @@ TEST(LogCheck, OdometryRecordsServeWhereScansHaveNone) {
   EXPECT_THAT(check.suggestions(), IsEmpty());
 }
 
-TEST(LogCheck, SaysWhenThereIsNoOdometry) {
-  ScanRecord scan = driven_scan(1.0, {});
-  scan.T_odom_base.reset();
-  EXPECT_THAT(checked_log({scan}).suggestions(), ElementsAre(HasSubstr("no odometry")));
-}
-
 // A SICK reports 81.91 m where nothing comes back; the true ranges fill the histogram up to 30 m.
 TEST(LogCheck, FindsTheNoReturnValue) {
   Random random(1);
@@ -210,22 +156,6 @@ TEST(LogCheck, FindsTheNoReturnValue) {
   EXPECT_NEAR(ranges.median_m, 15.25, 0.5);
   EXPECT_LE(ranges.longest_m, 30.0);
   EXPECT_GE(ranges.shortest_m, 0.5);
-}
-
-TEST(LogCheck, BeamsAndMountThatChange) {
-  std::vector<LogRecord> records = drive(10);
-  std::get<ScanRecord>(records[3]).scan.ranges_m.push_back(1.0F);
-  std::get<ScanRecord>(records[7]).scan.T_base_laser = {0.002, 0.0, 0.0};
-  std::get<ScanRecord>(records[8]).scan.T_base_laser = {0.0, 0.0, rad_from_deg(0.2)};
-  std::get<ScanRecord>(records[9]).scan.T_base_laser = {0.0005, 0.0, 0.0};  // within rounding
-  const LogCheck check = checked_log(records);
-  ASSERT_EQ(check.layouts.size(), 2u);
-  EXPECT_EQ(check.layouts[0].scans, 9u);
-  EXPECT_EQ(check.layouts[1].beams, 4u);
-  ASSERT_EQ(check.lasers.size(), 1u);
-  EXPECT_EQ(check.lasers[0].changes, 2u);
-  EXPECT_THAT(check.suggestions(), Contains(HasSubstr("beams change")));
-  EXPECT_THAT(check.suggestions(), Contains(HasSubstr("laser moves")));
 }
 
 TEST(LogCheck, MemoryIsBounded) {

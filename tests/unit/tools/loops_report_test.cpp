@@ -1,5 +1,5 @@
 // Which stretches of a path a report says are not to be trusted.
-#include "engine/runs/loops/loops_report.hpp"
+#include "engine/runs/loops/loop_files.hpp"
 
 #include <gtest/gtest.h>
 
@@ -38,22 +38,6 @@ TEST(LoopsReport, NeighboursThatAreUnsureAreOneStretch) {
   EXPECT_EQ(stretches[2].to, 7U);
   EXPECT_TRUE(uncertain_stretches(covariances_of({0.1, 0.0, 0.199})).empty());
   EXPECT_TRUE(uncertain_stretches({}).empty());
-}
-
-TEST(LoopsReport, SaysHowMuchOfThePathIsUnsure) {
-  EXPECT_EQ(uncertain_line(covariances_of({0.1, 0.25, 0.3, 0.1, 0.6})),
-            "not to be trusted: 3 of 5 scans in 2 stretches, standard deviation up to 0.6 m; report.json has them\n");
-  EXPECT_EQ(uncertain_line(covariances_of({0.25})),
-            "not to be trusted: 1 of 1 scans in 1 stretch, standard deviation up to 0.25 m; report.json has them\n");
-  EXPECT_EQ(uncertain_line(covariances_of({0.1, 0.19})), "");
-}
-
-TEST(LoopsReport, WithoutPairsThereIsNoFit) {
-  ClosedPath closed;
-  EXPECT_TRUE(loops_json(closed)["rms_m"].is_null());
-  closed.pairs = 3;
-  closed.rms_m = 0.012;
-  EXPECT_EQ(loops_json(closed)["rms_m"], 0.012);
 }
 
 TEST(LoopsReport, CountsTheScansOfAllStretches) {

@@ -19,7 +19,6 @@ namespace gdtslam {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
 
 constexpr std::uint16_t kCap = 1000;
 
@@ -130,31 +129,6 @@ class MapFieldFiles : public testing::Test {
   fs::path folder_ = fs::path(testing::TempDir()) / ("map_field_test_" + std::to_string(::getpid()));
 };
 
-TEST_F(MapFieldFiles, CellsAreAMillimetreToAMetre) {
-  for (const double good : {0.001, 1.0}) EXPECT_EQ(fault_of_occupied({good, 0.0, 0.0, 3, 2}), "") << good;
-  for (const double bad : {0.00099, 1.01}) {
-    EXPECT_THAT(fault_of_occupied({bad, 0.0, 0.0, 3, 2}), HasSubstr("is not between 0.001 and 1 m")) << bad;
-  }
-}
-
-TEST_F(MapFieldFiles, TheWorldsOriginIsWithinAHundredThousandKilometres) {
-  for (const double sign : {-1.0, 1.0}) {
-    EXPECT_EQ(fault_of_occupied({0.5, sign * 1e8, sign * 1e8, 3, 2}), "");
-    for (const auto& [x_m, y_m] : {std::pair(1.1e8, 0.0), std::pair(0.0, 1.1e8)}) {
-      EXPECT_THAT(fault_of_occupied({0.5, sign * x_m, sign * y_m, 3, 2}), HasSubstr("more than 1e+08 m away"));
-    }
-  }
-}
-
-TEST_F(MapFieldFiles, TheOriginOfAFieldIsWithinAMillionCells) {
-  for (const double sign : {-1.0, 1.0}) {
-    EXPECT_EQ(fault_of_distances({0.5, sign * 499'999.5, sign * 499'999.5, 3, 2}), "");
-    for (const auto& [x_m, y_m] : {std::pair(500'000.0, 0.0), std::pair(0.0, 500'000.0)}) {
-      EXPECT_THAT(fault_of_distances({0.5, sign * x_m, sign * y_m, 3, 2}), HasSubstr("more than a million cells"));
-    }
-  }
-}
-
 // The corner of an occupancy map need not lie on a cell: its field counts from its own.
 TEST_F(MapFieldFiles, AFieldOfOccupiedCellsCountsFromItsCorner) {
   ASSERT_EQ(fault_of_occupied({0.5, 0.3, -0.2, 3, 2}), "");
@@ -166,13 +140,6 @@ TEST_F(MapFieldFiles, AFieldOfOccupiedCellsCountsFromItsCorner) {
   EXPECT_EQ(distances.source, MapField::Source::kDistances);
   EXPECT_EQ(distances.view().first_cell, (CellIndex{2, -2}));
   EXPECT_EQ(read_map_field(folder_.string(), MapConfig{}).path, file("gdt.yaml")) << "of the folder";
-}
-
-TEST_F(MapFieldFiles, ARunWithoutItsReportIsNoMap) {
-  ASSERT_EQ(fault_of_distances({0.5, 1.0, -1.0, 3, 2}), "");
-  std::ofstream(file("keyframes.bin.gz")) << "left";
-  EXPECT_THAT(fault_of(folder_.string()), HasSubstr("is a folder without report.json, so no run"));
-  EXPECT_EQ(fault_of(file("gdt.yaml")), "") << "the file itself";
 }
 
 // docs/formats.md: negate and the thresholds may be missing.
@@ -187,17 +154,6 @@ TEST_F(MapFieldFiles, AMapWithoutThresholdsIsAMap) {
   std::ofstream(file("map.yaml")) << kept;
   const MapField field = read_map_field(file("map.yaml"), MapConfig{});
   EXPECT_EQ(field.source, MapField::Source::kOccupiedCells);
-}
-
-TEST_F(MapFieldFiles, WhatIsNoMapIsSaidToBeNone) {
-  std::ofstream(file("notes.txt")) << "nothing";
-  EXPECT_THAT(fault_of(file("notes.txt")), HasSubstr("is no map; give the folder"));
-  for (const char* name : {"a.yaml", "a.yml"}) EXPECT_TRUE(looks_like_map(file(name))) << name;
-  EXPECT_FALSE(looks_like_map(file("a.png")));
-  EXPECT_FALSE(looks_like_map(folder_.string())) << "a folder without gdt.yaml";
-  fs::create_directories(folder_ / "tiles");
-  std::ofstream(file("tiles/index.json")) << "{}";
-  EXPECT_THAT(fault_of(folder_.string()), HasSubstr("has its map in tiles"));
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // A run's distance field made anew from the keyframes in its folder: bit for bit where the log gives whole millimetres,
 // and how much differs where it gives more.
-#include "engine/runs/keyframes/map_of_keyframes.hpp"
+#include "engine/runs/keyframes/run_keyframes.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -137,30 +137,6 @@ TEST_F(MapOfKeyframesTest, FractionsOfAMillimetreChangeFewCellsByLittle) {
     fs::remove_all(work_ / "run");
   }
   EXPECT_LT(static_cast<double>(sum.by_a_quarter), 0.02 * static_cast<double>(sum.known));
-}
-
-TEST_F(MapOfKeyframesTest, FilesOfOtherRunsAreRefused) {
-  (void)mapped(sample_, true, kScansMapped);
-  nlohmann::ordered_json report = read_json((work_ / "run" / "report.json").string(), kMostReportBytes);
-  report.erase("files");  // as of an older version, whose files are taken as they are
-  write_json((work_ / "run" / "report.json").string(), report);
-  const RunReader run((work_ / "run").string());
-  const auto expect_refused = [&run](const std::string& fault) {
-    try {
-      (void)run.keyframes();
-      ADD_FAILURE() << fault;
-    } catch (const InputError& error) {
-      EXPECT_NE(std::string(error.what()).find(fault), std::string::npos) << error.what();
-    }
-  };
-  std::ofstream(work_ / "run" / "config.yaml", std::ios::app) << "# another\n";
-  expect_refused("is not the configuration that keyframes.bin.gz was mapped with");
-  RunKeyframes other = read_keyframes((work_ / "run" / kKeyframeFile).string()).run;
-  other.keyframes.pop_back();
-  write_keyframes((work_ / "run" / kKeyframeFile).string(), other);
-  expect_refused("holds other keyframes than report.json tells of");
-  fs::remove(work_ / "run" / kKeyframeFile);
-  expect_refused("is missing in this run");
 }
 
 TEST_F(MapOfKeyframesTest, APublicLogGivesTheSameMap) {

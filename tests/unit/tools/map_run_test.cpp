@@ -31,8 +31,8 @@ TEST(MapRun, ADoubtIsAboutTheMatchWhereTheRobotRests) {
       file << writer.scan(scan.record) << "TILT 0 " << scan.record.scan.stamp_s << " robot 0\n";
     }
   }
-  MapJob job{.logs = {log}, .read = {}, .range = {}, .mapper = {}, .occupancy = {}, .on_failure = {}};
-  job.mapper.doubt.report_rad = 0.006;
+  MapRequest job{.logs = {log}, .with_loops = false};
+  job.settings.mapper.doubt.report_rad = 0.006;
   NoddingJob nodding;
   nodding.kind = NodKind::kTilt;
   nodding.model = calib::sweep_model_of_preset(calib::kDefaultLinkage);

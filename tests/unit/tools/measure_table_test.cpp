@@ -30,18 +30,6 @@ Measurement two_planes() {
   return {.cloud = "c.ply", .points = 8, .viewpoint = {}, .has_planes = true, .boxes = {}, .planes = {floor, wall}};
 }
 
-TEST(MeasureTable, PlanesInMetresWithKindAreaAndExtent) {
-  const std::string text = as_text(two_planes());
-  EXPECT_THAT(text, HasSubstr("\n1     floor      24.00 m2    6.00 x 4.00 m  "));
-  EXPECT_THAT(
-      text,
-      HasSubstr("\n2     wall       10.00 m2    4.00 x 2.50 m  -1.000  0.000  0.000    3.0400 +- 0.0001 m  0.0099 m"));
-  EXPECT_THAT(text, Not(HasSubstr("-0.000")));
-  EXPECT_THAT(text, Not(HasSubstr("cm")));
-  EXPECT_THAT(text, Not(HasSubstr("mm")));
-  EXPECT_THAT(text, HasSubstr("-3.040, 1.000, 1.250 m"));
-}
-
 TEST(MeasureTable, JsonAndCsvHaveWhatTheTextHas) {
   const nlohmann::ordered_json planes = as_json(two_planes()).at("planes");
   ASSERT_EQ(planes.size(), 2U);
@@ -72,30 +60,6 @@ Measurement two_boxes() {
   return {.cloud = "c.ply", .points = 500, .viewpoint = {}, .has_boxes = true, .boxes = {whole, face}, .planes = {}};
 }
 
-TEST(MeasureTable, BoxesHaveADeviationAndWhichEndsWereSeen) {
-  Measurement measured = two_boxes();
-  EXPECT_EQ(as_text(measured),
-            "500 points, no viewpoint: the ends of faces are where their points end\n2 boxes\n\n"
-            "box 1  width     58.29 +- 0.02 cm  both ends seen\n"
-            "       depth     40.00 +- 1.00 cm  an end not seen\n"
-            "       height    50.00 +- 0.10 cm  both ends seen\n"
-            "       centre 1.000, -2.000, 0.250 m, width along 30.0 deg; face: 120 points, rms 4.2 mm\n"
-            "box 2  width     58.29 +- 0.02 cm  both ends seen\n"
-            "       depth                    -  not seen\n"
-            "       height    50.00 +- 0.10 cm  both ends seen\n"
-            "       centre 1.000, -2.000, 0.250 m, width along 30.0 deg; face: 120 points, rms 4.2 mm\n");
-  measured.viewpoint = Point3(0.5, 0.0, -0.0001);
-  measured.viewpoint_source = ViewpointSource::kFound;
-  measured.boxes.pop_back();
-  EXPECT_THAT(as_text(measured), HasSubstr("seen from 0.500, 0.000, 0.000 m, found from the elevations\n1 box\n\n"));
-  measured.viewpoint_source = ViewpointSource::kGiven;
-  measured.is_projection = true;
-  measured.boxes.clear();
-  EXPECT_EQ(as_text(measured), "500 points, seen from 0.500, 0.000, 0.000 m; projected to the floor\n0 boxes\n");
-  measured.has_planes = true;
-  EXPECT_THAT(as_text(measured), HasSubstr("0 boxes\n\n0 planes\n"));
-}
-
 TEST(MeasureTable, BoxesAsJsonAndCsv) {
   Measurement measured = two_boxes();
   const nlohmann::ordered_json json = as_json(measured);
@@ -116,18 +80,6 @@ TEST(MeasureTable, BoxesAsJsonAndCsv) {
   measured.viewpoint_source = ViewpointSource::kGiven;
   EXPECT_EQ(as_json(measured).at("viewpoint_m").dump(), "[0.5,0.0,1.0]");
   EXPECT_EQ(as_json(measured).at("viewpoint_source"), "given");
-}
-
-TEST(MeasureTable, APlaneHasItsTiltAndPoints) {
-  Measurement measured = two_planes();
-  measured.planes[0].patch.sigma_normal_rad = rad_from_deg(0.125);
-  EXPECT_THAT(as_text(measured), HasSubstr(" 0.0099 m   0.125 deg          4  3.000, 2.000, 0.000 m\n"));
-  EXPECT_THAT(as_text(measured), HasSubstr("8 points, 2 planes\n"));
-  EXPECT_THAT(as_csv(measured), HasSubstr(",0.99999998,-4e-05,0.0001,0.125,0.0099,4,3,2,-0.0004\n"));
-  EXPECT_EQ(as_json(measured).at("planes")[0].at("sigma_normal_deg"), 0.125);
-  EXPECT_FALSE(as_json(measured).contains("boxes"));
-  measured.planes.clear();
-  EXPECT_EQ(as_text(measured), "8 points, 0 planes\n");
 }
 
 TEST(MeasureTable, MeasuresWhatWasAskedFor) {

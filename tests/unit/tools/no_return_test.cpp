@@ -17,7 +17,6 @@ namespace gdtslam {
 namespace {
 
 using test::DriveLog;
-using testing::DoubleNear;
 using testing::HasSubstr;
 
 const ScanConfig kScan;
@@ -52,14 +51,6 @@ TEST(NoReturn, IsTakenBelowTheStatedLimitAndWithoutOne) {
     EXPECT_EQ(finding.options, "--set log.max_range=7.99m");
     EXPECT_THAT(finding.evidence, HasSubstr("16.7 %"));
   }
-}
-
-TEST(NoReturn, BeyondWhatTheMapperUsesNothingIsTaken) {
-  Random random(2);
-  const NoReturns found = found_in([&](int k) { return scan_at(0.2 * k, 81.91F, 0.0, random); });
-  EXPECT_THAT(found.below.at(0).range_m, DoubleNear(81.91, 1e-9));
-  EXPECT_FALSE(found.taken(kScan));
-  EXPECT_FALSE(found.ambiguous(kScan));
 }
 
 // The end of a corridor, measured in whole centimetres by a laser that stands.

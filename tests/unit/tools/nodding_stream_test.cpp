@@ -155,13 +155,6 @@ TEST_F(NoddingStreamOfLines, BehindTheLastWantedScanTheMessagesAreStillHeard) {
   EXPECT_THAT(outcome.warnings, IsEmpty());
 }
 
-TEST_F(NoddingStreamOfLines, WhatIsSkippedIsHeardToo) {
-  const std::string path = write("a.log", {encoder(1.0), scan(1.02), encoder(1.1), scan(1.15), encoder(1.2)});
-  const Outcome outcome = read(std::vector{path}, ScanRange{.skip = 1, .count = 9});
-  EXPECT_THAT(outcome.stamps_s, ElementsAre(1.15));
-  EXPECT_NEAR(outcome.turns.at(0), 0.25 * 1.15, 1e-4);
-}
-
 // The second log begins again at time 1 with the counter elsewhere.
 TEST_F(NoddingStreamOfLines, EachLogHasAClockOfItsOwn) {
   const std::string a = write("a.log", {encoder(1.0), scan(1.05), encoder(1.1), scan(1.15)});
@@ -229,73 +222,11 @@ TEST_F(NoddingStreamOfLines, AScanStampedFarAheadCostsItself) {
   EXPECT_EQ(outcome.turns[50], -1.0);
 }
 
-// A scan goes without what is not known once another is stamped more than a second later.
-TEST_F(NoddingStreamOfLines, AScanThatIsASecondLaterIsStillWaitedThrough) {
-  for (const double last_s : {1.99, 2.0, 2.01}) {
-    std::vector<std::string> lines{scan(1.0), scan(last_s)};
-    for (int k = 0; k < 13; ++k) lines.push_back(encoder(0.9 + 0.1 * k));
-    const Outcome outcome = read_lines(lines);
-    ASSERT_EQ(outcome.turns.size(), 2U);
-    EXPECT_NEAR(outcome.turns[0], last_s > 2.0 ? -1.0 : 0.25, 1e-4) << last_s;
-    EXPECT_NEAR(outcome.turns[1], 0.25 * last_s, 1e-4) << last_s;
-  }
-}
-
-TEST_F(NoddingStreamOfLines, AThousandScansWait) {
-  for (const int scans : {1000, 1001, 1002}) {
-    std::vector<std::string> lines;
-    for (int k = 0; k < scans; ++k) lines.push_back(scan(1.0 + 0.0005 * k));
-    for (int k = 0; k < 9; ++k) lines.push_back(encoder(0.9 + 0.1 * k));
-    const Outcome outcome = read_lines(lines);
-    EXPECT_EQ(outcome.turns.size(), static_cast<std::size_t>(scans));
-    EXPECT_EQ(outcome.count_of(kUncovered), static_cast<std::uint64_t>(scans - 1000)) << scans;
-  }
-}
-
-// Behind the last scan that was asked for, a thousand records are looked through for what tells of it.
-TEST_F(NoddingStreamOfLines, AThousandRecordsBehindTheLastWantedScanAreHeard) {
-  for (const int others : {0, 998, 999, 1000}) {
-    std::vector<std::string> lines{encoder(1.0), scan(1.02)};
-    lines.insert(lines.end(), static_cast<std::size_t>(others), "PARAM robot_width 0.5\n");
-    lines.push_back(encoder(1.1));
-    const Outcome outcome = read(std::vector{write("a.log", lines)}, ScanRange{.skip = 0, .count = 1});
-    ASSERT_EQ(outcome.turns.size(), 1U);
-    EXPECT_NEAR(outcome.turns[0], others < 1000 ? 0.25 * 1.02 : -1.0, 1e-4) << others;
-  }
-}
-
-// Of the messages ten seconds are remembered for a scan whose stamp steps back.
-TEST_F(NoddingStreamOfLines, AScanTenSecondsBackIsStillCovered) {
-  for (const double back_s : {5.5, 9.5, 10.5, 19.0}) {
-    std::vector<std::string> lines;
-    for (int k = 0; k <= 310; ++k) lines.push_back(encoder(0.5 + 0.1 * k));
-    lines.insert(lines.end(), {scan(30.0), scan(30.0 - back_s)});
-    const Outcome outcome = read_lines(lines);
-    ASSERT_EQ(outcome.turns.size(), 2U);
-    const double turns = 0.25 * (30.0 - back_s);
-    EXPECT_NEAR(outcome.turns[1], back_s < 10.0 ? turns - std::floor(turns) : -1.0, 1e-4) << back_s;
-  }
-}
-
-TEST_F(NoddingStreamOfLines, MessagesOfTheOtherKindAreCounted) {
-  const std::string tilt = fmt_line("TILT 0.3", 1.05);
-  const Outcome outcome = read_lines({encoder(1.0), tilt, scan(1.05), encoder(1.1)});
-  EXPECT_EQ(outcome.count_of("nodding message not used"), 1U);
-  EXPECT_NEAR(outcome.turns.at(0), 0.25 * 1.05, 1e-4);
-}
-
 TEST_F(NoddingStreamOfLines, ATiltIsItsOwnElevation) {
   const std::string path = write("a.log", {fmt_line("TILT 0.2", 1.0), scan(1.05), fmt_line("TILT 0.3", 1.1)});
   const Outcome outcome = read(std::vector{path}, ScanRange{}, NodKind::kTilt);
   // ElevationTable::identity(): half a turn is level.
   EXPECT_NEAR(outcome.turns.at(0), 0.5 + 0.25 / (2.0 * 3.14159265358979), 1e-6);
-}
-
-TEST_F(NoddingStreamOfLines, FaultsOfAllLogsAddUp) {
-  const std::string a = write("a.log", {encoder(1.0), encoder(1.0), scan(1.05), encoder(1.1)});
-  const Outcome outcome = read(std::vector{a, a, a}, ScanRange{});
-  EXPECT_EQ(outcome.count_of(kPast), 3U);
-  EXPECT_EQ(outcome.count_of(kUncovered), 0U);
 }
 
 // Half a turn of the mirror, at five turns a second, the stamp in its middle: beams from 50 ms before to 50 ms after.

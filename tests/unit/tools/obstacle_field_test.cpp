@@ -98,17 +98,6 @@ TEST(ObstacleField, NoCellsWhereNoneIsOccupied) {
   EXPECT_EQ(field.cap, 5 * 256);
 }
 
-TEST(ObstacleField, SaysBeforeHowLargeItWillBe) {
-  using enum CellState;
-  std::vector<CellState> corners(11 * 13, kFree);
-  EXPECT_EQ(obstacle_field_size(map_of(11, 13, corners), 6).width, 0U);
-  corners[2 * 11 + 3] = kOccupied;
-  corners[7 * 11 + 4] = kOccupied;
-  const ObstacleFieldSize size = obstacle_field_size(map_of(11, 13, corners), 6);
-  EXPECT_EQ(size.width, 2U + 2 * (6 + 1));   // columns 3 and 4 and the margin
-  EXPECT_EQ(size.height, 6U + 2 * (6 + 1));  // rows 2 to 7
-}
-
 TEST(ObstacleField, TooManyCellsAreRefused) {
   // Its margin makes the field of a long line more than 2^29 cells.
   OccupancyMap map;
@@ -122,13 +111,6 @@ TEST(ObstacleField, TooManyCellsAreRefused) {
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), ::testing::HasSubstr("513 x 1100512 cells would be too large"));
   }
-}
-
-TEST(ObstacleField, RadiusInCells) {
-  EXPECT_EQ(obstacle_radius(0.5, 0.05), 10U);
-  EXPECT_EQ(obstacle_radius(0.5, 0.1), 5U);
-  EXPECT_EQ(obstacle_radius(0.5, 0.5), 4U);      // one cell would tell nothing
-  EXPECT_EQ(obstacle_radius(0.5, 0.001), 255U);  // 500 are more than the transform can
 }
 
 }  // namespace

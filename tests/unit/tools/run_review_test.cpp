@@ -40,23 +40,6 @@ RunDoubts sound() {
 
 TEST(RunReview, OfASoundMapHasNothingToSay) { EXPECT_TRUE(review_notes(sound(), ten_poses(), {}).empty()); }
 
-TEST(RunReview, SaysWhyLoopsWereNotClosed) {
-  RunDoubts doubts = sound();
-  doubts.loops.reset();
-  EXPECT_THAT(review_notes(doubts, ten_poses(), {}).at(0).advice, HasSubstr("without --no-loops"));
-  doubts.was_interrupted = true;
-  EXPECT_THAT(review_notes(doubts, ten_poses(), {}).at(0).advice, HasSubstr("to its end"));
-  doubts = sound();
-  doubts.was_interrupted = true;
-  EXPECT_THAT(review_notes(doubts, ten_poses(), {}).at(0).finding, HasSubstr("the cloud is of the part"));
-  doubts = sound();
-  doubts.loops->loops.clear();
-  const std::vector<ReviewNote> none = review_notes(doubts, ten_poses(), {});
-  ASSERT_EQ(none.size(), 1U);
-  EXPECT_EQ(none[0].about, "loops");
-  EXPECT_THAT(none[0].finding, HasSubstr("no loop was found in 4 searches"));
-}
-
 TEST(RunReview, AFaultOfTheLogComesFirstUnlessItIsMended) {
   RunDoubts doubts = sound();
   doubts.refused = 3;
@@ -84,21 +67,6 @@ TEST(RunReview, AStretchIsWhereItsLeastSurePoseIs) {
   EXPECT_EQ(notes[2].at_m, Point2(8.0, -0.5));
   // Without covariances: the middle.
   EXPECT_EQ(review_notes(doubts, ten_poses(), {}).at(1).at_m, Point2(5.0, -0.5));
-}
-
-TEST(RunReview, NamesLoopsThatAreNotBelieved) {
-  RunDoubts doubts = sound();
-  ClosedLoop wrong = loop_of(2, 7, 1.0e-6);
-  wrong.off_m = 1.25;
-  wrong.off_rad = rad_from_deg(3.0);
-  doubts.loops->loops.push_back(wrong);
-  const std::vector<ReviewNote> notes = review_notes(doubts, ten_poses(), {});
-  ASSERT_EQ(notes.size(), 1U);
-  EXPECT_EQ(notes[0].finding,
-            "loop from scan 2 at (2.0, -0.5) m to scan 7 at (7.0, -0.5) m is switched off: 1.25 m and 3.0 deg off");
-  EXPECT_THAT(notes[0].advice, HasSubstr("two places look alike"));
-  doubts.loops->loops.back().off_m = 0.1;
-  EXPECT_THAT(review_notes(doubts, ten_poses(), {}).at(0).advice, HasSubstr("off by little"));
 }
 
 }  // namespace

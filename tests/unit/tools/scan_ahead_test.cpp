@@ -76,13 +76,5 @@ TEST(ScanAhead, CanBeStoppedWhileScansAreLeft) {
   EXPECT_LT(stream.scans_read(), 5000U);
 }
 
-TEST(ScanAhead, OnlyFilesAreReadAhead) {
-  const ScansInAFile log(1);
-  EXPECT_TRUE(are_plain_files({log.path()}));
-  EXPECT_FALSE(are_plain_files({"-"}));
-  EXPECT_FALSE(are_plain_files({log.path(), "/dev/null"}));
-  EXPECT_FALSE(are_plain_files({log.path() + ".not-there"}));
-}
-
 }  // namespace
 }  // namespace gdtslam

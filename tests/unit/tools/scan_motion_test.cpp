@@ -145,14 +145,13 @@ TEST(ScanMotion, ALiveLogIsLookedAtAfterwardsIfOneScanInTenIsDoubtful) {
   MapRequest request;
   request.logs = {path};
   request.live_log = [&path](const ReadOptions& read) { return open_log(path, read); };
-  const MapJob job;
   MapOutcome outcome;
   outcome.trajectory.resize(20);
   outcome.doubtful.resize(1);
-  look_afterwards(request, job, path, outcome);
+  look_afterwards(request, path, outcome);
   EXPECT_THAT(outcome.findings, IsEmpty());
   outcome.doubtful.resize(2);
-  look_afterwards(request, job, path, outcome);
+  look_afterwards(request, path, outcome);
   EXPECT_EQ(outcome.findings.size(), 1U);
 }
 

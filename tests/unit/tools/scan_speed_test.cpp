@@ -45,16 +45,6 @@ TEST(ScanSpeed, ByOdometryOfTheSameLaser) {
   EXPECT_NEAR((*front.scan.speed)[0], 0.5, 1e-12);
 }
 
-TEST(ScanSpeed, WhatTheReaderKnowsStays) {
-  OdometrySpeed odometry;
-  ScanRecord scan = timed_scan(1.0, Pose2{});
-  odometry.complete(scan);
-  scan = timed_scan(1.1, Pose2{0.1, 0.0, 0.0});
-  scan.scan.speed = Eigen::Vector3d(7.0, 0.0, 0.0);
-  odometry.complete(scan);
-  EXPECT_EQ((*scan.scan.speed)[0], 7.0);
-}
-
 ScanRecord swept_scan(double stamp_s, std::size_t laser = 0) {
   ScanRecord record;
   record.scan.stamp_s = stamp_s;

@@ -76,18 +76,6 @@ TEST(ScanStreamRules, AMountIsLookedForSoManyScansAhead) {
   }
 }
 
-TEST(ScanStreamRules, WhatIsWrongAheadShowsWhereItStands) {
-  ScanStream stream = stream_of({{listed_scan(0.0), listed_scan(1.0), kFault, Encoder{1.5, 7}}});
-  EXPECT_EQ(stream.nod_kind(), NodKind::kNone);
-  EXPECT_THROW(stream.expect_readable(), InputError);
-  EXPECT_TRUE(stream.next() && stream.next());
-  EXPECT_THROW(static_cast<void>(stream.next()), InputError);
-  EXPECT_FALSE(stream.next()) << "it is told of once; behind it there is no scan";
-  ScanStream sound = stream_of({{listed_scan(0.0)}});
-  EXPECT_EQ(sound.nod_kind(), NodKind::kNone);
-  EXPECT_NO_THROW(sound.expect_readable());
-}
-
 TEST(ScanStreamRules, MessagesThatNobodyTakesAreCounted) {
   const Logs logs{{Tilt{0.5, 0.1}, Odometry{0.6, {}}, listed_scan(1.0), Encoder{1.5, 7}, Parameter{"a", "b"}}};
   ScanStream unheard = stream_of(logs);
@@ -134,42 +122,6 @@ TEST(ScanStreamRules, BehindTheLastWantedScanTheListenerIsFed) {
   EXPECT_FALSE(at_end.feed_listener());
 }
 
-TEST(ScanStreamRules, ProgressIsOfTheInputOrOfTheWantedScans) {
-  const std::vector<LogRecord> four{listed_scan(0.0), listed_scan(1.0), listed_scan(2.0), listed_scan(3.0)};
-  ScanStream all = stream_of({four, four});
-  std::vector<double> shares;
-  while (all.next()) shares.push_back(all.progress());
-  EXPECT_EQ(shares, (std::vector<double>{0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0}));
-  EXPECT_EQ(all.progress(), 1.0);
-  EXPECT_EQ(all.scans_read(), 8U);
-  ScanStream some = stream_of({four, four}, {.skip = 1, .count = 2});
-  EXPECT_TRUE(some.next());
-  EXPECT_EQ(some.progress(), 0.5) << "of two, one is there";
-  EXPECT_EQ(some.scans_read(), 2U);
-  ScanStream unknown = stream_of({four}, {}, false);
-  EXPECT_TRUE(unknown.next());
-  EXPECT_EQ(unknown.progress(), -1.0);
-  ScanStream counted = stream_of({four}, {.count = 4}, false);
-  EXPECT_TRUE(counted.next());
-  EXPECT_EQ(counted.progress(), 0.25);
-}
-
-// A pipe may be waited for as it is opened, and whoever waits asks how far it is.
-TEST(ScanStreamRules, ProgressIsNoWholeOneWhileTheNextLogIsOpened) {
-  for (const bool knows_progress : {true, false}) {
-    const ScanStream* opening = nullptr;
-    std::vector<double> shares;
-    ScanStream stream({"a", "b", "c"}, {}, {}, [&](std::size_t /*log*/) {
-      if (opening != nullptr) shares.push_back(opening->progress());
-      return std::make_unique<ListedRecords>(std::vector<LogRecord>{listed_scan(0.0)}, knows_progress);
-    });
-    opening = &stream;
-    EXPECT_EQ(stamps_of(stream).size(), 3U);
-    EXPECT_EQ(shares, knows_progress ? (std::vector<double>{1.0 / 3.0, 2.0 / 3.0}) : (std::vector<double>{-1.0, -1.0}));
-    EXPECT_EQ(stream.progress(), 1.0);
-  }
-}
-
 TEST(ScanStreamRules, BeamsAreTimedAsStatedOrAllAtOnce) {
   ScanRecord logged = listed_scan(0.0);
   logged.scan.first_beam_after_s = 0.25;
@@ -206,17 +158,6 @@ TEST(ScanStreamRules, OdometryGoesOnBehindALogWithoutAny) {
   ScanStream begins = stream_of({{listed_scan(0.0)}, {driven(1.0, {7.0, 0.0, 1.0})}});
   EXPECT_FALSE(begins.next()->T_odom_base);
   EXPECT_TRUE(*begins.next()->T_odom_base == (Pose2{7.0, 0.0, 1.0}));
-}
-
-TEST(ScanStreamRules, WarningsOfAKindAddUpAndKeepTheFirst) {
-  std::vector<LogReader::Warning> list{{"a", 2, "one"}};
-  merge_warnings(list, {{"b", 1, "two"}, {"a", 3, "three"}});
-  ASSERT_EQ(list.size(), 2U);
-  EXPECT_EQ(list[0].count, 5U);
-  EXPECT_EQ(list[0].first, "one");
-  EXPECT_EQ(list[1].count, 1U);
-  merge_warnings(list, {});
-  EXPECT_EQ(list.size(), 2U);
 }
 
 }  // namespace

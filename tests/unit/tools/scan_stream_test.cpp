@@ -148,23 +148,5 @@ TEST_F(ScanStreamTest, ALogThatCannotBeOpenedIsAnErrorWhenItsTurnComes) {
   EXPECT_THROW(stream.next(), FileError);
 }
 
-TEST_F(ScanStreamTest, ALogThatCannotBeOpenedStaysAnError) {
-  std::ofstream(folder_ / "a") << "FLASER 1 1.0 0 0 0 0 0 0 1 h 1\nFLASER 1 1.0 0 0 0 0 0 0 1 h 1\n";
-  ScanStream stream({folder_ / "a", folder_ / "nowhere"}, {}, {});
-  EXPECT_TRUE(stream.next() && stream.next());
-  for (int times = 0; times < 2; ++times) {
-    try {
-      (void)stream.next();
-      ADD_FAILURE() << "ends as if both were read";
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ExitCode::kInputOutput);
-      EXPECT_NE(std::string(error.what()).find("nowhere"), std::string::npos) << error.what();
-    }
-    EXPECT_EQ(stream.progress(), 0.5);
-    ASSERT_EQ(stream.warnings().size(), 1u);
-    EXPECT_EQ(stream.warnings()[0].count, 1u);
-  }
-}
-
 }  // namespace
 }  // namespace gdtslam

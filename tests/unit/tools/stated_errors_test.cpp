@@ -1,5 +1,5 @@
 // Whether errors are as large as is stated: poses drawn from known covariances, theory from closed forms.
-#include "engine/runs/evaluation/stated_errors.hpp"
+#include "engine/runs/evaluation/errors.hpp"
 
 #include <gtest/gtest.h>
 
@@ -23,15 +23,6 @@ double within_in_space(double k) {
   return std::erf(k / std::sqrt(2.0)) - std::sqrt(2.0 / kPi) * k * std::exp(-0.5 * k * k);
 }
 double within_in_plane(double k) { return 1.0 - std::exp(-0.5 * k * k); }
-
-TEST(StatedErrors, TheoryIsThatOfChiSquare) {
-  for (std::size_t k = 1; k <= kStatedSigmas; ++k) {
-    EXPECT_NEAR(kPoseTheory.shares[k - 1], within_in_space(static_cast<double>(k)), 1.0e-6);
-    EXPECT_NEAR(kPositionTheory.shares[k - 1], within_in_plane(static_cast<double>(k)), 1.0e-6);
-  }
-  EXPECT_NEAR(within_in_space(std::sqrt(kPoseTheory.median)), 0.5, 1.0e-6);
-  EXPECT_NEAR(within_in_plane(std::sqrt(kPositionTheory.median)), 0.5, 1.0e-6);
-}
 
 // x and y vary together, and the heading with both: rows of a lower triangular root, small enough to be linear.
 class StatedErrorsOfDraws : public testing::Test {

@@ -79,16 +79,6 @@ TEST(SweepCheck, AnErrorOfTheLinkageIsDoubtedAndNoiseIsNot) {
   EXPECT_NE(check_of(strokes(4, 0.04), 1'000).doubt().find("times the noise of its surfaces"), std::string::npos);
 }
 
-TEST(SweepCheck, SweepsThatNothingHoldsAreNotDoubted) {
-  SweepCheck check;
-  check.not_held = 3;  // as along a corridor
-  EXPECT_EQ(check.doubt(), "");
-  check.apart = 2;
-  EXPECT_EQ(check.doubt().find("2 of 3 sweeps fit the one before with no correction"), 0U);
-  check.pairs = 1;
-  EXPECT_EQ(check.doubt(), "");
-}
-
 /// How many sweeps were held against the one before, of scans of one point each at these elevations.
 std::uint64_t compared(const std::vector<float>& elevations_rad) {
   SweepCheckConfig config;

@@ -64,27 +64,11 @@ TEST(TrajectoryErrors, OfRelationsByHand) {
   EXPECT_NEAR(errors[1].angle_deg, (2.0 * 3.14159265358979 - 6.2) * 180.0 / 3.14159265358979, 1e-9);
 }
 
-TEST(TrajectoryErrors, OfRelationsTheySumUpToTheReport) {
-  const Trajectory path = wandering(3, 0.1);
-  std::vector<Relation> relations;
-  for (std::size_t k = 0; k + 20 < path.size(); k += 3) {
-    relations.push_back({path[k].stamp_s, path[k + 20].stamp_s, {0.1, 0.2, 0.3}});
-  }
-  const std::vector<TrajectoryError> errors = errors_against(path, relations);
-  const RelationReport report = evaluate_relations(path, relations);
-  EXPECT_DOUBLE_EQ(summarise(positions(errors)).mean, report.all.translation_m.mean);
-  EXPECT_DOUBLE_EQ(summarise(angles(errors)).mean, report.all.rotation_deg.mean);
-}
-
 TEST(TrajectoryErrors, TheLastOfEqualStampsCounts) {
   const Trajectory truth{
       {1.0, {9.0, 9.0, 0.0}}, {1.0, {0.0, 0.0, 0.0}}, {2.0, {1.0, 0.0, 0.0}}, {3.0, {2.0, 0.0, 0.0}}};
   const Trajectory estimate{{1.0, {0.0, 0.0, 0.0}}, {2.0, {1.0, 0.0, 0.0}}, {3.0, {2.0, 0.0, 0.0}}};
   for (const TrajectoryError& error : errors_against(estimate, truth)) EXPECT_NEAR(error.position_m, 0.0, 1e-12);
-}
-
-TEST(TrajectoryErrors, OneCommonStampIsNotEnough) {
-  EXPECT_THROW(static_cast<void>(errors_against(Trajectory{{1.0, {}}}, Trajectory{{1.0, {}}})), InputError);
 }
 
 }  // namespace

@@ -34,15 +34,12 @@ struct SelfBeam {
 Trajectory mapped_poses(const SelfCalibrateJob& job, SelfCalibrateOutcome& found,
                         const std::function<void(double)>& progress, const std::function<bool()>& stop) {
   const std::unique_ptr<Backend> backend = make_cpu_backend(CpuOptions{.threads = 1, .isa = std::nullopt});
-  MapJob map;
-  map.logs = job.logs;
-  map.read = job.read;
-  map.with_occupancy = false;
+  const MapRequest map{.logs = job.logs, .with_map = false, .with_loops = false};
   NoddingJob nodding;
   nodding.model = job.start;
   nodding.linkage = job.start.name;
   nodding.check.is_on = false;
-  ScanStream scans(map.logs, map.read, map.range);
+  ScanStream scans(job.logs, job.read, {});
   if (scans.nod_kind() != NodKind::kEncoder) {
     throw InputError({log_name(job.logs.front()), 0}, "has no ENCODER message, so there is no linkage to calibrate");
   }

@@ -43,7 +43,7 @@ struct ConvertOptions {
   bool quiet = false;
 };
 
-/// Of what is written, and how many scans were read.
+/// Counts of records written, and of scans read.
 struct ConvertCounts {
   std::uint64_t scans_read = 0;
   std::uint64_t scans = 0;
@@ -62,7 +62,7 @@ std::optional<ChunkPacking> packing_named(const std::string& name) {
   throw UsageError(fmt::format("--compression: {} is none of none, lz4, zstd", in_quotes(name)));
 }
 
-// What would change nothing of the log that is written.
+// Refuses settings that would change nothing of the log that is written.
 void require_useful(const Settings& settings) {
   for (const std::string& path : settings.from_sets) {
     if (path.starts_with("log.") && !path.starts_with("log.odometry_")) continue;
@@ -110,7 +110,7 @@ void print_left_out(const std::vector<LogReader::Warning>& left_out) {
   }
 }
 
-std::string text_of(const ConvertCounts& counts, std::uint64_t bytes, const std::string& output) {
+std::string counts_text(const ConvertCounts& counts, std::uint64_t bytes, const std::string& output) {
   return fmt::format("{}, {} odometry, {} of the crank, {}; {:.1f} MB in {}\n", plural(counts.scans, "scan"),
                      counts.odometry, counts.crank, plural(counts.parameters, "parameter"),
                      1e-6 * static_cast<double>(bytes), output);
@@ -160,7 +160,7 @@ int convert(const ConvertOptions& options) {
                             {"left_out", warnings_json(writer->left_out())},
                             {"interrupted", !counts.is_whole}}));
   } else if (!options.quiet && is_stdout_free) {
-    print_result(text_of(counts, writer->bytes(), printable(options.output)));
+    print_result(counts_text(counts, writer->bytes(), printable(options.output)));
   }
   if (counts.is_whole) return static_cast<int>(ExitCode::kDone);
   print_remark(fmt::format("interrupted after {}, which {} written", plural(counts.scans, "scan"),
@@ -168,7 +168,7 @@ int convert(const ConvertOptions& options) {
   return static_cast<int>(ExitCode::kInterrupted);
 }
 
-// Whoever reads standard output may have enough, as `head` has.
+// The reader of standard output may have enough, as `head` has.
 int convert_for_reader(const ConvertOptions& options) {
   try {
     return convert(options);

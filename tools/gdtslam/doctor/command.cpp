@@ -6,17 +6,15 @@
 #include <optional>
 #include <string>
 
-#include "contents.hpp"
-#include "doctor.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/io/log_contents.hpp"
 #include "engine/runs/streams/log_check.hpp"
 #include "engine/runs/streams/odometry_delay.hpp"
 #include "engine/runs/streams/scan_motion.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
-#include "findings.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/runs/settings.hpp"
+#include "tools/gdtslam/doctor/doctor.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/options.hpp"
@@ -24,7 +22,7 @@
 namespace gdtslam {
 namespace {
 
-Findings findings_of(const DoctorOptions& options) {
+Findings examine_log(const DoctorOptions& options) {
   Settings settings = load_settings(options.settings);
   state_recording(options.recording, settings.log);
   ReadOptions read = read_options_of(settings.log, true);
@@ -47,12 +45,12 @@ Findings findings_of(const DoctorOptions& options) {
     found.faults.push_back(no_return_finding(*value, constants.beams));
     read.max_range_m = value->range_m;
   }
-  const bool is_measured =
-      settings.log.odometry_stamps == OdometryStamps::kMeasured && !found.check.nod.has_records();  // as in map
+  const bool is_measured = settings.log.odometry_stamps == OdometryStamps::kMeasured &&
+                           !found.check.nod.has_records();  // the same rule as in map
   if (is_measured && !interrupted() && found.check.obstacle().empty()) {
     const MotionLook look =
         look_at_motion_by_scans(options.log, read, {}, settings.mapper, [] { return interrupted(); });
-    found.delay = delay_of(headings_of(look.faultless()));
+    found.delay = estimate_delay(to_headings(look.faultless()));
     found.faults.insert(found.faults.end(), look.faults.begin(), look.faults.end());
   }
   found.commands = map_commands(options, found.contents, found.check, found.faults);
@@ -60,7 +58,7 @@ Findings findings_of(const DoctorOptions& options) {
 }
 
 int doctor(const DoctorOptions& options) {
-  const Findings found = findings_of(options);
+  const Findings found = examine_log(options);
   print_result(options.json ? json_text(findings_json(found, options.log)) : findings_text(found, options.log));
   if (interrupted())
     throw Error(ExitCode::kInterrupted, "interrupted; the figures are those of the part that was read");

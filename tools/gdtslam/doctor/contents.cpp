@@ -1,5 +1,5 @@
 // Lines of a text log; topics, frames and clocks of a recording.
-#include "contents.hpp"
+#include "tools/gdtslam/doctor/doctor.hpp"
 
 #include <fmt/format.h>
 
@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostRows = 40;  // of topics or frames on the screen
+constexpr std::size_t kMostRows = 40;  // topics or frames on the screen
 constexpr std::size_t kMostName = 60;
 constexpr double kOtherClock_s = 1.0;  // beyond which stamps are of another clock than times of receipt
 

@@ -1,8 +1,14 @@
-// What `gdtslam doctor` is asked for, and the doctor of maps. Thread-safe apart from the files.
+// Options of `gdtslam doctor`, and its reports on logs, maps and devices. Thread-safe apart from the files.
 #pragma once
 
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "engine/io/log_contents.hpp"
+#include "engine/runs/streams/log_check.hpp"
+#include "gdtslam/runs/outcome.hpp"
 #include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
 
@@ -13,8 +19,8 @@ struct DoctorOptions {
   RecordingOptions recording;
   SettingsOptions settings;
   std::string after;     ///< the folder of a run, in place of a log
-  std::string picture;   ///< of the run
-  bool devices = false;  ///< what can compute here, in place of a log
+  std::string picture;   ///< picture of the run
+  bool devices = false;  ///< devices that can compute here, in place of a log
   bool force = false;
   bool json = false;
 };
@@ -25,5 +31,37 @@ int doctor_of_devices(bool json);
 /// Prints what is doubtful in the map of a run, draws it where a picture is asked for, and returns the exit code, which
 /// is 0 whatever is doubtful. Throws InputError, FileError, UsageError, UnavailableError.
 int doctor_after(const DoctorOptions& options);
+
+// Description of a log's lines, topics, frames and clocks, and commands that map it. Thread-safe.
+
+/// Kinds of lines, or topics, frames and clocks, and which of them `map` uses; each line with its end.
+std::string contents_text(const LogContents& contents, const LogCheck& check);
+/// Adds the same to a report.
+void add_contents(const LogContents& contents, nlohmann::ordered_json& report);
+
+/// A line to type, and when it is the right one.
+struct MapCommand {
+  std::string when;
+  std::string line;
+};
+/// Commands that map the log, the simplest first; with the options of doctor itself, and those that mend `faults`.
+/// None where it cannot be mapped.
+std::vector<MapCommand> map_commands(const DoctorOptions& options, const LogContents& contents, const LogCheck& check,
+                                     const std::vector<LogFinding>& faults);
+
+// Findings of `gdtslam doctor` in a log, for people and as JSON. Thread-safe.
+
+/// All that was found.
+struct Findings {
+  LogContents contents;
+  LogCheck check;
+  StepBounds bounds;
+  std::optional<OdometryDelay> delay;
+  std::vector<LogFinding> faults;
+  std::vector<MapCommand> commands;
+};
+
+std::string findings_text(const Findings& found, const std::string& log);
+nlohmann::ordered_json findings_json(const Findings& found, const std::string& log);
 
 }  // namespace gdtslam

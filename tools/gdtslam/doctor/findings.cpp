@@ -1,5 +1,5 @@
 // The figures of a log as text and as JSON.
-#include "findings.hpp"
+#include "tools/gdtslam/doctor/doctor.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include <iterator>
 #include <utility>
 
-#include "engine/runs/folder/run_doubts.hpp"
+#include "engine/runs/folder/run_review.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "engine/runs/warning_text.hpp"
 #include "gdtslam/core/angle.hpp"
@@ -86,7 +86,7 @@ std::string layouts_text(const LogCheck& c, const LaserMount& laser) {
   return text;
 }
 
-// Of several lasers each has its number and its scans.
+// Each of several lasers has its number and its scans.
 std::string laser_text(const LogCheck& c, const LaserMount& laser) {
   std::string text;
   if (c.lasers.size() > 1) text += fmt::format("laser {:<10} {}\n", laser.laser, plural(laser.scans, "scan"));

@@ -1,4 +1,4 @@
-// What to type to map a log.
+// Commands that map a log.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,20 +6,20 @@
 #include <string_view>
 #include <utility>
 
-#include "contents.hpp"
 #include "engine/core/one_line.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
+#include "tools/gdtslam/doctor/doctor.hpp"
 
 namespace gdtslam {
 namespace {
 
 bool is_control(char c) { return (c >= '\0' && c < ' ') || c == '\x7f'; }
 
-/// As a shell takes it for one word, on one line whatever is in it.
+/// Quotes a text so that a shell takes it for one word, on one line whatever is in it.
 std::string shell_word(const std::string& text) {
   constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%";
   if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
-  if (std::any_of(text.begin(), text.end(), is_control)) {  // as bash, zsh and ksh read it
+  if (std::any_of(text.begin(), text.end(), is_control)) {  // quoted for bash, zsh and ksh
     std::string word = "$'";
     for (const char c : text) {
       const bool is_escaped = is_control(c) || c == '\'' || c == '\\';
@@ -36,7 +36,7 @@ std::string log_word(const std::string& log) {
   return log.size() > 1 && log.starts_with('-') ? shell_word("./" + log) : shell_word(log);
 }
 
-/// What doctor was told that map must be told too, but the choice of topics.
+/// Options of doctor that map needs too, without the choice of topics.
 std::string told_settings(const DoctorOptions& options) {
   std::string text;
   const auto add = [&text](std::string_view option, const std::string& value) {
@@ -49,7 +49,7 @@ std::string told_settings(const DoctorOptions& options) {
   return text;
 }
 
-/// What mends the faults that map does not mend itself.
+/// Options that mend the faults that map does not mend itself.
 std::string mending_settings(const std::vector<LogFinding>& faults) {
   std::string text;
   for (const LogFinding& fault : faults) text += fault.is_mended || fault.options.empty() ? "" : " " + fault.options;
@@ -108,7 +108,7 @@ bool has_whole_numbers(const TopicContents& topic) {
   return topic.type.starts_with("std_msgs/Int") || topic.type.starts_with("std_msgs/UInt");
 }
 
-/// What a number's messages may be: ticks of a crank, a servo's degrees, or the elevation of a joint.
+/// Meanings of a number's messages: ticks of a crank, a servo's degrees, or the elevation of a joint.
 std::vector<MapCommand> nodding_choices(const TopicContents& topic) {
   constexpr double kMostDegrees = 360.0;
   const std::string when = "if " + one_line(topic.name) + " tells how the laser nods";
@@ -126,7 +126,7 @@ std::vector<MapCommand> nodding_choices(const TopicContents& topic) {
   return choices;
 }
 
-/// Those of all topics that say different numbers.
+/// Choices for all topics that have different numbers.
 std::vector<MapCommand> all_nodding_choices(const LogContents& contents) {
   std::vector<MapCommand> choices;
   for (const TopicContents* topic : topics_for(TopicUse::kCrank, contents)) {

@@ -63,7 +63,7 @@ struct StepText {
   std::string operator()(const WorldFileEdit& /*edit*/) const { return "map.png and map.pgw for a GIS\n"; }
 };
 
-std::string text_of(const EditRequest& request, const EditOutcome& outcome) {
+std::string edit_text(const EditRequest& request, const EditOutcome& outcome) {
   std::string text;
   for (const EditStep& step : outcome.steps) text += std::visit(StepText{}, step);
   if (outcome.readings > 0) text += fmt::format("{} readings taken out of the keyframes\n", outcome.readings);
@@ -75,7 +75,7 @@ std::string text_of(const EditRequest& request, const EditOutcome& outcome) {
   return text + fmt::format("results in {}\n", printable(request.folder));
 }
 
-EditRequest request_of(const EditCommand& command) {
+EditRequest make_request(const EditCommand& command) {
   EditRequest request = command.request;
   if (!command.origin.empty()) request.origin = parse_origin(command.origin);
   if (!command.crop.empty()) request.crop = parse_rectangle(command.crop);
@@ -89,7 +89,7 @@ EditRequest request_of(const EditCommand& command) {
 }
 
 int edit(const EditCommand& command) {
-  EditRequest request = request_of(command);
+  EditRequest request = make_request(command);
   WrittenFiles({request.run}, request.replace_foreign_files).add_folder("--output", request.folder);
   TerminalLine line(command.quiet);
   request.progress = [&line](std::string_view step, double share) {
@@ -101,7 +101,7 @@ int edit(const EditCommand& command) {
   if (command.json) {
     print_result(outcome.edits);
   } else if (!command.quiet) {
-    print_result(text_of(request, outcome));
+    print_result(edit_text(request, outcome));
   }
   return static_cast<int>(ExitCode::kDone);
 }

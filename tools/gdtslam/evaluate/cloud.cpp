@@ -9,7 +9,6 @@
 #include "engine/io/json_file.hpp"
 #include "engine/runs/evaluation/hit_errors.hpp"
 #include "engine/runs/folder/run_reader.hpp"
-#include "engine/runs/inputs/given_files.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "evaluate.hpp"
 #include "gdtslam/core/angle.hpp"
@@ -49,7 +48,7 @@ auto unless_changed(const std::optional<RunReader>& run, const Compute& compute)
   return run ? run->files().unless_changed(compute) : compute();
 }
 
-double resolution_of(const std::string& text) {
+double parse_resolution(const std::string& text) {
   const double length_m = quantity_of("--resolution", text, Unit::kMetre);
   if (length_m < 0.0) throw UsageError("--resolution: '" + text + "' is below zero");
   return length_m;
@@ -70,7 +69,7 @@ int against_scene(const EvaluateOptions& options) {
   SceneErrorsJob job{.cloud = given_cloud(options.file, run),
                      .scene = options.scene,
                      .scene_folders = asset_folders("scenes"),
-                     .frame = frame_of(options)};
+                     .frame = align_cloud(options)};
   job.progress = [&line](std::uint64_t count, double share) { line.update(count, share); };
   job.stop = [] { return interrupted(); };
   const SceneErrors errors = unless_changed(run, [&job] { return scene_errors(job); });
@@ -102,9 +101,9 @@ Json bound_json(const std::optional<BoundCheck>& bound) {
 int against_hits(const EvaluateOptions& options) {
   ProgressLine line("points", options.json);
   std::optional<RunReader> run;
-  HitErrorsJob job{.cloud = given_cloud(options.file, run), .hits = options.hits, .frame = frame_of(options)};
+  HitErrorsJob job{.cloud = given_cloud(options.file, run), .hits = options.hits, .frame = align_cloud(options)};
   if (!options.linkage.empty()) {
-    job.quantisation = {resolve_linkage(options.linkage), resolution_of(options.resolution)};
+    job.quantisation = {resolve_linkage(options.linkage), parse_resolution(options.resolution)};
   }
   job.progress = [&line](std::uint64_t count, double share) { line.update(count, share); };
   job.stop = [] { return interrupted(); };
@@ -128,7 +127,7 @@ int against_hits(const EvaluateOptions& options) {
 }
 }  // namespace
 
-CloudFrame frame_of(const EvaluateOptions& options) {
+CloudFrame align_cloud(const EvaluateOptions& options) {
   CloudFrame frame;
   if (options.reference.empty()) return frame;
   const std::string& path = options.trajectory.empty() ? options.file : options.trajectory;

@@ -49,7 +49,7 @@ int evaluate(const EvaluateOptions& options) {
   return evaluate_trajectory(options);
 }
 
-// What the file is compared with.
+// Options for the truth that the file is compared with.
 void add_truths(CLI::App& command, EvaluateOptions& chosen) {
   CLI::Option* relations = command.add_option("--relations", chosen.relations,
                                               "Verified relations, rows `t1 t2 x y z roll pitch yaw`, plain or gzip");

@@ -6,7 +6,6 @@
 
 #include "engine/runs/evaluation/errors.hpp"
 #include "engine/runs/evaluation/measure_table.hpp"
-#include "engine/runs/evaluation/stated_errors.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
 #include "tools/gdtslam/shell/cli.hpp"
 
@@ -14,9 +13,9 @@ namespace gdtslam {
 
 struct MeasureOptions {
   MeasureJob job;
-  PlaneSearch search;            ///< of planes and of the faces of boxes: their thickness
+  PlaneSearch search;            ///< thickness of planes and of the faces of boxes
   double gap_m = 0.0;            ///< 0: as each search has it
-  std::uint32_t min_points = 0;  ///< likewise
+  std::uint32_t min_points = 0;  ///< 0: as each search has it
   std::string viewpoint;
   std::string picture;
 };
@@ -24,12 +23,12 @@ struct MeasureOptions {
 struct EvaluateOptions {
   std::string file;  ///< a run, a trajectory, a table of `localize`, or a cloud
   std::string relations;
-  std::string reference;      ///< of a cloud or a table: with `trajectory`, else both frames are the same
+  std::string reference;      ///< truth of a cloud or a table: with `trajectory`, else both frames are the same
   double tolerance_s = -1.0;  ///< negative: the default
   double distance_m = ReferenceOptions{}.rpe_distance_m;
   bool no_align = false;
-  std::string noise;       ///< of the truth, "2cm/0.5deg"; empty: none
-  std::string trajectory;  ///< of the run that made the cloud, or the map that poses were found in
+  std::string noise;       ///< noise of the truth, "2cm/0.5deg"; empty: none
+  std::string trajectory;  ///< path of the run that made the cloud, or the map that poses were found in
   std::string csv;
   bool force = false;
   bool json = false;
@@ -38,9 +37,9 @@ struct EvaluateOptions {
   double leave_out_s = -1.0;  ///< negative: no scan is left out
   // For a cloud.
   std::string scene;       ///< one of these two
-  std::string hits;        ///< likewise
+  std::string hits;        ///< file of true hits
   std::string linkage;     ///< with hits: for the quantisation bound
-  std::string resolution;  ///< of the ranges, a length; with linkage
+  std::string resolution;  ///< step of the ranges, a length; with linkage
   MeasureOptions measure;
 };
 
@@ -48,7 +47,7 @@ struct EvaluateOptions {
 ReferenceOptions reference_options(const EvaluateOptions& options);
 
 /// The alignment of --trajectory, or of the run that is evaluated, to the reference.
-CloudFrame frame_of(const EvaluateOptions& options);
+CloudFrame align_cloud(const EvaluateOptions& options);
 std::string frame_text(const CloudFrame& frame, const std::string& what, bool no_align);
 nlohmann::ordered_json frame_json(const CloudFrame& frame);
 

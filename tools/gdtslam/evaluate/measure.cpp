@@ -10,7 +10,7 @@
 
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
-#include "engine/runs/inputs/given_files.hpp"
+#include "engine/runs/folder/run_reader.hpp"
 #include "evaluate.hpp"
 #include "gdtslam/cloud/plane.hpp"
 #include "gdtslam/core/error.hpp"
@@ -29,7 +29,7 @@ constexpr std::uint64_t kMostPoints = 200'000'000;
 constexpr const char* kGroup = "Boxes and planes";
 
 // "x,y,z", each with its unit, in the coordinates of the cloud's file.
-Point3 viewpoint_of(const std::string& text) {
+Point3 parse_viewpoint(const std::string& text) {
   std::array<std::string, 3> words;
   std::size_t count = 0;
   for (const char c : text + ',') {
@@ -51,8 +51,8 @@ Point3 viewpoint_of(const std::string& text) {
   return point;
 }
 
-// What the command line asks for, checked before the cloud is read.
-MeasureJob job_of(const EvaluateOptions& options) {
+// The job of the command line, checked before the cloud is read.
+MeasureJob make_measure_job(const EvaluateOptions& options) {
   const MeasureOptions& chosen = options.measure;
   MeasureJob job = chosen.job;
   job.cloud = options.file;
@@ -67,7 +67,7 @@ MeasureJob job_of(const EvaluateOptions& options) {
     throw UsageError(fmt::format("--min-size {}m is not below --max-size {}m", boxes.min_size_m, boxes.max_size_m));
   }
   job.finds_viewpoint = chosen.viewpoint.empty();
-  if (!chosen.viewpoint.empty() && chosen.viewpoint != "none") job.viewpoint = viewpoint_of(chosen.viewpoint);
+  if (!chosen.viewpoint.empty() && chosen.viewpoint != "none") job.viewpoint = parse_viewpoint(chosen.viewpoint);
   return job;
 }
 
@@ -137,7 +137,7 @@ int measure_boxes_and_planes(const EvaluateOptions& options) {
   WrittenFiles written({options.file}, options.force);
   written.add("--csv", options.csv);
   written.add("--picture", chosen.picture);
-  MeasureJob job = job_of(options);
+  MeasureJob job = make_measure_job(options);
   std::optional<RunReader> run;
   job.cloud = given_cloud(job.cloud, run);
   std::uint64_t skipped = 0;

@@ -8,7 +8,6 @@
 #include "engine/io/json_file.hpp"
 #include "engine/runs/evaluation/pose_table.hpp"
 #include "engine/runs/folder/run_reader.hpp"
-#include "engine/runs/inputs/given_files.hpp"
 #include "evaluate.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
@@ -120,8 +119,8 @@ Json poses_json(const EvaluateOptions& options, const PosesReport& report, const
           {"stated", report.stated ? stated_json(*report.stated, {}) : Json()}};
 }
 
-PosesReport report_of(const EvaluateOptions& options, const std::vector<FoundPose>& poses, const CloudFrame& frame,
-                      const PoseLimits& limits) {
+PosesReport compare_with_reference(const EvaluateOptions& options, const std::vector<FoundPose>& poses,
+                                   const CloudFrame& frame, const PoseLimits& limits) {
   try {
     return compare_poses(poses, given_trajectory(options.reference), frame.T_truth_map, limits);
   } catch (const InputError& error) {
@@ -137,8 +136,8 @@ int evaluate_poses(const EvaluateOptions& options) {
   std::vector<FoundPose> poses = read_pose_table(options.file);
   const std::size_t all = poses.size();
   if (options.leave_out_s >= 0.0) poses = without_near(std::move(poses), merged_stamps(options), options.leave_out_s);
-  const CloudFrame frame = options.trajectory.empty() ? CloudFrame{} : frame_of(options);
-  const PosesReport report = report_of(options, poses, frame, limits);
+  const CloudFrame frame = options.trajectory.empty() ? CloudFrame{} : align_cloud(options);
+  const PosesReport report = compare_with_reference(options, poses, frame, limits);
   Json json = poses_json(options, report, limits, all - poses.size());
   json["alignment"] = frame_json(frame);
   print_result(options.json ? json_text(json)

@@ -9,10 +9,8 @@
 #include <vector>
 
 #include "engine/io/json_file.hpp"
-#include "engine/runs/evaluation/known_relations.hpp"
-#include "engine/runs/evaluation/stated_errors.hpp"
+#include "engine/runs/evaluation/errors.hpp"
 #include "engine/runs/folder/run_reader.hpp"
-#include "engine/runs/inputs/given_files.hpp"
 #include "engine/runs/streams/log_check.hpp"
 #include "evaluate.hpp"
 #include "gdtslam/core/angle.hpp"
@@ -32,7 +30,7 @@ Json as_json(const RelationErrors& e) {
   return {{"translation_m", errors_json(e.translation_m)}, {"rotation_deg", errors_json(e.rotation_deg)}};
 }
 
-// Of the relations, as many as have stamps that do not tell which pose is meant.
+// `repeated` relations have stamps that do not say which pose is meant.
 std::string relation_text(const RelationReport& report, std::size_t repeated) {
   std::string text = errors_heading();
   text += errors_row("all", report.all.translation_m, "m") + errors_row("", report.all.rotation_deg, "deg");
@@ -68,7 +66,7 @@ struct Evaluated {
   bool is_run = false;
 };
 
-Evaluated evaluated_of(const EvaluateOptions& options) {
+Evaluated read_evaluated(const EvaluateOptions& options) {
   if (!RunReader::is_run(options.file)) {
     if (!options.noise.empty()) {
       throw UsageError("--noise is for what a run states: give the run's folder in place of a trajectory");
@@ -98,7 +96,7 @@ Json shares_json(const StatedShares& shares, const StatedTheory& theory) {
           {"factor", shares.count > 0 ? Json(shares.factor) : Json()}};
 }
 
-TruthNoise noise_of(const std::string& text) {
+TruthNoise parse_noise(const std::string& text) {
   if (text.empty()) return {};
   const auto [length_m, angle_rad] = length_and_angle("--noise", text, "2cm/0.5deg");
   return {length_m, angle_rad};
@@ -107,7 +105,7 @@ TruthNoise noise_of(const std::string& text) {
 // The report with what the run states added, where it states something.
 void print_report(const EvaluateOptions& options, const Evaluated& evaluated, std::string text, Json json,
                   const std::optional<StatedReport>& stated) {
-  const TruthNoise noise = noise_of(options.noise);
+  const TruthNoise noise = parse_noise(options.noise);
   if (stated) {
     text += stated_text(*stated, noise);
     json["stated"] = stated_json(*stated, noise);
@@ -118,7 +116,7 @@ void print_report(const EvaluateOptions& options, const Evaluated& evaluated, st
 }
 
 int evaluate_against_relations(const EvaluateOptions& options) {
-  const Evaluated evaluated = evaluated_of(options);
+  const Evaluated evaluated = read_evaluated(options);
   const std::vector<Relation> given = read_relations(options.relations);
   const double tolerance_s = options.tolerance_s < 0.0 ? kRelationTolerance_s : options.tolerance_s;
   const auto [relations, report] =
@@ -127,7 +125,7 @@ int evaluate_against_relations(const EvaluateOptions& options) {
   std::optional<StatedReport> stated;
   if (evaluated.covariances) {
     stated =
-        stated_errors(evaluated.trajectory, *evaluated.covariances, relations, noise_of(options.noise), tolerance_s);
+        stated_errors(evaluated.trajectory, *evaluated.covariances, relations, parse_noise(options.noise), tolerance_s);
   }
   print_report(options, evaluated, relation_text(report, repeated), relation_json(report, repeated), stated);
   return static_cast<int>(ExitCode::kDone);
@@ -167,7 +165,7 @@ Json reference_json(const ReferenceReport& report, const ReferenceOptions& optio
       {"unmatched", report.unmatched}};
 }
 
-// Where stamps do not meet, one of the files may have them in another unit.
+// If no stamps meet, one of the files may have them in another unit.
 ReferenceReport reference_report(const EvaluateOptions& options, const Trajectory& estimate,
                                  const Trajectory& reference, const ReferenceOptions& how) {
   try {
@@ -183,13 +181,13 @@ ReferenceReport reference_report(const EvaluateOptions& options, const Trajector
 
 int evaluate_against_reference(const EvaluateOptions& options) {
   const ReferenceOptions reference = reference_options(options);
-  const Evaluated evaluated = evaluated_of(options);
+  const Evaluated evaluated = read_evaluated(options);
   const Trajectory truth = given_trajectory(options.reference);
   const ReferenceReport report = reference_report(options, evaluated.trajectory, truth, reference);
   std::optional<StatedReport> stated;
   if (evaluated.covariances && reference.align) {
     stated = stated_errors(evaluated.trajectory, *evaluated.covariances, truth, report.T_reference_estimate,
-                           noise_of(options.noise), reference.tolerance_s);
+                           parse_noise(options.noise), reference.tolerance_s);
   }
   std::string text = reference_text(report, reference);
   if (evaluated.covariances && !reference.align) text += "stated           not compared: it is of the best alignment\n";

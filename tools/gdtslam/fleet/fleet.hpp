@@ -7,6 +7,5 @@
 namespace gdtslam {
 
 void add_fleet_run(CLI::App& fleet, CommandContext& context);
-void add_fleet_finish(CLI::App& fleet, CommandContext& context);
 
 }  // namespace gdtslam

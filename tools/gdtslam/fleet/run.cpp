@@ -42,7 +42,7 @@ struct RunOptions {
   bool quiet = false;
 };
 
-std::vector<FleetLog> logs_of(const RunOptions& options) {
+std::vector<FleetLog> named_logs(const RunOptions& options) {
   std::vector<std::string> named = options.logs;
   if (!options.list.empty()) {
     const std::string text = read_text<InputError>(options.list);
@@ -73,7 +73,7 @@ std::string host_name() {
   return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
 }
 
-FleetWork work_of(const RunOptions& options) {
+FleetWork make_work(const RunOptions& options) {
   Settings settings = load_settings(options.settings);
   state_recording(options.recording, settings.log);
   FleetWork work{.atlas = options.atlas, .options = options_text(options, settings), .host = host_name()};
@@ -82,7 +82,7 @@ FleetWork work_of(const RunOptions& options) {
   work.request.linkage = options.linkage;
   work.request.with_continue_file = false;
   DeviceOptions device = options.device;
-  device.are_threads_given = true;  // as many processes as processors fill them
+  device.are_threads_given = true;  // the processes alone fill the processors
   work.request.on_failure = on_failure_of(device);
   work.request.stop = [] { return interrupted(); };
   work.map = [device](const MapRequest& request) {
@@ -96,13 +96,13 @@ FleetWork work_of(const RunOptions& options) {
 class FleetRun {
  public:
   FleetRun(const RunOptions& options, std::vector<FleetLog> logs)
-      : options_(options), work_(work_of(options)), logs_(std::move(logs)), line_(options.quiet) {}
+      : options_(options), work_(make_work(options)), logs_(std::move(logs)), line_(options.quiet) {}
 
   [[nodiscard]] const std::string& options_text() const { return work_.options; }
 
   int run(const Shard& shard) {
     logs_ = logs_of_shard(logs_, shard);
-    for (const FleetLog& log : logs_) left_bytes_ += bytes_of(log);
+    for (const FleetLog& log : logs_) left_bytes_ += weight(log);
     all_bytes_ = left_bytes_;
     Workers workers(threads_meant(options_.processes));
     std::size_t next = 0;
@@ -121,7 +121,7 @@ class FleetRun {
   }
 
  private:
-  static double bytes_of(const FleetLog& log) { return static_cast<double>(log.bytes) + 1.0; }
+  static double weight(const FleetLog& log) { return static_cast<double>(log.bytes) + 1.0; }
 
   void start(Workers& workers, std::size_t log) {
     workers.start(log, [this, log](const Workers::Tell& tell) {
@@ -164,7 +164,7 @@ class FleetRun {
   // The exit code is that of the first failure of the machine, else that of a log that is refused.
   void end(std::size_t log, const std::string& outcome, int code, const std::string& reason) {
     shares_.erase(log);
-    left_bytes_ -= bytes_of(logs_[log]);
+    left_bytes_ -= weight(logs_[log]);
     ++(outcome == "mapped" ? mapped_ : outcome == "skipped" ? skipped_ : outcome == "refused" ? refused_ : failed_);
     if (code == 0) return;
     line_.clear();
@@ -175,7 +175,7 @@ class FleetRun {
 
   [[nodiscard]] std::string progress(double elapsed_s) const {
     double done = all_bytes_ - left_bytes_;
-    for (const auto& [log, share] : shares_) done += share * bytes_of(logs_[log]);
+    for (const auto& [log, share] : shares_) done += share * weight(logs_[log]);
     const double share = done / all_bytes_;
     std::string text = fmt::format("{:3.0f} %  {} of {}", 100.0 * share, mapped_ + skipped_ + refused_ + failed_,
                                    plural(logs_.size(), "log"));
@@ -188,7 +188,7 @@ class FleetRun {
   FleetWork work_;
   std::vector<FleetLog> logs_;
   TerminalLine line_;
-  std::map<std::size_t, double> shares_;  ///< of the logs in hand
+  std::map<std::size_t, double> shares_;  ///< share done of each log in hand
   double all_bytes_ = 0.0;
   double left_bytes_ = 0.0;
   std::size_t mapped_ = 0;
@@ -203,7 +203,7 @@ int run_fleet(const RunOptions& options) {
   const Shard shard = parse_shard(options.shard);
   (void)parse_device_name(options.device.device);
   (void)cpu_options(options.device);
-  const std::vector<FleetLog> logs = logs_of(options);
+  const std::vector<FleetLog> logs = named_logs(options);
   FleetRun run(options, logs);
   begin_atlas(options.atlas, run.options_text(), logs);
   return run.run(shard);

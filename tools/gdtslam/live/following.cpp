@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "engine/runs/localizer/drive.hpp"
+#include "engine/runs/localizer/localize_log.hpp"
 #include "gdtslam/core/error.hpp"
 #include "input/live_input.hpp"
 #include "options.hpp"

@@ -7,7 +7,6 @@
 
 #include "engine/core/memory/free_memory.hpp"
 #include "engine/runs/folder/run_folder.hpp"
-#include "engine/runs/folder/snapshot_folder.hpp"
 #include "engine/runs/mapping/map_run.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/runs/map_log.hpp"

@@ -8,16 +8,14 @@
 #include <thread>
 #include <vector>
 
-#include "changes_output.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
-#include "engine/runs/localizer/tables.hpp"
+#include "engine/runs/localizer/localize_log.hpp"
 #include "engine/runs/mapping/stopwatch.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
-#include "options.hpp"
-#include "output.hpp"
 #include "tools/gdtslam/drawings/drawing_file.hpp"
+#include "tools/gdtslam/localize/localize.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/device/device_option.hpp"
@@ -25,7 +23,6 @@
 #include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
 #include "tools/gdtslam/shell/written_files.hpp"
-#include "tracking.hpp"
 
 namespace gdtslam {
 namespace {
@@ -34,7 +31,7 @@ constexpr double kMostSeconds = 1.0e5;  // 28 hours
 constexpr double kMostGap_m = 1.0;
 constexpr double kMostFit_m = 10.0;
 
-LocalizeJob job_of(const LocalizeOptions& options, const Settings& settings) {
+LocalizeJob make_job(const LocalizeOptions& options, const Settings& settings) {
   LocalizeJob job;
   job.log = options.log;
   LogConfig log = settings.log;
@@ -61,27 +58,12 @@ void check(const LocalizeOptions& options) {
   written.add("--changes", changes_table_file(options.changes));
 }
 
-void write_files(const LocalizeOptions& options, const Localizer& localizer, const Localized& all) {
-  if (!options.trajectory.empty()) {
-    Trajectory trajectory;
-    for (const LocalizedScan& scan : all.scans) {
-      if (scan.best) trajectory.push_back({scan.stamp_s, scan.best->T_map_base});
-    }
-    write_tum(options.trajectory, trajectory);
+Trajectory found_poses(const Localized& all) {
+  Trajectory trajectory;
+  for (const LocalizedScan& scan : all.scans) {
+    if (scan.best) trajectory.push_back({scan.stamp_s, scan.best->T_map_base});
   }
-  if (!options.table.empty()) write_file_atomically(options.table, table_text(all.scans));
-  if (!options.picture.empty()) {
-    write_file_atomically(options.picture,
-                          drawing_bytes(localize_picture(options.log, localizer, all), options.picture));
-  }
-}
-
-void print_remarks(const Localized& all) {
-  print_warnings(all.warnings);
-  if (all.nods) {
-    print_remark("warning: the laser of this log nods; a scan is found where it was taken nearly level only");
-  }
-  if (all.interrupted) print_remark("interrupted after " + plural(all.scans.size(), "scan"));
+  return trajectory;
 }
 
 void require_found(const Localized& all) {
@@ -92,7 +74,7 @@ void require_found(const Localized& all) {
 }
 
 // Threads take scans, so none are left for the kernels of one.
-std::unique_ptr<Backend> backend_of(DeviceOptions options) {
+std::unique_ptr<Backend> make_search_backend(DeviceOptions options) {
   options.threads = 1;
   return make_backend(options);
 }
@@ -106,8 +88,8 @@ struct Work {
 Work work_with(const LocalizeOptions& options, const Settings& settings, const LocalizeJob& job,
                const DeviceOptions& device) {
   Work work;
-  work.backend = backend_of(device);
-  work.localizer = std::make_unique<Localizer>(options.map, settings.mapper, limits_of(options), *work.backend);
+  work.backend = make_search_backend(device);
+  work.localizer = std::make_unique<Localizer>(options.map, settings.mapper, search_limits(options), *work.backend);
   ProgressLine progress("scans", options.quiet);
   work.all = localize_scans(
       job, *work.localizer, [&progress](std::uint64_t scans, double share) { progress.update(scans, share); },
@@ -120,13 +102,13 @@ int localize(const LocalizeOptions& options) {
   Stopwatch watch;
   LocalizeTimes times;
   const Settings settings = load_settings(options.settings);
-  const LocalizeJob job = job_of(options, settings);
+  const LocalizeJob job = make_job(options, settings);
   if (options.track) return track(options, settings, job);
   const Work work = with_device(options.device,
                                 [&](const DeviceOptions& device) { return work_with(options, settings, job, device); });
   const Localized& all = work.all;
   watch.add_to(times.wall_s, times.cpu_s);
-  write_files(options, *work.localizer, all);
+  write_results(options, *work.localizer, all, found_poses(all), table_text(all.scans));
   print_remarks(all);
   if (options.json) {
     times.device = work.backend->device().name;
@@ -194,7 +176,7 @@ void add_output_options(CLI::App& command, LocalizeOptions& chosen) {
 
 }  // namespace
 
-LocalizeLimits limits_of(const LocalizeOptions& options) {
+LocalizeLimits search_limits(const LocalizeOptions& options) {
   LocalizeLimits limits{.gap_m = options.gap_m, .max_seconds = {}, .with_runner_up = !options.no_runner_up};
   if (options.poor_fit_m >= 0.0) limits.good_fit_m = options.poor_fit_m;
   if (options.max_seconds > 0.0) limits.max_seconds = options.max_seconds;

@@ -1,4 +1,4 @@
-#include "output.hpp"
+#include "tools/gdtslam/localize/localize.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/runs/localizer/tables.hpp"
+#include "engine/runs/localizer/localize_log.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 

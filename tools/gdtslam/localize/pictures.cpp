@@ -10,7 +10,7 @@
 #include "engine/core/elementary.hpp"
 #include "engine/drawing/maps/cell_image.hpp"
 #include "engine/drawing/maps/map_sheet.hpp"
-#include "output.hpp"
+#include "tools/gdtslam/localize/localize.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 
 namespace gdtslam {
@@ -34,8 +34,8 @@ struct ShownPose {
 
 struct PosesOverlay {
   std::vector<ShownPose> poses;
-  bool are_path = false;             ///< of one robot, in order
-  std::array<std::string, 3> words;  ///< what each kind is called in the legend, which counts them
+  bool are_path = false;             ///< poses of one robot, in order
+  std::array<std::string, 3> words;  ///< name of each kind in the legend, which counts them
 };
 
 Colour colour_of_kind(PoseKind kind) {
@@ -120,17 +120,17 @@ Canvas poses_picture(const OccupancyMap& map, const PosesOverlay& overlay, const
   return drawn(sheet, look, size);
 }
 
-PoseKind kind_of(const LocalizedScan& scan) {
+PoseKind pose_kind(const LocalizedScan& scan) {
   if (!scan.is_proven() || scan.verdict == Verdict::kPoorFit) return PoseKind::kPoor;
   return scan.is_ambiguous() ? PoseKind::kOpen : PoseKind::kSure;
 }
 
-PoseKind kind_of(const TrackedPose& pose) {
+PoseKind pose_kind(const TrackedPose& pose) {
   if (pose.is_ambiguous || pose.whereabouts == Whereabouts::kFound) return PoseKind::kOpen;
   return pose.whereabouts == Whereabouts::kTracked ? PoseKind::kSure : PoseKind::kPoor;
 }
 
-Canvas picture_of(const Localizer& localizer, const PosesOverlay& overlay, const MapLook& look) {
+Canvas draw_on_map(const Localizer& localizer, const PosesOverlay& overlay, const MapLook& look) {
   const OccupancyMap map = shown_map(localizer.field());
   return poses_picture(map, overlay, look, size_for_content(map.geometry.width, map.geometry.height));
 }
@@ -144,13 +144,13 @@ Canvas localize_picture(const std::string& log, const Localizer& localizer, cons
   overlay.words = {"found", "found, but the pose at the dashed line's end may be as good", "a poor fit, or not proven"};
   for (const LocalizedScan& scan : all.scans) {
     if (!scan.best) continue;
-    ShownPose& pose = overlay.poses.emplace_back(ShownPose{scan.best->T_map_base, kind_of(scan)});
+    ShownPose& pose = overlay.poses.emplace_back(ShownPose{scan.best->T_map_base, pose_kind(scan)});
     if (pose.kind == PoseKind::kOpen && scan.runner_up) pose.other = scan.runner_up->T_map_base;
   }
   MapLook look;
   look.title = "Scans of " + name_of_log(log) + " found in the map";
   look.subtitle = plural(all.scans.size(), "scan") + ", each searched in the whole map without odometry";
-  return picture_of(localizer, overlay, look);
+  return draw_on_map(localizer, overlay, look);
 }
 
 Canvas localize_picture(const std::string& log, const Localizer& localizer, const TrackedDrive& drive) {
@@ -159,12 +159,12 @@ Canvas localize_picture(const std::string& log, const Localizer& localizer, cons
   overlay.words = {"tracked", "found, or ambiguous as yet", "by the wheels and poor matches"};
   for (const TrackedScan& scan : drive.scans) {
     if (scan.pose.whereabouts == Whereabouts::kUnknown) continue;
-    overlay.poses.push_back({scan.pose.T_map_base, kind_of(scan.pose)});
+    overlay.poses.push_back({scan.pose.T_map_base, pose_kind(scan.pose)});
   }
   MapLook look;
   look.title = "The drive of " + name_of_log(log) + " in the map";
   look.subtitle = plural(drive.scans.size(), "scan") + " with odometry, from a start that was found";
-  return picture_of(localizer, overlay, look);
+  return draw_on_map(localizer, overlay, look);
 }
 
 }  // namespace gdtslam

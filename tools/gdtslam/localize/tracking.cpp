@@ -1,31 +1,78 @@
-#include "tracking.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 
-#include "changes_output.hpp"
+#include "engine/drawing/maps/changes_picture.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
-#include "engine/runs/localizer/drive.hpp"
-#include "engine/runs/localizer/drive_changes.hpp"
-#include "engine/runs/localizer/tables.hpp"
+#include "engine/runs/localizer/localize_log.hpp"
 #include "engine/runs/mapping/stopwatch.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
-#include "output.hpp"
 #include "tools/gdtslam/drawings/drawing_file.hpp"
+#include "tools/gdtslam/localize/localize.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 
 namespace gdtslam {
 namespace {
+
+ChangesLayer make_layer(const std::vector<ChangedCell>& cells) {
+  ChangesLayer layer;
+  layer.cells.reserve(cells.size());
+  for (const ChangedCell& changed : cells) layer.cells.push_back({changed.cell, changed.patch});
+  layer.patches = static_cast<std::uint32_t>(patches_of(cells));
+  return layer;
+}
+
+double area_m2(const DriveChanges& seen, const std::vector<ChangedCell>& cells) {
+  const double r = seen.map().geometry.resolution_m;
+  return r * r * static_cast<double>(cells.size());
+}
+
+nlohmann::ordered_json cells_json(const DriveChanges& seen, const std::vector<ChangedCell>& cells) {
+  return {{"places", patches_of(cells)}, {"cells", cells.size()}, {"area_m2", area_m2(seen, cells)}};
+}
+
+PictureSize picture_size(const OccupancyMap& map) { return size_for_content(map.geometry.width, map.geometry.height); }
+
+void write_changes(const std::string& picture, const LocalizeJob& job, const DriveChanges& seen,
+                   const MapChanges& changes) {
+  MapLook look;
+  look.title = "What changed in the map, as " + std::filesystem::path(job.log).filename().string() + " shows it";
+  look.subtitle = fmt::format(
+      "{} views from {:g} cm apart; new: at least {} of them end there, gone: as many pass through; away from walls by "
+      "{:g} cm",
+      seen.views(), 100.0 * seen.limits().spacing_m, seen.limits().least_views, 100.0 * seen.limits().tolerance_m);
+  const ChangesOverlay overlay{make_layer(changes.appeared), make_layer(changes.gone), seen.stretches()};
+  write_file_atomically(picture,
+                        drawing_bytes(changes_picture(seen.map(), overlay, look, picture_size(seen.map())), picture));
+  write_file_atomically(changes_table_file(picture), changes_table(seen.map().geometry, changes));
+}
+
+std::string as_text(const DriveChanges& seen, const MapChanges& changes) {
+  const auto part = [](const char* what, const std::vector<ChangedCell>& cells) {
+    const std::size_t places = patches_of(cells);
+    return fmt::format("{} in {} place{}, {} cells", what, places, places == 1 ? "" : "s", cells.size());
+  };
+  return fmt::format("changes by {} views: {}; {}\n", seen.views(), part("new", changes.appeared),
+                     part("gone", changes.gone));
+}
+
+nlohmann::ordered_json as_json(const DriveChanges& seen, const MapChanges& changes) {
+  return {{"views", seen.views()},
+          {"tolerance_m", seen.limits().tolerance_m},
+          {"least_views", seen.limits().least_views},
+          {"new", cells_json(seen, changes.appeared)},
+          {"gone", cells_json(seen, changes.gone)}};
+}
 
 struct TrackWork {
   std::unique_ptr<Backend> backend;
   std::unique_ptr<Backend> cpu;  // follows, whatever searches
   std::unique_ptr<Localizer> localizer;
   TrackedDrive drive;
-  std::unique_ptr<DriveChanges> changes;  // where they are asked for
+  std::unique_ptr<DriveChanges> changes;  // null unless they are asked for
   MapChanges found;
 };
 
@@ -37,7 +84,7 @@ TrackWork track_with(const LocalizeOptions& options, const Settings& settings, c
   work.backend = make_backend(device);
   device.device = "cpu";
   work.cpu = make_backend(device);
-  work.localizer = std::make_unique<Localizer>(options.map, settings.mapper, limits_of(options), *work.backend);
+  work.localizer = std::make_unique<Localizer>(options.map, settings.mapper, search_limits(options), *work.backend);
   if (!options.changes.empty()) {
     work.changes = std::make_unique<DriveChanges>(work.localizer->field(), settings.mapper, ChangeLimits{});
   }
@@ -52,28 +99,13 @@ TrackWork track_with(const LocalizeOptions& options, const Settings& settings, c
   return work;
 }
 
-void write_track_files(const LocalizeOptions& options, const Localizer& localizer, const TrackedDrive& drive) {
-  if (!options.trajectory.empty()) {
-    Trajectory trajectory;
-    trajectory.reserve(drive.scans.size());
-    for (const TrackedScan& scan : drive.scans) {
-      if (scan.pose.whereabouts != Whereabouts::kUnknown) trajectory.push_back({scan.stamp_s, scan.pose.T_map_base});
-    }
-    write_tum(options.trajectory, trajectory);
+Trajectory tracked_poses(const TrackedDrive& drive) {
+  Trajectory trajectory;
+  trajectory.reserve(drive.scans.size());
+  for (const TrackedScan& scan : drive.scans) {
+    if (scan.pose.whereabouts != Whereabouts::kUnknown) trajectory.push_back({scan.stamp_s, scan.pose.T_map_base});
   }
-  if (!options.table.empty()) write_file_atomically(options.table, table_text(drive));
-  if (!options.picture.empty()) {
-    write_file_atomically(options.picture,
-                          drawing_bytes(localize_picture(options.log, localizer, drive), options.picture));
-  }
-}
-
-void print_track_remarks(const TrackedDrive& drive) {
-  print_warnings(drive.warnings);
-  if (drive.nods) {
-    print_remark("warning: the laser of this log nods; a scan is matched where it was taken nearly level only");
-  }
-  if (drive.interrupted) print_remark("interrupted after " + plural(drive.scans.size(), "scan"));
+  return trajectory;
 }
 
 void require_known(const TrackedDrive& drive, std::uint64_t unknown) {
@@ -86,6 +118,10 @@ void require_known(const TrackedDrive& drive, std::uint64_t unknown) {
 
 }  // namespace
 
+std::string changes_table_file(const std::string& picture) {
+  return std::filesystem::path(picture).replace_extension(".csv").string();
+}
+
 int track(const LocalizeOptions& options, const Settings& settings, const LocalizeJob& job) {
   Stopwatch watch;
   LocalizeTimes times;
@@ -93,9 +129,9 @@ int track(const LocalizeOptions& options, const Settings& settings, const Locali
       options.device, [&](const DeviceOptions& device) { return track_with(options, settings, job, device); });
   const TrackedDrive& drive = work.drive;
   watch.add_to(times.wall_s, times.cpu_s);
-  write_track_files(options, *work.localizer, drive);
+  write_results(options, *work.localizer, drive, tracked_poses(drive), table_text(drive));
   if (work.changes) write_changes(options.changes, job, *work.changes, work.found);
-  print_track_remarks(drive);
+  print_remarks(drive);
   if (options.json) {
     times.device = work.backend->device().name;
     nlohmann::ordered_json report = as_json(job, *work.localizer, drive, times);

@@ -11,7 +11,7 @@
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/run_recording.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
-#include "engine/runs/loops/loops_report.hpp"
+#include "engine/runs/loops/loop_files.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"
@@ -54,7 +54,7 @@ struct MapOptions {
 };
 
 // --matcher is short for --set match.matcher. Where both are given they must agree.
-Settings settings_of(const MapOptions& options) {
+Settings read_settings(const MapOptions& options) {
   SettingsOptions settings = options.settings;
   if (!options.matcher.empty()) {
     const std::string stated = "match.matcher=" + options.matcher;
@@ -70,7 +70,7 @@ Settings settings_of(const MapOptions& options) {
 }
 
 // A device shows by its submissions that it did the work; a CPU has none.
-std::string work_of(const MapperStatistics& s) {
+std::string device_work_text(const MapperStatistics& s) {
   return s.submissions > 0 ? fmt::format("; {} submissions to the device", s.submissions) : std::string();
 }
 
@@ -83,7 +83,7 @@ std::string loops_text(const ClosedPath& closed) {
 }
 
 // `waited_s` is all that the user waited for: beyond the time in report.json the last files and those of --mcap.
-std::string summary_of(const MapOutcome& outcome, const std::string& folder, double waited_s) {
+std::string summary_text(const MapOutcome& outcome, const std::string& folder, double waited_s) {
   const MapperStatistics& s = outcome.statistics;
   const double rate = waited_s > 0.0 ? static_cast<double>(scans_of(outcome)) / waited_s : 0.0;
   return fmt::format(
@@ -92,7 +92,7 @@ std::string summary_of(const MapOutcome& outcome, const std::string& folder, dou
       "results in {}\n",
       plural(scans_of(outcome), "scan"), s.matched, s.doubtful, s.keyframes, s.path_m,
       outcome.closed ? loops_text(*outcome.closed) : "", waited_s, rate,
-      waited_s > 0.0 ? outcome.log_duration_s / waited_s : 0.0, work_of(s), folder);
+      waited_s > 0.0 ? outcome.log_duration_s / waited_s : 0.0, device_work_text(s), folder);
 }
 
 std::string as_text(const NoddingOutcome& nodding, const std::string& linkage) {
@@ -124,15 +124,15 @@ CloudPicture cloud_painter() {
 #endif
 }
 
-std::string folder_of(const MapOptions& options) {
+std::string result_folder(const MapOptions& options) {
   if (!options.folder.empty()) return options.folder;
   return options.continued.empty() ? default_run_folder(options.logs.front()) : options.continued;
 }
 
-MapRequest request_of(const MapOptions& options) {
+MapRequest make_request(const MapOptions& options) {
   MapRequest request{.logs = options.logs,
-                     .folder = folder_of(options),
-                     .settings = settings_of(options),
+                     .folder = result_folder(options),
+                     .settings = read_settings(options),
                      .lenient = options.lenient,
                      .range = options.range,
                      .linkage = options.linkage,
@@ -181,7 +181,7 @@ void write_mcap(const MapOptions& options, const MapRequest& request, const MapO
   }
 }
 
-// What determines the result is that of the run.
+// Options that determine the result are those of the run.
 void check_continued(const CLI::App& command, const MapOptions& options) {
   if (options.continued.empty()) {
     if (options.logs.empty()) throw CLI::RequiredError("log");
@@ -197,7 +197,7 @@ void check_continued(const CLI::App& command, const MapOptions& options) {
 
 int map(const MapOptions& options) {
   MapProgress progress(options.quiet);
-  MapRequest request = request_of(options);
+  MapRequest request = make_request(options);
   check_files(options, request.folder);
   BackendWhenNeeded backend(options.device);
   progress.follow(request);
@@ -211,7 +211,7 @@ int map(const MapOptions& options) {
     print_result(result.report);
   } else if (!options.quiet) {
     print_result((result.outcome.nodding ? as_text(*result.outcome.nodding, result.linkage) : "") +
-                 summary_of(result.outcome, printable(request.folder), waited_s));
+                 summary_text(result.outcome, printable(request.folder), waited_s));
   }
   if (!result.outcome.interrupted) return static_cast<int>(ExitCode::kDone);
   print_remark(fmt::format("interrupted after {}; their results are in {}",
@@ -231,10 +231,6 @@ void add_input_options(CLI::App& command, MapOptions& options) {
           "its configuration, and then these; the same results as all logs in one go. Results replace those in\n"
           "DIR, or go to -o")
       ->type_name("DIR");
-  const auto refuse_frozen = [] {
-    throw UsageError("--frozen: a log is followed in a map that stays as it is by: gdtslam localize MAP LOG --track");
-  };
-  command.add_flag_callback("--frozen", refuse_frozen)->group("");
   command.add_flag("--lenient", options.lenient, "Count and skip malformed lines instead of failing");
   add_recording_options(command, options.recording);
   add_count_option(command, "--skip", options.range.skip, 0, "Leave out the first N scans");

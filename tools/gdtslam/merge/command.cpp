@@ -27,15 +27,11 @@ struct MergeCommand {
   bool quiet = false;
 };
 
-std::string count_of(std::size_t count, const char* one) {
-  return fmt::format("{} {}{}", count, one, count == 1 ? "" : "s");
-}
-
-std::string text_of(const JoinedSite& site) {
-  std::string text = fmt::format("{}: {}, {}", printable(site.folder), count_of(site.runs.size(), "run"),
-                                 count_of(site.keyframes, "keyframe"));
+std::string to_text(const JoinedSite& site) {
+  std::string text = fmt::format("{}: {}, {}", printable(site.folder), plural(site.runs.size(), "run"),
+                                 plural(site.keyframes, "keyframe"));
   if (site.runs.size() > 1) {
-    text += fmt::format(", {} between them", count_of(site.loops_between, "loop"));
+    text += fmt::format(", {} between them", plural(site.loops_between, "loop"));
     if (site.loops_off > 0) text += fmt::format(" and {} that do not hold", site.loops_off);
   }
   text += '\n';
@@ -45,28 +41,29 @@ std::string text_of(const JoinedSite& site) {
   const MapChanges& changes = site.changes.last;
   if (!changes.empty()) {
     text +=
-        fmt::format("  changed between the drives: new in {}, gone in {}\n",
-                    count_of(count_patches(changes.appeared), "place"), count_of(count_patches(changes.gone), "place"));
+        fmt::format("  changed between the drives: new in {}, gone in {}\
+", plural(count_patches(changes.appeared), "place"),
+                    plural(count_patches(changes.gone), "place"));
   }
   return text;
 }
 
 // One that nearly overlaps is worth a word: what was found there did not agree, or fits elsewhere as well.
-std::string text_of(const RunSearch& search) {
+std::string to_text(const RunSearch& search) {
   const SessionOverlap& overlap = search.search.overlap;
   if (!search.search.edges.empty() || overlap.possible == 0) return {};
   const std::size_t others = search.searched_in.size() - 1;
   const std::string pair =
       fmt::format("not joined: {} and {}{}", printable(search.query), printable(search.searched_in.front()),
-                  others == 0 ? "" : " with " + count_of(others, "run more"));
+                  others == 0 ? "" : " with " + plural(others, "run more"));
   if (search.search.may_lie_elsewhere) return pair + ", which has another part where it may lie as well\n";
   return fmt::format("{}, where {} of {} places were found, {} of them in one spot alone: {}\n", pair, overlap.possible,
                      overlap.fixes.size(), overlap.alone, rule_that_failed({}, overlap));
 }
 
-std::string text_of(const SharedRuns& pair) {
+std::string to_text(const SharedRuns& pair) {
   return fmt::format("{} and {} have {} in common, which {} twice: name one of them, unless that is meant\n",
-                     printable(pair.run), printable(pair.with), count_of(pair.keyframes, "scan"),
+                     printable(pair.run), printable(pair.with), plural(pair.keyframes, "scan"),
                      pair.keyframes == 1 ? "counts" : "count");
 }
 
@@ -89,9 +86,9 @@ int merge(const MergeCommand& command) {
   }
   if (command.quiet) return static_cast<int>(ExitCode::kDone);
   std::string text;
-  for (const JoinedSite& site : outcome.sites) text += text_of(site);
-  for (const RunSearch& search : outcome.searches) text += text_of(search);
-  for (const SharedRuns& pair : outcome.shared) text += text_of(pair);
+  for (const JoinedSite& site : outcome.sites) text += to_text(site);
+  for (const RunSearch& search : outcome.searches) text += to_text(search);
+  for (const SharedRuns& pair : outcome.shared) text += to_text(pair);
   print_result(text);
   return static_cast<int>(ExitCode::kDone);
 }

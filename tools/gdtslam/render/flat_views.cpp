@@ -10,7 +10,7 @@
 
 #include "engine/drawing/maps/map_pictures.hpp"
 #include "engine/runs/evaluation/errors.hpp"
-#include "engine/runs/inputs/given_files.hpp"
+#include "engine/runs/folder/run_reader.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/drawing/ticks.hpp"

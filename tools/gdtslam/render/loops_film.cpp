@@ -11,7 +11,7 @@
 #include "engine/drawing/maps/map_pictures.hpp"
 #include "engine/drawing/maps/map_sheet.hpp"
 #include "engine/mapping/graph/graph_replay.hpp"
-#include "engine/runs/folder/run_graph.hpp"
+#include "engine/runs/folder/run_reader.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/drawing/ticks.hpp"
 

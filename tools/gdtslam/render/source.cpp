@@ -16,7 +16,7 @@
 #include "engine/core/side_thread.hpp"
 #include "engine/io/did_you_mean.hpp"
 #include "engine/io/message_text.hpp"
-#include "engine/runs/inputs/given_files.hpp"
+#include "engine/runs/folder/run_reader.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "engine/runs/localizer/map_field.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"

@@ -92,7 +92,7 @@ TemporaryFolder::TemporaryFolder(const std::string& name, std::string below) {
 TemporaryFolder::~TemporaryFolder() {
   without_throwing([this] {
     std::error_code ignored;  // the system tidies up whatever is left
-    remove_tree(path_, ignored);
+    fs::remove_all(path_, ignored);
   });
 }
 

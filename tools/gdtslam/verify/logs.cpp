@@ -103,15 +103,11 @@ LogRun run_mapper(const LogTask& task, Backend& backend, const LogProgress& prog
 LogRun run_with_loops(const LogTask& task, Backend& backend, const LogProgress& progress) {
   const Settings settings = load_settings({.file = {}, .sets = {"match.matcher=" + task.matcher}});
   ScanStream scans({task.log}, task.read, {});
-  const MapJob job{.logs = {task.log},
-                   .read = task.read,
-                   .range = {},
-                   .mapper = settings.mapper,
-                   .occupancy = {},
-                   .with_occupancy = false,
-                   .with_pictures = false,
-                   .with_loops = true,
-                   .on_failure = {.fall_back = false, .cpu = {}, .warn = {}}};
+  const MapRequest request{.logs = {task.log},
+                           .settings = settings,
+                           .with_map = false,
+                           .with_pictures = false,
+                           .on_failure = {.fall_back = false, .cpu = {}, .warn = {}}};
   NoddingJob nodding;
   nodding.kind = scans.nod_kind(ScanStream::kMostAhead);
   const bool nods = nodding.kind != NodKind::kNone;
@@ -122,7 +118,7 @@ LogRun run_with_loops(const LogTask& task, Backend& backend, const LogProgress& 
     nodding.model = resolve_linkage(linkage.empty() ? std::string(calib::kDefaultLinkage) : linkage);
     cloud = std::make_unique<CloudOutput>(settings.cloud, folder.path() + "/cloud.ply");
   }
-  MapRun mapping(job, backend, std::move(scans), nods ? &nodding : nullptr, std::move(cloud));
+  MapRun mapping(request, backend, std::move(scans), nods ? &nodding : nullptr, std::move(cloud));
   const MapOutcome outcome = mapping.run(progress, [] { return interrupted(); });
   if (outcome.interrupted) throw Error(ExitCode::kInterrupted, "interrupted; nothing is kept of this verification");
   LogRun run;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "engine/io/atomic_file.hpp"
-#include "engine/runs/evaluation/known_relations.hpp"
+#include "engine/runs/evaluation/errors.hpp"
 #include "engine/runs/mapping/map_run.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"
@@ -103,15 +103,14 @@ std::string variant_row(const AblationVariant& variant, const AblationOptions& o
                         const std::vector<Relation>& relations, Backend& backend, std::size_t& unmatched) {
   Settings settings = make_settings(options, variant);
   state_recording(options.recording, settings.log);
-  MapJob job{.logs = {options.log},
-             .read = read_options_of(settings.log, false),
-             .range = options.range,
-             .mapper = settings.mapper,
-             .occupancy = settings.occupancy,
-             .with_occupancy = false,
-             .on_failure = on_failure_of(options.device)};
+  const MapRequest request{.logs = {options.log},
+                           .settings = settings,
+                           .range = options.range,
+                           .with_map = false,
+                           .with_loops = false,
+                           .on_failure = on_failure_of(options.device)};
   ProgressLine progress("scans, " + variant.name, options.quiet);
-  const MapOutcome outcome = MapRun(job, backend)
+  const MapOutcome outcome = MapRun(request, backend)
                                  .run([&progress](std::uint64_t scans, double share) { progress.update(scans, share); },
                                       [] { return interrupted(); });
   if (outcome.interrupted) throw Error(ExitCode::kInterrupted, "interrupted; no table is written");

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "engine/core/signals_blocked.hpp"
-#include "engine/runs/folder/snapshot_folder.hpp"
+#include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/transaction/folder_transaction.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/occupancy_map_file.hpp"

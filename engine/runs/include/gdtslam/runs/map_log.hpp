@@ -48,15 +48,15 @@ constexpr std::string_view warning_of_end(ExitCode code) {
   return code == ExitCode::kUsage ? "not in the log" : "the log broke off";
 }
 
-/// What to map, and where the results go.
+/// The logs to map, the options, and the folder of the results.
 struct MapRequest {
   std::vector<std::string> logs{};  ///< mapped one after the other as one; "-" is the standard input
-  std::string folder{};             ///< of the results; made if need be
+  std::string folder{};             ///< folder of the results; made if need be
   Settings settings{};              ///< every option of the configuration
   bool lenient = false;             ///< count and skip malformed lines instead of throwing
   ScanRange range{};
   std::string
-      linkage{};  ///< of a nodding laser: preset or file; empty: the file beside the first log, else the default
+      linkage{};  ///< preset or file for a nodding laser; empty: the file beside the first log, else the default
   /// Folder of a run to continue: its configuration, range, linkage and parts count in place of those here, its logs
   /// are read again, and `logs` come after them. Empty: a new run.
   std::string continued{};
@@ -67,10 +67,11 @@ struct MapRequest {
   bool with_loops = true;      ///< closed once the log has ended
   bool with_pictures = true;   ///< overview and graph (PNG, or SVG where nothing makes pixels), cloud.png
   CloudPicture draw_cloud{};   ///< cloud.png; empty: none
-  MapperOptions on_failure{};  ///< what is done when the device fails
+  MapperOptions on_failure{};  ///< reaction to a failing device
 
-  std::function<void(std::uint64_t scans, double share)> progress{};   ///< after each scan; share negative when unknown
-  std::function<void(std::string_view step, double share)> closing{};  ///< as loops are closed and the path is adjusted
+  std::function<void(std::uint64_t scans, double share)> progress{};  ///< after each scan; share negative when unknown
+  std::function<void(std::string_view step, double share)>
+      closing{};                                           ///< called while loops are closed and the path is adjusted
   std::function<void(std::string_view what)> finishing{};  ///< before each of the rest: "overview.png", "gdt.png" ...
   std::function<bool()> stop{};                            ///< true ends the run; what there is gets written
   /// Whether a stop, or what cannot be read behind the first scan, is the end of the log: loops are closed then, and
@@ -79,15 +80,15 @@ struct MapRequest {
   /// For those who map live: as soon as a scan is mapped, before the next one is read. The laser is taken for one that
   /// does not nod, and nothing is read ahead to see whether it does.
   ScanMapped scan_mapped{};
-  /// What is mapped in place of what lies under the name of the only log, which stands in messages. It comes once.
+  /// Opens a stream that is mapped in place of the only log, whose name stands in messages. Called once.
   LiveLog live_log{};
   std::function<void(const std::string&)> warn{};  ///< one line at a time, before the work begins
 };
 
-/// What a run made.
+/// Result of a run.
 struct MapResult {
   MapOutcome outcome;
-  std::string linkage;  ///< of a laser that nods: the preset or file that was taken
+  std::string linkage;  ///< preset or file that was taken for a laser that nods
   std::string report;   ///< the text of report.json
 };
 
@@ -103,9 +104,5 @@ MapResult map_logs(const MapRequest& request, const BackendOfRun& backend);
 inline MapResult map_logs(const MapRequest& request, Backend& backend) {
   return map_logs(request, [&backend](bool) -> Backend& { return backend; });
 }
-
-/// How the logs tell, among the first 10,000 records of the first one, how their laser nods. What is read of the
-/// standard input ("-") is lost to a later reader. Throws InputError or FileError for what cannot be read.
-NodKind nod_kind_of(const std::vector<std::string>& logs, const ReadOptions& options = {});
 
 }  // namespace gdtslam

@@ -1,4 +1,4 @@
-// What mapping a log gives: the trajectory, the evidence against doubtful scans, the occupancy map, and for a nodding
+// Result of mapping a log: the trajectory, the evidence against doubtful scans, the occupancy map, and for a nodding
 // laser what became of its points. Frame: map. Plain data.
 #pragma once
 
@@ -37,7 +37,7 @@ struct OdometryDelay {
 struct LogFinding {
   std::string what;        ///< is wrong, and what causes it
   std::string evidence;    ///< how sure that is
-  std::string options;     ///< of the command line that mend it: "--set log.max_range=7.99m"; empty: none
+  std::string options;     ///< options of the command line that mend it: "--set log.max_range=7.99m"; empty: none
   bool is_mended = false;  ///< by the run itself
 };
 
@@ -47,18 +47,18 @@ struct DoubtfulScan {
   double stamp_s = 0.0;
   Doubt reason = Doubt::kNone;
   bool accepted = false;             ///< the match is taken all the same, not the prediction
-  double from_prediction_m = 0.0;    ///< of the match
-  double from_prediction_rad = 0.0;  ///< likewise, absolute
+  double from_prediction_m = 0.0;    ///< distance of the match
+  double from_prediction_rad = 0.0;  ///< absolute turn of the match
 };
 
-/// What became of the points.
+/// Counts of the points of a cloud.
 struct CloudSummary {
   std::uint64_t measured = 0;  ///< points that came
   std::uint64_t thinned = 0;   ///< left by thinning
-  double voxel_m = 0.0;        ///< of the thinning at the end: larger than asked for where its memory was full
-  std::uint64_t removed = 0;   ///< as floor or ceiling
+  double voxel_m = 0.0;        ///< edge of the cubes at the end: larger than asked for if the memory was full
+  std::uint64_t removed = 0;   ///< points of floor or ceiling
   std::uint64_t written = 0;
-  std::string sha256;  ///< of the points as written
+  std::string sha256;  ///< hash of the points as written
   LevelSurfaces surfaces;
 };
 
@@ -66,8 +66,8 @@ struct CloudSummary {
 struct SweepCheck {
   std::uint64_t pairs = 0;     ///< that could be compared
   std::uint64_t not_held = 0;  ///< too little overlap or structure,
-  std::uint64_t apart = 0;     ///< of these: well held, and yet no correction makes them agree
-  double mean_shift_m = 0.0;   ///< of the centres of the sweeps
+  std::uint64_t apart = 0;     ///< pairs that are well held, and yet no correction makes them agree
+  double mean_shift_m = 0.0;   ///< shift of the centres of the sweeps
   double max_shift_m = 0.0;
   double mean_turn_rad = 0.0;
   double max_turn_rad = 0.0;
@@ -82,7 +82,7 @@ struct SweepCheck {
   [[nodiscard]] std::string doubt() const;
 };
 
-/// What a nodding log gives besides the rest of a MapOutcome.
+/// Results of a nodding log besides the rest of a MapOutcome.
 struct NoddingOutcome {
   NoddingStatistics statistics;
   CloudSummary cloud;
@@ -96,16 +96,16 @@ struct StageTime {
   double cpu_s = 0.0;
 };
 
-/// What mapping gave, before it is written.
+/// Result of mapping, before it is written.
 struct MapOutcome {
   Trajectory trajectory;
   std::vector<DoubtfulScan> doubtful;
   std::vector<std::size_t> keyframes;  ///< indices into the trajectory
-  std::vector<std::size_t> drives{};   ///< likewise, at which another drive begins: of a site that several make up
+  std::vector<std::size_t> drives{};   ///< scans at which another drive of a merged site begins
   /// The scan of each of them as it was mapped; empty where the laser nods.
   std::vector<LaserScan> keyframe_scans;
-  std::optional<ClosedPath> closed;  ///< where loops were closed; its poses are in the trajectory
-  /// Of each match that was taken: the mean distance of its points to the obstacles of the map as it was then.
+  std::optional<ClosedPath> closed;  ///< present if loops were closed; its poses are in the trajectory
+  /// For each match that was taken: the mean distance of its points to the obstacles of the map as it was then.
   std::vector<double> match_distances_m;
   OccupancyMap occupancy;  ///< empty where none was asked for
   /// The map is too large for one piece: it is kept in tiles, made of the keyframes, and `occupancy` becomes the small
@@ -113,21 +113,22 @@ struct MapOutcome {
   bool is_in_tiles = false;
   MapperStatistics statistics;
   std::vector<LogReader::Warning> warnings;
-  std::vector<LogFinding> findings{};     ///< faults of the logs whose causes are known
-  ExitCode broken_off = ExitCode::kDone;  ///< what the log broke off with, where that is no error (warning_of_end)
+  std::vector<LogFinding> findings{};             ///< faults of the logs whose causes are known
+  std::optional<OdometryDelay> odometry_delay{};  ///< corrected before the scans were mapped
+  ExitCode broken_off = ExitCode::kDone;  ///< reason for the log's early end, if that is no error (warning_of_end)
   std::string device_loss;                ///< the error of the device that failed; empty when none did
   double log_duration_s = 0.0;            ///< between the earliest and the latest stamp
-  double wall_s = 0.0;                    ///< of the whole run: reading included, and in a run folder writing
-  double cpu_s = 0.0;                     ///< of the process during the run
+  double wall_s = 0.0;                    ///< time of the whole run: reading included, and in a run folder writing
+  double cpu_s = 0.0;                     ///< CPU time of the process during the run
   double mapper_s = 0.0;                  ///< wall time inside the mapper
   // CPU time of all threads.
   double read_cpu_s = 0.0;
   double mapper_cpu_s = 0.0;  ///< inside the mapper; what looks for loops meanwhile too
   double occupancy_cpu_s = 0.0;
   double loops_cpu_s = 0.0;  ///< closing the rest of the loops and adjusting the path, once the log has ended
-  double cloud_cpu_s = 0.0;  ///< what is left to do of a cloud once all its points are there
+  double cloud_cpu_s = 0.0;  ///< time for finishing a cloud once all its points are there
   bool interrupted = false;
-  std::optional<NoddingOutcome> nodding;  ///< of a laser that nods
+  std::optional<NoddingOutcome> nodding;  ///< present if the laser nods
 };
 
 /// Scans that got a pose, matched or not.

@@ -34,7 +34,7 @@ enum class OdometryStamps : std::uint8_t { kMeasured, kStated, kLog };
 /// Which of CARMEN's two lasers are read.
 enum class LogLasers : std::uint8_t { kFront, kAll };
 
-/// What an option may state of a log's laser where the log itself is wrong about it: the mount, the bearings of the
+/// Corrections of a log that is wrong about its laser: the mount, the bearings of the
 /// beams, the limit of the ranges, the clock of the odometry, what a crank counts (docs/formats.md). Metres, radians.
 struct LogConfig {
   LogSource mount = LogSource::kLog;
@@ -52,17 +52,18 @@ struct LogConfig {
   LogSource clock = LogSource::kLog;
   double clock_offset_s = 0.0;  ///< counts where `clock` is stated
   CrankOptions crank;
-  TopicChoice topics;  ///< of recordings; no option, but the command line's --topic, --odom, --crank and --mount
+  TopicChoice
+      topics;  ///< choice for recordings; no option, but the command line's --topic, --odom, --crank and --mount
   LogLasers lasers = LogLasers::kFront;
 };
 
-/// Likewise, under "log.".
+/// The options under "log.".
 std::vector<Option> option_table(LogConfig& config);
 
-/// What the bounds of the options do not tell: values that nothing would use, and a step of zero.
-std::vector<std::string> faults_of(const LogConfig& config);
+/// Faults that the bounds of the options do not show: values that nothing would use, and a step of zero.
+std::vector<std::string> find_faults(const LogConfig& config);
 
-/// What the reader of a log is told: only what is stated, the rest as the log has it.
+/// Options for the reader of a log: only stated ones, the rest is as the log has it.
 ReadOptions read_options_of(const LogConfig& config, bool lenient);
 
 /// Every option of a run, and which of them do not have their defaults.

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "engine/mapping/changes/map_changes.hpp"
-#include "engine/runs/keyframes/keyframe_file.hpp"
+#include "engine/runs/keyframes/run_keyframes.hpp"
 #include "gdtslam/core/grid_geometry.hpp"
 #include "gdtslam/mapping/config.hpp"
 #include "gdtslam/mapping/occupancy.hpp"
@@ -28,7 +28,7 @@ struct MapTile {
   std::size_t keyframes = 0;             ///< that may touch it
   std::vector<std::uint16_t> distances;  ///< 1/256 cell, row by row from the lower left cell; the cap where unknown
   std::uint16_t cap = 0;
-  OccupancyMap occupancy;  ///< likewise; without cells where no occupancy is asked for
+  OccupancyMap occupancy;  ///< cells in the same order; none if no occupancy is asked for
 };
 
 enum class TileParts : std::uint8_t { kBoth, kDistances };
@@ -40,7 +40,7 @@ class TileMaker {
   TileMaker(const RunKeyframes& run, const MapperConfig& mapper, const OccupancyConfig& occupancy,
             MapChanges changes = {}, TileParts parts = TileParts::kBoth);
 
-  /// Those that a keyframe may touch, row by row from the lowest.
+  /// Tiles that a keyframe may touch, row by row from the lowest.
   [[nodiscard]] const std::vector<CellIndex>& places() const { return places_; }
   [[nodiscard]] bool has_occupancy() const { return parts_ == TileParts::kBoth; }
   /// Makes the tiles of those places that anything is known of. Throws InputError where a piece of the map would be
@@ -61,8 +61,44 @@ class TileMaker {
   OccupancyConfig occupancy_;
   MapChanges changes_;
   TileParts parts_;
-  std::vector<CellBox> reach_;  // of each keyframe, in tiles
+  std::vector<CellBox> reach_;  // reach of each keyframe, in tiles
   std::vector<CellIndex> places_;
 };
+
+// The tiles of a map as files: for each one gdt_X_Y.png and, with an occupancy map, map_X_Y.png with their
+// descriptions, maps in themselves that `gdtslam localize` and map_server read, and index.json, which names them all
+// (docs/formats.md). The index is written last, and a folder without it holds no tiles. Thread-safe; O(cells).
+
+inline constexpr const char* kTileFolder = "tiles";  ///< in the folder of a run
+inline constexpr const char* kTileIndex = "index.json";
+
+struct TileRecord {
+  CellIndex place;
+  std::size_t keyframes = 0;  ///< that may touch it
+  std::string sha256;         ///< hash of its part of the distance field
+};
+struct TileIndex {
+  std::string keyframes_sha256;  ///< hash of the keyframes that they were made of
+  double resolution_m = 0.0;
+  bool has_occupancy = true;
+  std::vector<TileRecord> tiles;  ///< row by row from the lowest
+};
+
+/// Whether the folder holds tiles and their index, and nothing else.
+bool is_tile_folder(const std::string& folder);
+/// Hash of all cells of all tiles.
+std::string sha256_of(const TileIndex& index);
+/// Around all tiles.
+GridGeometry tiles_geometry(const TileIndex& index);
+
+/// Result of making tiles.
+struct MadeTiles {
+  TileIndex index;
+  OccupancyMap overview;  ///< small map of all tiles, in cells of 2, 4, 8 ... of theirs: occupied if any is; empty
+                          ///< without occupancy
+};
+/// Makes the tiles of all keyframes in a folder that exists. Throws what TileMaker::make() throws; FileError.
+MadeTiles write_tiles(const std::string& folder, const TileMaker& maker, const std::string& keyframes_sha256,
+                      double resolution_m, const std::function<void(double)>& progress);
 
 }  // namespace gdtslam
