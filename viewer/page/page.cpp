@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/cloud/position_of.hpp"
+#include "engine/cloud/to_position.hpp"
 #include "engine/core/base64.hpp"
 #include "engine/drawing/letters.hpp"
 #include "engine/drawing/page/page_writer.hpp"
@@ -148,7 +148,7 @@ class PagedCloud {
     const std::size_t stride = finite.size() / kSample + 1;
     for (int axis = 0; axis < 3; ++axis) {
       std::vector<double> values;
-      for (std::size_t k = 0; k < finite.size(); k += stride) values.push_back(position_of(cloud_[finite[k]])[axis]);
+      for (std::size_t k = 0; k < finite.size(); k += stride) values.push_back(to_position(cloud_[finite[k]])[axis]);
       const double beyond =
           std::floor(kStrayShare * static_cast<double>(values.size() - 1));  // none if there are few points
       const double last = static_cast<double>(values.size() - 1);
@@ -161,7 +161,7 @@ class PagedCloud {
     least_.setConstant(std::numeric_limits<double>::infinity());
     most_ = -least_;
     for (const std::uint32_t index : finite) {
-      const Point3 at = position_of(cloud_[index]);
+      const Point3 at = to_position(cloud_[index]);
       if ((at - low).minCoeff() < -reach || (at - high).maxCoeff() > reach) continue;
       kept_.push_back(index);
       least_ = least_.cwiseMin(at);
@@ -193,8 +193,8 @@ class PagedCloud {
   }
 
   [[nodiscard]] LevelCode point_level(const CloudPoint& point) const {
-    if (floor_ && floor_->distance_m(position_of(point)) <= kFloorMargin_m) return LevelCode::kFloor;
-    if (ceiling_ && ceiling_->distance_m(position_of(point)) >= -kCeilingMargin_m) return LevelCode::kCeiling;
+    if (floor_ && floor_->distance_m(to_position(point)) <= kFloorMargin_m) return LevelCode::kFloor;
+    if (ceiling_ && ceiling_->distance_m(to_position(point)) >= -kCeilingMargin_m) return LevelCode::kCeiling;
     return LevelCode::kNone;
   }
 
@@ -221,7 +221,7 @@ class PagedCloud {
 
   void append_point(std::size_t index, ByteWriter& bytes) const {
     const CloudPoint& point = cloud_[index];
-    const Point3 at = position_of(point);
+    const Point3 at = to_position(point);
     for (int axis = 0; axis < 3; ++axis) {
       bytes.u16(quantised(at[axis], least_[axis], most_[axis] - least_[axis], 65535.0));
     }

@@ -10,11 +10,10 @@
 #include <vector>
 
 #include "gdtslam/core/grid_geometry.hpp"
+#include "gdtslam/core/grids.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
-#include "gdtslam/mapping/mapper.hpp"
-#include "gdtslam/mapping/occupancy.hpp"
 
 namespace gdtslam {
 

@@ -14,7 +14,6 @@
 #include "engine/core/elementary.hpp"
 #include "engine/drawing/letters.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "gdtslam/mapping/evaluation.hpp"
 
 /// The files of page/program as they were when the library was built.
 namespace gdtslam::page_text_parts {
@@ -164,7 +163,7 @@ void write_path(const Trajectory& trajectory, std::span<const std::size_t> drive
   add_element(page, "path", bytes.bytes());
   page.description["path"] = {{"count", count},
                               {"drives", begins},
-                              {"length", length_m_of(path.poses, path.drives)},  // whatever the page holds of them
+                              {"length", path_length_m(path.poses, path.drives)},  // whatever the page holds of them
                               {"first", first_s},
                               {"last", path.poses.back().stamp_s},
                               {"log_times", path.has_log_times ? 1 : 0}};

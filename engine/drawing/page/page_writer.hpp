@@ -16,9 +16,9 @@
 #include <vector>
 
 #include "gdtslam/calib/sweep_model.hpp"
+#include "gdtslam/core/grids.hpp"
 #include "gdtslam/core/pose.hpp"
 #include "gdtslam/core/stream.hpp"
-#include "gdtslam/mapping/occupancy.hpp"
 
 namespace gdtslam::page {
 

@@ -30,7 +30,7 @@ bool is_taken_out(const EndRules& rules, const Point2& end_m) {
 CellIndex first_cell_from(const GridGeometry& map, const Point2& low_m) {
   constexpr double kShareBelowCentre = 0.5 - 1.0e-6;  // a centre on the coordinate counts, whatever rounding says
   const double up_m = kShareBelowCentre * map.resolution_m;
-  return map.cell_of({low_m.x() + up_m, low_m.y() + up_m});
+  return map.cell_at({low_m.x() + up_m, low_m.y() + up_m});
 }
 
 // The cells of the map whose centres may lie in all of the regions.
@@ -125,7 +125,7 @@ OccupancyMap cropped(OccupancyMap map, const std::vector<MapRegion>& kept) {
     for (std::int32_t x = box.min.x; x < box.end.x; ++x, ++cell) {
       const CellState state = map.at({x, y});
       if (state == CellState::kUnknown) continue;
-      const Point2 centre_m = map.geometry.centre_of({x, y});
+      const Point2 centre_m = map.geometry.cell_centre({x, y});
       const auto has_it = [&centre_m](const MapRegion& region) { return region.contains(centre_m); };
       if (std::all_of(kept.begin(), kept.end(), has_it)) part.cells.set(cell, state);
     }

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "engine/mapping/changes/map_changes.hpp"
-#include "engine/mapping/map/separate_map.hpp"
+#include "engine/mapping/map/keyframe_map.hpp"
 #include "gdtslam/core/pose.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/mapping/config.hpp"

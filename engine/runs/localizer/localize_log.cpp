@@ -212,7 +212,7 @@ ViewCounts views_in(const OccupancyMap& map, const MapperConfig& config, const C
 
 void add_rows(const GridGeometry& grid, const std::vector<ChangedCell>& cells, const char* change, std::string& text) {
   for (const ChangedCell& changed : cells) {
-    const Point2 at_m = grid.centre_of(changed.cell);
+    const Point2 at_m = grid.cell_centre(changed.cell);
     text += fmt::format("{:.4f},{:.4f},{},{},{},{}\n", at_m.x(), at_m.y(), change, changed.patch + 1,
                         changed.views.ends, changed.views.passes);
   }

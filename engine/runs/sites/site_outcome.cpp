@@ -63,7 +63,7 @@ ChangesLayer make_layer(const std::vector<ChangedCell>& cells, CellOffset offset
   ChangesLayer layer;
   layer.cells.reserve(cells.size());
   for (const ChangedCell& changed : cells) layer.cells.push_back({changed.cell + offset, changed.patch});
-  layer.patches = static_cast<std::uint32_t>(patches_of(cells));
+  layer.patches = static_cast<std::uint32_t>(count_patches(cells));
   return layer;
 }
 
@@ -113,7 +113,7 @@ Canvas draw_changes_picture(const SiteChanges& changes, const OccupancyMap& map,
 nlohmann::ordered_json changes_json(const SiteChanges& changes) {
   const auto cells_json = [&](const std::vector<ChangedCell>& cells) {
     return nlohmann::ordered_json{
-        {"places", patches_of(cells)},
+        {"places", count_patches(cells)},
         {"cells", cells.size()},
         {"area_m2", changes.resolution_m * changes.resolution_m * static_cast<double>(cells.size())}};
   };

@@ -7,7 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "engine/drawing/markup.hpp"
+#include "engine/drawing/letters.hpp"
 #include "engine/drawing/page/page_writer.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
@@ -39,8 +39,8 @@ Json make_row(const std::string& atlas, const FleetRecord& record, const std::st
     return fs::exists(atlas + "/" + file, ignored) ? file : std::string();
   };
   const std::size_t name = log.find_last_of('/') + 1;
-  return {{"name", clean_utf8(log.substr(name))},
-          {"folder", clean_utf8(log.substr(0, name))},
+  return {{"name", legible(log.substr(name))},
+          {"folder", legible(log.substr(0, name))},
           {"run", record.run},
           {"picture", if_there(fmt::format("logs/{}/{}", name_in_atlas(record.log), kThumbnailName))},
           {"overview", if_there(record.run + "/overview.png")},
@@ -62,12 +62,12 @@ std::string atlas_page(const std::string& atlas, const std::vector<FleetRecord>&
     if (record.is_mapped()) {
       rows.push_back(make_row(atlas, record, record.log.substr(common_folder(records))));
     } else {
-      unmapped.push_back({clean_utf8(record.log), record.outcome, clean_utf8(record.reason), record.exit_code});
+      unmapped.push_back({legible(record.log), record.outcome, legible(record.reason), record.exit_code});
     }
   }
   page::PageData data;
   data.description = {
-      {"title", clean_utf8("Atlas " + fs::canonical(atlas).filename().string())},
+      {"title", legible("Atlas " + fs::canonical(atlas).filename().string())},
       {"subtitle", summary.sha256.empty() ? "logs failed or are missing, so there is no hash" : summary.sha256},
       {"atlas", {{"rows", rows}, {"unmapped", unmapped}, {"hosts", summary.hosts}}}};
   // Pictures come from beside the page, on a disk as on a server.

@@ -21,7 +21,7 @@ ChangesLayer make_layer(const std::vector<ChangedCell>& cells) {
   ChangesLayer layer;
   layer.cells.reserve(cells.size());
   for (const ChangedCell& changed : cells) layer.cells.push_back({changed.cell, changed.patch});
-  layer.patches = static_cast<std::uint32_t>(patches_of(cells));
+  layer.patches = static_cast<std::uint32_t>(count_patches(cells));
   return layer;
 }
 
@@ -31,7 +31,7 @@ double area_m2(const DriveChanges& seen, const std::vector<ChangedCell>& cells) 
 }
 
 nlohmann::ordered_json cells_json(const DriveChanges& seen, const std::vector<ChangedCell>& cells) {
-  return {{"places", patches_of(cells)}, {"cells", cells.size()}, {"area_m2", area_m2(seen, cells)}};
+  return {{"places", count_patches(cells)}, {"cells", cells.size()}, {"area_m2", area_m2(seen, cells)}};
 }
 
 PictureSize picture_size(const OccupancyMap& map) { return size_for_content(map.geometry.width, map.geometry.height); }
@@ -52,7 +52,7 @@ void write_changes(const std::string& picture, const LocalizeJob& job, const Dri
 
 std::string as_text(const DriveChanges& seen, const MapChanges& changes) {
   const auto part = [](const char* what, const std::vector<ChangedCell>& cells) {
-    const std::size_t places = patches_of(cells);
+    const std::size_t places = count_patches(cells);
     return fmt::format("{} in {} place{}, {} cells", what, places, places == 1 ? "" : "s", cells.size());
   };
   return fmt::format("changes by {} views: {}; {}\n", seen.views(), part("new", changes.appeared),

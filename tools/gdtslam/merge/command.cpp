@@ -40,10 +40,8 @@ std::string to_text(const JoinedSite& site) {
   }
   const MapChanges& changes = site.changes.last;
   if (!changes.empty()) {
-    text +=
-        fmt::format("  changed between the drives: new in {}, gone in {}\
-", plural(count_patches(changes.appeared), "place"),
-                    plural(count_patches(changes.gone), "place"));
+    text += fmt::format("  changed between the drives: new in {}, gone in {}\n",
+                        plural(count_patches(changes.appeared), "place"), plural(count_patches(changes.gone), "place"));
   }
   return text;
 }

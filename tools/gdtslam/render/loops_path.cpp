@@ -65,7 +65,7 @@ std::optional<CellIndex> wall_along(const OccupancyMap& map, const Point2& from_
                                     double reach_m) {
   const double step_m = map.geometry.resolution_m / kStepsPerCell;
   for (double at_m = kOwnPlace_m; at_m <= reach_m; at_m += step_m) {
-    const CellIndex cell = map.geometry.cell_of(from_m + at_m * direction);
+    const CellIndex cell = map.geometry.cell_at(from_m + at_m * direction);
     if (!map.geometry.contains(cell)) return std::nullopt;
     const CellState state = map.at(cell);
     if (state != CellState::kFree) return state == CellState::kOccupied ? std::optional(cell) : std::nullopt;
@@ -78,7 +78,7 @@ std::optional<CellIndex> wall_along(const OccupancyMap& map, const Point2& from_
 std::vector<Point2> walls_seen_from(const OccupancyMap& map, const Pose2& T_map_pose) {
   std::vector<CellIndex> cells;
   const Point2 from_m = T_map_pose.translation();
-  if (!T_map_pose.is_finite() || !map.geometry.contains(map.geometry.cell_of(from_m))) return {};
+  if (!T_map_pose.is_finite() || !map.geometry.contains(map.geometry.cell_at(from_m))) return {};
   for (int k = 0; k < kBeams; ++k) {
     const SinCos<double> turn = sin_cos(2.0 * kPi * k / kBeams);
     const std::optional<CellIndex> wall = wall_along(map, from_m, {turn.cos, turn.sin}, kReach_m);
@@ -90,7 +90,7 @@ std::vector<Point2> walls_seen_from(const OccupancyMap& map, const Pose2& T_map_
   const Pose2 T_pose_map = inverse(T_map_pose);
   std::vector<Point2> walls;
   walls.reserve(cells.size());
-  for (const CellIndex cell : cells) walls.push_back(T_pose_map * map.geometry.centre_of(cell));
+  for (const CellIndex cell : cells) walls.push_back(T_pose_map * map.geometry.cell_centre(cell));
   return walls;
 }
 

@@ -172,7 +172,7 @@ std::vector<std::uint32_t> drawn_points(std::span<const CloudPoint> cloud, const
   for (std::uint32_t k = 0; k < cloud.size(); ++k) {
     if (!is_finite(cloud[k])) continue;
     has_any = true;
-    const Point3 place = position_of(cloud[k]);
+    const Point3 place = to_position(cloud[k]);
     if (!look.with_floor && surfaces.floor && surfaces.floor->plane.distance_m(place) <= kFloorMargin_m) continue;
     if (!look.with_ceiling && surfaces.ceiling && surfaces.ceiling->plane.distance_m(place) >= -kCeilingMargin_m) {
       continue;
