@@ -4,7 +4,6 @@
 #include <iterator>
 #include <optional>
 
-#include "shown_quantity.hpp"
 
 namespace gdtslam {
 namespace {

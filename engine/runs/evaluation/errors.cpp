@@ -141,8 +141,8 @@ StatedReport stated_errors(const Trajectory& trajectory, std::span<const PoseCov
   const PosesByStamp poses(trajectory);
   StatedErrors errors;
   for (const Relation& relation : relations) {
-    const std::optional<std::size_t> first = poses.index_of(relation.t1_s, tolerance_s);
-    const std::optional<std::size_t> second = poses.index_of(relation.t2_s, tolerance_s);
+    const std::optional<std::size_t> first = poses.find_index(relation.t1_s, tolerance_s);
+    const std::optional<std::size_t> second = poses.find_index(relation.t2_s, tolerance_s);
     if (!first || !second) continue;
     const Pose2& T_map_1 = trajectory[*first].T_map_base;
     const Pose2 T_1_2 = between(T_map_1, trajectory[*second].T_map_base);

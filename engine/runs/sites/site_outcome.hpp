@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/drawing/maps/changes_picture.hpp"
+#include "engine/drawing/maps/map_pictures.hpp"
 #include "engine/mapping/changes/map_changes.hpp"
 #include "engine/mapping/sessions/session_merge.hpp"
 #include "engine/runs/sites/run_session.hpp"

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "engine/drawing/maps/changes_picture.hpp"
+#include "engine/drawing/maps/map_pictures.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/runs/localizer/localize_log.hpp"

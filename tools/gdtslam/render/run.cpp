@@ -252,7 +252,7 @@ class Render {
     const Cloud cloud = filtered(studio_.read_cloud(result_.kind == OutputKind::kGlb ? kMostGlbPoints : 0), hidden);
     result_.points = cloud.size();
     if (result_.kind == OutputKind::kCloud) {
-      CloudWriter writer(result_.file, cloud_format_of(result_.file));
+      CloudWriter writer(result_.file, find_cloud_format(result_.file));
       writer.add(cloud);
       writer.finish();
       return;

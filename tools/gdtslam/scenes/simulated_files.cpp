@@ -6,7 +6,7 @@
 #include <span>
 #include <variant>
 
-#include "engine/io/logs/carmen_line.hpp"
+#include "engine/io/logs/carmen.hpp"
 #include "engine/io/logs/carmen_writer.hpp"
 
 namespace gdtslam {
