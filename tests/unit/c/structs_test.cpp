@@ -109,21 +109,5 @@ TEST_F(CStructs, numbers_of_a_scan_must_be_finite_and_its_ranges_there) {
   EXPECT_EQ(process(nullptr), GDTSLAM_BAD_INPUT);
 }
 
-// Where members lie is what programs in other languages are written against.
-TEST(CLayout, is_that_of_version_0_on_machines_of_64_bits) {
-  if (sizeof(void*) != 8) GTEST_SKIP() << "another machine";
-  EXPECT_EQ(offsetof(gdtslam_error, text), 12U);
-  EXPECT_EQ(sizeof(gdtslam_error), 1024U) << "no byte behind the text";
-  EXPECT_EQ(offsetof(gdtslam_scan, ranges_m), 32U);
-  EXPECT_EQ(offsetof(gdtslam_scan, T_odom_base), 104U);
-  EXPECT_EQ(sizeof(gdtslam_scan), 160U);
-  EXPECT_EQ(sizeof(gdtslam_match), 128U);
-  EXPECT_EQ(offsetof(gdtslam_map_request, flags), 48U);
-  EXPECT_EQ(sizeof(gdtslam_map_request), 96U);
-  EXPECT_EQ(sizeof(gdtslam_grid_view), 72U);
-  EXPECT_EQ(sizeof(gdtslam_location), 96U);
-  EXPECT_EQ(sizeof(gdtslam_tracked), 104U);
-}
-
 }  // namespace
 }  // namespace gdtslam::c

@@ -89,7 +89,7 @@ TEST(CarmenWriter, ARobotlaserHasItsSensor) {
   record.laser = 1;
   EXPECT_THAT(writer.scan(record), StartsWith("ROBOTLASER2 0 "));
   record.scan.ranges_m.clear();
-  EXPECT_THAT(writer.scan(record), StartsWith("ROBOTLASER2 0 -0.5 0 0.25"));
+  EXPECT_THAT(writer.scan(record), StartsWith("ROBOTLASER2 0 -0.500000000000 0.000000000000 0.250000000000"));
 }
 
 TEST(CarmenWriter, AFlaserHasRangesAndPoses) {
@@ -203,8 +203,8 @@ TEST(CarmenLogs, StepsAreAboveZero) {
   // A laser of one beam has no step: one degree stands for it.
   EXPECT_EQ(sensor_of(1, 0.0), "ROBOTLASER1 0 0.5 0 0.017453292519943295");
   EXPECT_EQ(sensor_of(1, 0.25), "ROBOTLASER1 0 0.5 0 0.25");
-  EXPECT_EQ(sensor_of(2, -0.25), "ROBOTLASER1 0 0.250000000000 0.250000000000 0.250000000000");
-  EXPECT_EQ(sensor_of(3, -0.25), "ROBOTLASER1 0 0.000000000000 0.500000000000 0.250000000000");
+  EXPECT_EQ(sensor_of(2, -0.25), "ROBOTLASER1 0 0.25 0.25 0.25");
+  EXPECT_EQ(sensor_of(3, -0.25), "ROBOTLASER1 0 0 0.5 0.25");
 }
 
 TEST(CarmenLogs, WhatHasNoOdometryGetsTheOneBefore) {

@@ -39,14 +39,6 @@ struct SurveyOf {
   RecordingSurvey survey;
 };
 
-std::string ros_joints(const std::vector<std::string>& names, const std::vector<double>& positions) {
-  std::string bytes = ros_header(1.0, "base") + raw(static_cast<std::uint32_t>(names.size()));
-  for (const std::string& name : names) bytes += sized(name);
-  bytes += raw(static_cast<std::uint32_t>(positions.size()));
-  for (const double position : positions) bytes += raw(position);
-  return bytes + raw(std::uint32_t{0}) + raw(std::uint32_t{0});
-}
-
 TEST(RecordingSurvey, CountsMessagesAndTellsTheirTimesAndDelays) {
   SurveyOf scans("/scan", "sensor_msgs/LaserScan");
   for (int k = 0; k <= 20; ++k) scans.add(ros_scan({.stamp_s = 1.0 + k}), 1.0 + k + 0.25 * k);

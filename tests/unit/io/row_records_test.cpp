@@ -184,7 +184,7 @@ TEST(JsonRows, ArraysOfPairsAndTextsWithEscapes) {
   EXPECT_THAT(json_refusal(R"({"ticks":1.5})"), HasSubstr("a whole number as its ticks"));
   EXPECT_THAT(json_refusal(R"({"ticks":1e3})"), HasSubstr("a whole number as its ticks"));
   EXPECT_THAT(json_refusal(R"({"name":"a\)"), HasSubstr("ends before its JSON is complete"));
-  EXPECT_THAT(json_refusal(R"({"name":"a\u12)"), HasSubstr("is no JSON at"));
+  EXPECT_THAT(json_refusal(R"({"name":"a\u12)"), HasSubstr("ends before its JSON is complete"));
   EXPECT_EQ(json_refusal("{}"), "");
   EXPECT_TRUE(std::signbit(*json_row(R"({"x":-0})")[TableNumber::kX])) << "a sign is a bit of the pose";
   EXPECT_EQ(json_row(R"({"x":-0.5,"y":-Infinity})")[TableNumber::kX], -0.5);
