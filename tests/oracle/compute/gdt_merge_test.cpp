@@ -4,22 +4,31 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/compute/cpu/launch.hpp"
+#include "gdtslam/compute/backend.hpp"
 #include "support/brute_force.hpp"
 #include "support/instruction_sets.hpp"
 
 namespace gdtslam::test {
 namespace {
 
-/// The merge of a scan's field on this thread.
-void merge(Isa isa, const GdtMerge::Params& params, std::uint16_t* global, const std::uint16_t* scan) {
-  functions_or_throw(isa).gdt_merge(params, global, scan, {0, params.scan_width, 0, params.scan_height});
+/// The scan's cells merged into the global ones, as one row.
+std::vector<std::uint16_t> merged(Isa isa, GdtMerge::Params params, std::vector<std::uint16_t> global,
+                                  const std::vector<std::uint16_t>& scan) {
+  params.scan_width = static_cast<std::uint32_t>(scan.size());
+  params.scan_height = 1;
+  params.scan_stride = params.global_stride = (params.scan_width + 3) / 4 * 4;
+  const auto backend = make_cpu_backend({.threads = 1, .isa = isa});
+  const Buffer map = backend->allocate(2 * global.size());
+  const Buffer seen = backend->allocate(2 * scan.size());
+  backend->upload(map, std::as_bytes(std::span(global)));
+  backend->upload(seen, std::as_bytes(std::span(scan)));
+  run<GdtMerge>(*backend, params, {params.scan_width, 1, 1}, map, seen);
+  backend->download(map, std::as_writable_bytes(std::span(global)));
+  return global;
 }
 
 /// All pairs of the values: the scan's along x, the map's along y.
-void expect_all_pairs(const std::vector<std::uint16_t>& values, GdtMerge::Params params) {
-  const auto count = static_cast<std::uint32_t>(values.size());
-  params.scan_width = params.scan_height = params.scan_stride = params.global_stride = count;
+void expect_all_pairs(const std::vector<std::uint16_t>& values, const GdtMerge::Params& params) {
   std::vector<std::uint16_t> scan;
   std::vector<std::uint16_t> before;
   std::vector<std::uint16_t> expected;
@@ -31,8 +40,7 @@ void expect_all_pairs(const std::vector<std::uint16_t>& values, GdtMerge::Params
     }
   }
   for (const Isa isa : available_isas()) {
-    std::vector<std::uint16_t> after = before;
-    merge(isa, params, after.data(), scan.data());
+    const std::vector<std::uint16_t> after = merged(isa, params, before, scan);
     for (std::size_t i = 0; i < after.size(); ++i) {
       ASSERT_EQ(after[i], expected[i]) << "G " << before[i] << " D " << scan[i] << " threshold " << params.threshold
                                        << " lift " << params.lift << ' ' << to_string(isa);
@@ -65,16 +73,11 @@ TEST(GdtMerge, EveryPairOfValues) {
 
 // docs/paper.md, (10) and (11): a new obstacle enters, a wall out of sight stays; as printed it is the other way round.
 TEST(GdtMerge, WorkingRuleLetsNewObstaclesInAndLiteralDoesNot) {
-  const std::uint16_t scan[] = {0, 2560};  // a new obstacle; a wall of the map that the scan does not see
-  std::uint16_t working[] = {2560, 0};
-  std::uint16_t literal[] = {2560, 0};
-  GdtMerge::Params params{.scan_width = 2, .scan_height = 1, .scan_stride = 2, .global_stride = 2};
-  params.threshold = 256;
-  params.lift = 128;
-  params.cap = 5120;
-  merge(best_isa(), params, working, scan);
+  const std::vector<std::uint16_t> scan{0, 2560};  // a new obstacle; a wall of the map that the scan does not see
+  GdtMerge::Params params{.threshold = 256, .lift = 128, .cap = 5120};
+  const std::vector<std::uint16_t> working = merged(best_isa(), params, {2560, 0}, scan);
   params.rule = MergeRule::kLiteral;
-  merge(best_isa(), params, literal, scan);
+  const std::vector<std::uint16_t> literal = merged(best_isa(), params, {2560, 0}, scan);
   EXPECT_EQ(working[0], 128);
   EXPECT_EQ(working[1], 0);
   EXPECT_EQ(literal[0], 2560);

@@ -7,17 +7,29 @@
 #include <cstring>
 #include <numeric>
 
-#include "engine/compute/cpu/launch.hpp"
+#include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/host_kernels.hpp"
+#include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/random.hpp"
 #include "support/instruction_sets.hpp"
 
 namespace gdtslam::test {
 namespace {
 
-/// The merge of a scan's field on this thread.
-void merge(Isa isa, const GdtMerge::Params& params, std::uint16_t* global, const std::uint16_t* scan) {
-  functions_or_throw(isa).gdt_merge(params, global, scan, {0, params.scan_width, 0, params.scan_height});
+/// The scan's cells merged into the global ones, as one row.
+std::vector<std::uint16_t> merged(Isa isa, GdtMerge::Params params, std::vector<std::uint16_t> global,
+                                  const std::vector<std::uint16_t>& scan) {
+  params.scan_width = static_cast<std::uint32_t>(scan.size());
+  params.scan_height = 1;
+  params.scan_stride = params.global_stride = (params.scan_width + 3) / 4 * 4;
+  const auto backend = make_cpu_backend({.threads = 1, .isa = isa});
+  const Buffer map = backend->allocate(2 * global.size());
+  const Buffer seen = backend->allocate(2 * scan.size());
+  backend->upload(map, std::as_bytes(std::span(global)));
+  backend->upload(seen, std::as_bytes(std::span(scan)));
+  run<GdtMerge>(*backend, params, {params.scan_width, 1, 1}, map, seen);
+  backend->download(map, std::as_writable_bytes(std::span(global)));
+  return global;
 }
 
 Isa random_isa() { return *rc::gen::elementOf(available_isas()); }
@@ -131,7 +143,7 @@ RC_GTEST_PROP(PoseCost, TheBiasIsAddedAndSaturates, ()) {
 RC_GTEST_PROP(GdtMerge, MergingAScanIntoItselfOrIntoNothingGivesTheScan, ()) {
   Random random(*rc::gen::arbitrary<std::uint64_t>());
   const auto count = static_cast<std::uint32_t>(1 + random.below(300));
-  GdtMerge::Params params{.scan_width = count, .scan_height = 1, .scan_stride = count, .global_stride = count};
+  GdtMerge::Params params;
   params.cap = 5120;
   params.threshold = static_cast<std::uint32_t>(random.below(600));
   params.lift = params.threshold / 2;
@@ -141,27 +153,23 @@ RC_GTEST_PROP(GdtMerge, MergingAScanIntoItselfOrIntoNothingGivesTheScan, ()) {
     value = static_cast<std::uint16_t>(random.below(params.cap + 1));
   }
   const Isa isa = random_isa();
-  std::vector<std::uint16_t> itself = scan;
-  merge(isa, params, itself.data(), scan.data());
-  RC_ASSERT(itself == scan);
-  std::vector<std::uint16_t> unknown(count, static_cast<std::uint16_t>(params.cap));
-  merge(isa, params, unknown.data(), scan.data());
-  RC_ASSERT(unknown == scan);
+  RC_ASSERT(merged(isa, params, scan, scan) == scan);
+  RC_ASSERT(merged(isa, params, std::vector(count, static_cast<std::uint16_t>(params.cap)), scan) == scan);
 }
 
 RC_GTEST_PROP(GdtMerge, ASecondLookConfirmsWhatTheFirstLifted, ()) {
   const auto threshold = *rc::gen::inRange<std::uint32_t>(0, 1000);
   const auto lift = *rc::gen::inRange<std::uint32_t>(0, threshold + 1);
   const auto seen = *rc::gen::inRange<std::uint16_t>(0, 2000);
-  GdtMerge::Params params{.scan_width = 1, .scan_height = 1, .scan_stride = 1, .global_stride = 1};
+  GdtMerge::Params params;
   params.cap = 5120;
   params.threshold = threshold;
   params.lift = lift;
-  std::uint16_t map = static_cast<std::uint16_t>(seen + threshold + 1 + *rc::gen::inRange<std::uint32_t>(0, 1000));
-  merge(random_isa(), params, &map, &seen);
-  RC_ASSERT(map == seen + lift);  // (11), tentative
-  merge(random_isa(), params, &map, &seen);
-  RC_ASSERT(map == seen + lift / 2);  // (9), halfway
+  const auto first = static_cast<std::uint16_t>(seen + threshold + 1 + *rc::gen::inRange<std::uint32_t>(0, 1000));
+  std::vector<std::uint16_t> map = merged(random_isa(), params, {first}, {seen});
+  RC_ASSERT(map.front() == seen + lift);  // (11), tentative
+  map = merged(random_isa(), params, map, {seen});
+  RC_ASSERT(map.front() == seen + lift / 2);  // (9), halfway
 }
 
 }  // namespace

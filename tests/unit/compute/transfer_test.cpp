@@ -6,7 +6,8 @@
 #include <thread>
 #include <vector>
 
-#include "engine/compute/cpu/launch.hpp"
+#include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
+#include "engine/compute/kernels/host_kernels.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/error.hpp"
 
@@ -125,14 +126,11 @@ TEST(KernelCalls, CountDispatchesAndDirectCallsOfEveryThread) {
     run<FieldGrow>(*backend, {.width = 32, .height = 1, .stride = 32}, {32, 1, 1}, nothing, field);
   };
   EXPECT_EQ(calls_during(grow), 1U);
-  const auto merge = [] {
-    std::uint16_t map = 5;
-    const std::uint16_t scan = 5;
-    functions_or_throw(Isa::kBaseline)
-        .gdt_merge({.scan_width = 1, .scan_height = 1, .scan_stride = 4, .global_stride = 4, .cap = 9}, &map, &scan,
-                   {0, 1, 0, 1});
+  const auto cost = [] {
+    const std::uint16_t cells[8] = {};
+    pose_cost_host(Isa::kBaseline, {.width = 2, .height = 2, .stride = 4}, cells, nullptr, nullptr, 0, nullptr);
   };
-  EXPECT_EQ(calls_during(merge), 1U);
+  EXPECT_EQ(calls_during(cost), 1U);
   EXPECT_EQ(calls_during([] {}), 0U);
   const auto transfers = [&] {
     backend->fill(field, 1);
@@ -141,8 +139,8 @@ TEST(KernelCalls, CountDispatchesAndDirectCallsOfEveryThread) {
   EXPECT_EQ(calls_during(transfers), 0U);
   const auto on_threads = [&] {  // threads that have ended keep their counts, and their places are used again
     for (int round = 0; round < 3; ++round) {
-      std::thread one([&] { merge(); });
-      std::thread two([&] { merge(), merge(); });
+      std::thread one([&] { cost(); });
+      std::thread two([&] { cost(), cost(); });
       one.join();
       two.join();
     }
