@@ -26,34 +26,16 @@ double stamp_for_order(const CloudPoint& point) {
   return std::isnan(point.stamp_s) ? -std::numeric_limits<double>::infinity() : point.stamp_s;
 }
 
-// When the points of a piece were measured.
-struct PieceTimes {
-  PieceTimes(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> drawn) : count(drawn.size()) {
-    first_s = stamp_for_order(cloud[drawn.front()]);
-    span_s = stamp_for_order(cloud[drawn.back()]) - first_s;
-    if (!(span_s > 0.0) || !std::isfinite(span_s)) {
-      span_s = 0.0;  // without times, or endless: shown as a whole
-      return;
-    }
-    ticks.resize(count);
-    for (std::size_t k = 0; k < count; ++k) ticks[k] = to_tick(cloud[drawn[k]].stamp_s);
-  }
-
-  [[nodiscard]] std::uint32_t to_tick(double stamp_s) const {
-    constexpr auto kMost = static_cast<double>(std::numeric_limits<std::uint32_t>::max());
-    return static_cast<std::uint32_t>(std::floor((stamp_s - first_s) / span_s * kMost));
-  }
-  [[nodiscard]] std::size_t count_until(double stamp_s) const {
-    if (stamp_s < first_s) return 0;
-    if (ticks.empty() || stamp_s >= first_s + span_s) return count;
-    return static_cast<std::size_t>(std::upper_bound(ticks.begin(), ticks.end(), to_tick(stamp_s)) - ticks.begin());
-  }
-
-  std::size_t count = 0;
-  double first_s = 0.0;
-  double span_s = 0.0;
-  std::vector<std::uint32_t> ticks;  // stamps of the points within the span; empty if all are one
-};
+/// Stamps of a piece of points in the order of time; one alone if it has no times, or endless ones: it is shown as a
+/// whole.
+std::vector<double> piece_stamps(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> drawn) {
+  const double first_s = stamp_for_order(cloud[drawn.front()]);
+  const double last_s = stamp_for_order(cloud[drawn.back()]);
+  if (!(last_s > first_s) || !std::isfinite(last_s - first_s)) return {first_s};
+  std::vector<double> stamps_s(drawn.size());
+  std::transform(drawn.begin(), drawn.end(), stamps_s.begin(), [&](std::uint32_t k) { return cloud[k].stamp_s; });
+  return stamps_s;
+}
 
 void sort_by_time(std::span<const CloudPoint> cloud, std::vector<std::uint32_t>& drawn) {
   const auto is_before = [&cloud](std::uint32_t a, std::uint32_t b) {
@@ -162,7 +144,7 @@ void DotPainter::paint(const Dot& dot, const PictureBand& band, RawPicture& pict
 struct CloudPoints::State {
   struct Piece {
     std::vector<Dot> dots;
-    PieceTimes times;
+    std::vector<double> stamps_s;  ///< one for each dot, or one for all
     std::size_t shown = 0;
   };
   std::vector<Piece> pieces;
@@ -216,7 +198,7 @@ void CloudPoints::set(std::span<const CloudPoint> cloud, std::vector<std::uint32
                       .colour = {look.colour.red, look.colour.green, look.colour.blue},
                       .size_code = diameter_code(look.diameter_m)});
     }
-    s.pieces.push_back({std::move(dots), PieceTimes(cloud, part), part.size()});
+    s.pieces.push_back({std::move(dots), piece_stamps(cloud, part), part.size()});
   }
   s.shown = drawn.size();
 }
@@ -225,7 +207,9 @@ void CloudPoints::show_until(double stamp_s) {
   State& s = *state_;
   s.shown = 0;
   for (State::Piece& piece : s.pieces) {
-    piece.shown = piece.times.count_until(stamp_s);
+    const auto end = std::upper_bound(piece.stamps_s.begin(), piece.stamps_s.end(), stamp_s);
+    const auto count = static_cast<std::size_t>(end - piece.stamps_s.begin());
+    piece.shown = piece.stamps_s.size() == 1 ? count * piece.dots.size() : count;
     s.shown += piece.shown;
   }
 }

@@ -1,7 +1,7 @@
 // The points of a cloud in a picture, drawn by the processor as discs, nearer than what the picture has already: a disc
 // has its size in space, so that surfaces close near and far alike, and one depth. The same on every machine; some 30
 // ns a disc. Points lie in pieces of up to 64 Ki in the order of time, so that the points up to a stamp are shown by
-// leaving out later pieces and cutting one. 16 bytes a point, 4 if the points have different stamps, and 4 while a
+// leaving out later pieces and cutting one. 16 bytes a point, 8 if the points have different stamps, and 4 while a
 // picture is drawn in several bands. One object belongs to one thread.
 #pragma once
 
@@ -115,8 +115,7 @@ class CloudPoints : public PictureLayer {
   using LookOf = std::function<Look(std::uint32_t)>;
   /// `drawn` are indices into the cloud; they are put into the order of time.
   void set(std::span<const CloudPoint> cloud, std::vector<std::uint32_t> drawn, const LookOf& point_look);
-  /// Points up to this stamp; equal stamps together, times within a piece to 2^-32 of its length. Points without a
-  /// stamp that is a number are shown always.
+  /// Points up to this stamp; equal stamps together. Points without a stamp that is a number are shown always.
   void show_until(double stamp_s);
   void set_sizes(const PointSizes& sizes);
   /// A place that no point nearer to a perspective camera hides; nothing: each point hides what is behind it.

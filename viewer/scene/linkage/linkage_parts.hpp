@@ -2,9 +2,8 @@
 // joints, ground, laser in its cradle, fan of beams. Built once for a model, then only moved. Shapes are triangles with
 // normals; outlines lie in the plane of x and z and are extruded along y, where the viewer stands at negative y. Frame
 // `axis`: origin on the nodding axis (the rocker's pivot) in the laser's middle, x forward, y left, z up; the linkage
-// lies in planes of x and z on the right, drawn so that the rocker's direction is the laser's elevation. The still
-// surroundings of the linkage and the lights that scenes of a mount share are here, too. Metres, radians. One object
-// belongs to one thread; O(vertices).
+// lies in planes of x and z on the right, drawn so that the rocker's direction is the laser's elevation. The lights that
+// scenes of a mount share are here, too. Metres, radians. One object belongs to one thread; O(vertices).
 #pragma once
 
 #include <vtkPolyData.h>
@@ -123,25 +122,5 @@ class LinkageParts {
 
 /// A key light from the upper left, a soft one from the right, the rest from the camera.
 void add_lights(vtkRenderer& renderer);
-
-/// Still surroundings of a moving linkage: the paths of its joints, the coupler's curve, the laser's sweep, the dead
-/// points. In the frame of the axis.
-class LinkageSurroundings {
- public:
-  /// `marks` is the colour of the dead points.
-  LinkageSurroundings(const calib::LinkageCycle& cycle, const LinkageParts& parts, Colour marks);
-  void add_to(vtkRenderer& renderer) const { still_.add_to(renderer); }
-  /// On the rim of the laser's sweep, for a label.
-  [[nodiscard]] Point3 sweep_rim(double elevation_rad, double share) const;
-
- private:
-  void add_paths(const calib::LinkageCycle& cycle, const LinkageParts& parts);
-  void add_sweep(const calib::LinkageCycle& cycle);
-
-  double thin_m_;
-  double sweep_m_;
-  double sweep_y_;
-  Part still_;
-};
 
 }  // namespace gdtslam

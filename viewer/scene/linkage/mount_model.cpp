@@ -73,13 +73,14 @@ void add_body(Part& part, const Body& body) {
 
 }  // namespace
 
-MountModel::MountModel(const calib::SweepModel* model, const MountLook& look) : T_base_level_(look.T_base_level) {
+MountModel::MountModel(const calib::SweepModel* model, bool with_linkage, const Pose2& T_base_level)
+    : T_base_level_(T_base_level) {
   if (model != nullptr) {
     mount_ = model->mount;
   } else {
     mount_.height_m = kLevelHeight_m;
   }
-  if (model != nullptr && look.with_linkage) {
+  if (model != nullptr && with_linkage) {
     cycle_.emplace(*model);
     crank_rad_ = cycle_->shown_crank_rad();
     PartSizes sizes = suitable_sizes(model->bars);

@@ -158,7 +158,7 @@ struct ScanningScene::State {
         view(graphics),
         path(view.renderer(), with_look.is_dark),
         beams(view.renderer()),
-        robot(&model, {.with_linkage = has_linkage, .T_base_level = {track.sensor_forward_m(model.mount), 0.0, 0.0}}) {
+        robot(&model, has_linkage, {track.sensor_forward_m(model.mount), 0.0, 0.0}) {
     view.set_background(look.is_dark ? ink::kNight : ink::kPage, look.is_transparent);
     view.set_eye_dome(look.with_eye_dome);
     view.set_samples(look.samples);

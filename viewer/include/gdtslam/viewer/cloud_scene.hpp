@@ -1,6 +1,6 @@
 // A 3D cloud with the robot and its path, drawn with VTK: colours by height, elevation, time, scan or distance to
 // another cloud, eye-dome lighting, floor and ceiling that can be taken away. Frame: map, z up, metres. Cost: 16
-// bytes a point, 4 for its time, and 4 while a large picture is drawn; while a cloud is set 8 more. The processor draws
+// bytes a point, 8 for its time, and 4 while a large picture is drawn; while a cloud is set 8 more. The processor draws
 // the points, OpenGL what else there is: about 0.1 s of processor time a million points and frame of 1280 x 720. One
 // object belongs to one thread.
 #pragma once
