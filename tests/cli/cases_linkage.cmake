@@ -11,13 +11,7 @@ gdtslam_cli_test(linkage.design_fewer ARGS linkage --design --count 20 --longest
 
 gdtslam_cli_test(linkage.nothing ARGS linkage EXIT 2 STDERR "name a linkage: a preset .*--design")
 gdtslam_cli_test(linkage.both ARGS linkage paper-b --design EXIT 2 STDERR "--design")
-gdtslam_cli_test(linkage.goal_without_design ARGS linkage paper-b --swing 90deg EXIT 2 STDERR "--design")
 gdtslam_cli_test(linkage.no_unit ARGS linkage --design --swing 90 EXIT 2 STDERR "--swing: '90' needs a unit: 90 deg, 90 rad")
-gdtslam_cli_test(linkage.no_length_unit ARGS linkage --design --crank 3..5 EXIT 2 STDERR "--crank: '3' needs a unit: 3 cm, 3 m")
-gdtslam_cli_test(linkage.wrong_unit ARGS linkage --design --crank 3..5deg EXIT 2 STDERR "--crank: ")
-gdtslam_cli_test(linkage.step ARGS linkage paper-b --csv t.csv --step 0deg EXIT 2 STDERR "--step: 0deg is not between 0.001 and 90 deg")
-gdtslam_cli_test(linkage.count ARGS linkage --design --count 0 EXIT 2 STDERR "--count")
-gdtslam_cli_test(linkage.calibrated_twice ARGS linkage paper-b-calibrated --calibrated EXIT 2 STDERR "--calibrated is for the presets")
 gdtslam_cli_test(linkage.unknown ARGS linkage paper-d EXIT 74 STDERR "paper-d")
 gdtslam_cli_test(linkage.unwritable ARGS linkage paper-b --svg {log}/b.svg EXIT 74 STDERR "office.log/b.svg")
 gdtslam_cli_test(linkage.swing_too_large ARGS linkage --design --swing 120deg EXIT 78 STDERR "a swing of 120.0 deg .*below 30.0 deg")
