@@ -106,7 +106,7 @@ TEST(FreeNetwork, DoesNotKnowWhereTheMapLies) {
   const std::vector<Matrix3> here = covariances_in_map(graph, all_of(graph));
   const std::vector<Matrix3> there = covariances_in_map(moved, all_of(moved));
   for (std::size_t i = 0; i < here.size(); ++i) {
-    EXPECT_NEAR(std::sqrt(largest_variance(there[i])), std::sqrt(largest_variance(here[i])), 1.0e-6);
+    EXPECT_NEAR(position_sigma(there[i]), position_sigma(here[i]), 1.0e-6);
     EXPECT_NEAR(there[i](2, 2), here[i](2, 2), 1.0e-9);
   }
 }
