@@ -21,7 +21,7 @@ SMALL = ("--size", "64x48")
 
 
 def render_without_a_display():
-    """DISPLAY unset, as this user and as one who owns nothing, many times in a row: the same picture each time."""
+    """DISPLAY unset or wrong, as this user and as one who owns nothing, many times in a row: the same picture each time."""
     require_viewer()
     drive = nodding_run("render_without_a_display")
     times = int(os.environ.get("GDTSLAM_RENDERS", "100"))
@@ -30,6 +30,9 @@ def render_without_a_display():
         rendered(drive.folder / "run", "-o", drive.folder / "a.png", *SMALL, env=environment(DISPLAY=None, WAYLAND_DISPLAY=None))
         pictures.add((drive.folder / "a.png").read_bytes())
         expect(len(pictures) == 1, f"picture {number} differs")
+    for elsewhere in ({"DISPLAY": ":7777", "WAYLAND_DISPLAY": "nothing"}, {"DISPLAY": "nowhere.invalid:0"}):
+        rendered(drive.folder / "run", "-o", drive.folder / "a.png", *SMALL, env=environment(**elsewhere))
+        expect((drive.folder / "a.png").read_bytes() in pictures, f"{elsewhere}: another picture")
     if os.geteuid() != 0 or not shutil.which("setpriv"):
         return
     place = pathlib.Path("/tmp") / f"gdtslam-render-{os.getpid()}"  # the work folder may lie where nobody else may look
@@ -68,7 +71,8 @@ def render_without_opengl():
     drive = nodding_run("render_without_opengl")
     run = drive.folder / "run"
     for name, *arguments in (("a.png",), ("a.png", "--view", "scene"), ("a.gif",)):
-        refused(69, run, "-o", drive.folder / name, *arguments, env=environment(**NO_GL))
+        refused(69, run, "-o", drive.folder / name, *arguments, env=environment(**NO_GL),
+                says=("can draw with OpenGL: EGL", "(apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri)"))
     expect(not list(drive.folder.glob("a.*")), "something is left")
     rendered(run, "--view", "map", "-o", drive.folder / "map.png", *SMALL, env=environment(**NO_GL))
     process = command("map", drive.log, "-o", drive.folder / "again", "--json", env=environment(**NO_GL))

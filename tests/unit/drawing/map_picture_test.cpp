@@ -1,11 +1,8 @@
-// The picture of a map as shapes, without pixels: what the legend says, marks, the scale bar, the path.
+// The picture of a map as shapes, without pixels: what the legend says, its scale, the path.
 #include "gdtslam/drawing/map_picture.hpp"
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -44,38 +41,6 @@ TEST(MapPicture, legend_counts) {
   EXPECT_TRUE(says(canvas, "1 doubtful scan"));
   EXPECT_FALSE(says(canvas, "doubtful scans"));
   EXPECT_FALSE(says(canvas, "keyframe"));
-}
-
-/// Length of the scale bar against the distance between start and end, which are 4 m apart.
-TEST(MapPicture, scale_bar_is_as_long_as_it_says) {
-  for (const PictureSize size : {PictureSize{480, 270}, PictureSize{1600, 1200}, PictureSize{1080, 1920}}) {
-    const Canvas canvas = map_picture(two_rooms(), straight_path({-1.0, 0.0}, {3.0, 0.0}), {}, size);
-    Point2 start = Point2::Zero();
-    Point2 end = Point2::Zero();
-    bool has_start = false;
-    for (const shape::Circle& circle : shapes_of<shape::Circle>(canvas)) {
-      if (!has_start && circle.fill && circle.fill->colour == kPathStart) {
-        start = circle.centre;
-        has_start = true;
-      } else if (has_start && end.isZero() && circle.edge && circle.edge->colour == kPathEnd) {
-        end = circle.centre;
-      }
-    }
-    const double px_per_m = (end - start).norm() / 4.0;
-    bool is_found = false;
-    for (const shape::Line& line : shapes_of<shape::Line>(canvas)) {
-      if (line.points.size() != 4) continue;  // the bar with its two ends
-      const double length_m = (line.points[2] - line.points[1]).norm() / px_per_m;
-      is_found = true;
-      const auto words = shapes_of<shape::Words>(canvas);
-      const bool is_told = std::any_of(words.begin(), words.end(), [&](const shape::Words& one) {
-        const double unit = one.text.ends_with(" cm") ? 0.01 : one.text.ends_with(" m") ? 1.0 : 0.0;
-        return unit > 0.0 && std::fabs(unit * std::atof(one.text.c_str()) - length_m) < 1e-6;
-      });
-      EXPECT_TRUE(is_told) << length_m << " m";
-    }
-    EXPECT_TRUE(is_found);
-  }
 }
 
 /// The map's place depends on the legend's rows, and the scale bar in the legend on the map's scale.

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <set>
 
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/random.hpp"
@@ -56,25 +55,6 @@ TEST(CloudDistances, AreThoseOfBruteForce) {
       }
     }
   }
-}
-
-TEST(Percentile, IsTheValueOfThatRankInOrder) {
-  Random random(8);
-  for (const std::size_t count : {1U, 2U, 3U, 100U, 1001U}) {
-    std::vector<float> values(count);
-    for (float& value : values) value = static_cast<float>(random.normal());
-    std::vector<float> sorted = values;
-    std::sort(sorted.begin(), sorted.end());
-    for (const double share : {0.0, 0.01, 0.5, 0.99, 1.0}) {
-      std::vector<float> with_holes = values;
-      with_holes.push_back(kNoNumber);
-      with_holes.insert(with_holes.begin(), std::numeric_limits<float>::infinity());
-      const auto rank = static_cast<std::size_t>(std::lround(share * static_cast<double>(count - 1)));
-      EXPECT_EQ(percentile(with_holes, share), sorted[rank]) << count << " " << share;
-    }
-  }
-  std::vector<float> none{kNoNumber};
-  EXPECT_TRUE(std::isnan(percentile(none, 0.5)));
 }
 
 std::vector<std::uint32_t> all_of(const Cloud& cloud) {

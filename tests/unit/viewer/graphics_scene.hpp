@@ -1,5 +1,4 @@
-// Small scenes for the tests of the headless graphics, and where by the definition of a camera their points must
-// appear.
+// Small scenes for the tests of the headless graphics.
 #pragma once
 
 #include <vtkActor.h>
@@ -11,11 +10,9 @@
 #include <vtkProperty.h>
 #include <vtkRenderer.h>
 
-#include <array>
 #include <cmath>
 #include <vector>
 
-#include "engine/core/elementary.hpp"
 #include "viewer/graphics/offscreen_view.hpp"
 
 namespace gdtslam::test {
@@ -50,20 +47,6 @@ inline vtkActor* add_shape(OffscreenView& view, const std::vector<Point3>& corne
   actor->GetProperty()->SetPointSize(static_cast<float>(5 * view.samples()));
   view.renderer().AddActor(actor);
   return actor;
-}
-
-/// Pixels from the upper left corner: the pinhole (or parallel projection) written out.
-inline Point2 expected_pixel(const Camera& camera, const PictureSize& size, const Point3& point) {
-  const Point3 ahead = (camera.target - camera.eye).normalized();
-  const Point3 right = ahead.cross(camera.up).normalized();
-  const Point3 above = right.cross(ahead);
-  const Point3 from_eye = point - camera.eye;
-  const SinCos<double> half = sin_cos(0.5 * camera.view_angle_rad);
-  const double half_height_m =
-      camera.is_parallel ? 0.5 * camera.parallel_height_m : from_eye.dot(ahead) * half.sin / half.cos;
-  const double pixels_per_m = 0.5 * size.height / half_height_m;
-  return {0.5 * size.width + from_eye.dot(right) * pixels_per_m,
-          0.5 * size.height - from_eye.dot(above) * pixels_per_m};
 }
 
 inline bool is_near(const std::uint8_t* pixel, Colour colour, int tolerance = 2) {

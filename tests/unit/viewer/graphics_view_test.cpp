@@ -39,7 +39,7 @@ TEST_F(OffscreenViewTest, PointsAppearWhereTheProjectionSays) {
         view.set_samples(samples);
         add_shape(view, {point}, kRed);
         const Spot spot = spot_of(view.render(camera, size), kRed);
-        const Point2 expected = expected_pixel(camera, size, point);
+        const Point2 expected = *project(camera, size, point);
         EXPECT_GE(spot.count, 16.0);
         EXPECT_LE(spot.count, 25.0);
         EXPECT_NEAR(spot.x, expected.x(), 0.8) << samples;

@@ -1,10 +1,8 @@
 // Plots of errors against figures worked out by hand, on axes that are measured from other things in the same plot.
 #include <cmath>
-#include <limits>
 
 #include <gtest/gtest.h>
 
-#include "gdtslam/core/random.hpp"
 #include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
 #include "support/picture_scene.hpp"
@@ -15,7 +13,6 @@ namespace {
 using namespace test;
 
 constexpr PictureSize kPlotSize{1600, 1200};
-constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 
 /// Pixels to values along one axis, from two places whose values are known.
 struct Scale {
@@ -99,36 +96,6 @@ TEST(DistributionPlot, steps_are_the_shares_of_values) {
     EXPECT_NEAR(y.at(corners[i].y()), expected[i].y(), 1e-6) << i;
   }
   EXPECT_TRUE(says(canvas, "four: median 2.00 m, 95 % 4.55 m, largest 5.00 m"));
-}
-
-/// A hundred thousand noisy values with five spikes of one sample each.
-TEST(TimePlot, loses_no_spike_and_stays_small) {
-  const std::vector<std::size_t> spikes{137, 20001, 49999, 77777, 99998};
-  TimeSeries series{"error", {}};
-  Random random(7);
-  for (std::size_t i = 0; i < 100000; ++i) series.points.emplace_back(0.001 * static_cast<double>(i), random.uniform());
-  for (const std::size_t spike : spikes) series.points[spike].second = 50.0;
-  series.points[60000].second = -20.0;
-  const Canvas canvas = time_plot("", "error", "m", {series}, kPlotSize);
-  std::vector<Point2> points;
-  for (const shape::Line& line : lines_in(canvas, kLightTheme.curve(0))) {
-    if (line.points.size() > 2) points = line.points;
-  }
-  EXPECT_LT(points.size(), 4U * kPlotSize.width);
-  EXPECT_LT(draw_svg(canvas).size(), 300000U);
-  ASSERT_FALSE(points.empty());
-  const auto ends =
-      std::minmax_element(points.begin(), points.end(), [](const Point2& a, const Point2& b) { return a.y() < b.y(); });
-  const double low_y = ends.first->y();
-  const Scale time = Scale::through(0.0, points.front().x(), 99.999, points.back().x());  // from time to pixels
-  for (const std::size_t spike : spikes) {
-    const double x = time.at(0.001 * static_cast<double>(spike));
-    const bool is_there = std::any_of(points.begin(), points.end(), [&](const Point2& point) {
-      return std::fabs(point.x() - x) < 0.01 && std::fabs(point.y() - low_y) < 0.01;
-    });
-    EXPECT_TRUE(is_there) << spike;
-  }
-  EXPECT_NEAR(ends.second->x(), time.at(60.0), 0.01);
 }
 
 TEST(TimePlot, times_are_those_that_people_read) {

@@ -1,7 +1,6 @@
 // Pixels of drawings whose shapes lie at known places.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <array>
 #include <memory>
 #include <string>
@@ -26,28 +25,6 @@ Pixel at(const RgbaImage& image, std::uint32_t x, std::uint32_t y) {
   return {pixel[0], pixel[1], pixel[2], pixel[3]};
 }
 
-/// Columns and rows that hold any ink, ends included.
-struct Extent {
-  std::uint32_t left = 100000;
-  std::uint32_t right = 0;
-  std::uint32_t top = 100000;
-  std::uint32_t bottom = 0;
-};
-
-Extent ink_of(const RgbaImage& image) {
-  Extent extent;
-  for (std::uint32_t y = 0; y < image.height; ++y) {
-    for (std::uint32_t x = 0; x < image.width; ++x) {
-      if (image.at(x, y)[3] < 64) continue;
-      extent.left = std::min(extent.left, x);
-      extent.right = std::max(extent.right, x);
-      extent.top = std::min(extent.top, y);
-      extent.bottom = std::max(extent.bottom, y);
-    }
-  }
-  return extent;
-}
-
 std::shared_ptr<RgbaImage> chequered(std::uint32_t width, std::uint32_t height) {
   auto image = std::make_shared<RgbaImage>(width, height);
   for (std::uint32_t y = 0; y < height; ++y) {
@@ -70,27 +47,6 @@ TEST(Raster, ColoursAreNotMultipliedByAlpha) {
   EXPECT_NEAR(pixel[1], 128, 1);
   EXPECT_NEAR(pixel[2], 64, 1);
   EXPECT_NEAR(pixel[3], 128, 1);
-}
-
-TEST(Raster, EdgesLinesPolygonsAndCirclesAreWhereTheyShouldBe) {
-  Canvas canvas(100, 100, "");
-  canvas.rectangle({10, 10}, 20, 20, std::nullopt, Pen{.colour = colour_for(0xff0000), .width = 2});
-  canvas.line({50, 10}, {90, 10}, {.colour = colour_for(0x0000ff), .width = 4});
-  canvas.polygon({{10, 50}, {40, 50}, {10, 90}}, kBlueFill);
-  canvas.circle({70, 70}, 15, kRedFill, Pen{.colour = colour_for(0x0000ff), .width = 4});
-  const RgbaImage image = rasterise(canvas);
-  EXPECT_EQ(at(image, 20, 10), kRedPixel);
-  EXPECT_EQ(at(image, 20, 9), kRedPixel);
-  EXPECT_EQ(at(image, 20, 20), kNothing);
-  EXPECT_EQ(at(image, 70, 8), kBlue);
-  EXPECT_EQ(at(image, 70, 11), kBlue);
-  EXPECT_EQ(at(image, 70, 13), kNothing);
-  EXPECT_EQ(at(image, 92, 13), kNothing);  // a round end
-  EXPECT_EQ(at(image, 12, 80), kBlue);
-  EXPECT_EQ(at(image, 38, 80), kNothing);
-  EXPECT_EQ(at(image, 70, 70), kRedPixel);
-  EXPECT_EQ(at(image, 85, 70), kBlue);
-  EXPECT_EQ(at(image, 83, 83), kNothing);
 }
 
 TEST(Raster, APictureOfItsOwnSizeKeepsEveryPixel) {
@@ -135,20 +91,6 @@ TEST(Raster, AClipHidesWhatLeavesItAndEnds) {
   EXPECT_EQ(at(image, 20, 19), kNothing);
   EXPECT_EQ(at(image, 37, 32), kBlue);
   EXPECT_EQ(at(image, 2, 2), kBlue);
-}
-
-TEST(Raster, WordsStandOnTheirAnchor) {
-  for (const Anchor anchor : {Anchor::kStart, Anchor::kMiddle, Anchor::kEnd}) {
-    Canvas canvas(200, 60, "");
-    canvas.text({100, 40}, "HHHH", {.size = 20, .anchor = anchor});
-    const Extent ink = ink_of(rasterise(canvas));
-    const double middle = 0.5 * (ink.left + ink.right + 1.0);
-    const double half = 0.5 * text_width("HHHH", 20);
-    const double expected = anchor == Anchor::kMiddle ? 100.0 : anchor == Anchor::kStart ? 100.0 + half : 100.0 - half;
-    EXPECT_NEAR(middle, expected, 1.5);
-    EXPECT_EQ(ink.bottom, 39U);                    // capitals end at the base line
-    EXPECT_NEAR(40.0 - ink.top, 0.729 * 20, 1.0);  // DejaVu Sans' height of capitals
-  }
 }
 
 TEST(Raster, ASizeBeyondReasonIsRefused) {
