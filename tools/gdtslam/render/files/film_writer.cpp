@@ -195,7 +195,7 @@ std::vector<std::string> ffmpeg_command(const FilmTarget& target, const std::str
         "a film needs the program ffmpeg, and no absolute folder of PATH has it; install the package ffmpeg, or write "
         "frames into a folder (-o frames/)");
   }
-  for (const std::string_view word : words_of(text)) command.emplace_back(word);
+  for (const std::string_view word : split_words(text)) command.emplace_back(word);
   command.push_back("file:" + file);
   return command;
 }
