@@ -22,8 +22,7 @@
 
 namespace gdtslam {
 
-// The first point of each cell, in the order in which they come. Not thread-safe; constant time each.
-
+/// The first point of each cell, in the order in which they come. Not thread-safe; constant time each.
 class PointThinner {
  public:
   explicit PointThinner(double spacing_m) : spacing_m_(spacing_m) {}

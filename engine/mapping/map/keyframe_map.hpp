@@ -38,9 +38,8 @@ class StageTimer {
   Clock::time_point start_;
 };
 
-// A map on a CPU backend of its own, which lives as long as it does: it may be handed on, also to another thread. One
-// thread at a time while it is made; then it stays as it is. Cost: some 0.5 ms a keyframe.
-
+/// A map on a CPU backend of its own, which lives as long as it does: it may be handed on, also to another thread. One
+/// thread at a time while it is made; then it stays as it is. Cost: some 0.5 ms a keyframe.
 class SeparateMap {
  public:
   explicit SeparateMap(const MapperConfig& config);

@@ -25,10 +25,9 @@ struct PoseBox {
 LocalMinimum minimise_in_box(Objective& objective, const CellPose& start, const PoseBox& box, MatcherKind kind,
                              const OptimizerConfig& options);
 
-// The matcher `gauss-newton`, and the end of `simplex-newton`: iteratively reweighted least squares on the bilinear
-// field with a robust cost [Huber1964], damped after [Levenberg1944, Marquardt1963]. Ours, not the paper's: it follows
-// the field's slope, so it needs a tenth of a simplex's evaluations.
-
+/// The matcher `gauss-newton`, and the end of `simplex-newton`: iteratively reweighted least squares on the bilinear
+/// field with a robust cost [Huber1964], damped after [Levenberg1944, Marquardt1963]. Ours, not the paper's: it follows
+/// the field's slope, so it needs a tenth of a simplex's evaluations.
 struct GaussNewtonOptions {
   float scale_cells = 1.0F;  ///< distances below count as squares, above as they are
   float stop_cells = 0.01F;  ///< stops when a step is smaller than this in x and y ...
@@ -38,9 +37,8 @@ struct GaussNewtonOptions {
 
 LocalMinimum minimise_gauss_newton(Objective& objective, const CellPose& start, const GaussNewtonOptions& options);
 
-// Downhill simplex of Nelder and Mead [Nelder1965] over (x, y, theta), the paper's optimizer ("linear simplex"), with
-// adds, multiplies and comparisons in float32 only. The walk itself is the kernel pose_simplex.
-
+/// Downhill simplex of Nelder and Mead [Nelder1965] over (x, y, theta), the paper's optimizer ("linear simplex"), with
+/// adds, multiplies and comparisons in float32 only. The walk itself is the kernel pose_simplex.
 struct SimplexOptions {
   float step_cells = 2.0F;   ///< edge of the first simplex along x and y
   float step_rad = 0.03F;    ///< and along theta

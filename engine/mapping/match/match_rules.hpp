@@ -20,10 +20,9 @@
 
 namespace gdtslam {
 
-// When to stop looking far and wide: a laser that is covered, or one that gives noise, matches nothing, and as nobody
-// knows how far the robot went meanwhile each of its scans would be searched for in the widest window. Thread-safe as a
-// number is; constant time.
-
+/// When to stop looking far and wide: a laser that is covered, or one that gives noise, matches nothing, and as nobody
+/// knows how far the robot went meanwhile each of its scans would be searched for in the widest window. Thread-safe as
+/// a number is; constant time.
 class Patience {
  public:
   /// Scans one after the other that match nothing, after which only each so-manieth is searched for. Of nine real logs

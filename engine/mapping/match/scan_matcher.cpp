@@ -81,11 +81,10 @@ constexpr SimplexOptions kCoarsePolish{.step_cells = 1.0F, .step_rad = 0.01F, .s
 
 }  // namespace
 
-// The part of a growing map that a scan can reach from a window of poses, prepared for certified matching; kept as long
-// as neither the part nor its cells change. Which part it is depends on the window alone, so that results do not depend
-// on what was searched before. Not thread-safe. Cost: some 2 ns a cell when it is made for a window of up to a metre,
-// 4 ns for a larger one, a comparison of its cells else.
-
+/// The part of a growing map that a scan can reach from a window of poses, prepared for certified matching; kept as
+/// long as neither the part nor its cells change. Which part it is depends on the window alone, so that results do not
+/// depend on what was searched before. Not thread-safe. Cost: some 2 ns a cell when it is made for a window of up to a
+/// metre, 4 ns for a larger one, a comparison of its cells else.
 class CertifiedCrop {
  public:
   /// Distances count up to `cap`, 1/256 cell, or up to the map's where that is less.

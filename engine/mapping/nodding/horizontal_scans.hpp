@@ -61,9 +61,8 @@ class HorizontalScans {
   bool is_elevation_known_ = false;  ///< true once any scan had one
 };
 
-// The odometry of every scan without steps that are too long to be true: the 2D system sees that of horizontal scans
-// alone, between which metres lie, and could not tell a leap from a drive.
-
+/// The odometry of every scan without steps that are too long to be true: the 2D system sees that of horizontal scans
+/// alone, between which metres lie, and could not tell a leap from a drive.
 class SteadyOdometry {
  public:
   explicit SteadyOdometry(double max_step_m) : max_step_m_(max_step_m) {}

@@ -16,11 +16,10 @@
 
 namespace gdtslam {
 
-// Spots of a site that look like another spot of it, by what the site itself saw. A wing that was driven often and its
-// twin that was hardly seen do not look alike to a search: what belongs to the thin one fits better in the dense one,
-// and there alone. But what was seen of the thin one fits in the dense one too, and that tells. Where several places
-// tell the same, the building repeats itself, and it may do so beyond what was seen of it. Thread-safe once made.
-
+/// Spots of a site that look like another spot of it, by what the site itself saw. A wing that was driven often and its
+/// twin that was hardly seen do not look alike to a search: what belongs to the thin one fits better in the dense one,
+/// and there alone. But what was seen of the thin one fits in the dense one too, and that tells. Where several places
+/// tell the same, the building repeats itself, and it may do so beyond what was seen of it. Thread-safe once made.
 class SiteRepeats {
  public:
   /// `map` is of the site and must outlive this. Cost: a search for every other metre of the site's paths.

@@ -115,9 +115,8 @@ std::vector<Point2> with_surfaces_closed(std::span<const Point2> points_base_m, 
 /// beam order, where the nearest of them is farther than half a metre; nothing for any other return.
 std::optional<Point2> lone_on_wall(std::span<const Point2> points_base_m, std::size_t at);
 
-// The scans of a path by the number of their keyframe. Those that are needed no more are forgotten one by one and leave
-// eight bytes behind, since paths go on for days. Thread-safe while nothing is added or forgotten.
-
+/// The scans of a path by the number of their keyframe. Those that are needed no more are forgotten one by one and
+/// leave eight bytes behind, since paths go on for days. Thread-safe while nothing is added or forgotten.
 class KeptScans {
  public:
   KeptScans() = default;

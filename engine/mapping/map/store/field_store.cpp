@@ -12,10 +12,9 @@
 namespace gdtslam {
 namespace {
 
-// The cells of a map on the CPU, in strips of 64 columns (kernel.hpp) within a piece of address space that is
-// larger than the map: the system gives the pages that are touched, zero, which means unknown. Where a map leaves its
-// piece, or the process may not have so much address space, the tiles that are known move to a larger one.
-
+/// The cells of a map on the CPU, in strips of 64 columns (kernel.hpp) within a piece of address space that is
+/// larger than the map: the system gives the pages that are touched, zero, which means unknown. Where a map leaves its
+/// piece, or the process may not have so much address space, the tiles that are known move to a larger one.
 class FieldStrips final : public FieldStore {
  public:
   FieldStrips(Backend& backend, std::uint16_t cap) : backend_(&backend) { layout_.blank = cap; }
@@ -226,8 +225,7 @@ void FieldStrips::write_piece(CellIndex first, std::span<const std::uint16_t> ce
   if (d.dx > 0 && d.dx % kSide == 0) memory_[place - layout_.strip + kStripWidth] = memory_[place];
 }
 
-// The cells of a map on a device, in rows of one rectangle; growing copies it there.
-
+/// The cells of a map on a device, in rows of one rectangle; growing copies it there.
 class FieldRows final : public FieldStore {
  public:
   FieldRows(Backend& backend, std::uint16_t cap, std::uint64_t max_cells)
