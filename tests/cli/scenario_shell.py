@@ -14,7 +14,7 @@ import termios
 import time
 
 import cli_support as cli
-from cli_support import LOG, PROGRAM, RUN, SLOWNESS, SOURCE, command, expect, expect_exit, fresh_folder, skip
+from cli_support import PROGRAM, RUN, SLOWNESS, SOURCE, command, expect, expect_exit, fresh_folder, skip
 
 
 def commands_below(*words):
@@ -310,22 +310,3 @@ def version_names_the_commit():
     script[1] = f"-DTARGET={folder}/other.cpp"
     subprocess.run([*script[:1], f"-DSOURCE={folder}", "-DCOMMIT=", *script[1:]], check=True, capture_output=True)
     expect(f'"{head[:12]}", "2001-02-03"' in (folder / "other.cpp").read_text(), "a clone")
-
-
-def doubts_in_one_line():
-    """However many scans are in doubt, map says so in a line that names where to look; nothing of a CPU's dispatches, and
-    the time is all that was waited for."""
-    folder = fresh_folder("doubts")
-    begin = time.monotonic()
-    process = command("map", LOG, "-o", folder / "run", "--set", "doubt.report_distance=0m", "--set", "doubt.report_angle=0deg",
-                      "--mcap", folder / "run.mcap", "--device", "cpu")
-    waited = time.monotonic() - begin
-    expect_exit(process, 0)
-    count = json.loads((folder / "run/report.json").read_text())["doubtful"]
-    scans = json.loads((folder / "run/report.json").read_text())["scans"]
-    line = f"gdtslam: {count} of {scans} scans are doubtful; 'gdtslam doctor --after {folder}/run' says where to look\n"
-    expect(count > 5 and process.stderr == line, f"{count}: {process.stderr!r}")
-    expect("dispatches" not in process.stdout and "submissions" not in process.stdout, process.stdout)
-    said = float(re.search(r"^([0-9.]+) s \(", process.stdout, re.MULTILINE).group(1))
-    report = json.loads((folder / "run/report.json").read_text())["wall_s"]
-    expect(report <= said + 0.006 and said <= waited, f"{said} s said, {waited} s waited, {report} s in the report")

@@ -17,7 +17,6 @@
 namespace gdtslam {
 namespace {
 
-
 TEST_F(SimulateNoddingTest, WritesEncoderLinkageElevationsAndHits) {
   SimulateOptions chosen = options("a.log.gz");
   chosen.truth_hits = true;
