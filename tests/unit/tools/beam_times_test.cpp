@@ -156,7 +156,7 @@ TEST_F(SweptLog, ALiveLogIsNamedAfterwardsAndNotMended) {
   MapOutcome outcome;
   outcome.trajectory.resize(20);
   outcome.doubtful.resize(2);
-  look_afterwards(request, {}, path, outcome);
+  look_afterwards(request, path, outcome);
   ASSERT_EQ(outcome.findings.size(), 1U);
   EXPECT_THAT(outcome.findings[0].what, HasSubstr("measured from the last to the first"));
   EXPECT_FALSE(outcome.findings[0].is_mended);
