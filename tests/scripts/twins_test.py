@@ -17,7 +17,7 @@ TWINS = {
     "HospitalWithLoops.HoldsWhatItsLoopsSay": "HeldLoops.AreThoseThatAreOnBetweenKeptKeyframes",
     "IntelWithoutOdometryWithLoops.IsNotLost": "KeyframeSteps.AMatchThatLeapsFromAMotionThatGoesOnMayBeWrongByAsMuch",
     "SparseLogWithLoops.IsNotLost": "SampleLogWithLoops.IsNotLostWhereScansAreAsSparse",
-    "LocalizeOccupancy.FindsScansInAMapOfARealBuilding": "LocalizeOccupancy.FindsScansInADrawnBuilding",
+    "LocalizeOccupancy.FindsScansInAMapOfARealBuilding": "localize_in_an_occupancy_map",
     "MapOfKeyframesTest.APublicLogGivesTheSameMap": "MapOfKeyframesTest.WholeMillimetresGiveTheSameMap",
     "RelationsRealData.HaveTheirKnownCounts": "Relations.ReadsRows",
     "CarmenRealData.IntelHasItsKnownCounts": "CarmenSample.HasItsKnownCounts",

@@ -116,13 +116,19 @@ Trajectory RunReader::trajectory() const {
 std::optional<std::vector<PoseCovariance>> RunReader::covariances() const {
   if (!files_.has(kCovariances)) return std::nullopt;
   const std::vector<StampedCovariance> rows = files_.read(kCovariances, read_covariances);
-  if (rows.size() != summary_.scans) {
-    refuse(kCovariances,
-           fmt::format("has {} rows, but {} tells of {} scans", rows.size(), kReportFile, summary_.scans));
+  const Trajectory poses = trajectory();
+  if (rows.size() != poses.size()) {
+    refuse(kCovariances, fmt::format("has {} rows, but trajectory.tum has {} poses", rows.size(), poses.size()));
   }
   std::vector<PoseCovariance> covariances;
   covariances.reserve(rows.size());
-  for (const StampedCovariance& row : rows) covariances.push_back(row.covariance);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].stamp_s != poses[i].stamp_s) {
+      refuse(kCovariances, fmt::format("row {} is of {} s, but pose {} of trajectory.tum is of {} s", i + 1,
+                                       rows[i].stamp_s, i + 1, poses[i].stamp_s));
+    }
+    covariances.push_back(rows[i].covariance);
+  }
   return covariances;
 }
 

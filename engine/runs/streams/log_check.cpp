@@ -1,4 +1,4 @@
-// Check of the messages of a nodding mount.
+// The log as a whole, and the messages of a nodding mount in it.
 #include "log_check.hpp"
 
 #include <fmt/format.h>
