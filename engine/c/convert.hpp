@@ -13,7 +13,7 @@
 #include "gdtslam/core/grid_geometry.hpp"
 #include "gdtslam/core/pose.hpp"
 #include "gdtslam/core/stream.hpp"
-#include "gdtslam/io/distance_field_file.hpp"
+#include "gdtslam/io/map_files.hpp"
 #include "gdtslam/mapping/occupancy.hpp"
 
 /// Cells in rows that nobody changes any more.

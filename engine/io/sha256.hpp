@@ -13,7 +13,7 @@
 #include "engine/io/byte_source.hpp"
 #include "gdtslam/core/grid_geometry.hpp"
 #include "gdtslam/core/stream.hpp"
-#include "gdtslam/io/distance_field_file.hpp"
+#include "gdtslam/io/map_files.hpp"
 
 struct evp_md_ctx_st;  // a type of OpenSSL
 

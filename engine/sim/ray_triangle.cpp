@@ -1,4 +1,4 @@
-#include "gdtslam/sim/ray_triangle.hpp"
+#include "gdtslam/sim/ray_caster.hpp"
 
 #include <cmath>
 

@@ -18,7 +18,7 @@
 #include "engine/io/meshes/mesh_file.hpp"
 #include "gdtslam/io/cloud_file.hpp"
 #include "gdtslam/io/config_yaml.hpp"
-#include "gdtslam/io/occupancy_map_file.hpp"
+#include "gdtslam/io/map_files.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "gdtslam/mapping/config.hpp"
 #include "target.hpp"

@@ -12,7 +12,7 @@
 
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "engine/runs/localizer/map_field.hpp"
-#include "gdtslam/io/distance_field_file.hpp"
+#include "gdtslam/io/map_files.hpp"
 #include "target.hpp"
 
 namespace gdtslam::fuzz {

@@ -1,4 +1,4 @@
-#include "gdtslam/io/distance_field_file.hpp"
+#include "gdtslam/io/map_files.hpp"
 
 #include <fmt/format.h>
 

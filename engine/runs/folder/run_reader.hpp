@@ -15,7 +15,7 @@
 #include "engine/runs/loops/loop_files.hpp"
 #include "gdtslam/calib/sweep_model.hpp"
 #include "gdtslam/core/stream.hpp"
-#include "gdtslam/io/distance_field_file.hpp"
+#include "gdtslam/io/map_files.hpp"
 #include "gdtslam/mapping/occupancy.hpp"
 #include "gdtslam/runs/settings.hpp"
 

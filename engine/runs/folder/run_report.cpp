@@ -20,8 +20,7 @@
 #include "engine/runs/tiles/map_tiles.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/io/config_yaml.hpp"
-#include "gdtslam/io/distance_field_file.hpp"
-#include "gdtslam/io/occupancy_map_file.hpp"
+#include "gdtslam/io/map_files.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 
 namespace gdtslam {

@@ -14,7 +14,7 @@
 #include "engine/runs/localizer/map_field.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/io/occupancy_map_file.hpp"
+#include "gdtslam/io/map_files.hpp"
 
 namespace gdtslam {
 namespace {

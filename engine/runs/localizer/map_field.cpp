@@ -15,7 +15,7 @@
 #include "engine/runs/localizer/obstacle_field.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/io/occupancy_map_file.hpp"
+#include "gdtslam/io/map_files.hpp"
 
 namespace gdtslam {
 

@@ -9,7 +9,7 @@
 #include "engine/runs/folder/run_reader.hpp"
 #include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/core/pose.hpp"
-#include "gdtslam/io/distance_field_file.hpp"
+#include "gdtslam/io/map_files.hpp"
 #include "gdtslam/mapping/certified.hpp"
 #include "gdtslam/mapping/config.hpp"
 #include "gdtslam/mapping/occupancy.hpp"

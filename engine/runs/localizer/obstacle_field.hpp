@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "gdtslam/io/distance_field_file.hpp"
+#include "gdtslam/io/map_files.hpp"
 #include "gdtslam/mapping/occupancy.hpp"
 
 namespace gdtslam {

@@ -21,8 +21,7 @@
 #include "engine/runs/keyframes/run_keyframes.hpp"
 #include "engine/runs/mapping/map_run.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/io/distance_field_file.hpp"
-#include "gdtslam/io/occupancy_map_file.hpp"
+#include "gdtslam/io/map_files.hpp"
 
 namespace gdtslam {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/cloud_file.hpp"
-#include "gdtslam/io/occupancy_map_file.hpp"
+#include "gdtslam/io/map_files.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "gdtslam/viewer/page.hpp"
 

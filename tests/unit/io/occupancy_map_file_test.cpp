@@ -1,5 +1,5 @@
 // Maps in the form of ROS map_server: our own, somebody else's, and broken ones.
-#include "gdtslam/io/occupancy_map_file.hpp"
+#include "gdtslam/io/map_files.hpp"
 
 #include <gmock/gmock.h>
 

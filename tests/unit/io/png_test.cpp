@@ -10,7 +10,7 @@
 
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/random.hpp"
-#include "gdtslam/io/distance_field_file.hpp"
+#include "gdtslam/io/map_files.hpp"
 #include "io_test_support.hpp"
 
 namespace gdtslam {

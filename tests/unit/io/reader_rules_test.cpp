@@ -9,8 +9,8 @@
 #include "engine/io/maps/png.hpp"
 #include "engine/mapping/map/keyframe_map.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/io/distance_field_file.hpp"
 #include "gdtslam/io/log.hpp"
+#include "gdtslam/io/map_files.hpp"
 #include "io_test_support.hpp"
 
 namespace gdtslam {

@@ -13,7 +13,7 @@
 #include "engine/runs/sites/merge_runs.hpp"
 #include "engine/runs/tiles/map_tiles.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "gdtslam/io/occupancy_map_file.hpp"
+#include "gdtslam/io/map_files.hpp"
 #include "ring_run.hpp"
 #include "unit/back_end/loop_drive.hpp"
 

@@ -16,7 +16,7 @@
 #include "engine/runs/folder/run_reader.hpp"
 #include "engine/runs/folder/run_report.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/io/occupancy_map_file.hpp"
+#include "gdtslam/io/map_files.hpp"
 #include "ring_run.hpp"
 
 namespace gdtslam {

@@ -14,7 +14,7 @@
 #include "engine/runs/localizer/run.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/random.hpp"
-#include "gdtslam/io/occupancy_map_file.hpp"
+#include "gdtslam/io/map_files.hpp"
 #include "occupancy_scans.hpp"
 #include "support/real_data.hpp"
 

@@ -19,7 +19,7 @@
 #include "engine/runs/localizer/tracking.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/io/occupancy_map_file.hpp"
+#include "gdtslam/io/map_files.hpp"
 #include "occupancy_scans.hpp"
 
 namespace gdtslam {

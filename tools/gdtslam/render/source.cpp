@@ -22,8 +22,7 @@
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/cloud_file.hpp"
-#include "gdtslam/io/distance_field_file.hpp"
-#include "gdtslam/io/occupancy_map_file.hpp"
+#include "gdtslam/io/map_files.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 

@@ -13,7 +13,7 @@
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/transaction/folder_transaction.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/io/occupancy_map_file.hpp"
+#include "gdtslam/io/map_files.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 
