@@ -7,7 +7,7 @@
 #include "convert.hpp"
 #include "engine/io/byte_source.hpp"
 #include "engine/runs/folder/run_files.hpp"
-#include "engine/runs/views/run_views.hpp"
+#include "engine/runs/folder/run_views.hpp"
 #include "guard.hpp"
 
 struct gdtslam_bytes {

@@ -18,8 +18,8 @@
 #include <string_view>
 #include <utility>
 
-#include "engine/io/binary/bytes.hpp"
 #include "engine/io/byte_source.hpp"
+#include "engine/io/bytes.hpp"
 #include "engine/io/unpack_source.hpp"
 #include "target.hpp"
 

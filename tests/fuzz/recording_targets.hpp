@@ -12,7 +12,7 @@
 #include <string>
 #include <string_view>
 
-#include "engine/io/binary/bytes.hpp"
+#include "engine/io/bytes.hpp"
 #include "engine/io/recordings/messages.hpp"
 #include "engine/io/recordings/recording_reader.hpp"
 #include "log_reading.hpp"

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/runs/linkage/linkage_file.hpp"
+#include "engine/runs/folder/linkage_file.hpp"
 #include "engine/runs/localizer/map_field.hpp"
 #include "gdtslam/io/map_files.hpp"
 #include "target.hpp"

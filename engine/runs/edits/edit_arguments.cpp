@@ -13,7 +13,7 @@
 
 #include "engine/io/line_reader.hpp"
 #include "engine/io/message_text.hpp"
-#include "engine/runs/loops/loop_files.hpp"
+#include "engine/runs/folder/loop_files.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "engine/runs/edits/edit_steps.hpp"
+#include "engine/runs/folder/loop_files.hpp"
 #include "engine/runs/folder/run_reader.hpp"
-#include "engine/runs/loops/loop_files.hpp"
 #include "gdtslam/runs/outcome.hpp"
 
 namespace gdtslam {

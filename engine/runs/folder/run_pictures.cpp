@@ -15,7 +15,7 @@
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/maps/png.hpp"
 #include "engine/io/message_text.hpp"
-#include "engine/runs/linkage/linkage_file.hpp"
+#include "engine/runs/folder/linkage_file.hpp"
 #include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/drawing/ticks.hpp"

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "engine/drawing/maps/map_pictures.hpp"
+#include "engine/runs/drive/map_run.hpp"
+#include "engine/runs/folder/loop_files.hpp"
 #include "engine/runs/folder/run_folder.hpp"
-#include "engine/runs/loops/loop_files.hpp"
-#include "engine/runs/mapping/map_run.hpp"
 
 namespace gdtslam {
 

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "engine/mapping/graph/pose_graph.hpp"
+#include "engine/runs/folder/loop_files.hpp"
 #include "engine/runs/folder/run_files.hpp"
 #include "engine/runs/folder/run_review.hpp"
 #include "engine/runs/keyframes/run_keyframes.hpp"
-#include "engine/runs/loops/loop_files.hpp"
 #include "gdtslam/calib/sweep_model.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/io/map_files.hpp"

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/runs/loops/loop_files.hpp"
-#include "engine/runs/mapping/map_run.hpp"
-#include "engine/runs/mapping/stopwatch.hpp"
+#include "engine/runs/drive/map_run.hpp"
+#include "engine/runs/drive/stopwatch.hpp"
+#include "engine/runs/folder/loop_files.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/runs/settings.hpp"
 #include "run_folder.hpp"

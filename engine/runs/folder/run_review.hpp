@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/runs/folder/loop_files.hpp"
 #include "engine/runs/folder/run_files.hpp"
-#include "engine/runs/loops/loop_files.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/mapping/mapper.hpp"
 #include "gdtslam/runs/outcome.hpp"

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "engine/io/atomic_file.hpp"
-#include "engine/io/binary/bytes.hpp"
 #include "engine/io/byte_source.hpp"
+#include "engine/io/bytes.hpp"
 #include "engine/io/logs/gzip_file.hpp"
 #include "engine/io/sha256.hpp"
 #include "engine/mapping/changes/session_changes.hpp"

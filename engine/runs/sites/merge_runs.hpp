@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/mapping/sessions/session_merge.hpp"
+#include "engine/mapping/sites/session_merge.hpp"
 #include "engine/runs/sites/site_outcome.hpp"
 
 namespace gdtslam {

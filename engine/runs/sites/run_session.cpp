@@ -8,8 +8,8 @@
 #include <span>
 #include <utility>
 
+#include "engine/runs/folder/loop_files.hpp"
 #include "engine/runs/folder/run_reader.hpp"
-#include "engine/runs/loops/loop_files.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 

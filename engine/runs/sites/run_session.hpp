@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/mapping/sessions/session.hpp"
+#include "engine/mapping/sites/session.hpp"
 #include "engine/runs/folder/run_reader.hpp"
 #include "engine/runs/keyframes/run_keyframes.hpp"
 #include "gdtslam/core/stream.hpp"

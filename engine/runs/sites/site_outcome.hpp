@@ -10,7 +10,7 @@
 
 #include "engine/drawing/maps/map_pictures.hpp"
 #include "engine/mapping/changes/map_changes.hpp"
-#include "engine/mapping/sessions/session_merge.hpp"
+#include "engine/mapping/sites/session_merge.hpp"
 #include "engine/runs/sites/run_session.hpp"
 #include "gdtslam/mapping/global_field.hpp"
 #include "gdtslam/mapping/occupancy.hpp"

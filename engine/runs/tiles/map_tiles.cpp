@@ -18,8 +18,8 @@
 #include "engine/io/json_file.hpp"
 #include "engine/io/sha256.hpp"
 #include "engine/mapping/map/scan_beams.hpp"
+#include "engine/runs/drive/map_run.hpp"
 #include "engine/runs/keyframes/run_keyframes.hpp"
-#include "engine/runs/mapping/map_run.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/map_files.hpp"
 

@@ -1,4 +1,4 @@
-# Reads a page as make_page writes it, without any of its code; the layout is that of viewer/page/page.cpp and
+# Reads a page as make_page writes it, without any of its code; the layout is that of viewer/scene/cloud/page.cpp and
 # engine/drawing/page/page_writer.hpp.
 import base64
 import json

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/mapping/graph/pose_graph.hpp"
-#include "engine/mapping/sessions/session_merge.hpp"
+#include "engine/mapping/sites/session_merge.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "loop_drive.hpp"

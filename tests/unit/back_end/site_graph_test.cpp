@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "engine/mapping/graph/pose_graph.hpp"
-#include "engine/mapping/sessions/growing_site.hpp"
-#include "engine/mapping/sessions/session_merge.hpp"
-#include "engine/mapping/sessions/site_graph.hpp"
+#include "engine/mapping/sites/growing_site.hpp"
+#include "engine/mapping/sites/session_merge.hpp"
+#include "engine/mapping/sites/site_graph.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "support/pose_matchers.hpp"
 

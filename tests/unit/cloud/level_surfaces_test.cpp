@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "engine/runs/mapping/cloud_sample.hpp"
+#include "engine/runs/drive/cloud_sample.hpp"
 #include "gdtslam/cloud/thinning.hpp"
 #include "gdtslam/core/random.hpp"
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "engine/runs/drive/map_run.hpp"
 #include "engine/runs/edits/edit_run.hpp"
 #include "engine/runs/folder/run_reader.hpp"
-#include "engine/runs/mapping/map_run.hpp"
 #include "engine/runs/sites/merge_runs.hpp"
 #include "engine/runs/tiles/map_tiles.hpp"
 #include "gdtslam/core/angle.hpp"

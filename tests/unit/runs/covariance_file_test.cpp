@@ -1,5 +1,5 @@
 // covariance.csv: what is written comes back bit for bit, and what is no covariance is refused with its line.
-#include "engine/runs/loops/loop_files.hpp"
+#include "engine/runs/folder/loop_files.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

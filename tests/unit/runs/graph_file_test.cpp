@@ -1,5 +1,5 @@
 // graph.g2o: read back word for word, information as weights make it.
-#include "engine/runs/loops/loop_files.hpp"
+#include "engine/runs/folder/loop_files.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

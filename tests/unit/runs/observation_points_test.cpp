@@ -1,5 +1,5 @@
 // Scans of an observation in the frame of its last one: expected places are those of the motion that the test made up.
-#include "engine/runs/mapping/observation_points.hpp"
+#include "engine/runs/drive/observation_points.hpp"
 
 #include <gtest/gtest.h>
 

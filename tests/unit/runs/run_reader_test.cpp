@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/runs/linkage/linkage_file.hpp"
+#include "engine/runs/folder/linkage_file.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/cloud_file.hpp"
 #include "gdtslam/io/map_files.hpp"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "engine/io/logs/carmen_writer.hpp"
-#include "engine/runs/mapping/map_run.hpp"
+#include "engine/runs/drive/map_run.hpp"
 #include "engine/runs/streams/odometry_delay.hpp"
 #include "engine/runs/streams/scan_motion.hpp"
 #include "gdtslam/core/angle.hpp"

@@ -10,8 +10,8 @@
 #include <numbers>
 #include <vector>
 
+#include "engine/runs/drive/map_run.hpp"
 #include "engine/runs/keyframes/run_keyframes.hpp"
-#include "engine/runs/mapping/map_run.hpp"
 #include "gdtslam/core/random.hpp"
 
 namespace gdtslam {

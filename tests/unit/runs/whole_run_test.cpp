@@ -11,8 +11,8 @@
 
 #include "engine/runs/edits/source_run.hpp"
 #include "engine/runs/folder/run_reader.hpp"
+#include "engine/runs/folder/run_views.hpp"
 #include "engine/runs/sites/run_session.hpp"
-#include "engine/runs/views/run_views.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "ring_run.hpp"

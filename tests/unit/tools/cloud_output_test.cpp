@@ -1,5 +1,5 @@
 // What becomes of the points on their way into cloud.ply, counted by hand.
-#include "engine/runs/mapping/cloud_output.hpp"
+#include "engine/runs/drive/cloud_output.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

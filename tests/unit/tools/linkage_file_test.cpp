@@ -1,5 +1,5 @@
 // Linkage files: what is read, that what is written reads back, and one clear line for what cannot be read.
-#include "engine/runs/linkage/linkage_file.hpp"
+#include "engine/runs/folder/linkage_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "engine/runs/linkage/linkage_file.hpp"
+#include "engine/runs/folder/linkage_file.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

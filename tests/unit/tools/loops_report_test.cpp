@@ -1,5 +1,5 @@
 // Which stretches of a path a report says are not to be trusted.
-#include "engine/runs/loops/loop_files.hpp"
+#include "engine/runs/folder/loop_files.hpp"
 
 #include <gtest/gtest.h>
 

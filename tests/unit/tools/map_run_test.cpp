@@ -1,5 +1,5 @@
 // What a run says of its scans, in a room that is known in closed form.
-#include "engine/runs/mapping/map_run.hpp"
+#include "engine/runs/drive/map_run.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "engine/runs/linkage/linkage_file.hpp"
+#include "engine/runs/folder/linkage_file.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "simulate_nodding_fixture.hpp"

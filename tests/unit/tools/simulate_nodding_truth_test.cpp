@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "engine/runs/linkage/linkage_file.hpp"
+#include "engine/runs/folder/linkage_file.hpp"
 #include "gdtslam/calib/nod_track.hpp"
 #include "gdtslam/core/nodding.hpp"
 #include "simulate_nodding_fixture.hpp"

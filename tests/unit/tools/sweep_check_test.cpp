@@ -1,5 +1,5 @@
 // Sweeps against each other: strokes are told apart, equal sweeps leave nothing, an error of the linkage is seen.
-#include "engine/runs/mapping/sweep_check.hpp"
+#include "engine/runs/drive/sweep_check.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "engine/core/elementary.hpp"
-#include "engine/runs/mapping/map_run.hpp"
+#include "engine/runs/drive/map_run.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "engine/core/one_line.hpp"
-#include "engine/runs/linkage/linkage_file.hpp"
+#include "engine/runs/folder/linkage_file.hpp"
 #include "tools/gdtslam/doctor/doctor.hpp"
 
 namespace gdtslam {

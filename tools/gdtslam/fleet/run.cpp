@@ -14,7 +14,7 @@
 #include "engine/io/yaml/yaml_text.hpp"
 #include "engine/runs/fleet/atlas.hpp"
 #include "engine/runs/fleet/fleet_work.hpp"
-#include "engine/runs/linkage/linkage_file.hpp"
+#include "engine/runs/folder/linkage_file.hpp"
 #include "fleet.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/config_yaml.hpp"

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "engine/drawing/linkage/linkage_drawing.hpp"
+#include "engine/drawing/plots/linkage_drawing.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
-#include "engine/runs/linkage/linkage_file.hpp"
+#include "engine/runs/folder/linkage_file.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/calib/sweep_model.hpp"
 #include "gdtslam/core/angle.hpp"

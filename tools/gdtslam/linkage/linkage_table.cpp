@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "engine/drawing/linkage/linkage_drawing.hpp"
+#include "engine/drawing/plots/linkage_drawing.hpp"
 #include "gdtslam/core/angle.hpp"
 
 namespace gdtslam {

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "engine/core/memory/free_memory.hpp"
+#include "engine/runs/drive/map_run.hpp"
 #include "engine/runs/folder/run_folder.hpp"
-#include "engine/runs/mapping/map_run.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/runs/map_log.hpp"
 #include "options.hpp"

@@ -10,8 +10,8 @@
 
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
+#include "engine/runs/drive/stopwatch.hpp"
 #include "engine/runs/localizer/localize_log.hpp"
-#include "engine/runs/mapping/stopwatch.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "tools/gdtslam/drawings/drawing_file.hpp"

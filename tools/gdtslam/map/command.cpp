@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "engine/mapping/match/matchers.hpp"
+#include "engine/runs/folder/linkage_file.hpp"
+#include "engine/runs/folder/loop_files.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/run_recording.hpp"
-#include "engine/runs/linkage/linkage_file.hpp"
-#include "engine/runs/loops/loop_files.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"

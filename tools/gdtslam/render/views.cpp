@@ -11,7 +11,7 @@
 
 #include "engine/io/did_you_mean.hpp"
 #include "engine/io/referenced_file.hpp"
-#include "engine/runs/linkage/linkage_file.hpp"
+#include "engine/runs/folder/linkage_file.hpp"
 #include "files/film_writer.hpp"
 #include "gdtslam/core/error.hpp"
 #include "options.hpp"

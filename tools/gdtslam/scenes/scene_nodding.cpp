@@ -7,7 +7,7 @@
 
 #include "engine/io/did_you_mean.hpp"
 #include "engine/io/referenced_file.hpp"
-#include "engine/runs/linkage/linkage_file.hpp"
+#include "engine/runs/folder/linkage_file.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "scene_parts.hpp"

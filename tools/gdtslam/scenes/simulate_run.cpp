@@ -13,7 +13,7 @@
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/did_you_mean.hpp"
 #include "engine/io/logs/carmen_writer.hpp"
-#include "engine/runs/linkage/linkage_file.hpp"
+#include "engine/runs/folder/linkage_file.hpp"
 #include "engine/sim/surface_distance.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/error.hpp"

@@ -15,7 +15,7 @@
 #include "engine/io/json_file.hpp"
 #include "engine/io/message_text.hpp"
 #include "engine/io/writers/log_writer.hpp"
-#include "engine/runs/linkage/linkage_file.hpp"
+#include "engine/runs/folder/linkage_file.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/scenes/scene_file.hpp"
 #include "tools/gdtslam/scenes/simulate_run.hpp"

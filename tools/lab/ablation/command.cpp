@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "engine/io/atomic_file.hpp"
+#include "engine/runs/drive/map_run.hpp"
 #include "engine/runs/evaluation/errors.hpp"
-#include "engine/runs/mapping/map_run.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"
 #include "gdtslam/io/trajectory_file.hpp"

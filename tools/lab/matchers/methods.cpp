@@ -9,7 +9,7 @@
 #include "engine/io/did_you_mean.hpp"
 #include "engine/mapping/match/descents.hpp"
 #include "engine/mapping/match/exhaustive.hpp"
-#include "engine/runs/mapping/stopwatch.hpp"
+#include "engine/runs/drive/stopwatch.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {

@@ -8,7 +8,7 @@
 
 #include "engine/core/elementary.hpp"
 #include "engine/mapping/match/motion_estimate.hpp"
-#include "engine/runs/mapping/stopwatch.hpp"
+#include "engine/runs/drive/stopwatch.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/random.hpp"

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "engine/core/elementary.hpp"
-#include "engine/drawing/linkage/linkage_drawing.hpp"
+#include "engine/drawing/plots/linkage_drawing.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/viewer/camera.hpp"
 #include "linkage_parts.hpp"

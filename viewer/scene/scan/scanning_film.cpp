@@ -11,8 +11,8 @@
 
 #include "calib/linkage/linkage_cycle.hpp"
 #include "engine/core/elementary.hpp"
-#include "engine/drawing/linkage/linkage_drawing.hpp"
 #include "engine/drawing/plots/bars.hpp"
+#include "engine/drawing/plots/linkage_drawing.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/plot.hpp"

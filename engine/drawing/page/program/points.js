@@ -1,4 +1,4 @@
-// The cloud's points, as they lie in memory and on the graphics processor: 12 bytes each (viewer/page/page.cpp).
+// The cloud's points, as they lie in memory and on the graphics processor: 12 bytes each (viewer/scene/cloud/page.cpp).
 
 const kQuantities = {
   height: {name: 'Height', unit: 'm', factor: 1},

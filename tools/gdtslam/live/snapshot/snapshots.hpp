@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/runs/mapping/laser_shelf.hpp"
+#include "engine/runs/drive/laser_shelf.hpp"
 #include "gdtslam/mapping/occupancy.hpp"
 #include "gdtslam/runs/map_log.hpp"
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "engine/core/worker_pool.hpp"
-#include "engine/mapping/sessions/session.hpp"
-#include "engine/mapping/sessions/session_search.hpp"
+#include "engine/mapping/sites/session.hpp"
+#include "engine/mapping/sites/session_search.hpp"
 
 namespace gdtslam {
 

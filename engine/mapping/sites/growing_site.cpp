@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "engine/mapping/adjust/pose_bins.hpp"
-#include "engine/mapping/sessions/site_graph.hpp"
+#include "engine/mapping/sites/site_graph.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/mapping/certified.hpp"
 

@@ -11,7 +11,7 @@
 
 #include "engine/core/worker_pool.hpp"
 #include "engine/mapping/loops/loop_verdict.hpp"
-#include "engine/mapping/sessions/session.hpp"
+#include "engine/mapping/sites/session.hpp"
 
 namespace gdtslam {
 

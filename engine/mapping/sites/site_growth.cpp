@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "engine/mapping/sessions/growing_site.hpp"
+#include "engine/mapping/sites/growing_site.hpp"
 
 namespace gdtslam {
 namespace {

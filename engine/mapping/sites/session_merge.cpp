@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "engine/mapping/sessions/site_graph.hpp"
+#include "engine/mapping/sites/site_graph.hpp"
 
 namespace gdtslam {
 namespace {

@@ -9,7 +9,7 @@
 #include "engine/core/worker_pool.hpp"
 #include "engine/mapping/graph/pose_graph.hpp"
 #include "engine/mapping/loops/loop_finder.hpp"
-#include "engine/mapping/sessions/session.hpp"
+#include "engine/mapping/sites/session.hpp"
 
 namespace gdtslam {
 

@@ -11,8 +11,8 @@
 #include "engine/core/worker_pool.hpp"
 #include "engine/mapping/adjust/joint_adjustment.hpp"
 #include "engine/mapping/loops/loop_finder.hpp"
-#include "engine/mapping/sessions/session.hpp"
-#include "engine/mapping/sessions/site_growth.hpp"
+#include "engine/mapping/sites/session.hpp"
+#include "engine/mapping/sites/site_growth.hpp"
 
 namespace gdtslam {
 

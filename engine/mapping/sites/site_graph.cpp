@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "engine/mapping/loops/loop_closer.hpp"
-#include "engine/mapping/sessions/site_growth.hpp"
+#include "engine/mapping/sites/site_growth.hpp"
 
 namespace gdtslam {
 namespace {

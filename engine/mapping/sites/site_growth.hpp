@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "engine/core/worker_pool.hpp"
-#include "engine/mapping/sessions/session.hpp"
-#include "engine/mapping/sessions/session_overlap.hpp"
+#include "engine/mapping/sites/session.hpp"
+#include "engine/mapping/sites/session_overlap.hpp"
 
 namespace gdtslam {
 

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "engine/core/worker_pool.hpp"
-#include "engine/mapping/sessions/session.hpp"
-#include "engine/mapping/sessions/session_overlap.hpp"
-#include "engine/mapping/sessions/session_search.hpp"
-#include "engine/mapping/sessions/site_growth.hpp"
+#include "engine/mapping/sites/session.hpp"
+#include "engine/mapping/sites/session_overlap.hpp"
+#include "engine/mapping/sites/session_search.hpp"
+#include "engine/mapping/sites/site_growth.hpp"
 
 namespace gdtslam {
 
