@@ -4,7 +4,6 @@
 #include <iterator>
 #include <optional>
 
-
 namespace gdtslam {
 namespace {
 

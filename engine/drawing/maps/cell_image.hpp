@@ -12,7 +12,6 @@
 #include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/colour.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
-#include "gdtslam/core/grids.hpp"
 #include "map_sheet.hpp"
 
 namespace gdtslam::picture {

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "engine/mapping/changes/map_changes.hpp"
-#include "engine/mapping/changes/map_changes.hpp"
 #include "engine/runs/localizer/map_field.hpp"
 #include "engine/runs/localizer/run.hpp"
 #include "engine/runs/localizer/tracking.hpp"

@@ -56,7 +56,7 @@ INSTANTIATE_TEST_SUITE_P(Parts, WhoMayIncludeWhom, ::testing::Values(
     IncludeCase{"engine/mapping/mapper.cpp", "<nlohmann/json.hpp>", false},
     IncludeCase{"engine/mapping/mapper.cpp", "\"../../io/src/line_reader.hpp\"", false},
     IncludeCase{"engine/io/src/config.cpp", "<yaml-cpp/yaml.h>", true},
-    IncludeCase{"engine/io/src/config.cpp", "\"gdtslam/mapping/config.hpp\"", true},
+    IncludeCase{"engine/io/src/config.cpp", "\"gdtslam/mapping/config.hpp\"", false},
     IncludeCase{"engine/io/src/config.cpp", "<sys/stat.h>", true},
     IncludeCase{"engine/io/src/config.cpp", "\"gdtslam/sim/scene.hpp\"", false},
     IncludeCase{"engine/io/src/config.cpp", "<CLI/CLI.hpp>", false},

@@ -367,5 +367,4 @@ void LinkageParts::show(bool is_visible) {
   for (Part& part : parts_) part.show(is_visible);
 }
 
-
 }  // namespace gdtslam

@@ -2,8 +2,8 @@
 // joints, ground, laser in its cradle, fan of beams. Built once for a model, then only moved. Shapes are triangles with
 // normals; outlines lie in the plane of x and z and are extruded along y, where the viewer stands at negative y. Frame
 // `axis`: origin on the nodding axis (the rocker's pivot) in the laser's middle, x forward, y left, z up; the linkage
-// lies in planes of x and z on the right, drawn so that the rocker's direction is the laser's elevation. The lights that
-// scenes of a mount share are here, too. Metres, radians. One object belongs to one thread; O(vertices).
+// lies in planes of x and z on the right, drawn so that the rocker's direction is the laser's elevation. The lights
+// that scenes of a mount share are here, too. Metres, radians. One object belongs to one thread; O(vertices).
 #pragma once
 
 #include <vtkPolyData.h>

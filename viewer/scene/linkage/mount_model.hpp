@@ -12,9 +12,9 @@ namespace gdtslam {
 
 class MountModel {
  public:
-  /// Without a model: a robot with a laser at 0.3 m. Without the linkage the laser tilts by itself and of the model only
-  /// the mount counts; `T_base_level` is then the pose of the laser at elevation 0, from the log. Throws ConfigError
-  /// where the loop closes nowhere.
+  /// Without a model: a robot with a laser at 0.3 m. Without the linkage the laser tilts by itself and of the model
+  /// only the mount counts; `T_base_level` is then the pose of the laser at elevation 0, from the log. Throws
+  /// ConfigError where the loop closes nowhere.
   explicit MountModel(const calib::SweepModel* model, bool with_linkage = true, const Pose2& T_base_level = {});
   MountModel(const MountModel&) = delete;
   MountModel& operator=(const MountModel&) = delete;
