@@ -19,8 +19,8 @@
 #include <utility>
 
 #include "engine/io/byte_source.hpp"
-#include "engine/io/bytes.hpp"
 #include "engine/io/unpack_source.hpp"
+#include "engine/runs/keyframes/bytes.hpp"
 #include "target.hpp"
 
 namespace gdtslam::fuzz {

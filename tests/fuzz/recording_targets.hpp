@@ -12,9 +12,9 @@
 #include <string>
 #include <string_view>
 
-#include "engine/io/bytes.hpp"
 #include "engine/io/recordings/messages.hpp"
 #include "engine/io/recordings/recording_reader.hpp"
+#include "engine/runs/keyframes/bytes.hpp"
 #include "log_reading.hpp"
 
 namespace gdtslam::fuzz {

@@ -13,10 +13,10 @@
 
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/byte_source.hpp"
-#include "engine/io/bytes.hpp"
 #include "engine/io/logs/gzip_file.hpp"
 #include "engine/io/sha256.hpp"
 #include "engine/mapping/changes/session_changes.hpp"
+#include "engine/runs/keyframes/bytes.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 
