@@ -13,7 +13,7 @@
 namespace gdtslam {
 namespace {
 
-using Json = nlohmann::json;
+using JsonLine = nlohmann::json;
 
 constexpr int kDeepest = 18;  // brackets in brackets; a value that is not used may have them
 constexpr std::string_view kNan = "NaN";
@@ -54,12 +54,12 @@ std::string strict_json(std::string_view line) {
   return text;
 }
 
-[[noreturn]] void refuse(const Json& value, const std::string& wanted) {
-  const std::string shown = value.dump(-1, ' ', true, Json::error_handler_t::replace);
+[[noreturn]] void refuse(const JsonLine& value, const std::string& wanted) {
+  const std::string shown = value.dump(-1, ' ', true, JsonLine::error_handler_t::replace);
   throw MalformedRow(fmt::format("has {} where {} should be", in_quotes(shown.substr(0, 24)), wanted));
 }
 
-double read_number(const Json& value, std::string_view key, double of_null) {
+double read_number(const JsonLine& value, std::string_view key, double of_null) {
   constexpr double kMost = std::numeric_limits<double>::infinity();
   if (value.is_number()) return value.get<double>();
   if (value.is_null()) return of_null;
@@ -69,21 +69,21 @@ double read_number(const Json& value, std::string_view key, double of_null) {
   refuse(value, fmt::format("a number as its {}", key));
 }
 
-std::int64_t read_whole(const Json& value, std::string_view key) {
+std::int64_t read_whole(const JsonLine& value, std::string_view key) {
   const bool is_too_large = value.is_number_unsigned() && value.get<std::uint64_t>() > INT64_MAX;
   if (!value.is_number_integer() || is_too_large) refuse(value, fmt::format("a whole number as its {}", key));
   return value.get<std::int64_t>();
 }
 
-std::string read_text(const Json& value, std::string_view key) {
+std::string read_text(const JsonLine& value, std::string_view key) {
   if (!value.is_string()) refuse(value, fmt::format("a text as its {}", key));
   return value.get<std::string>();
 }
 
 /// Numbers, or pairs of them. A null in a list is no return.
-void append_numbers(const Json& value, std::string_view key, std::vector<double>& numbers, int depth = 0) {
+void append_numbers(const JsonLine& value, std::string_view key, std::vector<double>& numbers, int depth = 0) {
   if (!value.is_array() || depth > 1) refuse(value, fmt::format("numbers or pairs of them in its {}", key));
-  for (const Json& entry : value) {
+  for (const JsonLine& entry : value) {
     if (entry.is_array()) {
       append_numbers(entry, key, numbers, depth + 1);
     } else {
@@ -92,7 +92,7 @@ void append_numbers(const Json& value, std::string_view key, std::vector<double>
   }
 }
 
-void read_pose(const Json& value, std::string_view key, std::array<TableNumber, 3> numbers, TableRow& row) {
+void read_pose(const JsonLine& value, std::string_view key, std::array<TableNumber, 3> numbers, TableRow& row) {
   std::vector<double> values;
   append_numbers(value, key, values);
   if (values.size() != numbers.size()) {
@@ -101,7 +101,7 @@ void read_pose(const Json& value, std::string_view key, std::array<TableNumber, 
   for (std::size_t k = 0; k < numbers.size(); ++k) row[numbers[k]] = values[k];
 }
 
-void read_member(const Json& value, const std::string& key, TableRow& row, const RowWarn& warn) {
+void read_member(const JsonLine& value, const std::string& key, TableRow& row, const RowWarn& warn) {
   if (key == kOdomKey) {
     read_pose(value, key, {TableNumber::kX, TableNumber::kY, TableNumber::kTheta}, row);
   } else if (key == kMountKey) {
@@ -130,14 +130,14 @@ void read_member(const Json& value, const std::string& key, TableRow& row, const
 void parse_json_row(std::string_view line, TableRow& row, const RowWarn& warn) {
   const std::string text = strict_json(line);
   try {
-    const Json object = Json::parse(text);
+    const JsonLine object = JsonLine::parse(text);
     if (!object.is_object()) refuse(object, "a JSON object");
     for (const auto& [key, value] : object.items()) read_member(value, key, row, warn);
-  } catch (const Json::parse_error& error) {
+  } catch (const JsonLine::parse_error& error) {
     const std::size_t at = std::max<std::size_t>(error.byte, 1) - 1;
     if (at >= text.size()) throw MalformedRow("ends before its JSON is complete");
     throw MalformedRow(fmt::format("is no JSON at {}", in_quotes(text.substr(at, 24))));
-  } catch (const Json::out_of_range&) {
+  } catch (const JsonLine::out_of_range&) {
     throw MalformedRow("has a number that no double can hold");
   }
 }

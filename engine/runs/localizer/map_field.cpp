@@ -207,16 +207,32 @@ std::optional<RunReader> told_run_in(const std::string& map) {
   return run.files().is_told() ? std::optional(std::move(run)) : std::nullopt;
 }
 
+// One of the tiles that can be searched in, that of the origin where it is there; empty where there is none.
+std::string tile_in(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  for (const char* name : {"map_0_0.yaml", "gdt_0_0.yaml"}) {
+    if (std::filesystem::exists(folder / name, ignored)) return name;
+  }
+  std::string first;
+  for (std::filesystem::directory_iterator at(folder, ignored), end; at != end; at.increment(ignored)) {
+    const std::string name = at->path().filename().string();
+    if (!name.ends_with(".yaml") || !(name.starts_with("map_") || name.starts_with("gdt_"))) continue;
+    if (first.empty() || name < first) first = name;
+  }
+  return first;
+}
+
 // A site in tiles has no field as a whole.
 void require_one_piece(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   std::error_code ignored;  // a folder that cannot be examined shows when it cannot be read
   if (std::filesystem::exists(path, ignored) || !std::filesystem::exists(folder / "tiles" / "index.json", ignored))
     return;
-  throw InputError(
-      {folder.string(), 0},
-      "has its map in tiles: name one of them, as tiles/map_0_0.yaml, or cut a piece out with 'gdtslam edit "
-      "RUN --crop X0,Y0,X1,Y1 -o DIR'");
+  const std::string tile = tile_in(folder / "tiles");
+  throw InputError({folder.string(), 0},
+                   fmt::format("has its map in tiles: {}cut a piece out with 'gdtslam edit RUN --crop X0,Y0,X1,Y1 "
+                               "-o DIR'",
+                               tile.empty() ? "" : fmt::format("name one of them, as tiles/{}, or ", tile)));
 }
 
 // Distances alone tell of walls, which reach half a cell from an obstacle; what is farther away may be floor or not.
