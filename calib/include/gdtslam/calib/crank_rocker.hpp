@@ -12,10 +12,10 @@
 
 namespace gdtslam::calib {
 
-/// For an elevation that grows with the rocker's angle psi. Where it falls with psi, lift and return change places: the
-/// lift begins at `highest` and the crank turns the other way round for it to be the slow stroke.
+/// Dead points for an elevation that grows with the rocker's angle psi. If it falls with psi, lift and return change
+/// places: the lift begins at `highest` and the crank turns the other way round for it to be the slow stroke.
 struct CrankRockerReport {
-  DeadPoint lowest;   ///< least psi: where the lift begins
+  DeadPoint lowest;   ///< least psi: the lift begins here
   DeadPoint highest;  ///< end of the lift
   double swing_rad = 0.0;
   double lift_share =
@@ -60,7 +60,7 @@ struct DesignGoal {
   /// Default: four times the longest crank, and at most kMostBar_m. A long bar transmits better.
   std::optional<double> longest_bar_m;
 };
-/// A linkage that meets a goal, with what it does over a turn.
+/// A linkage that meets a goal, and its motion over a turn.
 struct Design {
   FourBar bars;
   CrankRockerReport report;

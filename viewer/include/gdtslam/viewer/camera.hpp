@@ -68,7 +68,7 @@ struct CameraBasis {
   Point3 up;
   Point3 forward;
 };
-/// Also where the camera's up is along the line of sight: then another direction is up.
+/// Also valid if the camera's up is along the line of sight: then another direction is up.
 CameraBasis camera_basis(const Camera& camera);
 /// Half of the vertical view angle as a slope.
 double half_height_slope(const Camera& camera);

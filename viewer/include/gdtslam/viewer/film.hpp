@@ -1,5 +1,5 @@
-// Moving pictures: a number of frames, each drawn when it is asked for. Whoever has a film writes it as he likes.
-// One film belongs to one thread.
+// Moving pictures: a number of frames, each drawn when it is asked for. The caller chooses how to write it. One film
+// belongs to one thread.
 #pragma once
 
 #include <cstddef>

@@ -98,14 +98,14 @@ struct KernelInfo {
   std::string_view name;
   std::span<const Access> bindings;
   std::size_t params_bytes = 0;              ///< push constants, at most 128, a multiple of 4
-  std::array<CpuFunction, kIsaCount> cpu{};  ///< null where the build has no such instruction set
+  std::array<CpuFunction, kIsaCount> cpu{};  ///< null if the build has no such instruction set
   CheckFunction check = nullptr;
   WorkFunction work = nullptr;
   std::string_view work_unit;  ///< name of a step: "cell", "look-up", "value", "beam"
   std::string_view source;     ///< citation key and equation
 };
 
-/// Largest block of parameters: what every Vulkan device takes as push constants.
+/// Largest block of parameters: the size of push constants that every Vulkan device accepts.
 inline constexpr std::size_t kMaxParamsBytes = 128;
 /// Throws Error unless the dispatch names a buffer per binding and its sizes pass the kernel's own check.
 void check_launch(const KernelInfo& kernel, const LaunchShape& shape);
