@@ -65,12 +65,12 @@ struct Design {
   FourBar bars;
   CrankRockerReport report;
 };
-/// Crank-rockers that meet the goal, exactly in swing (and time ratio, where asked), the best transmission first. One
-/// is the best of all: that of the shortest crank. More are of other shapes, no two alike but for their size: those
-/// that farthest-point sampling takes of all that meet the goal (calib/linkage/design_spread.hpp), each as large as
-/// crank and longest bar allow; fewer than `count` where the goal leaves no more shapes that differ. Where long bars
-/// are allowed a time ratio of 1 transmits best. About 0.1 s for one, 0.3 s for more. Throws ConfigError that says
-/// which part of the goal no linkage meets, what the best one reaches and what to change.
+/// Crank-rockers that meet the goal, exactly in swing (and time ratio, if asked), the best transmission first. The best
+/// of all is the one of the shortest crank. The others have different shapes, not just different sizes: farthest-point
+/// sampling selects them from all that meet the goal (calib/linkage/design_spread.hpp). Each is as large as crank and
+/// longest bar allow. There are fewer than `count` if the goal leaves no more different shapes. If long bars are
+/// allowed, a time ratio of 1 transmits best. About 0.1 s for one, 0.3 s for more. Throws ConfigError that says which
+/// part of the goal no linkage meets, what the best one reaches and what to change.
 std::vector<Design> design(const DesignGoal& goal, std::size_t count = 1);
 
 }  // namespace gdtslam::calib

@@ -28,8 +28,8 @@ class Film {
 /// Once around the cloud; the last frame is followed by the first without a jump. The scene must outlive the film.
 std::unique_ptr<Film> orbit_film(CloudScene& scene, const CloudLook& look, const CloudCaption& caption,
                                  const PictureSize& size, std::size_t frames);
-/// Behind the robot along its path, time running evenly; points appear when they are measured. Afterwards the scene
-/// shows all again, without a robot. Throws InputError for a trajectory without poses.
+/// Follows the robot from behind along its path, at constant speed of time; points appear when they are measured.
+/// Afterwards the scene shows all again, without a robot. Throws InputError for a trajectory without poses.
 std::unique_ptr<Film> follow_film(CloudScene& scene, const Trajectory& trajectory, const CloudLook& look,
                                   const CloudCaption& caption, const PictureSize& size, std::size_t frames);
 

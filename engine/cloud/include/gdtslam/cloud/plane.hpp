@@ -55,10 +55,10 @@ std::vector<PlanePatch> find_planes(std::span<const CloudPoint> cloud, const Pla
 
 // Boxes of a cloud and their dimensions with uncertainty, as figure 12 measures them; z up.
 //
-// A range finder errs along its beams, hardly across them. So if the scanner stood still and its place is known, every
-// point is moved along its beam onto the plane of a face: hits there, and beams seen past it, show where the face ends,
-// to a fraction of the distance between two beams. At an edge of two faces their planes meet. Without a viewpoint only
-// the points of the face itself count.
+// A range finder errs along its beams, hardly across them. So if the scanner stood still and its position is known,
+// every point is moved along its beam onto the plane of a face. Hits on the face and beams that pass it show its end to
+// a fraction of the distance between two beams. At an edge of two faces their planes meet. Without a viewpoint only the
+// points of the face itself count.
 //
 // Cost: that of find_planes and one pass over the cloud for each face. Thread-safe; the same cloud and search give the
 // same boxes on every host.

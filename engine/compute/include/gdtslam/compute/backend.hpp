@@ -119,7 +119,7 @@ class Backend {
  private:
   friend class Buffer;
   virtual void release(std::uint64_t id) noexcept = 0;
-  /// Also called for downloads that were finished, and after the device has failed; must not ask the device.
+  /// Also called for downloads that were finished, and after the device has failed; it must not use the device.
   virtual void forget_download(std::uint64_t id) noexcept = 0;
 
   std::shared_ptr<const char> alive_ = std::make_shared<const char>('\0');  ///< buffers and downloads watch it

@@ -30,12 +30,13 @@ enum class SweepForm : std::uint32_t { kWorking = 0, kLiteral = 1 };
 /// How the squared distances of a field are found: exactly (GdtStamp), or by jump flooding, which errs now and then.
 enum class DistanceTransform : std::uint8_t { kExact, kJumpFlood };
 
-// Layout of the cells of a distance field, for the kernels that look up a map or merge into it. Cell (x, y) is at
-// (x / 64) * strip + x % 64 + y * stride. With strips 64 cells apart the layout is plain rows, one behind the other.
-// Else the field lies in strips of 64 columns, all rows of a strip before the next strip, and a strip's row has a 65th
-// cell, which repeats the first cell of the next strip, so that the four neighbours of a look-up lie in one strip: few
-// pages of memory hold what a scan sees, and memory that a system gives when it is touched is taken only for known
-// parts. A cell holds its value XOR `blank`; with the cap for that, memory that begins as zeros is an unknown map.
+// Layout of the cells of a distance field, for the kernels that look up a map or merge into it. Cell (x, y) is at (x /
+// 64) * strip + x % 64 + y * stride. With strips 64 cells apart the layout is plain rows, one behind the other.
+// Otherwise the field lies in strips of 64 columns, all rows of a strip before the next strip. The row of a strip has a
+// 65th cell, which repeats the first cell of the next strip, so that the four neighbours of a look-up lie in one strip.
+// The cells around a scan then take few pages of memory, and memory that is allocated at the first touch is used only
+// for known parts. A cell holds its value XOR `blank`. If `blank` is the cap, memory that begins as zeros is an unknown
+// map.
 
 /// Columns of a strip; a distance of as many cells from strip to strip means rows.
 inline constexpr std::uint32_t kStripWidth = 64;

@@ -45,7 +45,7 @@ class InputError : public Error {
   InputError(const FilePosition& position, const std::string& message)
       : Error(ExitCode::kBadInput, located(position, message)), has_position_(true) {}
   explicit InputError(const std::string& message) : Error(ExitCode::kBadInput, message) {}
-  /// Without one, who knows the file that the data came from has to name it.
+  /// Without a position, the caller that knows the file of the data has to name it.
   [[nodiscard]] bool has_position() const noexcept { return has_position_; }
 
  private:

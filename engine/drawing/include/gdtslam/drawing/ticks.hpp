@@ -19,7 +19,8 @@ struct Ticks {
   double step = 1.0;
   int count = 1;
   [[nodiscard]] double value(int number) const { return first + number * step; }
-  /// With as many decimals as the step needs and a true minus sign; very large and very small ones with an exponent.
+  /// Text with as many decimals as the step needs and a true minus sign; very large and very small values get an
+  /// exponent.
   [[nodiscard]] std::string text(int number) const;
 };
 

@@ -62,7 +62,7 @@ struct ReadOptions {
   std::optional<double> first_beam_after_s{};  ///< when beam 0 was measured, after the stamp; the log's when empty
   std::optional<double> beam_period_s{};       ///< from beam to beam; likewise
   bool deskew =
-      true;  ///< tell with each scan how the robot moved meanwhile, where its beams were not all measured at once
+      true;  ///< add to each scan the motion of the robot while it was taken, if its beams have different times
   TopicChoice topics{};
   CrankOptions crank{};
   std::optional<double> clock_offset_s{};  ///< for recordings: added to stamps of odometry and crank; measured if empty

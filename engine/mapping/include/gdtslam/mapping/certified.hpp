@@ -74,7 +74,7 @@ class CertifiedMap {
   [[nodiscard]] std::uint64_t device_launches() const;
   /// Memory of the prepared fields.
   [[nodiscard]] std::size_t bytes() const;
-  /// At most so many are held at once while a field of that size is prepared, its own not counted. O(1).
+  /// Most bytes in use at once while a field of that size is prepared, without the field's own. O(1).
   static std::uint64_t most_bytes(std::uint64_t width, std::uint64_t height, Windows windows = kAnyWindows);
 
  private:
@@ -117,8 +117,8 @@ struct CertifiedOptions {
   std::uint32_t wanted_bound = std::numeric_limits<std::uint32_t>::max();
   std::uint64_t max_boxes = std::numeric_limits<std::uint64_t>::max();  ///< a batch may pass it; not more than 2^23
                                                                         ///< open at a time, whatever is allowed
-  /// Whether those that cover the window count, of which a large map has more than any search should take: else only
-  /// those beyond them.
+  /// Whether max_boxes includes the boxes that cover the window. On a large map these alone exceed any useful limit. If
+  /// false, only boxes beyond these count.
   bool counts_window = true;
   double max_seconds = std::numeric_limits<double>::infinity();
   std::vector<Pose2> starts{};  ///< poses to begin from, another matcher's result say

@@ -70,7 +70,8 @@ class GlobalField {
   /// Notes that a merge writes cells of the box.
   void touch(const CellBox& map_box);
 
-  /// The cells of the box from any backend, row by row; empty if the box is. Throws DeviceError if the device fails.
+  /// The cells of the box from any backend, row by row; none if the box is empty. Throws DeviceError if the device
+  /// fails.
   [[nodiscard]] std::vector<std::uint16_t> download() const;
   /// Takes over the cells of another field of the same cap; cells of the box outside of theirs become the cap. Call
   /// grow_to_hold() first, because the map must not be empty. Throws DeviceError if the device fails.

@@ -52,9 +52,9 @@ struct MatchResult {
   /// Proof of the last window that `certified` searched: no pose in it has a mean distance smaller by more than this
   /// than the pose that the final descent began from.
   std::optional<double> proven_gap_m{};
-  /// How sure the estimate is within the map that it was matched with: by what the scan shows of it, along what that
-  /// does not show by the way that led there, and by that alone where the match was refused. Where it is asked for
-  /// (MapperOptions::with_covariance) and the map lives on the CPU.
+  /// Covariance of the estimate within the map that it was matched with. It comes from the scan and, along directions
+  /// that the scan does not determine, from the motion that led there; from that motion alone if the match was refused.
+  /// Set if MapperOptions::with_covariance asks for it and the map lives on the CPU.
   std::optional<PoseCovariance> covariance{};
   bool accepted = false;  ///< the estimate is the matcher's (or the first scan's), not the prediction
   bool merged = false;    ///< a keyframe: the scan went into the map

@@ -1,10 +1,10 @@
 // The occupancy map for planners and people: which cells are occupied, free or unknown, by casting the beams of every
-// scan from its final pose. A cell is judged by the scans that ended in it against those that only passed through it,
-// each scan counted once per cell and ends before passes, so that neither the order of the beams nor their density near
-// the sensor matters [Moravec1985]. Frame: map, its lattice that of the GDT; metres and radians. The cells that a beam
-// crosses are exact for end points rounded to 1/256 cell (integer traversal after [AmanatidesWoo1987]). Cost: O(beams x
-// rows or columns crossed) per scan. Memory: tiles of 64 x 64 cells along the beams, two bits a cell for each doubling
-// of the scans that saw it; nothing is copied when the map grows. One builder belongs to one thread.
+// scan from its final pose. The state of a cell follows from the scans that ended in it and those that only passed
+// through it [Moravec1985]. Each scan counts once per cell, an end before a pass, so neither the order of the beams nor
+// their density near the sensor matters. Frame: map, its lattice that of the GDT; metres and radians. The cells that a
+// beam crosses are exact for end points rounded to 1/256 cell (integer traversal after [AmanatidesWoo1987]). Cost:
+// O(beams x rows or columns crossed) per scan. Memory: tiles of 64 x 64 cells along the beams, two bits a cell for each
+// doubling of the scans that saw it; nothing is copied when the map grows. One builder belongs to one thread.
 #pragma once
 
 #include <array>
