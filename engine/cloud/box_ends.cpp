@@ -13,15 +13,15 @@ namespace gdtslam {
 namespace {
 
 constexpr int kBins = 800;               // bins of the window around the end
-constexpr int kReach = 200;              // bins to both sides of the first guess in which the end is looked for
-constexpr double kLeastWindow_m = 0.04;  // half of it
+constexpr int kReach = 200;              // bins to each side of the first guess that are searched for the end
+constexpr double kLeastWindow_m = 0.04;  // least half width of that window
 constexpr double kSamplings = 3.0;       // least number of beams in half of the window
-constexpr double kOutlier = 1.0e-3;      // share of beams whose side is told wrongly
+constexpr double kOutlier = 1.0e-3;      // share of beams that fall on the wrong side
 constexpr std::array kErrors{1.0, 2.0, 4.0, 8.0, 16.0, 32.0};  // errors of the beams' directions, bins
-constexpr double kLeastPast = 5;                               // beams past the end that make it known
-constexpr double kBand_m = 0.1;  // from which the density of hits is taken where nothing is past the end
+constexpr double kLeastPast = 5;                               // least number of beams that determine an end
+constexpr double kBand_m = 0.1;  // band that gives the density of hits if no beam goes past the end
 constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
-constexpr double kGrazing = 1.0e-3;  // sine of a beam's angle to the plane below which it does not cross it
+constexpr double kGrazing = 1.0e-3;  // least sine of the angle between plane and crossing beam
 
 // Computes where the beam from the viewpoint to the point crosses the plane; for a point behind it, its shadow.
 void cross(FaceHit& hit, const FaceFrame& face, const Point3& from_origin, const Point3& viewpoint) {
@@ -34,15 +34,15 @@ void cross(FaceHit& hit, const FaceFrame& face, const Point3& from_origin, const
   hit.up_m = face.up.dot(at);
 }
 
-/// Beams by where they cross, counted outwards from the inner edge of the window.
+/// Histogram of the beams by where they cross the plane, outwards from the inner edge of the window.
 struct EndCounts {
   double from_m = 0.0;  ///< outward coordinate of the first bin's inner edge
   double bin_m = 0.0;
   std::array<double, kBins> hit{};
   std::array<double, kBins> passed{};
-  double before = 0.0;  ///< stopped short of the plane beyond the first guess
-  double past = 0.0;    ///< went on behind it there
-  double beyond = 0.0;  ///< hit the plane there
+  double before = 0.0;  ///< outside the first guess: beams that end in front of the plane
+  double past = 0.0;    ///< outside the first guess: beams that end behind the plane
+  double beyond = 0.0;  ///< outside the first guess: beams that end on the plane
 };
 
 EndCounts count(std::span<const FaceHit> hits, const EndPlace& place, double thickness_m) {
@@ -68,7 +68,7 @@ EndCounts count(std::span<const FaceHit> hits, const EndPlace& place, double thi
   return counts;
 }
 
-// The bin before which the end lies when the fewest beams are on the wrong side.
+// Bin whose inner edge, taken as the end, leaves the fewest beams on the wrong side.
 int first_guess(const EndCounts& counts) {
   double wrong = 0.0;
   for (const double hit : counts.hit) wrong += hit;
@@ -86,7 +86,7 @@ int first_guess(const EndCounts& counts) {
   return (first + last) / 2;
 }
 
-// Logarithm of the probability that a beam hits, by how many half bins it crosses within the end.
+// Logarithm of the probability that a beam hits, by its distance inside the end in half bins.
 std::vector<double> log_probabilities(double error) {
   std::vector<double> table(4 * kBins + 1);
   for (int k = -2 * kBins; k <= 2 * kBins; ++k) {
@@ -98,7 +98,7 @@ std::vector<double> log_probabilities(double error) {
   return table;
 }
 
-// An end at the inner edge of bin `end`; beams cross at the middle of their bins.
+// Log likelihood of an end at the inner edge of bin `end`; beams cross at the middle of their bins.
 double log_likelihood(const EndCounts& counts, int end, const std::vector<double>& table) {
   double sum = 0.0;
   for (int k = 0; k < kBins; ++k) {
@@ -117,7 +117,7 @@ struct Moments {
   double variance = 0.0;
 };
 
-// Mean and variance of the end over the bins near the guess, all errors alike likely.
+// Mean and variance of the end over the bins near the guess, with all of kErrors equally likely.
 Moments posterior(const EndCounts& counts, int guess) {
   std::vector<std::pair<int, double>> terms;
   double most = -std::numeric_limits<double>::infinity();
@@ -143,7 +143,7 @@ Moments posterior(const EndCounts& counts, int guess) {
   return sum;
 }
 
-// Ends the face where hits stop: they are as dense up to there as they are further in.
+// Ends the face where the hits stop, assuming that they are as dense up to there as further in.
 FaceEnd where_hits_stop(std::span<const FaceHit> hits, const EndPlace& place, double thickness_m) {
   double inner = 0.0;
   double outer = 0.0;
@@ -185,7 +185,7 @@ FaceEnd find_end(std::span<const FaceHit> hits, const EndPlace& place, double th
   if (counts.beyond > counts.past + counts.before) return {place.rough_m, 0.0, EndKind::kContinues};
   if (counts.past < kLeastPast && counts.before < kLeastPast) return where_hits_stop(hits, place, thickness_m);
   const Moments bins = posterior(counts, first_guess(counts));
-  const double variance = bins.variance + 1.0 / 12.0;  // variance of a place within its bin
+  const double variance = bins.variance + 1.0 / 12.0;  // variance of a position within its bin
   return {place.sign * (counts.from_m + bins.mean * counts.bin_m), std::sqrt(variance) * counts.bin_m,
           counts.past > counts.before ? EndKind::kJump : EndKind::kHidden};
 }

@@ -1,5 +1,5 @@
-// Points sorted into cubes: a thinned copy of a cloud, and which points hang together. Metres. Nothing depends on a
-// hash or on the number of threads. O(n log n).
+// Points sorted into cubes, to thin a cloud and to find connected groups of points. Metres. The result depends on
+// neither a hash nor the number of threads. O(n log n).
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace gdtslam {
 
-/// The cubes that have a point, and for each its points.
+/// The cubes that contain points, and the points of each.
 class PatchCells {
  public:
   /// Cells of the points with these indices. The edge grows if the extent asks for more than 2^20 cubes along an axis.
@@ -28,10 +28,10 @@ class PatchCells {
   [[nodiscard]] const std::vector<std::uint32_t>& cell_by_point() const { return cell_of_; }
   /// The mean of the points of each cell.
   [[nodiscard]] Cloud cell_means(std::span<const CloudPoint> cloud) const;
-  /// Finds out which cells touch, for largest_group and grown.
+  /// Finds the cells that touch. Call it before largest_group and grown.
   void link();
-  /// Largest group of the marked cells in which each touches another, ascending; by number of cells, the first group
-  /// when two are equal.
+  /// The largest connected group of marked cells, ascending. Size is the number of cells; of equal groups the first is
+  /// returned.
   [[nodiscard]] std::vector<std::uint32_t> largest_group(const std::vector<bool>& is_marked) const;
   /// Cells that are marked and those that touch one of them.
   [[nodiscard]] std::vector<bool> grown(const std::vector<bool>& is_marked) const;
@@ -47,8 +47,8 @@ class PatchCells {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> links_;
 };
 
-/// All finite points but those that are farther from the bulk than ten times its extent: one wild point would make
-/// every cube as large as its distance asks.
+/// All finite points except those farther from the bulk than ten times its extent, because the distance of a single
+/// outlier would set the size of every cube.
 std::vector<std::uint32_t> usable_points(std::span<const CloudPoint> cloud);
 
 }  // namespace gdtslam

@@ -1,7 +1,7 @@
-// A picture on its way: what is seen of the scene, the bands of rows in which it is drawn, one after the other, so that
-// no buffer is as large as the picture with all its samples, and the work of the host on each: eye-dome lighting and
-// the averaging of samples. Pixels here are samples; rows count from the bottom, as OpenGL reads them; colours are
-// premultiplied by alpha. Pure functions; time linear in the pixels.
+// A picture while it is drawn: the visible part of the scene, the bands of rows, and the work of the host on each band,
+// which is eye-dome lighting and the averaging of samples. Bands are drawn one after the other, so that no buffer is as
+// large as the picture with all its samples. Pixels here are samples; rows count from the bottom, as OpenGL reads them;
+// colours are premultiplied by alpha. Pure functions; time linear in the pixels.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace gdtslam {
 
-/// A picture as OpenGL gives it.
+/// A picture as read from OpenGL.
 struct RawPicture {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
@@ -31,28 +31,29 @@ struct DepthRange {
 };
 
 /// Darkens every pixel that lies behind its neighbours [Boucheny2009], over three rings of neighbours: `radius` pixels
-/// away, twice and four times as far, so that an edge casts a soft shadow on what is behind it. Planes keep their
-/// colours however they are tilted, because 1/depth is linear over a plane's picture; so does what stands before
-/// nothing. Consumes the depth.
+/// away, twice and four times as far, so that an edge casts a soft shadow on what is behind it. Tilted planes keep
+/// their colours, because 1/depth is linear over the picture of a plane. Surfaces in front of the empty background keep
+/// theirs too. Consumes the depth.
 void shade_eye_dome(RawPicture& picture, const DepthRange& range, std::uint32_t radius);
-/// How far from a pixel its neighbours lie that such a radius looks at.
+/// Distance of the farthest neighbours that shading with this radius reads, pixels.
 std::uint32_t shading_reach(std::uint32_t radius);
 
-/// Sets the alpha of a picture over black from the same picture over white: what is behind shows by their difference.
+/// Sets the alpha of a picture over black from the same picture over white. Their difference is the share of the
+/// background.
 void set_alpha_from(RawPicture& over_black, const RawPicture& over_white);
 
-/// Rows of a picture that are averaged, and where they go; all from the bottom.
+/// Rows of a picture that are averaged, and their place in the image. Both count from the bottom.
 struct AveragedRows {
   std::uint32_t first = 0;      ///< in the picture
   std::uint32_t image_row = 0;  ///< in the image
   std::uint32_t count = 0;      ///< rows of the image
 };
-/// The means of samples x samples pixels each into rows of an image, colours no longer premultiplied where
-/// `is_premultiplied`.
+/// Writes the means of samples x samples pixels each to rows of an image. If `is_premultiplied`, the image gets colours
+/// that no longer are.
 void average_rows(const RawPicture& picture, const AveragedRows& rows, std::uint32_t samples, bool is_premultiplied,
                   RgbaImage& image);
 
-/// Rows that are drawn together. What is kept of them has neighbours on both sides for the shading.
+/// Rows that are drawn together. The kept rows have neighbours on both sides for the shading.
 struct PictureBand {
   std::uint32_t first_row = 0;
   std::uint32_t rows = 0;  ///< the same number in all bands of a picture
@@ -61,7 +62,7 @@ struct PictureBand {
 };
 
 struct PictureView {
-  Camera camera;     ///< depths count from its eye; that of a parallel camera stands before everything
+  Camera camera;     ///< depths count from its eye; the eye of a parallel camera is in front of everything
   DepthRange range;  ///< range of the depth buffer
   std::uint32_t width = 0;
   std::uint32_t height = 0;
@@ -70,13 +71,13 @@ struct PictureView {
 
 /// How a picture is cut.
 struct BandShape {
-  std::uint32_t samples = 1;              ///< each band keeps whole pixels of so many rows
-  std::uint32_t margin = 0;               ///< rows more on both sides, within the picture
-  std::uint32_t most_pixels = 1U << 20U;  ///< about the largest size of a band
+  std::uint32_t samples = 1;              ///< rows of samples per pixel; each band keeps whole pixels
+  std::uint32_t margin = 0;               ///< extra rows on both sides, within the picture
+  std::uint32_t most_pixels = 1U << 20U;  ///< approximate upper limit of a band's size
 };
 std::vector<PictureBand> cut_into_bands(std::uint32_t width, std::uint32_t height, const BandShape& shape);
 
-/// A part of the picture beside VTK's props.
+/// A part of the picture that is drawn in addition to VTK's props.
 class PictureLayer {
  public:
   PictureLayer() = default;
@@ -85,9 +86,9 @@ class PictureLayer {
   virtual ~PictureLayer() = default;
   /// Bounds of everything that can be seen.
   [[nodiscard]] virtual const Bounds& bounds() const = 0;
-  /// Before the first band.
+  /// Called once, before the first band.
   virtual void begin(const PictureView& view) = 0;
-  /// Over what VTK has drawn: whatever is nearer than the depth in the picture takes its place.
+  /// Draws over VTK's picture: a pixel is replaced if this layer is nearer than the depth in the picture.
   virtual void draw(std::size_t band, RawPicture& picture) = 0;
 };
 

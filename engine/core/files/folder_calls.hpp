@@ -13,7 +13,7 @@ inline bool lies_there(const std::filesystem::path& path) {
   return std::filesystem::exists(std::filesystem::symlink_status(path, ignored));
 }
 
-/// The paths of the entries of a folder, in no order. After a failure, which `failed` names, they are not all.
+/// Paths of the entries of a folder, in no particular order. If `failed` is set, the list is incomplete.
 inline std::vector<std::filesystem::path> list_folder(const std::filesystem::path& folder, std::error_code& failed) {
   std::vector<std::filesystem::path> paths;
   std::filesystem::directory_iterator entry(folder, failed);

@@ -1,5 +1,6 @@
-// Whether somebody was asked to end, as by a signal: calls that wait for another process are not made again then. A
-// program says so for all its threads; a library, whose signals are its caller's, asks him in the thread that waits.
+// Requests to end, for example by a signal. After such a request, an interrupted call that waits for another process is
+// not repeated. A program sets one check for all its threads. A library leaves the signals to its caller, so it asks
+// the caller in the thread that waits.
 #pragma once
 
 #include <atomic>
@@ -8,7 +9,7 @@
 
 namespace gdtslam {
 
-/// Nobody asks unless the program says how that is told. To be set before there are threads.
+/// The program's check for a request to end; null if it has none. Set it before any thread starts.
 inline std::atomic<bool (*)()> asked_to_end = nullptr;
 
 inline bool is_asked_to_end() {
@@ -16,9 +17,9 @@ inline bool is_asked_to_end() {
   return asked != nullptr && asked();
 }
 
-/// While it lives, `wants_end` is asked where a signal interrupted a wait of this thread, and now and then while one
-/// lasts, for a signal may come just before it; those of the objects around it are not. What it throws comes out of the
-/// call that waited.
+/// While this object lives, `wants_end` is called if a signal interrupts a wait of this thread. It is also called from
+/// time to time during a wait, because a signal can arrive just before the wait begins. Objects of enclosing scopes are
+/// not asked. The call that waited throws what `wants_end` throws.
 class AskedAfterSignals {
  public:
   explicit AskedAfterSignals(std::function<bool()> wants_end)
@@ -27,11 +28,11 @@ class AskedAfterSignals {
   AskedAfterSignals& operator=(const AskedAfterSignals&) = delete;
   ~AskedAfterSignals() { innermost = outer_; }
 
-  /// For calls that wait: a signal came, or may have come. Nobody is asked where there is no object in this thread.
+  /// Called by a wait after a signal, or if one may have come. Does nothing if this thread has no object of this class.
   static void ask() {
     if (innermost != nullptr && innermost->wants_end_()) innermost->has_ended_ = true;
   }
-  /// Whether the answer was ever yes: from then on nothing in this thread waits.
+  /// True if the innermost object ever answered yes; from then on nothing in this thread waits.
   static bool has_ended() { return innermost != nullptr && innermost->has_ended_; }
 
  private:

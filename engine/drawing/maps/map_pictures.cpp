@@ -1,4 +1,4 @@
-// Pictures of a map, of its field, of changes in it, and of paths without one.
+// Pictures of a map, of its field, of changes in it, and of paths without a map.
 #include "gdtslam/drawing/map_picture.hpp"
 
 #include <fmt/format.h>
@@ -31,7 +31,7 @@ constexpr MapColours kMapColours{ink::kText, ink::kCard, kUnknownPage};
 constexpr std::uint16_t kCell = 256;  // the field's unit is 1/256 cell
 constexpr Colour kPaper = colour_for(0xf0eee8);
 
-/// Obstacles and path with what the field says around them.
+/// Area of the obstacles and the path, and of the field around them.
 MapArea shown_area(const FieldPicture& field, const Trajectory& trajectory) {
   const GridGeometry& geometry = field.geometry;
   const auto value_at = [&](CellIndex cell) {
@@ -49,7 +49,7 @@ MapArea shown_area(const FieldPicture& field, const Trajectory& trajectory) {
 struct FieldLook {
   const ColourMap& map;
   bool is_intensity = true;
-  double least_share = 0.0;  ///< first share of the map's colours: the darkest are left to unknown cells
+  double least_share = 0.0;  ///< start in the colour map; the darker colours are left to unknown cells
   Colour unknown;
   /// 0 at an obstacle, 1 at the cap.
   [[nodiscard]] Colour at(double distance_share) const {
@@ -66,7 +66,7 @@ FieldLook field_look(const MapLook& look) {
   return {colour_map(look.colour_map.empty() ? "lagoon" : look.colour_map), false, 0.0, kPaper};
 }
 
-/// Each value's colour once: a field has millions of cells.
+/// Table of the colour of each value, because a field has millions of cells.
 FieldColours colour_table(const FieldLook& look, std::uint16_t cap, bool is_transparent) {
   std::vector<CellColour> table;
   for (std::uint32_t value = 0; value < cap; ++value) table.push_back({look.at(static_cast<double>(value) / cap), 255});
@@ -92,13 +92,13 @@ MapLayer field_layer(const FieldPicture& field, const FieldLook& colours, bool i
           }};
 }
 
-/// Pale, so that changes stand out.
+/// Pale colours, so that changes stand out.
 constexpr MapColours kChangesMap{colour_for(0x8f959d), ink::kCard, colour_for(0xebe9e3)};
 constexpr Colour kAppeared = ink::kCoupler;
 constexpr Colour kGone = ink::kCrank;
 constexpr Colour kDrive = colour_for(0x9db7a8);
 
-// Cells beside each other are one rectangle, and none is too small to be seen.
+// Draws neighbouring cells as one rectangle, and no rectangle too small to be seen.
 void draw_cells(Canvas& canvas, const MapFrame& frame, const GridGeometry& grid, const ChangesLayer& layer,
                 Colour colour, const Proportions& sizes) {
   const double grown = std::max(0.0, 0.5 * (1.6 * sizes.line_px - grid.resolution_m * frame.px_per_m));
@@ -151,7 +151,7 @@ MapLayer changes_layer(const GridGeometry& grid, const ChangesLayer& layer, cons
 }
 
 constexpr Colour kTruth = colour_for(0x9aa0a8);
-constexpr Colour kNoError = colour_for(0xc3c7cc);  ///< a pose that the truth does not know
+constexpr Colour kNoError = colour_for(0xc3c7cc);  ///< a pose without a true pose
 constexpr double kTruthWidths = 2.6;               ///< width of the truth under other paths, in widths of a path's line
 constexpr double kErrorWidths = 2.2;               ///< width of a path whose colour is read, in the same unit
 
@@ -170,7 +170,7 @@ MapArea area_of_paths(const std::vector<const Trajectory*>& paths) {
       area.max_y_m = std::max(area.max_y_m, pose.T_map_base.y_m);
     }
   }
-  if (area.min_x_m > area.max_x_m) area = {0.0, 0.0, 0.0, 0.0};  // no pose is a number
+  if (area.min_x_m > area.max_x_m) area = {0.0, 0.0, 0.0, 0.0};  // no pose is finite
   const double margin_m = kMarginShare * std::max({area.width_m(), area.height_m(), kLeastSide_m});
   const double wider_m = margin_m + 0.5 * std::max(0.0, kLeastSide_m - area.width_m());
   const double higher_m = margin_m + 0.5 * std::max(0.0, kLeastSide_m - area.height_m());
@@ -181,15 +181,15 @@ MapSheet page_of_paths(const char* name, const std::vector<const Trajectory*>& p
   return {name, area_of_paths(paths), light_theme(ink::kCard), {grid_layer(kLightTheme.grid)}};
 }
 
-/// Least and most of what is coloured, and whether there is more.
+/// Range of the coloured errors, and whether larger ones exist.
 struct ErrorScale {
   double least = 0.0;
   double most = 1.0;
   bool ends_early = false;
 };
 
-/// A few errors far out would leave one colour to all others: where the largest is far above the 99th percentile, the
-/// scale ends there and says so.
+/// A few very large errors would leave one colour for all the others. So if the largest is far above the 99th
+/// percentile, the scale ends at that percentile and says so.
 ErrorScale error_scale(const PathErrors& path) {
   constexpr double kShare = 0.99;
   constexpr double kFar = 1.5;
@@ -234,7 +234,7 @@ Canvas field_picture(const FieldPicture& field, const PathOverlay& overlay, cons
   check(overlay);
   const FieldLook colours = field_look(look);
   const PathColours path = path_colours(look.is_intensity);
-  // A transparent picture lies on pages that are light more often than not.
+  // A transparent picture is usually shown on a light page.
   Theme theme = look.is_intensity && !look.is_transparent ? kDarkTheme : kLightTheme;
   theme.page = colours.unknown;
   return drawn({"Distance field",

@@ -39,7 +39,7 @@ class FieldCursor {
     return text;
   }
 
-  /// Any number, also not finite.
+  /// Reads any number, including infinity and NaN.
   double number(std::string_view name) {
     skip_blanks();
     number_ = position_;
@@ -60,7 +60,7 @@ class FieldCursor {
     }
     return value;
   }
-  /// Digits behind the point of the number that was read last, as far as its exponent leaves them there.
+  /// Decimal places of the number that was read last, corrected for its exponent.
   [[nodiscard]] int decimals() const {
     return count_decimals({number_, static_cast<std::size_t>(position_ - number_)});
   }

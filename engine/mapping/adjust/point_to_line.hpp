@@ -1,6 +1,6 @@
-// Scans laid on each other, points on lines [Censi2008]: the normal equations of one scan's surface points against
-// those of another, each with the nearest in its direction. Thread-safe. Cost: a search of log n and at most two dozen
-// points for each point taken.
+// Point-to-line scan matching [Censi2008]: the normal equations that align the surface points of one scan with those of
+// another. Each point is paired with the nearest of the points in about the same direction. Thread-safe. Cost of each
+// point taken: a search of log n and at most two dozen candidates.
 #pragma once
 
 #include <cstddef>
@@ -13,19 +13,19 @@ namespace gdtslam {
 
 /// Which points count, and how much.
 struct LineGate {
-  double most_m = 0.15;     ///< farther from its line no point counts; the robust kernel is a part of it wide
-  std::size_t points = 90;  ///< about how many are taken of the moving scan
+  double most_m = 0.15;     ///< gate: points farther from their line do not count; it also scales the robust kernel
+  std::size_t points = 90;  ///< approximate number of points taken from the moving scan
 };
 
-/// For a motion of the moving scan, tangent on the right, in its own frame.
+/// Normal equations for a motion of the moving scan: right perturbation, in the frame of that scan.
 struct LineEquations {
   Matrix3 information;  ///< per square metre of point noise
   Tangent2 gradient{};
-  double weight = 0.0;  ///< points that count, each by its weight
+  double weight = 0.0;  ///< sum of the weights of the points that count
   double cost_m2 = 0.0;
 };
 
-/// `moving` at T_fixed_moving against the lines of `fixed`.
+/// Builds the equations of the points of `moving` at T_fixed_moving and the lines of `fixed`.
 LineEquations line_equations(const KeptScan& fixed, const KeptScan& moving, const Pose2& T_fixed_moving,
                              const LineGate& gate);
 

@@ -9,7 +9,7 @@ namespace gdtslam {
 DeviceBounds::DeviceBounds(Backend& backend, const BoundFields& fields)
     : backend_(backend), fields_(fields), samples_(fields.levels().size()) {}
 
-// A window beyond what a launch may ask for lies off any map: the host clamps it all the same.
+// A window beyond the limits of a launch lies off any map; the host handles it by clamping.
 bool DeviceBounds::takes(const PoseBounds::Params& params, std::size_t level, std::size_t tiles) const {
   const std::uint64_t boxes = std::uint64_t{params.tile_width} * params.tile_height * tiles;
   const std::size_t most = std::max({fields_.levels()[level].samples.size(), boxes * sizeof(std::uint32_t),

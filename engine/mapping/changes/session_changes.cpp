@@ -55,7 +55,7 @@ std::vector<SessionChanges::Word> SessionChanges::collect_words(CellIndex cell) 
   return words;
 }
 
-// Drives after which no other has a word.
+// Finds the drives that judged the cell and after which no other drive did.
 std::vector<std::size_t> SessionChanges::find_last_words(const std::vector<Word>& words) const {
   std::vector<std::size_t> last;
   for (std::size_t k = 0; k < words.size(); ++k) {
@@ -69,7 +69,7 @@ std::vector<std::size_t> SessionChanges::find_last_words(const std::vector<Word>
   return last;
 }
 
-// A wall that enough views ended in, or that is beside such a cell.
+// True if enough views ended in this cell or in one beside it.
 bool SessionChanges::is_strong(std::size_t drive, CellIndex cell) const {
   const ViewCounts& views = (*drives_)[drive].views;
   const std::vector<CellOffset>& disc = judge_.surroundings();
@@ -106,7 +106,7 @@ void SessionChanges::judge(CellIndex cell) {
   }
 }
 
-// Single returns beside what is gone go with it.
+// Overrules single returns beside a wall that is gone.
 void SessionChanges::overrule_around_what_is_gone() {
   const auto reach = static_cast<std::int32_t>(std::floor(limits_.patch_gap_m / resolution_m_));
   std::vector<CellIndex> around;

@@ -1,6 +1,6 @@
-// A graph as it grew: the path is driven from place to place as it was measured, and where loops lead back the places
-// driven so far are solved with all loops known by then, each as far as it is believed in the end. Frame: the graph's,
-// the first place held. The same bits on every host. Thread-safe. Cost: a few factorisations a stage
+// Replays the growth of a graph. The path is extended place by place by its measured steps. At each place with loops,
+// the places so far are solved with all loops known by then, each with its final weight. Frame: the graph's; the first
+// place is held fixed. The same bits on every host. Thread-safe. Cost: a few factorisations a stage
 // (block_cholesky.hpp).
 #pragma once
 
@@ -11,21 +11,21 @@
 
 namespace gdtslam {
 
-/// From here on some more loops are known.
+/// The graph when the loops that end at this place become known.
 struct ReplayStage {
   std::size_t place = 0;           ///< place of the robot in this stage
-  std::vector<std::size_t> loops;  ///< which loops, as indices into the graph's
-  /// Poses of all places: up to `place` by least squares, the others as the path was measured from there.
+  std::vector<std::size_t> loops;  ///< indices of these loops among the graph's
+  /// Poses of all places: by least squares up to `place`, by the measured path after it.
   std::vector<Pose2> poses;
   /// Covariances of the robot at `place` and of every place up to that of the next stage, in the tangent of its pose as
   /// seen from the first place.
   std::vector<Matrix3> covariances;
 };
 
-/// The path as it was measured without any loop, which is stage 0, then the stages in the order of the path, at most
-/// `most_stages` of them: where later places of loops are more, neighbouring ones share a stage. `graph` has a relation
-/// of its path from each place to the next, the first of them being the one that is driven, others beside it as
-/// further evidence; its poses but the first count for nothing.
+/// Returns stage 0, the measured path without loops, and then at most `most_stages` stages in the order of the path. If
+/// loops end at more places than that, neighbouring places share a stage. `graph` must have a path relation from each
+/// place to the next. The first relation of a pair extends the path; any others are further evidence. Of the graph's
+/// poses only the first is used.
 std::vector<ReplayStage> replay_graph(const PoseGraph& graph, std::size_t most_stages);
 
 }  // namespace gdtslam

@@ -1,7 +1,7 @@
-// Closes the loops of a path: a graph of places along it, loops looked for in the order of the path, each in a graph
-// that has those before, while the path grows; then in rounds over all places, and the keyframes between the places
-// carried along. Frame: that of the path's first keyframe, which stays. Not thread-safe. Cost: some milliseconds a
-// place (docs/loops.md).
+// Closes the loops of a path with a graph of places along it. While the path grows, loops are searched in its order,
+// each in the graph with all earlier loops. At the end, rounds over all places follow, and the keyframes between the
+// places are moved with them. Frame: that of the path's first keyframe, which does not move. Not thread-safe. Cost:
+// some milliseconds a place (docs/loops.md).
 #pragma once
 
 #include <cstddef>
@@ -19,36 +19,35 @@
 
 namespace gdtslam {
 
-// Keyframes that follow the places of a graph. Thread-safe; linear in the keyframes.
+// Moves keyframes with the places of a graph. Thread-safe; linear in the keyframes.
 
-/// Writes the poses of the keyframes from the first place on: between two places the path keeps its shape, and what the
-/// graph moved its end by is spread over it. `places` are keyframes, ascending, of which those that have a pose in
-/// `of_places` count; shape and poses have one entry a keyframe.
+/// Writes the poses of the keyframes from the first place on. Between two places the path keeps its shape, and the
+/// graph's correction of its end is spread over it. `places` are ascending indices of keyframes; only places that have
+/// a pose in `of_places` count. `shape` and `poses` have one entry a keyframe.
 void carry_keyframes_between(std::span<const std::size_t> places, std::span<const Pose2> of_places,
                              std::span<const Pose2> shape, std::span<Pose2> poses);
 
-// Which places of a path still need the scans around them: where a robot goes the same way again and again all day, the
-// first passes tell as much as all of them [Kurz2021]. So memory, and the part of the graph that others are tied to,
-// grow with the area and not with the hours. Not thread-safe. Cost: linear in the places kept and in the loops, each
-// time.
+// Selects the places whose scans are no longer needed. If a robot drives the same way all day, the first passes carry
+// as much information as all of them [Kurz2021]. So memory and the searched part of the graph grow with the area, not
+// with the hours. Not thread-safe. Cost of a call: linear in the places kept and in the loops.
 
-/// When there are enough passes of a place.
+/// Rules that decide whether a place has been passed often enough.
 struct PruningRules {
-  std::size_t most_passes = 8;    ///< places beside it that keep their scans
-  double near_m = 2.0;            ///< half of what is between two places along a path
-  double near_rad = 0.785;        ///< in the same direction: scans see little behind them
-  std::size_t places_later = 16;  ///< after which it is decided: until then stretches around it are looked at
+  std::size_t most_passes = 8;    ///< number of places beside it that keep their scans
+  double near_m = 2.0;            ///< greatest distance of such a place: half the spacing along a path
+  double near_rad = 0.785;        ///< greatest difference in heading, because scans see little behind them
+  std::size_t places_later = 16;  ///< delay of the decision; until then the stretches around it are searched
 };
 
 class PlacePruning {
  public:
   explicit PlacePruning(const PruningRules& rules) : rules_(rules) {}
 
-  /// To be called once a place, in their order, when the last node of the graph was looked at. The place whose scans
-  /// go: one that enough others lie beside, and that a loop ties to them. Where all looks otherwise than it did before
-  /// no loop is found, and the scans stay.
+  /// Call it once for each place, in order, after the search at the last node of the graph. Returns the place whose
+  /// scans are dropped: one with enough others beside it and a loop that ties it to them. If the surroundings have
+  /// changed, no loop is found, and the scans stay.
   std::optional<std::size_t> next(const PoseGraph& graph);
-  /// Whether enough others lie beside a place, of those that were decided about and keep their scans.
+  /// True if enough places beside this one were decided on and keep their scans.
   [[nodiscard]] bool is_crowded(const PoseGraph& graph, std::size_t place) const {
     return kept_beside(graph, place) >= rules_.most_passes;
   }
@@ -57,25 +56,25 @@ class PlacePruning {
   [[nodiscard]] std::size_t kept_beside(const PoseGraph& graph, std::size_t place) const;
 
   PruningRules rules_;
-  std::vector<std::size_t> kept_;  // kept ones among the places that were decided about
+  std::vector<std::size_t> kept_;  // places that were decided on and keep their scans
 };
 
-/// How the places lie and how often they are looked at.
+/// Spacing of the places and rounds of the search.
 struct LoopOptions {
   double place_every_m = 4.0;
-  std::size_t most_between = 60;  ///< keyframes, of a robot that turns on the spot
-  int rounds = 2;                 ///< over all places, after that in the order of the path
+  std::size_t most_between = 60;  ///< most keyframes between two places, for a robot that turns on the spot
+  int rounds = 2;                 ///< over all places, after the search in the order of the path
   LoopSearchOptions search;
   PruningRules pruning;
 };
 
-/// Tells which keyframes are places as they come.
+/// Decides for each keyframe, as it comes, whether it is a place.
 class PlaceCounter {
  public:
   explicit PlaceCounter(const LoopOptions& options) : options_(options) {}
-  /// The next keyframe and the path until it, metres.
+  /// Takes the next keyframe. `path_m` is the length of the path up to it.
   bool is_place(double path_m);
-  /// So far.
+  /// Number of places so far.
   [[nodiscard]] std::size_t places() const { return places_; }
 
  private:
@@ -87,35 +86,36 @@ class PlaceCounter {
 
 class LoopCloser {
  public:
-  /// A place is looked at when so many others have come after it: the scans around it are there then. Fixed by counts,
-  /// so that loops and graph are the same bytes however the keyframes came.
+  /// Loops of a place are searched when this many places have come after it, because only then all scans around it
+  /// exist. The delay is a count, so that loops and graph have the same bytes at any speed.
   static constexpr std::size_t kPlacesAround = 2;
 
-  /// Called with the share of the places that were looked at in this round, and the round.
+  /// Called with the share of the places searched in this round, and the round.
   using Progress = std::function<void(double, int)>;
 
   /// `path` may grow; it must outlive this.
   LoopCloser(const FrontEndPath& path, const LoopOptions& options);
 
-  /// Takes the keyframes that the path has gained, and looks at the places that are due.
+  /// Takes the new keyframes of the path and searches at the places that are due.
   void follow(const Progress& progress, WorkerPool& workers);
-  /// To be called once, when the path is whole: follows it to its end, then goes round, where the workers look ahead.
+  /// Call it once, when the path is complete. Follows the path to its end, then makes the rounds, in which the workers
+  /// search ahead.
   void run(const Progress& progress, WorkerPool& workers);
 
   /// Poses of the keyframes with their loops closed; after run().
   [[nodiscard]] const std::vector<Pose2>& poses() const { return poses_; }
-  /// Its nodes are the places, as far as they were looked at.
+  /// The graph; its nodes are the places searched so far.
   [[nodiscard]] const PoseGraph& graph() const { return graph_; }
-  /// Poses of the keyframes by the graph as it is.
+  /// Poses of the keyframes by the current graph.
   [[nodiscard]] std::vector<Pose2> carried_keyframes() const;
-  /// Correction that turns poses of the front end near the last place into those of the graph, multiplied from the
-  /// left; changes with loops only.
+  /// Correction from front-end poses near the last place to poses in the graph, multiplied from the left. It changes
+  /// only with loops.
   [[nodiscard]] const Pose2& correction() const { return T_closed_front_; }
   [[nodiscard]] const std::vector<std::size_t>& places() const { return measured_.places(); }
-  /// The path as far as each of its sources is believed now that loops are closed.
+  /// The measured path, each source weighted by its reliability after the loops are closed.
   [[nodiscard]] const MeasuredPath& measured() const { return measured_; }
   [[nodiscard]] const LoopCounts& counts() const { return finder_.counts(); }
-  /// The keyframes whose scans nothing looks at any more, since the last call.
+  /// Returns the keyframes pruned since the last call, whose scans are no longer used.
   std::vector<std::size_t> take_pruned() { return std::exchange(pruned_, {}); }
 
  private:
@@ -133,7 +133,7 @@ class LoopCloser {
   std::size_t known_ = 0;     // keyframes that were taken
   std::vector<Pose2> poses_;  // poses of all keyframes, from the end on
   MeasuredPath measured_;
-  std::deque<std::pair<PoseRelation, WheelRelation>> coming_;  // to the places that were not looked at yet
+  std::deque<std::pair<PoseRelation, WheelRelation>> coming_;  // relations to the places that were not searched yet
   PoseGraph graph_;
   LoopFinder finder_;
   PlacePruning pruning_;

@@ -55,7 +55,7 @@ class FieldGradient {
   double unit_m_;
 };
 
-constexpr double kFirstGate_m = 0.45;  // the map ends at R, half a metre
+constexpr double kFirstGate_m = 0.45;  // the field is capped at R, half a metre
 constexpr double kGateShrinks = 0.6;
 constexpr double kLeastVariance = 1.0e-8;
 constexpr std::size_t kMostStations = 400;
@@ -68,7 +68,7 @@ struct Station {
   std::vector<Point2> points;
 };
 
-/// One step of the odometry: its motion and how sure it is.
+/// One step of the odometry: its motion and its information.
 struct Link {
   Pose2 motion;
   Matrix3 information;
@@ -84,7 +84,7 @@ Link make_link(const SmootherConfig& config, const PoseFix& from, const PoseFix&
   return {T_placed, Matrix3::diagonal(1.0 / along, 1.0 / along, 1.0 / about)};
 }
 
-// Adds what the odometry says about two neighbours; a fix does not move.
+// Adds the odometry's equations of two neighbours. A fix has no row, because it does not move.
 void add_link(const Link& link, const Pose2& from, const Pose2& to, std::optional<std::size_t> row_from,
               std::optional<std::size_t> row_to, BlockSystem& chain) {
   const Pose2 actual = between(from, to);
@@ -101,7 +101,7 @@ void add_link(const Link& link, const Pose2& from, const Pose2& to, std::optiona
   if (row_from && row_to) chain.add(*row_to, *row_from, link.information * by_from);
 }
 
-// Each point's distance to the map, which a move changes by the gradient.
+// Normal equations of the points' distances to the map, linearised about this pose by the gradient.
 PointsView points_view(const SmootherConfig& config, const FieldGradient& field, double gate_m, const Pose2& T_map_base,
                        std::span<const Point2> points) {
   PointsView view;
@@ -128,8 +128,8 @@ PointsView points_view(const SmootherConfig& config, const FieldGradient& field,
   return view;
 }
 
-// Student's t for all that a scan sees [Lange1989]: what stands before the walls at other heights asks for a motion
-// that no odometry explains. A direction that nothing holds does not count.
+// Student's t weight of a whole scan [Lange1989], because objects in front of the walls at other heights ask for a
+// motion that no odometry explains. A direction in which no surface holds the pose does not count.
 double trust_in(const PointsView& view) {
   const Matrix3 covariance = with_eigenvalues(eigen_of_symmetric(view.information), [](double information) {
     return information > kLeastViewInformation ? 1.0 / information : 0.0;
@@ -151,13 +151,13 @@ std::vector<Point2> thinned(std::vector<Point2> points, std::size_t most) {
   return points;
 }
 
-// From one node to another by odometry, in steps of stations.
+// Odometry distance between two nodes, in station spacings.
 double steps_between(const SmootherConfig& config, const PoseFix& a, const PoseFix& b) {
   const Pose2 step = between(a.T_odom_base, b.T_odom_base);
   return std::max(translation_length(step) / config.spacing_m, std::fabs(step.theta_rad) / config.spacing_rad);
 }
 
-// How far along each node is from one place to another, 0 to 1.
+// Position of each node along the way from one pose to another, 0 to 1.
 std::vector<double> shares_of_way(const SmootherConfig& config, const PoseFix& from, const PoseFix& to,
                                   std::span<const PoseFix> nodes) {
   std::vector<double> shares;
@@ -174,7 +174,7 @@ std::vector<double> shares_of_way(const SmootherConfig& config, const PoseFix& f
   return shares;
 }
 
-// Nodes that are far enough from each other by odometry, fewer where there would be too many.
+// Selects nodes that are far enough apart by odometry. The spacing grows if there would be more than kMostStations.
 std::vector<Station> make_stations(const SmootherConfig& config, const PoseFix& from, const std::vector<PoseFix>& nodes,
                                    const PointsOfNode& node_points) {
   double way = 0.0;
@@ -216,8 +216,8 @@ void add_equations(const SmootherConfig& config, const FieldGradient& field, dou
   }
 }
 
-// Nodes between two stations lie on the circle between them, each as far along as the odometry has it: so close
-// together, that is smoother than the odometry.
+// Places the nodes between two stations on the circle through both, each at its share of the odometry's way. Over so
+// short a distance the circle is smoother than the odometry.
 void place_nodes(const SmootherConfig& config, const PoseFix& from, const PoseFix& to,
                  const std::vector<Station>& stations, std::vector<PoseFix>& nodes) {
   PoseFix last = from;

@@ -1,4 +1,5 @@
-// Strips of beams on their way through the kernel sweep_points, and what the host keeps to make points of the result.
+// Input and output of the kernel sweep_points: strips of beams, and the data that the host keeps to make points from
+// the result.
 #pragma once
 
 #include <array>
@@ -24,12 +25,12 @@ class BeamDirections {
  public:
   explicit BeamDirections(const NoddingMount& mount) : mount_(mount) {}
 
-  /// The row of a scan's first beam, if it is there or there is room for it.
+  /// Returns the row of a scan's first beam, and adds the rows if they are new; empty if there is no room for them.
   std::optional<std::uint32_t> find_row(const LaserScan& scan);
 
   /// x, y, z, as the kernel takes them.
   [[nodiscard]] const std::vector<std::array<float, 3>>& rows() const { return rows_; }
-  /// A scan whose beams are more than that is alone in the table.
+  /// A scan with more beams than this has the table to itself.
   static constexpr std::size_t kMostRows = std::size_t{1} << 18U;
 
  private:
@@ -46,13 +47,13 @@ class BeamDirections {
   std::vector<std::array<float, 3>> rows_;
 };
 
-/// Whose beams a strip has, and the place that its coordinates are relative to.
+/// The scan of a strip, and the anchor that its coordinates are relative to.
 struct StripOrigin {
   double scan_stamp_s = 0.0;
   BeamTiming timing;
   double anchor_x_m = 0.0;
   double anchor_y_m = 0.0;
-  std::size_t first_beam = 0;  ///< in its scan
+  std::size_t first_beam = 0;  ///< index in its scan
   std::uint32_t scan = 0;
 };
 
@@ -67,14 +68,14 @@ struct SweepBatch {
 /// x, y, z, elevation of a beam, as the kernel leaves them.
 using SweptBeam = std::array<float, 4>;
 
-/// The points of a batch, in the order of its beams; those without a range are left out.
+/// Appends the points of a batch in the order of its beams. Beams without a range are left out.
 void append_points(const SweepBatch& batch, const std::vector<SweptBeam>& swept, std::vector<CloudPoint>& points);
 
 /// The kernel's memory on a backend. Every call throws DeviceError when the device fails.
 class SweepDevice {
  public:
   SweepDevice(Backend& backend, const NoddingScanner& scanner, const AssemblyLimits& limits, std::size_t most_beams);
-  /// Sets the device to work on a batch and returns.
+  /// Submits a batch to the device and returns at once.
   PendingDownload start(const SweepBatch& batch);
   /// Waits for a batch.
   std::vector<SweptBeam> finish(PendingDownload download);
@@ -118,8 +119,8 @@ inline constexpr std::uint32_t kMostBeamsOfStrip = 1024;
 /// Limit for the sagitta of the arc on which the sensor moves when the robot turns.
 inline constexpr double kMostSagitta_m = 1.0e-5;
 
-/// A scan cut into strips: runs of neighbouring beams during which the crank turns evenly and the sensor's place moves
-/// evenly, as the kernel sweep_points takes them. How a scan is cut depends on nothing but the scan.
+/// Cuts a scan into strips for the kernel sweep_points: runs of neighbouring beams during which the crank turns evenly
+/// and the sensor moves evenly. The cuts depend on the scan alone.
 std::vector<ScanStrip> make_strips(const ScanMotion& motion);
 
 }  // namespace gdtslam

@@ -1,6 +1,6 @@
-// Sweeps against each other: the points of each sweep of the mount are registered to those of the sweep before, point
-// to plane. Where poses and linkage are right, nothing is left to correct; what is left is reported. Memory: a sample
-// of two sweeps.
+// Compares consecutive sweeps of the mount. The points of each sweep are registered to those of the previous one, point
+// to plane. If poses and linkage are right, the correction is zero; the corrections found are reported. Memory: a
+// sample of two sweeps.
 #pragma once
 
 #include <cstdint>
@@ -16,16 +16,16 @@ namespace gdtslam {
 
 struct SweepCheckConfig {
   bool is_on = true;
-  std::uint32_t max_points = 20000;  ///< kept of a sweep
+  std::uint32_t max_points = 20000;  ///< points kept of a sweep
   std::uint32_t min_points = 500;    ///< a sweep with fewer is not compared
 };
 
-/// Collects a sample of each sweep from the points in log order; a sweep ends where the elevation turns.
+/// Collects a sample of each sweep from the points in log order; a sweep ends when the elevation reverses.
 class SweepSampler {
  public:
   explicit SweepSampler(const SweepCheckConfig& config) : config_(config) {}
   void add(std::span<const CloudPoint> points);
-  /// Registers what is left and gives the outcome.
+  /// Registers the last sweep and returns the outcome.
   SweepCheck finish();
 
  private:
@@ -34,8 +34,8 @@ class SweepSampler {
 
   SweepCheckConfig config_;
   Cloud current_;
-  Cloud previous_means_;            ///< means of the sweep before, in cubes
-  bool is_previous_large_ = false;  ///< enough points to be compared
+  Cloud previous_means_;            ///< means per cube of the previous sweep
+  bool is_previous_large_ = false;  ///< the previous sweep has enough points for a comparison
   std::uint64_t every_ = 1;
   std::uint64_t seen_ = 0;
   std::uint32_t scan_ = 0;

@@ -26,7 +26,7 @@ struct Centroids {
   Point2 world_m{0.0, 0.0};
 };
 
-// Relative to the first point, so that nothing is lost in sums of seven digits before the point.
+// Computes relative to the first point, because sums of coordinates with seven digits before the point lose precision.
 Centroids find_centroids(const std::vector<PointPair>& points) {
   Centroids sum;
   for (const PointPair& p : points) {
@@ -49,7 +49,7 @@ double find_extent_m(const std::vector<PointPair>& points) {
   return most;
 }
 
-// The usual mistake of somebody who took the numbers from a map or a receiver.
+// Names the usual mistake with coordinates from a map or a receiver.
 std::string advice_for(double scale) {
   if (scale < 0.01) return "the world has to be metres (easting, northing), not degrees";
   return "measure them again, or swap easting and northing if they are the wrong way round";
@@ -135,7 +135,7 @@ std::string world_file_text(const GridGeometry& map, const Pose2& T_world_map) {
   const double x = map.origin_x_m + 0.5 * map.resolution_m;
   const double y = map.origin_y_m + (static_cast<double>(map.height) - 0.5) * map.resolution_m;
   const double step = map.resolution_m;
-  // Rows go down, against y.
+  // Rows run downwards, opposite to y.
   return fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n", cos * step, sin * step, sin * step, -cos * step,
                      T_world_map.x_m + (cos * x - sin * y), T_world_map.y_m + (sin * x + cos * y));
 }

@@ -12,8 +12,8 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kShareOfNewGap = 0.2;  // in the mean
-constexpr double kClearPause = 2.0;     // times as long as every other: jitter does not change the order
+constexpr double kShareOfNewGap = 0.2;  // weight of a new gap in the running mean
+constexpr double kClearPause = 2.0;     // least ratio of the two longest gaps, so that jitter does not decide
 
 }  // namespace
 
@@ -25,7 +25,7 @@ bool ObservationCollector::has_scan_from(std::size_t laser) const {
   return std::any_of(scans_.begin(), scans_.end(), [laser](const ScanRecord& scan) { return scan.laser == laser; });
 }
 
-// False where a stamp is not a number, too.
+// Also false if a stamp is not a number.
 bool ObservationCollector::has_room_for(const ScanRecord& scan) const {
   return scans_.size() < kMostLasers && std::fabs(scan.scan.stamp_s - scans_.front().scan.stamp_s) < kLongest_s;
 }
@@ -124,7 +124,7 @@ void OdometryInterpolator::take(ScanRecord scan) {
     waiting_.push_back(std::move(scan));
     return;
   }
-  for (ScanRecord& held : waiting_) {  // order is kept: what waits comes first, at the last known pose
+  for (ScanRecord& held : waiting_) {  // keep the order: waiting scans go first, at the last known pose
     held.T_odom_base = last_->T_odom_base;
     ready_.push_back(std::move(held));
   }
@@ -150,7 +150,8 @@ ScanStream::ScanStream(std::vector<std::string> paths, const ReadOptions& option
   open_next();
 }
 
-// The log before stays in hand until then: what it tells of progress and warnings counts while a pipe is waited for.
+// The previous reader stays until the next log is open, because opening a pipe can block. Until then, progress() and
+// warnings() report the previous log.
 void ScanStream::open_next() {
   std::unique_ptr<LogReader> next;
   if (opened_ < paths_.size()) {
@@ -212,8 +213,8 @@ std::optional<LogRecord> ScanStream::next_record() {
   return reader_->next();
 }
 
-// Messages about the nod that nobody takes, because they came too late in the log or are of the other kind, are worth
-// a warning.
+// ENCODER and TILT messages that the listener does not use cause a warning: they came too late in the log or are of the
+// other kind.
 void ScanStream::notify_listener(const LogRecord& record) {
   if (std::holds_alternative<ScanRecord>(record)) return;
   if (listener_.record && listener_.record(record)) return;
@@ -224,7 +225,7 @@ void ScanStream::notify_listener(const LogRecord& record) {
   if (const auto* tilt = std::get_if<Tilt>(&record)) note("TILT", tilt->stamp_s);
 }
 
-// A fault in a line behind the wanted part is ignored.
+// A malformed line after the wanted range is ignored.
 bool ScanStream::feed_listener() {
   if (!reader_ || given_ < range_.count) return false;
   try {

@@ -9,7 +9,7 @@ namespace gdtslam {
 namespace {
 
 constexpr std::size_t kBlockBytes = std::size_t{32} << 20U;
-/// Share of the heap, so that a small device is not taken by the first buffer.
+/// A block takes at most one part in this many of the heap, so that the first buffer does not fill a small device.
 constexpr std::size_t kBlocksOfHeap = 16;
 
 std::optional<std::uint32_t> find_type(const vk::PhysicalDeviceMemoryProperties& memory, std::uint32_t bits,
@@ -119,7 +119,7 @@ void BlockMemory::give_back(const MemoryRange& range) noexcept {
       hole = before;
     }
   }
-  // A block of its own goes with its buffer; of the shared ones, the first stays.
+  // A block that holds one large buffer is freed with it. An empty shared block is freed, except the first.
   const bool is_empty = hole->second == block->bytes;
   if (is_empty && (block->bytes != block_bytes_ || block->id != blocks_.front().id)) {
     bytes_ -= block->bytes;

@@ -1,5 +1,4 @@
-// Options of the command line that are quantities with their unit, or 0 (core/units.hpp), or counts.
-// Thread-safe.
+// Command-line options that take a quantity with its unit (core/units.hpp; 0 needs none) or a count. Thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +11,7 @@
 
 namespace gdtslam {
 
-/// The quantity that an option's text names. Throws UsageError that names the option.
+/// Parses the text of an option as a quantity. Throws a UsageError that names the option.
 double quantity_of(const std::string& option, const std::string& text, Unit unit);
 
 /// Limits of an option, both ends included.
@@ -21,20 +20,20 @@ struct QuantityBounds {
   double most = 0.0;
 };
 
-/// An option that is read by quantity_of and has to lie between the bounds. `value` keeps its default where the option
-/// is not given; reading throws UsageError.
+/// Adds an option that quantity_of parses and that has to lie within the bounds. If the option is not given, `value`
+/// keeps its default. Parsing throws UsageError.
 CLI::Option* add_quantity_option(CLI::App& command, const std::string& name, double& value, Unit unit,
                                  const QuantityBounds& bounds, const std::string& doc);
 
 // Options that are counts. CLI11 alone takes "-1" for an unsigned number and wraps it, and reads "010" as 8.
 
-/// Transforms a whole number into one that is read as decimal; what is none it leaves as it is.
+/// Changes a whole number so that CLI11 reads it as decimal; leaves any other text as it is.
 CLI::Validator without_leading_zeros();
 
 /// Accepts whole decimal numbers of at least `minimum` that fit 64 bits.
 CLI::Validator whole_number_from(std::uint64_t minimum);
 
-/// An option that is a count of at least `minimum`: int, std::uint32_t or std::uint64_t.
+/// Adds an option that takes a count of at least `minimum`. Count is int, std::uint32_t or std::uint64_t.
 template <class Count>
 CLI::Option* add_count_option(CLI::App& command, const std::string& name, Count& count, std::uint64_t minimum,
                               const std::string& doc);

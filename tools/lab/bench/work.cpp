@@ -1,5 +1,5 @@
-// Rows of the group `work`: the work that a scan asks of a device, for keyframes and for the other scans.
-// The counts depend on the log, the configuration and the device's shaders, the times on the machine.
+// Rows of the group `work`: the device work per scan, for keyframes and for the other scans. The counts depend on the
+// log, the configuration and the device's shaders, the times on the machine.
 #include <chrono>
 #include <cstdint>
 #include <optional>
@@ -19,14 +19,14 @@ namespace {
 
 using WorkClock = std::chrono::steady_clock;
 
-/// Scans of one kind.
+/// Totals over the scans of one kind.
 struct ScanWork {
   std::uint64_t scans = 0;
   std::uint64_t windows = 0;
   std::uint64_t evaluations = 0;  ///< poses costed: samples of the windows, and steps of all descents
-  QueueWork work;                 ///< all together
-  std::vector<double> scan_s;     ///< from a scan's coming to its pose
-  std::vector<double> device_s;   ///< time of the device's clock, for the last submission that a scan waited for
+  QueueWork work;                 ///< sum over the scans
+  std::vector<double> scan_s;     ///< time from the arrival of each scan to its pose
+  std::vector<double> device_s;   ///< device time of the last submission that each scan waited for
 };
 
 struct WorkBench {
@@ -72,7 +72,7 @@ void take_scan(const ScanRecord& record, Mapper& mapper, VulkanBackend& backend,
   const QueueWork work = backend.work() - before;
   scans.work += work;
   scans.scan_s.push_back(taken.count());
-  // Without a wait of its own the device's time is that of an earlier scan.
+  // If this scan did not wait for the device, the device's time is that of an earlier scan.
   if (const double device_ns = backend.last_submission_ns(); work.waits > 0 && device_ns > 0.0) {
     scans.device_s.push_back(1.0e-9 * device_ns);
   }

@@ -1,7 +1,7 @@
-// The matchers (mapping/matchers.hpp) as `gdtslam-lab compare` holds them against each other, each as one call that
-// minimises the same cost (4) from a start. All are told how far off the start may be, and take from that what they
-// need to know: the box of a population, the first edge of a simplex, the window of a search. Poses are in cells and
-// radians relative to the objective's anchor. Not thread-safe.
+// The matchers (mapping/matchers.hpp) that `gdtslam-lab compare` compares. Each is one call that minimises the same
+// cost (4) from a start. Each gets the largest error of the start and derives its settings from it: the box of a
+// population, the first edge of a simplex, the window of a search. Poses are in cells and radians relative to the
+// objective's anchor. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -15,10 +15,11 @@
 
 namespace gdtslam {
 
-/// From "simplex,pso"; empty: all. The order is kept. Throws UsageError that names the option.
+/// Parses a list such as "simplex,pso"; an empty list means all. Keeps the order. Throws a UsageError that names the
+/// option.
 std::vector<MatcherKind> parse_methods(const std::string& option, const std::string& names);
 
-/// How far from the start the least cost may lie, along x and y each, and in heading.
+/// Largest distance of the least cost from the start, along x and y each, and in heading.
 struct StartReach {
   double half_m = 0.0;
   double half_rad = 0.0;
@@ -26,7 +27,7 @@ struct StartReach {
 /// The reach that the matchers of `map` assume around a prediction: four edges of their first simplex.
 StartReach reach_of_prediction(const MapperConfig& config);
 
-/// One scan's problem, ready for every method. What it refers to must outlive it.
+/// The problem of one scan, the same for every method. The objects that it refers to must outlive it.
 struct CompareProblem {
   Objective& objective;  ///< points, cap and anchor set; no prior
   const CertifiedMap& map;
@@ -36,7 +37,7 @@ struct CompareProblem {
 LocalMinimum minimise_by(MatcherKind method, const CompareProblem& problem, const CellPose& start,
                          const StartReach& reach);
 
-/// The end of a valley, to a fraction of a micrometre of the mean cost: simplexes anew until none gains.
+/// Restarts the simplex until none gains, to a fraction of a micrometre of the mean cost.
 LocalMinimum polished(Objective& objective, const CellPose& start);
 
 // The pose that errors are measured from: the least cost (4) of a scan in a window of poses, found by branch and bound
@@ -57,14 +58,14 @@ struct GlobalSolution {
   double seconds = 0.0;
 };
 
-/// Searches around the prediction, then, where the window does not hold everything within `reach` of the solution,
-/// around the solution.
+/// Searches around the prediction. If that window does not contain everything within `reach` of the solution, searches
+/// around the solution as well.
 GlobalSolution global_solution(const CompareProblem& problem, const CellPose& predicted, const StartReach& reach,
                                const GlobalLimits& limits);
 
-/// Cost units of a mean cost in metres for so many points.
+/// Converts the mean cost of this number of points from metres to cost units.
 std::uint32_t cost_from_mean(double mean_m, std::size_t points, double resolution_m);
-/// And back.
+/// Converts cost units to the mean cost in metres.
 double mean_cost_m(std::uint32_t cost, std::size_t points, double resolution_m);
 
 }  // namespace gdtslam

@@ -14,13 +14,13 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kClearance_m = 0.04;      // distance of the tube above the floor, for the noise of the floor's points
-constexpr double kStepWidths = 0.7;        // between the tube's rings
-constexpr double kMarkWidths = 1.6;        // radius of the marks
-constexpr double kLargestMark_m = 0.12;    // radius: none hides a robot,
-constexpr double kLeastMarkWidths = 0.75;  // but it stands out from the widest tube
-constexpr double kLeastPath_m = 0.2;       // marks of a path that leads nowhere would be one blot
-constexpr double kWidthTolerance = 0.08;   // a tube is not built again for less
+constexpr double kClearance_m = 0.04;      // gap between floor and tube, because the floor's points are noisy
+constexpr double kStepWidths = 0.7;        // distance between rings of the tube, in its widths
+constexpr double kMarkWidths = 1.6;        // radius of a mark, in widths of the tube
+constexpr double kLargestMark_m = 0.12;    // largest radius: no mark hides a robot
+constexpr double kLeastMarkWidths = 0.75;  // least radius: a mark stands out from the widest tube
+constexpr double kLeastPath_m = 0.2;       // a path that stays nearer to its start has no marks: they would overlap
+constexpr double kWidthTolerance = 0.08;   // relative change of the width below which the tube is not rebuilt
 
 void paint(vtkActor& actor, Colour colour, double own_light) {
   vtkProperty& look = *actor.GetProperty();

@@ -54,22 +54,23 @@ struct CalibrationOptions {
   bool try_both_assemblies = true;
   bool search_zero = false;      ///< the encoder's zero is not known at all: the whole turn is tried, without its prior
   std::function<bool()> stop{};  ///< asked now and then; true ends the calibration with Error(kInterrupted)
-  /// The options with every prior taken away: what the data do not tell stays where it starts, within its bounds.
+  /// Returns the options without any prior. A parameter that the data do not determine keeps its start value, within
+  /// its bounds.
   [[nodiscard]] CalibrationOptions without_priors() const;
 };
 /// Every violation, one sentence each.
 std::vector<std::string> validate(const CalibrationOptions& options);
 
-/// One parameter after the calibration, with what the data say of it.
+/// One parameter after the calibration, and how well the data determine it.
 struct CalibratedParameter {
   std::string name;  ///< crank, coupler, rocker, ground, zero, offset, distance.wall, lever.forward, ...
   std::string unit;  ///< m or rad
   double start = 0.0;
   double estimate = 0.0;
-  double sigma = 0.0;       ///< posterior, prior included; infinite where neither data nor a prior hold it
+  double sigma = 0.0;       ///< posterior, prior included; infinite if neither data nor a prior determine it
   double data_share = 0.0;  ///< 1 - (sigma / prior sigma)^2: 0 the data say nothing, 1 they say all
   bool at_bound = false;
-  bool observable = false;  ///< the data alone tell it to half of its prior's sigma or better
+  bool observable = false;  ///< the data alone determine it to half of its prior's sigma or better
 };
 
 /// Whether a parameter of this name is the length of a bar of the linkage.
@@ -99,18 +100,18 @@ struct CalibrationResult {
   int iterations = 0;
   bool converged = false;
   std::string reason;                ///< why the solver stopped
-  double other_assembly_rms = 0.0;   ///< infinite where it was not tried or does not fit at all
+  double other_assembly_rms = 0.0;   ///< infinite if it was not tried or does not fit at all
   std::vector<std::string> remarks;  ///< limits of one wall, bounds that were hit, ...
 };
 
-/// Throws ConfigError for bad options or a start whose loop does not close, InputError for too few observations or a
-/// sweep that is too short, with what to do.
+/// Throws ConfigError for bad options or a start whose loop does not close. Throws InputError, with advice, for too few
+/// observations or a sweep that is too short.
 CalibrationResult calibrate(const SweepModel& start, const std::vector<CalibrationSurface>& surfaces,
                             const std::vector<RangeObservation>& observations, const CalibrationOptions& options);
 
 /// Why the result must not be used, as part of a sentence: it did not converge, more than a third of the ranges do not
-/// fit, or a bar was stopped by its bound while the ranges miss. Its standard deviations mean nothing then: they hold
-/// for a model that is right. Empty where there is no such reason.
+/// fit, or a bar was stopped by its bound while the ranges miss. Its standard deviations are then meaningless, because
+/// they assume that the model is right. Empty if there is no such reason.
 std::string reason_for_distrust(const CalibrationResult& result);
 
 /// Gives each observation the surface that the model expects it to meet first, and takes out those that miss it by more

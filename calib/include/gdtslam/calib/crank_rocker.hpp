@@ -12,10 +12,10 @@
 
 namespace gdtslam::calib {
 
-/// For an elevation that grows with the rocker's angle psi. Where it falls with psi, lift and return change places: the
-/// lift begins at `highest` and the crank turns the other way round for it to be the slow stroke.
+/// Dead points for an elevation that grows with the rocker's angle psi. If it falls with psi, lift and return change
+/// places: the lift begins at `highest` and the crank turns the other way round for it to be the slow stroke.
 struct CrankRockerReport {
-  DeadPoint lowest;   ///< least psi: where the lift begins
+  DeadPoint lowest;   ///< least psi: the lift begins here
   DeadPoint highest;  ///< end of the lift
   double swing_rad = 0.0;
   double lift_share =
@@ -60,17 +60,17 @@ struct DesignGoal {
   /// Default: four times the longest crank, and at most kMostBar_m. A long bar transmits better.
   std::optional<double> longest_bar_m;
 };
-/// A linkage that meets a goal, with what it does over a turn.
+/// A linkage that meets a goal, and its motion over a turn.
 struct Design {
   FourBar bars;
   CrankRockerReport report;
 };
-/// Crank-rockers that meet the goal, exactly in swing (and time ratio, where asked), the best transmission first. One
-/// is the best of all: that of the shortest crank. More are of other shapes, no two alike but for their size: those
-/// that farthest-point sampling takes of all that meet the goal (calib/linkage/design_spread.hpp), each as large as
-/// crank and longest bar allow; fewer than `count` where the goal leaves no more shapes that differ. Where long bars
-/// are allowed a time ratio of 1 transmits best. About 0.1 s for one, 0.3 s for more. Throws ConfigError that says
-/// which part of the goal no linkage meets, what the best one reaches and what to change.
+/// Crank-rockers that meet the goal, exactly in swing (and time ratio, if asked), the best transmission first. The best
+/// of all is the one of the shortest crank. The others have different shapes, not just different sizes: farthest-point
+/// sampling selects them from all that meet the goal (calib/linkage/design_spread.hpp). Each is as large as crank and
+/// longest bar allow. There are fewer than `count` if the goal leaves no more different shapes. If long bars are
+/// allowed, a time ratio of 1 transmits best. About 0.1 s for one, 0.3 s for more. Throws ConfigError that says which
+/// part of the goal no linkage meets, what the best one reaches and what to change.
 std::vector<Design> design(const DesignGoal& goal, std::size_t count = 1);
 
 }  // namespace gdtslam::calib

@@ -22,7 +22,7 @@ struct FourBar {
   double ground_m = 0.0;
 };
 
-/// The bars of a nodding mount are a hand's length; what is far off was most likely written in another unit.
+/// The bars of a nodding mount are about a hand long. A value far from that is most likely in another unit.
 inline constexpr double kLeastBar_m = 0.001;
 inline constexpr double kMostBar_m = 1.0;
 
@@ -83,7 +83,8 @@ struct FreudensteinCoefficients {
 /// Faults of the lengths, one sentence each: not positive, not finite, or a bar longer than the other three together,
 /// with the inequality and its numbers. Empty when the loop can close somewhere.
 std::vector<std::string> violations(const FourBar& bars);
-/// Shortest plus longest against the sum of the other two: where the first is less, the shortest bar turns fully.
+/// Grashof's condition compares shortest plus longest bar with the sum of the other two. If it is less, the shortest
+/// bar turns fully.
 struct GrashofInequality {
   double extremes_m = 0.0;
   double middles_m = 0.0;

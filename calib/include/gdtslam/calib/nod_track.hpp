@@ -43,15 +43,15 @@ class NodTrack {
   void take(const Encoder& message);
   void take(const Tilt& message);
   static constexpr std::size_t kSetBack = 5;
-  /// Whether a message of this stamp lets the track begin again: what it knows is gone then.
+  /// True if a message of this stamp restarts the track, which then forgets everything.
   [[nodiscard]] bool begins_again_at(double stamp_s) const;
   /// No scan that ends before this will ever be covered better than it is now.
   [[nodiscard]] std::optional<double> known_until_s() const;
   /// Knots from `from_s` to `to_s`, times of the log's clock; at least two, the ends interpolated, less than half a
-  /// turn apart, offsets relative to `stamp_s`; two equal ones where from_s is to_s. Empty where the stretch is not
-  /// covered as a whole.
+  /// turn apart, offsets relative to `stamp_s`; two equal ones if from_s is to_s. Empty if the stretch is not covered
+  /// as a whole.
   [[nodiscard]] std::vector<PhaseKnot> knots(double stamp_s, double from_s, double to_s) const;
-  /// Frees what only earlier times need; they may not be covered afterwards.
+  /// Frees the messages that only earlier times need. Those times may not be covered afterwards.
   void forget_before(double stamp_s);
   [[nodiscard]] std::size_t kept_messages() const { return messages_.size(); }
 

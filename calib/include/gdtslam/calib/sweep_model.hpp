@@ -49,8 +49,8 @@ std::optional<double> elevation_rad(const SweepModel& model, double crank_rad);
 std::optional<double> elevation_rate(const SweepModel& model, double crank_rad);
 /// Phase of the elevation table: turns of the crank from tick 0, in the direction of growing ticks.
 Phase phase_of_ticks(const CrankEncoder& encoder, double ticks);
-/// The elevation over a turn from tick 0 in the direction of growing ticks, continuous: where it passes half a turn it
-/// goes on; O(2^bits). Throws ConfigError where the loop does not close all around.
+/// The elevation over a turn from tick 0 in the direction of growing ticks, continuous and not wrapped at half a turn;
+/// O(2^bits). Throws ConfigError if the loop does not close over the whole turn.
 ElevationTable elevation_table(const SweepModel& model, std::uint32_t bits = 15);
 /// When beam k of `beams`, `bearing_step_rad` apart, fires relative to the scan's stamp.
 BeamTiming beam_timing(const SweepModel& model, std::size_t beams, double bearing_step_rad);

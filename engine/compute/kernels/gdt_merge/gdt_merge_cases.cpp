@@ -26,7 +26,7 @@ struct MergeCase {
   [[nodiscard]] KernelCase make(const std::string& named) const;
 };
 
-/// A field of which a quarter is unknown; values crowd around the thresholds' differences.
+/// A field with a quarter of its cells unknown. Half of the values are so close that the thresholds matter.
 std::vector<std::uint16_t> field_values(CaseSize size, std::uint32_t cap, std::uint64_t random_seed) {
   std::vector<std::uint16_t> values = noise<std::uint16_t>(size, random_seed);
   Random random(random_seed + 1);
@@ -65,7 +65,7 @@ KernelCase draw_merge(const std::string& name, Random& random) {
   return merge.make(name);
 }
 
-/// A field, and what the new one has beyond it.
+/// A field and the margins by which the new one is larger.
 struct GrowCase {
   using Kernel = FieldGrow;
   CaseSize old_size;
@@ -120,7 +120,7 @@ void add_grows(std::vector<KernelCaseSource>& list) {
   for (const CaseSize& size : kLongSizes) {
     add_case(list, GrowCase{size, 3, 2, 1, 4});
   }
-  add_case(list, GrowCase{{4096, 1, 4096}, 3, 0, 5, 0});  // one row: cut along it
+  add_case(list, GrowCase{{4096, 1, 4096}, 3, 0, 5, 0});  // one row, which is cut along its length
   for (const CaseSize& size : kLargeSizes) {
     add_case(list, GrowCase{size, 33, 1, 0, 2}, CaseUse::kLarge);
   }

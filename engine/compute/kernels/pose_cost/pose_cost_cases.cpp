@@ -14,13 +14,13 @@ struct CostCase {
   std::uint32_t points = 0;
   std::uint32_t candidates = 0;
   std::uint32_t cap = 0;
-  double spread_cells = 0.0;  ///< how far from the field's middle candidates lie
+  double spread_cells = 0.0;  ///< largest distance of a candidate from the anchor, along x and y
   Interpolation interpolation = Interpolation::kBilinear;
   CostForm form = CostForm::kDistance;
   std::int32_t anchor_shift = 0;  ///< shift of the anchor, out of the field's middle
-  bool odd_points = false;        ///< some are no numbers, or far off
+  bool odd_points = false;        ///< some points are NaN, infinite or far off
   std::uint32_t field_cap = 0;    ///< value of unknown cells; 0: the cap
-  bool is_subnormal = false;      ///< coordinates of many points and poses are
+  bool is_subnormal = false;      ///< many coordinates of points and poses are subnormal
   bool strips = false;            ///< the field lies in strips, and its cap is 0
 
   [[nodiscard]] std::string name() const {
@@ -33,7 +33,7 @@ struct CostCase {
   [[nodiscard]] KernelCase make(const std::string& named) const;
 };
 
-/// Puts what is no number, infinite, huge and at the limits of the clamp among the points.
+/// Replaces every second point by one that is NaN, infinite, huge or at the limits of the clamp.
 void spoil(std::vector<PointCells>& points) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
@@ -45,7 +45,7 @@ void spoil(std::vector<PointCells>& points) {
   }
 }
 
-/// Makes coordinates of two points of three subnormal.
+/// Makes x subnormal in two of three points, and y in one of three.
 void make_subnormal(std::vector<PointCells>& points) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (i % 3 > 0) {
@@ -128,7 +128,7 @@ void add_costs(std::vector<KernelCaseSource>& list, Interpolation interpolation,
   add_case(list, CostCase{{97, 83, 100}, 40, 17, 5120, 60.0, interpolation, form, 0, true});
   add_case(list, CostCase{{97, 83, 100}, 33, 17, 700, 60.0, interpolation, form, 0, false, 5120});
   add_case(list,
-           CostCase{{97, 83, 100}, 2101, 40, 5120, 60.0, interpolation, form});  // more than a uniform buffer takes
+           CostCase{{97, 83, 100}, 2101, 40, 5120, 60.0, interpolation, form});  // more than a uniform buffer holds
   add_case(list, CostCase{.field = {97, 83, 100},
                           .points = 40,
                           .candidates = 70,
@@ -172,7 +172,7 @@ void add_pose_cost_cases(std::vector<KernelCaseSource>& list) {
   for (const CaseSize& size : kLargeSizes) {
     add_case(list, CostCase{size, 361, 20000, 5120, 900.0}, CaseUse::kLarge);
   }
-  // Candidates that fill a GPU with an invocation each.
+  // Enough candidates to fill a GPU with one invocation each.
   for (const Interpolation interpolation : kInterpolations) {
     for (const std::uint32_t points : {9U, 2053U}) {
       add_case(list, CostCase{{97, 83, 100}, points, 16387, 5120, 60.0, interpolation, CostForm::kDistance});

@@ -1,5 +1,6 @@
-// Map and path of a drive as files, every few seconds and when a signal asks for them, by a thread of its own; and for
-// those who watch the drive. The folder takes its name as a whole: whoever looks finds the files of one moment.
+// Snapshots of a drive: a thread writes map and path to files every few seconds and on a signal, and shows them to
+// people who watch the drive. The folder is renamed into place as a whole, so a reader always finds the files of one
+// moment.
 #pragma once
 
 #include <atomic>
@@ -24,22 +25,23 @@ struct DriveState {
   Trajectory trajectory;  ///< a pose for each scan
 };
 
-/// State of a drive while it goes on: the occupancy map of its keyframes and the path, with the loops closed that have
-/// been found. One thread maps and hands over each scan, which costs it a lock and of a keyframe a copy; another one
-/// asks for the state. Cost of that: the keyframes since the last time, all of them if a loop has moved them. Memory:
-/// 80 bytes a keyframe; all scans and the keyframes' ranges are on shelves.
+/// State of a running drive: the occupancy map of its keyframes and the path, with the loops found so far closed. One
+/// thread maps and calls take() for each scan, which costs a lock and, for a keyframe, a copy. Another thread calls
+/// state(), whose cost is linear in the keyframes since the last call, or in all keyframes if a loop has moved them.
+/// Memory: 80 bytes a keyframe; all scans and the keyframes' ranges are on shelves.
 class DriveRecord {
  public:
   DriveRecord(const OccupancyConfig& config, const OccupancyBuilder::Limits& limits)
       : config_(config), limits_(limits) {}
 
-  /// The next scan.
+  /// Adds the next scan.
   void take(const MappedScan& mapped);
   [[nodiscard]] std::uint64_t scans() const;
-  /// Takes over what was handed over by now, so that it does not wait in memory; for the thread that asks for the
-  /// state.
+  /// Moves the scans taken so far to the shelves, so that they do not fill the memory. Called by the thread that calls
+  /// state().
   void take_news();
-  /// The state after the scans handed over by now, for one thread. Throws InputError if the map would be too large.
+  /// Returns the state after the scans taken so far. Only one thread may call it. Throws InputError if the map would be
+  /// too large.
   DriveState state();
 
  private:
@@ -74,8 +76,8 @@ class DriveRecord {
   ClosedKeyframes closed_;
   std::optional<OccupancyBuilder> map_;
   std::optional<LaserShelf::Reader> to_cast_;
-  std::optional<LaserScan> in_hand_;  // the next one of it, where the map would not take it
-  std::size_t cast_ = 0;              // scans, from where `closed_` has their keyframes
+  std::optional<LaserScan> in_hand_;  // next scan of to_cast_, if the map did not accept it
+  std::size_t cast_ = 0;              // number of scans cast, at the keyframe poses of `closed_`
 };
 
 /// Lets SIGUSR1 ask for a snapshot, instead of ending the process. Call it before any thread starts.
@@ -87,7 +89,7 @@ class Snapshots {
     std::string folder;    ///< folder of the run; the files go into its folder `snapshot`
     double every_s = 0.0;  ///< 0: only when the signal comes
     bool is_quiet = false;
-    /// Whether somebody watches, and what is shown to them then, once a second.
+    /// If is_watched() is true, `show` is called once a second.
     std::function<bool()> is_watched{};
     std::function<void(const DriveState&)> show{};
   };
@@ -97,9 +99,9 @@ class Snapshots {
   Snapshots& operator=(const Snapshots&) = delete;
   ~Snapshots() { stop(); }
 
-  /// Begins. Nothing is written before the first scan.
+  /// Starts the thread. Nothing is written before the first scan.
   void start();
-  /// Ends the thread, after the snapshot at work. The run that takes the snapshot's place removes it.
+  /// Ends the thread, after the snapshot in progress. The folder `snapshot` stays until the finished run replaces it.
   void stop();
 
  private:

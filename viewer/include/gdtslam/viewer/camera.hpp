@@ -44,7 +44,7 @@ enum class CameraPreset : std::uint8_t {
 Camera fitting_camera(CameraPreset preset, const Bounds& bounds, const PictureSize& size);
 /// The iso camera from which the box stays in the picture while the camera is turned about its target.
 Camera orbit_camera(const Bounds& bounds, const PictureSize& size);
-/// From above a place of the plane, within rooms and so below ceilings, to the robot and past it.
+/// Camera above a point of the plane, inside rooms and so below ceilings, that looks at the robot and past it.
 Camera follow_camera(const Point2& place, const Pose2& T_map_base);
 /// The camera turned about the vertical through its target, counter-clockwise from above.
 Camera turned(const Camera& camera, double angle_rad);
@@ -68,7 +68,7 @@ struct CameraBasis {
   Point3 up;
   Point3 forward;
 };
-/// Also where the camera's up is along the line of sight: then another direction is up.
+/// Also valid if the camera's up is along the line of sight: then another direction is up.
 CameraBasis camera_basis(const Camera& camera);
 /// Half of the vertical view angle as a slope.
 double half_height_slope(const Camera& camera);

@@ -1,8 +1,8 @@
 // A 3D cloud with the robot and its path, drawn with VTK: colours by height, elevation, time, scan or distance to
-// another cloud, eye-dome lighting, floor and ceiling that can be taken away. Frame: map, z up, metres. Cost: 16
-// bytes a point, 8 for its time, and 4 while a large picture is drawn; while a cloud is set 8 more. The processor draws
-// the points, OpenGL what else there is: about 0.1 s of processor time a million points and frame of 1280 x 720. One
-// object belongs to one thread.
+// another cloud, eye-dome lighting, floor and ceiling that can be taken away. Frame: map, z up, metres. Cost: 16 bytes
+// a point, 8 for its time, and 4 while a large picture is drawn; while a cloud is set 8 more. The processor draws the
+// points, OpenGL everything else: about 0.1 s of processor time a million points and frame of 1280 x 720. One object
+// belongs to one thread.
 #pragma once
 
 #include <cstdint>
@@ -57,14 +57,14 @@ class CloudScene {
   CloudScene(const CloudScene&) = delete;
   CloudScene& operator=(const CloudScene&) = delete;
 
-  /// Call once; floor and ceiling are found here (cloud/thinning.hpp); without them all within 6 cm of the floor and
-  /// 25 cm of the ceiling goes, lamps too. What is no finite place is not drawn. Throws InputError for a cloud without
-  /// points, ConfigError for a scale or a colour map that cannot be.
-  /// `distances_m` belongs to kDistance: one for each point, for example to a reference cloud or to true surfaces.
+  /// Call once; floor and ceiling are found here (cloud/thinning.hpp); if they are hidden, so is everything within 6 cm
+  /// of the floor and 25 cm of the ceiling, lamps too. Points that are not finite are not drawn. Throws InputError for
+  /// a cloud without points, ConfigError for a scale or a colour map that cannot be. `distances_m` belongs to
+  /// kDistance: one for each point, for example to a reference cloud or to true surfaces.
   void set_cloud(std::span<const CloudPoint> cloud, std::span<const float> distances_m = {});
   void set_trajectory(const Trajectory& trajectory);
-  /// The robot, with the mount at this elevation where a model is given; nothing hides it. The model must live while it
-  /// is shown.
+  /// Shows the robot, with the mount at this elevation if a model is given; nothing hides it. The model must live while
+  /// it is shown.
   void set_robot(const std::optional<Pose2>& T_map_base, const calib::SweepModel* model = nullptr,
                  double elevation_rad = 0.0);
   /// Only points (and path) up to this stamp are drawn; infinity: all. Points need not be in the order of time.
@@ -97,9 +97,9 @@ Canvas cloud_picture(std::shared_ptr<const RgbaImage> scene, const ColourScale& 
 /// Nearest-neighbour distance of each point to the reference, metres, beyond `most_m` that value. O(n log m).
 std::vector<float> distances_to(std::span<const CloudPoint> cloud, std::span<const CloudPoint> reference,
                                 double most_m = 1.0);
-/// Keeps at most `most` of the points that come, those that are finite: all while there is room, then the first of each
-/// voxel, the voxels as large as that asks for. Memory: some 40 bytes for each point that is kept. Throws InputError
-/// for a cloud too wide for it.
+/// Keeps at most `most` of the finite points: all while there is room, then the first of each voxel. The voxels are as
+/// large as that limit requires. Memory: some 40 bytes for each point that is kept. Throws InputError for a cloud too
+/// wide for it.
 class PointLimit : public CloudSink {
  public:
   explicit PointLimit(std::size_t most);

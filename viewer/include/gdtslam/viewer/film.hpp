@@ -1,5 +1,5 @@
-// Moving pictures: a number of frames, each drawn when it is asked for. Whoever has a film writes it as he likes.
-// One film belongs to one thread.
+// Moving pictures: a number of frames, each drawn when it is asked for. The caller chooses how to write it. One film
+// belongs to one thread.
 #pragma once
 
 #include <cstddef>
@@ -28,8 +28,8 @@ class Film {
 /// Once around the cloud; the last frame is followed by the first without a jump. The scene must outlive the film.
 std::unique_ptr<Film> orbit_film(CloudScene& scene, const CloudLook& look, const CloudCaption& caption,
                                  const PictureSize& size, std::size_t frames);
-/// Behind the robot along its path, time running evenly; points appear when they are measured. Afterwards the scene
-/// shows all again, without a robot. Throws InputError for a trajectory without poses.
+/// Follows the robot from behind along its path, at constant speed of time; points appear when they are measured.
+/// Afterwards the scene shows all again, without a robot. Throws InputError for a trajectory without poses.
 std::unique_ptr<Film> follow_film(CloudScene& scene, const Trajectory& trajectory, const CloudLook& look,
                                   const CloudCaption& caption, const PictureSize& size, std::size_t frames);
 

@@ -1,6 +1,6 @@
 // OpenGL without a display: a surfaceless EGL context, else EGL on a device or the default display; no X and no GPU
 // needed. VTK is not touched before one of them is known to work, because Debian's VTK ends the process when it is
-// asked for a window without X. One context and what draws with it belong to one thread.
+// asked for a window without X. A context and the objects that draw with it belong to one thread.
 #pragma once
 
 #include <memory>
@@ -11,14 +11,14 @@ namespace gdtslam {
 /// OpenGL without a display.
 class GraphicsContext {
  public:
-  /// Throws UnavailableError (exit 69) where nothing can draw: one line with what was tried, why each failed and what
-  /// to install or run.
+  /// Throws UnavailableError (exit 69) if nothing can draw. Its one line lists the attempts, the reason why each
+  /// failed, and what to install or run.
   GraphicsContext();
   ~GraphicsContext();
   GraphicsContext(const GraphicsContext&) = delete;
   GraphicsContext& operator=(const GraphicsContext&) = delete;
 
-  /// "EGL, llvmpipe (LLVM 15.0.6, 256 bits), OpenGL 4.5": how, on what.
+  /// Names the interface and the renderer: "EGL, llvmpipe (LLVM 15.0.6, 256 bits), OpenGL 4.5".
   [[nodiscard]] std::string description() const;
 
   struct State;

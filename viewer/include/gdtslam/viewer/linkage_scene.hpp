@@ -26,7 +26,7 @@ struct LinkageLook {
 /// A linkage in motion, ready to be drawn.
 class LinkageScene {
  public:
-  /// Throws ConfigError where the loop closes nowhere.
+  /// Throws ConfigError if the loop closes at no crank angle.
   LinkageScene(const GraphicsContext& graphics, const calib::SweepModel& model, const LinkageLook& look);
   ~LinkageScene();
   LinkageScene(const LinkageScene&) = delete;
@@ -44,7 +44,7 @@ class LinkageScene {
   std::unique_ptr<State> state_;
 };
 
-/// One turn of the crank (there and back where it cannot turn), from the begin of the lift.
+/// One turn of the crank from the begin of the lift; there and back if the crank cannot turn fully.
 std::unique_ptr<Film> linkage_film(LinkageScene& scene, const calib::SweepModel& model, const PictureSize& size,
                                    std::size_t frames);
 

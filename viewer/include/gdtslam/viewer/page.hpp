@@ -27,16 +27,16 @@ struct PageInput {
   const Cloud* cloud = nullptr;  ///< may be null, as all below; thinned by the caller to what a page can hold
   const std::vector<float>* distances_m = nullptr;  ///< distance of each point to a reference
   const Trajectory* trajectory = nullptr;
-  /// Poses at which another drive begins, ascending: no line leads there, and its time goes on where the one before
-  /// ends. A cloud's times stay as they are.
+  /// Indices of the poses at which another drive begins, ascending. No line leads there, and its time continues from
+  /// the end of the previous drive. A cloud's times stay as they are.
   std::vector<std::size_t> drives{};
   const OccupancyMap* map = nullptr;  ///< a picture on the floor
   const calib::SweepModel* linkage = nullptr;
   std::vector<std::pair<std::string, std::string>> facts;  ///< name and value, for the panel: "Points", "2,612,034"
 };
 
-/// Throws InputError where there is nothing to show, for a cloud of which no point is finite or which has more than
-/// 2^24 points, and for another number of distances than of points; ConfigError for a linkage that closes nowhere.
+/// Throws InputError if there is nothing to show, for a cloud of which no point is finite or which has more than 2^24
+/// points, and for another number of distances than of points; ConfigError for a linkage that closes nowhere.
 std::string make_page(const PageInput& input);
 
 }  // namespace gdtslam

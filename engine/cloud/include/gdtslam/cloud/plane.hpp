@@ -25,7 +25,7 @@ struct PlanePatch {
   Plane plane;
   std::vector<std::uint32_t> points;  ///< indices into the cloud, ascending
   double rms_m = 0.0;                 ///< RMS of the points' distances
-  double sigma_centre_m = 0.0;        ///< standard deviation of the plane where the points' centre is
+  double sigma_centre_m = 0.0;        ///< standard deviation of the plane at the points' centre
   double sigma_offset_m = 0.0;        ///< standard deviation of the offset, the direction's part included
   double sigma_normal_rad = 0.0;      ///< standard deviation of the direction, the worse of the two
   Point3 centre{0.0, 0.0, 0.0};
@@ -44,22 +44,21 @@ struct PlaneSearch {
 /// Least squares: the plane that minimises the summed squared distance. Throws InputError for fewer than three points
 /// and for points on one line.
 PlanePatch fit_plane(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> points);
-/// The same; nothing for fewer than three points and for points on one line as far as floats can tell.
+/// The same, but empty for fewer than three points and for points that lie on one line within float precision.
 std::optional<PlanePatch> fitted_plane(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> points);
 /// The largest planes in turn, by area, each the connected patch that has most of it. Trials [Fischler1981] are made on
 /// a thinned copy whose points have normals [Schnabel2007], one point for each; their number falls with the share of
-/// the plane that was found. What a patch was found by is refined on all points of the cloud; points beside an edge,
-/// where another surface begins, belong to the patch but do not pull at its plane. Points that are not finite are left
-/// out. The same cloud and seed give the same planes on every host. O(trials x cells) for each plane and O(n log n)
-/// once.
+/// the plane that was found. The plane of each patch is refined on all points of the cloud. Points near an edge to
+/// another surface belong to the patch but do not influence its plane. Points that are not finite are left out. The
+/// same cloud and seed give the same planes on every host. O(trials x cells) for each plane and O(n log n) once.
 std::vector<PlanePatch> find_planes(std::span<const CloudPoint> cloud, const PlaneSearch& search);
 
 // Boxes of a cloud and their dimensions with uncertainty, as figure 12 measures them; z up.
 //
-// A range finder errs along its beams, hardly across them. So if the scanner stood still and its place is known, every
-// point is moved along its beam onto the plane of a face: hits there, and beams seen past it, show where the face ends,
-// to a fraction of the distance between two beams. At an edge of two faces their planes meet. Without a viewpoint only
-// the points of the face itself count.
+// A range finder errs along its beams, hardly across them. So if the scanner stood still and its position is known,
+// every point is moved along its beam onto the plane of a face. Hits on the face and beams that pass it show its end to
+// a fraction of the distance between two beams. At an edge of two faces their planes meet. Without a viewpoint only the
+// points of the face itself count.
 //
 // Cost: that of find_planes and one pass over the cloud for each face. Thread-safe; the same cloud and search give the
 // same boxes on every host.
@@ -67,7 +66,7 @@ std::vector<PlanePatch> find_planes(std::span<const CloudPoint> cloud, const Pla
 /// A length with its standard deviation.
 struct Dimension {
   double value_m = 0.0;
-  double sigma_m = 0.0;      ///< infinite where nothing was seen of it
+  double sigma_m = 0.0;      ///< infinite if nothing was seen of it
   bool is_observed = false;  ///< both of its ends were seen
 };
 
@@ -76,7 +75,7 @@ struct MeasuredBox {
   Point3 centre{0.0, 0.0, 0.0};
   double yaw_rad = 0.0;  ///< heading of the width's direction, in (-pi/2, pi/2]
   Dimension width;       ///< along the face that is seen best
-  Dimension depth;       ///< 0 and infinitely uncertain where no other face is seen
+  Dimension depth;       ///< 0 and infinitely uncertain if no other face is seen
   Dimension height;
   std::uint32_t points = 0;           ///< number of points of the face
   double face_rms_m = 0.0;            ///< RMS of their distances from its plane

@@ -12,7 +12,7 @@
 
 namespace gdtslam {
 
-/// Hands on the first point of each voxel; voxels are cubes, one with its corner at the origin. Memory: 32 to 64 bytes
+/// Passes on the first point of each voxel. Voxels are cubes, one with its corner at the origin. Memory: 32 to 64 bytes
 /// for each block of 4 x 4 x 4 voxels that has a point, half as much again for a moment while it grows: 2 to 6 bytes a
 /// voxel of a surface. Throws InputError beyond max_voxels and for points farther than 2^20 voxels from the origin,
 /// with what to do; ConfigError for a voxel_m that is not positive. O(1) for each point.
@@ -43,7 +43,7 @@ struct LevelSearch {
 /// Normals point up. O(n log n).
 LevelSurfaces find_level_surfaces(std::span<const CloudPoint> sample, const LevelSearch& search);
 
-/// Hands on what is neither floor (or below) nor ceiling (or above), the margin included.
+/// Passes on the points between floor and ceiling. Points within the margin of either are removed too.
 class LevelRemoval : public CloudSink {
  public:
   LevelRemoval(const LevelSurfaces& surfaces, double margin_m, CloudSink& next);

@@ -1,8 +1,8 @@
 // The seam between the algorithms and the device that runs them. A backend knows few verbs: allocate, upload, fill,
 // dispatch, download, flush, and (for the host) a view of the memory where there is one. Work is done in the order of
-// the calls. A device collects what it is asked for and starts it at flush() or when a download is waited for, so what
-// lies between two such calls is one submission. A backend and its buffers belong to one thread at a time. Every verb
-// throws DeviceError when the device fails; such a backend refuses all further work, and can only be destroyed.
+// the calls. A device queues the work and starts it at flush() or when a download is waited for, so all work between
+// two such calls is one submission. A backend and its buffers belong to one thread at a time. Every verb throws
+// DeviceError when the device fails; such a backend refuses all further work, and can only be destroyed.
 #pragma once
 
 #include <cstddef>
@@ -62,8 +62,8 @@ struct DeviceInfo {
   unsigned threads = 1;
 };
 
-/// A download that is under way: delivered once, by Backend::finish_download(). Where its last copy goes before that,
-/// nobody can ask for it any more and the backend forgets it. The backend may go first.
+/// A download in progress. Backend::finish_download() delivers it once. If its last copy is destroyed before that, the
+/// backend drops the download. The backend may be destroyed first.
 struct PendingDownload {
   std::uint64_t id = 0;
   std::size_t bytes = 0;
@@ -81,8 +81,8 @@ class Backend {
   [[nodiscard]] virtual const DeviceInfo& device() const = 0;
   /// Zero-filled memory. Throws Error with the size asked for and the size allowed.
   virtual Buffer allocate(std::size_t bytes) = 0;
-  /// Address space whose memory is given page by page as it is touched, zero before. Invalid where there is no such
-  /// thing (on a device), or the process may not have so much; ask for less then.
+  /// Address space that gets its memory page by page when it is first touched, and reads as zero before. Invalid on a
+  /// device, and if the process may not have this much; then ask for less.
   virtual Buffer reserve(std::size_t /*bytes*/) { return {}; }
   /// The data are copied before the call returns. Offset and size are multiples of 4, or the last bytes of the buffer.
   virtual void upload(const Buffer& target, std::span<const std::byte> data, std::size_t offset = 0) = 0;
@@ -91,17 +91,17 @@ class Backend {
   /// Runs a kernel over `threads` invocations; a zero extent is a no-op. Buffers are in the order of the bindings.
   virtual void dispatch(const KernelInfo& kernel, std::span<const Buffer* const> buffers,
                         std::span<const std::byte> params, Extent threads) = 0;
-  /// Puts the copy of a part of a buffer in line behind what was asked for before.
+  /// Queues the copy of a part of a buffer behind all earlier work.
   virtual PendingDownload start_download(const Buffer& source, std::size_t bytes, std::size_t offset = 0) = 0;
-  /// Waits for a download and delivers it; `data` has its size. Starts what is in line where it has to.
+  /// Waits for a download and delivers it; `data` has its size. Starts queued work if necessary.
   virtual void finish_download(PendingDownload download, std::span<std::byte> data) = 0;
-  /// Waits for what was asked for before and copies.
+  /// Waits for all earlier work and copies.
   void download(const Buffer& source, std::span<std::byte> data, std::size_t offset = 0) {
     finish_download(start_download(source, data.size(), offset), data);
   }
-  /// Starts what is in line and returns at once.
+  /// Starts the queued work and returns at once.
   virtual void flush() = 0;
-  /// The memory itself where the host shares it (the CPU backend), else empty.
+  /// The memory itself if the host shares it (the CPU backend), else empty.
   [[nodiscard]] virtual std::span<std::byte> host_view(const Buffer& buffer) = 0;
   /// Instruction set for work that stays on the host (host_kernels.hpp); the CPU backend answers its own.
   [[nodiscard]] virtual Isa host_isa() const { return best_isa(); }
@@ -119,7 +119,7 @@ class Backend {
  private:
   friend class Buffer;
   virtual void release(std::uint64_t id) noexcept = 0;
-  /// Also called for downloads that were finished, and after the device has failed; must not ask the device.
+  /// Also called for downloads that were finished, and after the device has failed; it must not use the device.
   virtual void forget_download(std::uint64_t id) noexcept = 0;
 
   std::shared_ptr<const char> alive_ = std::make_shared<const char>('\0');  ///< buffers and downloads watch it

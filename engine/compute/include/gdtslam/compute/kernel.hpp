@@ -30,12 +30,13 @@ enum class SweepForm : std::uint32_t { kWorking = 0, kLiteral = 1 };
 /// How the squared distances of a field are found: exactly (GdtStamp), or by jump flooding, which errs now and then.
 enum class DistanceTransform : std::uint8_t { kExact, kJumpFlood };
 
-// Layout of the cells of a distance field, for the kernels that look up a map or merge into it. Cell (x, y) is at
-// (x / 64) * strip + x % 64 + y * stride. With strips 64 cells apart the layout is plain rows, one behind the other.
-// Else the field lies in strips of 64 columns, all rows of a strip before the next strip, and a strip's row has a 65th
-// cell, which repeats the first cell of the next strip, so that the four neighbours of a look-up lie in one strip: few
-// pages of memory hold what a scan sees, and memory that a system gives when it is touched is taken only for known
-// parts. A cell holds its value XOR `blank`; with the cap for that, memory that begins as zeros is an unknown map.
+// Layout of the cells of a distance field, for the kernels that look up a map or merge into it. Cell (x, y) is at (x /
+// 64) * strip + x % 64 + y * stride. With strips 64 cells apart the layout is plain rows, one behind the other.
+// Otherwise the field lies in strips of 64 columns, all rows of a strip before the next strip. The row of a strip has a
+// 65th cell, which repeats the first cell of the next strip, so that the four neighbours of a look-up lie in one strip.
+// The cells around a scan then take few pages of memory, and memory that is allocated at the first touch is used only
+// for known parts. A cell holds its value XOR `blank`. If `blank` is the cap, memory that begins as zeros is an unknown
+// map.
 
 /// Columns of a strip; a distance of as many cells from strip to strip means rows.
 inline constexpr std::uint32_t kStripWidth = 64;
@@ -98,14 +99,14 @@ struct KernelInfo {
   std::string_view name;
   std::span<const Access> bindings;
   std::size_t params_bytes = 0;              ///< push constants, at most 128, a multiple of 4
-  std::array<CpuFunction, kIsaCount> cpu{};  ///< null where the build has no such instruction set
+  std::array<CpuFunction, kIsaCount> cpu{};  ///< null if the build has no such instruction set
   CheckFunction check = nullptr;
   WorkFunction work = nullptr;
   std::string_view work_unit;  ///< name of a step: "cell", "look-up", "value", "beam"
   std::string_view source;     ///< citation key and equation
 };
 
-/// Largest block of parameters: what every Vulkan device takes as push constants.
+/// Largest block of parameters: the size of push constants that every Vulkan device accepts.
 inline constexpr std::size_t kMaxParamsBytes = 128;
 /// Throws Error unless the dispatch names a buffer per binding and its sizes pass the kernel's own check.
 void check_launch(const KernelInfo& kernel, const LaunchShape& shape);

@@ -1,5 +1,5 @@
-// Points of a 3D cloud and where they go. Frame: map (x, y in the plane of the 2D map, z up), metres. Clouds may have
-// tens of millions of points, so whoever makes them hands them on in pieces and keeps none.
+// Points of a 3D cloud and the sink that receives them. Frame: map (x, y in the plane of the 2D map, z up), metres.
+// Clouds may have tens of millions of points, so their producer passes them on in pieces and keeps none.
 #pragma once
 
 #include <cstdint>

@@ -36,7 +36,7 @@ struct FilePosition {
   std::uint64_t line = 0;
 };
 
-/// "file:line: message", or "file: message" where no line is known.
+/// "file:line: message", or "file: message" if no line is known.
 std::string located(const FilePosition& position, const std::string& message);
 
 /// Input data that cannot be used (exit 65).
@@ -45,7 +45,7 @@ class InputError : public Error {
   InputError(const FilePosition& position, const std::string& message)
       : Error(ExitCode::kBadInput, located(position, message)), has_position_(true) {}
   explicit InputError(const std::string& message) : Error(ExitCode::kBadInput, message) {}
-  /// Without one, who knows the file that the data came from has to name it.
+  /// Without a position, the caller that knows the file of the data has to name it.
   [[nodiscard]] bool has_position() const noexcept { return has_position_; }
 
  private:
@@ -73,8 +73,8 @@ class UnavailableError : public Error {
   explicit UnavailableError(const std::string& message) : Error(ExitCode::kUnavailable, message) {}
 };
 
-/// A call of a device's driver that failed while running (exit 1): the device is lost or out of memory, and nothing
-/// more should be asked of it. What the host keeps is intact, so the work can go on elsewhere.
+/// A call of a device's driver that failed while running (exit 1): the device is lost or out of memory and must not be
+/// used any more. Data on the host is intact, so the work can continue elsewhere.
 class DeviceError : public Error {
  public:
   /// The call as the interface names it and the code that it gave, for example "vkQueueSubmit", "ErrorDeviceLost".

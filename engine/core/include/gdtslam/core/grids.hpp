@@ -21,7 +21,7 @@ enum class CellState : std::uint8_t { kUnknown, kFree, kOccupied };
 class CellStates {
  public:
   CellStates() = default;
-  /// So many unknown cells.
+  /// Makes `size` unknown cells.
   explicit CellStates(std::size_t size) : size_(size), blocks_((size + kBlock - 1) / kBlock) {}
   explicit CellStates(std::span<const CellState> states);
 
@@ -59,7 +59,7 @@ class CellStates {
   std::deque<Block> pool_;
 };
 
-/// Row-major, the lower left cell first; as small as what was seen allows.
+/// Row-major, the lower left cell first; the smallest grid that holds everything seen.
 struct OccupancyMap {
   GridGeometry geometry;
   CellStates cells;
@@ -83,7 +83,7 @@ struct DistanceFieldView {
     return cells[static_cast<std::size_t>(cell.y) * stride + static_cast<std::size_t>(cell.x)];
   }
 };
-/// So near to an obstacle, in 1/256 cell, what is drawn of a field is its wall.
+/// Cells within this distance of an obstacle, in 1/256 cell, are drawn as wall in pictures of a field.
 inline constexpr std::uint16_t kWallOfField = 128;
 
 /// A distance field that is read row by row, so that one that is not stored in rows need not be copied.

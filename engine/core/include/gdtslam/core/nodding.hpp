@@ -46,8 +46,8 @@ using Phase = std::uint32_t;
 Phase phase_of_turns(double turns);
 double turns_of_phase(Phase phase);
 
-/// When the crank was where: `offset_s` after the scan's stamp. Between two knots the crank turns evenly, the short
-/// way.
+/// Position of the crank at a time, `offset_s` after the scan's stamp. Between two knots the crank turns evenly, the
+/// short way.
 struct PhaseKnot {
   double offset_s = 0.0;
   Phase phase = 0;

@@ -40,7 +40,7 @@ class Choice {
 enum class Audience : std::uint8_t { kEveryone, kAdvanced };
 inline constexpr Audience kAdvanced = Audience::kAdvanced;
 
-/// One option: where it lives, what it means, in which unit and between which bounds (both allowed).
+/// One option: its path, meaning, unit and bounds (both bounds are allowed values).
 struct Option {
   std::string_view path;  ///< "merge.threshold"
   std::string_view doc;

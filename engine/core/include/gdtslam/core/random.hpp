@@ -1,5 +1,5 @@
 // Random numbers that are the same on every host and with every standard library: xoshiro256** [Blackman2021] seeded by
-// splitmix64, own uniform and normal draws. Not thread-safe; give each stream its own generator.
+// splitmix64, with uniform and normal draws of its own. Not thread-safe; give each stream its own generator.
 #pragma once
 
 #include <array>
@@ -23,8 +23,8 @@ class Random {
   /// Standard normal, by the polar method with the project's own logarithm.
   double normal();
   double normal(double mean, double deviation) { return mean + deviation * normal(); }
-  /// An independent stream for a named purpose. It depends on the seed and the name alone, not on what was drawn
-  /// before, so that adding a draw in one place moves no other.
+  /// An independent stream for a named purpose. It depends on the seed and the name alone, not on earlier draws, so an
+  /// added draw does not change any other stream.
   [[nodiscard]] Random split(std::uint64_t stream) const;
 
  private:

@@ -28,7 +28,7 @@ struct LaserScan {
   double max_range_m = 0.0;  ///< at or above it a range means no return; 0 when the log does not say
   /// Beam k was measured at stamp_s + first_beam_after_s + k * beam_period_s. All at stamp_s when the log does not say.
   double first_beam_after_s = 0.0;
-  double beam_period_s = 0.0;  ///< negative where the beams were measured from the last one on
+  double beam_period_s = 0.0;  ///< negative if the last beam was measured first
   /// How the robot moved meanwhile: tangent (x, y, theta) a second in its own frame. Unknown: as if it stood.
   std::optional<Eigen::Vector3d> speed{};
   std::vector<float> ranges_m;
@@ -50,7 +50,7 @@ inline void turn_beams_round(LaserScan& scan) {
   std::reverse(scan.ranges_m.begin(), scan.ranges_m.end());
 }
 
-/// The robot's pose in the odometry frame, as its wheels tell it.
+/// The robot's pose in the odometry frame, as measured by its wheels.
 struct Odometry {
   double stamp_s = 0.0;
   Pose2 T_odom_base;
@@ -69,7 +69,7 @@ struct Encoder {
   std::int64_t ticks = 0;
 };
 
-/// Elevation of the scan plane where it was measured itself.
+/// Elevation of the scan plane, measured directly.
 struct Tilt {
   double stamp_s = 0.0;
   double elevation_rad = 0.0;
@@ -96,7 +96,7 @@ using Trajectory = std::vector<StampedPose>;
 /// at which a further drive begins, ascending.
 double path_length_m(const Trajectory& trajectory, std::span<const std::size_t> drives = {});
 
-/// The pose of the robot at time t2 in its frame at time t1, as somebody verified it.
+/// The verified pose of the robot at time t2 in its frame at time t1.
 struct Relation {
   double t1_s = 0.0;
   double t2_s = 0.0;
@@ -114,7 +114,7 @@ class LogReader {
   virtual std::optional<LogRecord> next() = 0;
   /// Share of the input read so far, 0 to 1, for progress; negative when unknown.
   [[nodiscard]] virtual double progress() const = 0;
-  /// Warnings so far, counted by kind (what was skipped or mended).
+  /// Warnings so far, counted by kind (lines or messages that were skipped or corrected).
   struct Warning {
     std::string kind;
     std::uint64_t count = 0;

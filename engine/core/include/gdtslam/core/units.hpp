@@ -22,12 +22,11 @@ std::string_view unit_symbol(Unit unit);
 std::optional<double> parse_quantity(std::string_view text, Unit unit, std::string* why);
 
 /// The shortest text that parse_quantity reads back as the same bits, with the base unit's symbol: "0.05 m"; angles in
-/// degrees where that is shorter: "10 deg".
+/// degrees if that is shorter: "10 deg".
 std::string format_quantity(double value, Unit unit);
 
-/// parse_quantity() for a command line: a bare number other than 0 is refused where the unit is metre, radian or
-/// second, because nobody knows which unit a typed 90 or 5 means. Counts, cells and shares have one unit and stay
-/// numbers.
+/// parse_quantity() for a command line: a bare number other than 0 is refused if the unit is metre, radian or second,
+/// because the unit of a typed 90 or 5 is ambiguous. Counts, cells and shares have one unit and stay numbers.
 std::optional<double> parse_stated_quantity(std::string_view text, Unit unit, std::string* why);
 
 /// Text for people, which nothing reads back: an angle in degrees to six digits; else as format_quantity(), but never

@@ -53,7 +53,7 @@ struct Fill {
 
 /// The records of a canvas, one for each call.
 namespace shape {
-/// A rectangle, its corners rounded where there is a radius.
+/// A rectangle; its corners are rounded if the radius is not 0.
 struct Rectangle {
   Point2 corner;  ///< upper left
   double width = 0.0;
@@ -108,7 +108,7 @@ using Shape = std::variant<shape::Rectangle, shape::Line, shape::Polygon, shape:
 /// A drawing, shape upon shape.
 class Canvas {
  public:
-  /// The title is what a screen reader says of an SVG. No page is drawn: what is not covered stays transparent.
+  /// A screen reader reads the title of an SVG. No page is drawn, so uncovered parts stay transparent.
   Canvas(double width, double height, std::string_view title);
 
   void rectangle(const Point2& corner, double width, double height, const std::optional<Fill>& fill,

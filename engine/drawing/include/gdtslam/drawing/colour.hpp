@@ -49,7 +49,7 @@ inline constexpr Colour kNight = colour_for(0x14171c);  ///< background of 3D sc
 /// 256 colours from the least to the largest value.
 class ColourMap {
  public:
-  /// Name and doc of static storage; `unknown` is the colour of what is not a number.
+  /// Name and doc must have static storage; `unknown` is the colour of NaN.
   ColourMap(std::string_view name, std::string_view doc, std::vector<Colour> table, Colour unknown);
   /// `share` 0 to 1, clamped; not a number gives `unknown`.
   [[nodiscard]] Colour at(double share) const;

@@ -3,7 +3,7 @@
 // 0.05 s for 2.4 million cells at 1600 x 1200, to which the raster adds 0.1 s.
 //
 // Words and lines grow with the picture. The legend stands below the map or beside it, whichever leaves the map larger;
-// a picture with a side below 200 pixels has no words. Where there are more cells than pixels no thin wall is lost.
+// a picture with a side below 200 pixels has no words. If there are more cells than pixels, thin walls are still drawn.
 #pragma once
 
 #include <cstddef>
@@ -51,8 +51,8 @@ struct MapLook {
 /// 1600. `width` and `height` in any one unit: only their ratio counts.
 PictureSize size_for_content(double width, double height);
 /// The occupancy map: walls, what was seen free, and the path in the colours of time. Cropped to walls and path,
-/// without poses farther outside the grid than it is long; what was seen beyond is shown as far as the sheet goes.
-/// Throws InputError where an index is beyond the trajectory.
+/// without poses farther outside the grid than it is long. The rest of the sheet shows what was seen beyond them.
+/// Throws InputError if an index is beyond the trajectory.
 Canvas map_picture(const OccupancyMap& map, const PathOverlay& overlay, const MapLook& look, const PictureSize& size);
 /// The distance field, with a colour bar in metres or as intensity. Throws InputError as map_picture() does and for a
 /// field without cells; ConfigError for a colour map that there is not.
@@ -60,7 +60,8 @@ Canvas field_picture(const FieldPicture& field, const PathOverlay& overlay, cons
                      const PictureSize& size);
 
 /// Errors by group: one box (quartiles, whiskers at 1.5 times their distance, points beyond) for each. Quantiles lie
-/// between the two nearest values (definition 7 of [Hyndman1996]); values that are not finite are counted and told.
+/// between the two nearest values (definition 7 of [Hyndman1996]); values that are not finite are counted, and the
+/// picture states their number.
 struct ErrorGroup {
   std::string name;
   std::vector<double> values;  ///< in `unit`
@@ -74,10 +75,10 @@ struct ErrorPlot {
 };
 Canvas box_plot(const ErrorPlot& plot, const PictureSize& size);
 /// Share of values up to x, one curve a group, with the median and the 95 % marks. The axis ends at three times the
-/// largest 95 % mark; the largest value is told.
+/// largest 95 % mark; the picture states the largest value.
 Canvas distribution_plot(const ErrorPlot& plot, const PictureSize& size);
-/// Values over time, one curve a group; (seconds, value). What is not finite is a gap. Where many points share a column
-/// of pixels, its least and largest value are drawn: no spike is lost, and a drawing stays small.
+/// Values over time, one curve a group; (seconds, value). A value that is not finite leaves a gap. If many points share
+/// a column of pixels, its least and largest value are drawn, so that no spike is lost and the drawing stays small.
 struct TimeSeries {
   std::string name;
   std::vector<std::pair<double, double>> points;

@@ -25,7 +25,7 @@ struct Axis {
   bool has_grid = true;
   /// Named places instead of ticks: groups of a box plot.
   std::vector<std::pair<double, std::string>> names = {};
-  /// After each of the names; where room is short, the name is cut first.
+  /// Text after each of the names. If room is short, the name is cut first.
   std::vector<std::string> remarks = {};
 };
 
@@ -50,8 +50,8 @@ struct BoxFigures {
 /// Figures of at least one value, all finite, in any order. O(n log n).
 BoxFigures box_figures(std::vector<double> values);
 
-/// Draws the axes when it is made, then what is asked for, within the frame. Values that are not finite leave a gap.
-/// Where a name is given, the legend explains it.
+/// The constructor draws the axes; the other calls draw within the frame. Values that are not finite leave a gap. A
+/// curve with a name gets an entry in the legend.
 class Plot {
  public:
   /// `area` has the room for everything: words, frame, ticks.
@@ -78,7 +78,7 @@ class Plot {
   /// Words at a value, moved by some pixels.
   void words(double x, double y, std::string_view text, const Lettering& lettering, const Point2& by = Point2::Zero());
 
-  /// Last: where it hides least of what was drawn. Nothing without names.
+  /// Draws the legend where it hides least; call it last. Draws nothing without names.
   void legend();
 
  private:
@@ -112,7 +112,7 @@ class Plot {
   void cover(const Point2& from, const Point2& to);
   void explain(std::string_view name, Mark mark, const Pen& pen, const Fill& fill);
   [[nodiscard]] Point2 place_of_legend(double width, double height) const;
-  /// The names of groups in two rows, cut to what their neighbours and the page leave.
+  /// Draws the names of groups in two rows, cut to the room that neighbours and page leave.
   void fit_names(double distance);
   void draw_entry(const Entry& entry, const Point2& at, double size);
 
@@ -124,7 +124,7 @@ class Plot {
   PlotLook look_;
   std::vector<Label> x_labels_;
   std::vector<Label> y_labels_;
-  int label_rows_ = 1;  ///< below the frame; two where names would overlap
+  int label_rows_ = 1;  ///< below the frame; two if names would overlap
   std::vector<Entry> entries_;
   std::vector<Point2> covered_;
 };

@@ -19,7 +19,8 @@ struct Ticks {
   double step = 1.0;
   int count = 1;
   [[nodiscard]] double value(int number) const { return first + number * step; }
-  /// With as many decimals as the step needs and a true minus sign; very large and very small ones with an exponent.
+  /// Text with as many decimals as the step needs and a true minus sign; very large and very small values get an
+  /// exponent.
   [[nodiscard]] std::string text(int number) const;
 };
 
@@ -39,7 +40,7 @@ std::string with_commas(std::uint64_t value);
 std::string counted(std::uint64_t value, const std::string& noun);
 /// "5 mm", "20 cm", "1 m", "2 km": a length as people say it; of a 1-2-5 length no digit is lost.
 std::string length_text(double length_m);
-/// The largest 1-2-5 length that is at most so long; 0 where there is none (not positive, not finite).
+/// The largest 1-2-5 length that does not exceed this one; 0 if there is none (not positive, not finite).
 double round_length_m(double most_m);
 
 }  // namespace gdtslam

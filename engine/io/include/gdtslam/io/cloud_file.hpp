@@ -2,7 +2,7 @@
 // depend on the number of points, save for PCD's binary_compressed, which lies in memory as a whole while it is read.
 // Every file is written to a temporary name, synced and renamed. Columns: x y z (float, metres), elevation (float,
 // radians), time (double, seconds), scan (uint); a reader takes files that have x y z only, columns in any order, of
-// any numeric type, and skips what it does not know. Cost: one pass. One object belongs to one thread.
+// any numeric type, and skips unknown columns. Cost: one pass. One object belongs to one thread.
 #pragma once
 
 #include <array>
@@ -51,23 +51,23 @@ struct CloudHeader {
 /// A cloud file that is read piece by piece.
 class CloudReader {
  public:
-  /// PLY or PCD by its first line, plain or in gzip. Throws InputError (file, line or point, what is wrong) or
-  /// FileError, as next() does.
+  /// Opens a PLY or PCD file, plain or in gzip; the first line decides which. Throws InputError (file, line or point,
+  /// and the fault) or FileError, as next() does.
   explicit CloudReader(const std::string& path);
   /// The same of bytes in memory, which must outlive the reader; `name` stands in messages.
   CloudReader(std::span<const std::byte> data, const std::string& name);
   ~CloudReader();
   [[nodiscard]] const CloudHeader& header() const;
-  /// Before the first next(): where the first point lies beyond 10 km on an axis, as in a country's grid, whole
-  /// kilometres are taken off that axis in double, because the points are single precision and would be off by
-  /// decimetres. origin_m() tells what was taken off.
+  /// Call it before the first next(). If the first point lies beyond 10 km on an axis, as in a national grid, whole
+  /// kilometres are subtracted on that axis in double precision, because single-precision points would be off by
+  /// decimetres. origin_m() returns the offset.
   void make_relative();
   [[nodiscard]] const std::array<double, 3>& origin_m() const;
   /// The next up to `most` points; empty at the end. Points with a value that is not finite are skipped and counted.
   Cloud next(std::size_t most = 65536);
   [[nodiscard]] std::uint64_t skipped() const;
-  /// For a caller that keeps what it reads: throws InputError when so many points are out of proportion to the packed
-  /// file (io/file_limits.hpp).
+  /// For a caller that keeps all points: throws InputError if their number is out of proportion to the packed file
+  /// (io/file_limits.hpp).
   void check_kept(std::uint64_t points) const;
 
  private:
@@ -76,7 +76,7 @@ class CloudReader {
 };
 
 /// The whole cloud; how many points were skipped as not finite goes to *skipped (may be null). With `origin_m` the
-/// cloud is relative (CloudReader::make_relative). Throws InputError beyond max_points, with what to do.
+/// cloud is relative (CloudReader::make_relative). Throws InputError, with advice, if there are more than max_points.
 Cloud read_cloud(const std::string& path, std::uint64_t max_points = 200'000'000, std::uint64_t* skipped = nullptr,
                  std::array<double, 3>* origin_m = nullptr);
 

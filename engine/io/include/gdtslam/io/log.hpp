@@ -1,4 +1,4 @@
-// Opens a log of whatever kind it is. Kinds are told apart by content, not by name. Memory is bounded by the longest
+// Opens a log of any supported kind. The kind is recognised by content, not by name. Memory is bounded by the longest
 // line (4 MiB) or message (16 MiB) allowed, whatever the log's length. One reader belongs to one thread.
 #pragma once
 
@@ -57,12 +57,12 @@ struct ReadOptions {
   bool lenient = false;                        ///< count and skip malformed lines instead of throwing
   std::optional<double> first_bearing_rad{};   ///< bearing of beam 0; by the number of beams or by the line when empty
   std::optional<double> bearing_step_rad{};    ///< between beams; likewise
-  std::optional<double> max_range_m{};         ///< the sensor's limit; what the log says when empty
+  std::optional<double> max_range_m{};         ///< the sensor's limit; if empty, the log's own
   std::optional<Pose2> T_base_laser{};         ///< the mount; from the two poses of each scan line when empty
   std::optional<double> first_beam_after_s{};  ///< when beam 0 was measured, after the stamp; the log's when empty
   std::optional<double> beam_period_s{};       ///< from beam to beam; likewise
   bool deskew =
-      true;  ///< tell with each scan how the robot moved meanwhile, where its beams were not all measured at once
+      true;  ///< add to each scan the motion of the robot while it was taken, if its beams have different times
   TopicChoice topics{};
   CrankOptions crank{};
   std::optional<double> clock_offset_s{};  ///< for recordings: added to stamps of odometry and crank; measured if empty
@@ -77,11 +77,12 @@ struct ScanRange {
 };
 
 /// A CARMEN text log, a CSV file, JSON lines, a ROS 1 bag or an MCAP file, plain or packed, or a ROS 2 bag; "-" is
-/// standard input. Throws InputError that names what is supported for anything else, FileError for what cannot be read,
-/// UsageError where topics are chosen of a log that has none.
+/// standard input. Throws InputError, which names the supported kinds, for anything else; FileError for a file that
+/// cannot be read; UsageError if topics are chosen for a log that has none.
 std::unique_ptr<LogReader> open_log(const std::string& path, const ReadOptions& options);
 
-/// Fills at most the target, and waits where there is nothing yet; 0 only at the end. May throw FileError, InputError.
+/// Fills at most the target and returns the number of bytes. Waits if no data is there yet; returns 0 only at the end.
+/// May throw FileError, InputError.
 using ReadBytes = std::function<std::size_t(std::span<char> target)>;
 /// The same of bytes that come from anywhere; `name` stands in messages. A ROS 2 bag cannot be read that way.
 std::unique_ptr<LogReader> open_log_of_bytes(ReadBytes read, const std::string& name, const ReadOptions& options);

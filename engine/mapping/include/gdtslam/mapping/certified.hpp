@@ -1,9 +1,9 @@
 // The pose of a scan in a map with a proof: branch and bound over a window of poses, best bound first, until no pose of
-// the window can be better than the one in hand by more than a gap. The cost is that of pose_cost.hpp (bilinear,
+// the window can be better than the best one found by more than a gap. The cost is that of pose_cost.hpp (bilinear,
 // distance), to the bit; docs/numerics.md, "Certified matching", derives the bounds. Frames: the window and the result
 // are poses of the robot in the map, metres and radians; points are in cells in the robot's frame. Same result on every
 // instruction set and with every device; with a time limit it depends on the clock. A prepared map may be shared
-// between threads; they take turns with its device, which nobody else may use meanwhile.
+// between threads; they take turns with its device. No other code may use that device at the same time.
 #pragma once
 
 #include <cstdint>
@@ -51,17 +51,15 @@ class FieldCopy {
   std::vector<std::uint16_t> cells_;
 };
 
-/// A field with what the bounds need. The field's cells must outlive it and stay as they are.
+/// A field, prepared for the bounds. The field's cells must outlive it and stay as they are.
 class CertifiedMap {
  public:
   /// Window sizes that a field is prepared for: any size, up to some metres (a fifth of the time), or up to one metre
-  /// (a tenth). Each proves in any window what the others prove, but the poses that they find may differ within the
-  /// gap.
+  /// (a tenth). All of them give the same proofs in any window, but the poses that they find may differ within the gap.
   enum Windows : std::uint8_t { kAnyWindows, kSmallWindows, kNearWindows };
-  /// `isa` runs the kernels, but for the boxes that the search of a large window begins with where there is a `device`,
-  /// which must outlive this: those are bounded there, all at once. The result is the same. Throws Error where the
-  /// field is smaller than 4 x 4 cells or its edge does not hold the cap, InputError where it is larger than some
-  /// 32,400 x 32,400 cells.
+  /// `isa` runs the kernels. If there is a `device`, which must outlive this, it bounds the first boxes of a search in
+  /// a large window, all at once. The result is the same. Throws Error if the field is smaller than 4 x 4 cells or its
+  /// edge does not hold the cap, InputError if it is larger than some 32,400 x 32,400 cells.
   CertifiedMap(const FieldView& field, Isa isa, Windows windows = kAnyWindows, Backend* device = nullptr);
   ~CertifiedMap();
   CertifiedMap(const CertifiedMap&) = delete;
@@ -76,7 +74,7 @@ class CertifiedMap {
   [[nodiscard]] std::uint64_t device_launches() const;
   /// Memory of the prepared fields.
   [[nodiscard]] std::size_t bytes() const;
-  /// At most so many are held at once while a field of that size is prepared, its own not counted. O(1).
+  /// Most bytes in use at once while a field of that size is prepared, without the field's own. O(1).
   static std::uint64_t most_bytes(std::uint64_t width, std::uint64_t height, Windows windows = kAnyWindows);
 
  private:
@@ -112,15 +110,15 @@ struct WindowPrior {
   float limit = 1.0e9F;       ///< cost units of either part
 };
 
-/// When a search may stop, where it begins and what it leaves out.
+/// Limits of a search: when it may stop, where it begins and which poses it leaves out.
 struct CertifiedOptions {
   double gap_m = 0.005;  ///< gap of the mean distance that has to be proven
   /// Cost units: that no pose costs less than this is proof enough, however near the best pose found is to it.
   std::uint32_t wanted_bound = std::numeric_limits<std::uint32_t>::max();
   std::uint64_t max_boxes = std::numeric_limits<std::uint64_t>::max();  ///< a batch may pass it; not more than 2^23
                                                                         ///< open at a time, whatever is allowed
-  /// Whether those that cover the window count, of which a large map has more than any search should take: else only
-  /// those beyond them.
+  /// Whether max_boxes includes the boxes that cover the window. On a large map these alone exceed any useful limit. If
+  /// false, only boxes beyond these count.
   bool counts_window = true;
   double max_seconds = std::numeric_limits<double>::infinity();
   std::vector<Pose2> starts{};  ///< poses to begin from, another matcher's result say
@@ -140,7 +138,7 @@ enum class CertifiedStop : std::uint8_t {
 };
 std::string_view to_string(CertifiedStop stop);
 
-/// The best pose of a search and what it proves.
+/// The best pose of a search and its proof.
 struct CertifiedResult {
   Pose2 T_map_base;          ///< the best pose found
   std::uint32_t cost = 0;    ///< its cost, prior included, 1/256 cell summed over the points
@@ -158,8 +156,9 @@ struct CertifiedResult {
 inline constexpr std::size_t kMostCertifiedPoints = 4096;
 
 /// Throws Error without points, with too many of them or with a window, prior or start that is not finite, DeviceError
-/// where the map's device fails; then a map without one has the result. Cost: about 1 ms for a window of +-1 m and +-20
-/// degrees, 5 ms for +-5 m and all headings in the map of an office floor (docs/benchmarks.md, "Certified matching").
+/// if the map's device fails; a map without a device then gives the result. Cost: about 1 ms for a window of +-1 m and
+/// +-20 degrees, 5 ms for +-5 m and all headings in the map of an office floor (docs/benchmarks.md, "Certified
+/// matching").
 CertifiedResult find_pose(const CertifiedMap& map, std::span<const PointCells> points, const PoseWindow& window,
                           const CertifiedOptions& options = {});
 

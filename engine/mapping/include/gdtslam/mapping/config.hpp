@@ -37,8 +37,8 @@ struct MapConfig {
   [[nodiscard]] std::uint32_t radius_cells() const;
 };
 
-/// Stretch of the path whose map scans are matched with. A map of all of it pulls a robot that comes back to its old
-/// walls, right or wrong; maps of stretches drift, and leave it to the loops to say where it is.
+/// Stretch of the path whose map the scans are matched with. A map of the whole path pulls a returning robot to its old
+/// walls, right or wrong. Maps of stretches drift, and loops correct the drift.
 struct LocalMapConfig {
   double stretch_m = 0.0;  ///< path length; a map holds one to two of them. 0: all of it
 };
@@ -64,14 +64,14 @@ struct KeyframeConfig {
   bool every_scan = false;
 };
 
-/// Which matcher, and what it minimises.
+/// The matcher, and the cost that it minimises.
 struct MatchConfig {
   MatcherKind matcher = MatcherKind::kSimplexNewton;
   CostForm cost = CostForm::kDistance;
   Interpolation interpolation = Interpolation::kBilinear;
 };
 
-/// Parameters of the matchers pso, sce and simpsa; those of their sources where there are some.
+/// Parameters of the matchers pso, sce and simpsa, with the values of their sources if these give any.
 struct OptimizerConfig {
   std::int32_t particles = 30;  ///< number in a swarm
   std::int32_t complexes = 4;   ///< number in a shuffled population
@@ -81,14 +81,14 @@ struct OptimizerConfig {
   std::int32_t seed = 1;
 };
 
-/// When odometry is not believed, and what is taken for it then.
+/// When odometry is not used, and what replaces it.
 struct OdometryConfig {
   bool estimate = false;           ///< its noise, as the log goes; else prior and search state it
   double max_step_m = 5.0;         ///< a longer step between two scans is a fault
   double frozen_m = 0.3;           ///< odometry that stands still while the scans move this far is taken as missing
   double frozen_rad = 0.35;        ///< or turn this far
-  double unknown_step_m = 0.2;     ///< how far the robot may move between two scans when nothing tells
-  double unknown_turn_rad = 0.17;  ///< and turn
+  double unknown_step_m = 0.2;     ///< without odometry, a motion of at least this much counts as possible
+  double unknown_turn_rad = 0.17;  ///< and a turn of at least this much
 };
 
 /// Which points count at which stage of a descent, paper equation (8).
@@ -136,7 +136,7 @@ struct DoubtConfig {
   double report_rad = 0.2617993877991494;
   double max_contradiction = 0.3;  ///< a match is refused beyond these
   double min_overlap = 0.25;
-  double restart_m = 2.0;  ///< after this much motion without a match the scan is merged where odometry says
+  double restart_m = 2.0;  ///< after this much motion without a match the scan is merged at its prediction
 };
 
 /// All options of the 2D mapper.

@@ -33,8 +33,8 @@ class PosesByStamp {
   std::vector<Entry> entries_;  // in the order of time
 };
 
-/// Stamps that two stretches of a trajectory have, between which a clock stepped back by more than a second: they do
-/// not tell which pose is meant. Thread-safe once made. O(n log n) to make, O(log n) to ask.
+/// Stamps that two stretches of a trajectory have, between which a clock stepped back by more than a second. Such a
+/// stamp does not identify one pose. Thread-safe once made. O(n log n) to make, O(log n) to ask.
 class RepeatedStamps {
  public:
   RepeatedStamps(const Trajectory& trajectory, double tolerance_s);
@@ -47,7 +47,7 @@ class RepeatedStamps {
     std::size_t stretch = 0;
   };
   double tolerance_s_;
-  std::vector<Entry> entries_;           // in the order of time; none where there is one stretch
+  std::vector<Entry> entries_;           // in the order of time; empty if there is one stretch
   std::vector<std::size_t> next_other_;  // for each pose the next one that is of another stretch
 };
 
@@ -80,7 +80,7 @@ struct RelationReport {
 /// Relations whose stamps identify their poses, in their order; the difference in number is that of ambiguous ones.
 std::vector<Relation> without_repeated_stamps(std::span<const Relation> relations, const Trajectory& trajectory,
                                               double tolerance_s = 1e-4);
-/// Stamps match within `tolerance_s`; where a stamp occurs more than once the last pose counts.
+/// Stamps match within `tolerance_s`; if a stamp occurs more than once, the last pose counts.
 RelationReport evaluate_relations(const Trajectory& trajectory, std::span<const Relation> relations,
                                   double tolerance_s = 1e-4);
 
@@ -100,7 +100,7 @@ struct ReferenceOptions {
   double rpe_distance_m = 1.0;
   bool align = true;  ///< rigid alignment; otherwise the first poses are made to agree
 };
-/// Returns for each pose of a trajectory the index of the reference pose with its stamp. Where stamps are not unique
+/// Returns for each pose of a trajectory the index of the reference pose with its stamp. If stamps are not unique
 /// because a clock stepped back, the stretches between such steps are matched one by one. Throws InputError if the two
 /// do not have equally many stretches.
 std::vector<std::optional<std::size_t>> matches_by_stamp(const Trajectory& estimate, const Trajectory& reference,

@@ -26,8 +26,8 @@ struct MergeStep {
   std::uint32_t lift = 0;  ///< kappa * threshold
 };
 
-/// The map's cells on one backend. On the CPU it grows without a copy and takes memory where something was seen; on a
-/// device it is a rectangle, which is copied there when it grows.
+/// The map's cells on one backend. On the CPU it grows without a copy and uses memory only for parts that were seen. On
+/// a device it is a rectangle, which is copied when it grows.
 class GlobalField {
  public:
   /// Resolution in metres, truncation radius in cells and the most cells that the map may take memory for.
@@ -61,19 +61,20 @@ class GlobalField {
   [[nodiscard]] const Buffer& buffer() const;
   [[nodiscard]] std::span<const std::uint16_t> memory() const;
 
-  /// Makes the map hold the box (map cells; not empty) and its guard. Throws InputError when it would reach too far,
-  /// or, on a device, pass max_cells; DeviceError where the backend fails (with the size of the map and what bounds it,
-  /// where that exceeds the largest buffer), Error where the CPU has no such memory. The map is as before then.
+  /// Makes the map hold the box (map cells; not empty) and its guard. Throws InputError if it would reach too far or,
+  /// on a device, exceed max_cells. Throws DeviceError if the backend fails; if the map exceeds the largest buffer,
+  /// with its size and the limit. Throws Error if the CPU has too little memory. The map is then unchanged.
   void grow_to_hold(const CellBox& map_box);
-  /// Throws InputError where a merge into these boxes, which the map holds, would take more memory than for max_cells.
+  /// Throws InputError if a merge into these boxes, which the map holds, would take more memory than max_cells allows.
   void require_room(std::span<const CellBox> map_boxes) const;
   /// Notes that a merge writes cells of the box.
   void touch(const CellBox& map_box);
 
-  /// The cells of the box from any backend, row by row; empty while it is. Throws DeviceError where the device fails.
+  /// The cells of the box from any backend, row by row; none if the box is empty. Throws DeviceError if the device
+  /// fails.
   [[nodiscard]] std::vector<std::uint16_t> download() const;
-  /// Takes over the cells of another field of the same cap; cells of the box outside of theirs become the cap. The map
-  /// must hold something: grow_to_hold() comes first. Throws DeviceError where the device fails.
+  /// Takes over the cells of another field of the same cap; cells of the box outside of theirs become the cap. Call
+  /// grow_to_hold() first, because the map must not be empty. Throws DeviceError if the device fails.
   void adopt(const CellRows& from);
 
  private:

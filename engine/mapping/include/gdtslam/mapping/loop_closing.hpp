@@ -1,7 +1,7 @@
-// Loops closed while a mapper maps: beside it a thread finds where the robot came back; once the log has ended the back
-// end adjusts all keyframes together, then every scan (docs/loops.md). Two frames: the mapper's, whose poses are right
-// relative to those shortly before and never leap, and the closed one, in which places that were seen again lie where
-// they were.
+// Closes loops while a mapper maps. A second thread finds the loops. Once the log has ended, the back end adjusts all
+// keyframes together, then every scan (docs/loops.md). There are two frames. Poses in the mapper's frame are right
+// relative to the poses shortly before and never leap. In the closed frame, a place that is seen again keeps its
+// position.
 #pragma once
 
 #include <cstddef>
@@ -32,13 +32,13 @@ struct PoseInformation {
   double tt = 0.0;  ///< 1/rad^2
 };
 
-/// The robot was where it had been before.
+/// A loop: the robot came back to an earlier place.
 struct ClosedLoop {
   std::size_t from = 0;  ///< scans, by their number
   std::size_t to = 0;
   Pose2 T_from_to;  ///< relative pose that was measured
   PoseInformation information;
-  double weight = 0.0;  ///< how far it is believed, from 0 to 1: its information counts so much
+  double weight = 0.0;  ///< factor on its information, from 0 (switched off) to 1
   double off_m = 0.0;   ///< distance of the measured pose from the one in the graph
   double off_rad = 0.0;
   bool is_on = false;
@@ -73,13 +73,13 @@ struct WheelReport {
 
 /// Result of closing the loops.
 struct ClosedPath {
-  bool is_closed = false;                   ///< not where it was stopped: then the poses are those of the mapper
+  bool is_closed = false;                   ///< false if it was stopped: then the poses are those of the mapper
   std::vector<Pose2> T_map_base;            ///< one a scan
   std::vector<PoseCovariance> covariances;  ///< covariance of each pose; empty if the run was stopped
   WheelReport wheels;
   std::vector<std::size_t> keyframes;  ///< scans, by their number
   std::vector<ClosedLoop> loops;
-  std::vector<GraphPlace> places;  ///< in the order of the path, the first at the origin; empty where it was stopped
+  std::vector<GraphPlace> places;  ///< in the order of the path, the first at the origin; empty if it was stopped
   std::vector<PathRelation> path;  ///< by the mapper, then by the wheels, each in the order of the path
   std::uint64_t searches = 0;
   std::uint64_t pruned = 0;  ///< keyframes that later passes of a place made needless: they are adjusted as other scans
@@ -93,7 +93,7 @@ struct LiveStatistics {
   std::uint64_t corrections = 0;  ///< changes of LoopClosing::correction()
   std::uint64_t waits = 0;        ///< scans that waited for loops to be looked for
   double waited_s = 0.0;          ///< all together
-  double beside_cpu_s = 0.0;      ///< CPU time of the thread beside; 0 where there is none
+  double beside_cpu_s = 0.0;      ///< CPU time of the second thread; 0 if there is none
 };
 
 /// A map as it was known at some keyframe. It stays as it is, for any thread, also when the mapper is gone.
@@ -124,19 +124,20 @@ class LoopClosing {
   /// weighs odometry against matches.
   static MapperConfig adapt_config(MapperConfig config);
 
-  /// The mapper's next scan. Rethrows what the look for loops threw. It waits for that where it is more than eight
-  /// places, 32 m of path, behind.
+  /// Takes the mapper's next scan. Rethrows exceptions of the search for loops. Waits for the search if it is more than
+  /// eight places, 32 m of path, behind.
   void take(std::span<const Point2> points_base_m, const MatchResult& result);
 
-  /// For those who steer while mapping goes on: T_closed_front * MatchResult::T_map_base is the pose with the loops
-  /// closed that have been found so far. It leaps where loops do; the mapper's poses do not. What is found at a
-  /// place takes effect eight places later, at a keyframe that the log alone determines: live and offline, with any
-  /// number of threads, it has the same values at the same scans.
+  /// Correction for controllers during mapping: T_closed_front * MatchResult::T_map_base is the pose with the loops
+  /// found so far closed. It leaps when a loop takes effect; the mapper's poses do not. A loop found at a place takes
+  /// effect eight places later, at a keyframe that the log alone determines: live and offline, with any number of
+  /// threads, it has the same values at the same scans.
   [[nodiscard]] const Pose2& correction() const;
-  /// The distance field of the keyframes so far, in the closed frame with the loops found by then; which those are
-  /// depends on the log alone, when it is ready on the machine. Made by the thread that looks for loops, some 0.5 ms a
-  /// keyframe, during which loops wait. Holds what was thrown, as InputError where the map would be beyond
-  /// map.max_megacells; std::future_error (broken promise) where the mapper ended before. Not after close().
+  /// Requests the distance field of the keyframes so far, in the closed frame with the loops found by then. Its content
+  /// depends on the log alone; the time until it is ready depends on the machine. The thread that searches for loops
+  /// makes it, in some 0.5 ms a keyframe, during which the search waits. The future holds exceptions: InputError if the
+  /// map would exceed map.max_megacells, std::future_error (broken promise) if the mapper ended before. Do not call it
+  /// after close().
   std::shared_future<FrozenMap> request_map();
   /// The poses of the keyframes so far, as soon as the thread that looks for loops has reached them. The call itself
   /// takes next to no time. Like that of request_map(), the future is broken if the mapper ends first, and close() must
@@ -144,13 +145,13 @@ class LoopClosing {
   std::shared_future<ClosedKeyframes> request_keyframes();
   [[nodiscard]] LiveStatistics statistics() const;
 
-  /// To be called once, after the last scan. Where stop() is or becomes true, the path stays as it was driven.
-  /// With more than one thread (MapperOptions::cpu) the path is adjusted by all, and the field is still being made when
-  /// this returns.
+  /// Call it once, after the last scan. If stop() is or becomes true, the path stays as the mapper measured it. With
+  /// more than one thread (MapperOptions::cpu) the path is adjusted by all, and the field is still being made when this
+  /// returns.
   ClosedPath close(const Progress& progress, const std::function<bool()>& stop);
   /// Waits until the field is made, and gives the CPU seconds of a thread that made it after close().
   double finish_field() const;
-  /// The distance field of all keyframes where close() put them. Throws InputError where the map would be beyond
+  /// The distance field of all keyframes at their poses from close(). Throws InputError if the map would exceed
   /// map.max_megacells.
   [[nodiscard]] const GlobalField& field() const;
 

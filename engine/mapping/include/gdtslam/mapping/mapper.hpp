@@ -25,10 +25,10 @@ struct MapperOptions {
   /// Options of that backend. If the backend given is a device, matchers that walk on the host map on it from the
   /// start. It has one thread unless more are asked for.
   CpuOptions cpu{};
-  /// Called once for each failure, with one line that says what failed and what happens now.
+  /// Called once for each failure, with one line that names the failure and its consequence.
   std::function<void(const std::string&)> warn{};
-  /// For files without a name: the scans of a long drive wait there until its end, where loops are closed; empty: that
-  /// of TMPDIR, or /var/tmp.
+  /// Folder for unnamed temporary files. If loops are closed, the scans of a long drive are kept there until its end.
+  /// Empty: that of TMPDIR, or /var/tmp.
   std::string scratch_folder{};
   /// Each match says how sure it is (MatchResult::covariance), for some ten microseconds a scan.
   bool with_covariance = false;
@@ -41,23 +41,23 @@ struct MapperOptions {
 /// Maps one robot's scans, one after the other.
 class Mapper {
  public:
-  /// Throws ConfigError that names every violation. The backend must outlive the mapper. The map lives on the CPU, and
-  /// for `exhaustive` on the backend too, where it is matched; else a device has nothing to do.
+  /// Throws ConfigError that names every violation. The backend must outlive the mapper. The map lives on the CPU. For
+  /// `exhaustive` it also lives on the backend, which matches it; other matchers do not use a device.
   ///
-  /// Where the backend throws DeviceError, at any time from here on, the mapper goes over to a CPU backend of its own:
-  /// the scan in hand is matched again there, and the device is asked for nothing more. Map and poses are the same, bit
-  /// for bit, as if all had been done on the CPU. From the CPU there is no way back: its DeviceError goes to the
-  /// caller, as does every one where fall_back is off, and again at each later call.
+  /// If the backend throws DeviceError at any later time, the mapper changes to a CPU backend of its own. It matches
+  /// the current scan again there and no longer uses the device. Map and poses are the same, bit for bit, as if all had
+  /// been done on the CPU. A DeviceError of the CPU goes to the caller, and again at each later call; so does every
+  /// DeviceError if fall_back is off.
   Mapper(const MapperConfig& config, Backend& backend, MapperOptions options = {});
   ~Mapper();
   Mapper(const Mapper&) = delete;
   Mapper& operator=(const Mapper&) = delete;
 
-  /// Takes the next scan and the robot's pose by odometry when it was taken (nothing, or a constant, where there is no
+  /// Takes the next scan and the robot's pose by odometry when it was taken (nothing, or a constant, if there is no
   /// odometry) and returns the robot's pose in the map with its evidence. Poses or ranges that are not finite never
   /// reach the map: such a pose counts as no odometry, such a range as no return. Throws InputError when the map would
   /// grow beyond map.max_megacells, with the size needed and the size allowed; the map then stays as it was, the
-  /// robot's motion is kept, and mapping may continue. Throws also what LoopClosing::take() does.
+  /// robot's motion is kept, and mapping may continue. Also throws the exceptions of LoopClosing::take().
   MatchResult process(const LaserScan& scan, const std::optional<Pose2>& T_odom_base);
   /// The same for returns that are points of the robot's plane: a nodding laser's, levelled, or several lasers' scans.
   MatchResult process(PointScan scan, const std::optional<Pose2>& T_odom_base);
@@ -72,8 +72,8 @@ class Mapper {
   [[nodiscard]] LoopClosing* loops() const;
   /// Text of the error that the device failed with; empty while it works.
   [[nodiscard]] const std::string& device_loss() const;
-  /// The device's own cells, those of field() where the matcher walks on the host: to be compared with field(). 1/256
-  /// cell, row by row. Throws DeviceError where the device fails; it does not fall back.
+  /// The device's own cells, to compare with field(); those of field() if the matcher runs on the host. 1/256 cell, row
+  /// by row. Throws DeviceError if the device fails; it does not fall back.
   [[nodiscard]] std::vector<std::uint16_t> download_device_cells();
 
  private:

@@ -25,10 +25,10 @@ std::string_view to_string(Doubt doubt);
 enum class StopReason : std::uint8_t { kNotRun, kConverged, kEvaluationLimit };
 std::string_view to_string(StopReason reason);
 
-/// The pose of one scan and what speaks for it.
+/// The pose of one scan and its evidence.
 struct MatchResult {
   double stamp_s = 0.0;
-  Pose2 T_map_base;       ///< the estimate; the prediction where the match was refused
+  Pose2 T_map_base;       ///< the estimate; the prediction if the match was refused
   Pose2 T_map_predicted;  ///< odometry on top of the last estimate
   Pose2 T_odometry_step;  ///< since the last scan by odometry, as it was logged; where there was none, as predicted
   double odometry_sigma_m = 0.0;  ///< deviation of the corrected step, along each axis; 0 if nothing was estimated
@@ -38,7 +38,8 @@ struct MatchResult {
   double predicted_sigma_rad = 0.0;
   double match_sigma_m = 0.0;  ///< deviation of one match, estimated next to the wheels; 0 if nothing was
   double match_sigma_rad = 0.0;
-  /// Whether the scan fits about as well turned as it was predicted; it is asked where the two are far apart.
+  /// Whether the scan fits about as well with the predicted heading. Computed only if match and prediction are far
+  /// apart.
   bool is_turn_open = true;
   double mean_cost_m = 0.0;       ///< mean capped distance of the valid points to the map's obstacles, at the estimate
   double overlap = 0.0;           ///< share of the valid points within the final gate, at the estimate
@@ -51,9 +52,9 @@ struct MatchResult {
   /// Proof of the last window that `certified` searched: no pose in it has a mean distance smaller by more than this
   /// than the pose that the final descent began from.
   std::optional<double> proven_gap_m{};
-  /// How sure the estimate is within the map that it was matched with: by what the scan shows of it, along what that
-  /// does not show by the way that led there, and by that alone where the match was refused. Where it is asked for
-  /// (MapperOptions::with_covariance) and the map lives on the CPU.
+  /// Covariance of the estimate within the map that it was matched with. It comes from the scan and, along directions
+  /// that the scan does not determine, from the motion that led there; from that motion alone if the match was refused.
+  /// Set if MapperOptions::with_covariance asks for it and the map lives on the CPU.
   std::optional<PoseCovariance> covariance{};
   bool accepted = false;  ///< the estimate is the matcher's (or the first scan's), not the prediction
   bool merged = false;    ///< a keyframe: the scan went into the map
@@ -75,7 +76,7 @@ struct MapperStatistics {
   std::uint64_t keyframes = 0;         ///< merged into the map
   std::uint64_t searches = 0;          ///< scans for which a window was searched
   std::uint64_t attempts = 0;          ///< windows searched, all together
-  std::uint64_t restarts = 0;          ///< keyframes merged where odometry says, after a long stretch without a match
+  std::uint64_t restarts = 0;          ///< keyframes merged at the prediction, after a long stretch without a match
   std::uint64_t odometry_leaps = 0;    ///< odometry steps too long to be true
   std::uint64_t without_odometry = 0;  ///< scans predicted from the last motion
   std::uint64_t evaluations = 0;

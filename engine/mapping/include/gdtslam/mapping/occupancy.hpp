@@ -1,10 +1,10 @@
 // The occupancy map for planners and people: which cells are occupied, free or unknown, by casting the beams of every
-// scan from its final pose. A cell is judged by the scans that ended in it against those that only passed through it,
-// each scan counted once per cell and ends before passes, so that neither the order of the beams nor their density near
-// the sensor matters [Moravec1985]. Frame: map, its lattice that of the GDT; metres and radians. The cells that a beam
-// crosses are exact for end points rounded to 1/256 cell (integer traversal after [AmanatidesWoo1987]). Cost: O(beams x
-// rows or columns crossed) per scan. Memory: tiles of 64 x 64 cells where beams went, two bits a cell for each doubling
-// of the scans that saw it; nothing is copied when the map grows. One builder belongs to one thread.
+// scan from its final pose. The state of a cell follows from the scans that ended in it and those that only passed
+// through it [Moravec1985]. Each scan counts once per cell, an end before a pass, so neither the order of the beams nor
+// their density near the sensor matters. Frame: map, its lattice that of the GDT; metres and radians. The cells that a
+// beam crosses are exact for end points rounded to 1/256 cell (integer traversal after [AmanatidesWoo1987]). Cost:
+// O(beams x rows or columns crossed) per scan. Memory: tiles of 64 x 64 cells along the beams, two bits a cell for each
+// doubling of the scans that saw it; nothing is copied when the map grows. One builder belongs to one thread.
 #pragma once
 
 #include <array>
@@ -46,12 +46,12 @@ class OccupancyBuilder {
   OccupancyBuilder(const OccupancyConfig& config, const Limits& limits);
   ~OccupancyBuilder();
 
-  /// Casts the scan's beams from the robot's final pose, each from where the laser was when it measured it. Ranges that
-  /// are not finite are no returns. Throws InputError when the map would pass max_cells; the builder is unchanged
+  /// Casts the scan's beams from the robot's final pose, each from the laser's pose at the time of that beam. Ranges
+  /// that are not finite are no returns. Throws InputError when the map would pass max_cells; the builder is unchanged
   /// then.
   void add(const LaserScan& scan, const Pose2& T_map_base);
 
-  /// The map of what was added so far; 1 x 1 unknown cell when nothing was.
+  /// The map of the scans added so far; one unknown cell if there are none.
   [[nodiscard]] OccupancyMap build() const;
 
  private:

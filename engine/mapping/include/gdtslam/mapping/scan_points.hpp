@@ -13,10 +13,10 @@
 
 namespace gdtslam {
 
-/// End points of the valid beams in beam order, each seen from where the laser was when it measured it, as far as the
-/// scan's `speed` tells. Ranges that are not finite or outside min_range_m and max_range_m are
-/// no return (the scan's own limit counts too where the log states one; min_points does not count here), nor are points
-/// that are not finite or 100 km away because a bearing or the mount is wrong.
+/// End points of the valid beams in beam order, each seen from the laser's pose at the time of that beam, which the
+/// scan's `speed` gives. Ranges that are not finite or outside min_range_m and max_range_m are no return (the scan's
+/// own limit applies too, if the log states one; min_points has no effect here), nor are points that are not finite or
+/// 100 km away because a bearing or the mount is wrong.
 std::vector<Point2> to_points(const LaserScan& scan, const ScanConfig& valid);
 
 /// The same for one scan after the other: the directions of the beams are kept as long as the bearings stay.
@@ -38,8 +38,8 @@ class ScanPoints {
 struct PointScan {
   double stamp_s = 0.0;
   std::vector<Point2> points_base_m;
-  /// So many points at the end are those of a laser that the map does not know yet, so nothing they show is in it. They
-  /// are not matched, and the scan is a keyframe.
+  /// Number of points at the end that come from a laser without earlier scans in the map. They are not matched, and the
+  /// scan is a keyframe.
   std::size_t unknown_points = 0;
 };
 

@@ -1,5 +1,5 @@
-// From logs to a run folder: what `gdtslam map` does, byte for byte, for programs of others. 2D and, where a log tells
-// how its laser nods, 3D. One call belongs to one thread; the backend may use more. docs/howto/live.md has an example.
+// Maps logs to a run folder. Other programs get the same bytes as from `gdtslam map`. 2D, and 3D if a log has messages
+// of its nodding mount. One call belongs to one thread; the backend may use more. docs/howto/live.md has an example.
 #pragma once
 
 #include <cstdint>
@@ -20,13 +20,13 @@
 namespace gdtslam {
 
 /// Draws the cloud of a run as the bytes of a PNG file: cloud file, first log, robot poses, linkage (null: the laser
-/// has none). Throws UnavailableError where nothing can draw.
+/// has none). Throws UnavailableError if nothing can draw.
 using CloudPicture = std::function<std::string(const std::string& cloud_file, const std::string& log,
                                                const Trajectory& trajectory, const calib::SweepModel* linkage)>;
 
 using ClosedKeyframesSoon = std::shared_future<ClosedKeyframes>;
 
-/// A scan that was mapped, for those who follow a run while it goes on.
+/// A mapped scan, for code that follows a running drive.
 struct MappedScan {
   const LaserScan& scan;
   const MatchResult& match;  ///< in the front end's frame, at the scan's stamp
@@ -42,8 +42,8 @@ using ScanMapped = std::function<void(const MappedScan&)>;
 /// Opens a log another way than by its name, in the calling thread.
 using LiveLog = std::function<std::unique_ptr<LogReader>(const ReadOptions&)>;
 
-/// The warning of a run whose log ended with this code where that is no error (MapRequest::stop_ends_log): with
-/// something that cannot be read, or whole, but without what was named.
+/// The warning of a run whose log ended with this code if that is no error (MapRequest::stop_ends_log): the log ends
+/// with data that cannot be read, or it is whole but lacks what the warning names.
 constexpr std::string_view warning_of_end(ExitCode code) {
   return code == ExitCode::kUsage ? "not in the log" : "the log broke off";
 }
@@ -73,12 +73,12 @@ struct MapRequest {
   std::function<void(std::string_view step, double share)>
       closing{};                                           ///< called while loops are closed and the path is adjusted
   std::function<void(std::string_view what)> finishing{};  ///< before each of the rest: "overview.png", "gdt.png" ...
-  std::function<bool()> stop{};                            ///< true ends the run; what there is gets written
-  /// Whether a stop, or what cannot be read behind the first scan, is the end of the log: loops are closed then, and
-  /// the run counts as whole. Else the path stays as it was driven.
+  std::function<bool()> stop{};                            ///< true ends the run; the results so far are written
+  /// If true, a stop or unreadable data after the first scan counts as the end of the log: loops are closed, and the
+  /// run is complete. Otherwise the path stays as the mapper measured it.
   bool stop_ends_log = false;
-  /// For those who map live: as soon as a scan is mapped, before the next one is read. The laser is taken for one that
-  /// does not nod, and nothing is read ahead to see whether it does.
+  /// For live mapping: called as soon as a scan is mapped, before the next one is read. The laser is assumed not to
+  /// nod, and nothing is read ahead to check that.
   ScanMapped scan_mapped{};
   /// Opens a stream that is mapped in place of the only log, whose name stands in messages. Called once.
   LiveLog live_log{};
@@ -92,13 +92,13 @@ struct MapResult {
   std::string report;   ///< the text of report.json
 };
 
-/// Gives the backend of a run once its log is open, and with it whether there is anything that a device would do: a
-/// flat laser's scans are matched on the host, but for one matcher. What it refers to must live as long as the run.
+/// Returns the backend of a run, once its log is open. `has_work` is false if a device would have no work, because all
+/// matchers but one match a flat laser's scans on the host. The objects that it refers to must live as long as the run.
 using BackendOfRun = std::function<Backend&(bool has_work)>;
 
 /// Maps the logs and writes the run folder, all files or none. Throws InputError, ConfigError, FileError,
-/// UnavailableError, what `backend` throws, DeviceError where the request does not allow to go on without the device,
-/// UsageError where the run cannot be gone on with in that way, and Error(kInterrupted) when stopped before a scan was
+/// UnavailableError, what `backend` throws, DeviceError if the request does not allow to continue without the device,
+/// UsageError if the run cannot be continued in that way, and Error(kInterrupted) if it is stopped before a scan was
 /// mapped.
 MapResult map_logs(const MapRequest& request, const BackendOfRun& backend);
 inline MapResult map_logs(const MapRequest& request, Backend& backend) {

@@ -1,5 +1,5 @@
 // Result of mapping a log: the trajectory, the evidence against doubtful scans, the occupancy map, and for a nodding
-// laser what became of its points. Frame: map. Plain data.
+// laser the counts of its points. Frame: map. Plain data.
 #pragma once
 
 #include <cstddef>
@@ -17,17 +17,17 @@
 
 namespace gdtslam {
 
-/// Which messages tell how the laser nods.
+/// Kind of the messages that measure the nod.
 enum class NodKind : std::uint8_t { kNone, kEncoder, kTilt };
 
 /// How much later odometry is stamped than the scans that it belongs to.
 struct OdometryDelay {
-  double delay_s = 0.0;  ///< negative where the scans are stamped later
-  double sigma_s = 0.0;  ///< 0 where it was stated
+  double delay_s = 0.0;  ///< negative if the scans are stamped later
+  double sigma_s = 0.0;  ///< 0 if it was stated
   /// By how many of its standard deviations odometry agrees better with scans that the delay was not found with than it
   /// does without one, or with as much the other way.
   double gain = 0.0;
-  /// Whether it is worth a change: beyond chance, and better for scans that did not tell it.
+  /// True if the delay is significant, and scans that it was not estimated from agree better with it.
   [[nodiscard]] bool stands_out() const { return is_long_enough() && away_s() > 5.0 * sigma_s && gain > 3.0; }
   [[nodiscard]] bool is_long_enough() const { return away_s() >= 0.02; }
   [[nodiscard]] double away_s() const { return delay_s < 0.0 ? -delay_s : delay_s; }
@@ -35,7 +35,7 @@ struct OdometryDelay {
 
 /// A fault of a log whose cause is known.
 struct LogFinding {
-  std::string what;        ///< is wrong, and what causes it
+  std::string what;        ///< the fault and its cause
   std::string evidence;    ///< how sure that is
   std::string options;     ///< options of the command line that mend it: "--set log.max_range=7.99m"; empty: none
   bool is_mended = false;  ///< by the run itself
@@ -77,8 +77,8 @@ struct SweepCheck {
   double mean_moved_m = 0.0;  ///< how far the corrections move the points of a sweep, root of the mean square
   double wall_s = 0.0;
 
-  /// Why linkage, mount or poses are doubted, with what to do; empty where the sweeps agree within three times the
-  /// noise of their own surfaces.
+  /// Why linkage, mount or poses are doubtful, with advice; empty if the sweeps agree within three times the noise of
+  /// their own surfaces.
   [[nodiscard]] std::string doubt() const;
 };
 
@@ -102,12 +102,12 @@ struct MapOutcome {
   std::vector<DoubtfulScan> doubtful;
   std::vector<std::size_t> keyframes;  ///< indices into the trajectory
   std::vector<std::size_t> drives{};   ///< scans at which another drive of a merged site begins
-  /// The scan of each of them as it was mapped; empty where the laser nods.
+  /// The scan of each of them as it was mapped; empty if the laser nods.
   std::vector<LaserScan> keyframe_scans;
   std::optional<ClosedPath> closed;  ///< present if loops were closed; its poses are in the trajectory
   /// For each match that was taken: the mean distance of its points to the obstacles of the map as it was then.
   std::vector<double> match_distances_m;
-  OccupancyMap occupancy;  ///< empty where none was asked for
+  OccupancyMap occupancy;  ///< empty if none was asked for
   /// The map is too large for one piece: it is kept in tiles, made of the keyframes, and `occupancy` becomes the small
   /// one of all of them.
   bool is_in_tiles = false;

@@ -1,4 +1,4 @@
-// All options of a run with where each value came from: the defaults, a file, or single assignments. Thread-safe.
+// All options of a run and the source of each value: the defaults, a file, or single assignments. Thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace gdtslam {
 
 enum class CloudRemoval : std::uint8_t { kNone, kFloor, kCeiling, kBoth };
 
-/// How a cloud is thinned, and what is left out of it.
+/// How a cloud is thinned, and which parts are left out.
 struct CloudConfig {
   double voxel_m = 0.02;             ///< one point a voxel; 0 keeps all
   std::int32_t max_megavoxels = 64;  ///< memory: 16 to 32 MiB each
@@ -25,7 +25,7 @@ struct CloudConfig {
 /// The table of the options, under "cloud."; its rows point into `config`.
 std::vector<Option> option_table(CloudConfig& config);
 
-/// Whether the log's own lines are believed or the values beside it.
+/// Whether the log's own values are used or the stated ones.
 enum class LogSource : std::uint8_t { kLog, kStated };
 
 /// Who says how much later odometry is stamped than the scans.
@@ -38,19 +38,19 @@ enum class LogLasers : std::uint8_t { kFront, kAll };
 /// beams, the limit of the ranges, the clock of the odometry, what a crank counts (docs/formats.md). Metres, radians.
 struct LogConfig {
   LogSource mount = LogSource::kLog;
-  Pose2 T_base_laser;  ///< counts where `mount` is stated
+  Pose2 T_base_laser;  ///< used if `mount` is stated
   LogSource bearings = LogSource::kLog;
-  double first_bearing_rad = 0.0;  ///< both count where `bearings` are stated
+  double first_bearing_rad = 0.0;  ///< both are used if `bearings` are stated
   double bearing_step_rad = 0.0;
   double max_range_m = 0.0;  ///< 0: what the log says
   LogSource beam_times = LogSource::kLog;
-  double first_beam_after_s = 0.0;  ///< both count where `beam_times` are stated
+  double first_beam_after_s = 0.0;  ///< both are used if `beam_times` are stated
   double beam_period_s = 0.0;
   bool deskew = true;
   OdometryStamps odometry_stamps = OdometryStamps::kMeasured;
-  double odometry_delay_s = 0.0;  ///< counts where they are stated
+  double odometry_delay_s = 0.0;  ///< used if they are stated
   LogSource clock = LogSource::kLog;
-  double clock_offset_s = 0.0;  ///< counts where `clock` is stated
+  double clock_offset_s = 0.0;  ///< used if `clock` is stated
   CrankOptions crank;
   TopicChoice
       topics;  ///< choice for recordings; no option, but the command line's --topic, --odom, --crank and --mount

@@ -1,6 +1,6 @@
-// A 2D laser range finder: where its beams go and what it makes of the true ranges.
-// Bearings in the laser's frame (x forward, y left), beam k at first_bearing + k * step; metres, radians, seconds.
-// Cost: one ray cast per beam. Thread-safe with one Random per thread.
+// A 2D laser range finder: the directions of its beams, and its errors on the true ranges. Bearings in the laser's
+// frame (x forward, y left), beam k at first_bearing + k * step; metres, radians, seconds. Cost: one ray cast per beam.
+// Thread-safe with one Random per thread.
 #pragma once
 
 #include <cstddef>
@@ -42,7 +42,7 @@ std::vector<std::string> validate(const LaserModel& laser);
 
 /// sick-lms: SICK LMS 2xx, 180 beams from -90 deg, 1.0 deg, 1 cm, 80 m. sick-361: the same with 361 beams, 0.5 deg.
 /// hokuyo-961: 961 beams from -120 to 120 deg, 0.25 deg, 1 mm, 20 m: the paper's -30 to 210 deg with 90 deg ahead.
-/// lidar-360: what small robots have, 360 beams from -180 deg, 1 deg, 1 mm, 12 m, 10 turns a second.
+/// lidar-360: typical of small robots, 360 beams from -180 deg, 1 deg, 1 mm, 12 m, 10 turns a second.
 std::optional<LaserModel> laser_preset(std::string_view name);
 const std::vector<std::string>& laser_preset_names();
 

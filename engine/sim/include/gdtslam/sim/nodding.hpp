@@ -1,7 +1,7 @@
-// A nodding mount that works while the robot drives: the crank's course over time, what its encoder tells, and the pose
-// of the laser at any time. Frames and signs of core/nodding.hpp and calib/sweep_model.hpp; seconds from the log's
-// begin, turns of the crank from tick 0, growing with the ticks. A state costs a logarithm of the stops and a closed
-// form. Thread-safe.
+// A nodding mount on a driving robot: the crank's course over time, the readings of its encoder, and the pose of the
+// laser at any time. Frames and signs of core/nodding.hpp and calib/sweep_model.hpp; seconds from the log's begin,
+// turns of the crank from tick 0, growing with the ticks. A state costs a logarithm of the stops and a closed form.
+// Thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -67,10 +67,10 @@ class NoddingCourse {
   /// Throws ConfigError for what validate() refuses, or when kStopAndScan finds no stop that is long enough.
   NoddingCourse(const NoddingModel& model, const MotionPlan& plan);
 
-  /// Monotone; before 0 and after the plan's end the motion goes on as it is.
+  /// Monotone; before 0 and after the plan's end the motion continues unchanged.
   [[nodiscard]] double crank_turns(double time_s) const;
   [[nodiscard]] double elevation_rad(double time_s) const;
-  /// The nearest whole tick, with the faults; nothing where a message is missing.
+  /// The nearest whole tick, with the faults; empty if the message is missing.
   [[nodiscard]] std::optional<Encoder> message(double time_s) const;
   [[nodiscard]] Pose3 T_base_laser(const Pose2& T_base_level, double time_s) const;
   [[nodiscard]] const NoddingModel& model() const { return model_; }

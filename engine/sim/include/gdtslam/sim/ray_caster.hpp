@@ -1,7 +1,7 @@
 // The first triangle that a ray meets. Embree's tree proposes triangles; range and choice are ours, in double
 // precision: the smallest range wins, the lowest triangle index among equals. Embree's own hits differ between its
-// instruction sets (by up to 4e-6 m, and near an edge by the triangle), so it only ever sees boxes, padded by more than
-// its rounding: the result is that of a search through all triangles, bit for bit, on every host. Metres, map frame.
+// instruction sets (by up to 4e-6 m, and near an edge by the triangle), so it only sees boxes, padded by more than its
+// rounding. The result is that of a search through all triangles, bit for bit, on every host. Metres, map frame.
 // Building: O(n log n); a cast: O(log n), about a microsecond. cast() is thread-safe.
 #pragma once
 

@@ -19,7 +19,7 @@ namespace gdtslam::sim {
 
 using Vec3 = Eigen::Vector3d;
 
-/// No coordinate of a scene lies further out than this; the padding of the ray caster's boxes counts on it.
+/// Largest absolute coordinate of a scene. The padding of the ray caster's boxes depends on this limit.
 inline constexpr double kMaxCoordinate_m = 1000.0;
 /// A scene of more triangles than this is refused.
 inline constexpr std::size_t kMaxTriangles = 8'000'000;
@@ -44,7 +44,7 @@ struct Box {
   double height_m = 1.0;
 };
 
-/// An upright prism with many sides whose corners lie on the circle.
+/// An upright cylinder, built as a prism whose corners lie on the circle.
 struct Cylinder {
   Point2 centre_m{0.0, 0.0};
   double radius_m = 0.1;
@@ -56,11 +56,11 @@ struct Cylinder {
 /// The wing of a door, hinged at one jamb in the middle of the wall's thickness.
 struct DoorLeaf {
   double angle_rad = 0.0;     ///< 0 is shut; positive opens to the left of the leg's direction
-  bool hinge_at_far = false;  ///< at the jamb further along the leg
+  bool hinge_at_far = false;  ///< the hinge is at the jamb further along the leg
   double thickness_m = 0.04;
 };
 
-/// A gap in one leg of a wall; the wall goes on above it where it is lower than the wall, and below the sill of a
+/// A gap in one leg of a wall. The wall continues above a gap that is lower than the wall, and below the sill of a
 /// window.
 struct Door {
   std::size_t leg = 0;  ///< leg i goes from point i to point i + 1
@@ -79,7 +79,7 @@ struct Wall {
   double thickness_m = 0.1;
   double base_m = 0.0;
   double height_m = 2.5;
-  std::vector<Door> doors;  ///< and windows
+  std::vector<Door> doors;  ///< doors and windows
 
   [[nodiscard]] std::size_t leg_count() const {
     return points_m.size() < 2 ? 0 : points_m.size() - (is_closed ? 0 : 1);
@@ -112,9 +112,9 @@ struct MeshPlacement {
   double yaw_rad = 0.0;
 };
 
-/// A mesh from a file, set into a scene: scaled, then turned about z, then moved, p_map = R(yaw) * (scale * p_file) +
-/// position. z is up unless y_is_up, which first maps (x, y, z) to (x, -z, y). The triangles keep their order; each
-/// names three of the vertices.
+/// Places a mesh from a file in a scene. It is scaled, turned about z and moved: p_map = R(yaw) * (scale * p_file) +
+/// position. If y_is_up, (x, y, z) is mapped to (x, -z, y) first; otherwise z is up. The triangles keep their order;
+/// each names three of the vertices.
 TriangleMesh placed_mesh(std::span<const std::array<float, 3>> vertices,
                          std::span<const std::array<std::uint32_t, 3>> triangles, const MeshPlacement& placement);
 

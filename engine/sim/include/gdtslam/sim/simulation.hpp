@@ -1,6 +1,6 @@
-// A robot drives through a scene and records what its wheels and its laser tell, with the truth beside it.
-// The same configuration gives the same bits on every host. Each kind of error draws from its own stream of random
-// numbers, a scan's from one named by its number. Cost: a ray cast per beam. One run belongs to one thread.
+// A robot drives through a scene and records the measurements of its wheels and its laser, together with the truth. The
+// same configuration gives the same bits on every host. Each kind of error draws from its own stream of random numbers,
+// a scan's from one named by its number. Cost: a ray cast per beam. One run belongs to one thread.
 #pragma once
 
 #include <cstddef>
@@ -34,7 +34,7 @@ struct SimulationConfig {
   std::uint64_t seed = 1;
 };
 
-/// Sets what the nodding mount and the laser have in common to the laser's.
+/// Sets the values that the nodding mount and the laser share to the laser's.
 void match_laser(SimulationConfig& config);
 
 /// Every violation, one sentence each, opened by its part: "laser: ...", "wheels: ...", "recording: ...", "nodding:
@@ -80,8 +80,8 @@ Pose2 base_pose(const WheelModel& wheels, const MotionState& state);
 void require_few_records(const SimulationConfig& config, double duration_s);
 
 /// Stamps begin at 0 and are whole microseconds. With a nodding mount the first scan comes half of a scan's duration
-/// later and the encoder tells until after the last one, so that its course covers every beam. Throws ConfigError for
-/// what validate() and require_few_records() refuse.
+/// later and the encoder sends messages until after the last one, so that its course covers every beam. Throws
+/// ConfigError if validate() or require_few_records() refuse the configuration.
 SimulationSummary run_simulation(const SimulationConfig& config, const MotionPlan& plan, const RayCaster& caster,
                                  const SimulationSink& sink);
 

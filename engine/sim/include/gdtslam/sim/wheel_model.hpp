@@ -33,7 +33,7 @@ struct WheelTicks {
   friend bool operator==(const WheelTicks&, const WheelTicks&) = default;
 };
 
-/// Counts what the wheels turned. How often it is read does not change the size of the errors.
+/// Counts the turns of the wheels in ticks. The size of the errors does not depend on how often it is read.
 class WheelEncoders {
  public:
   WheelEncoders(const WheelModel& wheels, const Random& random);
@@ -51,7 +51,7 @@ class WheelEncoders {
   double right_m_ = 0.0;
 };
 
-/// The pose that the ticks tell, from the origin.
+/// The pose computed from the ticks, starting at the origin.
 class WheelOdometer {
  public:
   explicit WheelOdometer(const WheelModel& wheels) : wheels_(wheels) {}

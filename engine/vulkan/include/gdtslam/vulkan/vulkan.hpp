@@ -58,14 +58,13 @@ struct VulkanOptions {
   /// launch, flush or finished download. Also by GDTSLAM_VULKAN_VALIDATION=1. Needs the Khronos layer.
   bool validation = false;
   /// Receives validation messages that come too late to be thrown, about work recorded after the last flush and the end
-  /// of the backend; must not throw. Empty: such a message ends the process like an exception that nobody catches
-  /// (std::terminate).
+  /// of the backend. It must not throw. Empty: such a message ends the process (std::terminate).
   std::function<void(std::string_view message)> on_message = {};
   /// A wait that takes longer is a lost device. Empty: GDTSLAM_VULKAN_WAIT_S of the environment, else 30 s.
   std::optional<double> wait_limit_s = std::nullopt;
-  /// So long the host asks a GPU again and again whether a submission is done before it sleeps until it is told, as the
-  /// system takes tens of microseconds to wake it. Empty: GDTSLAM_VULKAN_SPIN_S of the environment, else 5e-5 s on
-  /// hardware and 0 on lavapipe, whose threads need the processor themselves.
+  /// Time for which the host polls a GPU for the end of a submission before it sleeps, because the system takes tens of
+  /// microseconds to wake it. Empty: GDTSLAM_VULKAN_SPIN_S of the environment, else 5e-5 s on hardware and 0 on
+  /// lavapipe, whose threads need the processor themselves.
   std::optional<double> spin_s = std::nullopt;
   /// Timestamps around each submission. Empty: on hardware only, since lavapipe takes 45 us a submission for them.
   std::optional<bool> time_submissions = std::nullopt;
@@ -74,8 +73,8 @@ struct VulkanOptions {
   std::uint64_t lost_at = 0;
   /// Called with each shader before it is built, to change it: a test's way to show that a wrong shader is found.
   std::function<void(std::string_view shader, std::vector<std::uint32_t>& spirv)> edit_shader = {};
-  /// Called with what is known of the chosen device before it is used, to lower its limits: a test's way to a device
-  /// that offers less. Variants are chosen by max_group_invocations as it then is.
+  /// Called with the properties of the chosen device before it is used. Tests lower its limits here to simulate a
+  /// device that offers less. Variants are chosen by max_group_invocations as it then is.
   std::function<void(VulkanDeviceInfo&)> edit_device = {};
 };
 
@@ -101,17 +100,17 @@ QueueWork& operator+=(QueueWork& sum, const QueueWork& more);
 class VulkanBackend : public Backend {
  public:
   [[nodiscard]] virtual const VulkanDeviceInfo& vulkan_device() const = 0;
-  /// Nanoseconds of the device's own clock between the start and the end of the last finished submission; 0 where
-  /// none are taken.
+  /// Nanoseconds of the device's own clock between the start and the end of the last finished submission; 0 if none are
+  /// taken.
   [[nodiscard]] virtual double last_submission_ns() const = 0;
   [[nodiscard]] virtual QueueWork work() const = 0;
-  /// Copies a buffer to another of the same size, in line with the other work: what the device's memory can do, for
-  /// benchmarks to compare with.
+  /// Copies a buffer to another of the same size, queued with the other work. Benchmarks compare with it as the
+  /// bandwidth of the device's memory.
   virtual void copy(const Buffer& source, const Buffer& target) = 0;
   /// Whether a pipeline cache of an earlier run was found and taken.
   [[nodiscard]] virtual bool cache_was_loaded() const = 0;
-  /// Writes the pipeline cache where something was added to it, as the destructor does; false when that failed, which
-  /// costs time at the next start and nothing else.
+  /// Writes the pipeline cache if something was added to it, as the destructor does. Returns false on failure, which
+  /// only costs time at the next start.
   virtual bool save_cache() noexcept = 0;
 };
 
