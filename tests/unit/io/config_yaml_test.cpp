@@ -184,20 +184,6 @@ TEST(ConfigYaml, WhatIsWrittenReadsBackAsTheSameBits) {
   EXPECT_EQ(read.top, written.top);
 }
 
-TEST(ConfigYaml, TheMappersOwnOptionsReadBack) {
-  MapperConfig written;
-  MapperConfig read;
-  std::vector<Option> options = option_table(written);
-  for (const Option& option : options) {
-    if (auto* const* value = std::get_if<double*>(&option.value)) {
-      **value = 0.5 * (**value + option.max);  // away from the defaults, within the bounds
-    }
-  }
-  const std::string text = config_text(options);
-  EXPECT_EQ(read_config_text(text, "c", option_table(read)).size(), options.size());
-  EXPECT_EQ(config_text(option_table(read)), text);
-}
-
 TEST(ConfigYaml, SchemaDescribesEveryOption) {
   Sample sample;
   const nlohmann::json schema = nlohmann::json::parse(config_schema(sample.options()));

@@ -132,10 +132,5 @@ TEST(Settings, RefusesWhatDoesNotFit) {
   EXPECT_THROW(load_settings({.file = {}, .sets = {"map.truncation=50 m"}}), ConfigError);  // more than 255 cells
 }
 
-TEST(DidYouMean, NamesTheNearestOrNothing) {
-  EXPECT_EQ(did_you_mean("mpa", {"map", "doctor"}), "; did you mean 'map'?");
-  EXPECT_EQ(did_you_mean("frobnicate", {"map", "doctor"}), "");
-}
-
 }  // namespace
 }  // namespace gdtslam

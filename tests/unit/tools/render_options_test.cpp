@@ -40,20 +40,5 @@ TEST(RenderOptionWords, PartsPlacesAndTimes) {
   EXPECT_FALSE(time.most);
 }
 
-TEST(RenderViews, WrongNamesAreAnsweredWithTheNearest) {
-  const auto error_of = [](const char* name, const char* as) -> std::string {
-    try {
-      static_cast<void>(render_view(name, as));
-    } catch (const UsageError& error) {
-      return error.what();
-    }
-    return "";
-  };
-  EXPECT_THAT(error_of("fild", ""), testing::HasSubstr("did you mean 'field'"));
-  EXPECT_THAT(error_of("field", "distanse"), testing::HasSubstr("did you mean 'distance'"));
-  EXPECT_THAT(error_of("map", "box"), testing::HasSubstr("one kind only"));
-  EXPECT_EQ(render_view("errors", "").as, "box");
-}
-
 }  // namespace
 }  // namespace gdtslam
