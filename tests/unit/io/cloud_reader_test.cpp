@@ -3,7 +3,9 @@
 
 #include <cmath>
 #include <functional>
+#include <string>
 
+#include "engine/io/clouds/cloud_file_layout.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/cloud_file.hpp"
 #include "io_test_support.hpp"

@@ -50,29 +50,6 @@ RunKeyframes two_keyframes() {
                          .laser = std::move(second)}}};
 }
 
-void expect_same(const RunKeyframe& a, const RunKeyframe& b) {
-  EXPECT_EQ(a.scan, b.scan);
-  EXPECT_EQ(a.T_map_base, b.T_map_base);
-  ASSERT_EQ(a.covariance.has_value(), b.covariance.has_value());
-  if (a.covariance) {
-    EXPECT_EQ(a.covariance->xx, b.covariance->xx);
-    EXPECT_EQ(a.covariance->xy, b.covariance->xy);
-    EXPECT_EQ(a.covariance->xt, b.covariance->xt);
-    EXPECT_EQ(a.covariance->yy, b.covariance->yy);
-    EXPECT_EQ(a.covariance->yt, b.covariance->yt);
-    EXPECT_EQ(a.covariance->tt, b.covariance->tt);
-  }
-  EXPECT_EQ(a.laser.stamp_s, b.laser.stamp_s);
-  EXPECT_EQ(a.laser.first_bearing_rad, b.laser.first_bearing_rad);
-  EXPECT_EQ(a.laser.bearing_step_rad, b.laser.bearing_step_rad);
-  EXPECT_EQ(a.laser.max_range_m, b.laser.max_range_m);
-  EXPECT_EQ(a.laser.first_beam_after_s, b.laser.first_beam_after_s);
-  EXPECT_EQ(a.laser.beam_period_s, b.laser.beam_period_s);
-  EXPECT_EQ(a.laser.speed, b.laser.speed);
-  EXPECT_EQ(a.laser.T_base_laser, b.laser.T_base_laser);
-  EXPECT_EQ(a.laser.ranges_m, b.laser.ranges_m);
-}
-
 class KeyframeFileTest : public testing::Test {
  protected:
   void TearDown() override { fs::remove(path_); }
@@ -112,11 +89,7 @@ TEST_F(KeyframeFileTest, GivesBackWhatItWasGiven) {
   const RunKeyframes written = two_keyframes();
   write_keyframes(path_, written);
   EXPECT_TRUE(stored().starts_with("\x1f\x8b"));
-  const RunKeyframes read = read_keyframes(path_);
-  EXPECT_EQ(read.config_sha256, written.config_sha256);
-  EXPECT_TRUE(read.in_single_precision);
-  ASSERT_EQ(read.keyframes.size(), 2U);
-  for (std::size_t k = 0; k < 2; ++k) expect_same(read.keyframes[k], written.keyframes[k]);
+  EXPECT_EQ(keyframe_bytes(read_keyframes(path_)), keyframe_bytes(written));
 }
 
 // Half a millimetre is what a whole one leaves, and what a float of 30 m has itself.
