@@ -221,7 +221,7 @@ TEST(BagRealData, AnIndexThatStatesAWrongLength) {
   GDTSLAM_REAL_DATA(path, "rosbag/ccny_hokuyo_demo.bag.gz");
   const WholeLog log = drain(*open_log(path, {}));
   const auto scans = log.of<ScanRecord>();
-  EXPECT_EQ(scans.size(), 360U);  // by tests/fixtures/recordings/count.py, as the beams
+  EXPECT_EQ(scans.size(), 360U);  // by Python's struct, as the beams
   for (const ScanRecord& scan : scans) EXPECT_EQ(scan.scan.ranges_m.size(), 681U);
   EXPECT_EQ(log.warned("index of a wrong length"), 2U);
   EXPECT_EQ(log.warned("cut bag"), 0U);

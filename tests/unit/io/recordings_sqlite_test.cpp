@@ -222,7 +222,7 @@ struct RealBag {
   std::size_t beams = 0;  ///< of all scans together
 };
 
-// The counts are those of tests/fixtures/recordings/count.py.
+// The counts are those of Python's sqlite3.
 TEST(RecordingsRealData, BagsOfRos2AreReadWhole) {
   const std::vector<RealBag> bags{{"rosbag/lidar_scan", 420, 0, 302400},
                                   {"rosbag/tilt_subset", 276, 33, 123764},
