@@ -166,18 +166,12 @@ TEST_F(SceneFileTest, RefusesWrongKindsAndValues) {
   EXPECT_THAT(refusal("objects: [{name: a}, {name: a}]\n"), HasSubstr("there are two objects 'a'"));
   EXPECT_THAT(refusal("boxes: 3\n"), HasSubstr("2: boxes: a list is expected"));
   EXPECT_THAT(refusal("boxes: [3]\n"), HasSubstr("keys with values are expected"));
-  EXPECT_THAT(refusal("floor: [1]\n"), HasSubstr("a single value is expected"));
   EXPECT_THAT(refusal("floor: low\n"), HasSubstr("2: floor: 'low' is no value"));
-  EXPECT_THAT(refusal("floor: 3 deg\n"), HasSubstr("2: floor: '3 deg' is no value"));
   EXPECT_THAT(refusal("floor: .nan\n"), HasSubstr("2: floor"));
   EXPECT_EQ(refusal("floor:\n"), "2: the key 'floor' has no value");
   EXPECT_THAT(refusal("walls: [{points: [[0, 0], [1]]}]\n"), HasSubstr("a point [x, y] is expected"));
-  EXPECT_THAT(refusal("walls: [{points: [[0, 0]]}]\n"), HasSubstr("points must be at least 2"));
-  EXPECT_THAT(refusal("boxes: [{centre: [0, 0], size: [1, -1], height: 1}]\n"), HasSubstr("size must be"));
   EXPECT_THAT(refusal("robot: {laser: {beams: 1.5}}\n"), HasSubstr("is not a whole number"));
-  EXPECT_THAT(refusal("robot: {laser: {beams: 1000000}}\n"), HasSubstr("beams must be 1 to 65536"));
   EXPECT_THAT(refusal("robot: {laser: {height: 1}, laser: {height: 2}}\n"), HasSubstr("the key 'laser' stands twice"));
-  EXPECT_THAT(refusal("recording: {scan_rate: 0}\n"), HasSubstr("scan_rate must be"));
   EXPECT_THAT(refusal("waypoints: [{at: [0, 0], reverse: yes}]\n"), HasSubstr("neither true nor false"));
 }
 
