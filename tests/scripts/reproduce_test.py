@@ -49,21 +49,6 @@ class Verdicts(unittest.TestCase):
         self.assertTrue(row["remark"].startswith("differs: 0.40 times the paper’s factor; rule: 66.5 to 149.6,"), row["remark"])
         self.assertTrue(self.time_row("sce", 8.5)["remark"].startswith("1.00 times the paper’s factor"))
 
-    def box_rows(self, height_error_m=0.0, count=3, projection=False):
-        boxes = [{"width": {"value_m": width_m, "sigma_m": 1e-4}, "height": {"value_m": height_m + height_error_m, "sigma_m": 1e-4}}
-                 for width_m, height_m in ((0.5829, 0.8), (0.3435, 0.7), (0.252, 0.6))]
-        part = Part("")
-        parts_3d.add_box_rows(part, {"projection": projection, "boxes": boxes[:count]})
-        return part.rows
-
-    def test_heights_of_boxes_have_a_verdict_too(self):
-        self.assertEqual([row["verdict"] for row in self.box_rows()], ["within"] * 6)
-        rows = self.box_rows(0.005)  # the paper's widths are off by 7.9, 4.5 and 4 mm
-        self.assertEqual([row["verdict"] for row in rows], ["within", "within", "within", "outside", "within", "outside"])
-        self.assertIn("height (70 cm)", rows[3]["quantity"])
-        self.assertIn("70.50", rows[3]["ours"])
-        self.assertIn("off by 5.00 mm", rows[3]["remark"])
-
     @staticmethod
     def wall(y_m, columns, top_dm):
         """So many columns from x = 0, points 10 cm apart up to that height."""

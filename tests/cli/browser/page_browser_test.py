@@ -281,17 +281,6 @@ class LinkageTest(BrowserCase):
             shown = browser.value("document.getElementById('value-elevation').textContent")
             self.assertAlmostEqual(float(shown.strip("°").replace("−", "-")), math.degrees(expected[6]), delta=0.06)
 
-    def test_the_crank_follows_the_mouse(self):
-        browser = self.open_linkage()
-        left, top, _, _ = browser.box("#mechanism")
-        browser.value("gdtslam.linkageView.toggle(false), gdtslam.linkageView.moveTo(50)")
-        pivot = browser.value("gdtslam.linkageView.mechanism.at([0, 0])")
-        start = browser.value("gdtslam.linkageView.mechanism.at(gdtslam.linkageView.linkage.at(50).a)")
-        end = (pivot[0] - 60, pivot[1] + 25)
-        browser.drag([a + b for a, b in zip(start, (left, top))], [a + b for a, b in zip(end, (left, top))])
-        joint = browser.value("gdtslam.linkageView.linkage.at(gdtslam.linkageView.step).a")
-        self.assertAlmostEqual(math.atan2(joint[1], joint[0]), math.atan2(-25, -60), delta=2e-5)
-
 
 class RobustTest(BrowserCase):
     def test_hostile_words_are_shown_as_words(self):

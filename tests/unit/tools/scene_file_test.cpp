@@ -219,7 +219,6 @@ TEST_F(SceneFileTest, RefusesWhatIsNoScene) {
   EXPECT_THROW(read_scene((folder_ / "absent.yaml").string()), FileError);
   EXPECT_THROW(read_scene(folder_.string()), FileError);
   EXPECT_THROW(read_scene(write("empty.yaml", "")), ConfigError);
-  EXPECT_THROW(read_scene(write("list.yaml", "[1, 2]")), ConfigError);
   EXPECT_THROW(read_scene(write("two.yaml", "gdtslam_scene: 1\n---\ngdtslam_scene: 1\n")), ConfigError);
   EXPECT_THROW(read_scene(write("none.yaml", "walls: []\n")), ConfigError);
   EXPECT_THROW(read_scene(write("late.yaml", "gdtslam_scene: 2\n")), ConfigError);
