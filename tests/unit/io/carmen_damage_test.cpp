@@ -1,7 +1,6 @@
 // Damaged and hostile logs: one stated outcome each, within a second and 256 MB (docs/formats.md lists them).
 #include <gmock/gmock.h>
 
-#include <cmath>
 #include <limits>
 
 #include "engine/io/logs/carmen.hpp"

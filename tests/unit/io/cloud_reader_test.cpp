@@ -1,8 +1,6 @@
 // Clouds from other programs, damaged ones and hostile ones; each has one stated outcome.
 #include <gmock/gmock.h>
 
-#include <cmath>
-#include <functional>
 #include <string>
 
 #include "engine/io/clouds/cloud_file_layout.hpp"

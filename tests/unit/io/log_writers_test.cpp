@@ -1,9 +1,6 @@
 // What is written of a log reads back, in each format what it carries; messages of ROS by a reader of their own.
 #include <gmock/gmock.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <limits>
 #include <string>
 #include <vector>

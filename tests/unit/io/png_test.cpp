@@ -5,7 +5,6 @@
 #include <png.h>
 
 #include <cstring>
-#include <filesystem>
 #include <functional>
 
 #include "gdtslam/core/error.hpp"

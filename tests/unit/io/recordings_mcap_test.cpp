@@ -1,8 +1,6 @@
 // MCAP files: those of other writers (tests/fixtures/recordings), and our own with every kind of damage.
 #include <gmock/gmock.h>
 
-#include <cmath>
-
 #include "engine/io/recordings/recording_reader.hpp"
 #include "gdtslam/core/error.hpp"
 #include "io_test_support.hpp"

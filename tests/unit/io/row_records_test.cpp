@@ -20,8 +20,6 @@ using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 
-constexpr float kNoEcho = std::numeric_limits<float>::infinity();
-
 TableRow row_of_ranges(std::vector<double> ranges_m, double first_rad = -0.5, double step_rad = 0.25) {
   TableRow row;
   row[TableNumber::kStamp] = 1.0;

@@ -7,7 +7,6 @@
 #include <Eigen/Geometry>
 #include <chrono>
 #include <cmath>
-#include <limits>
 
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"

@@ -1,9 +1,6 @@
 // What a comparison adds up to, against published intervals and hand-made trials.
 #include "tools/lab/matchers/run.hpp"
 
-#include <algorithm>
-#include <variant>
-
 #include <gtest/gtest.h>
 
 #include "gdtslam/core/angle.hpp"

@@ -1,7 +1,6 @@
 // The film of closing loops: which frame shows what, and how the path bends between the places of its graph.
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <cstddef>
 #include <vector>
 

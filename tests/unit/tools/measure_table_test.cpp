@@ -15,7 +15,6 @@ namespace gdtslam {
 namespace {
 
 using testing::HasSubstr;
-using testing::Not;
 
 /// A box seen from two sides, and one of which only a face was seen.
 Measurement two_boxes() {

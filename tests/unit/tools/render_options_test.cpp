@@ -4,8 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <string>
-
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/render/views.hpp"

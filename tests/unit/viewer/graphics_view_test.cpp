@@ -2,8 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <string>
-
 #include "gdtslam/core/error.hpp"
 #include "graphics_scene.hpp"
 

@@ -1,5 +1,4 @@
 // The pixels of a map's picture: where things are, that nothing thin is lost. Its shapes: unit/drawing.
-#include <algorithm>
 #include <limits>
 
 #include <gtest/gtest.h>
