@@ -11,7 +11,6 @@ import subprocess
 import sys
 import threading
 import unittest
-import warnings
 
 from bindings_support import SAMPLE, SKIPPED, SOURCE, folder, sample_hashes
 
@@ -296,15 +295,6 @@ class Errors(unittest.TestCase):
         del run
         gc.collect()
         self.assertFalse(place.exists())
-
-    def test_warnings_are_those_of_python(self):
-        log = SOURCE / "assets/logs/nodding-start.log.gz"
-        copy = WORK / "tilted.log.gz"  # away from its linkage
-        copy.write_bytes(log.read_bytes())
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always")
-            gdtslam.map(copy, WORK / "tilted", loops=False, cloud=False, pictures=False, count=60)
-        self.assertIn("--linkage", str(caught[0].message))
 
     def test_options_are_those_of_the_command(self):
         self.assertEqual(gdtslam.options({"map.resolution": "5 cm"})["map.resolution"].value, "0.05 m")

@@ -2,7 +2,7 @@
 
 import json
 
-from cli_support import DATA, IS_SANITIZED, SOURCE, command, expect, expect_exit, skip
+from cli_support import DATA, SOURCE, command, expect, expect_exit
 
 SAMPLE = SOURCE / "assets/logs/office-start.log.gz"
 QUICK = ("--benchmark_format=json", "--benchmark_min_time=0.01")
@@ -21,16 +21,6 @@ def _fails(exit_code, words, *arguments):
     expect_exit(process, exit_code)
     errors = [line for line in process.stderr.splitlines() if line.startswith("gdtslam: error: ")]
     expect(len(errors) == 1 and words in errors[0], process.stderr)
-
-
-def bench_limits():
-    """The machine's limits are slower with each larger table."""
-    if IS_SANITIZED:
-        skip("a sanitized program looks at every access, which hides the caches")
-    rows = _rows("/limit/")
-    for name in ("copy", "load"):
-        rates = [row["items_per_second"] for (_, of, _), row in rows.items() if of == name]
-        expect(len(rates) == (6 if name == "copy" else 3) and rates[0] > 3.0 * rates[-1] > 0.0, f"{name}: {rates}")
 
 
 def bench_rows():

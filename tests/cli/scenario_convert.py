@@ -149,18 +149,6 @@ def simulated_formats():
         expect((folder / name).read_bytes() == (folder / f"c-{name}").read_bytes(), f"{name} is not the converted log")
 
 
-def bags_are_not_written():
-    """Of ROS 1 and ROS 2: one line that says what there is and which program makes bags of that, and no file."""
-    folder = cli.fresh_folder("bags_are_not_written")
-    for name in ("a.bag", "a.bag.gz", "a.db3", "a/"):
-        for words in (("convert", LOG), ("convert", LOG, "--force"), ("simulate", "wall")):
-            process = command(*words, "-o", f"{folder}/{name}", "-q")
-            expect_exit(process, 2)
-            cli.one_error_line(process.stderr)
-            expect("write an .mcap file, of which rosbags-convert" in process.stderr, process.stderr)
-    expect(not list(folder.iterdir()), "something was written")
-
-
 # A laser of 5 turns a second on a robot that turns by 12 degrees meanwhile.
 SLOW = ("--laser", "lidar-360", "--mirror-rate", 5, "--rate", 5, "--speed", "0.8 m/s", "--turn-rate", "60deg/s", "-q")
 

@@ -266,17 +266,6 @@ def device_that_fails():
             expect(process.stdout == "" or process.stdout.splitlines()[-1].startswith("FAIL: "), process.stdout)
 
 
-def bench_of_a_device():
-    """CPU and device side by side."""
-    device = require_vulkan()[0]["device"]
-    process = command("bench", "smallest_values", "--benchmark_min_time=0.01", "--device", device, "--benchmark_format=json")
-    expect_exit(process, 0)
-    report = json.loads(process.stdout)
-    expect("cpu" in report["context"] and device in report["context"], f"{report['context']}")
-    places = [entry["run_name"].split("/")[:4] for entry in report["benchmarks"]]
-    expect([place[0] for place in places] == ["cpu", device] and places[0][1:] == places[1][1:], f"{places}")
-
-
 def gpu_is_looked_for_when_needed():
     """--device auto asks the Vulkan loader for devices only where a run has work for one; a device that is named is opened always."""
     if not has_vulkan_part() or ctypes.util.find_library("vulkan") is None:

@@ -185,28 +185,20 @@ def render_mistakes():
     folder = cli.fresh_folder("render_mistakes")
     out = ("-o", folder / "a.png")
     cases = [
-        ((RUN, "-o", folder / "a.tif"), ".png .svg .pdf .mp4"),
         ((RUN, "-o", folder / "a.gbl"), "did you mean '.glb'"),
         ((RUN, "-o", folder / "a.mp4", "--view", "map"), "does not move"),
         ((RUN, "--view", "cloud", *out), "has no 3D cloud; its views are map, graph, loops, field, trajectory"),
         ((RUN, "--view", "fild", *out), "did you mean 'field'"),
-        ((RUN, "--view", "map", "--as", "box", *out), "one kind only"),
-        ((RUN, "--view", "errors", *out), "--reference or --relations"),
-        ((RUN, "--size", "100", *out), "WIDTHxHEIGHT"),
         (("paper-b", "-o", folder / "a.mp4", "--size", "641x361"), "642x362"),
         (("paper-b", "-o", folder / "a.mp4", "--seconds", "2h", "--fps", 240), "at most 100000 frames"),
-        ((RUN, "--range", "1:2", *out), "needs a unit"),
         ((RUN, "paper-b", *out), "several inputs"),
         ((RUN, "--fps", 30, *out), "--fps: has no effect"),
-        ((RUN, "--background", "dark", *out), "--background: has no effect on view map"),
-        ((RUN, "--view", "graph", "--hide", "path", *out), "--hide path: has no effect on view graph"),
-        ((*out,), "INPUT|input"),
     ]
     for arguments, says in cases:
         process = command("render", *arguments)
         expect(process.returncode == 2, f"{arguments}: exit {process.returncode}: {process.stderr}")
         one_error_line(process.stderr)
-        expect(any(part in process.stderr for part in says.split("|")), f"{arguments}: {says!r} is not in {process.stderr!r}")
+        expect(says in process.stderr, f"{arguments}: {says!r} is not in {process.stderr!r}")
     (folder / "dir.png").mkdir()
     refused(2, "paper-b", "-o", folder / "dir.png", says="dir.png' is a folder; end it in / for the frames")
     (folder / "dir.png").rmdir()
@@ -215,11 +207,9 @@ def render_mistakes():
     for arguments, code, says in [
         (("paper-z", *out), 74, "did you mean 'paper-"),
         ((folder / "none.ply", *out), 74, "no such file"),
-        ((RUN / "map.pgm", *out), 65, "give the .yaml"),
         ((DATA / "empty.ply", *out), 65, "has no points"),
         ((LOG, *out), 65, "map it first: gdtslam map"),
         ((DATA / "bad.tum", "--reference", TRUTH, *out), 65, "bad.tum:2"),
-        ((RUN, "--relations", DATA / "far.relations", "--view", "errors", "--as", "cdf", *out), 65, "far.relations"),
         ((RUN, "--reference", DATA / "far.tum", "--view", "errors", "--as", "cdf", *out), 65, "stamps"),
     ]:
         refused(code, *arguments, says=says)

@@ -286,27 +286,3 @@ def version_names_the_commit():
     version = lines[0].split()[1]
     report = json.loads((RUN / "report.json").read_text())
     expect(report["version"] == version, f"report.json: {report['version']}")
-    folder = fresh_folder("stamp")
-    script = ["cmake", f"-DTARGET={folder}/stamp.cpp", "-P", SOURCE / "cmake/GdtslamStamp.cmake"]
-
-    def stamp(source, commit):
-        subprocess.run([*script[:1], f"-DSOURCE={source}", f"-DCOMMIT={commit}", *script[1:]], check=True, capture_output=True)
-        return re.search(r"return \{(.*)\};", (folder / "stamp.cpp").read_text()).group(1)
-
-    expect(stamp(folder, "") == '"unknown", ""', "outside of a clone")
-    expect(stamp(folder, "v1-3") == '"v1-3", ""', "as a packager names it")
-    before = (folder / "stamp.cpp").stat().st_mtime_ns
-    stamp(folder, "v1-3")
-    expect((folder / "stamp.cpp").stat().st_mtime_ns == before, "an unchanged commit touches the source")
-    if shutil.which("git") is None:
-        return
-    git = ["git", "-C", folder, "-c", "user.name=a", "-c", "user.email=a@b"]
-    for words in (["init", "-q"], ["add", "stamp.cpp"], ["commit", "-q", "-m", "a", "--date=2001-02-03T04:05:06Z"]):
-        subprocess.run([*git, *words], check=True, capture_output=True, env=cli.environment(GIT_COMMITTER_DATE="2001-02-03T04:05:06Z"))
-    head = subprocess.run([*git, "rev-parse", "HEAD"], check=True, capture_output=True, text=True).stdout.strip()
-    (folder / "stamp.cpp").rename(folder / "kept.cpp")
-    expect(stamp(folder, "") == f'"{head[:12]}, changed", "2001-02-03"', "a changed clone")
-    (folder / "kept.cpp").rename(folder / "stamp.cpp")
-    script[1] = f"-DTARGET={folder}/other.cpp"
-    subprocess.run([*script[:1], f"-DSOURCE={folder}", "-DCOMMIT=", *script[1:]], check=True, capture_output=True)
-    expect(f'"{head[:12]}", "2001-02-03"' in (folder / "other.cpp").read_text(), "a clone")

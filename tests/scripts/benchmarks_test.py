@@ -47,12 +47,6 @@ class Benchmarks(unittest.TestCase):
         self.assertNotIn("old", made)
         self.assertIn("gdtslam 9, a CPU, avx2", made)
 
-    def test_without_write_the_page_stays(self):
-        process = self.make("kernels")
-        self.assertEqual(process.returncode, 0, process.stderr)
-        self.assertIn("| `scan` | 10 points | 12.3 ms | 2 G candidates/s |", process.stdout)
-        self.assertEqual(self.page.read_text(), PAGE)
-
     def test_what_fails_is_told_and_nothing_is_written(self):
         self.answer("echo 'gdtslam: error: no memory' >&2; exit 69")
         process = self.make("kernels", "--write")

@@ -14,15 +14,8 @@ from scripts_test import ROOT, ScriptTest
 FINDINGS = {
     "readability-identifier-naming": "namespace {\nconst int limit = 3;\n}\nint NAME() { return limit; }",
     "clang-diagnostic-reserved-identifier": "int __NAME() { return 1; }",
-    "cppcoreguidelines-init-variables": "int NAME(bool b) {\n  int i;\n  if (b) i = 2; else i = 3;\n  return i;\n}",
-    "modernize-use-nullptr": "int* NAME() { return 0; }",
     "modernize-deprecated-headers": "#include <stddef.h>\nint NAME() { return 1; }",
-    "performance-unnecessary-value-param":
-        "struct BigNAME { ~BigNAME(); int i; };\nint NAME(BigNAME big) { return big.i; }",
     "bugprone-macro-parentheses": "#define TWICE_NAME(x) x + x\nint NAME() { return TWICE_NAME(2); }",
-    "bugprone-integer-division": "double NAME(int i) { return i / 2; }",
-    "misc-throw-by-value-catch-by-reference":
-        "struct FaultNAME { ~FaultNAME(); };\nint NAME() {\n  try { throw FaultNAME(); } catch (FaultNAME f) { return 1; }\n}",
     "misc-unused-using-decls": "namespace far { struct ThingNAME {}; }\nusing far::ThingNAME;\nint NAME() { return 1; }",
     "misc-unused-alias-decls": "namespace farNAME {}\nnamespace nearNAME = farNAME;\nint NAME() { return 1; }",
     "google-explicit-constructor": '#include "NAME.hpp"\nint NAME() { return FromNAME(2).i; }',
@@ -79,16 +72,6 @@ class Lint(ScriptTest):
             self.assertIn(f"[{check},", reports[f"engine/f{number}/planted.cpp"])
         # All shared a batch with their neighbours but the alias, whose name stands in its source only once.
         self.assertIn(f", in {len(FINDINGS) + 1} batches\n", done.stdout)
-
-    def test_a_use_elsewhere_does_not_hide_an_unused_name(self):
-        header = "#pragma once\nnamespace far {\nstruct Thing { int i = 1; };\n}\n"
-        self.source("a.cpp", '#include "far.hpp"\nusing far::Thing;\nint first() { return 1; }\n')
-        self.source("z.cpp", '#include "far.hpp"\nint last() { return far::Thing().i; }\n')
-        (self.work / "engine/far.hpp").write_text(header)
-        done = self.lint()
-        self.assertIn("--- engine/a.cpp", done.stdout)
-        self.assertIn("[misc-unused-using-decls,", done.stdout)
-        self.assertIn("1 of 2 checked sources pass", done.stdout)
 
     def test_sources_that_are_compiled_together_are_found_again(self):
         fine = self.source("fine.cpp", "int fine() { return 1; }\n")

@@ -1,6 +1,6 @@
 """The built site in a real browser, from its folder: quiet, nothing from outside, no page wider than a phone, the search.
 
-  site_browser_test.py SITE [SCREENSHOTS]    SCREENSHOTS: a folder for pictures of some pages, to look at
+  site_browser_test.py SITE
 """
 
 import os
@@ -10,9 +10,8 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "cli" / "browser"))
 import chromium  # noqa: E402
 
-PHONE, DESKTOP = 390, 1280
+PHONE = 390
 SKIPPED = 77
-SHOWN = ("index", "gallery", "howto/map-your-own-log", "howto/coming-from", "reference/options", "reference/api/mapping")
 # Words with a page that has to be among the results, and one that no page has.
 SEARCHES = {"truncation": "reference/options.html", "loop_search_maximum_distance": "howto/coming-from.html",
             "LoopClosing": "reference/api/mapping.html", "qqzzxx": None}
@@ -67,20 +66,8 @@ def faults_of_colours(browser, site):
             yield f"index.html, {scheme}: red, green and blue of the ground add up to {ground}"
 
 
-def take_screenshots(browser, site, folder):
-    folder.mkdir(parents=True, exist_ok=True)
-    for width in (DESKTOP, PHONE):
-        browser.resize(width, 900)
-        for scheme in ("light", "dark"):
-            browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
-            for name in SHOWN:
-                open_page(browser, site / f"{name}.html")
-                browser.settle()
-                browser.screenshot(folder / f"{name.replace('/', '-')}-{width}-{scheme}.png")
-
-
 def main():
-    if len(sys.argv) not in (2, 3):
+    if len(sys.argv) != 2:
         print(__doc__.strip(), file=sys.stderr)
         return 2
     if chromium.find_program() is None:
@@ -88,10 +75,7 @@ def main():
         return 1 if os.environ.get("GDTSLAM_REQUIRE_BROWSER") == "1" else SKIPPED
     site = pathlib.Path(sys.argv[1]).resolve()
     with chromium.Browser(width=PHONE, height=844) as browser:
-        faults = [*faults_of_pages(browser, site), *faults_of_search(browser, site),
-                  *faults_of_colours(browser, site)]
-        if len(sys.argv) == 3:
-            take_screenshots(browser, site, pathlib.Path(sys.argv[2]))
+        faults = [*faults_of_pages(browser, site), *faults_of_search(browser, site), *faults_of_colours(browser, site)]
     for fault in faults:
         print(f"site: {fault}", file=sys.stderr)
     print(f"{len(pages_of(site))} pages and {len(SEARCHES)} searches in a browser, {len(faults)} faults")

@@ -28,12 +28,11 @@ def mcap(*records):
     return MCAP_MAGIC + mcap_record(0x01, mcap_text(b"ros2") + mcap_text(b"")) + b"".join(records)
 
 
-def mcap_scan(cdr):
-    """A file of one message of that content in a topic of scans."""
-    schema = mcap_record(0x03, struct.pack("<H", 1) + mcap_text(b"sensor_msgs/msg/LaserScan") + mcap_text(b"ros2msg") + mcap_text(b""))
-    channel = mcap_record(0x04, struct.pack("<HH", 1, 1) + mcap_text(b"/scan") + mcap_text(b"cdr") + struct.pack("<I", 0))
-    message = mcap_record(0x05, struct.pack("<HIQQ", 1, 0, 10**9, 10**9) + cdr)
-    return mcap(schema, channel, message)
+def mcap_message(kind, cdr):
+    """A file of one message of that kind."""
+    schema = mcap_record(0x03, struct.pack("<H", 1) + mcap_text(kind) + mcap_text(b"ros2msg") + mcap_text(b""))
+    channel = mcap_record(0x04, struct.pack("<HH", 1, 1) + mcap_text(b"/a") + mcap_text(b"cdr") + struct.pack("<I", 0))
+    return mcap(schema, channel, mcap_record(0x05, struct.pack("<HIQQ", 1, 0, 10**9, 10**9) + cdr))
 
 
 def cdr_scan(name_length=2, beams=2):
@@ -56,43 +55,45 @@ def bag_chunk(packing, stated, packed):
     return bag_record([(b"op", b"\x05"), (b"compression", packing), (b"size", struct.pack("<I", stated))], packed)
 
 
-def sqlite_bag(folder, change, rows=200):
-    """A database of a ROS 2 bag, whose bytes are then changed."""
+TOPICS = "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT, offered_qos_profiles TEXT)"
+MESSAGES = "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB)"
+ONE_TOPIC = "INSERT INTO topics VALUES (1, '/scan', 'sensor_msgs/msg/LaserScan', 'cdr', '')"
+
+
+def sqlite_of(folder, *statements):
+    """A database of a ROS 2 bag by these statements, each alone or with the rows that it is for."""
     path = folder / "bag_0.db3"
     with sqlite3.connect(path) as database:
-        database.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT, offered_qos_profiles TEXT)")
-        database.execute("CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB)")
-        database.execute("INSERT INTO topics VALUES (1, '/scan', 'sensor_msgs/msg/LaserScan', 'cdr', '')")
-        database.executemany("INSERT INTO messages VALUES (?, 1, ?, ?)", [(k, k * 10**8, cdr_scan() + bytes(9000)) for k in range(rows)])
-        database.execute("DELETE FROM messages WHERE id > ?", (rows // 2,))
+        for statement in statements:
+            if isinstance(statement, tuple):
+                database.executemany(*statement)
+            else:
+                database.execute(statement)
     database.close()
-    data = bytearray(path.read_bytes())
-    path.write_bytes(bytes(change(data)))
     return ["map", path, "-o", folder / "run", "-q"]
 
 
-def sqlite_cycle(data):
+def sqlite_cycle(folder):
     """Every page of the free list names the first one as the next, and every overflow page itself."""
-    page = 4096
+    rows = [(k, k * 10**8, cdr_scan() + bytes(9000)) for k in range(200)]
+    arguments = sqlite_of(folder, TOPICS, MESSAGES, ONE_TOPIC, ("INSERT INTO messages VALUES (?, 1, ?, ?)", rows),
+                          "DELETE FROM messages WHERE id > 100")
+    data, page = bytearray(arguments[1].read_bytes()), 4096
     first = struct.unpack_from(">I", data, 32)[0]
     struct.pack_into(">I", data, (first - 1) * page, first)
     for number in range(3, len(data) // page + 1):
         at = (number - 1) * page
         if data[at] == 0 and number != first:  # no page of a tree: an overflow page, whose first bytes are the next one
             struct.pack_into(">I", data, at, number)
-    return data
+    arguments[1].write_bytes(data)
+    return arguments
 
 
 def sqlite_views(folder):
     """What is read is a view that multiplies."""
-    path = folder / "bag_0.db3"
-    with sqlite3.connect(path) as database:
-        database.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT, offered_qos_profiles TEXT)")
-        database.execute("INSERT INTO topics VALUES (1, '/scan', 'sensor_msgs/msg/LaserScan', 'cdr', '')")
-        database.execute("CREATE VIEW messages AS WITH RECURSIVE n(id) AS (SELECT 1 UNION ALL SELECT id + 1 FROM n) "
-                         "SELECT id, 1 AS topic_id, id AS timestamp, zeroblob(1000000000) AS data FROM n")
-    database.close()
-    return ["map", path, "-o", folder / "run", "-q"]
+    return sqlite_of(folder, TOPICS, ONE_TOPIC,
+                     "CREATE VIEW messages AS WITH RECURSIVE n(id) AS (SELECT 1 UNION ALL SELECT id + 1 FROM n) "
+                     "SELECT id, 1 AS topic_id, id AS timestamp, zeroblob(1000000000) AS data FROM n")
 
 
 def lz4_frame(blocks):
@@ -111,58 +112,34 @@ def many_mcap_channels(count):
     return mcap(schema, *channels)
 
 
-def mcap_message(kind, cdr):
-    """A file of one message of that kind."""
-    schema = mcap_record(0x03, struct.pack("<H", 1) + mcap_text(kind) + mcap_text(b"ros2msg") + mcap_text(b""))
-    channel = mcap_record(0x04, struct.pack("<HH", 1, 1) + mcap_text(b"/a") + mcap_text(b"cdr") + struct.pack("<I", 0))
-    return mcap(schema, channel, mcap_record(0x05, struct.pack("<HIQQ", 1, 0, 10**9, 10**9) + cdr))
-
-
 def cdr_of_many(count):
     """The header of a message, then a list of so many that are not there."""
     return b"\0\1\0\0" + struct.pack("<I", count)
 
 
 def sqlite_of_many_topics(folder):
-    path = folder / "bag_0.db3"
-    with sqlite3.connect(path) as database:
-        database.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT, offered_qos_profiles TEXT)")
-        database.execute("CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB)")
-        database.executemany("INSERT INTO topics VALUES (?, ?, 'sensor_msgs/msg/LaserScan', 'cdr', '')", [(k, f"/scan{k}") for k in range(300_000)])
-    database.close()
-    return ["map", path, "-o", folder / "run", "-q"]
+    rows = [(k, f"/scan{k}") for k in range(300_000)]
+    return sqlite_of(folder, TOPICS, MESSAGES, ("INSERT INTO topics VALUES (?, ?, 'sensor_msgs/msg/LaserScan', 'cdr', '')", rows))
 
 
 def sqlite_of_zeros(folder):
     """A message of 512 MB, whose pages lie in a hole of the file: nothing on the disk."""
-    path = folder / "bag_0.db3"
-    with sqlite3.connect(path) as database:
-        database.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT, offered_qos_profiles TEXT)")
-        database.execute("CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB)")
-        database.execute("INSERT INTO topics VALUES (1, '/scan', 'sensor_msgs/msg/LaserScan', 'cdr', '')")
-        database.execute("INSERT INTO messages VALUES (1, 1, 1, zeroblob(536870912))")
-    database.close()
-    return ["map", path, "-o", folder / "run", "-q"]
+    return sqlite_of(folder, TOPICS, MESSAGES, ONE_TOPIC, "INSERT INTO messages VALUES (1, 1, 1, zeroblob(536870912))")
 
 
 def sqlite_that_computes(folder):
     """Each row that is read would compute for hours."""
-    path = folder / "bag_0.db3"
-    with sqlite3.connect(path) as database:
-        database.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT)")
-        database.execute("CREATE TABLE messages(id INTEGER PRIMARY KEY, timestamp INTEGER, data BLOB)")
-        database.execute("INSERT INTO messages VALUES (1, 1, x'')")
-        database.execute("ALTER TABLE messages ADD COLUMN topic_id INTEGER GENERATED ALWAYS AS "
-                         f"(hex(zeroblob(8000000 + id)) GLOB '*{'0' * 20_000}1') VIRTUAL")
-    database.close()
-    return ["map", path, "-o", folder / "run", "-q"]
+    return sqlite_of(folder, TOPICS, "CREATE TABLE messages(id INTEGER PRIMARY KEY, timestamp INTEGER, data BLOB)",
+                     "INSERT INTO messages VALUES (1, 1, x'')",
+                     "ALTER TABLE messages ADD COLUMN topic_id INTEGER GENERATED ALWAYS AS "
+                     f"(hex(zeroblob(8000000 + id)) GLOB '*{'0' * 20_000}1') VIRTUAL")
 
 
 def packed_sqlite(blocks):
     """A database, then so many blocks of zstd of 4 bytes each, which stand for 128 KiB."""
     with sqlite3.connect(":memory:") as database:
-        database.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT)")
-        database.execute("CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB)")
+        database.execute(TOPICS)
+        database.execute(MESSAGES)
         plain = database.serialize()
 
     def block(kind, size, content):
@@ -189,10 +166,10 @@ BOMBS = [
     Bomb("MCAP chunk of zstd that states 4 EiB", log_of("log.mcap", lambda: mcap(mcap_chunk(b"zstd", 1 << 62, packed_by_zstd(bytes(NEWLINES))))), 65, "log.mcap"),
     Bomb("MCAP record of 4 EiB in zstd of zeros", log_of("log.mcap", lambda: mcap(mcap_chunk(b"zstd", 4 * NEWLINES, packed_by_zstd(mcap_record(0x05, bytes(22), 1 << 62) + bytes(4 * NEWLINES - 31))))), 65, "log.mcap", 300),
     Bomb("MCAP chunk longer than the file", log_of("log.mcap", lambda: mcap(mcap_chunk(b"", 1 << 62, bytes(100), 1 << 62))), 65, "log.mcap"),
-    Bomb("CDR of 4,000,000,000 beams", log_of("log.mcap", lambda: mcap_scan(cdr_scan(beams=0xFFFFFFF0))), 65, "log.mcap"),
+    Bomb("CDR of 4,000,000,000 beams", log_of("log.mcap", lambda: mcap_message(b"sensor_msgs/msg/LaserScan", cdr_scan(beams=0xFFFFFFF0))), 65, "log.mcap"),
     Bomb("bag chunk of bzip2 that states 4 GiB", log_of("log.bag", lambda: ros1_bag(bag_chunk(b"bz2", 0xFFFFFFFF, bz2.compress(bytes(NEWLINES))))), 65, "log.bag"),
     Bomb("bag record of 4 GiB", log_of("log.bag", lambda: ros1_bag(bag_record([(b"op", b"\x02")], b"", 0xFFFFFFFF))), 65, "log.bag"),
-    Bomb("SQLite pages in circles", lambda folder: sqlite_bag(folder, sqlite_cycle), 65, "bag_0.db3"),
+    Bomb("SQLite pages in circles", sqlite_cycle, 65, "bag_0.db3"),
     Bomb("SQLite view without an end", sqlite_views, 65, "bag_0.db3"),
     Bomb("MCAP chunk of lz4 of zeros", log_of("log.mcap", lambda: mcap(mcap_chunk(b"lz4", 1 << 30, lz4_frame(64)))), 65, "log.mcap"),
     Bomb("MCAP of 60,000 channels", log_of("log.mcap", lambda: many_mcap_channels(60_000)), 65, "log.mcap", 200),

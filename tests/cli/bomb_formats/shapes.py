@@ -34,12 +34,13 @@ FIELD_YAML = ("version: 2\nimage: gdt.png\nresolution: 0.05\norigin: [0, 0, 0]\n
               "cap: 64000\n")
 
 
-def png(width, height, depth, rows):
-    def chunk(name, content):
-        return struct.pack(">I", len(content)) + name + content + struct.pack(">I", zlib.crc32(name + content))
+def png_chunk(name, content):
+    return struct.pack(">I", len(content)) + name + content + struct.pack(">I", zlib.crc32(name + content))
 
+
+def png(width, height, depth, rows):
     header = struct.pack(">IIBBBBB", width, height, depth, 0, 0, 0, 0)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", rows) + chunk(b"IEND", b"")
+    return b"\x89PNG\r\n\x1a\n" + png_chunk(b"IHDR", header) + png_chunk(b"IDAT", rows) + png_chunk(b"IEND", b"")
 
 
 def zlib_zeros(count):
@@ -93,10 +94,6 @@ def ply_of_fans(faces):
     face = b"198" + b" 0 1 2" * 66 + b"\n"
     return (b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
             b"element face %d\nproperty list uint int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n" % faces + face * faces)
-
-
-def png_chunk(name, content):
-    return struct.pack(">I", len(content)) + name + content + struct.pack(">I", zlib.crc32(name + content))
 
 
 def png_of_chunks(*chunks):

@@ -6,7 +6,7 @@ import unittest
 
 import chromium
 from page_file import PageFile
-from page_flat import FlatAndNarrow, NarrowLinkage
+from page_flat import FlatPages
 from page_input import make_page, make_room_page, write_cloud
 from page_test import HOSTILE, Case, expected_row
 
@@ -146,7 +146,7 @@ class SceneTest(BrowserCase):
         browser.wait_for("gdtslam.view.until > 0.005", 60)
 
 
-class ControlsTest(FlatAndNarrow, BrowserCase):
+class ControlsTest(FlatPages, BrowserCase):
     def test_left_drag_turns_as_far_as_it_goes(self):
         browser = self.open_room()
         before, picture = state_of(browser), browser.screenshot()
@@ -242,7 +242,7 @@ class ControlsTest(FlatAndNarrow, BrowserCase):
         self.assertEqual(size, [round(side) for side in browser.box("#scene")[2:]])
 
 
-class LinkageTest(NarrowLinkage, BrowserCase):
+class LinkageTest(BrowserCase):
     def open_linkage(self):
         make_page(self.path("l.html"), "--title", "paper-b", "--linkage", "paper-b")
         self.about = PageFile(self.path("l.html")).description["linkage"]
@@ -280,29 +280,6 @@ class LinkageTest(NarrowLinkage, BrowserCase):
                 self.assertAlmostEqual(value, reference, delta=1e-5 if k < 6 else 2e-4)
             shown = browser.value("document.getElementById('value-elevation').textContent")
             self.assertAlmostEqual(float(shown.strip("°").replace("−", "-")), math.degrees(expected[6]), delta=0.06)
-
-    def test_the_crank_follows_the_mouse(self):
-        browser = self.open_linkage()
-        left, top, _, _ = browser.box("#mechanism")
-        browser.value("gdtslam.linkageView.toggle(false), gdtslam.linkageView.moveTo(50)")
-        pivot = browser.value("gdtslam.linkageView.mechanism.at([0, 0])")
-        start = browser.value("gdtslam.linkageView.mechanism.at(gdtslam.linkageView.linkage.at(50).a)")
-        end = (pivot[0] - 60, pivot[1] + 25)
-        browser.drag([a + b for a, b in zip(start, (left, top))], [a + b for a, b in zip(end, (left, top))])
-        joint = browser.value("gdtslam.linkageView.linkage.at(gdtslam.linkageView.step).a")
-        self.assertAlmostEqual(math.atan2(joint[1], joint[0]), math.atan2(-25, -60), delta=2e-5)
-
-    def test_beside_a_cloud(self):
-        browser = self.open_room()
-        browser.value("document.querySelector('[data-stage=linkage]').click()")
-        browser.settle()
-        self.assertGreater(browser.box("#mechanism")[2], 300)
-        self.assertEqual(browser.box("#scene")[2], 0)
-        browser.value("document.querySelector('[data-stage=cloud]').click()")
-        browser.settle()
-        keep_picture(browser)
-        self.assertEqual(pixels_changed(browser), 0)
-        self.assert_quiet(browser)
 
 
 class RobustTest(BrowserCase):

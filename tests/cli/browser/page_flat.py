@@ -1,12 +1,11 @@
-"""Tests of pages without a cloud, of narrow windows and of what is drawn and said at limits, for the classes of
+"""Tests of pages without a cloud and of several drives, for the classes of
 page_browser_test that open pages."""
 import math
 
-import chromium
-from page_input import make_page, write_cloud, write_map, write_path
+from page_input import make_page, write_map, write_path
 
 
-class FlatAndNarrow:
+class FlatPages:
     def test_a_map_without_a_cloud_is_seen_from_above(self):
         """As map.png has it: y up, free lighter than unknown, walls darkest, the path in the colours of time."""
         write_map(self.folder.name)
@@ -53,44 +52,3 @@ class FlatAndNarrow:
             self.assertAlmostEqual(pose["x"], place[0], places=4)
             self.assertAlmostEqual(pose["y"], place[1], places=4)
         self.assert_quiet(browser)
-
-    def test_the_first_view_fits_any_window(self):
-        """Until somebody looks elsewhere, all of a wide map is in the picture, also when the window becomes another."""
-        points = [(x, y, 0.0, 0.0, 0.0, 0) for x in (0.0, 40.0) for y in (0.0, 3.0) for _ in range(3)]
-        write_cloud(self.path("w.ply"), points)
-        make_page(self.path("w.html"), "--cloud", self.path("w.ply"))
-        browser = self.open(self.path("w.html"), width=1600)
-
-        def corners():
-            width, height = browser.box("#scene")[2:]
-            seen = browser.value(f"{[list(p[:3]) for p in points[::3]]}.map((p) => gdtslam.camera.pixelOf(p))")
-            return width, height, seen
-
-        for size in ((1600, 800), (700, 800), (1280, 800), (1280, 500)):
-            browser.resize(*size)
-            browser.settle()
-            width, height, seen = corners()
-            for x, y, _ in seen:
-                self.assertTrue(0 < x < width and 0 < y < height, (size, x, y))
-        browser.wheel(400, 300, 240)
-        browser.settle()
-        moved = browser.value("gdtslam.camera.state()")
-        browser.resize(900, 700)
-        browser.settle()
-        self.assertEqual(browser.value("gdtslam.camera.state()"), moved)
-        self.assert_quiet(browser)
-
-
-class NarrowLinkage:
-    def test_stands_still_for_those_who_prefer_it(self):
-        make_page(self.path("l.html"), "--linkage", "paper-b")
-        browser = self.open_plain(self.path("l.html"))
-        browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-reduced-motion", "value": "reduce"}])
-        browser.open(self.path("l.html"))
-        first = browser.value("gdtslam.linkageView.step")
-        browser.settle()
-        self.assertEqual(browser.value("gdtslam.linkageView.step"), first)
-        self.assertEqual(browser.value("document.getElementById('crank-play').textContent"), "Play")
-        browser.value("document.getElementById('crank-play').click()")
-        browser.wait_for(f"gdtslam.linkageView.step > {first} + 5")
-

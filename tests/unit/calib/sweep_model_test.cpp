@@ -171,12 +171,6 @@ TEST(BeamTiming, BeamsAreOrderedByTime) {
   EXPECT_EQ(scan.ranges_m, once.ranges_m) << "those that are in order stay";
 }
 
-TEST(BeamTiming, WithoutMirrorAllBeamsFireAtTheStamp) {
-  const BeamTiming timing = beam_timing(SweepModel{}, 961, rad_from_deg(0.25));
-  EXPECT_EQ(timing.first_s, 0.0);
-  EXPECT_EQ(timing.step_s, 0.0);
-}
-
 TEST(SweepModelValidate, SaysWhatIsWrong) {
   const auto faults = [](const std::function<void(SweepModel&)>& spoil) {
     SweepModel model = sweep_model_of_preset("paper-b");

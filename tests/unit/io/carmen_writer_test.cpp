@@ -207,17 +207,5 @@ TEST(CarmenLogs, StepsAreAboveZero) {
   EXPECT_EQ(sensor_of(3, -0.25), "ROBOTLASER1 0 0 0.5 0.25");
 }
 
-TEST(CarmenLogs, WhatHasNoOdometryGetsTheOneBefore) {
-  ScanRecord bare = carmen_scan(1, 0.5, 0.25);
-  bare.T_odom_base.reset();
-  ScanRecord moved = carmen_scan(1, 0.5, 0.25);
-  moved.T_odom_base = Pose2{7.0, 8.0, 0.5};
-  const std::vector<std::string> lines = lines_written({bare, Odometry{0.0, {3.0, 4.0, 0.25}}, bare, moved, bare});
-  ASSERT_EQ(lines.size(), 5U);
-  EXPECT_THAT(lines[0], HasSubstr(" 1 1.5 0 0 0 0 0 0 0 "));
-  EXPECT_THAT(lines[2], HasSubstr(" 1 1.5 0 3 4 0.25 3 4 0.25 "));
-  EXPECT_THAT(lines[4], HasSubstr(" 1 1.5 0 7 8 0.5 7 8 0.5 "));
-}
-
 }  // namespace
 }  // namespace gdtslam

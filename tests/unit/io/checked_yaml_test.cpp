@@ -48,24 +48,6 @@ TEST(YamlValue, AnglesOtherThanZeroNeedTheirUnit) {
   EXPECT_EQ(yaml_value("10 Hz").number({Unit::kNone, "Hz"}), 10.0);
 }
 
-TEST(YamlValue, FlagsAreTrueOrFalse) {
-  EXPECT_TRUE(yaml_value("true").flag());
-  EXPECT_FALSE(yaml_value("false").flag());
-  for (const char* const text : {"True", "yes", "1", "''"}) {
-    EXPECT_THAT(yaml_refusal([&] { (void)yaml_value(text, "on").flag(); }), HasSubstr("is neither true nor false"));
-  }
-  EXPECT_THAT(yaml_refusal([] { (void)yaml_value("[true]", "on").flag(); }),
-              HasSubstr("on: a single value is expected here"));
-}
-
-TEST(YamlValue, APointIsTwoLengths) {
-  EXPECT_EQ(yaml_value("[1.5, -20 cm]").point(), Point2(1.5, -0.2));
-  for (const char* const text : {"[1]", "[1, 2, 3]", "{x: 1, y: 2}", "1"}) {
-    EXPECT_THAT(yaml_refusal([&] { (void)yaml_value(text, "at").point(); }),
-                HasSubstr("at: a point [x, y] is expected here"));
-  }
-}
-
 TEST(YamlValue, EntriesAreNumberedAndAtMost100000) {
   const std::vector<YamlValue> entries = yaml_value("[a, b, c]", "walls").entries();
   ASSERT_EQ(entries.size(), 3U);
@@ -107,14 +89,6 @@ TEST(ReadFields, ReadsWhatIsGivenAndRefusesOtherKeys) {
   EXPECT_EQ(refusal("name: a\non:\n"), "a.yaml:2: room: the key 'on' has no value");
 }
 
-TEST(YamlValue, AFaultIsReportedAtTheKeyThatItNames) {
-  const YamlValue root = yaml_value("a: 1\nbars:\n  crank: 2\n  rocker: 3\n");
-  const auto refusal = [&](const std::string& fault) { return yaml_refusal([&] { root.refuse_below(fault); }); };
-  EXPECT_EQ(refusal("bars.rocker = 3 is wrong"), "a.yaml:4: bars.rocker = 3 is wrong");
-  EXPECT_EQ(refusal("bars: crank must be less"), "a.yaml:3: bars: crank must be less");
-  EXPECT_EQ(refusal("wheels: none"), "a.yaml:1: wheels: none");
-}
-
 bool is_read(const std::string& text) {
   return yaml_refusal<InputError>([&] { (void)parse_yaml<InputError>(text, "a.yaml"); }).empty();
 }
@@ -130,28 +104,6 @@ TEST(YamlText, IsNested32DeepAtMost) {
   EXPECT_TRUE(is_read(beside + "1]")) << "what is closed again counts no more";
   EXPECT_FALSE(is_read("a: 1\n---\nb: 2\n")) << "two documents";
   EXPECT_TRUE(is_read("---\na: 1\n"));
-}
-
-TEST(DescriptionFile, NumbersAreFiniteAndMapsAreNotTurned) {
-  const TemporaryFolder folder;
-  const std::string file = folder / "map.yaml";
-  const auto geometry_of = [&](const std::string& resolution, const std::string& origin) {
-    put_file(file, "resolution: " + resolution + "\norigin: " + origin + "\n");
-    return yaml_refusal<InputError>([&] {
-      const GridGeometry geometry = DescriptionFile(file).geometry();
-      EXPECT_EQ(geometry.resolution_m, 0.05);
-      EXPECT_EQ(geometry.origin_x_m, -1.5);
-      EXPECT_EQ(geometry.origin_y_m, 2.5);
-    });
-  };
-  EXPECT_EQ(geometry_of("0.05", "[-1.5, 2.5, 0.0]"), "");
-  EXPECT_THAT(geometry_of("0", "[-1.5, 2.5, 0.0]"), HasSubstr(":1: resolution: 0 m is not above 0"));
-  EXPECT_THAT(geometry_of("-0.05", "[-1.5, 2.5, 0.0]"), HasSubstr("is not above 0"));
-  EXPECT_THAT(geometry_of("inf", "[-1.5, 2.5, 0.0]"), HasSubstr("is no finite number"));
-  EXPECT_THAT(geometry_of("0.05x", "[-1.5, 2.5, 0.0]"), HasSubstr("\"0.05x\" is no finite number"));
-  EXPECT_THAT(geometry_of("0.05", "[-1.5, 2.5]"), HasSubstr(":2: origin: must be [x, y, yaw]"));
-  EXPECT_THAT(geometry_of("0.05", "[-1.5, 2.5, 0.0, 0.0]"), HasSubstr("must be [x, y, yaw]"));
-  EXPECT_THAT(geometry_of("0.05", "[-1.5, 2.5, 0.01]"), HasSubstr("a map that is turned"));
 }
 
 // YAML 1.1 knows a number by its point.

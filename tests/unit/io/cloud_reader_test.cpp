@@ -1,9 +1,9 @@
 // Clouds from other programs, damaged ones and hostile ones; each has one stated outcome.
 #include <gmock/gmock.h>
 
-#include <cmath>
-#include <functional>
+#include <string>
 
+#include "engine/io/clouds/cloud_file_layout.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/cloud_file.hpp"
 #include "io_test_support.hpp"
@@ -12,6 +12,7 @@
 namespace gdtslam {
 namespace {
 
+using namespace std::string_literals;
 using ::testing::HasSubstr;
 
 constexpr const char* kXyz = "property float x\nproperty float y\nproperty float z\n";
@@ -74,15 +75,6 @@ TEST(CloudReader, CloudsInACountrysGridKeepTheirMillimetres) {
   EXPECT_NEAR(cloud[1].y_m - cloud[0].y_m, 0.001, 1e-6);
   EXPECT_NEAR(cloud[2].y_m, -1.999, 1e-6);
   EXPECT_EQ(cloud[0].z_m, -3.5F);
-}
-
-TEST(CloudReader, HeaderSaysWhatThereIs) {
-  const std::string file = ply("1", "1 2 3 4\n", std::string(kXyz) + "property double time\n");
-  const CloudReader reader(bytes_of(file), "c");
-  EXPECT_EQ(reader.header().points, 1U);
-  EXPECT_TRUE(reader.header().has_time);
-  EXPECT_FALSE(reader.header().has_elevation);
-  EXPECT_FALSE(reader.header().has_scan);
 }
 
 TEST(CloudReader, MemoryAndFilesMayBeGzip) {
@@ -207,6 +199,24 @@ TEST(CloudReader, HostileHeadersTakeNeitherTimeNorMemory) {
     expect_bounded(run);
     EXPECT_TRUE(run.code == 65 || file.find("element vertex 0\n") != std::string::npos) << run.code;
   }
+}
+
+// A byte below 32: so many bytes and one more follow as they are. Else its upper three bits are two less than the
+// number of bytes to repeat (7: the next byte is added), and its lower five with the next byte one less than how far
+// back.
+TEST(Lzf, CopiesAndRepeats) {
+  EXPECT_EQ(unpack_lzf("\0a"s, 1), "a");
+  EXPECT_EQ(unpack_lzf("\2abc", 3), "abc");
+  EXPECT_EQ(unpack_lzf("\x1f" + std::string(32, 'q'), 32), std::string(32, 'q'));
+  EXPECT_EQ(unpack_lzf("\2abc\x20\2"s, 6), "abcabc") << "three from three back";
+  EXPECT_EQ(unpack_lzf("\2abc\x20\0"s, 6), "abcccc") << "three from one back";
+  EXPECT_EQ(unpack_lzf("\2abc\xc0\1"s, 11), "abcbcbcbcbc") << "eight from two back";
+  EXPECT_EQ(unpack_lzf("\0a\xe0\0\0"s, 10), std::string(10, 'a')) << "nine";
+  EXPECT_EQ(unpack_lzf("\0a\xe0\xff\0"s, 265), std::string(265, 'a')) << "264, the most";
+  std::string far;
+  for (int k = 0; k < 10; ++k) far += "\x1f"s + std::string(32, 'x');
+  far[1] = 'F';
+  EXPECT_EQ(unpack_lzf(far + "\x21\x3f"s, 323).value().substr(320), "Fxx") << "from 320 back";
 }
 
 }  // namespace

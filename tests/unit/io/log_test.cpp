@@ -16,15 +16,6 @@ std::string refusal(const std::string& path) {
   return told_by<InputError>([&] { open_log(path, {}); }, "no error");
 }
 
-TEST(OpenLog, ReadsCarmenPlainAndPackedWhateverTheName) {
-  const TemporaryFolder folder;
-  const std::string text = "TILT 0.5 1 h 2\n";
-  put_file(folder / "a.bag", text);
-  put_file(folder / "b", gzip(text));
-  EXPECT_EQ(drain(*open_log(folder / "a.bag", {})).records.size(), 1U);
-  EXPECT_EQ(drain(*open_log(folder / "b", {})).records.size(), 1U);
-}
-
 TEST(OpenLog, NamesWhatIsDamagedAroundALog) {
   const TemporaryFolder folder;
   put_file(folder / "x.bz2", "BZh91AY&SYdamaged, for it goes on like nothing that bzip2 writes");

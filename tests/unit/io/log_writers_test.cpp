@@ -1,9 +1,6 @@
 // What is written of a log reads back, in each format what it carries; messages of ROS by a reader of their own.
 #include <gmock/gmock.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <limits>
 #include <string>
 #include <vector>
@@ -191,74 +188,6 @@ TEST(LogFormats, AreToldByTheirEndings) {
   } catch (const UsageError& error) {
     EXPECT_THAT(error.what(), HasSubstr("carmen"));
   }
-}
-
-/// Little endian values one after the other, each at a multiple of its size behind the first four bytes.
-class Decoded {
- public:
-  explicit Decoded(std::string bytes) : bytes_(std::move(bytes)) {
-    EXPECT_EQ(bytes_.substr(0, 4), std::string("\0\1\0\0", 4));
-  }
-  template <class Value>
-  Value take() {
-    while ((at_ - 4) % sizeof(Value) != 0) ++at_;
-    Value value{};
-    EXPECT_LE(at_ + sizeof(Value), bytes_.size());
-    if (at_ + sizeof(Value) <= bytes_.size()) std::memcpy(&value, bytes_.data() + at_, sizeof(Value));
-    at_ += sizeof(Value);
-    return value;
-  }
-  std::string text() {
-    const auto size = take<std::uint32_t>();
-    const std::string value = bytes_.substr(at_, size - 1);
-    at_ += size;
-    return value;
-  }
-  void expect_header(std::uint32_t s, std::uint32_t ns, const std::string& frame) {
-    EXPECT_EQ(take<std::uint32_t>(), s);
-    EXPECT_EQ(take<std::uint32_t>(), ns);
-    EXPECT_EQ(text(), frame);
-  }
-  void expect_pose_of(double x, double y, double theta) {
-    for (const double value : {x, y, 0.0, 0.0, 0.0, std::sin(0.5 * theta), std::cos(0.5 * theta)}) {
-      EXPECT_NEAR(take<double>(), value, 1e-12);
-    }
-  }
-  void expect_end() const { EXPECT_EQ(at_, bytes_.size()); }
-
- private:
-  std::string bytes_;
-  std::size_t at_ = 4;
-};
-
-TEST(MessagesOfRos, PosesAndTransforms) {
-  Decoded pose(ros_pose({7.25, "map"}, {1.0, -2.0, 3.0}));
-  pose.expect_header(7, 250'000'000, "map");
-  pose.expect_pose_of(1.0, -2.0, 3.0);
-  pose.expect_end();
-  const RosTransform transform{{1.5, "odom"}, "base", {0.5, 0.25, -1.0}};
-  Decoded transforms(ros_transforms({&transform, 1}));
-  EXPECT_EQ(transforms.take<std::uint32_t>(), 1U);
-  transforms.expect_header(1, 500'000'000, "odom");
-  EXPECT_EQ(transforms.text(), "base");
-  transforms.expect_pose_of(0.5, 0.25, -1.0);
-  transforms.expect_end();
-}
-
-TEST(MessagesOfRos, GridsHaveTheirCellsRowByRow) {
-  const std::vector<std::int8_t> cells{-1, 0, 100, 0, 0, -1};
-  Decoded grid(ros_occupancy_grid(
-      {3.0, "map"}, {.resolution_m = 0.05, .width = 3, .height = 2, .T_map_origin = {-1.0, 2.0, 0.0}, .cells = cells}));
-  grid.expect_header(3, 0, "map");
-  EXPECT_EQ(grid.take<std::uint32_t>(), 3U);  // when the map was loaded
-  EXPECT_EQ(grid.take<std::uint32_t>(), 0U);
-  EXPECT_EQ(grid.take<float>(), 0.05F);
-  EXPECT_EQ(grid.take<std::uint32_t>(), 3U);
-  EXPECT_EQ(grid.take<std::uint32_t>(), 2U);
-  grid.expect_pose_of(-1.0, 2.0, 0.0);
-  EXPECT_EQ(grid.take<std::uint32_t>(), 6U);
-  for (const std::int8_t cell : cells) EXPECT_EQ(grid.take<std::int8_t>(), cell);
-  grid.expect_end();
 }
 
 class TableFormats : public testing::TestWithParam<const char*> {};

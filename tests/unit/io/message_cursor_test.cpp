@@ -190,25 +190,5 @@ TEST(Messages, NumbersKeepTheirSignAndEveryDigit) {
   EXPECT_EQ(number(raw(0.1), "std_msgs/Float64").whole, std::nullopt);
 }
 
-TEST(Messages, AJointIsTheNamedOneOrTheFirst) {
-  const std::string bytes = cdr_joints(2.5, {"a", "b", "b"}, {0.1, 0.2, 0.3});
-  const MessageBytes message{bytes, MessageEncoding::kCdr};
-  EXPECT_EQ(read_joint(message, "").value, 0.1);
-  EXPECT_EQ(read_joint(message, "b").value, 0.2) << "the first of that name";
-  EXPECT_EQ(read_joint(message, "b").stamp_s, 2.5);
-  EXPECT_EQ(fault_of_recording([&] { (void)read_joint(message, "c"); }), "has joints of which none is called \"c\"");
-  const std::string none = cdr_joints(2.5, {}, {0.1});
-  EXPECT_EQ(fault_of_recording([&] {
-              (void)read_joint({none, MessageEncoding::kCdr}, "");
-            }),
-            "has joints without names");
-  const std::string few = cdr_joints(2.5, {"a", "b"}, {0.1});
-  EXPECT_EQ(read_joint({few, MessageEncoding::kCdr}, "a").value, 0.1);
-  EXPECT_EQ(fault_of_recording([&] {
-              (void)read_joint({few, MessageEncoding::kCdr}, "b");
-            }),
-            "has joints without a position");
-}
-
 }  // namespace
 }  // namespace gdtslam

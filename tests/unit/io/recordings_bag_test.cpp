@@ -71,25 +71,6 @@ TEST(Bag, AnIndexOfAWrongLengthIsPassedByItsEntries) {
   }
 }
 
-TEST(Bag, TransformsAreOdometryWhereThereIsNoOther) {
-  std::string data = bag_connection(0, "/scan", kScanType) + bag_connection(1, "/tf", kTransformType);
-  for (const double stamp_s : {1.0, 2.0, 3.0}) {
-    data += bag_message(1, stamp_s, ros_transform(stamp_s, "/odom", "base_link", {.x_m = stamp_s, .yaw_rad = 0.5}));
-  }
-  data += bag_message(0, 2.0, ros_scan({.stamp_s = 2.0}));
-  auto scans = drained_bag(bag_file(data)).of<ScanRecord>();
-  ASSERT_EQ(scans.size(), 1U);
-  EXPECT_EQ(scans[0].T_odom_base->x_m, 2.0);
-  EXPECT_NEAR(scans[0].T_odom_base->theta_rad, 0.5, 1e-12);
-  data += bag_connection(2, "/odom", kOdometryType) + bag_message(2, 2.0, ros_odometry(2.0, {.x_m = 70.0}));
-  scans = drained_bag(bag_file(data)).of<ScanRecord>();
-  EXPECT_EQ(scans.at(0).T_odom_base->x_m, 70.0) << "an odometry topic counts for more";
-  EXPECT_FALSE(drained_bag(bag_file(bag_connection(0, "/scan", kScanType) + bag_message(0, 2.0, ros_scan({}))))
-                   .of<ScanRecord>()
-                   .at(0)
-                   .T_odom_base.has_value());
-}
-
 // A quaternion of doubles tells an angle to some 1e-16, so that one of nine decimals is found again.
 TEST(Bag, AHeadingOfFewDecimalsComesBackAsItWas) {
   const auto heading_of = [](double yaw_rad) {

@@ -115,22 +115,6 @@ LaserScan turned_scan() {
   return scan;
 }
 
-TEST(RosScan, IsStampedWithTheBeamThatWasMeasuredFirst) {
-  for (const double step_rad : {0.5, -0.5}) {
-    LaserScan scan = turned_scan();
-    scan.bearing_step_rad = step_rad;
-    EXPECT_EQ(ros_scan_stamp_s(scan), 1.0);
-    const std::string bytes = ros_laser_scan(scan, "laser", 0.5);
-    EXPECT_EQ(value_at<std::uint32_t>(bytes, 4), 1U);
-    EXPECT_EQ(value_at<std::uint32_t>(bytes, 8), 0U);
-    const double last_rad = -1.0 + 2.0 * step_rad;
-    std::vector<float> fields;
-    for (std::size_t k = 0; k < 4; ++k) fields.push_back(value_at<float>(bytes, kScanFields + 4 * k));
-    EXPECT_THAT(fields, ElementsAre(static_cast<float>(last_rad), -1.0F, static_cast<float>(-step_rad), 0.125F));
-    EXPECT_EQ(value_at<float>(bytes, kScanFields + 28 + 4), 3.0F) << "the range of the last beam";
-  }
-}
-
 TEST(RosScan, ThatAReaderTurnedRoundReadsBack) {
   const test::TemporaryFolder folder;
   for (const double step_rad : {0.5, -0.5}) {

@@ -20,8 +20,6 @@ using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 
-constexpr float kNoEcho = std::numeric_limits<float>::infinity();
-
 TableRow row_of_ranges(std::vector<double> ranges_m, double first_rad = -0.5, double step_rad = 0.25) {
   TableRow row;
   row[TableNumber::kStamp] = 1.0;
@@ -111,58 +109,6 @@ TEST(RowRecords, ALimitIsAboveZeroAndFinite) {
     EXPECT_EQ(outcome_of(row).scan().max_range_m, limit_m);
     EXPECT_EQ(outcome_of(row, {.max_range_m = 7.0}).scan().max_range_m, 7.0);
   }
-}
-
-// Beams each 0.05 degrees from behind the robot on: of a point the beam nearest to its bearing.
-TEST(RowRecords, PointsBecomeTheBeamsNearestToThem) {
-  const auto ranges_of = [](double bearing_deg, double range_m) {
-    TableRow row;
-    row[TableNumber::kStamp] = 1.0;
-    row.has_points = true;
-    row.points_m = {range_m * std::cos(rad_from_deg(bearing_deg)),
-                    range_m * std::sin(rad_from_deg(bearing_deg)),
-                    0.0,
-                    0.0,
-                    std::nan(""),
-                    1.0};
-    const RowOutcome outcome = outcome_of(row);
-    EXPECT_EQ(outcome.repairs.not_a_number, 1U);
-    return outcome.scan();
-  };
-  for (const auto& [bearing_deg, beam] :
-       {std::pair(-179.99, 0), {-179.974, 1}, {0.0, 3600}, {0.024, 3600}, {0.026, 3601}, {90.0, 5400}, {179.99, 0}}) {
-    const LaserScan scan = ranges_of(bearing_deg, 2.0);
-    ASSERT_EQ(scan.ranges_m.size(), 7200U);
-    EXPECT_NEAR(scan.first_bearing_rad, -kPi, 1e-15);
-    EXPECT_NEAR(scan.bearing_step_rad, rad_from_deg(0.05), 1e-15);
-    for (std::size_t k = 0; k < 7200; ++k) {
-      const bool is_hit = k == static_cast<std::size_t>(beam);
-      ASSERT_EQ(scan.ranges_m[k], is_hit ? 2.0F : kNoEcho) << bearing_deg << " beam " << k;
-    }
-  }
-}
-
-TEST(RowRecords, ARowSaysSomethingAndOnlyWhole) {
-  TableRow row;
-  EXPECT_EQ(outcome_of(row).refusal, "has no ranges, points, odometry, ticks or elevation");
-  row.ticks = 5;
-  EXPECT_EQ(outcome_of(row).refusal, "has no stamp");
-  row[TableNumber::kStamp] = 1.0;
-  EXPECT_EQ(outcome_of(row).records.size(), 1U);
-  row[TableNumber::kElevation] = 0.5;
-  row[TableNumber::kX] = 1.0;
-  row[TableNumber::kY] = 2.0;
-  EXPECT_THAT(outcome_of(row).refusal, HasSubstr("has no theta"));
-  row[TableNumber::kTheta] = 3.0;
-  const std::vector<LogRecord> records = outcome_of(row).records;
-  ASSERT_EQ(records.size(), 3U) << "the crank's before the odometry";
-  EXPECT_EQ(std::get<Encoder>(records[0]).ticks, 5);
-  EXPECT_EQ(std::get<Tilt>(records[1]).elevation_rad, 0.5);
-  EXPECT_EQ(std::get<Odometry>(records[2]).T_odom_base, (Pose2{1.0, 2.0, 3.0}));
-  TableRow named;
-  named.name = "wheel";
-  named.value = "0.1";
-  EXPECT_EQ(std::get<Parameter>(outcome_of(named).records.at(0)).value, "0.1") << "it needs no stamp";
 }
 
 TableRow json_row(const std::string& line) {

@@ -122,15 +122,6 @@ TEST(ComparePoses, LeavesOutWhatIsNearInTime) {
   EXPECT_TRUE(without_near(poses, {1.0}, 1.0).empty());
 }
 
-TEST(Share, HasTheIntervalOfWilson) {
-  const Share share{190, 200};
-  EXPECT_DOUBLE_EQ(share.value(), 0.95);
-  EXPECT_NEAR(share.low(), 0.9104, 1e-4);
-  EXPECT_NEAR(share.high(), 0.9726, 1e-4);
-  EXPECT_EQ(Share{}.low(), 0.0);
-  EXPECT_EQ(Share{}.high(), 1.0);
-}
-
 TEST(LocalizeVerdict, IsOfTheFitAndThePosesElsewhere) {
   LocalizedScan scan;
   scan.best = result_of(0.020);

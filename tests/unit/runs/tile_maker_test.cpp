@@ -129,6 +129,5 @@ TEST(TileMaker, WithoutOccupancyDistancesAreTheSame) {
   }
 }
 
-// 300 tiles along a line take cells of 64 in the small map; one of them has a wall and a free cell.
 }  // namespace
 }  // namespace gdtslam

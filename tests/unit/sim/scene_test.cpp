@@ -7,7 +7,6 @@
 #include <Eigen/Geometry>
 #include <chrono>
 #include <cmath>
-#include <limits>
 
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
@@ -49,18 +48,6 @@ TEST(Scene, BoxEnclosesItsVolumeAndStandsWhereItShould) {
     largest_x = std::max(largest_x, v.x());
   }
   EXPECT_NEAR(largest_x, 3.0 + std::hypot(1.0, 0.25) * std::cos(rad_from_deg(30.0) - std::atan(0.25)), 1e-12);
-}
-
-TEST(Scene, WallWithDoorsLosesTheDoors) {
-  Wall wall;
-  wall.points_m = {{0.0, 0.0}, {6.0, 0.0}};
-  wall.thickness_m = 0.2;
-  wall.height_m = 2.5;
-  EXPECT_NEAR(volume_of(boxes_of(wall)), 6.0 * 0.2 * 2.5, 1e-12);
-  wall.doors.push_back({.leg = 0, .from_m = 4.0, .width_m = 1.0, .height_m = 2.0});
-  wall.doors.push_back({.leg = 0, .from_m = 0.0, .width_m = 0.5, .height_m = 3.0});
-  EXPECT_TRUE(validate(wall).empty());
-  EXPECT_NEAR(volume_of(boxes_of(wall)), (6.0 * 2.5 - 1.0 * 2.0 - 0.5 * 2.5) * 0.2, 1e-12);
 }
 
 TEST(Scene, WallWithWindowsKeepsWhatIsUnderTheirSills) {

@@ -148,20 +148,6 @@ TEST_F(SweptLog, MapPutsReversedTimesRight) {
   EXPECT_EQ(reversed.trajectory_sha256, right.trajectory_sha256);
 }
 
-TEST_F(SweptLog, ALiveLogIsNamedAfterwardsAndNotMended) {
-  const std::string path = write(kSweep_s);
-  MapRequest request;
-  request.logs = {path};
-  request.live_log = [&path](const ReadOptions& read) { return open_log(path, read); };
-  MapOutcome outcome;
-  outcome.trajectory.resize(20);
-  outcome.doubtful.resize(2);
-  look_afterwards(request, path, outcome);
-  ASSERT_EQ(outcome.findings.size(), 1U);
-  EXPECT_THAT(outcome.findings[0].what, HasSubstr("measured from the last to the first"));
-  EXPECT_FALSE(outcome.findings[0].is_mended);
-}
-
 class RealBeamTimes : public testing::TestWithParam<const char*> {};
 
 TEST_P(RealBeamTimes, ARealLaserThatSweepsInMillisecondsIsNotAccused) {

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -130,11 +129,6 @@ TEST(Settings, CommandLineBeatsFileBeatsDefault) {
 TEST(Settings, RefusesWhatDoesNotFit) {
   EXPECT_THROW(load_settings({.file = {}, .sets = {"occupancy.min_ends=0"}}), ConfigError);
   EXPECT_THROW(load_settings({.file = {}, .sets = {"map.truncation=50 m"}}), ConfigError);  // more than 255 cells
-}
-
-TEST(DidYouMean, NamesTheNearestOrNothing) {
-  EXPECT_EQ(did_you_mean("mpa", {"map", "doctor"}), "; did you mean 'map'?");
-  EXPECT_EQ(did_you_mean("frobnicate", {"map", "doctor"}), "");
 }
 
 }  // namespace

@@ -1,9 +1,6 @@
 // What a comparison adds up to, against published intervals and hand-made trials.
 #include "tools/lab/matchers/run.hpp"
 
-#include <algorithm>
-#include <variant>
-
 #include <gtest/gtest.h>
 
 #include "gdtslam/core/angle.hpp"
@@ -27,21 +24,6 @@ TEST(CompareFigures, SharesHaveTheIntervalsOfWilson) {
   expect(1, 29, 0.0061, 0.1718);
   EXPECT_EQ((Share{0, 0}.low()), 0.0);
   EXPECT_EQ((Share{0, 0}.high()), 1.0);
-}
-
-// A point tells of its wall's normal only, so the normal equations of a room are sums over directions.
-TEST(CompareFigures, ACorridorHoldsInOneDirection) {
-  constexpr std::array<double, 6> corridor{0.0, 0.0, 0.0, 100.0, 0.0, 5000.0};
-  EXPECT_EQ(constraint_strength(corridor), 0.0);
-  constexpr std::array<double, 6> room{50.0, 0.0, 0.0, 50.0, 0.0, 5000.0};
-  EXPECT_DOUBLE_EQ(constraint_strength(room), 1.0);
-  // A slope along y that turning undoes says nothing of y: xx = 10, yy = 4, yt = 20, tt = 100.
-  constexpr std::array<double, 6> hinged{10.0, 0.0, 0.0, 4.0, 20.0, 100.0};
-  EXPECT_NEAR(constraint_strength(hinged), 0.0, 1e-12);
-  // Turned by 45 degrees the ratio stays: eigenvalues 8 and 2.
-  constexpr std::array<double, 6> turned{5.0, 3.0, 0.0, 5.0, 0.0, 100.0};
-  EXPECT_DOUBLE_EQ(constraint_strength(turned), 0.25);
-  EXPECT_EQ(constraint_strength(std::array<double, 6>{}), 0.0);
 }
 
 // Two walls of 2 x 41 points on either side, then an end of 9 points across: 9 normals along x, 82 along y. The walls

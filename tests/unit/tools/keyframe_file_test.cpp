@@ -5,8 +5,6 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <cmath>
-#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -50,29 +48,6 @@ RunKeyframes two_keyframes() {
                          .laser = std::move(second)}}};
 }
 
-void expect_same(const RunKeyframe& a, const RunKeyframe& b) {
-  EXPECT_EQ(a.scan, b.scan);
-  EXPECT_EQ(a.T_map_base, b.T_map_base);
-  ASSERT_EQ(a.covariance.has_value(), b.covariance.has_value());
-  if (a.covariance) {
-    EXPECT_EQ(a.covariance->xx, b.covariance->xx);
-    EXPECT_EQ(a.covariance->xy, b.covariance->xy);
-    EXPECT_EQ(a.covariance->xt, b.covariance->xt);
-    EXPECT_EQ(a.covariance->yy, b.covariance->yy);
-    EXPECT_EQ(a.covariance->yt, b.covariance->yt);
-    EXPECT_EQ(a.covariance->tt, b.covariance->tt);
-  }
-  EXPECT_EQ(a.laser.stamp_s, b.laser.stamp_s);
-  EXPECT_EQ(a.laser.first_bearing_rad, b.laser.first_bearing_rad);
-  EXPECT_EQ(a.laser.bearing_step_rad, b.laser.bearing_step_rad);
-  EXPECT_EQ(a.laser.max_range_m, b.laser.max_range_m);
-  EXPECT_EQ(a.laser.first_beam_after_s, b.laser.first_beam_after_s);
-  EXPECT_EQ(a.laser.beam_period_s, b.laser.beam_period_s);
-  EXPECT_EQ(a.laser.speed, b.laser.speed);
-  EXPECT_EQ(a.laser.T_base_laser, b.laser.T_base_laser);
-  EXPECT_EQ(a.laser.ranges_m, b.laser.ranges_m);
-}
-
 class KeyframeFileTest : public testing::Test {
  protected:
   void TearDown() override { fs::remove(path_); }
@@ -81,21 +56,6 @@ class KeyframeFileTest : public testing::Test {
     std::ifstream file(path_, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   }
-  // One line that names the file.
-  template <class Act>
-  void expect_refused(const Act& act, const std::string& name, const std::string& fault) const {
-    try {
-      act();
-      ADD_FAILURE() << fault << ": nothing was thrown";
-    } catch (const InputError& error) {
-      const std::string what = error.what();
-      EXPECT_EQ(what.find(name), 0U) << what;
-      EXPECT_NE(what.find(fault), std::string::npos) << what;
-      EXPECT_EQ(what.find('\n'), std::string::npos) << what;
-    }
-  }
-  // The same bytes with the checksum that belongs to them, without packing: that is read, too.
-  void put_unpacked(const std::string& bytes) const { put(bytes + Sha256().update(bytes).hex()); }
 
   const std::string path_ =
       (fs::temp_directory_path() / ("gdtslam-keyframes-" + std::to_string(::getpid()) + ".gz")).string();
@@ -112,11 +72,7 @@ TEST_F(KeyframeFileTest, GivesBackWhatItWasGiven) {
   const RunKeyframes written = two_keyframes();
   write_keyframes(path_, written);
   EXPECT_TRUE(stored().starts_with("\x1f\x8b"));
-  const RunKeyframes read = read_keyframes(path_);
-  EXPECT_EQ(read.config_sha256, written.config_sha256);
-  EXPECT_TRUE(read.in_single_precision);
-  ASSERT_EQ(read.keyframes.size(), 2U);
-  for (std::size_t k = 0; k < 2; ++k) expect_same(read.keyframes[k], written.keyframes[k]);
+  EXPECT_EQ(keyframe_bytes(read_keyframes(path_)), keyframe_bytes(written));
 }
 
 // Half a millimetre is what a whole one leaves, and what a float of 30 m has itself.
@@ -152,14 +108,21 @@ TEST_F(KeyframeFileTest, WhatIsNoRangeIsNoReturn) {
 
 TEST_F(KeyframeFileTest, EveryDamagedByteShows) {
   const std::string bytes = keyframe_bytes(two_keyframes());
-  put_unpacked(bytes);
-  const std::string sound = stored();
+  const std::string sound = bytes + Sha256().update(bytes).hex();  // without packing: that is read, too
+  put(sound);
   EXPECT_NO_THROW((void)read_keyframes(path_));
   for (std::size_t at = 0; at < sound.size(); ++at) {
     std::string damaged = sound;
     damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
     put(damaged);
-    expect_refused([this] { (void)read_keyframes(path_); }, path_, "");
+    try {
+      (void)read_keyframes(path_);
+      ADD_FAILURE() << at << ": nothing was thrown";
+    } catch (const InputError& error) {
+      const std::string what = error.what();
+      EXPECT_EQ(what.find(path_), 0U) << what;
+      EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+    }
   }
 }
 

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <string>
 
 #include "gdtslam/calib/crank_rocker.hpp"
@@ -105,14 +104,9 @@ TEST(LinkageFile, APresetWithOverrides) {
 TEST(LinkageFile, AUnitMistakeIsNamed) {
   EXPECT_EQ(refusal("bars:\n  coupler: 8.5 cm\n  crank: 3.6\n  rocker: 8.8 cm\n  ground: 5 cm\n"),
             "4: bars.crank = 3.6 m is longer than 1 m; did you mean 3.6 cm?");
-  EXPECT_EQ(refusal("bars:\n  crank: 3.6 cm\n  coupler: 8.5 cm\n  rocker: 88\n  ground: 5 cm\n"),
-            "5: bars.rocker = 88 m is longer than 1 m; did you mean 88 cm?");
-  EXPECT_EQ(refusal("bars:\n  crank: 0.036 cm\n  coupler: 8.5 cm\n  rocker: 8.8 cm\n  ground: 5 cm\n"),
-            "3: bars.crank = 0.00036 m is shorter than 1 mm; did you mean 0.036 m? check its unit");
   EXPECT_THAT(refusal("bars: {crank: 3.6 deg, coupler: 8.5 cm, rocker: 8.8 cm, ground: 5 cm}\n"),
               HasSubstr("unit 'deg' does not fit here"));
   EXPECT_THAT(refusal(std::string(kBars) + "encoder: {zero: 90}\n"), HasSubstr("an angle needs its unit"));
-  EXPECT_THAT(refusal(std::string(kBars) + "mount: {lever_up: 5}\n"), HasSubstr("mount.lever_up = 5 m"));
 }
 
 TEST(LinkageFile, ACrankThatCannotTurnIsRefusedUnlessAllIsStated) {
@@ -130,8 +124,6 @@ TEST(LinkageFile, RefusesWhatItDoesNotKnow) {
   EXPECT_THAT(refusal("preset: paper-b\nuncertainty: {crnk: 1 mm}\n"), HasSubstr("did you mean 'crank'?"));
   EXPECT_THAT(refusal("preset: paper-b\nuncertainty: {crank: -1 mm}\n"), HasSubstr("not negative"));
   EXPECT_THAT(refusal("preset: paper-b\nencoder: {ticks_per_turn: 2.5}\n"), HasSubstr("not a whole number"));
-  EXPECT_THAT(refusal("preset: paper-b\nencoder: {ticks_per_turn: 0}\n"), HasSubstr("encoder.ticks_per_turn = 0"));
-  EXPECT_THAT(refusal("preset: paper-b\nencoder: {direction: 2}\n"), HasSubstr("must be 1 or -1"));
   EXPECT_THAT(refusal("preset: paper-b\nelevation: {sign: -1}\n"), HasSubstr("elevation.offset is missing"));
   EXPECT_THAT(refusal("preset: paper-b\nlaser:\n  stamp: 2\n"), StartsWith("4: laser.stamp = 2 must be 0 to 1"));
   EXPECT_THAT(refusal("preset: paper-b\npreset: paper-a\n"), HasSubstr("stands twice"));

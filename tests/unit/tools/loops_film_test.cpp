@@ -1,7 +1,6 @@
 // The film of closing loops: which frame shows what, and how the path bends between the places of its graph.
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -40,17 +39,6 @@ TEST(LoopsTimeline, GoesForwardThroughEveryStageAndEndsStill) {
       EXPECT_EQ(frames[k].map_share, 1.0);
       EXPECT_TRUE(frames[k].is_over);
     }
-  }
-}
-
-// The robot stands where the loops of a stage were found while the path bends.
-TEST(LoopsTimeline, BendsWhereTheLoopsWereFound) {
-  const std::vector<double> stages_m{30.0, 70.0};
-  for (const LoopsInstant& frame : loops_timeline(stages_m, 100.0, {200, 10})) {
-    const bool bends = frame.bent < 1.0 && frame.stage <= 2;
-    EXPECT_TRUE(!bends || frame.driven_m == stages_m[frame.stage - 1]);
-    EXPECT_TRUE(frame.driven_m >= 30.0 || frame.stage == 0);
-    EXPECT_TRUE(frame.driven_m <= 70.0 || frame.stage >= 2);
   }
 }
 
@@ -103,19 +91,6 @@ TEST(LoopsPath, TurnsAsAWholeWithItsPlaces) {
   EXPECT_GT(walls.size(), 100U);
   for (const Point2& wall : walls) EXPECT_NEAR((inverse(T_turned_map) * wall).x(), 10.05, 1e-9) << "not on the wall";
   EXPECT_LT(path.walls(places, 1.0).size(), walls.size()) << "the first place has not seen what all have";
-}
-
-TEST(LoopsPath, BetweenTwoPlacesItFollowsBoth) {
-  const Trajectory trajectory = bent_drive();
-  const LoopsPath path(trajectory, {0, 16, 32, 48, 64}, wall_in_the_east());
-  std::vector<Pose2> places = path.final_places();
-  places[1].y_m += 1.0;
-  const std::vector<Point2> bent = path.bent(places, 16.0);
-  EXPECT_NEAR(bent[0].y(), 0.0, 1e-12);
-  EXPECT_NEAR(bent[8].y(), 0.5, 1e-12);
-  EXPECT_NEAR(bent[16].y(), 1.0, 1e-12);
-  EXPECT_NEAR(bent[24].y(), 0.5, 1e-12);
-  EXPECT_NEAR(bent[32].y(), 0.0, 1e-12);
 }
 
 }  // namespace

@@ -148,13 +148,6 @@ TEST_F(NoddingStreamOfLines, LaterOnesAreNot) {
   EXPECT_EQ(outcome.count_of(kUncovered), 40U);
 }
 
-TEST_F(NoddingStreamOfLines, BehindTheLastWantedScanTheMessagesAreStillHeard) {
-  const std::string path = write("a.log", {encoder(1.0), scan(1.02), scan(1.05), encoder(1.1), "FLASER broken\n"});
-  const Outcome outcome = read(std::vector{path}, ScanRange{.skip = 0, .count = 2});
-  EXPECT_EQ(outcome.turns.size(), 2U);
-  EXPECT_THAT(outcome.warnings, IsEmpty());
-}
-
 // The second log begins again at time 1 with the counter elsewhere.
 TEST_F(NoddingStreamOfLines, EachLogHasAClockOfItsOwn) {
   const std::string a = write("a.log", {encoder(1.0), scan(1.05), encoder(1.1), scan(1.15)});

@@ -137,38 +137,11 @@ TEST(OdometryDelay, ARobotThatHardlyTurnsTellsNothing) {
   EXPECT_FALSE(estimate_delay({}));
 }
 
-TEST(OdometryDelay, StampsThatStepBackAreLeftOut) {
-  std::vector<TimedHeading> headings = drive(0.31, 0.003, 0.004, 3);
-  for (std::size_t k = 10; k < headings.size(); k += 25) headings[k].stamp_s -= 5.0;
-  const auto found = estimate_delay(headings);
-  ASSERT_TRUE(found);
-  EXPECT_NEAR(found->delay_s, 0.31, 0.02);
-}
-
 ScanRecord scan_with_odometry(double stamp_s, double x_m) {
   ScanRecord record;
   record.scan.stamp_s = stamp_s;
   record.T_odom_base = Pose2{x_m, 0.0, 0.0};
   return record;
-}
-
-TEST(OdometryShift, GivesTheOdometryOfALaterOrEarlierStamp) {
-  // x = t: 0.25 s later the odometry is 0.25 m farther, but for the last scans, whose odometry never comes.
-  for (const double delay_s : {0.25, -0.25}) {
-    OdometryShift shift(delay_s);
-    std::vector<ScanRecord> out;
-    for (int k = 0; k <= 10; ++k) {
-      shift.take(scan_with_odometry(0.1 * k, 0.1 * k));
-      while (auto scan = shift.next(false)) out.push_back(std::move(*scan));
-    }
-    while (auto scan = shift.next(true)) out.push_back(std::move(*scan));
-    ASSERT_EQ(out.size(), 11U);
-    for (int k = 0; k <= 10; ++k) {
-      EXPECT_NEAR(out[static_cast<std::size_t>(k)].scan.stamp_s, 0.1 * k, 1e-12);
-      const double expected = std::clamp(0.1 * k + delay_s, 0.0, 1.0);
-      EXPECT_NEAR(out[static_cast<std::size_t>(k)].T_odom_base->x_m, expected, 1e-9) << k;
-    }
-  }
 }
 
 /// x = t, a scan in 0.1 s from 100 s on, given by what the log says of the clock; x of each scan that comes out.

@@ -4,8 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <string>
-
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/render/views.hpp"
@@ -38,21 +36,6 @@ TEST(RenderOptionWords, PartsPlacesAndTimes) {
   const OpenRange time = read_time_range("20s:");
   EXPECT_EQ(time.least, 20.0);
   EXPECT_FALSE(time.most);
-}
-
-TEST(RenderViews, WrongNamesAreAnsweredWithTheNearest) {
-  const auto error_of = [](const char* name, const char* as) -> std::string {
-    try {
-      static_cast<void>(render_view(name, as));
-    } catch (const UsageError& error) {
-      return error.what();
-    }
-    return "";
-  };
-  EXPECT_THAT(error_of("fild", ""), testing::HasSubstr("did you mean 'field'"));
-  EXPECT_THAT(error_of("field", "distanse"), testing::HasSubstr("did you mean 'distance'"));
-  EXPECT_THAT(error_of("map", "box"), testing::HasSubstr("one kind only"));
-  EXPECT_EQ(render_view("errors", "").as, "box");
 }
 
 }  // namespace

@@ -134,11 +134,6 @@ TEST(ScanMotion, ATurnedMountIsNamedWithTheAngleThatMendsIt) {
   }
 }
 
-TEST(ScanMotion, MapNamesTheFaultOfAFile) {
-  const DriveLog log;
-  EXPECT_EQ(log.map(log.write(turn_upside_down)).findings.size(), 1U);
-}
-
 TEST(ScanMotion, ALiveLogIsLookedAtAfterwardsIfOneScanInTenIsDoubtful) {
   const DriveLog log;
   const std::string path = log.write(turn_upside_down);

@@ -45,24 +45,6 @@ TEST(KernelVerifier, FindsNothingBetweenEqualBackends) {
   }
 }
 
-TEST(KernelVerifier, CountsCasesAndValues) {
-  SecretCpu backend(Trick::kNone);
-  const std::unique_ptr<Backend> cpu = make_cpu_backend({});
-  KernelVerifier verifier(*cpu, backend, Proof::kNone);
-  for (const KernelCaseSource& source : kernel_cases()) {
-    if (source.kernel->name != "distance_field" || source.benchmark || source.large) continue;
-    const KernelCase kernel_case = source.make();
-    verifier.check(kernel_case);
-    verifier.check(kernel_case);
-    const ValueLayout& field = kernel_case.buffers.back().layout;
-    ASSERT_EQ(verifier.verdicts().size(), 1U);
-    EXPECT_EQ(verifier.verdicts().front().cases, 2U);
-    EXPECT_EQ(verifier.verdicts().front().values, 2U * field.width * field.height);
-    return;
-  }
-  FAIL() << "no case";
-}
-
 // With the proof every kernel of the registry must be found out, not only one of them.
 void expect_every_kernel_found(Trick trick, const std::string& first) {
   SecretCpu backend(trick);

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <numbers>
-#include <string>
 #include <vector>
 
 #include "gdtslam/core/error.hpp"
@@ -107,23 +106,6 @@ TEST(FittingCamera, BoxFillsThePictureUpToTheMargin) {
         EXPECT_NEAR(top, bottom, tolerance) << "in the middle";
       }
     }
-  }
-}
-
-TEST(FittingCamera, TheLongSideFillsThePicturesLongSide) {
-  const PictureSize wide{1600, 900};
-  const Camera along_x = fitting_camera(CameraPreset::kTop, {{0, 0, 0}, {30, 10, 3}}, wide);
-  const Camera along_y = fitting_camera(CameraPreset::kTop, {{0, 0, 0}, {10, 30, 3}}, wide);
-  EXPECT_EQ(along_x.up, Point3::UnitY());
-  EXPECT_EQ(along_y.up, Point3::UnitX());
-  EXPECT_NEAR(along_x.parallel_height_m, along_y.parallel_height_m, 1e-12);
-  // The iso camera stands in the south-west, and before the longer side.
-  for (const Bounds& box : {Bounds{{0, 0, 0}, {30, 10, 3}}, Bounds{{0, 0, 0}, {10, 30, 3}}}) {
-    const Camera camera = fitting_camera(CameraPreset::kIso, box, wide);
-    const Point3 towards = camera.target - camera.eye;
-    EXPECT_GT(towards.x(), 0.0);
-    EXPECT_GT(towards.y(), 0.0);
-    EXPECT_EQ(towards.y() > towards.x(), box.highest.x() > box.highest.y());
   }
 }
 

@@ -76,38 +76,6 @@ TEST_F(CloudFilmTest, FollowFilmGrowsAndEndsWithAllMeasuredTillThen) {
   EXPECT_EQ(after.pixels, before.pixels);
 }
 
-TEST_F(CloudFilmTest, FollowFilmKeepsTheRobotNearTheMiddle) {
-  const Trajectory path = room_path();
-  const auto film = follow_film(scene_, path, look_, kBareCaption, kFilmSize, 5);
-  for (std::size_t k = 0; k < film->frames(); ++k) {
-    const auto with = scene_of(film->frame(k));
-    const double x_m = 1.0 + 3.0 * static_cast<double>(k) / 4.0;
-    // The eye stands 3.2 m behind where the robot is on average over six frames to each side, within the log's time.
-    double mean_x_m = 0.0;
-    for (int step = -8; step <= 8; ++step) {
-      const double at_s = std::clamp(25.0 * static_cast<double>(k) + 15.0 * step, 0.0, 100.0);
-      mean_x_m += (9 - std::abs(step)) * (1.0 + 0.03 * at_s) / 81.0;
-    }
-    const Camera camera = follow_camera({mean_x_m - 3.2, kPathY}, {.x_m = x_m, .y_m = kPathY, .theta_rad = 0.0});
-    // Behind the eye: a robot that is near makes points small, whether it is seen or not.
-    scene_.set_robot(Pose2{mean_x_m - 3.2 - 1.0, kPathY, 0.0});
-    const RgbaImage without = scene_.render(camera, kFilmSize);
-    std::size_t changed = 0;
-    double x = 0.0;
-    for (std::uint32_t row = 0; row < kFilmSize.height; ++row) {
-      for (std::uint32_t column = 0; column < kFilmSize.width; ++column) {
-        const std::uint8_t* was = without.at(column, row);
-        if (is_colour(with->at(column, row), {was[0], was[1], was[2]}, 4)) continue;
-        ++changed;
-        x += column;
-      }
-    }
-    ASSERT_GT(changed, 8U) << "the robot is seen, and nothing else differs from a picture of that camera";
-    ASSERT_LT(changed, 500U);
-    EXPECT_NEAR(x / static_cast<double>(changed), 80.0, 4.0);
-  }
-}
-
 // Stamps that jitter are none that a clock was set back by.
 TEST_F(CloudFilmTest, AClockThatWasSetBackCannotBeFollowed) {
   Trajectory path = room_path();

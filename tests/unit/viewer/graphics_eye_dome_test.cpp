@@ -64,29 +64,6 @@ TEST_P(EyeDome, DarkensBehindAnEdgeOnly) {
   EXPECT_LE(pictures.lit.at(beside, 120)[1], pictures.lit.at(farther, 120)[1]) << "fades away from the edge";
 }
 
-// A floor that runs from near to far below the camera, and one across it.
-TEST_P(EyeDome, KeepsTheColoursOfTiltedPlanes) {
-  add_shape(view_, {{-8.0, 4.0, -1.5}, {8.0, 4.0, -1.5}, {8.0, 60.0, -1.0}, {-8.0, 60.0, -1.0}}, kGreen);
-  add_shape(view_, {{-1.0, 8.0, 0.2}, {1.5, 16.0, 0.2}, {1.5, 16.0, 2.0}, {-1.0, 8.0, 2.0}}, kGrey);
-  const Pictures pictures = both(view_, camera(), kDomeSize);
-  const RgbaImage& plain = pictures.plain;
-  int compared = 0;
-  for (std::uint32_t y = 6; y + 6 < kDomeSize.height; ++y) {
-    for (std::uint32_t x = 6; x + 6 < kDomeSize.width; ++x) {
-      bool is_inside = plain.at(x, y)[3] == 255 && !is_near(plain.at(x, y), ink::kNight, 0);
-      for (std::uint32_t j = y - 6; j <= y + 6 && is_inside; ++j) {
-        for (std::uint32_t i = x - 6; i <= x + 6 && is_inside; ++i) {
-          is_inside = std::equal(plain.at(x, y), plain.at(x, y) + 4, plain.at(i, j));
-        }
-      }
-      if (!is_inside) continue;
-      ++compared;
-      ASSERT_FALSE(is_darker(pictures.lit, plain, x, y)) << x << ' ' << y;
-    }
-  }
-  EXPECT_GT(compared, 2000);
-}
-
 std::string case_name(const ::testing::TestParamInfo<EyeDome::ParamType>& info) {
   return std::string(std::get<0>(info.param) ? "Parallel" : "Perspective") + "Samples" +
          std::to_string(std::get<1>(info.param)) + (std::get<2>(info.param) ? "Transparent" : "");

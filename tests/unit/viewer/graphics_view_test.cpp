@@ -2,8 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <string>
-
 #include "gdtslam/core/error.hpp"
 #include "graphics_scene.hpp"
 
@@ -14,40 +12,6 @@ class OffscreenViewTest : public ::testing::Test {
  protected:
   GraphicsContext graphics_;
 };
-
-Camera tilted_camera() {
-  Camera camera;
-  camera.eye = {-7.0, 4.0, 9.0};
-  camera.target = {1.0, 2.0, 0.5};
-  camera.up = {0.2, 0.1, 1.0};
-  camera.view_angle_rad = 0.9;
-  return camera;
-}
-
-TEST_F(OffscreenViewTest, PointsAppearWhereTheProjectionSays) {
-  Camera from_above;
-  from_above.eye = {1.0, 2.0, 30.0};
-  from_above.target = {1.0, 2.0, 0.0};
-  from_above.up = {0.0, 1.0, 0.0};
-  from_above.is_parallel = true;
-  from_above.parallel_height_m = 8.0;
-  const PictureSize size{320, 240};
-  for (const Camera& camera : {tilted_camera(), from_above, Camera{}}) {
-    for (const std::uint32_t samples : {1U, 2U, 3U}) {
-      for (const Point3& point : {Point3(1.0, 2.0, 0.5), Point3(2.0, 1.0, 0.0), Point3(-1.0, 3.0, 1.0)}) {
-        OffscreenView view(graphics_);
-        view.set_samples(samples);
-        add_shape(view, {point}, kRed);
-        const Spot spot = spot_of(view.render(camera, size), kRed);
-        const Point2 expected = *project(camera, size, point);
-        EXPECT_GE(spot.count, 16.0);
-        EXPECT_LE(spot.count, 25.0);
-        EXPECT_NEAR(spot.x, expected.x(), 0.8) << samples;
-        EXPECT_NEAR(spot.y, expected.y(), 0.8) << samples;
-      }
-    }
-  }
-}
 
 TEST_F(OffscreenViewTest, TransparentWhereNothingIsAndColoursNotPremultiplied) {
   OffscreenView view(graphics_);

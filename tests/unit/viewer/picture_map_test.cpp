@@ -1,5 +1,4 @@
 // The pixels of a map's picture: where things are, that nothing thin is lost. Its shapes: unit/drawing.
-#include <algorithm>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -79,20 +78,6 @@ TEST(MapPicture, a_lone_cell_survives_ten_to_one) {
   EXPECT_GE(darker, 90.0) << "of 218 that a wall is darker than free";
   EXPECT_GE(pixels, 1);
   EXPECT_LE(pixels, 4) << "a cell lies under at most four pixels";
-}
-
-/// A wall of one cell at 7.3 cells a pixel: no gap in it, wherever the borders of the pixels fall.
-TEST(MapPicture, a_thin_wall_has_no_gaps) {
-  OccupancyMap map = free_map(1100, 1100, 0.02);
-  set_border(map);
-  for (std::int32_t i = 100; i < 1000; ++i) set(map, i, i / 3 + 100, CellState::kOccupied);
-  const RgbaImage image = rasterise(map_picture(map, {}, {}, kBareMap));
-  const auto pixel_x = [](double cell) { return 95.0 + (cell - 550.0) / 7.6; };
-  for (auto x = static_cast<std::uint32_t>(pixel_x(130)); x < pixel_x(970); ++x) {
-    double darkest = 255.0;
-    for (std::uint32_t y = 12; y + 12 < image.height; ++y) darkest = std::min(darkest, brightness(image.at(x, y)));
-    EXPECT_LT(darkest, 150.0) << "column " << x;
-  }
 }
 
 TEST(MapPicture, nothing_seen_is_still_a_picture) {

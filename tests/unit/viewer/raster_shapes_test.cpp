@@ -59,23 +59,6 @@ TEST(Raster, APictureOfItsOwnSizeKeepsEveryPixel) {
   }
 }
 
-TEST(Raster, CellsOfAMapStaySquares) {
-  auto cells = std::make_shared<RgbaImage>(2, 2);
-  cells->pixels = {255, 0, 0, 255, 0, 0, 255, 255, 0, 0, 255, 255, 255, 0, 0, 255};
-  Canvas canvas(40, 40, "");
-  canvas.picture({0, 0}, 40, 40, cells, false);
-  const RgbaImage image = rasterise(canvas);
-  for (std::uint32_t y = 0; y < 40; ++y) {
-    for (std::uint32_t x = 0; x < 40; ++x) EXPECT_EQ(at(image, x, y), (x < 20) == (y < 20) ? kRedPixel : kBlue);
-  }
-  Canvas smooth(40, 40, "");
-  smooth.picture({0, 0}, 40, 40, cells, true);
-  const Pixel between = at(rasterise(smooth), 19, 5);
-  EXPECT_GT(between[0], 60);
-  EXPECT_GT(between[2], 60);
-  EXPECT_EQ(at(rasterise(smooth), 0, 0), kRedPixel);  // no transparent rim
-}
-
 TEST(Raster, AClipHidesWhatLeavesItAndEnds) {
   Canvas canvas(40, 40, "");
   canvas.polygon({{30, 30}, {39, 30}, {39, 39}}, kBlueFill);  // its path is no part of the clip
