@@ -252,11 +252,7 @@ class Variables(unittest.TestCase):
         for folder in ("engine", "tools", "tests"):
             for file in (ROOT / folder).rglob("*.[ch]pp"):
                 source = file.read_text()
-<<<<<<< HEAD
                 if any(part.exists() and "getenv" in part.read_text() for part in (file, file.with_suffix(".cpp"))):
-=======
-                if re.search("getenv|Variable = ", source):
->>>>>>> refs/new/tests
                     named.update(re.findall(r'"(GDTSLAM_[A-Z_]+)"', source))
         for file in [*(ROOT / "tools").glob("*.sh"), *(ROOT / "tools/scripts").rglob("*.sh"), *(ROOT / "tools/scripts").rglob("*.py")]:
             found = re.findall(r'\$\{?(GDTSLAM_[A-Z_]+)|environ(?:\.get\(|\[)"(GDTSLAM_[A-Z_]+)"', file.read_text())
