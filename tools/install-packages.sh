@@ -26,7 +26,7 @@ test_packages=(
   clang libclang-rt-14-dev clang-tidy clang-format shellcheck
   sqlite3 zstd python3 python3-jsonschema python3-yaml chromium
   python3-numpy python3-pip python3-setuptools python3-wheel rustc patchelf
-  parallel
+  munge slurmctld slurmd slurm-client parallel
   zsh bash-completion man-db mandoc
   dpkg-dev debhelper dh-python lintian
   locales openssh-client gnupg gpgv

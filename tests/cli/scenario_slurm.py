@@ -1,5 +1,5 @@
-"""`gdtslam fleet` by what starts commands on several machines, as docs/howto/fleet.md and examples/fleet have them: the script
-for Slurm, GNU parallel, Snakemake and Kubernetes each end in the atlas of one machine."""
+"""`gdtslam fleet` by what starts commands on several machines, as docs/howto/fleet.md and examples/fleet have them: Slurm of two
+nodes, GNU parallel, Snakemake and Kubernetes each end in the atlas of one machine."""
 
 import os
 import re
@@ -12,6 +12,7 @@ import yaml
 import cli_support as cli
 from cli_support import SOURCE, expect, fresh_folder, skip
 from scenario_fleet import finished, make_logs
+from slurm_cluster import SlurmCluster, require_slurm
 
 SHARDS = 3
 EXAMPLES = SOURCE / "examples/fleet"
@@ -35,15 +36,28 @@ def expect_same(folder, logs, environment):
 
 
 def fleet_by_slurm():
-    """The script of the example, with the variables that a job array sets; a second array finds all logs done."""
+    """The job array of the example, and a job after it; a second array finds all logs done."""
+    require_slurm()
     folder, logs, environment = begun("fleet_by_slurm")
-    for words in ("0 skipped", "0 mapped"):
-        for task in range(1, SHARDS + 1):
-            array = {"SLURM_ARRAY_TASK_ID": str(task), "SLURM_ARRAY_TASK_COUNT": str(SHARDS), "SLURM_CPUS_PER_TASK": "1"}
-            done = subprocess.run(["sh", EXAMPLES / "slurm.sh", logs, folder / "atlas"], env={**environment, **array},
-                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=True)
-            expect(words in done.stdout, done.stdout)
-    subprocess.run(["gdtslam", "fleet", "finish", folder / "atlas"], check=True, env=environment)
+    atlas = folder / "atlas"
+    with SlurmCluster() as slurm:
+        environment = {**environment, **{name: value for name, value in slurm.environment.items() if name.startswith("SLURM")}}
+
+        def submit(*words):
+            words = ["sbatch", "--parsable", f"--chdir={folder}", *map(str, words)]
+            done = subprocess.run(words, env=environment, capture_output=True, text=True, check=False)
+            expect(done.returncode == 0, done.stderr)
+            return done.stdout.strip()
+
+        array = (f"--array=1-{SHARDS}", "--cpus-per-task=1", EXAMPLES / "slurm.sh", logs, atlas)
+        first = submit(*array)
+        submit(f"--dependency=afterany:{first}", f"--wrap=gdtslam fleet finish {atlas}")
+        slurm.wait_for_jobs()
+        second = submit(*array)
+        slurm.wait_for_jobs()
+        for job, words in ((first, "0 skipped"), (second, "0 mapped")):
+            texts = [path.read_text() for path in sorted(folder.glob(f"fleet-{job}_*.txt"))]
+            expect(len(texts) == SHARDS and all(words in text for text in texts), str(texts))
     expect_same(folder, logs, environment)
 
 
