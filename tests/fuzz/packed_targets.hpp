@@ -19,8 +19,8 @@
 #include <utility>
 
 #include "engine/io/byte_source.hpp"
+#include "engine/io/little_endian.hpp"
 #include "engine/io/unpack_source.hpp"
-#include "engine/runs/keyframes/bytes.hpp"
 #include "target.hpp"
 
 namespace gdtslam::fuzz {
@@ -118,8 +118,11 @@ inline std::string with_gzip_trailer(std::string_view stream) {
   const auto crc = static_cast<std::uint32_t>(
       ::crc32(0, reinterpret_cast<const Bytef*>(plain.data()), static_cast<uInt>(plain.size())));
   const std::string_view rest = stream.substr(std::min(end + kTrailer, stream.size()));
-  return std::string("\x1f\x8b\x08\0\0\0\0\0\0\x03", kHead) + std::string(stream.substr(kHead, end - kHead)) +
-         BytesOut().whole(crc).whole(static_cast<std::uint32_t>(plain.size())).take() + std::string(rest);
+  std::string trailer;
+  append_little_endian(trailer, crc);
+  append_little_endian(trailer, static_cast<std::uint32_t>(plain.size()));
+  return std::string("\x1f\x8b\x08\0\0\0\0\0\0\x03", kHead) + std::string(stream.substr(kHead, end - kHead)) + trailer +
+         std::string(rest);
 }
 
 }  // namespace detail

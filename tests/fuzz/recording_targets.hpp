@@ -12,9 +12,9 @@
 #include <string>
 #include <string_view>
 
+#include "engine/io/little_endian.hpp"
 #include "engine/io/recordings/messages.hpp"
 #include "engine/io/recordings/recording_reader.hpp"
-#include "engine/runs/keyframes/bytes.hpp"
 #include "log_reading.hpp"
 
 namespace gdtslam::fuzz {
@@ -94,9 +94,15 @@ class RecordsIn {
 };
 
 inline std::string whole64(std::uint64_t value) {
-  return BytesOut().whole(static_cast<std::uint32_t>(value)).whole(static_cast<std::uint32_t>(value >> 32U)).take();
+  std::string bytes;
+  append_little_endian(bytes, value);
+  return bytes;
 }
-inline std::string whole32(std::uint64_t value) { return BytesOut().whole(static_cast<std::uint32_t>(value)).take(); }
+inline std::string whole32(std::uint64_t value) {
+  std::string bytes;
+  append_little_endian(bytes, static_cast<std::uint32_t>(value));
+  return bytes;
+}
 
 inline std::uint32_t crc_of(std::string_view bytes) {
   return static_cast<std::uint32_t>(
