@@ -110,6 +110,7 @@ const ColourMap& colour_map(std::string_view name) {
 const std::vector<ColourMap>& colour_maps() {
   static const std::vector<ColourMap> maps = [] {
     std::vector<ColourMap> made;
+    made.reserve(std::size(kMaps));
     for (const KnottedMap& map : kMaps) made.push_back(made_map(map));
     return made;
   }();

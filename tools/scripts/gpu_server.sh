@@ -97,6 +97,7 @@ map_on() {
 
 printf '\n== Devices\n'
 "$gdtslam" doctor --devices | tee "$output/devices.txt"
+"$gdtslam" doctor --devices --json >"$output/devices.json"
 printf '\n== Verify: the same bits as the CPU gives (%s)\n' "$device"
 (
   count=$#

@@ -278,6 +278,7 @@ Canvas trajectories_picture(const std::vector<NamedPath>& paths, const Trajector
   const std::vector<std::size_t> one_drive;
   const double width = picture_proportions(size).line_px;
   std::vector<const Trajectory*> all;
+  all.reserve(paths.size() + 1);
   for (const NamedPath& path : paths) all.push_back(&path.trajectory);
   if (truth != nullptr) all.push_back(truth);
   MapSheet sheet = page_of_paths("Trajectories", all);

@@ -200,8 +200,8 @@ void LinkagePanel::draw_bars(Canvas& canvas, const LinkageSheet& sheet) const {
   const double step = (sheet.bars.width - 2.8 * text) / columns;
   for (int i = 0; i < 4; ++i) {
     const Bar& bar = all[i];
-    const Point2 at =
-        sheet.bars.corner + text * Point2(1.4, 1.5 + 1.6 * (i / columns)) + Point2(step * (i % columns), 0.0);
+    const int row = i / columns;
+    const Point2 at = sheet.bars.corner + text * Point2(1.4, 1.5 + 1.6 * row) + Point2(step * (i % columns), 0.0);
     canvas.line(at + text * Point2(0.0, -0.36), at + text * Point2(1.6, -0.36),
                 {.colour = bar.colour, .width = 0.5 * text});
     const Point2 words = at + Point2(2.4 * text, 0.0);
