@@ -74,7 +74,6 @@ std::vector<Pose2> ways_to_lay(const Session& query, const std::vector<SessionFi
 
 // Places where both drove and saw the same. If the session is laid wrongly, a corner or two fit and the places between
 // do not.
-// do not.
 struct Met {
   std::size_t places = 0;
   std::size_t fitting = 0;
