@@ -16,9 +16,8 @@ namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::infinity();
 constexpr double kOuterPart = 0.005;  // share of a face's points that lie beyond its rough ends
-constexpr double kInner = 0.1;        // share at each end of a face that gives no information about the ends of the
-                                      // other axis
-constexpr double kAround_m = 0.3;     // range seen around a face
+constexpr double kInner = 0.1;        // share at each end of a face that is not used for the ends of the other axis
+constexpr double kAround_m = 0.3;     // margin around a face, in which hits are collected
 constexpr double kOnFace = 3.5;       // standard deviations of a point on the face
 constexpr double kLeastOnFace_m = 5.0e-3;
 constexpr double kStep_m = 0.03;  // step outwards, if a face continues beyond its patch
@@ -261,8 +260,7 @@ bool is_of_box(const MeasuredBox& box, const Face& face) {
 constexpr std::size_t kMostPoints = 200'000;
 constexpr double kMostPlaneRms_m = 0.03;  // RMS of the points from the planes of their elevations
 constexpr double kMostStretch = 0.03;     // deviation of the heading's length from 1
-constexpr double kSteepest_rad = 1.4;     // beyond this, the tangent depends more on the elevation's error than on the
-                                          // position
+constexpr double kSteepest_rad = 1.4;     // beyond this, the elevation's error dominates the tangent
 constexpr double kLeastSpread = 0.02;     // standard deviation of the elevations' tangents
 constexpr double kLeastBoxPoints = 100;
 

@@ -1,6 +1,6 @@
-// Lower bounds of the cost of pose_cost.hpp (bilinear, distance) over boxes of poses: what the matcher `certified`
-// prunes by. docs/numerics.md, "Certified matching", derives both. Frames and units as in pose_cost.hpp: cells and
-// radians relative to the lower left corner of an anchor cell. Thread-safe; linear in points times boxes.
+// Lower bounds of the cost of pose_cost.hpp (bilinear, distance) over boxes of poses, by which the matcher `certified`
+// prunes. docs/numerics.md, "Certified matching", derives both. Frames and units as in pose_cost.hpp: cells and radians
+// relative to the lower left corner of an anchor cell. Thread-safe; linear in points times boxes.
 #pragma once
 
 #include <array>
@@ -13,8 +13,8 @@ namespace gdtslam {
 
 struct CaseGroup;
 
-/// A point and where its dilated field begins: the farther a point lies from the robot, the more a box's half angle
-/// moves it, so the wider the dilation that it needs.
+/// A point and the index of its dilated field: the farther a point lies from the robot, the more a box's half angle
+/// moves it, so the wider is the dilation it needs.
 struct BoundPoint {
   float x = 0.0F;
   float y = 0.0F;
@@ -102,15 +102,15 @@ struct PoseMinorant {
   };
   static constexpr std::int32_t kThetaStep = 16;
   static constexpr std::uint32_t kMostPoints = 4096;
-  /// Points farther from the robot than this, |x| + |y| in cells, count nothing, and slopes of a point's minorant stay
-  /// within +-kMostSlope: so no sum overflows.
+  /// Points farther from the robot than this, |x| + |y| in cells, do not count, and slopes of a point's minorant stay
+  /// within +-kMostSlope, so that no sum overflows.
   static constexpr float kFarthest = 8192.0F;
   static constexpr std::int32_t kMostSlope = 511;
 };
 
-/// The same from fields of minorants, for boxes that patches are too small for. A point's `field` is where the field
-/// that reaches far enough for it begins. Per point u = ((c*x - s*y) + box.x) - 0.5, column i = floor(u + 0.5), the
-/// minorant is that of cell i, plus anchor and margin and clamped, taken at u - i. Points lie within kFarthest.
+/// The same from fields of minorants, for boxes too large for patches. A point's `field` is the first index of the
+/// field with sufficient reach. Per point u = ((c*x - s*y) + box.x) - 0.5, column i = floor(u + 0.5), the minorant is
+/// that of cell i, plus anchor and margin and clamped, taken at u - i. Points lie within kFarthest.
 struct PoseMinorantWide {
   struct Params {
     std::uint32_t width = 0;  ///< width of a field of minorants

@@ -1,5 +1,5 @@
-// The second half of the matcher `exhaustive`: simplexes that start from several poses at once, and the choice between
-// their results. The simplex is that of [Nelder1965] on the cost of pose_cost.hpp plus the prior of pose_lattice.hpp.
+// The second half of the matcher `exhaustive`: simplexes from several start poses at once, and the choice between their
+// results. The simplex is that of [Nelder1965] on the cost of pose_cost.hpp plus the prior of pose_lattice.hpp.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@ namespace gdtslam {
 
 struct CaseGroup;
 
-/// A pose on its way to a minimum. Coordinates as in PoseCandidate.
+/// A pose during its descent. Coordinates as in PoseCandidate.
 struct PolishedPose {
   float x = 0.0F;
   float y = 0.0F;
@@ -63,8 +63,8 @@ struct PoseSimplex {
     float stop_rad = 0.0002F;  ///< ... and than this in theta
     std::uint32_t max_evaluations = 200;
   };
-  /// Largest max_evaluations: where coordinates are so large that they cannot come close, nothing else ends a descent;
-  /// and there are devices that end loops by themselves after 65,535 turns.
+  /// Largest max_evaluations: if coordinates are so large that they cannot come close, only this ends a descent. Some
+  /// devices also end loops by themselves after 65,535 iterations.
   static constexpr std::uint32_t kMostEvaluations = 8192;
   static constexpr std::array kBindings{Access::kRead, Access::kRead, Access::kReadWrite};
   static const KernelInfo& info();

@@ -24,7 +24,7 @@ namespace gdtslam {
 
 struct CaseGroup;
 
-/// Range of a beam by the scanner, and the beam's indices.
+/// Measured range of a beam, and the beam's indices.
 struct BeamRange {
   float range_m = 0.0F;
   std::uint32_t strip = 0;
@@ -34,10 +34,10 @@ static_assert(sizeof(BeamRange) == 8);
 /// 16 words; beams of a strip follow each other, strips are in the order of their beams.
 struct BeamStrip {
   std::uint32_t first_beam = 0;
-  std::uint32_t first_direction = 0;  ///< row of the direction table that belongs to the first beam
+  std::uint32_t first_direction = 0;  ///< row of the direction table for the first beam
   std::uint32_t phase = 0;            ///< at the first beam
   std::uint32_t phase_step = 0;       ///< per beam, two's complement
-  float x_m = 0.0F;                   ///< pose of the sensor's place relative to the outer pose, at the first beam
+  float x_m = 0.0F;                   ///< pose of the sensor relative to the outer pose, at the first beam
   float y_m = 0.0F;
   float yaw_rad = 0.0F;
   float x_step_m = 0.0F;  ///< per beam
@@ -67,7 +67,7 @@ struct SweepPoints {
     SweepForm form = SweepForm::kWorking;
   };
   static constexpr std::array kBindings{Access::kRead, Access::kRead, Access::kRead, Access::kWrite};
-  /// Values of the tables before the first direction.
+  /// Number of table values before the first direction.
   static constexpr std::size_t elevations(std::uint32_t table_bits) { return (std::size_t{1} << table_bits) + 1; }
   static const KernelInfo& info();
   static CaseGroup cases();
