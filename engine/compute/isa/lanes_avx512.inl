@@ -40,8 +40,7 @@ inline std::uint32_t lane_sum(Ints a) {
   return static_cast<std::uint32_t>(_mm_cvtsi128_si32(_mm_add_epi32(two, _mm_shuffle_epi32(two, 0xB1))));
 }
 
-/// Points of the lanes. A lane's point is fixed, but lanes are not in the order of the points; sums do not depend on
-/// it.
+/// Points of the lanes. A lane's point is fixed; lanes are not in the order of the points, on which sums do not depend.
 struct LanePoints {
   Floats x;
   Floats y;
