@@ -31,7 +31,7 @@ constexpr std::uint32_t kMostFailures = 20;  // successive failed planes before 
 struct ThinnedCloud {
   PatchCells cells;
   Cloud means;
-  std::vector<Point3> normals;  ///< zero where there is none
+  std::vector<Point3> normals;  ///< zero if there is none
   std::vector<bool> is_free;    ///< belongs to no plane yet
   PatchCells groups;            ///< larger cubes: cells that touch are connected
 };

@@ -171,7 +171,7 @@ Matrix3 BackEnd::update_unseen(const MatchResult& result, const KeptScan& known)
 
 // The front end's pose comes from points and wheels; the second step is that of the wheels alone. A scan far from its
 // map may have been matched with something else, so the cautious information takes that distance as point noise. A scan
-// that no match confirmed tells no more than the wheels.
+// that no match confirmed adds nothing to the wheels.
 MeasuredSteps BackEnd::steps_to(const MatchResult& result, const KeptScan& known) const {
   const std::size_t points = known.surface.size();
   const double share = std::max(kStepLeastShare, std::min(1.0, static_cast<double>(points) / kEnoughPoints));

@@ -10,7 +10,7 @@ namespace {
 constexpr std::uint16_t kMostCounted = std::numeric_limits<std::uint16_t>::max();
 constexpr std::uint16_t kFewestCrossings = 3;
 constexpr std::int64_t kBesideReturn = 2;  // cells around a return that do not count as free
-constexpr int kCellsBeforeReturn = 2;      // cells before a return say nothing: a wall is as thick as its noise
+constexpr int kCellsBeforeReturn = 2;      // cells before a return are not counted: a wall is as thick as its noise
 
 void count(std::uint16_t& counter) {
   if (counter < kMostCounted) ++counter;

@@ -12,7 +12,7 @@
 
 namespace gdtslam {
 
-/// A beam: where the laser was and where its return came from.
+/// A beam: position of the laser and of its return.
 struct Beam {
   Point2 from;
   Point2 to;

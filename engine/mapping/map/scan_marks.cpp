@@ -57,8 +57,8 @@ class Crossings {
 
  private:
   std::int64_t whole_;
-  std::int64_t each_;    ///< columns passed in a row at most,
-  std::int64_t beyond_;  ///< and how much less it is, below 0
+  std::int64_t each_;    ///< most columns passed in a row,
+  std::int64_t beyond_;  ///< and the exact number minus that, below 0
   std::int64_t at_ = 0;
   std::int64_t past_ = 0;  ///< distance beyond the last border, less than `whole_`
 };

@@ -62,7 +62,7 @@ class HorizontalScans {
 };
 
 /// The odometry of every scan without steps that are too long to be true. The 2D system sees only that of horizontal
-/// scans, which lie metres apart, so it could not tell a leap from a drive.
+/// scans, which lie metres apart, so it cannot distinguish a leap from a drive.
 class SteadyOdometry {
  public:
   explicit SteadyOdometry(double max_step_m) : max_step_m_(max_step_m) {}

@@ -81,7 +81,7 @@ void SiteRepeats::tell_shared_ones() {
   repeats_.insert(repeats_.end(), turned_round.begin(), turned_round.end());
 }
 
-// Other ways to lay the query: those of spots that the site has twice, and those by which the building repeats itself.
+// Other poses of the query: by spots that the site has twice, and by repeats of the building.
 std::vector<SiteRepeats::Way> SiteRepeats::other_ways(const Session& query, const Pose2& T_site_query) const {
   std::vector<Way> ways;
   for (const Repeat& repeat : repeats_) {

@@ -1,5 +1,5 @@
 // Surfaces that the local map knows: the cells in which keyframes had returns. A wall that a scan sees for the first
-// time has no counterpart in the map, so it tells nothing about the scan's pose yet. Frame: map. Not thread-safe. Cost:
+// time has no counterpart in the map, so it gives no information about the pose yet. Frame: map. Not thread-safe. Cost:
 // a look-up in a hash table a point.
 #pragma once
 

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kMatchPointNoise_m = 0.02;
 constexpr double kMatchIndependent = 400.0;  // independent points of a scan and of its map
-constexpr double kMatchEnough = 100.0;       // points, with fewer of which a scan has less information
+constexpr double kMatchEnough = 100.0;       // with fewer points a scan has less information
 constexpr double kMatchLeastShare = 0.01;
 constexpr double kMatchLeastShape = 4.0e-9;  // information of a direction in which the scan shows nothing
 constexpr double kMostMatchChi2 = 30.0;      // if the two are farther apart, one is wrong

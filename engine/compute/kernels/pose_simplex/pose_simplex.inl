@@ -1,5 +1,5 @@
-// The downhill simplex on the cost of a pose, and where its walks start. The order of the operations is that of the
-// header, bit for bit.
+// The downhill simplex on the cost of a pose, and its start poses. The order of the operations is that of the header,
+// bit for bit.
 
 void pose_starts(const PoseStarts::Params& params, const PoseCandidate* candidates, const std::uint32_t* picks,
                  PolishedPose* poses, Slice starts) {

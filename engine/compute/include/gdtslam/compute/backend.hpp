@@ -79,7 +79,7 @@ class Backend {
   virtual ~Backend() = default;
 
   [[nodiscard]] virtual const DeviceInfo& device() const = 0;
-  /// Zero-filled memory. Throws Error with the size asked for and the size allowed.
+  /// Zero-filled memory. Throws Error with the requested size and the limit.
   virtual Buffer allocate(std::size_t bytes) = 0;
   /// Address space whose pages get memory at the first access and read as zero before. Invalid on a device, and if the
   /// process may not have this much; then request less.

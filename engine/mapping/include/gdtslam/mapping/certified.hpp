@@ -110,7 +110,7 @@ struct WindowPrior {
   float limit = 1.0e9F;       ///< cost units of either part
 };
 
-/// Limits of a search: when it may stop, where it begins and which poses it leaves out.
+/// Limits of a search, its start poses and the excluded poses.
 struct CertifiedOptions {
   double gap_m = 0.005;  ///< gap of the mean distance to be proven
   /// Cost units. A proof that no pose costs less than this is enough, however close the best pose found is to it.

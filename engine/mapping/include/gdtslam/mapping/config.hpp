@@ -81,7 +81,7 @@ struct OptimizerConfig {
   std::int32_t seed = 1;
 };
 
-/// When odometry is not used, and what replaces it.
+/// Limits for the use of odometry, and its replacement.
 struct OdometryConfig {
   bool estimate = false;           ///< noise is estimated from the log; else prior and search state it
   double max_step_m = 5.0;         ///< a longer step between two scans is a fault

@@ -22,8 +22,8 @@ namespace gdtslam {
 /// Behaviour of a mapper when its device fails, and the CPU that works next to a device.
 struct MapperOptions {
   bool fall_back = true;  ///< continue with a CPU backend of its own; else the DeviceError goes to the caller
-  /// Options of that backend. If the backend given is a device, matchers that walk on the host map on it from the
-  /// start. It has one thread unless more are asked for.
+  /// Options of that backend. If the given backend is a device, matchers on the host use this one for their map from
+  /// the start. It has one thread by default.
   CpuOptions cpu{};
   /// Called once for each failure, with one line that names the failure and its consequence.
   std::function<void(const std::string&)> warn{};
