@@ -31,8 +31,7 @@ constexpr double kLeastWheels_m = 0.002;
 constexpr double kLeastWheels_rad = 0.0005;
 constexpr double kUnmeasured_m = 5.0;  // a larger sigma marks a step that no odometry measured, or no match
 constexpr double kUnmeasured_rad = 1.0;
-constexpr double kLeastForDoubt = 0.3;  // share of the wheels' variance: between the stated one and the one found by
-                                        // loops
+constexpr double kLeastForDoubt = 0.3;  // least factor of the wheels' variance in covariances
 // In a turn in which the two disagree, the wheels get slightly more weight: their own heading counts then, and its
 // error moves the later path as that of the matches does.
 constexpr double kTurnOfWheels = 0.9;

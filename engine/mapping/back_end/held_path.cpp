@@ -11,8 +11,7 @@ namespace {
 constexpr double kChainShare = 0.05;
 constexpr double kWheelShare = 0.3;
 constexpr std::size_t kSpans[] = {4, 12, 30};  // keyframes
-constexpr std::size_t kSpansOver = 4;          // spans of each length that cover a step of the path, which is to count
-                                               // once
+constexpr std::size_t kSpansOver = 4;          // spans of each length over a step, which is to count once
 constexpr double kSpanNoise_m = 0.01;
 constexpr double kSpanNoise_rad = 0.003;
 

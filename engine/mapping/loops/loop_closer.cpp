@@ -22,8 +22,7 @@ constexpr int kMostTimesLess = 4;
 constexpr double kUsualDistance = 0.1;
 constexpr double kUsualTurn = 0.1;
 constexpr double kUsualTurn_rad_per_m = 0.1;
-constexpr int kGraduatedEvery = 8;  // number of places with loops after which the graph is solved again from wide
-                                    // kernels
+constexpr int kGraduatedEvery = 8;  // places with loops between two solutions that start from wide kernels
 
 std::size_t loops_on(const PoseGraph& graph) {
   return static_cast<std::size_t>(

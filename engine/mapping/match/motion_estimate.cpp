@@ -123,8 +123,7 @@ Prediction MotionEstimate::predict(MotionModel& model, const std::optional<Pose2
   going_on_ = going_on(model);
   filter_.predict(prediction.T_map_base, noise_);
   scale_.predict(between(T_map_last_, prediction.T_map_base), noise_, is_measured_);
-  prediction.noise = stands_ ? larger(filter_.sigma(), kOfAnyRobot) : filter_.sigma();  // a standing robot may drive
-                                                                                        // off
+  prediction.noise = stands_ ? larger(filter_.sigma(), kOfAnyRobot) : filter_.sigma();  // it may drive off
   prediction.otherwise = going_on_;
   return prediction;
 }

@@ -25,8 +25,7 @@ constexpr double kWallSpacing_m = 0.5;
 constexpr double kStep_m = 0.025;          // step along a path that is tested for walls
 constexpr std::uint16_t kWallUnits = 128;  // half a cell
 constexpr double kDroveThere_m = 1.5;      // distance between two robots that see the same
-constexpr double kFitsAtAll = 1.25;    // factor of the limit of the mean distance when a pose is tested: much may have
-                                       // changed
+constexpr double kFitsAtAll = 1.25;    // factor of the largest mean distance in tests of a pose: much may have changed
 constexpr double kBesideHalf_m = 0.5;  // half of the window around a tested pose: drift of both
 constexpr double kBesideHalf_rad = 0.05;
 constexpr double kBeside_m[] = {-3.0, -1.5, 1.5, 3.0};  // offsets along the path

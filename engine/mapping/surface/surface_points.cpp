@@ -17,8 +17,7 @@ constexpr double kLeastReach_m = 0.12;
 constexpr double kMostReach_m = 0.5;
 constexpr double kFlatness = 0.05;          // most of the variance across, as a share of that along
 constexpr double kRoughness_m = 0.01;       // and beyond that share: a laser's noise
-constexpr double kReachNoises = 10.0;       // neighbours within this many times the noise give a normal within six
-                                            // degrees
+constexpr double kReachNoises = 10.0;       // neighbours within this many times the noise err by six degrees
 constexpr double kRoughnessNoises = 1.3;    // multiple of the noise, which a small sample exceeds
 constexpr std::size_t kFewestOfNoise = 10;  // returns with neighbours
 constexpr double kMedianOfNormal = 0.6745;  // median of the absolute value of a normal variable
@@ -26,8 +25,7 @@ constexpr double kTiniest = 1.0e-12;        // least eigenvalue that is divided 
 constexpr double kLonePlace_m = 0.5;        // spacing of beams without neighbours
 constexpr double kCornerPlace_m = 0.1;      // distance of a corner from the beams at its sides
 constexpr double kMostLone = 20.0;          // independent points
-constexpr double kSurfaceEnough = 20.0;     // points on surfaces; with more of them only the corners count among lone
-                                            // points
+constexpr double kSurfaceEnough = 20.0;     // points on surfaces that make lone ones needless, except corners
 constexpr double kOffLine_m = 0.05;
 constexpr double kOffLineNoises = 3.0;
 constexpr double kAcross = 0.5;        // least squared cosine between a normal and the way: 45 degrees
@@ -146,8 +144,7 @@ Matrix3 lone_point_information(const std::vector<LonePoint>& points, double plac
 }
 
 constexpr double kWidestGap_m = 2.0;
-constexpr double kNeighbours = 1.5;  // usual angles between beams; a larger angle means that a beam in between has no
-                                     // return
+constexpr double kNeighbours = 1.5;  // usual angles between beams; a larger one has a missing return
 constexpr double kLineNoise_m = 0.02;
 constexpr double kLineShare = 0.05;  // distance from the line as a share of the distance to the next point
 

@@ -158,7 +158,7 @@ class ScansOfPath {
   ScansOfPath(const KeptScans& kept) : kept_(&kept) {}
   // NOLINTNEXTLINE(google-explicit-constructor)
   ScansOfPath(const std::vector<KeptScan>& all) : all_(all) {}
-  /// One that is there; nothing of one that was forgotten.
+  /// The scan of a keyframe; an empty one if it was dropped.
   [[nodiscard]] const KeptScan& operator[](std::size_t keyframe) const {
     static const KeptScan forgotten;
     if (kept_ == nullptr) return all_[keyframe];

@@ -12,8 +12,7 @@ namespace gdtslam {
 
 struct WallDirection {
   double angle_rad = 0.0;  ///< angle of the walls from the x axis, in [-pi/4, pi/4)
-  double share = 0.0;      ///< share of all surface, in metres seen, within 2 degrees of the angle, modulo a quarter
-                           ///< turn
+  double share = 0.0;      ///< share of the surface, in metres seen, within 2 degrees, modulo a quarter turn
 };
 
 /// Takes the surfaces of one scan after another. One object belongs to one thread.

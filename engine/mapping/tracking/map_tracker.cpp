@@ -22,10 +22,8 @@ namespace {
 // Start poses come from a search, which is about as accurate as a match.
 constexpr double kStartSigma_m = 0.1;
 constexpr double kStartSigma_rad = 0.03;
-constexpr double kLeastKnown = 0.5;      // least share of a scan that the map must know; with less the scan gives no
-                                         // information
-constexpr double kLeastExplained = 0.5;  // least share of the known part that must fit: the rest changed since the map
-                                         // was made
+constexpr double kLeastKnown = 0.5;      // least share of a scan in the known map; with less the scan is useless
+constexpr double kLeastExplained = 0.5;  // least fitting share of that part: the rest has changed since
 
 Matrix3 covariance_at_start() {
   return Matrix3::diagonal(square(kStartSigma_m), square(kStartSigma_m), square(kStartSigma_rad));

@@ -13,8 +13,7 @@ constexpr double kMarkEvery_rad = 0.25;
 constexpr std::size_t kMostMarks = 400;
 constexpr std::size_t kEstimateEvery = 10;  // marks
 constexpr std::size_t kFewestStretches = 10;
-constexpr double kMovedShare = 0.1;  // share of a metre for each mark: shorter stretches have no information about the
-                                     // distance
+constexpr double kMovedShare = 0.1;  // share of a metre for each mark: shorter stretches do not count
 // Share of the stretches below a quantile, and that quantile for the length of two normal variables, or for one, in
 // sigmas.
 constexpr double kQuantile = 0.85;

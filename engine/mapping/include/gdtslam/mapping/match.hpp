@@ -81,8 +81,7 @@ struct MapperStatistics {
   std::uint64_t without_odometry = 0;  ///< scans predicted from the last motion
   std::uint64_t evaluations = 0;
   std::uint64_t dispatches = 0;   ///< kernels run, by the backend at work
-  std::uint64_t submissions = 0;  ///< submissions to a device; a backend that works immediately, like the CPU, counts
-                                  ///< none
+  std::uint64_t submissions = 0;  ///< submissions to a device; 0 for a backend that works immediately
   double path_m = 0.0;
   StageTimes stages;
 };

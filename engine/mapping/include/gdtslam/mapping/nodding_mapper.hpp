@@ -81,8 +81,7 @@ struct NoddingStatistics {
   std::uint64_t between = 0;           ///< scans with an interpolated pose
   std::uint64_t odometry_leaps = 0;    ///< odometry steps between scans that are longer than max_step_m
   std::uint64_t smoothed = 0;          ///< scans between fixes that the smoother placed with the help of their points
-  std::uint64_t by_odometry = 0;       ///< scans posed by odometry from the last fix: at the end, or after long without
-                                       ///< a fix
+  std::uint64_t by_odometry = 0;       ///< scans posed by odometry from the last fix: at the end, or after a long gap
   std::uint64_t before_first_fix = 0;  ///< scans placed backwards from the first fix
   std::uint64_t dropped = 0;           ///< too long before the first fix: neither pose nor points
   std::uint64_t without_nod = 0;       ///< scans whose elevation is not known: no points
