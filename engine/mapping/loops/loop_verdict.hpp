@@ -12,7 +12,7 @@ namespace gdtslam {
 struct LoopEvidence {
   double overlap = 0.0;        ///< share of the query's wall points on a wall seen from the same side
   double turned = 0.0;         ///< share of the points on any wall whose wall was seen from the other side alone
-  double contradiction = 0.0;  ///< share of the known cells in which a wall of one group is free space of the other
+  double contradiction = 0.0;  ///< share of the points in known cells of the other group that lie in its free space
   Matrix3 shape{};  ///< surface_shape() for one point of the walls that both groups have, in the query's frame
   Matrix3 doubt{};  ///< covariance of the relative pose that comes from errors of the groups' own keyframes
 };
@@ -29,7 +29,8 @@ LoopEvidence weigh_loop(const ScanGroup& reference, const ScanGroup& query, cons
 bool is_possible(const LoopEvidence& evidence, const LoopLimits& limits = {});
 
 /// Information of the relative pose of two groups, from the walls that both have seen: a wall across the way that only
-/// one has seen says nothing about the way. Never better than matching with a distance field of some centimetres.
+/// one has seen gives no information about the way. Never better than matching with a distance field of some
+/// centimetres.
 Matrix3 loop_information(const LoopEvidence& evidence);
 
 }  // namespace gdtslam

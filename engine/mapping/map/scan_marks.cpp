@@ -31,7 +31,7 @@ struct Along {
 };
 
 /// Finds where a segment leaves one row of cells after the other, or one column. The border k between rows is crossed
-/// after n borders between columns, those that come before it:
+/// after n borders between columns:
 ///   n = ceil(((border_across + 512 k) run_along - border_along run_across) / (512 run_across)).
 /// At a corner the border between rows comes first. There is no branch, because no processor could predict it.
 template <bool kForward>

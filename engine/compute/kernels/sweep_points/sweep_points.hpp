@@ -10,7 +10,7 @@
 //   literal (14): tx and ty times `up`, the paper's P_Z; working (14): as they are
 //   mx = (px cos w - py sin w) + tx, my = (px sin w + py cos w) + ty
 //   out = ((s.outer_cos mx - s.outer_sin my) + s.outer_x, (s.outer_sin mx + s.outer_cos my) + s.outer_y, pz, e)
-// sin and cos are sin_cos(float). settled(v) is +0 where v is not finite or below 2^-40 in size, so that no result
+// sin and cos are sin_cos(float). settled(v) is +0 if v is not finite or below 2^-40 in size, so that no result
 // depends on how a device treats subnormals and NaN; the three coordinates are settled too. A range that is not greater
 // than 0 or not below infinity, and a point with a coordinate that is not finite, give (0, 0, 0, e).
 #pragma once
@@ -53,8 +53,8 @@ struct BeamStrip {
 static_assert(sizeof(BeamStrip) == 64);
 
 /// Bindings: beams (BeamRange), strips (BeamStrip), tables (f32: 2^bits + 1 elevations, then the directions, x, y and z
-/// of a unit vector in the nodding frame each), points (f32 x 4 per beam, written). No more than these four: every
-/// Vulkan device binds so many. A strip or direction beyond its table counts as the last one. Extent: x = beams.
+/// of a unit vector in the nodding frame each), points (f32 x 4 per beam, written). Four bindings are the number that
+/// every Vulkan device supports. A strip or direction beyond its table counts as the last one. Extent: x = beams.
 struct SweepPoints {
   struct Params {
     std::uint32_t beams = 0;
