@@ -56,7 +56,7 @@ class WheelNoise {
     bool knows_way = true;
     std::size_t breaks = 0;  // breaks of the path before it
   };
-  /// Sums over all stretches of a number of marks: the mean path, and the variance of the difference.
+  /// Sums over all stretches of a number of marks: the median path, and the variance of the difference.
   struct Spread {
     double path = 0.0;
     double variance = 0.0;
