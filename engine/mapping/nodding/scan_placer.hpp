@@ -1,6 +1,6 @@
 // Computes poses and points of all scans from the few that have a pose: between two fixes by equation (13), smoothed if
-// the scans see walls; before the first fix, after the last one and after long without one by odometry. Frame: map.
-// Memory: the scans since the last fix. One placer belongs to one thread.
+// the scans see walls; before the first fix, after the last one and in long gaps by odometry. Frame: map. Memory: the
+// scans since the last fix. One placer belongs to one thread.
 #pragma once
 
 #include <functional>
@@ -33,8 +33,7 @@ class ScanPlacer {
   /// Takes the next scan in log order. Throws DeviceError if the device failed and on_failure forbids to continue with
   /// the CPU.
   void take(NoddingScan scan);
-  /// Takes the next scan with its pose from the 2D system; only an accepted match fixes a pose, except for the first
-  /// one.
+  /// Takes the next scan with its pose from the 2D system; only an accepted match fixes a pose, or the first one.
   void take_fix(NoddingScan scan, const Pose2& T_map_base, const MatchResult& match);
   /// Stops points and smoothing from here on: only the remaining poses follow.
   void leave_points();
