@@ -16,17 +16,17 @@ namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::infinity();
 constexpr double kOuterPart = 0.005;  // share of a face's points that lie beyond its rough ends
-constexpr double kInner = 0.1;        // share of a face at its ends that tells nothing about the ends of the other axis
-constexpr double kAround_m = 0.3;     // seen around a face
+constexpr double kInner = 0.1;        // share at each end of a face that is not used for the ends of the other axis
+constexpr double kAround_m = 0.3;     // margin around a face, in which hits are collected
 constexpr double kOnFace = 3.5;       // standard deviations of a point on the face
 constexpr double kLeastOnFace_m = 5.0e-3;
-constexpr double kStep_m = 0.03;  // outwards, where a face goes on beyond its patch
+constexpr double kStep_m = 0.03;  // step outwards, if a face continues beyond its patch
 constexpr int kSteps = 6;
-constexpr std::size_t kLargeShare = 10;  // a floor has at least the tenth part of the points of the largest level plane
-constexpr double kOnFloor_m = 0.05;      // the lowest points of a face that is seen down to the floor
-constexpr double kInBox_m = 0.05;        // another face whose centre is this close to a box is one of its own
+constexpr std::size_t kLargeShare = 10;  // a floor has at least a tenth of the points of the largest level plane
+constexpr double kOnFloor_m = 0.05;      // height of the lowest points of a face that is seen down to the floor
+constexpr double kInBox_m = 0.05;        // a face whose centre is this close to a box is one of the box's own
 
-/// A face on its way to being a box.
+/// A face that may become a box.
 struct Face {
   FaceFrame frame;
   const PlanePatch* patch = nullptr;
@@ -37,7 +37,7 @@ struct Face {
   std::vector<FaceHit> hits;
 };
 
-// The line that the patch is in the projection to the floor.
+// Normal of the line that the patch forms in the projection to the floor.
 Point3 level_normal(std::span<const CloudPoint> cloud, const PlanePatch& patch) {
   double xx = 0.0;
   double xy = 0.0;
@@ -63,7 +63,7 @@ FaceFrame face_frame(std::span<const CloudPoint> cloud, const PlanePatch& patch,
   return frame;
 }
 
-// From beam to beam: between points that follow each other in one scan, else as if the points were spread evenly.
+// Spacing of the beams: between successive points of one scan; otherwise as if the points were spread evenly.
 double estimate_sampling(std::span<const CloudPoint> cloud, const PlanePatch& patch, const Span& across,
                          const Span& up) {
   std::vector<double> steps;
@@ -124,7 +124,7 @@ struct End {
 End end_at(const Face& face, FaceAxis axis, double sign, const BoxSearch& search) {
   End found{end_place(face, axis, sign, search), {}, {}};
   found.end = find_end(face.hits, found.place, face.thickness_m);
-  // The patch may have stopped short of the face's end.
+  // The patch may end before the face does.
   for (int k = 0; k < kSteps && found.end.kind == EndKind::kContinues; ++k) {
     found.place.rough_m += sign * kStep_m;
     found.end = find_end(face.hits, found.place, face.thickness_m);
@@ -136,7 +136,7 @@ End end_at(const Face& face, FaceAxis axis, double sign, const BoxSearch& search
   return found;
 }
 
-// How far back a side goes: where beams along it pass its far end.
+// Depth of a side: it ends at the first beams along it that pass its far end.
 Dimension measure_depth(std::span<const CloudPoint> cloud, const Face& face, const End& end, const BoxSearch& search) {
   const SideFace& side = *end.side;
   const bool is_up = end.place.axis == FaceAxis::kUp;
@@ -160,7 +160,7 @@ Dimension measure_depth(std::span<const CloudPoint> cloud, const Face& face, con
   EndPlace place{FaceAxis::kAcross, 1.0, value_at_share(depths, 1.0 - kOuterPart), 0.0, beside.inner(kInner), {}, 0.0};
   place.sampling_m = std::max(face.sampling_m, 0.05 * place.rough_m);
   const FaceEnd far = find_end(hits, place, thickness_m);
-  // An error of the side's place is stretched by the low angle at which beams meet it.
+  // An error of the side's position is enlarged by the low angle at which beams meet it.
   double stretch = 0.0;
   if (search.viewpoint) {
     const Point3 beam = frame.origin + far.at_m * frame.across - *search.viewpoint;
@@ -177,8 +177,8 @@ Dimension between(const End& low, const End& high) {
   return {high.end.at_m - low.end.at_m, sigma_m, low.is_seen() && high.is_seen()};
 }
 
-// The lowest level plane below the face, of those that are large. A row of beams far away, whose errors stay in the
-// plane of its beams, is a plane, too, and as exact as it is tilted.
+// The lowest large level plane below the face. A row of beams far away, whose errors stay in the plane of its beams, is
+// also a plane, with little noise even if it is tilted.
 const PlanePatch* floor_below(const std::vector<PlanePatch>& planes, const Face& face, double max_tilt_rad) {
   const auto may_be_floor = [&](const PlanePatch& patch) {
     const double level = std::fabs(patch.plane.normal.z());
@@ -196,7 +196,7 @@ const PlanePatch* floor_below(const std::vector<PlanePatch>& planes, const Face&
   return floor;
 }
 
-// Down to the floor, where there is one: a box stands on it, whether the scanner saw so far down or not.
+// The lower end, at the floor if there is one: a box stands on it, even if the scanner did not see that far down.
 End lower_end(const Face& face, const std::vector<PlanePatch>& planes, const BoxSearch& search) {
   End low{end_place(face, FaceAxis::kUp, -1.0, search), {}, {}};
   if (const PlanePatch* floor = floor_below(planes, face, search.max_tilt_rad)) {
@@ -247,7 +247,7 @@ std::optional<MeasuredBox> measure_box(std::span<const CloudPoint> cloud, Face f
   return box;
 }
 
-// Whether a face belongs to a box that was found by another of its faces.
+// True if a face belongs to a box that was found by another of its faces.
 bool is_of_box(const MeasuredBox& box, const Face& face) {
   const Point3 d = face.frame.origin - box.centre;
   const Point3 across = Point3::UnitZ().cross(box.face_normal).normalized();
@@ -260,7 +260,7 @@ bool is_of_box(const MeasuredBox& box, const Face& face) {
 constexpr std::size_t kMostPoints = 200'000;
 constexpr double kMostPlaneRms_m = 0.03;  // RMS of the points from the planes of their elevations
 constexpr double kMostStretch = 0.03;     // deviation of the heading's length from 1
-constexpr double kSteepest_rad = 1.4;     // beyond, the tangent says more about the elevation's error than the place
+constexpr double kSteepest_rad = 1.4;     // beyond this, the elevation's error dominates the tangent
 constexpr double kLeastSpread = 0.02;     // standard deviation of the elevations' tangents
 constexpr double kLeastBoxPoints = 100;
 
@@ -270,8 +270,8 @@ struct Fit {
   double spread = 0.0;  ///< standard deviation of the tangents
 };
 
-// z = height + tan(elevation) (x cos(heading) + y sin(heading) - forward), linear in height, the heading's two
-// components and the place along it.
+// z = height + tan(elevation) (x cos(heading) + y sin(heading) - forward), linear in the height, the heading's two
+// components and the position along it.
 std::optional<Fit> fit(std::span<const CloudPoint> cloud) {
   Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
   Eigen::Vector4d right = Eigen::Vector4d::Zero();
@@ -286,7 +286,7 @@ std::optional<Fit> fit(std::span<const CloudPoint> cloud) {
     if (!point.allFinite() || !(std::fabs(elevation_rad) <= kSteepest_rad)) continue;
     const SinCos<double> elevation = sin_cos(elevation_rad);
     const double tangent = elevation.sin / elevation.cos;
-    // Weighted by the cosine, which is how far the plane is from a point for an error of its height.
+    // Weighted by the cosine: the ratio of a point's distance from the plane to its error in height.
     const Eigen::Vector4d row =
         elevation.cos * Eigen::Vector4d(1.0, tangent * point.x(), tangent * point.y(), -tangent);
     normal += row * row.transpose();

@@ -23,7 +23,7 @@ constexpr double kBand_m = 0.1;  // band that gives the density of hits if no be
 constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
 constexpr double kGrazing = 1.0e-3;  // least sine of the angle between plane and crossing beam
 
-// Computes where the beam from the viewpoint to the point crosses the plane; for a point behind it, its shadow.
+// Computes the crossing of the plane and the beam from the viewpoint to the point; for a point behind it, its shadow.
 void cross(FaceHit& hit, const FaceFrame& face, const Point3& from_origin, const Point3& viewpoint) {
   const Point3 eye = viewpoint - face.origin;
   const Point3 beam = from_origin - eye;
@@ -34,7 +34,7 @@ void cross(FaceHit& hit, const FaceFrame& face, const Point3& from_origin, const
   hit.up_m = face.up.dot(at);
 }
 
-/// Histogram of the beams by where they cross the plane, outwards from the inner edge of the window.
+/// Histogram of the beams by their crossing of the plane, outwards from the inner edge of the window.
 struct EndCounts {
   double from_m = 0.0;  ///< outward coordinate of the first bin's inner edge
   double bin_m = 0.0;
@@ -143,7 +143,7 @@ Moments posterior(const EndCounts& counts, int guess) {
   return sum;
 }
 
-// Ends the face where the hits stop, assuming that they are as dense up to there as further in.
+// Ends the face at the last hits, assuming that they are as dense up to there as further in.
 FaceEnd where_hits_stop(std::span<const FaceHit> hits, const EndPlace& place, double thickness_m) {
   double inner = 0.0;
   double outer = 0.0;

@@ -1,5 +1,5 @@
-// The plane of a box's face as a frame, the points of a cloud as that face sees them, and where it ends: what its beams
-// hit on it and past it. Metres.
+// The frame of a box's face, the points of a cloud seen in it, and the ends of the face by the beams that hit it and
+// those that pass it. Metres.
 #pragma once
 
 #include <cstdint>
@@ -26,12 +26,12 @@ struct Span {
   double high_m = 0.0;
   [[nodiscard]] double length_m() const { return high_m - low_m; }
   [[nodiscard]] bool has(double value_m) const { return value_m >= low_m && value_m <= high_m; }
-  /// Without this share at each end.
+  /// The span without this share at each end.
   [[nodiscard]] Span inner(double share) const { return {low_m + share * length_m(), high_m - share * length_m()}; }
   [[nodiscard]] Span grown(double by_m) const { return {low_m - by_m, high_m + by_m}; }
 };
 
-/// One point and where its beam crosses the plane of the face.
+/// One point, and the position where its beam crosses the plane of the face.
 struct FaceHit {
   double across_m = 0.0;  ///< coordinate of the crossing
   double up_m = 0.0;
@@ -48,18 +48,18 @@ struct FaceHit {
   }
 };
 
-/// Finds the points whose beam crosses the plane within the spans, or that lie before or behind that part of it.
-/// Without a viewpoint beams are taken to run along the normal, and points farther than `thickness_m` from the plane
-/// count for themselves only (their crossing is not a number).
+/// Finds the points whose beam crosses the plane within the spans, and those before or behind that part of it. Without
+/// a viewpoint beams count as parallel to the normal. Points farther than `thickness_m` from the plane then count only
+/// for themselves (their crossing is NaN).
 std::vector<FaceHit> find_hits(std::span<const CloudPoint> cloud, const FaceFrame& face, const Span& across,
                                const Span& up, const std::optional<Point3>& viewpoint, double thickness_m);
 
 enum class EndKind : std::uint8_t {
-  kJump,      ///< beams past it go on to something behind
+  kJump,      ///< beams past it reach something behind
   kCrease,    ///< another face of the box begins there
   kStops,     ///< no point was hit past it
-  kHidden,    ///< something before it, or a surface that it meets, comes first
-  kContinues  ///< the plane goes on
+  kHidden,    ///< something in front of it, or a surface that it meets, hides it
+  kContinues  ///< the plane continues
 };
 
 struct FaceEnd {
@@ -68,25 +68,25 @@ struct FaceEnd {
   EndKind kind = EndKind::kStops;
 };
 
-/// Which end of which axis: sign 1 is the high end.
+/// An end of an axis: sign 1 is the high end.
 struct EndPlace {
   FaceAxis axis = FaceAxis::kAcross;
   double sign = 1.0;
   double rough_m = 0.0;     ///< roughness of the face's outermost points
-  double sampling_m = 0.0;  ///< from beam to beam along the axis
+  double sampling_m = 0.0;  ///< spacing of the beams along the axis
   Span beside;              ///< span of the face in the other axis, away from its ends
-  /// Position of the scanner, if it is known: along the axis, and before the plane.
+  /// Position of the scanner, if it is known: along the axis, and in front of the plane.
   std::optional<double> eye_along_m = std::nullopt;
   double eye_before_m = 0.0;
 };
 
-/// The end between the beams that hit the face and those that passed it. Each beam near it says on which side of the
-/// end it went by; a logistic error of the beams' directions is allowed for. The answer is the mean and the standard
-/// deviation over all ends and errors, as likely as they explain the beams: exact between two beams, and honest where
-/// no beam went close by.
+/// The end between the beams that hit the face and those that passed it. Each beam near it shows one side of the end; a
+/// logistic error of the beams' directions is allowed for. The result is the mean and the standard deviation over all
+/// ends and errors, weighted by their likelihood: exact between two beams, and with a large deviation if no beam passed
+/// close by.
 FaceEnd find_end(std::span<const FaceHit> hits, const EndPlace& place, double thickness_m);
 
-/// A face that begins at an end and goes back from it: x = at + slope * depth.
+/// A face that begins at an end and extends back from it: x = at + slope * depth.
 struct SideFace {
   FaceEnd crease;
   double slope = 0.0;
@@ -95,8 +95,8 @@ struct SideFace {
   double deepest_m = 0.0;
   std::uint32_t points = 0;
 };
-/// Finds a side face; empty if too little of it is seen. If the scanner is known, the slope is that for errors along
-/// the beams: a side seen at a low angle would else be turned by the errors of its points' depths.
+/// Finds a side face; empty if too little of it is seen. If the scanner is known, the slope allows for errors along the
+/// beams: otherwise the depth errors of the points would turn a side seen at a low angle.
 std::optional<SideFace> side_at(std::span<const FaceHit> hits, const EndPlace& place, double thickness_m,
                                 double max_depth_m);
 

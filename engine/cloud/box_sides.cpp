@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kAside_m = 0.06;       // a side face stays within this of the end
 constexpr double kMostSlope = 0.3;      // away from a right angle
-constexpr double kLeastDepth_m = 0.04;  // seen of it
-constexpr double kMostGap_m = 0.2;      // along its depth
+constexpr double kLeastDepth_m = 0.04;  // least depth seen
+constexpr double kMostGap_m = 0.2;      // largest gap along its depth
 constexpr double kMostRms_m = 0.015;
 constexpr std::size_t kLeastPoints = 20;
 constexpr int kRefits = 6;
@@ -30,7 +30,7 @@ struct SideLine {
   [[nodiscard]] double residual(const SidePoint& p) const { return p.along_m - at_m - slope * p.depth_m; }
 };
 
-// The depth at which a point's beam crosses the line: free of the range's error.
+// The depth at which a point's beam crosses the line: independent of the range's error.
 double crossing_m(const SidePoint& p, const SideLine& line, const EndPlace& place) {
   if (!place.eye_along_m) return p.depth_m;
   const double eye_depth_m = -place.eye_before_m;
@@ -73,7 +73,7 @@ SideLine line_through(std::vector<SidePoint> points, const SideLine& last, const
   return line;
 }
 
-// Ascending by depth, up to the first gap.
+// Sorts by depth, up to the first gap.
 void cut_at_gap(std::vector<SidePoint>& points) {
   const auto by_depth = [](const SidePoint& a, const SidePoint& b) { return a.depth_m < b.depth_m; };
   std::sort(points.begin(), points.end(), by_depth);
@@ -96,7 +96,7 @@ double median_along(std::vector<SidePoint> points) {
 
 }  // namespace
 
-// The points behind the face and close to its end, cleared of what does not lie on the line of most.
+// Takes the points behind the face and close to its end, without those that are not on the line of most points.
 std::optional<SideFace> side_at(std::span<const FaceHit> hits, const EndPlace& place, double thickness_m,
                                 double max_depth_m) {
   std::vector<SidePoint> near;
@@ -115,7 +115,7 @@ std::optional<SideFace> side_at(std::span<const FaceHit> hits, const EndPlace& p
   for (int k = 0; k < kRefits; ++k) {
     kept.clear();
     for (const SidePoint& p : near) {
-      // Chosen by where its beam crosses the side: choosing by its own depth would favour errors away from the face.
+      // Selected by its beam's crossing of the side: selecting by its own depth would favour errors away from the face.
       if (std::fabs(line.residual(p)) <= within_m && crossing_m(p, line, place) > 2.0 * thickness_m) kept.push_back(p);
     }
     cut_at_gap(kept);

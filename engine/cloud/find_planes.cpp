@@ -18,22 +18,22 @@ namespace gdtslam {
 namespace {
 
 constexpr std::uint32_t kMostHoughCells = 60'000;
-constexpr double kGrowth = 1.3;           // growth of the cells, until they are few enough
-constexpr std::uint32_t kNearCells = 24;  // whose points give a normal
+constexpr double kGrowth = 1.3;           // growth of the cells until their number is small enough
+constexpr std::uint32_t kNearCells = 24;  // cells whose points determine a normal
 constexpr double kFlatPlane = 0.5;        // thickness over extent of a neighbourhood that has a normal
 constexpr double kAlike = 0.9;            // cosine of a point's normal to that of its plane
-constexpr double kMiss = 0.001;           // probability to miss a plane larger than the one that was found
+constexpr double kMiss = 0.001;           // probability to miss a plane larger than the one found
 constexpr std::uint32_t kLeastCells = 8;
 constexpr int kRefinements = 3;
-constexpr std::uint32_t kMostFailures = 20;  // planes in turn that come to nothing before the search ends
+constexpr std::uint32_t kMostFailures = 20;  // successive failed planes before the search ends
 
 /// The thinned copy: a point for each cube, the mean of its points, and its normal.
 struct ThinnedCloud {
   PatchCells cells;
   Cloud means;
-  std::vector<Point3> normals;  ///< zero where there is none
+  std::vector<Point3> normals;  ///< zero if there is none
   std::vector<bool> is_free;    ///< belongs to no plane yet
-  PatchCells groups;            ///< larger cubes: what touches hangs together
+  PatchCells groups;            ///< larger cubes: cells that touch are connected
 };
 
 PatchCells few_cells(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> points, double edge_m) {
@@ -66,7 +66,7 @@ bool is_alike(const ThinnedCloud& thin, std::uint32_t cell, const Plane& plane) 
   return std::fabs(thin.normals[cell].dot(plane.normal)) >= kAlike;
 }
 
-// Free cells within the thickness whose normal agrees.
+// Free cells within the thickness with a similar normal.
 std::vector<std::uint32_t> find_supporters(const ThinnedCloud& thin, const Plane& plane, double thickness_m) {
   std::vector<std::uint32_t> found;
   for (std::uint32_t k = 0; k < thin.means.size(); ++k) {
@@ -107,7 +107,7 @@ struct Candidate {
   std::vector<std::uint32_t> cells;
 };
 
-// Grown and refitted: from the normal of one point to the plane of all cells that hang together on it.
+// Grows and refits: from the normal of one point to the plane of all connected cells on it.
 Candidate grown(const ThinnedCloud& thin, Plane plane, const std::vector<std::uint32_t>& supporters,
                 double thickness_m) {
   Candidate best{plane, connected(thin, supporters)};
@@ -121,7 +121,7 @@ Candidate grown(const ThinnedCloud& thin, Plane plane, const std::vector<std::ui
   return best;
 }
 
-// Trials after which a plane with this share of the free cells has been met, but for the chance kMiss.
+// Trials after which a plane with this share of the free cells has been found, except for the probability kMiss.
 double enough_trials(std::size_t cells, std::size_t free) {
   const double share = static_cast<double>(cells) / static_cast<double>(free);
   return share >= 1.0 ? 1.0 : log(kMiss) / log(1.0 - share);
@@ -148,7 +148,7 @@ std::optional<Candidate> best_candidate(const ThinnedCloud& thin, const PlaneSea
   return best;
 }
 
-/// The points of a patch, and those of them that its plane is fitted to.
+/// The points of a patch, and those used to fit its plane.
 struct PatchPoints {
   std::vector<std::uint32_t> all;
   std::vector<std::uint32_t> core;  ///< away from edges
@@ -173,7 +173,7 @@ PatchPoints find_patch_points(std::span<const CloudPoint> cloud, const ThinnedCl
   return found;
 }
 
-// The plane refined on all points; nothing when too few are left, or those that are lie on a line.
+// The plane refined on all points; empty if too few are left, or if they lie on a line.
 std::optional<PlanePatch> fit_patch(std::span<const CloudPoint> cloud, const ThinnedCloud& thin,
                                     const Candidate& candidate, const std::vector<bool>& is_taken,
                                     const PlaneSearch& search) {
@@ -212,7 +212,7 @@ Eigen::Matrix3d scatter_matrix(std::span<const CloudPoint> cloud, std::span<cons
   return sum / static_cast<double>(points.size());
 }
 
-// Points on one line leave no more scatter across it than the rounding of their coordinates.
+// The scatter of points on one line across it is at most the rounding of their coordinates.
 bool is_line(const Eigen::Vector3d& extents, const Point3& centre) {
   constexpr double kFloatStep = 1.2e-7;
   const double grain_m = kFloatStep * (centre.norm() + std::sqrt(extents[2]));
@@ -256,7 +256,7 @@ std::optional<PlanePatch> fitted_plane(std::span<const CloudPoint> cloud, std::s
   const double sigma_m = std::sqrt(extents[0] * count / std::max(1.0, count - 3.0));
   patch.sigma_centre_m = sigma_m / std::sqrt(count);
   Eigen::Vector3d parts_m(patch.sigma_centre_m, 0.0, 0.0);
-  for (const int axis : {1, 2}) {  // towards which the normal turns, with the centre's way from the foot for a lever
+  for (const int axis : {1, 2}) {  // turns of the normal; the lever is the centre's distance from the foot point
     parts_m[axis] = solver.eigenvectors().col(axis).dot(patch.centre) * sigma_m / std::sqrt(count * extents[axis]);
   }
   patch.sigma_offset_m = parts_m.norm();

@@ -13,8 +13,8 @@ namespace gdtslam {
 namespace {
 
 constexpr double kBin_m = 0.02;
-constexpr double kLeastRoom_m = 1.0;  // between floor and ceiling
-constexpr double kColumn_m = 0.25;    // side of the columns over the ground that a surface's extent is counted in
+constexpr double kLeastRoom_m = 1.0;  // least distance between floor and ceiling
+constexpr double kColumn_m = 0.25;    // side of the columns over the ground that measure a surface's extent
 constexpr int kColumnRounds = 6;
 constexpr int kPointRounds = 3;
 constexpr int kCandidates = 3;
@@ -80,7 +80,7 @@ Indices near_plane(PointSpan points, const Indices& among, const Plane& plane, d
   return found;
 }
 
-// Three standard deviations of the points about their plane, by the median: walls that begin there do not widen it.
+// Three standard deviations of the points about their plane, by the median: adjacent walls do not widen it.
 double spread_m(PointSpan points, const PlanePatch& patch) {
   std::vector<double> distances;
   distances.reserve(patch.points.size());
@@ -90,8 +90,8 @@ double spread_m(PointSpan points, const PlanePatch& patch) {
   return 3.0 * 1.4826 * upper_median(distances);
 }
 
-// The points in columns where nothing rises from the plane or falls from it, as walls do: they have points on one side
-// of it only, which would shift it by millimetres. All points where few such columns are left.
+// The points in columns in which nothing rises or falls from the plane. Walls do so: they have points on one side of it
+// only, which would shift it by millimetres. All points if few such columns are left.
 Indices clear_of_walls(PointSpan points, const Indices& all, const Plane& plane, double thickness_m) {
   std::vector<ColumnKey> walls;
   Indices near;
@@ -107,7 +107,7 @@ Indices clear_of_walls(PointSpan points, const Indices& all, const Plane& plane,
   return 5 * near.size() >= total ? near : all;
 }
 
-// The plane that the points within a band about it have, the band as narrow as their noise.
+// The plane of the points within a band about it; the band is as narrow as their noise.
 std::optional<PlanePatch> refined(PointSpan points, const Indices& among, Plane plane, double thickness_m) {
   std::optional<PlanePatch> patch;
   double band_m = thickness_m;
@@ -120,8 +120,8 @@ std::optional<PlanePatch> refined(PointSpan points, const Indices& among, Plane 
   return patch;
 }
 
-// From where most columns end to the plane of those that end on one, however it is tilted; from there to the plane of
-// all points near it. Only the ends are asked at first, because walls would pull a tilted plane level.
+// Starts at the height where most columns end, fits a plane to the columns that end on it, however tilted, and then to
+// all points near it. At first only the ends count, because walls would pull a tilted plane level.
 std::optional<PlanePatch> plane_at_ends(PointSpan points, const Indices& columns, const Indices& all,
                                         double thickness_m) {
   Plane plane{Point3(0.0, 0.0, 1.0), commonest_height_m(points, columns)};
@@ -142,7 +142,7 @@ std::optional<PlanePatch> plane_at_ends(PointSpan points, const Indices& columns
 
 double tilt_sine(const Plane& plane) { return std::sqrt(std::max(0.0, 1.0 - plane.normal.z() * plane.normal.z())); }
 
-// Whether enough of the patch's columns have the patch in all eight columns around them.
+// True if enough of the patch's columns have the patch in all eight columns around them.
 bool is_wide(PointSpan points, const Indices& patch) {
   std::vector<ColumnKey> columns;
   columns.reserve(patch.size());
@@ -161,7 +161,7 @@ bool is_wide(PointSpan points, const Indices& patch) {
   return static_cast<double>(inner) >= kLeastInner * static_cast<double>(columns.size());
 }
 
-// The points farther out than the plane; `sign` is 1 for a floor, below which they lie, -1 for a ceiling.
+// The points beyond the plane; `sign` is 1 for a floor, below which they lie, -1 for a ceiling.
 Indices beyond(PointSpan points, const Indices& among, const Plane& plane, double sign, double margin_m) {
   Indices found;
   for (const std::uint32_t k : among) {
@@ -170,8 +170,8 @@ Indices beyond(PointSpan points, const Indices& among, const Plane& plane, doubl
   return found;
 }
 
-// The outermost wide level plane at which columns end. Where too much lies beyond the first that is found, the columns
-// that end there are asked again.
+// The outermost wide level plane at which columns end. If too many points lie beyond the first plane found, the search
+// is repeated on the columns that end there.
 std::optional<PlanePatch> find_surface(PointSpan points, Indices columns, const LevelSearch& search, double sign) {
   Indices all(points.size());
   std::iota(all.begin(), all.end(), 0U);
@@ -190,7 +190,7 @@ std::optional<PlanePatch> find_surface(PointSpan points, Indices columns, const 
   return std::nullopt;
 }
 
-// Height of a point over a level plane, whichever way its normal points.
+// Height of a point over a level plane, in whichever direction its normal points.
 double height_over_m(const Plane& plane, const Point3& point) {
   return plane.normal.z() < 0.0 ? -plane.distance_m(point) : plane.distance_m(point);
 }
@@ -202,7 +202,7 @@ LevelSurfaces find_level_surfaces(std::span<const CloudPoint> sample, const Leve
   LevelSurfaces found{find_surface(sample, ends.lowest, search, 1.0), find_surface(sample, ends.highest, search, -1.0)};
   const bool has_both = found.floor && found.ceiling;
   if (has_both && found.ceiling->centre.z() - found.floor->centre.z() < kLeastRoom_m) {
-    // One surface seen from both sides: what little else there is lies over a floor and under a ceiling.
+    // One surface found twice: most other points lie above a floor, or below a ceiling.
     const double middle = 0.5 * (found.floor->centre.z() + found.ceiling->centre.z());
     const auto count = [&sample](auto condition) { return std::count_if(sample.begin(), sample.end(), condition); };
     const auto above =

@@ -33,7 +33,7 @@ double box_area_m2(std::span<const PlanePoint> points, double turn_rad) {
   return box.length_m(0) * box.length_m(1);
 }
 
-// Nodes of a grid, each seen or not, in rows.
+// Nodes of a grid, each seen or not, by rows.
 struct Nodes {
   std::size_t width = 0;
   std::size_t height = 0;
@@ -41,12 +41,12 @@ struct Nodes {
   [[nodiscard]] std::size_t index(std::size_t column, std::size_t row) const { return row * width + column; }
 };
 
-// Along one line of `count` nodes, `stride` apart: a node becomes `value` where one within `reach` of it is.
+// Along one line of `count` nodes, `stride` apart: a node becomes `value` if one within `reach` of it is.
 void spread_line(std::uint8_t* line, std::size_t count, std::size_t stride, std::size_t reach, std::uint8_t value,
                  std::vector<std::uint8_t>& was) {
   was.resize(count);
   for (std::size_t k = 0; k < count; ++k) was[k] = line[k * stride];
-  std::size_t until = 0;  // nodes below it are `value` by one before them
+  std::size_t until = 0;  // end of the last run that was set
   for (std::size_t k = 0; k < count; ++k) {
     if (was[k] != value) continue;
     const std::size_t end = std::min(count, k + reach + 1);
@@ -65,7 +65,7 @@ void spread(Nodes& nodes, std::size_t reach, std::uint8_t value) {
   }
 }
 
-// Squares whose four corners are seen: a row of n + 1 nodes is n squares long, as the points that are its ends are.
+// Squares with four seen corners: a row of n + 1 nodes is n squares long, like the points at its ends.
 std::size_t whole_squares(const Nodes& nodes) {
   std::size_t count = 0;
   for (std::size_t row = 0; row + 1 < nodes.height; ++row) {
@@ -85,7 +85,7 @@ constexpr std::size_t kSample = 1U << 18U;
 bool is_level(const Plane& plane) { return std::fabs(plane.normal.z()) >= kCosineOfLevel; }
 bool is_upright(const Plane& plane) { return std::fabs(plane.normal.z()) <= kSineOfUpright; }
 
-// Points evenly taken, enough for floor and ceiling.
+// Takes evenly spaced points, enough for floor and ceiling.
 Cloud take_sample(std::span<const CloudPoint> cloud) {
   const std::size_t stride = cloud.size() / kSample + 1;
   Cloud sample;
@@ -150,7 +150,7 @@ PlaneBox box_around(std::span<const PlanePoint> points) {
   return box;
 }
 
-// Every degree of a quarter turn, then ever finer about the best.
+// Tries every degree of a quarter turn, then finer steps about the best.
 std::vector<PlanePoint> turned_into_smallest_box(std::span<const PlanePoint> points) {
   double best_rad = 0.0;
   double best_m2 = box_area_m2(points, 0.0);
@@ -180,7 +180,7 @@ double area_of_points_m2(std::span<const PlanePoint> points, double gap_m) {
   const PlaneBox box = box_around(points);
   const double step_m = std::max(gap_m / kStepsOfGap, std::sqrt(box.length_m(0) * box.length_m(1) / kMostNodes));
   const auto reach = static_cast<std::size_t>(std::lround(0.5 * gap_m / step_m));
-  const std::size_t border = reach + 1;  // border that stays empty when the points have spread
+  const std::size_t border = reach + 1;  // border that stays empty after the points have spread
   const auto node = [&](const PlanePoint& point, std::size_t axis) {
     return border + static_cast<std::size_t>(std::lround((point[axis] - box.low[axis]) / step_m));
   };

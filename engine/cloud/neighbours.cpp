@@ -13,7 +13,7 @@
 namespace gdtslam {
 namespace {
 
-/// The cloud as nanoflann asks for it; its names, hence not ours.
+/// The cloud in the interface of nanoflann, hence its names.
 struct Points {
   std::vector<Point3> points;
   [[nodiscard]] std::size_t kdtree_get_point_count() const { return points.size(); }
@@ -31,11 +31,11 @@ using Index =
 
 constexpr std::size_t kLeafPoints = 16;
 
-/// Result set with nanoflann's names that takes a search's points: the first of the nearest within a distance. Branches
-/// of the tree that lie farther off are not entered.
+/// Result set in nanoflann's interface that keeps the first of the nearest points within a distance. Branches of the
+/// tree that lie farther off are not entered.
 class NearestWithin {
  public:
-  // nanoflann hands on what is closer than the worst, not what is as close.
+  // nanoflann passes on points closer than the worst one, not equally close ones.
   explicit NearestWithin(double within_m)
       : worst_(std::nextafter(within_m * within_m, std::numeric_limits<double>::infinity())) {}
   [[nodiscard]] bool full() const { return found_.has_value(); }
@@ -110,7 +110,7 @@ std::optional<Point3> Neighbours::normal(std::uint32_t k, std::uint32_t count, d
 std::vector<std::uint32_t> Neighbours::within(const Point3& point, double distance_m) const {
   std::vector<std::pair<std::uint32_t, double>> matches;
   const std::array<double, 3> at{point.x(), point.y(), point.z()};
-  // nanoflann finds what is closer than that, not what is as close.
+  // nanoflann finds points closer than this, not equally close ones.
   const double squared_m2 = std::nextafter(distance_m * distance_m, std::numeric_limits<double>::infinity());
   tree_->index.radiusSearch(at.data(), squared_m2, matches, nanoflann::SearchParams(0, 0.0F, false));
   std::vector<std::uint32_t> found;

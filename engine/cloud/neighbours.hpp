@@ -1,5 +1,5 @@
 // Nearest points of a cloud, by nanoflann's k-d tree. Ties go by the tree's order, which depends on the points alone.
-// Building: O(n log n); a question: O(log n). Questions are thread-safe.
+// Building: O(n log n); a query: O(log n). Queries are thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -17,15 +17,15 @@ class Neighbours {
  public:
   explicit Neighbours(std::span<const CloudPoint> cloud);
   ~Neighbours();
-  /// Nearest point; empty when none lies within the distance.
+  /// Nearest point; empty if none lies within the distance.
   [[nodiscard]] std::optional<std::uint32_t> nearest(const Point3& point, double within_m) const;
-  /// The `count` closest points, closest first; fewer where the cloud has fewer.
+  /// The `count` closest points, closest first; fewer if the cloud has fewer.
   [[nodiscard]] std::vector<std::uint32_t> closest(const Point3& point, std::uint32_t count) const;
   /// All points within the distance, ascending.
   [[nodiscard]] std::vector<std::uint32_t> within(const Point3& point, double distance_m) const;
   [[nodiscard]] Point3 point(std::uint32_t k) const;
-  /// The unit normal, of either sign, of the least-squares plane of the `count` points closest to point k, itself among
-  /// them; nothing for fewer than five, or where their extent along it is not below `flat` times the lesser of the
+  /// The unit normal, of either sign, of the least-squares plane of the `count` points closest to point k, including
+  /// itself. Empty for fewer than five, or if their extent along the normal is not below `flat` times the lesser of the
   /// other two.
   [[nodiscard]] std::optional<Point3> normal(std::uint32_t k, std::uint32_t count, double flat) const;
 

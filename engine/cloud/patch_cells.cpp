@@ -11,7 +11,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr unsigned kBits = 21;  // bits of a cell's number along an axis, one more than are used: a step never wraps
+constexpr unsigned kBits = 21;  // bits of a cell's number along an axis, one more than used: a step never wraps
 constexpr double kMostAlong = 1 << 20;
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
@@ -49,7 +49,7 @@ std::uint32_t find_root(std::vector<std::uint32_t>& parents, std::uint32_t k) {
 }  // namespace
 
 std::vector<std::uint32_t> usable_points(std::span<const CloudPoint> cloud) {
-  constexpr double kOuter = 0.01;  // share of the points at each end of an axis that do not tell the extent
+  constexpr double kOuter = 0.01;  // share of the points at each end of an axis that do not count for the extent
   constexpr double kMost = 10.0;
   std::vector<std::uint32_t> points;
   points.reserve(cloud.size());
@@ -83,7 +83,7 @@ PatchCells::PatchCells(std::span<const CloudPoint> cloud, std::span<const std::u
     high = k == 0 ? point : Point3(high.cwiseMax(point));
   }
   edge_m_ = std::max(edge_m_, (high - low).maxCoeff() / (kMostAlong - 4.0));
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> order;  // key, place in `points`
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> order;  // key, index in `points`
   order.reserve(points.size());
   for (std::uint32_t k = 0; k < points.size(); ++k) {
     order.emplace_back(cube_key(to_position(cloud[points[k]]) - low, edge_m_), k);

@@ -15,7 +15,7 @@ namespace gdtslam {
 /// The cubes that contain points, and the points of each.
 class PatchCells {
  public:
-  /// Cells of the points with these indices. The edge grows if the extent asks for more than 2^20 cubes along an axis.
+  /// Cells of the points with these indices. The edge grows if the extent needs more than 2^20 cubes along an axis.
   PatchCells(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> points, double edge_m);
 
   [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(keys_.size()); }
@@ -24,7 +24,7 @@ class PatchCells {
   [[nodiscard]] std::span<const std::uint32_t> cell_points(std::uint32_t cell) const {
     return {points_.data() + begins_[cell], points_.data() + begins_[cell + 1]};
   }
-  /// The cell of each point, in the order of the indices that were given.
+  /// The cell of each point, in the order of the given indices.
   [[nodiscard]] const std::vector<std::uint32_t>& cell_by_point() const { return cell_of_; }
   /// The mean of the points of each cell.
   [[nodiscard]] Cloud cell_means(std::span<const CloudPoint> cloud) const;
@@ -33,7 +33,7 @@ class PatchCells {
   /// The largest connected group of marked cells, ascending. Size is the number of cells; of equal groups the first is
   /// returned.
   [[nodiscard]] std::vector<std::uint32_t> largest_group(const std::vector<bool>& is_marked) const;
-  /// Cells that are marked and those that touch one of them.
+  /// The marked cells and those that touch one of them.
   [[nodiscard]] std::vector<bool> grown(const std::vector<bool>& is_marked) const;
 
  private:

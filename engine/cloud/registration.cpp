@@ -21,7 +21,7 @@ constexpr double kStill_m = 1.0e-4;
 constexpr double kStill_rad = 2.0e-5;
 constexpr std::size_t kLeastPairs = 20;
 
-/// A cloud that others are registered to: its points, a search tree, and normals where they have been asked for.
+/// A cloud that others are registered to: its points, a search tree, and normals at the requested points.
 class Target {
  public:
   Target(std::span<const CloudPoint> cloud, std::uint32_t neighbours)
@@ -54,7 +54,7 @@ struct Equations {
 };
 
 // Residual n . (T p - q); a motion exp(v) on the left of T changes it by n . (v_t + v_r x (T p)). Centred, so that
-// rotation and translation are told apart as well as the points allow.
+// rotation and translation are separated as well as the points allow.
 Equations equations_at(const Pose3& T, const std::vector<Point3>& source, Target& target, const Point3& centre,
                        double within_m) {
   Equations sums;
@@ -106,7 +106,7 @@ double weakest_share(const Matrix6& information, double radius_m) {
   return std::max(0.0, solver.eigenvalues()[0]) / solver.eigenvalues()[5];
 }
 
-// The motion about the centre as one of the frame's origin.
+// Converts a motion about the centre to one about the frame's origin.
 Pose3 about(const Point3& centre, const Tangent3& step) {
   const Pose3 to_centre{centre, Eigen::Quaterniond::Identity()};
   const Pose3 rotation{step.head<3>(), exp_so3(step.tail<3>())};

@@ -23,8 +23,8 @@ struct RegistrationResult {
   std::uint32_t pairs = 0;
   double rms_before_m = 0.0;  ///< point-to-plane, of the pairs at the identity
   double rms_m = 0.0;
-  /// Smallest over largest singular value of the information, turns counted at the points' mean distance from their
-  /// centre: near 0 a direction is not held.
+  /// Ratio of the smallest to the largest singular value of the information, with turns counted at the points' mean
+  /// distance from their centre: near 0 a direction is not determined.
   double weakest_share = 0.0;
   bool converged = false;
 };

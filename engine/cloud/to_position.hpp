@@ -1,4 +1,4 @@
-// The place of a point of a cloud, in double precision.
+// The position of a point of a cloud, in double precision.
 #pragma once
 
 #include "gdtslam/core/cloud.hpp"
@@ -10,7 +10,7 @@ inline Point3 to_position(const CloudPoint& point) {
   return {static_cast<double>(point.x_m), static_cast<double>(point.y_m), static_cast<double>(point.z_m)};
 }
 
-/// Whether it is a place; its other values do not count.
+/// True if its position is finite; its other values do not count.
 inline bool is_finite(const CloudPoint& point) { return to_position(point).allFinite(); }
 
 }  // namespace gdtslam

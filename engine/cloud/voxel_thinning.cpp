@@ -39,10 +39,10 @@ class CubeGrid {
   explicit CubeGrid(double voxel_m) : voxel_m_(voxel_m), per_m_(1.0 / voxel_m) {}
 
   /// Cell of a coordinate, counted from the lower end of the range: floor(coordinate / edge). The product with the
-  /// inverse is off by less than kNear and decides unless the coordinate lies so near to the edge of a cube.
+  /// inverse is off by less than kNear and is used unless the coordinate is that close to the edge of a cube.
   [[nodiscard]] std::uint64_t cube_index(float coordinate_m) const {
     double cell = static_cast<double>(coordinate_m) * per_m_;
-    if (!(cell >= -kMostCells && cell < kMostCells)) {  // so does what is no number
+    if (!(cell >= -kMostCells && cell < kMostCells)) {  // true for NaN too
       cell = static_cast<double>(coordinate_m) / voxel_m_;
       if (!(cell >= -kMostCells && cell < kMostCells)) fail_far(coordinate_m, voxel_m_);
     }
@@ -60,7 +60,7 @@ class CubeGrid {
   double per_m_;
 };
 
-// A voxel as a bit of the block of 4 x 4 x 4 that it lies in: surfaces fill a good part of the blocks that they cross.
+// A voxel as a bit of its block of 4 x 4 x 4: surfaces fill a good part of the blocks that they cross.
 struct BlockBit {
   std::uint64_t block = 0;
   std::uint64_t bit = 0;
@@ -73,7 +73,7 @@ BlockBit block_bit(const CloudPoint& p, const CubeGrid& grid) {
           .bit = std::uint64_t{1} << ((x & 3U) | (y & 3U) << 2U | (z & 3U) << 4U)};
 }
 
-// splitmix64's last steps [Steele2014]: neighbouring cubes go to slots far apart.
+// splitmix64's last steps [Steele2014]: neighbouring cubes get slots far apart.
 std::uint64_t mixed(std::uint64_t key) {
   key = (key ^ (key >> 30U)) * 0xbf58476d1ce4e5b9U;
   key = (key ^ (key >> 27U)) * 0x94d049bb133111ebU;
@@ -112,7 +112,7 @@ void VoxelThinning::State::grow() {
   }
 }
 
-// False when the cube has a point already. At most half of the slots are taken.
+// Returns false if the cube has a point already. At most half of the slots are taken.
 bool VoxelThinning::State::insert(const BlockBit& place, std::uint64_t hash) {
   const std::uint64_t mask = slots.size() - 1;
   std::uint64_t slot = hash & mask;
@@ -128,7 +128,7 @@ bool VoxelThinning::State::insert(const BlockBit& place, std::uint64_t hash) {
   return true;
 }
 
-// Slots lie all over the memory, so each is asked for before the first of them is needed.
+// Slots are scattered in memory, so all are prefetched before the first of them is needed.
 void VoxelThinning::State::take(std::span<const CloudPoint> points) {
   std::array<BlockBit, kAhead> places{};
   std::array<std::uint64_t, kAhead> hashes{};

@@ -20,7 +20,7 @@ namespace gdtslam {
 namespace {
 
 constexpr std::size_t kAlignment = 64;  // a cache line, and the widest vector
-/// Fewer elementary steps than this are done before a sleeping thread has woken.
+/// Fewer elementary steps than this take less time than waking a thread.
 constexpr std::uint64_t kStepsWorthThreads = 32768;
 
 std::size_t physical_memory_bytes() {
@@ -34,7 +34,7 @@ std::size_t physical_memory_bytes() {
 
 std::string processor_name() {
   std::ifstream info("/proc/cpuinfo");
-  info.exceptions(std::ios::badbit);  // or the stream would keep to itself that memory has ended
+  info.exceptions(std::ios::badbit);  // otherwise the stream would hide that memory has run out
   try {
     std::string line;
     while (std::getline(info, line)) {
@@ -48,7 +48,7 @@ std::string processor_name() {
   return "unnamed processor";
 }
 
-/// Frees a block from calloc, or so many bytes that were mapped.
+/// Frees a block from calloc, or this many mapped bytes.
 struct FreeDeleter {
   std::size_t mapped_bytes = 0;
   void operator()(std::byte* memory) const {
@@ -75,8 +75,8 @@ Allocation allocate_zeroed(std::size_t bytes) {
   return allocation;
 }
 
-/// Pages of their own, zero, which the system gives when they are touched; nothing where it refuses. Not in large
-/// pages, which would be given whole, nor where the process's address space is bounded and this would be much of it.
+/// Separate zero pages, which the system provides at the first access; empty if it refuses. Not in large pages, which
+/// would be provided whole, nor if the process's address space is limited and this would be much of it.
 Allocation reserve_pages(std::size_t bytes) {
   constexpr rlim_t kShare = 8;
   rlimit limit{};
@@ -121,7 +121,7 @@ class CpuBackend final : public Backend {
   void release(std::uint64_t id) noexcept override { allocations_.erase(id); }
   void forget_download(std::uint64_t id) noexcept override { downloads_.erase(id); }
   std::span<std::byte> find_memory(const Buffer& buffer);
-  /// The part of a buffer that a transfer touches.
+  /// The part of a buffer used by a transfer.
   std::span<std::byte> checked_part(const Buffer& buffer, std::size_t bytes, std::size_t offset, const char* verb);
   void bind(const KernelInfo& kernel, std::span<const Buffer* const> buffers);
 
@@ -185,7 +185,7 @@ void CpuBackend::fill(const Buffer& target, std::uint32_t word) {
   std::memcpy(memory.data() + whole, &word, memory.size() - whole);
 }
 
-// The copy is made here: what is dispatched later must not be seen.
+// The copy is made here, so that later dispatches do not change it.
 PendingDownload CpuBackend::start_download(const Buffer& source, std::size_t bytes, std::size_t offset) {
   const std::span<std::byte> part = checked_part(source, bytes, offset, "download");
   const std::uint64_t id = next_id_++;

@@ -1,6 +1,5 @@
-// The rows of all kernels and the names of instruction sets. A kernel that is missing in the list of cpu/functions.hpp
-// does not exist for the tests, the benchmark and verify; the completeness test compares the list with the headers in
-// kernels/.
+// The rows of all kernels and the names of instruction sets. A kernel missing in the list of cpu/functions.hpp does not
+// exist for the tests, the benchmark and verify; the completeness test compares the list with the headers in kernels/.
 #include <algorithm>
 #include <array>
 

@@ -249,7 +249,7 @@ std::vector<std::string> validate(const MapperConfig& config) {
 
 MapperConfig nodding_mapper_config(MapperConfig config, const NoddingConfig& nodding) {
   config.prior.limit_sigmas = nodding.prior_limit_sigmas;
-  config.odometry.max_step_m = 1000.0;  // the most that the option takes
+  config.odometry.max_step_m = 1000.0;  // the largest value of the option
   return config;
 }
 

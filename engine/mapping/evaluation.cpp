@@ -15,7 +15,7 @@ namespace gdtslam {
 namespace {
 
 constexpr double kShortTermLimit_s = 20.0;
-constexpr double kClockStep_s = 1.0;  // back, beyond which a clock was set
+constexpr double kClockStep_s = 1.0;  // a clock was set if it steps back by more than this
 
 double yaw_error_deg(double a_rad, double b_rad) { return std::fabs(deg_from_rad(wrap_angle(a_rad - b_rad))); }
 
@@ -35,9 +35,8 @@ struct MatchedPose {
   Pose2 T_reference_base;
 };
 
-// Least squares over rotation and translation without scale, in closed form for the plane [Umeyama1991]. A robot that
-// stands, in truth or in the estimate, tells nothing about the rotation by its positions, which then comes from the
-// headings.
+// Least squares over rotation and translation without scale, in closed form for the plane [Umeyama1991]. If the robot
+// stands, in truth or in the estimate, its positions do not determine the rotation, which then comes from the headings.
 Pose2 rigid_alignment(const std::vector<MatchedPose>& matched) {
   const auto count = static_cast<double>(matched.size());
   Point2 mean_map = Point2::Zero();
@@ -58,7 +57,7 @@ Pose2 rigid_alignment(const std::vector<MatchedPose>& matched) {
     spread_map_m = std::max(spread_map_m, a.norm());
     spread_reference_m = std::max(spread_reference_m, b.norm());
   }
-  // The mean of equal numbers need not be that number: offsets of rounding size are none.
+  // The mean of equal numbers need not be that number: offsets of rounding size count as zero.
   const bool stands =
       std::min(spread_map_m, spread_reference_m) <= 1e-9 * (1.0 + mean_map.norm() + mean_reference.norm());
   if (stands) {
@@ -74,8 +73,8 @@ Pose2 rigid_alignment(const std::vector<MatchedPose>& matched) {
   return {shift.x(), shift.y(), rotation.theta_rad};
 }
 
-/// Returns the stretch of each pose, from 0. A new stretch begins where the clock steps back, unless it is by less than
-/// a second, as the stamps of recorders do that stamp what they receive.
+/// Returns the stretch of each pose, from 0. A new stretch begins where the clock steps back. Steps of less than a
+/// second do not count: recorders that stamp messages on arrival make such steps.
 std::vector<std::size_t> split_stretches(const Trajectory& trajectory, double tolerance_s) {
   std::vector<std::size_t> stretches;
   stretches.reserve(trajectory.size());
@@ -89,7 +88,7 @@ std::vector<std::size_t> split_stretches(const Trajectory& trajectory, double to
   return stretches;
 }
 
-/// How many stamps of a trajectory occur in two stretches of another, within the tolerance.
+/// Number of stamps of a trajectory that occur in two stretches of another, within the tolerance.
 std::size_t count_ambiguous(const Trajectory& asking, const Trajectory& asked, double tolerance_s) {
   const RepeatedStamps repeated(asked, tolerance_s);
   return static_cast<std::size_t>(std::count_if(asking.begin(), asking.end(),
@@ -102,7 +101,7 @@ std::vector<Trajectory> split(const Trajectory& trajectory, const std::vector<st
   return parts;
 }
 
-// Two or more of the reference's poses are met: by stamps that are all one, poses cannot be told apart.
+// At least two poses of the reference must match: if all stamps are equal, poses cannot be distinguished.
 std::vector<MatchedPose> matched_by_stamp(const Trajectory& estimate, const Trajectory& reference, double tolerance_s) {
   const std::vector<std::optional<std::size_t>> indices = matches_by_stamp(estimate, reference, tolerance_s);
   std::vector<MatchedPose> matched;
@@ -138,8 +137,8 @@ std::vector<double> path_along(const std::vector<MatchedPose>& matched) {
   return path_m;
 }
 
-// A path is driven in the order of its stamps, whatever that of the rows; but a log whose clock stepped back is right
-// in the order of its rows, and by its stamps the robot would leap to and fro: then the rows make the shorter path.
+// A path is driven in the order of its stamps, whatever the order of its rows. But if the clock stepped back, the order
+// of the rows is right, and by its stamps the robot would leap to and fro: then the rows make the shorter path.
 std::vector<MatchedPose> in_order_of_travel(std::vector<MatchedPose> by_rows) {
   std::vector<MatchedPose> by_stamps = by_rows;
   std::stable_sort(by_stamps.begin(), by_stamps.end(),
@@ -192,7 +191,7 @@ std::vector<std::optional<std::size_t>> matches_by_stamp(const Trajectory& estim
                                                          double tolerance_s) {
   const std::vector<std::size_t> stretches = split_stretches(estimate, tolerance_s);
   const std::vector<std::size_t> of_reference = split_stretches(reference, tolerance_s);
-  // A trajectory of several drives at one time, as a merged site has, meets one whose stamps occur once.
+  // A trajectory of several drives at one time, as of a merged site, can match one whose stamps occur once.
   const std::size_t ambiguous = count_ambiguous(estimate, reference, tolerance_s);
   if (ambiguous > 0 && stretches.back() != of_reference.back()) {
     throw InputError(std::to_string(ambiguous) + " stamps occur twice, a clock stepped back: the trajectory has " +

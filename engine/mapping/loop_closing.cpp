@@ -104,8 +104,8 @@ struct LoopClosing::State {
   unsigned threads;
   BackEnd back_end;
   SeparateMap map;                    // map of all keyframes at their final poses
-  std::exception_ptr too_large;       // why it does not hold them
-  std::optional<SideThread> mapping;  // that makes it
+  std::exception_ptr too_large;       // error if it cannot hold them
+  std::optional<SideThread> mapping;  // thread that makes it
 };
 
 LoopClosing::LoopClosing(const MapperConfig& config, const MapperOptions& options)

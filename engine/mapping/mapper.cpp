@@ -25,7 +25,7 @@ const MapperConfig& checked(const MapperConfig& config) {
   throw ConfigError(text);
 }
 
-/// The map that scans are matched with, on the host; where the matcher works on a device, there too.
+/// The map that scans are matched with, on the host, and also on a device if the matcher runs there.
 struct MatchedMap {
   MatchedMap(const MapperConfig& config, Backend& cpu, Backend* on_device) : host(config, cpu) {
     if (on_device != nullptr) device.emplace(config, *on_device);
@@ -69,37 +69,37 @@ struct Mapper::State {
   MapperOptions options;
   std::unique_ptr<Backend> own_cpu;  // host mapper's backend if the given one is a device
   Backend* cpu;
-  Backend* device = nullptr;         // device on which the matcher works, while it does
+  Backend* device = nullptr;         // device that runs the matcher; null if none does
   std::unique_ptr<MatchedMap> map;   // map that scans are matched with
   std::unique_ptr<MatchedMap> next;  // next local map, half a stretch younger
   double stretch_m = 0.0;            // path since `next` was begun
   std::unique_ptr<Matcher> matcher;
   std::optional<DeviceError> loss;
   std::string loss_text;
-  Backend* at_work = nullptr;  // the backend that the matcher works on
+  Backend* at_work = nullptr;  // the backend that runs the matcher
 
   MotionModel motion;
   Patience patience;
   std::optional<MotionEstimate> estimate;  // weighs odometry and matches, if both are used
-  PoseCertainty certainty;                 // covariance of the pose, if asked for
+  PoseCertainty certainty;                 // covariance of the pose, if requested
   MapperStatistics statistics;
   bool started = false;
   Pose2 last_keyframe;
   Pose2 last_pose;
   double unmatched_m = 0.0;  // path since the last accepted match
 
-  // The scan in hand:
+  // The current scan:
   PointScan scan;
   Prediction prediction;
   ScanPoints scan_points;
-  std::vector<PointCells> points;  // that are matched
-  bool is_matched = false;         // there is enough of it when it is thinned, and a map
+  std::vector<PointCells> points;  // points for matching
+  bool is_matched = false;         // a map exists and enough points are left after thinning
 
   std::unique_ptr<LoopClosing> loops;
 };
 
-// The one place where a device may fail while it maps: the CPU, which has the same map, does the step instead. Without
-// leave to do so, or from the CPU, the error goes to the caller. The device is asked for nothing after its first error.
+// Handles all device failures during mapping: the CPU, which has the same map, repeats the step. If that is not
+// allowed, or the CPU fails, the error goes to the caller. After its first error the device is not used any more.
 template <class Step>
 auto Mapper::State::or_on_cpu(const Step& step) {
   try {
@@ -110,7 +110,7 @@ auto Mapper::State::or_on_cpu(const Step& step) {
   return step();
 }
 
-// A matcher that walks on the host has its map there, whatever the device, which then has nothing to do.
+// A matcher on the host has its map there, and a device then has nothing to do.
 Mapper::State::State(const MapperConfig& c, Backend& backend, MapperOptions o)
     : config(o.with_loops ? LoopClosing::adapt_config(checked(c)) : checked(c)),
       options(std::move(o)),
@@ -131,7 +131,7 @@ Mapper::State::State(const MapperConfig& c, Backend& backend, MapperOptions o)
 
 void Mapper::State::open_matcher() { matcher = matcher_info(config.match.matcher).make(config, map->matched()); }
 
-// There is no way back from the CPU: what it failed at would fail again.
+// A failure of the CPU is final: the same step would fail again.
 void Mapper::State::leave_device(const DeviceError& error) {
   const bool was_on_cpu = device == nullptr;
   loss = error;
@@ -152,7 +152,7 @@ void Mapper::State::require_matcher() const {
   if (loss && matcher == nullptr) throw DeviceError(*loss);
 }
 
-// The counts of a mapper are those of the backends that it worked on, while it did.
+// The mapper's counts are the sums over its backends while it used them.
 void Mapper::State::count_work(Backend& backend) {
   if (at_work != nullptr) {
     statistics.dispatches += at_work->dispatch_count();
@@ -163,8 +163,8 @@ void Mapper::State::count_work(Backend& backend) {
   statistics.submissions -= backend.submit_count();
 }
 
-// The returns of the scan in the robot's frame, the P of equation (6). A scan with more than a matcher takes is thinned
-// for matching, not for the map.
+// The returns of the scan in the robot's frame, the P of equation (6). A scan with too many points for a matcher is
+// thinned for matching, not for the map.
 void Mapper::State::see(PointScan given) {
   scan = std::move(given);
   points = in_cells(scan.points_base_m, config.map.resolution_m);
@@ -198,7 +198,7 @@ MatchResult Mapper::State::match() {
   return result;
 }
 
-// The match beside the wheels.
+// Combines the match with the wheels.
 void Mapper::State::judge(MatchResult& result) {
   if (estimate) {
     estimate->take(result, is_matched, scan.points_base_m, [this](const Pose2& pose, const Pose2& matched) {
@@ -219,7 +219,7 @@ bool Mapper::State::wants_search(const Pose2& predicted) const {
          (config.search.when == SearchWhen::kKeyframe && is_keyframe(predicted));
 }
 
-// Before the scan goes into the map, in which it would confirm itself.
+// Runs before the scan is merged into the map, where it would confirm itself.
 void Mapper::State::weigh(MatchResult& result) {
   if (!options.with_covariance || device != nullptr) return;
   const MotionNoise unknown{prediction.travelled_m, prediction.turned_rad};
@@ -231,8 +231,8 @@ void Mapper::State::weigh(MatchResult& result) {
   result.covariance = certainty.in_map(result.T_map_base.theta_rad);
 }
 
-// Equations (9) to (11) with the local field of (1), for keyframes; and where nothing matched for so long that the
-// robot must be somewhere new, a fresh start there, because the map could never grow to it otherwise.
+// Equations (9) to (11) with the local field of (1), for keyframes. If nothing matched for so long that the robot must
+// be somewhere new, the scan is merged there too: otherwise the map could never grow to it.
 void Mapper::State::update_map(MatchResult& result) {
   unmatched_m = result.accepted ? 0.0 : unmatched_m + distance(result.T_map_base, last_pose);
   const bool restart = !result.accepted && result.doubt != Doubt::kFewPoints && unmatched_m >= config.doubt.restart_m;
@@ -263,7 +263,7 @@ void Mapper::State::merge(const Pose2& pose) {
   if (next) merge_into(*next, keyframe);
 }
 
-// On the host first, whose limit counts; what a device has no room for is done without it.
+// Merges on the host first, whose limit counts; if a device has no room, the CPU continues without it.
 void Mapper::State::merge_into(MatchedMap& matched, const KeyframeCells& keyframe) {
   matched.host.merge(keyframe, statistics.stages);
   or_on_cpu([&] {
@@ -273,7 +273,7 @@ void Mapper::State::merge_into(MatchedMap& matched, const KeyframeCells& keyfram
   });
 }
 
-// The map that was begun a stretch ago has become the one to match with, and a new one is begun.
+// The map begun a stretch ago becomes the one for matching, and a new one is begun.
 void Mapper::State::begin_stretch() {
   auto fresh = or_on_cpu([&] { return std::make_unique<MatchedMap>(config, *cpu, device); });
   matcher.reset();

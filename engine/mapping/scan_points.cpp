@@ -12,7 +12,7 @@ namespace gdtslam {
 namespace {
 
 constexpr double kFurthestPointCell = 1 << 28;
-constexpr std::int32_t kMostWindowCells = 32767;  // along a side: what the kernels of the transforms take
+constexpr std::int32_t kMostWindowCells = 32767;  // largest side: the limit of the transforms' kernels
 
 std::int32_t cell_floor(double cells) {
   return static_cast<std::int32_t>(std::floor(std::clamp(cells, -kFurthestPointCell, kFurthestPointCell)));

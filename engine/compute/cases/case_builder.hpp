@@ -12,7 +12,7 @@
 
 namespace gdtslam {
 
-/// A size of grid that cases are made for.
+/// A size of grid for cases.
 struct CaseSize {
   std::uint32_t width;
   std::uint32_t height;
@@ -20,22 +20,22 @@ struct CaseSize {
 };
 
 /// Empty, single, one wide, one high, below, at and beyond vector and tile sizes, primes; strides with and without
-/// padding. These are combined with every parameter; the sides up to 15 are tried in all pairs besides.
+/// padding. They are combined with every parameter; sides up to 15 are also tried in all pairs.
 inline constexpr CaseSize kCaseSizes[] = {{0, 0, 0},    {1, 1, 4},      {1, 9, 32},      {9, 1, 12},
                                           {2, 2, 4},    {7, 8, 8},      {8, 7, 32},      {15, 16, 16},
                                           {31, 33, 32}, {63, 65, 64},   {64, 64, 64},    {128, 3, 128},
                                           {3, 127, 32}, {211, 97, 224}, {257, 131, 288}, {101, 103, 104}};
-/// Long and thin ones, and one as of a scan's window: tried with few parameters.
+/// Long and thin sizes, and one like a scan's window: tried with few parameters.
 inline constexpr CaseSize kLongSizes[] = {
     {1021, 3, 1024}, {2, 1019, 4}, {4096, 1, 4096}, {1, 4096, 4}, {333, 250, 336}};
 /// Sizes of the largest maps, and primes.
 inline constexpr CaseSize kLargeSizes[] = {{4096, 4096, 4096}, {2039, 1021, 2052}};
-/// Largest side of the sizes that are tried in all pairs.
+/// Largest side of the sizes tried in all pairs.
 inline constexpr std::uint32_t kSmallSide = 15;
 
 inline std::string size_name(CaseSize size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
 
-/// Calls add(size) for kCaseSizes less those that for_each_small_size has as well.
+/// Calls add(size) for those kCaseSizes that for_each_small_size does not include.
 template <class Add>
 void for_each_size(Add add) {
   for (const CaseSize& size : kCaseSizes) {
@@ -45,8 +45,8 @@ void for_each_size(Add add) {
   }
 }
 
-/// Calls add(size, turn) for all pairs of sides from 0 to kSmallSide. Strides and `turn` change from size to size, the
-/// latter to take another parameter from a list each time.
+/// Calls add(size, turn) for all pairs of sides from 0 to kSmallSide. Strides and `turn` change from size to size;
+/// `turn` selects the next parameter of a list.
 template <class Add>
 void for_each_small_size(Add add) {
   for (std::uint32_t height = 0; height <= kSmallSide; ++height) {
@@ -58,23 +58,23 @@ void for_each_small_size(Add add) {
   }
 }
 
-/// The element of a list whose turn it is.
+/// The element of a list for this turn.
 template <class T, std::size_t kCount>
 T in_turn(const T (&list)[kCount], std::uint32_t turn) {
   return list[turn % kCount];
 }
 
-/// A number that a device may take for 0 (below 2^-126): no result may depend on whether it does.
+/// A number that a device may flush to 0 (below 2^-126): no result may depend on it.
 inline constexpr float kSubnormal = 1.0e-40F;
 
 /// Largest distances of the transforms' cases, in cells.
 inline constexpr std::uint32_t kCaseRadii[] = {1, 20, 255};
 
-/// The patterns of seeds that sizes are combined with.
+/// Patterns of seeds that are combined with the sizes.
 inline constexpr SeedPattern kCasePatterns[] = {SeedPattern::kNone, SeedPattern::kOne, SeedPattern::kSparse,
                                                 SeedPattern::kHalf, SeedPattern::kAll, SeedPattern::kChecks};
 
-/// A seed for the generator from what a case is called, so that adding a case changes no other (FNV-1a).
+/// A seed for the generator from the case's name, so that a new case changes no other (FNV-1a).
 inline std::uint64_t seed_from(std::string_view text) {
   std::uint64_t hash = 14695981039346656037ULL;
   for (const char c : text) {
@@ -94,12 +94,12 @@ CaseBuffer grid_buffer(CaseSize size, const std::vector<T>& values) {
   return buffer;
 }
 
-/// Strips for a field of that size, a few cells apart.
+/// Layout in strips, a few cells apart, for a field of this size.
 inline FieldLayout strips_for(CaseSize size, std::uint32_t blank) {
   return {kStripStride, kStripStride * size.height + 8, blank};
 }
 
-/// The values of a grid in such strips, the 65th cells too; other values where no cell lies.
+/// The values of a grid in such strips, including the 65th cells; other values between the strips.
 std::vector<std::uint16_t> in_strips(CaseSize size, const std::vector<std::uint16_t>& values,
                                      const FieldLayout& layout);
 
@@ -110,7 +110,7 @@ CaseBuffer list_buffer(const std::vector<T>& values) {
   return grid_buffer(CaseSize{count, 1, count}, values);
 }
 
-/// Seeds of a pattern, from what the case is called.
+/// Seeds of a pattern; the case's name seeds the generator.
 inline std::vector<std::uint8_t> seeds_for(SeedPattern pattern, CaseSize size, const std::string& name) {
   return make_seeds(pattern, size.width, size.height, size.stride, seed_from(name));
 }
@@ -118,7 +118,7 @@ inline std::vector<std::uint8_t> seeds_for(SeedPattern pattern, CaseSize size, c
 /// A list of words of noise.
 CaseBuffer noise_buffer(std::uint32_t words, Random& random);
 
-/// A grid of noise: what a kernel must overwrite, or must be able to read whatever it is.
+/// A grid of noise: content that a kernel must overwrite, or may read without an effect.
 template <class T>
 std::vector<T> noise(CaseSize size, std::uint64_t random_seed) {
   Random random(random_seed);
@@ -145,8 +145,8 @@ KernelCase make_case(std::string name, const typename K::Params& params, Extent 
 /// Purpose of a case: quick runs leave large ones out.
 enum class CaseUse : std::uint8_t { kTest, kBenchmark, kLarge };
 
-/// Appends the case of a shape: what a case varies, with its Kernel, its name() and make(name), which builds the
-/// contents when they are asked for. `what` is added to the name.
+/// Appends the case of a shape. A shape holds a case's parameters, with its Kernel, its name() and make(name), which
+/// builds the contents on demand. `what` is added to the name.
 template <class Shape>
 void add_case(std::vector<KernelCaseSource>& list, const Shape& shape, const std::string& what = {},
               CaseUse use = CaseUse::kTest) {
@@ -159,18 +159,18 @@ void add_case(std::vector<KernelCaseSource>& list, const Shape& shape, CaseUse u
   add_case(list, shape, "", use);
 }
 
-/// A kernel and how a case of it is drawn at random.
+/// A kernel and its generator of random cases.
 struct RandomKernel {
   const KernelInfo* kernel = nullptr;
   KernelCase (*draw)(const std::string& name, Random& random) = nullptr;
 };
 
-/// A number of 0 to `most`, small ones as likely as large ones.
+/// A number from 0 to `most`; small and large ones are equally likely.
 std::uint32_t draw_count(Random& random, std::uint32_t most);
 /// A size: mostly up to 80 cells a side, seldom up to 300, seldom long and thin; sides of at least `least`.
 CaseSize draw_size(Random& random, std::uint32_t least = 0);
 SeedPattern draw_pattern(Random& random);
-/// Some 32 bits, and a number of -most to most.
+/// Random 32 bits, and a number from -most to most.
 std::uint32_t draw_word(Random& random);
 float draw_real(Random& random, double most);
 template <class T, std::size_t kCount>
@@ -178,8 +178,8 @@ T draw_from(Random& random, const T (&list)[kCount]) {
   return list[random.below(kCount)];
 }
 
-/// The cases of one or more kernels, and how cases of them are drawn at random. A kernel gives its group by its static
-/// function cases(); of kernels that share one, the first does.
+/// The cases of one or more kernels, and their generators of random cases. A kernel returns its group from its static
+/// function cases(); if several share one, the first does.
 struct CaseGroup {
   void (*add)(std::vector<KernelCaseSource>& list) = nullptr;
   std::vector<RandomKernel> draws;

@@ -21,7 +21,7 @@ std::uint64_t part_at(const std::vector<std::byte>& content, std::size_t first, 
   return value;
 }
 
-/// How far two values are apart: structs are compared word by word, and the largest difference counts.
+/// Difference of two values: structs are compared word by word, and the largest difference counts.
 std::uint64_t value_difference(const ValueLayout& layout, std::size_t index, const std::vector<std::byte>& expected,
                                const std::vector<std::byte>& found) {
   const std::size_t bytes = layout.value_bytes;
@@ -77,7 +77,7 @@ std::vector<CaseGroup> make_groups(KernelList<K...> /*kernels*/) {
   return groups;
 }
 
-/// In the order of the registry, but for kernels that share a group.
+/// In the order of the registry, except for kernels that share a group.
 const std::vector<CaseGroup>& case_groups() {
   static const std::vector<CaseGroup> groups = make_groups(AllKernels{});
   return groups;

@@ -1,6 +1,6 @@
-// The list of cases that every kernel is tried on, as data: the equivalence tests, the benchmark and `gdtslam verify`
-// walk the same list. Contents are made from fixed seeds by the project's own generator, so a case is the same bytes
-// everywhere. Thread-safe; a case is built when it is asked for and costs its buffers.
+// The list of cases for every kernel, as data: the equivalence tests, the benchmark and `gdtslam verify` share it.
+// Contents come from fixed seeds by the project's own generator, so a case has the same bytes everywhere. Thread-safe;
+// a case is built on demand and costs its buffers.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@
 
 namespace gdtslam {
 
-/// How the values of a buffer lie: rows of `stride` values of which `width` count.
+/// Layout of a buffer's values: rows of `stride` values, the first `width` of which count.
 struct ValueLayout {
   std::uint32_t value_bytes = 1;
   std::uint32_t width = 0;
@@ -24,13 +24,13 @@ struct ValueLayout {
   std::uint32_t stride = 0;
 };
 
-/// A buffer of a case before the dispatch. What is not an input holds noise, and so does the padding of the rows.
+/// A buffer of a case before the dispatch. Outputs and the padding of rows hold noise.
 struct CaseBuffer {
   ValueLayout layout;
   std::vector<std::byte> content;
 };
 
-/// A dispatch, complete.
+/// A complete dispatch.
 struct KernelCase {
   const KernelInfo* kernel = nullptr;
   std::string name;
@@ -43,7 +43,7 @@ struct KernelCase {
 struct KernelCaseSource {
   const KernelInfo* kernel = nullptr;
   std::string name;        ///< unique within the kernel
-  bool benchmark = false;  ///< true for sizes that are worth timing
+  bool benchmark = false;  ///< true for sizes worth timing
   bool large = false;      ///< takes long: quick runs leave it out
   std::function<KernelCase()> make;
 };
@@ -51,8 +51,8 @@ struct KernelCaseSource {
 /// Every case of every kernel, grouped by kernel in the order of the registry.
 std::vector<KernelCaseSource> kernel_cases();
 
-/// `count` cases at random: kernel, sizes, parameters and contents. Case i is named "random SEED/i" and depends on
-/// these two numbers alone, so that random_kernel_case(SEED, i) makes it again.
+/// `count` random cases: kernel, sizes, parameters and contents. Case i is named "random SEED/i" and depends on these
+/// two numbers alone, so random_kernel_case(SEED, i) makes it again.
 std::vector<KernelCaseSource> random_kernel_cases(std::uint64_t seed, std::uint32_t count);
 KernelCaseSource random_kernel_case(std::uint64_t seed, std::uint32_t index);
 
@@ -60,15 +60,15 @@ KernelCaseSource random_kernel_case(std::uint64_t seed, std::uint32_t index);
 struct CaseOutcome {
   std::vector<std::vector<std::byte>> contents;
   bool guards_intact = true;  ///< the bytes behind every buffer are unchanged
-  bool inputs_intact = true;  ///< no buffer that is only read has changed
+  bool inputs_intact = true;  ///< no read-only buffer has changed
 };
 
 /// Runs a case on a backend, each buffer followed by a guard region in the same allocation.
 CaseOutcome run_case(Backend& backend, const KernelCase& kernel_case);
 
-/// How two outcomes of one case differ; padding of rows does not count.
+/// Differences between two outcomes of one case; padding of rows does not count.
 struct CaseDifference {
-  std::uint64_t values = 0;   ///< how many differ
+  std::uint64_t values = 0;   ///< number of different values
   std::uint64_t largest = 0;  ///< largest difference of two values, as unsigned integers
   std::size_t binding = 0;    ///< binding of the first difference
   std::uint32_t x = 0;

@@ -8,7 +8,7 @@
 
 namespace gdtslam {
 
-/// Structs as the 32-bit words that they are made of: so a comparison sees every member.
+/// Structs as 32-bit words, so that a comparison covers every member.
 template <class T>
 CaseBuffer words_buffer(const std::vector<T>& values) {
   std::vector<std::uint32_t> words(values.size() * sizeof(T) / 4);
@@ -18,22 +18,22 @@ CaseBuffer words_buffer(const std::vector<T>& values) {
   return list_buffer(words);
 }
 
-/// A cell near the field's middle: what poses are relative to.
+/// A cell near the field's middle, to which poses are relative.
 inline std::int32_t anchor_cell(std::uint32_t side) { return static_cast<std::int32_t>(side / 2) - 7; }
 
-/// A field whose values change slowly, as those of distances do, with the border of caps that kernels rely on.
+/// A field with slowly changing values, like distances, with the border of caps that kernels rely on.
 std::vector<std::uint16_t> slow_field(CaseSize size, std::uint32_t cap, Random& random);
 
-/// Points as of a scan: within a circle of a third of the field, the first at the sensor itself.
+/// Points like those of a scan: within a circle of a third of the field, the first at the sensor itself.
 std::vector<PointCells> scattered_points(CaseSize size, std::uint32_t count, Random& random);
 
 /// Distances to the walls of a room with a pillar and a partition, 1/256 cell, at most the cap, which the border holds.
 std::vector<std::uint16_t> room_field(CaseSize size, std::uint32_t cap, Random& random);
 
-/// Points on those walls as they are seen from a pose (PoseCandidate's coordinates, around anchor_cell).
+/// Points on those walls seen from a pose (PoseCandidate's coordinates, around anchor_cell).
 std::vector<PointCells> room_points(CaseSize size, std::uint32_t count, const PoseCandidate& pose, Random& random);
 
-/// The pose that scans of the room are taken from.
+/// The pose of the room's scans.
 inline constexpr PoseCandidate kTruePose{2.5F, -1.25F, 0.3F, 0};
 
 /// A field, of the room or slow, and the points of a scan in it, in the room from kTruePose.

@@ -50,7 +50,7 @@ void draw_walls(const Canvas& canvas, Random& random) {
   }
 }
 
-// Arguments of a call are computed in any order, so that random numbers must not be drawn in them.
+// Arguments of a call are evaluated in any order, so random numbers must not be drawn in them.
 void draw_one(const Canvas& canvas, Random& random) {
   const auto y = random.below(canvas.height);
   canvas.at(random.below(canvas.width), y) = 1;

@@ -1,7 +1,7 @@
 // Exports of the translation unit of one instruction set: the kernels as plain functions of pointers. No library
-// templates and no inline functions cross this line: the linker keeps one copy of those for the whole program, and a
-// copy compiled for AVX-512 must not end up in code that runs elsewhere (a test looks at the objects' symbols). The
-// small functions below are static for that reason.
+// templates and no inline functions may cross this interface: the linker keeps one copy of those for the whole program,
+// and a copy compiled for AVX-512 must not run elsewhere (a test checks the objects' symbols). The small functions
+// below are static for that reason.
 #pragma once
 
 #include <cstdint>
@@ -21,10 +21,10 @@
 
 namespace gdtslam {
 
-/// A list of types of kernels.
+/// A list of kernel types.
 template <class... K>
 struct KernelList {};
-/// Every kernel that is dispatched, in the order of the registry, which walks this list as the cases do.
+/// Every dispatched kernel, in the order of the registry, which walks this list as the cases do.
 using AllKernels = KernelList<SeedScatter, JumpFloodInit, JumpFloodStep, JumpFloodDistance, DistanceField, PoseCost,
                               GdtMerge, PoseLattice, LatticeMinima, SmallestValues, FieldGrow, PoseStarts, PoseSimplex,
                               ChoosePose, SweepPoints, PoseBounds, GdtStamp>;
@@ -37,14 +37,14 @@ struct CellRange {
   std::uint32_t y_end;
 };
 
-/// The things of a launch along one dimension: [begin, end).
+/// The items of a launch along one dimension: [begin, end).
 struct Slice {
   std::uint32_t begin;
   std::uint32_t end;
 };
 
-/// Behind the parameters come the buffers in the order of the bindings, then what the launch is about: the cells of a
-/// grid or a slice of its things (columns, rows, samples, cells of a list, starts, candidates, poses, tiles, beams).
+/// After the parameters come the buffers in the order of the bindings, then the range of the launch: the cells of a
+/// grid or a slice of its items (columns, rows, samples, cells of a list, starts, candidates, poses, tiles, beams).
 struct IsaFunctions {
   void (*distance_field)(const DistanceField::Params&, const std::uint16_t* sq_distance, const std::uint16_t* table,
                          std::uint16_t* field, CellRange);
@@ -64,7 +64,7 @@ struct IsaFunctions {
                       PolishedPose* poses, Slice);
   void (*pose_simplex)(const PoseSimplex::Params&, const std::uint16_t* field, const PointCells* points,
                        PolishedPose* poses, Slice);
-  /// `values` and `voters` are scratch, one of each a point.
+  /// `values` and `voters` are scratch, one entry a point each.
   void (*choose_pose)(const ChoosePose::Params&, const std::uint16_t* field, const PointCells* points,
                       const PolishedPose* poses, MatchVerdict* verdict, std::uint16_t* values, PointCells* voters);
   void (*pose_bounds)(const PoseBounds::Params&, const std::uint8_t* field, const BoundPoint* points,
@@ -73,13 +73,13 @@ struct IsaFunctions {
                        float* points, Slice);
   void (*gdt_stamp)(const GdtStamp::Params&, std::uint16_t* field, const std::uint32_t* list, const std::uint16_t* disc,
                     Slice);
-  // On the host only.
+  // Only on the host:
   void (*pose_minorant)(const PoseMinorant::Params&, const std::uint16_t* field, const PointCells* points,
                         const PoseCandidate* boxes, std::uint32_t count, PoseMinorant::Value* values);
   void (*field_minorant)(const FieldMinorant::Params&, const std::uint16_t* field, std::uint32_t* minorants);
   void (*pose_minorant_wide)(const PoseMinorantWide::Params&, const std::uint32_t* minorants, const BoundPoint* points,
                              const PoseCandidate* boxes, std::uint32_t count, PoseMinorant::Value* values);
-  /// totals: PoseSlope::kSums of them.
+  /// totals: PoseSlope::kSums values.
   void (*pose_slope)(const PoseSlope::Params&, const std::uint16_t* field, const PointCells* points,
                      const PoseSlope::Pose&, double* totals);
   void (*point_values)(const PointValues::Params&, const std::uint16_t* field, const PointCells* points,

@@ -1,4 +1,4 @@
-// Which instruction sets there are, and the count of the calls of their kernels.
+// Available instruction sets, and the count of the calls of their kernels.
 #include <deque>
 #include <mutex>
 #include <vector>
@@ -39,7 +39,7 @@ constinit thread_local std::atomic<std::uint64_t>* calls_of_this_thread = nullpt
 
 namespace {
 
-/// All words there are. Those of threads that have ended keep their counts and serve the next thread.
+/// All words. Those of ended threads keep their counts and serve the next thread.
 struct Words {
   std::mutex mutex;
   std::deque<std::atomic<std::uint64_t>> all;  // never moves an element
@@ -47,11 +47,11 @@ struct Words {
 };
 
 Words& words() {
-  static Words& shared = *new Words;  // never destroyed: threads may end after the statics have gone
+  static Words& shared = *new Words;  // never destroyed: threads may end after static objects are destroyed
   return shared;
 }
 
-/// Hands the word back when the thread ends.
+/// Returns the word when the thread ends.
 struct Membership {
   Membership() = default;
   Membership(const Membership&) = delete;

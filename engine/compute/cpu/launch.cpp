@@ -35,7 +35,7 @@ std::size_t grid_bytes(std::uint32_t width, std::uint32_t height, std::uint32_t 
 std::size_t field_bytes(const FieldLayout& layout, std::uint32_t width, std::uint32_t height) {
   if (!layout.has_strips()) return grid_bytes(width, height, layout.stride, sizeof(std::uint16_t));
   if (width == 0 || height == 0) return 0;
-  // A strip's last row has its 65th cell too.
+  // A strip's last row includes its 65th cell.
   return (layout.place((width - 1) / kStripWidth * kStripWidth, height - 1) + kStripWidth + 1) * sizeof(std::uint16_t);
 }
 

@@ -1,5 +1,5 @@
 // Common code of the kernels' rows: typed views of a launch, the checks of its sizes, the call of a kernel's function
-// with them, and the making of the row.
+// with them, and the construction of the row.
 #pragma once
 
 #include <atomic>
@@ -16,7 +16,7 @@
 
 namespace gdtslam {
 
-/// Whether the build has kernels for an instruction set.
+/// True if the build has kernels for an instruction set.
 constexpr bool is_compiled(Isa isa) {
 #ifdef GDTSLAM_X86_KERNELS
   return isa == Isa::kBaseline || isa == Isa::kAvx2 || isa == Isa::kAvx512;
@@ -25,7 +25,7 @@ constexpr bool is_compiled(Isa isa) {
 #endif
 }
 
-/// The functions of an instruction set that the build has.
+/// The functions of an instruction set; the build must have it.
 inline const IsaFunctions& isa_functions(Isa isa) {
 #ifdef GDTSLAM_X86_KERNELS
   if (isa == Isa::kAvx2) {
@@ -38,8 +38,8 @@ inline const IsaFunctions& isa_functions(Isa isa) {
   return kBaselineFunctions;
 }
 
-// The count of calls of CPU kernels, by which `verify` proves that a device used none of them. Each thread counts for
-// itself, in a word that only it writes: a call costs a load and a store, without a locked instruction.
+// Count of calls of CPU kernels, by which `verify` proves that a device used none of them. Each thread counts in a word
+// that only it writes: a call costs a load and a store, without a locked instruction.
 
 /// This thread's word; null before its first call.
 extern constinit thread_local std::atomic<std::uint64_t>* calls_of_this_thread;
@@ -74,7 +74,7 @@ inline CellRange cell_range(const CpuLaunch& launch) {
   return {launch.begin, launch.end, 0, 1};
 }
 
-/// Argument of a kernel's function at a place behind its parameters: a buffer, or a size of the launch.
+/// Argument number `place` of a kernel's function after its parameters: a buffer, or a size of the launch.
 template <class T>
 T launch_argument(const CpuLaunch& launch, std::size_t place) {
   if constexpr (std::is_pointer_v<T>) {
@@ -94,12 +94,12 @@ void call_function(void (*function)(const Params&, Arguments...), const CpuLaunc
   (std::index_sequence_for<Arguments...>{});
 }
 
-/// Turns a launch into a call of the kernel's function, where its arguments are the bindings and nothing more.
+/// Turns a launch into a call of the kernel's function whose only arguments are the bindings.
 template <auto kFunction>
 inline constexpr auto kCall =
     [](const IsaFunctions& functions, const CpuLaunch& launch) { call_function(functions.*kFunction, launch); };
 
-/// Scratch of this thread, at least `count` values, contents undefined. One per type: a kernel uses it to its end.
+/// Scratch of this thread, at least `count` values, contents undefined. One per type: used by one kernel at a time.
 template <class T>
 T* thread_scratch(std::size_t count) {
   thread_local std::vector<T> scratch;
@@ -112,24 +112,25 @@ T* thread_scratch(std::size_t count) {
 /// Throws Error "kernel NAME: MESSAGE".
 [[noreturn]] void refuse_launch(std::string_view kernel, const std::string& message);
 
-/// Bytes that a grid of `height` rows touches at least: the last row needs no padding.
+/// Bytes that a grid of `height` rows needs at least: the last row needs no padding.
 std::size_t grid_bytes(std::uint32_t width, std::uint32_t height, std::uint32_t stride, std::size_t cell_bytes);
-/// Bytes that a field of such a layout touches at least.
+/// Bytes that a field of such a layout needs at least.
 std::size_t field_bytes(const FieldLayout& layout, std::uint32_t width, std::uint32_t height);
 
 /// Checks of one launch; each throws Error.
 class LaunchCheck {
  public:
   LaunchCheck(std::string_view kernel, const LaunchShape& shape) : kernel_(kernel), shape_(shape) {}
-  /// At most `limit` cells wide and high, or none, rows that do not overlap, a stride that is a multiple of 4.
+  /// Checks that the grid is at most `limit` cells wide and high, that rows do not overlap and the stride is a multiple
+  /// of 4, or that the grid is empty.
   void grid(std::uint32_t width, std::uint32_t height, std::uint32_t stride, std::uint32_t limit) const;
-  /// At most `limit` cells wide and high, or none, rows and strips that do not overlap, strides that are multiples of
-  /// 4, no more than 2^32 cells, a blank of 16 bits.
+  /// Checks that the field is at most `limit` cells wide and high, or empty, that rows and strips do not overlap,
+  /// strides are multiples of 4, cells at most 2^32, and the blank has 16 bits.
   void layout(const FieldLayout& layout, std::uint32_t width, std::uint32_t height, std::uint32_t limit) const;
   void buffer(std::size_t binding, std::size_t bytes) const;
   void extent(Extent wanted) const;
   [[nodiscard]] Extent threads() const { return shape_.threads; }
-  /// Checks the promises of PriorParams, and that means are finite.
+  /// Checks the conditions of PriorParams, and that means are finite.
   void prior(const PriorParams& prior) const;
   /// The limits of PoseCost, whose field is buffer 0 and whose points are buffer 1.
   void cost(const PoseCost::Params& params) const;
@@ -140,14 +141,14 @@ class LaunchCheck {
   const LaunchShape& shape_;
 };
 
-/// Grids without a limit of their own.
+/// For grids without their own limit.
 inline constexpr std::uint32_t kNoLimit = 0x7FFFFFFFU;
 
-/// The functions of an instruction set for a direct call, which is counted; throws UnavailableError where the build has
+/// The functions of an instruction set for a direct call, which is counted; throws UnavailableError if the build has
 /// none.
 const IsaFunctions& functions_or_throw(Isa isa);
 
-/// The call for an instruction set, or nullptr where the build has none.
+/// The call for an instruction set, or nullptr if the build has none.
 template <class Call>
 constexpr std::array<CpuFunction, kIsaCount> per_isa() {
   constexpr auto function = []<Isa isa>() -> CpuFunction {
@@ -164,7 +165,7 @@ constexpr std::array<CpuFunction, kIsaCount> per_isa() {
           function.template operator()<Isa::kAvx512>()};
 }
 
-/// Elementary steps of the launches that do as much for each cell of a grid, or for each thing along x.
+/// Elementary steps of launches with equal work for each cell of a grid, or for each item along x.
 inline constexpr auto kCells = [](const auto& params, Extent /*threads*/) {
   return std::uint64_t{params.width} * params.height;
 };
@@ -178,7 +179,7 @@ struct KernelText {
 };
 
 /// The registry's row of kernel K. `call` turns a launch into a call (kCall), `work` counts its elementary steps and
-/// `check` throws where sizes do not fit; none of the three captures anything.
+/// `check` throws if sizes do not fit; none of the three captures anything.
 template <class K, class Call, class Work, class Check>
 KernelInfo kernel_info(const KernelText& text, Call /*call*/, Work /*work*/, Check /*check*/) {
   KernelInfo info;

@@ -2,7 +2,7 @@
 #define GDTSLAM_ISA_LEVEL 2
 #define GDTSLAM_ISA_FUNCTIONS kAvx512Functions
 #if defined(__GNUC__) && !defined(__clang__)
-// gcc 12 takes the undefined pass-through operands of its own intrinsics for uninitialised variables (gcc bug 105593).
+// gcc 12 reports the undefined pass-through operands of its own intrinsics as uninitialised variables (gcc bug 105593).
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #pragma GCC diagnostic ignored "-Wuninitialized"
 #endif

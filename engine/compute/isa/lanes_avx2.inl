@@ -39,7 +39,7 @@ inline std::uint32_t lane_sum(Ints a) {
   return static_cast<std::uint32_t>(_mm_cvtsi128_si32(_mm_add_epi32(two, _mm_shuffle_epi32(two, 0xB1))));
 }
 
-/// Points of the lanes. A lane's point is fixed, but lanes are not in the order of the points: sums do not mind.
+/// Points of the lanes. A lane's point is fixed; lanes are not in the order of the points, on which sums do not depend.
 struct LanePoints {
   Floats x;
   Floats y;
@@ -50,7 +50,7 @@ inline LanePoints split(Floats low, Floats high) {
 inline LanePoints load_points(const PointCells* points) {
   return split(_mm256_loadu_ps(&points->x), _mm256_loadu_ps(&points->x + 8));
 }
-/// The first `count` < 8 points; what lies behind them is not read, and zero.
+/// The first `count` < 8 points; later ones are not read and become zero.
 inline LanePoints load_points(const PointCells* points, std::uint32_t count) {
   const Ints point_of_value = _mm256_setr_epi32(0, 0, 1, 1, 2, 2, 3, 3);
   const Ints limit = all(static_cast<std::int32_t>(count));

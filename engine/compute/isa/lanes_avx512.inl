@@ -40,7 +40,7 @@ inline std::uint32_t lane_sum(Ints a) {
   return static_cast<std::uint32_t>(_mm_cvtsi128_si32(_mm_add_epi32(two, _mm_shuffle_epi32(two, 0xB1))));
 }
 
-/// Points of the lanes. A lane's point is fixed, but lanes are not in the order of the points: sums do not mind.
+/// Points of the lanes. A lane's point is fixed; lanes are not in the order of the points, on which sums do not depend.
 struct LanePoints {
   Floats x;
   Floats y;
@@ -51,7 +51,7 @@ inline LanePoints split(Floats low, Floats high) {
 inline LanePoints load_points(const PointCells* points) {
   return split(_mm512_loadu_ps(&points->x), _mm512_loadu_ps(&points->x + 16));
 }
-/// The first `count` < 16 points; what lies behind them is not read, and zero.
+/// The first `count` < 16 points; later ones are not read and become zero.
 inline LanePoints load_points(const PointCells* points, std::uint32_t count) {
   const std::uint32_t mask = (1U << 2 * count) - 1U;
   return split(_mm512_maskz_loadu_ps(static_cast<__mmask16>(mask & 0xFFFFU), &points->x),

@@ -10,16 +10,16 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kFewestLaid = 15.0;       // that lay a scan on another
-constexpr std::size_t kPairsAtOnce = 512;  // by the workers, before they are added up
+constexpr double kFewestLaid = 15.0;       // points needed to match a scan with another
+constexpr std::size_t kPairsAtOnce = 512;  // pairs matched by the workers before they are added up
 
 // The core has these pairs of each keyframe: the next ones back in time, and the nearest ones of earlier passes.
 constexpr std::size_t kCoreBack = 3;
 constexpr std::size_t kCoreNear = 2;
 
-/// Information that two scans give about each other, without what tilted normals pretend to show. Where a surface ends
-/// behind another, normals are off by some degrees, always to the same side: along a corridor without much else that
-/// pulls scans onto each other, by half a per cent of the way.
+/// Information of a match between two scans, without what tilted normals feign. At a surface that ends behind another,
+/// normals are off by some degrees, always to the same side: along a bare corridor that pulls scans onto each other, by
+/// half a per cent of the way.
 struct Belief {
   Matrix3 information;
   Tangent2 gradient{};
@@ -61,9 +61,9 @@ JointAdjustment::JointAdjustment(const std::vector<KeptScan>& scans, std::vector
                                  const JointOptions& options)
     : scans_(scans), held_(std::move(held)), options_(options) {}
 
-// The equations of all pairs, and of a core of them. Each pass over a place has dozens of keyframes beside each other,
-// so a factor of the whole would grow with the square of the passes; the core has few pairs a keyframe, a small factor,
-// and is so much like the whole that some thirty conjugate gradients solve it.
+// The equations of all pairs, and of a core of them. A place that was passed often has dozens of keyframes beside each
+// other, so a factor of the whole would grow with the square of the passes. The core has few pairs a keyframe and a
+// small factor, and resembles the whole so well that some thirty conjugate gradients solve it.
 class JointAdjustment::Systems {
  public:
   Systems(std::vector<KeyframePair> pairs, const std::vector<PoseRelation>& held, std::size_t keyframes)
@@ -81,12 +81,12 @@ class JointAdjustment::Systems {
   Systems& operator=(const Systems&) = delete;
 
   [[nodiscard]] const std::vector<KeyframePair>& pairs() const { return pairs_; }
-  /// Systems that a pair belongs to.
+  /// Systems that contain a pair.
   [[nodiscard]] std::span<BlockSystem* const> of_pair(std::size_t pair) const {
     return std::span(both_).first(is_of_core_[pair] ? 2 : 1);
   }
   [[nodiscard]] std::span<BlockSystem* const> all() const { return both_; }
-  /// Moves the poses by the solution; as take_step_by_core().
+  /// Moves the poses by the solution, see take_step_by_core().
   double step(std::vector<Pose2>& poses) { return take_step_by_core(whole_, *core_, *factor_, poses); }
 
  private:
@@ -97,7 +97,7 @@ class JointAdjustment::Systems {
     return {keyframes, std::move(pattern)};
   }
 
-  // The pairs of a keyframe come one after the other, those in space the nearest first.
+  // The pairs of a keyframe are consecutive; those in space come nearest first.
   void choose_core() {
     const std::size_t longest = PairRules{}.back.back();
     std::size_t near = 0;
@@ -116,7 +116,7 @@ class JointAdjustment::Systems {
   std::array<BlockSystem*, 2> both_{};
 };
 
-/// Contribution to the equations of one scan laid on another.
+/// Contribution of one scan matched with another to the equations.
 struct JointAdjustment::OneWay {
   bool is_laid = false;
   Matrix3 of_moving;
@@ -136,8 +136,8 @@ struct JointAdjustment::OneWay {
   }
 };
 
-// Motions of the scan that moves are tangents on its right; one of the scan that stands still is, seen from the moving
-// one, the opposite motion carried over.
+// Motions of the moving scan are tangents on its right; a motion of the fixed scan is, seen from the moving one, the
+// opposite motion carried over.
 JointAdjustment::OneWay JointAdjustment::one_way(std::size_t fixed, std::size_t moving, const std::vector<Pose2>& poses,
                                                  const LineGate& gate) const {
   const Pose2 T_fixed_moving = between(poses[fixed], poses[moving]);
@@ -159,7 +159,7 @@ JointAdjustment::OneWay JointAdjustment::one_way(std::size_t fixed, std::size_t 
           .cost_m2 = lines.cost_m2};
 }
 
-// Workers lay scans on each other; one thread adds that up, in the order of the pairs.
+// Workers match the scans; one thread adds up the results, in the order of the pairs.
 LineEquations JointAdjustment::lay_pairs(const LineGate& gate, Systems& systems, const std::vector<Pose2>& poses,
                                          WorkerPool& workers) const {
   const std::vector<KeyframePair>& pairs = systems.pairs();

@@ -1,7 +1,7 @@
-// All keyframes at once, each laid on its neighbours in time and in space, points to lines [Lu1997], with what the
-// front end said over short stretches of the path. Gauss-Newton with gates that narrow. The same bits for any number of
-// threads. Cost: some ten iterations over about fifteen pairs a keyframe, linear in the keyframes but for a small
-// factor; 20 bytes a point.
+// Adjusts all keyframes together: each is matched with its neighbours in time and in space, points to lines [Lu1997],
+// with the front end's relations over short stretches of the path. Gauss-Newton with gates that narrow. The same bits
+// for any number of threads. Cost: some ten iterations over about fifteen pairs a keyframe, nearly linear in the
+// keyframes; 20 bytes a point.
 #pragma once
 
 #include <cstddef>
@@ -19,25 +19,26 @@ namespace gdtslam {
 /// Two keyframes that see the same walls, the earlier one first.
 using KeyframePair = std::pair<std::size_t, std::size_t>;
 
-/// Keyframes that are so many back in time, and the nearest of those before: at most `most_near` within a distance.
+/// Pairs each keyframe with those at these distances back in time, and with the nearest earlier ones: at most
+/// `most_near` within a distance.
 struct PairRules {
   std::vector<std::size_t> back = {1, 2, 3, 5, 8, 12, 18, 26};
   std::size_t most_near = 6;
   double near_m = 4.0;
 };
 
-/// By the poses as they are, in the order of the later keyframe.
+/// Chooses the pairs by the current poses, in the order of the later keyframe.
 std::vector<KeyframePair> find_pairs(const std::vector<Pose2>& poses, const PairRules& rules = {});
 
 struct JointOptions {
-  int iterations = 10;     ///< at most,
-  double still_m = 0.002;  ///< or until, with the last gate, no keyframe moves farther
-  int pairs_every = 4;     ///< iterations after which the pairs are chosen anew
+  int iterations = 10;     ///< at most; ends earlier if,
+  double still_m = 0.002;  ///< with the last gate, no keyframe moves farther than this
+  int pairs_every = 4;     ///< iterations between two choices of the pairs
   double first_gate_m = 0.15;
   double last_gate_m = 0.1;
   double narrowing = 0.8;
   double point_noise_m = 0.02;
-  double independent = 0.2;  ///< share of the points that tell something new
+  double independent = 0.2;  ///< share of independent points
   std::size_t points = 90;   ///< taken from a scan for each pair
 };
 
@@ -50,12 +51,12 @@ struct JointResult {
 
 class JointAdjustment {
  public:
-  /// `scans` must outlive this, one a pose. `held` are relations that are to be kept, with their information.
+  /// `scans` must outlive this, one a pose. `held` are further relations, with their information.
   JointAdjustment(const std::vector<KeptScan>& scans, std::vector<PoseRelation> held, const JointOptions& options);
 
-  /// Called after each iteration with the share of them that is done.
+  /// Called after each iteration with the finished share.
   using Progress = std::function<void(double)>;
-  /// The workers lay the pairs on each other.
+  /// Adjusts `poses`; the workers match the pairs.
   JointResult run(
       std::vector<Pose2>& poses, WorkerPool& workers, const Progress& progress = [](double) {}) const;
 

@@ -9,16 +9,16 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::size_t kMostLookedAt = 12;  // to each side of the direction
+constexpr std::size_t kMostLookedAt = 12;  // candidates to each side of the direction
 constexpr double kMostReach_rad = 0.6;
 constexpr double kLeastRange_m = 0.1;
-// pseudo_bearing() grows by at most 1 a radian, and the sine of what is below kMostReach_rad is more than this share of
-// it.
+// pseudo_bearing() grows by at most 1 a radian, and the sine of an angle below kMostReach_rad is more than this share
+// of it.
 constexpr double kRayShare = 0.9;
 constexpr double kSameFace = 0.8;     // least cosine between normals
 constexpr double kKernelShare = 0.3;  // scale of the kernel, as a share of the gate
 
-/// A surface point in the frame of the scan that stands still.
+/// A surface point in the frame of the fixed scan.
 struct Placed {
   double x = 0.0, y = 0.0, normal_x = 0.0, normal_y = 0.0;
 };
@@ -34,7 +34,7 @@ class Motion {
     return {turn_.cos * px - turn_.sin * py + x_, turn_.sin * px + turn_.cos * py + y_, turn_.cos * nx - turn_.sin * ny,
             turn_.sin * nx + turn_.cos * ny};
   }
-  /// A direction of the fixed frame in the moving one.
+  /// Turns a direction of the fixed frame into the moving one.
   [[nodiscard]] Placed back(double nx, double ny) const {
     return {0.0, 0.0, turn_.cos * nx + turn_.sin * ny, -turn_.sin * nx + turn_.cos * ny};
   }
@@ -46,15 +46,15 @@ class Motion {
 };
 
 // Looks up surface points by direction. A point beyond the field of view is on no line: the line of the last beam has
-// its normal from one side alone, tilted by that beam's own noise, so that beyond it the two pull scans onto each
-// other, by 0.1 per cent of the way along a corridor. Points asked for one after the other lie near each other, so the
-// search goes on where the last one ended.
+// its normal from one side alone, tilted by that beam's own noise. Points beyond it would pull scans onto each other,
+// by 0.1 per cent of the way along a corridor. Successive queries lie near each other, so each search starts where the
+// last one ended.
 class SurfaceLookup {
  public:
   explicit SurfaceLookup(const std::vector<SurfacePoint>& surface) : surface_(surface) {}
 
-  /// The nearest point within the gate among those in about the same direction; null where there is none, and outside
-  /// the field of view.
+  /// The nearest point within the gate in about the same direction; null if there is none, and outside the field of
+  /// view.
   const SurfacePoint* nearest(const Placed& q, double most_m) {
     const double range_squared = q.x * q.x + q.y * q.y;
     const double direction = pseudo_bearing(q.x, q.y);
@@ -63,7 +63,7 @@ class SurfaceLookup {
     if (!is_in_view(direction, at)) return nullptr;
     const SurfacePoint* best = nullptr;
     double least = most_m * most_m;
-    // False where neither this point nor one beyond it can be nearer: all lie beyond a ray at this angle.
+    // Returns false if neither this point nor one beyond it can be nearer: all lie beyond a ray at this angle.
     const auto look = [&](const SurfacePoint& p, double apart) {
       const double ray = kRayShare * apart;
       if (!(apart <= reach) || ray * ray * range_squared >= least) return false;
@@ -94,7 +94,7 @@ class SurfaceLookup {
     return at < count || direction - stored(count - 1) <= 0.5 * (stored(count - 1) - stored(count - 2));
   }
 
-  // The first point whose direction is not less: by steps that double, away from the last place, then by halves.
+  // Finds the first point whose direction is not less: in doubling steps from the last position, then by halves.
   std::size_t go_to(double direction) {
     std::size_t low = 0;
     std::size_t high = surface_.size();

@@ -1,6 +1,6 @@
 // Point-to-line scan matching [Censi2008]: the normal equations that align the surface points of one scan with those of
-// another. Each point is paired with the nearest of the points in about the same direction. Thread-safe. Cost of each
-// point taken: a search of log n and at most two dozen candidates.
+// another. Each point is paired with the nearest point in about the same direction. Thread-safe. Cost of each point
+// taken: a search of log n and at most two dozen candidates.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +25,7 @@ struct LineEquations {
   double cost_m2 = 0.0;
 };
 
-/// Builds the equations of the points of `moving` at T_fixed_moving and the lines of `fixed`.
+/// Builds the equations from the points of `moving` at T_fixed_moving and the lines of `fixed`.
 LineEquations line_equations(const KeptScan& fixed, const KeptScan& moving, const Pose2& T_fixed_moving,
                              const LineGate& gate);
 

@@ -1,5 +1,5 @@
-// Poses by squares of the plane, so that those near one are found without asking all. Not thread-safe while poses are
-// added. Cost: constant for each pose, and for each that is near.
+// Poses in square bins of the plane, for a fast search near a position. Not thread-safe while poses are added. Cost:
+// constant for each pose, and for each that is near.
 #pragma once
 
 #include <cmath>
@@ -20,7 +20,7 @@ inline double squared_distance(const Pose2& a, const Pose2& b) {
 
 class PoseBins {
  public:
-  /// Squares of this size; what is farther than that may be missed.
+  /// Bins of this size; poses farther away than that may be missed.
   explicit PoseBins(double size_m) : size_m_(size_m) {}
   void add(std::size_t index, const Pose2& pose) { bins_[key(bin(pose.x_m), bin(pose.y_m))].push_back(index); }
   template <class Visit>

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kNearEnough_m = 4.0;
 
-constexpr double kTurnStiffness = 4.0;  // beside that of a metre
+constexpr double kTurnStiffness = 4.0;  // relative to that of a metre
 
 }  // namespace
 

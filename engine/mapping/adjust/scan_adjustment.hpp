@@ -1,5 +1,5 @@
-// Every scan once more, laid on the keyframes around it, which stay: what lies between two keyframes is as good as they
-// are. Frame: the keyframes'. Thread-safe. Cost: eight pairs of scans and three iterations each.
+// Adjusts every scan to the keyframes around it, which stay: a scan between two keyframes becomes as good as they are.
+// Frame: the keyframes'. Thread-safe. Cost: eight pairs of scans and three iterations each.
 #pragma once
 
 #include <cstddef>
@@ -14,32 +14,32 @@
 
 namespace gdtslam {
 
-// Poses that follow others which were adjusted. Thread-safe.
+// Moves poses along with others that were adjusted. Thread-safe.
 
-/// Moves each of `poses` as the nearest of `before` moved to `after`, which have one entry each; farther than 4 m from
-/// all of them it stays. Linear in the poses and in those around each.
+/// Moves each of `poses` as the nearest of `before` moved to `after`, which have equal lengths; a pose farther than 4 m
+/// from all of them stays. Linear in the poses and in those around each.
 void carry_with_nearest(std::span<const Pose2> before, std::span<const Pose2> after, std::span<Pose2> poses);
 
 struct ScanAdjustmentOptions {
   int iterations = 3;
   std::size_t most_keyframes = 8;
   double near_m = 3.0;
-  double neighbour_bonus_m = 0.3;  ///< keyframes next in time count as so much nearer
+  double neighbour_bonus_m = 0.3;  ///< keyframes next in time count as this much nearer
   std::size_t next_in_time = 8;    ///< keyframes, to each side
-  double alike_rad = 0.785;        ///< or of a scan that hangs on none, what two headings differ by at most
+  double alike_rad = 0.785;        ///< or for a scan without keyframe, the largest difference in heading
   double point_gate_m = 0.15;
   std::size_t points = 120;
-  double stiffness = 0.3;  ///< toward the pose given, relative to what the points tell in the mean
+  double stiffness = 0.3;  ///< toward the pose given, relative to the mean information of the points
 };
 
 class ScanAdjustment {
  public:
-  /// Both must outlive this, one a keyframe.
+  /// Keyframes and poses, one each, must outlive this.
   ScanAdjustment(std::span<const KeptScan> keyframes, std::span<const Pose2> poses,
                  const ScanAdjustmentOptions& options);
 
-  /// The pose of a scan that was taken after keyframe `last` and before the next; the keyframe itself does not count
-  /// where the scan is one. Where there is no such keyframe those that look the same way count as next to it.
+  /// The adjusted pose of a scan taken after keyframe `last` and before the next. If the scan is itself a keyframe,
+  /// that keyframe does not count. Without `last`, keyframes with a similar heading count as next to it.
   [[nodiscard]] Pose2 adjusted(const KeptScan& scan, const Pose2& pose, std::optional<std::size_t> last,
                                bool is_keyframe) const;
 

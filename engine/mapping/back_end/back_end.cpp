@@ -12,39 +12,39 @@
 namespace gdtslam {
 namespace {
 
-// A match of one scan against the local map: its points' noise, those among them that tell something new, and how well
-// a keyframe is known at best, because neighbours are matched against the same cells. The noise of a match does not add
-// up from step to step, since each keyframe is matched with all before it that the local map still shows: of a scan
-// that lies on the mean of n others, a share of 2 / (n + 1) stays in the path, 0.15 for a dozen. Errors beyond that
-// show beside the wheels, and stay as far as keyframes are apart.
+// Noise of a match against the local map: the noise of a scan's points, the number of independent ones, and the least
+// error, because neighbours are matched against the same cells. The noise does not add up from step to step, since each
+// keyframe is matched with all earlier ones in the local map: of a scan that lies on the mean of n others, a share of 2
+// / (n + 1) stays in the path, 0.15 for a dozen. Larger errors show beside the wheels, and stay if keyframes are far
+// apart.
 constexpr double kStepPointNoise_m = 0.02;
 constexpr double kStepIndependent = 20.0 / (0.15 * 0.15);
 constexpr double kEnoughPoints = 60.0;
 constexpr double kStepLeastShape = 1.0e-9;
-constexpr double kOverlap_m = 1.0;        // length of path; scans are laid on its keyframes as on one another
+constexpr double kOverlap_m = 1.0;        // path length within which scans overlap with each other
 constexpr double kFrontStretch_m = 15.0;  // path length of a local map of the front end
 constexpr double kStepFloor_m = 0.0015;
 constexpr double kStepFloor_rad = 0.0003;
 constexpr double kStepLeastShare = 0.01;
-// How far the wheels are off at best.
+// Least error of the wheels.
 constexpr double kLeastWheels_m = 0.002;
 constexpr double kLeastWheels_rad = 0.0005;
-constexpr double kUnmeasured_m = 5.0;  // a step that is less sure is one that no odometry measured, or no match
+constexpr double kUnmeasured_m = 5.0;  // a larger sigma marks a step that no odometry measured, or no match
 constexpr double kUnmeasured_rad = 1.0;
-constexpr double kLeastForDoubt = 0.3;  // share of the wheels' variance: between the stated one and that found by loops
-// In a turn in which the two come apart, wheels are believed a little more: their own heading counts then, and its
-// error moves what lies behind it as that of the matches does.
+constexpr double kLeastForDoubt = 0.3;  // least factor of the wheels' variance in covariances
+// In a turn in which the two disagree, the wheels get slightly more weight: their own heading counts then, and its
+// error moves the later path as that of the matches does.
 constexpr double kTurnOfWheels = 0.9;
-constexpr std::size_t kMostUnkept = 128;   // scans whose points wait for what is kept of them
-constexpr std::size_t kScansAtOnce = 256;  // adjusted by the workers, before progress is told
-constexpr int kTimesCarried = 3;           // scans are laid that hang on no kept keyframe: their poses are the graph's
-constexpr std::size_t kMostCovariances = 400;  // places for which they are computed, the rest lies in between
+constexpr std::size_t kMostUnkept = 128;   // scans that wait to be put on the shelf
+constexpr std::size_t kScansAtOnce = 256;  // scans adjusted by the workers between two reports of progress
+constexpr int kTimesCarried = 3;           // repetitions for scans without a kept keyframe: their poses are the graph's
+constexpr std::size_t kMostCovariances = 400;  // places with computed covariances; the rest are interpolated
 
 Matrix3 least_of_wheels() {
   return Matrix3::diagonal(square(kLeastWheels_m), square(kLeastWheels_m), square(kLeastWheels_rad));
 }
 
-// The adjustment moves the first pose too, by as little as any.
+// The adjustment moves the first pose slightly too.
 void to_frame_of_first(std::vector<Pose2>& poses) {
   if (poses.empty()) return;
   const Pose2 T_first_map = inverse(poses.front());
@@ -82,16 +82,16 @@ void BackEnd::put_on_shelf(std::function<void()> put) {
   keeping_->give(std::move(put));
 }
 
-// Its points are not needed before the end.
+// The scan's points are not needed before the end.
 void BackEnd::add_scan(std::span<const Point2> points_base_m, const MatchResult& result) {
   scans_.put({between(T_map_keyframe_, result.T_map_base), keyframes_taken_ - 1});
   put_on_shelf(
       [this, points = std::vector(points_base_m.begin(), points_base_m.end())] { shelf_.put(keep_scan(points)); });
 }
 
-// One scan on. Where the match is farther from what was predicted than both can be, either may be wrong by all of it,
-// as where a robot without odometry drove off unseen along a corridor, until something told where it was; but of a turn
-// that the scan does not fit without, only the wheels.
+// Adds one scan. If match and prediction differ by more than their errors allow, either may be wrong by the whole
+// difference, for example if a robot without odometry drove unseen along a corridor until something showed its
+// position. For a turn that the scan does not fit without, only the wheels can be wrong.
 void BackEnd::follow(const MatchResult& result) {
   const Pose2& step = result.T_odometry_step;
   const Matrix3 carried = adjoint_matrix(inverse(step));
@@ -155,7 +155,8 @@ void BackEnd::add_keyframe(const MatchResult& result, KeptScan points) {
   loops_.take(std::move(keyframe));
 }
 
-// Along what no known surface shows, the pose in the local map is as sure as the wheels since one did.
+// Along directions that no known surface shows, the pose in the local map is as uncertain as the wheels since the last
+// such surface.
 Matrix3 BackEnd::update_unseen(const MatchResult& result, const KeptScan& known) {
   const Matrix3 carried = adjoint_matrix(between(result.T_map_base, T_map_keyframe_));
   covariance_ = carried * times_transposed(covariance_, carried) + wheels_covariance_ + least_of_wheels() + leaps_;
@@ -167,9 +168,9 @@ Matrix3 BackEnd::update_unseen(const MatchResult& result, const KeptScan& known)
   return unseen * times_transposed(covariance_, unseen);
 }
 
-// The pose of the front end is that of points and wheels; what the wheels alone tell. A scan that lies far from its map
-// may have been matched with something else: who wants to know how sure the path is takes that for its points' noise.
-// One that was laid where the robot was taken to be, since nothing matched for long, tells no more than the wheels.
+// The front end's pose comes from points and wheels; the second step is that of the wheels alone. A scan far from its
+// map may have been matched with something else, so the cautious information takes that distance as point noise. A scan
+// that no match confirmed adds nothing to the wheels.
 MeasuredSteps BackEnd::steps_to(const MatchResult& result, const KeptScan& known) const {
   const std::size_t points = known.surface.size();
   const double share = std::max(kStepLeastShare, std::min(1.0, static_cast<double>(points) / kEnoughPoints));
@@ -194,7 +195,7 @@ MeasuredSteps BackEnd::steps_to(const MatchResult& result, const KeptScan& known
           MeasuredStep{T_wheels_, inverse(by_wheels), inverse(by_wheels), {}}};
 }
 
-// Once: a stopped finish() is followed by as_driven().
+// Does the work once: as_driven() may follow a stopped finish().
 void BackEnd::take_kept() {
   if (!kept_.empty()) return;
   const std::vector<bool>& is_pruned = loops_.is_pruned();
@@ -204,7 +205,7 @@ void BackEnd::take_kept() {
   kept_scans_ = loops_.take_scans();
   Shelf<Scan>::Reader scans(scans_);
   for (std::size_t i = 0; i < scans_.size(); ++i) {
-    if (scans.next().keyframe == keyframes_.size()) keyframes_.push_back(i);  // the first that hangs on it
+    if (scans.next().keyframe == keyframes_.size()) keyframes_.push_back(i);  // the first scan of this keyframe
   }
 }
 
@@ -226,7 +227,7 @@ void BackEnd::finish_keeping() {
     options_.live.warn("the points of all scans stayed in memory: " + trouble);
 }
 
-// Keyframes of a place that was passed often, which are not kept, move with the nearest one that is.
+// Keyframes that are not kept, at a place that was passed often, move with the nearest kept one.
 JointResult BackEnd::adjust_keyframes(const LoopCloser& closer, std::vector<Pose2>& keyframes, WorkerPool& workers,
                                       const Progress& progress) const {
   std::vector<PoseRelation> held = held_path(closer.measured(), kept_);
@@ -270,9 +271,9 @@ void BackEnd::adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose
   }
 }
 
-// The graph as covariances are taken from it, and which keyframes its nodes are: the places, or all keyframes of a
-// drive that has one place alone, whose graph would tell nothing. Loops say how good a chain is where they tie it;
-// where none does it may be as bad as it was stated.
+// The graph for the covariances and the keyframes of its nodes: the places, or all keyframes of a drive with a single
+// place, whose graph would hold no information. Loops correct the stated weight of a chain only if they tie it; without
+// loops the chain may be as bad as stated.
 BackEnd::CautiousGraph BackEnd::cautious_graph(const LoopCloser& closer) const {
   PoseGraph graph = closer.graph();
   if (closer.places().size() != 1) {
@@ -288,7 +289,7 @@ BackEnd::CautiousGraph BackEnd::cautious_graph(const LoopCloser& closer) const {
   return {std::move(graph), steps.places()};
 }
 
-// In between linearly by the keyframes.
+// Interpolates linearly over the keyframes in between.
 std::vector<Matrix3> BackEnd::covariances_of_scans(const LoopCloser& closer) const {
   const auto [graph, places] = cautious_graph(closer);
   if (places.empty()) return {};

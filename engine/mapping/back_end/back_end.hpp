@@ -1,7 +1,7 @@
-// From the path of the front end to the best path there is: loops closed, all keyframes adjusted together, then every
-// scan. Frame: the robot's pose at the first scan. Not thread-safe; the result is the same for any number of threads.
-// Cost: docs/loops.md; in memory 20 bytes a point of a keyframe, of a place that was passed often only of some
-// (PlacePruning); the points of all scans, where each hangs, and what was measured from keyframe to keyframe wait on
+// Turns the path of the front end into the final path: loops are closed, all keyframes are adjusted together, then
+// every scan. Frame: the robot's pose at the first scan. Not thread-safe; the result is the same for any number of
+// threads. Cost: docs/loops.md; in memory 20 bytes a point of a keyframe, at a place that was passed often only for
+// some (PlacePruning). The points of all scans, the keyframe of each, and the measurements between keyframes wait on
 // shelves.
 #pragma once
 
@@ -32,8 +32,8 @@ struct BackEndOptions {
   LiveOptions live{};
   JointOptions joint;
   ScanAdjustmentOptions scans;
-  unsigned threads = 1;  ///< used by the adjustments, the caller's included; 0: one a processor. With more than one,
-                         ///< scans are taken by a thread besides
+  unsigned threads = 1;  ///< threads of the adjustments, the caller's included; 0: one a processor. With more than one,
+                         ///< a further thread keeps the scans
   std::string scratch_folder{};                       ///< folder for the shelves' files
   std::size_t shelf_bytes = ByteShelf::kMemoryBytes;  ///< memory of the shelf that holds the points
 };
@@ -43,10 +43,10 @@ struct BackEndResult {
   bool is_closed = false;              ///< else the path as it was driven
   std::vector<Pose2> poses;            ///< one a scan taken
   std::vector<Matrix3> covariances;    ///< covariances of (x, y, theta) along the map's axes, one a scan taken
-  std::vector<std::size_t> keyframes;  ///< which of the scans are
+  std::vector<std::size_t> keyframes;  ///< numbers of the scans that are keyframes
   PoseGraph graph;                     ///< pose graph of the places
-  std::vector<std::size_t> places;     ///< which keyframes they are
-  std::array<VarianceFactor, kStepSources> factors;  ///< how far matches and wheels were believed
+  std::vector<std::size_t> places;     ///< keyframe of each place
+  std::array<VarianceFactor, kStepSources> factors;  ///< factors of the variances of matches and wheels
   WheelBias wheels;
   LoopCounts counts;
   JointResult joint;
@@ -59,24 +59,24 @@ class BackEnd {
 
   explicit BackEnd(const BackEndOptions& options);
 
-  /// The next scan and where the front end put it. Rethrows what looking for loops threw.
+  /// Takes the next scan and the front end's pose of it. Rethrows exceptions of the search for loops.
   void take(std::span<const Point2> points_base_m, const MatchResult& result);
 
-  /// To be called once, after the last scan.
+  /// Call it once, after the last scan.
   BackEndResult finish(const Progress& progress);
-  /// The path of the front end; ends the look for loops.
+  /// The path of the front end; ends the search for loops.
   [[nodiscard]] BackEndResult as_driven();
-  /// The loops that are found meanwhile.
+  /// The loops found so far.
   [[nodiscard]] LiveLoops& loops() { return loops_; }
   [[nodiscard]] const LiveLoops& loops() const { return loops_; }
-  /// After the end: the keyframes that were adjusted together, by their number, ascending; those of a place that was
-  /// passed often are not all among them (PlacePruning).
+  /// After the end: the keyframes that were adjusted together, by their number, ascending; at a place that was passed
+  /// often not all keyframes are among them (PlacePruning).
   [[nodiscard]] const std::vector<std::size_t>& kept() const { return kept_; }
-  /// After the end: gives all keyframes in their order. Throws FileError where the shelf cannot be read.
+  /// After the end: visits all keyframes in order. Throws FileError if the shelf cannot be read.
   void visit_keyframes(const std::function<void(std::size_t keyframe, const KeptScan& scan)>& visit) const;
 
  private:
-  /// A scan and the keyframe that it hangs on.
+  /// A scan's pose in the frame of its keyframe.
   struct Scan {
     Pose2 T_keyframe_base;
     std::size_t keyframe = 0;
@@ -107,8 +107,8 @@ class BackEnd {
   const FrontEndPath& path_ = loops_.path();  // path of the keyframes; read after the end
   Shelf<Scan> scans_;
   std::size_t keyframes_taken_ = 0;
-  Pose2 T_map_keyframe_;      // the last one
-  double travelled_m_ = 0.0;  // until it
+  Pose2 T_map_keyframe_;      // last keyframe
+  double travelled_m_ = 0.0;  // path length up to it
   double stretch_m_ = 0.0;    // since the local map began
   KnownSurfaces known_;
   MatchChain chain_;
@@ -116,16 +116,16 @@ class BackEnd {
   // Since the last keyframe, in the frame of the last scan:
   Pose2 T_wheels_;  // by the wheels alone
   Matrix3 wheels_covariance_;
-  Matrix3 leaps_;        // covariance of what wheels and matches cannot agree on, for the wheels
+  Matrix3 leaps_;        // covariance of disagreements between wheels and matches, for the wheels
   Matrix3 match_leaps_;  // and for the matches
   TurnLeap turn_leap_;
   WheelTravel travel_;
   Shelf<KeptScan> shelf_;              // points of all scans
-  std::optional<SideThread> keeping_;  // that fills it
+  std::optional<SideThread> keeping_;  // thread that fills the shelf
   // After the end:
-  std::vector<std::size_t> keyframes_;  // which scans they are
+  std::vector<std::size_t> keyframes_;  // numbers of the scans that are keyframes
   std::vector<std::size_t> kept_;       // keyframes
-  std::vector<KeptScan> kept_scans_;    // theirs, until all is adjusted
+  std::vector<KeptScan> kept_scans_;    // scans of the kept keyframes, until all is adjusted
 };
 
 }  // namespace gdtslam

@@ -6,12 +6,12 @@
 namespace gdtslam {
 namespace {
 
-// In the joint adjustment the points themselves speak: the path is held by little, and by what the front end says over
-// stretches of its local map.
+// In the joint adjustment the points themselves give most information: the path constrains weakly, through the front
+// end's relations over stretches of its local map.
 constexpr double kChainShare = 0.05;
 constexpr double kWheelShare = 0.3;
 constexpr std::size_t kSpans[] = {4, 12, 30};  // keyframes
-constexpr std::size_t kSpansOver = 4;          // each of them over every step of the path, which is to count once
+constexpr std::size_t kSpansOver = 4;          // spans of each length over a step, which is to count once
 constexpr double kSpanNoise_m = 0.01;
 constexpr double kSpanNoise_rad = 0.003;
 
@@ -36,7 +36,7 @@ std::vector<PoseRelation> held_path(const MeasuredPath& measured, std::span<cons
   const Matrix3 floor = Matrix3::diagonal(square(kSpanNoise_m), square(kSpanNoise_m), square(kSpanNoise_rad));
   for (const std::size_t span : kSpans) {
     for (std::size_t i = 0; i + span < kept.size(); i += span / kSpansOver) {
-      if (kept[i + span] - kept[i] != span) continue;  // some in between are not kept
+      if (kept[i + span] - kept[i] != span) continue;  // some keyframes in between are not kept
       PoseRelation stretch = measured.stretch(kept[i], kept[i + span], StepSource::kFrontEnd);
       stretch.information = inverse(inverse(stretch.information) + floor);
       path.push_back(held(i, i + span, stretch, 1.0 / static_cast<double>(kSpansOver * std::size(kSpans))));

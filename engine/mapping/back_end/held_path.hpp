@@ -1,5 +1,5 @@
-// Relations that hold keyframes to each other while their scans are adjusted together: the path as it was measured, and
-// the loops that closed it. Frame: none, relations alone. Thread-safe; linear in the keyframes.
+// Relations that constrain keyframes while their scans are adjusted together: the measured path, and the loops that
+// closed it. Frame: none, relations only. Thread-safe; linear in the keyframes.
 #pragma once
 
 #include <cstddef>
@@ -11,16 +11,16 @@
 
 namespace gdtslam {
 
-/// The place of a keyframe among `kept`, ascending, if it is there.
+/// Index of a keyframe in `kept`, which is ascending; empty if it is not there.
 std::optional<std::size_t> number_in(std::span<const std::size_t> kept, std::size_t keyframe);
 
-/// From one kept keyframe to the next, by wheels and by the front end as far as they are believed, and what the front
-/// end says of stretches of its local map in which all keyframes are kept. `kept` are keyframes, ascending; relations
-/// have their places in it.
+/// Relations between successive kept keyframes, by the wheels and by the front end with their weights, and the front
+/// end's relations over stretches of its local map in which all keyframes are kept. `kept` are keyframes, ascending;
+/// relations refer to indices in it.
 std::vector<PoseRelation> held_path(const MeasuredPath& measured, std::span<const std::size_t> kept);
 
-/// The loops that are on, with their weights, between kept keyframes: two passes may be too far apart for their points
-/// to hold them together. `places` are the keyframes of the graph's nodes.
+/// The active loops, with their weights, between kept keyframes: two passes may be too far apart for their points to
+/// constrain each other. `places` are the keyframes of the graph's nodes.
 std::vector<PoseRelation> held_loops(const PoseGraph& graph, std::span<const std::size_t> places,
                                      std::span<const std::size_t> kept);
 

@@ -6,9 +6,9 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kAcrossAxis = 0.25;  // least squared cosine between a normal and the axis that its surface holds
+constexpr double kAcrossAxis = 0.25;  // least squared cosine between a normal and the axis that its surface constrains
 
-// The covariance of a translation in a frame that is turned by so much.
+// The covariance of a translation in a frame turned by this angle.
 Matrix3 turned(const Matrix3& covariance, double by_rad) {
   const Matrix3 turn = adjoint_matrix(Pose2{0.0, 0.0, -by_rad});
   return turn * times_transposed(covariance, turn);
@@ -34,7 +34,7 @@ Matrix3 MatchChain::take(const Pose2& T_map_base, const KeptScan& known, const K
   return covariance;
 }
 
-// Along each axis as sure as the keyframes, in the mean, that saw first what stands across it.
+// Along each axis: the mean covariance of the keyframes that first saw the surfaces across it.
 Matrix3 MatchChain::of_first_seen(const Pose2& T_map_base, const KeptScan& known, const KnownSurfaces& surfaces) const {
   const Matrix3 shape = surface_shape(known);
   const double angle = 0.5 * atan2(2.0 * shape(0, 1), shape(0, 0) - shape(1, 1));

@@ -1,7 +1,7 @@
-// How sure matches alone are of where a keyframe lies beside the last place, along what surfaces do not hold well: as
-// sure as its own match with the surfaces that it sees, and as the keyframes that were the first to see these. Where
-// none stands across the way nothing is known, however sure wheels are of it, which are counted for themselves. Frame:
-// that of each keyframe. Not thread-safe. Cost: linear in a scan's points.
+// Uncertainty of a keyframe relative to the last place by matches alone, along directions that surfaces constrain
+// badly: that of its own match with the surfaces it sees, and of the keyframes that first saw these. If no surface
+// stands across the way nothing is known, however sure the wheels are, because wheels count separately. Frame: that of
+// each keyframe. Not thread-safe. Cost: linear in a scan's points.
 #pragma once
 
 #include <cstddef>
@@ -15,9 +15,9 @@ namespace gdtslam {
 
 class MatchChain {
  public:
-  /// The next keyframe, where it lies in the local map and what of it lies on surfaces that this knows, none where
-  /// nothing matched. Returns the covariance (tangent at it) beside the last place, or for a place beside the one
-  /// before.
+  /// Takes the next keyframe: its pose in the local map, and the part of its scan that lies on `surfaces` (empty if
+  /// nothing matched). Returns its covariance (tangent at it) relative to the last place, or for a place relative to
+  /// the one before.
   Matrix3 take(const Pose2& T_map_base, const KeptScan& known, const KnownSurfaces& surfaces, bool is_place);
 
  private:
@@ -29,10 +29,10 @@ class MatchChain {
                                       const KnownSurfaces& surfaces) const;
 
   std::size_t next_ = 0;   // keyframe
-  std::size_t place_ = 0;  // the last one, its keyframe
+  std::size_t place_ = 0;  // keyframe of the last place
   Matrix3 own_of_place_;   // covariance of its match with earlier keyframes
   double heading_of_place_rad_ = 0.0;
-  std::vector<Since> links_;  // links between the keyframes since
+  std::vector<Since> links_;  // links between the keyframes since then
 };
 
 }  // namespace gdtslam

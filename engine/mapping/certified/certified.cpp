@@ -14,7 +14,7 @@
 namespace gdtslam {
 namespace {
 
-// Whether the two outermost rows and columns hold the cap, which is what lets points off the map read it.
+// True if the two outermost rows and columns hold the cap, so that points off the map read it.
 bool edge_holds_cap(const FieldView& field) {
   const auto at = [&](std::size_t x, std::size_t y) { return field.cells[y * field.stride + x]; };
   for (const std::size_t off : {std::size_t{0}, std::size_t{1}}) {

@@ -12,7 +12,7 @@ namespace gdtslam {
 namespace {
 
 // Half widths of the squares, in cells, for boxes of 2, 4, 8, 16 and 32 cells. A square must hold half a box, half a
-// sample and what the box's angle moves a point by, so the four of a level serve points at growing ranges.
+// sample and the motion of a point by the box's angle, so the four of a level serve points at growing ranges.
 struct LevelPlan {
   std::int32_t spacing_bits;
   std::array<std::int32_t, BoundLevel::kDilations> dilation_cells;
@@ -28,7 +28,7 @@ struct Bytes {
   std::vector<std::uint8_t> cells;
 };
 
-// The field in bytes, rounded down, with room around it for the largest square.
+// The field in bytes, rounded down, with a margin for the largest square.
 Bytes to_bytes(const FieldView& field, std::uint32_t unit, std::int32_t room) {
   const auto width = static_cast<std::int32_t>(field.width);
   const auto height = static_cast<std::int32_t>(field.height);
@@ -54,8 +54,8 @@ Bytes to_bytes(const FieldView& field, std::uint32_t unit, std::int32_t room) {
   return bytes;
 }
 
-// The lesser of each value and the one `shift` behind it, front to back. What is read ahead is set aside first, so that
-// the compiler need not fear that it is written to.
+// Keeps the lesser of each value and the one `shift` after it, front to back. Values read ahead are copied first, so
+// that the compiler can exclude overlapping writes.
 void keep_lesser(std::uint8_t* values, std::size_t shift, std::size_t count) {
   constexpr std::size_t kPiece = 256;
   std::uint8_t ahead[kPiece];
@@ -67,7 +67,7 @@ void keep_lesser(std::uint8_t* values, std::size_t shift, std::size_t count) {
   for (; i < count; ++i) values[i] = std::min(values[i], values[i + shift]);
 }
 
-// The least of `window` values from each on, in place, by doubling; returns how many are left.
+// The least of each `window` successive values, in place, by doubling; returns the number of remaining values.
 std::size_t slide(std::uint8_t* values, std::size_t count, std::size_t window, std::size_t step) {
   std::size_t covered = 1;
   while (covered < window) {
@@ -79,7 +79,7 @@ std::size_t slide(std::uint8_t* values, std::size_t count, std::size_t window, s
   return count;
 }
 
-// Squares that are `more` cells larger on every side; beyond the edge lies what the edge holds: the cap. `tall` is
+// Enlarges squares by `more` cells on every side; outside the edge counts as the edge's value, the cap. `tall` is
 // scratch.
 void dilate(Bytes& bytes, std::int32_t more, std::vector<std::uint8_t>& tall) {
   if (more <= 0) return;
@@ -103,7 +103,7 @@ void dilate(Bytes& bytes, std::int32_t more, std::vector<std::uint8_t>& tall) {
 
 std::int32_t plan_phase_bits(const LevelPlan& plan) { return std::min(plan.spacing_bits, kMostSampleBits); }
 
-// Samples along a side of a plane for so many cells.
+// Samples along a side of a plane for this many cells.
 std::uint64_t plane_side(std::uint64_t cells, const LevelPlan& plan) {
   return (cells >> static_cast<unsigned>(plan.spacing_bits)) + 2 * std::uint64_t{BoundLevel::kMargin};
 }
@@ -113,7 +113,7 @@ std::uint64_t count_samples(std::uint64_t width, std::uint64_t height, const Lev
   return (plane_side(width, plan) * plane_side(height, plan)) << static_cast<unsigned>(2 * plan_phase_bits(plan));
 }
 
-// Cells along a side of the field in bytes, whose margin is rounded, for so many cells of the field: at most.
+// Upper limit of the side of the field in bytes, whose margin is rounded, for a field of this many cells.
 std::uint64_t most_side(std::uint64_t cells, std::span<const LevelPlan> plans) {
   return cells + 2 * static_cast<std::uint64_t>(plans.back().dilation_cells.back() + kBoundAlignment);
 }
@@ -145,7 +145,7 @@ void take_row(const std::uint8_t* from, std::size_t count, std::uint8_t* to) {
   for (std::size_t x = 0; x < count; ++x) to[x] = from[x * kSpacing];
 }
 
-// Spacings are known so that the compiler finds vectors.
+// Constant spacings let the compiler vectorise.
 void take_row(const std::uint8_t* from, std::int32_t spacing_bits, std::size_t count, std::uint8_t* to) {
   switch (spacing_bits) {
     case 1:
@@ -239,7 +239,7 @@ std::size_t BoundFields::bytes() const {
   return sum;
 }
 
-// The field in bytes is there thrice: as it is, widened, and once more while it is widened.
+// The field in bytes exists three times: as it is, widened, and once more during widening.
 std::uint64_t BoundFields::most_bytes(std::uint64_t width, std::uint64_t height, CertifiedMap::Windows windows) {
   const std::span<const LevelPlan> plans = plans_for(windows);
   const std::uint64_t wide = most_side(width, plans);
@@ -250,7 +250,7 @@ std::uint64_t BoundFields::most_bytes(std::uint64_t width, std::uint64_t height,
   return sum + minorant_words(width, height) * MinorantLevels::kReaches.size() * sizeof(std::uint32_t);
 }
 
-// The kernels add a place within a field to where that begins, so all fields of a level are counted together.
+// The kernels add an index within a field to the field's first index, so all fields of a level are counted together.
 void BoundFields::require_countable(std::uint64_t width, std::uint64_t height, CertifiedMap::Windows windows) {
   constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
   const std::span<const LevelPlan> plans = plans_for(windows);

@@ -1,6 +1,6 @@
-// A distance field prepared for lower bounds over boxes of poses: for each spacing of boxes the least value in squares
-// of several sizes around samples of the map, in bytes, laid out as the kernel PoseBounds reads it. Frame: map cells,
-// cell (0, 0) at the map's origin. Thread-safe once made. Cost: a few passes over the map for each square.
+// A distance field prepared for lower bounds over boxes of poses. For each spacing of boxes it has the least value in
+// squares of several sizes around samples of the map, in bytes, in the layout of the kernel PoseBounds. Frame: map
+// cells, cell (0, 0) at the map's origin. Thread-safe once made. Cost: a few passes over the map for each square.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ struct BoundLevel {
   static constexpr std::size_t kDilations = 4;
   std::int32_t spacing_bits = 0;  ///< boxes are 2^spacing_bits cells wide
   std::int32_t phase_bits = 0;    ///< and have 2^phase_bits samples along a side
-  CellIndex origin;               ///< map cell of the first sample behind the margin
+  CellIndex origin;               ///< map cell of the first sample after the margin
   std::uint32_t width = 0;        ///< columns of a plane, with kMargin columns on either side
   std::uint32_t height = 0;
   std::array<std::int32_t, kDilations> dilation_cells{};  ///< half widths of the squares
@@ -26,13 +26,13 @@ struct BoundLevel {
   std::vector<std::uint8_t> samples;
 
   [[nodiscard]] std::int32_t sample_bits() const { return spacing_bits - phase_bits; }
-  /// Samples beyond the map's reach on every side, so that tiles may begin there.
+  /// Samples beyond the map on every side, so that tiles may begin there.
   static constexpr std::int32_t kMargin = 16;
 };
 
 /// Anchors of searches and origins of levels are multiples of this, in cells.
 constexpr std::int32_t kBoundAlignment = 64;
-/// The largest multiple of kBoundAlignment that is not larger.
+/// The largest multiple of kBoundAlignment that does not exceed `cell`.
 std::int32_t aligned_down(std::int32_t cell);
 
 /// Affine minorants of the field around each cell, for squares of several half widths.
@@ -47,21 +47,21 @@ struct MinorantLevels {
 
 class BoundFields {
  public:
-  /// The widest boxes are 32 cells wide, 8 for small windows, 2 for near ones; these two have no minorants. Throws as
+  /// The widest boxes are 32 cells wide, 8 for small windows, 2 for near ones; these two have no minorants. Throws like
   /// require_countable() before it takes memory.
   BoundFields(const FieldView& field, Isa isa, CertifiedMap::Windows windows);
 
-  /// From wide boxes to narrow ones, each half as wide as the one before; the narrowest are two cells wide.
+  /// Levels from wide boxes to narrow ones, each half as wide as the one before; the narrowest are two cells wide.
   [[nodiscard]] std::span<const BoundLevel> levels() const { return levels_; }
-  /// A sample times this is a lower bound in 1/256 cell.
+  /// Factor that turns a sample into a lower bound in 1/256 cell.
   [[nodiscard]] std::uint32_t unit() const { return unit_; }
   [[nodiscard]] const MinorantLevels& minorants() const { return minorants_; }
   [[nodiscard]] bool has_minorants() const { return !minorants_.words.empty(); }
   [[nodiscard]] std::size_t bytes() const;
-  /// At most so many at once while they are made for a field of that size.
+  /// Most bytes in use at once while they are made for a field of that size.
   static std::uint64_t most_bytes(std::uint64_t width, std::uint64_t height, CertifiedMap::Windows windows);
-  /// Throws InputError for a field of that size where its samples or minorants are more than 32 bits count, as the
-  /// kernels do: from some 32,400 x 32,400 cells on.
+  /// Throws InputError if 32 bits cannot count the samples or minorants of a field of that size, as the kernels need:
+  /// from some 32,400 x 32,400 cells on.
   static void require_countable(std::uint64_t width, std::uint64_t height, CertifiedMap::Windows windows);
 
  private:

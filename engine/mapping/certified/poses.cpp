@@ -1,5 +1,5 @@
-// The poses of a search: what they cost, where descents from them end, and the loop that opens boxes until the proof is
-// there.
+// The poses of a search: their costs, the ends of descents from them, and the loop that opens boxes until the proof is
+// complete.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,11 +13,11 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::size_t kBatch = 16;            // boxes that are taken at once
-constexpr std::size_t kMostOpen = 1U << 23U;  // which take 32 bytes each
+constexpr std::size_t kBatch = 16;            // boxes taken at once
+constexpr std::size_t kMostOpen = 1U << 23U;  // each takes 32 bytes
 constexpr float kTriedHalfWidth = 2.1F;       // centres of boxes up to this half width are tried as poses
-constexpr float kPolishedHalfWidth = 0.9F;    // and of those from this one up descents start
-constexpr std::uint32_t kWorthPolishing = 4;  // unless they cost more than the best and a quarter of it
+constexpr float kPolishedHalfWidth = 0.9F;    // centres of boxes of at least this half width start descents,
+constexpr std::uint32_t kWorthPolishing = 4;  // unless they cost more than the best by more than a quarter of it
 
 bool comes_later(const OpenBox& a, const OpenBox& b) {
   return a.bound != b.bound ? a.bound > b.bound : a.order < b.order;
@@ -33,7 +33,7 @@ CellPose CertifiedSearch::to_cells(const Pose2& pose) const {
           static_cast<float>(middle + wrap_angle(pose.theta_rad - middle))};
 }
 
-// The nearest value of the pose's in a narrow window, up to float32.
+// The nearest value within a narrow window, up to float32.
 CellPose CertifiedSearch::in_narrow_window(CellPose pose) const {
   const double resolution_m = map_.field().resolution_m;
   const CellPose middle = to_cells(window_.centre);
@@ -46,7 +46,7 @@ CellPose CertifiedSearch::in_narrow_window(CellPose pose) const {
   return pose;
 }
 
-// A narrow window may need more digits than float32 has; the rest is added here.
+// A narrow window may need more digits than float32 has; they are added here.
 Pose2 CertifiedSearch::to_metres(const CellPose& pose) const {
   const Pose2& centre = window_.centre;
   const auto within = [](double off, double middle, double half) {
@@ -68,7 +68,7 @@ bool CertifiedSearch::is_allowed(const CellPose& pose) const {
   return window_.holds(T) && !(options_.excluded && options_.excluded->hold(T));
 }
 
-// The arithmetic of PriorParams.
+// The same arithmetic as PriorParams.
 std::uint32_t CertifiedSearch::evaluate_cost(const CellPose& pose) {
   const float dx = pose.x - prior_.mean_x;
   const float dy = pose.y - prior_.mean_y;
@@ -111,7 +111,7 @@ void CertifiedSearch::try_starts() {
   }
 }
 
-// The best box of a batch that is small enough for its centre to say something.
+// Tries the best box of a batch that is small enough for its centre to be useful.
 void CertifiedSearch::try_centres(std::span<const OpenBox> boxes) {
   for (const OpenBox& box : boxes) {
     const float w = half_width(box.level);
@@ -143,7 +143,7 @@ std::optional<CertifiedStop> CertifiedSearch::limit_reached() const {
   return std::nullopt;
 }
 
-// Opens boxes, best bound first, until what is left cannot be better by more than the gap.
+// Opens boxes, best bound first, until no remaining box can be better by more than the gap.
 void CertifiedSearch::work_through() {
   std::make_heap(open_.begin(), open_.end(), comes_later);
   std::vector<OpenBox> batch;

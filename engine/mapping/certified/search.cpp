@@ -15,17 +15,17 @@ constexpr std::uint64_t kMostTopBoxes = 150000;
 constexpr std::int32_t kTopSpacingBits = 3;  // spacing at which small searches begin
 constexpr std::uint32_t kWideTile = 16;
 constexpr std::uint32_t kWideTileRows = 4;
-constexpr std::size_t kHostTiles = 256;  // at once: their sums stay in the cache
-// Boxes below the narrowest fields are halved so often, half a cell to 1/64 of one: what rounding takes away weighs
-// more than the width of smaller ones.
+constexpr std::size_t kHostTiles = 256;  // tiles at once: their sums stay in the cache
+// Number of halvings of boxes below the narrowest fields, from half a cell to 1/64 of one: for smaller boxes the
+// rounding loss exceeds their width.
 constexpr std::int32_t kParts = 6;
-// How many of them ask a field of minorants first.
+// Number of those levels that use a field of minorants first.
 constexpr std::int32_t kWideLevels = 2;
-constexpr std::int32_t kWideAbove = 1;    // and how many of those with dilated fields do
+constexpr std::int32_t kWideAbove = 1;    // number of levels with dilated fields that do so
 constexpr float kLeastReference = 40.0F;  // cells
 // Share of the mean range, measured on Intel's map: finer angles cost more boxes, coarser ones give blunter bounds.
 constexpr float kReferenceShare = 1.4F;
-// Float32 in the poses of boxes and their angles.
+// Slack for float32 in the poses of boxes and their angles.
 constexpr float kAngleSlack = 1.0e-6F;
 constexpr double kFloatUnit = 1.0 / 16777216.0;  // 2^-24
 // Half widths of a window below which it counts as narrow: twice that of the smallest boxes and their grid, cells, and
@@ -50,7 +50,7 @@ CertifiedSearch::CertifiedSearch(const CertifiedMap& map, std::span<const PointC
   if (is_narrow_theta_) window_.centre.theta_rad = wrap_angle(window.centre.theta_rad);
   const CellIndex cell = map_cell_at(window.centre.translation(), resolution_m);
   anchor_ = {aligned_down(cell.x), aligned_down(cell.y)};
-  // On a grid of 1/64 cell, so that the corners of all boxes are exact in float32.
+  // Rounded to a grid of 1/64 cell, so that the corners of all boxes are exact in float32.
   const auto on_grid = [](double cells) { return static_cast<float>(std::round(cells * 64.0) / 64.0); };
   centre_ = {on_grid(window.centre.x_m / resolution_m - anchor_.x),
              on_grid(window.centre.y_m / resolution_m - anchor_.y),
@@ -77,8 +77,8 @@ CertifiedSearch::CertifiedSearch(const CertifiedMap& map, std::span<const PointC
   choose_levels();
 }
 
-// Far points first and last alternate in the order of beams; nothing depends on it. What float32 may move a point by
-// counts at the farthest point in the farthest corner of the window.
+// Points stay in beam order, in which far and near ones alternate; no result depends on it. The slack covers the
+// float32 error of the farthest point in the farthest corner of the window.
 void CertifiedSearch::prepare_points() {
   double sum = 0.0;
   float farthest = 0.0F;
@@ -101,7 +101,7 @@ std::uint64_t CertifiedSearch::boxes_at(std::size_t level) const {
                                     std::ceil(2.0 * static_cast<double>(half_y_) / spacing) * std::max(1.0, angles));
 }
 
-// The narrowest boxes to begin with that are not too many, but none narrower than is useful.
+// Starts with the narrowest boxes that are not too many, but none narrower than is useful.
 void CertifiedSearch::choose_levels() {
   const std::span<const BoundLevel> levels = map_.bounds().levels();
   first_level_ = 0;
@@ -125,7 +125,7 @@ void CertifiedSearch::choose_levels() {
       const float needed = around + point_range(point) * angle;
       std::size_t k = 0;
       while (k < BoundLevel::kDilations && static_cast<float>(f.dilation_cells[k]) < needed) ++k;
-      // A point that no dilation is wide enough for counts nothing, which keeps the bound low.
+      // A point beyond the widest dilation does not count, which keeps the bound low.
       if (k < BoundLevel::kDilations) {
         bound_points_[static_cast<std::size_t>(level)].push_back({point.x, point.y, f.first_sample[k]});
       }
@@ -138,7 +138,7 @@ const BoundLevel& CertifiedSearch::fields(std::int32_t level) const {
   return map_.bounds().levels()[first_level_ + static_cast<std::size_t>(level)];
 }
 
-// Each point takes the narrowest field that reaches as far as the box moves it.
+// Each point takes the narrowest field that covers its motion within the box.
 void CertifiedSearch::choose_reaches(std::int32_t level) {
   const MinorantLevels& fields = map_.bounds().minorants();
   std::vector<BoundPoint>& chosen = wide_points_.emplace_back();
@@ -180,7 +180,7 @@ void CertifiedSearch::open_window() {
   bound();
 }
 
-// The sums of tiles of a level; on the device where there is one and they are many.
+// The sums of tiles of a level; on the device if there is one and the tiles are many.
 void CertifiedSearch::sum_tiles(const PoseBounds::Params& params, std::int32_t level,
                                 std::span<const PoseCandidate> corners) {
   const std::vector<BoundPoint>& points = bound_points_[static_cast<std::size_t>(level)];
@@ -194,7 +194,7 @@ void CertifiedSearch::sum_tiles(const PoseBounds::Params& params, std::int32_t l
                    static_cast<std::uint32_t>(corners.size()), sums_.data());
 }
 
-// Bounds of tiles of boxes of a level by its dilated fields; those that matter are appended.
+// Bounds of tiles of boxes of a level by its dilated fields; boxes that may matter are appended.
 void CertifiedSearch::bound_tiles(std::int32_t level, std::span<const PoseCandidate> corners, std::uint32_t tile_width,
                                   std::uint32_t tile_height, std::uint32_t known_bound) {
   const BoundLevel& f = fields(level);
@@ -226,14 +226,14 @@ void CertifiedSearch::bound_tiles(std::int32_t level, std::span<const PoseCandid
   }
 }
 
-// Whether a pose in the box may count.
+// True if a pose in the box may count.
 bool CertifiedSearch::matters(const OpenBox& box) const {
   const float w = half_width(box.level);
   const float off_x = std::fabs(box.centre.x - centre_.x);
   const float off_y = std::fabs(box.centre.y - centre_.y);
   if (off_x - w > half_x_ || off_y - w > half_y_) return false;
   if (!options_.excluded) return true;
-  // All of it excluded? Then its farthest corner is.
+  // The whole box is excluded if its farthest corner is.
   const ExcludedPoses& excluded = *options_.excluded;
   const CellPose around = to_cells(excluded.around);
   const double far_x =
@@ -247,7 +247,7 @@ bool CertifiedSearch::matters(const OpenBox& box) const {
   return !(near && turned + static_cast<double>(half_angle(box.level)) < excluded.within_rad - 1.0e-5);
 }
 
-// Opens the box, its prior counted, unless it cannot be better than what is proven anyway.
+// Opens the box, with its prior, unless it cannot be better than the proven bound.
 void CertifiedSearch::keep(OpenBox box) {
   const std::uint32_t prior = least_prior(box);
   box.bound = box.terms > kNoCost - prior ? kNoCost : box.terms + prior;
@@ -259,7 +259,7 @@ void CertifiedSearch::keep(OpenBox box) {
   open_.push_back(box);
 }
 
-// The prior at the box's nearest place, less what float32 and the cut to a whole number may take.
+// The least prior in the box, less the errors of float32 and of rounding down.
 std::uint32_t CertifiedSearch::least_prior(const OpenBox& box) const {
   if (!options_.prior) return 0;
   const double w = static_cast<double>(half_width(box.level)) + 0.001;
@@ -277,7 +277,7 @@ std::uint32_t CertifiedSearch::least_prior(const OpenBox& box) const {
 }
 
 // Children of a box of the fields' levels are bounded as tiles; all have the angle of a narrow window. Smaller boxes
-// get their bound when their turn comes, from a minorant that bounds their halves as well.
+// get their bound when they are opened, from a minorant that bounds their halves as well.
 void CertifiedSearch::expand(const OpenBox& box) {
   const std::int32_t level = box.level + 1;
   if (!has_fields(level)) {
@@ -307,8 +307,8 @@ void CertifiedSearch::halve(const OpenBox& box) {
   }
 }
 
-// A minorant of a box whose parts may still matter: the quick one where it is enough to close the box, else the one
-// from patches. Nothing where the box is closed.
+// A minorant of a box whose parts may still matter: the quick one if it is enough to close the box, else the one from
+// patches. Empty if the box is closed.
 std::optional<PoseMinorant::Value> CertifiedSearch::minorant_in(const OpenBox& box) {
   ++boxes_;
   const std::uint32_t prior = box.bound - box.terms;
@@ -324,7 +324,7 @@ std::optional<PoseMinorant::Value> CertifiedSearch::minorant_in(const OpenBox& b
     }
     if (has_fields(box.level)) return wide;
   }
-  if (has_fields(box.level)) return PoseMinorant::Value{};  // too wide for patches: its parts have to tell
+  if (has_fields(box.level)) return PoseMinorant::Value{};  // too wide for patches: its parts are bounded instead
   const PoseMinorant::Value minorant = find_patch_minorant(box);
   const std::uint32_t bound = bound_by(minorant);
   const bool smallest = box.level + 1 == field_levels_ + kParts;
@@ -334,7 +334,7 @@ std::optional<PoseMinorant::Value> CertifiedSearch::minorant_in(const OpenBox& b
   return std::nullopt;
 }
 
-// Boxes of two cells to half a cell: what the fields of minorants are made for, where the map has them.
+// True for boxes of two cells to half a cell, for which the fields of minorants are made, if the map has them.
 bool CertifiedSearch::has_wide_minorant(std::int32_t level) const {
   return map_.bounds().has_minorants() && level < field_levels_ + kWideLevels;
 }

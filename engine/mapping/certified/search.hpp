@@ -1,5 +1,5 @@
-// One search of find_pose(): the boxes that are still open, the best pose so far and what both prove. Poses are in
-// cells and radians relative to the anchor, a map cell near the window's centre.
+// One search of find_pose(): the open boxes, the best pose so far and the proof. Poses are in cells and radians
+// relative to the anchor, a map cell near the window's centre.
 #pragma once
 
 #include <chrono>
@@ -19,9 +19,9 @@ namespace gdtslam {
 struct OpenBox {
   std::uint32_t bound = 0;  ///< no pose in it costs less
   std::uint32_t terms = 0;  ///< the points' part of the bound
-  std::int32_t level = 0;   ///< tells its size
+  std::int32_t level = 0;   ///< determines its size
   CellPose centre;
-  std::uint64_t order = 0;  ///< in which boxes were made: breaks ties
+  std::uint64_t order = 0;  ///< order in which boxes were made: breaks ties
 };
 
 class CertifiedSearch {
@@ -93,15 +93,15 @@ class CertifiedSearch {
   PriorParams prior_;
   PoseCost::Params cost_params_;
 
-  std::size_t first_level_ = 0;     // first of the map's levels that is searched
-  std::int32_t field_levels_ = 0;   // how many of them are used
+  std::size_t first_level_ = 0;     // first of the map's levels used in the search
+  std::int32_t field_levels_ = 0;   // number of levels with fields
   std::vector<float> half_widths_;  // half widths of the boxes of each level
   std::vector<float> half_angles_;
   float top_angle_ = 0.0F;
   std::uint32_t top_angles_ = 1;
   std::vector<std::vector<BoundPoint>> bound_points_;  // bound points of each of those levels
 
-  std::vector<std::vector<BoundPoint>> wide_points_;  // points of the first levels, which have no dilated fields
+  std::vector<std::vector<BoundPoint>> wide_points_;  // points of the first levels without dilated fields
 
   std::uint32_t gap_ = 0;      // cost units
   std::vector<OpenBox> open_;  // a heap once the window is open

@@ -35,10 +35,10 @@ double share_ended(const CellViews& views) {
   return seen > 0.0 ? static_cast<double>(views.ends) / seen : 0.0;
 }
 
-// At the border of what the map knows, in the shadow of something, free cells are those that a beam grazed.
+// At the border of the known map, in a shadow, free cells are often grazed ones.
 constexpr double kLeastFreeAround = 0.8;
 
-// The map has the cell as free, no wall around it, and knows its surroundings.
+// True if the map has the cell as free, no wall around it, and knows its surroundings.
 bool is_open(const OccupancyMap& map, CellIndex cell, const std::vector<CellOffset>& disc) {
   if (!map.geometry.contains(cell) || map.at(cell) != CellState::kFree) return false;
   std::size_t free = 0;
@@ -53,12 +53,12 @@ bool is_open(const OccupancyMap& map, CellIndex cell, const std::vector<CellOffs
 
 bool is_before(CellIndex a, CellIndex b) { return a.y != b.y ? a.y < b.y : a.x < b.x; }
 
-/// Finds the patches of cells that are sorted.
+/// Finds the patches of sorted cells.
 class Patches {
  public:
   Patches(std::vector<ChangedCell>& cells, std::int32_t reach) : cells_(cells), reach_(reach), seen_(cells.size()) {}
 
-  /// Numbers them, and leaves out cells of those that extend over less than so many cells.
+  /// Numbers the patches, and removes the cells of those with an extent below this many cells.
   void number(std::int32_t least_extent) {
     std::uint32_t patches = 0;
     for (std::size_t first = 0; first < cells_.size(); ++first) {
@@ -104,7 +104,7 @@ class Patches {
   std::vector<bool> seen_;
 };
 
-// Cells away from walls, free in the map, in which enough views end, and the cells that belong to these.
+// Cells away from walls, free in the map, in which enough views end, and the cells that belong to them.
 std::vector<ChangedCell> appeared_cells(const OccupancyMap& map, const ViewCounts& views, const ChangeLimits& limits,
                                         const ViewJudge& judge) {
   const std::vector<CellOffset>& disc = judge.surroundings();
@@ -149,7 +149,7 @@ bool ViewCounts::add(const LaserScan& scan, const Pose2& T_grid_base) {
   return true;
 }
 
-// Beside the tiles that are there, for those that are new.
+// Counts the existing tiles and the new ones.
 void ViewCounts::require_room() {
   std::size_t tiles = tiles_.size();
   if ((tiles + marks_.size()) * kCountedOfTile <= limits_.max_cells) return;
@@ -203,7 +203,7 @@ void keep_patches(std::vector<ChangedCell>& cells, double resolution_m, const Ch
 ViewJudge::ViewJudge(double resolution_m, const ChangeLimits& limits)
     : limits_(limits), disc_(make_disc(limits.tolerance_m, resolution_m)) {}
 
-// Noise spreads what glass or a wall returns over some cells, so the ends around count together.
+// Noise spreads returns of glass or a wall over some cells, so the ends around count together.
 bool ViewJudge::is_free(const ViewCounts& views, CellIndex cell) const {
   const std::uint32_t passes = views.at(cell).passes;
   if (passes < limits_.least_views) return false;

@@ -1,7 +1,6 @@
-// Changes between drives that lie in one frame: a drive overrules earlier ones, cell by cell, if it has enough views.
-// Two drives that overlap in time have no order: where they contradict each other there is no wall, whichever saw it.
-// Frame: the cells of one grid, cell (0, 0) with its lower left corner at the frame's origin. Thread-safe once made;
-// O(cells seen x drives).
+// Changes between drives in one frame: a drive overrules earlier ones, cell by cell, if it has enough views. Two drives
+// that overlap in time have no order: if they contradict each other, there is no wall. Frame: the cells of one grid,
+// cell (0, 0) with its lower left corner at the frame's origin. Thread-safe once made; O(cells seen x drives).
 #pragma once
 
 #include <cstddef>
@@ -12,7 +11,7 @@
 
 namespace gdtslam {
 
-/// A drive, as far as changes go.
+/// A drive as input for changes.
 struct DriveViews {
   ViewCounts views;
   double first_s = 0.0;  ///< stamps
@@ -21,21 +20,21 @@ struct DriveViews {
 
 class SessionChanges {
  public:
-  /// `drives` in any order; they are read until this is made only.
+  /// `drives` in any order; only read during construction.
   SessionChanges(const std::vector<DriveViews>& drives, double resolution_m, const ChangeLimits& limits);
 
   /// Cells that each drive shows to be new or gone since the drives before it, and against those without an order.
   [[nodiscard]] const std::vector<MapChanges>& by_drive() const { return by_drive_; }
-  /// Whether what the drive saw in the cell is no wall any more.
+  /// True if the wall that the drive saw in the cell is gone.
   [[nodiscard]] bool is_overruled(std::size_t drive, CellIndex cell) const;
-  /// In the end: walls of which earlier drives saw that they were not there, and what is no wall any more.
+  /// Final changes: walls that earlier drives saw as free, and cells that are no wall any more.
   [[nodiscard]] const MapChanges& last() const { return last_; }
 
  private:
   enum class Word : std::uint8_t { kNone, kFree, kWall };
   struct Overruling {
     CellIndex cell;
-    std::size_t by = 0;  ///< a drive after which nobody saw a wall there
+    std::size_t by = 0;  ///< a drive after which no drive saw a wall there
   };
   [[nodiscard]] bool is_before(std::size_t a, std::size_t b) const;
   [[nodiscard]] std::vector<Word> collect_words(CellIndex cell) const;
@@ -48,7 +47,7 @@ class SessionChanges {
     double first_s = 0.0;
     double last_s = 0.0;
   };
-  const std::vector<DriveViews>* drives_;  // while this is made
+  const std::vector<DriveViews>* drives_;  // only during construction
   std::vector<Lasted> order_;
   double resolution_m_;
   ChangeLimits limits_;

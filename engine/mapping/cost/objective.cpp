@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kSmallBatch = 64;  // below this a dispatch costs more than it gains
 
-// weight * distance^2 up to the limit, beyond which a prior pulls no more.
+// weight * distance^2 up to the limit, beyond which the prior has no gradient.
 void add_prior(const PriorParams& prior, const CellPose& pose, Linearisation& at) {
   const double dx = static_cast<double>(pose.x) - static_cast<double>(prior.mean_x);
   const double dy = static_cast<double>(pose.y) - static_cast<double>(prior.mean_y);
@@ -37,7 +37,7 @@ void add_prior(const PriorParams& prior, const CellPose& pose, Linearisation& at
   }
 }
 
-// A scan fits about as well where the mean distance of its points is so much more; farther points hold nothing.
+// A scan fits about as well if the mean distance of its points is larger by at most this; farther points are capped.
 constexpr double kAboutAsWell = 1.3;
 constexpr double kAsWell_m = 0.003;
 constexpr double kFarthest_m = 0.3;

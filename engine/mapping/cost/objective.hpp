@@ -1,5 +1,5 @@
-// The cost of candidate poses of one scan in the map, paper equation (4), plus a prior around a predicted pose: the one
-// thing that every matcher minimises. Poses are in cells and radians relative to the anchor cell. Not thread-safe.
+// The cost of candidate poses of one scan in the map, paper equation (4), plus a prior around a predicted pose: every
+// matcher minimises it. Poses are in cells and radians relative to the anchor cell. Not thread-safe.
 #pragma once
 
 #include <array>
@@ -29,7 +29,7 @@ struct CellPose {
 PoseCost::Params pose_cost_params(const GlobalField& map, CellIndex anchor, std::size_t points, std::uint32_t cap,
                                   Interpolation interpolation, CostForm form);
 
-/// End of a minimiser's descent.
+/// Result of a minimiser's descent.
 struct LocalMinimum {
   CellPose pose;
   std::uint32_t cost = 0;
@@ -37,8 +37,8 @@ struct LocalMinimum {
   StopReason stop = StopReason::kNotRun;
 };
 
-/// The field under the points and how it changes with the pose, each point weighted so that a sum of squares stands for
-/// the sum of distances: the normal equations of one step.
+/// The field under the points and its derivatives with respect to the pose, each point weighted so that a sum of
+/// squares stands for the sum of distances: the normal equations of one step.
 struct Linearisation {
   double cost = 0.0;                  ///< robust cost, cost units (1/256 cell), prior included
   std::array<double, 3> gradient{};   ///< d cost / d (x, y, theta): cells, radians
@@ -54,16 +54,15 @@ class Objective {
   void set_anchor(CellIndex map_cell) { anchor_ = map_cell; }
   /// The points that count; they must live as long as they are used.
   void set_points(std::span<const PointCells> points) { points_ = points; }
-  /// Field values above this count as this, 1/256 cell.
+  /// Field values are capped at this, 1/256 cell.
   void set_cap(std::uint32_t cap) { cap_ = cap; }
-  /// Quadratic cost around a mean; neither part costs more than the limit, so that a prediction that is plainly wrong
-  /// does not pull.
+  /// Quadratic cost around a mean; each part is limited, so that a plainly wrong prediction does not pull.
   void set_prior(const PriorParams& prior) { prior_ = prior; }
 
   /// Costs of a batch of poses, prior included; one dispatch on the backend when the batch is large.
   void evaluate(std::span<const CellPose> poses, std::span<std::uint32_t> costs);
   std::uint32_t evaluate(const CellPose& pose);
-  /// Walks a simplex from the pose on this thread and returns its end; the cost and the prior of `walk` must be those
+  /// Runs a simplex from the pose on this thread and returns its end; the cost and the prior of `walk` must be those
   /// below.
   PolishedPose descend(const CellPose& start, const PoseSimplex::Params& walk);
 
@@ -72,8 +71,8 @@ class Objective {
   [[nodiscard]] const PriorParams& prior_params() const { return prior_; }
 
   /// Linearises the cost on the bilinear field whatever `interpolation` is. A distance d counts as d^2 / (2 s) below s
-  /// = scale_cells and as d - s / 2 above [Huber1964]; at the cap it counts as the cap and pulls no more. O(points), on
-  /// this thread.
+  /// = scale_cells and as d - s / 2 above [Huber1964]; at the cap it counts as the cap and has no gradient. O(points),
+  /// on this thread.
   [[nodiscard]] Linearisation linearise(const CellPose& pose, float scale_cells);
 
   /// Field value under each point, nearest cell; no coordinate may be NaN.
@@ -105,22 +104,22 @@ class Objective {
   std::uint64_t evaluations_ = 0;
 };
 
-/// The pose in metres of one in cells around an anchor.
+/// Converts a pose in cells around an anchor to metres.
 inline Pose2 pose_in_metres(const CellPose& pose, CellIndex anchor, double resolution_m) {
   return {(static_cast<double>(pose.x) + anchor.x) * resolution_m,
           (static_cast<double>(pose.y) + anchor.y) * resolution_m, wrap_angle(static_cast<double>(pose.theta))};
 }
 
-// How well a scan fits a map at some poses, wherever the map lives. Frame: map. Not thread-safe. Cost: one evaluation a
+// Fit of a scan to a map at some poses, wherever the map lives. Frame: map. Not thread-safe. Cost: one evaluation a
 // pose.
 
-/// The mean distance of the points from the map at two poses, metres; none counts for more than `farthest_m`. Throws
-/// DeviceError where the map's device fails.
+/// The mean distance of the points from the map at two poses, metres, each capped at `farthest_m`. Throws DeviceError
+/// if the map's device fails.
 std::array<double, 2> mean_distances_m(const GlobalField& map, std::span<const PointCells> points,
                                        const std::array<Pose2, 2>& poses, double farthest_m);
 
-/// Whether the points fit about as well at `pose` as where they were matched, as where little holds a scan: in a bare
-/// corridor a match can slide along it for next to nothing. Throws as the above.
+/// True if the points fit about as well at `pose` as at `matched`, for example in a bare corridor, along which a match
+/// can slide at almost no cost. Throws as the above.
 bool fits_about_as_well(const GlobalField& map, std::span<const PointCells> points, const Pose2& pose,
                         const Pose2& matched);
 

@@ -17,7 +17,7 @@ bool is_positive(const Matrix3& factor) {
 }
 
 constexpr int kMostDirections = 400;
-constexpr double kSolvedShare = 1.0e-8;  // share of the squared error to begin with, in the factor's norm
+constexpr double kSolvedShare = 1.0e-8;  // share of the initial squared error, in the factor's norm
 
 double dot_product(const std::vector<Tangent2>& a, const std::vector<Tangent2>& b) {
   double sum = 0.0;
@@ -139,7 +139,7 @@ void BlockCholesky::find_parents() {
   }
 }
 
-// Which blocks the factor has depends on the pattern alone.
+// The blocks of the factor depend on the pattern alone.
 void BlockCholesky::lay_out() {
   begin_.assign(sources_.size() + 1, 0);
   marked_.assign(sources_.size(), kNone);

@@ -1,7 +1,7 @@
-// Sparse symmetric systems of 3 x 3 blocks, one row a pose, and their Cholesky factorisation [Davis2006, chapter 4]: an
-// elimination order of small fill from the pattern alone, then scalar sums in that fixed order, so that every host
-// gives the same bits. Not thread-safe. Cost: the factor's blocks; some milliseconds for a thousand poses of a path
-// with loops (docs/benchmarks.md).
+// Sparse symmetric systems of 3 x 3 blocks, one row a pose, and their Cholesky factorisation [Davis2006, chapter 4].
+// The elimination order has small fill and comes from the pattern alone; sums are scalar, in that fixed order, so that
+// every host gives the same bits. Not thread-safe. Cost: the factor's blocks; some milliseconds for a thousand poses of
+// a path with loops (docs/benchmarks.md).
 #pragma once
 
 #include <cstddef>
@@ -13,8 +13,8 @@
 
 namespace gdtslam {
 
-/// A symmetric matrix by its lower triangle, and a right side. Blocks are added to a pattern that is fixed when it is
-/// made: the diagonal and the pairs given.
+/// A symmetric matrix by its lower triangle, and a right side. The pattern is fixed at construction: the diagonal and
+/// the pairs given.
 class BlockSystem {
  public:
   using Pair = std::pair<std::size_t, std::size_t>;
@@ -22,7 +22,7 @@ class BlockSystem {
 
   [[nodiscard]] std::size_t rows() const { return diagonal.size(); }
   void clear();
-  /// To the block at (row, column), and its transpose to that at (column, row); the pair must be of the pattern.
+  /// Adds to the block at (row, column), and the transpose to (column, row); the pair must be in the pattern.
   void add(std::size_t row, std::size_t column, const Matrix3& block);
 
   std::vector<Matrix3> diagonal;
@@ -45,11 +45,11 @@ class BlockCholesky {
   /// Chooses the elimination order for systems of this pattern.
   explicit BlockCholesky(const BlockSystem& pattern);
 
-  /// False where the system is not positive definite; it cannot be solved then.
+  /// Returns false if the system is not positive definite; it cannot be solved then.
   [[nodiscard]] bool factorise(const BlockSystem& system);
   /// The solution, in place.
   void solve(std::vector<Tangent2>& right) const;
-  /// Blocks of the factor: its memory is 72 bytes each, and 8 of indices.
+  /// Number of blocks of the factor: each takes 72 bytes, and 8 of indices.
   [[nodiscard]] std::size_t factor_blocks() const { return blocks_.size(); }
 
  private:
@@ -68,27 +68,27 @@ class BlockCholesky {
   void reach(std::size_t row);
   bool eliminate(std::size_t row, const BlockSystem& system);
 
-  std::vector<std::size_t> old_of_;  // elimination order
+  std::vector<std::size_t> old_of_;  // old index of each row in the elimination order
   std::vector<std::size_t> new_of_;
   std::vector<std::vector<Source>> sources_;  // sources of each row, in elimination order from here on
   std::vector<std::size_t> parent_;           // parent of each row in the elimination tree
-  // The factor below its diagonal: column after column, the blocks of a column in the order of their rows.
+  // The factor below its diagonal: column by column, the blocks of a column in the order of their rows.
   std::vector<std::size_t> begin_;  // begin of each column, and the end of the last
-  std::vector<std::size_t> end_;    // end of each column as far as it is eliminated
+  std::vector<std::size_t> end_;    // end of the eliminated part of each column
   std::vector<std::size_t> rows_;
   std::vector<Matrix3> blocks_;
   std::vector<Matrix3> diagonal_;     // lower triangular
-  std::vector<Matrix3> row_;          // in hand, zero where it has nothing
-  std::vector<std::size_t> reached_;  // columns where it has something
-  std::vector<std::size_t> marked_;   // the row that reached a column last
+  std::vector<Matrix3> row_;          // the current row; zero outside `reached_`
+  std::vector<std::size_t> reached_;  // columns in which the current row has blocks
+  std::vector<std::size_t> marked_;   // the last row that reached each column
 };
 
-// Systems whose own factor would be large: conjugate gradients with the factor of a system that is much like it as
-// preconditioner [GolubVanLoan2013, section 11.5], for graphs one of a part of their edges [Dellaert2010]. Sums in a
-// fixed order, the same bits on every host. Cost: a product and a solution with the factor a step.
+// Solves systems whose own factor would be large: conjugate gradients, preconditioned with the factor of a similar
+// system [GolubVanLoan2013, section 11.5]; for graphs, a system of part of the edges [Dellaert2010]. Sums in a fixed
+// order, the same bits on every host. Cost: a product and a solution with the factor a step.
 
-/// Solves for system.right to a ten-thousandth, or as far as some hundred steps come, each of which is nearer than the
-/// last; nothing where the systems are not of numbers.
+/// Solves for system.right to a ten-thousandth, or as far as some hundred steps reach, each nearer than the last. An
+/// empty result means that the systems have values that are not finite.
 std::vector<Tangent2> solve_near(const BlockSystem& system, const BlockCholesky& factor);
 
 }  // namespace gdtslam

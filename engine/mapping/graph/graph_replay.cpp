@@ -42,7 +42,7 @@ PoseGraph driven_part(const PoseGraph& graph, const std::vector<Pose2>& poses, s
   return part;
 }
 
-/// From place to place a step's own covariance is added to what was carried on: perturbations act on the right.
+/// Adds each step's own covariance to the covariance carried so far: perturbations act on the right.
 std::vector<Matrix3> grown(const Matrix3& covariance, std::size_t from, std::size_t to, const ReplaySteps& steps) {
   std::vector<Matrix3> all{covariance};
   all.reserve(to - from + 1);
@@ -53,7 +53,7 @@ std::vector<Matrix3> grown(const Matrix3& covariance, std::size_t from, std::siz
   return all;
 }
 
-/// Loops by their later place, neighbouring places together where they are too many; a group comes at its last place.
+/// Groups loops by their later place, and neighbouring places if there are too many; a group has its last place.
 std::vector<ReplayStage> grouped_by_place(const std::vector<Loop>& loops, std::size_t most_stages) {
   std::map<std::size_t, std::vector<std::size_t>> by_place;
   for (std::size_t i = 0; i < loops.size(); ++i) {

@@ -17,7 +17,7 @@ inline double square(double value) { return value * value; }
 /// Length of the translation.
 inline double translation_length(const Pose2& T) { return std::sqrt(T.x_m * T.x_m + T.y_m * T.y_m); }
 
-/// Row-major.
+/// A 3 x 3 matrix, row-major.
 struct Matrix3 {
   std::array<double, 9> m{};
 
@@ -82,8 +82,8 @@ inline void subtract(Tangent2& sum, const Tangent2& v) {
   for (std::size_t i = 0; i < 3; ++i) sum[i] -= v[i];
 }
 
-/// The lower triangular l with l l^T = a, for a symmetric and positive definite; its diagonal is not finite or zero
-/// where a is not.
+/// The lower triangular l with l l^T = a, for a symmetric and positive definite; if a is not, the diagonal of l has a
+/// zero or a value that is not finite.
 inline Matrix3 cholesky(const Matrix3& a) {
   Matrix3 l;
   l(0, 0) = std::sqrt(a(0, 0));
@@ -128,7 +128,7 @@ inline Matrix3 inverse(const Matrix3& a) {
   return result;
 }
 
-/// Eigenvalues of a symmetric matrix, in no order, and the unit eigenvectors that belong to them, as columns.
+/// Eigenvalues of a symmetric matrix, in no order, and their unit eigenvectors as columns.
 struct Eigen3 {
   Tangent2 values{};
   Matrix3 vectors = Matrix3::identity();

@@ -9,15 +9,15 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kHeld = 1.0e12;       // information of the first pose: so much that nothing moves it
-constexpr double kStill_m = 1.0e-5;    // a step that moves nothing farther is the last
+constexpr double kHeld = 1.0e12;       // information of the first pose: enough to fix it
+constexpr double kStill_m = 1.0e-5;    // if no pose moves farther, the step is the last
 constexpr double kNarrowing = 1.6;     // factor of the kernel's scale from step to step
 constexpr double kWidest = 1.0e6;      // in units of its final scale
 constexpr double kSlightlyWide = 4.0;  // kernel scale for a graph that changed by little
 constexpr int kMostSteps = 100;
-constexpr double kFarWorse = 100.0;  // times the cost: somewhat more may have other loops, and be right
+constexpr double kFarWorse = 100.0;  // factor of the cost: a right solution with other loops may cost somewhat more
 constexpr int kMostHalvings = 12;    // limit for a step that makes things worse
-constexpr double kUnsolved = 1.0e6;  // variance of what a graph without a solution tells
+constexpr double kUnsolved = 1.0e6;  // variance reported if a graph has no solution
 
 BlockSystem system_for(const PoseGraph& graph) {
   std::vector<BlockSystem::Pair> pairs;
@@ -70,7 +70,7 @@ void fill(const PoseGraph& graph, BlockSystem& system) {
   subtract(system.right.back(), graph.bias_information * graph.bias);
 }
 
-// How far the farthest went, metres.
+// Returns the largest translation, metres.
 double move_by(const std::vector<Tangent2>& steps, std::vector<Pose2>& poses) {
   double farthest_m = 0.0;
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -82,7 +82,7 @@ double move_by(const std::vector<Tangent2>& steps, std::vector<Pose2>& poses) {
 
 void hold_first(BlockSystem& system) { system.diagonal.front() += Matrix3::diagonal(kHeld, kHeld, kHeld); }
 
-constexpr double kLeastSpread = 1.0e-6;  // square metres, of positions that tell of a turn
+constexpr double kLeastSpread = 1.0e-6;  // square metres; least spread of positions that determines a turn
 
 Matrix3 turned_to_map(const Pose2& pose) {
   const SinCos<double> turn = sin_cos(pose.theta_rad);
@@ -127,7 +127,7 @@ double relation_chi2(const PoseRelation& relation, const Pose2& T_from, const Po
 }
 
 // A perturbation of `to` on the right changes the residual by itself, one of `from` by minus itself as seen from `to`;
-// the log's own derivative is the identity to first order in the residual.
+// the derivative of the logarithm is the identity to first order in the residual.
 void add_relation(const PoseRelation& relation, const std::vector<Pose2>& poses, double weight, BlockSystem& system) {
   const Pose2& T_from = poses[relation.from];
   const Pose2& T_to = poses[relation.to];
@@ -195,7 +195,7 @@ void PoseGraph::weigh_loops(double scale) {
   }
 }
 
-// The path counts by least squares, loops by the kernel of its final scale, whatever their weights.
+// The path counts by least squares, loops by the kernel at its final scale, whatever their weights.
 double PoseGraph::cost() const {
   double sum = 0.0;
   for (const PoseRelation& relation : path) sum += relation_chi2(relation, poses[relation.from], poses[relation.to]);
@@ -236,8 +236,8 @@ void PoseGraph::descend() {
   }
 }
 
-// If turns contradict the path, whole steps may lead ever farther away. If they do not come to rest, or end at a far
-// worse place, they are compared with shorter ones.
+// If turns contradict the path, whole steps may lead farther and farther away. If they do not come to rest, or end at a
+// far higher cost, they are compared with shorter steps.
 void PoseGraph::optimise(bool is_graduated) {
   if (loops.empty() && wheels.empty()) return;
   std::vector<Pose2> before = poses;

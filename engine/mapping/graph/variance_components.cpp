@@ -10,7 +10,7 @@ namespace gdtslam {
 namespace {
 
 constexpr std::size_t kFewestClosures = 4;
-constexpr double kUsualLog = 2.3;  // standard deviation of the factor's logarithm: what is said is right within ten
+constexpr double kUsualLog = 2.3;  // standard deviation of the factor's logarithm: stated values are right within ten
 constexpr std::size_t kMostClosures = 400;
 constexpr double kFactorStep = 1.7782794;  // fourth root of ten
 constexpr double kClosureFreedom = 4.0;    // degrees of freedom of Student's t: a few loops may be far off

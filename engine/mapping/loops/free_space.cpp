@@ -9,8 +9,8 @@ namespace {
 
 constexpr std::uint16_t kMostCounted = std::numeric_limits<std::uint16_t>::max();
 constexpr std::uint16_t kFewestCrossings = 3;
-constexpr std::int64_t kBesideReturn = 2;  // cells around one that are not said to be free
-constexpr int kCellsBeforeReturn = 2;      // cells before a return say nothing: a wall is as thick as its noise
+constexpr std::int64_t kBesideReturn = 2;  // cells around a return that do not count as free
+constexpr int kCellsBeforeReturn = 2;      // cells before a return are not counted: a wall is as thick as its noise
 
 void count(std::uint16_t& counter) {
   if (counter < kMostCounted) ++counter;
@@ -33,7 +33,7 @@ FreeSpace::FreeSpace(std::span<const Beam> beams, std::span<const WallPoint> wal
   }
 }
 
-// With a cell to spare on each side.
+// Leaves a margin of one cell on each side.
 void FreeSpace::size_for(std::span<const Beam> beams) {
   if (beams.empty()) return;
   double low_x = beams.front().from.x();
@@ -69,8 +69,8 @@ const FreeSpace::Cell* FreeSpace::cell_at(std::int64_t x, std::int64_t y) const 
   return &cells_[static_cast<std::size_t>(row * width_ + column)];
 }
 
-// In steps of a cell; each cell counts once a beam. Both ends lie in the grid, whose cells are counted from its corner,
-// where no coordinate is negative.
+// Walks in steps of a cell; each cell counts once a beam. Both ends lie in the grid, whose cells are counted from its
+// corner, so no coordinate is negative.
 void FreeSpace::cross(const Beam& beam) {
   const double x = beam.from.x() / kCell_m - static_cast<double>(left_);
   const double y = beam.from.y() / kCell_m - static_cast<double>(bottom_);

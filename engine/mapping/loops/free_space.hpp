@@ -1,5 +1,5 @@
-// Which cells of a stretch of the path beams crossed and which stopped them, so that a place can be refused whose walls
-// would stand where the robot looked through. Frame: that of the points given. Thread-safe to read. Cost: linear in
+// Grid of the cells that beams crossed or ended in along a stretch of the path. A loop is refused if its walls would
+// stand in cells that the robot looked through. Frame: that of the points given. Thread-safe to read. Cost: linear in
 // the length of the beams; 10 bytes a cell.
 #pragma once
 
@@ -12,13 +12,13 @@
 
 namespace gdtslam {
 
-/// A beam: where the laser was and where its return came from.
+/// A beam: position of the laser and of its return.
 struct Beam {
   Point2 from;
   Point2 to;
 };
 
-/// A wall in a cell: a point of it, its normal toward the robot that saw it, and which keyframe of the group that was.
+/// A wall in a cell: one point of it, its normal toward the robot, and the keyframe of the group that saw it.
 struct WallPoint {
   Point2 point;
   Point2 normal;
@@ -29,18 +29,18 @@ class FreeSpace {
  public:
   static constexpr double kCell_m = 0.1;
 
-  /// Beams, and the walls' points among what they met: the first of each cell counts.
+  /// Takes the beams and the wall points among their returns; the first wall point of each cell counts.
   FreeSpace(std::span<const Beam> beams, std::span<const WallPoint> walls);
 
-  /// Crossed by several beams, and no return came from it or from within two cells.
+  /// True if several beams crossed the cell and no return lies in it or within two cells.
   [[nodiscard]] bool is_free(const Point2& point) const;
-  /// Whether anything is known of the cell.
+  /// True if several beams crossed the cell or a return lies in it.
   [[nodiscard]] bool is_known(const Point2& point) const;
   /// Calls visit(wall) for the walls within two cells.
   template <class Visit>
   void visit_walls_near(const Point2& point, const Visit& visit) const;
   [[nodiscard]] std::size_t bytes() const { return cells_.size() * sizeof(Cell) + walls_.size() * sizeof(WallPoint); }
-  /// One a cell.
+  /// The wall points, one a cell.
   [[nodiscard]] std::span<const WallPoint> walls() const { return walls_; }
 
  private:

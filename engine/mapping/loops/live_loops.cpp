@@ -25,7 +25,7 @@ LiveLoops::LiveLoops(const LoopOptions& options, LiveOptions live)
       measured_(live_.scratch_folder, live_.shelf_bytes),
       closer_(path_, options) {}
 
-// With the first order, so that whoever maps nothing has no thread.
+// Starts the thread with the first order, so that no thread exists if nothing is mapped.
 void LiveLoops::start() {
   if (is_started_) return;
   is_started_ = true;
@@ -69,7 +69,7 @@ std::shared_future<ClosedKeyframes> LiveLoops::request_keyframes() {
   return keyframes;
 }
 
-// Without a thread the order is carried out here, unless one has failed: the others wait for abandon() then, too.
+// Without a thread the order is carried out here. After a failure the orders wait for abandon().
 void LiveLoops::hand_over(Order order) {
   start();
   if (thread_.joinable() || failure_) {
@@ -156,7 +156,7 @@ void LiveLoops::recall_steps() {
   }
 }
 
-// One keyframe on, and one place at most.
+// Adds one keyframe and searches at one place at most.
 void LiveLoops::follow(Keyframe& keyframe) {
   append(keyframe);
   if (!workers_) workers_ = std::make_unique<WorkerPool>(live_.threads);

@@ -1,7 +1,7 @@
-// Loops closed beside the mapping: a thread of its own follows the path while it grows. What it finds takes effect
-// when so many places have come after, and where it is not done by then the caller waits: what is seen of it depends on
-// the keyframes alone, never on time. The caller hands keyframes over and shares nothing with the thread but the queue
-// of them and the list of what was found, each under the one lock. One caller. Cost: docs/loops.md.
+// Closes loops while the mapping runs: a second thread follows the growing path. A loop takes effect a fixed number of
+// places later; if the thread is late, the caller waits. So results depend on the keyframes alone, never on time. The
+// threads share only the queue of keyframes and the list of results, each under the same lock. One caller. Cost:
+// docs/loops.md.
 #pragma once
 
 #include <condition_variable>
@@ -28,51 +28,51 @@ namespace gdtslam {
 struct Keyframe {
   KeptScan scan;
   Pose2 T_map_base;
-  double path_m = 0.0;  ///< travelled until it
+  double path_m = 0.0;  ///< length of the path up to it
   MeasuredSteps steps;
   WheelTravel travel{};
 };
 
 struct LiveOptions {
-  bool is_beside = true;  ///< else the caller's thread does the same at the same counts
-  /// Called where there is no thread to be had; the caller's does it then.
+  bool is_beside = true;  ///< else the caller's thread does the work, after the same number of places
+  /// Called if no thread can be started; the caller's thread then does the work.
   std::function<void(const std::string&)> warn{};
-  unsigned threads = 1;          ///< that look, beside the mapping: the one that there is then anyway, and others
+  unsigned threads = 1;          ///< threads that search beside the mapping, including the one that always runs
   std::string scratch_folder{};  ///< folder in which steps wait for the end
   std::size_t shelf_bytes = ByteShelf::kFewBytes;  ///< memory of the steps
 };
 
 class LiveLoops {
  public:
-  /// Places that come after one before what was found there takes effect.
+  /// A loop takes effect when this many places have come after the one where it was found.
   static constexpr std::size_t kPlacesLate = 8;
 
   LiveLoops(const LoopOptions& options, LiveOptions live);
   LiveLoops(const LiveLoops&) = delete;
   LiveLoops& operator=(const LiveLoops&) = delete;
-  /// Waits for the place at work, at most.
+  /// Waits for the current place at most.
   ~LiveLoops() { abandon(); }
 
-  /// The next keyframe. Rethrows what the thread met at a place when what was found there would take effect.
+  /// Takes the next keyframe. An exception that the thread met at a place is rethrown when its loops would take effect.
   void take(Keyframe keyframe);
-  /// From the front end's frame to the one with the loops closed that have taken effect.
+  /// Correction from the front end's frame to the map with all loops that have taken effect.
   [[nodiscard]] const Pose2& correction() const { return T_closed_front_; }
   [[nodiscard]] LiveStatistics statistics() const;
-  /// The distance field of the keyframes handed over so far, once the thread has come to it.
+  /// Requests the distance field of the keyframes handed over so far; ready when the thread reaches the request.
   std::shared_future<FrozenMap> request_map(const MapperConfig& config);
   /// Requests the poses of the keyframes.
   std::shared_future<ClosedKeyframes> request_keyframes();
 
-  /// Waits until the keyframes handed over are followed, with the share of them; the thread has ended then. Rethrows
-  /// what it met. What progress() throws is passed on.
+  /// Waits until the thread has followed all keyframes, reports the finished share, and ends the thread. Rethrows the
+  /// thread's exception and any that progress() throws.
   LoopCloser& end(const std::function<void(double)>& progress);
-  /// Ends the thread after the place at work. Keyframes that it has not come to are in path(), and not looked at.
+  /// Ends the thread after the current place. Keyframes it has not reached are in path(), without a search.
   void abandon();
-  /// All keyframes handed over. Not before end() or abandon(); after the latter without steps from long ago.
+  /// All keyframes handed over. Call after end() or abandon(); after abandon() the oldest steps are missing.
   [[nodiscard]] const FrontEndPath& path() const { return path_; }
   /// Keyframes that have no scan any more (PlacePruning).
   [[nodiscard]] const std::vector<bool>& is_pruned() const { return is_pruned_; }
-  /// Takes the scans from the path, of those that have one.
+  /// Takes all scans that are still there from the path.
   std::vector<KeptScan> take_scans() { return path_.scans.take(); }
 
  private:
@@ -81,7 +81,7 @@ class LiveLoops {
     std::promise<FrozenMap> promise;
   };
   using KeyframesRequest = std::promise<ClosedKeyframes>;
-  /// Measurements between the place behind it and the end, which no caller has requested yet.
+  /// Measurements of a keyframe, which wait on the shelf for the end.
   struct Measured {
     MeasuredSteps steps;
     WheelTravel travel;
@@ -102,12 +102,12 @@ class LiveLoops {
   void join();
 
   LiveOptions live_;
-  // The caller's:
+  // Used by the caller's thread only:
   PlaceCounter counter_;
   Pose2 T_closed_front_;
   LiveStatistics statistics_;
   bool is_started_ = false;
-  // The thread's, from its start to its end:
+  // Used by the worker thread only, from its start to its end:
   FrontEndPath path_;
   Shelf<Measured> measured_;     // measurements of its keyframes
   std::vector<bool> is_pruned_;  // keyframes without a scan
@@ -121,9 +121,9 @@ class LiveLoops {
   std::vector<Pose2> found_;   // corrections, one a place
   double beside_cpu_s_ = 0.0;  // CPU time of the thread
   std::exception_ptr failure_;
-  bool is_ending_ = false;     // when all orders are carried out
-  bool is_abandoned_ = false;  // at once
-  bool is_over_ = false;       // there is no thread any more that would carry them out
+  bool is_ending_ = false;     // the thread ends when all orders are carried out
+  bool is_abandoned_ = false;  // the thread ends at once
+  bool is_over_ = false;       // no thread is left to carry orders out
   std::thread thread_;
 };
 

@@ -15,14 +15,14 @@ bool is_tied(const PoseGraph& graph, std::size_t place) {
   });
 }
 
-constexpr double kHeldShare = 0.8;  // share of the loops that has to stay on with other weights of the path
-constexpr double kLess = 4.0;       // times the variance
+constexpr double kHeldShare = 0.8;  // share of the loops that must stay on when the path's weights change
+constexpr double kLess = 4.0;       // factor of the variance
 constexpr int kMostTimesLess = 4;
-// One standard deviation of the bias of wheels that nothing is known of.
+// One standard deviation of the bias of unknown wheels.
 constexpr double kUsualDistance = 0.1;
 constexpr double kUsualTurn = 0.1;
 constexpr double kUsualTurn_rad_per_m = 0.1;
-constexpr int kGraduatedEvery = 8;  // places with loops, after which the graph is solved from wide kernels on
+constexpr int kGraduatedEvery = 8;  // places with loops between two solutions that start from wide kernels
 
 std::size_t loops_on(const PoseGraph& graph) {
   return static_cast<std::size_t>(
@@ -128,7 +128,7 @@ void LoopCloser::follow(const Progress& progress, WorkerPool& workers) {
   }
 }
 
-// The keyframes from a place to the next one go with it.
+// The keyframes from a place to the next one are pruned with it.
 void LoopCloser::prune() {
   const std::optional<std::size_t> place = pruning_.next(graph_);
   if (!place) return;
@@ -146,8 +146,8 @@ void LoopCloser::go_round(const Progress& progress, int round, WorkerPool& worke
   carry_keyframes();
 }
 
-// Wheels and front end are believed as the loops say. Where that would switch off loops that hold with what was stated,
-// loops are worse than they say: both are believed less then, in the same ratio.
+// Wheels and front end are weighted by the loops. If that would switch off loops that hold with the stated weights, the
+// loops are worse than stated: then both sources get larger variances, in the same ratio.
 void LoopCloser::weigh_sources() {
   const std::size_t held = loops_on(graph_);
   const PoseGraph as_stated = graph_;

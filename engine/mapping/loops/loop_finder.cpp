@@ -13,18 +13,17 @@ namespace {
 
 constexpr double kReferenceSpacing_m = 0.03;
 constexpr double kQuerySpacing_m = 0.1;
-constexpr double kSearchIndependent = 60.0;  // points of a scan that tell something new, in the cost of a search
-constexpr double kLeastPrior_m = 0.05;  // least sigma of the prior: less would be true only of a graph without mistakes
+constexpr double kSearchIndependent = 60.0;  // independent points of a scan, in the cost of a search
+constexpr double kLeastPrior_m = 0.05;       // least sigma of the prior: less needs a graph without mistakes
 constexpr double kLeastPrior_rad = 0.005;
-constexpr std::size_t kAheadAThread = 4;  // places that are looked at before it is known whether the graph stays
+constexpr std::size_t kAheadAThread = 4;  // places searched ahead, before it is known whether the graph stays
 constexpr double kNearWindow_m = 0.8;     // half windows that are cheap to prepare for
 constexpr double kNearWindow_rad = 0.5;
-constexpr double kElsewhere_m = 1.0;  // poses this near the best one, and turned as it is, are the same answer
+constexpr double kElsewhere_m = 1.0;  // poses this near the best one, with a similar heading, are the same answer
 constexpr double kElsewhere_rad = 0.35;
-constexpr double kAsGoodChi2 = 16.0;  // a pose that costs no more than that above the best one may be right as well
+constexpr double kAsGoodChi2 = 16.0;  // a pose that costs no more than this above the best one may be right as well
 
-// Cost units that one sigma squared is worth: a point that is a cell off costs 256, and of `points` only some are
-// independent.
+// Cost of one sigma squared: a point that is a cell off costs 256, and only some of `points` are independent.
 double unit_of_chi2(std::size_t points) { return 0.25 * 256.0 * static_cast<double>(points) / kSearchIndependent; }
 
 WindowPrior make_prior(const Revisit& revisit, double resolution_m, std::size_t points) {
@@ -47,7 +46,7 @@ struct LoopFinder::Reference {
       : group(keyframes, middle, options.reference_half_m, kReferenceSpacing_m),
         field(make_distance_field(group.points(), options.resolution_m, backend, backend_mutex)) {}
 
-  /// Prepared for windows of this size: most are small, and far cheaper to prepare for.
+  /// Returns the map for a window of this size: most windows are small and far cheaper to prepare.
   const CertifiedMap& certified_for(bool is_near) {
     const std::lock_guard lock(mutex);
     Prepared& prepared = prepared_for(is_near);
@@ -66,7 +65,7 @@ struct LoopFinder::Reference {
     return (for_near.map ? for_near.bytes : 0U) + (for_any.map ? for_any.bytes : 0U);
   }
 
-  /// Made when it is searched in.
+  /// Made at the first search in it.
   struct Prepared {
     std::optional<CertifiedMap> map;
     std::size_t bytes = 0;    ///< memory of the map, present or forgotten
@@ -79,11 +78,11 @@ struct LoopFinder::Reference {
   std::mutex mutex;  // guards the prepared fields
   Prepared for_near;
   Prepared for_any;
-  std::uint64_t number = 0;  // tells it from others of its place, before and after
-  std::uint64_t asked = 0;   // when it was last
+  std::uint64_t number = 0;  // distinguishes it from earlier and later references of the same place
+  std::uint64_t asked = 0;   // time of the last request
 };
 
-/// A reference that is wanted and not kept yet.
+/// A reference that is requested and not kept yet.
 struct LoopFinder::Fresh {
   std::once_flag once;
   std::unique_ptr<Reference> reference;
@@ -93,14 +92,14 @@ struct LoopFinder::Fresh {
 struct LoopFinder::Found {
   Revisit revisit;
   std::uint64_t number = 0;  ///< number of the reference; 0: a fresh one
-  bool is_near = false;      ///< the window
+  bool is_near = false;      ///< the window is small
   Pose2 T_place_here;
   LoopEvidence evidence;
   std::optional<Pose2> T_otherwise;  ///< a pose elsewhere in the window that fits about as well
   std::uint64_t boxes = 0;
 };
 
-// A place that could be in two ways says only what both have in common: along the line between them nothing.
+// An ambiguous place gives only the information that both poses share: none along the line between them.
 Matrix3 LoopFinder::found_information(const Found& found) {
   const Matrix3 information = loop_information(found.evidence);
   if (!found.T_otherwise) return information;
@@ -127,7 +126,7 @@ void LoopFinder::forget_bent() {
   std::erase_if(references_, [&](const auto& entry) { return entry.second->group.is_bent(keyframes_.poses); });
 }
 
-// Kept or fresh; nothing else changes what is kept meanwhile.
+// Returns the kept or a fresh reference; the set of kept ones does not change meanwhile.
 LoopFinder::Reference& LoopFinder::reference_at(std::size_t place) {
   if (const auto kept = references_.find(place); kept != references_.end()) return *kept->second;
   Fresh* fresh = nullptr;
@@ -155,7 +154,7 @@ void LoopFinder::forget_prepared(std::size_t place) {
   if (bytes <= options_.most_prepared_bytes) return;
   std::sort(older.begin(), older.end(), [](const Reference* a, const Reference* b) { return a->asked < b->asked; });
   for (Reference* const reference : older) {
-    if (bytes <= options_.most_prepared_bytes / 2) break;  // seldom much, rather than often little
+    if (bytes <= options_.most_prepared_bytes / 2) break;  // rarely many, rather than often few
     bytes -= reference->prepared_bytes();
     reference->for_near.map.reset();
     reference->for_any.map.reset();
@@ -189,7 +188,7 @@ void LoopFinder::search(Reference& reference, const ScanGroup& query, Found& fou
   CertifiedOptions options;
   options.gap_m = options_.gap_m;
   options.max_boxes = options_.most_boxes;
-  options.counts_window = false;  // which is wide where the heading is not known well
+  options.counts_window = false;  // the window is wide if the heading is uncertain
   options.starts = {revisit.T_place_here};
   options.prior = make_prior(revisit, options_.resolution_m, points.size());
   found.is_near = window.half_x_m <= kNearWindow_m && window.half_theta_rad <= kNearWindow_rad;
@@ -223,7 +222,7 @@ ScanGroup LoopFinder::query_at(std::size_t here) const {
   return {keyframes_, places_[here], options_.query_half_m, kQuerySpacing_m};
 }
 
-// Places without any surface around them are not searched in either, and take no turn.
+// Places without any surface around them are left out of the search and take no turn.
 std::vector<bool> LoopFinder::left_out_before(std::size_t here) const {
   std::vector<bool> left_out = is_left_out_;
   left_out.resize(std::max(left_out.size(), here));
@@ -258,7 +257,7 @@ std::vector<LoopFinder::Found> LoopFinder::look_ahead(const PoseGraph& graph, st
   return all;
 }
 
-// References are kept, and dropped, by the searches that are taken alone.
+// References are kept and dropped only when results are taken, in one thread.
 void LoopFinder::take_reference(const Found& found) {
   const std::size_t place = found.revisit.place;
   std::unique_ptr<Reference>& kept = references_[place];
@@ -276,7 +275,7 @@ void LoopFinder::take_reference(const Found& found) {
   make_room(place);
 }
 
-// A reference that was kept may have made room for others meanwhile: then a fresh one is searched in.
+// A kept reference may have been dropped meanwhile to make room: then a fresh one is searched.
 std::vector<Loop> LoopFinder::take(std::vector<Found> all, std::size_t here) {
   std::vector<Loop> loops;
   for (Found& found : all) {
@@ -294,7 +293,7 @@ std::vector<Loop> LoopFinder::take(std::vector<Found> all, std::size_t here) {
   return loops;
 }
 
-// One after the other they need less memory than side by side.
+// One search after the other needs less memory than all side by side.
 std::vector<Loop> LoopFinder::look(const PoseGraph& graph, std::size_t here, std::size_t most, WorkerPool& workers) {
   std::vector<Loop> loops;
   const std::vector<Revisit> revisits = wanted_revisits(graph, here, most);
@@ -316,7 +315,7 @@ std::vector<Loop> LoopFinder::look(const PoseGraph& graph, std::size_t here, std
 void LoopFinder::look_at(const PoseGraph& graph, std::size_t first, std::size_t end, WorkerPool& workers,
                          const Take& take_loops) {
   const std::size_t most_ahead = workers.threads() > 1 ? kAheadAThread * workers.threads() : 1;
-  std::size_t places = 1;  // looked at together: what is behind one that changes the graph is looked at again
+  std::size_t places = 1;  // searched together: places after one that changes the graph are searched again
   for (std::size_t here = first; here < end;) {
     if (places == 1) {
       const bool changes = take_loops(here, look(graph, here, options_.revisits.most, workers));

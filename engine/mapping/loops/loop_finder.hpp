@@ -1,6 +1,6 @@
-// Looks for loops: the scans around a place, searched in those around an earlier one by the certified search, in the
-// window and with the prior that the graph's covariance gives. Frames: places are the middles of groups of keyframes.
-// Not thread-safe; has its own workers look ahead where they are given. Cost: about 1 ms a search, 5 ms for each new
+// Searches for loops: the scans around a place are matched with those around an earlier one by the certified search, in
+// the window and with the prior that the graph's covariance gives. Frames: a place is the middle of a group of
+// keyframes. Not thread-safe; uses the workers it is given to look ahead. Cost: about 1 ms a search, 5 ms for each new
 // group that is searched in.
 #pragma once
 
@@ -21,18 +21,19 @@
 
 namespace gdtslam {
 
-/// How places are looked for.
+/// Options of the search for loops.
 struct LoopSearchOptions {
-  double query_half_m = 4.0;      ///< path length to each side of a place that is looked for
-  double reference_half_m = 9.0;  ///< and of one that it is looked for in
+  double query_half_m = 4.0;      ///< path length to each side of the place in the query
+  double reference_half_m = 9.0;  ///< path length to each side of the earlier place
   double resolution_m = 0.1;      ///< cell size of the distance field
   std::size_t points = 300;       ///< points of the query
-  double gap_m = 0.03;            ///< to what is proven: no loop is believed to be better than that
+  double gap_m = 0.03;            ///< proven gap: no loop counts as better than this
   std::uint64_t most_boxes = 50000;
-  /// Memory of groups kept to be searched in again, as if all their prepared fields were kept with them: loops depend
-  /// on when a group is made anew.
+  /// Memory of kept groups, counted as if their prepared fields were kept too, because the loops depend on when a group
+  /// is made anew.
   std::size_t most_bytes = 256U << 20U;
-  std::size_t most_prepared_bytes = 28U << 20U;  ///< memory of fields really kept; they are made again alike
+  std::size_t most_prepared_bytes = 28U << 20U;  ///< memory of fields that are really kept; a field made again has the
+                                                 ///< same bits
   RevisitRules revisits;
   LoopLimits limits;
 };
@@ -51,23 +52,22 @@ class LoopFinder {
   LoopFinder(const LoopFinder&) = delete;
   LoopFinder& operator=(const LoopFinder&) = delete;
 
-  /// The path has grown, or its keyframes have moved, which forget_bent() is to be told: all of them. They must stay
-  /// until the next call, or the end.
+  /// Takes a path that has grown. If keyframes have moved, call forget_bent() too. All keyframes must stay valid until
+  /// the next call, or the end.
   void extend(const KeyframePath& keyframes) { keyframes_ = keyframes; }
-  /// The keyframe in the middle of the next group, behind the last one's.
+  /// Adds a place: the keyframe in the middle of the next group, later than the last one.
   void add_place(std::size_t keyframe);
-  /// The scans around a place are gone: it is neither looked for nor at any more.
+  /// Leaves a place out of all further searches, because its scans are gone.
   void leave_out(std::size_t place);
-  /// The loops of a place to earlier ones that the graph does not have yet, or has switched off. Its nodes are the
-  /// places.
-  /// The workers share out the earlier ones, of which the `most` likeliest are searched.
+  /// Finds loops from a place to earlier ones that the graph lacks or has switched off. The graph's nodes are the
+  /// places. The workers share the earlier places; only the `most` likeliest are searched.
   std::vector<Loop> look(const PoseGraph& graph, std::size_t here, std::size_t most, WorkerPool& workers);
-  /// Looks at places from `first` until before `end`, one after the other, and gives the loops of each to take_loops(),
-  /// which tells whether it has changed the graph with them. Workers look ahead: what they found counts while the graph
-  /// is as they saw it. Loops and graph are the same for any number of them.
+  /// Searches at the places from `first` to before `end`, in order, and gives the loops of each to take_loops(), which
+  /// returns true if it changed the graph. Workers look ahead; their results count only while the graph is unchanged.
+  /// Loops and graph are the same for any number of workers.
   using Take = std::function<bool(std::size_t here, const std::vector<Loop>& loops)>;
   void look_at(const PoseGraph& graph, std::size_t first, std::size_t end, WorkerPool& workers, const Take& take_loops);
-  /// The keyframes have moved: groups in which they did so relative to each other are made anew.
+  /// The keyframes have moved: groups whose keyframes moved relative to each other are made anew.
   void forget_bent();
   [[nodiscard]] const LoopCounts& counts() const { return counts_; }
 
@@ -90,15 +90,15 @@ class LoopFinder {
 
   KeyframePath keyframes_;
   std::vector<std::size_t> places_;
-  std::vector<double> path_m_;     // until each place
+  std::vector<double> path_m_;     // path length up to each place
   std::vector<bool> is_left_out_;  // places that are left out
   LoopSearchOptions options_;
   std::unique_ptr<Backend> backend_;
   std::map<std::size_t, std::unique_ptr<Reference>> references_;
-  std::map<std::size_t, std::unique_ptr<Fresh>> fresh_;  // made while looking ahead, of the keyframes as they are
+  std::map<std::size_t, std::unique_ptr<Fresh>> fresh_;  // made while looking ahead, from the current keyframes
   std::mutex fresh_mutex_;
   std::mutex backend_mutex_;
-  std::uint64_t asked_ = 0;  // references, so far
+  std::uint64_t asked_ = 0;  // number of requests for references so far
   std::uint64_t made_ = 0;   // number of fields made so far
   LoopCounts counts_;
 };

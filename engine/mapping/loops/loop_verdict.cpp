@@ -11,11 +11,11 @@ namespace {
 constexpr double kOnWall_m = 0.15;
 constexpr double kSameSide = 0.5;            // least cosine between normals
 constexpr double kGroupPointNoise_m = 0.05;  // noise of a point of a group: its own scans drift a little
-constexpr double kGroupIndependent = 60.0;   // points that tell something new
-// In a direction in which little holds a group the search stays where it was told to begin, and that is no measurement:
-// hundreds of loops along a corridor would say together that the path is right as it drifted. So what tilted normals
+constexpr double kGroupIndependent = 60.0;   // independent points
+// In a direction in which little constrains a group the search stays at its start pose, which is no measurement:
+// hundreds of loops along a corridor would together confirm the drifted path. So the information that tilted normals
 // could feign counts as nothing, and as much again: two points of a hundred that stand across a corridor often lie on
-// another door than the one that they are laid on.
+// another door than the one they are matched with.
 constexpr double kGroupLeastShape = 1.0e-10;
 constexpr double kShapeOfFewWalls = 2.0 * kShapeOfTiltedNormals;
 constexpr double kLoopFloor_m = 0.03;
@@ -27,7 +27,7 @@ struct Shares {
   std::size_t known = 0;
 };
 
-// Counts the points at T that lie in free space and those of which anything is known.
+// Counts the points at T that lie in free space, and all points in known cells.
 Shares in_free_space(const std::vector<Point2>& points, const Pose2& T, const FreeSpace& space, std::size_t every) {
   Shares shares;
   for (std::size_t i = 0; i < points.size(); i += every) {
@@ -42,10 +42,10 @@ Shares in_free_space(const std::vector<Point2>& points, const Pose2& T, const Fr
 /// The query's walls on walls of the reference.
 struct CommonWalls {
   std::size_t same = 0;               // seen from the same side
-  std::size_t other = 0;              // from the other alone
-  Matrix3 shape;                      // the sum over the former
-  std::vector<Matrix3> of_query;      // that of each keyframe's points,
-  std::vector<Matrix3> of_reference;  // and of those that saw the reference's
+  std::size_t other = 0;              // from the other side alone
+  Matrix3 shape;                      // the sum over `same`
+  std::vector<Matrix3> of_query;      // the sum for each keyframe of the query,
+  std::vector<Matrix3> of_reference;  // and for each keyframe of the reference
 };
 
 CommonWalls common_walls(const ScanGroup& reference, const ScanGroup& query, const Pose2& T_reference_query) {
@@ -87,7 +87,7 @@ CommonWalls common_walls(const ScanGroup& reference, const ScanGroup& query, con
   return common;
 }
 
-// The shapes are for motions in the query's frame, and so is the result.
+// The shapes are for motions in the query's frame; the result is in that frame too.
 Matrix3 doubt_of_reference(const ScanGroup& reference, std::vector<Matrix3> shapes, const Pose2& T_reference_query) {
   const Matrix3 carried = adjoint_matrix(inverse(T_reference_query));
   for (Matrix3& shape : shapes) shape = transposed_times(carried, shape * carried);

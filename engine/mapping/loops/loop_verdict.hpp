@@ -1,5 +1,5 @@
-// Whether one group of scans lies on another as a second visit would: walls seen from the same side, none where beams
-// went through, either way. Thread-safe; linear in the points.
+// Decides whether two groups of scans fit as a second visit would: walls seen from the same side, and no wall of one in
+// the free space of the other. Thread-safe; linear in the points.
 #pragma once
 
 #include "engine/mapping/graph/matrix3.hpp"
@@ -10,15 +10,15 @@ namespace gdtslam {
 
 /// Evidence for and against a loop.
 struct LoopEvidence {
-  double overlap = 0.0;        ///< share of the query's wall points on a wall that is seen from the same side
-  double turned = 0.0;         ///< share of those on any wall that lie on one seen from the other side alone
-  double contradiction = 0.0;  ///< share of what is known, where a wall of one is free space of the other
-  Matrix3 shape{};  ///< surface_shape() for one point of the query's walls that both have, in the query's frame
-  Matrix3 doubt{};  ///< covariance of where the groups' keyframes lie, as it comes to the relative pose
+  double overlap = 0.0;        ///< share of the query's wall points on a wall seen from the same side
+  double turned = 0.0;         ///< share of the points on any wall whose wall was seen from the other side alone
+  double contradiction = 0.0;  ///< share of the points in known cells of the other group that lie in its free space
+  Matrix3 shape{};  ///< surface_shape() for one point of the walls that both groups have, in the query's frame
+  Matrix3 doubt{};  ///< covariance of the relative pose that comes from errors of the groups' own keyframes
 };
 
-/// Conditions for a loop to enter the graph, which then decides. Lenient: a graph can switch off what is wrong, but
-/// cannot find a loop that it never had.
+/// Conditions for a loop to enter the graph, which makes the final decision. They are lenient: a graph can switch off a
+/// wrong loop, but cannot find a loop that it never had.
 struct LoopLimits {
   double least_overlap = 0.3;
   double most_turned = 0.1;
@@ -29,7 +29,8 @@ LoopEvidence weigh_loop(const ScanGroup& reference, const ScanGroup& query, cons
 bool is_possible(const LoopEvidence& evidence, const LoopLimits& limits = {});
 
 /// Information of the relative pose of two groups, from the walls that both have seen: a wall across the way that only
-/// one has seen says nothing of the way. Never better than matching with a distance field of some centimetres.
+/// one has seen gives no information about the way. Never better than matching with a distance field of some
+/// centimetres.
 Matrix3 loop_information(const LoopEvidence& evidence);
 
 }  // namespace gdtslam

@@ -12,17 +12,16 @@ namespace {
 
 constexpr double kBiasStep = 1.0e-4;  // step of a difference quotient
 
-// Matches are believed no better than they state: loops tie what lies near by, where the map is the same and matches
-// are at their best.
+// The variance of matches is never reduced: loops tie nearby keyframes, which share a map and are matched best.
 constexpr double kLeastOfMatches = 1.0;
 constexpr double kFarBetter = 0.25;    // share of the variance
 constexpr double kVeryGood = 0.2;      // factor of the variance of wheels
-constexpr std::size_t kFewAPlace = 8;  // keyframes, from one to the next
+constexpr std::size_t kFewAPlace = 8;  // keyframes from one place to the next
 constexpr std::size_t kFewestOff = 12;
-constexpr double kOffQuantile = 0.85;  // and where it lies for the absolute value of a normal variable
+constexpr double kOffQuantile = 0.85;  // quantile, and its value for the absolute value of a normal variable
 constexpr double kOffSigmas = 1.440;
 
-// By which factor variances are larger than stated, from errors in units of their standard deviations.
+// Estimates the factor of the stated variances, from errors in units of their standard deviations.
 double estimate_factor(std::vector<double>& off) {
   const auto at = off.begin() + static_cast<std::ptrdiff_t>(kOffQuantile * static_cast<double>(off.size() - 1));
   std::nth_element(off.begin(), at, off.end());
@@ -45,7 +44,7 @@ VarianceFactor at_least(VarianceFactor factor, double least) {
 // The bias without its uncertainty, so that corrected() applies all of it.
 WheelBias plain(const WheelBias& bias) { return {bias.distance, bias.turn, bias.turn_rad_per_m, 0.0, 0.0, 0.0}; }
 
-// How the tangent of a step changes with the bias, at this bias.
+// Derivative of a step's tangent with respect to the bias, at this bias.
 Matrix3 change_with_bias(const Pose2& by_wheels, const WheelBias& bias) {
   const WheelBias at = plain(bias);
   const Pose2 T = corrected(by_wheels, at);
@@ -113,8 +112,8 @@ WheelRelation MeasuredPath::stated(std::size_t from, std::size_t to, StepSource 
   return source == StepSource::kWheels ? wheels_between(from, to) : matches_between(from, to, information);
 }
 
-// The covariances of the steps in between, each carried to the frame of the last, which adds up as the map drifts; and
-// from place to place, and to the end, what surfaces do not hold.
+// Adds the covariances of the steps, each carried to the frame of the last, which grow as the map drifts; and, from
+// place to place and to the end, the covariance along directions that surfaces leave free.
 WheelRelation MeasuredPath::matches_between(std::size_t from, std::size_t to, Information information) const {
   Pose2 T;
   Matrix3 covariance;
@@ -131,10 +130,9 @@ WheelRelation MeasuredPath::matches_between(std::size_t from, std::size_t to, In
   return {.relation = {.from = from, .to = to, .T_from_to = T, .information = inverse(covariance)}, .by_bias = {}};
 }
 
-// The way of the wheels in the headings of the matches, which are far better: by the wheels' own headings, whose noise
-// bends it, the way would be too short, and its end as far aside as they turn too much. Where no match tells the
-// heading that of the wheels counts, and its errors are carried along; likewise where loops found the wheels to be very
-// good.
+// Distances come from the wheels, headings from the matches, which are far better: with the wheels' own headings, whose
+// noise bends the path, it would be too short, and its end off to the side. If no match gives the heading, or if loops
+// found the wheels to be very good, the wheels' heading counts and its errors are carried along.
 WheelRelation MeasuredPath::wheels_between(std::size_t from, std::size_t to) const {
   Pose2 T;
   double turned_rad = 0.0;
@@ -192,8 +190,8 @@ std::vector<WheelRelation> MeasuredPath::wheels(double least_factor) const {
   return all_between_places(StepSource::kWheels, &MeasuredStep::information, at_least(factors_[1], least_factor));
 }
 
-// How far the wheels are off the graph, from place to place, in units of what was stated: where matches say that they
-// know far better, the way and the turn apart. Where they do not, loops tell.
+// Difference of the wheels from the graph, from place to place, in units of the stated errors; distance and turn apart,
+// if matches claim to be far better. If they do not, the loops decide.
 VarianceFactor MeasuredPath::factor_of_wheels(const PoseGraph& graph) const {
   std::vector<double> turns;
   std::vector<double> ways;
@@ -211,7 +209,7 @@ VarianceFactor MeasuredPath::factor_of_wheels(const PoseGraph& graph) const {
   return {.variance = estimate_factor(ways), .turn_variance = estimate_factor(turns), .closures = ways.size()};
 }
 
-// By what the matches differ from wheels that are known to be better.
+// Factor by the difference of the matches from wheels that are known to be better.
 VarianceFactor MeasuredPath::factor_beside_good_wheels() const {
   std::vector<double> turns;
   std::vector<double> ways;
@@ -227,8 +225,8 @@ VarianceFactor MeasuredPath::factor_beside_good_wheels() const {
 }
 
 // Scans that are far apart are each matched with few others, and their errors do not average out. If a chain of the
-// wheels alone then closes the loops far better than it was stated to, what matches differ from it by is the fault of
-// the matches: loops tie what lies near by, and do not show it.
+// wheels alone then closes the loops far better than stated, its difference from the matches is the matches' error:
+// loops tie nearby places and do not show it.
 void MeasuredPath::weigh(const PoseGraph& graph) {
   const bool is_sparse = path_.poses.size() < kFewAPlace * places_.size();
   factors_ = {};

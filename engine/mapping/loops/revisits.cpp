@@ -7,7 +7,7 @@
 namespace gdtslam {
 namespace {
 
-// The nearest first, and of each stretch of the path one.
+// Returns the nearest places first, one of each stretch of the path.
 std::vector<Revisit> near_places(const PoseGraph& graph, std::span<const double> path_m, std::size_t here,
                                  const RevisitRules& rules, const std::vector<bool>& left_out) {
   std::vector<Revisit> all;
@@ -51,7 +51,7 @@ std::vector<Revisit> find_revisits(const PoseGraph& graph, const GraphCovariance
   std::erase_if(revisits, [&](const Revisit& revisit) {
     return translation_length(revisit.T_place_here) > rules.near_m + rules.half_m(revisit);
   });
-  // Far and unsure is dear to look for and seldom found.
+  // Far and uncertain places cost much to search and are rarely found.
   const auto price = [&](const Revisit& revisit) {
     const double away_m = translation_length(revisit.T_place_here);
     return std::max(0.0, away_m - rules.half_m(revisit)) + 0.2 * away_m + 0.5 * rules.half_m(revisit);

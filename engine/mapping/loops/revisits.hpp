@@ -1,4 +1,4 @@
-// Places where the robot may have come back to: the earlier places that a pose graph has near a later one, within its
+// Places to which the robot may have come back: the earlier places that a pose graph has near a later one, within its
 // own uncertainty. Thread-safe. Cost: a solution of the graph's factor for each place nearby.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace gdtslam {
 
-/// An earlier place that one may be near, and how sure the graph is of the relative pose.
+/// An earlier place that may be near the current one, and the graph's uncertainty of the relative pose.
 struct Revisit {
   std::size_t place = 0;
   Pose2 T_place_here;
@@ -21,10 +21,10 @@ struct Revisit {
 
 /// Which revisits are worth a search.
 struct RevisitRules {
-  double least_path_m = 16.0;  ///< travelled in between
+  double least_path_m = 16.0;  ///< path length in between
   double near_m = 5.0;         ///< two stretches this near see the same walls
-  double widest_m = 40.0;      ///< widest half of a window: less certain places are looked for when the graph is surer
-  double sigmas = 3.0;         ///< half of a window in standard deviations, besides the next two
+  double widest_m = 40.0;      ///< largest half window: a less certain place is searched later, when the graph is surer
+  double sigmas = 3.0;         ///< half of a window in standard deviations, plus the next two
   double least_half_m = 0.3;
   double least_half_rad = 0.05;
   double stretch_m = 6.0;  ///< path length within which the nearest place alone counts
@@ -34,8 +34,8 @@ struct RevisitRules {
   [[nodiscard]] double half_rad(const Revisit& revisit) const;
 };
 
-/// Finds the revisits of node `here` among the nodes before it; the likeliest and surest first. `path_m` has the path
-/// until each node, `left_out` tells of the first nodes which of them are not looked for.
+/// Finds the revisits of node `here` among the nodes before it, the likeliest and surest first. `path_m` has the path
+/// length up to each node; `left_out` marks nodes that are not searched (missing entries count as false).
 std::vector<Revisit> find_revisits(const PoseGraph& graph, const GraphCovariance& covariance,
                                    std::span<const double> path_m, std::size_t here, const RevisitRules& rules = {},
                                    const std::vector<bool>& left_out = {});

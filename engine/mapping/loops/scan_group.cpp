@@ -11,7 +11,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kLeastPull = 1.0e-9;  // share of all points' pull below which a direction counts as unseen
+constexpr double kLeastPull = 1.0e-9;  // share of all points' information below which a direction counts as unseen
 
 Matrix3 carried(const Matrix3& covariance, const Pose2& T) {
   const Matrix3 adjoint = adjoint_matrix(T);
@@ -22,7 +22,7 @@ Matrix3 propagated(const Matrix3& gain, const Matrix3& covariance) { return gain
 
 constexpr double kBent_m = 0.02;
 constexpr double kBent_rad = 0.003;
-constexpr std::size_t kMostToASide = 80;  // keyframes: a robot that turns on the spot makes many in no path
+constexpr std::size_t kMostToASide = 80;  // keyframes: a robot that turns on the spot makes many without travelling
 
 std::pair<std::size_t, std::size_t> find_stretch(std::span<const double> path_m, std::size_t middle, double half_m) {
   std::size_t first = middle;
@@ -34,7 +34,7 @@ std::pair<std::size_t, std::size_t> find_stretch(std::span<const double> path_m,
   return {first, last};
 }
 
-// The middle one first, then outward: of a wall that several see, what the nearest of them saw counts.
+// The middle one first, then outward: if several see a wall, the points of the nearest one count.
 std::vector<std::size_t> from_middle(std::size_t first, std::size_t middle, std::size_t last) {
   std::vector<std::size_t> order{middle};
   for (std::size_t away = 1; away <= std::max(middle - first, last - middle); ++away) {

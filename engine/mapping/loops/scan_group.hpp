@@ -1,5 +1,5 @@
-// Keyframes along a stretch of the path as one: all their points in the frame of the middle one, the space that their
-// beams crossed, and, for a group that others are searched in, a distance field. Not thread-safe while it is made.
+// Groups the keyframes of a stretch of the path: all points in the frame of the middle one, the space that their beams
+// crossed, and, for a group that others are searched in, a distance field. Not thread-safe while it is made.
 #pragma once
 
 #include <cmath>
@@ -22,7 +22,7 @@
 
 namespace gdtslam {
 
-/// The first point of each cell, in the order in which they come. Not thread-safe; constant time each.
+/// Keeps the first point of each cell, in the order given. Not thread-safe; constant time each.
 class PointThinner {
  public:
   explicit PointThinner(double spacing_m) : spacing_m_(spacing_m) {}
@@ -39,10 +39,10 @@ class PointThinner {
   std::unordered_set<std::uint64_t> seen_;  // never iterated over
 };
 
-// How far keyframes may lie from where a group has them: what a wall tells that the group's middle did not see itself
-// is as sure as the way between the two. Frame: that of the middle. Thread-safe to read; linear in the keyframes.
+// Errors of the keyframes' poses within a group: a wall that the middle keyframe did not see itself is as uncertain as
+// the path between the two. Frame: that of the middle. Thread-safe to read; linear in the keyframes.
 
-/// Covariances of where a keyframe lies, as the front end states them: tangents at the keyframe.
+/// Covariances of a keyframe's pose, as the front end states them: tangents at the keyframe.
 struct StepDoubt {
   Matrix3 step;    ///< covariance of the step from the one before; these add up
   Matrix3 unseen;  ///< covariance of the keyframe itself along unseen directions; these do not add up
@@ -50,18 +50,18 @@ struct StepDoubt {
 
 class GroupDoubt {
  public:
-  /// Keyframes one after the other at `in_middle`, seen from the one with number `middle`. Without `doubts` they lie
-  /// where they are said to.
+  /// Consecutive keyframes at `in_middle`, in the frame of the keyframe `middle`. Without `doubts` these poses count as
+  /// exact.
   GroupDoubt(std::span<const StepDoubt> doubts, std::span<const Pose2> in_middle, std::size_t middle);
 
-  /// Covariance of a pose that is the least squares over the points of all keyframes, as far as it comes from where
-  /// these lie: first-order propagation, each step moving all keyframes behind it. `shapes`: the sum of J^T J over each
+  /// Covariance of a pose that is the least squares over the points of all keyframes, as far as it comes from errors of
+  /// their poses: first-order propagation, each step moving all later keyframes. `shapes`: the sum of J^T J over each
   /// keyframe's points, for motions in the middle's frame.
   [[nodiscard]] Matrix3 of_pose(std::span<const Matrix3> shapes) const;
 
  private:
   std::size_t middle_;
-  std::vector<Matrix3> steps_;  // to each keyframe, and of each, in the frame of the middle
+  std::vector<Matrix3> steps_;  // covariance of the step to each keyframe, in the frame of the middle
   std::vector<Matrix3> unseen_;
 };
 
@@ -69,21 +69,21 @@ class GroupDoubt {
 struct KeyframePath {
   ScansOfPath scans;
   std::span<const Pose2> poses;
-  std::span<const double> path_m;       ///< travelled until each
+  std::span<const double> path_m;       ///< path length up to each
   std::span<const StepDoubt> doubts{};  ///< doubt of each keyframe; empty: they lie exactly at `poses`
 };
 
-/// Whether a group of them would have a point: keyframes of an edited run may have lost all their returns. What has
-/// none is neither looked for nor in.
+/// True if a group would have a point. Keyframes of an edited run may have lost all returns; such a group takes no part
+/// in any search.
 bool have_points(const KeyframePath& keyframes, std::size_t middle, double half_m);
 
 class ScanGroup {
  public:
-  /// The keyframes within half_m of path of the one in the middle, thinned to a point a cell of `spacing_m`.
+  /// Takes the keyframes within half_m of path of the middle one, thinned to a point a cell of `spacing_m`.
   ScanGroup(const KeyframePath& keyframes, std::size_t middle, double half_m, double spacing_m);
 
-  /// Whether the keyframes lie otherwise relative to each other than when the group was made, by more than what a
-  /// distance field of loops tells apart.
+  /// True if the keyframes have moved relative to each other since the group was made, by more than the distance field
+  /// of loops resolves.
   [[nodiscard]] bool is_bent(std::span<const Pose2> poses) const;
   [[nodiscard]] const std::vector<Point2>& points() const { return points_; }
   [[nodiscard]] const FreeSpace& space() const { return *space_; }
@@ -102,13 +102,13 @@ class ScanGroup {
 // The distance field of a group of points, for the certified search. Frame: the points'. Cost: some milliseconds for
 // each thousand square metres.
 
-/// Cells of resolution_m, distances up to what a map counts by default. One at a time is made on a backend, which the
-/// mutex sees to. Throws InputError where the points reach over more than 32767 cells, ConfigError where those
-/// distances do over less than one or more than 255.
+/// Distance field with cells of resolution_m and distances up to the map's default limit. The mutex allows one field at
+/// a time on the backend. Throws InputError if the points extend over more than 32767 cells, ConfigError if the limit
+/// is less than one cell or more than 255.
 FieldCopy make_distance_field(const std::vector<Point2>& points_m, double resolution_m, Backend& backend,
                               std::mutex& backend_mutex);
 
-/// Every so many-th point, `most` at most.
+/// Every nth point, at most `most`.
 std::vector<Point2> every_nth(const std::vector<Point2>& points, std::size_t most);
 
 }  // namespace gdtslam

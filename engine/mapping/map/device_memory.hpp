@@ -8,7 +8,7 @@
 
 namespace gdtslam {
 
-/// Makes a buffer that is too small larger, with room to spare; what it held is lost.
+/// Replaces a buffer that is too small by a larger one, with spare room; its content is lost.
 inline void reserve_on(Backend& backend, Buffer& buffer, std::size_t bytes) {
   if (buffer.bytes() >= bytes) return;
   const std::size_t limit = std::max(bytes, backend.device().max_buffer_bytes);

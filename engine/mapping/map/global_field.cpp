@@ -44,7 +44,7 @@ std::array<std::uint16_t, 4> GlobalField::at_and_beside(CellIndex map_cell) cons
   const CellBox& stored = store_->stored();
   const bool is_inside = map_cell.x >= stored.min.x && map_cell.y >= stored.min.y && map_cell.x + 1 < stored.end.x &&
                          map_cell.y + 1 < stored.end.y;
-  if (!is_inside) return {cap(), cap(), cap(), cap()};  // known cells lie farther inside
+  if (!is_inside) return {cap(), cap(), cap(), cap()};  // cells outside are unknown
   const FieldLayout& layout = store_->layout();
   const CellOffset d = map_cell - stored.min;
   const std::size_t place = layout.place(static_cast<std::size_t>(d.dx), static_cast<std::size_t>(d.dy));

@@ -1,4 +1,4 @@
-// The map on one backend, where keyframes are merged. Not thread-safe.
+// The map on one backend, into which keyframes are merged. Not thread-safe.
 #pragma once
 
 #include <chrono>
@@ -13,10 +13,10 @@
 namespace gdtslam {
 
 struct KeyframeMap {
-  /// map.max_megacells counts on the CPU; a device takes what it has memory for.
+  /// map.max_megacells limits the map on the CPU; on a device its memory is the limit.
   KeyframeMap(const MapperConfig& config, Backend& backend);
-  /// Paper equation (1), and (9) to (11); grows the map where it has to. Throws InputError where the map would become
-  /// too large, DeviceError where the backend fails; its cells are as before then.
+  /// Paper equation (1), and (9) to (11); grows the map if needed. Throws InputError if the map would become too large,
+  /// DeviceError if the backend fails; its cells are unchanged then.
   void merge(const KeyframeCells& keyframe, StageTimes& stages);
 
   GlobalField field;
@@ -38,13 +38,13 @@ class StageTimer {
   Clock::time_point start_;
 };
 
-/// A map on a CPU backend of its own, which lives as long as it does: it may be handed on, also to another thread. One
-/// thread at a time while it is made; then it stays as it is. Cost: some 0.5 ms a keyframe.
+/// A map on its own CPU backend, with the same lifetime, so it may be passed to another thread. One thread at a time
+/// while it is made; then it is constant. Cost: some 0.5 ms a keyframe.
 class SeparateMap {
  public:
   explicit SeparateMap(const MapperConfig& config);
-  /// Paper equations (1) and (9) to (11); nothing where there are no points. Throws InputError where the map would be
-  /// beyond map.max_megacells.
+  /// Paper equations (1) and (9) to (11); no effect without points. Throws InputError if the map would exceed
+  /// map.max_megacells.
   void merge(const std::vector<Point2>& points_base_m, const Pose2& T_map_base);
   [[nodiscard]] const GlobalField& field() const { return map_.field; }
 

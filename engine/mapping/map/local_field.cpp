@@ -58,7 +58,7 @@ void StampLists::list(const KeyframeCells& keyframe, const GlobalField& map) {
   }
 }
 
-// The tiles that are reached, and the places of their obstacles.
+// Lists the tiles that are reached, and the positions of their obstacles.
 void StampLists::lay_out(const GlobalField& map) {
   tiles_.clear();
   boxes_.clear();

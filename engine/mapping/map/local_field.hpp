@@ -1,6 +1,6 @@
-// A keyframe's distance field, paper equation (1), merged into the map by (9) to (11). The exact one is stamped into
-// the tiles that its obstacles reach; jump flooding makes the field of the whole window first. In buffers that are kept
-// from keyframe to keyframe. Not thread-safe.
+// A keyframe's distance field, paper equation (1), merged into the map by (9) to (11). The exact field is stamped into
+// the tiles that its obstacles reach; jump flooding makes the field of the whole window first. Buffers are kept from
+// keyframe to keyframe. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +13,10 @@
 
 namespace gdtslam {
 
-// Which tiles of the map a keyframe's obstacles reach, and the obstacles of each (GdtStamp).
+// The tiles of the map that a keyframe's obstacles reach, and the obstacles of each (GdtStamp).
 
-/// The lists of one keyframe; kept from one to the next, so that they allocate nothing. Cost: linear in the obstacles
-/// and in the tiles of the keyframe's window.
+/// The lists of one keyframe; reused for the next, so that they allocate nothing. Cost: linear in the obstacles and in
+/// the tiles of the keyframe's window.
 class StampLists {
  public:
   explicit StampLists(std::uint32_t radius_cells) : radius_(static_cast<std::int32_t>(radius_cells)) {}
@@ -25,14 +25,14 @@ class StampLists {
   void list(const KeyframeCells& keyframe, const GlobalField& map);
 
   [[nodiscard]] std::uint32_t tile_count() const { return static_cast<std::uint32_t>(tiles_.size()); }
-  /// The list that the kernel takes.
+  /// The list in the format of the kernel.
   [[nodiscard]] const std::vector<std::uint32_t>& words() const { return words_; }
   /// The tiles, map cells.
   [[nodiscard]] const std::vector<CellBox>& boxes() const { return boxes_; }
   [[nodiscard]] std::uint32_t most_obstacles() const { return most_; }
 
  private:
-  // A tile that a disc may reach: how many do, and the place of the next one in the list.
+  // A tile that discs may reach: the number of discs, and the position of the next one in the list.
   struct Reached {
     std::uint32_t count = 0;
     std::uint32_t next = 0;
@@ -55,10 +55,10 @@ class LocalField {
  public:
   LocalField(Backend& backend, std::uint32_t radius_cells, DistanceTransform transform = DistanceTransform::kExact);
 
-  /// Prepares a keyframe for a map that holds its window and lives on the same backend. Throws InputError where the map
-  /// may not take so much memory, what the backend throws else; the map is as before then.
+  /// Prepares a keyframe for a map that holds its window and lives on the same backend. Throws InputError if the map
+  /// would take too much memory, and the backend's exceptions; the map is unchanged then.
   void prepare(const KeyframeCells& keyframe, const GlobalField& map);
-  /// Merges it into that map, which has not grown since.
+  /// Merges it into that map, which must not have grown since.
   void merge_into(GlobalField& map, const MergeStep& step);
 
  private:

@@ -14,7 +14,7 @@ namespace gdtslam {
 namespace {
 
 constexpr std::uint64_t kTileCells = std::uint64_t{kTileSide} * kTileSide;
-/// Cells of the rectangle for each one that is kept: of what buildings and streets span, 6 to 22 % are seen.
+/// Cells of the rectangle for each kept cell: beams see 6 to 22 % of the extent of buildings and streets.
 constexpr std::uint64_t kRectangleShare = 4;
 
 std::uint64_t cell_count(const CellBox& box) {
@@ -42,7 +42,7 @@ struct RowStates {
   std::uint64_t free = 0;
 };
 
-// A wall has an end at least, whatever the configuration says.
+// An occupied cell has at least one end, whatever the configuration says.
 RowStates read_states(const TileCounts& counts, std::size_t row, const OccupancyConfig& config) {
   RowStates states;
   for (std::uint64_t ended = counts.ended(row); ended != 0; ended &= ended - 1) {
@@ -100,7 +100,7 @@ std::vector<Option> option_table(OccupancyConfig& config) {
 struct OccupancyBuilder::Ray : ScanRay {};
 
 struct OccupancyBuilder::Tiles {
-  ScanMarks marks;  ///< marks of the scan in hand
+  ScanMarks marks;  ///< marks of the current scan
   std::unordered_map<std::uint64_t, TileCounts> counts;
 };
 
@@ -150,7 +150,7 @@ void OccupancyBuilder::mark_rays(const CellBox& touched) {
   if (tiles * kTileCells > limits_.max_cells) refuse(std::to_string(tiles * kTileCells), limits_.max_cells);
 }
 
-// A cell in which a beam ended counts as that, whatever passed through it.
+// A cell in which a beam ended counts as an end, whatever passed through it.
 void OccupancyBuilder::count_marks() {
   ScanMarks& marks = tiles_->marks;
   for (std::size_t k = 0; k < marks.size(); ++k) {

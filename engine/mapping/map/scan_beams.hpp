@@ -20,7 +20,7 @@
 
 namespace gdtslam {
 
-/// Farther from the robot neither sensor nor points count: a mount that is plainly wrong.
+/// Farther from the robot neither sensors nor points count: such a mount is plainly wrong.
 inline constexpr double kFurthestFromRobot_m = 1.0e5;
 
 inline double beam_bearing_rad(const LaserScan& scan, std::size_t beam) {
@@ -32,27 +32,27 @@ inline SinCos<double> beam_direction(const LaserScan& scan, std::size_t beam) {
   return sin_cos(beam_bearing_rad(scan, beam));
 }
 
-/// Whether the laser is known to have moved between the beams of the scan.
+/// True if the laser is known to have moved between the beams of the scan.
 inline bool is_skewed(const LaserScan& scan) {
   return scan.speed && (scan.first_beam_after_s != 0.0 || scan.beam_period_s != 0.0);
 }
 
-/// The laser when it measured the beam, in the robot's frame at the scan's stamp.
+/// Pose of the laser when it measured the beam, in the robot's frame at the scan's stamp.
 inline Pose2 laser_at_beam(const LaserScan& scan, std::size_t beam) {
   const double after_s = scan.first_beam_after_s + static_cast<double>(beam) * scan.beam_period_s;
   return exp_se2(after_s * *scan.speed) * scan.T_base_laser;
 }
 
-/// At or above it a range is no return: the configured limit, or the sensor's own where that is lower.
+/// At or above it a range is no return: the configured limit, or the sensor's own if that is lower.
 inline double range_limit_m(const LaserScan& scan, double most_m) {
   return limit_of_floats_m(scan.max_range_m > 0.0 ? std::min(most_m, scan.max_range_m) : most_m);
 }
 
-/// A beam from the laser to where it ended, or as far as it says that there is nothing.
+/// A beam from the laser to its end; without a return, to the end of its free space.
 struct ScanRay {
   SubCell start;
-  SubCell end;       ///< the return, or where what is known ends
-  SubCell free_end;  ///< up to where the beam counts as having passed; the end unless rays are cut short
+  SubCell end;       ///< the return, or the end of the known free space
+  SubCell free_end;  ///< end of the part that counts as passed; `end` unless rays are cut short
   bool is_return = false;
   std::uint32_t beam = 0;  ///< its number in the scan
 };
@@ -62,7 +62,7 @@ struct RayLimits {
   double min_range_m = 0.0;       ///< shorter ranges are dropped
   double max_range_m = 0.0;       ///< at or above it, or the sensor's own limit, a range is no return
   double no_return_free_m = 0.0;  ///< length of a beam without return; 0: there is none
-  double short_of_end_m = 0.0;    ///< before its end a beam no longer counts as having passed
+  double short_of_end_m = 0.0;    ///< length before its end that does not count as passed
 };
 
 /// Unit vectors of the beams in the laser's frame.
@@ -76,7 +76,7 @@ inline std::vector<Point2> beam_directions(const LaserScan& scan) {
   return directions;
 }
 
-/// The nearest odd multiple of 1/512 cell; far away, where map cells end.
+/// The nearest odd multiple of 1/512 cell, limited to the range of map cells.
 inline SubCell to_sub_cell(const Point2& point_m, double resolution_m) {
   constexpr double kEvenSteps = 256.0;
   const auto odd = [resolution_m](double coordinate_m) {
@@ -87,7 +87,7 @@ inline SubCell to_sub_cell(const Point2& point_m, double resolution_m) {
   return {odd(point_m.x()), odd(point_m.y())};
 }
 
-/// A pose whose sine and cosine are wanted for each beam.
+/// A pose with its sine and cosine, which each beam needs.
 struct TurnedLaser {
   explicit TurnedLaser(const Pose2& T) : T_grid_laser(T), heading(sin_cos(T.theta_rad)) {}
   [[nodiscard]] Point2 in_grid(const Point2& d) const {
@@ -99,7 +99,7 @@ struct TurnedLaser {
 };
 
 /// Replaces `rays` by those of the scan, whose beams point along `directions`; returns the cells that they touch.
-/// Ranges that are not finite are no returns. Throws InputError where the laser's pose is not finite.
+/// Ranges that are not finite are no returns. Throws InputError if the laser's pose is not finite.
 template <class Ray>
 CellBox collect_rays(const LaserScan& scan, const Pose2& T_grid_base, std::span<const Point2> directions,
                      const RayLimits& limits, std::vector<Ray>& rays) {

@@ -10,7 +10,7 @@ constexpr std::int64_t kSubCells = 512;  // half steps of 1/256 cell
 constexpr unsigned kTileBits = 6;        // bits of a cell's place in its tile
 constexpr std::int64_t kWithin = kTileSide - 1;
 
-// Cells first to last of a line of a tile.
+// Bits of the cells from first to last in a line of a tile.
 std::uint64_t bit_range(std::int64_t first, std::int64_t last) {
   return (~std::uint64_t{0} << (first & kWithin)) & (~std::uint64_t{0} >> (~last & kWithin));
 }
@@ -31,9 +31,9 @@ struct Along {
 };
 
 /// Finds where a segment leaves one row of cells after the other, or one column. The border k between rows is crossed
-/// after n borders between columns, those that come before it:
+/// after n borders between columns:
 ///   n = ceil(((border_across + 512 k) run_along - border_along run_across) / (512 run_across)).
-/// At a corner the border between rows comes first. There is no branch, as no processor could predict it.
+/// At a corner the border between rows comes first. There is no branch, because no processor could predict it.
 template <bool kForward>
 class Crossings {
  public:
@@ -46,7 +46,7 @@ class Crossings {
     at_ = kForward ? along.cell + passed : along.cell - passed;
     past_ = ahead - 1 - (passed - 1) * whole_;
   }
-  /// The cell of the row from which it is left.
+  /// The last cell of the row.
   [[nodiscard]] std::int64_t at() const { return at_; }
   void next() {
     past_ += beyond_;
@@ -57,10 +57,10 @@ class Crossings {
 
  private:
   std::int64_t whole_;
-  std::int64_t each_;    ///< columns passed in a row at most,
-  std::int64_t beyond_;  ///< and how much less it is, below 0
+  std::int64_t each_;    ///< most columns passed in a row,
+  std::int64_t beyond_;  ///< and the exact number minus that, below 0
   std::int64_t at_ = 0;
-  std::int64_t past_ = 0;  ///< how far the last border is behind, less than `whole_`
+  std::int64_t past_ = 0;  ///< distance beyond the last border, less than `whole_`
 };
 
 }  // namespace
@@ -97,7 +97,7 @@ void ScanMarks::add_end(CellIndex cell) {
       std::uint64_t{1} << (at.dx & (kTileSide - 1));
 }
 
-// Cells of a row, or of a column, from one to the other; all counted from the origin.
+// Marks the cells of a row, or of a column, between two positions counted from the origin.
 template <bool kAlongX>
 void ScanMarks::mark_run(std::int64_t line, std::int64_t from, std::int64_t to) {
   const std::int64_t last = std::max(from, to);
@@ -114,8 +114,7 @@ TileBits& ScanMarks::tile_lines(std::int64_t along, std::int64_t across) {
                  : tile_at(across >> kTileBits, along >> kTileBits).columns;
 }
 
-// One step is a row (or column), from where the segment enters it to where it leaves it; most often both lie in the
-// tile of the row before.
+// Each step is a row (or column), from the segment's entry to its exit; mostly both lie in the tile of the row before.
 template <bool kAlongX, bool kForward>
 void ScanMarks::cast(const Segment& segment) {
   const Along along = kAlongX ? segment.x : segment.y;

@@ -1,8 +1,8 @@
-// Which cells the beams of one scan cross and end in: a bit a cell, in tiles of 64 x 64 cells that are made where a
-// beam goes. A beam that runs along x is marked a row at a time, one that runs along y a column at a time, up to 64
-// cells at once; the columns are turned into rows when they are read. Cells are exact for points on the odd multiples
-// of 1/512 cell (integer traversal after [AmanatidesWoo1987], a whole row a step). Frame: map cells. Cost: O(rows or
-// columns and tiles crossed) per beam, 1.5 kB per tile. One object belongs to one thread.
+// Marks the cells that the beams of one scan cross and end in: a bit a cell, in tiles of 64 x 64 cells that are made
+// when a beam reaches them. A beam along x is marked a row at a time, one along y a column at a time, up to 64 cells at
+// once; the columns are turned into rows when they are read. Cells are exact for points on the odd multiples of 1/512
+// cell (integer traversal after [AmanatidesWoo1987], a whole row a step). Frame: map cells. Cost: O(rows or columns and
+// tiles crossed) per beam, 1.5 kB per tile. One object belongs to one thread.
 #pragma once
 
 #include <array>
@@ -49,11 +49,11 @@ class ScanMarks {
 
   /// Forgets all marks; from now on the cells of `box` may be marked.
   void clear(const CellBox& box);
-  /// Marks all cells of the segment, that of the end too.
+  /// Marks all cells of the segment, including the last one.
   void add_ray(const SubCell& start, const SubCell& end);
   void add_end(CellIndex cell);
 
-  /// The tiles in which something is marked, in the order in which they were first reached.
+  /// The tiles with marks, in the order in which they were first reached.
   [[nodiscard]] std::size_t size() const { return used_; }
   [[nodiscard]] Tile& operator[](std::size_t k) { return *pool_[k]; }
 
@@ -75,9 +75,9 @@ class ScanMarks {
 
   CellIndex origin_;           ///< the lower left cell of the lower left tile
   std::size_t columns_ = 0;    ///< number of tile columns
-  std::vector<Tile*> places_;  ///< row-major; null where nothing is marked
+  std::vector<Tile*> places_;  ///< row-major; null without marks
   std::vector<std::unique_ptr<Tile>> pool_;
-  std::size_t used_ = 0;  ///< tiles used of the pool
+  std::size_t used_ = 0;  ///< number of pool tiles in use
 };
 
 /// Rows become columns: bit x of word y becomes bit y of word x.

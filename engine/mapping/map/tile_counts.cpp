@@ -14,7 +14,7 @@ constexpr std::size_t kStripRows = 8;  // counted together
 /// Some rows of cells.
 using Strip = std::array<std::uint64_t, kStripRows>;
 
-// One bit more in a plane; the carries are left in `carry`. Whether there are any.
+// Adds one bit in a plane; the carries are left in `carry`. Returns true if there are any.
 bool add_to_plane(std::uint64_t* plane, Strip& carry) {
   std::uint64_t any = 0;
   for (std::size_t k = 0; k < kStripRows; ++k) {
@@ -26,7 +26,7 @@ bool add_to_plane(std::uint64_t* plane, Strip& carry) {
   return any != 0;
 }
 
-// Adds both to a plane; the carries are left in `carry`, and `waiting` is empty.
+// Adds both to a plane; the carries are left in `carry`, and `waiting` becomes empty.
 void add_to_plane(TileBits& plane, TileBits& waiting, TileBits& carry) {
   for (std::size_t row = 0; row < plane.size(); ++row) {
     const std::uint64_t differ = waiting[row] ^ carry[row];
@@ -59,7 +59,7 @@ void TileCounts::increment(Planes& planes, std::size_t first_plane, const TileBi
     bool has_carry = std::any_of(carry.begin(), carry.end(), [](std::uint64_t word) { return word != 0; });
     for (std::size_t k = first_plane; has_carry; ++k) {
       while (k >= planes.size()) {
-        planes.reserve(planes.size() + 1);  // a plane is large, and none may follow for long
+        planes.reserve(planes.size() + 1);  // a plane is large, and often none follows for long
         planes.emplace_back();
       }
       has_carry = add_to_plane(&planes[k][row], carry);

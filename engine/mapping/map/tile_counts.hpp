@@ -1,8 +1,7 @@
-// How many scans ended in each cell of a tile, and how many passed through it. A counter of 16 bits is kept as bit
-// planes, the lowest bits of all cells together, and a plane is there only where a count has come so far: 64 cells are
-// counted by a few operations, and a cell takes some bits instead of eight bytes. Passes, which are many, wait in twos
-// and in fours before they are carried on, so that the higher planes are seldom touched. One object belongs to one
-// thread.
+// Counts the scans that ended in each cell of a tile, and those that passed through it. A counter of 16 bits is kept as
+// bit planes, the lowest bits of all cells together; a plane exists only once a count needs it. A few operations count
+// 64 cells, and a cell takes some bits instead of eight bytes. Passes, which are many, wait in twos and in fours before
+// they are carried on, so that the higher planes are seldom touched. One object belongs to one thread.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +18,8 @@ class TileCounts {
     std::uint32_t passes = 0;
   };
 
-  /// One scan more: no cell may be in both. Where a counter becomes full, 65535, both of its cell are halved, which
-  /// keeps their ratio.
+  /// Adds one scan: no cell may be in both. If a counter becomes full, 65535, both counters of its cell are halved,
+  /// which keeps their ratio.
   void add(const TileBits& ends, const TileBits& passes);
 
   /// The cells of a row with at least one end, or one pass.
@@ -38,7 +37,7 @@ class TileCounts {
 
   Planes ends_;
   Planes passes_;
-  /// Passes that are not in the planes yet: what is here counts once, and twice.
+  /// Passes not in the planes yet: these count once, and these twice.
   TileBits ones_{};
   TileBits twos_{};
   bool has_ones_ = false;  ///< else they are all zero

@@ -12,7 +12,7 @@ namespace gdtslam {
 namespace {
 
 /// The cost of a pose as a function of three numbers: offsets from the start as shares of the box's half widths, so
-/// that the methods need to know nothing of cells and radians.
+/// that the methods are independent of cells and radians.
 class PoseFunction final : public optimize::Function {
  public:
   PoseFunction(Objective& objective, const CellPose& start, const PoseBox& box)
@@ -77,7 +77,7 @@ struct GaussStep {
   double theta = 0.0;
 };
 
-// (H + damping diag H) step = -gradient by Cholesky's factorisation; nothing where that is singular.
+// Solves (H + damping diag H) step = -gradient by Cholesky's factorisation; empty if the matrix is singular.
 std::optional<GaussStep> damped_step(const Linearisation& at, double damping) {
   const auto& [xx, xy, xt, yy, yt, tt] = at.curvature;
   const double grow = 1.0 + damping;

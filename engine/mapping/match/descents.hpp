@@ -1,6 +1,6 @@
-// How a pose of least cost (4) is found near a start: the paper's simplex and the field's slope walk on this thread;
-// the generations and complexes of its other optimizers are costed by the backend as batches. All operations are
-// correctly rounded and have a fixed order, so every host gives the same bits. Thread-safe on objectives of their own.
+// Minimisers of the cost (4) near a start pose. The paper's simplex and the descent along the field's slope run on this
+// thread; the backend evaluates the generations and complexes of the other optimizers as batches. All operations are
+// correctly rounded and have a fixed order, so every host gives the same bits. Thread-safe on separate objectives.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace gdtslam {
 
-/// The box around the start, and how small a population has to be to have converged.
+/// The box around the start, and the size at which a population counts as converged.
 struct PoseBox {
   float half_cells = 8.0F;
   float half_rad = 0.12F;
@@ -29,7 +29,7 @@ LocalMinimum minimise_in_box(Objective& objective, const CellPose& start, const 
 /// field with a robust cost [Huber1964], damped after [Levenberg1944, Marquardt1963]. Ours, not the paper's: it follows
 /// the field's slope, so it needs a tenth of a simplex's evaluations.
 struct GaussNewtonOptions {
-  float scale_cells = 1.0F;  ///< distances below count as squares, above as they are
+  float scale_cells = 1.0F;  ///< smaller distances count as squares, larger ones linearly
   float stop_cells = 0.01F;  ///< stops when a step is smaller than this in x and y ...
   float stop_rad = 0.0002F;  ///< ... and than this in theta
   std::uint32_t max_evaluations = 50;

@@ -20,7 +20,7 @@ struct Lattice {
   [[nodiscard]] std::size_t index(std::uint32_t x, std::uint32_t y, std::uint32_t t) const {
     return (std::size_t{t} * count_xy + y) * count_xy + x;
   }
-  // True when no neighbour is better; among equals the lowest index counts.
+  // True if no neighbour is better; among equals the lowest index counts.
   [[nodiscard]] bool is_local_minimum(std::uint32_t x, std::uint32_t y, std::uint32_t t) const;
 };
 

@@ -1,5 +1,5 @@
-// All poses of a window at once, then a simplex from each of the best local minima: the global solution up to the
-// grid's spacing.
+// Evaluates all poses of a window, then runs a simplex from each of the best local minima: the global solution up to
+// the grid's spacing.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ struct SearchWindow {
   [[nodiscard]] std::uint32_t count_xy() const;  ///< samples along x (and along y)
   [[nodiscard]] std::uint32_t count_theta() const;
   [[nodiscard]] bool holds(const CellPose& pose) const;
-  /// Whether a pose lies within half a step of the edge; a window without extent has none.
+  /// True if a pose lies within half a step of the edge; a window without extent has no edge.
   [[nodiscard]] bool has_at_edge(const CellPose& pose) const;
 };
 

@@ -12,15 +12,15 @@ namespace gdtslam {
 namespace {
 
 constexpr SimplexOptions kFirstDescent{.step_cells = 2.0F, .step_rad = 0.03F};
-// A gate that is not the last needs no more than the accuracy that the next one starts from.
+// A gate that is not the last needs only the start accuracy of the next one.
 constexpr float kLooseCells = 0.1F;
 constexpr float kLooseRad = 0.001F;
-constexpr double kMatchSigma_m = 0.01;  // a match itself is off by so much
+constexpr double kMatchSigma_m = 0.01;  // error of a match itself
 constexpr double kMatchSigma_rad = 0.005;
-constexpr double kWindowSigmas = 4.0;  // half of a window in standard deviations, besides the configured one
+constexpr double kWindowSigmas = 4.0;  // half of a window in standard deviations, besides the configured half width
 
-/// A coordinate of a pose for the kernels. So little that a device could meet a subnormal number on its way is 0 here,
-/// since a device may take such numbers for 0 (docs/numerics.md).
+/// A coordinate of a pose for the kernels. Values so small that a device could meet a subnormal number become 0,
+/// because a device may treat such numbers as 0 (docs/numerics.md).
 float coordinate(double value) {
   constexpr double kLeast = 1.0e-30;
   return std::fabs(value) < kLeast ? 0.0F : static_cast<float>(value);
@@ -43,7 +43,7 @@ MatchRules::MatchRules(const MapperConfig& config) : config_(config) {
   stages_.push_back({units(g.final_m), simplex});
 }
 
-// No cell holds more than 16 bits, so a gate beyond says no more.
+// No cell exceeds 16 bits, so a larger gate has no effect.
 std::uint32_t MatchRules::units(double metres) const {
   constexpr double kMost = 65535.0;
   return static_cast<std::uint32_t>(std::lround(std::min(metres / config_.map.resolution_m * kFieldOne, kMost)));
@@ -75,7 +75,7 @@ Pose2 MatchRules::to_metres(const CellPose& pose) const {
   return pose_in_metres(pose, anchor_, config_.map.resolution_m);
 }
 
-// An estimated noise of the wheels is used as it is; without one it is guessed from the distance they went.
+// The estimated noise of the wheels is used as it is; without an estimate it follows from the distance travelled.
 MotionNoise MatchRules::noise() const {
   const PriorConfig& p = config_.prior;
   if (!prediction_.noise) {
@@ -97,7 +97,7 @@ SearchWindow MatchRules::window(double scale) const {
   const double least_rad = s.half_rad + more_rad;
   double half_m = scale * least_m;
   double half_rad = scale * least_rad;
-  if (is_estimated) {  // wider where anything possible lies there
+  if (is_estimated) {  // widened only as far as the robot can be
     const auto [most_m, most_rad] = reach();
     half_m = std::min(half_m, std::max(least_m, most_m));
     half_rad = std::min(half_rad, std::max(least_rad, most_rad));
@@ -163,7 +163,7 @@ Doubt MatchRules::find_refusal(const Evidence& evidence) const {
   return Doubt::kNone;
 }
 
-// Doubt about a match that stands: the map supports it badly, or the odometry says something quite different.
+// Doubt about a match that is accepted: the map supports it badly, or the odometry disagrees strongly.
 Doubt MatchRules::reservation_about(const CellPose& pose, const Evidence& evidence) const {
   if (is_suspect(evidence)) return Doubt::kWeakEvidence;
   const bool far = prediction_.by_odometry && is_beyond(pose, config_.doubt.report_m, config_.doubt.report_rad);

@@ -1,7 +1,7 @@
 // Values that every matcher derives from the configuration and the prediction of a scan: the anchor cell, the prior,
 // the window, the stages of a descent; and the rules of suspicion and doubt, one set for all matchers. Poses of a scan
-// are in cells and radians relative to the lower left corner of the anchor cell. Not thread-safe; constant time, but
-// for thin() and put_thinned_first(), which are linear in the points.
+// are in cells and radians relative to the lower left corner of the anchor cell. Not thread-safe; constant time, except
+// thin() and put_thinned_first(), which are linear in the points.
 #pragma once
 
 #include <cstddef>
@@ -20,28 +20,27 @@
 
 namespace gdtslam {
 
-/// When to stop looking far and wide: a laser that is covered, or one that gives noise, matches nothing, and as nobody
-/// knows how far the robot went meanwhile each of its scans would be searched for in the widest window. Thread-safe as
-/// a number is; constant time.
+/// Decides when to stop wide searches. A covered or noisy laser matches nothing, and since the robot's motion is then
+/// unknown, each of its scans would be searched in the widest window. Thread-safe like a number; constant time.
 class Patience {
  public:
-  /// Scans one after the other that match nothing, after which only each so-manieth is searched for. Of nine real logs
-  /// none has more than five in a row.
+  /// After this many unmatched scans in a row, only one in kSearchedThen is searched widely. None of nine real logs has
+  /// more than five in a row.
   static constexpr std::uint64_t kScans = 64;
   static constexpr std::uint64_t kSearchedThen = 8;
 
-  /// A scan with enough points to be matched: whether it was.
+  /// Takes the result of a scan with enough points to be matched.
   void take(bool is_accepted) { refused_ = is_accepted ? 0 : refused_ + 1; }
-  /// Whether the next one is to be looked for near its prediction alone.
+  /// True if the next scan is to be searched near its prediction alone.
   [[nodiscard]] bool is_over() const { return refused_ >= kScans && refused_ % kSearchedThen != 0; }
 
  private:
   std::uint64_t refused_ = 0;
 };
 
-// Scans with more points than a matcher takes. Linear.
+// Scans with more points than a matcher accepts. Linear.
 
-/// Every k-th point, with the least k that leaves no more than `most`, which must not be 0.
+/// Keeps every k-th point, with the least k that leaves at most `most`, which must not be 0.
 inline void thin(std::vector<PointCells>& points, std::size_t most) {
   if (points.size() <= most) return;
   const std::size_t every = (points.size() + most - 1) / most;
@@ -58,12 +57,12 @@ struct Evidence {
   StopReason stop = StopReason::kNotRun;
 };
 
-/// The counts behind it, over all points at the nearest cell; 1/256 cell.
+/// The counts of the evidence, over all points at the nearest cell; 1/256 cell.
 struct EvidenceCounts {
-  std::uint64_t sum = 0;     ///< sum of the values, none more than the wide gate
+  std::uint64_t sum = 0;     ///< sum of the values, each capped at the wide gate
   std::uint64_t near = 0;    ///< points within the final gate
-  std::uint64_t beside = 0;  ///< points farther than two final gates, near something known
-  std::uint64_t known = 0;   ///< points near something known
+  std::uint64_t beside = 0;  ///< points farther than two final gates, near a known obstacle
+  std::uint64_t known = 0;   ///< points near a known obstacle
 };
 
 /// One descent of several: the gate and the simplex of equation (8) and (4).
@@ -76,37 +75,38 @@ class MatchRules {
  public:
   explicit MatchRules(const MapperConfig& config);
 
-  /// A scan of so many points that should be where the prediction says.
+  /// Starts a scan with this many points at the predicted pose.
   void begin(const Prediction& prediction, std::size_t points);
 
   [[nodiscard]] CellIndex anchor() const { return anchor_; }
   [[nodiscard]] const CellPose& predicted() const { return predicted_; }
   [[nodiscard]] const PriorParams& prior() const { return prior_; }
   [[nodiscard]] Pose2 to_metres(const CellPose& pose) const;
-  /// The window around the prediction, scaled; sampled as the configuration says. Where it is hopeless the least one.
+  /// The window around the prediction, scaled, sampled as configured. The smallest window if the prediction is
+  /// hopeless.
   [[nodiscard]] SearchWindow window(double scale) const;
-  /// Whether a wider window may be looked into.
+  /// True if a wider window may be searched.
   [[nodiscard]] bool may_search() const { return !prediction_.is_hopeless; }
   /// From the wide gate to the final one, the simplex smaller each time.
   [[nodiscard]] const std::vector<DescentStage>& stages() const { return stages_; }
   [[nodiscard]] std::uint32_t wide_gate() const { return stages_.front().gate; }
   [[nodiscard]] std::uint32_t final_gate() const { return stages_.back().gate; }
-  /// How sure the prediction is.
+  /// Uncertainty of the prediction.
   [[nodiscard]] MotionNoise noise() const;
-  /// Whether the robot can have got there; always where its motion is not estimated.
+  /// True if the robot can be at this pose; always true if its motion is not estimated.
   [[nodiscard]] bool is_possible(const CellPose& pose) const;
-  /// How far a pose may be from the prediction before it is suspect.
+  /// Distance of a pose from the prediction beyond which it is suspect.
   [[nodiscard]] double far_m() const;
   [[nodiscard]] double far_rad() const;
 
   [[nodiscard]] Evidence evidence(const EvidenceCounts& counts) const;
   [[nodiscard]] bool is_suspect(const Evidence& evidence) const;
   [[nodiscard]] bool is_far(const CellPose& pose) const;
-  /// The pose and what is to be thought of it; the prediction instead where the match is refused.
+  /// Judges a matched pose; the result has the prediction instead if the match is refused.
   [[nodiscard]] MatchResult judged(const CellPose& pose, const Evidence& evidence) const;
 
  private:
-  /// Around the prediction, so far that it holds every pose that is possible.
+  /// Half widths around the prediction that include every possible pose.
   [[nodiscard]] MotionNoise reach() const;
   [[nodiscard]] SearchWindow make_window(double half_m, double half_rad) const;
   [[nodiscard]] std::uint32_t units(double metres) const;
@@ -124,14 +124,14 @@ class MatchRules {
   PriorParams prior_;
 };
 
-/// Every n-th point, in order, so that at most `most` are left; all where there are no more.
+/// Takes every n-th point, in order, so that at most `most` are left; all points if there are no more.
 inline void thin(std::span<const PointCells> points, std::size_t most, std::vector<PointCells>& thinned) {
   const std::size_t every = (points.size() + most - 1) / most;
   thinned.clear();
   for (std::size_t i = every / 2; i < points.size(); i += every) thinned.push_back(points[i]);
 }
 
-/// All points, those of thin() first; returns how many those are.
+/// Orders all points, those of thin() first; returns the number of these.
 inline std::size_t put_thinned_first(std::span<const PointCells> points, std::size_t most,
                                      std::vector<PointCells>& ordered) {
   thin(points, most, ordered);

@@ -37,7 +37,7 @@ LocalMinimum in_box(Objective& objective, const CellPose& start, const SimplexOp
 
 using Descent = decltype(MatcherInfo::descend);
 
-// A matcher that walks on the host.
+// A matcher that descends on the host.
 constexpr MatcherInfo walker(MatcherKind kind, std::string_view name, std::string_view doc, Descent descend) {
   return {.kind = kind,
           .name = name,

@@ -1,6 +1,6 @@
-// Table of the matchers, which find the pose of a scan in the map: names for the parser and the help, and how each
-// looks for a pose. A new matcher is a value of MatcherKind (config.hpp), a row of this table in matchers.cpp, its
-// code, and a row in docs/matchers.md; all other code that knows matchers reads them here. The table is thread-safe.
+// Table of the matchers, which find the pose of a scan in the map: names for the parser and the help, and the method of
+// each. A new matcher is a value of MatcherKind (config.hpp), a row of this table in matchers.cpp, its code, and a row
+// in docs/matchers.md; all other code that knows matchers reads them here. The table is thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@
 
 namespace gdtslam {
 
-/// Frame: map. Not thread-safe.
+/// Interface of the matchers. Frame: map. Not thread-safe.
 class Matcher {
  public:
   Matcher() = default;
@@ -26,18 +26,18 @@ class Matcher {
   virtual ~Matcher() = default;
 
   /// Best pose of the points (cells, robot frame; at least one, at most kMostPoints) near the prediction, with its
-  /// evidence. `search` asks for a window even when a descent from the prediction raises no suspicion. Throws
-  /// DeviceError where the map's device fails.
+  /// evidence. `search` requests a window even if a descent from the prediction raises no suspicion. Throws DeviceError
+  /// if the map's device fails.
   virtual MatchResult match(std::span<const PointCells> points, const Prediction& prediction, bool search) = 0;
 
-  /// More terms of 16 bits could overflow the sums of a verdict.
+  /// With more terms of 16 bits the sums of a verdict could overflow.
   static constexpr std::size_t kMostPoints = 65535;
 };
 
-/// Processor that a matcher walks from pose to pose on.
+/// Processor that runs a matcher's steps from pose to pose.
 enum class MatcherPlace : std::uint8_t { kHost, kDevice };
 
-/// Half the width of the box that a population looks into, in edges of the first simplex.
+/// Half the width of the box that a population searches, in edges of the first simplex.
 inline constexpr float kBoxSteps = 4.0F;
 
 struct MatcherInfo {
@@ -46,12 +46,12 @@ struct MatcherInfo {
   std::string_view doc;  ///< description for the help
   MatcherPlace place;
   std::unique_ptr<Matcher> (*make)(const MapperConfig& config, const GlobalField& map);
-  /// One walk from a start to a minimum of (4), on the host. The first edges of `steps` tell how far off the start may
-  /// be; null where the matcher knows windows only.
+  /// One descent from a start to a minimum of (4), on the host. The first edges of `steps` state the error of the
+  /// start; null if the matcher only searches windows.
   LocalMinimum (*descend)(Objective& objective, const CellPose& start, const SimplexOptions& steps,
                           const OptimizerConfig& options);
-  bool is_refined = false;      ///< the end of the walk, by robust least squares
-  bool proves_windows = false;  ///< windows by branch and bound instead of samples
+  bool is_refined = false;      ///< ends the descent by robust least squares
+  bool proves_windows = false;  ///< searches windows by branch and bound instead of samples
 };
 
 /// In the order of MatcherKind.

@@ -9,12 +9,12 @@
 namespace gdtslam {
 namespace {
 
-// Estimated odometry has a narrow search window: when it stands still while the robot turns, the next scans are soon
+// Estimated odometry has a narrow search window: if it stands still while the robot turns, the next scans are soon
 // matched with the wrong walls.
 constexpr double kFrozen_m = 0.1;
 constexpr double kFrozen_rad = 0.1;
 
-// A radian counts as a metre: kOfAnyRobot.
+// A radian counts as a metre, see kOfAnyRobot.
 double squared_change(const Pose2& from, const Pose2& to) {
   const Pose2 moved = between(from, to);
   return moved.x_m * moved.x_m + moved.y_m * moved.y_m + moved.theta_rad * moved.theta_rad;
@@ -62,8 +62,8 @@ std::optional<Pose2> MotionModel::odometry_motion(const std::optional<Pose2>& T_
   return frozen_ ? std::nullopt : std::optional(motion);
 }
 
-// Odometry that stood still for some scans either missed what the robot did meanwhile or tells it now, all at once; a
-// robot does not leap, so it is what goes on more nearly as the robot went.
+// Odometry that stood still for some scans has either missed the motion meanwhile or reports it now, all at once. A
+// robot does not leap, so the case closer to the continued motion counts.
 Pose2 MotionModel::moved_by(const Pose2& motion) {
   const Pose2 missed = T_map_base_ * motion;
   has_caught_up_ = false;
@@ -105,7 +105,7 @@ std::vector<Point2> MotionEstimate::points_to_match(const PointScan& scan, int f
   return {seen_m.begin(), seen_m.end()};
 }
 
-// Without any measurement the motion continues, as reliably as it did so far.
+// Without any measurement the motion continues, with the reliability observed so far.
 Prediction MotionEstimate::predict(MotionModel& model, const std::optional<Pose2>& T_odom_base, double stamp_s) {
   const std::optional<Pose2> before = T_odom_last_;
   Prediction prediction = model.predict(corrected(T_odom_base), stamp_s - std::exchange(stamp_last_s_, stamp_s));
@@ -123,7 +123,7 @@ Prediction MotionEstimate::predict(MotionModel& model, const std::optional<Pose2
   going_on_ = going_on(model);
   filter_.predict(prediction.T_map_base, noise_);
   scale_.predict(between(T_map_last_, prediction.T_map_base), noise_, is_measured_);
-  prediction.noise = stands_ ? larger(filter_.sigma(), kOfAnyRobot) : filter_.sigma();  // who stands may drive off
+  prediction.noise = stands_ ? larger(filter_.sigma(), kOfAnyRobot) : filter_.sigma();  // it may drive off
   prediction.otherwise = going_on_;
   return prediction;
 }
@@ -138,7 +138,7 @@ std::optional<Pose2> MotionEstimate::corrected(const std::optional<Pose2>& T_odo
   if (T_odom_last_) {
     const Pose2 step = between(*T_odom_last_, *T_odom_base);
     has_moved_ = has_moved_ || !(*T_odom_last_ == *T_odom_base);
-    if (!has_moved_) return odometry_ = std::nullopt;  // logs without odometry state one pose again and again
+    if (!has_moved_) return odometry_ = std::nullopt;  // logs without odometry repeat one pose
     wheels_.set_distance(scale_.told());
     T_odom_corrected_ = T_odom_corrected_ * wheels_.corrected(step);
   }
@@ -169,9 +169,9 @@ void MotionEstimate::take(MatchResult& result, bool is_matched, std::span<const 
   continued_.take(result.T_map_base, result.accepted);
 }
 
-// A robot that has not moved yet stands for as long as its scans fit where it is as well as anywhere and do not tell
-// otherwise: along a corridor they would else wander, and the motion go on. Where few points see the corridor's ends,
-// what they tell is no worse fit for long, but is known. What was held back until then is no motion that goes on.
+// A robot counts as standing as long as its scans fit its old pose as well as any and do not contradict it: along a
+// corridor the pose would otherwise wander, and the motion continue. If few points see the corridor's ends, the fit
+// hardly changes for long, but their information shows the motion. Motion suppressed until then does not continue.
 void MotionEstimate::settle(MatchResult& result, const KeptScan& scan, const FitsAsWell& fits_as_well) {
   const MatchInformation information = match_information(known_ ? known_->known_part(scan, result.T_map_base) : scan);
   if (stands_) {

@@ -1,6 +1,6 @@
-// The robot's motion from wheels and matches, with how sure either is: wheels are corrected by what they get wrong
-// always, their noise is estimated as the log goes, and the pose is that of both, weighed by their covariances. Frame:
-// map. Not thread-safe. Cost: some microseconds a scan.
+// Estimates the robot's motion from wheels and matches with their uncertainty: constant errors of the wheels are
+// corrected, their noise is estimated from the log so far, and the pose combines both, weighted by their covariances.
+// Frame: map. Not thread-safe. Cost: some microseconds a scan.
 #pragma once
 
 #include <cstdint>
@@ -26,16 +26,16 @@ namespace gdtslam {
 // motion continues; odometry that reports late is joined to the pose at which it stopped. Frame: map. Not thread-safe;
 // constant time.
 
-/// A pose where the robot may be, and how sure that is.
+/// A possible pose of the robot and its uncertainty.
 struct UncertainPose {
   Pose2 T_map_base;
   MotionNoise noise;
 };
 
-/// Standard deviations beyond which a pose counts as impossible: one of a million is, by chance.
+/// Standard deviations beyond which a pose counts as impossible: chance exceeds it once in a million.
 inline constexpr double kReachSigmas = 5.5;
 
-/// Whether the robot may be at `T_map_base` if it should be where `expected` says.
+/// True if the robot may be at `T_map_base` according to `expected`.
 bool is_within_reach(const UncertainPose& expected, const Pose2& T_map_base);
 
 /// A predicted pose and how far the robot moved to get there.
@@ -46,26 +46,26 @@ struct Prediction {
   bool by_odometry = false;
   std::optional<MotionNoise> noise = std::nullopt;  ///< estimated noise; without it the configuration's constants count
   std::optional<UncertainPose> otherwise = std::nullopt;  ///< pose if the prediction is wrong
-  bool is_hopeless = false;  ///< so many scans before this one matched nothing that it is looked for near by alone
+  bool is_hopeless = false;  ///< after many unmatched scans: the search is only near the prediction
 };
 
 class MotionModel {
  public:
-  /// The robot stands at `T_map_base`.
+  /// The robot starts at `T_map_base`.
   explicit MotionModel(const OdometryConfig& config, const Pose2& T_map_base = {})
       : config_(config), T_map_base_(T_map_base) {}
 
-  /// Prediction for the next scan. A pose that is not finite counts as none. Where `elapsed_s` since the scan before is
-  /// more than a second, the longest step that the odometry may take counts for each second.
+  /// Prediction for the next scan. A pose that is not finite counts as none. If more than a second has passed since the
+  /// last scan (`elapsed_s`), the longest odometry step is allowed for each second.
   Prediction predict(const std::optional<Pose2>& T_odom_base, double elapsed_s = 0.0);
-  /// Takes the pose that the scan showed; `matched` is false when the prediction itself was kept.
+  /// Takes the estimated pose; `matched` is false if it is the prediction itself.
   void correct(const Pose2& T_map_base, bool matched);
 
   /// The last estimate.
   [[nodiscard]] const Pose2& pose() const { return T_map_base_; }
-  /// Whether odometry told in the last step what the robot did in the scans before too, while it stood still.
+  /// True if the odometry's last step included motion of earlier scans, during which it stood still.
   [[nodiscard]] bool has_caught_up() const { return has_caught_up_; }
-  /// Steps longer than the odometry may take.
+  /// Number of steps longer than the odometry may take.
   [[nodiscard]] std::uint64_t leaps() const { return leaps_; }
 
  private:
@@ -73,11 +73,11 @@ class MotionModel {
 
   Pose2 moved_by(const Pose2& motion);
 
-  /// Odometry that moves again after a stop, and may still report what it missed meanwhile.
+  /// Odometry that moves again after a stop, and may still report the motion in between.
   struct Resumed {
     Pose2 T_map_stop;
     Pose2 T_odom_stop;
-    /// Also at the second scan: where poses are interpolated, the first one has only a part of the leap.
+    /// True also at the second scan: if poses are interpolated, the first one has only a part of the leap.
     bool may_tell_later = false;
   };
 
@@ -88,29 +88,29 @@ class MotionModel {
   std::optional<Pose2> T_map_stop_;  // pose at which the odometry stopped; empty while it moves
   std::optional<Resumed> resumed_;
   bool has_caught_up_ = false;
-  bool frozen_ = false;  // the scans moved on from there
+  bool frozen_ = false;  // the scans showed motion during the stop
   std::uint64_t leaps_ = 0;
 };
 
 class MotionEstimate {
  public:
-  /// Whether the scan fits about as well at the first pose as at the second.
+  /// True if the scan fits about as well at the first pose as at the second.
   using FitsAsWell = std::function<bool(const Pose2&, const Pose2&)>;
 
-  /// Whether the first pose is where the map begins, or what somebody takes for the robot's place in a map.
+  /// The first pose: exact at the origin of a map, or an estimate of the robot's pose in a given map.
   enum class FirstPose : std::uint8_t { kExact, kGuess };
   explicit MotionEstimate(FirstPose first = FirstPose::kExact) : stands_(first == FirstPose::kExact) {}
 
-  /// Asks the model for the next scan's pose by corrected odometry, and says how sure it is.
+  /// Predicts the next scan's pose with the model by corrected odometry, and states its uncertainty.
   Prediction predict(MotionModel& model, const std::optional<Pose2>& T_odom_base, double stamp_s);
-  /// Takes the match of a scan of these points, matched or not. The result gets the pose from both sources, or is
-  /// refused if it is weak and cannot be right; if both cannot be right the scan decides.
+  /// Takes the match of a scan with these points, matched or not. The result gets the pose from both sources. If both
+  /// cannot be right, the scan decides, but a weak match that cannot be right is refused.
   void take(MatchResult& result, bool is_matched, std::span<const Point2> points_base_m,
             const FitsAsWell& fits_as_well);
-  /// The returns of a predicted scan that are to be matched: where at least `fewest` are left, without the ends of
-  /// walls (KnownSurfaces::without_wall_ends). Without odometry all: nothing else tells how far the robot went.
+  /// The returns of a predicted scan for matching: without the ends of walls (KnownSurfaces::without_wall_ends), if at
+  /// least `fewest` are left. Without odometry all returns: nothing else measures the robot's motion.
   [[nodiscard]] std::vector<Point2> points_to_match(const PointScan& scan, int fewest);
-  /// Surfaces of the map that grows while mapping. Without a call all surfaces count, as in a map that is whole.
+  /// Surfaces of the map that grows during mapping. Without a call all surfaces count, as in a complete map.
   KnownSurfaces& known_surfaces() { return known_ ? *known_ : known_.emplace(); }
 
  private:
@@ -123,16 +123,16 @@ class MotionEstimate {
   ContinuedMotion continued_;
   PoseFilter filter_;
   std::optional<KnownSurfaces> known_;
-  std::optional<Pose2> odometry_;  // odometry of the scan in hand
+  std::optional<Pose2> odometry_;  // odometry of the current scan
   std::optional<Pose2> T_odom_last_;
-  bool has_moved_ = false;  // the odometry, ever
-  bool stands_;             // since the map began, as far as scans tell; what odometry measures is believed instead
+  bool has_moved_ = false;  // true once the odometry has moved
+  bool stands_;             // no motion since the map began, by the scans; ends when the odometry measures motion
   Pose2 T_map_last_;        // pose of the scan before
   double stamp_last_s_ = 0.0;
   Pose2 T_odom_corrected_;
-  Pose2 step_;                // by odometry, as it was logged
-  UncertainPose going_on_;    // the pose if the motion goes on, whatever the odometry says
-  bool is_measured_ = false;  // by odometry
+  Pose2 step_;                // by odometry, as logged
+  UncertainPose going_on_;    // the pose if the motion continues, whatever the odometry says
+  bool is_measured_ = false;  // true if odometry measured the step
   MotionNoise noise_;
 };
 

@@ -10,17 +10,17 @@ namespace gdtslam {
 namespace {
 
 constexpr std::size_t kMostWeighed = 1024;        // points
-constexpr std::int32_t kAside = 2;                // cells from a wall, where its field's gradient is plain
-constexpr double kLeastGradient = 0.3;            // squared, of four: less is the inside of something thick
-constexpr double kLeastInformation = 0.01;        // a scan says at least within ten metres where the robot is
-constexpr double kRoundingVariance = 1.0 / 12.0;  // variance of a position that is known to a cell, cells squared
+constexpr std::int32_t kAside = 2;                // cells from a wall, where its field has a constant gradient
+constexpr double kLeastGradient = 0.3;            // squared, of four: a smaller value is the inside of a thick object
+constexpr double kLeastInformation = 0.01;        // a scan determines the robot's position at least within ten metres
+constexpr double kRoundingVariance = 1.0 / 12.0;  // variance of a position known to a cell, cells squared
 
 /// n n^T of a wall's normal, mixed where walls meet; trace 1.
 struct NormalTensor {
   double xx = 0.0, xy = 0.0, yy = 0.0;
 };
 
-// The distance has a kink on the wall itself, and the same gradient up to its sign on both sides.
+// The distance has a kink on the wall itself; its gradient on both sides is the same up to the sign.
 std::optional<NormalTensor> normal_at(const GlobalField& map, CellIndex cell) {
   NormalTensor sum;
   for (const CellOffset aside : {CellOffset{-kAside, -kAside}, CellOffset{kAside, -kAside}, CellOffset{-kAside, kAside},
@@ -55,7 +55,7 @@ struct PointSums {
   }
 };
 
-/// Points in the same cell, one after the other, count as one together.
+/// Consecutive points in the same cell count as one.
 class CellSums {
  public:
   void add(CellIndex cell, const PointSums& point) {
@@ -141,7 +141,7 @@ Matrix3 intersect_covariances(const Matrix3& a, const Matrix3& b) {
   return inverse(best);
 }
 
-// Only as unsure as its inverse needs it to be.
+// The smallest covariance that can be inverted safely.
 PoseCertainty::PoseCertainty() {
   constexpr double kSigma = 0.001;  // metres and radians
   covariance_ = Matrix3::diagonal(square(kSigma), square(kSigma), square(kSigma));

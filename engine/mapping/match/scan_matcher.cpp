@@ -20,10 +20,10 @@ struct ReachedCells {
 };
 
 constexpr std::int32_t kEdge = 4;  // cells: patches and bilinear neighbours
-// Cells: parts begin kRoom behind a multiple of kBoundAlignment and end kRoom before one, so that with the room that
-// BoundFields leaves around a field for its squares they begin and end on one.
+// Cells: parts begin kRoom after a multiple of kBoundAlignment and end kRoom before one. With the margin that
+// BoundFields adds for its squares they begin and end on a multiple.
 constexpr std::int32_t kRoom = 16;
-// Up to here what a search saves by wider boxes and fields of minorants is less than what they cost to prepare.
+// In smaller windows wider boxes and fields of minorants save less than their preparation costs.
 constexpr double kNear_m = 0.8;
 constexpr double kNear_rad = 0.5;
 
@@ -33,7 +33,7 @@ CellBox whole_grains(const CellBox& box) {
   return {{begin(box.min.x), begin(box.min.y)}, {end(box.end.x), end(box.end.y)}};
 }
 
-// The cells of the box up to the cap, the cap where the map does not reach and in the two outermost rows and columns.
+// Copies the cells of the box up to the cap; outside the map and in the two outermost rows and columns: the cap.
 void copy_cells(const GlobalField& map, const CellBox& box, std::uint16_t cap, std::vector<std::uint16_t>& cells) {
   const auto width = static_cast<std::size_t>(box.width());
   cells.assign(width * static_cast<std::size_t>(box.height()), cap);
@@ -44,7 +44,7 @@ void copy_cells(const GlobalField& map, const CellBox& box, std::uint16_t cap, s
   }
 }
 
-/// The cells that points fall into from any pose of the window, and what is worth preparing for it.
+/// The cells that points fall into from any pose of the window, and the fields worth preparing for it.
 ReachedCells reached_from(const PoseWindow& window, std::span<const PointCells> points, double resolution_m) {
   const auto [sine, cosine] = sin_cos(window.centre.theta_rad);
   const double half_turn = std::min(0.5 * window.half_theta_rad, 1.5707963267948966);
@@ -82,12 +82,12 @@ constexpr SimplexOptions kCoarsePolish{.step_cells = 1.0F, .step_rad = 0.01F, .s
 }  // namespace
 
 /// The part of a growing map that a scan can reach from a window of poses, prepared for certified matching; kept as
-/// long as neither the part nor its cells change. Which part it is depends on the window alone, so that results do not
-/// depend on what was searched before. Not thread-safe. Cost: some 2 ns a cell when it is made for a window of up to a
-/// metre, 4 ns for a larger one, a comparison of its cells else.
+/// long as neither the part nor its cells change. The part depends on the window alone, so results do not depend on
+/// earlier searches. Not thread-safe. Cost: some 2 ns a cell when it is made for a window of up to a metre, 4 ns for a
+/// larger one; otherwise a comparison of its cells.
 class CertifiedCrop {
  public:
-  /// Distances count up to `cap`, 1/256 cell, or up to the map's where that is less.
+  /// Distances count up to `cap`, 1/256 cell, or up to the map's cap if that is less.
   explicit CertifiedCrop(std::uint32_t cap) : cap_(cap) {}
   const CertifiedMap& of(const GlobalField& map, const ReachedCells& reached, Isa isa);
 
@@ -138,7 +138,7 @@ ScanMatcher::ScanMatcher(const MapperConfig& config, const GlobalField& map)
 ScanMatcher::~ScanMatcher() = default;
 
 MatchResult ScanMatcher::match(std::span<const PointCells> points, const Prediction& prediction, bool must_search) {
-  assert(map_->box().empty() || !map_->memory().empty());  // it lives where the host sees it
+  assert(map_->box().empty() || !map_->memory().empty());  // the host can read the map
   points_ = points;
   by_odometry_ = prediction.by_odometry;
   rules_.begin(prediction, points.size());
@@ -160,7 +160,7 @@ MatchResult ScanMatcher::match(std::span<const PointCells> points, const Predict
   return result;
 }
 
-// Equation (8): points farther from the map than the gate do not count, but a share of them always does.
+// Equation (8): points farther from the map than the gate do not count, but a minimum share always does.
 void ScanMatcher::keep_points_within(std::uint32_t gate, const CellPose& pose) {
   objective_.residuals(pose, points_, values_);
   kept_.clear();
@@ -175,7 +175,7 @@ LocalMinimum ScanMatcher::minimise(const CellPose& start, const DescentStage& st
   return matcher_->descend(objective_, start, stage.simplex, optimizer_);
 }
 
-// Near the end the points scatter around the walls, and squares average that better than the sum of distances does.
+// Near the end the points scatter around the walls, and squares average that better than the sum of distances.
 LocalMinimum ScanMatcher::refine(const CellPose& pose) {
   const DescentStage& last = rules_.stages().back();
   keep_points_within(last.gate, pose);
@@ -219,9 +219,8 @@ Evidence ScanMatcher::judge(const CellPose& pose) {
   return rules_.evidence(counts);
 }
 
-// Points over cells that the map does not know say nothing of where the robot is, but a pose that pulls them back over
-// known walls looks better for it; so they do not vote, unless the local estimate is so suspect that it cannot tell
-// which they are.
+// Points over unknown cells give no information about the pose, but a pose that pulls them onto known walls looks
+// better for it; so they do not vote, unless the local estimate is so suspect that it cannot identify them.
 void ScanMatcher::choose_voters(const Estimate& local) {
   voters_.clear();
   const bool trusted = !rules_.is_suspect(local.evidence);
@@ -246,7 +245,7 @@ ExhaustiveResult ScanMatcher::find_in(const SearchWindow& window) {
   return search_window(objective_, window, static_cast<std::uint32_t>(search_.starts), kCoarsePolish);
 }
 
-// The best pose of a window for all voters, up to the gap; by the cost that search() compares poses by.
+// The best pose of a window for all voters, up to the gap, by the same cost as in search().
 ExhaustiveResult ScanMatcher::prove_in(const SearchWindow& window) {
   const double resolution_m = map_->geometry().resolution_m;
   const double half_m = static_cast<double>(window.half_xy_cells) * resolution_m;
@@ -274,7 +273,7 @@ ExhaustiveResult ScanMatcher::prove_in(const SearchWindow& window) {
   return result;
 }
 
-// A window around the prediction, twice as large each time as long as what it finds is suspect or lies on its edge.
+// Searches a window around the prediction, twice as large each time while its result is suspect or on its edge.
 ScanMatcher::Estimate ScanMatcher::search(const Estimate& local) {
   Estimate best = local;
   choose_voters(local);

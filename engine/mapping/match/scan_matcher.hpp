@@ -1,7 +1,7 @@
-// The matchers that work on the host (matchers.hpp), where their map lives. Steps (6) to (8) and the minimisation of
-// (4) for one scan, from a predicted pose down through narrowing gates, and through a window of poses where that
-// descent may have ended in the wrong valley. Samples of a window, generations and complexes are costed by all threads
-// of the CPU. Frame: map. Not thread-safe.
+// The matchers that run on the host (matchers.hpp), with the map there. Steps (6) to (8) and the minimisation of (4)
+// for one scan: from a predicted pose through narrowing gates, and through a window of poses if that descent may have
+// ended in the wrong minimum. All threads of the CPU evaluate the samples of a window, generations and complexes.
+// Frame: map. Not thread-safe.
 #pragma once
 
 #include <memory>
@@ -59,7 +59,7 @@ class ScanMatcher final : public Matcher {
   std::uint32_t attempts_ = 0;       // windows searched for this scan
   std::vector<PointCells> kept_;     // points that pass the gate
   std::vector<PointCells> voters_;   // points that count in a window
-  std::vector<PointCells> thinned_;  // and a share of them for its samples
+  std::vector<PointCells> thinned_;  // a share of them for the window's samples
   std::vector<std::uint16_t> values_;
   Isa isa_;
   std::unique_ptr<CertifiedCrop> crop_;  // crop of the matcher certified

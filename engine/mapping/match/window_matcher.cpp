@@ -14,7 +14,7 @@ std::uint32_t q16(double share) { return static_cast<std::uint32_t>(std::lround(
 
 CellPose to_cell_pose(const MatchVerdict& verdict) { return {verdict.x, verdict.y, verdict.theta}; }
 
-// A device that has no room for a window gives the work up, as one that fails: the CPU has room.
+// If a device has no room for a window, the step fails like a failed device: the CPU has room.
 void require_room(std::uint32_t samples, const DeviceInfo& device) {
   const std::size_t bytes = std::size_t{samples} * sizeof(PoseCandidate);
   if (bytes <= device.max_buffer_bytes) return;
@@ -42,7 +42,7 @@ MatchResult WindowMatcher::match(std::span<const PointCells> points, const Predi
   by_odometry_ = prediction.by_odometry;
   points_ = static_cast<std::uint32_t>(points.size());
   rules_.begin(prediction, points.size());
-  // Sums of integers do not depend on the order, so one upload serves both: a launch reads as many as it is told.
+  // Sums of integers do not depend on the order, so one upload serves both: a launch reads a given number of points.
   thinned_ = static_cast<std::uint32_t>(
       put_thinned_first(points, static_cast<std::size_t>(search_.max_points), ordered_points_));
   reserve_on(*backend_, point_buffer_, points.size_bytes());
@@ -69,7 +69,7 @@ MatchResult WindowMatcher::match(std::span<const PointCells> points, const Predi
   return result;
 }
 
-// Somewhere far away something always looks alike. So what only the wider window holds must be clearly better, as any
+// Far away some place always looks alike. So a pose that only the wider window holds must be clearly better, as any
 // pose that the odometry contradicts; CSAIL at half its rate is lost without this rule where its odometry fails.
 bool WindowMatcher::is_better(const MatchVerdict& found, const MatchVerdict& best, const SearchWindow& before) const {
   if (!rules_.is_possible(to_cell_pose(found))) return false;
@@ -77,7 +77,7 @@ bool WindowMatcher::is_better(const MatchVerdict& found, const MatchVerdict& bes
   return static_cast<double>(found.cost) < share * static_cast<double>(best.cost);
 }
 
-// Twice as large a window, where one more may be tried and it would be larger at all.
+// Launches a window twice as large, if another attempt is allowed and it would be larger at all.
 bool WindowMatcher::launch_wider() {
   if (!rules_.may_search() || attempts_ >= static_cast<std::uint32_t>(search_.attempts)) return false;
   const SearchWindow wider = rules_.window(std::ldexp(1.0, static_cast<int>(attempts_)));
@@ -97,7 +97,7 @@ void WindowMatcher::launch(const SearchWindow& window) {
   launch_verdict();
 }
 
-// The samples of the window at a share of the points, and the best of its valleys.
+// Evaluates the samples of the window with a share of the points, and finds the best minima.
 void WindowMatcher::launch_lattice() {
   reserve_on(*backend_, candidates_, std::size_t{samples_} * sizeof(PoseCandidate));
   reserve_on(*backend_, costs_, std::size_t{samples_} * sizeof(std::uint32_t));
@@ -111,7 +111,7 @@ void WindowMatcher::launch_lattice() {
   run<SmallestValues>(*backend_, {.count = samples_, .wanted = pose_count() - 1}, {1, 1, 1}, minima_, picks_);
 }
 
-// The prediction and each of those valleys.
+// Starts: the prediction and each of those minima.
 void WindowMatcher::launch_starts() {
   const CellPose& predicted = rules_.predicted();
   run<PoseStarts>(*backend_,
@@ -126,7 +126,7 @@ void WindowMatcher::launch_verdict() {
   backend_->flush();
 }
 
-// From all starts down, the gate narrowing.
+// Descends from all starts, the gate narrowing.
 void WindowMatcher::launch_descents() {
   const PriorParams& prior = rules_.prior();
   for (const DescentStage& stage : rules_.stages()) {
@@ -186,7 +186,7 @@ PoseCost::Params WindowMatcher::cost_params(std::uint32_t points, std::uint32_t 
   return pose_cost_params(*map_, rules_.anchor(), points, cap, match_.interpolation, match_.cost);
 }
 
-// The prior of a share of the points: what one point says against it stays the same.
+// The prior for a share of the points: its weight relative to one point stays the same.
 PriorParams WindowMatcher::prior_of_share(double share) const {
   PriorParams prior = rules_.prior();
   const auto part = static_cast<float>(share);

@@ -1,6 +1,6 @@
 // The matcher `exhaustive`: all poses of a window around the prediction, simplexes from the best of them and from the
-// prediction itself, through the narrowing gates, and the choice between their ends; all of it kernels, so that a scan
-// is one upload, one submission and one download of a few words. A point beyond a gate counts as the gate, where
+// prediction itself, through the narrowing gates, and the choice between their ends. All steps are kernels, so a scan
+// is one upload, one submission and one download of a few words. A point beyond a gate counts as the gate, while
 // `simplex` leaves it out. Frame: map. Not thread-safe. Cost: docs/benchmarks.md.
 #pragma once
 
@@ -17,12 +17,11 @@ namespace gdtslam {
 
 class WindowMatcher final : public Matcher {
  public:
-  /// The map must outlive the matcher, which works where it lives.
+  /// The map must outlive the matcher, which runs on the map's backend.
   WindowMatcher(const MapperConfig& config, const GlobalField& map);
 
   /// A window is always searched. While the best pose is suspect or lies at the window's edge, further windows follow,
-  /// each twice as large. Throws DeviceError also where their poses, 16 bytes each, are more than the backend's largest
-  /// buffer holds.
+  /// each twice as large. Throws DeviceError also if their poses, 16 bytes each, exceed the backend's largest buffer.
   MatchResult match(std::span<const PointCells> points, const Prediction& prediction, bool search) override;
 
  private:
@@ -49,7 +48,7 @@ class WindowMatcher final : public Matcher {
   MatchRules rules_;
   bool by_odometry_ = false;
   std::uint32_t points_ = 0;
-  std::uint32_t thinned_ = 0;               ///< share of them that the window is costed with
+  std::uint32_t thinned_ = 0;               ///< number of points for the window's costs
   std::vector<PointCells> ordered_points_;  ///< that share first
   SearchWindow window_;
   std::uint32_t samples_ = 0;

@@ -12,7 +12,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kLongestStep_s = 0.5;  // between two scans whose odometry tells the motion within one
+constexpr double kLongestStep_s = 0.5;  // longest time between two scans whose odometry gives the motion within one
 
 /// The elevation at any time of a scan.
 class ElevationCourse {
@@ -34,7 +34,7 @@ class ElevationCourse {
   std::size_t next_ = 1;
 };
 
-// Motion per second of the robot, from one scan to the next; zero where the odometry does not tell.
+// Motion per second of the robot, from one scan to the next; zero without odometry.
 Tangent2 estimate_velocity(const ScanRecord& record, const std::optional<Odometry>& before) {
   if (!before || !record.T_odom_base) return {};
   const double span_s = record.scan.stamp_s - before->stamp_s;
@@ -111,7 +111,7 @@ LaserScan level_scan(const NoddingScan& scan, const NoddingScanner& scanner) {
 HorizontalScans::HorizontalScans(const NoddingConfig& config, const NoddingScanner& scanner, const ScanConfig& valid)
     : horizontal_rad_(config.horizontal_rad), scanner_(scanner), valid_(valid) {}
 
-// A stroke ends where the elevation turns by more than the tolerance of horizontal is wide.
+// A stroke ends if the elevation reverses by more than the width of the horizontal tolerance.
 void HorizontalScans::note_stroke(double elevation_rad) {
   if (!last_elevation_rad_) last_elevation_rad_ = elevation_rad;
   const double step = elevation_rad - *last_elevation_rad_;

@@ -27,7 +27,7 @@ PoseCovariance between_covariances(const PoseCovariance& from, const PoseCovaria
           .tt = between_values(from.tt, to.tt, share)};
 }
 
-// One for each of `count` scans, from those of the fixes, whose numbers ascend.
+// Covariances for each of `count` scans, from those of the fixes, whose numbers ascend.
 std::vector<PoseCovariance> covariances_of_all(const std::vector<PoseCovariance>& of_fixes,
                                                const std::vector<std::size_t>& fixes, std::size_t count) {
   std::vector<PoseCovariance> all;
@@ -90,7 +90,7 @@ struct NoddingMapper::State {
   // With loops:
   std::deque<Kept> kept;
   std::vector<Pose2> given;        // poses of all scans that got one
-  std::vector<std::size_t> fixes;  // which of them went through the 2D system
+  std::vector<std::size_t> fixes;  // numbers of the scans matched by the 2D system
 };
 
 void NoddingMapper::State::give(const NoddingPose& pose, const NoddingScan& scan) {
@@ -109,7 +109,7 @@ void NoddingMapper::State::place(Kept scan, const Pose2& T_map_fix) {
   }
 }
 
-// A stop that came before has been heeded: the log was cut there.
+// An earlier stop has already cut the log there.
 void NoddingMapper::State::place_all(const std::vector<Pose2>& T_map_fixes, const LoopClosing::Progress& progress,
                                      const std::function<bool()>& stop) {
   bool may_stop = !stop();
@@ -139,7 +139,7 @@ const NoddingStatistics& NoddingMapper::statistics() const {
 }
 const std::vector<std::string>& NoddingMapper::warnings() const { return state_->placer.warnings(); }
 
-// Figure 10: horizontal scans go through the 2D system of figure 5, which fixes the pose, and with it those of the
+// Figure 10: horizontal scans go through the 2D system of figure 5, which fixes their pose, and thereby those of the
 // scans before.
 void NoddingMapper::process(NoddingScan scan) {
   State& s = *state_;

@@ -6,7 +6,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kGuessCounts = 4.0;     // measurements that the configuration counts as
+constexpr double kGuessCounts = 4.0;     // number of measurements that the configuration counts as
 constexpr double kFixGuess_m = 0.004;    // standard deviation of one fix, first guess
 constexpr double kFixRadPerMetre = 0.3;  // its heading, as for the keyframes of the back end
 constexpr double kLeastSquare = 1.0e-10;
@@ -17,7 +17,7 @@ double trace_of_product(const Matrix3& a, const Matrix3& b) {
   return trace;
 }
 
-/// A residual and its covariance, as components say it.
+/// A residual and its covariance by the components.
 struct PathResidual {
   Tangent2 off;
   Matrix3 weight;  ///< inverse of the covariance
@@ -32,7 +32,7 @@ PathResidual path_residual(const Tangent2& off, const Matrix3& covariance) {
   return residual;
 }
 
-// One step of the estimation of variance components: the squares and the degrees of freedom that are this one's.
+// One step of the estimation of variance components: the squares and the degrees of freedom of this component.
 void update(const PathResidual& residual, const Matrix3& shape, VarianceComponent& component) {
   const double now = component.value();
   component.squares += residual.trust * now * now * squared_norm(shape, residual.weighted) + kLeastSquare;
@@ -51,7 +51,7 @@ PathNoise::PathNoise(const SmootherConfig& config) : config_(config) {
   points_ = guess(1.0);
 }
 
-// A turn at a place moves what lies ahead of it: the column of the adjoint that belongs to theta.
+// A turn at a place moves the path after it: the column of the adjoint that belongs to theta.
 PathNoise::Growth PathNoise::growth(const PoseFix& from, const PoseFix& to, std::span<const PoseFix> nodes) {
   Growth growth;
   const PoseFix* last = &from;
@@ -85,7 +85,7 @@ void PathNoise::take_closing(const PoseFix& from, const PoseFix& to, std::span<c
   update(residual, shape_of_fix(), fix_);
 }
 
-// Half way both fixes tell of the pose.
+// Half way both fixes determine the pose.
 void PathNoise::take_view(const PoseFix& from, const PoseFix& to, std::span<const PoseFix> nodes, std::size_t at,
                           const PointsView& view) {
   const Eigen3 eigen = eigen_of_symmetric(view.information);

@@ -1,7 +1,7 @@
-// How far the odometry between two fixes, the fixes, and the points on the way are off, estimated as the log goes: the
-// odometry by where it ends at the next fix, the points by where they would have the robot half way. Variance
-// components with Student's t for what is wrong altogether [Lange1989]; what the configuration says counts as a few
-// measurements. Not thread-safe. Cost: linear in the nodes.
+// Estimates the noise of the odometry between two fixes, of the fixes, and of the points in between, during the log:
+// the odometry by its error at the next fix, the points by the pose half way that they prefer. Variance components with
+// Student's t for outliers [Lange1989]; the configuration counts as a few measurements. Not thread-safe. Cost: linear
+// in the nodes.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace gdtslam {
 
-/// A variance that is a scale of known shapes: the mean of squares that were seen, in the share that is its own.
+/// A variance as a factor of known shapes: the mean of the observed squares, as far as they belong to it.
 struct VarianceComponent {
   double squares = 0.0;
   double count = 0.0;
@@ -27,26 +27,26 @@ struct PointsView {
   Tangent2 away{};
 };
 
-/// Directions in which points say less than that, about a metre or a radian, are not held by them.
+/// Points do not constrain directions in which they have less information than this, about a metre or a radian.
 inline constexpr double kLeastViewInformation = 1.0;
 /// Weight of a residual of three numbers with the given chi2, by Student's t with four degrees of freedom.
 inline double student_weight(double chi2) { return 7.0 / (4.0 + chi2); }
 
-/// Turns that a metre of way counts as where the odometry's heading errs.
+/// Radians of turn that count like a metre of way for the error of the odometry's heading.
 inline constexpr double kTurnsPerMetre = 0.36;
 
 class PathNoise {
  public:
   explicit PathNoise(const SmootherConfig& config);
 
-  /// Between two fixes, `nodes` with the odometry of the scans between. A stretch without motion tells nothing.
+  /// Learns from two fixes; `nodes` has the odometry of the scans in between. A stretch without motion is ignored.
   void take_closing(const PoseFix& from, const PoseFix& to, std::span<const PoseFix> nodes);
-  /// Takes the points' information about the pose of nodes[at], weighted by the configuration, where the odometry put
-  /// it.
+  /// Learns from the points' information about the pose of nodes[at], weighted by the configuration, at the pose by the
+  /// odometry.
   void take_view(const PoseFix& from, const PoseFix& to, std::span<const PoseFix> nodes, std::size_t at,
                  const PointsView& view);
-  /// The configuration with the standard deviations that were found; a point's holds as many stations of the smoother
-  /// as see the same, because what is wrong with a view is wrong with all of them.
+  /// The configuration with the estimated standard deviations. That of a point grows with the number of the smoother's
+  /// stations that have the same view, because an error of a view is common to all of them.
   [[nodiscard]] SmootherConfig found() const;
 
  private:

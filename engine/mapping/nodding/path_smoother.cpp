@@ -60,7 +60,7 @@ constexpr double kGateShrinks = 0.6;
 constexpr double kLeastVariance = 1.0e-8;
 constexpr std::size_t kMostStations = 400;
 
-/// A pose that is estimated: a node of the path with what its scan saw.
+/// An estimated pose: a node of the path with the points of its scan.
 struct Station {
   std::size_t node = 0;
   PoseFix placed;  ///< pose before the smoothing
@@ -128,8 +128,8 @@ PointsView points_view(const SmootherConfig& config, const FieldGradient& field,
   return view;
 }
 
-// Student's t weight of a whole scan [Lange1989], because objects in front of the walls at other heights ask for a
-// motion that no odometry explains. A direction in which no surface holds the pose does not count.
+// Student's t weight of a whole scan [Lange1989], because objects in front of the walls at other heights suggest a
+// motion that no odometry explains. A direction that no surface constrains does not count.
 double trust_in(const PointsView& view) {
   const Matrix3 covariance = with_eigenvalues(eigen_of_symmetric(view.information), [](double information) {
     return information > kLeastViewInformation ? 1.0 / information : 0.0;
@@ -216,8 +216,8 @@ void add_equations(const SmootherConfig& config, const FieldGradient& field, dou
   }
 }
 
-// Places the nodes between two stations on the circle through both, each at its share of the odometry's way. Over so
-// short a distance the circle is smoother than the odometry.
+// Places the nodes between two stations on the circle through both, each at its share of the odometry's way. Over such
+// a short distance the circle is smoother than the odometry.
 void place_nodes(const SmootherConfig& config, const PoseFix& from, const PoseFix& to,
                  const std::vector<Station>& stations, std::vector<PoseFix>& nodes) {
   PoseFix last = from;

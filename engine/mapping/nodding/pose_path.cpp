@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kFurthestPose = 4.0;  // limit for continuing a motion, as a multiple of the time between two nodes
 
-// Variance that the odometry gathers, relative to that of a radian of turn.
+// Variance of the odometry, relative to that of a radian of turn.
 constexpr double kVariancePerMetre = 0.2;
 constexpr double kVariancePerSecond = 1.0e-5;
 
@@ -55,8 +55,8 @@ Pose2 motion_share(const Pose2& motion, double share) {
   return exp_tangent({share * whole[0], share * whole[1], share * whole[2]});
 }
 
-// The motion that is left over at the end belongs to the map frame. Its share is a motion about the same centre: if a
-// turn was measured wrongly, the robot turned there.
+// The remaining motion at the end belongs to the map frame. Its share is a motion about the same centre: if a turn was
+// measured wrongly, the robot turned there.
 Pose2 along_odometry(const PoseFix& from, const PoseFix& to, double share, const Pose2& T_odom_base) {
   const auto by_odometry = [&from](const Pose2& T_odom) { return from.T_map_base * between(from.T_odom_base, T_odom); };
   const Pose2 residual = to.T_map_base * inverse(by_odometry(to.T_odom_base));

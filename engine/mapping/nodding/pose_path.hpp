@@ -19,30 +19,30 @@ struct PoseFix {
   Pose2 T_odom_base;
 };
 
-/// share 0 gives `from`, 1 gives `to`; T_odom_base (of the moment asked for) is read by kOdometry only.
+/// share 0 gives `from`, 1 gives `to`; only kOdometry reads T_odom_base (at the requested time).
 Pose2 interpolate(PoseInterpolation how, const PoseFix& from, const PoseFix& to, double share,
                   const Pose2& T_odom_base);
 
-/// The pose that odometry alone tells, seen from a fix before or after it.
+/// The pose by odometry alone, relative to a fix before or after it.
 PoseFix by_odometry(const PoseFix& fix, double stamp_s, const Pose2& T_odom_base);
-/// Fills in the poses of nodes between two fixes, (13). linear and geodesic go by time. odometry gives each node that
-/// share of what is left over which its part of the way has of the odometry's variance: turning counts most, then
-/// distance, then time.
+/// Fills in the poses of nodes between two fixes, (13). linear and geodesic go by time. odometry distributes the error
+/// at the second fix in proportion to the odometry's variance up to each node: turning counts most, then distance, then
+/// time.
 void place_between(PoseInterpolation how, const PoseFix& from, const PoseFix& to, std::span<PoseFix> nodes);
 
-/// Evenly along a circle from each node to the next.
+/// Moves evenly along a circle from each node to the next.
 class PosePath {
  public:
   void append(const PoseFix& node) { nodes_.push_back(node); }
   [[nodiscard]] const PoseFix& node(std::size_t index) const { return nodes_[index]; }
   [[nodiscard]] const PoseFix& last() const { return nodes_.back(); }
   /// Poses over the time of a scan whose stamp is that of node `index`: at the phases' begin and end, and at the node
-  /// where it lies between them.
+  /// if it lies between them.
   [[nodiscard]] std::vector<PoseKnot> knots(std::size_t index, std::span<const PhaseKnot> phases,
                                             const Pose2& T_map_fix) const;
 
  private:
-  /// `offset_s` after the stamp of a node; beyond the ends of the path the motion next to it goes on.
+  /// Pose `offset_s` after the stamp of a node; beyond the ends of the path the adjacent motion continues.
   [[nodiscard]] Pose2 at(std::size_t index, double offset_s) const;
 
   std::vector<PoseFix> nodes_;

@@ -19,20 +19,20 @@
 namespace gdtslam {
 namespace {
 
-// Matches of a robot that stands scatter by less than this.
+// Largest scatter of the matches of a standing robot.
 constexpr double kShake_m = 0.04;
 constexpr double kShake_rad = 0.015;
 
 constexpr std::size_t kMostHeld = 20000;
 
-/// A scan that waits for the fix behind it.
+/// A scan that waits for the next fix.
 struct Held {
   NoddingScan scan;
   std::uint32_t index = 0;
   std::optional<MatchResult> match;
-  Pose2 T_odom_base;                        ///< the last known where the log has none
+  Pose2 T_odom_base;                        ///< the last known one if the log has none
   std::optional<Odometry> odometry_before;  ///< odometry of the scan before
-  double step_s = 0.0;                      ///< since the scan before; 0 where the clock was set
+  double step_s = 0.0;                      ///< since the scan before; 0 if the clock was set
   [[nodiscard]] double stamp_s() const { return scan.record.scan.stamp_s; }
 };
 
@@ -79,10 +79,10 @@ struct ScanPlacer::State {
   PathNoise noise;
   std::vector<std::string> warnings;
 
-  std::deque<Held> held;                  // the last fix's scan, where there is one, and all after it
+  std::deque<Held> held;                  // the last fix's scan, if there is one, and all after it
   std::optional<PoseFix> last_fix;        // belongs to held.front()
   std::optional<PoseFix> before_held;     // pose of the scan before held.front()
-  std::optional<Odometry> last_odometry;  // odometry of the scan before the one in hand
+  std::optional<Odometry> last_odometry;  // odometry of the scan before the current one
   std::uint32_t scans = 0;
   double blind_s = 0.0;  // from held.front() to held.back()
   std::optional<double> last_stamp_s;
@@ -92,7 +92,7 @@ struct ScanPlacer::State {
   bool with_points = true;
 };
 
-// A device that fails is left for the CPU where that is allowed; what was queued is done again there.
+// If the device fails and it is allowed, the CPU takes over; queued work is repeated there.
 template <class Action>
 void ScanPlacer::State::on_device(const Action& action) {
   try {
@@ -108,8 +108,8 @@ void ScanPlacer::State::on_device(const Action& action) {
   }
 }
 
-// A robot whose wheels have not turned since the last fix stands where it stood; fixing it again would only shake it by
-// the error of a match. Odometry that stands still while the fixes move is none, and counts no more.
+// A robot whose wheels have not turned since the last fix keeps its pose; a new fix would only add the error of a
+// match. If the odometry stands still while the fixes move, it counts as missing from then on.
 Pose2 ScanPlacer::State::rested(const Pose2& T_map_fixed, const std::optional<Pose2>& T_odom) {
   if (!has_fix_odometry || !T_odom || is_odometry_dead || !(*T_odom == last_fix->T_odom_base)) return T_map_fixed;
   const Pose2 moved = between(last_fix->T_map_base, T_map_fixed);
@@ -118,7 +118,7 @@ Pose2 ScanPlacer::State::rested(const Pose2& T_map_fixed, const std::optional<Po
   return T_map_fixed;
 }
 
-// The origin of the odometry frame could not be known before: until then the robot stood, as far as it reports.
+// The origin of the odometry frame was unknown before: until then the robot counts as standing.
 void ScanPlacer::State::begin_odometry(const Pose2& T_odom_base) {
   for (Held& scan : held) scan.T_odom_base = T_odom_base;
   if (last_fix) last_fix->T_odom_base = T_odom_base;
@@ -145,7 +145,7 @@ void ScanPlacer::State::wait(Held scan) {
   if (is_blind_too_long()) dead_reckon();
 }
 
-// The scans between two fixes, (13); where the odometry leads, the walls that they see correct it.
+// The scans between two fixes, (13); with odometry, the walls that they see correct it.
 std::vector<PoseFix> ScanPlacer::State::place(const PoseFix& next) {
   std::vector<PoseFix> inner;
   inner.reserve(held.size());
@@ -165,8 +165,8 @@ std::vector<PoseFix> ScanPlacer::State::place(const PoseFix& next) {
   return inner;
 }
 
-// How good wheels and points are, by what this stretch tells; of its points those half way, the farthest from both
-// fixes.
+// Estimates the noise of wheels and points from this stretch; only the points half way count, which are farthest from
+// both fixes.
 void ScanPlacer::State::learn(const PoseFix& next, std::span<const PoseFix> inner, const PointsOfNode& node_points) {
   noise.take_closing(*last_fix, next, inner);
   if (inner.empty()) return;
@@ -175,8 +175,8 @@ void ScanPlacer::State::learn(const PoseFix& next, std::span<const PoseFix> inne
   noise.take_view(*last_fix, next, inner, middle, view);
 }
 
-// All scans that wait get their poses between the fix before them and this one, (13), and their points. Before the
-// first fix only the odometry knows, backwards from it.
+// All waiting scans get their poses between the previous fix and this one, (13), and their points. Before the first fix
+// only odometry is available, backwards from the fix.
 void ScanPlacer::State::close_segment(const PoseFix& next) {
   if (held.empty()) return;
   PosePath path;
@@ -193,7 +193,7 @@ void ScanPlacer::State::close_segment(const PoseFix& next) {
   emit(held.size(), path);
 }
 
-// Poses and points of the first `count` scans, whose nodes in the path follow the one of the scan before them.
+// Poses and points of the first `count` scans, whose nodes in the path follow that of the previous scan.
 void ScanPlacer::State::emit(std::size_t count, const PosePath& path) {
   const StageTimer timer(statistics.assemble_s);
   const std::size_t first = before_held ? 1 : 0;
@@ -210,12 +210,12 @@ void ScanPlacer::State::emit(std::size_t count, const PosePath& path) {
   held.erase(held.begin(), held.begin() + static_cast<std::ptrdiff_t>(count));
 }
 
-// A clock that stands still must not make what waits grow for ever.
+// Limits the waiting scans even if the clock stands still.
 bool ScanPlacer::State::is_blind_too_long() const {
   return held.size() > 1 && (blind_s > config.max_blind_s || held.size() > kMostHeld);
 }
 
-// From the last fix on, poses by odometry for all scans that wait.
+// Poses by odometry for all waiting scans, from the last fix on.
 PosePath ScanPlacer::State::path_by_odometry() const {
   PosePath path;
   if (before_held) path.append(*before_held);
@@ -226,8 +226,8 @@ PosePath ScanPlacer::State::path_by_odometry() const {
   return path;
 }
 
-// Without a horizontal scan for long the odometry alone says where the robot is. Before the first fix not even that is
-// known: the oldest scans go.
+// After long without a horizontal scan the odometry alone gives the pose. Before the first fix there is no pose at all:
+// the oldest scans are dropped.
 void ScanPlacer::State::dead_reckon() {
   if (!is_blind_reported) {
     const bool is_refused =
@@ -247,14 +247,14 @@ void ScanPlacer::State::dead_reckon() {
   }
   const PosePath path = path_by_odometry();
   const std::size_t count = held.size() - 1;
-  statistics.by_odometry += count;  // the last one as well, which is the fix of those that follow
+  statistics.by_odometry += count;  // including the last one, which serves as the fix of later scans
   last_fix = PoseFix{path.last().stamp_s, path.last().T_map_base, path.last().T_odom_base};
   has_fix_odometry = last_odometry.has_value();
   blind_s = 0.0;
   emit(count, path);
 }
 
-// The log has ended: what waits is posed by odometry.
+// The log has ended: waiting scans get poses by odometry.
 void ScanPlacer::State::close_log() {
   const PosePath path = path_by_odometry();
   statistics.by_odometry += held.size() - 1;
@@ -276,7 +276,7 @@ const NoddingStatistics& ScanPlacer::statistics() const {
 
 void ScanPlacer::take(NoddingScan scan) { state_->wait(state_->hold(std::move(scan))); }
 
-// With this fix the scans since the last one are known too.
+// This fix also determines the scans since the last one.
 void ScanPlacer::take_fix(NoddingScan scan, const Pose2& T_map_base, const MatchResult& match) {
   State& s = *state_;
   const std::optional<Pose2> T_odom = scan.record.T_odom_base;

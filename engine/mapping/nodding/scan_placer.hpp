@@ -1,6 +1,6 @@
-// From scans of which some have a pose to poses and points of all: between two fixes by equation (13), smoothed where
-// the scans see walls; before the first, behind the last and blind for long by odometry. Frame: map. Memory: the scans
-// since the last fix. One placer belongs to one thread.
+// Computes poses and points of all scans from the few that have a pose: between two fixes by equation (13), smoothed if
+// the scans see walls; before the first fix, after the last one and in long gaps by odometry. Frame: map. Memory: the
+// scans since the last fix. One placer belongs to one thread.
 #pragma once
 
 #include <functional>
@@ -23,25 +23,25 @@ struct PlacedScans {
 
 class ScanPlacer {
  public:
-  /// The map that the smoother looks at, asked for when it is needed.
+  /// Returns the map for the smoother; called when it is needed.
   using FieldSource = std::function<const GlobalField&()>;
 
-  /// `valid`: which ranges count.
+  /// `valid` gives the limits of valid ranges.
   ScanPlacer(const NoddingConfig& config, const NoddingScanner& scanner, const ScanConfig& valid, FieldSource field,
              PlacedScans placed);
   ~ScanPlacer();
-  /// The next scan in log order. Throws DeviceError where the device failed and on_failure forbids to go on with the
-  /// CPU.
+  /// Takes the next scan in log order. Throws DeviceError if the device failed and on_failure forbids to continue with
+  /// the CPU.
   void take(NoddingScan scan);
-  /// The next scan, and where the 2D system put it; a match that was not accepted fixes nothing but the first pose.
+  /// Takes the next scan with its pose from the 2D system; only an accepted match fixes a pose, or the first one.
   void take_fix(NoddingScan scan, const Pose2& T_map_base, const MatchResult& match);
-  /// No more points from here on, and nothing is smoothed: only the rest of the poses.
+  /// Stops points and smoothing from here on: only the remaining poses follow.
   void leave_points();
-  /// The log has ended; there was a fix.
+  /// Call it when the log has ended; there must have been a fix.
   void finish();
 
   [[nodiscard]] bool has_fix() const;
-  /// All but the strokes.
+  /// All counts except the strokes.
   [[nodiscard]] const NoddingStatistics& statistics() const;
   [[nodiscard]] const std::vector<std::string>& warnings() const;
 

@@ -14,10 +14,10 @@
 namespace gdtslam {
 namespace {
 
-/// Whole metres next to a coordinate.
+/// The nearest whole metre.
 double anchor_near(double coordinate_m) { return std::floor(coordinate_m + 0.5); }
 
-/// Whether points can be told from the scan: the elevation is known, and the sensor has a place on the robot.
+/// True if points can be computed from the scan: the elevation is known, and the sensor has a valid position.
 bool has_points(const NoddingScan& scan) {
   const Pose2& level = scan.record.scan.T_base_laser;
   return !scan.knots.empty() && level.is_finite() && std::fabs(level.x_m) < kFurthestFromRobot_m &&
@@ -68,12 +68,12 @@ struct SweepAssembler::State {
     limits.batch_beams = std::max(limits.batch_beams, kMostBeamsOfStrip);
   }
 
-  /// Row of a scan's first beam, in a table that `directions` holds from here on.
+  /// Row of a scan's first beam, in a table that `directions` then holds.
   std::uint32_t find_row(const LaserScan& scan) {
     if (directions) {
       if (const auto row = directions->find_row(scan)) return *row;
     }
-    close_batch();  // its strips name rows of the old table
+    close_batch();  // its strips refer to rows of the old table
     directions = std::make_shared<BeamDirections>(scanner.mount);
     return *directions->find_row(scan);
   }
@@ -82,7 +82,7 @@ struct SweepAssembler::State {
     if (!filling.beams.empty()) waiting.push_back({std::exchange(filling, {}), std::nullopt});
   }
 
-  /// Ranges of a strip, 0 where there was no valid return; whether there is any.
+  /// Reads the ranges of a strip, 0 without a valid return; returns true if there is any.
   bool take_ranges(const LaserScan& scan, const ScanStrip& strip) {
     const double limit = range_limit_m(scan, limits.max_range_m);
     ranges.clear();
@@ -112,7 +112,7 @@ struct SweepAssembler::State {
     next.download = device->start(next.batch);
   }
 
-  /// Hands the first batch on. It stays in the queue until the device has delivered it.
+  /// Delivers the first batch. It stays in the queue until the device has delivered it.
   void deliver() {
     const std::vector<SweptBeam> swept = device->finish(std::move(*waiting.front().download));
     points.clear();
@@ -122,7 +122,7 @@ struct SweepAssembler::State {
     sink.add(points);
   }
 
-  /// Works until no more than so many batches wait. The device gets a batch before the one ahead of it is fetched.
+  /// Works until at most this many batches wait. The device gets a batch before the previous one is fetched.
   void work(std::size_t may_wait) {
     while (waiting.size() > may_wait) {
       start(waiting[0]);
@@ -140,8 +140,8 @@ struct SweepAssembler::State {
   std::unique_ptr<SweepDevice> device;
   std::deque<Waiting> waiting;
   SweepBatch filling;
-  std::vector<float> ranges;       // ranges of the strip in hand
-  std::vector<CloudPoint> points;  // points of the batch in hand
+  std::vector<float> ranges;       // ranges of the current strip
+  std::vector<CloudPoint> points;  // points of the current batch
   std::uint64_t delivered = 0;
 };
 

@@ -1,5 +1,5 @@
-// From scans with poses to points in space: cuts each scan into strips, has the kernel sweep_points turn its beams into
-// points, hands them on. Frame: map. Results do not depend on how the scans are batched, nor on the backend. One
+// Turns scans with poses into points in space: cuts each scan into strips, runs the kernel sweep_points on their beams
+// and passes the points on. Frame: map. Results depend neither on the batches of scans nor on the backend. One
 // assembler belongs to one thread. Memory: three batches and a scan.
 //
 // A scan without knots of the phase gives no points, nor do beams without a return: a range must be at least min_range
@@ -22,7 +22,7 @@
 
 namespace gdtslam {
 
-/// The robot's pose at a time (of a knot), relative to T_map_fix.
+/// The robot's pose at a knot's time, relative to T_map_fix.
 struct PoseKnot {
   double offset_s = 0.0;
   Pose2 T_fix_base;
@@ -39,14 +39,14 @@ class SweepAssembler {
  public:
   SweepAssembler(const NoddingScanner& scanner, const AssemblyLimits& limits, Backend& backend, CloudSink& sink);
   ~SweepAssembler();
-  /// Queues a scan; `poses` (at least one) are in the order of time and cover the scan, linear in between. A batch goes
-  /// out when it is full. Throws DeviceError; the queue is kept, this scan included, so that use_backend() can go on.
+  /// Queues a scan; `poses` (at least one) are in the order of time and cover the scan, linear in between. A full batch
+  /// is sent out. Throws DeviceError; the queue is kept, including this scan, so that use_backend() can continue.
   void add(const NoddingScan& scan, std::uint32_t index, const Pose2& T_map_fix, std::span<const PoseKnot> poses);
-  /// Delivers all that was queued. What is queued at the end of the assembler's life is lost. Throws DeviceError.
+  /// Delivers all queued scans. Scans still queued at the end of the assembler's life are lost. Throws DeviceError.
   void flush();
-  /// Goes on with another backend, whatever was queued included.
+  /// Continues with another backend, including the queued scans.
   void use_backend(Backend& backend);
-  /// Handed to the sink so far.
+  /// Number of points passed to the sink so far.
   [[nodiscard]] std::uint64_t points() const;
 
  private:

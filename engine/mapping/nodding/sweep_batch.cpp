@@ -26,7 +26,7 @@ SweepPoints::Params params_for(const NoddingScanner& scanner, const AssemblyLimi
   return params;
 }
 
-/// Moves `segment` on until it is the one between two knots that holds the time; the last one holds all that is later.
+/// Advances `segment` to the one between two knots that contains the time; the last one contains all later times.
 template <class Knot>
 void go_to(double time_s, std::span<const Knot> knots, std::size_t& segment) {
   while (segment + 2 < knots.size() && time_s >= knots[segment + 1].offset_s) ++segment;
@@ -44,7 +44,7 @@ class StripCutter {
  public:
   explicit StripCutter(const ScanMotion& motion) : motion_(motion) {}
 
-  /// The strip that begins with a beam; beams are asked for in order.
+  /// The strip that begins with a beam; beams are requested in order.
   ScanStrip strip_from(std::size_t first) {
     const double begin_s = motion_.timing.of_beam_s(first);
     go_to(begin_s, motion_.phases, phase_segment_);
@@ -65,7 +65,7 @@ class StripCutter {
     return segment + 2 < knots.size() && time_s >= knots[segment + 1].offset_s;
   }
 
-  /// The first beam that does not lie between the same knots any more.
+  /// The first beam that is not between the same knots any more.
   [[nodiscard]] std::size_t segment_end(std::size_t first) const {
     const std::size_t most = std::min<std::size_t>(motion_.beams, first + kMostBeamsOfStrip);
     std::size_t end = first + 1;
@@ -76,7 +76,7 @@ class StripCutter {
     return end;
   }
 
-  /// An end so near that the sensor's place goes nearly straight.
+  /// An end close enough that the sensor moves nearly straight.
   [[nodiscard]] std::size_t bend_end(std::size_t first, std::size_t end) const {
     const std::size_t count = end - first;
     const double turn_rad = std::fabs(wrap_angle(base_at(motion_.timing.of_beam_s(end - 1)).theta_rad -
@@ -99,7 +99,7 @@ class StripCutter {
             from.theta_rad + share * wrap_angle(to.theta_rad - from.theta_rad)};
   }
 
-  /// In 2^-32 turns after the segment's first knot.
+  /// Turn in 2^-32 turns after the segment's first knot.
   [[nodiscard]] double turned(double time_s) const {
     if (phase_segment_ + 1 >= motion_.phases.size()) return 0.0;
     const Phase difference = motion_.phases[phase_segment_ + 1].phase - motion_.phases[phase_segment_].phase;

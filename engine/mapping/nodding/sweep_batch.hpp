@@ -19,8 +19,8 @@
 
 namespace gdtslam {
 
-/// Beam directions of scans in the nodding frame: one row of unit vectors for each layout of bearings, kept as long as
-/// scans use it. Not thread-safe.
+/// Beam directions of scans in the nodding frame: one row of unit vectors for each layout of bearings, kept while scans
+/// use it. Not thread-safe.
 class BeamDirections {
  public:
   explicit BeamDirections(const NoddingMount& mount) : mount_(mount) {}
@@ -57,7 +57,7 @@ struct StripOrigin {
   std::uint32_t scan = 0;
 };
 
-/// Input of one dispatch. Ranges are 0 where there was no valid return.
+/// Input of one dispatch. Ranges are 0 without a valid return.
 struct SweepBatch {
   std::vector<BeamRange> beams;
   std::vector<BeamStrip> strips;
@@ -65,7 +65,7 @@ struct SweepBatch {
   std::shared_ptr<const BeamDirections> directions;
 };
 
-/// x, y, z, elevation of a beam, as the kernel leaves them.
+/// x, y, z, elevation of a beam, as the kernel writes them.
 using SweptBeam = std::array<float, 4>;
 
 /// Appends the points of a batch in the order of its beams. Beams without a range are left out.
@@ -94,7 +94,7 @@ class SweepDevice {
   std::size_t uploaded_rows_ = 0;
 };
 
-/// Motion while a scan was taken. At least one knot of either kind, in the order of time.
+/// Motion during a scan. At least one knot of either kind, in the order of time.
 struct ScanMotion {
   std::span<const PhaseKnot> phases;
   std::span<const PoseKnot> poses;
@@ -103,17 +103,17 @@ struct ScanMotion {
   Pose2 T_base_level;
 };
 
-/// Beams [first, first + count) of a scan. The pose is that of the sensor's place relative to the fix.
+/// Beams [first, first + count) of a scan. The pose is that of the sensor's position relative to the fix.
 struct ScanStrip {
   std::size_t first = 0;
   std::uint32_t count = 0;
   Phase phase = 0;
   std::uint32_t phase_step = 0;
   Pose2 T_fix_level;
-  Pose2 step;  ///< step of x, y and theta, each by itself
+  Pose2 step;  ///< step of x, y and theta, each separately
 };
 
-/// A step of the phase is a whole number of 2^-32 turns: after so many beams the sum is at most 2^-23 of a turn off
+/// A step of the phase is a whole number of 2^-32 turns: after this many beams the sum is at most 2^-23 of a turn off
 /// (0.015 mm at 20 m).
 inline constexpr std::uint32_t kMostBeamsOfStrip = 1024;
 /// Limit for the sagitta of the arc on which the sensor moves when the robot turns.

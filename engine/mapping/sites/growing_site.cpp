@@ -13,14 +13,14 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kApart_m = 1.5;  // distance between places of a site that are looked for
+constexpr double kApart_m = 1.5;  // distance between places of a site that are searched
 constexpr double kApart_rad = 0.8;
-constexpr double kSpot_m = 2.0;                 // around where one fits as well
-constexpr std::size_t kLeastFitting = 2;        // places of a session at the other spot,
-constexpr std::size_t kFittingOverAgainst = 2;  // so many for each that does not fit there
-constexpr std::ptrdiff_t kLeastShared = 3;      // repeats that tell the same
+constexpr double kSpot_m = 2.0;                 // radius around another pose that fits as well
+constexpr std::size_t kLeastFitting = 2;        // least number of places of a session that fit at the other spot,
+constexpr std::size_t kFittingOverAgainst = 2;  // and least ratio to those that do not fit there
+constexpr std::ptrdiff_t kLeastShared = 3;      // repeats that show the same
 
-// One for each spot and direction.
+// Chooses one place for each spot and direction.
 std::vector<std::size_t> places_apart(const Session& site) {
   std::vector<std::size_t> apart;
   for (const std::size_t place : site.places) {
@@ -67,7 +67,7 @@ SiteRepeats::SiteRepeats(const Session& site, const SessionMap& map, WorkerPool&
   tell_shared_ones();
 }
 
-// These hold the other way round as well: the twin looks like the spot.
+// Each repeat also holds in reverse: the twin looks like the spot.
 void SiteRepeats::tell_shared_ones() {
   std::vector<Repeat> turned_round;
   for (Repeat& repeat : repeats_) {
@@ -81,8 +81,7 @@ void SiteRepeats::tell_shared_ones() {
   repeats_.insert(repeats_.end(), turned_round.begin(), turned_round.end());
 }
 
-// Other ways to lay the query: those of spots that are in the site twice, and those by which the building repeats
-// itself.
+// Other poses of the query: by spots that the site has twice, and by repeats of the building.
 std::vector<SiteRepeats::Way> SiteRepeats::other_ways(const Session& query, const Pose2& T_site_query) const {
   std::vector<Way> ways;
   for (const Repeat& repeat : repeats_) {

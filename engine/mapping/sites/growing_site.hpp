@@ -1,5 +1,5 @@
-// A site while it grows: sessions in one frame, in which others are searched, and what was found out about sites that
-// were there before, so that nothing is searched for twice. Frame: that of the first session. One thread at a time.
+// A site while it grows: sessions in one frame, in which others are searched, and search results of earlier sites, so
+// that nothing is searched twice. Frame: that of the first session. One thread at a time.
 #pragma once
 
 #include <cstddef>
@@ -16,25 +16,24 @@
 
 namespace gdtslam {
 
-/// Spots of a site that look like another spot of it, by what the site itself saw. A wing that was driven often and its
-/// twin that was hardly seen do not look alike to a search: what belongs to the thin one fits better in the dense one,
-/// and there alone. But what was seen of the thin one fits in the dense one too, and that tells. Where several places
-/// tell the same, the building repeats itself, and it may do so beyond what was seen of it. Thread-safe once made.
+/// Spots of a site that look like another spot of the same site. A wing that was driven often and its twin that was
+/// hardly seen do not look alike to a search: a part of the sparse twin fits better in the dense one. But the view of
+/// the sparse twin fits in the dense one too, which reveals the pair. If several places show the same repeat, the
+/// building repeats itself, perhaps beyond the part that was seen. Thread-safe once made.
 class SiteRepeats {
  public:
   /// `map` is of the site and must outlive this. Cost: a search for every other metre of the site's paths.
   SiteRepeats(const Session& site, const SessionMap& map, WorkerPool& workers);
 
-  /// Whether the query, laid there, may lie at the other spot instead: some of what it saw is there too, and next to
-  /// nothing that the site saw there speaks against it; or, where the building repeats itself, nothing that was seen
-  /// speaks against it.
+  /// True if the query, laid at this pose, may lie at another spot instead. Some of its walls must be there too, with
+  /// almost no contradiction by the site. If the building repeats itself, it is enough that nothing contradicts.
   [[nodiscard]] bool may_lie_elsewhere(const Session& query, const Pose2& T_site_query) const;
 
  private:
   struct Repeat {
     Pose2 T_site_spot;
     Pose2 T_site_twin;       ///< pose at which the site looks the same
-    bool is_shared = false;  ///< by places enough to tell that the building repeats itself
+    bool is_shared = false;  ///< enough places show it: the building repeats itself
   };
   struct Way {
     Pose2 T_site_query;
@@ -48,12 +47,12 @@ class SiteRepeats {
   std::vector<Repeat> repeats_;
 };
 
-/// Edges of the second are joined with those of the first that connect the same sessions.
+/// Adds the edges of the second list to the first; edges between the same sessions are merged.
 void add_edges(std::vector<SessionEdge>& edges, const std::vector<SessionEdge>& more);
 
 class GrowingSite {
  public:
-  /// All that is given by reference must outlive it. `group` is ascending.
+  /// All references must outlive this. `group` is ascending.
   GrowingSite(std::vector<std::size_t> group, const std::vector<Session>& sessions, std::vector<SessionEdge> edges,
               const SessionSearchOptions& options);
 
@@ -61,7 +60,7 @@ class GrowingSite {
   [[nodiscard]] bool holds(std::size_t session) const;
   [[nodiscard]] const std::vector<SessionEdge>& edges() const { return edges_; }
 
-  /// Made when it is asked for first, as the next two are.
+  /// Computed at the first call, as the next two are.
   const SessionMap& map();
   const Session& whole();
   const SiteRepeats& repeats(WorkerPool& workers);
@@ -79,16 +78,16 @@ class GrowingSite {
   std::unique_ptr<SiteRepeats> repeats_;
 };
 
-/// find_overlap() of each session in each site that there was, kept: sites that grow anew begin as they did before.
-/// Memory: some kilobytes a pair.
+/// Keeps the results of find_overlap() for each session and site: sites that grow again start the same way. Memory:
+/// some kilobytes a pair.
 class KnownOverlaps {
  public:
-  /// Before refuse_doubtful().
+  /// The overlap before refuse_doubtful().
   const SessionOverlap& of(GrowingSite& site, const Session& query, std::size_t number, const OverlapOptions& options,
                            WorkerPool& workers);
 
  private:
-  // The query, the sessions of the site and all that its edges say: what an overlap depends on.
+  // The query, the sessions of the site and its edges: the inputs of an overlap.
   using Key = std::tuple<std::size_t, std::vector<std::size_t>, std::vector<double>>;
   std::map<Key, SessionOverlap> known_;
 };

@@ -5,7 +5,7 @@
 namespace gdtslam {
 
 std::vector<StepDoubt> doubts_by_path(const Session& session) {
-  std::vector<std::optional<Matrix3>> information(session.places.size());  // information of the way to each place
+  std::vector<std::optional<Matrix3>> information(session.places.size());  // information of the step to each place
   for (const PoseRelation& relation : session.path) {
     if (relation.to != relation.from + 1) continue;
     std::optional<Matrix3>& known = information[relation.to];

@@ -19,8 +19,8 @@ std::vector<SessionFix> look_for(const std::vector<std::size_t>& keyframes, cons
   return fixes;
 }
 
-// Places all along the path, none left out: what speaks for another way to lay the session has to be seen. Where too
-// few agree, what lies beside those that were found.
+// Searches places all along the path, none left out: evidence for another pose of the session must show. If too few
+// agree, keyframes next to the places found are searched too.
 std::vector<SessionFix> find_places(const SessionMap& map, const Session& query, const OverlapOptions& options,
                                     WorkerPool& workers) {
   std::vector<SessionFix> fixes = look_for(places_to_look_for(query, options.search.most_places), map, query, workers);
@@ -36,7 +36,7 @@ std::vector<SessionFix> find_places(const SessionMap& map, const Session& query,
   return fixes;
 }
 
-// How many of the places that were found fit where this pose of the query's map has them.
+// Counts the found places that fit at this pose of the query's map.
 std::size_t explained_by(const Pose2& T_map_query, const SessionMap& map, const Session& query,
                          const std::vector<SessionFix>& found, WorkerPool& workers) {
   std::vector<char> fits(found.size());
@@ -48,14 +48,14 @@ std::size_t explained_by(const Pose2& T_map_query, const SessionMap& map, const 
   return static_cast<std::size_t>(std::count(fits.begin(), fits.end(), 1));
 }
 
-// By the fix in the middle of those that agree.
+// Pose by the fix in the middle of those that agree.
 Pose2 T_map_query_of(const SessionOverlap& overlap, const Session& query) {
   const SessionFix& middle = overlap.held[overlap.held.size() / 2];
   return middle.T_map_keyframe * inverse(query.poses[middle.keyframe]);
 }
 
-// That pose first, then the ways to lay the query that any place found speaks for, those beside one that is there
-// already left out.
+// That pose first, then the poses of the query that other places found support, without those near one that is already
+// in the list.
 std::vector<Pose2> ways_to_lay(const Session& query, const std::vector<SessionFix>& found, const Pose2& T_map_query) {
   const ExcludedPoses same{{}, kSameWay_m, kSameWay_rad};
   std::vector<Pose2> ways{T_map_query};
@@ -97,9 +97,9 @@ Met places_met(const SessionMap& map, const Session& query, const Pose2& T_map_q
   return {fitting + count(SessionMap::Test::kDoesNotFit), fitting};
 }
 
-// A building that repeats itself can be laid on itself in several ways, each of which fits in places that the other
-// drives happen to have seen once. What is wrong is told by what speaks against it, not by how much speaks for it: a
-// way counts for nothing where the robot would have driven through walls, or where both drove and saw something else.
+// A building that repeats itself can be laid on itself in several ways, each of which fits in some places. Evidence
+// against a way shows that it is wrong, not the amount of evidence for it: a way counts for nothing if the robot would
+// have driven through walls, or if both drove there and saw something else.
 void weigh_rivals(const SessionMap& map, const Session& query, const OverlapOptions& options, WorkerPool& workers,
                   SessionOverlap& overlap) {
   std::vector<SessionFix> found;

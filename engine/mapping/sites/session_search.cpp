@@ -18,20 +18,20 @@ namespace gdtslam {
 namespace {
 
 constexpr double kSessionSpacing_m = 0.05;  // spacing of the points of a session that others are searched in
-constexpr double kPlaceSpacing_m = 0.1;     // and of a place
-constexpr double kPlaceHeld_m = 0.03;       // and of what it is held against
+constexpr double kPlaceSpacing_m = 0.1;     // spacing of the points of a place in the query
+constexpr double kPlaceHeld_m = 0.03;       // spacing of the points of the place it is compared with
 constexpr double kSamePlace_m = 1.0;        // length of path
 constexpr double kWallSpacing_m = 0.5;
-constexpr double kStep_m = 0.025;          // along a path that is held against walls
+constexpr double kStep_m = 0.025;          // step along a path that is tested for walls
 constexpr std::uint16_t kWallUnits = 128;  // half a cell
 constexpr double kDroveThere_m = 1.5;      // distance between two robots that see the same
-constexpr double kFitsAtAll = 1.25;    // factor of the mean distance at which a place is found: much may have changed
-constexpr double kBesideHalf_m = 0.5;  // half of the window around a pose that is asked about: drift of both
+constexpr double kFitsAtAll = 1.25;    // factor of the largest mean distance in tests of a pose: much may have changed
+constexpr double kBesideHalf_m = 0.5;  // half of the window around a tested pose: drift of both
 constexpr double kBesideHalf_rad = 0.05;
 constexpr double kBeside_m[] = {-3.0, -1.5, 1.5, 3.0};  // offsets along the path
 constexpr double kOtherPlace_m = 4.0;                   // distance between places
 constexpr std::size_t kMostOthers = 4;
-constexpr std::size_t kQueriesApart = 4;  // number of queries of which one is looked for before the others between
+constexpr std::size_t kQueriesApart = 4;  // one query in this many is searched before the others in between
 
 KeyframePath keyframe_path(const Session& session) {
   return {session.scans, session.poses, session.path_m, session.doubts};
@@ -49,7 +49,7 @@ std::vector<Point2> to_points(const Session& session, double spacing_m) {
   return points;
 }
 
-// Distances to all of its walls are kept in one piece, whose sides the transforms bound.
+// Distances to all walls are kept in one piece, whose sides the transforms limit.
 std::vector<Point2> bounded(std::vector<Point2> points, double resolution_m) {
   constexpr double kMostCells = 32000.0;
   Point2 low = points.empty() ? Point2::Zero() : points.front();
@@ -133,8 +133,8 @@ SessionFix SessionMap::find(const Session& query, std::size_t keyframe) const {
   return fix;
 }
 
-// The nearest place that saw enough of it. Where this session began, and where it ended, one saw half of what is
-// around, and may have come by again; who contradicts is not asked twice.
+// Compares with the nearest place that saw enough of the keyframe's walls. At the ends of this session a place saw half
+// of its surroundings, so other places nearby are compared too; one contradiction is enough.
 void SessionMap::hold_against_places(const Session& query, SessionFix& fix) const {
   bool is_first = true;
   for (const std::size_t place : places_near(fix.T_map_keyframe)) {
@@ -151,7 +151,7 @@ void SessionMap::hold_against_places(const Session& query, SessionFix& fix) cons
   }
 }
 
-// The nearest one first, and others of as near as places are to each other.
+// Returns the nearest one first, and others that are as near as places are to each other.
 std::vector<std::size_t> SessionMap::places_near(const Pose2& T_map_keyframe) const {
   const std::size_t nearest = place_near(T_map_keyframe);
   std::vector<std::pair<double, std::size_t>> others;
@@ -203,7 +203,7 @@ double SessionMap::as_good_m(const SessionFix& fix) const {
   return std::max(options_.as_good_m, options_.as_good_share * fix.mean_m);
 }
 
-// Farther than any wall where there are no points.
+// Infinite if there are no points.
 double SessionMap::mean_beside_m(const Session& query, std::size_t keyframe, const Pose2& T_map_keyframe) const {
   const ScanGroup group(keyframe_path(query), keyframe, options_.query_half_m, kPlaceSpacing_m);
   const std::vector<PointCells> points = in_cells(every_nth(group.points(), options_.points), options_.resolution_m);

@@ -11,28 +11,28 @@
 namespace gdtslam {
 namespace {
 
-// Weights of a session's own path after its own adjustment: each step counts as much as a match, and stretches count as
-// the front end's do in the adjustment of one drive.
+// Weights of a session's path after its own adjustment: each step counts as much as a match, and stretches count as the
+// front end's do in the adjustment of one drive.
 constexpr std::size_t kHeldSpans[] = {1, 4, 12, 30};  // keyframes
-constexpr std::size_t kHeldOver = 4;                  // each of them over every step, which is to count once
+constexpr std::size_t kHeldOver = 4;                  // spans of each length that cover a step, which is to count once
 constexpr double kHeldNoise_m = 0.01;
 constexpr double kHeldNoise_rad = 0.003;
-constexpr std::size_t kMostSolved = 400;  // places for which they are computed, the rest lies in between
+constexpr std::size_t kMostSolved = 400;  // places with computed covariances; the rest are interpolated
 
-// The fix that agrees with most others in the middle of what agrees: of those held the one with the largest overlap.
+// The fix with the largest overlap among those held.
 const SessionFix& best_fix(const std::vector<SessionFix>& fixes) {
   return *std::max_element(fixes.begin(), fixes.end(), [](const SessionFix& a, const SessionFix& b) {
     return a.evidence.overlap < b.evidence.overlap;
   });
 }
 
-// The place that the keyframe is, or the last one before it.
+// The place that is this keyframe, or the last one before it.
 std::size_t place_before(const Session& session, std::size_t keyframe) {
   const auto next = std::upper_bound(session.places.begin(), session.places.end(), keyframe);
   return static_cast<std::size_t>(next - session.places.begin()) - 1;
 }
 
-// From the later to the earlier: the same measurement, its tangent seen from there.
+// Relation from the later to the earlier node: the same measurement, its tangent seen from there.
 PoseRelation turned_round(const PoseRelation& relation) {
   const Matrix3 back = adjoint_matrix(inverse(relation.T_from_to));
   return {.from = relation.to,
@@ -78,8 +78,8 @@ void SiteGraph::add(const Session& session, std::size_t number) {
   parts_.push_back(part);
 }
 
-// From the first session on to those that overlap with one that lies already, each time by the pair that most fixes
-// hold; its best fix belongs to the path, all others are loops.
+// Starts at the first session and adds sessions that overlap with one already laid, each time by the pair with the most
+// fixes; its best fix joins the path, all others are loops.
 void SiteGraph::lay(const std::vector<Session>& sessions, const std::vector<SessionEdge>& edges) {
   std::vector<bool> is_laid(parts_.size());
   is_laid.front() = true;
@@ -115,7 +115,7 @@ void SiteGraph::lay(const std::vector<Session>& sessions, const std::vector<Sess
   carry_keyframes();
 }
 
-// An edge that is trusted adds its best fix to the path, else all its fixes are loops.
+// A trusted edge adds its best fix to the path; otherwise all its fixes are loops.
 void SiteGraph::add_edge(const SessionEdge& edge, const std::vector<Session>& sessions, bool is_trusted) {
   const Session& reference = sessions[edge.reference];
   const Session& query = sessions[edge.query];
@@ -154,7 +154,7 @@ void SiteGraph::close_loops(LoopFinder& finder, WorkerPool& workers, const std::
   finder.forget_bent();
 }
 
-// In place: the finder looks at them.
+// Moves the keyframes in place, because the finder refers to them.
 void SiteGraph::carry_keyframes() {
   for (const Part& part : parts_) {
     std::vector<std::size_t> places;
@@ -166,8 +166,8 @@ void SiteGraph::carry_keyframes() {
   }
 }
 
-// Each drive as it lies in itself (a session may be a site of several, which the scans alone tell from each other), and
-// the loops that are on: passes may be too far apart for their points to hold them together.
+// Relations of each drive (a session may be a site of several, which only the scans distinguish), and the active loops:
+// passes may be too far apart for their points to constrain each other.
 std::vector<PoseRelation> SiteGraph::held_relations() const {
   std::vector<PoseRelation> held;
   const Matrix3 information =

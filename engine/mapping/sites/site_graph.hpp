@@ -1,5 +1,5 @@
-// The sessions of a site as one: their keyframes one after the other, and the graph of all their places, which begins
-// with each session laid where its best fix has it. Frame: that of the first session. Not thread-safe.
+// The sessions of a site as one: their keyframes one after the other, and the graph of all their places. At first each
+// session lies where its best fix puts it. Frame: that of the first session. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@ struct SessionEdge;
 
 class SiteGraph {
  public:
-  /// `group` has the numbers of the sessions, ascending, which the edges connect. A session alone stays as it is.
+  /// `group` has the ascending numbers of the sessions that the edges connect. A session alone stays as it is.
   SiteGraph(const std::vector<std::size_t>& group, const std::vector<Session>& sessions,
             const std::vector<SessionEdge>& edges);
   SiteGraph(const SiteGraph&) = delete;
@@ -25,25 +25,25 @@ class SiteGraph {
 
   /// Makes keyframes and places known to the finder, which must not outlive this.
   void show_to(LoopFinder& finder);
-  /// Looks at every place once, solves the graph, and moves the keyframes to where it has them.
+  /// Searches at every place once, solves the graph, and moves the keyframes accordingly.
   void close_loops(LoopFinder& finder, WorkerPool& workers, const std::function<void(double)>& progress);
 
   [[nodiscard]] const std::vector<KeptScan>& scans() const { return scans_; }
   [[nodiscard]] std::vector<Pose2>& poses() { return poses_; }
-  /// Relations of the sessions along the path, from keyframe to keyframe and over some more, for the joint adjustment.
+  /// Relations of the sessions' paths, from keyframe to keyframe and over longer spans, for the joint adjustment.
   [[nodiscard]] std::vector<PoseRelation> held_relations() const;
-  /// Loops from one session to another that are on, or off.
+  /// Number of loops from one session to another that are on, or off.
   [[nodiscard]] std::size_t loops_between(bool is_on) const;
-  /// Moves all into the frame of the first session's map: the adjustment moves the first pose too, by as little as any.
+  /// Moves all into the frame of the first session's map: the adjustment moves the first pose slightly too.
   void return_to_frame();
-  /// All as one session, without its graph; nothing is left here.
+  /// Moves all keyframes into one session, without its graph.
   [[nodiscard]] Session as_one() &&;
-  /// By session.
+  /// Poses of the keyframes by session.
   [[nodiscard]] std::vector<std::vector<Pose2>> poses_of_sessions() const;
   [[nodiscard]] const PoseGraph& graph() const { return graph_; }
-  /// Which of all keyframes the nodes of the graph are.
+  /// Keyframe of each node of the graph, among all keyframes.
   [[nodiscard]] const std::vector<std::size_t>& places() const { return places_; }
-  /// How sure each keyframe is within the site.
+  /// Covariance of each keyframe within the site.
   [[nodiscard]] std::vector<Matrix3> covariances() const;
 
  private:
@@ -64,10 +64,10 @@ class SiteGraph {
   std::vector<Part> parts_;
   std::vector<KeptScan> scans_;
   std::vector<Pose2> poses_;
-  std::vector<Pose2> shape_;  // the keyframes as each session had them
+  std::vector<Pose2> shape_;  // the keyframes' poses in their own sessions
   std::vector<double> path_m_;
   std::vector<StepDoubt> doubts_;
-  std::vector<std::size_t> places_;  // which keyframes they are
+  std::vector<std::size_t> places_;  // keyframe of each place
   PoseGraph graph_;
 };
 

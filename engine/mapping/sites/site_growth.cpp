@@ -12,12 +12,12 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::size_t kMostRounds = 4;    // rounds for sessions that were left over
-constexpr std::size_t kMostGrowths = 16;  // until nothing is refuted any more
+constexpr std::size_t kMostRounds = 4;    // rounds for sessions that are left over
+constexpr std::size_t kMostGrowths = 16;  // repetitions until no session is refuted
 
 using Sites = std::vector<std::unique_ptr<GrowingSite>>;
 
-// Orders sessions by the length of their walls, longest first.
+// Orders sessions by the extent of their walls, largest first.
 std::vector<std::size_t> widest_first(const std::vector<Session>& sessions) {
   std::vector<std::size_t> seen;
   seen.reserve(sessions.size());
@@ -64,31 +64,31 @@ class SiteGrowth {
   WorkerPool& workers_;
   const MergeProgress& progress_;
   std::vector<char> belongs_nowhere_;  // sessions that fit in several spots of a site
-  std::vector<char> is_undecided_;     // and those that would lie in one if nothing spoke against it
+  std::vector<char> is_undecided_;     // sessions that would lie in one without the evidence against it
   // Joined sessions that might as well lie elsewhere.
   std::vector<std::optional<SessionSearch>> lies_anywhere_;
-  std::vector<std::vector<std::size_t>> refuted_;  // keyframes that held a session, and are there twice
+  std::vector<std::vector<std::size_t>> refuted_;  // keyframes of a session whose fixes fit twice
   std::vector<std::size_t> refuted_now_;           // sessions, in this round
   KnownOverlaps overlaps_;
   Sites sites_;
   GrownSites grown_;
 };
 
-// If one site shows that the building can hold a session in two ways, a drive that saw one of them alone does not show
+// If one site shows that the building can hold a session in two ways, a drive that saw only one of them does not show
 // which it is.
 bool lies_in_two_ways(const std::vector<SessionOverlap>& overlaps) {
   return std::any_of(overlaps.begin(), overlaps.end(), [](const SessionOverlap& overlap) { return overlap.rival > 0; });
 }
 
-// Most of what was found there fits there several times.
+// True if most of the places found in the site fit there several times.
 bool SiteGrowth::is_everywhere(const SessionOverlap& overlap) const {
   return overlap.possible >= options_.agreement.least &&
          static_cast<double>(overlap.alone) < options_.alone_of_any * static_cast<double>(overlap.possible);
 }
 
-// Two alike wings of which each was seen by itself are two sites; a place that fits twice in any site counts for none,
-// one that fits in two sites for that alone which most speaks for, and a session of which most places fit twice belongs
-// nowhere.
+// Two alike wings, each seen by itself, are two sites. A place that fits twice in any site counts for none; one that
+// fits in two sites counts only for the better supported one; a session with most places fitting twice belongs to no
+// site.
 void SiteGrowth::leave_out_repeated(std::size_t session, std::vector<SessionOverlap>& overlaps) const {
   const Session& query = sessions_[session];
   std::vector<SessionOverlap*> order(overlaps.size());
@@ -115,7 +115,7 @@ void SiteGrowth::leave_out_repeated(std::size_t session, std::vector<SessionOver
   }
 }
 
-// All sites that it belongs to become one.
+// All sites that the session belongs to become one.
 void SiteGrowth::join(std::size_t session, const std::vector<std::vector<SessionEdge>>& edges_to) {
   std::vector<std::size_t> group{session};
   std::vector<SessionEdge> edges;
@@ -167,7 +167,7 @@ void SiteGrowth::add(std::size_t session) {
   join(session, edges);
 }
 
-// The surest first: the more is there, the better it tells what is there twice.
+// Adds the surest session first: a larger site shows repeats more reliably.
 void SiteGrowth::grow() {
   sites_.clear();
   grown_ = {};
@@ -183,7 +183,7 @@ void SiteGrowth::grow() {
   options_.least_alone = least_alone;
 }
 
-// A wrongly joined session led astray later ones, so the sites grow again without it.
+// A wrongly joined session misled later ones, so the sites grow again without it.
 GrownSites SiteGrowth::run() {
   for (std::size_t round = 0; round < kMostGrowths; ++round) {
     grow();
@@ -201,7 +201,7 @@ bool SiteGrowth::is_refuted(std::size_t session, std::size_t keyframe) const {
                      [&](std::size_t refuted) { return are_at_one_place(sessions_[session], refuted, keyframe); });
 }
 
-// Tries sessions again that came when too little was there yet; returns true if any was joined.
+// Tries sessions again that came while the sites were too small; returns true if any was joined.
 bool SiteGrowth::try_again() {
   const bool is_more_there = sites_.size() < sessions_.size();  // than each session by itself
   std::vector<std::size_t> alone;
@@ -216,7 +216,7 @@ bool SiteGrowth::try_again() {
   for (const std::size_t session : alone) {
     progress_("looking once more where sessions overlap",
               static_cast<double>(done++) / static_cast<double>(alone.size()));
-    // One of those before may have been joined with it.
+    // A session tried before it may have been joined with it.
     if (std::erase_if(sites_, [&](const auto& site) { return site->group() == std::vector{session}; }) == 0) continue;
     std::erase_if(grown_.searches, [&](const SessionSearch& search) { return search.query == session; });
     add(session);
@@ -224,13 +224,13 @@ bool SiteGrowth::try_again() {
   return sites_.size() < before;
 }
 
-// In all that was seen in the end.
+// Tests against all sites in the end.
 bool SiteGrowth::is_repeated(const SessionFix& fix, std::size_t query) const {
   return std::any_of(sites_.begin(), sites_.end(), [&](const auto& site) {
     if (site->holds(query)) {
       return site->map().fits_elsewhere(sessions_[query], fix, site->T_site_keyframe(query, fix.keyframe));
     }
-    if (site->group().size() == 1) return false;  // it was held against these when it came, or they against it
+    if (site->group().size() == 1) return false;  // it was compared with these sites when it came, or they with it
     const SessionFix there = site->map().find(sessions_[query], fix.keyframe);
     return there.is_possible && !there.is_alone;
   });
@@ -246,7 +246,7 @@ bool SiteGrowth::may_lie_elsewhere(const SessionSearch& search) {
   return (*site)->repeats(workers_).may_lie_elsewhere(query, T_site_query);
 }
 
-// The other sites have grown since it was searched in them.
+// Tests the other sites, which have grown since the session was searched in them.
 bool SiteGrowth::lies_in_two_ways_elsewhere(std::size_t session) {
   std::vector<SessionOverlap> overlaps;
   for (const auto& site : sites_) {
@@ -293,7 +293,7 @@ void SiteGrowth::verify() {
   }
 }
 
-// A refuted session holds nothing, and neither does what later ones had in common with it.
+// Removes all fixes of a refuted session, and those that later sessions share with it.
 void SiteGrowth::leave_out_refuted() {
   for (SessionSearch& search : grown_.searches) {
     std::erase_if(search.edges, [&](const SessionEdge& edge) {
@@ -306,7 +306,7 @@ void SiteGrowth::leave_out_refuted() {
   }
 }
 
-// Sessions that no edge connects any more become a site of their own.
+// Sessions that no edge connects any more become their own site.
 void SiteGrowth::split() {
   for (const SessionSearch& search : grown_.searches) add_edges(grown_.edges, search.edges);
   std::vector<std::size_t> first(sessions_.size());

@@ -1,7 +1,6 @@
-// Sites that grow: the session that saw most is the first, and each next one is searched in the whole of what is there
-// by then, where alike parts of a building are more likely to be seen than in any drive alone. What a session is joined
-// by is held against the sites in the end once more. The same bits for any number of threads. Cost: a session against
-// each site, not against each other session.
+// Grows sites: the session that saw most is the first, and each next one is searched in all sites so far, where alike
+// parts of a building are more likely to show than in a single drive. At the end each edge is checked against the final
+// sites. The same bits for any number of threads. Cost: a session against each site, not against each other session.
 #pragma once
 
 #include <cstddef>
@@ -15,10 +14,10 @@
 
 namespace gdtslam {
 
-/// The step at work, and the share of it that is done.
+/// The current step and its finished share.
 using MergeProgress = std::function<void(std::string_view, double)>;
 
-/// Two sessions of a site, and where places of one lie in the map of the other.
+/// Two sessions of a site, and the poses of places of one in the map of the other.
 struct SessionEdge {
   std::size_t reference = 0;
   std::size_t query = 0;
@@ -28,14 +27,14 @@ struct SessionEdge {
 /// Result of comparing a session with a site.
 struct SessionSearch {
   std::size_t query = 0;
-  std::vector<std::size_t> searched_in;  ///< the sessions of the site by then, ascending
+  std::vector<std::size_t> searched_in;  ///< the sessions of the site at that time, ascending
   SessionOverlap overlap;
-  std::vector<SessionEdge> edges;  ///< to sessions of the site; none where it was not joined, or did not stay so
-  bool may_lie_elsewhere = false;  ///< it was joined, but as a whole it fits elsewhere too and was taken out for that
+  std::vector<SessionEdge> edges;  ///< to sessions of the site; empty if it was not joined, or was taken out again
+  bool may_lie_elsewhere = false;  ///< it was joined, but as a whole it fits elsewhere too, so it was taken out
 };
 
 struct GrownSites {
-  std::vector<SessionSearch> searches;           ///< in their order
+  std::vector<SessionSearch> searches;           ///< in the order in which they were made
   std::vector<SessionEdge> edges;                ///< edges of all searches
   std::vector<std::vector<std::size_t>> groups;  ///< sessions that edges connect, ascending, ordered by their first
 };

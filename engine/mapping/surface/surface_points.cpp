@@ -17,21 +17,21 @@ constexpr double kLeastReach_m = 0.12;
 constexpr double kMostReach_m = 0.5;
 constexpr double kFlatness = 0.05;          // most of the variance across, as a share of that along
 constexpr double kRoughness_m = 0.01;       // and beyond that share: a laser's noise
-constexpr double kReachNoises = 10.0;       // neighbours within this many times the noise make a normal of six degrees
+constexpr double kReachNoises = 10.0;       // neighbours within this many times the noise err by six degrees
 constexpr double kRoughnessNoises = 1.3;    // multiple of the noise, which a small sample exceeds
 constexpr std::size_t kFewestOfNoise = 10;  // returns with neighbours
 constexpr double kMedianOfNormal = 0.6745;  // median of the absolute value of a normal variable
 constexpr double kTiniest = 1.0e-12;        // least eigenvalue that is divided by
-constexpr double kLonePlace_m = 0.5;        // beams that have no neighbours are about so far apart
+constexpr double kLonePlace_m = 0.5;        // spacing of beams without neighbours
 constexpr double kCornerPlace_m = 0.1;      // distance of a corner from the beams at its sides
-constexpr double kMostLone = 20.0;          // that tell something new
-constexpr double kSurfaceEnough = 20.0;     // points on surfaces, beside which of lone ones only corners count
+constexpr double kMostLone = 20.0;          // independent points
+constexpr double kSurfaceEnough = 20.0;     // points on surfaces that make lone ones needless, except corners
 constexpr double kOffLine_m = 0.05;
 constexpr double kOffLineNoises = 3.0;
 constexpr double kAcross = 0.5;        // least squared cosine between a normal and the way: 45 degrees
 constexpr double kEnoughAcross = 0.1;  // share of the surface
 
-// Sums over the neighbours of a point, relative to it.
+// Sums over the neighbours of a point, relative to the point.
 struct Neighbourhood {
   std::size_t count = 0;
   double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
@@ -92,8 +92,8 @@ std::optional<Normal> fit_normal(const Neighbourhood& sums, double noise_m) {
   return Normal{Point2(-direction.sin, direction.cos), across / ((n - 2.0) * along)};
 }
 
-// The noise of the returns across their surfaces: how far the middle one of three neighbours lies from the line through
-// the others, of the beams' median. Corners and edges are fewer than half.
+// The noise of the returns across their surfaces: median distance of the middle one of three neighbours from the line
+// through the others. Corners and edges are fewer than half.
 double estimate_noise(std::span<const Point2> points) {
   std::vector<double> off;
   for (std::size_t i = 1; i + 1 < points.size(); ++i) {
@@ -111,7 +111,7 @@ double estimate_noise(std::span<const Point2> points) {
   return *middle / kMedianOfNormal;
 }
 
-// Whether the middle one of three lies farther from the line through the others than noise takes it.
+// True if the middle one of three lies farther from the line through the others than its noise.
 bool is_off_line(const Point2& a, const Point2& p, const Point2& b, double noise_m) {
   const Point2 before = p - a;
   const Point2 after = b - p;
@@ -123,7 +123,7 @@ bool is_off_line(const Point2& a, const Point2& p, const Point2& b, double noise
   return off_m > std::max(kOffLine_m, kOffLineNoises * noise_m) * gain;
 }
 
-// No two neighbours are on a line with it.
+// True if no two neighbours are on a line with it.
 bool is_corner(std::span<const Point2> points, std::size_t i, double noise_m) {
   if (i < 2 || i + 2 >= points.size()) return false;
   return is_off_line(points[i - 1], points[i], points[i + 1], noise_m) &&
@@ -131,7 +131,7 @@ bool is_corner(std::span<const Point2> points, std::size_t i, double noise_m) {
          is_off_line(points[i], points[i + 1], points[i + 2], noise_m);
 }
 
-// The information of points each of which lies so near to where it was seen, in both directions.
+// The information of points, each of which is known within `place_m` in both directions.
 Matrix3 lone_point_information(const std::vector<LonePoint>& points, double place_m) {
   if (points.empty()) return {};
   Matrix3 sum;
@@ -144,7 +144,7 @@ Matrix3 lone_point_information(const std::vector<LonePoint>& points, double plac
 }
 
 constexpr double kWidestGap_m = 2.0;
-constexpr double kNeighbours = 1.5;  // usual angles between beams: more and a beam in between returned nothing
+constexpr double kNeighbours = 1.5;  // usual angles between beams; a larger one has a missing return
 constexpr double kLineNoise_m = 0.02;
 constexpr double kLineShare = 0.05;  // distance from the line as a share of the distance to the next point
 
@@ -173,7 +173,7 @@ bool are_neighbours(std::span<const Point2> points, double usual_sine) {
   return true;
 }
 
-// Whether the first and the last of four points lie on the line through the others, none far from the next.
+// True if the first and the last of four points lie on the line through the others, none far from the next.
 bool are_on_a_line(std::span<const Point2> points) {
   const Point2 gap = points[2] - points[1];
   const double gap_m = length(gap.x(), gap.y());
@@ -252,8 +252,8 @@ bool knows_way(const KeptScan& scan, const Point2& direction) {
   return static_cast<double>(across) > kEnoughAcross * static_cast<double>(scan.surface.size());
 }
 
-// The translation is scaled along its own axes, from both sides, so that the matrix stays positive and the heading
-// keeps what the scan says of it.
+// The translation is scaled along its own axes, from both sides, so that the matrix stays positive and keeps the
+// information about the heading.
 ShapeOfOne shape_of_one(const Matrix3& shape, std::size_t points, double least, double noise) {
   const double share = points > 0 ? 1.0 / static_cast<double>(points) : 0.0;
   const Matrix3 one = share * shape;

@@ -19,13 +19,13 @@ constexpr double kQuarter_rad = 0.5 * kPi;
 constexpr double kBin_rad = kQuarter_rad / static_cast<double>(kDirectionBins);
 constexpr double kWindow_rad = kBin_rad * static_cast<double>(kWindowBins);
 
-// Into [0, a quarter turn).
+// Folds an angle into [0, a quarter turn).
 double in_quarter(double angle_rad) {
   const double folded = angle_rad - kQuarter_rad * std::floor(angle_rad / kQuarter_rad);
   return folded < kQuarter_rad ? folded : 0.0;
 }
 
-// From one direction to another, the short way.
+// The shortest turn from one direction to another.
 double turn_between(double from_rad, double to_rad) {
   return in_quarter(to_rad - from_rad + 0.5 * kQuarter_rad) - 0.5 * kQuarter_rad;
 }

@@ -1,6 +1,6 @@
-// The direction in which most of the walls of a map run, from the surfaces that its scans saw. Walls across count as
-// much as walls along: directions are taken modulo a quarter turn. Frame: map. Thread-safe; linear in the points, the
-// same bits everywhere.
+// The direction of most walls in a map, from the surfaces that its scans saw. Walls across count as much as walls
+// along: directions are taken modulo a quarter turn. Frame: map. Thread-safe; linear in the points, the same bits
+// everywhere.
 #pragma once
 
 #include <optional>
@@ -12,19 +12,19 @@ namespace gdtslam {
 
 struct WallDirection {
   double angle_rad = 0.0;  ///< angle of the walls from the x axis, in [-pi/4, pi/4)
-  double share = 0.0;      ///< share of all surface, in metres seen, within 2 degrees of it, modulo a quarter turn
+  double share = 0.0;      ///< share of the surface, in metres seen, within 2 degrees, modulo a quarter turn
 };
 
-/// Takes the surfaces of one scan after the other. One object belongs to one thread.
+/// Takes the surfaces of one scan after another. One object belongs to one thread.
 class WallDirectionFinder {
  public:
   WallDirectionFinder();
-  /// Returns of a scan in beam order, in the robot's frame, and the robot's pose. Each point on a surface (keep_scan)
-  /// counts as much as it is away, which is the length of wall that its beam covers.
+  /// Takes the returns of a scan in beam order, in the robot's frame, and the robot's pose. Each point on a surface
+  /// (keep_scan) counts by its distance, to which the length of wall under its beam is proportional.
   void add(const std::vector<Point2>& points_base_m, const Pose2& T_map_base);
   /// The peak of the histogram (bins of 0.1 degree, smoothed over 2 degrees), refined by the weighted mean of the
-  /// surfaces around it. Nothing where no direction stands out: the best has less than 15 % of the surface within 2
-  /// degrees; chance has 4.4 %.
+  /// surfaces around it. Empty if no direction stands out: the best has less than 15 % of the surface within 2 degrees;
+  /// by chance it would have 4.4 %.
   [[nodiscard]] std::optional<WallDirection> direction() const;
 
  private:

@@ -19,17 +19,17 @@
 namespace gdtslam {
 namespace {
 
-// Start poses come from a search, which ends as near to the truth as matches do.
+// Start poses come from a search, which is about as accurate as a match.
 constexpr double kStartSigma_m = 0.1;
 constexpr double kStartSigma_rad = 0.03;
-constexpr double kLeastKnown = 0.5;  // least share of a scan that the map must know; with less the scan says nothing
-constexpr double kLeastExplained = 0.5;  // least share of that which must fit: the rest changed since the map was made
+constexpr double kLeastKnown = 0.5;      // least share of a scan in the known map; with less the scan is useless
+constexpr double kLeastExplained = 0.5;  // least fitting share of that part: the rest has changed since
 
 Matrix3 covariance_at_start() {
   return Matrix3::diagonal(square(kStartSigma_m), square(kStartSigma_m), square(kStartSigma_rad));
 }
 
-// That of the field's grid, as far as it is one's own to choose.
+// Takes resolution and truncation from the field; odometry is always estimated.
 MapperConfig config_for(MapperConfig config, const FieldView& map) {
   config.odometry.estimate = true;
   config.map.resolution_m = map.resolution_m;
@@ -41,7 +41,7 @@ MapperConfig config_for(MapperConfig config, const FieldView& map) {
   throw ConfigError(text);
 }
 
-/// Points and what their distances add up to, 1/256 cell.
+/// Number of points and the sum of their distances, 1/256 cell.
 struct DistanceSum {
   std::size_t points = 0;
   std::uint64_t sum = 0;
@@ -79,7 +79,7 @@ KnownFit measure_known_fit(const GlobalField& map, std::span<const PointCells> p
           .explained_distance_m = explained.mean_m(r)};
 }
 
-// One for all trackers of a map.
+// Shared by all trackers of a map.
 struct TrackedField {
   TrackedField(const MapperConfig& c, const FieldView& map, Backend& cpu)
       : config(config_for(c, map)),
@@ -120,8 +120,8 @@ struct MapTracker::State {
   void weigh(const MatchResult& result, std::span<const PointCells> points);
 };
 
-// At the border of a map a scan slides into it, for what lies outside of it costs most: a match must explain what it
-// puts into the map, and that must be enough.
+// At the border of a map a scan slides into it, because points outside cost most: a match must explain the points that
+// it puts into the map, and these must be enough.
 void MapTracker::State::doubt(MatchResult& result, std::span<const PointCells> points) const {
   const double share = measure_known_fit(map->field, points, result.T_map_base, config.gate.final_m).share;
   if (share >= kLeastKnown && result.overlap >= kLeastExplained * share) return;

@@ -8,9 +8,9 @@ namespace {
 
 constexpr MotionNoise kLeastChange{0.01, 0.005};
 constexpr std::size_t kMostChanges = 200;
-constexpr std::size_t kChangesToTrust = 60;  // fewer are mixed with what is known of no robot
-// Shares of the changes below a quantile, and that quantile of a length of two normal numbers, and of one, in sigmas.
-// A robot that turns now and then has long tails, so the larger of both counts.
+constexpr std::size_t kChangesToTrust = 60;  // with fewer changes those of an unknown robot are mixed in
+// Shares of the changes below a quantile, and that quantile for the length of two normal variables, and for one, in
+// sigmas. A robot that turns now and then has long tails, so the larger of both counts.
 struct NormalQuantile {
   double share;
   double of_two;

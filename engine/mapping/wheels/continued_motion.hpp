@@ -1,5 +1,5 @@
-// The robot's motion where no odometry measures it: it goes on as it did, and how far that is off is learnt from how
-// far it was so far. Frame: the robot's at the last scan. Not thread-safe. Cost: some microseconds a scan.
+// Predicts the robot's motion if no odometry measures it: the last motion continues, with an uncertainty learnt from
+// earlier errors. Frame: the robot's at the last scan. Not thread-safe. Cost: some microseconds a scan.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace gdtslam {
 
-// How sure a motion is. Thread-safe, constant time.
+// Uncertainty of a motion. Thread-safe, constant time.
 
 /// Standard deviations of a motion that the wheels measured, along each axis and in heading.
 struct MotionNoise {
@@ -20,7 +20,7 @@ struct MotionNoise {
   double sigma_rad = 0.0;
 };
 
-/// How far the motion of a robot that nothing is known of may change from scan to scan.
+/// Change of the motion of an unknown robot from scan to scan.
 inline constexpr MotionNoise kOfAnyRobot{0.2, 0.2};
 
 class ContinuedMotion {
@@ -28,9 +28,9 @@ class ContinuedMotion {
   /// Takes the pose of the next scan, and whether a match confirms it.
   void take(const Pose2& T_map_base, bool is_known);
 
-  /// From the last scan to the next, as from scan to scan between the last two poses that are known.
+  /// Motion from the last scan to the next: that between scans of the last two known poses.
   [[nodiscard]] Pose2 step() const { return exp_tangent(velocity_); }
-  /// How far that may be off: more with each scan whose pose is not known.
+  /// Uncertainty of that motion: more with each scan whose pose is not known.
   [[nodiscard]] MotionNoise noise() const;
 
  private:
@@ -43,10 +43,10 @@ class ContinuedMotion {
 
   Tangent2 velocity_{};  // a scan
   std::optional<Pose2> T_map_known_;
-  std::size_t unknown_ = 0;        // scans since
+  std::size_t unknown_ = 0;        // scans since the last known pose
   bool is_single_ = false;         // the velocity is from one scan to the next
-  std::deque<Change> changes_;     // motions of the last scans
-  std::vector<double> changes_m_;  // and each part of them ascending
+  std::deque<Change> changes_;     // changes of the motion at the last scans
+  std::vector<double> changes_m_;  // and each component in ascending order
   std::vector<double> changes_rad_;
   MotionNoise learnt_;  // noise of those motions
 };

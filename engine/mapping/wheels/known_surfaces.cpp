@@ -7,7 +7,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kKnownCell_m = 0.2;  // a return counts as known within a cell of one that the map has
+constexpr double kKnownCell_m = 0.2;  // a return counts as known within a cell of a return in the map
 constexpr double kToEachSide_m = 0.5;
 
 std::uint64_t cell_key(std::int64_t x, std::int64_t y) {

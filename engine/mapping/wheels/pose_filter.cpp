@@ -7,11 +7,11 @@ namespace gdtslam {
 namespace {
 
 constexpr double kMatchPointNoise_m = 0.02;
-constexpr double kMatchIndependent = 400.0;  // points of a scan and of its map that tell something new
-constexpr double kMatchEnough = 100.0;       // points, with fewer of which a scan tells less
+constexpr double kMatchIndependent = 400.0;  // independent points of a scan and of its map
+constexpr double kMatchEnough = 100.0;       // with fewer points a scan has less information
 constexpr double kMatchLeastShare = 0.01;
 constexpr double kMatchLeastShape = 4.0e-9;  // information of a direction in which the scan shows nothing
-constexpr double kMostMatchChi2 = 30.0;      // farther apart one of the two is wrong
+constexpr double kMostMatchChi2 = 30.0;      // if the two are farther apart, one is wrong
 
 }  // namespace
 
@@ -40,12 +40,12 @@ void PoseFilter::predict(const Pose2& T_map_predicted, const MotionNoise& noise)
 
 MotionNoise PoseFilter::sigma() const { return {position_sigma(covariance_), std::sqrt(covariance_(2, 2))}; }
 
-// Along a corridor a match slides, always to where the map is known. Its walls are seen under angles that are a little
-// off, so that what it slid would count as a measurement across them: it is left out.
+// Along a corridor a match slides, always to where the map is known. Its walls are seen under slightly wrong angles, so
+// that the slide would count as a measurement across them: it is left out.
 //
-// The two differ in heading, so that what the match tells is first turned to the heading of the prediction, and the
-// covariance of both to that of the result: of wheels that are noisy headings are 50 mrad apart, and the sine of that
-// times what they are apart aside would push each step forward, by half a per cent of the way.
+// The two differ in heading, so the match's information is first turned to the heading of the prediction, and the
+// covariance of both to that of the result. With noisy wheels headings are 50 mrad apart, and the sine of that times
+// the sideways difference would push each step forward, by half a per cent of the way.
 PoseFilter::Fused PoseFilter::fused_with(const Pose2& T_map_matched, const MatchInformation& match) const {
   const Pose2 apart = between(T_map_base_, T_map_matched);
   const Matrix3 turn = adjoint_matrix(Pose2{0.0, 0.0, apart.theta_rad});

@@ -1,6 +1,5 @@
-// Combines the wheels and a match into one pose of a scan: along a corridor the match says nothing of the way along it,
-// and the wheels do. The match's information comes from the normals of the scan's points. Not thread-safe; linear in
-// the points.
+// Combines the wheels and a match into one pose of a scan: along a corridor only the wheels measure the motion. The
+// match's information comes from the normals of the scan's points. Not thread-safe; linear in the points.
 #pragma once
 
 #include "engine/mapping/graph/matrix3.hpp"
@@ -10,8 +9,8 @@
 
 namespace gdtslam {
 
-/// Information of a match on the scan's pose, and the share of a motion that the match is to be believed of, along the
-/// axes of what the scan sees: by all that it sees, and by its surfaces alone.
+/// Information of a match about the scan's pose, and the share of a motion for which the match is reliable, along the
+/// axes of the scan's shape: by all points, and by surfaces alone.
 struct MatchInformation {
   Matrix3 matrix;
   Matrix3 believed = Matrix3::identity();
@@ -20,22 +19,22 @@ struct MatchInformation {
 
 class PoseFilter {
  public:
-  /// Wheels and match as one.
+  /// Wheels and match combined.
   struct Fused {
     Pose2 T_map_base;
     Matrix3 covariance;
     bool is_possible = true;  ///< both can be right
   };
 
-  /// The robot moved from where it was last to `T_map_predicted`, known this well.
+  /// The robot moved from its last pose to `T_map_predicted`, with this noise.
   void predict(const Pose2& T_map_predicted, const MotionNoise& noise);
   [[nodiscard]] const Pose2& pose() const { return T_map_base_; }
   [[nodiscard]] const Matrix3& covariance() const { return covariance_; }
-  /// How sure the pose is, relative to the local map: in the least sure direction, and in heading.
+  /// Uncertainty of the pose relative to the local map: in the least sure direction, and in heading.
   [[nodiscard]] MotionNoise sigma() const;
-  /// With a match of this information.
+  /// Combines the prediction with a match of this information.
   [[nodiscard]] Fused fused_with(const Pose2& T_map_matched, const MatchInformation& match) const;
-  /// The pose is this; without it the prediction stays.
+  /// Sets the pose; without this call the prediction stays.
   void take(const Pose2& T_map_base, const Matrix3& covariance);
 
  private:
@@ -44,7 +43,7 @@ class PoseFilter {
 };
 
 MatchInformation match_information(const KeptScan& scan);
-/// Whether two poses lie farther apart than a match of this information errs.
+/// True if two poses lie farther apart than the error of a match of this information.
 bool are_apart(const Pose2& T_map_a, const Pose2& T_map_b, const Matrix3& information);
 
 }  // namespace gdtslam

@@ -7,11 +7,11 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kStraight_s = 1.5;  // longer than odometry is told early or late
+constexpr double kStraight_s = 1.5;  // longer than the delay of early or late odometry
 constexpr double kStraight_rad = 0.035;
 constexpr double kTurnNoise_rad = 0.01;  // noise of the matches at both ends
 constexpr double kTurnChi2 = 25.0;
-constexpr double kUnmeasuredTurn_rad = 1.0;  // a step that is less sure is one that no odometry measured
+constexpr double kUnmeasuredTurn_rad = 1.0;  // a larger sigma marks a step that no odometry measured
 
 }  // namespace
 
@@ -25,7 +25,7 @@ bool TurnLeap::is_straight(const MatchResult& result, double off_rad) {
   return result.stamp_s - straight_since_s_ >= kStraight_s;
 }
 
-// A leap whose turn is open was doubted when it happened.
+// A leap whose turn is open was handled when it happened.
 std::optional<double> TurnLeap::take(const MatchResult& result) {
   const double off_rad = wrap_angle(result.T_map_base.theta_rad - result.T_map_predicted.theta_rad);
   const bool is_behind = is_straight(result, off_rad);

@@ -17,7 +17,7 @@ constexpr double kLeastNoise = 1.0e-4;  // least noise of a residual over the ro
 constexpr double kStandingOut = 3.0;    // standard deviations
 constexpr WheelBias kNothingKnown;
 
-/// A residual grows as the root of the length of its stretch.
+/// An equation of a stretch; its residual grows as the root of the stretch's length.
 struct Equation {
   double a = 0.0;  // factor of the first unknown; b: of the second
   double b = 0.0;
@@ -32,7 +32,7 @@ struct Solution {
   double sigma_b = 0.0;
 };
 
-// One standard deviation of what is left, for a length of one.
+// One standard deviation of the residuals, for a length of one.
 double residual_spread(const std::vector<Equation>& equations, const Solution& solution) {
   std::vector<double> off;
   off.reserve(equations.size());
@@ -82,7 +82,7 @@ WheelBias estimate_bias(std::span<const WheelStretch> stretches, double overlap)
   std::vector<Equation> turns;
   for (const WheelStretch& s : stretches) {
     const double walk = heading_walk(s.path_m, s.turned_rad);
-    // The true turn is known but for whole turns, which the wheels tell.
+    // The true turn is known up to whole turns, which the wheels give.
     const double missing_rad = wrap_angle(s.true_turn_rad - s.turn_rad);
     if (walk > 0.0) turns.push_back({s.turn_rad + missing_rad, s.forward_m, missing_rad, walk});
   }

@@ -1,5 +1,5 @@
-// The bias of the wheels: they miss a share of the distance (WheelScale learns it), a share of the turn, and turn with
-// every metre, as wheels of unequal size do. The two of the turn are estimated by robust least squares from stretches
+// The bias of the wheels: a missing share of the distance (WheelScale learns it), a missing share of the turn, and a
+// turn in each metre, as of wheels of unequal size. Robust least squares estimate the two of the turn from stretches
 // whose true turn is known better. Thread-safe. Cost: linear in the stretches.
 #pragma once
 
@@ -18,7 +18,7 @@ struct WheelBias {
   double sigma_rad_per_m = 0.05;
 };
 
-/// A stretch of the path by the wheels, and what is known of it otherwise.
+/// A stretch of the path by the wheels, and its true turn by other sources.
 struct WheelStretch {
   double path_m = 0.0;
   double turned_rad = 0.0;
@@ -27,16 +27,16 @@ struct WheelStretch {
   double true_turn_rad = 0.0;
 };
 
-/// Length that the variance of a heading by the wheels grows with: radians, or half the metres.
+/// Length that the variance of a wheel heading grows with: radians, or half the metres.
 inline double heading_walk(double path_m, double turned_rad) { return 0.5 * path_m + turned_rad; }
 
-/// The turns', of stretches that overlap so that each piece is in `overlap` of them. Without any: nothing, as uncertain
-/// as wheels are that nobody knows.
+/// Estimates the bias of the turns from stretches that overlap so that each piece is in `overlap` of them. Without
+/// stretches: zero, with the uncertainty of unknown wheels.
 WheelBias estimate_bias(std::span<const WheelStretch> stretches, double overlap);
 
-/// The share that is added to distances: what stands out of three standard deviations.
+/// The share that is added to distances: the part that exceeds three standard deviations.
 double distance_added(const WheelBias& bias);
-/// The motion less what stands out of three of its own standard deviations: wheels that are good are left alone.
+/// The motion corrected by the part of the bias that exceeds three standard deviations: good wheels stay unchanged.
 Pose2 corrected(const Pose2& by_wheels, const WheelBias& bias);
 
 }  // namespace gdtslam

@@ -13,16 +13,17 @@ constexpr double kMarkEvery_rad = 0.25;
 constexpr std::size_t kMostMarks = 400;
 constexpr std::size_t kEstimateEvery = 10;  // marks
 constexpr std::size_t kFewestStretches = 10;
-constexpr double kMovedShare = 0.1;  // share of a metre for each mark: shorter stretches say nothing of the distance
-// A share of the stretches below a quantile, and that quantile of a length of two normal numbers, or of one, in sigmas.
+constexpr double kMovedShare = 0.1;  // share of a metre for each mark: shorter stretches do not count
+// Share of the stretches below a quantile, and that quantile for the length of two normal variables, or for one, in
+// sigmas.
 constexpr double kQuantile = 0.85;
 constexpr double kQuantileOfTwo = 1.948;  // sqrt(-2 log(1 - 0.85))
 constexpr double kQuantileOfOne = 1.440;
 // Relative variance of that quantile squared, times the number of stretches: 4 q (1 - q) / (x f(x))^2 at x = 1.44 of
 // the absolute value of a normal variable.
 constexpr double kQuantileNoise = 3.07;
-constexpr double kBeyondChance = 2.0;  // standard errors of the level, which half of it is believed at
-constexpr double kFullTrust = 60.0;    // marks, below which what is known of no robot counts too
+constexpr double kBeyondChance = 2.0;  // standard errors of the level at which half of it counts
+constexpr double kFullTrust = 60.0;    // marks; with fewer, the noise of an unknown robot counts too
 constexpr WheelErrors kUnknown;
 constexpr double kLeastSlip_m = 0.003;
 constexpr double kLeastSlip_rad = 0.002;
@@ -105,10 +106,10 @@ void WheelNoise::spreads_over(std::size_t marks, const std::vector<Pose2>& odome
   add(off_rad, walk, kQuantileOfOne, radians);
 }
 
-// Least squares of the relative errors; neither the wheels nor the matches can have a variance below nothing. Beside
-// wheels that are far worse the level of the matches is a difference of large numbers: it counts as far as it is larger
-// than its own standard error, and than what the wheels get wrong from mark to mark, a part of which does not grow with
-// the way either, as where their stamps are early or late.
+// Least squares of the relative errors; neither the wheels nor the matches can have a negative variance. Beside far
+// worse wheels the level of the matches is a difference of large numbers. It counts as far as it exceeds its own
+// standard error and the wheels' error from mark to mark, a part of which does not grow with the way either, for
+// example if stamps are early or late.
 WheelNoise::Line WheelNoise::fit(const std::vector<Spread>& spreads, double slope_before) {
   constexpr double kTiny = 1.0e-12;
   double w = 0.0, x = 0.0, v = 0.0, xx = 0.0, xv = 0.0;

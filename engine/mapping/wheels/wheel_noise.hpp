@@ -1,8 +1,7 @@
-// How good the wheels are, estimated as the log goes from what accepted matches say: what they get wrong always is
-// corrected, what is left is noise. Both drift: what wheels get wrong
-// grows with the path as a random walk does, what a match gets wrong does not; so the variance of their difference over
-// longer and longer stretches tells the one from the other. Robust: by quantiles, so that a slip or a wrong match is
-// one of many. Not thread-safe. Cost: some microseconds a scan.
+// Estimates the noise of the wheels from accepted matches as the log is read: constant errors are corrected, the rest
+// is noise. Errors of wheels grow with the path as a random walk does, those of matches do not; so the variance of
+// their difference over longer and longer stretches separates the two. Robust: uses quantiles, so that a slip or a
+// wrong match is one of many. Not thread-safe. Cost: some microseconds a scan.
 #pragma once
 
 #include <cstddef>
@@ -16,32 +15,31 @@
 
 namespace gdtslam {
 
-/// A random walk of the wheels, and what the matches add to every difference.
+/// A random walk of the wheels, and the error that matches add to every difference.
 struct WheelErrors {
   double slip_m = 0.1;    ///< metres per root of a metre
   double slip_rad = 0.2;  ///< radians per root of half the metres and the radians turned
-  double match_m = 0.0;   ///< excess over chance: next to bad wheels little is seen of matches
+  double match_m = 0.0;   ///< excess over chance: next to bad wheels little of it shows
   double match_rad = 0.0;
-  std::size_t stretches = 0;  ///< that they were estimated from
+  std::size_t stretches = 0;  ///< number of stretches of the estimate
 };
 
 class WheelNoise {
  public:
-  /// The robot's pose by odometry when a scan was taken, and where an accepted match put it; nothing where the match is
-  /// not to be learnt from. Without odometry all begins anew. Where the match does not know the way, only its heading
-  /// is learnt from.
+  /// The robot's pose by odometry at a scan, and its pose by an accepted match; empty if nothing is to be learnt from
+  /// the match. Without odometry all begins anew. If the match does not know the way, only its heading is learnt from.
   void take(const std::optional<Pose2>& T_odom_base, const std::optional<Pose2>& T_map_base, bool knows_way = true);
   /// Learns nothing across this place; earlier knowledge stays.
   void break_off();
 
   [[nodiscard]] const WheelErrors& errors() const { return errors_; }
-  /// The distances of a bias, which WheelScale or a graph has learnt; motions are corrected by them from now on.
+  /// Sets the distances of a bias, from WheelScale or a graph; motions are corrected by them from now on.
   void set_distance(const WheelBias& bias) {
     bias_.distance = bias.distance;
     bias_.sigma_distance = bias.sigma_distance;
   }
   [[nodiscard]] const WheelBias& bias() const { return bias_; }
-  /// A motion by the wheels less what they get wrong always.
+  /// A motion by the wheels, corrected for their constant errors.
   [[nodiscard]] Pose2 corrected(const Pose2& by_wheels) const;
   /// Noise of a corrected motion of this length and turn.
   [[nodiscard]] MotionNoise of(double travelled_m, double turned_rad) const;
@@ -58,7 +56,7 @@ class WheelNoise {
     bool knows_way = true;
     std::size_t breaks = 0;  // breaks of the path before it
   };
-  /// Sums over all stretches of so many marks: how much path, and the variance of the difference.
+  /// Sums over all stretches of a number of marks: the median path, and the variance of the difference.
   struct Spread {
     double path = 0.0;
     double variance = 0.0;

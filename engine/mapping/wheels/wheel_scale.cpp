@@ -6,8 +6,8 @@ namespace gdtslam {
 namespace {
 
 constexpr double kWander = 1.0e-4;  // drift of the share over the root of a metre: tyres wear and warm
-// Matches may be off by a share of the way as well, always to the same side: what they tell of the wheels is no surer
-// than that, however many they are.
+// Matches may be off by a share of the way as well, always to the same side: their information about the wheels is
+// limited by that, however many there are.
 constexpr double kOfMatches = 0.001;
 
 Matrix3 heading_turned(double by_rad) { return adjoint_matrix(Pose2{0.0, 0.0, by_rad}); }
@@ -34,8 +34,8 @@ void WheelScale::predict(const Pose2& step, const MotionNoise& noise, bool by_wh
   for (std::size_t k = 0; k < with_pose_.size(); ++k) with_pose_[k] = carried[k] + variance_ * by_share[k];
 }
 
-// The share given the pose is normal: its mean moves by c' P^-1 dx, and its variance falls by what P^-1 c sees of the
-// pose's.
+// The share given the pose is normal: its mean moves by c' P^-1 dx, and its variance falls by the part of the pose's
+// variance that P^-1 c sees.
 void WheelScale::take(const Pose2& T_map_matched, const MatchInformation& match, const Pose2& T_map_base) {
   const PoseFilter::Fused fused = filter_.fused_with(T_map_matched, match);
   if (!fused.is_possible) {

@@ -1,6 +1,6 @@
 // The choice between polished poses, and the evidence for it.
 
-/// Values of the map under all points at a pose; engine/compute/kernels/pose_simplex/pose_simplex.hpp has the meaning.
+/// Values of the map under all points at a pose; see engine/compute/kernels/pose_simplex/pose_simplex.hpp.
 struct PoseEvidence {
   std::uint32_t sum;
   std::uint32_t near;
@@ -55,7 +55,7 @@ inline bool is_far(const ChoosePose::Params& params, const PolishedPose& pose) {
   return dx * dx + dy * dy > params.far_sq_cells || __builtin_fabsf(dt) > params.far_rad;
 }
 
-/// Packs the points that the map knows at pose 0; returns how many.
+/// Packs the points over known cells at pose 0; returns their number.
 std::uint32_t keep_voters(const ChoosePose::Params& params, const PointCells* points, const std::uint16_t* values,
                           PointCells* voters) {
   const std::uint32_t limit = lesser(params.cost.cap, params.map_cap);
@@ -67,7 +67,7 @@ std::uint32_t keep_voters(const ChoosePose::Params& params, const PointCells* po
   return kept;
 }
 
-/// `values` and `voters` are scratch, one of each a point.
+/// `values` and `voters` are scratch, one entry a point each.
 void choose_pose(const ChoosePose::Params& params, const std::uint16_t* field, const PointCells* points,
                  const PolishedPose* poses, MatchVerdict* verdict, std::uint16_t* values, PointCells* voters) {
   PoseCost::Params nearest_params = params.cost;

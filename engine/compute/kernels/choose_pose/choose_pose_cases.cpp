@@ -23,7 +23,7 @@ struct ChoiceCase {
   std::uint32_t wide = 10 * 256;
   Interpolation interpolation = Interpolation::kBilinear;
   CostForm form = CostForm::kDistance;
-  /// Makes the case what it is called.
+  /// Makes the change that the case is named after.
   std::function<void(ChoosePose::Params&, Poses&)> change = [](ChoosePose::Params&, Poses&) {};
 
   [[nodiscard]] std::string name() const {
@@ -43,7 +43,7 @@ PolishedPose pose_at(float x, float y, float theta) {
   return pose;
 }
 
-/// Poses around the true one, the third the true one itself; every member but the coordinates is noise.
+/// Poses around the true one, the third the true one itself; all members except the coordinates are noise.
 Poses make_poses(std::uint32_t count, Random& random) {
   Poses poses;
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -125,8 +125,8 @@ void add_sizes(std::vector<KernelCaseSource>& list) {
   }
 }
 
-// One pose at an angle of every quarter turn, and at ones that no wrapping brought near zero: what is written is of the
-// chosen pose alone, so only so every angle shows.
+// One pose at an angle in every quarter turn, and at angles that were not wrapped: only the chosen pose is written, so
+// each case tests one angle.
 void add_angles(std::vector<KernelCaseSource>& list) {
   std::uint32_t turn = 0;
   for (const float theta : {1.0F, 2.0F, 3.1F, -1.2F, -2.5F, -3.14F, 1.5707964F, 10.0F, -30.0F, 63.9F}) {
@@ -138,7 +138,7 @@ void add_angles(std::vector<KernelCaseSource>& list) {
   }
 }
 
-// Who votes: all, those over known cells, nobody.
+// Voters: all, those over known cells, none.
 void add_voters(std::vector<KernelCaseSource>& list) {
   for (const bool room : {true, false}) {
     const ChoiceCase shape{.room = room};
@@ -162,13 +162,13 @@ void add_voters(std::vector<KernelCaseSource>& list) {
   });
 }
 
-// Values, sizes and costs that meet their limits.
+// Values, sizes and costs at their limits.
 void add_edges(std::vector<KernelCaseSource>& list) {
   for (const bool room : {true, false}) {
     add_choice(list, {.room = room, .steps = true, .points = 361}, ", gate 512",
                [](ChoosePose::Params& p, Poses&) { p.gate = 512; });
   }
-  // One pose at a limit of far or just beyond: were it taken for far, a 256th of its cost would win.
+  // One pose at the limit of far or just beyond: if it counted as far, a 256th of its cost would win.
   const float just_over_2 = std::nextafter(2.0F, 3.0F);
   const float just_over_angle = std::nextafter(0.05F, 1.0F);
   const PolishedPose at_limits[] = {pose_at(2.0F, 0.0F, 0.0F),
@@ -219,7 +219,7 @@ void add_leaps(std::vector<KernelCaseSource>& list) {
       p.leap_q8 = leap;
     });
   }
-  // A far pose that a leap makes cheap, of so high a cost that the product takes more than 32 bits.
+  // A far pose that a leap makes cheap, with a cost so high that the product needs more than 32 bits.
   add_choice(list, {.room = false, .points = 60000, .poses = 2, .map_cap = 65535, .wide = 65535}, ", a long product",
              [](ChoosePose::Params& p, Poses& poses) {
                poses = {pose_at(2.0F, -1.0F, 0.28F), pose_at(7.0F, -1.0F, 0.28F)};
@@ -261,7 +261,7 @@ void add_extremes(std::vector<KernelCaseSource>& list) {
     poses[1] = poses[0] = poses.back();
   };
   add_choice(list, {}, ", steep prior", steep);
-  for (const std::uint32_t points : {60000U, 65535U}) {  // the fewer are few enough for one invocation on lavapipe
+  for (const std::uint32_t points : {60000U, 65535U}) {  // the smaller number fits one invocation on lavapipe
     add_choice(list, {.points = points, .poses = 3, .map_cap = 65535, .wide = 65535}, ", saturated", steep);
   }
   add_choice(list, {.points = 65535, .poses = 2, .map_cap = 65535, .wide = 65535, .form = CostForm::kSquared},
@@ -288,8 +288,8 @@ void add_extremes(std::vector<KernelCaseSource>& list) {
   }
 }
 
-// Coordinates of poses, the prior's mean, its weights and its limit. The pose that wins is the true one, which is not
-// subnormal: its coordinates are written.
+// Coordinates of poses, the prior's mean, its weights and its limit. The winning pose is the true one, which is not
+// subnormal, because its coordinates are written.
 void add_subnormals(std::vector<KernelCaseSource>& list) {
   const auto around_zero = [](ChoosePose::Params& p, Poses& poses) {
     p.prior.mean_x = kSubnormal;

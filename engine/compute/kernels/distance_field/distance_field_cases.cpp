@@ -4,7 +4,7 @@
 namespace gdtslam {
 namespace {
 
-/// Squares of which half lie within the table and half are anything.
+/// Squares, half of them within the table and half arbitrary.
 KernelCase table_case(const std::string& name, CaseSize size, const std::vector<std::uint16_t>& table) {
   std::vector<std::uint16_t> squares = noise<std::uint16_t>(size, seed_from(name));
   for (std::size_t i = 0; i < squares.size(); ++i) {
@@ -27,7 +27,7 @@ struct TableCase {
   }
 };
 
-/// Any table: its entries are not those of distances.
+/// A random table instead of distances.
 KernelCase draw_field(const std::string& name, Random& random) {
   const CaseSize size = draw_size(random);
   const std::uint32_t entries = 1 + draw_count(random, 65535);

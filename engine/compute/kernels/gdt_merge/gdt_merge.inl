@@ -1,7 +1,7 @@
 // Merge of a scan's field into the global one, paper equations (9) to (11), in 16 bits throughout so that vectors hold
 // twice as many cells; and a field copied into a larger one.
 
-/// The parameters, cut to 16 bits where larger values mean the same, and what the field's cells are XORed with.
+/// The parameters, limited to 16 bits if larger values mean the same, and the field's blank.
 struct MergeLimits {
   std::uint16_t threshold;
   std::uint16_t lift;      ///< at most the cap
@@ -70,7 +70,7 @@ void gdt_merge(const GdtMerge::Params& params, std::uint16_t* global, const std:
                                      : merge_cells<MergeRule::kLiteral>(params, limits, global, scan, range);
 }
 
-/// Columns [first, last) of the old field's row within those of a range; both are the range's end without any.
+/// Columns [first, last) of the old field's row within those of a range; both are the range's end if there are none.
 struct OldSpan {
   std::uint32_t first;
   std::uint32_t last;

@@ -39,8 +39,7 @@ std::vector<std::uint16_t> field_values(CaseSize size, std::uint32_t cap, std::u
 }
 
 KernelCase MergeCase::make(const std::string& named) const {
-  constexpr std::uint32_t kBeyond =
-      3;  // cells of the global field behind the window and above it, which must not change
+  constexpr std::uint32_t kBeyond = 3;  // cells of the global field beyond the window, which must not change
   const std::uint32_t width = offset_x + scan.width + kBeyond;
   const CaseSize global{width, offset_y + scan.height + kBeyond, grid_stride(width)};
   const std::uint64_t random_seed = seed_from(named);
@@ -65,7 +64,7 @@ KernelCase draw_merge(const std::string& name, Random& random) {
   return merge.make(name);
 }
 
-/// A field and the margins by which the new one is larger.
+/// A field and the margins of the new one around it.
 struct GrowCase {
   using Kernel = FieldGrow;
   CaseSize old_size;

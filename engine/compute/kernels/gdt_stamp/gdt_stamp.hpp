@@ -1,9 +1,9 @@
-// A keyframe merged into the map in one go, paper equations (1) and (9) to (11): the distance field of its obstacles is
-// the minimum of one disc of values around each of them, for the table of distances is monotone, and only the tiles
-// that a disc reaches are touched. The bits are those of an exact transform, DistanceField and GdtMerge on the window.
+// Merges a keyframe into the map in one step, paper equations (1) and (9) to (11). The distance field of its obstacles
+// is the minimum of one disc of values around each of them, because the table of distances is monotone; only the tiles
+// reached by a disc are touched. The bits are those of an exact transform, DistanceField and GdtMerge on the window.
 //
-// Per cell of a tile: D = the least stamp_disc() value over the tile's obstacles within the radius, the cap where there
-// is none; then the rule of gdt_merge.hpp. Obstacles may repeat; their order cannot matter.
+// Per cell of a tile: D = the least stamp_disc() value over the tile's obstacles within the radius, the cap if there is
+// none; then the rule of gdt_merge.hpp. Obstacles may repeat; their order has no effect.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ struct CaseGroup;
 
 /// Side of a tile in cells.
 inline constexpr std::uint32_t kStampTile = 64;
-/// Obstacles are listed in groups of so many; the places behind a tile's last one repeat it.
+/// Obstacles are listed in groups of this size; the last one of a tile is repeated to fill its group.
 inline constexpr std::uint32_t kStampGroup = 4;
 /// Cells of cap on either side of a disc's row, so that pieces of a tile's row can be read at any shift.
 inline constexpr std::uint32_t kDiscMargin = 32;
@@ -39,9 +39,9 @@ constexpr std::uint32_t disc_stride(std::uint32_t radius) { return (2 * radius +
 std::vector<std::uint16_t> stamp_disc(std::uint32_t radius);
 
 /// Bindings: field (u16, read and write), list (u32, read), disc (u16, read). The list has the tiles, no two of which
-/// share a cell, and behind them their obstacles, (y + R) * 65536 + x + R from the tile's lower left cell: 0 is as far
-/// left or below as counts. Where the field has strips, the tiles begin at columns that are multiples of 64, and the
-/// first cell of a row goes to the 65th of the strip before as well, if there is one. Extent: x = tiles.
+/// share a cell, and after them their obstacles, (y + R) * 65536 + x + R from the tile's lower left cell: 0 is the
+/// farthest left or below that counts. If the field has strips, the tiles begin at columns that are multiples of 64,
+/// and the first cell of a row also goes to the 65th of the strip before, if there is one. Extent: x = tiles.
 struct GdtStamp {
   struct Params {
     std::uint32_t tile_count = 0;

@@ -1,11 +1,11 @@
-// Discs of distances stamped into a tile, row by row in pieces of fixed length at fixed places, so that the loops are
-// whole vectors; then the merge of the rows that were touched.
+// Stamps discs of distances into a tile, row by row in pieces of fixed length at fixed positions, so that the loops are
+// whole vectors; then merges the touched rows.
 
-/// Cells of a row that are stamped at once.
+/// Cells of a row stamped at once.
 constexpr std::uint32_t kStampPiece = 32;
 static_assert(kStampPiece == kDiscMargin && kStampTile % kStampPiece == 0);
 
-/// The field of a tile's obstacles, and which rows have any.
+/// The field of a tile's obstacles, and the rows with any.
 struct StampedTile {
   alignas(64) std::uint16_t cells[kStampTile * kStampTile];
   std::int32_t first_row;

@@ -13,7 +13,7 @@ constexpr StampSpread kStampSpreads[] = {StampSpread::kAnywhere, StampSpread::kO
                                          StampSpread::kOneCell};
 constexpr const char* kSpreadNames[] = {"anywhere", "outside", "at edges", "in one cell"};
 
-/// A field of which every second tile is stamped, as on a chessboard.
+/// A field in which every second tile is stamped, like a chessboard.
 struct StampCase {
   using Kernel = GdtStamp;
   CaseSize field;
@@ -36,7 +36,7 @@ struct StampCase {
 };
 
 std::uint32_t draw_obstacle(StampSpread spread, std::uint32_t radius, Random& random) {
-  const std::uint32_t reach = kStampTile + 2 * radius;  // cells along a side from which a disc reaches the tile
+  const std::uint32_t reach = kStampTile + 2 * radius;  // side of the square from which a disc reaches the tile, cells
   const auto anywhere = [&] { return static_cast<std::uint32_t>(random.below(reach)); };
   const auto beyond = [&] {
     const auto away = static_cast<std::uint32_t>(random.below(radius));
@@ -64,7 +64,7 @@ std::uint32_t draw_obstacle(StampSpread spread, std::uint32_t radius, Random& ra
   return anywhere() << 16U | x;
 }
 
-/// Known and unknown cells, with values that crowd where the rule decides.
+/// Known and unknown cells, with many values near the thresholds of the rule.
 std::vector<std::uint16_t> map_values(CaseSize size, std::uint32_t cap, std::uint64_t random_seed) {
   std::vector<std::uint16_t> values = noise<std::uint16_t>(size, random_seed);
   Random random(random_seed + 1);

@@ -7,7 +7,7 @@
 namespace gdtslam {
 namespace {
 
-/// So that the sum of two squares stays below 2^31.
+/// Limit for the sum of two squares to stay below 2^31.
 constexpr std::uint32_t kMostSide = 32767;
 
 constexpr std::uint32_t kMostSideOfList = 65535;  // a coordinate of a listed cell has 16 bits

@@ -1,7 +1,7 @@
 // Jump flooding [Rong2006], [Rong2007]: an approximate distance transform in log2(n) passes over ping-pong buffers. A
 // cell holds its best seed so far as the index y * 65536 + x (row-major order without a division; kNoSeed: none);
 // candidates are compared by (squared distance, index), so that every backend gives the same bits. Width and height at
-// most 32767. Its error against the exact field is measured, not hidden.
+// most 32767. Its error against the exact field is measured.
 #pragma once
 
 #include <array>
@@ -20,12 +20,12 @@ constexpr std::uint32_t grid_stride(std::uint32_t width) {
   return (width + kGridStride - 1) / kGridStride * kGridStride;
 }
 
-/// Value of a cell that knows no seed yet.
+/// Value of a cell without a seed so far.
 inline constexpr std::uint32_t kNoSeed = 0xFFFFFFFFU;
 
-/// From the points of a scan to the seeds of its transform: sets the seeds that a list of cells names; cells outside
-/// the grid are left out, all other seeds stay as they are. Bindings: cells (u32, y * 65536 + x, read), seeds (u8, read
-/// and write: 1 where a cell is named, whatever it was). Extent: x = number of cells. Width and height at most 65535.
+/// Turns the points of a scan into the seeds of its transform: sets the seeds at a list of cells; cells outside the
+/// grid are ignored, all other seeds stay. Bindings: cells (u32, y * 65536 + x, read), seeds (u8, read and write: 1 at
+/// a listed cell, whatever it was). Extent: x = number of cells. Width and height at most 65535.
 struct SeedScatter {
   struct Params {
     std::uint32_t count = 0;
@@ -49,7 +49,7 @@ struct JumpFloodInit {
   static const KernelInfo& info();
 };
 
-/// One pass: each cell looks at itself and its eight neighbours `step` cells away.
+/// One pass: each cell compares its own seed with those of eight neighbours `step` cells away.
 /// Bindings: nearest (u32, read), nearest (u32, write). Extent: x = width, y = rows.
 struct JumpFloodStep {
   struct Params {
@@ -75,8 +75,8 @@ struct JumpFloodDistance {
   static const KernelInfo& info();
 };
 
-/// The steps, first to last, where distances beyond a radius do not matter: 1 first [Rong2007], then steps that halve
-/// down to 1. These reach what is not farther than their sum, so they begin at the power of two not above the radius.
+/// The steps, first to last, if distances beyond a radius do not matter: 1 first [Rong2007], then steps that halve down
+/// to 1. Seeds farther than their sum are not reached, so they begin at the power of two not above the radius.
 std::vector<std::uint32_t> jump_flood_steps_within(std::uint32_t radius);
 
 }  // namespace gdtslam

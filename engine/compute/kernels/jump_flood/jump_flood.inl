@@ -6,7 +6,7 @@ void seed_scatter(const SeedScatter::Params& params, const std::uint32_t* cells,
     const std::uint32_t x = cells[i] & 0xFFFFU;
     const std::uint32_t y = cells[i] >> 16U;
     if (x < params.width && y < params.height) {
-      // Two threads may name the same cell: an atomic store, which is an ordinary one in the machine's code.
+      // Two threads may set the same cell: an atomic store, which is an ordinary one in machine code.
       __atomic_store_n(seeds + at(params.stride, y) + x, std::uint8_t{1}, __ATOMIC_RELAXED);
     }
   }
@@ -31,7 +31,7 @@ void jump_flood_init(const JumpFloodInit::Params& params, const std::uint8_t* se
   }
 }
 
-/// Cells of a row that are treated together.
+/// Cells of a row processed together.
 constexpr std::uint32_t kFloodTile = 256;
 
 /// Best seeds so far of the cells from (x, y) on.

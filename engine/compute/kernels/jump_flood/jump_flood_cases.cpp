@@ -6,8 +6,8 @@ namespace {
 
 constexpr std::uint32_t kSteps[] = {1, 2, 16, 128};
 
-/// A state of the flood: seeds know themselves, a quarter of the other cells the latest seed before them, a quarter any
-/// of the first 64, so that among equally far seeds the first one that is offered is not always the one of lower index.
+/// A state of the flood: seeds hold themselves, a quarter of the other cells the latest seed before them, a quarter any
+/// of the first 64. So among equally far seeds the first one offered does not always have the lower index.
 std::vector<std::uint32_t> half_flooded(SeedPattern pattern, CaseSize size, const std::string& name) {
   const std::vector<std::uint8_t> seeds = seeds_for(pattern, size, name);
   std::vector<std::uint32_t> nearest = noise<std::uint32_t>(size, 4);
@@ -89,7 +89,7 @@ void for_each_grid(Add add) {
   }
 }
 
-/// A case of every grid: with each number of the list on the larger ones, with one in turn on the small ones.
+/// A case for every grid: with each number of the list on the larger ones, with one in turn on the small ones.
 template <class Shape, std::size_t kCount>
 void add_grids(std::vector<KernelCaseSource>& list, const std::uint32_t (&numbers)[kCount]) {
   for_each_grid([&](CaseSize size, SeedPattern pattern, std::uint32_t turn) {

@@ -1,4 +1,4 @@
-// The field under points: where in vectors, then single loads.
+// The field under points: positions in vectors, then single loads.
 
 constexpr std::uint32_t kValueBlock = 128;
 

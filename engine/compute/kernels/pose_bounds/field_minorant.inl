@@ -1,5 +1,5 @@
 // Affine minorants of a field around each of its cells. Blocks of a row are gathered with their surroundings first, so
-// that loops run over whole vectors; blocks that know nothing are told apart early, since most of a map is unknown.
+// that loops run over whole vectors; unknown blocks are detected early, since most of a map is unknown.
 
 constexpr std::uint32_t kFieldBlock = 64;
 constexpr std::uint32_t kFieldMargin = FieldMinorant::kMargin;
@@ -8,7 +8,7 @@ constexpr std::uint32_t kGathered = kFieldBlock + 2 * kFieldMargin;
 
 constexpr std::int32_t lesser(std::int32_t a, std::int32_t b) { return a < b ? a : b; }
 
-/// Copies what lies around a block; false where all of it is the cap.
+/// Copies a block with its surroundings; returns false if all of it is the cap.
 inline bool gather_block(const FieldMinorant::Params& params, const std::uint16_t* field, std::int32_t column,
                          std::int32_t row, std::int32_t (*around)[kGathered]) {
   const auto reach = static_cast<std::int32_t>(params.reach);
@@ -33,7 +33,7 @@ inline bool gather_block(const FieldMinorant::Params& params, const std::uint16_
   return least < cap;
 }
 
-/// Minorants of a block's cells, `reach` fixed so that the loops over a square unroll.
+/// Minorants of a block's cells; `reach` is constant so that the loops over a square unroll.
 template <std::int32_t kReach>
 void block_minorants(const std::int32_t (*around)[kGathered], std::int32_t unit, std::uint32_t* out) {
   constexpr std::int32_t kUnit = FieldMinorant::kSlopeUnit;

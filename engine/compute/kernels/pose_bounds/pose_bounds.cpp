@@ -9,10 +9,10 @@
 namespace gdtslam {
 namespace {
 
-/// Most points whose bytes sum up to what those of pose_cost do; a block of them is added in 16 bits.
+/// Largest number of points with a sum of bytes within the limits of pose_cost; a block is added in 16 bits.
 constexpr std::uint32_t kMostPoints = 65537;
 constexpr std::uint32_t kMostPhaseBits = 4;
-/// So that places in a dilation can be counted in 31 bits.
+/// Limit for indices in a dilation to fit 31 bits.
 constexpr std::uint64_t kMostSamples = 0x7FFFFFFFU;
 
 constexpr bool is_tile(const PoseBounds::Params& params) {

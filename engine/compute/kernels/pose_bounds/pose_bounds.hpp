@@ -1,6 +1,6 @@
-// Lower bounds of the cost of pose_cost.hpp (bilinear, distance) over boxes of poses: what the matcher `certified`
-// prunes by. docs/numerics.md, "Certified matching", derives both. Frames and units as in pose_cost.hpp: cells and
-// radians relative to the lower left corner of an anchor cell. Thread-safe; linear in points times boxes.
+// Lower bounds of the cost of pose_cost.hpp (bilinear, distance) over boxes of poses, by which the matcher `certified`
+// prunes. docs/numerics.md, "Certified matching", derives both. Frames and units as in pose_cost.hpp: cells and radians
+// relative to the lower left corner of an anchor cell. Thread-safe; linear in points times boxes.
 #pragma once
 
 #include <array>
@@ -13,8 +13,8 @@ namespace gdtslam {
 
 struct CaseGroup;
 
-/// A point and where its dilated field begins: the farther a point lies from the robot, the more a box's half angle
-/// moves it, so the wider the dilation that it needs.
+/// A point and the index of its dilated field: the farther a point lies from the robot, the more a box's half angle
+/// moves it, so the wider is the dilation it needs.
 struct BoundPoint {
   float x = 0.0F;
   float y = 0.0F;
@@ -29,12 +29,11 @@ struct BoundPoint {
 ///
 /// Per tile s, c = sin_cos(theta) in float32; per point, without contraction, u = floor(((c*x - s*y) + tile.x) * scale
 /// + bias) with scale = samples per cell and bias = (0.5 - 0.5 * scale) + 2^phase_bits, v likewise with (s*x + c*y) +
-/// tile.y. The floor is clamped to +-2^30 as that of pose_cost.hpp is (NaN: -2^30). Column (u >> phase_bits) - 1 +
-/// first_column and row (v >> phase_bits) - 1 + first_row are clamped to [0, width - tile_width] and [0, height -
-/// tile_height], and the tile's boxes read tile_width columns of tile_height rows from there, in the planes that begin
-/// at the lesser of the point's `field` and `last_field`. Box (i, j) has index j * tile_width + i. The spacing that the
-/// bias adds, and the 1 takes away, keeps a position near 0 from being decided by a sign that a device may drop: that
-/// of a value below 2^-126.
+/// tile.y. The floor is clamped to +-2^30 as in pose_cost.hpp (NaN: -2^30). Column (u >> phase_bits) - 1 + first_column
+/// and row (v >> phase_bits) - 1 + first_row are clamped to [0, width - tile_width] and [0, height - tile_height], and
+/// the tile's boxes read tile_width columns of tile_height rows from there, in the planes that begin at the lesser of
+/// the point's `field` and `last_field`. Box (i, j) has index j * tile_width + i. The bias adds a spacing that the 1
+/// removes. So no position near 0 depends on the sign of a value below 2^-126, which a device may drop.
 ///
 /// Bindings: field (u8, read), points (BoundPoint, read), tiles (PoseCandidate, read; the bias is not), sums (u32,
 /// write; tile_width * tile_height a tile). Extent: x = tiles.
@@ -57,13 +56,13 @@ struct PoseBounds {
   static CaseGroup cases();
 };
 
-/// An affine function below the field in the square of half width `reach` cells around each cell's centre, at what is
-/// interpolated there too: f(centre + (dx, dy)) >= constant * constant_unit + kSlopeUnit * (slope_x * dx + slope_y *
-/// dy). A word: the constant in its low 16 bits (signed), then the slopes, 8 bits each. slope_x is the sum over the
-/// rows j = -reach, 0, reach of field(reach, j) - field(-reach, j), divided by 6 * reach * kSlopeUnit, cut towards zero
-/// and clamped to +-127; slope_y likewise; the constant is the least of field - kSlopeUnit * (slope_x * i + slope_y *
-/// j) over the square's cells, divided by the unit, rounded down. Beyond the field lies the cap. The result reaches
-/// kMargin cells beyond the field on every side, where it is the cap.
+/// An affine function below the field in the square of half width `reach` cells around each cell's centre, also between
+/// cells, where the field is interpolated: f(centre + (dx, dy)) >= constant * constant_unit + kSlopeUnit * (slope_x *
+/// dx + slope_y * dy). A word: the constant in its low 16 bits (signed), then the slopes, 8 bits each. slope_x is the
+/// sum over the rows j = -reach, 0, reach of field(reach, j) - field(-reach, j), divided by 6 * reach * kSlopeUnit,
+/// rounded towards zero and clamped to +-127; slope_y likewise; the constant is the least of field - kSlopeUnit *
+/// (slope_x * i + slope_y * j) over the square's cells, divided by the unit, rounded down. Outside the field counts as
+/// the cap. The result reaches kMargin cells beyond the field on every side, where it is the cap.
 struct FieldMinorant {
   struct Params {
     std::uint32_t width = 0;  ///< width of the field
@@ -102,15 +101,15 @@ struct PoseMinorant {
   };
   static constexpr std::int32_t kThetaStep = 16;
   static constexpr std::uint32_t kMostPoints = 4096;
-  /// Points farther from the robot than this, |x| + |y| in cells, count nothing, and slopes of a point's minorant stay
-  /// within +-kMostSlope: so no sum overflows.
+  /// Points farther from the robot than this, |x| + |y| in cells, do not count, and slopes of a point's minorant stay
+  /// within +-kMostSlope, so that no sum overflows.
   static constexpr float kFarthest = 8192.0F;
   static constexpr std::int32_t kMostSlope = 511;
 };
 
-/// The same from fields of minorants, for boxes that patches are too small for. A point's `field` is where the field
-/// that reaches far enough for it begins. Per point u = ((c*x - s*y) + box.x) - 0.5, column i = floor(u + 0.5), the
-/// minorant is that of cell i, plus anchor and margin and clamped, taken at u - i. Points lie within kFarthest.
+/// The same from fields of minorants, for boxes too large for patches. A point's `field` is the first index of the
+/// field with sufficient reach. Per point u = ((c*x - s*y) + box.x) - 0.5, column i = floor(u + 0.5), the minorant is
+/// that of cell i, plus anchor and margin and clamped, taken at u - i. Points lie within kFarthest.
 struct PoseMinorantWide {
   struct Params {
     std::uint32_t width = 0;  ///< width of a field of minorants

@@ -1,5 +1,5 @@
-// Sums of dilated fields over tiles of boxes. Points go through in blocks: first where each one looks, in vectors, then
-// the bytes there, which are added in 16 bits: a block holds fewer points than would overflow them.
+// Sums of dilated fields over tiles of boxes. Points are processed in blocks: first the position of each one, in
+// vectors, then the bytes there, which are added in 16 bits: a block has too few points to overflow them.
 
 constexpr std::uint32_t kBoundBlock = 128;
 

@@ -9,8 +9,8 @@ namespace gdtslam {
 namespace {
 
 enum class TileShape : std::uint8_t { kSmall, kWide };
-/// kHigh: all samples are 255. kOdd: some points are no numbers, far off or of no field. kSubnormal: coordinates of
-/// many points and tiles are.
+/// kHigh: all samples are 255. kOdd: some points are NaN, far off or without a field. kSubnormal: coordinates of many
+/// points and tiles are subnormal.
 enum class BoundData : std::uint8_t { kPlain, kHigh, kOdd, kSubnormal };
 
 /// Parameters that the cases vary.
@@ -23,7 +23,7 @@ struct BoundCase {
   std::uint32_t tiles = 0;
   std::uint32_t phase_bits = 2;
   std::int32_t sample_bits = 1;  ///< a sample is 2^sample_bits cells
-  double spread_cells = 40.0;    ///< how far points and tiles lie from the field's middle
+  double spread_cells = 40.0;    ///< distance of points and tiles from the field's middle
   BoundData data = BoundData::kPlain;
   std::int32_t shift = 0;  ///< shift of the anchor, out of the field's middle
 
@@ -38,7 +38,7 @@ struct BoundCase {
   [[nodiscard]] KernelCase make(const std::string& named) const;
 };
 
-/// Dilated fields for points at growing ranges; their size is mostly no whole number of words.
+/// Dilated fields for points at growing ranges; their size is mostly not a whole number of words.
 constexpr std::uint32_t kDilations = 3;
 
 PoseBounds::Params bound_params(const BoundCase& shape) {
@@ -56,7 +56,7 @@ PoseBounds::Params bound_params(const BoundCase& shape) {
           .tile_height = wide ? 4U : 2U};
 }
 
-/// Points of which the farther ones take the later dilations; every seventh lies where samples meet.
+/// Points, of which the farther ones use later dilations; every seventh lies on a border of samples.
 std::vector<BoundPoint> bound_points(const BoundCase& shape, const PoseBounds::Params& params, Random& random) {
   std::vector<BoundPoint> points(shape.points);
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -161,7 +161,7 @@ void add_shape(std::vector<KernelCaseSource>& list, TileShape shape) {
   for (const std::int32_t shift : {-(1 << 20), 1 << 20, -30, 30}) {
     add_case(list, BoundCase{64, 60, shape, 9, 5, 2, 1, 60.0, BoundData::kPlain, shift});
   }
-  add_case(list, BoundCase{64, 60, shape, 5, 70001, 2, 1, 60.0});  // more groups than a row of them
+  add_case(list, BoundCase{64, 60, shape, 5, 70001, 2, 1, 60.0});  // more groups than one row holds
 }
 
 KernelCase draw_bounds(const std::string& name, Random& random) {

@@ -1,5 +1,5 @@
-// An affine function below the cost in a box of poses: for each point one below the field in the box that the poses
-// move it through, and the sum of them. Three steps for a block of points: where, look-up, minorant; plain loops that
+// An affine function below the cost in a box of poses: the sum of one for each point, which lies below the field in the
+// box through which the poses move it. Three steps for a block of points: position, look-up, minorant; plain loops that
 // become vectors.
 
 constexpr std::uint32_t kMinorantBlock = 256;
@@ -13,13 +13,13 @@ struct MinorantBlock {
   alignas(64) float high_x[kMinorantBlock];
   alignas(64) float low_y[kMinorantBlock];
   alignas(64) float high_y[kMinorantBlock];
-  alignas(64) float from_x[kMinorantBlock];  ///< the point as the robot sees it, turned by the box's angle
+  alignas(64) float from_x[kMinorantBlock];  ///< the point seen from the robot, turned by the box's angle
   alignas(64) float from_y[kMinorantBlock];
-  alignas(64) float slack[kMinorantBlock];          ///< cells that the point may be off the affine path
-  alignas(64) std::int32_t counts[kMinorantBlock];  ///< all bits where the box fits into the patch, else none
+  alignas(64) float slack[kMinorantBlock];          ///< largest deviation of the point from the affine path, cells
+  alignas(64) std::int32_t counts[kMinorantBlock];  ///< all bits set if the box fits into the patch, else none
   alignas(64) std::int32_t cell_x[kMinorantBlock];
   alignas(64) std::int32_t cell_y[kMinorantBlock];
-  alignas(64) std::uint32_t pairs[kPatch][2 * kMinorantBlock];  ///< two neighbours in a row, then the two behind them
+  alignas(64) std::uint32_t pairs[kPatch][2 * kMinorantBlock];  ///< two neighbours in a row, then the next two
 };
 
 constexpr float absolute(float value) { return value < 0.0F ? -value : value; }
@@ -45,7 +45,7 @@ inline std::int32_t floor_to_int32(float value) {
 #endif
 }
 
-/// The slope over a box from what two of its sides rise by together.
+/// The slope over a box from the total rise of two of its sides.
 inline std::int32_t to_slope(float rise, float half) {
   constexpr auto kMost = static_cast<float>(PoseMinorant::kMostSlope);
   float slope = rise * about_inverse(4.0F * half) + 0.5F;
@@ -88,7 +88,7 @@ inline void locate_boxes(const PoseMinorant::Params& params, const PoseCandidate
   }
 }
 
-/// Makes a point one that counts nothing.
+/// Makes a point that does not count.
 inline void make_idle(std::uint32_t i, MinorantBlock& block) {
   block.low_x[i] = block.low_y[i] = 0.0F;
   block.high_x[i] = block.high_y[i] = 1.0F;
@@ -108,7 +108,7 @@ inline std::uint32_t fill_up(std::uint32_t count, MinorantBlock& block) {
   return whole;
 }
 
-/// Reads the patches. Beyond the edge lies what the edge holds, the cap.
+/// Reads the patches. Outside the edge counts as the edge's value, the cap.
 inline void read_patches(const PoseMinorant::Params& params, const std::uint16_t* field, std::uint32_t count,
                          MinorantBlock& block) {
   const auto width = static_cast<std::int32_t>(params.width);
@@ -150,7 +150,7 @@ inline float cell_of_pair(std::uint32_t pair, bool second, std::uint32_t cap) {
   return static_cast<float>(static_cast<std::int32_t>(lesser(value, cap)));
 }
 
-/// How much of each of four neighbours there is at a place from the first of them on, 0 to 3.
+/// Weight of each of four neighbours at a position relative to the first one, 0 to 3.
 inline void hats_at(float place, float (&hats)[kPatch]) {
   for (std::uint32_t k = 0; k < kPatch; ++k) {
     const float off = 1.0F - absolute(place - static_cast<float>(k));
@@ -161,7 +161,7 @@ inline float at_hats(const float (&values)[kPatch], const float (&hats)[kPatch])
   return (values[0] * hats[0] + values[1] * hats[1]) + (values[2] * hats[2] + values[3] * hats[3]);
 }
 
-/// A point's box in its patch: the field in each row at the box's ends and at the cells that may lie between them.
+/// A point's box in its patch: the field in each row at the box's ends and at the cells between them.
 struct PatchBox {
   float left[kPatch];
   float right[kPatch];
@@ -202,9 +202,9 @@ inline WholeSlopes slopes_over(const PatchBox& box, float y0) {
           to_slope((high_left - low_left) + (high_right - low_right), box.half_y)};
 }
 
-/// The least of the field less the slopes' rise from the box's middle. In a row of the patch the field is piecewise
-/// linear: less its slope it is least at an end of the box or at a cell between them; what is least in each row is
-/// interpolated along y, where the same holds.
+/// The least value of the field minus the slopes' rise from the box's middle. In a row of the patch the field is
+/// piecewise linear: minus its slope it is least at an end of the box or at a cell in between. The least values of the
+/// rows are interpolated along y, where the same holds.
 inline float least_over(const PatchBox& box, float gx, float gy, float x0, float x1, float y0, float y1) {
   const float middle_x = x0 + box.half_x;
   const float middle_y = y0 + box.half_y;
@@ -230,7 +230,7 @@ inline void add_minorants(std::uint32_t cap, std::uint32_t count, const Minorant
   std::int32_t slope_x = 0;
   std::int32_t slope_y = 0;
   std::int32_t slope_theta = 0;
-  count = count / kMinorantLanes * kMinorantLanes;  // it is; the compiler may know
+  count = count / kMinorantLanes * kMinorantLanes;  // no-op: shows the compiler the multiple
   for (std::uint32_t i = 0; i < count; ++i) {
     PatchBox box;
     cut_patch(cap, block, i, box);

@@ -5,14 +5,14 @@ struct WidePoints {
   alignas(64) float x[kMinorantBlock];
   alignas(64) float y[kMinorantBlock];
   alignas(64) std::uint32_t field[kMinorantBlock];
-  std::uint32_t count = 0;  ///< that count
+  std::uint32_t count = 0;  ///< number of points that count
   std::uint32_t whole = 0;
 };
 
 struct WideBlock {
   alignas(64) float off_x[kMinorantBlock];  ///< from the centre of the point's cell
   alignas(64) float off_y[kMinorantBlock];
-  alignas(64) float from_x[kMinorantBlock];  ///< the point as the robot sees it, turned by the box's angle
+  alignas(64) float from_x[kMinorantBlock];  ///< the point seen from the robot, turned by the box's angle
   alignas(64) float from_y[kMinorantBlock];
   alignas(64) std::uint32_t cell[kMinorantBlock];
   alignas(64) std::int32_t word[kMinorantBlock];
@@ -39,7 +39,7 @@ inline void locate_wide(const PoseMinorantWide::Params& params, const PoseCandid
   const std::int32_t anchor_y = params.anchor_y;
   const auto width = static_cast<std::int32_t>(params.width);
   const auto height = static_cast<std::int32_t>(params.height);
-  const std::uint32_t whole = points.whole / kMinorantLanes * kMinorantLanes;  // it is; the compiler may know
+  const std::uint32_t whole = points.whole / kMinorantLanes * kMinorantLanes;  // no-op: shows the compiler the multiple
   for (std::uint32_t i = 0; i < whole; ++i) {
     const float x = c * points.x[i] - s * points.y[i];
     const float y = s * points.x[i] + c * points.y[i];
@@ -56,7 +56,7 @@ inline void locate_wide(const PoseMinorantWide::Params& params, const PoseCandid
   }
 }
 
-/// Single loads beat gather instructions (pose_cost.inl). Words of points that fill a block up say nothing.
+/// Single loads beat gather instructions (pose_cost.inl). Words of padding points have no meaning.
 inline void read_words(const std::uint32_t* minorants, const WidePoints& points, WideBlock& block) {
   for (std::uint32_t i = 0; i < points.count; ++i) {
     __builtin_memcpy(&block.word[i], minorants + block.cell[i], 4);
@@ -76,7 +76,7 @@ inline void add_wide(const PoseMinorantWide::Params& params, std::uint32_t count
   std::int32_t slope_x = 0;
   std::int32_t slope_y = 0;
   std::int32_t slope_theta = 0;
-  count = count / kMinorantLanes * kMinorantLanes;  // it is; the compiler may know
+  count = count / kMinorantLanes * kMinorantLanes;  // no-op: shows the compiler the multiple
   for (std::uint32_t i = 0; i < count; ++i) {
     const std::int32_t word = block.word[i];
     const std::int32_t whole_x = (word << 8) >> 24;

@@ -8,7 +8,7 @@
 namespace gdtslam {
 namespace {
 
-/// Most points whose 16-bit terms sum up within 32 bits.
+/// Largest number of points whose 16-bit terms have a sum within 32 bits.
 constexpr std::uint32_t kMostCostPoints = 65537;
 /// Coordinates are clamped to 2^22 cells from the anchor, which is off the map in any direction within these limits.
 constexpr std::int32_t kFarthestAnchor = 1 << 21;

@@ -3,8 +3,8 @@
 // Arithmetic (docs/numerics.md), the same bits everywhere: per candidate s, c = sin_cos(theta) in float32; per point,
 // without contraction, u = (c*x - s*y) + tx and v = (s*x + c*y) + ty in cells, quantised to 1/256 cell by f =
 // floor(u*256 + 0.5), then f = f > -2^30 ? f : -2^30 (so NaN counts as far off the map), f = f < 2^30 ? f : 2^30, as
-// int32; minus half a cell where `interpolation` is bilinear, because a cell's value belongs to its centre; cell = (q
-// >> 8) + anchor, fraction = q & 255. The cell is clamped to [0, width-2] x [0, height-2]: the two outermost rows and
+// int32; minus half a cell if `interpolation` is bilinear, because a cell's value belongs to its centre; cell = (q >>
+// 8) + anchor, fraction = q & 255. The cell is clamped to [0, width-2] x [0, height-2]: the two outermost rows and
 // columns of a field must hold the cap, so that points off the map read it. Bilinear: the four neighbours with integer
 // weights (256-fx)(256-fy).. sum to 2^16, shifted right by 16. Nearest: the cell of q. The term is v = min(value, cap),
 // or (v*v) >> squared_shift(cap), 16 bits in both cases. The sum is uint32: exact for 65,537 points.

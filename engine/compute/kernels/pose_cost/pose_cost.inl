@@ -1,5 +1,5 @@
-// Cost of candidate poses, paper equation (4). The arithmetic is that of the header, bit for bit; what is rearranged
-// here is exact: integers, and a clamp before the floor instead of behind it, whose limits are integers.
+// Cost of candidate poses, paper equation (4). The arithmetic is that of the header, bit for bit. The rearrangements
+// here are exact: integers, and a clamp before the floor instead of after it, with integer limits.
 
 /// squared_shift of the header, which calls a library template (engine/compute/cpu/functions.hpp).
 std::uint32_t shift_for(std::uint32_t cap) {
@@ -10,13 +10,13 @@ std::uint32_t shift_for(std::uint32_t cap) {
   return 2 * bits > 16 ? 2 * bits - 16 : 0;
 }
 
-/// Values that do not change from point to point. Positions are in 1/256 cell.
+/// Values that are the same for all points. Positions are in 1/256 cell.
 struct CostContext {
   const std::uint16_t* field;
   const PointCells* points;
   std::uint32_t count;
   std::uint32_t stride;
-  std::uint32_t strip_step;  ///< from a strip's 64 columns to the next strip, 0 where there are rows (kernel.hpp)
+  std::uint32_t strip_step;  ///< from a strip's 64 columns to the next strip, 0 for rows (kernel.hpp)
   std::uint32_t blank;       ///< twice, one for each of two neighbours
   std::int32_t last_x;  ///< largest cell that may be read with its right neighbour
   std::int32_t last_y;
@@ -50,12 +50,12 @@ inline std::int32_t floor_position(float position) {
   return truncated - (static_cast<float>(truncated) > position ? 1 : 0);
 }
 
-/// Points of a block: enough that the look-ups' stores have reached the cache when vectors are loaded from them.
+/// Points of a block: enough that the stores of look-ups have reached the cache when vectors are loaded from them.
 constexpr std::uint32_t kCostBlock = 128;
 
-/// A block of points on its way through the three steps: where, look-up, value. Vector units do the first and the last;
-/// the look-ups are single loads, which beat gather instructions (measured on Zen 5: 1.85 against 1.54 G/s
-/// nearest, 1.19 against 0.72 bilinear).
+/// A block of points in the three steps: position, look-up, value. Vector units do the first and the last; the look-ups
+/// are single loads, which beat gather instructions (measured on Zen 5: 1.85 against 1.54 G/s nearest, 1.19 against
+/// 0.72 bilinear).
 struct CostBlock {
   alignas(64) std::uint32_t cell[kCostBlock];
   alignas(64) std::int32_t position_x[kCostBlock];  ///< the low byte is the fraction

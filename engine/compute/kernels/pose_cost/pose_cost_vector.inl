@@ -1,4 +1,4 @@
-// The steps of pose_cost in vectors; lanes_*.inl says how many lanes and how.
+// The steps of pose_cost in vectors; lanes_*.inl defines the lanes.
 
 template <bool kBilinear, bool kSquared>
 class BlockSteps {
@@ -80,9 +80,9 @@ class BlockSteps {
     return value;
   }
 
-  /// Bilinear value from two pairs of neighbours whose top bits are flipped, which makes them signed, so that one
-  /// instruction multiplies and adds both halves; that makes sums too small by 2^15 times the weights, 2^31 in the end,
-  /// which flipping the top bit undoes. The flip and the field's blank are one operation.
+  /// Bilinear value from two pairs of neighbours. Their top bits are flipped, which makes them signed, so that one
+  /// instruction multiplies and adds both halves. That makes sums too small by 2^15 times the weights, 2^31 in the end;
+  /// flipping the top bit corrects it. The flip and the field's blank are one operation.
   static Ints between_four(Ints lower_pair, Ints upper_pair, Ints qx, Ints qy) {
     const Ints fx = both(qx, all(255));
     const Ints fy = both(qy, all(255));

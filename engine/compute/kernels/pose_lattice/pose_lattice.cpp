@@ -9,10 +9,10 @@ namespace gdtslam {
 namespace {
 
 constexpr std::uint32_t kMostLatticeSamples = 1U << 28U;
-/// More samples a side exceed the limit on the first row of angles alone, and their square could leave 64 bits.
+/// More samples a side exceed the limit even for a single angle, and their square could exceed 64 bits.
 constexpr std::uint32_t kMostOfSide = 1U << 14U;
 
-/// Samples of a window; refuses windows without any and those of too many.
+/// Samples of a window; refuses windows with none or too many.
 std::uint32_t checked_samples(std::uint32_t count_xy, std::uint32_t count_theta, const LaunchCheck& check) {
   check.require(count_xy > 0 && count_theta > 0, "a window without samples");
   check.require(count_xy <= kMostOfSide && std::uint64_t{count_xy} * count_xy * count_theta <= kMostLatticeSamples,

@@ -1,5 +1,5 @@
-// A window of candidate poses made where they are needed, and its local minima: the first half of the matcher
-// `exhaustive`, whose candidates never cross the bus.
+// A window of candidate poses computed on the device, and its local minima: the first half of the matcher `exhaustive`,
+// whose candidates never cross the bus.
 #pragma once
 
 #include <array>
@@ -11,10 +11,10 @@ namespace gdtslam {
 
 struct CaseGroup;
 
-/// A prior around a mean pose, as kernels take it. Its cost in float32, without contraction, with dx, dy, dt the
-/// pose less the mean: a = (dx*dx + dy*dy) * weight_xy, then a = a < limit ? a : limit; b = (dt*dt) * weight_theta,
-/// then b = b < limit ? b : limit; cost = uint32(a + b), cut towards zero. The limit is at most 1e9, so the sum fits;
-/// NaN counts as the limit.
+/// A prior around a mean pose, as input of kernels. Its cost in float32, without contraction, with dx, dy, dt the pose
+/// less the mean: a = (dx*dx + dy*dy) * weight_xy, then a = a < limit ? a : limit; b = (dt*dt) * weight_theta, then b =
+/// b < limit ? b : limit; cost = uint32(a + b), rounded towards zero. The limit is at most 1e9, so the sum fits; NaN
+/// counts as the limit.
 struct PriorParams {
   float mean_x = 0.0F;  ///< finite, as the other means
   float mean_y = 0.0F;
@@ -44,7 +44,7 @@ struct PoseLattice {
   static CaseGroup cases();
 };
 
-/// Cost of a cell that is no local minimum, and of entries that are missing because fewer were found than wanted.
+/// Cost of a cell that is no local minimum, and of missing entries if fewer were found than wanted.
 inline constexpr std::uint32_t kNoCost = 0xFFFFFFFFU;
 
 /// Keeps the cost of a sample that no neighbour (up to 26, one step in any direction) beats, by (cost, index); kNoCost

@@ -1,11 +1,11 @@
 // The samples of a window, which of them are local minima, and the few smallest of many values.
 
-/// The prior's cost of one coordinate's share: `square` is not negative or NaN, which counts as the limit.
+/// One part of the prior's cost, limited; NaN counts as the limit.
 inline float limited(float cost, float limit) { return cost < limit ? cost : limit; }
 
 /// A sample's coordinate along one axis.
 inline float lattice_coordinate(float centre, std::uint32_t i, std::uint32_t count, float step) {
-  // Both are below 2^31: the signed conversion gives the same float, and vectors have it.
+  // Both are below 2^31: the signed conversion gives the same float, and vector instructions support it.
   const auto place = static_cast<float>(static_cast<std::int32_t>(i));
   const auto middle = static_cast<float>(static_cast<std::int32_t>(count / 2));
   return centre + (place - middle) * step;
@@ -55,10 +55,10 @@ void pose_lattice(const PoseLattice::Params& params, PoseCandidate* candidates, 
   }
 }
 
-/// Samples of a row that are looked at together.
+/// Samples of a row processed together.
 constexpr std::uint32_t kMinimaTile = 256;
 
-/// The least neighbours of a tile of samples: those of lower and those of higher index.
+/// The least costs among the neighbours of each sample in a tile: those of lower and those of higher index.
 struct MinimaTile {
   alignas(64) std::uint32_t before[kMinimaTile];
   alignas(64) std::uint32_t after[kMinimaTile];
@@ -84,7 +84,7 @@ void lower_to_row(const std::uint32_t* row, std::uint32_t width, std::uint32_t b
   }
 }
 
-/// Starts both with the neighbours in the samples' own row. Where there is none stands kNoCost, which beats nothing.
+/// Starts both with the neighbours in the samples' own row. A missing neighbour is kNoCost, which beats nothing.
 void start_tile(const std::uint32_t* row, std::uint32_t width, std::uint32_t begin, std::uint32_t end,
                 MinimaTile& tile) {
   const std::uint32_t count = end - begin;
@@ -143,17 +143,17 @@ void lattice_minima(const LatticeMinima::Params& params, const std::uint32_t* co
   }
 }
 
-/// Whole blocks are looked at for anything that could enter the list, which is rare.
+/// Whole blocks are tested for values that could enter the list, which is rare.
 constexpr std::uint32_t kSmallestBlock = 64;
 
-/// The smallest values so far, ascending; entries that are missing are kNoCost.
+/// The smallest values so far, ascending; missing entries are kNoCost.
 struct SmallestList {
   std::uint32_t value[SmallestValues::kMost];
   std::uint32_t index[SmallestValues::kMost];
   std::uint32_t wanted;
 };
 
-/// Puts a value below the last one into its place, behind its equals: they came earlier.
+/// Inserts a value below the last one, after equal ones: they came earlier.
 void insert_small(SmallestList& list, std::uint32_t value, std::uint32_t index) {
   std::uint32_t place = list.wanted - 1;
   while (place > 0 && list.value[place - 1] > value) {

@@ -15,7 +15,7 @@ struct WindowSize {
   }
 };
 
-/// Beyond the sizes of vectors and tiles; smaller ones are tried in all pairs.
+/// Sizes beyond those of vectors and tiles; smaller ones are tried in all pairs.
 constexpr WindowSize kWindows[] = {{1, 100}, {16, 3}, {17, 4},  {31, 7},  {64, 2}, {65, 3},
                                    {101, 2}, {97, 5}, {257, 1}, {300, 2}, {2, 200}};
 constexpr WindowSize kLargeWindow{317, 83};
@@ -31,7 +31,7 @@ void for_each_small_window(Add add) {
   }
 }
 
-/// Priors: none, one as a scan has it, one that is at its limit everywhere but near the mean, one of subnormal numbers.
+/// Priors: none, one like a scan's, one at its limit everywhere except near the mean, one of subnormal numbers.
 enum class PriorKind : std::uint8_t { kNone, kWeak, kSteep, kSubnormal };
 
 constexpr std::string_view kPriorNames[] = {"no prior", "weak prior", "steep prior", "subnormal prior"};
@@ -84,8 +84,8 @@ struct LatticeCase {
   }
 };
 
-/// A window around 0 whose samples' differences to the prior's mean, or their squares, are subnormal; the samples are
-/// not, since they are what is written.
+/// A window around 0 in which the samples' differences from the prior's mean, or their squares, are subnormal; the
+/// samples are not, because they are written.
 struct SubnormalLattice {
   using Kernel = PoseLattice;
   PriorKind kind;
@@ -107,7 +107,7 @@ struct SubnormalLattice {
   }
 };
 
-/// Costs of a window: how many values there are decides how many ties; 0 stands for kNoCost everywhere.
+/// Costs of a window: `range` determines the number of ties; 0 stands for kNoCost everywhere.
 std::vector<std::uint32_t> window_costs(std::uint32_t count, std::uint32_t range, Random& random) {
   std::vector<std::uint32_t> costs(count, kNoCost);
   for (std::uint32_t& cost : costs) {
@@ -144,7 +144,7 @@ struct MinimaCase {
   }
 };
 
-/// A window whose lowest samples lie in its corners and in the middles of its edges and faces.
+/// A window with its lowest samples in its corners and in the middles of its edges and faces.
 struct CornerMinima {
   using Kernel = LatticeMinima;
   WindowSize window;
@@ -269,8 +269,8 @@ void add_smallest_lists(std::vector<KernelCaseSource>& list) {
       add_case(list, FallingCase{count, wanted, 64});
     }
   }
-  // The least value is the last one, at every place of a block that an invocation of a group of some size takes at
-  // once.
+  // The least value is the last one, at each position of a block that an invocation of a group of some size processes
+  // at once.
   for (const auto& [group, wanted] : {std::pair{8U, 3U}, std::pair{128U, 4U}, std::pair{1024U, 5U}}) {
     for (std::uint32_t place = 1; place < SmallestValues::kMost; ++place) {
       add_case(list, FallingCase{group * place + 1, wanted, 1});

@@ -9,7 +9,7 @@
 namespace gdtslam {
 namespace {
 
-/// Starts of a scan: those that were picked, and the pose that was there before.
+/// Starts of a scan: the picked ones, and the previous pose.
 constexpr std::uint32_t kMostPoses = SmallestValues::kMost + 1;
 
 }  // namespace
@@ -30,7 +30,7 @@ const KernelInfo& PoseStarts::info() {
 const KernelInfo& PoseSimplex::info() {
   static const KernelInfo row = kernel_info<PoseSimplex>(
       {"pose_simplex", "look-up", "linear simplex of the paper, [Nelder1965]"}, kCall<&IsaFunctions::pose_simplex>,
-      // Assumes that every descent goes to its limit: only the buffers know how far they go.
+      // Assumes that every descent reaches its limit: only the buffers know their lengths.
       [](const Params& params, Extent threads) -> std::uint64_t {
         return std::uint64_t{params.cost.point_count} * threads.x * params.max_evaluations;
       },

@@ -1,5 +1,5 @@
-// The second half of the matcher `exhaustive`: simplexes that start from several poses at once, and the choice between
-// their results. The simplex is that of [Nelder1965] on the cost of pose_cost.hpp plus the prior of pose_lattice.hpp.
+// The second half of the matcher `exhaustive`: simplexes from several start poses at once, and the choice between their
+// results. The simplex is that of [Nelder1965] on the cost of pose_cost.hpp plus the prior of pose_lattice.hpp.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@ namespace gdtslam {
 
 struct CaseGroup;
 
-/// A pose on its way to a minimum. Coordinates as in PoseCandidate.
+/// A pose during its descent. Coordinates as in PoseCandidate.
 struct PolishedPose {
   float x = 0.0F;
   float y = 0.0F;
@@ -24,10 +24,9 @@ struct PolishedPose {
   std::uint32_t reserved[2] = {0, 0};
 };
 
-/// Start 0 is the pose of the parameters; start i is the candidate that pick i-1 names, or start 0 where that pick's
-/// index is not below `candidate_count`. All other members are 0. Bindings: candidates (PoseCandidate, read),
-/// picks (pairs of u32 value, index; read), poses (PolishedPose, write). Extent: x = starts, at most
-/// SmallestValues::kMost + 1.
+/// Start 0 is the pose of the parameters; start i is the candidate of pick i-1, or start 0 if that pick's index is not
+/// below `candidate_count`. All other members are 0. Bindings: candidates (PoseCandidate, read), picks (pairs of u32
+/// value, index; read), poses (PolishedPose, write). Extent: x = starts, at most SmallestValues::kMost + 1.
 struct PoseStarts {
   struct Params {
     float x = 0.0F;
@@ -40,19 +39,19 @@ struct PoseStarts {
   static CaseGroup cases();
 };
 
-/// One descent from each pose, in place. The walk, in float32 without contraction:
-/// first simplex: the pose and steps along x, y, theta from it, costed in that order, sorted by cost (stable). Until
-/// the largest |x_i - x_0|, |y_i - y_0| is below stop_cells and the largest |theta_i - theta_0| below stop_rad, or the
-/// evaluations of this descent have reached max_evaluations (looked at before each move): centre = (v0 + v1 + v2) *
-/// (1/3) per coordinate, summed left to right; point at f = centre + f * (v3 - centre); reflect (f -1); if its cost is
-/// below v0's expand (f -2) and keep the expansion if strictly better, else the reflection; else if below v2's keep the
-/// reflection; else contract (f -1/2 if the reflection is strictly better than v3, else +1/2) and keep it if strictly
-/// below the lesser of the reflection's and v3's cost; else shrink v1..v3 to v0 + 1/2 * (v_i - v0), costed in that
-/// order. After each move sort (stable). The cost of a pose is PoseCost's sum plus the prior's cost, saturating. The
-/// size is looked at before the limit: a simplex that is small is converged. Differences that are NaN do not count in
-/// it (x_i - x_0 is NaN where a start is not finite; such a pose costs what it costs, and which NaN it ends at is
-/// open). The result is v0 and its cost; evaluations grow by those of this descent. Bindings: field (u16, read), points
-/// (PointCells, read), poses (PolishedPose, read and write). Extent: x = poses.
+/// One descent from each pose, in place. The walk, in float32 without contraction: first simplex: the pose and steps
+/// along x, y, theta from it, costed in that order, sorted by cost (stable). Until the largest |x_i - x_0|, |y_i - y_0|
+/// is below stop_cells and the largest |theta_i - theta_0| below stop_rad, or the evaluations of this descent have
+/// reached max_evaluations (tested before each move): centre = (v0 + v1 + v2) * (1/3) per coordinate, summed left to
+/// right; point at f = centre + f * (v3 - centre); reflect (f -1); if its cost is below v0's expand (f -2) and keep the
+/// expansion if strictly better, else the reflection; else if below v2's keep the reflection; else contract (f -1/2 if
+/// the reflection is strictly better than v3, else +1/2) and keep it if strictly below the lesser of the reflection's
+/// and v3's cost; else shrink v1..v3 to v0 + 1/2 * (v_i - v0), costed in that order. After each move sort (stable). The
+/// cost of a pose is PoseCost's sum plus the prior's cost, saturating. The size is tested before the limit: a small
+/// simplex has converged. Differences that are NaN do not count in it (x_i - x_0 is NaN if a start is not finite; such
+/// a pose is costed like any other, and the NaN at its end is unspecified). The result is v0 and its cost; evaluations
+/// grow by those of this descent. Bindings: field (u16, read), points (PointCells, read), poses (PolishedPose, read and
+/// write). Extent: x = poses.
 struct PoseSimplex {
   struct Params {
     PoseCost::Params cost;
@@ -63,8 +62,8 @@ struct PoseSimplex {
     float stop_rad = 0.0002F;  ///< ... and than this in theta
     std::uint32_t max_evaluations = 200;
   };
-  /// Largest max_evaluations: where coordinates are so large that they cannot come close, nothing else ends a descent;
-  /// and there are devices that end loops by themselves after 65,535 turns.
+  /// Largest max_evaluations: if coordinates are so large that they cannot come close, only this ends a descent. Some
+  /// devices also end loops by themselves after 65,535 iterations.
   static constexpr std::uint32_t kMostEvaluations = 8192;
   static constexpr std::array kBindings{Access::kRead, Access::kRead, Access::kReadWrite};
   static const KernelInfo& info();
@@ -88,13 +87,13 @@ struct MatchVerdict {
 };
 static_assert(sizeof(MatchVerdict) <= 64);
 
-/// Chooses between poses. The value of a point at a pose is the field at the nearest cell as PoseCost has it, before
-/// any cap. At pose 0 near, beside and known are counted; pose 0 is suspect when beside * 65536 > contradiction_q16 *
-/// known or near * 65536 < overlap_q16 * points. The voters are all points when it is, else the points whose value
-/// there is below min(wide, cap of the map). A pose costs PoseCost's sum over the voters with cap `wide` plus the
-/// prior's cost, saturating. Where leap_q8 is not 0 and pose 0 is not far from the prior's mean but another pose is,
-/// that one costs (cost * leap_q8) >> 8, at most 2^32 - 1; far: dx*dx + dy*dy > far_sq_cells or |dt| > far_rad in
-/// float32. The lowest (cost, index) is chosen, and the evidence is counted there. Bindings: field (u16, read), points
+/// Chooses between poses. The value of a point at a pose is the field at the nearest cell as in PoseCost, before any
+/// cap. At pose 0 near, beside and known are counted; pose 0 is suspect if beside * 65536 > contradiction_q16 * known
+/// or near * 65536 < overlap_q16 * points. The voters are all points if pose 0 is suspect, else the points whose value
+/// at pose 0 is below min(wide, cap of the map). A pose costs PoseCost's sum over the voters with cap `wide` plus the
+/// prior's cost, saturating. If leap_q8 is not 0 and pose 0 is not far from the prior's mean but another pose is, the
+/// other costs (cost * leap_q8) >> 8, at most 2^32 - 1; far: dx*dx + dy*dy > far_sq_cells or |dt| > far_rad in float32.
+/// The lowest (cost, index) is chosen, and the evidence is counted there. Bindings: field (u16, read), points
 /// (PointCells, read), poses (PolishedPose, read), verdict (MatchVerdict, write). Extent: x = 1. At most 65535 points
 /// and SmallestValues::kMost + 1 poses; map_cap and gate at most 65535, the shares at most 65536 (all points).
 struct ChoosePose {

@@ -1,5 +1,5 @@
-// The downhill simplex on the cost of a pose, and where its walks start. The order of the operations is that of the
-// header, bit for bit.
+// The downhill simplex on the cost of a pose, and its start poses. The order of the operations is that of the header,
+// bit for bit.
 
 void pose_starts(const PoseStarts::Params& params, const PoseCandidate* candidates, const std::uint32_t* picks,
                  PolishedPose* poses, Slice starts) {
@@ -35,7 +35,7 @@ inline std::uint32_t prior_cost(const PriorParams& prior, float x, float y, floa
   return static_cast<std::uint32_t>(static_cast<std::int32_t>(shift_cost + turn_cost));
 }
 
-/// Function that is minimised: the points' sum plus the prior.
+/// The minimised function: the points' sum plus the prior.
 struct PoseObjective {
   CostContext context;
   PointSum sum;
@@ -101,7 +101,7 @@ inline bool is_small(const Simplex& s, const PoseSimplex::Params& params) {
   return xy < params.stop_cells && theta < params.stop_rad;
 }
 
-/// One descent; it counts what it evaluates.
+/// One descent; it counts its evaluations.
 class SimplexWalk {
  public:
   SimplexWalk(const PoseObjective& objective, const PoseSimplex::Params& params)
@@ -150,7 +150,7 @@ class SimplexWalk {
     return vertex;
   }
 
-  /// False when the simplex must shrink.
+  /// Returns false if the simplex must shrink.
   bool move_worst() {
     SimplexVertex& worst = s_.v[3];
     const SimplexVertex centre = centre_of_best(s_);

@@ -35,7 +35,7 @@ KernelCase StartsCase::make(const std::string& named) const {
                                {list_buffer(poses), list_buffer(picks), noise_buffer(8 * starts, random)});
 }
 
-/// Priors: none, one that weighs about as much as the points, one at its limit everywhere but near the mean.
+/// Priors: none, one with about the weight of the points, one at its limit everywhere except near the mean.
 enum class DescentPriorKind : std::uint8_t { kNone, kWeak, kSteep };
 
 /// Parameters that the cases of pose_simplex vary.
@@ -54,8 +54,8 @@ struct DescentCase {
   float step_rad = 0.03F;
   float stop_cells = 0.01F;
   float stop_rad = 0.0002F;
-  bool odd_poses = true;  ///< some of them far off
-  float turned = 0.0F;    ///< turn of all poses, out of the truth
+  bool odd_poses = true;  ///< some of the poses are far off
+  float turned = 0.0F;    ///< turn of all poses away from the truth
   bool strips = false;    ///< the field lies in strips
 
   [[nodiscard]] std::string name() const {
@@ -140,7 +140,7 @@ void add_descents(std::vector<KernelCaseSource>& list, Interpolation interpolati
     slow.prior = DescentPriorKind::kNone;
     add_case(list, slow);
   }
-  // More points than a uniform buffer takes, and few enough evaluations for an invocation a pose.
+  // More points than a uniform buffer holds, and few enough evaluations for an invocation a pose.
   add_case(list, DescentCase{.points = 2101,
                              .poses = 3,
                              .interpolation = interpolation,
@@ -152,8 +152,8 @@ void add_descents(std::vector<KernelCaseSource>& list, Interpolation interpolati
            DescentCase{.field = {5, 5, 8}, .room = false, .points = 50, .interpolation = interpolation, .form = form});
 }
 
-// At angles of every quarter turn, and at ones that no wrapping brought near zero; few points and more than a uniform
-// buffer takes.
+// At angles of every quarter turn, and at angles that were not wrapped; few points, and more than a uniform buffer
+// holds.
 void add_turned_descents(std::vector<KernelCaseSource>& list) {
   std::uint32_t turn = 0;
   for (const float turned : {1.1F, 2.7F, -1.6F, -2.9F, 9.7F, -40.3F}) {
@@ -178,7 +178,7 @@ void add_turned_descents(std::vector<KernelCaseSource>& list) {
   }
 }
 
-// Descents that really take so many evaluations that a device which ends loops by itself would cut them short.
+// Descents with so many evaluations that a device that ends loops by itself would cut them short.
 void add_longest_descents(std::vector<KernelCaseSource>& list) {
   add_case(list, DescentCase{.points = 17, .poses = 5, .max_evaluations = PoseSimplex::kMostEvaluations});
   add_case(list,
@@ -196,7 +196,7 @@ void add_longest_descents(std::vector<KernelCaseSource>& list) {
 }
 
 void add_descents_with_odd_sizes(std::vector<KernelCaseSource>& list) {
-  // The fourth start lies on whole cells: its edges are halved without rounding and get just as long as these sizes.
+  // The fourth start lies on whole cells: its edges are halved without rounding and reach exactly these sizes.
   add_case(list, DescentCase{.points = 0, .poses = 4, .stop_cells = 0x1p-7F, .stop_rad = 1.0F},
            ", size in x and y met");
   add_case(list, DescentCase{.points = 0, .poses = 4, .stop_cells = 9.0F, .stop_rad = 0.03F * 0x1p-8F},
@@ -208,7 +208,7 @@ void add_descents_with_odd_sizes(std::vector<KernelCaseSource>& list) {
   add_case(list, DescentCase{.max_evaluations = 90, .stop_rad = 0.0F}, ", no size in theta is small");
 }
 
-// Without a size to stop at, each goes to its limit, and rates are of look-ups that were made.
+// Without a size to stop at, each runs to its limit, and rates count the actual look-ups.
 void add_benchmark_descents(std::vector<KernelCaseSource>& list) {
   for (const Interpolation interpolation : {Interpolation::kBilinear, Interpolation::kNearest}) {
     add_case(list,

@@ -1,5 +1,5 @@
-// The cost of a pose with its slope: what a Gauss-Newton step over (x, y, theta) needs, summed over the scan's points.
-// On the host only. Poses and points in cells, as pose_cost has them.
+// The cost of a pose with its slope, for a Gauss-Newton step over (x, y, theta), summed over the scan's points. On the
+// host only. Poses and points in cells, as in pose_cost.
 //
 // Arithmetic (docs/numerics.md), float32 without contraction, the same bits on every instruction set: u, v, s and c as
 // in pose_cost; the field is bilinear between the centres of its cells, value and slopes from the four neighbours of

@@ -1,4 +1,4 @@
-// The cost of a pose with its slope (pose_slope.hpp). Three steps for a block of points: where, look-up, sums; plain
+// The cost of a pose with its slope (pose_slope.hpp). Three steps for a block of points: position, look-up, sums; plain
 // loops over whole lanes that become vectors. The lanes are those of the header on every instruction set, so that sums
 // of float32 have the same bits.
 
@@ -6,17 +6,17 @@ constexpr std::uint32_t kSlopeLanes = PoseSlope::kLanes;
 constexpr std::uint32_t kSlopeBlock = 8 * kSlopeLanes;
 
 struct SlopeBlock {
-  alignas(64) float turned_x[kSlopeBlock];  ///< the point in the directions of the map
+  alignas(64) float turned_x[kSlopeBlock];  ///< the point turned into the directions of the map
   alignas(64) float turned_y[kSlopeBlock];
   alignas(64) float fraction_x[kSlopeBlock];
   alignas(64) float fraction_y[kSlopeBlock];
-  alignas(64) float counts[kSlopeBlock];  ///< 1, or 0 behind the last point
+  alignas(64) float counts[kSlopeBlock];  ///< 1, or 0 after the last point
   alignas(64) std::uint32_t cell[kSlopeBlock];
   alignas(64) std::uint32_t lower[kSlopeBlock];  ///< two neighbours in the row, in memory order
   alignas(64) std::uint32_t upper[kSlopeBlock];
 };
 
-/// Sums of the lanes, in registers or nearly so.
+/// Sums of the lanes, mostly in registers.
 struct SlopeSums {
   alignas(64) float lanes[PoseSlope::kSums][kSlopeLanes];
 };
@@ -80,7 +80,7 @@ inline float left_cell(std::uint32_t pair) { return cell_of_pair(pair, false, 0x
 inline float right_cell(std::uint32_t pair) { return cell_of_pair(pair, true, 0xFFFFU); }
 
 inline void add_slopes(float cap, std::uint32_t blank, float scale, std::uint32_t count, const SlopeBlock& block, SlopeSums& sums) {
-  count = count / kSlopeLanes * kSlopeLanes;  // it is; the compiler may know
+  count = count / kSlopeLanes * kSlopeLanes;  // no-op: shows the compiler the multiple
   for (std::uint32_t first = 0; first < count; first += kSlopeLanes) {
     for (std::uint32_t lane = 0; lane < kSlopeLanes; ++lane) {
       const std::uint32_t i = first + lane;

@@ -8,9 +8,9 @@ namespace gdtslam {
 namespace {
 
 constexpr std::uint32_t kMostBits = 20;
-/// So that the bytes of the points fit 32 bits.
+/// Limit for the bytes of the points to fit 32 bits.
 constexpr std::uint32_t kMostBeams = 1U << 27U;
-/// So that the tables' values can be counted in 32 bits.
+/// Limit for the number of table values to fit 32 bits.
 constexpr std::uint32_t kMostDirections = 1U << 28U;
 
 }  // namespace

@@ -10,7 +10,7 @@
 //   literal (14): tx and ty times `up`, the paper's P_Z; working (14): as they are
 //   mx = (px cos w - py sin w) + tx, my = (px sin w + py cos w) + ty
 //   out = ((s.outer_cos mx - s.outer_sin my) + s.outer_x, (s.outer_sin mx + s.outer_cos my) + s.outer_y, pz, e)
-// sin and cos are sin_cos(float). settled(v) is +0 where v is not finite or below 2^-40 in size, so that no result
+// sin and cos are sin_cos(float). settled(v) is +0 if v is not finite or below 2^-40 in size, so that no result
 // depends on how a device treats subnormals and NaN; the three coordinates are settled too. A range that is not greater
 // than 0 or not below infinity, and a point with a coordinate that is not finite, give (0, 0, 0, e).
 #pragma once
@@ -24,7 +24,7 @@ namespace gdtslam {
 
 struct CaseGroup;
 
-/// Range of a beam by the scanner, and the beam's indices.
+/// Measured range of a beam, and the beam's indices.
 struct BeamRange {
   float range_m = 0.0F;
   std::uint32_t strip = 0;
@@ -34,10 +34,10 @@ static_assert(sizeof(BeamRange) == 8);
 /// 16 words; beams of a strip follow each other, strips are in the order of their beams.
 struct BeamStrip {
   std::uint32_t first_beam = 0;
-  std::uint32_t first_direction = 0;  ///< row of the direction table that belongs to the first beam
+  std::uint32_t first_direction = 0;  ///< row of the direction table for the first beam
   std::uint32_t phase = 0;            ///< at the first beam
   std::uint32_t phase_step = 0;       ///< per beam, two's complement
-  float x_m = 0.0F;                   ///< pose of the sensor's place relative to the outer pose, at the first beam
+  float x_m = 0.0F;                   ///< pose of the sensor relative to the outer pose, at the first beam
   float y_m = 0.0F;
   float yaw_rad = 0.0F;
   float x_step_m = 0.0F;  ///< per beam
@@ -53,8 +53,8 @@ struct BeamStrip {
 static_assert(sizeof(BeamStrip) == 64);
 
 /// Bindings: beams (BeamRange), strips (BeamStrip), tables (f32: 2^bits + 1 elevations, then the directions, x, y and z
-/// of a unit vector in the nodding frame each), points (f32 x 4 per beam, written). No more than these four: every
-/// Vulkan device binds so many. A strip or direction beyond its table counts as the last one. Extent: x = beams.
+/// of a unit vector in the nodding frame each), points (f32 x 4 per beam, written). Four bindings are the number that
+/// every Vulkan device supports. A strip or direction beyond its table counts as the last one. Extent: x = beams.
 struct SweepPoints {
   struct Params {
     std::uint32_t beams = 0;
@@ -67,7 +67,7 @@ struct SweepPoints {
     SweepForm form = SweepForm::kWorking;
   };
   static constexpr std::array kBindings{Access::kRead, Access::kRead, Access::kRead, Access::kWrite};
-  /// Values of the tables before the first direction.
+  /// Number of table values before the first direction.
   static constexpr std::size_t elevations(std::uint32_t table_bits) { return (std::size_t{1} << table_bits) + 1; }
   static const KernelInfo& info();
   static CaseGroup cases();

@@ -1,5 +1,5 @@
 // Beams of nodding scans as points in space, paper equations (12) to (14). The sines are those of the shaders, compiled
-// here for the instruction set in hand so that whole vectors of beams go through them.
+// here for the current instruction set so that they process whole vectors of beams.
 
 inline std::int32_t floatBitsToInt(float value) { return __builtin_bit_cast(std::int32_t, value); }
 inline float intBitsToFloat(std::int32_t bits) { return __builtin_bit_cast(float, bits); }
@@ -18,14 +18,14 @@ struct SweepTile {
   alignas(64) float direction_z[kSweepTile];
 };
 
-/// +0 for what is not finite or too small to matter.
+/// +0 for values that are not finite or too small to matter.
 inline float settled(float value) {
   const std::int32_t bits = floatBitsToInt(value);
   const std::int32_t size = bits & 0x7FFFFFFF;
   return intBitsToFloat(((size >= 0x2B800000) & (size < 0x7F800000)) ? bits : 0);
 }
 
-/// Elevations of `count` beams, the first of which is number `offset` of its strip. The look-ups are single loads
+/// Elevations of `count` beams, the first of which has index `offset` in its strip. The look-ups are single loads
 /// between two loops that become vector code.
 void sweep_elevations(const BeamStrip& strip, std::uint32_t offset, std::uint32_t bits, const float* elevations,
                       std::uint32_t count, float* out) {
@@ -50,7 +50,7 @@ void sweep_elevations(const BeamStrip& strip, std::uint32_t offset, std::uint32_
   }
 }
 
-/// Directions of those beams.
+/// Directions of the same beams.
 void sweep_directions(const BeamStrip& strip, std::uint32_t offset, std::uint32_t directions, const float* direction,
                       std::uint32_t count, SweepTile& tile) {
   const std::uint32_t first = strip.first_direction + offset;
@@ -74,7 +74,7 @@ void sweep_directions(const BeamStrip& strip, std::uint32_t offset, std::uint32_
   }
 }
 
-/// Equations (12) and (14) for those beams. Flattened: the loop becomes vector code only with the sines in it.
+/// Equations (12) and (14) for these beams. Flattened: the loop becomes vector code only with the sines inlined.
 template <bool kLiteral>
 __attribute__((flatten)) void sweep_tile(const SweepPoints::Params& params, const BeamStrip& strip_in_table,
                                          std::uint32_t offset, const SweepTile& tile, std::uint32_t count,

@@ -16,7 +16,7 @@ struct SweepCase {
   std::uint32_t directions = 1;
   std::uint32_t bits = 0;
   SweepForm form = SweepForm::kWorking;
-  /// Kinds of launches. Scans: as the assembler makes them; anything: lengths, tables and indices that no scan has;
+  /// Kinds of launches. Scans: like those of the assembler; anything: lengths, tables and indices that no scan has;
   /// huge: coordinates that overflow.
   enum class Kind : std::uint8_t { kScans, kAnything, kHuge } kind = Kind::kScans;
 
@@ -29,7 +29,7 @@ struct SweepCase {
   [[nodiscard]] KernelCase make(const std::string& named) const;
 };
 
-/// Mostly ranges of a scanner; some that are none, and the extremes of what counts as one.
+/// Mostly valid ranges of a scanner; some invalid ones, and the extremes of valid ones.
 float sweep_range(Random& random) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   constexpr float kOdd[] = {0.0F,
@@ -79,7 +79,7 @@ void append_directions(const SweepCase& sweep, Random& random, std::vector<float
   }
 }
 
-/// The part of a strip that every kind draws alike.
+/// The part of a strip that is drawn in the same way for every kind.
 BeamStrip sweep_strip(Random& random, double far) {
   BeamStrip strip;
   strip.phase = draw_word(random);
@@ -106,7 +106,7 @@ void append_beams(std::uint64_t count, std::uint32_t strip, Random& random, std:
   }
 }
 
-/// Strips of a batch, one behind the other.
+/// Consecutive strips of a batch.
 void add_scan_strips(const SweepCase& sweep, Random& random, std::vector<BeamStrip>& strips,
                      std::vector<BeamRange>& beams) {
   for (std::uint32_t s = 0; s < sweep.strips; ++s) {
@@ -121,8 +121,8 @@ void add_scan_strips(const SweepCase& sweep, Random& random, std::vector<BeamStr
   }
 }
 
-/// Strips without any order: those beyond the table, those that begin behind their beams, offsets beyond 2^24,
-/// directions that wrap.
+/// Strips without any order: beyond the table, with a start after their beams, offsets beyond 2^24, directions that
+/// wrap.
 void add_wild_strips(const SweepCase& sweep, Random& random, std::vector<BeamStrip>& strips,
                      std::vector<BeamRange>& beams) {
   const double far = sweep.kind == SweepCase::Kind::kHuge ? 1.0e37 : 100.0;

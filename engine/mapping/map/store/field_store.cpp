@@ -12,9 +12,9 @@
 namespace gdtslam {
 namespace {
 
-/// The cells of a map on the CPU, in strips of 64 columns (kernel.hpp) within a piece of address space that is
-/// larger than the map: the system gives the pages that are touched, zero, which means unknown. Where a map leaves its
-/// piece, or the process may not have so much address space, the tiles that are known move to a larger one.
+/// The cells of a map on the CPU, in strips of 64 columns (kernel.hpp) within a piece of address space larger than the
+/// map: the system provides pages at the first access, filled with zero, which means unknown. If a map outgrows its
+/// piece, or the process has too little address space, the known tiles move to a larger one.
 class FieldStrips final : public FieldStore {
  public:
   FieldStrips(Backend& backend, std::uint16_t cap) : backend_(&backend) { layout_.blank = cap; }
@@ -40,16 +40,16 @@ class FieldStrips final : public FieldStore {
   Backend* backend_;
   CellBox box_{};
   CellBox tiles_{};          // tiles of 64 x 64 cells that the piece of address space holds
-  std::vector<bool> known_;  // a tile each, strip by strip
-  std::uint64_t taken_ = 0;  // bytes taken of them
+  std::vector<bool> known_;  // one entry a tile, strip by strip
+  std::uint64_t taken_ = 0;  // bytes in use
 };
 
 constexpr auto kSide = static_cast<std::int32_t>(kStripWidth);  // side of a tile, cells
 constexpr std::size_t kTileOfStripCells = std::size_t{kStripStride} * kStripWidth;
-// Limit of tiles: their cells are counted by 32 bits, and a side fits the kernels.
+// Limit of tiles: 32 bits count their cells, and a side fits the kernels.
 constexpr std::int64_t kMostTiles = (std::int64_t{1} << 32U) / static_cast<std::int64_t>(kTileOfStripCells);
 constexpr std::int32_t kMostTilesOfASide = (1 << 21) / kSide - 1;
-// A piece of address space is a square of so many tiles a side, where the process may have 8 GB of it.
+// Tiles along the side of a square piece of address space, if the process may have 8 GB of it.
 constexpr std::int32_t kWideSide = 960;
 constexpr std::int32_t kLeastMargin = 16;  // tiles
 
@@ -69,7 +69,7 @@ CellBox with_margin(const CellBox& tiles, std::int32_t x, std::int32_t y) {
   return {tiles.min - CellOffset{x, y}, tiles.end + CellOffset{x, y}};
 }
 
-// Pieces of address space that hold the tiles, from the one that is wanted most to the least one.
+// Pieces of address space that hold the tiles, the most wanted first.
 std::vector<CellBox> pieces_for(const CellBox& tiles) {
   std::vector<CellBox> pieces;
   if (tiles.width() <= kWideSide && tiles.height() <= kWideSide) {
@@ -101,7 +101,7 @@ void FieldStrips::hold(const GridBoxes& boxes) {
   box_ = boxes.stored;
 }
 
-// One that holds the tiles.
+// Makes a piece that holds the tiles.
 void FieldStrips::make_piece(const CellBox& tiles) {
   const std::vector<CellBox> pieces = pieces_for(tiles);
   for (const CellBox& piece : pieces) {
@@ -113,7 +113,7 @@ void FieldStrips::make_piece(const CellBox& tiles) {
   }
 }
 
-// Takes the tiles along that are known, each of which is one stretch of memory, and their repeated cells.
+// Moves the known tiles, each of which is contiguous in memory, and their repeated cells.
 void FieldStrips::move_to(const CellBox& tiles, Buffer buffer) {
   const std::span<std::byte> view = backend_->host_view(buffer);
   // The bytes are written as uint16 by the kernels, aligned by the backend.
@@ -147,7 +147,7 @@ void FieldStrips::move_to(const CellBox& tiles, Buffer buffer) {
   }
 }
 
-// The first cells of a tile stand behind those of the strip to its left, too.
+// The first cells of a tile are repeated behind those of the strip to its left.
 void FieldStrips::repeat_first_cells(std::size_t tile) {
   const std::size_t first = tile * kTileOfStripCells;
   if (first < layout_.strip) return;
@@ -214,7 +214,7 @@ void FieldStrips::write(const CellRows& from) {
   }
 }
 
-// Cells of one row within a strip. What is unknown takes no memory.
+// Writes cells of one row within a strip. Unknown cells take no memory.
 void FieldStrips::write_piece(CellIndex first, std::span<const std::uint16_t> cells) {
   const auto cap = static_cast<std::uint16_t>(layout_.blank);
   if (std::all_of(cells.begin(), cells.end(), [cap](std::uint16_t cell) { return cell == cap; })) return;
@@ -256,7 +256,7 @@ std::uint64_t cells_in_rows(const CellBox& box) {
   return std::uint64_t{row_stride(box)} * static_cast<std::uint64_t>(box.height());
 }
 
-// Cells as those of another box; the cap where the first has none.
+// Copies cells into the layout of another box; the cap outside the first box.
 std::vector<std::uint16_t> moved_cells(const CellRows& from, const CellBox& to, std::size_t stride, std::uint16_t cap) {
   std::vector<std::uint16_t> moved(stride * static_cast<std::size_t>(to.height()), cap);
   const CellBox kept = common_part(from.box, to);
@@ -274,7 +274,7 @@ bool FieldRows::can_hold(const CellBox& box) const {
          cells_in_rows(box) <= max_cells_;
 }
 
-// If the map has outgrown the device, the error says so, and what to change.
+// If the map has outgrown the device, the error says so and names the option to change.
 Buffer FieldRows::allocate_for(const CellBox& box) const {
   const std::size_t bytes = cells_in_rows(box) * sizeof(std::uint16_t);
   try {
@@ -297,7 +297,7 @@ void FieldRows::hold(const GridBoxes& boxes) {
   } else if (bounding_box(box, stored_) == box) {
     copy_into(buffer, box);
   } else {
-    // A margin was given up, which happens a few times at most: by way of the host.
+    // A margin was given up, which happens a few times at most: copies through the host.
     const std::vector<std::uint16_t> cells = read();
     const CellRows from{cells, static_cast<std::size_t>(stored_.width()), stored_};
     const std::vector<std::uint16_t> moved = moved_cells(from, box, row_stride(box), cap_);
@@ -308,7 +308,7 @@ void FieldRows::hold(const GridBoxes& boxes) {
   layout_.stride = row_stride(box);
 }
 
-// The field in a buffer for a box that holds all of it.
+// Copies the field into a buffer for a box that holds all of it.
 void FieldRows::copy_into(const Buffer& target, const CellBox& box) const {
   const CellOffset offset = stored_.min - box.min;
   const auto width = static_cast<std::uint32_t>(box.width());

@@ -1,4 +1,4 @@
-// Storage of a map's cells. On the CPU they lie in strips of memory that the system gives when it is touched, so that
+// Storage of a map's cells. On the CPU they lie in strips of memory that the system provides at the first access, so
 // nothing is copied when the map grows and unknown parts take none (FieldStrips). On a device they lie in rows of one
 // rectangle, which is copied when it has to grow (FieldRows). Boxes are of map cells. Not thread-safe.
 #pragma once
@@ -16,7 +16,7 @@
 
 namespace gdtslam {
 
-/// Cells behind one another in rows of a stride, with what they belong to.
+/// Cells in rows of a stride, with the box they belong to.
 struct CellRows {
   std::span<const std::uint16_t> cells;
   std::size_t stride = 0;
@@ -30,33 +30,32 @@ class FieldStore {
   FieldStore& operator=(const FieldStore&) = delete;
   virtual ~FieldStore() = default;
 
-  /// Whether hold() may be asked for the box.
+  /// True if hold() may be called with the box.
   [[nodiscard]] virtual bool can_hold(const CellBox& box) const = 0;
-  /// Returns the text, as the end of a sentence, that says which limit a larger map exceeds and what to do.
+  /// Returns the end of a sentence that states which limit a larger map exceeds and what to do.
   [[nodiscard]] virtual std::string limit() const = 0;
-  /// Makes room for the content, which is what is known and about to be, and where growing copies what is stored for
-  /// the box around it. Throws DeviceError where a device fails, Error
-  /// where there is no such memory; all is as before then.
+  /// Makes room for the content, the cells known or about to be known; if growing copies the store, also for the box
+  /// around it. Throws DeviceError if a device fails, Error if there is no such memory; all is unchanged then.
   virtual void hold(const GridBoxes& boxes) = 0;
   /// Notes that the cells of the box may be known from now on.
   virtual void touch(const CellBox& box) = 0;
-  /// Cells that touch() would take memory for.
+  /// Number of cells for which touch() would take memory.
   [[nodiscard]] virtual std::uint64_t untaken_cells(const CellBox& box) const = 0;
-  /// Cells that memory was taken for.
+  /// Number of cells in memory.
   [[nodiscard]] virtual std::uint64_t taken_cells() const = 0;
-  /// The cells of the box that was given to hold(), row by row. Throws DeviceError where a device fails.
+  /// The cells of the box given to hold(), row by row. Throws DeviceError if a device fails.
   [[nodiscard]] virtual std::vector<std::uint16_t> read() const = 0;
-  /// Takes these cells over; those outside of their box become the cap.
+  /// Takes over these cells; those outside of their box become the cap.
   virtual void write(const CellRows& from) = 0;
 
-  /// Cells of a row from `first` on, the cap where none are stored; where the host sees them.
+  /// Cells of a row from `first` on, the cap outside the stored part; for memory that the host can read.
   void read_row(CellIndex first, std::span<std::uint16_t> cells, std::uint16_t cap) const;
 
-  /// Box that the buffer holds, at least the content; empty before.
+  /// Box in the buffer, at least the content; empty at first.
   [[nodiscard]] const CellBox& stored() const { return stored_; }
   [[nodiscard]] const FieldLayout& layout() const { return layout_; }
   [[nodiscard]] const Buffer& buffer() const { return buffer_; }
-  /// The memory, where the host sees it.
+  /// The memory, if the host can read it.
   [[nodiscard]] std::span<const std::uint16_t> memory() const { return memory_; }
 
  protected:
@@ -66,10 +65,10 @@ class FieldStore {
   std::span<std::uint16_t> memory_;
 };
 
-/// In strips where the backend is the CPU, else in rows of `max_cells` at most.
+/// In strips if the backend is the CPU, else in rows of at most `max_cells`.
 std::unique_ptr<FieldStore> make_field_store(Backend& backend, std::uint16_t cap, std::uint64_t max_cells);
 
-/// The end of such a sentence where the option map.max_megacells is the bound.
+/// The end of such a sentence if the option map.max_megacells is the limit.
 std::string limit_of_option(std::uint64_t max_cells);
 
 }  // namespace gdtslam

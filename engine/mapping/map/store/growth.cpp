@@ -6,9 +6,9 @@ namespace gdtslam {
 namespace {
 
 constexpr std::int32_t kSmallest = 64;       // cells of a whole margin
-constexpr std::int64_t kWholeMargin = 4096;  // parts that a margin is cut into
+constexpr std::int64_t kWholeMargin = 4096;  // number of parts of a margin
 
-// `needed`, which holds `stored`, with parts of a margin at each side that moved.
+// `needed`, which holds `stored`, with some parts of a margin at each side that moved.
 CellBox with_margin(const CellBox& stored, const CellBox& needed, std::int64_t parts) {
   const auto margin = [parts](std::int32_t extent) {
     return static_cast<std::int32_t>(std::max(kSmallest, extent / 4) * parts / kWholeMargin);
@@ -23,7 +23,7 @@ CellBox with_margin(const CellBox& stored, const CellBox& needed, std::int64_t p
   return grown;
 }
 
-// With the largest margin that fits; `needed` does.
+// Adds the largest margin that fits; `needed` itself fits.
 CellBox with_largest_margin(const CellBox& stored, const CellBox& needed,
                             const std::function<bool(const CellBox&)>& fits) {
   if (const CellBox whole = with_margin(stored, needed, kWholeMargin); fits(whole)) return whole;
@@ -59,7 +59,7 @@ std::optional<GridBoxes> grown_to_hold(const GridBoxes& now, const CellBox& box,
   const CellBox needed = bounding_box(now.stored, box);
   if (needed == now.stored) return GridBoxes{content, needed};
   if (fits(needed)) return GridBoxes{content, with_largest_margin(now.stored, needed, fits)};
-  // Margins at all sides, so that growing to one side and another by turns does not copy the grid every time.
+  // Margins on all sides, so that growing to alternate sides does not copy the grid every time.
   if (fits(content)) return GridBoxes{content, with_largest_margin({}, content, fits)};
   return std::nullopt;
 }

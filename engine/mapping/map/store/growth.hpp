@@ -1,4 +1,4 @@
-// How the grids of this part grow: by boxes of cells, with room to spare.
+// Growth of grids: by boxes of cells, with spare room.
 #pragma once
 
 #include <cstdint>
@@ -21,16 +21,16 @@ CellBox common_part(const CellBox& a, const CellBox& b);
 /// "3 x 4 cells".
 std::string size_text(const CellBox& box);
 
-/// Box that a grid has to hold and the one that is stored for it; map cells.
+/// The box that a grid must hold and the stored box around it; map cells.
 struct GridBoxes {
   CellBox content;
   CellBox stored;
 };
 
-/// The boxes of a grid that holds `box` too; nothing where its content alone would be too much. Each side that moves
-/// gets a margin of a quarter of the extent, or the largest part of it that fits, so that a long drive copies the grid
-/// a few times only. Where earlier margins are in the way they are given up, so that `stored` does not hold all of what
-/// it held, but all of the content.
+/// The boxes of a grid that holds `box` too; empty if its content alone is too much. Each side that moves gets a margin
+/// of a quarter of the extent, or the largest part of it that fits, so that a long drive copies the grid only a few
+/// times. Earlier margins are given up if they are in the way: then `stored` does not hold all of the earlier box, but
+/// all of the content.
 std::optional<GridBoxes> grown_to_hold(const GridBoxes& now, const CellBox& box,
                                        const std::function<bool(const CellBox&)>& fits);
 

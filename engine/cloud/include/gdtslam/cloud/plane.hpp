@@ -31,7 +31,7 @@ struct PlanePatch {
   Point3 centre{0.0, 0.0, 0.0};
 };
 
-/// Limits for planes, and how long one is looked for.
+/// Limits for planes and for their search.
 struct PlaneSearch {
   double thickness_m = 0.03;  ///< a point farther away is not on the plane
   std::uint32_t min_points = 200;
@@ -44,13 +44,13 @@ struct PlaneSearch {
 /// Least squares: the plane that minimises the summed squared distance. Throws InputError for fewer than three points
 /// and for points on one line.
 PlanePatch fit_plane(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> points);
-/// The same, but empty for fewer than three points and for points that lie on one line within float precision.
+/// The same, but empty for fewer than three points and for points on one line within float precision.
 std::optional<PlanePatch> fitted_plane(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> points);
-/// The largest planes in turn, by area, each the connected patch that has most of it. Trials [Fischler1981] are made on
-/// a thinned copy whose points have normals [Schnabel2007], one point for each; their number falls with the share of
-/// the plane that was found. The plane of each patch is refined on all points of the cloud. Points near an edge to
-/// another surface belong to the patch but do not influence its plane. Points that are not finite are left out. The
-/// same cloud and seed give the same planes on every host. O(trials x cells) for each plane and O(n log n) once.
+/// The largest planes in turn, by area, each the connected patch with most of its area. Trials [Fischler1981] run on a
+/// thinned copy whose points have normals [Schnabel2007], one point for each; their number falls with the share of the
+/// plane found. The plane of each patch is refined on all points of the cloud. Points near an edge to another surface
+/// belong to the patch but do not influence its plane. Points that are not finite are left out. The same cloud and seed
+/// give the same planes on every host. O(trials x cells) for each plane and O(n log n) once.
 std::vector<PlanePatch> find_planes(std::span<const CloudPoint> cloud, const PlaneSearch& search);
 
 // Boxes of a cloud and their dimensions with uncertainty, as figure 12 measures them; z up.
@@ -70,7 +70,7 @@ struct Dimension {
   bool is_observed = false;  ///< both of its ends were seen
 };
 
-/// An upright box that stands on the floor (or on whatever its lower side is).
+/// An upright box that stands on the floor, or on its lower side.
 struct MeasuredBox {
   Point3 centre{0.0, 0.0, 0.0};
   double yaw_rad = 0.0;  ///< heading of the width's direction, in (-pi/2, pi/2]
@@ -82,7 +82,7 @@ struct MeasuredBox {
   Point3 face_normal{1.0, 0.0, 0.0};  ///< outwards
 };
 
-/// Limits for boxes, and how their faces are found.
+/// Limits for boxes and for the search of their faces.
 struct BoxSearch {
   PlaneSearch planes{.min_points = 50, .gap_m = 0.1};
   double max_size_m = 1.5;  ///< larger things are walls or furniture
@@ -90,14 +90,14 @@ struct BoxSearch {
   std::uint32_t min_face_points = 50;
   double max_tilt_rad = 0.1;        ///< tilt of a face from upright
   std::optional<Point3> viewpoint;  ///< position of the scanner, when it stood still
-  bool is_projection = false;       ///< faces as lines of the projection to the floor, as figure 12(c) has them
+  bool is_projection = false;       ///< faces as lines of the projection to the floor, as in figure 12(c)
 };
 /// Position of the scanner, from the elevation of every point: all points of one elevation lie in one plane through it.
-/// Empty when the scanner moved, when the elevations say too little or are not there. The points do not show its
-/// position along the axis of the nodding: it is taken to be that of the map's origin.
+/// Empty if the scanner moved, or if the elevations are missing or not sufficient. The points do not determine its
+/// position along the axis of the nodding: that of the map's origin is assumed.
 std::optional<Point3> standing_viewpoint(std::span<const CloudPoint> cloud);
 
-/// The widest first.
+/// Finds the boxes, the widest first.
 std::vector<MeasuredBox> find_boxes(std::span<const CloudPoint> cloud, const BoxSearch& search);
 
 }  // namespace gdtslam

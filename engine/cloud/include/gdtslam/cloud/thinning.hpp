@@ -15,7 +15,7 @@ namespace gdtslam {
 /// Passes on the first point of each voxel. Voxels are cubes, one with its corner at the origin. Memory: 32 to 64 bytes
 /// for each block of 4 x 4 x 4 voxels that has a point, half as much again for a moment while it grows: 2 to 6 bytes a
 /// voxel of a surface. Throws InputError beyond max_voxels and for points farther than 2^20 voxels from the origin,
-/// with what to do; ConfigError for a voxel_m that is not positive. O(1) for each point.
+/// with advice; ConfigError for a voxel_m that is not positive. O(1) for each point.
 class VoxelThinning : public CloudSink {
  public:
   VoxelThinning(double voxel_m, std::uint64_t max_voxels, CloudSink& next);
@@ -38,7 +38,7 @@ struct LevelSurfaces {
 struct LevelSearch {
   double max_tilt_rad = 0.05;
   double thickness_m = 0.06;
-  double min_share = 0.02;  ///< least share of all points, to be called a surface
+  double min_share = 0.02;  ///< least share of all points for a surface
 };
 /// Normals point up. O(n log n).
 LevelSurfaces find_level_surfaces(std::span<const CloudPoint> sample, const LevelSearch& search);

@@ -1,8 +1,8 @@
-// The seam between the algorithms and the device that runs them. A backend knows few verbs: allocate, upload, fill,
-// dispatch, download, flush, and (for the host) a view of the memory where there is one. Work is done in the order of
-// the calls. A device queues the work and starts it at flush() or when a download is waited for, so all work between
-// two such calls is one submission. A backend and its buffers belong to one thread at a time. Every verb throws
-// DeviceError when the device fails; such a backend refuses all further work, and can only be destroyed.
+// Interface between the algorithms and the device that runs them. A backend has few operations: allocate, upload, fill,
+// dispatch, download, flush, and (for the host) a view of shared memory. Work is done in the order of the calls. A
+// device queues the work and starts it at flush() or when the caller waits for a download, so all work between two such
+// calls is one submission. A backend and its buffers belong to one thread at a time. Every operation throws DeviceError
+// if the device fails; such a backend refuses all further work, and can only be destroyed.
 #pragma once
 
 #include <cstddef>
@@ -19,13 +19,13 @@ namespace gdtslam {
 
 class Backend;
 
-/// The strongest instruction set of this processor that the kernels are compiled for.
+/// The strongest instruction set of this processor for which the kernels are compiled.
 Isa best_isa();
-/// Whether the kernels are compiled for it and this processor has it.
+/// True if the kernels are compiled for it and this processor has it.
 bool isa_available(Isa isa);
 
-/// Owning handle of device memory, move-only. Contents are zero after allocation. The backend should outlive it: when
-/// it does not, the memory has gone with the backend and the handle is invalid, which every verb refuses.
+/// Owning handle of device memory, move-only. Contents are zero after allocation. The backend should outlive it:
+/// otherwise the memory is freed with the backend, and the handle becomes invalid, which every operation refuses.
 class Buffer {
  public:
   Buffer() = default;
@@ -39,7 +39,7 @@ class Buffer {
   [[nodiscard]] std::uint64_t id() const { return id_; }
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
   [[nodiscard]] bool valid() const { return backend_ != nullptr && !alive_.expired(); }
-  /// Whether this is a living buffer of that backend.
+  /// True if this is a valid buffer of that backend.
   [[nodiscard]] bool belongs_to(const Backend& backend) const { return backend_ == &backend && !alive_.expired(); }
 
  private:
@@ -79,14 +79,14 @@ class Backend {
   virtual ~Backend() = default;
 
   [[nodiscard]] virtual const DeviceInfo& device() const = 0;
-  /// Zero-filled memory. Throws Error with the size asked for and the size allowed.
+  /// Zero-filled memory. Throws Error with the requested size and the limit.
   virtual Buffer allocate(std::size_t bytes) = 0;
-  /// Address space that gets its memory page by page when it is first touched, and reads as zero before. Invalid on a
-  /// device, and if the process may not have this much; then ask for less.
+  /// Address space whose pages get memory at the first access and read as zero before. Invalid on a device, and if the
+  /// process may not have this much; then request less.
   virtual Buffer reserve(std::size_t /*bytes*/) { return {}; }
   /// The data are copied before the call returns. Offset and size are multiples of 4, or the last bytes of the buffer.
   virtual void upload(const Buffer& target, std::span<const std::byte> data, std::size_t offset = 0) = 0;
-  /// Sets every 32-bit word of a buffer, the bytes beyond the last whole word too.
+  /// Sets every 32-bit word of a buffer, including the bytes after the last whole word.
   virtual void fill(const Buffer& target, std::uint32_t word) = 0;
   /// Runs a kernel over `threads` invocations; a zero extent is a no-op. Buffers are in the order of the bindings.
   virtual void dispatch(const KernelInfo& kernel, std::span<const Buffer* const> buffers,
@@ -99,17 +99,17 @@ class Backend {
   void download(const Buffer& source, std::span<std::byte> data, std::size_t offset = 0) {
     finish_download(start_download(source, data.size(), offset), data);
   }
-  /// Starts the queued work and returns at once.
+  /// Starts the queued work and returns immediately.
   virtual void flush() = 0;
   /// The memory itself if the host shares it (the CPU backend), else empty.
   [[nodiscard]] virtual std::span<std::byte> host_view(const Buffer& buffer) = 0;
-  /// Instruction set for work that stays on the host (host_kernels.hpp); the CPU backend answers its own.
+  /// Instruction set for work on the host (host_kernels.hpp); the CPU backend returns its own.
   [[nodiscard]] virtual Isa host_isa() const { return best_isa(); }
-  /// Dispatches so far.
+  /// Number of dispatches so far.
   [[nodiscard]] virtual std::uint64_t dispatch_count() const = 0;
-  /// Submissions so far; a device that works at once, as the CPU does, counts none.
+  /// Number of submissions so far; a device that works immediately, like the CPU, counts none.
   [[nodiscard]] virtual std::uint64_t submit_count() const = 0;
-  /// Downloads that were started, and neither finished nor forgotten.
+  /// Number of downloads that were started, and neither finished nor forgotten.
   [[nodiscard]] virtual std::size_t pending_downloads() const = 0;
 
  protected:
@@ -119,7 +119,7 @@ class Backend {
  private:
   friend class Buffer;
   virtual void release(std::uint64_t id) noexcept = 0;
-  /// Also called for downloads that were finished, and after the device has failed; it must not use the device.
+  /// Also called for finished downloads, and after the device has failed; it must not use the device.
   virtual void forget_download(std::uint64_t id) noexcept = 0;
 
   std::shared_ptr<const char> alive_ = std::make_shared<const char>('\0');  ///< buffers and downloads watch it
@@ -136,15 +136,15 @@ void run(Backend& backend, const typename K::Params& params, Extent threads, con
 /// Options of the CPU backend.
 struct CpuOptions {
   unsigned threads = 1;    ///< 0: one per processor
-  std::optional<Isa> isa;  ///< forced instruction set; the strongest there is when empty
+  std::optional<Isa> isa;  ///< forced instruction set; empty: the strongest available
 };
 
 /// Calls of CPU kernels so far in this process, on all threads: a dispatch on the CPU counts one or more (one per
-/// slice), and so does a call of host_kernels.hpp. A device that leaves it unchanged has computed by itself.
+/// slice), and so does a call of host_kernels.hpp. If a device leaves it unchanged, it has used no CPU kernel.
 /// Thread-safe; calls of other threads that are not synchronised with the caller may be missing.
 std::uint64_t cpu_kernel_calls();
 
-/// Throws UnavailableError when the processor lacks a forced instruction set.
+/// Throws UnavailableError if the processor lacks a forced instruction set.
 std::unique_ptr<Backend> make_cpu_backend(const CpuOptions& options);
 
 }  // namespace gdtslam

@@ -27,7 +27,7 @@ enum class MergeRule : std::uint32_t { kWorking = 0, kLiteral = 1 };
 /// Paper equation (14) in the working form or as printed (sweep_points).
 enum class SweepForm : std::uint32_t { kWorking = 0, kLiteral = 1 };
 
-/// How the squared distances of a field are found: exactly (GdtStamp), or by jump flooding, which errs now and then.
+/// Computation of a field's squared distances: exact (GdtStamp), or by jump flooding, which has occasional errors.
 enum class DistanceTransform : std::uint8_t { kExact, kJumpFlood };
 
 // Layout of the cells of a distance field, for the kernels that look up a map or merge into it. Cell (x, y) is at (x /
@@ -83,15 +83,15 @@ struct CpuLaunch {
 };
 using CpuFunction = void (*)(const CpuLaunch&);
 
-/// A dispatch before it runs, as its checks see it: sizes only, so that one check serves every backend.
+/// A dispatch before it runs, as input of its checks: sizes only, so that one check serves every backend.
 struct LaunchShape {
   std::span<const std::size_t> buffer_bytes;
   std::span<const std::byte> params;
   Extent threads;
 };
-/// Throws Error when parameters, extent and buffer sizes do not fit each other.
+/// Throws Error if parameters, extent and buffer sizes do not fit each other.
 using CheckFunction = void (*)(const LaunchShape&);
-/// Elementary steps of a dispatch (cells or look-ups): decides whether threads are worth waking, and scales benchmarks.
+/// Elementary steps of a dispatch (cells or look-ups): determines whether threads are woken, and scales benchmarks.
 using WorkFunction = std::uint64_t (*)(const LaunchShape&);
 
 /// One row of the registry.

@@ -36,7 +36,7 @@ struct FieldView {
   std::uint16_t cap = 0;
   double resolution_m = MapConfig{}.resolution_m;
 };
-/// A map on the CPU as it is now, copied.
+/// A copy of a map on the CPU at one moment.
 class FieldCopy {
  public:
   explicit FieldCopy(const GlobalField& map);
@@ -94,7 +94,7 @@ struct PoseWindow {
   [[nodiscard]] bool holds(const Pose2& pose) const;
 };
 
-/// Poses near one that is known, in position and in heading: they do not count.
+/// Excluded poses: those near `around`, in position and in heading.
 struct ExcludedPoses {
   Pose2 around;
   double within_m = 1.0;
@@ -102,7 +102,7 @@ struct ExcludedPoses {
   [[nodiscard]] bool hold(const Pose2& pose) const;
 };
 
-/// A preference for poses near a mean, as PriorParams has it.
+/// A preference for poses near a mean; see PriorParams.
 struct WindowPrior {
   Pose2 mean;
   float weight_xy = 0.0F;     ///< cost units per squared cell
@@ -110,18 +110,18 @@ struct WindowPrior {
   float limit = 1.0e9F;       ///< cost units of either part
 };
 
-/// Limits of a search: when it may stop, where it begins and which poses it leaves out.
+/// Limits of a search, its start poses and the excluded poses.
 struct CertifiedOptions {
-  double gap_m = 0.005;  ///< gap of the mean distance that has to be proven
-  /// Cost units: that no pose costs less than this is proof enough, however near the best pose found is to it.
+  double gap_m = 0.005;  ///< gap of the mean distance to be proven
+  /// Cost units. A proof that no pose costs less than this is enough, however close the best pose found is to it.
   std::uint32_t wanted_bound = std::numeric_limits<std::uint32_t>::max();
-  std::uint64_t max_boxes = std::numeric_limits<std::uint64_t>::max();  ///< a batch may pass it; not more than 2^23
-                                                                        ///< open at a time, whatever is allowed
+  std::uint64_t max_boxes = std::numeric_limits<std::uint64_t>::max();  ///< a batch may exceed it; at most 2^23 open at
+                                                                        ///< a time in any case
   /// Whether max_boxes includes the boxes that cover the window. On a large map these alone exceed any useful limit. If
   /// false, only boxes beyond these count.
   bool counts_window = true;
   double max_seconds = std::numeric_limits<double>::infinity();
-  std::vector<Pose2> starts{};  ///< poses to begin from, another matcher's result say
+  std::vector<Pose2> starts{};  ///< poses to begin from, such as another matcher's result
   std::optional<WindowPrior> prior{};
   std::optional<ExcludedPoses> excluded{};
 };
@@ -146,7 +146,7 @@ struct CertifiedResult {
   double mean_cost_m = 0.0;  ///< cost, bound and gap per point
   double mean_bound_m = 0.0;
   double gap_m = 0.0;
-  std::uint64_t boxes = 0;  ///< whose bound was computed
+  std::uint64_t boxes = 0;  ///< boxes with a computed bound
   std::uint64_t evaluations = 0;
   CertifiedStop stop = CertifiedStop::kNothingAllowed;
   [[nodiscard]] bool certified() const { return stop == CertifiedStop::kGapReached; }

@@ -1,6 +1,6 @@
-// Every option of the mapper. The defaults map every log that we have; docs/reference/options.md is generated from the
-// table. Lengths in metres, angles in radians; derived values are functions, never stored copies. Their
-// rows are in tables of options (option.hpp).
+// Every option of the mapper. The defaults map all our logs; docs/reference/options.md is generated from the tables of
+// options (option.hpp), which hold their rows. Lengths in metres, angles in radians; derived values are functions,
+// never stored copies.
 #pragma once
 
 #include <cstdint>
@@ -43,7 +43,7 @@ struct LocalMapConfig {
   double stretch_m = 0.0;  ///< path length; a map holds one to two of them. 0: all of it
 };
 
-/// Which returns count.
+/// Limits of valid returns.
 struct ScanConfig {
   double min_range_m = 0.1;
   double max_range_m = 40.0;
@@ -81,9 +81,9 @@ struct OptimizerConfig {
   std::int32_t seed = 1;
 };
 
-/// When odometry is not used, and what replaces it.
+/// Limits for the use of odometry, and its replacement.
 struct OdometryConfig {
-  bool estimate = false;           ///< its noise, as the log goes; else prior and search state it
+  bool estimate = false;           ///< noise is estimated from the log; else prior and search state it
   double max_step_m = 5.0;         ///< a longer step between two scans is a fault
   double frozen_m = 0.3;           ///< odometry that stands still while the scans move this far is taken as missing
   double frozen_rad = 0.35;        ///< or turn this far
@@ -120,18 +120,18 @@ struct SearchConfig {
   double step_rad = 0.035;
   double max_half_m = 5.0;
   std::int32_t starts = 3;
-  std::int32_t max_points = 96;  ///< a scan is thinned to this for the window
+  std::int32_t max_points = 96;  ///< a scan is thinned to this many points for the window
   std::int32_t attempts = 3;
-  double gap_m = 0.005;              ///< certified: of the mean distance
-  std::int32_t max_kiloboxes = 200;  ///< certified: boxes in thousands, beside those that cover a window
+  double gap_m = 0.005;              ///< certified: gap of the mean distance
+  std::int32_t max_kiloboxes = 200;  ///< certified: boxes in thousands, besides those that cover a window
 };
 
 /// When a match is suspect, refused or reported.
 struct DoubtConfig {
-  double suspect_contradiction = 0.1;  ///< a window is searched beyond these
+  double suspect_contradiction = 0.1;  ///< a window is searched if a match is beyond these
   double suspect_overlap = 0.75;
   double suspect_sigmas = 3.0;
-  double leap_gain = 0.75;  ///< a pose that far must cost less than this share of the near one
+  double leap_gain = 0.75;  ///< a pose beyond these must cost less than this share of the near one
   double report_m = 0.25;   ///< accepted matches farther from the odometry than this are reported
   double report_rad = 0.2617993877991494;
   double max_contradiction = 0.3;  ///< a match is refused beyond these

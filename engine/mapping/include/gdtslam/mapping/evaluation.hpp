@@ -12,15 +12,15 @@
 
 namespace gdtslam {
 
-/// The poses of a trajectory by the time that they belong to. Its order need not be that of time; poses without a
-/// finite stamp are left out. Thread-safe once made. O(n log n) to make, O(log n) to ask.
+/// The poses of a trajectory by time. They may be given in any order; poses without a finite stamp are left out.
+/// Thread-safe once made. O(n log n) to make, O(log n) a query.
 class PosesByStamp {
  public:
   explicit PosesByStamp(const Trajectory& trajectory);
-  /// The pose with the nearest stamp within the tolerance, which itself still counts as within. Of two equally near
-  /// stamps the earlier counts; of several poses with one stamp the last of the log.
+  /// The pose with the nearest stamp within the tolerance (inclusive). The earlier of two equally near stamps counts;
+  /// if several poses share a stamp, the last in the log counts.
   [[nodiscard]] std::optional<Pose2> find(double stamp_s, double tolerance_s) const;
-  /// Index of the pose with that stamp in the trajectory that was given.
+  /// Index of the pose with that stamp in the given trajectory.
   [[nodiscard]] std::optional<std::size_t> find_index(double stamp_s, double tolerance_s) const;
 
  private:
@@ -33,12 +33,12 @@ class PosesByStamp {
   std::vector<Entry> entries_;  // in the order of time
 };
 
-/// Stamps that two stretches of a trajectory have, between which a clock stepped back by more than a second. Such a
-/// stamp does not identify one pose. Thread-safe once made. O(n log n) to make, O(log n) to ask.
+/// Stamps that occur in two stretches of a trajectory, because a clock stepped back by more than a second in between.
+/// Such a stamp does not identify one pose. Thread-safe once made. O(n log n) to make, O(log n) a query.
 class RepeatedStamps {
  public:
   RepeatedStamps(const Trajectory& trajectory, double tolerance_s);
-  /// Whether poses of two stretches are within the tolerance of it.
+  /// True if poses of two stretches are within the tolerance of the stamp.
   [[nodiscard]] bool have(double stamp_s) const;
 
  private:
@@ -48,7 +48,7 @@ class RepeatedStamps {
   };
   double tolerance_s_;
   std::vector<Entry> entries_;           // in the order of time; empty if there is one stretch
-  std::vector<std::size_t> next_other_;  // for each pose the next one that is of another stretch
+  std::vector<std::size_t> next_other_;  // for each pose the next one of another stretch
 };
 
 /// Mean, sample standard deviation, largest value and root mean square of some errors.
@@ -77,7 +77,7 @@ struct RelationReport {
   double worst_t1_s = 0.0;    ///< the relation with the largest translation error
   double worst_t2_s = 0.0;
 };
-/// Relations whose stamps identify their poses, in their order; the difference in number is that of ambiguous ones.
+/// Relations whose stamps identify their poses, in their order; ambiguous relations are left out.
 std::vector<Relation> without_repeated_stamps(std::span<const Relation> relations, const Trajectory& trajectory,
                                               double tolerance_s = 1e-4);
 /// Stamps match within `tolerance_s`; if a stamp occurs more than once, the last pose counts.
@@ -105,8 +105,8 @@ struct ReferenceOptions {
 /// do not have equally many stretches.
 std::vector<std::optional<std::size_t>> matches_by_stamp(const Trajectory& estimate, const Trajectory& reference,
                                                          double tolerance_s);
-/// Throws InputError when stamps cannot be matched, when fewer than two match, or all that do meet one pose of the
-/// reference.
+/// Throws InputError if stamps cannot be matched, if fewer than two match, or if all of these match the same pose of
+/// the reference.
 ReferenceReport evaluate_reference(const Trajectory& estimate, const Trajectory& reference,
                                    const ReferenceOptions& options);
 

@@ -1,6 +1,6 @@
-// The map: the global distance transform (GDT), a field of 1/256 cell that grows with what is seen. Cells hold the
-// distance to the nearest obstacle that scans agree on, the cap where nothing is known. Its two outermost rows and
-// columns always hold the cap. Cell (0, 0) has fixed map coordinates. The field lives on one backend. Not thread-safe.
+// The map: the global distance transform (GDT), a field of 1/256 cell that grows as the robot sees more. Cells hold the
+// distance to the nearest obstacle that scans agree on; unknown cells hold the cap, as do the two outermost rows and
+// columns. Cell (0, 0) has fixed map coordinates. The field lives on one backend. Not thread-safe.
 #pragma once
 
 #include <array>
@@ -26,11 +26,11 @@ struct MergeStep {
   std::uint32_t lift = 0;  ///< kappa * threshold
 };
 
-/// The map's cells on one backend. On the CPU it grows without a copy and uses memory only for parts that were seen. On
-/// a device it is a rectangle, which is copied when it grows.
+/// The map's cells on one backend. On the CPU it grows without a copy and uses memory only for seen parts. On a device
+/// it is a rectangle, which is copied when it grows.
 class GlobalField {
  public:
-  /// Resolution in metres, truncation radius in cells and the most cells that the map may take memory for.
+  /// Resolution in metres, truncation radius in cells, and the largest number of cells in memory.
   GlobalField(Backend& backend, double resolution_m, std::uint32_t radius_cells, std::uint64_t max_cells);
   GlobalField(const GlobalField&) = delete;
   GlobalField& operator=(const GlobalField&) = delete;
@@ -42,9 +42,9 @@ class GlobalField {
   [[nodiscard]] std::uint32_t radius_cells() const { return radius_; }
   /// Value of unknown cells, 1/256 cell.
   [[nodiscard]] std::uint16_t cap() const;
-  /// Map cells that the map reaches to; cell (0, 0) of the map frame has its lower left corner at the map's origin.
+  /// Map cells covered by the map; cell (0, 0) of the map frame has its lower left corner at the map's origin.
   [[nodiscard]] const CellBox& box() const { return box_; }
-  /// Cells that memory was taken for.
+  /// Number of cells in memory.
   [[nodiscard]] std::uint64_t taken_cells() const;
 
   /// Value at a cell in map cells; the cap outside. On the CPU.
@@ -54,8 +54,8 @@ class GlobalField {
   /// Values of a row from a map cell on; the cap outside. On the CPU.
   void read_row(CellIndex first, std::span<std::uint16_t> cells) const;
 
-  /// Stored part of the field, for kernels: all that is known, and its guard; the layout of its cells; their buffer;
-  /// and the host's view of them, valid until the field grows, empty on a device.
+  /// Stored part of the field, for kernels: all known cells and the guard; the layout of the cells; their buffer; and
+  /// the host's view of them, valid until the field grows, empty on a device.
   [[nodiscard]] const CellBox& stored() const;
   [[nodiscard]] const FieldLayout& layout() const;
   [[nodiscard]] const Buffer& buffer() const;
@@ -82,7 +82,7 @@ class GlobalField {
   double resolution_m_;
   std::uint32_t radius_;
   std::uint64_t max_cells_;
-  CellBox content_{};  // map cells that have been asked for, their guard included
+  CellBox content_{};  // requested map cells, their guard included
   CellBox box_{};
   std::unique_ptr<FieldStore> store_;
 };

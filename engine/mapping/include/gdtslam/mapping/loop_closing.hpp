@@ -34,9 +34,9 @@ struct PoseInformation {
 
 /// A loop: the robot came back to an earlier place.
 struct ClosedLoop {
-  std::size_t from = 0;  ///< scans, by their number
+  std::size_t from = 0;  ///< numbers of the scans
   std::size_t to = 0;
-  Pose2 T_from_to;  ///< relative pose that was measured
+  Pose2 T_from_to;  ///< measured relative pose
   PoseInformation information;
   double weight = 0.0;  ///< factor on its information, from 0 (switched off) to 1
   double off_m = 0.0;   ///< distance of the measured pose from the one in the graph
@@ -46,17 +46,17 @@ struct ClosedLoop {
 
 /// A place of the path: a node of the graph in which loops are closed.
 struct GraphPlace {
-  std::size_t scan = 0;  ///< by its number
-  Pose2 T_map_base;      ///< pose in the graph; the joint adjustment of all keyframes comes after that
+  std::size_t scan = 0;  ///< its number
+  Pose2 T_map_base;      ///< pose in the graph, before the joint adjustment of all keyframes
 };
 
 /// The relation measured between two consecutive places.
 struct PathRelation {
-  std::size_t from = 0;  ///< scans, by their number
+  std::size_t from = 0;  ///< numbers of the scans
   std::size_t to = 0;
   Pose2 T_from_to;
   PoseInformation information;  ///< information of the source after the loops are closed
-  bool is_by_wheels = false;    ///< else by the mapper, which had the wheels to begin with
+  bool is_by_wheels = false;    ///< else by the mapper, which also uses the wheels
 };
 
 /// Systematic errors of the wheels, with a standard deviation each, and the weight that the wheels got.
@@ -73,46 +73,46 @@ struct WheelReport {
 
 /// Result of closing the loops.
 struct ClosedPath {
-  bool is_closed = false;                   ///< false if it was stopped: then the poses are those of the mapper
+  bool is_closed = false;                   ///< false if it was stopped: then the poses are the mapper's
   std::vector<Pose2> T_map_base;            ///< one a scan
   std::vector<PoseCovariance> covariances;  ///< covariance of each pose; empty if the run was stopped
   WheelReport wheels;
-  std::vector<std::size_t> keyframes;  ///< scans, by their number
+  std::vector<std::size_t> keyframes;  ///< numbers of the scans
   std::vector<ClosedLoop> loops;
   std::vector<GraphPlace> places;  ///< in the order of the path, the first at the origin; empty if it was stopped
   std::vector<PathRelation> path;  ///< by the mapper, then by the wheels, each in the order of the path
   std::uint64_t searches = 0;
-  std::uint64_t pruned = 0;  ///< keyframes that later passes of a place made needless: they are adjusted as other scans
-  std::uint64_t pairs = 0;   ///< pairs of keyframes that were laid on each other
+  std::uint64_t pruned = 0;  ///< keyframes made redundant by later passes of a place: adjusted like other scans
+  std::uint64_t pairs = 0;   ///< pairs of keyframes matched with each other
   double rms_m = 0.0;        ///< RMS distance of their points from the lines of the other
 };
 
-/// Loops that took effect while mapping went on.
+/// Loops that took effect during mapping.
 struct LiveStatistics {
-  std::uint64_t places = 0;       ///< reached
+  std::uint64_t places = 0;       ///< places reached
   std::uint64_t corrections = 0;  ///< changes of LoopClosing::correction()
-  std::uint64_t waits = 0;        ///< scans that waited for loops to be looked for
-  double waited_s = 0.0;          ///< all together
+  std::uint64_t waits = 0;        ///< scans that waited for the search for loops
+  double waited_s = 0.0;          ///< total waiting time
   double beside_cpu_s = 0.0;      ///< CPU time of the second thread; 0 if there is none
 };
 
-/// A map as it was known at some keyframe. It stays as it is, for any thread, also when the mapper is gone.
+/// The map at some keyframe. It never changes, can be used in any thread, and outlives the mapper.
 struct FrozenMap {
-  std::shared_ptr<const GlobalField> field;  ///< distance field; nothing in it before the first keyframe
-  std::size_t keyframes = 0;                 ///< that it holds
+  std::shared_ptr<const GlobalField> field;  ///< distance field; empty before the first keyframe
+  std::size_t keyframes = 0;                 ///< number of keyframes in it
   Pose2 T_closed_front;                      ///< LoopClosing::correction() that belongs to it
 };
 
-/// The keyframes so far with the loops closed that were found by then.
+/// The keyframes so far, with the loops found by then closed.
 struct ClosedKeyframes {
   std::vector<Pose2> T_map_base;  ///< in their order
-  Pose2 T_closed_front;           ///< that carries later poses of the mapper after them
+  Pose2 T_closed_front;           ///< carries later poses of the mapper into the same frame
 };
 
 /// The part of a Mapper that closes loops: Mapper::loops().
 class LoopClosing {
  public:
-  /// The step at work, and the share of it that is done.
+  /// Receives the current step and its finished share.
   using Progress = std::function<void(std::string_view, double)>;
 
   LoopClosing(const MapperConfig& config, const MapperOptions& options);
@@ -139,9 +139,9 @@ class LoopClosing {
   /// map would exceed map.max_megacells, std::future_error (broken promise) if the mapper ended before. Do not call it
   /// after close().
   std::shared_future<FrozenMap> request_map();
-  /// The poses of the keyframes so far, as soon as the thread that looks for loops has reached them. The call itself
-  /// takes next to no time. Like that of request_map(), the future is broken if the mapper ends first, and close() must
-  /// not have been called.
+  /// The poses of the keyframes so far, ready when the thread that searches for loops has reached them. The call itself
+  /// takes almost no time. As with request_map(), the future is broken if the mapper ends first, and close() must not
+  /// have been called.
   std::shared_future<ClosedKeyframes> request_keyframes();
   [[nodiscard]] LiveStatistics statistics() const;
 
@@ -149,7 +149,7 @@ class LoopClosing {
   /// more than one thread (MapperOptions::cpu) the path is adjusted by all, and the field is still being made when this
   /// returns.
   ClosedPath close(const Progress& progress, const std::function<bool()>& stop);
-  /// Waits until the field is made, and gives the CPU seconds of a thread that made it after close().
+  /// Waits until the field is made; returns the CPU seconds of a thread that made it after close().
   double finish_field() const;
   /// The distance field of all keyframes at their poses from close(). Throws InputError if the map would exceed
   /// map.max_megacells.

@@ -22,19 +22,19 @@ namespace gdtslam {
 /// Behaviour of a mapper when its device fails, and the CPU that works next to a device.
 struct MapperOptions {
   bool fall_back = true;  ///< continue with a CPU backend of its own; else the DeviceError goes to the caller
-  /// Options of that backend. If the backend given is a device, matchers that walk on the host map on it from the
-  /// start. It has one thread unless more are asked for.
+  /// Options of that backend. If the given backend is a device, matchers on the host use this one for their map from
+  /// the start. It has one thread by default.
   CpuOptions cpu{};
   /// Called once for each failure, with one line that names the failure and its consequence.
   std::function<void(const std::string&)> warn{};
   /// Folder for unnamed temporary files. If loops are closed, the scans of a long drive are kept there until its end.
   /// Empty: that of TMPDIR, or /var/tmp.
   std::string scratch_folder{};
-  /// Each match says how sure it is (MatchResult::covariance), for some ten microseconds a scan.
+  /// Each match states its covariance (MatchResult::covariance), for some ten microseconds a scan.
   bool with_covariance = false;
   bool with_loops = false;  ///< loops are closed (Mapper::loops)
-  /// A thread of its own looks for loops while the caller maps; else the caller's does so at the same keyframes. The
-  /// results are the same.
+  /// A second thread searches for loops while the caller maps; else the caller's thread searches at the same keyframes.
+  /// The results are the same.
   bool loops_beside = true;
 };
 
@@ -59,14 +59,14 @@ class Mapper {
   /// grow beyond map.max_megacells, with the size needed and the size allowed; the map then stays as it was, the
   /// robot's motion is kept, and mapping may continue. Also throws the exceptions of LoopClosing::take().
   MatchResult process(const LaserScan& scan, const std::optional<Pose2>& T_odom_base);
-  /// The same for returns that are points of the robot's plane: a nodding laser's, levelled, or several lasers' scans.
+  /// The same for returns given as points in the robot's plane: a nodding laser's, levelled, or several lasers' scans.
   MatchResult process(PointScan scan, const std::optional<Pose2>& T_odom_base);
 
   /// The configuration in use: with loops, LoopClosing::adapt_config() of the given one.
   [[nodiscard]] const MapperConfig& config() const;
   [[nodiscard]] MapperStatistics statistics() const;
-  /// The distance field that scans are matched with, on the host, as of this call. With local.stretch another map takes
-  /// its place now and then, which ends the reference; without, the reference stays valid. Never asks the device.
+  /// The distance field that scans are matched with, on the host, as of this call. With local.stretch another map
+  /// replaces it now and then, which ends the reference; without, the reference stays valid. Never uses the device.
   [[nodiscard]] const GlobalField& field() const;
   /// The loops; null without MapperOptions::with_loops.
   [[nodiscard]] LoopClosing* loops() const;

@@ -16,8 +16,8 @@ enum class Doubt : std::uint8_t {
   kFewPoints,          ///< too few returns to match
   kLowOverlap,         ///< too few points near known obstacles
   kContradiction,      ///< too many points beside known obstacles
-  kWeakEvidence,       ///< accepted, but overlap or contradiction are those of few good matches
-  kFarFromPrediction,  ///< accepted, but farther from the odometry than it should ever be wrong
+  kWeakEvidence,       ///< accepted, but few good matches have such overlap or contradiction
+  kFarFromPrediction,  ///< accepted, but farther from the odometry than its largest plausible error
 };
 std::string_view to_string(Doubt doubt);
 
@@ -28,17 +28,17 @@ std::string_view to_string(StopReason reason);
 /// The pose of one scan and its evidence.
 struct MatchResult {
   double stamp_s = 0.0;
-  Pose2 T_map_base;       ///< the estimate; the prediction if the match was refused
-  Pose2 T_map_predicted;  ///< odometry on top of the last estimate
-  Pose2 T_odometry_step;  ///< since the last scan by odometry, as it was logged; where there was none, as predicted
+  Pose2 T_map_base;               ///< the estimate; the prediction if the match was refused
+  Pose2 T_map_predicted;          ///< odometry on top of the last estimate
+  Pose2 T_odometry_step;          ///< by odometry since the last scan, as logged; without odometry, as predicted
   double odometry_sigma_m = 0.0;  ///< deviation of the corrected step, along each axis; 0 if nothing was estimated
   double odometry_sigma_rad = 0.0;
-  double predicted_sigma_m = 0.0;  ///< deviation of the predicted step; the same, unless no odometry reported
-                                   ///< it and the motion continues
+  double predicted_sigma_m = 0.0;  ///< deviation of the predicted step; the same, unless no odometry measured it and
+                                   ///< the motion continues
   double predicted_sigma_rad = 0.0;
-  double match_sigma_m = 0.0;  ///< deviation of one match, estimated next to the wheels; 0 if nothing was
+  double match_sigma_m = 0.0;  ///< deviation of one match, estimated beside the wheels; 0 if nothing was
   double match_sigma_rad = 0.0;
-  /// Whether the scan fits about as well with the predicted heading. Computed only if match and prediction are far
+  /// True if the scan fits about as well with the predicted heading. Computed only if match and prediction are far
   /// apart.
   bool is_turn_open = true;
   double mean_cost_m = 0.0;       ///< mean capped distance of the valid points to the map's obstacles, at the estimate
@@ -49,12 +49,12 @@ struct MatchResult {
   StopReason stop = StopReason::kNotRun;
   Doubt doubt = Doubt::kNone;
   std::uint32_t attempts = 0;  ///< windows that were searched
-  /// Proof of the last window that `certified` searched: no pose in it has a mean distance smaller by more than this
-  /// than the pose that the final descent began from.
+  /// Proof of the last window that `certified` searched: no pose in it has a mean distance that is smaller by more than
+  /// this than that of the start of the final descent.
   std::optional<double> proven_gap_m{};
-  /// Covariance of the estimate within the map that it was matched with. It comes from the scan and, along directions
-  /// that the scan does not determine, from the motion that led there; from that motion alone if the match was refused.
-  /// Set if MapperOptions::with_covariance asks for it and the map lives on the CPU.
+  /// Covariance of the estimate within the map it was matched with. It comes from the scan and, along directions that
+  /// the scan does not determine, from the preceding motion; from that motion alone if the match was refused. Set if
+  /// MapperOptions::with_covariance requests it and the map lives on the CPU.
   std::optional<PoseCovariance> covariance{};
   bool accepted = false;  ///< the estimate is the matcher's (or the first scan's), not the prediction
   bool merged = false;    ///< a keyframe: the scan went into the map
@@ -81,7 +81,7 @@ struct MapperStatistics {
   std::uint64_t without_odometry = 0;  ///< scans predicted from the last motion
   std::uint64_t evaluations = 0;
   std::uint64_t dispatches = 0;   ///< kernels run, by the backend at work
-  std::uint64_t submissions = 0;  ///< submissions to a device; a backend that works at once, like the CPU, counts none
+  std::uint64_t submissions = 0;  ///< submissions to a device; 0 for a backend that works immediately
   double path_m = 0.0;
   StageTimes stages;
 };

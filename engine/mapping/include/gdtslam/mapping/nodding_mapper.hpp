@@ -30,7 +30,7 @@ struct SmootherConfig {
   bool is_on = true;
   double band_up_m = 1.5;       ///< points up to this much above the map's height count as walls
   double above_floor_m = 0.15;  ///< lower limit of these points, above the floor
-  double spacing_m = 0.1;       ///< spacing of the poses that are estimated; those between lie on circles
+  double spacing_m = 0.1;       ///< spacing of the estimated poses; those between lie on circles
   double spacing_rad = 0.05;
   /// Standard deviations of the odometry's random walk until they are estimated from the log. A metre counts as 0.36
   /// rad of turn.
@@ -46,7 +46,7 @@ struct SmootherConfig {
 
 /// How scans of a nodding laser are used.
 struct NoddingConfig {
-  double horizontal_rad = 0.017453292519943295;  ///< a scan whose elevations all lie within this fixes the pose
+  double horizontal_rad = 0.017453292519943295;  ///< a scan fixes the pose if all its elevations lie within this
   PoseInterpolation interpolation = PoseInterpolation::kOdometry;
   double prior_limit_sigmas = 1000.0;  ///< instead of PriorConfig::limit_sigmas: see nodding_mapper_config()
   double max_step_m = 5.0;             ///< OdometryConfig::max_step_m of the run, applied here between all scans
@@ -81,7 +81,7 @@ struct NoddingStatistics {
   std::uint64_t between = 0;           ///< scans with an interpolated pose
   std::uint64_t odometry_leaps = 0;    ///< odometry steps between scans that are longer than max_step_m
   std::uint64_t smoothed = 0;          ///< scans between fixes that the smoother placed with the help of their points
-  std::uint64_t by_odometry = 0;       ///< scans posed by odometry from the last fix: at the end, or blind for long
+  std::uint64_t by_odometry = 0;       ///< scans posed by odometry from the last fix: at the end, or after a long gap
   std::uint64_t before_first_fix = 0;  ///< scans placed backwards from the first fix
   std::uint64_t dropped = 0;           ///< too long before the first fix: neither pose nor points
   std::uint64_t without_nod = 0;       ///< scans whose elevation is not known: no points

@@ -23,11 +23,11 @@
 
 namespace gdtslam {
 
-/// How many beams make a cell a wall or free.
+/// Rules for occupied and free cells.
 struct OccupancyConfig {
   double occupied_share = 0.25;   ///< least share of ends among the scans that saw the cell
   std::int32_t min_ends = 2;      ///< fewest scans that must end in an occupied cell
-  double no_return_free_m = 0.0;  ///< free space along a beam without return; 0: such beams say nothing
+  double no_return_free_m = 0.0;  ///< free space along a beam without return; 0: such beams free nothing
 };
 
 /// The table of the options, under "occupancy."; its rows point into `config`.
@@ -40,7 +40,7 @@ class OccupancyBuilder {
     double resolution_m = MapConfig{}.resolution_m;
     double min_range_m = ScanConfig{}.min_range_m;  ///< shorter ranges are dropped
     double max_range_m = ScanConfig{}.max_range_m;  ///< at or above it, or the sensor's own limit, a range is no return
-    /// That are kept, in whole tiles; the map around them, which is mostly unknown, may have four times as many.
+    /// Limit of the kept cells, in whole tiles; the map around them, mostly unknown, may have four times as many.
     std::uint64_t max_cells = std::uint64_t{2048} << 20U;
   };
   OccupancyBuilder(const OccupancyConfig& config, const Limits& limits);
@@ -71,7 +71,7 @@ class OccupancyBuilder {
 
   OccupancyConfig config_;
   Limits limits_;
-  CellBox content_{};  ///< map cells that rays have reached
+  CellBox content_{};  ///< map cells reached by rays
   std::unique_ptr<Tiles> tiles_;
   std::vector<Ray> rays_;
   Bearings bearings_;
