@@ -88,7 +88,7 @@ class Snapshots {
     std::string folder;    ///< folder of the run; the files go into its folder `snapshot`
     double every_s = 0.0;  ///< 0: only on the signal
     bool is_quiet = false;
-    /// Called once a second while is_watched() is true.
+    /// `show` is called once a second while is_watched() is true.
     std::function<bool()> is_watched{};
     std::function<void(const DriveState&)> show{};
   };
