@@ -42,7 +42,7 @@ void check_cloud_usage(const EvaluateOptions& options) {
   if (!options.linkage.empty() && options.hits.empty()) throw UsageError("--linkage belongs to --hits");
 }
 
-// Fails if the run is replaced meanwhile, so cloud and trajectory come from one run.
+// Throws if the run is replaced meanwhile, so cloud and trajectory come from one run.
 template <class Compute>
 auto unless_changed(const std::optional<RunReader>& run, const Compute& compute) {
   return run ? run->files().unless_changed(compute) : compute();

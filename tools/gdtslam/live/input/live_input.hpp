@@ -40,16 +40,16 @@ class LiveInput {
   std::atomic<std::uint64_t> half_lines_ = 0;
 };
 
-/// Standard input ("-"), a pipe or a file, from beginning to end, byte by byte as it comes. Throws FileError.
+/// Standard input ("-"), a pipe or a file, from its beginning to its end; bytes are not changed. Throws FileError.
 std::unique_ptr<LiveInput> open_stream(const std::string& path);
 
 /// Whole lines of a file that others write to, from its beginning. If another file takes its name, or it is cut,
 /// reading starts again at the beginning, with a remark. Only a signal ends it. Throws FileError.
 std::unique_ptr<LiveInput> follow_file(const std::string& path);
 
-/// Whole lines from a socket that serves one sender at a time. The next sender gets its turn when the current one is
-/// gone, or has sent nothing for some seconds. Only a signal ends it. `address` is unix:PATH, tcp:PORT or
-/// tcp:ADDRESS:PORT. Throws UsageError for any other address, FileError if the system refuses.
+/// Whole lines from a socket that serves one sender at a time. The next one gets its turn when the current sender is
+/// gone, or has sent nothing for some seconds while another one waits. Only a signal ends it. `address` is unix:PATH,
+/// tcp:PORT or tcp:ADDRESS:PORT. Throws UsageError for any other address, FileError if the system refuses.
 std::unique_ptr<LiveInput> listen_at(const std::string& address);
 
 /// Opens the log of that input; call it once. With `queue` scans a thread reads ahead; if more are waiting, the oldest
