@@ -25,8 +25,8 @@ struct SimulateOptions {
   std::uint64_t seed = 1;
   std::optional<std::string> laser{};    ///< a preset instead of the scene's laser; mount and height stay
   std::optional<double> scan_rate_hz{};  ///< instead of the scene's
-  /// Turns of the laser's mirror, instead of the scene's. Scans then have the stamp of their first beam, and the times
-  /// of the others if the format can carry them.
+  /// Turns of the laser's mirror, instead of the laser's own. Scans then have the stamp of their first beam, and the
+  /// times of the others if the format can carry them.
   std::optional<double> mirror_rate_hz{};
   std::optional<double> speed_m_per_s{};        ///< limit for the robot, instead of the scene's
   std::optional<double> turn_rate_rad_per_s{};  ///< limit for the robot, instead of the scene's

@@ -1,6 +1,6 @@
 // `gdtslam verify` as a function: what to compare, and the findings. Prints nothing but progress. The mapper maps whole
-// logs (logs.cpp) on two backends: hashes of map and trajectory, the host's copy of the map with the device's cells,
-// and the expected hashes that the project ships.
+// logs (logs.cpp) on two backends and compares hashes of map and trajectory, the host's copy of the map with the
+// device's cells, and the expected hashes that the project ships.
 #pragma once
 
 #include <cstdint>
